@@ -1,0 +1,1 @@
+//! Compression of taxels into contacts (thesis chapter 4).

@@ -1,0 +1,1 @@
+//! The PCA9685 driver.

@@ -1,0 +1,1 @@
+//! Sensor-to-display map, phantom models, onset timing (thesis chapter 5).

@@ -1,0 +1,92 @@
+//! Stimuli, staggering and the ledger entry that `hil review` shows a person: integers only.
+
+use crate::units::{Board, Channel, Duration, Instant, Milliamps, Ticks};
+
+/// What the illusion asks of one wire: a pulse train of a width and a peak current for a while.
+///
+/// Duty and current stand apart, so that a current-controlled amplifier or another actuator kind
+/// needs no new command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stimulus {
+    /// Index of the wire in the display's layout.
+    pub wire: u16,
+    /// Pulse width asked for, in ticks of the board's PWM period.
+    pub width: Ticks,
+    /// Current while the pulse is high.
+    pub peak: Milliamps,
+    /// Onset.
+    pub at: Instant,
+    /// End of the burst: onset + tau_d.
+    pub until: Instant,
+}
+
+/// Why what was applied differs from what was requested. The list is closed; `interface.md` calls it
+/// `reason`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Reason {
+    /// The pulse would have been longer than the limit.
+    PulseWidth,
+    /// The burst would have lasted longer, or delivered more energy, than the limit.
+    Burst,
+    /// The supply could not feed all wires on at this instant.
+    SupplyCurrent,
+    /// The wire's mean power over a window would have passed the limit.
+    WirePower,
+    /// The fingertip's mean power over a window would have passed the limit.
+    FingertipPower,
+    /// The guard is latched: everything stays off until the cause is cleared.
+    Latched,
+}
+
+impl Reason {
+    /// The word that stands in a schedule file.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::PulseWidth => "pulse-width",
+            Self::Burst => "burst",
+            Self::SupplyCurrent => "supply-current",
+            Self::WirePower => "wire-power",
+            Self::FingertipPower => "fingertip-power",
+            Self::Latched => "latched",
+        }
+    }
+}
+
+/// One line of the schedule: what a channel was told, what had been asked, and why they differ.
+///
+/// Sorted by time, board and channel. A channel that goes (or is held) off has `on == off`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// When it takes effect on the bus.
+    pub at: Instant,
+    /// The board.
+    pub board: Board,
+    /// The channel.
+    pub channel: Channel,
+    /// Tick at which the pulse starts in each period.
+    pub on: u16,
+    /// Tick at which the pulse ends in each period.
+    pub off: u16,
+    /// Onset + tau_d.
+    pub until: Instant,
+    /// Width asked for, in ticks.
+    pub requested: Ticks,
+    /// Why the applied width (`off - on`) is not the requested one.
+    pub reason: Option<Reason>,
+}
+
+impl Entry {
+    /// The width applied, in ticks.
+    pub const fn width(&self) -> Ticks {
+        Ticks::new(self.off.saturating_sub(self.on))
+    }
+}
+
+/// How long one stimulus lasts and how far apart onsets lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Timing {
+    /// Stimulus duration tau_d.
+    pub duration: Duration,
+    /// Stimulus onset asynchrony tau_SOA.
+    pub soa: Duration,
+}

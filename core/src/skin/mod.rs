@@ -1,0 +1,1 @@
+//! Layouts, frames, the initialiser and taxel health.

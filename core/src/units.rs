@@ -1,0 +1,265 @@
+//! Units as types: a duty is not a number of microseconds, a prescale is not a frequency.
+//!
+//! Integers wherever a value reaches a schedule, so that a schedule is the same bytes on every machine.
+//! Positions are `f32` millimetres: a taxel pad is tens of millimetres wide and counts carry 16 bits.
+
+use core::fmt;
+use core::ops::{Add, AddAssign, Sub};
+
+/// A span of time in whole microseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Duration(u64);
+
+impl Duration {
+    /// No time at all.
+    pub const ZERO: Self = Self(0);
+
+    /// From microseconds.
+    pub const fn from_micros(us: u64) -> Self {
+        Self(us)
+    }
+
+    /// From milliseconds; saturates at the largest representable span.
+    pub const fn from_millis(ms: u64) -> Self {
+        Self(ms.saturating_mul(1000))
+    }
+
+    /// In microseconds.
+    pub const fn as_micros(self) -> u64 {
+        self.0
+    }
+
+    /// In seconds, for display and physics.
+    pub const fn as_secs_f64(self) -> f64 {
+        self.0 as f64 * 1e-6
+    }
+}
+
+/// A point in time: whole microseconds since the start of the run.
+///
+/// The core never asks what time it is; every call that depends on time takes one of these.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Instant(u64);
+
+impl Instant {
+    /// The start of the run.
+    pub const ZERO: Self = Self(0);
+    /// Later than every run: "no deadline".
+    pub const FAR_FUTURE: Self = Self(u64::MAX);
+
+    /// From microseconds since the start of the run.
+    pub const fn from_micros(us: u64) -> Self {
+        Self(us)
+    }
+
+    /// Microseconds since the start of the run.
+    pub const fn as_micros(self) -> u64 {
+        self.0
+    }
+
+    /// Time since `earlier`, or zero when `earlier` lies in the future.
+    pub const fn since(self, earlier: Self) -> Duration {
+        Duration(self.0.saturating_sub(earlier.0))
+    }
+}
+
+impl Add<Duration> for Instant {
+    type Output = Self;
+    /// Saturates: a deadline past the end of time is [`Instant::FAR_FUTURE`].
+    fn add(self, span: Duration) -> Self {
+        Self(self.0.saturating_add(span.0))
+    }
+}
+
+impl AddAssign<Duration> for Instant {
+    fn add_assign(&mut self, span: Duration) {
+        *self = *self + span;
+    }
+}
+
+impl Sub<Duration> for Instant {
+    type Output = Self;
+    /// Saturates at the start of the run.
+    fn sub(self, span: Duration) -> Self {
+        Self(self.0.saturating_sub(span.0))
+    }
+}
+
+impl fmt::Display for Instant {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}.{:06} s", self.0 / 1_000_000, self.0 % 1_000_000)
+    }
+}
+
+/// A width in PWM ticks, 0 ..= 4096: a period of the PCA9685 has 4096 of them (data sheet 7.3.3).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Ticks(u16);
+
+impl Ticks {
+    /// Ticks in one PWM period.
+    pub const PER_PERIOD: u16 = 4096;
+    /// No pulse.
+    pub const ZERO: Self = Self(0);
+
+    /// `n` ticks, clamped to one period.
+    pub const fn new(n: u16) -> Self {
+        Self(if n > Self::PER_PERIOD {
+            Self::PER_PERIOD
+        } else {
+            n
+        })
+    }
+
+    /// The nearest number of ticks to the fraction `duty` of a period; NaN gives zero.
+    pub fn from_duty(duty: f32) -> Self {
+        // A float-to-int cast saturates and maps NaN to 0, which is the safe end here.
+        Self::new(libm::rintf(duty * f32::from(Self::PER_PERIOD)) as u16)
+    }
+
+    /// The number of ticks.
+    pub const fn get(self) -> u16 {
+        self.0
+    }
+
+    /// The fraction of a period.
+    pub fn duty(self) -> f64 {
+        f64::from(self.0) / f64::from(Self::PER_PERIOD)
+    }
+}
+
+/// The PRE_SCALE register of a PCA9685 and with it the true PWM frequency of a whole board.
+///
+/// `f = f_osc / (4096 (PRE + 1))` (data sheet 7.3.5): asking for 200 Hz gives PRE = 30 and 196.89 Hz.
+/// The true value is carried everywhere, the wish nowhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Prescale(u8);
+
+impl Prescale {
+    /// Nominal internal oscillator, Hz (data sheet 7.3.5).
+    pub const NOMINAL_OSC_HZ: u32 = 25_000_000;
+    /// The smallest value the chip accepts (data sheet 7.3.5).
+    pub const MIN: Self = Self(3);
+
+    /// From a register value; the chip clamps to 3 and so do we.
+    pub const fn new(pre: u8) -> Self {
+        Self(if pre < 3 { 3 } else { pre })
+    }
+
+    /// The prescale whose nominal frequency is nearest to `hz` (`round(25 MHz / (4096 hz)) - 1`),
+    /// clamped to the chip's 23.8 .. 1525.9 Hz. `None` if `hz` is not a positive number.
+    pub fn from_hz(hz: f64) -> Option<Self> {
+        if !(hz.is_finite() && hz > 0.0) {
+            return None;
+        }
+        let pre = libm::rint(f64::from(Self::NOMINAL_OSC_HZ) / (4096.0 * hz)) - 1.0;
+        Some(Self(pre.clamp(3.0, 255.0) as u8))
+    }
+
+    /// The register value.
+    pub const fn get(self) -> u8 {
+        self.0
+    }
+
+    /// Nominal length of one tick in nanoseconds: exact, 40 ns per prescaler step at 25 MHz.
+    pub const fn tick_ns(self) -> u64 {
+        (self.0 as u64 + 1) * 40
+    }
+
+    /// Nominal length of one period in nanoseconds: exact.
+    pub const fn period_ns(self) -> u64 {
+        self.tick_ns() * 4096
+    }
+
+    /// Nominal frequency, Hz.
+    pub fn hz(self) -> f64 {
+        1e9 / self.period_ns() as f64
+    }
+}
+
+/// Electric current in milliamperes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Milliamps(pub u32);
+
+impl Milliamps {
+    /// In amperes.
+    pub fn amps(self) -> f64 {
+        f64::from(self.0) * 1e-3
+    }
+}
+
+/// A place in a plane, millimetres: origin at the centre, x right, y up.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Point {
+    /// Millimetres to the right.
+    pub x: f32,
+    /// Millimetres up.
+    pub y: f32,
+}
+
+impl Point {
+    /// A point from millimetres.
+    pub const fn new(x: f32, y: f32) -> Self {
+        Self { x, y }
+    }
+
+    /// Squared distance, mm². Differences first: an expanded square loses all digits at raw counts.
+    pub fn distance2(self, other: Self) -> f32 {
+        let (dx, dy) = (self.x - other.x, self.y - other.y);
+        dx * dx + dy * dy
+    }
+
+    /// Distance, mm.
+    pub fn distance(self, other: Self) -> f32 {
+        libm::sqrtf(self.distance2(other))
+    }
+}
+
+/// Index of a PCA9685 board on the actuator bus.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Board(pub u8);
+
+/// Index of a PWM output of one board, 0 ..= 15.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Channel(pub u8);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_hundred_hertz_is_prescale_30_and_196_89_hz() {
+        let pre = Prescale::from_hz(200.0).unwrap();
+        assert_eq!(pre.get(), 30);
+        assert_eq!(pre.tick_ns(), 1_240);
+        assert_eq!(pre.period_ns(), 5_079_040);
+        assert!((pre.hz() - 196.89).abs() < 0.005);
+    }
+
+    #[test]
+    fn prescale_is_clamped_to_what_the_chip_can_do() {
+        assert_eq!(Prescale::from_hz(1600.0).unwrap().get(), 3);
+        assert!((Prescale::from_hz(1e9).unwrap().hz() - 1525.88).abs() < 0.01);
+        assert_eq!(Prescale::from_hz(1.0).unwrap().get(), 255);
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(Prescale::from_hz(bad), None);
+        }
+    }
+
+    #[test]
+    fn duty_rounds_to_ticks_and_never_exceeds_a_period() {
+        assert_eq!(Ticks::from_duty(0.0244).get(), 100);
+        assert_eq!(Ticks::from_duty(7.0).get(), 4096);
+        assert_eq!(Ticks::from_duty(-1.0).get(), 0);
+        assert_eq!(Ticks::from_duty(f32::NAN).get(), 0);
+    }
+
+    #[test]
+    fn time_saturates() {
+        assert_eq!(Instant::ZERO - Duration::from_millis(1), Instant::ZERO);
+        assert_eq!(
+            Instant::FAR_FUTURE + Duration::from_millis(1),
+            Instant::FAR_FUTURE
+        );
+        assert_eq!(Instant::ZERO.since(Instant::from_micros(5)), Duration::ZERO);
+    }
+}

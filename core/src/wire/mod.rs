@@ -1,0 +1,6 @@
+//! Bytes only: what stands on the buses. Used by both ends, so an emulator and a driver cannot
+//! disagree about a register by accident of two tables.
+
+pub mod can;
+pub mod pca9685;
+pub mod uskin;

@@ -1,0 +1,1 @@
+//! uSkin taxel readings and commands on CAN.

@@ -1,0 +1,9 @@
+//! Emulated hardware on both ends of the loop, in virtual time only.
+//!
+//! Nothing here sleeps, reads a clock, opens a file or a socket. Time is an argument or an event queue
+//! in integer nanoseconds; a pacer in `palpate-hil` may delay what happens here and never changes it.
+//! Every device has a bus face (what a driver sees), a physical face (what a test does to it and reads
+//! from it) and room for a fault layer in front.
+#![forbid(unsafe_code)]
+
+pub mod time;

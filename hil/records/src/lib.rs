@@ -1,0 +1,4 @@
+//! The canonical trace of a run, and what reads it.
+#![forbid(unsafe_code)]
+
+pub mod trace;

@@ -1,0 +1,218 @@
+//! The canonical trace: everything a run did, in integers, in order. Every renderer reads this and
+//! nothing else, so a golden, a report and a schedule file cannot tell different stories.
+
+use palpate_core::schedule::Entry;
+use palpate_core::units::Prescale;
+use serde::Serialize;
+
+/// Version of the trace's meaning; grows when a field changes what it says.
+pub const VERSION: u32 = 1;
+
+/// Whether hardware took part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Source {
+    /// Both ends were emulators.
+    Emulated,
+    /// At least one end was real.
+    Real,
+}
+
+/// A place in micrometres: origin at the centre, x right, y up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct PlaceUm {
+    /// Micrometres to the right.
+    pub x: i32,
+    /// Micrometres up.
+    pub y: i32,
+}
+
+/// One wire of the display and the output that drives it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct WireInfo {
+    /// Where it lies on the unrolled display.
+    pub place: PlaceUm,
+    /// Board that drives it.
+    pub board: u8,
+    /// Channel of that board.
+    pub channel: u8,
+}
+
+/// What was run, on what, under which limits.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Header {
+    /// Emulated or real.
+    pub source: Source,
+    /// Scene name, or the replayed file's name.
+    pub scene: String,
+    /// Bench name.
+    pub bench: String,
+    /// Seed of every random stream.
+    pub seed: u64,
+    /// SHA-256 of the scene file, first 16 hex digits.
+    pub scene_digest: String,
+    /// SHA-256 of the limit table in force, first 16 hex digits.
+    pub limits_digest: String,
+    /// PRE_SCALE of every board: with it the true PWM frequency.
+    pub pre_scale: Prescale,
+    /// Stimulus duration tau_d, microseconds.
+    pub tau_d_us: u64,
+    /// Stimulus onset asynchrony, microseconds.
+    pub soa_us: u64,
+    /// Name of the illusion model.
+    pub illusion: String,
+    /// Most contacts a frame may have.
+    pub kc: u16,
+    /// Taxels of the module that drives the display.
+    pub taxels: Vec<PlaceUm>,
+    /// The display's wires.
+    pub wires: Vec<WireInfo>,
+}
+
+/// Something that happened. Times are microseconds since the start of the run unless they say `ns`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// A complete sensor scan went through the core.
+    Frame {
+        /// End of the scan.
+        t_us: u64,
+        /// Zero-based frame number.
+        frame: u32,
+        /// Taxels above the contact threshold.
+        in_contact: u16,
+        /// Largest relative reading (Euclidean norm over the axes), raw counts rounded.
+        peak_counts: u32,
+    },
+    /// A contact the compression found in that frame.
+    Contact {
+        /// End of the scan.
+        t_us: u64,
+        /// Frame number.
+        frame: u32,
+        /// Module it lies on.
+        module: u16,
+        /// Stable identity.
+        contact: u32,
+        /// Place on the sensor.
+        place: PlaceUm,
+        /// Interpolated intensity, thousandths of a raw count.
+        intensity_milli: u32,
+        /// Level, 1 ..= K_I.
+        level: u16,
+        /// Taxels in its cluster.
+        members: u16,
+    },
+    /// Where something truly touched the skin at the frame's time (emulated skins know).
+    Truth {
+        /// End of the scan.
+        t_us: u64,
+        /// Place on the sensor.
+        place: PlaceUm,
+        /// Normal force, millinewtons.
+        force_mn: u32,
+    },
+    /// A channel was given a pulse train or switched off.
+    Schedule(Entry),
+    /// A board's PRE_SCALE was set.
+    PreScale {
+        /// When.
+        t_us: u64,
+        /// Board.
+        board: u8,
+        /// Register value.
+        pre_scale: u8,
+    },
+    /// Every output of a board was switched off at once.
+    AllOff {
+        /// When.
+        t_us: u64,
+        /// Board.
+        board: u8,
+        /// Why, one word or a few with hyphens.
+        cause: &'static str,
+    },
+    /// An output changed.
+    Edge {
+        /// When, nanoseconds.
+        t_ns: u64,
+        /// Board.
+        board: u8,
+        /// Channel.
+        channel: u8,
+        /// New state.
+        high: bool,
+    },
+    /// What a person would feel of one onset.
+    Felt {
+        /// The onset.
+        t_us: u64,
+        /// Where the contact was, mapped to the display.
+        target: PlaceUm,
+        /// Whether that place lies inside the display's hull.
+        inside: bool,
+        /// Where it is felt; `None` is a break: no wire above threshold.
+        felt: Option<PlaceUm>,
+    },
+    /// Temperature of a wire.
+    Wire {
+        /// When.
+        t_us: u64,
+        /// Wire index in the display's layout.
+        wire: u16,
+        /// Thousandths of a degree Celsius.
+        milli_c: i32,
+    },
+    /// Anything worth a line: a fault, a taxel left out, a degraded bus.
+    Note {
+        /// When.
+        t_us: u64,
+        /// The line.
+        text: String,
+    },
+}
+
+impl Event {
+    /// When it happened, nanoseconds.
+    pub fn t_ns(&self) -> u64 {
+        match self {
+            Self::Edge { t_ns, .. } => *t_ns,
+            Self::Schedule(entry) => entry.at.as_micros().saturating_mul(1000),
+            Self::Frame { t_us, .. }
+            | Self::Contact { t_us, .. }
+            | Self::Truth { t_us, .. }
+            | Self::PreScale { t_us, .. }
+            | Self::AllOff { t_us, .. }
+            | Self::Felt { t_us, .. }
+            | Self::Wire { t_us, .. }
+            | Self::Note { t_us, .. } => t_us.saturating_mul(1000),
+        }
+    }
+}
+
+/// Totals of a run that no single event carries; measured by the bench, integers.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Ledger {
+    /// Electrical energy into all wires, microjoules.
+    pub energy_uj: u64,
+    /// Largest supply current, milliamperes.
+    pub peak_supply_ma: u32,
+    /// Hottest any wire was, thousandths of a degree Celsius, and which wire.
+    pub hottest_wire: Option<(i32, u16)>,
+    /// Hottest the skin was at the guard's depth, thousandths of a degree Celsius.
+    pub hottest_skin_milli_c: Option<i32>,
+    /// Times the guard applied something other than what was requested.
+    pub limiter_events: u32,
+    /// Simulated (or real) length of the run, microseconds.
+    pub length_us: u64,
+}
+
+/// A whole run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Trace {
+    /// What was run.
+    pub header: Header,
+    /// What happened, sorted by time.
+    pub events: Vec<Event>,
+    /// What it came to.
+    pub ledger: Ledger,
+}

@@ -1,0 +1,1 @@
+//! The `hil` library: everything behind the command line.

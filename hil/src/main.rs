@@ -1,0 +1,3 @@
+//! The `hil` program.
+
+fn main() {}
