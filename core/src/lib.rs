@@ -7,6 +7,8 @@
 //! things are built and never in the loop. It knows no file or text format; those live in `palpate-hil`.
 #![no_std]
 #![forbid(unsafe_code)]
+// Tests compare floats exactly where exactness is the claim.
+#![cfg_attr(test, allow(clippy::float_cmp))]
 
 extern crate alloc;
 

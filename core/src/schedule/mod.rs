@@ -1,5 +1,9 @@
 //! Stimuli, staggering and the ledger entry that `hil review` shows a person: integers only.
 
+mod stagger;
+
+pub use stagger::stagger;
+
 use crate::units::{Board, Channel, Duration, Instant, Milliamps, Ticks};
 
 /// What the illusion asks of one wire: a pulse train of a width and a peak current for a while.

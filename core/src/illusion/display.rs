@@ -1,0 +1,263 @@
+//! Where the wires lie: positions on the unrolled display, spacings, hull.
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+use core::fmt;
+
+use crate::units::{Board, Channel, Point};
+
+use super::map::Rect;
+
+/// One wire: where it lies and which output drives it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wire {
+    /// Place on the unrolled display, mm.
+    pub place: Point,
+    /// Board whose output feeds its amplifier.
+    pub board: Board,
+    /// Channel of that board.
+    pub channel: Channel,
+}
+
+/// A display: its wires in the order of their indices, and what follows from their places.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Display {
+    wires: Box<[Wire]>,
+    hull: Box<[Point]>,
+    spacing: (f32, f32),
+}
+
+/// Why an arrangement of wires is no display.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DisplayError {
+    /// No wire at all.
+    Empty,
+    /// More wires than 16 boards of 16 channels can drive.
+    TooMany(usize),
+    /// A coordinate of this wire is not a finite number.
+    NotFinite(usize),
+    /// These two wires lie at the same place.
+    Coincident(usize, usize),
+    /// These two wires are driven by the same output.
+    SharedOutput(usize, usize),
+    /// This wire's channel is not 0 ..= 15, or its board not 0 ..= 15.
+    NoSuchOutput(usize),
+}
+
+impl fmt::Display for DisplayError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty => write!(f, "a display needs at least one wire"),
+            Self::TooMany(n) => write!(f, "a display has at most 256 wires, found {n}"),
+            Self::NotFinite(i) => write!(f, "wire {i}: expected finite coordinates in mm"),
+            Self::Coincident(i, j) => write!(f, "wires {i} and {j} lie at the same place"),
+            Self::SharedOutput(i, j) => write!(f, "wires {i} and {j} share one board and channel"),
+            Self::NoSuchOutput(i) => write!(f, "wire {i}: expected board 0..15 and channel 0..15"),
+        }
+    }
+}
+
+impl core::error::Error for DisplayError {}
+
+impl Display {
+    /// A display from its wires; the spacings of (5.2) are the smallest gaps between distinct columns
+    /// and rows.
+    ///
+    /// # Errors
+    /// When a wire is nowhere, on another wire, or on an output that does not exist or is taken.
+    pub fn new(wires: &[Wire]) -> Result<Self, DisplayError> {
+        if wires.is_empty() {
+            return Err(DisplayError::Empty);
+        }
+        if wires.len() > 256 {
+            return Err(DisplayError::TooMany(wires.len()));
+        }
+        for (i, wire) in wires.iter().enumerate() {
+            if !(wire.place.x.is_finite() && wire.place.y.is_finite()) {
+                return Err(DisplayError::NotFinite(i));
+            }
+            if wire.board.0 > 15 || wire.channel.0 > 15 {
+                return Err(DisplayError::NoSuchOutput(i));
+            }
+            for (j, other) in wires[..i].iter().enumerate() {
+                if wire.place.distance2(other.place) < 1e-6 {
+                    return Err(DisplayError::Coincident(j, i));
+                }
+                if (wire.board, wire.channel) == (other.board, other.channel) {
+                    return Err(DisplayError::SharedOutput(j, i));
+                }
+            }
+        }
+        let places: Vec<Point> = wires.iter().map(|w| w.place).collect();
+        let spacing = (
+            gap(places.iter().map(|p| p.x)),
+            gap(places.iter().map(|p| p.y)),
+        );
+        Ok(Self {
+            wires: wires.into(),
+            hull: convex_hull(places),
+            spacing,
+        })
+    }
+
+    /// The wires by index.
+    pub const fn wires(&self) -> &[Wire] {
+        &self.wires
+    }
+
+    /// Actuator spacings (D_x, D_y) of (5.2), mm; infinite along an axis on which all wires agree, so
+    /// that this axis does not attenuate.
+    pub const fn spacing(&self) -> (f32, f32) {
+        self.spacing
+    }
+
+    /// Corners of the convex hull, counter-clockwise.
+    pub const fn hull(&self) -> &[Point] {
+        &self.hull
+    }
+
+    /// The smallest rectangle around all wires.
+    pub fn bounds(&self) -> Rect {
+        Rect::around(self.wires.iter().map(|w| w.place))
+    }
+
+    /// Whether a place lies inside the hull or within `margin` mm of it.
+    pub fn contains(&self, at: Point, margin: f32) -> bool {
+        let n = self.hull.len();
+        if n >= 3 && (0..n).all(|i| cross(self.hull[i], self.hull[(i + 1) % n], at) >= 0.0) {
+            return true;
+        }
+        (0..n).any(|i| segment_distance(self.hull[i], self.hull[(i + 1) % n], at) <= margin)
+    }
+}
+
+/// Smallest gap between distinct values (1 um apart or more); infinite when there is only one.
+fn gap(values: impl Iterator<Item = f32>) -> f32 {
+    let mut sorted: Vec<f32> = values.collect();
+    sorted.sort_by(f32::total_cmp);
+    let gaps = sorted.windows(2).map(|w| w[1] - w[0]).filter(|&d| d > 1e-3);
+    gaps.fold(f32::INFINITY, f32::min)
+}
+
+fn cross(a: Point, b: Point, c: Point) -> f32 {
+    (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
+}
+
+fn segment_distance(a: Point, b: Point, p: Point) -> f32 {
+    let length2 = a.distance2(b);
+    if length2 <= 0.0 {
+        return a.distance(p);
+    }
+    let t = ((p.x - a.x) * (b.x - a.x) + (p.y - a.y) * (b.y - a.y)) / length2;
+    let t = t.clamp(0.0, 1.0);
+    p.distance(Point::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)))
+}
+
+/// Andrew's monotone chain (1979).
+fn convex_hull(mut points: Vec<Point>) -> Box<[Point]> {
+    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    if points.len() < 3 {
+        return points.into();
+    }
+    let mut hull: Vec<Point> = Vec::with_capacity(points.len() + 1);
+    let mut half = |points: &mut dyn Iterator<Item = Point>| {
+        let start = hull.len();
+        for p in points {
+            while hull.len() >= start + 2
+                && cross(hull[hull.len() - 2], hull[hull.len() - 1], p) <= 0.0
+            {
+                hull.pop();
+            }
+            hull.push(p);
+        }
+        hull.pop(); // the last point starts the other half
+    };
+    half(&mut points.iter().copied());
+    half(&mut points.iter().rev().copied());
+    hull.into()
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    pub(crate) fn thimble() -> Display {
+        let places = [
+            (0.0, -14.25),
+            (0.0, -4.75),
+            (0.0, 4.75),
+            (0.0, 14.25),
+            (-11.0, -4.75),
+            (-11.0, 4.75),
+            (11.0, -4.75),
+            (11.0, 4.75),
+        ];
+        let wires: Vec<Wire> = places
+            .iter()
+            .zip(0..)
+            .map(|(&(x, y), c)| Wire {
+                place: Point::new(x, y),
+                board: Board(0),
+                channel: Channel(c),
+            })
+            .collect();
+        Display::new(&wires).unwrap()
+    }
+
+    #[test]
+    fn the_thimble_has_the_spacings_of_the_thesis() {
+        let display = thimble();
+        assert_eq!(display.spacing(), (11.0, 9.5));
+        assert_eq!(display.hull().len(), 6);
+    }
+
+    #[test]
+    fn the_hull_leaves_the_empty_corners_out() {
+        let display = thimble();
+        assert!(display.contains(Point::new(0.0, 0.0), 0.0));
+        assert!(display.contains(Point::new(11.0, 4.75), 0.0));
+        assert!(!display.contains(Point::new(11.0, 14.25), 0.0));
+        assert!(!display.contains(Point::new(0.0, 15.0), 0.5));
+        assert!(display.contains(Point::new(0.0, 15.0), 0.8));
+    }
+
+    #[test]
+    fn wires_in_line_have_a_hull_without_area() {
+        let wire = |x: f32, c| Wire {
+            place: Point::new(x, 0.0),
+            board: Board(0),
+            channel: Channel(c),
+        };
+        let display = Display::new(&[wire(-6.5, 0), wire(0.0, 1), wire(6.5, 2)]).unwrap();
+        assert_eq!(display.spacing(), (6.5, f32::INFINITY));
+        assert!(display.contains(Point::new(3.0, 0.0), 1e-6));
+        assert!(!display.contains(Point::new(3.0, 0.1), 0.01));
+        assert!(!display.contains(Point::new(7.0, 0.0), 0.01));
+    }
+
+    #[test]
+    fn degenerate_arrays_are_refused_by_name() {
+        let wire = |x: f32, c| Wire {
+            place: Point::new(x, 0.0),
+            board: Board(0),
+            channel: Channel(c),
+        };
+        assert_eq!(Display::new(&[]), Err(DisplayError::Empty));
+        assert_eq!(
+            Display::new(&[wire(0.0, 0), wire(0.0, 1)]),
+            Err(DisplayError::Coincident(0, 1))
+        );
+        assert_eq!(
+            Display::new(&[wire(0.0, 0), wire(1.0, 0)]),
+            Err(DisplayError::SharedOutput(0, 1))
+        );
+        assert_eq!(
+            Display::new(&[wire(f32::NAN, 0)]),
+            Err(DisplayError::NotFinite(0))
+        );
+        assert_eq!(
+            Display::new(&[wire(0.0, 16)]),
+            Err(DisplayError::NoSuchOutput(0))
+        );
+    }
+}

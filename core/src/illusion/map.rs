@@ -1,0 +1,143 @@
+//! The linear map from sensor to display millimetres, each axis on its own.
+
+use core::fmt;
+
+use crate::units::Point;
+
+/// An axis-parallel rectangle, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rect {
+    /// Lower left corner.
+    pub min: Point,
+    /// Upper right corner.
+    pub max: Point,
+}
+
+impl Rect {
+    /// The smallest rectangle around some points; an inside-out one if there are none.
+    pub fn around(points: impl Iterator<Item = Point>) -> Self {
+        let empty = Self {
+            min: Point::new(f32::INFINITY, f32::INFINITY),
+            max: Point::new(f32::NEG_INFINITY, f32::NEG_INFINITY),
+        };
+        points.fold(empty, |r, p| Self {
+            min: Point::new(r.min.x.min(p.x), r.min.y.min(p.y)),
+            max: Point::new(r.max.x.max(p.x), r.max.y.max(p.y)),
+        })
+    }
+
+    /// Whether `other` lies inside, to a micrometre.
+    pub fn covers(&self, other: &Self) -> bool {
+        const SLACK: f32 = 1e-3;
+        self.min.x <= other.min.x + SLACK
+            && self.min.y <= other.min.y + SLACK
+            && self.max.x >= other.max.x - SLACK
+            && self.max.y >= other.max.y - SLACK
+    }
+}
+
+/// Sensor space to display space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Map {
+    scale: (f32, f32),
+    offset: (f32, f32),
+}
+
+/// Why there is no map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MapError {
+    /// The sensor rectangle has no finite, positive extent along an axis the display spans.
+    Degenerate,
+    /// The sensor rectangle reaches beyond the taxels, so a part of the display could never be
+    /// reached: the display is not contained in the mapped sensor area.
+    NotContained,
+}
+
+impl fmt::Display for MapError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Degenerate => {
+                "expected a sensor rectangle of positive width and height wherever the display has one"
+            }
+            Self::NotContained => {
+                "the display is not contained in the mapped sensor area: expected a rectangle inside the taxels' hull"
+            }
+        })
+    }
+}
+
+impl core::error::Error for MapError {}
+
+impl Map {
+    /// Maps the rectangle `from` (sensor mm; default: the hull of the taxels) onto `display` (mm).
+    /// `sensor` is the hull of the taxels.
+    ///
+    /// # Errors
+    /// [`MapError`] when an axis cannot be mapped or part of the display would be out of reach.
+    pub fn new(sensor: Rect, from: Option<Rect>, display: Rect) -> Result<Self, MapError> {
+        let from = from.unwrap_or(sensor);
+        if !sensor.covers(&from) {
+            return Err(MapError::NotContained);
+        }
+        let axis = |s0: f32, s1: f32, d0: f32, d1: f32| {
+            let (reach, span) = (s1 - s0, d1 - d0);
+            if span <= 0.0 {
+                // All wires agree on this axis: everything maps onto them.
+                return Ok((0.0, d0));
+            }
+            if !(reach.is_finite() && reach > 0.0) {
+                return Err(MapError::Degenerate);
+            }
+            let scale = span / reach;
+            Ok((scale, d0 - scale * s0))
+        };
+        let (sx, ox) = axis(from.min.x, from.max.x, display.min.x, display.max.x)?;
+        let (sy, oy) = axis(from.min.y, from.max.y, display.min.y, display.max.y)?;
+        Ok(Self {
+            scale: (sx, sy),
+            offset: (ox, oy),
+        })
+    }
+
+    /// A sensor place in display millimetres.
+    pub fn apply(&self, s: Point) -> Point {
+        Point::new(
+            s.x * self.scale.0 + self.offset.0,
+            s.y * self.scale.1 + self.offset.1,
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rect(x: f32, y: f32) -> Rect {
+        Rect {
+            min: Point::new(-x, -y),
+            max: Point::new(x, y),
+        }
+    }
+
+    #[test]
+    fn corners_go_to_corners() {
+        let map = Map::new(rect(7.05, 7.05), None, rect(11.0, 14.25)).unwrap();
+        let p = map.apply(Point::new(7.05, -7.05));
+        assert!((p.x - 11.0).abs() < 1e-5 && (p.y + 14.25).abs() < 1e-5);
+        assert_eq!(map.apply(Point::new(0.0, 0.0)), Point::new(0.0, 0.0));
+    }
+
+    #[test]
+    fn a_line_of_wires_takes_the_other_axis_flat() {
+        let map = Map::new(rect(7.05, 7.05), None, rect(6.5, 0.0)).unwrap();
+        assert_eq!(map.apply(Point::new(0.0, 5.0)).y, 0.0);
+    }
+
+    #[test]
+    fn what_cannot_be_mapped_is_refused() {
+        let outside = Map::new(rect(7.05, 7.05), Some(rect(8.0, 1.0)), rect(1.0, 1.0));
+        assert_eq!(outside, Err(MapError::NotContained));
+        let flat = Map::new(rect(7.05, 0.0), None, rect(1.0, 1.0));
+        assert_eq!(flat, Err(MapError::Degenerate));
+    }
+}

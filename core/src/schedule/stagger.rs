@@ -1,0 +1,33 @@
+//! Where in the PWM period a channel's pulse stands.
+
+use crate::units::{Channel, Ticks};
+
+/// ON and OFF ticks of a pulse of `width` on `channel`: wires start staggered by 256 ticks, so that
+/// eight wires of 100 ticks never draw current together, and no pulse wraps the period (a wrapping
+/// pulse costs a blank period at each update of the chip). A pulse too wide for its place starts
+/// earlier.
+pub const fn stagger(channel: Channel, width: Ticks) -> (u16, u16) {
+    let slot = 256 * (channel.0 as u16 % 16);
+    let latest = Ticks::PER_PERIOD - width.get();
+    let on = if slot < latest { slot } else { latest };
+    (on, on + width.get())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pulses_stay_inside_the_period_and_apart() {
+        for channel in 0..16 {
+            for width in 0..=Ticks::PER_PERIOD {
+                let (on, off) = stagger(Channel(channel), Ticks::new(width));
+                assert_eq!(off - on, width);
+                assert!(off <= Ticks::PER_PERIOD);
+                if width <= 256 {
+                    assert_eq!(on, 256 * u16::from(channel));
+                }
+            }
+        }
+    }
+}
