@@ -1,0 +1,189 @@
+//! The display's half of the loop: at each onset the newest contacts become stimuli, pass the guard and
+//! go out; at each end they go off.
+
+use alloc::boxed::Box;
+use alloc::vec;
+
+use crate::bus::Actuators;
+use crate::guard::Guard;
+use crate::illusion::{Display, Drive, LogPhantom};
+use crate::schedule::{Stimulus, Timing};
+use crate::units::{Board, Duration, Instant, Milliamps, Point};
+
+use super::{Cause, Observer};
+
+/// A contact as the display sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// Place on the display, mm.
+    pub place: Point,
+    /// Intensity weight g, in [0, 1].
+    pub weight: f32,
+}
+
+/// How stimuli are made.
+#[derive(Clone, Copy, Debug)]
+pub struct OutputSettings {
+    /// Stimulus duration and onset asynchrony.
+    pub timing: Timing,
+    /// Phantom law.
+    pub phantom: LogPhantom,
+    /// Activation to duty.
+    pub drive: Drive,
+    /// Current while a pulse is high.
+    pub peak: Milliamps,
+}
+
+/// The state of the output half.
+#[derive(Debug)]
+pub(super) struct Output {
+    display: Display,
+    settings: OutputSettings,
+    guard: Guard,
+    /// Activation by wire, weighted; the same memory for every onset.
+    activation: Box<[f32]>,
+    /// Stimuli of one board at one onset.
+    stimuli: Box<[Stimulus]>,
+    /// Highest board number in use.
+    boards: u8,
+    next_onset: Instant,
+}
+
+impl Output {
+    pub(super) fn new(display: Display, settings: OutputSettings, guard: Guard) -> Self {
+        let n = display.wires().len();
+        let blank = Stimulus {
+            wire: 0,
+            width: crate::units::Ticks::ZERO,
+            peak: settings.peak,
+            at: Instant::ZERO,
+            until: Instant::ZERO,
+        };
+        let boards = display.wires().iter().map(|w| w.board.0).max().unwrap_or(0);
+        Self {
+            settings,
+            guard,
+            activation: vec![0.0; n].into(),
+            stimuli: vec![blank; n].into(),
+            boards,
+            next_onset: Instant::ZERO,
+            display,
+        }
+    }
+
+    pub(super) const fn guard(&self) -> &Guard {
+        &self.guard
+    }
+
+    pub(super) const fn guard_mut(&mut self) -> &mut Guard {
+        &mut self.guard
+    }
+
+    pub(super) const fn display(&self) -> &Display {
+        &self.display
+    }
+
+    /// When this half has something to do next.
+    pub(super) fn next(&self) -> Instant {
+        self.guard.next_expiry().map_or(self.next_onset, |end| end.min(self.next_onset))
+    }
+
+    /// Whether a stimulus is running.
+    pub(super) fn is_driving(&self) -> bool {
+        self.guard.next_expiry().is_some()
+    }
+
+    /// Ends what has ended and, when an onset is due, projects `targets`. An onset that was missed by
+    /// more than half an SOA is left out: the grid from t = 0 stands whatever happens.
+    ///
+    /// Returns whether an onset was projected.
+    pub(super) fn poll<A: Actuators>(
+        &mut self,
+        now: Instant,
+        targets: &[Target],
+        actuators: &mut A,
+        observer: &mut impl Observer,
+    ) -> Result<bool, A::Error> {
+        let due = now >= self.next_onset;
+        if !due {
+            if self.guard.next_expiry().is_some_and(|end| end <= now) {
+                for board in 0..=self.boards {
+                    let update = self.guard.expire(now, Board(board));
+                    if update.channels().iter().any(Option::is_some) {
+                        actuators.apply(&update)?;
+                    }
+                }
+            }
+            return Ok(false);
+        }
+        let onset = self.advance_grid(now);
+        self.activate(targets);
+        for board in 0..=self.boards {
+            let count = self.collect(Board(board), onset);
+            let update = self.guard.admit(onset, Board(board), &self.stimuli[..count], |entry| {
+                observer.entry(&entry);
+            });
+            if update.channels().iter().any(Option::is_some) {
+                actuators.apply(&update)?;
+            }
+        }
+        observer.onset(onset, targets);
+        Ok(true)
+    }
+
+    /// Everything off, now.
+    pub(super) fn all_off<A: Actuators>(
+        &mut self,
+        now: Instant,
+        cause: Cause,
+        actuators: &mut A,
+        observer: &mut impl Observer,
+    ) -> Result<(), A::Error> {
+        let result = actuators.all_off();
+        self.guard.all_off();
+        for board in 0..=self.boards {
+            observer.all_off(now, Board(board), cause);
+        }
+        result
+    }
+
+    /// The newest grid point not later than `now`; the next onset is the one after it.
+    fn advance_grid(&mut self, now: Instant) -> Instant {
+        let soa = self.settings.timing.soa.as_micros();
+        let late = now.since(self.next_onset).as_micros() / soa;
+        let onset = self.next_onset + Duration::from_micros(late.saturating_mul(soa));
+        self.next_onset = onset + self.settings.timing.soa;
+        onset
+    }
+
+    /// Weighted activation of every wire; where contacts share one, the strongest rules.
+    fn activate(&mut self, targets: &[Target]) {
+        self.activation.fill(0.0);
+        for target in targets {
+            for (a, wire) in self.activation.iter_mut().zip(self.display.wires()) {
+                let mine = self.settings.phantom.activation(wire.place, target.place);
+                *a = a.max(mine * target.weight);
+            }
+        }
+    }
+
+    /// Stimuli of the active wires of one board; returns how many.
+    fn collect(&mut self, board: Board, onset: Instant) -> usize {
+        let mut count = 0;
+        for (index, (wire, &a)) in self.display.wires().iter().zip(&*self.activation).enumerate() {
+            let width = self.settings.drive.width(a);
+            if wire.board != board || width.get() == 0 {
+                continue;
+            }
+            self.stimuli[count] = Stimulus {
+                wire: index as u16, // a display has at most 256 wires
+                width,
+                peak: self.settings.peak,
+                at: onset,
+                until: onset + self.settings.timing.duration,
+            };
+            count += 1;
+        }
+        count
+    }
+}

@@ -1,0 +1,174 @@
+//! The PCA9685 driver's bytes on the wire, against embedded-hal's own mock.
+
+use embedded_hal::i2c::{ErrorKind, NoAcknowledgeSource};
+use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
+use palpate_core::bus::Actuators;
+use palpate_core::driver::{DriverError, Pca9685Bank};
+use palpate_core::guard::{Guard, HARD, Plant};
+use palpate_core::illusion::Wire;
+use palpate_core::schedule::Stimulus;
+use palpate_core::units::{Board, Channel, Instant, Milliamps, Point, Prescale, Ticks};
+
+const PRE: Prescale = Prescale::new(30);
+
+fn guard(outputs: &[(u8, u8)]) -> Guard {
+    let plant = Plant {
+        prescale: PRE,
+        wire_milliohm: 1900,
+        peak: Milliamps(1970),
+    };
+    let wire = |(i, &(board, channel)): (usize, &(u8, u8))| Wire {
+        place: Point::new(i as f32, 0.0),
+        board: Board(board),
+        channel: Channel(channel),
+    };
+    let wires: Vec<Wire> = outputs.iter().enumerate().map(wire).collect();
+    Guard::new(HARD, plant, &wires).unwrap()
+}
+
+fn stimulus(wire: u16, width: u16, at_us: u64) -> Stimulus {
+    Stimulus {
+        wire,
+        width: Ticks::new(width),
+        peak: Milliamps(1970),
+        at: Instant::from_micros(at_us),
+        until: Instant::from_micros(at_us + 35_000),
+    }
+}
+
+#[test]
+fn start_switches_off_verifies_and_configures_asleep() {
+    let mut mock = Mock::new(&[
+        Transaction::write(0x70, vec![0xFD, 0x10]),
+        Transaction::write(0x40, vec![0xFD, 0x10]),
+        Transaction::write_read(0x40, vec![0x09], vec![0x10]),
+        Transaction::write(0x40, vec![0x00, 0x31, 0x04]),
+        Transaction::write(0x40, vec![0xFE, 30]),
+        Transaction::write_read(0x40, vec![0xFE], vec![30]),
+        Transaction::write(0x40, vec![0x00, 0x21]),
+    ]);
+    let mut bank = Pca9685Bank::new(mock.clone(), &[0x40], PRE);
+    let ready = bank.start(Instant::from_micros(10)).unwrap();
+    assert_eq!(ready, Instant::from_micros(510));
+    mock.done();
+}
+
+#[test]
+fn a_chip_that_does_not_read_back_is_refused() {
+    let mut mock = Mock::new(&[
+        Transaction::write(0x70, vec![0xFD, 0x10]),
+        Transaction::write(0x40, vec![0xFD, 0x10]),
+        Transaction::write_read(0x40, vec![0x09], vec![0x00]),
+    ]);
+    let mut bank = Pca9685Bank::new(mock.clone(), &[0x40], PRE);
+    let error = bank.start(Instant::ZERO).unwrap_err();
+    assert_eq!(error, DriverError::Readback(Board(0), 0x09, 0x10, 0x00));
+    assert!(
+        error
+            .to_string()
+            .contains("register 0x09 reads 0x00, expected 0x10"),
+        "{error}"
+    );
+    mock.done();
+}
+
+#[test]
+fn an_update_is_one_contiguous_write_of_what_changed() {
+    // Wires 0 and 2 start: channels 2 .. 4 in one message, the unknown one between them off.
+    let mut mock = Mock::new(&[
+        Transaction::write(
+            0x40,
+            vec![
+                0x06 + 8, // LED2_ON_L
+                0x00,
+                0x02,
+                0x64,
+                0x02, // ON 512, OFF 612
+                0x00,
+                0x00,
+                0x00,
+                0x10, // full off
+                0x00,
+                0x04,
+                0x32,
+                0x04, // ON 1024, OFF 1074
+            ],
+        ),
+        // Only wire 0 widens: one channel.
+        Transaction::write(0x40, vec![0x06 + 8, 0x00, 0x02, 0x6E, 0x02]),
+        // The end: both off, full-off bit set, ON kept.
+        Transaction::write(
+            0x40,
+            vec![
+                0x06 + 8,
+                0x00,
+                0x02,
+                0x00,
+                0x12,
+                0x00,
+                0x00,
+                0x00,
+                0x10,
+                0x00,
+                0x04,
+                0x00,
+                0x14,
+            ],
+        ),
+    ]);
+    let mut guard = guard(&[(0, 2), (0, 3), (0, 4)]);
+    let mut bank = Pca9685Bank::new(mock.clone(), &[0x40], PRE);
+    let first = [stimulus(0, 100, 0), stimulus(2, 50, 0)];
+    let update = guard.admit(Instant::ZERO, Board(0), &first, |_| ());
+    bank.apply(&update).unwrap();
+    // The same again writes nothing.
+    bank.apply(&update).unwrap();
+    let at = Instant::from_micros(58_500);
+    let second = [stimulus(0, 110, 58_500), stimulus(2, 50, 58_500)];
+    bank.apply(&guard.admit(at, Board(0), &second, |_| ()))
+        .unwrap();
+    bank.apply(&guard.release(Instant::from_micros(93_500), Board(0)))
+        .unwrap();
+    mock.done();
+}
+
+#[test]
+fn a_failed_write_is_told_with_its_board_and_written_again_in_full() {
+    let nack = ErrorKind::NoAcknowledge(NoAcknowledgeSource::Data);
+    let bytes = vec![0x06, 0x00, 0x00, 0x64, 0x00];
+    let mut mock = Mock::new(&[
+        Transaction::write(0x41, bytes.clone()).with_error(nack),
+        Transaction::write(0x41, bytes),
+    ]);
+    let mut guard = guard(&[(1, 0)]);
+    let mut bank = Pca9685Bank::new(mock.clone(), &[0x40, 0x41], PRE);
+    let update = guard.admit(Instant::ZERO, Board(1), &[stimulus(0, 100, 0)], |_| ());
+    let error = bank.apply(&update).unwrap_err();
+    assert_eq!(error, DriverError::Bus(Board(1), nack));
+    assert!(!error.is_transient());
+    bank.apply(&update).unwrap();
+    mock.done();
+}
+
+#[test]
+fn all_off_reaches_every_board_even_if_one_is_gone() {
+    let nack = ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address);
+    let off = || vec![0xFD, 0x10];
+    let mut mock = Mock::new(&[
+        Transaction::write(0x70, off()).with_error(nack),
+        Transaction::write(0x40, off()).with_error(nack),
+        Transaction::write(0x41, off()),
+    ]);
+    let mut bank = Pca9685Bank::new(mock.clone(), &[0x40, 0x41], PRE);
+    assert_eq!(bank.all_off(), Err(DriverError::Bus(Board(0), nack)));
+    mock.done();
+}
+
+#[test]
+fn a_board_the_bench_does_not_have_is_an_error() {
+    let mut mock = Mock::new(&[]);
+    let mut bank = Pca9685Bank::new(mock.clone(), &[0x40], PRE);
+    let update = guard(&[(3, 0)]).release(Instant::ZERO, Board(3));
+    assert_eq!(bank.apply(&update), Err(DriverError::NoSuchBoard(Board(3))));
+    mock.done();
+}

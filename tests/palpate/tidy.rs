@@ -1,0 +1,205 @@
+//! The house rules that no compiler checks: who may depend on whom, who may know the time, what a
+//! file may weigh, which links must lead somewhere.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("..")
+        .canonicalize()
+        .unwrap()
+}
+
+/// Every file of the tree below `folder` with one of these endings, without build output.
+fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut pending = vec![folder.to_owned()];
+    while let Some(folder) = pending.pop() {
+        for entry in fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            if path.is_dir() {
+                if name != "target" && name != ".git" && name != "out" {
+                    pending.push(path);
+                }
+            } else if endings.iter().any(|e| name.ends_with(e)) {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    assert!(
+        !found.is_empty(),
+        "nothing found below {}",
+        folder.display()
+    );
+    found
+}
+
+fn complain(rule: &str, offences: Vec<String>) {
+    assert!(offences.is_empty(), "{rule}:\n  {}", offences.join("\n  "));
+}
+
+/// Lines of code that contain one of the words, as `file:line: text`, comments left out.
+fn lines_with(folder: &str, words: &[&str]) -> Vec<String> {
+    let mut hits = Vec::new();
+    for path in files(&root().join(folder), &[".rs"]) {
+        for (number, line) in fs::read_to_string(&path).unwrap().lines().enumerate() {
+            let code = line.split("//").next().unwrap();
+            if words.iter().any(|w| code.contains(w)) {
+                hits.push(format!(
+                    "{}:{}: {}",
+                    path.display(),
+                    number + 1,
+                    line.trim()
+                ));
+            }
+        }
+    }
+    hits
+}
+
+#[test]
+fn dependencies_run_one_way() {
+    let allowed: &[(&str, &[&str])] = &[
+        ("core", &[]),
+        ("core/nostd", &["core"]),
+        ("emulators", &["core"]),
+        ("fixtures", &[]),
+        ("hil/records", &["core"]),
+        ("hil", &["core", "emulators", "fixtures", "records"]),
+    ];
+    let mut offences = Vec::new();
+    for (package, may_use) in allowed {
+        let manifest = fs::read_to_string(root().join(package).join("Cargo.toml")).unwrap();
+        let dependencies = manifest.split("[dependencies]").nth(1).unwrap_or_default();
+        let dependencies = dependencies.split("\n[").next().unwrap();
+        for line in dependencies.lines() {
+            let Some(rest) = line.strip_prefix("palpate-") else {
+                continue;
+            };
+            let name = rest.split(['.', ' ', '=']).next().unwrap();
+            if !may_use.contains(&name) {
+                offences.push(format!("{package} uses palpate-{name}"));
+            }
+        }
+    }
+    complain(
+        "dependencies run core <- emulators <- hil, and never sideways",
+        offences,
+    );
+}
+
+#[test]
+fn only_hil_knows_the_time_the_files_and_the_net() {
+    let banned = [
+        "std::time",
+        "std::thread",
+        "std::fs",
+        "std::net",
+        "std::env",
+        "std::process",
+    ];
+    let mut offences = lines_with("emulators/src", &banned);
+    offences.extend(lines_with("hil/records/src", &banned[..4]));
+    offences.extend(lines_with("core/src", &["std::", "println!"]));
+    offences.retain(|line| !line.contains("/tests"));
+    complain(
+        "core and emulators take time as an argument and do no I/O",
+        offences,
+    );
+}
+
+#[test]
+fn core_and_emulators_use_the_same_mathematics_everywhere() {
+    // Platform math differs in its last digit between machines; libm does not. Square roots and
+    // rounding are exact by IEEE 754 and stay allowed.
+    let platform = [
+        ".sin()", ".cos()", ".tan()", ".exp()", ".ln()", ".log2()", ".powf(", ".powi(", ".log10()",
+    ];
+    let mut offences = lines_with("core/src", &platform);
+    offences.extend(lines_with("emulators/src", &platform));
+    offences.retain(|line| !in_tests(line));
+    complain("libm instead of the platform's math", offences);
+}
+
+/// Whether a `file:line:` hit lies in a test module, the last part of a file by convention.
+fn in_tests(hit: &str) -> bool {
+    let mut parts = hit.splitn(3, ':');
+    let (path, line) = (
+        parts.next().unwrap(),
+        parts.next().unwrap().parse::<usize>().unwrap(),
+    );
+    let text = fs::read_to_string(path).unwrap();
+    let tests = text
+        .lines()
+        .position(|l| l.starts_with("#[cfg(test)]"))
+        .unwrap_or(usize::MAX);
+    line > tests || path.ends_with("tests.rs")
+}
+
+#[test]
+fn files_can_be_held_in_ones_head_and_say_what_they_are() {
+    let mut offences = Vec::new();
+    for path in files(&root(), &[".rs"]) {
+        let text = fs::read_to_string(&path).unwrap();
+        let count = text.lines().count();
+        if count > 500 {
+            offences.push(format!("{}: {count} lines, at most 500", path.display()));
+        }
+        if !text.starts_with("//!") {
+            offences.push(format!(
+                "{}: does not begin by saying what belongs in it (//!)",
+                path.display()
+            ));
+        }
+    }
+    complain("house rules for files", offences);
+}
+
+#[test]
+fn nothing_is_left_open() {
+    let words = [
+        concat!("TO", "DO"),
+        concat!("FIX", "ME"),
+        concat!("#[ign", "ore"),
+    ];
+    let mut offences = Vec::new();
+    for path in files(&root(), &[".rs", ".md", ".toml"]) {
+        let text = fs::read_to_string(&path).unwrap();
+        for (number, line) in text.lines().enumerate() {
+            if words.iter().any(|w| line.contains(w)) {
+                offences.push(format!(
+                    "{}:{}: {}",
+                    path.display(),
+                    number + 1,
+                    line.trim()
+                ));
+            }
+        }
+    }
+    complain("open ends belong in an issue", offences);
+}
+
+#[test]
+fn links_lead_somewhere() {
+    let mut offences = Vec::new();
+    for path in files(&root(), &[".md"]) {
+        let text = fs::read_to_string(&path).unwrap();
+        for link in text
+            .split("](")
+            .skip(1)
+            .filter_map(|rest| rest.split(')').next())
+        {
+            let target = link.split('#').next().unwrap();
+            if target.is_empty() || target.contains("://") || target.starts_with("mailto:") {
+                continue;
+            }
+            if !path.parent().unwrap().join(target).exists() {
+                offences.push(format!("{}: {link}", path.display()));
+            }
+        }
+    }
+    complain("relative links in Markdown", offences);
+}
