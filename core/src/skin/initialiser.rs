@@ -2,6 +2,7 @@
 
 use alloc::boxed::Box;
 use alloc::vec;
+use alloc::vec::Vec;
 
 use super::layout::Module;
 
@@ -138,7 +139,7 @@ impl Initialiser {
         let Some(k) = self.settings.faulty_sigma else {
             return;
         };
-        let operational: alloc::vec::Vec<bool> = self.faulty.iter().map(|f| !f).collect();
+        let operational: Vec<bool> = self.faulty.iter().map(|f| !f).collect(); // once, at the start
         let n = operational.iter().filter(|&&o| o).count().max(1) as f64;
         for axis in 0..3 {
             let values = || {
@@ -288,7 +289,7 @@ mod tests {
         }
         frame[5][2] = 65535;
         init.feed(&frame);
-        let faulty: alloc::vec::Vec<usize> = (0..16).filter(|&i| init.faulty()[i]).collect();
+        let faulty: Vec<usize> = (0..16).filter(|&i| init.faulty()[i]).collect();
         assert_eq!(faulty, [5, 15]);
         init.feed(&frame);
         init.feed(&frame);

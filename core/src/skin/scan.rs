@@ -86,11 +86,12 @@ impl Scan {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use alloc::vec::Vec;
 
     /// Feeds (position, microseconds) and returns how many readings each scan had.
-    fn scans(readings: &[(usize, u64)]) -> alloc::vec::Vec<usize> {
+    fn scans(readings: &[(usize, u64)]) -> Vec<usize> {
         let mut scan = Scan::new(16, 15);
-        let mut sizes = alloc::vec::Vec::new();
+        let mut sizes = Vec::new();
         let mut close = |scan: &mut Scan| {
             sizes.push(scan.fresh().iter().filter(|&&f| f).count());
             scan.close();
@@ -113,7 +114,7 @@ mod tests {
 
     #[test]
     fn whole_scans_end_with_their_last_taxel() {
-        let two: alloc::vec::Vec<_> = (0..32)
+        let two: Vec<_> = (0..32)
             .map(|i| (i % 16, (i as u64 / 16) * 10_000 + 116 * (i as u64 % 16)))
             .collect();
         assert_eq!(scans(&two), [16, 16]);
@@ -132,7 +133,7 @@ mod tests {
             [2, 2]
         );
         // On a full bus a scan takes 30 ms without a pause over 4 ms.
-        let slow: alloc::vec::Vec<_> = (0..16).map(|i| (i, i as u64 * 1_900)).collect();
+        let slow: Vec<_> = (0..16).map(|i| (i, i as u64 * 1_900)).collect();
         assert_eq!(scans(&slow), [16]);
     }
 
