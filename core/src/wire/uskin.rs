@@ -210,15 +210,17 @@ pub fn decode(profile: IdProfile, frame: &CanFrame) -> Result<Message, Rejected>
 
 /// The data frame of one taxel; `None` where the board or the place does not fit the profile.
 pub fn encode(profile: IdProfile, board: u8, place: Place, reading: Reading) -> Option<CanFrame> {
+    data_frame(profile.id(board, place)?, reading)
+}
+
+/// The data frame of a reading under an identifier already known; `None` for one over 11 bits.
+pub fn data_frame(id: u16, reading: Reading) -> Option<CanFrame> {
     let ([xh, xl], [yh, yl], [zh, zl]) = (
         reading.x.to_be_bytes(),
         reading.y.to_be_bytes(),
         reading.z.to_be_bytes(),
     );
-    CanFrame::new(
-        profile.id(board, place)?,
-        &[HEAD, xh, xl, yh, yl, zh, zl, TAIL],
-    )
+    CanFrame::new(id, &[HEAD, xh, xl, yh, yl, zh, zl, TAIL])
 }
 
 /// How one board's taxels are wired: rows are SDA lines, columns are chips counted from the right.
