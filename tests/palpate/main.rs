@@ -1,1 +1,4 @@
 //! All integration tests in one binary, to save linking.
+
+mod allegro;
+mod dbc;
