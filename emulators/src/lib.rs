@@ -6,4 +6,8 @@
 //! from it) and room for a fault layer in front.
 #![forbid(unsafe_code)]
 
+pub mod board;
+pub mod can;
+pub mod rig;
+pub mod skin;
 pub mod time;

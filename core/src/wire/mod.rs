@@ -2,5 +2,6 @@
 //! disagree about a register by accident of two tables.
 
 pub mod can;
+pub mod mtb;
 pub mod pca9685;
 pub mod uskin;

@@ -1,0 +1,294 @@
+//! An MTB3 board: reads the taxels of its modules on its own clock and sends one frame a taxel.
+//!
+//! Bus face: data frames out, start and stop commands in. Physical face: [`Board::module_mut`].
+
+use palpate_core::wire::can::CanFrame;
+use palpate_core::wire::uskin::{
+    self, ALL_BOARDS, COMMAND_ID, IdProfile, Message, Reading, Wiring,
+};
+
+use crate::can::{Filter, NodeConfig, NodeId, Order, Segment};
+use crate::skin::Module;
+use crate::time::Nanos;
+
+/// What a board does when a scan is due and frames of the last one have not left. The real boards'
+/// answer is unknown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Overload {
+    /// It skips the tick: the next scan starts at the first tick of its clock after the last frame
+    /// has left. Boards that tick together then share an overloaded bus evenly.
+    #[default]
+    Wait,
+    /// Every scan replaces what still waits; waiting frames go by identifier, as from mailboxes, so
+    /// high identifiers starve.
+    Overwrite,
+}
+
+/// How a board is built.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoardConfig {
+    /// Its number c on the bus, 0 ..= 15.
+    pub address: u8,
+    /// Its identifiers.
+    pub profile: IdProfile,
+    /// How its taxels are wired.
+    pub wiring: Wiring,
+    /// Nominal scans per second, Hz.
+    pub scan_hz: f64,
+    /// Error of its clock, parts per million: positive is fast.
+    pub drift_ppm: f64,
+    /// Delay of its first scan after power-on or a start command.
+    pub phase: Nanos,
+    /// Sends from power-on without being asked.
+    pub autostart: bool,
+    /// What it does when the bus is too slow.
+    pub overload: Overload,
+    /// Time between the moments at which successive chips' frames are ready, from the start of the
+    /// scan. With 0 a scan's frames are ready together.
+    pub chip_gap: Nanos,
+}
+
+impl Default for BoardConfig {
+    /// Board 0, a flat module, 100 Hz, waits for its commands and for the bus.
+    fn default() -> Self {
+        Self {
+            address: 0,
+            profile: IdProfile::Current,
+            wiring: Wiring::FLAT,
+            scan_hz: 100.0,
+            drift_ppm: 0.0,
+            phase: Nanos::ZERO,
+            autostart: false,
+            overload: Overload::Wait,
+            chip_gap: Nanos::ZERO,
+        }
+    }
+}
+
+/// Why a board cannot be built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BoardError {
+    /// The address or a place of the wiring does not fit the identifier profile.
+    Address,
+    /// The number of modules, or of taxels in one, is not what the wiring says.
+    Wiring,
+    /// The scan rate is not a positive number.
+    Rate,
+}
+
+impl std::fmt::Display for BoardError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Address => "board address does not fit its identifier profile",
+            Self::Wiring => "modules and taxels do not match the board's wiring",
+            Self::Rate => "scan rate must be positive",
+        })
+    }
+}
+
+impl std::error::Error for BoardError {}
+
+/// A sensor board with its modules.
+pub struct Board {
+    config: BoardConfig,
+    node: NodeId,
+    modules: Vec<Module>,
+    /// For each frame of a scan in wire order: module, taxel in it, chip group, identifier.
+    order: Vec<(usize, usize, u64, u16)>,
+    readings: Vec<Vec<Reading>>,
+    sending: bool,
+    /// When the clock started, and how many ticks it has made since.
+    origin: Nanos,
+    ticks: u64,
+    period_ns: f64,
+    /// Frames of the present scan handed to the controller.
+    handed: usize,
+    scan_start: Nanos,
+    scans: u64,
+    skipped: u64,
+}
+
+impl Board {
+    /// A board with its modules, connected to `segment` and powered at its present time.
+    pub fn new(
+        config: BoardConfig,
+        modules: Vec<Module>,
+        segment: &mut Segment,
+    ) -> Result<Self, BoardError> {
+        let wiring = config.wiring;
+        let taxels = |m: &Module| m.config().taxels.len();
+        if modules.len() != usize::from(wiring.modules())
+            || modules.iter().any(|m| taxels(m) != wiring.taxels())
+        {
+            return Err(BoardError::Wiring);
+        }
+        if !(config.scan_hz.is_finite() && config.scan_hz > 0.0 && config.drift_ppm > -1e6) {
+            return Err(BoardError::Rate);
+        }
+        if config.address > 15 {
+            return Err(BoardError::Address);
+        }
+        let mut order = Vec::new();
+        while let Some(place) = wiring.nth(order.len()) {
+            let id = config.profile.id(config.address, place);
+            let (module, taxel) = wiring.taxel(place).ok_or(BoardError::Wiring)?;
+            let group =
+                usize::from(module) * usize::from(wiring.columns()) + usize::from(place.chip % 8);
+            order.push((
+                usize::from(module),
+                taxel,
+                group as u64,
+                id.ok_or(BoardError::Address)?,
+            ));
+        }
+        let command = |board: u8| COMMAND_ID | u16::from(board);
+        let node = segment.attach(NodeConfig {
+            order: match config.overload {
+                Overload::Wait => Order::Fifo,
+                Overload::Overwrite => Order::Priority,
+            },
+            transmit_limit: order.len(),
+            receive_limit: 8,
+            filter: Filter::Wake([command(config.address), command(ALL_BOARDS)]),
+            restart_after: Some(Nanos::from_micros(100_000)),
+        });
+        let mut board = Self {
+            node,
+            readings: vec![Vec::new(); modules.len()],
+            modules,
+            sending: config.autostart,
+            origin: Nanos::ZERO,
+            ticks: 0,
+            period_ns: 1e9 / (config.scan_hz * (1.0 + config.drift_ppm * 1e-6)),
+            handed: order.len(),
+            order,
+            scan_start: Nanos::ZERO,
+            scans: 0,
+            skipped: 0,
+            config,
+        };
+        board.start_clock(segment.now());
+        Ok(board)
+    }
+
+    /// How the board was built.
+    pub const fn config(&self) -> &BoardConfig {
+        &self.config
+    }
+
+    /// Its controller on the segment.
+    pub const fn node(&self) -> NodeId {
+        self.node
+    }
+
+    /// Its modules.
+    pub fn modules(&self) -> &[Module] {
+        &self.modules
+    }
+
+    /// One of its modules, to touch it.
+    pub fn module_mut(&mut self, module: usize) -> Option<&mut Module> {
+        self.modules.get_mut(module)
+    }
+
+    /// Whether it sends.
+    pub const fn sending(&self) -> bool {
+        self.sending
+    }
+
+    /// Scans taken, and ticks skipped because frames were still waiting.
+    pub const fn scans(&self) -> (u64, u64) {
+        (self.scans, self.skipped)
+    }
+
+    /// When the board acts next of its own accord.
+    pub fn next_event(&self) -> Nanos {
+        if self.handed < self.order.len() {
+            return self.ready(self.handed);
+        }
+        if self.sending {
+            self.tick(self.ticks)
+        } else {
+            Nanos::MAX
+        }
+    }
+
+    /// Acts at `segment.now()`, if it is time. Calls too early do nothing.
+    pub fn act(&mut self, segment: &mut Segment) {
+        let now = segment.now();
+        while self.next_event() <= now {
+            if self.handed < self.order.len() {
+                self.hand_over(segment);
+            } else {
+                self.ticks += 1;
+                if self.config.overload == Overload::Wait && segment.pending(self.node) > 0 {
+                    self.skipped += 1;
+                } else {
+                    self.scan(now);
+                }
+            }
+        }
+    }
+
+    /// Takes the commands that have arrived.
+    pub fn obey(&mut self, segment: &mut Segment) {
+        while let Some((at, frame)) = segment.receive(self.node) {
+            let Ok(Message::Command(command)) = uskin::decode(self.config.profile, &frame) else {
+                continue; // data of another board under one of our command identifiers
+            };
+            if !command.is_for(self.config.address) {
+                continue;
+            }
+            if command.start && !self.sending {
+                self.start_clock(at);
+            }
+            self.sending = command.start;
+        }
+    }
+
+    /// Starts the scan clock at `now`; the first tick comes after the phase.
+    fn start_clock(&mut self, now: Nanos) {
+        self.origin = now + self.config.phase;
+        self.ticks = 0;
+    }
+
+    /// When tick `n` of the board's clock is, free of accumulated rounding.
+    fn tick(&self, n: u64) -> Nanos {
+        self.origin + Nanos(libm::rint(n as f64 * self.period_ns) as u64)
+    }
+
+    /// When frame `n` of the present scan is ready.
+    fn ready(&self, n: usize) -> Nanos {
+        let group = self.order.get(n).map_or(0, |entry| entry.2);
+        self.scan_start + Nanos(group.saturating_mul(self.config.chip_gap.0))
+    }
+
+    fn scan(&mut self, now: Nanos) {
+        for (module, readings) in self.modules.iter_mut().zip(&mut self.readings) {
+            module.sample(now, readings);
+        }
+        self.scan_start = now;
+        self.handed = 0;
+        self.scans += 1;
+    }
+
+    /// Gives the next frame to the controller. A full or bus-off controller loses it.
+    fn hand_over(&mut self, segment: &mut Segment) {
+        let Some(&(module, taxel, _, id)) = self.order.get(self.handed) else {
+            return;
+        };
+        self.handed += 1;
+        let reading = self
+            .readings
+            .get(module)
+            .and_then(|r| r.get(taxel))
+            .copied();
+        let frame: Option<CanFrame> = uskin::data_frame(id, reading.unwrap_or_default());
+        if let Some(frame) = frame {
+            let _lost_when_full = match self.config.overload {
+                Overload::Wait => segment.send(self.node, &frame),
+                Overload::Overwrite => segment.replace(self.node, &frame),
+            };
+        }
+    }
+}

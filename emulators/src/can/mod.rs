@@ -1,0 +1,8 @@
+//! A classic CAN segment in virtual time: bit-true lengths, arbitration, load, error confinement.
+
+pub mod bits;
+mod node;
+mod segment;
+
+pub use node::{Confinement, Filter, NodeConfig, NodeId, Order, SendError};
+pub use segment::{BusError, Segment, Statistics};

@@ -1,0 +1,216 @@
+//! The sensor side of a bench: segments with their boards, and the host's interface to them.
+//!
+//! Only [`Handle::advance`] makes time pass. The projector holds a clone of the handle as its
+//! [`SensorBus`]; whoever runs the bench holds another and decides how far virtual time goes.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use embedded_can::{Error as CanError, ErrorKind};
+use palpate_core::bus::{Received, SensorBus};
+use palpate_core::units::Instant;
+use palpate_core::wire::can::CanFrame;
+
+use crate::board::{Board, BoardConfig, BoardError};
+use crate::can::{NodeConfig, NodeId, Segment, SendError};
+use crate::skin::Module;
+use crate::time::Nanos;
+
+/// One segment with the boards on it and the host's controller.
+pub struct SkinBus {
+    segment: Segment,
+    host: NodeId,
+    boards: Vec<Board>,
+    /// The earliest of the boards' next events.
+    boards_next: Nanos,
+}
+
+impl SkinBus {
+    /// A bus at `bitrate` bit/s with a host whose queue takes a burst of commands.
+    pub fn new(bitrate: u32) -> Self {
+        Self::with_host(bitrate, NodeConfig::default())
+    }
+
+    /// A bus with a host's interface of one's own: queue limits, restart behaviour.
+    pub fn with_host(bitrate: u32, host: NodeConfig) -> Self {
+        let mut segment = Segment::new(bitrate);
+        let host = segment.attach(host);
+        Self {
+            segment,
+            host,
+            boards: Vec::new(),
+            boards_next: Nanos::MAX,
+        }
+    }
+
+    /// Connects a board with its modules.
+    pub fn add_board(
+        &mut self,
+        config: BoardConfig,
+        modules: Vec<Module>,
+    ) -> Result<(), BoardError> {
+        let board = Board::new(config, modules, &mut self.segment)?;
+        self.boards_next = self.boards_next.min(board.next_event());
+        self.boards.push(board);
+        Ok(())
+    }
+
+    /// The wire: load, statistics, errors, injected faults.
+    pub const fn segment(&self) -> &Segment {
+        &self.segment
+    }
+
+    /// The wire, to disturb it.
+    pub const fn segment_mut(&mut self) -> &mut Segment {
+        &mut self.segment
+    }
+
+    /// The host's controller on the segment.
+    pub const fn host(&self) -> NodeId {
+        self.host
+    }
+
+    /// The boards in the order in which they were added.
+    pub fn boards(&self) -> &[Board] {
+        &self.boards
+    }
+
+    /// A board, to touch its skin.
+    pub fn board_mut(&mut self, n: usize) -> Option<&mut Board> {
+        self.boards.get_mut(n)
+    }
+
+    /// The next moment at which something can happen here.
+    pub fn next_event(&self) -> Nanos {
+        self.segment.next_event().min(self.boards_next)
+    }
+
+    /// Lets time pass until `to`: every scan, frame and command in its order.
+    pub fn advance(&mut self, to: Nanos) {
+        loop {
+            let step = self.boards_next.min(to);
+            let woken = self.segment.advance(step).is_some();
+            if woken {
+                for board in &mut self.boards {
+                    board.obey(&mut self.segment);
+                }
+            } else if self.boards_next > to {
+                return;
+            }
+            let now = self.segment.now();
+            let mut next = Nanos::MAX;
+            for board in &mut self.boards {
+                if board.next_event() <= now {
+                    board.act(&mut self.segment);
+                }
+                next = next.min(board.next_event());
+            }
+            self.boards_next = next;
+        }
+    }
+}
+
+/// What the host's interface can say, in embedded-can's terms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HostError {
+    /// The transmit queue is full (`ENOBUFS`): try again later.
+    QueueFull,
+    /// The controller is bus-off: it needs a restart.
+    BusOff,
+    /// The bench has no such bus.
+    NoBus,
+}
+
+impl std::fmt::Display for HostError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::QueueFull => "transmit queue full, try again later",
+            Self::BusOff => "controller is bus-off, restart it",
+            Self::NoBus => "no such sensor bus",
+        })
+    }
+}
+
+impl std::error::Error for HostError {}
+
+impl CanError for HostError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Other
+    }
+}
+
+/// The host's interface to all sensor buses of a bench; clones share the hardware.
+#[derive(Clone)]
+pub struct Handle {
+    buses: Rc<RefCell<Vec<SkinBus>>>,
+}
+
+impl Handle {
+    /// The interface to these buses, numbered from 0 in this order.
+    pub fn new(buses: Vec<SkinBus>) -> Self {
+        Self {
+            buses: Rc::new(RefCell::new(buses)),
+        }
+    }
+
+    /// Looks at or disturbs the hardware: load, boards, touches, injected faults. `f` must not use
+    /// this handle or a clone of it.
+    pub fn with<R>(&self, f: impl FnOnce(&mut Vec<SkinBus>) -> R) -> R {
+        f(&mut self.buses.borrow_mut())
+    }
+
+    /// The next moment at which something can happen on a bus. Stepping there is not needed:
+    /// [`Self::advance`] takes any stretch, and frames carry their own times.
+    pub fn next_event(&self) -> Nanos {
+        let buses = self.buses.borrow();
+        buses
+            .iter()
+            .map(SkinBus::next_event)
+            .min()
+            .unwrap_or(Nanos::MAX)
+    }
+
+    /// Lets time pass on all buses until `to`.
+    pub fn advance(&self, to: Nanos) {
+        for bus in self.buses.borrow_mut().iter_mut() {
+            bus.advance(to);
+        }
+    }
+}
+
+impl SensorBus for Handle {
+    type Error = HostError;
+
+    /// The oldest frame over all buses; of two received at once the one from the lower bus.
+    fn receive(&mut self) -> Result<Option<Received>, HostError> {
+        let mut buses = self.buses.borrow_mut();
+        let waiting = buses.iter().enumerate();
+        let oldest = waiting
+            .filter_map(|(n, bus)| Some((bus.segment.received_at(bus.host)?, n)))
+            .min();
+        let taken = oldest.and_then(|(_, n)| {
+            let bus = buses.get_mut(n)?;
+            let (at, frame) = bus.segment.receive(bus.host)?;
+            Some(Received {
+                at: Instant::from_micros(at.as_micros()),
+                bus: n as u8,
+                frame,
+            })
+        });
+        Ok(taken)
+    }
+
+    fn transmit(&mut self, bus: u8, frame: &CanFrame) -> Result<(), HostError> {
+        let mut buses = self.buses.borrow_mut();
+        let bus = buses.get_mut(usize::from(bus)).ok_or(HostError::NoBus)?;
+        let sent = bus.segment.send(bus.host, frame);
+        sent.map_err(|error| match error {
+            SendError::Full => HostError::QueueFull,
+            SendError::BusOff => HostError::BusOff,
+            SendError::NoNode => HostError::NoBus,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;
