@@ -6,4 +6,7 @@
 //! from it) and room for a fault layer in front.
 #![forbid(unsafe_code)]
 
+pub mod amplifier;
+pub mod i2c;
+pub mod pca9685;
 pub mod time;
