@@ -10,4 +10,7 @@ pub mod board;
 pub mod can;
 pub mod rig;
 pub mod skin;
+pub mod amplifier;
+pub mod i2c;
+pub mod pca9685;
 pub mod time;

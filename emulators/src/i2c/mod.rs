@@ -1,0 +1,337 @@
+//! An I2C segment: several PCA9685 on one pair of wires, one bus clock, virtual time.
+//!
+//! A transaction starts at [`Segment::now`] and takes a bit time each for START, repeated START and STOP and
+//! nine for a byte. Every byte reaches the chips at the instant of its ACK and the STOP at its end, so what
+//! a torn or slow update does to a wire is seen where it happens. The bus-free time between a STOP and the
+//! next START is not charged: it is what the controller makes of it.
+//!
+//! The owner of time moves the segment with [`Segment::set_now`]; [`Handle`] is the `embedded_hal` face.
+//! [`fault::I2cFault`] stands in front of either.
+
+mod error;
+pub mod fault;
+mod handle;
+
+use std::collections::VecDeque;
+
+use embedded_hal::i2c::Operation;
+
+use crate::pca9685::Pca9685;
+use crate::time::Nanos;
+pub use error::Error;
+pub use handle::{Handle, immediate};
+
+/// The bus clock.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BusClock {
+    /// Standard mode, 100 kbit/s.
+    Standard,
+    /// Fast mode, 400 kbit/s.
+    #[default]
+    Fast,
+    /// Fast mode plus, 1 Mbit/s: the PCA9685's fastest.
+    FastPlus,
+}
+
+impl BusClock {
+    /// Length of a bit.
+    pub const fn bit(self) -> Nanos {
+        Nanos(match self {
+            Self::Standard => 10_000,
+            Self::Fast => 2_500,
+            Self::FastPlus => 1_000,
+        })
+    }
+
+    /// Length of a transaction with one message of `bytes` bytes after the address.
+    pub const fn write_time(self, bytes: u64) -> Nanos {
+        Nanos(self.bit().0.saturating_mul(2 + 9 * (1 + bytes)))
+    }
+}
+
+/// What the adapter makes of neighbouring operations in the same direction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Adjacent {
+    /// One message without a START between, as embedded-hal wants it (I2C_M_NOSTART).
+    #[default]
+    Merge,
+    /// A message each with a repeated START between, which is what linux-embedded-hal's traffic looks like:
+    /// the first byte of the second message is a control byte to the chip.
+    RepeatedStart,
+    /// EOPNOTSUPP: the adapter lacks I2C_M_NOSTART and its driver says so.
+    Refuse,
+}
+
+/// One message of a recorded transaction.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// Direction: from the chip.
+    pub read: bool,
+    /// Data bytes that crossed the bus, without the address; the last one may have been refused.
+    pub bytes: Vec<u8>,
+}
+
+/// A recorded transaction.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Record {
+    /// START.
+    pub start: Nanos,
+    /// End of the STOP.
+    pub end: Nanos,
+    /// The 7-bit address.
+    pub address: u8,
+    /// What crossed the bus.
+    pub messages: Vec<Message>,
+    /// What became of it.
+    pub result: Result<(), Error>,
+}
+
+/// Several chips on one bus.
+#[derive(Debug)]
+pub struct Segment {
+    clock: BusClock,
+    adjacent: Adjacent,
+    now: Nanos,
+    chips: Vec<Pca9685>,
+    /// Chips that took part since the last STOP.
+    involved: Vec<bool>,
+    /// Longest clock stretch that the adapter bears, a byte.
+    stretch_limit: Nanos,
+    /// SCL is held low for so long before the next byte.
+    held: Nanos,
+    log: VecDeque<Record>,
+    log_capacity: usize,
+    transactions: u64,
+    busy: Nanos,
+}
+
+impl Segment {
+    /// A bus at `clock` with these chips; stretch limit 25 ms (SMBus), no log.
+    pub fn new(clock: BusClock, chips: Vec<Pca9685>) -> Self {
+        Self {
+            clock,
+            adjacent: Adjacent::default(),
+            now: Nanos::ZERO,
+            involved: vec![false; chips.len()],
+            chips,
+            stretch_limit: Nanos::from_micros(25_000),
+            held: Nanos::ZERO,
+            log: VecDeque::new(),
+            log_capacity: 0,
+            transactions: 0,
+            busy: Nanos::ZERO,
+        }
+    }
+
+    /// How the adapter treats neighbouring operations in the same direction.
+    pub fn with_adjacent(mut self, adjacent: Adjacent) -> Self {
+        self.adjacent = adjacent;
+        self
+    }
+
+    /// The longest clock stretch the adapter bears, a byte.
+    pub fn with_stretch_limit(mut self, limit: Nanos) -> Self {
+        self.stretch_limit = limit;
+        self
+    }
+
+    /// Keeps the last `capacity` transactions for [`Segment::take_log`].
+    pub fn with_log(mut self, capacity: usize) -> Self {
+        self.log_capacity = capacity;
+        self
+    }
+
+    /// When the next transaction starts: never before the last one's end.
+    pub const fn now(&self) -> Nanos {
+        self.now
+    }
+
+    /// Moves time forward; a time in the past changes nothing.
+    pub fn set_now(&mut self, now: Nanos) {
+        self.now = self.now.max(now);
+    }
+
+    /// The bus clock.
+    pub const fn clock(&self) -> BusClock {
+        self.clock
+    }
+
+    /// The chips, for their physical face. Hand them times up to [`Segment::now`].
+    pub fn chips(&self) -> &[Pca9685] {
+        &self.chips
+    }
+
+    /// The chips, to touch them.
+    pub fn chips_mut(&mut self) -> &mut [Pca9685] {
+        &mut self.chips
+    }
+
+    /// Somebody holds SCL low for `span` before the next byte is through.
+    pub fn hold_clock(&mut self, span: Nanos) {
+        self.held = self.held + span;
+    }
+
+    /// Transactions so far, failed ones too.
+    pub const fn transactions(&self) -> u64 {
+        self.transactions
+    }
+
+    /// Time during which the bus was taken.
+    pub const fn busy(&self) -> Nanos {
+        self.busy
+    }
+
+    /// The recorded transactions since the last call, oldest first.
+    pub fn take_log(&mut self) -> Vec<Record> {
+        self.log.drain(..).collect()
+    }
+
+    /// One transaction, from START to STOP. On an error the adapter sends STOP at once: bytes already
+    /// acknowledged have had their effect.
+    pub fn transaction(
+        &mut self,
+        address: u8,
+        operations: &mut [Operation<'_>],
+    ) -> Result<(), Error> {
+        if operations.is_empty() {
+            return Ok(()); // embedded-hal: nothing on the bus
+        }
+        let start = self.now;
+        let mut messages = Vec::new();
+        let result = match self.adjacent {
+            Adjacent::Refuse if has_neighbours(operations) => return Err(Error::Unsupported),
+            _ => self.messages(address, operations, &mut messages),
+        };
+        self.stop();
+        self.transactions += 1;
+        self.busy = self.busy + self.now.since(start);
+        if self.log_capacity > 0 {
+            if self.log.len() >= self.log_capacity {
+                self.log.pop_front();
+            }
+            self.log.push_back(Record {
+                start,
+                end: self.now,
+                address,
+                messages,
+                result,
+            });
+        }
+        result
+    }
+
+    fn messages(
+        &mut self,
+        address: u8,
+        operations: &mut [Operation<'_>],
+        log: &mut Vec<Message>,
+    ) -> Result<(), Error> {
+        let mut direction = None;
+        for operation in operations {
+            let read = matches!(operation, Operation::Read(_));
+            if direction != Some(read) || self.adjacent == Adjacent::RepeatedStart {
+                direction = Some(read);
+                log.push(Message {
+                    read,
+                    bytes: Vec::new(),
+                });
+                self.start(address, read)?;
+            }
+            match operation {
+                Operation::Read(buffer) => {
+                    for slot in buffer.iter_mut() {
+                        *slot = self.read_byte()?;
+                        record(log, *slot);
+                    }
+                }
+                Operation::Write(bytes) => {
+                    for &byte in *bytes {
+                        record(log, byte);
+                        self.write_byte(byte)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A START bit and the address byte.
+    fn start(&mut self, address: u8, read: bool) -> Result<(), Error> {
+        self.tick(1);
+        self.byte()?;
+        let mut acknowledged = false;
+        for (chip, involved) in self.chips.iter_mut().zip(&mut self.involved) {
+            // A chip that is not meant still sees the START, which calls off its software reset.
+            if *involved || chip.answers(address, read) {
+                *involved = true;
+                acknowledged |= chip.start(self.now, address, read);
+            }
+        }
+        if acknowledged {
+            Ok(())
+        } else {
+            Err(Error::AddressNack)
+        }
+    }
+
+    fn write_byte(&mut self, byte: u8) -> Result<(), Error> {
+        self.byte()?;
+        let mut acknowledged = false;
+        for (chip, _) in self.chips.iter_mut().zip(&self.involved).filter(|c| *c.1) {
+            acknowledged |= chip.write(self.now, byte);
+        }
+        if acknowledged {
+            Ok(())
+        } else {
+            Err(Error::DataNack)
+        }
+    }
+
+    /// Reads are a wired AND of all chips that were addressed.
+    fn read_byte(&mut self) -> Result<u8, Error> {
+        self.byte()?;
+        let mut byte = 0xFF;
+        for (chip, _) in self.chips.iter_mut().zip(&self.involved).filter(|c| *c.1) {
+            byte &= chip.read(self.now);
+        }
+        Ok(byte)
+    }
+
+    fn stop(&mut self) {
+        self.tick(1);
+        for (chip, involved) in self.chips.iter_mut().zip(&mut self.involved) {
+            if std::mem::take(involved) {
+                chip.stop(self.now);
+            }
+        }
+    }
+
+    /// The time of eight bits and an acknowledge, and of whoever holds the clock.
+    fn byte(&mut self) -> Result<(), Error> {
+        let held = std::mem::take(&mut self.held);
+        if held > self.stretch_limit {
+            self.now = self.now + self.stretch_limit;
+            return Err(Error::Timeout);
+        }
+        self.now = self.now + held;
+        self.tick(9);
+        Ok(())
+    }
+
+    fn tick(&mut self, bits: u64) {
+        self.now = self.now + Nanos(self.clock.bit().0 * bits);
+    }
+}
+
+fn record(log: &mut [Message], byte: u8) {
+    if let Some(message) = log.last_mut() {
+        message.bytes.push(byte);
+    }
+}
+
+fn has_neighbours(operations: &[Operation<'_>]) -> bool {
+    let is_read = |o: &Operation<'_>| matches!(o, Operation::Read(_));
+    operations
+        .windows(2)
+        .any(|w| is_read(&w[0]) == is_read(&w[1]))
+}
