@@ -1,4 +1,19 @@
 //! The canonical trace of a run, and what reads it.
+//!
+//! A renderer is a pure function of [`trace::Trace`]: it opens no file and knows no clock, so any two
+//! of them tell the same story. Texts are built from integers; only the report's pictures use floats.
 #![forbid(unsafe_code)]
 
+pub mod bursts;
+pub mod contacts_csv;
+pub mod digest;
+mod fixed;
+pub mod golden;
+pub mod measure;
+pub mod report;
+pub mod schedule;
 pub mod trace;
+pub mod words;
+
+#[cfg(test)]
+mod synthetic;

@@ -38,6 +38,21 @@ pub struct WireInfo {
     pub channel: u8,
 }
 
+/// Limits a measured value is held against where it is shown; `None` where the run had none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Limits {
+    /// Longest pulse, nanoseconds.
+    pub pulse_ns: Option<u64>,
+    /// Longest burst on one wire, microseconds.
+    pub burst_us: Option<u64>,
+    /// Largest supply current, milliamperes.
+    pub supply_ma: Option<u32>,
+    /// Mean power of the whole fingertip over its longest window, microwatts.
+    pub fingertip_uw: Option<u32>,
+    /// Skin at the guard's depth, thousandths of a degree Celsius.
+    pub skin_milli_c: Option<i32>,
+}
+
 /// What was run, on what, under which limits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Header {
@@ -53,6 +68,8 @@ pub struct Header {
     pub scene_digest: String,
     /// SHA-256 of the limit table in force, first 16 hex digits.
     pub limits_digest: String,
+    /// The limits in force that a ledger shows beside its values.
+    pub limits: Limits,
     /// PRE_SCALE of every board: with it the true PWM frequency.
     pub pre_scale: Prescale,
     /// Stimulus duration tau_d, microseconds.

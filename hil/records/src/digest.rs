@@ -1,0 +1,316 @@
+//! The trace as canonical bytes, and SHA-256 over them: what "byte-identical runs" means.
+//!
+//! Little-endian integers at fixed widths, strings with their length in front, one tag byte an event,
+//! so two different traces never share their bytes.
+
+use crate::trace::{Event, Header, Ledger, PlaceUm, Source, Trace, VERSION};
+use sha2::{Digest, Sha256};
+
+/// First 16 hex digits of the SHA-256 over the whole trace: header, events and ledger.
+pub fn trace_digest(trace: &Trace) -> String {
+    let mut sink = Sink(Sha256::new());
+    sink.header(&trace.header);
+    sink.events(trace.events.iter());
+    sink.ledger(&trace.ledger);
+    sink.finish()
+}
+
+/// The same over taxels, frames, contacts and truth alone: a change behind the compression leaves it.
+pub fn contacts_digest(trace: &Trace) -> String {
+    let mut sink = Sink(Sha256::new());
+    sink.places(trace.header.taxels.iter());
+    sink.events(trace.events.iter().filter(|e| {
+        matches!(
+            e,
+            Event::Frame { .. } | Event::Contact { .. } | Event::Truth { .. }
+        )
+    }));
+    sink.finish()
+}
+
+/// The same over what was sent to the boards alone: a change of a physical model leaves it.
+pub fn schedule_digest(trace: &Trace) -> String {
+    let mut sink = Sink(Sha256::new());
+    sink.events(trace.events.iter().filter(|e| {
+        matches!(
+            e,
+            Event::Schedule(_) | Event::PreScale { .. } | Event::AllOff { .. }
+        )
+    }));
+    sink.finish()
+}
+
+/// First 16 hex digits of the SHA-256 of any bytes, for scene files and limit tables.
+pub fn short_digest(bytes: &[u8]) -> String {
+    let mut sink = Sink(Sha256::new());
+    sink.0.update(bytes);
+    sink.finish()
+}
+
+struct Sink(Sha256);
+
+impl Sink {
+    fn finish(self) -> String {
+        use std::fmt::Write;
+        let mut text = String::with_capacity(16);
+        for byte in self.0.finalize().iter().take(8) {
+            let _ = write!(text, "{byte:02x}");
+        }
+        text
+    }
+
+    fn u8(&mut self, v: u8) {
+        self.0.update([v]);
+    }
+    fn u16(&mut self, v: u16) {
+        self.0.update(v.to_le_bytes());
+    }
+    fn u32(&mut self, v: u32) {
+        self.0.update(v.to_le_bytes());
+    }
+    fn u64(&mut self, v: u64) {
+        self.0.update(v.to_le_bytes());
+    }
+    fn i32(&mut self, v: i32) {
+        self.0.update(v.to_le_bytes());
+    }
+    fn text(&mut self, v: &str) {
+        self.u64(v.len() as u64);
+        self.0.update(v.as_bytes());
+    }
+    fn place(&mut self, p: PlaceUm) {
+        self.i32(p.x);
+        self.i32(p.y);
+    }
+    fn option<T>(&mut self, v: Option<T>, write: impl FnOnce(&mut Self, T)) {
+        self.u8(u8::from(v.is_some()));
+        if let Some(v) = v {
+            write(self, v);
+        }
+    }
+    fn places<'a>(&mut self, places: impl ExactSizeIterator<Item = &'a PlaceUm>) {
+        self.u64(places.len() as u64);
+        for p in places {
+            self.place(*p);
+        }
+    }
+
+    // Taken apart by pattern: a new field does not compile until it is hashed.
+    fn header(&mut self, header: &Header) {
+        let Header {
+            source,
+            scene,
+            bench,
+            seed,
+            scene_digest,
+            limits_digest,
+            limits,
+            pre_scale,
+            tau_d_us,
+            soa_us,
+            illusion,
+            kc,
+            taxels,
+            wires,
+        } = header;
+        self.u32(VERSION);
+        self.u8(match source {
+            Source::Emulated => 0,
+            Source::Real => 1,
+        });
+        self.text(scene);
+        self.text(bench);
+        self.u64(*seed);
+        self.text(scene_digest);
+        self.text(limits_digest);
+        self.option(limits.pulse_ns, Self::u64);
+        self.option(limits.burst_us, Self::u64);
+        self.option(limits.supply_ma, Self::u32);
+        self.option(limits.fingertip_uw, Self::u32);
+        self.option(limits.skin_milli_c, Self::i32);
+        self.u8(pre_scale.get());
+        self.u64(*tau_d_us);
+        self.u64(*soa_us);
+        self.text(illusion);
+        self.u16(*kc);
+        self.places(taxels.iter());
+        self.u64(wires.len() as u64);
+        for wire in wires {
+            self.place(wire.place);
+            self.u8(wire.board);
+            self.u8(wire.channel);
+        }
+    }
+
+    fn ledger(&mut self, ledger: &Ledger) {
+        let Ledger {
+            energy_uj,
+            peak_supply_ma,
+            hottest_wire,
+            hottest_skin_milli_c,
+            limiter_events,
+            length_us,
+        } = ledger;
+        self.u64(*energy_uj);
+        self.u32(*peak_supply_ma);
+        self.option(*hottest_wire, |s, (milli_c, wire)| {
+            s.i32(milli_c);
+            s.u16(wire);
+        });
+        self.option(*hottest_skin_milli_c, Self::i32);
+        self.u32(*limiter_events);
+        self.u64(*length_us);
+    }
+
+    fn events<'a>(&mut self, events: impl Iterator<Item = &'a Event>) {
+        for event in events {
+            self.event(event);
+        }
+        self.u8(0xFF);
+    }
+
+    fn event(&mut self, event: &Event) {
+        match event {
+            Event::Frame {
+                t_us,
+                frame,
+                in_contact,
+                peak_counts,
+            } => {
+                self.u8(1);
+                self.u64(*t_us);
+                self.u32(*frame);
+                self.u16(*in_contact);
+                self.u32(*peak_counts);
+            }
+            Event::Contact {
+                t_us,
+                frame,
+                module,
+                contact,
+                place,
+                intensity_milli,
+                level,
+                members,
+            } => {
+                self.u8(2);
+                self.u64(*t_us);
+                self.u32(*frame);
+                self.u16(*module);
+                self.u32(*contact);
+                self.place(*place);
+                self.u32(*intensity_milli);
+                self.u16(*level);
+                self.u16(*members);
+            }
+            Event::Truth {
+                t_us,
+                place,
+                force_mn,
+            } => {
+                self.u8(3);
+                self.u64(*t_us);
+                self.place(*place);
+                self.u32(*force_mn);
+            }
+            Event::Schedule(entry) => {
+                self.u8(4);
+                self.u64(entry.at.as_micros());
+                self.u8(entry.board.0);
+                self.u8(entry.channel.0);
+                self.u16(entry.on);
+                self.u16(entry.off);
+                self.u64(entry.until.as_micros());
+                self.u16(entry.requested.get());
+                self.option(entry.reason, |s, reason| s.text(reason.word()));
+            }
+            Event::PreScale {
+                t_us,
+                board,
+                pre_scale,
+            } => {
+                self.u8(5);
+                self.u64(*t_us);
+                self.u8(*board);
+                self.u8(*pre_scale);
+            }
+            Event::AllOff { t_us, board, cause } => {
+                self.u8(6);
+                self.u64(*t_us);
+                self.u8(*board);
+                self.text(cause);
+            }
+            Event::Edge {
+                t_ns,
+                board,
+                channel,
+                high,
+            } => {
+                self.u8(7);
+                self.u64(*t_ns);
+                self.u8(*board);
+                self.u8(*channel);
+                self.u8(u8::from(*high));
+            }
+            Event::Felt {
+                t_us,
+                target,
+                inside,
+                felt,
+            } => {
+                self.u8(8);
+                self.u64(*t_us);
+                self.place(*target);
+                self.u8(u8::from(*inside));
+                self.option(*felt, Self::place);
+            }
+            Event::Wire {
+                t_us,
+                wire,
+                milli_c,
+            } => {
+                self.u8(9);
+                self.u64(*t_us);
+                self.u16(*wire);
+                self.i32(*milli_c);
+            }
+            Event::Note { t_us, text } => {
+                self.u8(10);
+                self.u64(*t_us);
+                self.text(text);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic;
+
+    #[test]
+    fn one_integer_changes_the_digest() {
+        let trace = synthetic::circle(2);
+        let before = trace_digest(&trace);
+        assert_eq!(before.len(), 16);
+        assert_eq!(before, trace_digest(&trace.clone()));
+        let mut other = trace.clone();
+        other.ledger.energy_uj += 1;
+        assert_ne!(before, trace_digest(&other));
+        let mut other = trace.clone();
+        for event in &mut other.events {
+            if let Event::Wire { milli_c, .. } = event {
+                *milli_c += 1;
+                break;
+            }
+        }
+        assert_ne!(before, trace_digest(&other));
+        assert_eq!(contacts_digest(&trace), contacts_digest(&other));
+        assert_eq!(schedule_digest(&trace), schedule_digest(&other));
+    }
+
+    #[test]
+    fn known_vector() {
+        assert_eq!(short_digest(b"abc"), "ba7816bf8f01cfea");
+    }
+}

@@ -1,0 +1,249 @@
+//! The schedule as JSON Lines: a header, then one record a line, integers and words only.
+
+use crate::trace::{Event, Header, Source, Trace};
+use palpate_core::schedule::Entry;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+/// Version of the file's meaning; grows when a field changes what it says.
+pub const VERSION: u32 = 1;
+
+#[derive(Serialize)]
+struct HeaderLine<'a> {
+    version: u32,
+    seed: u64,
+    scene_digest: &'a str,
+    limits_digest: &'a str,
+    scene: &'a str,
+    bench: &'a str,
+    source: Source,
+    pre_scale: u8,
+    period_ns: u64,
+    tau_d_us: u64,
+    soa_us: u64,
+}
+
+impl<'a> HeaderLine<'a> {
+    fn new(header: &'a Header) -> Self {
+        Self {
+            version: VERSION,
+            seed: header.seed,
+            scene_digest: &header.scene_digest,
+            limits_digest: &header.limits_digest,
+            scene: &header.scene,
+            bench: &header.bench,
+            source: header.source,
+            pre_scale: header.pre_scale.get(),
+            period_ns: header.pre_scale.period_ns(),
+            tau_d_us: header.tau_d_us,
+            soa_us: header.soa_us,
+        }
+    }
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Record {
+    Entry {
+        t_us: u64,
+        board: u8,
+        channel: u8,
+        on: u16,
+        off: u16,
+        until_us: u64,
+        requested: u16,
+        reason: Option<&'static str>,
+    },
+    PreScale {
+        t_us: u64,
+        board: u8,
+        pre_scale: u8,
+    },
+    AllOff {
+        t_us: u64,
+        board: u8,
+        all_off: &'static str,
+    },
+}
+
+impl Record {
+    fn entry(entry: &Entry) -> Self {
+        Self::Entry {
+            t_us: entry.at.as_micros(),
+            board: entry.board.0,
+            channel: entry.channel.0,
+            on: entry.on,
+            off: entry.off,
+            until_us: entry.until.as_micros(),
+            requested: entry.requested.get(),
+            reason: entry.reason.map(|r| r.word()),
+        }
+    }
+}
+
+/// Writes the schedule: header, then records sorted by time, board and channel.
+///
+/// A record that concerns a whole board keeps its place among the entries of the same board and
+/// instant (off-then-on and on-then-off end differently); only entries between two such are sorted.
+///
+/// # Errors
+/// Whatever the writer says.
+pub fn write_schedule(trace: &Trace, mut out: impl Write) -> io::Result<()> {
+    serde_json::to_writer(&mut out, &HeaderLine::new(&trace.header))?;
+    out.write_all(b"\n")?;
+    for (_, record) in sorted(trace) {
+        serde_json::to_writer(&mut out, &record)?;
+        out.write_all(b"\n")?;
+    }
+    Ok(())
+}
+
+/// Time, board, how many whole-board records came before at that instant, channel.
+type Key = (u64, u8, u32, u16);
+
+fn sorted(trace: &Trace) -> Vec<(Key, Record)> {
+    let mut passed: BTreeMap<(u64, u8), u32> = BTreeMap::new();
+    let mut whole_board = |t_us: u64, board: u8| {
+        let count = passed.entry((t_us, board)).or_default();
+        *count += 1;
+        (t_us, board, *count, 0)
+    };
+    let mut barriers: Vec<(usize, Key, Record)> = Vec::new();
+    let mut entries: Vec<(usize, &Entry)> = Vec::new();
+    for (index, event) in trace.events.iter().enumerate() {
+        match *event {
+            Event::Schedule(ref entry) => entries.push((index, entry)),
+            Event::PreScale {
+                t_us,
+                board,
+                pre_scale,
+            } => {
+                let record = Record::PreScale {
+                    t_us,
+                    board,
+                    pre_scale,
+                };
+                barriers.push((index, whole_board(t_us, board), record));
+            }
+            Event::AllOff { t_us, board, cause } => {
+                let record = Record::AllOff {
+                    t_us,
+                    board,
+                    all_off: cause,
+                };
+                barriers.push((index, whole_board(t_us, board), record));
+            }
+            _ => {}
+        }
+    }
+    let mut at: BTreeMap<(u64, u8), Vec<usize>> = BTreeMap::new();
+    for (index, key, _) in &barriers {
+        at.entry((key.0, key.1)).or_default().push(*index);
+    }
+    let mut records: Vec<(Key, Record)> = Vec::with_capacity(barriers.len() + entries.len());
+    for (index, entry) in entries {
+        let (t_us, board) = (entry.at.as_micros(), entry.board.0);
+        let before = at
+            .get(&(t_us, board))
+            .map_or(0, |indices| indices.iter().filter(|i| **i < index).count());
+        let segment = u32::try_from(before).unwrap_or(u32::MAX);
+        // Channel + 1: a whole-board record opens its segment.
+        let key = (t_us, board, segment, u16::from(entry.channel.0) + 1);
+        records.push((key, Record::entry(entry)));
+    }
+    records.extend(barriers.into_iter().map(|(_, key, record)| (key, record)));
+    records.sort_by_key(|(key, _)| *key);
+    records
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic;
+    use palpate_core::units::{Board, Channel, Instant, Ticks};
+
+    fn lines(trace: &Trace) -> Vec<serde_json::Value> {
+        let mut out = Vec::new();
+        write_schedule(trace, &mut out).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        text.lines()
+            .map(|l| serde_json::from_str(l).unwrap())
+            .collect()
+    }
+
+    #[test]
+    fn every_line_is_json_of_integers_and_words_in_order() {
+        let trace = synthetic::circle(2);
+        let all = lines(&trace);
+        assert_eq!(all[0]["version"], 1);
+        assert_eq!(all[0]["seed"], trace.header.seed);
+        assert!(all.len() > 50);
+        let mut last = (0, 0);
+        for line in &all[1..] {
+            for (key, value) in line.as_object().unwrap() {
+                assert!(
+                    value.is_u64() || value.is_string() || value.is_null(),
+                    "{key}: {value}"
+                );
+            }
+            let key = (
+                line["t_us"].as_u64().unwrap(),
+                line["board"].as_u64().unwrap(),
+            );
+            assert!(key >= last);
+            last = key;
+        }
+    }
+
+    #[test]
+    fn the_record_is_spelled_as_promised() {
+        let mut trace = synthetic::empty();
+        let entry = |channel| {
+            Event::Schedule(Entry {
+                at: Instant::from_micros(0),
+                board: Board(0),
+                channel: Channel(channel),
+                on: 256,
+                off: 356,
+                until: Instant::from_micros(35_000),
+                requested: Ticks::new(100),
+                reason: None,
+            })
+        };
+        trace.events = vec![
+            Event::AllOff {
+                t_us: 0,
+                board: 0,
+                cause: "start",
+            },
+            Event::PreScale {
+                t_us: 0,
+                board: 0,
+                pre_scale: 30,
+            },
+            entry(2),
+            entry(1),
+            Event::AllOff {
+                t_us: 0,
+                board: 0,
+                cause: "stop",
+            },
+        ];
+        let mut out = Vec::new();
+        write_schedule(&trace, &mut out).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        let body: Vec<_> = text.lines().skip(1).collect();
+        let tail = r#""on":256,"off":356,"until_us":35000,"requested":100,"reason":null}"#;
+        assert_eq!(
+            body,
+            [
+                r#"{"t_us":0,"board":0,"all_off":"start"}"#.to_owned(),
+                r#"{"t_us":0,"board":0,"pre_scale":30}"#.to_owned(),
+                format!(r#"{{"t_us":0,"board":0,"channel":1,{tail}"#),
+                format!(r#"{{"t_us":0,"board":0,"channel":2,{tail}"#),
+                r#"{"t_us":0,"board":0,"all_off":"stop"}"#.to_owned(),
+            ]
+        );
+    }
+}

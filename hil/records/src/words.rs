@@ -1,0 +1,235 @@
+//! What happened, told in words: one line each, neighbours of a kind folded into one.
+
+use crate::bursts::bursts;
+use crate::fixed::{place, seconds};
+use crate::trace::{Event, Trace};
+
+/// Kind of a happening.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// The guard applied something other than what was requested.
+    Limiter,
+    /// A board went off as a whole.
+    AllOff,
+    /// An onset at which nothing was felt.
+    Break,
+    /// A board's period changed.
+    PreScale,
+    /// A line of the run's own.
+    Note,
+}
+
+impl Kind {
+    /// The word a list is headed with.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Limiter => "limiter",
+            Self::AllOff => "all-off",
+            Self::Break => "break",
+            Self::PreScale => "pre-scale",
+            Self::Note => "note",
+        }
+    }
+
+    /// Its mark in a strip chart.
+    pub const fn mark(self) -> u8 {
+        match self {
+            Self::Limiter => b'!',
+            Self::AllOff => b'X',
+            Self::Break => b'B',
+            Self::PreScale => b'P',
+            Self::Note => b'n',
+        }
+    }
+}
+
+/// One line of the story.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Happening {
+    /// When it began, microseconds.
+    pub t_us: u64,
+    /// When it was last seen; `t_us` if it happened once.
+    pub last_us: u64,
+    /// Of what kind.
+    pub kind: Kind,
+    /// In words, without the time.
+    pub text: String,
+}
+
+/// Everything worth a line, in order of time. Limiter events of one wire and reason, and breaks, that
+/// follow one another within four onsets are one happening.
+pub fn happenings(trace: &Trace) -> Vec<Happening> {
+    let gap_us = trace.header.soa_us.saturating_mul(4).max(1);
+    let mut list = limiter(trace, gap_us);
+    list.extend(breaks(trace, gap_us));
+    for event in &trace.events {
+        let (t_us, kind, text) = match event {
+            Event::AllOff { t_us, board, cause } => {
+                (*t_us, Kind::AllOff, format!("board {board} off: {cause}"))
+            }
+            Event::PreScale {
+                t_us,
+                board,
+                pre_scale,
+            } => (
+                *t_us,
+                Kind::PreScale,
+                format!("board {board} set to {pre_scale}"),
+            ),
+            Event::Note { t_us, text } => (*t_us, Kind::Note, one_line(text)),
+            _ => continue,
+        };
+        list.push(Happening {
+            t_us,
+            last_us: t_us,
+            kind,
+            text,
+        });
+    }
+    list.sort_by_key(|h| (h.t_us, h.kind));
+    list
+}
+
+fn limiter(trace: &Trace, gap_us: u64) -> Vec<Happening> {
+    struct Run {
+        output: (u8, u8),
+        word: &'static str,
+        wire: String,
+        first: u64,
+        last: u64,
+        count: u64,
+        refused: u64,
+        worst: (u16, u16),
+    }
+    let mut runs: Vec<Run> = Vec::new();
+    for burst in bursts(trace) {
+        let Some(reason) = burst.reason else { continue };
+        let word = reason.word();
+        let same = runs
+            .iter_mut()
+            .rev()
+            .take(64)
+            .find(|r| r.output == burst.output && r.word == word)
+            .filter(|r| burst.from_us.saturating_sub(r.last) <= gap_us);
+        let cut = (burst.requested, burst.width);
+        let refused = u64::from(burst.width == 0);
+        match same {
+            Some(run) => {
+                run.last = burst.from_us;
+                run.count += 1;
+                run.refused += refused;
+                if cut.0.saturating_sub(cut.1) > run.worst.0.saturating_sub(run.worst.1) {
+                    run.worst = cut;
+                }
+            }
+            None => runs.push(Run {
+                output: burst.output,
+                word,
+                wire: burst.wire.map_or_else(
+                    || format!("output {}:{}", burst.output.0, burst.output.1),
+                    |w| format!("wire {w}"),
+                ),
+                first: burst.from_us,
+                last: burst.from_us,
+                count: 1,
+                refused,
+                worst: cut,
+            }),
+        }
+    }
+    runs.into_iter()
+        .map(|r| {
+            let many = match (r.count, r.refused) {
+                (1, 0) => String::new(),
+                (1, _) => "refused, ".to_owned(),
+                (n, 0) => format!("{n} bursts, worst "),
+                (n, refused) => format!("{n} bursts, {refused} refused, worst "),
+            };
+            let (asked, given) = r.worst;
+            Happening {
+                t_us: r.first,
+                last_us: r.last,
+                kind: Kind::Limiter,
+                text: format!("{} {}: {many}{asked} -> {given} ticks", r.wire, r.word),
+            }
+        })
+        .collect()
+}
+
+fn breaks(trace: &Trace, gap_us: u64) -> Vec<Happening> {
+    let mut list: Vec<(Happening, u64)> = Vec::new();
+    for event in &trace.events {
+        let Event::Felt {
+            t_us,
+            target,
+            inside: true,
+            felt: None,
+        } = event
+        else {
+            continue;
+        };
+        match list.last_mut() {
+            Some((last, count)) if t_us.saturating_sub(last.last_us) <= gap_us => {
+                last.last_us = *t_us;
+                *count += 1;
+            }
+            _ => list.push((
+                Happening {
+                    t_us: *t_us,
+                    last_us: *t_us,
+                    kind: Kind::Break,
+                    text: format!("nothing felt from {}", place(*target)),
+                },
+                1,
+            )),
+        }
+    }
+    list.into_iter()
+        .map(|(mut happening, count)| {
+            if count > 1 {
+                happening.text.push_str(&format!(", {count} onsets"));
+            }
+            happening
+        })
+        .collect()
+}
+
+/// The happening as a line: time, end, kind, text.
+pub fn line(happening: &Happening) -> String {
+    let to = if happening.last_us > happening.t_us {
+        format!("..{} s", seconds(happening.last_us))
+    } else {
+        " s".to_owned()
+    };
+    let when = format!("{:>8}{to}", seconds(happening.t_us));
+    format!("{when:<18} {:<9} {}", happening.kind.word(), happening.text)
+}
+
+/// Printable ASCII on one line: what a golden may hold, whatever a note says.
+pub fn one_line(text: &str) -> String {
+    text.chars()
+        .map(|c| match c {
+            '\n' | '\r' | '\t' => ' ',
+            c if c.is_ascii() && !c.is_ascii_control() => c,
+            _ => '?',
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthetic;
+
+    #[test]
+    fn limiter_events_of_a_wire_fold_and_the_story_is_in_order() {
+        let list = happenings(&synthetic::circle(10));
+        assert!(list.is_sorted_by_key(|h| h.t_us));
+        let limited: Vec<_> = list.iter().filter(|h| h.kind == Kind::Limiter).collect();
+        assert!(!limited.is_empty() && limited.len() < 10, "{limited:?}");
+        assert!(limited.iter().any(|h| h.text.contains("1 refused, worst")));
+        assert!(list.iter().any(|h| h.kind == Kind::Break));
+        assert!(line(limited[0]).contains("limiter   wire 2 wire-power"));
+        assert_eq!(one_line("a\nb\u{b5}"), "a b?");
+    }
+}
