@@ -6,11 +6,11 @@
 //! from it) and room for a fault layer in front.
 #![forbid(unsafe_code)]
 
+pub mod amplifier;
 pub mod board;
 pub mod can;
-pub mod rig;
-pub mod skin;
-pub mod amplifier;
 pub mod i2c;
 pub mod pca9685;
+pub mod rig;
+pub mod skin;
 pub mod time;

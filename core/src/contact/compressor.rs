@@ -295,9 +295,13 @@ impl Compressor {
         if (p - 1.0).abs() < f32::EPSILON {
             weights.iter_mut().for_each(|w| *w /= largest);
         } else if (p - 2.0).abs() < f32::EPSILON {
-            weights.iter_mut().for_each(|w| *w = (*w / largest) * (*w / largest));
+            weights
+                .iter_mut()
+                .for_each(|w| *w = (*w / largest) * (*w / largest));
         } else {
-            weights.iter_mut().for_each(|w| *w = libm::powf(*w / largest, p));
+            weights
+                .iter_mut()
+                .for_each(|w| *w = libm::powf(*w / largest, p));
         }
     }
 

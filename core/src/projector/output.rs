@@ -83,9 +83,15 @@ impl Output {
         &self.display
     }
 
+    pub(super) const fn drive(&self) -> Drive {
+        self.settings.drive
+    }
+
     /// When this half has something to do next.
     pub(super) fn next(&self) -> Instant {
-        self.guard.next_expiry().map_or(self.next_onset, |end| end.min(self.next_onset))
+        self.guard
+            .next_expiry()
+            .map_or(self.next_onset, |end| end.min(self.next_onset))
     }
 
     /// Whether a stimulus is running.
@@ -120,9 +126,11 @@ impl Output {
         self.activate(targets);
         for board in 0..=self.boards {
             let count = self.collect(Board(board), onset);
-            let update = self.guard.admit(onset, Board(board), &self.stimuli[..count], |entry| {
-                observer.entry(&entry);
-            });
+            let update = self
+                .guard
+                .admit(onset, Board(board), &self.stimuli[..count], |entry| {
+                    observer.entry(&entry);
+                });
             if update.channels().iter().any(Option::is_some) {
                 actuators.apply(&update)?;
             }
@@ -170,7 +178,13 @@ impl Output {
     /// Stimuli of the active wires of one board; returns how many.
     fn collect(&mut self, board: Board, onset: Instant) -> usize {
         let mut count = 0;
-        for (index, (wire, &a)) in self.display.wires().iter().zip(&*self.activation).enumerate() {
+        for (index, (wire, &a)) in self
+            .display
+            .wires()
+            .iter()
+            .zip(&*self.activation)
+            .enumerate()
+        {
             let width = self.settings.drive.width(a);
             if wire.board != board || width.get() == 0 {
                 continue;

@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use core::fmt;
 
 use crate::units::Point;
+use crate::wire::uskin::Wiring;
 
 /// Most taxels of one module: a megapixel camera skin.
 const MOST_TAXELS: usize = 1 << 20;
@@ -181,6 +182,21 @@ impl Module {
     /// The grid, if the taxels lie on one.
     pub const fn as_grid(&self) -> Option<Grid> {
         self.grid
+    }
+
+    /// How the taxels hang on their board: a grid row by row, scattered ones as lines of four chips.
+    /// Skins too large for one board (cameras, whole bodies) have no such wiring; theirs is the flat
+    /// module's and carries their first 16 taxels only.
+    pub fn wiring(&self) -> Wiring {
+        let (rows, columns) = match self.grid {
+            Some(grid) => (u8::try_from(grid.rows), u8::try_from(grid.columns)),
+            None => (u8::try_from(self.taxels.len().div_ceil(4)), Ok(4)),
+        };
+        let wiring = rows
+            .ok()
+            .zip(columns.ok())
+            .and_then(|(r, c)| Wiring::new(r, c, 1));
+        wiring.unwrap_or(Wiring::FLAT)
     }
 
     /// Sensor bus and board address.

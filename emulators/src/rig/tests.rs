@@ -1,3 +1,5 @@
+//! Boards, segment and host together.
+
 use palpate_core::units::Point;
 use palpate_core::wire::uskin::{Command, IdProfile, Message, Wiring, decode};
 

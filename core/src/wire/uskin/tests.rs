@@ -1,3 +1,5 @@
+//! Golden vectors, identifiers and orders on the wire.
+
 use super::*;
 
 fn data(profile: IdProfile, id: u16, bytes: &[u8]) -> Data {

@@ -1,0 +1,327 @@
+//! The loop: `poll(now, sensor bus, actuators)` in the manner of smoltcp's interface. Whoever owns time
+//! calls it, at the latest when [`Projector::next`] says so; it never waits and never asks for the time.
+
+mod output;
+mod sensing;
+
+pub use output::{OutputSettings, Target};
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+use core::fmt;
+
+use crate::bus::{Actuators, SensorBus};
+use crate::contact::{CompressError, Contact, Settings, Stage};
+use crate::guard::Guard;
+use crate::illusion::{Display, Map};
+use crate::schedule::Entry;
+use crate::skin::{HealthSummary, Initialiser, InitialiserSettings, Layout};
+use crate::units::{Board, Instant, Point};
+use crate::wire::uskin::IdProfile;
+
+use output::Output;
+use sensing::Sensing;
+
+/// Why everything was switched off. The list is closed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// No sensor frame for longer than the limit while a wire was driven.
+    StaleInput,
+    /// The actuator bus reported an error.
+    ActuatorError,
+    /// The sensor bus reported an error.
+    SensorError,
+    /// The loop was called too late to end a stimulus in time.
+    LateTick,
+    /// The run ended.
+    End,
+}
+
+impl Cause {
+    /// The word that stands in a schedule file.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::StaleInput => "stale-input",
+            Self::ActuatorError => "actuator-error",
+            Self::SensorError => "sensor-error",
+            Self::LateTick => "late-tick",
+            Self::End => "end",
+        }
+    }
+}
+
+/// A frame that went through compression.
+#[derive(Debug)]
+pub struct FrameReport<'a> {
+    /// End of the scan.
+    pub at: Instant,
+    /// The module.
+    pub module: u16,
+    /// Zero-based number of the module's scan; the reference scans count.
+    pub number: u32,
+    /// Taxels above the threshold.
+    pub in_contact: u16,
+    /// Norm of the relative reading by taxel, raw counts.
+    pub norms: &'a [f32],
+    /// The contacts.
+    pub contacts: &'a [Contact],
+    /// The way compression took.
+    pub stage: Stage,
+}
+
+/// Who wants to know what happens. Every method has an empty default.
+pub trait Observer {
+    /// A frame was compressed.
+    fn frame(&mut self, report: &FrameReport<'_>) {
+        let _ = report;
+    }
+    /// The guard passed, changed or refused a stimulus.
+    fn entry(&mut self, entry: &Entry) {
+        let _ = entry;
+    }
+    /// An onset was projected for these targets.
+    fn onset(&mut self, at: Instant, targets: &[Target]) {
+        let _ = (at, targets);
+    }
+    /// A board was switched off whole.
+    fn all_off(&mut self, at: Instant, board: Board, cause: Cause) {
+        let _ = (at, board, cause);
+    }
+}
+
+/// Nobody wants to know.
+impl Observer for () {}
+
+/// What the loop is built from.
+#[derive(Debug)]
+pub struct Plan {
+    /// The skin.
+    pub layout: Layout,
+    /// How its boards number their frames.
+    pub profile: IdProfile,
+    /// Reference, threshold, faulty taxels.
+    pub initialiser: InitialiserSettings,
+    /// Compression, the same for every module.
+    pub compression: Settings,
+    /// The module that drives the display.
+    pub drives: usize,
+    /// Sensor to display.
+    pub map: Map,
+    /// The display.
+    pub display: Display,
+    /// Stimuli.
+    pub output: OutputSettings,
+    /// The guard.
+    pub guard: Guard,
+}
+
+/// Why a plan is no loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlanError {
+    /// The module that shall drive the display does not exist; how many there are.
+    NoSuchModule(usize),
+    /// The compression settings.
+    Compression(CompressError),
+}
+
+impl fmt::Display for PlanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSuchModule(n) => write!(f, "expected a driving module below {n}"),
+            Self::Compression(e) => e.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for PlanError {}
+
+impl From<CompressError> for PlanError {
+    fn from(e: CompressError) -> Self {
+        Self::Compression(e)
+    }
+}
+
+/// An error of one of the buses; the outputs have been switched off, as far as the bus let us.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoopError<S, A> {
+    /// The sensor bus.
+    Sensor(S),
+    /// The actuator bus.
+    Actuator(A),
+}
+
+/// The loop and all its memory.
+#[derive(Debug)]
+pub struct Projector {
+    sensing: Sensing,
+    output: Output,
+    map: Map,
+    drives: usize,
+    targets: Box<[Target]>,
+}
+
+impl Projector {
+    /// Builds the loop; the last time that it allocates.
+    ///
+    /// # Errors
+    /// [`PlanError`] for a plan that fits no hardware.
+    pub fn new(plan: Plan) -> Result<Self, PlanError> {
+        let modules = plan.layout.modules().len();
+        if plan.drives >= modules {
+            return Err(PlanError::NoSuchModule(modules));
+        }
+        let blank = Target {
+            place: Point::default(),
+            weight: 0.0,
+        };
+        let kc = usize::from(plan.compression.kc);
+        Ok(Self {
+            sensing: Sensing::new(
+                &plan.layout,
+                plan.profile,
+                plan.initialiser,
+                &plan.compression,
+            )?,
+            output: Output::new(plan.display, plan.output, plan.guard),
+            map: plan.map,
+            drives: plan.drives,
+            targets: alloc::vec![blank; kc].into(),
+        })
+    }
+
+    /// When the loop has to be called next, whatever comes in; earlier calls do no harm.
+    pub fn next(&self) -> Instant {
+        let output = self.output.next();
+        let watchdog = match self.sensing.last_received() {
+            Some(t) if self.output.is_driving() => t + self.output.guard().limits().stale,
+            _ => Instant::FAR_FUTURE,
+        };
+        let scan = self.sensing.deadline().unwrap_or(Instant::FAR_FUTURE);
+        output.min(watchdog).min(scan)
+    }
+
+    /// Does all that is due at `now`: takes every frame that has come, ends what has ended, projects the
+    /// newest contacts when an onset is due. Returns whether an onset was.
+    ///
+    /// # Errors
+    /// The first error of a bus, after switching everything off.
+    pub fn poll<S: SensorBus, A: Actuators>(
+        &mut self,
+        now: Instant,
+        sensors: &mut S,
+        actuators: &mut A,
+        observer: &mut impl Observer,
+    ) -> Result<bool, LoopError<S::Error, A::Error>> {
+        loop {
+            match sensors.receive() {
+                Ok(Some(received)) => self.sensing.take(&received, observer),
+                Ok(None) => break,
+                Err(e) => {
+                    let off = self.all_off(now, Cause::SensorError, actuators, observer);
+                    return Err(off.map_or_else(LoopError::Actuator, |()| LoopError::Sensor(e)));
+                }
+            }
+        }
+        self.sensing.flush(now, observer);
+        let stale = self.output.guard().limits().stale;
+        let age = self.sensing.last_received().map(|t| now.since(t));
+        let is_stale = age.is_none_or(|age| age >= stale);
+        if is_stale && self.output.is_driving() {
+            self.all_off(now, Cause::StaleInput, actuators, observer)
+                .map_err(LoopError::Actuator)?;
+        }
+        // A stimulus that should have ended this long ago: the host was not there in time.
+        let overdue = self
+            .output
+            .guard()
+            .next_expiry()
+            .map_or(0, |end| now.since(end).as_micros());
+        if overdue > stale.as_micros() {
+            self.all_off(now, Cause::LateTick, actuators, observer)
+                .map_err(LoopError::Actuator)?;
+        }
+        let count = if is_stale { 0 } else { self.aim() };
+        match self
+            .output
+            .poll(now, &self.targets[..count], actuators, observer)
+        {
+            Ok(onset) => Ok(onset),
+            Err(e) => {
+                // The first error is the one to tell; what the way out adds cannot be told apart.
+                let _ = self.all_off(now, Cause::ActuatorError, actuators, observer);
+                Err(LoopError::Actuator(e))
+            }
+        }
+    }
+
+    /// Everything off, now.
+    ///
+    /// # Errors
+    /// The first board that did not answer.
+    pub fn all_off<A: Actuators>(
+        &mut self,
+        now: Instant,
+        cause: Cause,
+        actuators: &mut A,
+        observer: &mut impl Observer,
+    ) -> Result<(), A::Error> {
+        self.output.all_off(now, cause, actuators, observer)
+    }
+
+    /// Maps the newest contacts of the driving module to the display; returns how many there are.
+    fn aim(&mut self) -> usize {
+        let Some(module) = self.sensing.modules().get(self.drives) else {
+            return 0;
+        };
+        let levels = module.compressor().settings().levels.len() as u16; // at most 4096
+        let drive = self.output.drive();
+        let mut count = 0;
+        for (target, contact) in self.targets.iter_mut().zip(module.compressor().contacts()) {
+            *target = Target {
+                place: self.map.apply(contact.place),
+                weight: drive.weight(contact.level, levels),
+            };
+            count += 1;
+        }
+        count
+    }
+
+    /// The display.
+    pub const fn display(&self) -> &Display {
+        self.output.display()
+    }
+
+    /// The guard.
+    pub const fn guard(&self) -> &Guard {
+        self.output.guard()
+    }
+
+    /// The guard, to latch or to clear it.
+    pub const fn guard_mut(&mut self) -> &mut Guard {
+        self.output.guard_mut()
+    }
+
+    /// The sensor-to-display map.
+    pub const fn map(&self) -> &Map {
+        &self.map
+    }
+
+    /// Health of each module. Allocates: for the end of a run, not for the loop.
+    pub fn health(&self) -> Vec<HealthSummary> {
+        self.sensing
+            .modules()
+            .iter()
+            .map(|m| m.health().summary(m.active()))
+            .collect()
+    }
+
+    /// Initialisation of a module, if it exists.
+    pub fn initialiser(&self, module: usize) -> Option<&Initialiser> {
+        self.sensing.modules().get(module).map(|m| m.initialiser())
+    }
+
+    /// Frames that were no sensor data of this layout.
+    pub const fn foreign_frames(&self) -> u64 {
+        self.sensing.foreign()
+    }
+}
