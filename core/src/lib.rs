@@ -15,6 +15,7 @@ pub mod contact;
 pub mod driver;
 pub mod guard;
 pub mod illusion;
+pub mod physics;
 pub mod random;
 pub mod schedule;
 pub mod skin;

@@ -6,4 +6,11 @@
 //! from it) and room for a fault layer in front.
 #![forbid(unsafe_code)]
 
+pub mod finger;
+pub mod perceiver;
+pub mod solver;
 pub mod time;
+pub mod wire;
+
+#[cfg(test)]
+mod thermal_tests;
