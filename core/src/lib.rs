@@ -17,6 +17,7 @@ pub mod contact;
 pub mod driver;
 pub mod guard;
 pub mod illusion;
+pub mod physics;
 pub mod projector;
 pub mod random;
 pub mod schedule;

@@ -9,8 +9,16 @@
 pub mod amplifier;
 pub mod board;
 pub mod can;
+pub mod display;
+pub mod finger;
 pub mod i2c;
 pub mod pca9685;
+pub mod perceiver;
 pub mod rig;
 pub mod skin;
+pub mod solver;
 pub mod time;
+pub mod wire;
+
+#[cfg(test)]
+mod thermal_tests;

@@ -1,0 +1,238 @@
+//! The actuator side of a bench: I2C segment, chips, amplifiers, supply, wires on a finger, and the
+//! person who wears it. The counterpart of [`crate::rig`].
+
+use palpate_core::physics::{ParameterError, SkinParameters, WireParameters};
+use palpate_core::units::{Channel, Milliamps, Point};
+
+use crate::amplifier::{Amplifier, Current, Pull, Supply};
+use crate::i2c::{BusClock, Error as I2cError, Handle, Segment};
+use crate::pca9685::{Config, Edge, Oscillator, Pca9685, Pin};
+use crate::perceiver::{Felt, Perceiver, PerceiverParameters, Vibration};
+use crate::time::Nanos;
+use crate::wire::Wire;
+
+/// Skin temperature from which everything starts, degrees C.
+const START_C: f64 = 33.0;
+
+/// Where a wire is and what drives it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// On the unrolled display, mm.
+    pub at: Point,
+    /// Index of its chip.
+    pub board: u8,
+    /// Channel of that chip.
+    pub channel: u8,
+}
+
+/// How a display is built.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DisplayConfig {
+    /// 7-bit address and oscillator factor of each chip.
+    pub boards: Vec<(u8, f64)>,
+    /// The wires in the display's order.
+    pub wires: Vec<Place>,
+    /// The amplifiers' current.
+    pub current: Milliamps,
+    /// Every wire's parameters.
+    pub wire: WireParameters,
+    /// The finger's.
+    pub skin: SkinParameters,
+    /// The person's.
+    pub perceiver: PerceiverParameters,
+    /// I2C clock.
+    pub clock: BusClock,
+}
+
+/// An edge of an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OutputEdge {
+    /// When.
+    pub at: Nanos,
+    /// Index of the chip.
+    pub board: u8,
+    /// Channel of that chip.
+    pub channel: u8,
+    /// High or not.
+    pub high: bool,
+}
+
+/// What a run came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DisplayTotals {
+    /// Electrical energy into all wires and their leads, J.
+    pub electrical_j: f64,
+    /// Largest supply current.
+    pub peak_supply: Milliamps,
+    /// Hottest wire: temperature in degrees C and index.
+    pub hottest_wire: (f64, usize),
+    /// Hottest skin 0.1 mm deep under any wire, degrees C.
+    pub hottest_skin_c: f64,
+}
+
+/// The display side of a bench.
+#[derive(Debug)]
+pub struct Display {
+    i2c: Handle,
+    amplifiers: Vec<Amplifier>,
+    supply: Supply,
+    places: Vec<Place>,
+    parameters: WireParameters,
+    wires: Vec<Wire>,
+    perceiver: Perceiver,
+    now: Nanos,
+    /// Edges of one step, in the order of time: the same memory for every step.
+    pending: Vec<(usize, Edge)>,
+}
+
+impl Display {
+    /// Builds chips, amplifiers and wires, all at rest and off.
+    ///
+    /// # Errors
+    /// A physical parameter that cannot be computed with, by name.
+    pub fn new(config: &DisplayConfig) -> Result<Self, ParameterError> {
+        let chip = |&(address, factor): &(u8, f64)| {
+            let oscillator = Oscillator::from_factor(factor);
+            Pca9685::new(Config {
+                oscillator,
+                ..Config::new(address)
+            })
+        };
+        let segment = Segment::new(config.clock, config.boards.iter().map(chip).collect());
+        let wire = |_: &Place| Wire::new(&config.wire, &config.skin, START_C);
+        Ok(Self {
+            i2c: Handle::new(segment),
+            amplifiers: vec![Amplifier::new(config.current, Pull::Down); config.boards.len()],
+            supply: Supply::default(),
+            wires: config.wires.iter().map(wire).collect::<Result<_, _>>()?,
+            places: config.wires.clone(),
+            parameters: config.wire,
+            perceiver: Perceiver::new(config.perceiver),
+            now: Nanos::ZERO,
+            pending: Vec::new(),
+        })
+    }
+
+    /// The bus that a driver holds.
+    pub fn bus(&self) -> Handle {
+        self.i2c.clone()
+    }
+
+    /// Lets time pass until `to`; edges go through the amplifiers into the wires and to `sink`.
+    ///
+    /// # Errors
+    /// [`I2cError::BusBusy`] from inside a look at the segment.
+    pub fn advance(
+        &mut self,
+        to: Nanos,
+        sink: &mut impl FnMut(OutputEdge),
+    ) -> Result<(), I2cError> {
+        let pending = &mut self.pending;
+        self.i2c.with(|segment| {
+            segment.set_now(to);
+            for (board, chip) in segment.chips_mut().iter_mut().enumerate() {
+                // A transaction may have carried a chip beyond `to`.
+                let until = to.max(chip.now());
+                chip.advance(until, &mut |edge| pending.push((board, edge)));
+            }
+        })?;
+        // Stable: of edges at one instant the lower board comes first.
+        self.pending.sort_by_key(|(_, edge)| edge.at);
+        for index in 0..self.pending.len() {
+            let (board, edge) = self.pending[index];
+            self.take(board, edge);
+            sink(OutputEdge {
+                at: edge.at,
+                board: board as u8, // at most 16 chips on a bus
+                channel: edge.channel.0,
+                high: edge.pin == Pin::High,
+            });
+        }
+        self.pending.clear();
+        self.now = self.now.max(to);
+        Ok(())
+    }
+
+    fn take(&mut self, board: usize, edge: Edge) {
+        let Some(amplifier) = self.amplifiers.get_mut(board) else {
+            return;
+        };
+        let Some(change) = amplifier.edge(edge) else {
+            return;
+        };
+        self.flow(board, change);
+    }
+
+    fn flow(&mut self, board: usize, change: Current) {
+        let sum = self
+            .amplifiers
+            .iter()
+            .fold(0u32, |sum, a| sum.saturating_add(a.sum().0));
+        self.supply.set(change.at, Milliamps(sum));
+        let is_fed = |p: &Place| usize::from(p.board) == board && p.channel == change.channel.0;
+        if let Some(index) = self.places.iter().position(is_fed) {
+            self.wires[index].set_current(change.at, change.current.amps());
+        }
+    }
+
+    /// Breaks or repairs the amplifier of one output, now.
+    pub fn set_fault(
+        &mut self,
+        board: usize,
+        channel: Channel,
+        fault: Option<crate::amplifier::AmplifierFault>,
+    ) {
+        let now = self.now;
+        let change = self
+            .amplifiers
+            .get_mut(board)
+            .and_then(|a| a.set_fault(now, channel, fault));
+        if let Some(change) = change {
+            self.flow(board, change);
+        }
+    }
+
+    /// Temperature of a wire now, degrees C; `None` if there is no such wire.
+    pub fn wire_c(&mut self, wire: usize) -> Option<f64> {
+        let now = self.now;
+        self.wires.get_mut(wire).map(|w| w.temperature(now))
+    }
+
+    /// Where a person feels the bursts that began at or after `since`; `None` is a break: no wire above
+    /// threshold.
+    pub fn feel(&self, since: Nanos) -> Option<Felt> {
+        let felt = |(wire, place): (&Wire, &Place)| {
+            let burst = wire.burst().filter(|b| b.start >= since)?;
+            Some(Vibration {
+                position_mm: (f64::from(place.at.x), f64::from(place.at.y)),
+                amplitude_um: self.perceiver.amplitude_of_burst(&self.parameters, &burst),
+            })
+        };
+        let felt: Vec<Vibration> = self
+            .wires
+            .iter()
+            .zip(&self.places)
+            .filter_map(felt)
+            .collect();
+        self.perceiver.feel(&felt)
+    }
+
+    /// What the run came to until now.
+    pub fn totals(&mut self) -> DisplayTotals {
+        let mut totals = DisplayTotals {
+            peak_supply: self.supply.peak().0,
+            hottest_wire: (f64::NEG_INFINITY, 0),
+            hottest_skin_c: f64::NEG_INFINITY,
+            ..DisplayTotals::default()
+        };
+        for (index, wire) in self.wires.iter_mut().enumerate() {
+            let peaks = wire.peaks(self.now);
+            totals.electrical_j += wire.energy(self.now).electrical_j;
+            if peaks.wire_c > totals.hottest_wire.0 {
+                totals.hottest_wire = (peaks.wire_c, index);
+            }
+            totals.hottest_skin_c = totals.hottest_skin_c.max(peaks.shallow_c);
+        }
+        totals
+    }
+}

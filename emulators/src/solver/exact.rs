@@ -1,0 +1,309 @@
+//! Edge to edge without truncation error: modes, events, memory of hysteresis.
+
+use std::sync::Arc;
+
+use super::modal::{Mode, ModeKey, Propagator, dot};
+use super::{Drive, Solver};
+use crate::finger::{NODES, Network};
+use crate::time::Nanos;
+use crate::wire::phase::{Heading, Phase, Segment};
+use crate::wire::record::{Energy, Peaks};
+use palpate_core::physics::{ParameterError, SkinParameters, WireParameters};
+
+/// Propagators kept per wire: a pulse train needs two, its bursts and pauses a few more.
+const SLOTS: usize = 16;
+/// Regimes kept per wire beyond the three of plain play; the oldest is dropped.
+const MODES: usize = 96;
+
+#[derive(Clone, Debug)]
+struct Slot {
+    mode: usize,
+    nanos: u64,
+    propagator: Box<Propagator>,
+}
+
+/// The exact solver. Cloning one copies its state and caches.
+#[derive(Clone, Debug)]
+pub struct Exact {
+    pub(super) wire: Arc<WireParameters>,
+    pub(super) network: Arc<Network>,
+    pub(super) phase: Phase,
+    pub(super) heading: Heading,
+    pub(super) modes: Vec<Mode>,
+    pub(super) mode: usize,
+    oldest: usize,
+    slots: Vec<Option<Slot>>,
+    pub(super) z: [f64; NODES],
+    pub(super) now: Nanos,
+    pub(super) drive: Drive,
+    /// Running maxima since the start.
+    pub peaks: Peaks,
+    /// Maxima since [`Exact::open_window`].
+    pub window: Peaks,
+    pub(super) energy: Energy,
+}
+
+/// Heat into the wire as a function of its temperature above the body's: `power + feedback u`.
+pub(super) struct Heat {
+    pub(super) power: f64,
+    pub(super) feedback: f64,
+}
+
+impl Exact {
+    /// A wire and its skin, all at `start_c`, wire martensite unless that is hot.
+    ///
+    /// # Errors
+    /// A parameter that cannot be computed with.
+    pub fn new(
+        wire: &WireParameters,
+        skin: &SkinParameters,
+        start_c: f64,
+    ) -> Result<Self, ParameterError> {
+        if !start_c.is_finite() {
+            return Err(ParameterError { name: "start_c" });
+        }
+        let network = Network::new(wire, skin)?;
+        let phase = Phase::new(wire, start_c)?;
+        let resting = Mode::new(
+            &network,
+            0.0,
+            ModeKey {
+                phase_slope: 0.0,
+                feedback: 0.0,
+            },
+        );
+        let z = resting.project(&[start_c - network.body_c; NODES]);
+        let peaks = Peaks {
+            wire_c: start_c,
+            shallow_c: start_c,
+            deep_c: start_c,
+        };
+        let mut solver = Self {
+            wire: Arc::new(*wire),
+            network: Arc::new(network),
+            phase,
+            heading: Heading::Up,
+            modes: vec![resting],
+            mode: 0,
+            oldest: 1,
+            slots: vec![None; SLOTS],
+            z,
+            now: Nanos::ZERO,
+            drive: Drive::Off,
+            peaks,
+            window: peaks,
+            energy: Energy::default(),
+        };
+        solver.face();
+        Ok(solver)
+    }
+
+    /// The time computed up to.
+    pub const fn now(&self) -> Nanos {
+        self.now
+    }
+
+    /// What the wire is driven with.
+    pub const fn driven(&self) -> Drive {
+        self.drive
+    }
+
+    /// The wire's parameters.
+    pub fn wire(&self) -> &WireParameters {
+        &self.wire
+    }
+
+    /// The network under it.
+    pub fn network(&self) -> &Network {
+        &self.network
+    }
+
+    /// The wire's temperature at the time computed up to, degrees C.
+    pub fn wire_c(&self) -> f64 {
+        self.network.body_c + dot(&self.modes[self.mode].gain, &self.z)
+    }
+
+    /// The skin at 0.1 and 0.4 mm at the time computed up to, degrees C.
+    pub fn skin_c(&self) -> (f64, f64) {
+        let m = &self.modes[self.mode];
+        (
+            self.network.body_c + dot(&m.shallow, &self.z),
+            self.network.body_c + dot(&m.deep, &self.z),
+        )
+    }
+
+    /// Starts a new window of maxima at the time computed up to.
+    pub fn open_window(&mut self) {
+        let (shallow_c, deep_c) = self.skin_c();
+        self.window = Peaks {
+            wire_c: self.wire_c(),
+            shallow_c,
+            deep_c,
+        };
+    }
+
+    /// Where the heat went.
+    pub fn energy(&self) -> Energy {
+        let nodes = self.nodes();
+        let mut stored = 0.0;
+        for (t, c) in nodes.iter().zip(&self.network.capacity) {
+            stored += c * (t - self.network.body_c);
+        }
+        let latent = self.wire.mass() * self.wire.latent_heat * (1.0 - self.fraction());
+        Energy {
+            stored_j: stored,
+            latent_j: latent,
+            ..self.energy
+        }
+    }
+
+    /// Resistance between the terminals now, Ohm, and its change with temperature within `segment`.
+    fn resistance(&self, t: f64, segment: &Segment) -> (f64, f64) {
+        let w = &*self.wire;
+        let nominal = w.resistance_ohm * w.wire_share;
+        let mut relative = 1.0 + (w.austenite_ratio - 1.0) * (1.0 - self.phase.fraction(t));
+        relative += w.resistance_per_kelvin * (t - w.reference_c);
+        let per_kelvin = w.resistance_per_kelvin - (w.austenite_ratio - 1.0) * segment.slope;
+        (nominal * relative, nominal * per_kelvin)
+    }
+
+    /// Heat into the wire from the drive alone.
+    pub(super) fn heat(&self, t: f64, segment: &Segment) -> Heat {
+        match self.drive {
+            Drive::Off => Heat {
+                power: 0.0,
+                feedback: 0.0,
+            },
+            Drive::Power(watts) => Heat {
+                power: watts * self.wire.wire_share,
+                feedback: 0.0,
+            },
+            Drive::Current(amps) => {
+                let (ohm, per_kelvin) = self.resistance(t, segment);
+                let feedback = amps * amps * per_kelvin;
+                Heat {
+                    power: amps * amps * ohm - feedback * (t - self.network.body_c),
+                    feedback,
+                }
+            }
+        }
+    }
+
+    /// Heat that flows into the wire now from drive and surroundings, W: its sign is the heading.
+    fn inflow(&self) -> f64 {
+        let u = self.modes[self.mode].nodes(&self.z);
+        let t = self.network.body_c + u[0];
+        let frozen = Segment {
+            slope: 0.0,
+            low: t,
+            high: t,
+            one_way: false,
+        };
+        let heat = self.heat(t, &frozen);
+        let out =
+            (self.network.air + self.network.ends) * u[0] + self.network.chain[0] * (u[0] - u[1]);
+        heat.power + heat.feedback * u[0] + self.network.rest_inflow() - out
+    }
+
+    /// Turns to where the wire's temperature is going after an edge.
+    pub(super) fn face(&mut self) {
+        let heading = if self.inflow() < 0.0 {
+            Heading::Down
+        } else {
+            Heading::Up
+        };
+        if heading != self.heading {
+            self.turn(heading);
+        }
+    }
+
+    pub(super) fn turn(&mut self, heading: Heading) {
+        self.heading = heading;
+        self.phase.turn(self.wire_c(), heading);
+    }
+
+    /// Enters the regime `key`, taking the state along.
+    pub(super) fn enter(&mut self, key: ModeKey) {
+        if self.modes[self.mode].key == key {
+            return;
+        }
+        let nodes = self.modes[self.mode].nodes(&self.z);
+        let found = self.modes.iter().position(|m| m.key == key);
+        self.mode = found.unwrap_or_else(|| {
+            let mode = Mode::new(&self.network, self.wire.mass() * self.wire.latent_heat, key);
+            if self.modes.len() < MODES {
+                self.modes.push(mode);
+                return self.modes.len() - 1;
+            }
+            let place = self.oldest;
+            self.oldest = if place + 1 < MODES { place + 1 } else { 1 };
+            self.modes[place] = mode;
+            for slot in &mut self.slots {
+                if slot.as_ref().is_some_and(|s| s.mode == place) {
+                    *slot = None;
+                }
+            }
+            place
+        });
+        self.z = self.modes[self.mode].project(&nodes);
+    }
+
+    /// Takes this mode's propagator over `nanos` out of its slot, computed unless it is there.
+    pub(super) fn borrow(&mut self, nanos: u64) -> (usize, Box<Propagator>) {
+        let mixed = nanos
+            .wrapping_mul(0x9E37_79B9_7F4A_7C15)
+            .wrapping_add(self.mode as u64);
+        let index = (mixed.wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 60) as usize % SLOTS;
+        match self.slots[index].take() {
+            Some(s) if s.mode == self.mode && s.nanos == nanos => (index, s.propagator),
+            _ => {
+                let span = Nanos(nanos).as_secs_f64();
+                (
+                    index,
+                    Box::new(Propagator::new(&self.modes[self.mode], span)),
+                )
+            }
+        }
+    }
+
+    /// Gives a borrowed propagator back.
+    pub(super) fn give_back(&mut self, index: usize, nanos: u64, propagator: Box<Propagator>) {
+        self.slots[index] = Some(Slot {
+            mode: self.mode,
+            nanos,
+            propagator,
+        });
+    }
+}
+
+impl Solver for Exact {
+    fn drive(&mut self, at: Nanos, drive: Drive) {
+        if drive == self.drive {
+            return;
+        }
+        self.advance(at);
+        self.drive = drive;
+        self.face();
+    }
+
+    fn advance(&mut self, to: Nanos) {
+        if to > self.now {
+            self.run(to.since(self.now));
+            self.now = to;
+        }
+    }
+
+    fn nodes(&self) -> [f64; NODES] {
+        self.modes[self.mode]
+            .nodes(&self.z)
+            .map(|u| u + self.network.body_c)
+    }
+
+    fn fraction(&self) -> f64 {
+        self.phase.fraction(self.wire_c())
+    }
+
+    fn wire_peak(&self) -> f64 {
+        self.peaks.wire_c
+    }
+}

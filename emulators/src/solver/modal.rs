@@ -1,0 +1,245 @@
+//! The exact solution between two edges: eigen-decomposition of the symmetrised network.
+//!
+//! With u = T - T_body, C u' = -G u + e_0 p has a symmetric form S = C^-1/2 G C^-1/2 = V L V^T. In the
+//! coordinates z = V^T C^1/2 u every node decays on its own: z' = -lambda z + g p, so that a step of any length
+//! is seventeen multiply-adds and has no truncation error.
+
+use super::sum::Sum;
+use crate::finger::{NODES, Network};
+use nalgebra::{SMatrix, SymmetricEigen};
+
+/// What makes a mode differ from another: all else in a network is constant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModeKey {
+    /// |d xi/dT| while latent heat is taken up or released, 1/K; 0 with the phase at rest.
+    pub phase_slope: f64,
+    /// How much electrical heat rises with the wire's temperature (I^2 dR/dT), W/K.
+    pub feedback: f64,
+}
+
+/// One linear regime of wire and skin.
+#[derive(Clone, Debug)]
+pub struct Mode {
+    /// What it is the regime of.
+    pub key: ModeKey,
+    /// Decay rates, rising, 1/s.
+    pub lambda: [f64; NODES],
+    /// Gain from heat into the wire to each coordinate; not negative.
+    pub gain: [f64; NODES],
+    /// Coordinates that one watt into the wire settles at.
+    pub settled: [f64; NODES],
+    /// Node temperatures from coordinates: `shape[node][k]`.
+    shape: [[f64; NODES]; NODES],
+    /// Heat capacity of each node, J/K, latent heat included.
+    capacity: [f64; NODES],
+    /// Skin at 0.1 mm from coordinates.
+    pub shallow: [f64; NODES],
+    /// Skin at 0.4 mm from coordinates.
+    pub deep: [f64; NODES],
+}
+
+impl Mode {
+    /// Decomposes a network in the regime `key`; `latent` is mass times latent heat, J.
+    pub fn new(network: &Network, latent: f64, key: ModeKey) -> Self {
+        let mut capacity = network.capacity;
+        capacity[0] += latent * key.phase_slope;
+        let mut s = SMatrix::<f64, NODES, NODES>::zeros();
+        for i in 0..NODES {
+            let mut out = network.chain[i];
+            out += match i {
+                0 => network.air + network.ends - key.feedback,
+                _ => network.chain[i - 1],
+            };
+            s[(i, i)] = out / capacity[i];
+            if i + 1 < NODES {
+                let between = -network.chain[i] / libm::sqrt(capacity[i] * capacity[i + 1]);
+                s[(i, i + 1)] = between;
+                s[(i + 1, i)] = between;
+            }
+        }
+        let eigen = SymmetricEigen::new(s);
+        let mut order: [usize; NODES] = core::array::from_fn(|i| i);
+        order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
+        let mut mode = Self {
+            key,
+            lambda: [0.0; NODES],
+            gain: [0.0; NODES],
+            settled: [0.0; NODES],
+            shape: [[0.0; NODES]; NODES],
+            capacity,
+            shallow: [0.0; NODES],
+            deep: [0.0; NODES],
+        };
+        for (k, &column) in order.iter().enumerate() {
+            // Only electrical runaway brings a rate near zero; keep it off the singular point.
+            let rate: f64 = eigen.eigenvalues[column];
+            mode.lambda[k] = if rate.abs() < 1e-9 { 1e-9 } else { rate };
+            let vector = eigen.eigenvectors.column(column);
+            let sign = if vector[0] < 0.0 { -1.0 } else { 1.0 };
+            for i in 0..NODES {
+                mode.shape[i][k] = sign * vector[i] / libm::sqrt(capacity[i]);
+            }
+            mode.gain[k] = mode.shape[0][k];
+            mode.settled[k] = mode.gain[k] / mode.lambda[k];
+        }
+        for (depth, row) in [(network.shallow, 0), (network.deep, 1)] {
+            let near = mode.shape[depth.node];
+            let far = mode.shape[depth.node + 1];
+            for k in 0..NODES {
+                let v = near[k] * (1.0 - depth.weight) + far[k] * depth.weight;
+                if row == 0 {
+                    mode.shallow[k] = v
+                } else {
+                    mode.deep[k] = v
+                }
+            }
+        }
+        mode
+    }
+
+    /// Coordinates of node temperatures above the body's.
+    pub fn project(&self, u: &[f64; NODES]) -> [f64; NODES] {
+        let mut z = [0.0; NODES];
+        for ((u, capacity), shape) in u.iter().zip(&self.capacity).zip(&self.shape) {
+            for (z, s) in z.iter_mut().zip(shape) {
+                *z += s * (u * capacity);
+            }
+        }
+        z
+    }
+
+    /// Node temperatures above the body's.
+    pub fn nodes(&self, z: &[f64; NODES]) -> [f64; NODES] {
+        core::array::from_fn(|i| dot(&self.shape[i], z))
+    }
+
+    /// Row that gives the outermost shell.
+    pub fn last(&self) -> &[f64; NODES] {
+        &self.shape[NODES - 1]
+    }
+
+    /// Rate of change of the coordinates, 1/s of theirs.
+    pub fn rate(&self, z: &[f64; NODES], power: f64) -> [f64; NODES] {
+        let mut d = [0.0; NODES];
+        for k in 0..NODES {
+            d[k] = power * self.gain[k] - self.lambda[k] * z[k];
+        }
+        d
+    }
+
+    /// A watched temperature as a function of time under constant `power` (W into the wire), from `z`.
+    pub fn sum(&self, row: &[f64; NODES], z: &[f64; NODES], power: f64, base: f64) -> Sum<'_> {
+        let mut a = [0.0; NODES];
+        let mut constant = base;
+        for k in 0..NODES {
+            let level = power * self.settled[k];
+            a[k] = row[k] * (z[k] - level);
+            constant += row[k] * level;
+        }
+        Sum {
+            lambda: &self.lambda,
+            a,
+            constant,
+        }
+    }
+}
+
+/// What a span of time does to the coordinates of a mode.
+#[derive(Clone, Debug)]
+pub struct Propagator {
+    /// exp(-lambda t).
+    decay: [f64; NODES],
+    /// (1 - exp(-lambda t)) / lambda, s.
+    rise: [f64; NODES],
+    /// (t - rise) / lambda, s2.
+    ramp: [f64; NODES],
+    /// The span, s.
+    span: f64,
+    /// exp(-lambda t) at the times of [`Propagator::probe_times`], filled when first asked for.
+    probes: Option<Box<[[f64; NODES]; PROBES]>>,
+}
+
+/// Times within a span at which a slope is probed.
+pub const PROBES: usize = 12;
+/// The earliest of them, s: heat needs ten times as long to reach 0.1 mm.
+const FIRST_PROBE_S: f64 = 20e-6;
+
+impl Propagator {
+    /// Over `t` seconds.
+    pub fn new(mode: &Mode, t: f64) -> Self {
+        let zero = [0.0; NODES];
+        let mut p = Self {
+            decay: zero,
+            rise: zero,
+            ramp: zero,
+            span: t,
+            probes: None,
+        };
+        for k in 0..NODES {
+            let x = mode.lambda[k] * t;
+            p.decay[k] = libm::exp(-x);
+            if x.abs() < 1e-3 {
+                p.rise[k] =
+                    t * (1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0))));
+                let inner = 1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0));
+                p.ramp[k] = t * t / 2.0 * (1.0 - x / 3.0 * inner);
+            } else {
+                p.rise[k] = -libm::expm1(-x) / mode.lambda[k];
+                p.ramp[k] = (t - p.rise[k]) / mode.lambda[k];
+            }
+        }
+        p
+    }
+
+    /// The span, s.
+    pub const fn span(&self) -> f64 {
+        self.span
+    }
+
+    /// Geometrically spaced times from 20 us to just before the end, where diffusion can have turned.
+    pub fn probe_times(&self) -> [f64; PROBES] {
+        let ratio = libm::pow(FIRST_PROBE_S / self.span, 1.0 / PROBES as f64).min(0.9);
+        let mut t = self.span;
+        let mut times = [0.0; PROBES];
+        for place in times.iter_mut().rev() {
+            t *= ratio;
+            *place = t;
+        }
+        times
+    }
+
+    /// Decays at those times.
+    pub fn probes(&mut self, mode: &Mode) -> &[[f64; NODES]; PROBES] {
+        let times = self.probe_times();
+        self.probes.get_or_insert_with(|| {
+            Box::new(times.map(|t| mode.lambda.map(|rate| libm::exp(-rate * t))))
+        })
+    }
+
+    /// Coordinates after the span under constant `power`.
+    pub fn step(&self, mode: &Mode, z: &[f64; NODES], power: f64) -> [f64; NODES] {
+        let mut out = [0.0; NODES];
+        for k in 0..NODES {
+            out[k] = self.decay[k] * z[k] + self.rise[k] * mode.gain[k] * power;
+        }
+        out
+    }
+
+    /// Time integral of the coordinates over the span, for the energy ledger.
+    pub fn integral(&self, mode: &Mode, z: &[f64; NODES], power: f64) -> [f64; NODES] {
+        let mut out = [0.0; NODES];
+        for k in 0..NODES {
+            out[k] = self.rise[k] * z[k] + self.ramp[k] * mode.gain[k] * power;
+        }
+        out
+    }
+}
+
+/// Sum of products, first to last, so that every machine rounds alike.
+pub fn dot(a: &[f64; NODES], b: &[f64; NODES]) -> f64 {
+    let mut s = 0.0;
+    for k in 0..NODES {
+        s += a[k] * b[k];
+    }
+    s
+}

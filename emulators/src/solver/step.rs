@@ -1,0 +1,234 @@
+//! One stretch of constant drive, from event to event.
+
+use super::Drive;
+use super::exact::{Exact, Heat};
+use super::modal::{Propagator, dot};
+use super::sum::{LEVEL_TOLERANCE, changes};
+use crate::finger::NODES;
+use crate::time::Nanos;
+use crate::wire::phase::{Heading, Segment};
+use crate::wire::record::Peaks;
+
+/// Events in one stretch after which the rest is taken in the regime reached. A bound on the work,
+/// far beyond what a wire can do: each event needs a threshold passed or a turn of the temperature.
+const EVENTS: usize = 100_000;
+
+/// What ends a step early.
+enum Event {
+    /// The wire passed this temperature on this heading.
+    Threshold(f64, Heading),
+    /// The wire's temperature turned.
+    Turn,
+}
+
+impl Exact {
+    /// Computes `span` with the drive as it is.
+    pub(super) fn run(&mut self, span: Nanos) {
+        let mut left = span.as_secs_f64();
+        let mut whole = true;
+        for round in 0.. {
+            let t = self.wire_c();
+            let segment = self.phase.segment(t, self.heading);
+            let heat = self.heat(t, &segment);
+            self.enter(super::modal::ModeKey {
+                phase_slope: -segment.slope,
+                feedback: heat.feedback,
+            });
+            let power = heat.power + self.network.rest_inflow();
+            let (slot, mut propagator) = if whole {
+                let (slot, propagator) = self.borrow(span.0);
+                (Some(slot), propagator)
+            } else {
+                (
+                    None,
+                    Box::new(Propagator::new(&self.modes[self.mode], left)),
+                )
+            };
+            let end = propagator.step(&self.modes[self.mode], &self.z, power);
+            let event = if round < EVENTS {
+                self.first_event(&segment, power, &end, left)
+            } else {
+                None
+            };
+            if event.is_none() {
+                self.accept(&mut propagator, &end, &heat, power, left);
+            }
+            if let Some(slot) = slot {
+                self.give_back(slot, span.0, propagator);
+            }
+            let Some((after, event)) = event else { return };
+            let mut propagator = Propagator::new(&self.modes[self.mode], after);
+            let end = propagator.step(&self.modes[self.mode], &self.z, power);
+            self.accept(&mut propagator, &end, &heat, power, after);
+            self.take(&event);
+            left -= after;
+            whole = false;
+            if left <= 0.0 {
+                return;
+            }
+        }
+    }
+
+    /// Changes heading and memory as an event asks.
+    fn take(&mut self, event: &Event) {
+        match *event {
+            Event::Turn => self.turn(match self.heading {
+                Heading::Up => Heading::Down,
+                Heading::Down => Heading::Up,
+            }),
+            Event::Threshold(at, heading) if heading != self.heading => {
+                self.heading = heading;
+                self.phase.turn(at, heading);
+            }
+            Event::Threshold(at, _) => self.phase.commit(at),
+        }
+    }
+
+    /// The first event within `span` seconds, if any; `end` is the state then if there is none.
+    fn first_event(
+        &self,
+        segment: &Segment,
+        power: f64,
+        end: &[f64; NODES],
+        span: f64,
+    ) -> Option<(f64, Event)> {
+        let mode = &self.modes[self.mode];
+        let base = self.network.body_c;
+        let (first, last) = (self.wire_c(), base + dot(&mode.gain, end));
+        let (low, high) = (
+            segment.low - LEVEL_TOLERANCE,
+            segment.high + LEVEL_TOLERANCE,
+        );
+        let backward = |from: f64, to: f64| match self.heading {
+            Heading::Up => to < from - LEVEL_TOLERANCE,
+            Heading::Down => to > from + LEVEL_TOLERANCE,
+        };
+        let rate = mode.rate(&self.z, power);
+        let monotone = changes(&product(&mode.gain, &rate)) == 0;
+        if monotone && last >= low && last <= high && !(segment.one_way && backward(first, last)) {
+            return None;
+        }
+        let sum = mode.sum(&mode.gain, &self.z, power, base);
+        let (mut from, mut before) = (0.0, first);
+        loop {
+            let turn = sum.next_turn(from, span);
+            let to = turn.unwrap_or(span);
+            let value = if turn.is_some() { sum.value(to) } else { last };
+            if segment.one_way && backward(before, value) {
+                return Some((from, Event::Turn));
+            }
+            if value > high {
+                let at = sum.crossing(segment.high, from, to);
+                return Some((at, Event::Threshold(segment.high, Heading::Up)));
+            }
+            if value < low {
+                let at = sum.crossing(segment.low, from, to);
+                return Some((at, Event::Threshold(segment.low, Heading::Down)));
+            }
+            turn?;
+            if segment.one_way {
+                return Some((to, Event::Turn));
+            }
+            (from, before) = (to, value);
+        }
+    }
+
+    /// Moves the state to `end`, `span` seconds on, and keeps the books.
+    fn accept(
+        &mut self,
+        propagator: &mut Propagator,
+        end: &[f64; NODES],
+        heat: &Heat,
+        power: f64,
+        span: f64,
+    ) {
+        let mode = &self.modes[self.mode];
+        let integral = propagator.integral(mode, &self.z, power);
+        let wire = dot(&mode.gain, &integral);
+        let outer = dot(mode.last(), &integral);
+        let rate = (mode.rate(&self.z, power), mode.rate(end, power));
+        let seen = Peaks {
+            wire_c: self.wire_peak_within(&rate.0, end, power, span),
+            shallow_c: self.skin_peak_within(&mode.shallow, &rate, end, power, propagator),
+            deep_c: self.skin_peak_within(&mode.deep, &rate, end, power, propagator),
+        };
+        self.peaks.raise(&seen);
+        self.window.raise(&seen);
+
+        let n = &*self.network;
+        let into_wire = heat.power * span + heat.feedback * wire;
+        let e = &mut self.energy;
+        e.wire_j += into_wire;
+        e.electrical_j += match self.drive {
+            Drive::Off => 0.0,
+            Drive::Power(watts) => watts * span,
+            Drive::Current(amps) => {
+                let series = self.wire.resistance_ohm * (1.0 - self.wire.wire_share);
+                into_wire + amps * amps * series * span
+            }
+        };
+        e.air_j += n.air * (wire + (n.body_c - n.air_c) * span);
+        e.ends_j += n.ends * (wire + (n.body_c - n.ends_c) * span);
+        e.body_j += n.chain[NODES - 1] * outer;
+        self.z = *end;
+    }
+
+    /// The wire's maximum over a step, both ends and all turns between.
+    fn wire_peak_within(
+        &self,
+        rate: &[f64; NODES],
+        end: &[f64; NODES],
+        power: f64,
+        span: f64,
+    ) -> f64 {
+        let mode = &self.modes[self.mode];
+        let base = self.network.body_c;
+        let mut top = base + dot(&mode.gain, &self.z).max(dot(&mode.gain, end));
+        if changes(&product(&mode.gain, rate)) > 0 {
+            let sum = mode.sum(&mode.gain, &self.z, power, base);
+            let mut from = 0.0;
+            while let Some(turn) = sum.next_turn(from, span) {
+                top = top.max(sum.value(turn));
+                from = turn;
+            }
+        }
+        top
+    }
+
+    /// The maximum at a depth over a step. Heat of a pulse arrives after the pulse, so that the slope may
+    /// be negative at both ends with a peak between; it is probed at times spaced as diffusion is slow.
+    fn skin_peak_within(
+        &self,
+        row: &[f64; NODES],
+        rate: &([f64; NODES], [f64; NODES]),
+        end: &[f64; NODES],
+        power: f64,
+        propagator: &mut Propagator,
+    ) -> f64 {
+        let mode = &self.modes[self.mode];
+        let base = self.network.body_c;
+        let mut top = base + dot(row, &self.z).max(dot(row, end));
+        let slopes = product(row, &rate.0);
+        let last = dot(row, &rate.1);
+        if changes(&slopes) == 0 {
+            return top;
+        }
+        let span = propagator.span();
+        let times = propagator.probe_times();
+        let found = propagator.probes(mode).map(|decay| dot(&decay, &slopes));
+        let (mut before, mut from) = (slopes.iter().sum::<f64>(), 0.0);
+        let rest = found.into_iter().zip(times).chain([(last, span)]);
+        for (slope, at) in rest {
+            if before > 0.0 && slope < 0.0 {
+                let sum = mode.sum(row, &self.z, power, base);
+                top = top.max(sum.value(sum.turn_between(from, at)));
+            }
+            (before, from) = (slope, at);
+        }
+        top
+    }
+}
+
+fn product(a: &[f64; NODES], b: &[f64; NODES]) -> [f64; NODES] {
+    core::array::from_fn(|k| a[k] * b[k])
+}

@@ -1,0 +1,212 @@
+//! Sums of exponentials: where they turn and where they cross a level.
+//!
+//! Everything the exact solver asks about the time between two edges is a question about
+//! `c + sum a_i exp(-lambda_i t)` with rising lambda. Laguerre's rule bounds the zeros of such a sum for
+//! t > 0 by the sign changes of its partial sums, slowest first. Nearly every interval is settled by
+//! that count alone; the rest is bisected until the count or a bound on the derivative settles it.
+
+use crate::finger::NODES;
+
+/// Levels are crossed when passed by more than this, K: well under the promised 1e-9.
+pub const LEVEL_TOLERANCE: f64 = 1e-11;
+/// A turn that changes the value by less than this, K, is none.
+const NEGLIGIBLE_K: f64 = 1e-12;
+/// Relative size under which a derivative counts as zero.
+const FLAT: f64 = 1e-13;
+
+/// `constant + sum a_i exp(-lambda_i t)`.
+#[derive(Clone, Copy, Debug)]
+pub struct Sum<'a> {
+    /// Decay rates, rising, 1/s.
+    pub lambda: &'a [f64; NODES],
+    /// Amplitudes, K.
+    pub a: [f64; NODES],
+    /// Value that the decays leave, K.
+    pub constant: f64,
+}
+
+impl Sum<'_> {
+    /// Value at `t` seconds.
+    pub fn value(&self, t: f64) -> f64 {
+        // Every amplitude of a mode that does not decay (lambda = 0) is part of the level.
+        let mut v = 0.0;
+        for i in 0..NODES {
+            v += self.a[i] * libm::exp(-self.lambda[i] * t);
+        }
+        self.constant + v
+    }
+
+    /// Terms of the derivative at `t`, scaled to there.
+    fn slope_terms(&self, t: f64) -> [f64; NODES] {
+        let mut b = [0.0; NODES];
+        for ((b, rate), a) in b.iter_mut().zip(self.lambda).zip(&self.a) {
+            *b = -rate * a;
+            if t > 0.0 {
+                *b *= libm::exp(-rate * t);
+            }
+        }
+        b
+    }
+
+    /// Derivative at `t` seconds, K/s.
+    pub fn slope(&self, t: f64) -> f64 {
+        self.slope_terms(t).iter().sum()
+    }
+
+    /// Sign changes in the partial sums of the derivative at `t = 0`: a bound on how often the sum turns
+    /// afterwards. Zero means that it is monotone for ever.
+    pub fn turns_at_most(&self) -> usize {
+        changes(&self.slope_terms(0.0))
+    }
+
+    /// The first time in (from, to] at which the derivative changes sign.
+    pub fn next_turn(&self, from: f64, to: f64) -> Option<f64> {
+        self.search(from, to, 48)
+    }
+
+    fn search(&self, from: f64, to: f64, depth: u32) -> Option<f64> {
+        if to <= from {
+            return None;
+        }
+        let start = self.slope_terms(from);
+        let count = changes(&start);
+        if count == 0 {
+            return None;
+        }
+        let end = self.slope_terms(to);
+        let opposite = opposite(&start, &end);
+        if count == 1 || self.derivative_is_monotone(&start, &end) {
+            return opposite.then(|| self.turn_between(from, to));
+        }
+        if bounded_away(&start, &end) || steepest(&start, &end) * (to - from) < NEGLIGIBLE_K {
+            return None;
+        }
+        if depth == 0 {
+            return opposite.then_some(to);
+        }
+        let middle = from + (to - from) / 2.0;
+        self.search(from, middle, depth - 1)
+            .or_else(|| self.search(middle, to, depth - 1))
+    }
+
+    /// Whether the second derivative keeps its sign between the two ends.
+    fn derivative_is_monotone(&self, start: &[f64; NODES], end: &[f64; NODES]) -> bool {
+        let mut s = *start;
+        let mut e = *end;
+        for i in 0..NODES {
+            s[i] *= self.lambda[i];
+            e[i] *= self.lambda[i];
+        }
+        bounded_away(&s, &e)
+    }
+
+    /// The turn between two times at which the derivative has opposite signs.
+    pub fn turn_between(&self, from: f64, to: f64) -> f64 {
+        let rising = self.slope(to) > 0.0;
+        root(from, to, |t| {
+            if rising {
+                self.slope(t)
+            } else {
+                -self.slope(t)
+            }
+        })
+    }
+
+    /// The time in [from, to] at which the sum, monotone there, passes `level`.
+    pub fn crossing(&self, level: f64, from: f64, to: f64) -> f64 {
+        let rising = self.value(to) > level;
+        root(from, to, |t| {
+            if rising {
+                self.value(t) - level
+            } else {
+                level - self.value(t)
+            }
+        })
+    }
+}
+
+/// Root of a function that is negative at `low` and positive at `high`: bracketed regula falsi (Illinois) with
+/// bisection whenever it stalls. Deterministic, and never leaves the bracket.
+fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let (mut f_low, mut f_high) = (f(low), f(high));
+    if f_low >= 0.0 {
+        return low;
+    }
+    if f_high <= 0.0 {
+        return high;
+    }
+    for round in 0..240 {
+        let width = high - low;
+        if width <= high * 1e-16 + 1e-18 {
+            break;
+        }
+        let mut t = low - f_low * width / (f_high - f_low);
+        if round % 3 == 2 || !(t > low && t < high) {
+            t = low + width / 2.0;
+            if t <= low || t >= high {
+                break;
+            }
+        }
+        let v = f(t);
+        if v > 0.0 {
+            (high, f_high) = (t, v);
+            f_low /= 2.0;
+        } else if v < 0.0 {
+            (low, f_low) = (t, v);
+            f_high /= 2.0;
+        } else {
+            return t;
+        }
+    }
+    high
+}
+
+/// Sign changes of the partial sums, rounding noise left out.
+pub(super) fn changes(b: &[f64; NODES]) -> usize {
+    let mut partial = 0.0;
+    let mut size = 0.0;
+    let mut sign = 0.0;
+    let mut count = 0;
+    for v in b {
+        partial += v;
+        size += v.abs();
+        if partial.abs() > FLAT * size {
+            let s = if partial > 0.0 { 1.0 } else { -1.0 };
+            if sign * s < 0.0 {
+                count += 1;
+            }
+            sign = s;
+        }
+    }
+    count
+}
+
+/// Whether the sums of the two are of opposite sign, beyond rounding noise.
+fn opposite(start: &[f64; NODES], end: &[f64; NODES]) -> bool {
+    let sign = |b: &[f64; NODES]| {
+        let sum: f64 = b.iter().sum();
+        let size: f64 = b.iter().map(|v| v.abs()).sum();
+        if sum.abs() <= FLAT * size { 0.0 } else { sum }
+    };
+    sign(start) * sign(end) < 0.0
+}
+
+/// Bound on the size of the derivative between the two ends, K/s.
+fn steepest(start: &[f64; NODES], end: &[f64; NODES]) -> f64 {
+    let (mut top, mut bottom) = (0.0, 0.0);
+    for (s, e) in start.iter().zip(end) {
+        top += s.max(*e);
+        bottom += s.min(*e);
+    }
+    f64::max(top, -bottom)
+}
+
+/// Whether decaying terms that begin at `start` and have become `end` cannot have summed to zero between.
+fn bounded_away(start: &[f64; NODES], end: &[f64; NODES]) -> bool {
+    let (mut top, mut bottom) = (0.0, 0.0);
+    for (s, e) in start.iter().zip(end) {
+        top += s.max(*e);
+        bottom += s.min(*e);
+    }
+    bottom > 0.0 || top < 0.0
+}
