@@ -1,6 +1,7 @@
 //! Figures over a plane: the contact path on the pad, the felt path on the display. Millimetres.
 
-use super::svg::{Plot, Scale, Svg, dot};
+use super::scale::Scale;
+use super::svg::{Plot, Svg, dot};
 use crate::measure::length_us;
 use crate::trace::{Event, PlaceUm, Trace};
 use std::collections::BTreeMap;
@@ -156,8 +157,8 @@ pub(super) fn contact_path(trace: &Trace) -> String {
         svg.circle(at, 6.5, "start");
     } else {
         svg.text(
-            (plot.left + plot.width / 2.0, plot.top + 22.0),
-            "note middle",
+            (plot.left + plot.width, plot.top - 11.0),
+            "note end",
             "no contact in this run",
         );
     }
@@ -254,7 +255,7 @@ pub(super) fn felt_path(trace: &Trace) -> String {
             }
         }
     }
-    svg.path(&target_path.lines.concat(), "truth");
+    svg.path(&target_path.lines.concat(), "aim");
     let bar = plot.px(2.5) - plot.px(0.0);
     for (index, wire) in wires.iter().enumerate() {
         let (x, y) = plot.at(*wire);
@@ -268,8 +269,8 @@ pub(super) fn felt_path(trace: &Trace) -> String {
         svg.circle(at, 7.5, "start");
     } else {
         svg.text(
-            (plot.left + plot.width / 2.0, plot.top + 22.0),
-            "note middle",
+            (plot.left + plot.width, plot.top - 11.0),
+            "note end",
             "nothing was felt in this run",
         );
     }

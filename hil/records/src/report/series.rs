@@ -1,6 +1,7 @@
 //! Figures over frames and time: taxels in contact, time per frame, wire temperatures.
 
-use super::svg::{Plot, Scale, Svg, dot, envelope};
+use super::scale::Scale;
+use super::svg::{Plot, Svg, dot, envelope};
 use crate::measure::{length_us, wire_tallies};
 use crate::trace::{Event, Trace};
 use std::collections::BTreeSet;
@@ -76,7 +77,7 @@ pub(super) fn frames(trace: &Trace, frame_us: &[f32]) -> String {
             counts.push((f64::from(*frame), f64::from(*in_contact)));
         }
     }
-    let last = counts.last().map_or(1.0, |c| c.0 + 1.0);
+    let last = counts.last().map_or(10.0, |c| c.0 + 1.0);
     let x = Scale::exact(0.0, last.max(1.0));
     let most = counts.iter().map(|c| c.1).fold(0.0, f64::max);
     let times = sorted_times(frame_us);
@@ -124,7 +125,7 @@ fn times_panel(
         .unwrap_or(1.0)
         .max(scan.unwrap_or(0.0));
     let lower = panel(222.0, 150.0, x, Scale::decades(low, high));
-    lower.y_axis(svg, "compression time per frame [us]");
+    lower.y_axis(svg, "compression time per frame [\u{b5}s]");
     lower.x_axis(svg, "frame");
     lower.frame(svg);
     // Half a pixel is all an eye sees: a long run costs no more than its pixels.
@@ -148,12 +149,20 @@ fn times_panel(
     if let Some(scan) = scan {
         let y = lower.py(scan);
         svg.line((lower.left, y), (right, y), "bound");
-        svg.text((right + 6.0, y + 4.0), "tick", "one scan");
+        svg.text(
+            (right + 6.0, y + 4.0),
+            "tick",
+            &format!("scan {:.1} ms", scan / 1000.0),
+        );
     }
     if let Some(median) = quantile(times, 0.5) {
         let y = lower.py(median);
         svg.line((lower.left, y), (right, y), "median");
-        svg.text((right + 6.0, y + 4.0), "tick", "median");
+        svg.text(
+            (right + 6.0, y + 4.0),
+            "tick",
+            &format!("median {median:.2}"),
+        );
     }
 }
 

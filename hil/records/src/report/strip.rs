@@ -1,7 +1,8 @@
 //! The schedule as a strip chart: a row a wire, a bar a burst, its height the width of the pulses.
 
+use super::scale::Scale;
 use super::series::{LEFT, RIGHT, WIDTH, seconds};
-use super::svg::{Plot, Scale, Svg};
+use super::svg::{Plot, Svg};
 use crate::bursts::{Burst, shown_wires};
 use crate::measure::length_us;
 use crate::trace::{Event, Trace};
