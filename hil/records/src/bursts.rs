@@ -2,7 +2,7 @@
 
 use crate::trace::{Event, Header, Trace};
 use palpate_core::schedule::{Entry, Reason};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// One stay of a wire: on at a width, or held off although something was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,6 +79,16 @@ fn start(header: &Header, entry: &Entry) -> Burst {
 fn close(done: &mut Vec<Burst>, mut burst: Burst, now_us: u64) {
     burst.to_us = burst.to_us.min(now_us.max(burst.from_us));
     done.push(burst);
+}
+
+/// All wires of a small display; of one with more than `most`, the first `most` that were driven.
+pub fn shown_wires(trace: &Trace, all: &[Burst], most: usize) -> Vec<u16> {
+    let count = u16::try_from(trace.header.wires.len()).unwrap_or(u16::MAX);
+    if usize::from(count) <= most {
+        return (0..count).collect();
+    }
+    let driven: BTreeSet<u16> = all.iter().filter_map(|b| b.wire).collect();
+    driven.into_iter().take(most).collect()
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Strip charts: time to the right in quanta of a fixed length, one row a quantity.
 
 use super::put;
-use crate::bursts::{Burst, bursts};
+use crate::bursts::{bursts, shown_wires};
 use crate::fixed::{milli_u, seconds};
 use crate::measure::length_us;
 use crate::trace::{Event, PlaceUm, Trace};
@@ -245,7 +245,7 @@ pub(super) fn contacts(out: &mut String, trace: &Trace) {
 /// The chart of a schedule: events, contacts, then a row a wire.
 pub(super) fn schedule(out: &mut String, trace: &Trace) {
     let all = bursts(trace);
-    let chosen = chosen_wires(trace, &all);
+    let chosen = shown_wires(trace, &all, ROWS);
     let grid = Grid::new(length_us(trace), chosen.len() + 2);
     let widest = all.iter().map(|b| b.width).max().unwrap_or(0).max(1);
     legend(out, &grid, &format!("9 is {widest} ticks"));
@@ -298,25 +298,6 @@ pub(super) fn schedule(out: &mut String, trace: &Trace) {
             &format!("  {stray} bursts on outputs that drive no wire of the display"),
         );
     }
-}
-
-/// All wires of a small display; of a large one those that were driven, the first [`ROWS`].
-fn chosen_wires(trace: &Trace, all: &[Burst]) -> Vec<u16> {
-    let count = u16::try_from(trace.header.wires.len()).unwrap_or(u16::MAX);
-    let every = 0..count;
-    if usize::from(count) <= ROWS {
-        return every.collect();
-    }
-    let mut driven = vec![false; usize::from(count)];
-    for wire in all.iter().filter_map(|b| b.wire) {
-        if let Some(flag) = driven.get_mut(usize::from(wire)) {
-            *flag = true;
-        }
-    }
-    every
-        .filter(|w| driven.get(usize::from(*w)) == Some(&true))
-        .take(ROWS)
-        .collect()
 }
 
 #[cfg(test)]

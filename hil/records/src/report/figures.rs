@@ -1,0 +1,162 @@
+//! The figures in their sections, each with its legend below, where it covers no data.
+
+use super::svg::escape;
+use super::{ReportExtras, paths, series, strip};
+use crate::bursts::bursts;
+use crate::measure;
+use crate::trace::{Event, Trace};
+use std::fmt::Write;
+
+/// A legend's entry: a swatch drawn with the figure's own classes, and its meaning.
+fn key(out: &mut String, shape: &str, text: &str) {
+    let _ = write!(
+        out,
+        "<span><svg viewBox=\"0 0 26 12\">{shape}</svg>{}</span>",
+        escape(text)
+    );
+}
+
+fn line_key(out: &mut String, class: &str, text: &str) {
+    key(
+        out,
+        &format!("<line class=\"{class}\" x1=\"1\" y1=\"6\" x2=\"25\" y2=\"6\"/>"),
+        text,
+    );
+}
+
+fn path_key(out: &mut String, class: &str, data: &str, text: &str) {
+    key(
+        out,
+        &format!("<path class=\"{class}\" d=\"{data}\"/>"),
+        text,
+    );
+}
+
+const RAMP: &str = "start <i class=\"ramp\"></i> end of the run";
+
+/// Figures A and C side by side.
+pub(super) fn planes(page: &mut String, trace: &Trace) {
+    let truth = trace
+        .events
+        .iter()
+        .any(|e| matches!(e, Event::Truth { .. }));
+    let mut legend = String::new();
+    if truth {
+        line_key(&mut legend, "truth", "true path");
+    }
+    let _ = write!(legend, "<span>contact: {RAMP}</span>");
+    key(
+        &mut legend,
+        "<circle class=\"start\" cx=\"13\" cy=\"6\" r=\"5\"/>",
+        "first contact",
+    );
+    key(
+        &mut legend,
+        "<rect class=\"taxel\" x=\"7\" y=\"0\" width=\"12\" height=\"12\"/>",
+        "taxel",
+    );
+    let _ = writeln!(
+        page,
+        "<div class=\"pair\"><section><h2>A \u{b7} Contact path on the sensor</h2>\n{}\
+         <div class=\"legend\">{legend}</div></section>",
+        paths::contact_path(trace)
+    );
+    let mut legend = String::new();
+    line_key(&mut legend, "aim", "contact, mapped");
+    let _ = write!(legend, "<span>felt: {RAMP}</span>");
+    path_key(
+        &mut legend,
+        "cross",
+        "M8 1l10 10M8 11l10 -10",
+        "break: nothing felt",
+    );
+    path_key(
+        &mut legend,
+        "cross dim",
+        "M8 1l10 10M8 11l10 -10",
+        "nothing felt, outside the display",
+    );
+    line_key(&mut legend, "wire", "wire");
+    let _ = writeln!(
+        page,
+        "<section><h2>C \u{b7} Felt path on the display</h2>\n{}\
+         <div class=\"legend\">{legend}</div></section></div>",
+        paths::felt_path(trace)
+    );
+}
+
+/// Figure B.
+pub(super) fn frames(page: &mut String, trace: &Trace, extras: &ReportExtras<'_>) {
+    let _ = writeln!(
+        page,
+        "<section><h2>B \u{b7} Contacts and compression time</h2>\n<div class=\"wide\">{}</div></section>",
+        series::frames(trace, extras.frame_us)
+    );
+}
+
+/// Wire temperatures; nothing where no wire was measured.
+pub(super) fn temperatures(page: &mut String, trace: &Trace) {
+    let wires = series::warm_wires(trace);
+    if wires.is_empty() {
+        return;
+    }
+    let mut legend = String::new();
+    for (slot, wire) in wires.iter().enumerate() {
+        line_key(
+            &mut legend,
+            &format!("series w{slot}"),
+            &format!("wire {wire}"),
+        );
+    }
+    let all = trace.header.wires.len();
+    let which = if wires.len() < all {
+        format!("The {} hottest of {all} wires.", wires.len())
+    } else {
+        String::new()
+    };
+    let _ = writeln!(
+        page,
+        "<section><h2>Wire temperatures</h2><p class=\"sub\">{which}</p>\n<div class=\"wide\">{}</div>\
+         <div class=\"legend\">{legend}</div></section>",
+        series::temperatures(trace, &wires)
+    );
+}
+
+/// The schedule, whole and in detail.
+pub(super) fn schedule(page: &mut String, trace: &Trace) {
+    let all = bursts(trace);
+    let mut legend = String::new();
+    let solid = "M7 12v-10h12v10z";
+    path_key(&mut legend, "burst", solid, "burst, height is pulse width");
+    path_key(
+        &mut legend,
+        "burst cut",
+        "M7 12v-6h12v6z",
+        "applied after a limit",
+    );
+    path_key(
+        &mut legend,
+        "asked",
+        "M7 11v-10h12v10z",
+        "requested, cut or refused",
+    );
+    path_key(&mut legend, "mark limit-mark", "M13 0v12", "limiter");
+    path_key(&mut legend, "mark break-mark", "M13 0v12", "break");
+    path_key(&mut legend, "mark note-mark", "M13 0v12", "note");
+    path_key(&mut legend, "mark off-mark", "M13 0v12", "all off");
+    let length = measure::length_us(trace);
+    let _ = writeln!(
+        page,
+        "<section><h2>Schedule</h2><p class=\"sub\">One row a wire; a bar is a burst of pulses, as high \
+         as its pulses are wide. On the right the largest duty in view.</p>\n<div class=\"wide\">{}</div>",
+        strip::schedule(trace, &all, 0, length)
+    );
+    if let Some((from, to)) = strip::detail(trace, &all) {
+        let _ = writeln!(
+            page,
+            "<h2 class=\"next\">In detail: twenty onsets</h2>\n<div class=\"wide\">{}</div>",
+            strip::schedule(trace, &all, from, to)
+        );
+    }
+    let _ = writeln!(page, "<div class=\"legend\">{legend}</div></section>");
+}

@@ -1,0 +1,278 @@
+//! Figures over a plane: the contact path on the pad, the felt path on the display. Millimetres.
+
+use super::scale::Scale;
+use super::svg::{Plot, Svg, dot};
+use crate::measure::length_us;
+use crate::trace::{Event, PlaceUm, Trace};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// Steps of colour from the start of the run to its end.
+pub(super) const HUES: usize = 10;
+const WIDTH: f64 = 540.0;
+const HEIGHT: f64 = 520.0;
+
+fn mm(p: PlaceUm) -> (f64, f64) {
+    (f64::from(p.x) / 1000.0, f64::from(p.y) / 1000.0)
+}
+
+fn plane() -> Plot {
+    Plot {
+        left: 58.0,
+        top: 28.0,
+        width: WIDTH - 70.0,
+        height: HEIGHT - 72.0,
+        x: Scale::exact(0.0, 1.0),
+        y: Scale::exact(0.0, 1.0),
+    }
+}
+
+fn axes(plot: &mut Plot, svg: &mut Svg, places: &[(f64, f64)], rim: f64, what: &str) {
+    let fold = |pick: fn(&(f64, f64)) -> f64, f: fn(f64, f64) -> f64, start| {
+        places.iter().map(pick).fold(start, f)
+    };
+    let mut low = (
+        fold(|p| p.0, f64::min, 1e9) - rim,
+        fold(|p| p.1, f64::min, 1e9) - rim,
+    );
+    let mut high = (
+        fold(|p| p.0, f64::max, -1e9) + rim,
+        fold(|p| p.1, f64::max, -1e9) + rim,
+    );
+    if places.is_empty() {
+        (low, high) = ((-10.0, -10.0), (10.0, 10.0));
+    }
+    plot.equal(low, high);
+    plot.x_axis(svg, &format!("{what} x [mm]"));
+    plot.y_axis(svg, &format!("{what} y [mm]"));
+    plot.frame(svg);
+}
+
+/// Smallest distance of two of the places, or a fallback.
+fn pitch(places: &[(f64, f64)]) -> f64 {
+    let mut best = f64::INFINITY;
+    for (i, a) in places.iter().enumerate().take(400) {
+        for b in places.iter().skip(i + 1).take(400) {
+            let d = (a.0 - b.0).hypot(a.1 - b.1);
+            if d > 1e-3 {
+                best = best.min(d);
+            }
+        }
+    }
+    if best.is_finite() { best } else { 4.7 }
+}
+
+/// A stroke in the colours of its time: thin line, and dots not closer than two pixels.
+#[derive(Default)]
+struct Stroke {
+    lines: [String; HUES],
+    dots: [String; HUES],
+    last: Option<(f64, f64)>,
+    last_dot: Option<(f64, f64)>,
+}
+
+impl Stroke {
+    fn to(&mut self, at: (f64, f64), hue: usize) {
+        let far =
+            |p: Option<(f64, f64)>, d: f64| p.is_none_or(|p| (p.0 - at.0).hypot(p.1 - at.1) >= d);
+        let hue = hue.min(HUES - 1);
+        if let (Some(from), true) = (self.last, far(self.last, 0.7)) {
+            let line = &mut self.lines[hue];
+            let _ = write!(line, "M{:.1} {:.1}L{:.1} {:.1}", from.0, from.1, at.0, at.1);
+        }
+        if far(self.last, 0.7) {
+            self.last = Some(at);
+        }
+        if far(self.last_dot, 2.0) {
+            dot(&mut self.dots[hue], at);
+            self.last_dot = Some(at);
+        }
+    }
+
+    fn lift(&mut self) {
+        self.last = None;
+    }
+
+    fn draw(&self, svg: &mut Svg, dots: &str) {
+        for (hue, line) in self.lines.iter().enumerate() {
+            svg.path(line, &format!("trail h{hue}"));
+        }
+        for (hue, d) in self.dots.iter().enumerate() {
+            svg.path(d, &format!("{dots} h{hue}"));
+        }
+    }
+}
+
+fn hue(t_us: u64, length: u64) -> usize {
+    let tenth = u128::from(t_us) * HUES as u128 / u128::from(length.max(1));
+    usize::try_from(tenth).unwrap_or(HUES - 1).min(HUES - 1)
+}
+
+/// The contact path over the pad, with the true path where one is known.
+pub(super) fn contact_path(trace: &Trace) -> String {
+    let taxels: Vec<_> = trace.header.taxels.iter().map(|p| mm(*p)).collect();
+    let pitch = pitch(&taxels);
+    let mut places = taxels.clone();
+    for event in &trace.events {
+        if let Event::Contact { place, .. } | Event::Truth { place, .. } = event {
+            places.push(mm(*place));
+        }
+    }
+    let mut plot = plane();
+    let mut svg = Svg::new(WIDTH, HEIGHT, "Contact path over the taxels of the pad");
+    axes(&mut plot, &mut svg, &places, pitch * 0.65, "sensor");
+    let half = plot.px(pitch * 0.41) - plot.px(0.0);
+    for taxel in &taxels {
+        let (x, y) = plot.at(*taxel);
+        svg.rect((x - half, y - half), (2.0 * half, 2.0 * half), "taxel");
+    }
+    truth(trace, &plot, &mut svg);
+    let length = length_us(trace);
+    let mut strokes: BTreeMap<(u16, u32), (Stroke, u32)> = BTreeMap::new();
+    let mut first = None;
+    for event in &trace.events {
+        if let Event::Contact {
+            t_us,
+            frame,
+            module,
+            contact,
+            place,
+            ..
+        } = event
+        {
+            let at = plot.at(mm(*place));
+            first.get_or_insert(at);
+            let (stroke, before) = strokes.entry((*module, *contact)).or_default();
+            if frame.saturating_sub(*before) > 1 {
+                stroke.lift();
+            }
+            *before = *frame;
+            stroke.to(at, hue(*t_us, length));
+        }
+    }
+    for (stroke, _) in strokes.values() {
+        stroke.draw(&mut svg, "dots");
+    }
+    if let Some(at) = first {
+        svg.circle(at, 6.5, "start");
+    } else {
+        svg.text(
+            (plot.left + plot.width, plot.top - 11.0),
+            "note end",
+            "no contact in this run",
+        );
+    }
+    svg.finish()
+}
+
+fn truth(trace: &Trace, plot: &Plot, svg: &mut Svg) {
+    let mut points: Vec<(u64, (f64, f64))> = Vec::new();
+    for event in &trace.events {
+        if let Event::Truth { t_us, place, .. } = event {
+            points.push((*t_us, plot.at(mm(*place))));
+        }
+    }
+    // Several touches at one time have no order to join them in: dots then.
+    let several = points.windows(2).any(|w| matches!(w, [a, b] if a.0 == b.0));
+    let mut line = String::new();
+    let mut last: Option<(u64, (f64, f64))> = None;
+    for (t_us, at) in points {
+        if several {
+            dot(&mut line, at);
+            continue;
+        }
+        let joined = last.filter(|(t, _)| t_us - t <= 100_000);
+        match joined {
+            Some((_, p)) if (p.0 - at.0).hypot(p.1 - at.1) < 0.7 => {
+                last = Some((t_us, p));
+                continue;
+            }
+            Some(_) => {
+                let _ = write!(line, "L{:.1} {:.1}", at.0, at.1);
+            }
+            None => {
+                let _ = write!(line, "M{:.1} {:.1}", at.0, at.1);
+            }
+        }
+        last = Some((t_us, at));
+    }
+    svg.path(&line, if several { "truth-dots" } else { "truth" });
+}
+
+/// The felt path on the display: wires, where the contact was, where it is felt, where it breaks.
+pub(super) fn felt_path(trace: &Trace) -> String {
+    let wires: Vec<_> = trace.header.wires.iter().map(|w| mm(w.place)).collect();
+    let mut places = wires.clone();
+    for event in &trace.events {
+        if let Event::Felt { target, felt, .. } = event {
+            places.push(mm(*target));
+            places.extend(felt.map(mm));
+        }
+    }
+    let mut plot = plane();
+    let mut svg = Svg::new(WIDTH, HEIGHT, "Felt path on the display");
+    axes(&mut plot, &mut svg, &places, 2.6, "display");
+    let (mut target_path, mut outside) = (Stroke::default(), String::new());
+    let (mut felt_path, mut crosses) = (Stroke::default(), String::new());
+    let length = length_us(trace);
+    let gap = trace.header.soa_us.saturating_mul(2).max(1);
+    let (mut before, mut first) = (None, None);
+    for event in &trace.events {
+        let Event::Felt {
+            t_us,
+            target,
+            inside,
+            felt,
+        } = event
+        else {
+            continue;
+        };
+        if before.is_some_and(|b: u64| t_us.saturating_sub(b) > gap) {
+            target_path.lift();
+            felt_path.lift();
+        }
+        before = Some(*t_us);
+        let aim = plot.at(mm(*target));
+        target_path.to(aim, 0);
+        match felt {
+            Some(felt) => {
+                let at = plot.at(mm(*felt));
+                first.get_or_insert(at);
+                felt_path.to(at, hue(*t_us, length));
+            }
+            None => {
+                felt_path.lift();
+                let (x, y) = aim;
+                let mark = if *inside { &mut crosses } else { &mut outside };
+                let _ = write!(
+                    mark,
+                    "M{:.1} {:.1}l9 9M{:.1} {:.1}l9 -9",
+                    x - 4.5,
+                    y - 4.5,
+                    x - 4.5,
+                    y + 4.5
+                );
+            }
+        }
+    }
+    svg.path(&target_path.lines.concat(), "aim");
+    let bar = plot.px(2.5) - plot.px(0.0);
+    for (index, wire) in wires.iter().enumerate() {
+        let (x, y) = plot.at(*wire);
+        svg.line((x - bar, y), (x + bar, y), "wire");
+        svg.text((x + bar + 4.0, y + 4.0), "wire-name", &index.to_string());
+    }
+    felt_path.draw(&mut svg, "dots big");
+    svg.path(&outside, "cross dim");
+    svg.path(&crosses, "cross");
+    if let Some(at) = first {
+        svg.circle(at, 7.5, "start");
+    } else {
+        svg.text(
+            (plot.left + plot.width, plot.top - 11.0),
+            "note end",
+            "nothing was felt in this run",
+        );
+    }
+    svg.finish()
+}

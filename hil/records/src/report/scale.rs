@@ -1,0 +1,147 @@
+//! Scales: how values become places along an axis, and the round numbers written beside it.
+
+/// How values become places along an axis.
+#[derive(Clone, Copy)]
+pub(super) struct Scale {
+    low: f64,
+    high: f64,
+    log: bool,
+}
+
+impl Scale {
+    /// Exactly `low` to `high`; opened to one unit where that is empty or no number.
+    pub fn exact(low: f64, high: f64) -> Self {
+        let sound = low.is_finite() && high.is_finite();
+        let (low, high) = if sound { (low, high) } else { (0.0, 1.0) };
+        let high = if high - low > 1e-9 { high } else { low + 1.0 };
+        Self {
+            low,
+            high,
+            log: false,
+        }
+    }
+
+    /// `low` to `high` widened to round ticks.
+    pub fn round(low: f64, high: f64) -> Self {
+        let raw = Self::exact(low, high);
+        let step = step(raw.high - raw.low, 5.0);
+        Self::exact(
+            (raw.low / step).floor() * step,
+            (raw.high / step).ceil() * step,
+        )
+    }
+
+    /// Logarithmic, widened to whole decades; both ends must be above zero.
+    pub fn decades(low: f64, high: f64) -> Self {
+        let low = 10f64.powf(low.max(1e-6).log10().floor());
+        let high = 10f64.powf(high.max(low * 1.1).min(1e12).log10().ceil());
+        Self {
+            low,
+            high,
+            log: true,
+        }
+    }
+
+    /// 0 at the low end, 1 at the high end.
+    pub fn at(&self, value: f64) -> f64 {
+        if self.log {
+            let value = value.max(self.low * 1e-3);
+            (value / self.low).log10() / (self.high / self.low).log10()
+        } else {
+            (value - self.low) / (self.high - self.low)
+        }
+    }
+
+    pub fn ticks(&self, wanted: f64) -> Vec<(f64, String)> {
+        if self.log {
+            let decades = (self.high / self.low).log10().round() as i32;
+            let by = (f64::from(decades) / wanted).ceil().max(1.0) as usize;
+            return (0..=decades)
+                .step_by(by)
+                .map(|d| self.low * 10f64.powi(d))
+                .map(|v| {
+                    (
+                        v,
+                        if v < 1.0 {
+                            format!("{v:.2}")
+                        } else {
+                            thousands(v)
+                        },
+                    )
+                })
+                .collect();
+        }
+        let step = step(self.high - self.low, wanted);
+        let decimals = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
+        let first = (self.low / step - 1e-6).ceil();
+        (0..40)
+            .map(|i| (first + f64::from(i)) * step)
+            .take_while(|v| *v <= self.high + step * 1e-6)
+            .map(|v| {
+                let v = if v.abs() < step * 1e-6 { 0.0 } else { v };
+                let text = if decimals == 0 {
+                    thousands(v)
+                } else {
+                    format!("{v:.decimals$}")
+                };
+                (v, text)
+            })
+            .collect()
+    }
+}
+
+/// A round number of which about `wanted` fit into `span`.
+fn step(span: f64, wanted: f64) -> f64 {
+    let raw = span / wanted.max(1.0);
+    let decade = 10f64.powf(raw.log10().floor());
+    let part = raw / decade;
+    let nice = if part <= 1.0 {
+        1.0
+    } else if part <= 2.0 {
+        2.0
+    } else if part <= 5.0 {
+        5.0
+    } else {
+        10.0
+    };
+    nice * decade
+}
+
+/// Whole number with a thin gap between thousands.
+fn thousands(value: f64) -> String {
+    let digits = format!("{:.0}", value.abs());
+    let mut out = String::new();
+    if value < 0.0 && digits != "0" {
+        out.push('\u{2212}');
+    }
+    for (i, c) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) && digits.len() > 4 {
+            out.push('\u{202f}');
+        }
+        out.push(c);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_few() {
+        let texts: Vec<_> = Scale::round(0.3, 9.7)
+            .ticks(5.0)
+            .into_iter()
+            .map(|t| t.1)
+            .collect();
+        assert_eq!(texts, ["0", "2", "4", "6", "8", "10"]);
+        let texts: Vec<_> = Scale::decades(0.6, 10_000.0)
+            .ticks(8.0)
+            .into_iter()
+            .map(|t| t.1)
+            .collect();
+        assert_eq!(texts.first().map(String::as_str), Some("0.10"));
+        assert!(Scale::exact(f64::NAN, 3.0).ticks(5.0).len() > 2);
+        assert!(Scale::round(5.0, 5.0).ticks(5.0).len() > 2);
+    }
+}

@@ -1,0 +1,218 @@
+//! A small SVG writer: shapes by style class, and a frame with labelled axes.
+//!
+//! Our own, because a page that follows the reader's light or dark setting needs classes where chart
+//! libraries write colours.
+
+use super::scale::Scale;
+use std::fmt::Write;
+
+/// Text with everything replaced that means something to HTML.
+pub(super) fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// A drawing under construction.
+pub(super) struct Svg {
+    body: String,
+}
+
+impl Svg {
+    pub fn new(width: f64, height: f64, label: &str) -> Self {
+        let label = escape(label);
+        let body = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" \
+             role=\"img\" aria-label=\"{label}\">\n"
+        );
+        Self { body }
+    }
+
+    pub fn line(&mut self, from: (f64, f64), to: (f64, f64), class: &str) {
+        let _ = writeln!(
+            self.body,
+            "<line class=\"{class}\" x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\"/>",
+            from.0, from.1, to.0, to.1
+        );
+    }
+
+    pub fn rect(&mut self, at: (f64, f64), size: (f64, f64), class: &str) {
+        let _ = writeln!(
+            self.body,
+            "<rect class=\"{class}\" x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/>",
+            at.0,
+            at.1,
+            size.0.max(0.0),
+            size.1.max(0.0)
+        );
+    }
+
+    pub fn circle(&mut self, at: (f64, f64), radius: f64, class: &str) {
+        let _ = writeln!(
+            self.body,
+            "<circle class=\"{class}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius:.1}\"/>",
+            at.0, at.1
+        );
+    }
+
+    pub fn path(&mut self, data: &str, class: &str) {
+        if !data.is_empty() {
+            let _ = writeln!(self.body, "<path class=\"{class}\" d=\"{data}\"/>");
+        }
+    }
+
+    /// Text anchored by its class: `end`, `middle` or, without either, its start.
+    pub fn text(&mut self, at: (f64, f64), class: &str, text: &str) {
+        let _ = writeln!(
+            self.body,
+            "<text class=\"{class}\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+            at.0,
+            at.1,
+            escape(text)
+        );
+    }
+
+    pub fn finish(mut self) -> String {
+        self.body.push_str("</svg>\n");
+        self.body
+    }
+}
+
+/// A rectangle with two scales.
+pub(super) struct Plot {
+    pub left: f64,
+    pub top: f64,
+    pub width: f64,
+    pub height: f64,
+    pub x: Scale,
+    pub y: Scale,
+}
+
+impl Plot {
+    pub fn px(&self, x: f64) -> f64 {
+        self.left + self.x.at(x) * self.width
+    }
+
+    pub fn py(&self, y: f64) -> f64 {
+        self.top + (1.0 - self.y.at(y)) * self.height
+    }
+
+    pub fn at(&self, p: (f64, f64)) -> (f64, f64) {
+        (self.px(p.0), self.py(p.1))
+    }
+
+    /// Scales as large as possible with the same millimetre both ways and `low`..`high` in view.
+    pub fn equal(&mut self, low: (f64, f64), high: (f64, f64)) {
+        let per_px = ((high.0 - low.0) / self.width)
+            .max((high.1 - low.1) / self.height)
+            .max(1e-6);
+        let (w, h) = (self.width * per_px / 2.0, self.height * per_px / 2.0);
+        let (x, y) = ((low.0 + high.0) / 2.0, (low.1 + high.1) / 2.0);
+        self.x = Scale::exact(x - w, x + w);
+        self.y = Scale::exact(y - h, y + h);
+    }
+
+    /// Horizontal axis: grid lines, numbers, label.
+    pub fn x_axis(&self, svg: &mut Svg, label: &str) {
+        let bottom = self.top + self.height;
+        for (value, text) in self.x.ticks((self.width / 75.0).min(10.0)) {
+            let x = self.px(value);
+            svg.line((x, self.top), (x, bottom), "grid");
+            svg.text((x, bottom + 15.0), "tick middle", &text);
+        }
+        svg.text(
+            (self.left + self.width / 2.0, bottom + 33.0),
+            "label middle",
+            label,
+        );
+    }
+
+    /// Vertical axis: grid lines, numbers, label above the upper end.
+    pub fn y_axis(&self, svg: &mut Svg, label: &str) {
+        for (value, text) in self.y.ticks((self.height / 26.0).min(8.0)) {
+            let y = self.py(value);
+            svg.line((self.left, y), (self.left + self.width, y), "grid");
+            svg.text((self.left - 7.0, y + 4.0), "tick end", &text);
+        }
+        svg.text((self.left - 44.0, self.top - 13.0), "label", label);
+    }
+
+    pub fn frame(&self, svg: &mut Svg) {
+        svg.rect((self.left, self.top), (self.width, self.height), "frame");
+    }
+}
+
+/// A line through points in pixels; every column keeps its ends and extremes, so that an hour costs
+/// what a second does. A point that is no number interrupts the line.
+pub(super) fn envelope(points: impl Iterator<Item = (f64, f64)>) -> String {
+    let mut out = String::new();
+    let mut pen = false;
+    let mut bucket: Vec<(f64, f64)> = Vec::new();
+    let flush = |bucket: &mut Vec<(f64, f64)>, pen: &mut bool, out: &mut String| {
+        let lowest = bucket.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));
+        let highest = bucket.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
+        let mut kept = vec![
+            bucket.first().copied(),
+            lowest,
+            highest,
+            bucket.last().copied(),
+        ];
+        kept.sort_by(|a, b| a.map_or(0.0, |p| p.0).total_cmp(&b.map_or(0.0, |p| p.0)));
+        kept.dedup();
+        for (x, y) in kept.into_iter().flatten() {
+            let _ = write!(out, "{}{x:.1} {y:.1}", if *pen { 'L' } else { 'M' });
+            *pen = true;
+        }
+        bucket.clear();
+    };
+    for (x, y) in points {
+        if !(x.is_finite() && y.is_finite()) {
+            flush(&mut bucket, &mut pen, &mut out);
+            pen = false;
+            continue;
+        }
+        if bucket.first().is_some_and(|p| p.0.floor() < x.floor()) {
+            flush(&mut bucket, &mut pen, &mut out);
+        }
+        bucket.push((x, y));
+    }
+    flush(&mut bucket, &mut pen, &mut out);
+    out
+}
+
+/// One dot of a path whose style has round ends.
+pub(super) fn dot(out: &mut String, (x, y): (f64, f64)) {
+    if x.is_finite() && y.is_finite() {
+        let _ = write!(out, "M{x:.1} {y:.1}h0");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_envelope_keeps_extremes_and_breaks_at_nan() {
+        let points = [
+            (0.0, 1.0),
+            (0.2, 9.0),
+            (0.4, -5.0),
+            (0.9, 2.0),
+            (f64::NAN, 0.0),
+            (3.0, 3.0),
+        ];
+        let path = envelope(points.into_iter());
+        assert_eq!(path, "M0.0 1.0L0.2 9.0L0.4 -5.0L0.9 2.0M3.0 3.0");
+        assert_eq!(escape("<a b='c'>&\u{7}"), "&lt;a b=&#39;c&#39;&gt;&amp; ");
+    }
+}

@@ -1,0 +1,203 @@
+//! Head, summary and the list of events.
+
+use super::series::{quantile, scan_us, sorted_times};
+use super::svg::escape;
+use super::{ReportExtras, SummaryRow};
+use crate::fixed::{milli_u, seconds};
+use crate::measure::{self, Errors};
+use crate::trace::{Event, Source, Trace};
+use crate::words;
+use std::fmt::Write;
+
+/// Most happenings in the table.
+const EVENTS: usize = 200;
+
+/// Name, whether real, and what was run.
+pub(super) fn head(page: &mut String, trace: &Trace) {
+    let h = &trace.header;
+    let (class, word) = match h.source {
+        Source::Emulated => ("", "EMULATED"),
+        Source::Real => (" real", "REAL"),
+    };
+    let _ = writeln!(
+        page,
+        "<header><h1>{}</h1><span class=\"badge{class}\">{word}</span></header>\n<dl>",
+        escape(&h.scene)
+    );
+    let frames = trace
+        .events
+        .iter()
+        .filter(|e| matches!(e, Event::Frame { .. }))
+        .count();
+    let facts = [
+        ("bench", h.bench.clone()),
+        ("seed", h.seed.to_string()),
+        (
+            "length",
+            format!("{} s, {frames} frames", seconds(measure::length_us(trace))),
+        ),
+        (
+            "PWM, true",
+            format!(
+                "{:.3} Hz (PRE_SCALE {})",
+                h.pre_scale.hz(),
+                h.pre_scale.get()
+            ),
+        ),
+        (
+            "pulse period",
+            format!("{} \u{b5}s", milli_u(h.pre_scale.period_ns())),
+        ),
+        (
+            "burst \u{3c4}_d, onsets SOA",
+            format!("{} ms, {} ms", milli_u(h.tau_d_us), milli_u(h.soa_us)),
+        ),
+        ("illusion", h.illusion.clone()),
+        ("contacts at most, K_C", h.kc.to_string()),
+        ("scene digest", h.scene_digest.clone()),
+        ("limits digest", h.limits_digest.clone()),
+    ];
+    for (name, value) in facts {
+        let _ = write!(
+            page,
+            "<div><dt>{name}</dt><dd>{}</dd></div>",
+            escape(&value)
+        );
+    }
+    page.push_str("</dl>\n");
+}
+
+fn row(name: &str, value: String, unit: &str) -> SummaryRow {
+    SummaryRow {
+        name: name.to_owned(),
+        value,
+        unit: unit.to_owned(),
+        limit: None,
+        over: false,
+    }
+}
+
+fn error_rows(rows: &mut Vec<SummaryRow>, what: &str, space: &str, errors: Option<Errors>) {
+    let text = |pick: fn(Errors) -> u64| {
+        errors.map_or_else(|| "\u{2013}".to_owned(), |e| milli_u(pick(e)))
+    };
+    let unit = format!("mm, {space}");
+    rows.push(row(&format!("{what}, RMSE"), text(|e| e.rmse_um), &unit));
+    rows.push(row(&format!("{what}, largest"), text(|e| e.max_um), &unit));
+}
+
+fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
+    let mut rows = Vec::new();
+    error_rows(
+        &mut rows,
+        "path error",
+        "sensor",
+        measure::path_error(trace),
+    );
+    let (felt, breaks) = measure::felt_error(trace);
+    error_rows(&mut rows, "felt error", "display", felt);
+    rows.push(row("breaks", breaks.to_string(), "onsets"));
+    let most = trace.events.iter().filter_map(|e| match e {
+        Event::Frame { in_contact, .. } => Some(*in_contact),
+        _ => None,
+    });
+    rows.push(row(
+        "taxels in contact, most",
+        most.max().unwrap_or(0).to_string(),
+        "",
+    ));
+    let times = sorted_times(extras.frame_us);
+    let time = |q| quantile(&times, q).map_or_else(|| "\u{2013}".to_owned(), |t| format!("{t:.2}"));
+    rows.push(row("time per frame, median", time(0.5), "\u{b5}s"));
+    let mut p99 = row("time per frame, p99", time(0.99), "\u{b5}s");
+    p99.limit = scan_us(trace).map(|us| format!("{us:.0} (one scan)"));
+    rows.push(p99);
+    rows.extend(extras.summary.iter().cloned());
+    rows
+}
+
+/// What came out, beside what was spent and allowed.
+pub(super) fn summary(page: &mut String, trace: &Trace, extras: &ReportExtras<'_>) {
+    page.push_str(
+        "<div class=\"pair\"><section><h2>Results</h2><table><tr><th>measured</th>\
+         <th class=\"num\">value</th><th>unit</th><th>limit</th></tr>\n",
+    );
+    for r in results(trace, extras) {
+        let _ = writeln!(
+            page,
+            "<tr{}><td>{}</td><td class=\"num\">{}</td><td>{}</td><td>{}</td></tr>",
+            if r.over { " class=\"over\"" } else { "" },
+            escape(&r.name),
+            escape(&r.value),
+            escape(&r.unit),
+            escape(r.limit.as_deref().unwrap_or(""))
+        );
+    }
+    page.push_str(
+        "</table></section>\n<section><h2>Ledger against its limits</h2><table><tr><th>spent</th>\
+         <th class=\"num\">value</th><th>unit</th><th class=\"num\">limit</th><th>used</th></tr>\n",
+    );
+    for r in measure::ledger_rows(trace) {
+        let used = r.percent().map_or_else(String::new, |percent| {
+            let bar = percent.clamp(0, 100);
+            format!("<span class=\"meter\"><i style=\"width:{bar}%\"></i></span>{percent} %")
+        });
+        let unit = match r.unit {
+            "us" => "\u{b5}s",
+            "degC" => "\u{b0}C",
+            unit => unit,
+        };
+        let limit = if r.limit.is_some() {
+            r.limit_text()
+        } else {
+            String::new()
+        };
+        let _ = writeln!(
+            page,
+            "<tr{}><td>{}</td><td class=\"num\">{}</td><td>{unit}</td><td class=\"num\">{limit}</td>\
+             <td>{used}</td></tr>",
+            if r.over() { " class=\"over\"" } else { "" },
+            r.name,
+            r.value_text(),
+        );
+    }
+    page.push_str("</table></section></div>\n");
+}
+
+/// Limiter events, breaks, all-off and notes in words.
+pub(super) fn events(page: &mut String, trace: &Trace) {
+    let list = words::happenings(trace);
+    let _ = writeln!(page, "<section><h2>Events</h2>");
+    if list.is_empty() {
+        page.push_str("<p class=\"sub\">Nothing worth a line happened.</p></section>\n");
+        return;
+    }
+    page.push_str(
+        "<table><tr><th class=\"num\">from [s]</th><th class=\"num\">to [s]</th><th>kind</th>\
+         <th>what</th></tr>\n",
+    );
+    for h in list.iter().take(EVENTS) {
+        let to = if h.last_us > h.t_us {
+            seconds(h.last_us)
+        } else {
+            String::new()
+        };
+        let _ = writeln!(
+            page,
+            "<tr><td class=\"num\">{}</td><td class=\"num\">{to}</td><td class=\"kind {kind}\">{kind}</td>\
+             <td>{}</td></tr>",
+            seconds(h.t_us),
+            escape(&h.text),
+            kind = h.kind.word()
+        );
+    }
+    page.push_str("</table>\n");
+    if list.len() > EVENTS {
+        let _ = writeln!(
+            page,
+            "<p class=\"sub\">and {} more</p>",
+            list.len() - EVENTS
+        );
+    }
+    page.push_str("</section>\n");
+}
