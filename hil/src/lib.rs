@@ -1,1 +1,3 @@
 //! The `hil` library: everything behind the command line.
+
+pub mod files;

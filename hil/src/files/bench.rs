@@ -1,0 +1,131 @@
+//! Benches: which hardware a scene runs on, and what drives its wires.
+
+use serde::Deserialize;
+
+use super::{FileError, Source};
+
+/// A bench.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Bench {
+    /// Lower case with hyphens.
+    pub name: String,
+    /// What it is, in a sentence.
+    pub description: String,
+    /// What stands behind the buses.
+    pub kind: BenchKind,
+    /// A display layout: a built-in name or a file.
+    pub display: String,
+    /// A limit table: a built-in name or a file. Left out: the hard limits.
+    pub limits: Option<String>,
+    /// The display's wires.
+    pub wire: Wire,
+    /// What drives them.
+    pub drive: Drive,
+    /// One entry a wire, in the display's order.
+    pub outputs: Vec<Output>,
+}
+
+/// What stands behind the buses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum BenchKind {
+    /// Emulated boards, chips, wires and finger. Such a bench never opens a device.
+    Emulated,
+}
+
+/// A wire's kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Wire {
+    /// 75 or 100 micrometres.
+    pub diameter_um: u32,
+    /// Its transition temperatures.
+    pub transition: Transition,
+}
+
+/// Transition temperatures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Transition {
+    /// As/Af/Ms/Mf 68/78/52/42 C.
+    Low,
+    /// As/Af/Ms/Mf 88/98/72/62 C.
+    High,
+}
+
+/// Current, supply and PWM.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Drive {
+    /// Current through a wire that is on.
+    pub current_ma: f64,
+    /// Most current the supply gives at any instant.
+    pub supply_limit_ma: f64,
+    /// Frequency asked for; the chip's divider makes the nearest it can.
+    pub pwm_hz: f64,
+    /// The chip's oscillator over its nominal 25 MHz.
+    pub oscillator: f64,
+}
+
+/// Where a wire is connected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Output {
+    /// The chip's I2C address, 0x40 to 0x7F.
+    pub board: u8,
+    /// The chip's output, 0 to 15.
+    pub channel: u8,
+}
+
+impl Bench {
+    /// Reads and checks a bench by itself; [`super::Setup`] checks it against its display.
+    ///
+    /// # Errors
+    /// Names the line and key of what cannot be.
+    pub fn read(source: &Source) -> Result<Self, FileError> {
+        let bench: Self = source.read()?;
+        source.heading(&bench.name, &bench.description)?;
+        if !matches!(bench.wire.diameter_um, 75 | 100) {
+            return Err(source.bad("wire.diameter_um", "75 or 100"));
+        }
+        let drive = &bench.drive;
+        source.range("drive.current_ma", drive.current_ma, 1.0..=5000.0, "mA")?;
+        source.range(
+            "drive.supply_limit_ma",
+            drive.supply_limit_ma,
+            1.0..=1e5,
+            "mA",
+        )?;
+        if drive.supply_limit_ma < drive.current_ma {
+            let expected = format!("at least the current of one wire, {} mA", drive.current_ma);
+            return Err(source.bad("drive.supply_limit_ma", expected));
+        }
+        // What dividers 3 to 255 make of 25 MHz.
+        source.range("drive.pwm_hz", drive.pwm_hz, 24.0..=1526.0, "Hz")?;
+        source.range("drive.oscillator", drive.oscillator, 0.8..=1.2, "")?;
+        for (index, output) in bench.outputs.iter().enumerate() {
+            let key = format!("outputs[{index}]");
+            source.range(
+                &format!("{key}.board"),
+                output.board,
+                0x40..=0x7F,
+                "(0x40 to 0x7F)",
+            )?;
+            source.range(&format!("{key}.channel"), output.channel, 0..=15, "")?;
+            if bench.outputs[..index].contains(output) {
+                return Err(source.bad(
+                    &format!("{key}.channel"),
+                    "an output of its own for every wire",
+                ));
+            }
+        }
+        Ok(bench)
+    }
+}

@@ -1,0 +1,50 @@
+//! The one error of every file a user hands in: where it is, what was expected, what stood there.
+
+use std::fmt;
+
+/// A file that cannot be used, said so that its author can mend it. Its display is
+/// `file:line: key: expected ..., found ...`; a retry without an edit does not help.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub struct FileError {
+    /// The file as the user named it; a built-in one under its place in `fixtures/`.
+    pub path: String,
+    /// The line, counted from one; none when the file as a whole is meant.
+    pub line: Option<usize>,
+    /// The key's full path (`touches[0].force_n.mean`) or the CSV column; none when no key is meant.
+    pub key: Option<String>,
+    /// What would have been right.
+    pub expected: String,
+    /// What was there instead.
+    pub found: String,
+}
+
+impl FileError {
+    /// An error about a whole file.
+    #[must_use]
+    pub fn whole(
+        path: impl Into<String>,
+        expected: impl Into<String>,
+        found: impl Into<String>,
+    ) -> Self {
+        Self {
+            path: path.into(),
+            line: None,
+            key: None,
+            expected: expected.into(),
+            found: found.into(),
+        }
+    }
+}
+
+impl fmt::Display for FileError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}", self.path)?;
+        if let Some(line) = self.line {
+            write!(out, ":{line}")?;
+        }
+        if let Some(key) = &self.key {
+            write!(out, ": {key}")?;
+        }
+        write!(out, ": expected {}, found {}", self.expected, self.found)
+    }
+}

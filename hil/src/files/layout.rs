@@ -1,0 +1,342 @@
+//! Layouts: where a skin's taxels or a display's wires are. Millimetres, x right, y up, row 0 on top.
+
+use serde::Deserialize;
+
+use super::{FileError, Source};
+
+/// The most taxels one sensor board reads.
+const TAXELS_PER_BOARD: usize = 16;
+
+/// A layout of either kind.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(untagged)]
+pub enum LayoutFile {
+    /// Taxels.
+    Sensor(SensorLayout),
+    /// Wires.
+    Display(DisplayLayout),
+}
+
+/// The only kind a [`SensorLayout`] may state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum SensorTag {
+    Sensor,
+}
+
+/// The only kind a [`DisplayLayout`] may state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum DisplayTag {
+    Display,
+}
+
+/// A skin: modules of taxels.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct SensorLayout {
+    #[allow(dead_code, reason = "checked by its type")]
+    kind: SensorTag,
+    /// Lower case with hyphens.
+    pub name: String,
+    /// What it is, in a sentence.
+    pub description: String,
+    /// What of it is an assumption; reports flag it.
+    pub assumed: Option<String>,
+    /// 1 (normal only) or 3.
+    pub axes: u8,
+    /// The image all modules together make, where they make one; cells without a taxel read as faulty.
+    pub image: Option<ImageSize>,
+    /// The modules; a reading's order is theirs.
+    pub modules: Vec<Module>,
+}
+
+/// Rows and columns of an image of taxels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ImageSize {
+    /// From top to bottom.
+    pub rows: usize,
+    /// From left to right.
+    pub columns: usize,
+}
+
+/// A module: a grid of taxels, or scattered points.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Module {
+    /// Lower case with hyphens.
+    pub name: String,
+    /// A regular grid around the module's centre; or `points_mm`.
+    pub grid: Option<Grid>,
+    /// Any places; or `grid`.
+    pub points_mm: Option<Vec<[f64; 2]>>,
+    /// Taxels (by index) that are there but not read.
+    #[serde(default)]
+    pub inactive: Vec<usize>,
+    /// The image cell of the module's top left read taxel; every grid row is packed to the left.
+    pub image: Option<ImageCell>,
+    /// The module's centre in the whole skin's plane.
+    #[serde(default)]
+    pub place_mm: [f64; 2],
+    /// The bus its boards are on; with `boards`.
+    pub bus: Option<u8>,
+    /// Board addresses, 16 read taxels each, in order. Left out: recordings only.
+    #[serde(default)]
+    pub boards: Vec<u8>,
+}
+
+/// A regular grid; taxel index = columns * row + column.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Grid {
+    /// From top to bottom.
+    pub rows: usize,
+    /// From left to right.
+    pub columns: usize,
+    /// Between neighbours, both ways.
+    pub pitch_mm: f64,
+}
+
+/// A cell of the skin's image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ImageCell {
+    /// From the top, counted from zero.
+    pub row: usize,
+    /// From the left, counted from zero.
+    pub column: usize,
+}
+
+/// One taxel of a module.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Taxel {
+    /// To the right of the module's centre.
+    pub x_mm: f64,
+    /// Up from the module's centre.
+    pub y_mm: f64,
+    /// Whether it is read at all.
+    pub active: bool,
+    /// Its (row, column) in the skin's image.
+    pub image: Option<(usize, usize)>,
+}
+
+/// A worn display: wires on skin.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct DisplayLayout {
+    #[allow(dead_code, reason = "checked by its type")]
+    kind: DisplayTag,
+    /// Lower case with hyphens.
+    pub name: String,
+    /// What it is, in a sentence.
+    pub description: String,
+    /// What of it is an assumption; reports flag it.
+    pub assumed: Option<String>,
+    /// The actuator spacings Dx and Dy of the phantom sensation.
+    pub spacing_mm: [f64; 2],
+    /// The wires' centres on the unrolled surface, in the order of the bench's outputs.
+    pub wires_mm: Vec<[f64; 2]>,
+}
+
+impl Module {
+    /// All taxels in index order, those that are not read included.
+    #[must_use]
+    pub fn taxels(&self) -> Vec<Taxel> {
+        let places = self.places();
+        let columns = self.grid.map_or(places.len().max(1), |grid| grid.columns);
+        let mut packed = 0;
+        let mut taxels = Vec::with_capacity(places.len());
+        for (index, [x_mm, y_mm]) in places.into_iter().enumerate() {
+            let (row, column) = (index / columns, index % columns);
+            packed = if column == 0 { 0 } else { packed };
+            let active = !self.inactive.contains(&index);
+            let image = self.image.filter(|_| active);
+            let image = image.map(|cell| (cell.row + row, cell.column + packed));
+            packed += usize::from(active);
+            taxels.push(Taxel {
+                x_mm,
+                y_mm,
+                active,
+                image,
+            });
+        }
+        taxels
+    }
+
+    /// How many taxels are read.
+    #[must_use]
+    pub fn readings(&self) -> usize {
+        self.places().len().saturating_sub(self.inactive.len())
+    }
+
+    fn places(&self) -> Vec<[f64; 2]> {
+        let Some(grid) = self.grid else {
+            return self.points_mm.clone().unwrap_or_default();
+        };
+        let centred = |index: usize, count: usize| {
+            (index as f64 - (count as f64 - 1.0) / 2.0) * grid.pitch_mm
+        };
+        (0..grid.rows * grid.columns)
+            .map(|index| {
+                let (row, column) = (index / grid.columns, index % grid.columns);
+                [centred(column, grid.columns), -centred(row, grid.rows)]
+            })
+            .collect()
+    }
+
+    fn check(&self, source: &Source, key: &str) -> Result<(), FileError> {
+        let at = |name: &str| format!("{key}.{name}");
+        match (&self.grid, &self.points_mm) {
+            (Some(grid), None) => {
+                source.range(&at("grid.rows"), grid.rows, 1..=256, "")?;
+                source.range(&at("grid.columns"), grid.columns, 1..=256, "")?;
+                source.range(&at("grid.pitch_mm"), grid.pitch_mm, 0.05..=1e3, "mm")?;
+            }
+            (None, Some(points)) => places(source, &at("points_mm"), points, 1..=20_000)?,
+            (Some(_), Some(_)) => {
+                return Err(source.bad(&at("points_mm"), "either grid or points_mm"));
+            }
+            (None, None) => return Err(source.bad(&at("grid"), "either grid or points_mm")),
+        }
+        let count = self.places().len();
+        for (position, index) in self.inactive.iter().enumerate() {
+            let here = at(&format!("inactive[{position}]"));
+            source.range(&here, *index, 0..=count - 1, "")?;
+            if self.inactive[..position].contains(index) {
+                return Err(source.bad(&here, "every taxel once"));
+            }
+        }
+        if self.readings() == 0 {
+            return Err(source.bad(&at("inactive"), "at least one taxel that is read"));
+        }
+        for (axis, value) in self.place_mm.into_iter().enumerate() {
+            source.range(&at(&format!("place_mm[{axis}]")), value, -1e5..=1e5, "mm")?;
+        }
+        if self.bus.is_some() == self.boards.is_empty() {
+            let missing = if self.bus.is_some() { "boards" } else { "bus" };
+            return Err(source.bad(&at(missing), "bus and boards together, or neither"));
+        }
+        let needed = self.readings().div_ceil(TAXELS_PER_BOARD);
+        if self.bus.is_some() && self.boards.len() != needed {
+            let expected = format!("{needed} boards ({} taxels, 16 a board)", self.readings());
+            return Err(source.bad(&at("boards"), expected));
+        }
+        for (position, board) in self.boards.iter().enumerate() {
+            source.range(&at(&format!("boards[{position}]")), *board, 0..=15, "")?;
+        }
+        Ok(())
+    }
+}
+
+impl SensorLayout {
+    /// How many taxels are read, over all modules.
+    #[must_use]
+    pub fn readings(&self) -> usize {
+        self.modules.iter().map(Module::readings).sum()
+    }
+
+    fn check(&self, source: &Source) -> Result<(), FileError> {
+        source.heading(&self.name, &self.description)?;
+        if !matches!(self.axes, 1 | 3) {
+            return Err(source.bad("axes", "1 or 3"));
+        }
+        if self.modules.is_empty() {
+            return Err(source.bad("modules", "at least one module"));
+        }
+        if let Some(image) = self.image {
+            source.range("image.rows", image.rows, 1..=4096, "")?;
+            source.range("image.columns", image.columns, 1..=4096, "")?;
+        }
+        let mut boards = std::collections::BTreeSet::new();
+        let mut cells = std::collections::BTreeSet::new();
+        for (index, module) in self.modules.iter().enumerate() {
+            let key = format!("modules[{index}]");
+            module.check(source, &key)?;
+            for (position, board) in module.boards.iter().enumerate() {
+                if !boards.insert((module.bus, *board)) {
+                    let key = format!("{key}.boards[{position}]");
+                    return Err(source.bad(&key, "an address of its own on its bus"));
+                }
+            }
+            if module.image.is_some() != self.image.is_some() {
+                let expected = "an image for the layout and for every module, or for none";
+                return Err(source.bad(&format!("{key}.image"), expected));
+            }
+            let (rows, columns) = self.image.map_or((0, 0), |size| (size.rows, size.columns));
+            for (row, column) in module.taxels().iter().filter_map(|taxel| taxel.image) {
+                if row >= rows || column >= columns || !cells.insert((row, column)) {
+                    let expected = format!("free cells inside the {rows}x{columns} image");
+                    return Err(source.bad(&format!("{key}.image"), expected));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl LayoutFile {
+    /// Reads and checks a layout of either kind.
+    ///
+    /// # Errors
+    /// Names the line and key of what cannot be.
+    pub fn read(source: &Source) -> Result<Self, FileError> {
+        match source.peek("kind")?.as_deref() {
+            Some("sensor") => {
+                let layout: SensorLayout = source.read()?;
+                layout.check(source)?;
+                Ok(Self::Sensor(layout))
+            }
+            Some("display") => {
+                let layout: DisplayLayout = source.read()?;
+                layout.check(source)?;
+                Ok(Self::Display(layout))
+            }
+            _ => Err(source.bad("kind", "\"sensor\" or \"display\"")),
+        }
+    }
+}
+
+impl DisplayLayout {
+    fn check(&self, source: &Source) -> Result<(), FileError> {
+        source.heading(&self.name, &self.description)?;
+        for (axis, value) in self.spacing_mm.into_iter().enumerate() {
+            source.range(&format!("spacing_mm[{axis}]"), value, 0.1..=1e3, "mm")?;
+        }
+        places(source, "wires_mm", &self.wires_mm, 1..=256)
+    }
+}
+
+/// A list of places: a sensible number of them, in range, no two the same.
+fn places(
+    source: &Source,
+    key: &str,
+    points: &[[f64; 2]],
+    count: std::ops::RangeInclusive<usize>,
+) -> Result<(), FileError> {
+    if !count.contains(&points.len()) {
+        let expected = format!("{} to {} places", count.start(), count.end());
+        return Err(source.bad(key, expected));
+    }
+    let mut seen = std::collections::BTreeMap::new();
+    for (index, point) in points.iter().enumerate() {
+        for (axis, value) in point.iter().enumerate() {
+            source.range(&format!("{key}[{index}][{axis}]"), *value, -1e4..=1e4, "mm")?;
+        }
+        // Adding zero turns -0.0 into 0.0.
+        if let Some(first) = seen.insert(point.map(|value| (value + 0.0).to_bits()), index) {
+            let expected = format!("a place of its own, not that of number {first}");
+            return Err(source.bad(&format!("{key}[{index}]"), expected));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,40 @@
+//! Every file a user hands in: scenes, benches, layouts, limit tables, recorded taxels.
+//!
+//! Text becomes plain, checked configuration here, or a [`FileError`] that names file, line, key, what was
+//! expected and what was found. Nothing here knows a bus, a clock or the loop; the structs are converted to
+//! the core's own types where a run is set up.
+#![forbid(unsafe_code)]
+
+mod bench;
+mod error;
+mod layout;
+mod limits;
+mod resolve;
+mod scene;
+mod setup;
+mod source;
+mod taxel_csv;
+mod touch;
+mod wording;
+
+#[cfg(test)]
+mod schema;
+#[cfg(test)]
+mod tests;
+
+pub use bench::{Bench, BenchKind, Drive, Output, Transition, Wire};
+pub use error::FileError;
+pub use layout::{
+    DisplayLayout, Grid, ImageCell, ImageSize, LayoutFile, Module, SensorLayout, Taxel,
+};
+pub use limits::{
+    Burst, Dose, FingertipPower, HARD_LIMITS, Limits, Pulse, Skin, Watchdog, WirePower,
+};
+pub use resolve::{Kind, resolve, resolve_from};
+pub use scene::{
+    Axes, Compression, Expect, Generation, Illusion, IllusionModel, Map, Norm, Scene, Scope,
+};
+pub use setup::{Loaded, Setup, load_bench, load_layout, load_limits, load_scene};
+pub use source::Source;
+pub use taxel_csv::{Columns, TaxelTable, read_taxel_csv};
+pub use touch::{Force, Path, PathKind, Touch, TouchPoint};

@@ -1,0 +1,96 @@
+//! A name or a path, as the user typed it, to a text.
+
+use std::path::{Path, PathBuf};
+
+use super::{FileError, Source};
+
+/// The kinds of TOML file; each has its own shelf of built-in names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// What touches the skin, and how it is projected.
+    Scene,
+    /// Where taxels or wires are.
+    Layout,
+    /// Which hardware, emulated or real.
+    Bench,
+    /// What the guard enforces.
+    Limits,
+}
+
+impl Kind {
+    fn folder(self) -> &'static str {
+        match self {
+            Self::Scene => "scenes",
+            Self::Layout => "layouts",
+            Self::Bench => "benches",
+            Self::Limits => "limits",
+        }
+    }
+
+    fn noun(self) -> &'static str {
+        match self {
+            Self::Scene => "a scene",
+            Self::Layout => "a layout",
+            Self::Bench => "a bench",
+            Self::Limits => "a limit table",
+        }
+    }
+
+    fn built_in(self, name: &str) -> Option<&'static str> {
+        match self {
+            Self::Scene => palpate_fixtures::scene(name),
+            Self::Layout => palpate_fixtures::layout(name),
+            Self::Bench => palpate_fixtures::bench(name),
+            Self::Limits => palpate_fixtures::limits(name),
+        }
+    }
+
+    /// The built-in names, in alphabetical order.
+    #[must_use]
+    pub fn names(self) -> Vec<&'static str> {
+        match self {
+            Self::Scene => palpate_fixtures::scene_names().collect(),
+            Self::Layout => palpate_fixtures::layout_names().collect(),
+            Self::Bench => palpate_fixtures::bench_names().collect(),
+            Self::Limits => palpate_fixtures::limits_names().collect(),
+        }
+    }
+
+    fn choices(self) -> String {
+        format!("{} ({}) or a file", self.noun(), self.names().join(", "))
+    }
+}
+
+/// A built-in name if there is one, else a file.
+///
+/// # Errors
+/// An unknown name lists what exists; a file says why it cannot be read.
+pub fn resolve(kind: Kind, name: &str) -> Result<Source, FileError> {
+    look_up(kind, name, None)?
+        .ok_or_else(|| FileError::whole(name, kind.choices(), "neither of that name"))
+}
+
+/// The same for a name that stands under `key` of another file: relative paths start at that file's folder.
+///
+/// # Errors
+/// As [`resolve`]; an unknown name is reported at its line in `referrer`.
+pub fn resolve_from(
+    kind: Kind,
+    name: &str,
+    referrer: &Source,
+    key: &str,
+) -> Result<Source, FileError> {
+    look_up(kind, name, referrer.folder())?.ok_or_else(|| referrer.bad(key, kind.choices()))
+}
+
+fn look_up(kind: Kind, name: &str, folder: Option<&Path>) -> Result<Option<Source>, FileError> {
+    if let Some(text) = kind.built_in(name) {
+        let label = format!("fixtures/{}/{name}.toml", kind.folder());
+        return Ok(Some(Source::new(label, text)));
+    }
+    let path = folder.map_or_else(|| PathBuf::from(name), |folder| folder.join(name));
+    if name.is_empty() || !path.exists() {
+        return Ok(None);
+    }
+    Source::open(&path).map(Some)
+}

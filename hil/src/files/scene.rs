@@ -1,0 +1,254 @@
+//! Scenes: what touches which skin, and how it is compressed and projected.
+
+use serde::Deserialize;
+
+use super::{FileError, Source, Touch};
+
+macro_rules! choice {
+    ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $text:literal),+ $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+        #[cfg_attr(test, derive(schemars::JsonSchema))]
+        pub enum $name { $($(#[$variant_doc])* #[serde(rename = $text)] $variant),+ }
+    };
+}
+
+choice! { /** A sensor generation: its values at rest. */ Generation {
+    /** X and Y near 16.4k, Z 32k to 36k. */ Y2019 = "2019",
+    /** X near 48.9k, Y 16.4k, Z 37.4k. */ Y2021 = "2021",
+    /** X and Y near 32.8k, Z 37.4k. */ Current = "current",
+}}
+choice! { /** How a taxel's axes make one weight. */ Norm {
+    /** Sum of absolute values. */ L1 = "l1",
+    /** Euclidean. */ L2 = "l2",
+    /** Largest absolute value. */ Linf = "linf",
+}}
+choice! { /** The axes that count. */ Axes {
+    /** All three. */ Xyz = "xyz",
+    /** The normal one. */ Z = "z",
+}}
+choice! { /** Where `kc` and `ki` apply. */ Scope {
+    /** To each module. */ Module = "module",
+    /** To the whole skin in one plane. */ Skin = "skin",
+}}
+choice! { /** How a place between wires becomes activations. */ IllusionModel {
+    /** The logarithmic phantom sensation of the thesis's (5.2). */ Phantom = "phantom",
+}}
+
+/// A scene.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Lower case with hyphens.
+    pub name: String,
+    /// What happens, in a sentence.
+    pub description: String,
+    /// Simulated length in seconds.
+    pub length_s: f64,
+    /// A sensor layout: a built-in name or a file.
+    pub layout: String,
+    /// The sensor generation.
+    pub generation: Generation,
+    /// Frames a second.
+    pub rate_hz: f64,
+    /// Standard deviation of a reading's noise in counts.
+    pub noise_lsb: f64,
+    /// Contact-free frames that make the reference; the next one makes the threshold.
+    pub reference_frames: u32,
+    /// Counts added to the threshold.
+    pub threshold_margin: f64,
+    /// A taxel this many standard deviations from the mean of its axis is faulty; left out: none is.
+    pub faulty_deviations: Option<f64>,
+    /// The module that drives the display, counted from zero.
+    pub drives: usize,
+    /// Contacts and levels.
+    pub compression: Compression,
+    /// Activations and timing.
+    pub illusion: Illusion,
+    /// From skin to display.
+    #[serde(default)]
+    pub map: Map,
+    /// What touches the skin; nothing if left out.
+    #[serde(default)]
+    pub touches: Vec<Touch>,
+    /// What a test of this scene checks.
+    #[serde(default)]
+    pub expect: Expect,
+}
+
+/// Contact compression.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Compression {
+    /// Most contacts a frame.
+    pub kc: u32,
+    /// Intensity levels.
+    pub ki: u32,
+    /// Weight = norm to this power.
+    pub weight_exponent: f64,
+    /// The weight's norm.
+    pub norm: Norm,
+    /// The axes that count.
+    pub axes: Axes,
+    /// Where `kc` and `ki` apply.
+    pub scope: Scope,
+}
+
+/// Phantom sensation and its timing.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Illusion {
+    /// The model.
+    pub model: IllusionModel,
+    /// The model's shape factor.
+    pub shape: f64,
+    /// Duty of a wire that is barely active, a share of the period.
+    pub alpha: f64,
+    /// Duty added at full activation, a share of the period.
+    pub beta: f64,
+    /// Length of a stimulus in milliseconds.
+    pub tau_d_ms: f64,
+    /// Between onsets in milliseconds; left out: 0.32 `tau_d` + 47.3.
+    pub soa_ms: Option<f64>,
+    /// Whether a contact's level reaches the wires.
+    pub intensity: bool,
+    /// The share of beta at the lowest level; the top level has all of it.
+    pub intensity_floor: f64,
+}
+
+/// The linear map from skin to display.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Map {
+    /// Sensor rectangle (left, bottom, right, top) that fills the display; left out: the taxels' hull.
+    pub sensor_mm: Option<[f64; 4]>,
+    /// The display layout this scene needs; left out: whatever the bench carries.
+    pub display: Option<String>,
+}
+
+/// Bounds that a test of this scene checks; those left out are not checked.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Expect {
+    /// Largest root mean square error of the contact path.
+    pub path_rmse_mm: Option<f64>,
+    /// Largest single error of the contact path.
+    pub path_max_mm: Option<f64>,
+    /// Largest root mean square error of the felt path.
+    pub felt_rmse_mm: Option<f64>,
+    /// Most contacts in any frame.
+    pub contacts_max: Option<u32>,
+    /// Most events of the limiter.
+    pub limiter_events_max: Option<u32>,
+}
+
+impl Illusion {
+    /// Time between onsets in milliseconds.
+    #[must_use]
+    pub fn onset_ms(&self) -> f64 {
+        self.soa_ms.unwrap_or(0.32 * self.tau_d_ms + 47.3)
+    }
+
+    fn check(&self, source: &Source) -> Result<(), FileError> {
+        source.range("illusion.shape", self.shape, 0.01..=100.0, "")?;
+        source.range("illusion.alpha", self.alpha, 0.0..=1.0, "")?;
+        source.range("illusion.beta", self.beta, 0.0..=1.0, "")?;
+        if self.alpha + self.beta > 1.0 {
+            return Err(source.bad("illusion.beta", "alpha + beta of at most 1"));
+        }
+        source.range("illusion.tau_d_ms", self.tau_d_ms, 1.0..=1000.0, "ms")?;
+        if let Some(soa) = self.soa_ms {
+            source.range("illusion.soa_ms", soa, 1.0..=10_000.0, "ms")?;
+        }
+        if self.tau_d_ms > self.onset_ms() {
+            let expected = format!("at most the time between onsets, {} ms", self.onset_ms());
+            return Err(source.bad("illusion.tau_d_ms", expected));
+        }
+        source.range(
+            "illusion.intensity_floor",
+            self.intensity_floor,
+            0.0..=1.0,
+            "",
+        )
+    }
+}
+
+impl Scene {
+    /// Reads and checks a scene by itself; [`super::Setup`] checks it against its layout and bench.
+    ///
+    /// # Errors
+    /// Names the line and key of what cannot be.
+    pub fn read(source: &Source) -> Result<Self, FileError> {
+        let scene: Self = source.read()?;
+        source.heading(&scene.name, &scene.description)?;
+        source.range("length_s", scene.length_s, 0.01..=86_400.0, "s")?;
+        source.range("rate_hz", scene.rate_hz, 0.1..=10_000.0, "Hz")?;
+        source.range("noise_lsb", scene.noise_lsb, 0.0..=1000.0, "counts")?;
+        source.range("reference_frames", scene.reference_frames, 1..=100_000, "")?;
+        source.range(
+            "threshold_margin",
+            scene.threshold_margin,
+            0.0..=65_535.0,
+            "counts",
+        )?;
+        if let Some(k) = scene.faulty_deviations {
+            source.range("faulty_deviations", k, 0.1..=1000.0, "")?;
+        }
+        source.range("compression.kc", scene.compression.kc, 1..=1024, "")?;
+        source.range("compression.ki", scene.compression.ki, 1..=256, "")?;
+        source.range(
+            "compression.weight_exponent",
+            scene.compression.weight_exponent,
+            0.0..=16.0,
+            "",
+        )?;
+        scene.illusion.check(source)?;
+        scene.check_map(source)?;
+        let quiet_s = f64::from(scene.reference_frames + 1) / scene.rate_hz;
+        for (index, touch) in scene.touches.iter().enumerate() {
+            let key = format!("touches[{index}]");
+            touch.check(source, &key, scene.length_s)?;
+            if touch.start_s < quiet_s {
+                let expected = format!(
+                    "at least {quiet_s} s: reference and threshold frames are contact-free"
+                );
+                return Err(source.bad(&format!("{key}.start_s"), expected));
+            }
+        }
+        scene.expect.check(source)?;
+        Ok(scene)
+    }
+
+    fn check_map(&self, source: &Source) -> Result<(), FileError> {
+        let Some([left, bottom, right, top]) = self.map.sensor_mm else {
+            return Ok(());
+        };
+        for (corner, value) in [left, bottom, right, top].into_iter().enumerate() {
+            source.range(&format!("map.sensor_mm[{corner}]"), value, -1e4..=1e4, "mm")?;
+        }
+        if left >= right || bottom >= top {
+            return Err(source.bad("map.sensor_mm", "[left, bottom, right, top] with an area"));
+        }
+        Ok(())
+    }
+}
+
+impl Expect {
+    fn check(&self, source: &Source) -> Result<(), FileError> {
+        for (key, value) in [
+            ("expect.path_rmse_mm", self.path_rmse_mm),
+            ("expect.path_max_mm", self.path_max_mm),
+            ("expect.felt_rmse_mm", self.felt_rmse_mm),
+        ] {
+            if let Some(value) = value {
+                source.range(key, value, 0.0..=1e4, "mm")?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,29 @@
+//! Keeps `fixtures/schemas` current: run the tests with `PALPATE_WRITE_SCHEMAS=1` to write them anew.
+
+use std::path::Path;
+
+use super::{Bench, LayoutFile, Limits, Scene};
+
+#[test]
+fn shipped_schemas_are_current() {
+    let schemas = [
+        ("bench", schemars::schema_for!(Bench)),
+        ("layout", schemars::schema_for!(LayoutFile)),
+        ("limits", schemars::schema_for!(Limits)),
+        ("scene", schemars::schema_for!(Scene)),
+    ];
+    for (name, schema) in schemas {
+        let text = serde_json::to_string_pretty(&schema).unwrap() + "\n";
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/schemas");
+        let path = folder.join(format!("{name}.json"));
+        if std::env::var_os("PALPATE_WRITE_SCHEMAS").is_some() {
+            std::fs::write(&path, &text).unwrap();
+        }
+        let shipped = std::fs::read_to_string(&path).unwrap_or_default();
+        assert!(
+            shipped == text,
+            "{} is out of date: run the tests with PALPATE_WRITE_SCHEMAS=1",
+            path.display()
+        );
+    }
+}

@@ -1,0 +1,155 @@
+//! What a run needs, read together and checked against one another.
+
+use super::resolve::{Kind, resolve, resolve_from};
+use super::{Bench, DisplayLayout, FileError, LayoutFile, Limits, Scene, SensorLayout, Source};
+
+/// What was read, beside its text: later checks name a line with [`Source::bad`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loaded<T> {
+    /// What the file says.
+    pub value: T,
+    /// Where it says so.
+    pub source: Source,
+}
+
+fn load<T>(
+    source: Source,
+    read: fn(&Source) -> Result<T, FileError>,
+) -> Result<Loaded<T>, FileError> {
+    let value = read(&source)?;
+    Ok(Loaded { value, source })
+}
+
+/// A scene by name or path.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_scene(name: &str) -> Result<Loaded<Scene>, FileError> {
+    load(resolve(Kind::Scene, name)?, Scene::read)
+}
+
+/// A layout of either kind by name or path.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_layout(name: &str) -> Result<Loaded<LayoutFile>, FileError> {
+    load(resolve(Kind::Layout, name)?, LayoutFile::read)
+}
+
+/// A bench by name or path.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_bench(name: &str) -> Result<Loaded<Bench>, FileError> {
+    load(resolve(Kind::Bench, name)?, Bench::read)
+}
+
+/// A limit table by name or path.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_limits(name: &str) -> Result<Loaded<Limits>, FileError> {
+    load(resolve(Kind::Limits, name)?, Limits::read)
+}
+
+/// A scene on a bench, with everything they name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setup {
+    /// The scene.
+    pub scene: Loaded<Scene>,
+    /// The scene's skin.
+    pub sensor: Loaded<SensorLayout>,
+    /// The bench.
+    pub bench: Loaded<Bench>,
+    /// The bench's display.
+    pub display: Loaded<DisplayLayout>,
+    /// The bench's limit table.
+    pub limits: Loaded<Limits>,
+}
+
+impl Setup {
+    /// Reads a scene and a bench by name or path, and all they refer to.
+    ///
+    /// # Errors
+    /// What cannot be in any of the files, or does not fit together.
+    pub fn load(scene: &str, bench: &str) -> Result<Self, FileError> {
+        Self::join(load_scene(scene)?, load_bench(bench)?)
+    }
+
+    /// Reads what an already read scene and bench refer to.
+    ///
+    /// # Errors
+    /// What cannot be in any of the files, or does not fit together.
+    pub fn join(scene: Loaded<Scene>, bench: Loaded<Bench>) -> Result<Self, FileError> {
+        let sensor = sensor_of(&scene)?;
+        let display = display_of(&bench)?;
+        let limits = match &bench.value.limits {
+            Some(name) => {
+                let source = resolve_from(Kind::Limits, name, &bench.source, "limits")?;
+                load(source, Limits::read)?
+            }
+            None => load_limits("default")?,
+        };
+        let wires = display.value.wires_mm.len();
+        if bench.value.outputs.len() != wires {
+            let expected = format!("{wires} outputs, one a wire of `{}`", display.value.name);
+            let found = format!("{}", bench.value.outputs.len());
+            return Err(bench.source.bad_found("outputs", expected, found));
+        }
+        if let Some(needed) = &scene.value.map.display
+            && *needed != bench.value.display
+            && *needed != display.value.name
+        {
+            let expected = format!("the bench's display, `{}`", display.value.name);
+            return Err(scene.source.bad("map.display", expected));
+        }
+        Ok(Self {
+            scene,
+            sensor,
+            bench,
+            display,
+            limits,
+        })
+    }
+}
+
+fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileError> {
+    let source = resolve_from(Kind::Layout, &scene.value.layout, &scene.source, "layout")?;
+    let LayoutFile::Sensor(sensor) = LayoutFile::read(&source)? else {
+        return Err(scene.source.bad_found(
+            "layout",
+            "a layout of kind \"sensor\"",
+            format!("the display `{}`", scene.value.layout),
+        ));
+    };
+    let modules = sensor.modules.len();
+    let touched = scene.value.touches.iter().enumerate();
+    let named = touched
+        .map(|(index, touch)| (format!("touches[{index}].module"), touch.module))
+        .chain([("drives".to_owned(), scene.value.drives)]);
+    for (key, module) in named {
+        if module >= modules {
+            let expected = format!("a module of `{}`, 0 to {}", sensor.name, modules - 1);
+            return Err(scene.source.bad(&key, expected));
+        }
+    }
+    Ok(Loaded {
+        value: sensor,
+        source,
+    })
+}
+
+fn display_of(bench: &Loaded<Bench>) -> Result<Loaded<DisplayLayout>, FileError> {
+    let source = resolve_from(Kind::Layout, &bench.value.display, &bench.source, "display")?;
+    let LayoutFile::Display(display) = LayoutFile::read(&source)? else {
+        return Err(bench.source.bad_found(
+            "display",
+            "a layout of kind \"display\"",
+            format!("the sensor `{}`", bench.value.display),
+        ));
+    };
+    Ok(Loaded {
+        value: display,
+        source,
+    })
+}

@@ -1,0 +1,185 @@
+//! Bad scenes and what is said about them.
+
+use super::super::*;
+use super::bad_toml::check;
+
+#[test]
+fn scenes() {
+    let text = palpate_fixtures::scene("sphere-along").unwrap();
+    check(
+        text,
+        Scene::read,
+        &[
+            (
+                "length_s = 10.0",
+                "",
+                "f.toml:1: length_s: expected a value, found nothing",
+            ),
+            (
+                "kc = 1\n",
+                "",
+                "f.toml:13: compression.kc: expected a value, found nothing",
+            ),
+            (
+                "ramp_s = 0.2\n",
+                "",
+                "f.toml:30: touches[0].ramp_s: expected a value, found nothing",
+            ),
+            (
+                "kc = 1",
+                "kc = 1\nkx = 2",
+                "f.toml:15: compression.kx: expected one of the keys `kc`, `ki`, `weight_exponent`, `norm`, `axes`, `scope`, found the unknown key `kx`",
+            ),
+            (
+                "ramp_s",
+                "ramps",
+                "f.toml:34: touches[0].ramps: expected one of the keys `module`, `diameter_mm`, `start_s`, `end_s`, `ramp_s`, `path`, `force_n`, found the unknown key `ramps`",
+            ),
+            (
+                "amplitude",
+                "amplitud",
+                "f.toml:36: touches[0].force_n.amplitud: expected one of the keys `mean`, `amplitude`, `period_s`, found the unknown key `amplitud`",
+            ),
+            (
+                "kc = 1",
+                "kc = 0",
+                "f.toml:14: compression.kc: expected a number from 1 to 1024, found 0",
+            ),
+            (
+                "kc = 1",
+                "kc = -1",
+                "f.toml:14: compression.kc: expected a whole number, 0 or more, found -1",
+            ),
+            (
+                "kc = 1",
+                "kc = 1.5",
+                "f.toml:14: compression.kc: expected a whole number, 0 or more, found 1.5",
+            ),
+            (
+                "kc = 1",
+                "kc = 99999999999999999999",
+                "f.toml:14: compression.kc: expected a whole number, 0 or more, found 99999999999999999999",
+            ),
+            (
+                "ki = 10",
+                "ki = \"ten\"",
+                "f.toml:15: compression.ki: expected a whole number, 0 or more, found \"ten\"",
+            ),
+            (
+                "rate_hz = 100.0",
+                "rate_hz = 0.0",
+                "f.toml:7: rate_hz: expected a number from 0.1 to 10000 Hz, found 0.0",
+            ),
+            (
+                "rate_hz = 100.0",
+                "rate_hz = nan",
+                "f.toml:7: rate_hz: expected a finite number, found nan",
+            ),
+            (
+                "length_s = 10.0",
+                "length_s = -10.0",
+                "f.toml:4: length_s: expected a number from 0.01 to 86400 s, found -10.0",
+            ),
+            (
+                "length_s = 10.0",
+                "length_s = 1e300",
+                "f.toml:4: length_s: expected a number from 0.01 to 86400 s, found 1e300",
+            ),
+            (
+                "length_s = 10.0",
+                "length_s = inf",
+                "f.toml:4: length_s: expected a finite number, found inf",
+            ),
+            (
+                "length_s = 10.0",
+                "length_s = true",
+                "f.toml:4: length_s: expected a number, found true",
+            ),
+            (
+                "length_s = 10.0",
+                "length_s = ",
+                "f.toml:4: expected valid TOML, found string values must be quoted, expected literal string",
+            ),
+            (
+                "length_s = 10.0",
+                "length_s = 10.0\nlength_s = 9.0",
+                "f.toml:5: expected valid TOML, found duplicate key",
+            ),
+            (
+                "[0.0, -7.05]",
+                "[nan, -7.05]",
+                "f.toml:35: touches[0].path.points_mm[0][0]: expected a finite number, found nan",
+            ),
+            (
+                "[0.0, -7.05]",
+                "[0.0]",
+                "f.toml:35: touches[0].path.points_mm[0]: expected an array of 2 numbers, found [0.0]",
+            ),
+            (
+                "[0.0, -7.05]",
+                "[0.0, -7.05], [1, 1]",
+                "f.toml:35: touches[0].path.points_mm: expected two points for a line, found [[0.0, -7.05], [1, 1], [0.0, 7.05]]",
+            ),
+            (
+                "kind = \"line\"",
+                "kind = \"spiral\"",
+                "f.toml:35: touches[0].path.kind: expected one of `hold`, `line`, `polyline`, `circle`, found `spiral`",
+            ),
+            (
+                "kind = \"line\"",
+                "kind = \"line\", radius_mm = 1",
+                "f.toml:35: touches[0].path.radius_mm: expected this key for circles only, found 1",
+            ),
+            (
+                "end_s = 10.0",
+                "end_s = 11.0",
+                "f.toml:33: touches[0].end_s: expected a number from 0 to 10 s (the scene's length), found 11.0",
+            ),
+            (
+                "start_s = 0.8",
+                "start_s = 0.3",
+                "f.toml:32: touches[0].start_s: expected at least 0.51 s: reference and threshold frames are contact-free, found 0.3",
+            ),
+            (
+                "mean = 3.0",
+                "mean = 0.5",
+                "f.toml:36: touches[0].force_n.amplitude: expected a number from 0 to 0.5 N (the mean), found 1.0",
+            ),
+            (
+                "beta = 0.0244140625",
+                "beta = 1.5",
+                "f.toml:25: illusion.beta: expected a number from 0 to 1, found 1.5",
+            ),
+            (
+                "tau_d_ms = 35.0",
+                "tau_d_ms = 80.0",
+                "f.toml:26: illusion.tau_d_ms: expected at most the time between onsets, 72.9 ms, found 80.0",
+            ),
+            (
+                "model = \"phantom\"",
+                "model = \"ghost\"",
+                "f.toml:22: illusion.model: expected `phantom`, found `ghost`",
+            ),
+            (
+                "intensity = true",
+                "intensity = \"on\"",
+                "f.toml:27: illusion.intensity: expected true or false, found \"on\"",
+            ),
+            (
+                "generation = \"2021\"",
+                "generation = \"2020\"",
+                "f.toml:6: generation: expected one of `2019`, `2021`, `current`, found `2020`",
+            ),
+            (
+                "name = \"sphere-along\"",
+                "name = \"Sphere\"",
+                "f.toml:2: name: expected lower-case letters, digits and hyphens, found \"Sphere\"",
+            ),
+            (
+                "[expect]",
+                "[map]\nsensor_mm = [1, 0, -1, 2]\n[expect]",
+                "f.toml:39: map.sensor_mm: expected [left, bottom, right, top] with an area, found [1, 0, -1, 2]",
+            ),
+        ],
+    );
+}

@@ -1,0 +1,265 @@
+//! Bad benches, layouts and limit tables, files that do not fit together, and what is said about them.
+//! Each case edits a shipped file, so that the rest of it stays right.
+
+use super::super::*;
+
+/// (what to replace, with what, the whole message)
+type Case = (&'static str, &'static str, &'static str);
+
+pub(super) fn check<T: std::fmt::Debug>(
+    text: &str,
+    read: fn(&Source) -> Result<T, FileError>,
+    cases: &[Case],
+) {
+    let mut wrong = Vec::new();
+    for (old, new, message) in cases {
+        assert!(text.contains(old), "{old} is not in the file");
+        let source = Source::new("f.toml", text.replacen(old, new, 1));
+        let said = read(&source).expect_err(message).to_string();
+        if said != *message {
+            wrong.push(format!("is  {said}\nnot {message}\n"));
+        }
+    }
+    assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn benches() {
+    let text = palpate_fixtures::bench("emulated").unwrap();
+    check(
+        text,
+        Bench::read,
+        &[
+            (
+                "current_ma = 1200.0",
+                "current_ma = 0.0",
+                "f.toml:10: drive.current_ma: expected a number from 1 to 5000 mA, found 0.0",
+            ),
+            (
+                "supply_limit_ma = 3000.0",
+                "supply_limit_ma = 900",
+                "f.toml:11: drive.supply_limit_ma: expected at least the current of one wire, 1200 mA, found 900",
+            ),
+            (
+                "pwm_hz = 200.0",
+                "pwm_hz = 1600.0",
+                "f.toml:12: drive.pwm_hz: expected a number from 24 to 1526 Hz, found 1600.0",
+            ),
+            (
+                "diameter_um = 75",
+                "diameter_um = 80",
+                "f.toml:7: wire.diameter_um: expected 75 or 100, found 80",
+            ),
+            (
+                "kind = \"emulated\"",
+                "kind = \"toy\"",
+                "f.toml:4: kind: expected `emulated`, found `toy`",
+            ),
+            (
+                "channel = 1\n",
+                "channel = 0\n",
+                "f.toml:22: outputs[1].channel: expected an output of its own for every wire, found 0",
+            ),
+            (
+                "channel = 1\n",
+                "channel = 16\n",
+                "f.toml:22: outputs[1].channel: expected a number from 0 to 15, found 16",
+            ),
+            (
+                "channel = 1\n",
+                "channel = 300\n",
+                "f.toml:22: outputs[1].channel: expected a whole number from 0 to 255, found 300",
+            ),
+            (
+                "board = 0x40",
+                "board = 0x20",
+                "f.toml:17: outputs[0].board: expected a number from 64 to 127 (0x40 to 0x7F), found 0x20",
+            ),
+        ],
+    );
+}
+
+#[test]
+fn layouts() {
+    let text = palpate_fixtures::layout("uskin-4x4").unwrap();
+    check(
+        text,
+        LayoutFile::read,
+        &[
+            (
+                "kind = \"sensor\"",
+                "",
+                "f.toml:1: kind: expected \"sensor\" or \"display\", found nothing",
+            ),
+            (
+                "kind = \"sensor\"",
+                "kind = \"both\"",
+                "f.toml:2: kind: expected \"sensor\" or \"display\", found \"both\"",
+            ),
+            (
+                "axes = 3",
+                "axes = 2",
+                "f.toml:5: axes: expected 1 or 3, found 2",
+            ),
+            (
+                "rows = 4",
+                "rows = 0",
+                "f.toml:9: modules[0].grid.rows: expected a number from 1 to 256, found 0",
+            ),
+            (
+                "grid = {",
+                "points_mm = [[0, 0]]\ngrid = {",
+                "f.toml:9: modules[0].points_mm: expected either grid or points_mm, found [[0, 0]]",
+            ),
+            (
+                "boards = [4]",
+                "boards = [4, 5]",
+                "f.toml:11: modules[0].boards: expected 1 boards (16 taxels, 16 a board), found [4, 5]",
+            ),
+            (
+                "boards = [4]",
+                "boards = [4]\ninactive = [16]",
+                "f.toml:12: modules[0].inactive[0]: expected a number from 0 to 15, found 16",
+            ),
+            (
+                "bus = 0\n",
+                "",
+                "f.toml:7: modules[0].bus: expected bus and boards together, or neither, found nothing",
+            ),
+        ],
+    );
+    let text = palpate_fixtures::layout("uskin-4x4-pair").unwrap();
+    check(
+        text,
+        LayoutFile::read,
+        &[(
+            "boards = [5]",
+            "boards = [4]",
+            "f.toml:19: modules[1].boards[0]: expected an address of its own on its bus, found 4",
+        )],
+    );
+    let text = palpate_fixtures::layout("allegro").unwrap();
+    check(
+        text,
+        LayoutFile::read,
+        &[
+            (
+                "row = 4, column = 0",
+                "row = 3, column = 0",
+                "f.toml:24: modules[1].image: expected free cells inside the 16x16 image, found { row = 3, column = 0 }",
+            ),
+            (
+                "image = { row = 0, column = 0 }\n",
+                "",
+                "f.toml:12: modules[0].image: expected an image for the layout and for every module, or for none, found nothing",
+            ),
+        ],
+    );
+    let text = palpate_fixtures::layout("three-in-line").unwrap();
+    check(
+        text,
+        LayoutFile::read,
+        &[
+            (
+                "[6.5, 0.0]]",
+                "[0.0, -0.0]]",
+                "f.toml:6: wires_mm[2]: expected a place of its own, not that of number 1, found [0.0, -0.0]",
+            ),
+            (
+                "[[-6.5, 0.0], [0.0, 0.0], [6.5, 0.0]]",
+                "[]",
+                "f.toml:6: wires_mm: expected 1 to 256 places, found []",
+            ),
+            (
+                "spacing_mm = [6.5, 6.5]",
+                "spacing_mm = [0.0, 6.5]",
+                "f.toml:5: spacing_mm[0]: expected a number from 0.1 to 1000 mm, found 0.0",
+            ),
+        ],
+    );
+}
+
+#[test]
+fn limit_tables_may_only_tighten() {
+    let text = palpate_fixtures::limits("default").unwrap();
+    check(
+        text,
+        Limits::read,
+        &[
+            (
+                "width_us = 200.0",
+                "width_us = 201",
+                "f.toml:7: pulse.width_us: expected at most the hard limit 200 (a file may only tighten), found 201",
+            ),
+            (
+                "peak_c = 43.0",
+                "peak_c = 43.001",
+                "f.toml:23: skin.peak_c: expected at most the hard limit 43 (a file may only tighten), found 43.001",
+            ),
+            (
+                "deep_c = 41.0",
+                "deep_c = 20.0",
+                "f.toml:24: skin.deep_c: expected more than 33, found 20.0",
+            ),
+            (
+                "over_60s_mw = 60.0",
+                "over_60s_mw = -1",
+                "f.toml:19: fingertip_power.over_60s_mw: expected more than 0, found -1",
+            ),
+            (
+                "cem43_min = 2.0",
+                "cem43 = 2.0",
+                "f.toml:28: dose.cem43: expected `henriques_omega` or `cem43_min`, found the unknown key `cem43`",
+            ),
+            (
+                "off_within_ms = 100.0",
+                "off_within_ms = nan",
+                "f.toml:31: watchdog.off_within_ms: expected a finite number, found nan",
+            ),
+        ],
+    );
+}
+
+#[test]
+fn files_that_do_not_fit_together() {
+    let join = |scene: (&str, &str), bench: (&str, &str)| {
+        let text = palpate_fixtures::scene("sphere-along").unwrap();
+        let source = Source::new("s.toml", text.replacen(scene.0, scene.1, 1));
+        let value = Scene::read(&source).unwrap();
+        let scene = Loaded { value, source };
+        let text = palpate_fixtures::bench("emulated").unwrap();
+        let source = Source::new("b.toml", text.replacen(bench.0, bench.1, 1));
+        let value = Bench::read(&source).unwrap();
+        Setup::join(scene, Loaded { value, source })
+            .unwrap_err()
+            .to_string()
+    };
+    let same = ("", "");
+    assert_eq!(
+        join(("drives = 0", "drives = 1"), same),
+        "s.toml:11: drives: expected a module of `uskin-4x4`, 0 to 0, found 1"
+    );
+    assert_eq!(
+        join(("diameter_mm", "module = 2\ndiameter_mm"), same),
+        "s.toml:31: touches[0].module: expected a module of `uskin-4x4`, 0 to 0, found 2"
+    );
+    assert_eq!(
+        join(("uskin-4x4", "thimble-8"), same),
+        "s.toml:5: layout: expected a layout of kind \"sensor\", found the display `thimble-8`"
+    );
+    assert_eq!(
+        join(("uskin-4x4", "uskin"), same),
+        "s.toml:5: layout: expected a layout (allegro, scattered-12, thimble-8, three-in-line, uskin-4x4, uskin-4x4-pair, uskin-4x6) or a file, found \"uskin\""
+    );
+    assert_eq!(
+        join(
+            ("[expect]", "[map]\ndisplay = \"three-in-line\"\n[expect]"),
+            same
+        ),
+        "s.toml:39: map.display: expected the bench's display, `thimble-8`, found \"three-in-line\""
+    );
+    assert_eq!(
+        join(same, ("thimble-8", "three-in-line")),
+        "b.toml:16: outputs: expected 3 outputs, one a wire of `three-in-line`, found 8"
+    );
+}

@@ -1,0 +1,42 @@
+//! Recordings of real sensors, where they are at hand.
+
+use std::path::{Path, PathBuf};
+
+use super::super::*;
+
+fn folder() -> PathBuf {
+    std::env::var_os("PALPATE_DATA").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"),
+        PathBuf::from,
+    )
+}
+
+#[test]
+fn every_grasp_recording_reads() {
+    let Ok(trials) = std::fs::read_dir(folder().join("uskin_grasp")) else {
+        println!("skipped: no recordings");
+        return;
+    };
+    let LayoutFile::Sensor(layout) = load_layout("uskin-4x4").unwrap().value else {
+        panic!("uskin-4x4 is a sensor");
+    };
+    let columns = Columns::of_skin(&layout);
+    let mut read = 0;
+    for trial in trials {
+        for finger in ["xela_sensor1.csv", "xela_sensor2.csv"] {
+            let path = trial.as_ref().unwrap().path().join(finger);
+            let table = read_taxel_csv(&path, &columns, Some(40.0)).unwrap();
+            assert!(table.frames() > 100);
+            assert_eq!(table.time_us[1], 25_000);
+            assert!(
+                table
+                    .counts
+                    .iter()
+                    .all(|count| (14_302..=51_571).contains(count))
+            );
+            read += 1;
+        }
+    }
+    assert_eq!(read % 2, 0);
+    println!("{read} recordings");
+}

@@ -1,0 +1,131 @@
+//! Every shipped file reads, and says what the documents say.
+
+use super::super::*;
+
+#[test]
+fn every_shipped_file_reads_and_is_named_after_its_file() {
+    for name in Kind::Scene.names() {
+        assert_eq!(load_scene(name).unwrap().value.name, name);
+    }
+    for name in Kind::Bench.names() {
+        assert_eq!(load_bench(name).unwrap().value.name, name);
+    }
+    for name in Kind::Limits.names() {
+        assert_eq!(load_limits(name).unwrap().value.name, name);
+    }
+    for name in Kind::Layout.names() {
+        let layout = match load_layout(name).unwrap().value {
+            LayoutFile::Sensor(layout) => layout.name,
+            LayoutFile::Display(layout) => layout.name,
+        };
+        assert_eq!(layout, name);
+    }
+}
+
+#[test]
+fn every_scene_fits_every_bench() {
+    for scene in Kind::Scene.names() {
+        for bench in Kind::Bench.names() {
+            Setup::load(scene, bench).unwrap();
+        }
+    }
+}
+
+#[test]
+fn the_default_limit_table_is_the_hard_one() {
+    let mut limits = load_limits("default").unwrap().value;
+    (limits.name, limits.description) = Default::default();
+    assert_eq!(limits, HARD_LIMITS);
+}
+
+fn sensor(name: &str) -> SensorLayout {
+    match load_layout(name).unwrap().value {
+        LayoutFile::Sensor(layout) => layout,
+        LayoutFile::Display(_) => panic!("{name} is a display"),
+    }
+}
+
+#[test]
+fn row_zero_column_zero_is_top_left() {
+    let taxels = sensor("uskin-4x4").modules[0].taxels();
+    assert_eq!(taxels.len(), 16);
+    for (taxel, x, y) in [(0, -7.05, 7.05), (3, 7.05, 7.05), (15, 7.05, -7.05)] {
+        assert!((taxels[taxel].x_mm - x).abs() < 1e-12);
+        assert!((taxels[taxel].y_mm - y).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_hand_reads_240_taxels_and_leaves_the_thumbs_fourth_module_blank() {
+    let hand = sensor("allegro");
+    assert_eq!((hand.modules.len(), hand.readings()), (15, 240));
+    assert_eq!(
+        hand.modules.iter().map(|m| m.taxels().len()).sum::<usize>(),
+        272
+    );
+    let mut cells = [[false; 16]; 16];
+    for taxel in hand.modules.iter().flat_map(Module::taxels) {
+        assert_eq!(taxel.active, taxel.image.is_some());
+        if let Some((row, column)) = taxel.image {
+            cells[row][column] = true;
+        }
+    }
+    for (row, line) in cells.iter().enumerate() {
+        for (column, covered) in line.iter().enumerate() {
+            assert_eq!(*covered, row < 12 || column < 12, "{row}, {column}");
+        }
+    }
+}
+
+#[test]
+fn onsets_follow_the_stimulus_length() {
+    let illusion = load_scene("sphere-along").unwrap().value.illusion;
+    assert!((illusion.onset_ms() - 58.5).abs() < 1e-9);
+}
+
+#[test]
+fn unknown_names_list_what_exists() {
+    assert_eq!(
+        load_bench("no-bench").unwrap_err().to_string(),
+        "no-bench: expected a bench (emulated, thesis) or a file, found neither of that name"
+    );
+}
+
+#[test]
+fn files_are_found_beside_the_file_that_names_them() {
+    let folder = std::env::temp_dir().join(format!("palpate-files-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let write = |name: &str, text: String| {
+        let path = folder.join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_string_lossy().into_owned()
+    };
+    write(
+        "strict.toml",
+        "name = \"strict\"\ndescription = \"d\"\n[pulse]\nwidth_us = 100\n".into(),
+    );
+    let bench = palpate_fixtures::bench("emulated").unwrap();
+    let good = write("good.toml", bench.replace("\"default\"", "\"strict.toml\""));
+    let lost = write("lost.toml", bench.replace("\"default\"", "\"gone.toml\""));
+    let setup = Setup::load("idle", &good).unwrap();
+    assert!((setup.limits.value.pulse.width_us - 100.0).abs() < 1e-12);
+    assert_eq!(
+        Setup::load("idle", &lost).unwrap_err().to_string(),
+        format!(
+            "{lost}:6: limits: expected a limit table (default) or a file, found \"gone.toml\""
+        )
+    );
+    let binary = folder.join("binary.toml");
+    std::fs::write(&binary, b"name = \"x\"\n\xFF\n").unwrap();
+    let binary = binary.to_string_lossy().into_owned();
+    assert_eq!(
+        load_scene(&binary).unwrap_err().to_string(),
+        format!("{binary}:2: expected UTF-8 text, found byte 0xFF")
+    );
+    let empty = write("empty.toml", "\n".into());
+    assert_eq!(
+        load_scene(&empty).unwrap_err().to_string(),
+        format!("{empty}: expected a TOML file, found an empty file")
+    );
+    std::fs::remove_dir_all(&folder).unwrap();
+}

@@ -1,0 +1,252 @@
+//! What touches the skin: where, how hard, at any time. Pure: the same time gives the same bits everywhere.
+
+use core::f64::consts::TAU;
+
+use serde::Deserialize;
+
+use super::{FileError, Source};
+
+/// One sphere on one module.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Touch {
+    /// The touched module, counted from zero.
+    #[serde(default)]
+    pub module: usize,
+    /// The sphere's diameter in millimetres.
+    pub diameter_mm: f64,
+    /// First contact in seconds.
+    pub start_s: f64,
+    /// Last contact in seconds.
+    pub end_s: f64,
+    /// The force rises and falls smoothly over this many seconds at either end.
+    pub ramp_s: f64,
+    /// Where.
+    pub path: Path,
+    /// How hard.
+    pub force_n: Force,
+}
+
+/// Where a touch is, in the module's millimetres.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Path {
+    /// The path's shape.
+    pub kind: PathKind,
+    /// hold: one point; line: two; polyline: two or more.
+    #[serde(default)]
+    pub points_mm: Vec<[f64; 2]>,
+    /// circle: its centre.
+    pub centre_mm: Option<[f64; 2]>,
+    /// circle: its radius.
+    pub radius_mm: Option<f64>,
+    /// line and polyline: there and back; circle: one turn. Left out: once, from start to end.
+    pub period_s: Option<f64>,
+}
+
+/// The shapes of a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum PathKind {
+    /// Stays on one point.
+    Hold,
+    /// Straight at constant speed, there and back.
+    Line,
+    /// Along corners at constant speed, there and back.
+    Polyline,
+    /// Anticlockwise from the right.
+    Circle,
+}
+
+/// mean + amplitude sin(2 pi t / period), t from the touch's start.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Force {
+    /// Newtons.
+    pub mean: f64,
+    /// Newtons, at most the mean.
+    pub amplitude: f64,
+    /// Seconds.
+    pub period_s: f64,
+}
+
+/// A touch at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TouchPoint {
+    /// To the right of the module's centre.
+    pub x_mm: f64,
+    /// Up from the module's centre.
+    pub y_mm: f64,
+    /// Zero at the very first and last instant.
+    pub force_n: f64,
+    /// The sphere's diameter.
+    pub diameter_mm: f64,
+}
+
+impl Touch {
+    /// The touch at `t_s` seconds of the scene; none before its start and after its end.
+    #[must_use]
+    pub fn at(&self, t_s: f64) -> Option<TouchPoint> {
+        if !(self.start_s..=self.end_s).contains(&t_s) {
+            return None;
+        }
+        let since = t_s - self.start_s;
+        let [x_mm, y_mm] = self.path.at(since, self.end_s - self.start_s);
+        let ramp = smooth(since / self.ramp_s) * smooth((self.end_s - t_s) / self.ramp_s);
+        let wave = libm::sin(TAU * since / self.force_n.period_s);
+        Some(TouchPoint {
+            x_mm,
+            y_mm,
+            force_n: ramp * (self.force_n.mean + self.force_n.amplitude * wave),
+            diameter_mm: self.diameter_mm,
+        })
+    }
+
+    /// Checks the touch that stands under `key`.
+    pub(super) fn check(&self, source: &Source, key: &str, length_s: f64) -> Result<(), FileError> {
+        let at = |name: &str| format!("{key}.{name}");
+        source.range(&at("diameter_mm"), self.diameter_mm, 0.5..=500.0, "mm")?;
+        source.range(&at("start_s"), self.start_s, 0.0..=length_s, "s")?;
+        source.range(
+            &at("end_s"),
+            self.end_s,
+            0.0..=length_s,
+            "s (the scene's length)",
+        )?;
+        if self.end_s <= self.start_s {
+            return Err(source.bad(
+                &at("end_s"),
+                format!("more than start_s = {}", self.start_s),
+            ));
+        }
+        let longest = (self.end_s - self.start_s) / 2.0;
+        source.range(&at("ramp_s"), self.ramp_s, 0.001..=longest, "s")?;
+        source.range(&at("force_n.mean"), self.force_n.mean, 0.0..=20.0, "N")?;
+        let mean = self.force_n.mean;
+        source.range(
+            &at("force_n.amplitude"),
+            self.force_n.amplitude,
+            0.0..=mean,
+            "N (the mean)",
+        )?;
+        source.range(
+            &at("force_n.period_s"),
+            self.force_n.period_s,
+            0.01..=3600.0,
+            "s",
+        )?;
+        self.path.check(source, &at("path"))
+    }
+}
+
+impl Path {
+    fn at(&self, since: f64, whole: f64) -> [f64; 2] {
+        let period = self.period_s;
+        match self.kind {
+            PathKind::Hold => self.points_mm.first().copied().unwrap_or_default(),
+            PathKind::Circle => {
+                let [x, y] = self.centre_mm.unwrap_or_default();
+                let radius = self.radius_mm.unwrap_or_default();
+                let angle = TAU * since / period.unwrap_or(whole);
+                [x + radius * libm::cos(angle), y + radius * libm::sin(angle)]
+            }
+            PathKind::Line | PathKind::Polyline => {
+                let along = period.map_or(since / whole, |period| {
+                    let turns = since / period;
+                    let phase = 2.0 * (turns - libm::floor(turns));
+                    if phase < 1.0 { phase } else { 2.0 - phase }
+                });
+                along_corners(&self.points_mm, along)
+            }
+        }
+    }
+
+    fn check(&self, source: &Source, key: &str) -> Result<(), FileError> {
+        let at = |name: &str| format!("{key}.{name}");
+        let circle = self.kind == PathKind::Circle;
+        let (points, expected) = match self.kind {
+            PathKind::Hold => (1..=1, "one point for a hold"),
+            PathKind::Line => (2..=2, "two points for a line"),
+            PathKind::Polyline => (2..=1000, "2 to 1000 points for a polyline"),
+            PathKind::Circle => (0..=0, "no points for a circle"),
+        };
+        if !points.contains(&self.points_mm.len()) {
+            return Err(source.bad(&at("points_mm"), expected));
+        }
+        for (index, [x, y]) in self.points_mm.iter().enumerate() {
+            for (axis, value) in [x, y].into_iter().enumerate() {
+                source.range(
+                    &at(&format!("points_mm[{index}][{axis}]")),
+                    *value,
+                    -1e3..=1e3,
+                    "mm",
+                )?;
+            }
+        }
+        let moves = self
+            .points_mm
+            .windows(2)
+            .any(|pair| distance(pair[0], pair[1]) > 0.0);
+        if self.points_mm.len() > 1 && !moves {
+            return Err(source.bad(&at("points_mm"), "points apart from one another"));
+        }
+        for (name, given) in [
+            ("centre_mm", self.centre_mm.is_some()),
+            ("radius_mm", self.radius_mm.is_some()),
+        ] {
+            if given != circle {
+                let expected = if circle {
+                    "a value for a circle"
+                } else {
+                    "this key for circles only"
+                };
+                return Err(source.bad(&at(name), expected));
+            }
+        }
+        for (axis, value) in self.centre_mm.iter().flatten().enumerate() {
+            source.range(&at(&format!("centre_mm[{axis}]")), *value, -1e3..=1e3, "mm")?;
+        }
+        if let Some(radius) = self.radius_mm {
+            source.range(&at("radius_mm"), radius, 0.01..=1e3, "mm")?;
+        }
+        if let Some(period) = self.period_s {
+            if self.kind == PathKind::Hold {
+                return Err(source.bad(&at("period_s"), "no period for a hold"));
+            }
+            source.range(&at("period_s"), period, 0.01..=3600.0, "s")?;
+        }
+        Ok(())
+    }
+}
+
+/// The point a share of the way (0 to 1) along the corners, by length.
+fn along_corners(points: &[[f64; 2]], share: f64) -> [f64; 2] {
+    let total: f64 = points
+        .windows(2)
+        .map(|pair| distance(pair[0], pair[1]))
+        .sum();
+    let mut left = share * total;
+    for pair in points.windows(2) {
+        let length = distance(pair[0], pair[1]);
+        if left <= length && length > 0.0 {
+            let part = left / length;
+            return [0, 1].map(|axis| pair[0][axis] + part * (pair[1][axis] - pair[0][axis]));
+        }
+        left -= length;
+    }
+    points.last().copied().unwrap_or_default()
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    libm::hypot(b[0] - a[0], b[1] - a[1])
+}
+
+/// From 0 to 1 with a level start and end.
+fn smooth(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
