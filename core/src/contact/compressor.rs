@@ -1,363 +1,365 @@
-//! One module's (or one skin's) compression, frame by frame, in fixed memory.
+//! The per-frame stage: taxels in contact in, at most K_C contacts per scope out.
+//!
+//! N_C <= K_C passes through, K_C = 1 is a weighted mean, anything else is weighted K-means from the last frame's
+//! centroids; k-means++ seeds only after contact was lost or the number of clusters grew. While the number of
+//! clusters stays, a cluster's index is its identity; when it changes, and wherever taxels pass through,
+//! [`super::identity`] matches. Allocates in [`Compressor::new`] only.
 
-use alloc::boxed::Box;
-use alloc::vec;
+use alloc::format;
 use alloc::vec::Vec;
-use core::fmt;
 
+use super::identity::{Matcher, born};
+use super::interpolate::intensity;
+use super::kmeans::{KMeans, Points, Stop, weighted_mean};
+use super::levels::LevelSolver;
+use super::settings::{Levels, Scope, Settings, SettingsError};
+use super::weights;
 use crate::random::Stream;
-use crate::skin::Module;
+use crate::skin::layout::Layout;
+use crate::skin::relative::{FrameError, RelativeFrame};
 use crate::units::Point;
 
-use super::identity::Identities;
-use super::intensity::Interpolation;
-use super::kmeans::{Points, Workspace};
-use super::{levels, seed};
-
-/// Norm l of a weight `||s||_l^p` (4.7).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Norm {
-    /// Sum of the axes.
-    L1,
-    /// Euclidean.
-    #[default]
-    L2,
-    /// Largest axis.
-    Linf,
-}
-
-/// How a module is compressed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
-    /// Most contacts K_C; at least one.
-    pub kc: u16,
-    /// Exponent p of the weights.
-    pub weight_exponent: f32,
-    /// Norm l of the weights.
-    pub norm: Norm,
-    /// Half the sum of centroid moves at which K-means rests, mm (zeta_C of (4.8)).
-    pub zeta_mm: f32,
-    /// Most iterations a frame.
-    pub max_iterations: u32,
-    /// Static intensity levels, ascending; empty for one level.
-    pub levels: Vec<f32>,
-    /// Seed of the k-means++ draws.
-    pub seed: u64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            kc: 1,
-            weight_exponent: 2.0,
-            norm: Norm::L2,
-            zeta_mm: 1e-3,
-            max_iterations: 20,
-            levels: Vec::new(),
-            seed: 0,
-        }
-    }
-}
-
-/// Why there is no compressor.
+/// A contact: one place where the skin is touched.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum CompressError {
-    /// K_C is zero.
-    NoContacts,
-    /// The exponent is not a finite number in 0 ..= 16.
-    Exponent(f32),
-    /// zeta is not a finite number at or above zero, or no iteration is allowed.
-    Stop,
-    /// The levels do not ascend, are not finite, or are over 4096.
-    Levels,
-}
-
-impl fmt::Display for CompressError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoContacts => write!(f, "expected K_C of at least 1"),
-            Self::Exponent(p) => write!(f, "expected a weight exponent of 0 to 16, found {p}"),
-            Self::Stop => write!(f, "expected zeta >= 0 mm and at least one iteration"),
-            Self::Levels => write!(
-                f,
-                "expected at most 4096 finite, ascending intensity levels"
-            ),
-        }
-    }
-}
-
-impl core::error::Error for CompressError {}
-
-/// A contact of one frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact {
-    /// Identity: stays while the contact does.
+    /// Identity, from 1; the same as long as the contact lasts, never given twice.
     pub id: u32,
-    /// Place on the sensor, mm.
+    /// Module, zero-based; with [`Scope::Skin`] that of the member taxel nearest to the place.
+    pub module: u16,
+    /// Where, mm: module coordinates, with [`Scope::Skin`] the skin's.
     pub place: Point,
-    /// Interpolated intensity, raw counts.
+    /// Magnitude of the relative frame there (4.9), raw counts; finite, never negative.
     pub intensity: f32,
-    /// Intensity level, from 1.
+    /// Intensity level, 1 ..= K_I; 1 without levels.
     pub level: u16,
-    /// Taxels in its cluster.
+    /// Taxels in the cluster.
     pub members: u16,
 }
 
-/// Which way a frame took; what `--explain` counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// Nothing in contact.
-    Idle,
-    /// N_C <= K_C: contacts are taxels.
-    PassThrough,
-    /// K_C = 1: the weighted mean.
-    Mean,
-    /// K-means from the last frame's centroids, with its iterations.
-    Warm(u32),
-    /// K-means from k-means++ seeds, with its iterations.
-    Cold(u32),
+/// What the compressor did so far: its work, and what it could skip.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Scopes without contact.
+    pub untouched: u64,
+    /// Scopes passed through (N_C <= K_C).
+    pub passed: u64,
+    /// Scopes solved by the weighted mean (K_C = 1).
+    pub means: u64,
+    /// K-means solves.
+    pub solves: u64,
+    /// Of these, seeded by k-means++.
+    pub seeded: u64,
+    /// Assignment passes of all solves.
+    pub iterations: u64,
 }
 
-/// Compression of one module.
+/// What is carried from frame to frame, per scope.
+#[derive(Clone, Debug)]
+struct Group {
+    places: Vec<(f32, f32)>,
+    ids: Vec<u32>,
+    stream: Stream,
+}
+
+/// The compressor of one skin.
 #[derive(Clone, Debug)]
 pub struct Compressor {
+    layout: Layout,
     settings: Settings,
-    taxels: Box<[Point]>,
-    interpolation: Interpolation,
-    stream: Stream,
-    /// Taxels in contact: index, place and weight.
-    active: Box<[u32]>,
-    x: Box<[f32]>,
-    y: Box<[f32]>,
-    w: Box<[f32]>,
-    scratch: Box<[f32]>,
-    work: Workspace,
-    who: Identities,
-    contacts: Box<[Contact]>,
-    count: usize,
-    stage: Stage,
+    groups: Vec<Group>,
+    next_id: u32,
+    /// Taxel places in the coordinates of the scope.
+    px: Vec<f32>,
+    py: Vec<f32>,
+    x: Vec<f32>,
+    y: Vec<f32>,
+    w: Vec<f32>,
+    kmeans: KMeans,
+    matcher: Matcher,
+    old_places: Vec<(f32, f32)>,
+    old_ids: Vec<u32>,
+    solver: LevelSolver,
+    intensities: Vec<f32>,
+    closest: Vec<(f32, u32)>,
+    contacts: Vec<Contact>,
+    work: Work,
 }
 
 impl Compressor {
-    /// A compressor for one module; `identity` names its random stream.
+    /// Makes room for everything a frame of `layout` can need.
     ///
     /// # Errors
-    /// [`CompressError`] for settings nothing can be compressed with.
-    pub fn new(module: &Module, settings: Settings, identity: &str) -> Result<Self, CompressError> {
-        if settings.kc == 0 {
-            return Err(CompressError::NoContacts);
+    /// Settings out of range.
+    pub fn new(layout: &Layout, settings: Settings) -> Result<Self, SettingsError> {
+        settings.check()?;
+        let modules = layout.modules();
+        let per_module = modules.iter().map(|m| m.points().len());
+        let (groups, most) = match settings.scope {
+            Scope::Module => (modules.len(), per_module.max().unwrap_or(0)),
+            Scope::Skin => (1, layout.taxels()),
+        };
+        let k = usize::from(settings.clusters).min(most);
+        let group = |g: usize| Group {
+            places: Vec::with_capacity(k),
+            ids: Vec::with_capacity(k),
+            stream: match settings.scope {
+                Scope::Module => Stream::new(settings.seed, &format!("clusters of module {g}")),
+                Scope::Skin => Stream::new(settings.seed, "clusters of the skin"),
+            },
+        };
+        let (mut px, mut py) = (Vec::new(), Vec::new());
+        for module in modules {
+            let origin = match settings.scope {
+                Scope::Module => Point::default(),
+                Scope::Skin => module.origin(),
+            };
+            px.extend(module.points().iter().map(|p| p.x + origin.x));
+            py.extend(module.points().iter().map(|p| p.y + origin.y));
         }
-        if !(0.0..=16.0).contains(&settings.weight_exponent) {
-            return Err(CompressError::Exponent(settings.weight_exponent));
-        }
-        if !(settings.zeta_mm >= 0.0 && settings.zeta_mm.is_finite())
-            || settings.max_iterations == 0
-        {
-            return Err(CompressError::Stop);
-        }
-        let ascending = settings.levels.windows(2).all(|w| w[0] < w[1]);
-        let finite = settings.levels.iter().all(|l| l.is_finite());
-        if !(ascending && finite) || settings.levels.len() > 4096 {
-            return Err(CompressError::Levels);
-        }
-        let n = module.taxels().len();
-        // More clusters than taxels can never form.
-        let k = usize::from(settings.kc).min(n);
+        let dynamic = match settings.levels {
+            Levels::Dynamic(levels) => usize::from(levels).min(k),
+            _ => 0,
+        };
         Ok(Self {
-            taxels: module.taxels().into(),
-            interpolation: Interpolation::of(module),
-            stream: Stream::new(settings.seed, identity),
-            active: vec![0; n].into(),
-            x: vec![0.0; n].into(),
-            y: vec![0.0; n].into(),
-            w: vec![0.0; n].into(),
-            scratch: vec![0.0; n].into(),
-            work: Workspace::new(n, k),
-            who: Identities::new(k),
-            contacts: vec![Contact::default(); k].into(),
-            count: 0,
-            stage: Stage::Idle,
+            layout: layout.clone(),
+            groups: (0..groups).map(group).collect(),
+            next_id: 1,
+            px,
+            py,
+            x: alloc::vec![0.0; most],
+            y: alloc::vec![0.0; most],
+            w: alloc::vec![0.0; most],
+            kmeans: KMeans::new(most, k),
+            matcher: Matcher::new(k),
+            old_places: Vec::with_capacity(k),
+            old_ids: Vec::with_capacity(k),
+            solver: LevelSolver::new(if dynamic > 0 { k } else { 0 }, dynamic),
+            intensities: Vec::with_capacity(k),
+            closest: Vec::with_capacity(k),
+            contacts: Vec::with_capacity(k * groups),
+            work: Work::default(),
             settings,
         })
     }
 
-    /// Contacts of the newest frame.
-    pub fn contacts(&self) -> &[Contact] {
-        &self.contacts[..self.count]
-    }
-
-    /// The way the newest frame took.
-    pub const fn stage(&self) -> Stage {
-        self.stage
-    }
-
-    /// The settings.
-    pub const fn settings(&self) -> &Settings {
-        &self.settings
-    }
-
-    /// Compresses a frame. `norms` are Euclidean norms of the relative readings by taxel (raw counts),
-    /// `threshold` what they must exceed, `faulty` who takes no part; `axes` gives a taxel's relative
-    /// readings where a weight needs them.
+    /// The contacts of a frame, scope after scope.
     ///
-    /// Returns how many taxels are in contact. Values that are not finite are not in contact.
-    pub fn compress(
-        &mut self,
-        norms: &[f32],
-        threshold: f32,
-        faulty: &[bool],
-        axes: impl Fn(usize) -> [f32; 3],
-    ) -> usize {
-        let n = self.gather(norms, threshold, faulty);
-        if n == 0 {
-            self.who.clear();
-            (self.count, self.stage) = (0, Stage::Idle);
-            return 0;
+    /// # Errors
+    /// A frame of another layout; the contacts are as before then.
+    pub fn compress(&mut self, frame: &RelativeFrame) -> Result<&[Contact], FrameError> {
+        if frame.starts() != self.layout.starts() {
+            return Err(FrameError::OtherLayout {
+                got: frame.magnitude().len(),
+                expected: self.layout.taxels(),
+            });
         }
-        let k = usize::from(self.settings.kc);
-        if n <= k {
-            self.stage = Stage::PassThrough;
-            self.who.follow(&self.x[..n], &self.y[..n], false);
-            for i in 0..n {
-                let taxel = self.active[i] as usize;
-                let place = Point::new(self.x[i], self.y[i]);
-                self.contacts[i] = self.contact(i, place, norms[taxel], 1);
-            }
-            self.count = n;
-            return n;
-        }
-        self.weigh(n, norms, axes);
-        if k == 1 {
-            self.mean(n);
-        } else {
-            self.cluster(n, k);
-        }
-        for c in 0..k {
-            let place = Point::new(self.work.cx[c], self.work.cy[c]);
-            let reading = self.interpolation.at(place, &self.taxels, norms, faulty);
-            // A neighbour that is not a number spoils the interpolation, never the contact.
-            let intensity = if reading.is_finite() { reading } else { 0.0 };
-            let members = if k == 1 {
-                n
-            } else {
-                self.work.members()[c] as usize
+        self.contacts.clear();
+        for g in 0..self.groups.len() {
+            let indices = match self.settings.scope {
+                Scope::Module => frame.contacts_of(g),
+                Scope::Skin => frame.contacts(),
             };
-            self.contacts[c] = self.contact(c, place, intensity, members);
-        }
-        self.count = k;
-        n
-    }
-
-    fn contact(&self, i: usize, place: Point, intensity: f32, members: usize) -> Contact {
-        Contact {
-            id: self.who.id(i),
-            place,
-            intensity,
-            level: levels::assign(&self.settings.levels, intensity),
-            members: u16::try_from(members).unwrap_or(u16::MAX),
-        }
-    }
-
-    /// Collects the taxels in contact; returns how many.
-    fn gather(&mut self, norms: &[f32], threshold: f32, faulty: &[bool]) -> usize {
-        let mut n = 0;
-        for (i, ((&norm, &faulty), place)) in norms.iter().zip(faulty).zip(&self.taxels).enumerate()
-        {
-            // NaN compares false: it is never in contact.
-            if norm > threshold && (0.0..=f32::MAX).contains(&norm) && !faulty {
-                self.active[n] = i as u32;
-                (self.x[n], self.y[n]) = (place.x, place.y);
-                n += 1;
+            if indices.is_empty() {
+                self.groups[g].places.clear();
+                self.groups[g].ids.clear();
+                self.work.untouched += 1;
+                continue;
             }
+            let first = self.contacts.len();
+            self.locate(g, frame, indices);
+            self.quantise(first);
         }
-        n
+        Ok(&self.contacts)
     }
 
-    /// Weights `(||s||_l / max)^p`: scaled by the largest, so that no power overflows; centroids do not
-    /// depend on a common factor.
-    fn weigh(&mut self, n: usize, norms: &[f32], axes: impl Fn(usize) -> [f32; 3]) {
-        for i in 0..n {
-            let taxel = self.active[i] as usize;
-            self.w[i] = match self.settings.norm {
-                Norm::L2 => norms[taxel],
-                Norm::L1 => axes(taxel).iter().sum::<f32>().min(f32::MAX),
-                Norm::Linf => axes(taxel).iter().fold(0.0, |m, &a| m.max(a)),
-            };
-        }
-        let weights = &mut self.w[..n];
-        let largest = weights.iter().fold(0.0f32, |m, &w| m.max(w));
-        let p = self.settings.weight_exponent;
-        if p <= 0.0 || largest <= 0.0 {
-            weights.fill(1.0);
+    /// The first stage for one scope in contact.
+    fn locate(&mut self, g: usize, frame: &RelativeFrame, indices: &[u32]) {
+        let n = indices.len();
+        let clusters = usize::from(self.settings.clusters);
+        let group = &mut self.groups[g];
+        self.old_places.clone_from(&group.places);
+        self.old_ids.clone_from(&group.ids);
+        group.places.clear();
+        if n <= clusters {
+            self.work.passed += 1;
+            let places = indices
+                .iter()
+                .map(|&i| (self.px[i as usize], self.py[i as usize]));
+            group.places.extend(places);
+            self.name(g, true);
+            for (slot, &i) in indices.iter().enumerate() {
+                let value = frame.magnitude()[i as usize];
+                self.emit(g, slot, self.module_of(g, i), value, 1);
+            }
             return;
         }
-        // The usual exponents need no logarithm. A quotient: 1 / largest overflows for denormals.
-        if (p - 1.0).abs() < f32::EPSILON {
-            weights.iter_mut().for_each(|w| *w /= largest);
-        } else if (p - 2.0).abs() < f32::EPSILON {
-            weights
-                .iter_mut()
-                .for_each(|w| *w = (*w / largest) * (*w / largest));
-        } else {
-            weights
-                .iter_mut()
-                .for_each(|w| *w = libm::powf(*w / largest, p));
+        for ((x, y), &i) in self.x.iter_mut().zip(&mut self.y).zip(indices) {
+            (*x, *y) = (self.px[i as usize], self.py[i as usize]);
         }
-    }
-
-    /// K_C = 1: the weighted mean, no iteration.
-    fn mean(&mut self, n: usize) {
-        let mut sum = [0.0f32; 3];
-        for i in 0..n {
-            sum[0] += self.w[i] * self.x[i];
-            sum[1] += self.w[i] * self.y[i];
-            sum[2] += self.w[i];
-        }
-        // The largest weight is 1, so the sum is never zero.
-        (self.work.cx[0], self.work.cy[0]) = (sum[0] / sum[2], sum[1] / sum[2]);
-        self.stage = Stage::Mean;
-        self.who.follow(
-            &self.work.cx[..1],
-            &self.work.cy[..1],
-            self.who.count() == 1,
-        );
-    }
-
-    /// Weighted K-means, from the last frame's centroids if there were as many.
-    fn cluster(&mut self, n: usize, k: usize) {
+        let Settings { norm, exponent, .. } = self.settings;
+        weights::fill(frame, indices, norm, exponent, &mut self.w[..n]);
         let points = Points {
             x: &self.x[..n],
             y: &self.y[..n],
             w: &self.w[..n],
         };
-        let warm = self.who.count() == k;
-        if warm {
-            let (x, y) = self.who.places();
-            self.work.cx.copy_from_slice(x);
-            self.work.cy.copy_from_slice(y);
+        if clusters == 1 {
+            self.work.means += 1;
+            group.places.push(weighted_mean(points));
         } else {
-            seed::plus_plus(
-                points,
-                k,
-                &mut self.stream,
-                &mut self.scratch,
-                &mut self.work,
+            self.work.solves += 1;
+            if self.old_places.len() == clusters {
+                self.kmeans.set_centroids(self.old_places.iter().copied());
+            } else {
+                self.work.seeded += 1;
+                self.kmeans.seed(points, clusters, &mut group.stream);
+            }
+            let stop = Stop {
+                tolerance: self.settings.tolerance,
+                max_iterations: self.settings.max_iterations,
+            };
+            self.work.iterations += u64::from(self.kmeans.solve(points, stop).iterations);
+            group.places.extend(self.kmeans.centroids());
+        }
+        self.name(g, false);
+        self.find_closest(g, n);
+        for slot in 0..self.groups[g].places.len() {
+            let members = if clusters == 1 {
+                n as u32
+            } else {
+                self.kmeans.members(slot)
+            };
+            let nearest = indices.get(self.closest[slot].1 as usize).copied();
+            let m = self.module_of(g, nearest.unwrap_or(indices[0]));
+            let module = &self.layout.modules()[m];
+            let (x, y) = self.groups[g].places[slot];
+            let local = match self.settings.scope {
+                Scope::Module => Point::new(x, y),
+                Scope::Skin => Point::new(x - module.origin().x, y - module.origin().y),
+            };
+            let range = frame.range(m);
+            let (values, usable) = (&frame.magnitude()[range.clone()], &frame.usable()[range]);
+            self.emit(
+                g,
+                slot,
+                m,
+                intensity(module, values, usable, local),
+                members,
             );
         }
-        let outcome = self.work.run(
-            points,
-            k,
-            self.settings.zeta_mm,
-            self.settings.max_iterations,
+    }
+
+    /// Identities of a scope's new places. `moved_freely`: their order says nothing about who they were.
+    fn name(&mut self, g: usize, moved_freely: bool) {
+        let group = &mut self.groups[g];
+        let same = group.places == self.old_places;
+        if same || (!moved_freely && group.places.len() == self.old_places.len()) {
+            return;
+        }
+        if self.old_ids.is_empty() {
+            group.ids.clear();
+            group
+                .ids
+                .extend(group.places.iter().map(|_| born(&mut self.next_id)));
+            return;
+        }
+        self.matcher.match_up(
+            &self.old_places,
+            &self.old_ids,
+            &group.places,
+            &mut group.ids,
+            &mut self.next_id,
         );
-        self.stage = match warm {
-            true => Stage::Warm(outcome.iterations),
-            false => Stage::Cold(outcome.iterations),
-        };
-        self.who
-            .follow(&self.work.cx[..k], &self.work.cy[..k], warm);
+    }
+
+    /// The member nearest to every centroid, which tells the module of a cluster that spans several.
+    fn find_closest(&mut self, g: usize, n: usize) {
+        let places = &self.groups[g].places;
+        self.closest.clear();
+        self.closest.resize(places.len(), (f32::INFINITY, 0)); // within capacity
+        if self.settings.scope == Scope::Module {
+            return; // there is only one
+        }
+        for i in 0..n {
+            let k = if places.len() == 1 {
+                0
+            } else {
+                self.kmeans.assigned()[i] as usize
+            };
+            let (dx, dy) = (self.x[i] - places[k].0, self.y[i] - places[k].1);
+            let d = dx * dx + dy * dy;
+            if d < self.closest[k].0 {
+                self.closest[k] = (d, i as u32);
+            }
+        }
+    }
+
+    fn module_of(&self, g: usize, index: u32) -> usize {
+        match self.settings.scope {
+            Scope::Module => g,
+            Scope::Skin => self.layout.locate(index as usize).map_or(0, |at| at.0),
+        }
+    }
+
+    fn emit(&mut self, g: usize, slot: usize, module: usize, intensity: f32, members: u32) {
+        let group = &self.groups[g];
+        let (x, y) = group.places[slot];
+        self.contacts.push(Contact {
+            id: group.ids[slot],
+            module: module as u16, // at most 4096 modules
+            place: Point::new(x, y),
+            intensity,
+            level: 1,
+            members: members.min(u32::from(u16::MAX)) as u16,
+        });
+    }
+
+    /// The second stage for the contacts of one scope, `first` and after.
+    fn quantise(&mut self, first: usize) {
+        let contacts = &mut self.contacts[first..];
+        match &self.settings.levels {
+            Levels::Off => {}
+            Levels::Table(table) => {
+                for c in contacts {
+                    c.level = table.level(c.intensity);
+                }
+            }
+            Levels::Dynamic(_) => {
+                self.intensities.clear();
+                self.intensities
+                    .extend(contacts.iter().map(|c| c.intensity));
+                if self.solver.solve(&self.intensities).is_ok() {
+                    for c in contacts {
+                        c.level = self.solver.level(c.intensity);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Forgets all contacts; identities go on.
+    pub fn reset(&mut self) {
+        for group in &mut self.groups {
+            group.places.clear();
+            group.ids.clear();
+        }
+        self.contacts.clear();
+    }
+
+    /// The contacts of the last frame.
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+    /// What was done and skipped so far.
+    pub fn work(&self) -> Work {
+        self.work
+    }
+    /// The settings it was made with.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
     }
 }
 
 #[cfg(test)]
+#[path = "compressor_tests.rs"]
 mod tests;

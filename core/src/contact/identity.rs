@@ -1,126 +1,147 @@
-//! Who is who from frame to frame.
+//! Who is who: contacts of this frame to those of the last.
+//!
+//! Rule: a contact at the very place of an old one is that one. Then, again and again, the closest pair of an old
+//! and a new contact still free is one contact; of equal distances the lowest old, then the lowest new index.
+//! New contacts left over are born with a number never used before; old ones left over are gone.
 
-use alloc::boxed::Box;
-use alloc::vec;
+use alloc::vec::Vec;
 
-/// Identities of the contacts of the last frame, with their places.
-///
-/// While the number of contacts stays and they come from a warm start, the cluster index is the identity
-/// and nothing is matched. Otherwise old and new contacts are paired, nearest pair first; what is left
-/// over is born with a number never used before, or dies.
+/// Memory to match up to a given number of contacts.
 #[derive(Clone, Debug)]
-pub(super) struct Identities {
-    ids: Box<[u32]>,
-    x: Box<[f32]>,
-    y: Box<[f32]>,
-    count: usize,
-    next: u32,
-    new_ids: Box<[u32]>,
-    taken: Box<[bool]>,
+pub struct Matcher {
+    /// Nearest free new contact of every old one: squared distance and index; `None` once the old one is taken.
+    nearest: Vec<Option<(f32, usize)>>,
+    taken: Vec<bool>,
 }
 
-impl Identities {
-    pub(super) fn new(most: usize) -> Self {
+/// Identity of a contact not yet named.
+const UNNAMED: u32 = 0;
+
+impl Matcher {
+    /// Room for `most` contacts on either side.
+    pub fn new(most: usize) -> Self {
         Self {
-            ids: vec![0; most].into(),
-            x: vec![0.0; most].into(),
-            y: vec![0.0; most].into(),
-            count: 0,
-            next: 0,
-            new_ids: vec![0; most].into(),
-            taken: vec![false; most].into(),
+            nearest: Vec::with_capacity(most),
+            taken: Vec::with_capacity(most),
         }
     }
 
-    /// Contacts of the last frame.
-    pub(super) const fn count(&self) -> usize {
-        self.count
-    }
-
-    /// Places of the last frame, by cluster index.
-    pub(super) fn places(&self) -> (&[f32], &[f32]) {
-        (&self.x[..self.count], &self.y[..self.count])
-    }
-
-    /// The identity of contact `i` of the newest frame.
-    pub(super) fn id(&self, i: usize) -> u32 {
-        self.ids.get(i).copied().unwrap_or(u32::MAX)
-    }
-
-    /// Nothing is touched any more: what comes next is new.
-    pub(super) const fn clear(&mut self) {
-        self.count = 0;
-    }
-
-    /// Takes the places of a frame. `continued` says that index i is the contact that index i was.
-    pub(super) fn follow(&mut self, x: &[f32], y: &[f32], continued: bool) {
-        let n = x.len().min(self.ids.len());
-        if !(continued && n == self.count) {
-            self.pair(&x[..n], &y[..n]);
+    /// Fills `ids` for `new` places (cleared first). `next` is the next number to give away; it starts at 1.
+    pub fn match_up(
+        &mut self,
+        old: &[(f32, f32)],
+        old_ids: &[u32],
+        new: &[(f32, f32)],
+        ids: &mut Vec<u32>,
+        next: &mut u32,
+    ) {
+        ids.clear();
+        ids.resize(new.len(), UNNAMED);
+        self.taken.clear();
+        self.taken.resize(new.len(), false);
+        self.nearest.clear();
+        for (o, id) in old.iter().zip(old_ids) {
+            let found = self.closest(*o, new);
+            // An old contact that has not moved is settled at once.
+            if let Some((d, n)) = found
+                && d <= 0.0
+            {
+                ids[n] = *id;
+                self.taken[n] = true;
+                self.nearest.push(None);
+            } else {
+                self.nearest.push(found);
+            }
         }
-        self.x[..n].copy_from_slice(&x[..n]);
-        self.y[..n].copy_from_slice(&y[..n]);
-        self.count = n;
-    }
-
-    fn pair(&mut self, x: &[f32], y: &[f32]) {
-        const FREE: u32 = u32::MAX;
-        let n = x.len();
-        self.new_ids[..n].fill(FREE);
-        self.taken[..self.count].fill(false);
-        for _ in 0..n.min(self.count) {
-            // The nearest free pair; the lowest new, then old, index among equals.
+        loop {
             let mut best: Option<(f32, usize, usize)> = None;
-            for new in (0..n).filter(|&i| self.new_ids[i] == FREE) {
-                for old in (0..self.count).filter(|&j| !self.taken[j]) {
-                    let (dx, dy) = (x[new] - self.x[old], y[new] - self.y[old]);
-                    let d = dx * dx + dy * dy;
-                    if best.is_none_or(|(least, ..)| d < least) {
-                        best = Some((d, new, old));
-                    }
+            for (o, place) in old.iter().enumerate().take(self.nearest.len()) {
+                let Some((_, n)) = self.nearest[o] else {
+                    continue;
+                };
+                if self.taken[n] {
+                    self.nearest[o] = self.closest(*place, new);
+                }
+                if let Some((d, n)) = self.nearest[o]
+                    && best.is_none_or(|b| d < b.0)
+                {
+                    best = Some((d, o, n));
                 }
             }
-            let Some((_, new, old)) = best else { break };
-            self.new_ids[new] = self.ids[old];
-            self.taken[old] = true;
+            let Some((_, o, n)) = best else {
+                break;
+            };
+            ids[n] = old_ids[o];
+            self.taken[n] = true;
+            self.nearest[o] = None;
         }
-        for id in &mut self.new_ids[..n] {
-            if *id == FREE {
-                *id = self.next;
-                // After four billion contacts numbers stop being new rather than wrap to living ones.
-                self.next = self.next.saturating_add(1).min(FREE - 1);
+        for id in ids.iter_mut().filter(|id| **id == UNNAMED) {
+            *id = born(next);
+        }
+    }
+
+    fn closest(&self, old: (f32, f32), new: &[(f32, f32)]) -> Option<(f32, usize)> {
+        let mut best: Option<(f32, usize)> = None;
+        for (n, p) in new.iter().enumerate().filter(|(n, _)| !self.taken[*n]) {
+            let (dx, dy) = (p.0 - old.0, p.1 - old.1);
+            let d = dx * dx + dy * dy;
+            if best.is_none_or(|b| d < b.0) {
+                best = Some((d, n));
             }
         }
-        self.ids[..n].copy_from_slice(&self.new_ids[..n]);
+        best
     }
+}
+
+/// A number never given before (within 2^32 births; then they start over at 1).
+pub fn born(next: &mut u32) -> u32 {
+    let id = (*next).max(1);
+    *next = id.wrapping_add(1);
+    id
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use alloc::vec::Vec;
 
-    fn ids(identities: &Identities) -> Vec<u32> {
-        (0..identities.count()).map(|i| identities.id(i)).collect()
+    fn run(old: &[(f32, f32)], ids: &[u32], new: &[(f32, f32)], mut next: u32) -> Vec<u32> {
+        let mut out = Vec::new();
+        Matcher::new(8).match_up(old, ids, new, &mut out, &mut next);
+        out
     }
 
     #[test]
-    fn births_deaths_merges_and_splits_keep_the_others() {
-        let mut who = Identities::new(4);
-        who.follow(&[0.0, 10.0], &[0.0, 0.0], true);
-        assert_eq!(ids(&who), [0, 1]);
-        // A third appears between; order of clusters changes.
-        who.follow(&[10.0, 5.0, 0.5], &[0.0, 0.0, 0.0], false);
-        assert_eq!(ids(&who), [1, 2, 0]);
-        // Two merge near the first: the nearer one keeps its name.
-        who.follow(&[9.0, 1.0], &[0.0, 0.0], false);
-        assert_eq!(ids(&who), [1, 0]);
-        // A split: one keeps the name, the other is new.
-        who.follow(&[9.0, 1.0, 2.0], &[0.0, 0.0, 0.0], false);
-        assert_eq!(ids(&who), [1, 0, 3]);
-        // All lost: nobody comes back.
-        who.clear();
-        who.follow(&[9.0], &[0.0], true);
-        assert_eq!(ids(&who), [4]);
+    fn births_deaths_and_moves() {
+        let at = |x: f32| (x, 0.0);
+        assert_eq!(run(&[], &[], &[at(0.0), at(1.0)], 1), [1, 2]);
+        // one stays, one moves, one is born
+        assert_eq!(
+            run(
+                &[at(0.0), at(5.0)],
+                &[7, 8],
+                &[at(4.0), at(9.0), at(0.0)],
+                9
+            ),
+            [8, 9, 7]
+        );
+        // a merge keeps the nearer identity
+        assert_eq!(run(&[at(0.0), at(5.0)], &[7, 8], &[at(3.0)], 9), [8]);
+        assert_eq!(run(&[at(0.0)], &[7], &[], 9), [0u32; 0]);
+    }
+
+    #[test]
+    fn ties_go_to_the_lowest_indices() {
+        let at = |x: f32| (x, 0.0);
+        assert_eq!(run(&[at(-1.0), at(1.0)], &[7, 8], &[at(0.0)], 9), [7]);
+        assert_eq!(run(&[at(0.0)], &[7], &[at(1.0), at(-1.0)], 9), [7, 9]);
+    }
+
+    #[test]
+    fn numbers_are_never_zero() {
+        let mut next = u32::MAX;
+        assert_eq!(
+            [born(&mut next), born(&mut next), born(&mut next)],
+            [u32::MAX, 1, 2]
+        );
     }
 }

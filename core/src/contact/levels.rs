@@ -1,129 +1,236 @@
-//! Intensity levels: exact one-dimensional K-means by dynamic programming (Wang & Song 2011,
-//! Ckmeans.1d.dp, with divide and conquer over the monotone split points), and Weber levels.
+//! Intensity levels, the second stage (4.10) to (4.13): exact one-dimensional K-means, and assignment.
+//!
+//! On a line K-means has an exact answer by dynamic programming (Wang & Song 2011, Ckmeans.1d.dp), here with
+//! divide and conquer over the monotone split points: O(k n log n). [`LevelTable::from_intensities`] runs it once
+//! over a recording; [`LevelSolver`] per frame in memory made beforehand.
 
-use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt;
 
-/// Why there are no levels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LevelsError {
-    /// No value, or none asked for.
+/// Why levels cannot be found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LevelError {
+    /// K_I = 0, or more than 65,535.
+    BadCount,
+    /// Nothing to find levels in.
     Empty,
-    /// This value is not a finite number.
-    NotFinite(usize),
-    /// Weber levels need 0 < lowest < highest and a fraction above zero.
-    Range,
+    /// A value is NaN or infinite.
+    NotFinite {
+        /// Its index.
+        index: usize,
+    },
+    /// Weber spacing needs 0 < lowest <= highest and a positive fraction, all finite.
+    BadRange,
 }
 
-impl fmt::Display for LevelsError {
+impl fmt::Display for LevelError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Empty => write!(f, "expected at least one intensity and one level"),
-            Self::NotFinite(i) => write!(f, "intensity {i}: expected a finite number"),
-            Self::Range => write!(
-                f,
-                "expected 0 < lowest < highest and a Weber fraction above 0"
-            ),
+            Self::BadCount => write!(f, "the number of levels must be 1 to 65535"),
+            Self::Empty => write!(f, "no intensity to find levels in"),
+            Self::NotFinite { index } => write!(f, "intensity {index} is not a finite number"),
+            Self::BadRange => {
+                write!(
+                    f,
+                    "expected 0 < lowest <= highest and a positive Weber fraction"
+                )
+            }
         }
     }
 }
 
-impl core::error::Error for LevelsError {}
+impl core::error::Error for LevelError {}
 
-/// The `k` levels (ascending means) that minimise the sum of squared distances of all values to their
-/// level: exact, O(k n log n). Fewer distinct values than `k` give one level each.
-///
-/// Allocates: levels are found over a recording, not in the loop.
-///
-/// # Errors
-/// [`LevelsError`] for no values, `k` = 0, or a value that is not finite.
-pub fn optimal_levels(values: &[f32], k: usize) -> Result<Vec<f32>, LevelsError> {
-    if values.is_empty() || k == 0 {
-        return Err(LevelsError::Empty);
-    }
-    if let Some(i) = values.iter().position(|v| !v.is_finite()) {
-        return Err(LevelsError::NotFinite(i));
-    }
-    let mut sorted: Vec<f64> = values.iter().map(|&v| f64::from(v)).collect();
-    sorted.sort_by(f64::total_cmp);
-    let distinct = 1 + sorted.windows(2).filter(|w| w[0] < w[1]).count();
-    let k = k.min(distinct);
-    let n = sorted.len();
+/// Intensity levels, ascending raw counts; level 1 is the lowest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LevelTable(Vec<f32>);
 
-    // Sums from the median, so that a cost is a small difference of small numbers.
-    let shift = sorted[n / 2];
-    let mut sums = vec![(0.0, 0.0); n + 1];
-    for (i, v) in sorted.iter().enumerate() {
-        let d = v - shift;
-        sums[i + 1] = (sums[i].0 + d, sums[i].1 + d * d);
+impl LevelTable {
+    /// Levels as given: sorted here, equal ones kept once.
+    pub fn new(levels: &[f32]) -> Result<Self, LevelError> {
+        if let Some(index) = levels.iter().position(|v| !v.is_finite()) {
+            return Err(LevelError::NotFinite { index });
+        }
+        if levels.is_empty() {
+            return Err(LevelError::Empty);
+        }
+        let mut sorted: Vec<f32> = levels.iter().map(|v| v + 0.0).collect();
+        sorted.sort_unstable_by(f32::total_cmp);
+        sorted.dedup();
+        if sorted.len() > usize::from(u16::MAX) {
+            return Err(LevelError::BadCount);
+        }
+        Ok(Self(sorted))
     }
-    // Cost of one level for values from ..= to.
-    let cost = |from: usize, to: usize| {
-        let (s, s2) = (sums[to + 1].0 - sums[from].0, sums[to + 1].1 - sums[from].1);
-        (s2 - s * s / (to - from + 1) as f64).max(0.0)
+
+    /// The optimal `k` levels over a recording's intensities (fewer if they take fewer values).
+    pub fn from_intensities(intensities: &[f32], k: usize) -> Result<Self, LevelError> {
+        if k == 0 || k > usize::from(u16::MAX) {
+            return Err(LevelError::BadCount);
+        }
+        if intensities.is_empty() {
+            return Err(LevelError::Empty);
+        }
+        let k = k.min(intensities.len());
+        let mut solver = LevelSolver::new(intensities.len(), k);
+        solver.solve(intensities)?;
+        Self::new(solver.levels())
+    }
+
+    /// Just-noticeable differences: levels `lowest * (1 + weber)^i` up to `highest` (Weber's law).
+    /// Their number is `floor(ln(highest/lowest) / ln(1 + weber)) + 1`.
+    pub fn weber(lowest: f32, highest: f32, weber: f32) -> Result<Self, LevelError> {
+        let sound = lowest > 0.0 && highest >= lowest && highest.is_finite();
+        if !(sound && weber > 0.0 && weber.is_finite()) {
+            return Err(LevelError::BadRange);
+        }
+        let step = libm::log1p(f64::from(weber));
+        let span = libm::log(f64::from(highest) / f64::from(lowest));
+        let top = libm::floor(span / step + 1e-9);
+        if top >= f64::from(u16::MAX) {
+            return Err(LevelError::BadCount);
+        }
+        let level = |i: u32| (f64::from(lowest) * libm::exp(step * f64::from(i))) as f32;
+        Self::new(&(0..=top as u32).map(level).collect::<Vec<_>>())
+    }
+
+    /// The level nearest to an intensity, 1 ..= K_I; the lower of two equally near (4.12). NaN gives 1.
+    pub fn level(&self, intensity: f32) -> u16 {
+        nearest(&self.0, intensity)
+    }
+
+    /// All levels, ascending, counts.
+    pub fn values(&self) -> &[f32] {
+        &self.0
+    }
+}
+
+fn nearest(levels: &[f32], v: f32) -> u16 {
+    let above = levels.partition_point(|l| *l < v);
+    let (Some(high), Some(low)) = (levels.get(above), levels.get(above.wrapping_sub(1))) else {
+        return above.clamp(1, levels.len().max(1)) as u16; // below the first or above the last
     };
-    let mut best: Vec<f64> = (0..n).map(|to| cost(0, to)).collect();
-    let mut starts: Vec<Vec<u32>> = vec![vec![0; n]];
-    for level in 1..k {
-        let mut next = vec![f64::INFINITY; n];
-        let mut start = vec![0u32; n];
-        // Ranges (values lo..=hi, split points from..=to) still to do: a stack, not a recursion.
-        let mut pending = vec![(level, n - 1, level, n - 1)];
-        while let Some((lo, hi, from, to)) = pending.pop() {
-            let mid = lo + (hi - lo) / 2;
-            for split in from..=to.min(mid) {
-                let total = best[split - 1] + cost(split, mid);
-                if total < next[mid] {
-                    (next[mid], start[mid]) = (total, split as u32);
+    let up = f64::from(*high) - f64::from(v) < f64::from(v) - f64::from(*low);
+    (above + usize::from(up)) as u16
+}
+
+/// Exact one-dimensional K-means in memory made beforehand.
+#[derive(Clone, Debug)]
+pub struct LevelSolver {
+    most: usize,
+    k: usize,
+    sorted: Vec<f32>,
+    /// Prefix sums of values and squares, taken from the median: index i covers the first i values.
+    sum: Vec<f64>,
+    square: Vec<f64>,
+    cost: Vec<f64>,
+    next: Vec<f64>,
+    /// First value of the last cluster, per number of clusters and value.
+    split: Vec<u32>,
+    levels: Vec<f32>,
+    todo: Vec<[u32; 4]>,
+}
+
+impl LevelSolver {
+    /// Room for `most` values and up to `k` levels.
+    pub fn new(most: usize, k: usize) -> Self {
+        let k = k.min(most);
+        Self {
+            most,
+            k,
+            sorted: Vec::with_capacity(most),
+            sum: alloc::vec![0.0; most + 1],
+            square: alloc::vec![0.0; most + 1],
+            cost: alloc::vec![0.0; most],
+            next: alloc::vec![0.0; most],
+            split: alloc::vec![0; most * k],
+            levels: Vec::with_capacity(k),
+            todo: Vec::with_capacity(64),
+        }
+    }
+
+    /// Finds the levels of `values`; of equal splits the lowest. Values beyond the room made are dropped.
+    pub fn solve(&mut self, values: &[f32]) -> Result<(), LevelError> {
+        self.levels.clear();
+        if let Some(index) = values.iter().position(|v| !v.is_finite()) {
+            return Err(LevelError::NotFinite { index });
+        }
+        self.sorted.clear();
+        self.sorted
+            .extend(values.iter().take(self.most).map(|v| v + 0.0));
+        self.sorted.sort_unstable_by(f32::total_cmp);
+        let n = self.sorted.len();
+        if n == 0 || self.k == 0 {
+            return Ok(());
+        }
+        let centre = f64::from(self.sorted[n / 2]);
+        for (i, v) in self.sorted.iter().enumerate() {
+            let d = f64::from(*v) - centre;
+            self.sum[i + 1] = self.sum[i] + d;
+            self.square[i + 1] = self.square[i] + d * d;
+        }
+        let distinct = 1 + self.sorted.windows(2).filter(|p| p[0] < p[1]).count();
+        let k = self.k.min(distinct);
+        for i in 0..n {
+            self.cost[i] = self.within(0, i);
+            self.split[i] = 0;
+        }
+        for row in 1..k {
+            self.fill_row(row, n);
+            core::mem::swap(&mut self.cost, &mut self.next);
+        }
+        // Walk back from the last value.
+        let mut end = n;
+        for row in (0..k).rev() {
+            let start = self.split[row * self.most + end - 1] as usize;
+            let mean = (self.sum[end] - self.sum[start]) / (end - start) as f64;
+            self.levels.push((centre + mean) as f32);
+            end = start;
+        }
+        self.levels.reverse();
+        Ok(())
+    }
+
+    /// Cost of values a ..= b as one cluster.
+    fn within(&self, a: usize, b: usize) -> f64 {
+        let s = self.sum[b + 1] - self.sum[a];
+        let q = self.square[b + 1] - self.square[a];
+        (q - s * s / (b + 1 - a) as f64).max(0.0)
+    }
+
+    /// Best cost of values 0 ..= i in `row + 1` clusters for all i. The split point never goes back as i grows, so
+    /// the middle i halves the range for both sides.
+    fn fill_row(&mut self, row: usize, n: usize) {
+        self.todo.clear();
+        self.todo.push([row as u32, n as u32, row as u32, n as u32]); // i in [0], [1]; split in [2], [3]
+        while let Some([from, to, low, high]) = self.todo.pop() {
+            if from >= to {
+                continue;
+            }
+            let i = from + (to - from) / 2;
+            let mut best = (f64::INFINITY, low);
+            for j in low.max(row as u32)..high.min(i + 1) {
+                let c = self.cost[j as usize - 1] + self.within(j as usize, i as usize);
+                if c < best.0 {
+                    best = (c, j);
                 }
             }
-            let at = start[mid] as usize;
-            if mid > lo {
-                pending.push((lo, mid - 1, from, at.max(from)));
-            }
-            if mid < hi {
-                pending.push((mid + 1, hi, at.max(level), to));
-            }
+            self.next[i as usize] = best.0;
+            self.split[row * self.most + i as usize] = best.1;
+            self.todo.push([i + 1, to, best.1, high]);
+            self.todo.push([from, i, low, best.1 + 1]);
         }
-        best = next;
-        starts.push(start);
     }
-    let mut levels = vec![0.0; k];
-    let mut to = n - 1;
-    for level in (0..k).rev() {
-        let from = starts[level][to] as usize;
-        let mean = (sums[to + 1].0 - sums[from].0) / (to - from + 1) as f64 + shift;
-        levels[level] = mean as f32;
-        to = from.saturating_sub(1);
-    }
-    Ok(levels)
-}
 
-/// Levels a just noticeable difference apart: `lowest (1 + w)^n` up to `highest` (Weber's law).
-///
-/// # Errors
-/// [`LevelsError::Range`] unless 0 < lowest < highest and w > 0; at most 4096 levels.
-pub fn jnd_levels(lowest: f32, highest: f32, weber: f32) -> Result<Vec<f32>, LevelsError> {
-    let count = libm::log(f64::from(highest) / f64::from(lowest)) / libm::log1p(f64::from(weber));
-    if !(lowest > 0.0 && highest > lowest && weber > 0.0 && count < 4095.0) {
-        return Err(LevelsError::Range);
+    /// The levels found, ascending, counts.
+    pub fn levels(&self) -> &[f32] {
+        &self.levels
     }
-    let step = 1.0 + f64::from(weber);
-    let level = |n: u32| (f64::from(lowest) * libm::pow(step, f64::from(n))) as f32;
-    Ok((0..=count as u32).map(level).collect())
-}
 
-/// The level nearest to `intensity`, counted from 1; the lower one of two equally near. 1 if there are
-/// no levels.
-pub fn assign(levels: &[f32], intensity: f32) -> u16 {
-    let above = levels.partition_point(|&l| l < intensity);
-    let below = above.saturating_sub(1);
-    let nearer = match levels.get(above) {
-        Some(&high) if high - intensity < intensity - levels[below] => above,
-        _ => below,
-    };
-    nearer as u16 + 1 // at most 4096 levels
+    /// The level nearest to an intensity, as [`LevelTable::level`].
+    pub fn level(&self, intensity: f32) -> u16 {
+        nearest(&self.levels, intensity)
+    }
 }
 
 #[cfg(test)]
@@ -132,101 +239,90 @@ mod tests {
     use crate::random::Stream;
 
     fn cost(values: &[f32], levels: &[f32]) -> f64 {
-        let nearest = |v: f32| {
+        let d = |v: f32, l: f32| (f64::from(v) - f64::from(l)) * (f64::from(v) - f64::from(l));
+        let best = |v: f32| {
             levels
                 .iter()
-                .map(|&l| f64::from(v - l).powi(2))
-                .fold(f64::MAX, f64::min)
+                .map(|l| d(v, *l))
+                .fold(f64::INFINITY, f64::min)
         };
-        values.iter().map(|&v| nearest(v)).sum()
+        values.iter().map(|v| best(*v)).sum()
     }
 
-    /// Least cost over all ways to cut the sorted values into `k` runs.
+    /// Tries all ways to cut sorted values into `k` runs.
     fn exhaustive(sorted: &[f32], k: usize) -> f64 {
-        let one = |part: &[f32]| {
-            let mean = part.iter().map(|&v| f64::from(v)).sum::<f64>() / part.len() as f64;
-            part.iter()
-                .map(|&v| (f64::from(v) - mean).powi(2))
+        let one = |v: &[f32]| {
+            let mean = v.iter().map(|x| f64::from(*x)).sum::<f64>() / v.len() as f64;
+            v.iter()
+                .map(|x| (f64::from(*x) - mean) * (f64::from(*x) - mean))
                 .sum::<f64>()
         };
         if k == 1 || sorted.len() <= 1 {
-            return one(sorted);
+            return if sorted.is_empty() { 0.0 } else { one(sorted) };
         }
-        let cuts = (1..sorted.len()).map(|c| one(&sorted[..c]) + exhaustive(&sorted[c..], k - 1));
-        cuts.fold(one(sorted), f64::min)
+        (1..=sorted.len())
+            .map(|cut| one(&sorted[..cut]) + exhaustive(&sorted[cut..], k - 1))
+            .fold(f64::INFINITY, f64::min)
     }
 
     #[test]
-    fn no_cut_is_better() {
-        let mut stream = Stream::new(11, "levels");
+    fn levels_are_optimal_against_every_cut() {
+        let mut r = Stream::new(3, "levels");
         for case in 0..400 {
-            let n = 1 + (stream.next_u64() % 9) as usize;
-            let k = 1 + (stream.next_u64() % 4) as usize;
-            let coarse = if case % 2 == 0 { 4.0 } else { 1000.0 };
-            let mut values: Vec<f32> = (0..n)
-                .map(|_| (stream.uniform() * coarse).floor() as f32)
+            let n = 1 + (r.next_u64() % 9) as usize;
+            let k = 1 + (r.next_u64() % 5) as usize;
+            let coarse = if case % 2 == 0 { 5.0 } else { 60_000.0 };
+            let mut v: Vec<f32> = (0..n)
+                .map(|_| libm::floorf((r.uniform() * coarse) as f32))
                 .collect();
-            let levels = optimal_levels(&values, k).unwrap();
+            let table = LevelTable::from_intensities(&v, k).unwrap();
+            v.sort_by(f32::total_cmp);
+            let (got, want) = (cost(&v, table.values()), exhaustive(&v, k));
             assert!(
-                levels.windows(2).all(|w| w[0] < w[1]),
-                "{values:?} {levels:?}"
-            );
-            values.sort_by(f32::total_cmp);
-            let (ours, least) = (cost(&values, &levels), exhaustive(&values, k));
-            assert!(
-                (ours - least).abs() <= 1e-6 * least.max(1.0),
-                "{values:?} k {k}: {ours} > {least}"
+                (got - want).abs() <= 1e-6 * want + 1e-3 * n as f64,
+                "{v:?} {k}: {got} {want}"
             );
         }
     }
 
     #[test]
-    fn raw_counts_keep_their_digits_and_duplicates_do_no_harm() {
-        let values = [37_000.0, 37_001.0, 37_500.0, 37_501.0, 37_501.0];
-        let levels = optimal_levels(&values, 2).unwrap();
-        assert!((levels[0] - 37_000.5).abs() < 0.01 && (levels[1] - 37_500.668).abs() < 0.01);
-        assert_eq!(optimal_levels(&[5.0; 100], 10).unwrap(), [5.0]);
-        assert_eq!(optimal_levels(&[], 3), Err(LevelsError::Empty));
-        assert_eq!(optimal_levels(&[1.0], 0), Err(LevelsError::Empty));
+    fn nearest_level_ties_to_the_lower() {
+        let t = LevelTable::new(&[30.0, 10.0, 20.0, 10.0]).unwrap();
+        let got = [0.0, 10.0, 15.0, 15.1, 25.0, 30.0, 99.0].map(|v| t.level(v));
+        assert_eq!(got, [1, 1, 1, 2, 2, 3, 3]);
+        assert_eq!(t.level(f32::NAN), 1);
+        assert_eq!(t.level(f32::INFINITY), 3);
+    }
+
+    #[test]
+    fn weber_levels_count_as_the_law_says() {
+        let t = LevelTable::weber(100.0, 1000.0, 0.2).unwrap(); // 20 dB: 12.6 steps
+        assert_eq!(t.values().len(), 13);
+        assert!(
+            t.values()
+                .windows(2)
+                .all(|p| (p[1] / p[0] - 1.2).abs() < 1e-5)
+        );
+        assert_eq!(LevelTable::weber(0.0, 1.0, 0.2), Err(LevelError::BadRange));
         assert_eq!(
-            optimal_levels(&[1.0, f32::NAN], 1),
-            Err(LevelsError::NotFinite(1))
+            LevelTable::weber(1.0, f32::INFINITY, 0.2),
+            Err(LevelError::BadRange)
         );
     }
 
     #[test]
-    fn the_nearest_level_the_lower_of_equals() {
-        let levels = [10.0, 20.0, 40.0];
-        let cases = [
-            (0.0, 1),
-            (10.0, 1),
-            (15.0, 1),
-            (15.1, 2),
-            (30.0, 2),
-            (30.1, 3),
-            (99.0, 3),
-        ];
-        for (intensity, level) in cases {
-            assert_eq!(assign(&levels, intensity), level, "{intensity}");
-        }
-        assert_eq!(assign(&[], 5.0), 1);
-        assert_eq!(assign(&[7.0], 5.0), 1);
-    }
-
-    #[test]
-    fn twenty_decibel_at_a_fifth_are_twelve_steps() {
-        // ln(10) / ln(1.2) = 12.6 (anchors.md), so 13 levels from the lowest.
-        let levels = jnd_levels(10.0, 100.0, 0.2).unwrap();
-        assert_eq!(levels.len(), 13);
-        assert!(levels.windows(2).all(|w| (w[1] / w[0] - 1.2).abs() < 1e-5));
-        for bad in [
-            (0.0, 1.0, 0.2),
-            (2.0, 1.0, 0.2),
-            (1.0, 2.0, 0.0),
-            (1.0, 2.0, 1e-9),
-            (1.0, f32::NAN, 0.1),
-        ] {
-            assert_eq!(jnd_levels(bad.0, bad.1, bad.2), Err(LevelsError::Range));
-        }
+    fn hostile_values() {
+        assert_eq!(LevelTable::from_intensities(&[], 3), Err(LevelError::Empty));
+        assert_eq!(
+            LevelTable::from_intensities(&[1.0], 0),
+            Err(LevelError::BadCount)
+        );
+        let e = LevelTable::from_intensities(&[1.0, f32::NAN], 2);
+        assert_eq!(e, Err(LevelError::NotFinite { index: 1 }));
+        let same = LevelTable::from_intensities(&[37_000.0; 50], 10).unwrap();
+        assert_eq!(same.values().len(), 1);
+        let mut s = LevelSolver::new(4, 0);
+        s.solve(&[1.0, 2.0]).unwrap();
+        assert_eq!((s.levels().len(), s.level(3.0)), (0, 1));
     }
 }

@@ -1,13 +1,32 @@
-//! Compression of taxels into contacts (thesis chapter 4): locations by weighted K-means, identity from
-//! frame to frame, intensity by interpolation, intensity levels.
+//! Compression of taxels into contacts (thesis chapter 4): where the skin is touched, and how strongly.
+//!
+//! What belongs here: clustering, interpolation, intensity levels, identity over time. Which taxels are in contact
+//! is [`crate::skin`]'s, what a contact feels like [`crate::illusion`]'s.
+//!
+//! ```
+//! use palpate_core::contact::{Compressor, Settings};
+//! use palpate_core::skin::{Axes, Layout, Module, RelativeFrame};
+//!
+//! let layout = Layout::single(Module::grid("pad", 4, 4, 4.7).unwrap()).unwrap();
+//! let mut frame = RelativeFrame::new(&layout);
+//! let mut compressor = Compressor::new(&layout, Settings::default()).unwrap();
+//! let mut differences = [[0.0; 3]; 16];
+//! (differences[5][2], differences[6][2]) = (300.0, 100.0);
+//! frame.load(&differences, Axes::XYZ, 50.0).unwrap();
+//! let contacts = compressor.compress(&frame).unwrap();
+//! assert_eq!(contacts.len(), 1);
+//! assert!((contacts[0].place.x - -1.175).abs() < 1e-5); // a quarter of the way from taxel 5 to 6
+//! ```
 
-mod compressor;
-mod identity;
-mod intensity;
-mod kmeans;
-mod levels;
-mod seed;
+pub mod compressor;
+pub mod identity;
+pub mod interpolate;
+pub mod kmeans;
+pub mod levels;
+pub mod settings;
+pub mod weights;
 
-pub use compressor::{CompressError, Compressor, Contact, Norm, Settings, Stage};
-pub use kmeans::{Outcome, Points, Workspace};
-pub use levels::{LevelsError, assign, jnd_levels, optimal_levels};
+pub use compressor::{Compressor, Contact, Work};
+pub use kmeans::{KMeans, Points, Stop};
+pub use levels::{LevelError, LevelSolver, LevelTable};
+pub use settings::{Levels, Norm, Scope, Settings, SettingsError};

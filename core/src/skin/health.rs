@@ -1,148 +1,297 @@
-//! Which taxels can be trusted: refresh rate, frozen, never seen, saturated. Frame rates say nothing:
-//! boards repeat stale rows, so changes of value are what is counted.
+//! Taxel health: which taxels still tell something.
+//!
+//! Boards repeat stale rows silently, so what counts is how often a taxel's value changes, not how often a frame
+//! arrives. This only reports; whoever runs the loop decides what to leave out.
 
-use alloc::boxed::Box;
-use alloc::vec;
 use alloc::vec::Vec;
 
+use super::frame::Scan;
+use super::layout::Layout;
 use crate::units::{Duration, Instant};
 
-/// A taxel whose value has not changed for this long while readings came in is frozen: noise alone
-/// changes a healthy one within a few scans.
-const FROZEN: Duration = Duration::from_millis(1000);
+/// Limits of the monitor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HealthSettings {
+    /// Received, but unchanged for longer than this: frozen.
+    pub frozen_after: Duration,
+    /// Not received for longer than this, or never within this time: dead.
+    pub dead_after: Duration,
+    /// A change of an axis from one reading to the next beyond this is a jump, counts.
+    pub jump_counts: u16,
+}
 
-/// What is remembered of one taxel.
+impl Default for HealthSettings {
+    /// One second for both times, 20,000 counts.
+    fn default() -> Self {
+        Self {
+            frozen_after: Duration::from_millis(1000),
+            dead_after: Duration::from_millis(1000),
+            jump_counts: 20_000,
+        }
+    }
+}
+
+/// What is wrong with a taxel, the worst first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Condition {
+    /// Not part of the run.
+    Inactive,
+    /// Never received, or not for long.
+    Dead,
+    /// Received, but its value stands still.
+    Frozen,
+    /// An axis is at the end of its range.
+    Saturated,
+    /// Three jumps without 16 quiet readings after each.
+    Jumping,
+    /// Nothing.
+    Good,
+}
+
 #[derive(Clone, Copy, Debug, Default)]
 struct Taxel {
-    last: [u16; 3],
+    counts: [u16; 3],
     received: u32,
     changed: u32,
-    saturated: u32,
     first_at: Instant,
+    last_at: Instant,
     changed_at: Instant,
-    seen_at: Instant,
+    /// 16 a jump, one less a quiet reading.
+    jumps: u16,
 }
 
-/// The health of one module's taxels.
-#[derive(Clone, Debug)]
-pub struct Health {
-    taxels: Box<[Taxel]>,
-}
-
-/// What a run says of a skin.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// Counts of conditions and the refresh rate over the active taxels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HealthSummary {
-    /// Median over the taxels seen of the rate at which values change, Hz.
-    pub refresh_median_hz: f64,
-    /// The same for the slowest of them.
-    pub refresh_min_hz: f64,
-    /// Taxels that did not change for the last second although readings came in.
-    pub frozen: Vec<usize>,
-    /// Taxels never seen, or seen as all zeros only.
-    pub dead: Vec<usize>,
-    /// Taxels with an axis at 0 or 65535 in at least half of their readings.
-    pub saturated: Vec<usize>,
-    /// Readings that repeat the one before, over all readings but the first.
-    pub repeated: f64,
+    /// Median over taxels of value changes per second.
+    pub refresh_median_hz: f32,
+    /// The slowest taxel's.
+    pub refresh_min_hz: f32,
+    /// Median over taxels of readings per second.
+    pub received_median_hz: f32,
+    /// Frozen taxels.
+    pub frozen: u32,
+    /// Dead taxels.
+    pub dead: u32,
+    /// Saturated taxels.
+    pub saturated: u32,
+    /// Jumping taxels.
+    pub jumping: u32,
+    /// Frames seen.
+    pub frames: u64,
+    /// Frames in which no taxel changed.
+    pub repeated: u64,
 }
 
-impl Health {
-    /// For a module of so many taxels.
-    pub fn new(taxels: usize) -> Self {
+/// Watches every taxel of a skin.
+#[derive(Clone, Debug)]
+pub struct Monitor {
+    settings: HealthSettings,
+    active: Vec<bool>,
+    single_axis: Vec<bool>,
+    taxels: Vec<Taxel>,
+    started: Option<Instant>,
+    frames: u64,
+    repeated: u64,
+    rates: Vec<f32>,
+}
+
+impl Monitor {
+    /// A monitor that has seen nothing.
+    pub fn new(layout: &Layout, settings: HealthSettings) -> Self {
+        let modules = || layout.modules().iter();
         Self {
-            taxels: vec![Taxel::default(); taxels].into(),
+            settings,
+            active: modules().flat_map(|m| m.active()).copied().collect(),
+            single_axis: modules()
+                .flat_map(|m| m.points().iter().map(move |_| m.axes() == 1))
+                .collect(),
+            taxels: alloc::vec![Taxel::default(); layout.taxels()],
+            started: None,
+            frames: 0,
+            repeated: 0,
+            rates: Vec::with_capacity(layout.taxels()),
         }
     }
 
-    /// Takes a reading. Taxels out of range are ignored.
-    pub fn record(&mut self, taxel: usize, counts: [u16; 3], at: Instant) {
-        let Some(t) = self.taxels.get_mut(taxel) else {
-            return;
+    /// Takes a frame of the whole skin. Returns whether any taxel changed; a scan of another layout is ignored.
+    pub fn observe(&mut self, scan: &Scan) -> bool {
+        if scan.counts().len() != self.taxels.len() {
+            return false;
+        }
+        self.observe_range(scan, 0..self.taxels.len())
+    }
+
+    /// Takes one module's scan, `range` being [`Layout::range`].
+    pub fn observe_range(&mut self, scan: &Scan, range: core::ops::Range<usize>) -> bool {
+        let at = scan.at();
+        let jump = self.settings.jump_counts;
+        self.started.get_or_insert(at);
+        let end = range.end.min(self.taxels.len()).min(scan.counts().len());
+        let mut any = false;
+        for i in range.start..end {
+            if !(self.active[i] && scan.fresh()[i]) {
+                continue;
+            }
+            let (t, new) = (&mut self.taxels[i], scan.counts()[i]);
+            if t.received == 0 {
+                (t.first_at, t.changed_at) = (at, at);
+                any = true;
+            } else if new != t.counts {
+                t.changed = t.changed.saturating_add(1);
+                t.changed_at = at;
+                any = true;
+                let jumped = new.iter().zip(t.counts).any(|(a, b)| a.abs_diff(b) > jump);
+                t.jumps = if jumped {
+                    t.jumps.saturating_add(16).min(64)
+                } else {
+                    t.jumps.saturating_sub(1)
+                };
+            }
+            t.counts = new;
+            t.last_at = at;
+            t.received = t.received.saturating_add(1);
+        }
+        self.frames += 1;
+        self.repeated += u64::from(!any);
+        any
+    }
+
+    /// What is wrong with a taxel at `now`; the worst of several.
+    pub fn condition(&self, index: usize, now: Instant) -> Condition {
+        let Some(t) = self.taxels.get(index).filter(|_| self.active[index]) else {
+            return Condition::Inactive;
         };
-        if t.received == 0 {
-            (t.first_at, t.changed_at) = (at, at);
-        } else if counts != t.last {
-            t.changed = t.changed.saturating_add(1);
-            t.changed_at = at;
+        let silent = if t.received == 0 {
+            now.since(self.started.unwrap_or(now))
+        } else {
+            now.since(t.last_at)
+        };
+        let used = if self.single_axis[index] { 2.. } else { 0.. };
+        if silent > self.settings.dead_after {
+            Condition::Dead
+        } else if t.received > 0 && t.last_at.since(t.changed_at) > self.settings.frozen_after {
+            Condition::Frozen
+        } else if t.received > 0 && t.counts[used].iter().any(|c| *c == 0 || *c == u16::MAX) {
+            Condition::Saturated
+        } else if t.jumps >= 40 {
+            Condition::Jumping
+        } else {
+            Condition::Good
         }
-        if counts.iter().any(|&c| c == 0 || c == u16::MAX) {
-            t.saturated = t.saturated.saturating_add(1);
-        }
-        t.last = counts;
-        t.seen_at = at;
-        t.received = t.received.saturating_add(1);
     }
 
-    /// The summary over the taxels that `active` names. Allocates: for the end of a run or a report, not
-    /// for the loop.
-    pub fn summary(&self, active: &[bool]) -> HealthSummary {
-        let mut rates = Vec::new();
-        let mut summary = HealthSummary::default();
-        let (mut received, mut changed) = (0u64, 0u64);
-        for (i, t) in self.taxels.iter().enumerate() {
-            if !active.get(i).copied().unwrap_or(false) {
-                continue;
-            }
-            if t.received == 0 || (t.changed == 0 && t.last == [0; 3]) {
-                summary.dead.push(i);
-                continue;
-            }
-            let span = t.seen_at.since(t.first_at).as_secs_f64();
-            if span > 0.0 {
-                rates.push(f64::from(t.changed) / span);
-            }
-            if t.received > 1 && t.seen_at.since(t.changed_at) >= FROZEN {
-                summary.frozen.push(i);
-            }
-            if t.saturated.saturating_mul(2) >= t.received {
-                summary.saturated.push(i);
-            }
-            received += u64::from(t.received - 1);
-            changed += u64::from(t.changed);
+    /// Value changes and readings of a taxel per second, since its first reading; 0 before the second one.
+    pub fn rates_hz(&self, index: usize) -> (f32, f32) {
+        let Some(t) = self.taxels.get(index) else {
+            return (0.0, 0.0);
+        };
+        let span = t.last_at.since(t.first_at).as_secs_f64();
+        if span <= 0.0 {
+            return (0.0, 0.0);
         }
-        rates.sort_by(f64::total_cmp);
-        summary.refresh_median_hz = rates.get(rates.len() / 2).copied().unwrap_or(0.0);
-        summary.refresh_min_hz = rates.first().copied().unwrap_or(0.0);
-        if received > 0 {
-            summary.repeated = (received - changed) as f64 / received as f64;
+        let rate = |n: u32| (f64::from(n) / span) as f32;
+        (rate(t.changed), rate(t.received.saturating_sub(1)))
+    }
+
+    /// The summary at `now`; allocates nothing.
+    pub fn summary(&mut self, now: Instant) -> HealthSummary {
+        let mut s = HealthSummary {
+            frames: self.frames,
+            repeated: self.repeated,
+            ..HealthSummary::default()
+        };
+        for i in 0..self.taxels.len() {
+            match self.condition(i, now) {
+                Condition::Dead => s.dead += 1,
+                Condition::Frozen => s.frozen += 1,
+                Condition::Saturated => s.saturated += 1,
+                Condition::Jumping => s.jumping += 1,
+                Condition::Inactive | Condition::Good => {}
+            }
         }
-        summary
+        s.received_median_hz = self.sorted_rates(|r| r.1);
+        s.refresh_median_hz = self.sorted_rates(|r| r.0);
+        s.refresh_min_hz = self.rates.first().copied().unwrap_or(0.0);
+        s
+    }
+
+    /// Sorts the active taxels' rates and returns their median.
+    fn sorted_rates(&mut self, pick: fn((f32, f32)) -> f32) -> f32 {
+        let mut rates = core::mem::take(&mut self.rates);
+        rates.clear();
+        let active = (0..self.taxels.len()).filter(|i| self.active[*i]);
+        rates.extend(active.map(|i| pick(self.rates_hz(i))));
+        rates.sort_unstable_by(f32::total_cmp);
+        let n = rates.len();
+        let median = match (rates.get(n.saturating_sub(1) / 2), rates.get(n / 2)) {
+            (Some(a), Some(b)) => 0.5 * (a + b),
+            _ => 0.0,
+        };
+        self.rates = rates;
+        median
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::skin::Module;
 
     #[test]
-    fn rates_count_changes_and_frozen_taxels_are_named() {
-        let mut health = Health::new(5);
-        for frame in 0..400u16 {
-            let at = Instant::from_micros(u64::from(frame) * 10_000);
-            health.record(0, [frame, 5, 5], at); // every frame
-            health.record(1, [frame / 4, 5, 5], at); // every fourth
-            health.record(2, [frame.min(200), 5, 5], at); // stops after 2 s
-            health.record(3, [0, 0, 0], at); // a dead line
-            health.record(9, [1, 1, 1], at);
+    fn every_condition_is_told_apart() {
+        let pad = Module::grid("pad", 1, 6, 1.0).unwrap();
+        let pad = pad
+            .with_active(&[true, true, true, true, true, false])
+            .unwrap();
+        let l = Layout::single(pad).unwrap();
+        let mut m = Monitor::new(&l, HealthSettings::default());
+        let mut s = Scan::new(&l);
+        let mut now = Instant::ZERO;
+        for k in 0..300u16 {
+            now = Instant::from_micros(u64::from(k) * 10_000);
+            let noise = 100 + k % 2;
+            let jump = if k % 4 == 0 { 60_000 } else { noise };
+            let row = [noise, 7, u16::MAX - k % 2, jump, noise, noise].map(|z| [5, 5, z]);
+            s.load(now, &row).unwrap();
+            m.observe(&s);
         }
-        let summary = health.summary(&[true, true, true, true, true, true]);
-        assert!(
-            (summary.refresh_median_hz - 50.0).abs() < 1.0,
-            "{summary:?}"
-        );
-        assert!((summary.refresh_min_hz - 25.0).abs() < 0.5);
-        assert_eq!(summary.frozen, [2]);
-        assert_eq!(summary.dead, [3, 4]);
-        assert!(summary.saturated.is_empty());
+        let got: Vec<_> = (0..7).map(|i| m.condition(i, now)).collect();
+        use Condition::*;
+        // taxel 2 sits at the upper end on every other frame, the last one (odd) is just below
+        assert_eq!(got, [Good, Frozen, Good, Jumping, Good, Inactive, Inactive]);
+        let sum = m.summary(now);
+        assert!((sum.refresh_median_hz - 100.0).abs() < 0.1, "{sum:?}");
+        assert!(sum.refresh_min_hz.abs() < 1e-6);
+        assert_eq!((sum.frozen, sum.jumping, sum.repeated), (1, 1, 0));
+        let later = now + Duration::from_millis(1001);
+        assert_eq!(m.summary(later).dead, 5);
+        s.load(later, &[[5, 5, u16::MAX]; 6]).unwrap();
+        m.observe(&s);
+        assert_eq!(m.condition(0, later), Saturated);
     }
 
     #[test]
-    fn saturation_and_silence() {
-        let mut health = Health::new(1);
-        health.record(0, [u16::MAX, 1, 1], Instant::ZERO);
-        let summary = health.summary(&[true]);
-        assert_eq!(summary.saturated, [0]);
-        assert_eq!(summary.refresh_median_hz, 0.0);
-        assert_eq!(Health::new(0).summary(&[]), HealthSummary::default());
+    fn never_seen_is_dead_and_repeats_are_counted() {
+        let l = Layout::single(Module::grid("pad", 1, 2, 1.0).unwrap()).unwrap();
+        let mut m = Monitor::new(&l, HealthSettings::default());
+        let empty = Scan::new(&l);
+        m.observe(&empty);
+        assert_eq!(
+            m.condition(0, Instant::from_micros(1_000_001)),
+            Condition::Dead
+        );
+        let mut s = Scan::new(&l);
+        for k in 0..8u64 {
+            s.load(
+                Instant::from_micros(k * 10_000),
+                &[[1, 2, 3 + (k / 4) as u16]; 2],
+            )
+            .unwrap();
+            m.observe(&s);
+        }
+        let sum = m.summary(s.at());
+        assert_eq!((sum.frames, sum.repeated), (9, 7));
+        assert!((sum.received_median_hz - 100.0).abs() < 0.1);
     }
 }

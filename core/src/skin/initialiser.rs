@@ -1,313 +1,302 @@
-//! Faulty taxels, the reference frame and the contact threshold (thesis 4.3.3).
+//! The initialiser: faulty taxels, the reference frame and the contact threshold, frame by frame.
+//!
+//! Frame 0 tells faulty taxels, frames 0 ..= T-1 make the reference (the mean), frame T the threshold (4.3);
+//! from frame T on relative frames (4.2) are made. The skin must be untouched until then.
 
-use alloc::boxed::Box;
-use alloc::vec;
 use alloc::vec::Vec;
+use core::fmt;
 
-use super::layout::Module;
+use super::frame::Scan;
+use super::layout::Layout;
+use super::relative::{Axes, FrameError, RelativeFrame};
 
-/// Which axes of a taxel count.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Axes {
-    /// All three.
-    #[default]
-    Xyz,
-    /// The normal axis alone.
-    Z,
-}
-
-/// Where the contact threshold comes from.
+/// How the contact threshold is found, raw counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Threshold {
-    /// The maximum of the first relative frame over all axes (4.3), and a margin in raw counts.
+pub enum ThresholdRule {
+    /// The largest |difference| of any chosen axis of any taxel in the first frame after the reference (4.3),
+    /// plus a margin.
     Auto {
-        /// Added to the maximum.
+        /// Added to it, counts.
         margin: f32,
     },
-    /// This many raw counts.
-    Counts(f32),
+    /// As given.
+    Fixed {
+        /// The threshold, counts.
+        counts: f32,
+    },
 }
 
-/// How a module is initialised.
+/// Settings of the initialiser.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InitialiserSettings {
-    /// Contact-free frames that make the reference; at least one.
+    /// T: frames in the reference, at least 1.
     pub reference_frames: u32,
-    /// A taxel is faulty if an axis of the first frame lies further than this many standard deviations
-    /// from that axis's mean over the module; `None` looks for none.
-    pub faulty_sigma: Option<f32>,
+    /// A taxel is faulty when an axis is further than this many standard deviations (over all taxels, population
+    /// form) from that axis's mean on the initial frame; `None` keeps all. Over n taxels no value can be further
+    /// than sqrt(n - 1) deviations: 3.87 for n = 16.
+    pub fault_sigmas: Option<f32>,
     /// The contact threshold.
-    pub threshold: Threshold,
-    /// Axes whose Euclidean norm is compared with the threshold.
+    pub threshold: ThresholdRule,
+    /// The axes that count for threshold, contact and intensity.
     pub axes: Axes,
 }
 
-/// How far the initialiser is.
+impl Default for InitialiserSettings {
+    /// 10 frames, no taxel faulty, the threshold of (4.3) without margin, all axes.
+    fn default() -> Self {
+        Self {
+            reference_frames: 10,
+            fault_sigmas: None,
+            threshold: ThresholdRule::Auto { margin: 0.0 },
+            axes: Axes::XYZ,
+        }
+    }
+}
+
+/// Why settings are refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InitialiserError {
+    /// T = 0.
+    NoReference,
+    /// A number of deviations that is not positive and finite.
+    BadSigmas,
+    /// A margin or threshold that is NaN, infinite or negative.
+    BadThreshold,
+}
+
+impl fmt::Display for InitialiserError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NoReference => "the reference needs at least one frame",
+            Self::BadSigmas => "the number of standard deviations must be positive and finite",
+            Self::BadThreshold => "threshold and margin must be finite and not negative",
+        })
+    }
+}
+
+impl core::error::Error for InitialiserError {}
+
+/// Where the initialiser stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// Collecting reference frames.
-    Reference,
-    /// The next frame sets the threshold.
-    Threshold,
-    /// Frames can be compared with the reference.
+    /// Still taking reference frames: no relative frame yet.
+    Collecting,
+    /// The reference is complete; the next frame finds the threshold.
+    Referenced,
+    /// Relative frames can be made.
     Ready,
 }
 
-/// The state of one module's initialisation, and the relative frame it yields afterwards.
+/// Finds faulty taxels, reference and threshold, then makes relative frames.
 #[derive(Clone, Debug)]
 pub struct Initialiser {
     settings: InitialiserSettings,
-    faulty: Box<[bool]>,
-    /// Sum of the reference frames, then their mean.
-    reference: Box<[[f32; 3]]>,
-    sums: Box<[[u64; 3]]>,
+    phase: Phase,
     frames: u32,
-    threshold: Option<f32>,
+    sums: Vec<[u64; 3]>,
+    seen: Vec<u32>,
+    reference: [Vec<f32>; 3],
+    usable: Vec<bool>,
+    faulty: Vec<bool>,
+    single_axis: Vec<bool>,
+    threshold: f32,
 }
 
 impl Initialiser {
-    /// For one module; its inactive taxels are faulty from the start.
-    pub fn new(settings: InitialiserSettings, module: &Module) -> Self {
-        let n = module.taxels().len();
-        Self {
+    /// An initialiser that has seen nothing yet.
+    pub fn new(layout: &Layout, settings: InitialiserSettings) -> Result<Self, InitialiserError> {
+        if settings.reference_frames == 0 {
+            return Err(InitialiserError::NoReference);
+        }
+        if settings
+            .fault_sigmas
+            .is_some_and(|k| !(k > 0.0 && k.is_finite()))
+        {
+            return Err(InitialiserError::BadSigmas);
+        }
+        let counts = match settings.threshold {
+            ThresholdRule::Auto { margin } => margin,
+            ThresholdRule::Fixed { counts } => counts,
+        };
+        if !(counts >= 0.0 && counts.is_finite()) {
+            return Err(InitialiserError::BadThreshold);
+        }
+        let n = layout.taxels();
+        let modules = || layout.modules().iter();
+        Ok(Self {
             settings,
-            faulty: module.active().iter().map(|a| !a).collect(),
-            reference: vec![[0.0; 3]; n].into(),
-            sums: vec![[0; 3]; n].into(),
+            phase: Phase::Collecting,
             frames: 0,
-            threshold: None,
+            sums: alloc::vec![[0; 3]; n],
+            seen: alloc::vec![0; n],
+            reference: core::array::from_fn(|_| alloc::vec![0.0; n]),
+            usable: modules().flat_map(|m| m.active()).copied().collect(),
+            faulty: alloc::vec![false; n],
+            single_axis: modules()
+                .flat_map(|m| m.points().iter().map(move |_| m.axes() == 1))
+                .collect(),
+            threshold: counts,
+        })
+    }
+
+    /// Takes the next frame of the whole skin. Taxels not yet seen are left out of the reference, and of the run
+    /// if they stay unseen until it is complete. Does nothing once ready; a scan of another layout is ignored.
+    pub fn feed(&mut self, scan: &Scan) -> Phase {
+        if self.phase == Phase::Ready || scan.counts().len() != self.sums.len() {
+            return self.phase;
         }
-    }
-
-    /// How far it is.
-    pub const fn phase(&self) -> Phase {
-        match self.threshold {
-            Some(_) => Phase::Ready,
-            None if self.frames >= self.settings.reference_frames => Phase::Threshold,
-            None => Phase::Reference,
+        if self.phase == Phase::Referenced {
+            if let ThresholdRule::Auto { margin } = self.settings.threshold {
+                self.threshold = self.largest_difference(scan) + margin;
+            }
+            self.phase = Phase::Ready;
+            return self.phase;
         }
-    }
-
-    /// The contact threshold in raw counts, once it is known.
-    pub const fn threshold(&self) -> Option<f32> {
-        self.threshold
-    }
-
-    /// Taxels that are left out.
-    pub const fn faulty(&self) -> &[bool] {
-        &self.faulty
-    }
-
-    /// The reference frame, raw counts; zeros before it is known.
-    pub const fn reference(&self) -> &[[f32; 3]] {
-        &self.reference
-    }
-
-    /// Feeds the next frame while not [`Phase::Ready`]; returns the phase the *next* frame meets.
-    pub fn feed(&mut self, counts: &[[u16; 3]]) -> Phase {
-        match self.phase() {
-            Phase::Ready => {}
-            Phase::Reference => self.collect(counts),
-            Phase::Threshold => self.set_threshold(counts),
-        }
-        self.phase()
-    }
-
-    fn collect(&mut self, counts: &[[u16; 3]]) {
         if self.frames == 0 {
-            self.find_faulty(counts);
+            self.mark_faulty(scan);
         }
-        for (sum, count) in self.sums.iter_mut().zip(counts) {
-            for (s, c) in sum.iter_mut().zip(count) {
-                *s += u64::from(*c);
+        for (i, counts) in scan.counts().iter().enumerate() {
+            if scan.seen()[i] {
+                self.seen[i] += 1;
+                for (sum, c) in self.sums[i].iter_mut().zip(counts) {
+                    *sum += u64::from(*c);
+                }
             }
         }
         self.frames += 1;
-        if self.frames >= self.settings.reference_frames {
-            let n = f64::from(self.frames);
-            for (mean, sum) in self.reference.iter_mut().zip(&self.sums) {
-                *mean = sum.map(|s| (s as f64 / n) as f32);
+        if self.frames == self.settings.reference_frames {
+            for i in 0..self.sums.len() {
+                self.usable[i] &= self.seen[i] > 0;
+                for axis in 0..3 {
+                    let n = f64::from(self.seen[i].max(1));
+                    self.reference[axis][i] = (self.sums[i][axis] as f64 / n) as f32;
+                }
             }
-            if let Threshold::Counts(counts) = self.settings.threshold {
-                self.threshold = Some(counts);
-            }
+            self.phase = Phase::Referenced;
         }
+        // The caller has no relative frame either way; `Referenced` is visible through `phase`.
+        self.phase
     }
 
-    /// (4.3.3): any axis further than k standard deviations from its mean over the module.
-    fn find_faulty(&mut self, counts: &[[u16; 3]]) {
-        let Some(k) = self.settings.faulty_sigma else {
+    fn mark_faulty(&mut self, scan: &Scan) {
+        let Some(k) = self.settings.fault_sigmas else {
             return;
         };
-        let operational: Vec<bool> = self.faulty.iter().map(|f| !f).collect(); // once, at the start
-        let n = operational.iter().filter(|&&o| o).count().max(1) as f64;
         for axis in 0..3 {
-            let values = || {
-                let all = counts.iter().zip(&operational).filter(|(_, o)| **o);
-                all.map(|(c, _)| f64::from(c[axis]))
+            let takes = |s: &Self, i: usize| {
+                s.usable[i] && scan.seen()[i] && (axis == 2 || !s.single_axis[i])
             };
-            let mean = values().sum::<f64>() / n;
-            let deviation = libm::sqrt(values().map(|v| (v - mean) * (v - mean)).sum::<f64>() / n);
-            for (faulty, count) in self.faulty.iter_mut().zip(counts) {
-                *faulty |= libm::fabs(f64::from(count[axis]) - mean) > f64::from(k) * deviation;
+            let values = |s: &Self| {
+                let all = scan.counts().iter().enumerate();
+                all.filter(|(i, _)| takes(s, *i))
+                    .map(|(_, c)| f64::from(c[axis]))
+                    .fold((0.0, 0.0), |(n, sum), v| (n + 1.0, sum + v))
+            };
+            let (n, sum) = values(self);
+            if n < 1.0 {
+                continue;
             }
+            let mean = sum / n;
+            let mut squares = 0.0;
+            for (i, c) in scan.counts().iter().enumerate() {
+                if takes(self, i) {
+                    let d = f64::from(c[axis]) - mean;
+                    squares += d * d;
+                }
+            }
+            let limit = f64::from(k) * libm::sqrt(squares / n);
+            for (i, c) in scan.counts().iter().enumerate() {
+                if takes(self, i) && libm::fabs(f64::from(c[axis]) - mean) > limit {
+                    self.faulty[i] = true;
+                }
+            }
+        }
+        for (usable, faulty) in self.usable.iter_mut().zip(&self.faulty) {
+            *usable &= !faulty;
         }
     }
 
-    fn set_threshold(&mut self, counts: &[[u16; 3]]) {
-        let Threshold::Auto { margin } = self.settings.threshold else {
-            return;
-        };
+    fn largest_difference(&self, scan: &Scan) -> f32 {
         let mut largest = 0.0f32;
-        for (i, count) in counts.iter().enumerate().take(self.reference.len()) {
-            if !self.faulty[i] {
-                let relative = self.relative(i, *count);
-                let axes = if self.settings.axes == Axes::Z {
-                    &relative[2..]
-                } else {
-                    &relative[..]
-                };
-                largest = axes.iter().fold(largest, |m, &d| m.max(d));
+        for (i, counts) in scan.counts().iter().enumerate() {
+            for (axis, chosen) in self.settings.axes.flags().into_iter().enumerate() {
+                if chosen && self.usable[i] {
+                    let d = libm::fabsf(f32::from(counts[axis]) - self.reference[axis][i]);
+                    largest = largest.max(d);
+                }
             }
         }
-        self.threshold = Some(largest + margin);
+        largest
     }
 
-    /// Relative reading |G - Gref| per axis (4.2), of a taxel that exists.
-    fn relative(&self, taxel: usize, counts: [u16; 3]) -> [f32; 3] {
-        let r = self.reference[taxel];
-        [0, 1, 2].map(|a| libm::fabsf(f32::from(counts[a]) - r[a]))
-    }
-
-    /// Norm of a relative reading over the axes that count; zero for a faulty taxel.
+    /// The relative frame (4.2) of a scan and its taxels in contact.
     ///
-    /// Fills `norms`, one value a taxel. Both slices must have the module's length; a shorter one limits
-    /// what is filled.
-    pub fn norms(&self, counts: &[[u16; 3]], norms: &mut [f32]) {
-        let taxels = norms
-            .iter_mut()
-            .zip(counts)
-            .zip(&self.reference)
-            .zip(&self.faulty);
-        match self.settings.axes {
-            Axes::Xyz => {
-                for (((norm, c), r), &faulty) in taxels {
-                    let d = [0, 1, 2].map(|a| f32::from(c[a]) - r[a]);
-                    let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-                    *norm = if faulty { 0.0 } else { libm::sqrtf(square) };
-                }
+    /// Before [`Phase::Ready`] nothing is in contact. Taxels left out through `frame` stay left out.
+    ///
+    /// # Errors
+    /// A scan or frame of another layout.
+    pub fn relative(&self, scan: &Scan, frame: &mut RelativeFrame) -> Result<(), FrameError> {
+        let n = self.sums.len();
+        for got in [scan.counts().len(), frame.magnitude().len()] {
+            if got != n {
+                return Err(FrameError::OtherLayout { got, expected: n });
             }
-            Axes::Z => {
-                for (((norm, c), r), &faulty) in taxels {
-                    *norm = if faulty {
-                        0.0
-                    } else {
-                        libm::fabsf(f32::from(c[2]) - r[2])
-                    };
-                }
+        }
+        let flags = self.settings.axes.flags();
+        let ready = self.phase == Phase::Ready;
+        for axis in 0..3 {
+            let out = &mut frame.axes[axis][..n];
+            if !(flags[axis] && ready) {
+                out.fill(0.0);
+                continue;
+            }
+            let reference = &self.reference[axis][..n];
+            for ((out, r), counts) in out.iter_mut().zip(reference).zip(scan.counts()) {
+                *out = libm::fabsf(f32::from(counts[axis]) - r);
+            }
+        }
+        frame.find_contacts(self.threshold);
+        Ok(())
+    }
+
+    /// A relative frame for this skin, with the taxels found unusable left out. Make it once ready.
+    pub fn frame(&self, layout: &Layout) -> RelativeFrame {
+        let mut frame = RelativeFrame::new(layout);
+        self.mask(&mut frame);
+        frame
+    }
+
+    /// Leaves the taxels found unusable out of `frame`.
+    pub fn mask(&self, frame: &mut RelativeFrame) {
+        for (i, usable) in self.usable.iter().enumerate() {
+            if !usable {
+                frame.set_usable(i, false);
             }
         }
     }
 
-    /// Relative reading per axis (4.2) of one taxel; zeros for one that does not exist or is faulty.
-    pub fn axes_of(&self, taxel: usize, counts: [u16; 3]) -> [f32; 3] {
-        if self.faulty.get(taxel).copied().unwrap_or(true) {
-            [0.0; 3]
-        } else {
-            self.relative(taxel, counts)
-        }
+    /// Where it stands.
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+    /// The contact threshold, counts; final once ready.
+    pub fn threshold(&self) -> f32 {
+        self.threshold
+    }
+    /// Faulty taxels (4.3.3).
+    pub fn faulty(&self) -> &[bool] {
+        &self.faulty
+    }
+    /// Active, not faulty, and seen while the reference was made.
+    pub fn usable(&self) -> &[bool] {
+        &self.usable
+    }
+    /// The reference along x, y, z (0..3), counts.
+    pub fn reference(&self, axis: usize) -> &[f32] {
+        self.reference.get(axis).map_or(&[], Vec::as_slice)
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::layout::Grid;
-    use super::*;
-    use crate::units::Point;
-
-    fn module() -> Module {
-        let grid = Grid {
-            rows: 4,
-            columns: 4,
-            pitch: 4.7,
-            centre: Point::default(),
-        };
-        Module::grid(grid).unwrap()
-    }
-
-    fn settings() -> InitialiserSettings {
-        InitialiserSettings {
-            reference_frames: 2,
-            faulty_sigma: None,
-            threshold: Threshold::Auto { margin: 1.0 },
-            axes: Axes::Xyz,
-        }
-    }
-
-    #[test]
-    fn reference_is_a_mean_and_threshold_the_first_maximum() {
-        let mut init = Initialiser::new(settings(), &module());
-        assert_eq!(init.feed(&[[100, 200, 300]; 16]), Phase::Reference);
-        assert_eq!(init.feed(&[[101, 200, 300]; 16]), Phase::Threshold);
-        assert_eq!(init.reference()[7], [100.5, 200.0, 300.0]);
-        let mut first = [[100, 200, 300]; 16];
-        first[3][1] = 206;
-        assert_eq!(init.feed(&first), Phase::Ready);
-        assert_eq!(init.threshold(), Some(7.0));
-        let mut norms = [0.0; 16];
-        first[3] = [100, 204, 303];
-        init.norms(&first, &mut norms);
-        assert!((norms[3] - (0.25f32 + 16.0 + 9.0).sqrt()).abs() < 1e-6);
-        assert_eq!(init.axes_of(3, first[3]), [0.5, 4.0, 3.0]);
-    }
-
-    #[test]
-    fn one_axis_alone() {
-        let settings = InitialiserSettings {
-            axes: Axes::Z,
-            threshold: Threshold::Counts(5.0),
-            ..settings()
-        };
-        let mut init = Initialiser::new(settings, &module());
-        init.feed(&[[100; 3]; 16]);
-        assert_eq!(init.feed(&[[100; 3]; 16]), Phase::Ready);
-        let mut norms = [0.0; 16];
-        init.norms(&[[0, 65535, 90]; 16], &mut norms);
-        assert_eq!(norms, [10.0; 16]);
-    }
-
-    #[test]
-    fn faulty_taxels_are_found_on_the_first_frame_and_left_out() {
-        let settings = InitialiserSettings {
-            faulty_sigma: Some(3.0),
-            ..settings()
-        };
-        let mut init = Initialiser::new(settings, &module().without(&[15]).unwrap());
-        let mut frame = [[1000, 1000, 1000]; 16];
-        for (i, taxel) in frame.iter_mut().enumerate() {
-            taxel[0] += (i % 3) as u16;
-        }
-        frame[5][2] = 65535;
-        init.feed(&frame);
-        let faulty: Vec<usize> = (0..16).filter(|&i| init.faulty()[i]).collect();
-        assert_eq!(faulty, [5, 15]);
-        init.feed(&frame);
-        init.feed(&frame);
-        let mut norms = [9.0; 16];
-        init.norms(&[[0; 3]; 16], &mut norms);
-        assert_eq!((norms[5], norms[15]), (0.0, 0.0));
-        assert_eq!(init.axes_of(5, [0; 3]), [0.0; 3]);
-        assert_eq!(init.axes_of(99, [0; 3]), [0.0; 3]);
-    }
-
-    #[test]
-    fn equal_taxels_are_not_faulty() {
-        let settings = InitialiserSettings {
-            faulty_sigma: Some(3.0),
-            ..settings()
-        };
-        let mut init = Initialiser::new(settings, &module());
-        init.feed(&[[500; 3]; 16]);
-        assert!(init.faulty().iter().all(|f| !f));
-    }
-}
+#[path = "initialiser_tests.rs"]
+mod tests;

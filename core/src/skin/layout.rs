@@ -1,301 +1,354 @@
-//! Where the taxels of a skin are and which board speaks for them.
+//! Where the taxels are: modules, grids, scattered points, and which board sends them.
+//!
+//! Built from plain data and checked once, so that nothing downstream meets a duplicate, a NaN or an empty
+//! module. Files and their syntax belong to `hil`.
 
-use alloc::boxed::Box;
+use alloc::string::String;
 use alloc::vec::Vec;
-use core::fmt;
+use core::ops::Range;
 
+pub use super::layout_error::LayoutError;
 use crate::units::Point;
-use crate::wire::uskin::Wiring;
 
-/// Most taxels of one module: a megapixel camera skin.
-const MOST_TAXELS: usize = 1 << 20;
-
-/// A regular grid: taxel index = columns * row + column, row 0 at the top.
+/// A regular grid: index = row * cols + col, row 0 on top, centred on the module's origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// Rows, top to bottom.
+    /// Rows, 1 or more.
     pub rows: u16,
-    /// Columns, left to right.
-    pub columns: u16,
-    /// Distance between neighbours, mm.
-    pub pitch: f32,
-    /// The grid's centre, mm.
-    pub centre: Point,
+    /// Columns, 1 or more.
+    pub cols: u16,
+    /// Distance of two columns, mm.
+    pub pitch_x: f32,
+    /// Distance of two rows, mm.
+    pub pitch_y: f32,
 }
 
-/// One sensor module: its taxels in the order of their index.
+impl Grid {
+    /// The place of a taxel in the module's coordinates, mm.
+    pub fn place(&self, row: u16, col: u16) -> Point {
+        let half = |n: u16| 0.5 * (f32::from(n) - 1.0);
+        Point::new(
+            (f32::from(col) - half(self.cols)) * self.pitch_x,
+            (half(self.rows) - f32::from(row)) * self.pitch_y,
+        )
+    }
+}
+
+/// Which board sends a module's readings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Address {
+    /// The sensor bus, zero-based.
+    pub bus: u8,
+    /// The board on that bus (the controller number c of its CAN ids), 0 ..= 15.
+    pub board: u8,
+}
+
+/// One sensor module: its taxels in its own plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Module {
-    taxels: Box<[Point]>,
-    active: Box<[bool]>,
+    name: String,
+    points: Vec<Point>,
+    active: Vec<bool>,
+    axes: u8,
     grid: Option<Grid>,
-    bus: u8,
-    board: u8,
+    origin: Point,
+    address: Option<Address>,
+    spacing: f32,
 }
-
-/// A skin: its modules in the order of their index.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Layout {
-    modules: Box<[Module]>,
-}
-
-/// Why something is no layout. Indices are zero-based.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LayoutError {
-    /// No module, or a module without an active taxel.
-    Empty,
-    /// More taxels than a module may have.
-    TooMany(usize),
-    /// The pitch is not a finite number above zero.
-    Pitch(f32),
-    /// A coordinate of this taxel is not a finite number.
-    NotFinite(usize),
-    /// These two taxels lie at the same place.
-    Coincident(usize, usize),
-    /// There is no taxel of this index to be inactive.
-    NoSuchTaxel(usize),
-    /// These two modules share a bus and a board.
-    SharedBoard(usize, usize),
-}
-
-impl fmt::Display for LayoutError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Empty => write!(f, "expected at least one active taxel in every module"),
-            Self::TooMany(n) => write!(
-                f,
-                "expected at most {MOST_TAXELS} taxels a module, found {n}"
-            ),
-            Self::Pitch(p) => write!(f, "expected a pitch above 0 mm, found {p}"),
-            Self::NotFinite(i) => write!(f, "taxel {i}: expected finite coordinates in mm"),
-            Self::Coincident(i, j) => write!(f, "taxels {i} and {j} lie at the same place"),
-            Self::NoSuchTaxel(i) => write!(f, "there is no taxel {i} to be inactive"),
-            Self::SharedBoard(i, j) => write!(f, "modules {i} and {j} share one bus and board"),
-        }
-    }
-}
-
-impl core::error::Error for LayoutError {}
 
 impl Module {
-    /// A regular grid of taxels around `grid.centre`.
-    ///
-    /// # Errors
-    /// When it has no taxel, too many, or no pitch.
-    pub fn grid(grid: Grid) -> Result<Self, LayoutError> {
-        if !(grid.pitch.is_finite() && grid.pitch > 0.0) {
-            return Err(LayoutError::Pitch(grid.pitch));
-        }
-        let (rows, columns) = (usize::from(grid.rows), usize::from(grid.columns));
-        if rows * columns > MOST_TAXELS {
-            return Err(LayoutError::TooMany(rows * columns));
-        }
-        let half = |n: usize| (n as f32 - 1.0) / 2.0;
-        let place = |i: usize| {
-            let (row, column) = (i / columns, i % columns);
-            Point::new(
-                grid.centre.x + (column as f32 - half(columns)) * grid.pitch,
-                grid.centre.y + (half(rows) - row as f32) * grid.pitch,
-            )
-        };
-        let taxels: Vec<Point> = (0..rows * columns).map(place).collect();
-        Self::new(taxels, Some(grid))
+    /// A grid of `rows` x `cols` taxels, `pitch` mm apart, three axes, all active, at the skin's origin.
+    pub fn grid(name: &str, rows: u16, cols: u16, pitch: f32) -> Result<Self, LayoutError> {
+        Self::grid_xy(name, rows, cols, pitch, pitch)
     }
 
-    /// Taxels anywhere.
-    ///
-    /// # Errors
-    /// When there is none, too many, or two lie at the same place or nowhere.
-    pub fn scattered(places: &[Point]) -> Result<Self, LayoutError> {
-        // Sorted, coincident taxels are neighbours: no quadratic search over a large skin.
-        let mut order: Vec<usize> = (0..places.len()).collect();
-        order.sort_by(|&i, &j| {
-            let (a, b) = (places[i], places[j]);
-            a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y))
-        });
-        for pair in order.windows(2) {
-            if places[pair[0]].distance2(places[pair[1]]) <= 0.0 {
-                return Err(LayoutError::Coincident(
-                    pair[0].min(pair[1]),
-                    pair[0].max(pair[1]),
-                ));
+    /// As [`Module::grid`] with its own pitch per direction, mm: a curved module unrolled, for example.
+    pub fn grid_xy(
+        name: &str,
+        rows: u16,
+        cols: u16,
+        pitch_x: f32,
+        pitch_y: f32,
+    ) -> Result<Self, LayoutError> {
+        for pitch in [pitch_x, pitch_y] {
+            if !(pitch > 0.0 && pitch <= LARGEST_MM) {
+                return Err(LayoutError::BadPitch { pitch });
             }
         }
-        Self::new(places.to_vec(), None)
+        let count = usize::from(rows) * usize::from(cols);
+        if count > MOST_TAXELS {
+            return Err(LayoutError::TooManyTaxels { count });
+        }
+        let grid = Grid {
+            rows,
+            cols,
+            pitch_x,
+            pitch_y,
+        };
+        let points = (0..rows)
+            .flat_map(|r| (0..cols).map(move |c| grid.place(r, c)))
+            .collect();
+        Self::checked(name, points, Some(grid))
     }
 
-    fn new(taxels: Vec<Point>, grid: Option<Grid>) -> Result<Self, LayoutError> {
-        if taxels.is_empty() {
-            return Err(LayoutError::Empty);
+    /// Taxels anywhere, mm, three axes, all active, at the skin's origin.
+    pub fn scattered(name: &str, points: &[Point]) -> Result<Self, LayoutError> {
+        if points.len() > MOST_TAXELS {
+            return Err(LayoutError::TooManyTaxels {
+                count: points.len(),
+            });
         }
-        if taxels.len() > MOST_TAXELS {
-            return Err(LayoutError::TooMany(taxels.len()));
+        Self::checked(name, points.to_vec(), None)
+    }
+
+    fn checked(name: &str, points: Vec<Point>, grid: Option<Grid>) -> Result<Self, LayoutError> {
+        if points.is_empty() {
+            return Err(LayoutError::NoTaxels);
         }
-        if let Some(i) = taxels
-            .iter()
-            .position(|p| !(p.x.is_finite() && p.y.is_finite()))
-        {
-            return Err(LayoutError::NotFinite(i));
+        let wild = |v: f32| !(v.is_finite() && libm::fabsf(v) <= LARGEST_MM);
+        if let Some(taxel) = points.iter().position(|p| wild(p.x) || wild(p.y)) {
+            return Err(LayoutError::NotFinite { taxel });
         }
-        let active = alloc::vec![true; taxels.len()].into();
+        let spacing = spacing(&points)?;
         Ok(Self {
-            taxels: taxels.into(),
-            active,
+            name: String::from(name),
+            active: alloc::vec![true; points.len()],
+            points,
+            axes: 3,
             grid,
-            bus: 0,
-            board: 0,
+            origin: Point::default(),
+            address: None,
+            spacing,
         })
     }
 
-    /// The same module without some taxels: never read, never in contact.
-    ///
-    /// # Errors
-    /// When there is no such taxel, or none is left.
-    pub fn without(mut self, inactive: &[usize]) -> Result<Self, LayoutError> {
-        for &i in inactive {
-            *self.active.get_mut(i).ok_or(LayoutError::NoSuchTaxel(i))? = false;
+    /// Keeps only the taxels marked `true` (a fingertip of 24 with 16 read, a missing module).
+    /// All of them may be off: such a module is laid out but silent.
+    pub fn with_active(mut self, active: &[bool]) -> Result<Self, LayoutError> {
+        if active.len() != self.points.len() {
+            return Err(LayoutError::MaskLength {
+                got: active.len(),
+                expected: self.points.len(),
+            });
         }
-        if self.active.contains(&true) {
-            Ok(self)
-        } else {
-            Err(LayoutError::Empty)
+        self.active.copy_from_slice(active);
+        Ok(self)
+    }
+
+    /// Sets the number of axes: 1 (the normal one, carried as z) or 3.
+    pub fn with_axes(mut self, axes: u8) -> Result<Self, LayoutError> {
+        if axes != 1 && axes != 3 {
+            return Err(LayoutError::BadAxes { axes });
         }
+        self.axes = axes;
+        Ok(self)
     }
 
-    /// The same module behind another board.
-    #[must_use]
-    pub const fn at(mut self, bus: u8, board: u8) -> Self {
-        (self.bus, self.board) = (bus, board);
-        self
+    /// Puts the module's centre at `origin` in the skin's plane, mm (used when clusters span modules).
+    pub fn with_origin(mut self, origin: Point) -> Result<Self, LayoutError> {
+        let wild = |v: f32| !(v.is_finite() && libm::fabsf(v) <= LARGEST_MM);
+        if wild(origin.x) || wild(origin.y) {
+            return Err(LayoutError::BadOrigin);
+        }
+        self.origin = origin;
+        Ok(self)
     }
 
-    /// Places of the taxels, mm.
-    pub const fn taxels(&self) -> &[Point] {
-        &self.taxels
+    /// Says which board sends this module.
+    pub fn with_address(mut self, address: Address) -> Result<Self, LayoutError> {
+        if address.board > 15 {
+            return Err(LayoutError::BadBoard {
+                board: address.board,
+            });
+        }
+        self.address = Some(address);
+        Ok(self)
     }
 
-    /// Which taxels exist; the others are treated like faulty ones.
-    pub const fn active(&self) -> &[bool] {
+    /// The module's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+    /// Taxel places in the module's coordinates, mm.
+    pub fn points(&self) -> &[Point] {
+        &self.points
+    }
+    /// Which taxels are read.
+    pub fn active(&self) -> &[bool] {
         &self.active
     }
-
-    /// The grid, if the taxels lie on one.
-    pub const fn as_grid(&self) -> Option<Grid> {
-        self.grid
+    /// 1 or 3.
+    pub fn axes(&self) -> u8 {
+        self.axes
     }
-
-    /// How the taxels hang on their board: a grid row by row, scattered ones as lines of four chips.
-    /// Skins too large for one board (cameras, whole bodies) have no such wiring; theirs is the flat
-    /// module's and carries their first 16 taxels only.
-    pub fn wiring(&self) -> Wiring {
-        let (rows, columns) = match self.grid {
-            Some(grid) => (u8::try_from(grid.rows), u8::try_from(grid.columns)),
-            None => (u8::try_from(self.taxels.len().div_ceil(4)), Ok(4)),
-        };
-        let wiring = rows
-            .ok()
-            .zip(columns.ok())
-            .and_then(|(r, c)| Wiring::new(r, c, 1));
-        wiring.unwrap_or(Wiring::FLAT)
+    /// The grid, or `None` for scattered points.
+    pub fn as_grid(&self) -> Option<&Grid> {
+        self.grid.as_ref()
     }
-
-    /// Sensor bus and board address.
-    pub const fn address(&self) -> (u8, u8) {
-        (self.bus, self.board)
+    /// The module's centre in the skin's plane, mm.
+    pub fn origin(&self) -> Point {
+        self.origin
     }
+    /// The board that sends it, if any.
+    pub fn address(&self) -> Option<Address> {
+        self.address
+    }
+    /// Median distance of a taxel to its nearest neighbour, mm; 1 for a single taxel.
+    pub fn spacing(&self) -> f32 {
+        self.spacing
+    }
+    /// The smallest and largest corner around all active taxels (all taxels if none is active), mm.
+    pub fn bounds(&self) -> (Point, Point) {
+        let none = !self.active.contains(&true);
+        let mut low = Point::new(f32::INFINITY, f32::INFINITY);
+        let mut high = Point::new(f32::NEG_INFINITY, f32::NEG_INFINITY);
+        for (p, _) in self
+            .points
+            .iter()
+            .zip(&self.active)
+            .filter(|t| *t.1 || none)
+        {
+            low = Point::new(low.x.min(p.x), low.y.min(p.y));
+            high = Point::new(high.x.max(p.x), high.y.max(p.y));
+        }
+        (low, high)
+    }
+}
+
+/// All modules of a skin. Taxels are numbered through, module after module.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layout {
+    modules: Vec<Module>,
+    starts: Vec<u32>,
 }
 
 impl Layout {
-    /// A skin of modules.
+    /// Puts modules together.
     ///
     /// # Errors
-    /// When there is none, or two share a board.
+    /// No module or too many, more than 2^22 taxels, no active taxel at all, two modules with one name or one
+    /// address.
     pub fn new(modules: Vec<Module>) -> Result<Self, LayoutError> {
         if modules.is_empty() {
-            return Err(LayoutError::Empty);
+            return Err(LayoutError::NoModules);
         }
-        for (j, module) in modules.iter().enumerate() {
-            if let Some(i) = modules[..j]
-                .iter()
-                .position(|m| m.address() == module.address())
-            {
-                return Err(LayoutError::SharedBoard(i, j));
+        if modules.len() > MOST_MODULES {
+            return Err(LayoutError::TooManyModules {
+                count: modules.len(),
+            });
+        }
+        let count = modules.iter().map(|m| m.points.len()).sum();
+        if count > MOST_TAXELS {
+            return Err(LayoutError::TooManyTaxels { count });
+        }
+        if !modules.iter().any(|m| m.active.contains(&true)) {
+            return Err(LayoutError::NothingActive);
+        }
+        for (second, b) in modules.iter().enumerate() {
+            for (first, a) in modules[..second].iter().enumerate() {
+                if a.name == b.name {
+                    return Err(LayoutError::SameName { first, second });
+                }
+                if a.address.is_some() && a.address == b.address {
+                    return Err(LayoutError::SameAddress { first, second });
+                }
             }
         }
-        Ok(Self {
-            modules: modules.into(),
-        })
+        let mut starts = Vec::with_capacity(modules.len() + 1);
+        starts.push(0);
+        let mut next = 0;
+        for module in &modules {
+            next += module.points.len() as u32; // at most MOST_TAXELS, checked above
+            starts.push(next);
+        }
+        Ok(Self { modules, starts })
     }
 
-    /// The modules.
-    pub const fn modules(&self) -> &[Module] {
+    /// A skin of one module.
+    pub fn single(module: Module) -> Result<Self, LayoutError> {
+        Self::new(alloc::vec![module])
+    }
+
+    /// All modules.
+    pub fn modules(&self) -> &[Module] {
         &self.modules
     }
+    /// Number of taxels of all modules, active or not.
+    pub fn taxels(&self) -> usize {
+        self.starts.last().map_or(0, |&n| n as usize)
+    }
+    /// Where each module's taxels start in the running index; one entry more than modules.
+    pub fn starts(&self) -> &[u32] {
+        &self.starts
+    }
+    /// The running indices of one module's taxels; empty for a module that does not exist.
+    pub fn range(&self, module: usize) -> Range<usize> {
+        match (self.starts.get(module), self.starts.get(module + 1)) {
+            (Some(&from), Some(&to)) => from as usize..to as usize,
+            _ => 0..0,
+        }
+    }
+    /// Module and taxel of a running index.
+    pub fn locate(&self, index: usize) -> Option<(usize, usize)> {
+        let module = self.starts.partition_point(|&s| s as usize <= index);
+        let module = module.checked_sub(1)?;
+        (index < self.taxels()).then(|| (module, index - self.starts[module] as usize))
+    }
+    /// The module that a board sends.
+    pub fn module_at(&self, address: Address) -> Option<usize> {
+        self.modules.iter().position(|m| m.address == Some(address))
+    }
+}
+
+/// Largest distance from an origin, mm: squares stay far from overflow.
+const LARGEST_MM: f32 = 1e6;
+pub(super) const MOST_TAXELS: usize = 1 << 22;
+pub(super) const MOST_MODULES: usize = 4096;
+
+/// The median distance to the nearest neighbour; refuses duplicates. Sweeps the points sorted by x.
+fn spacing(points: &[Point]) -> Result<f32, LayoutError> {
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_unstable_by(|&a, &b| {
+        let (p, q) = (points[a], points[b]);
+        // + 0.0 makes -0 and 0 the same place
+        (p.x + 0.0)
+            .total_cmp(&(q.x + 0.0))
+            .then((p.y + 0.0).total_cmp(&(q.y + 0.0)))
+            .then(a.cmp(&b))
+    });
+    for pair in order.windows(2) {
+        if points[pair[0]] == points[pair[1]] {
+            return Err(LayoutError::Duplicate {
+                first: pair[0].min(pair[1]),
+                second: pair[0].max(pair[1]),
+            });
+        }
+    }
+    // A sample of points is enough for a median; a grid of a million needs no more.
+    let step = points.len().div_ceil(1024);
+    let mut nearest: Vec<f32> = (0..points.len())
+        .step_by(step)
+        .map(|at| {
+            let p = points[order[at]];
+            let near = |rest: &mut dyn Iterator<Item = &usize>, mut best: f32| {
+                for &j in rest {
+                    let q = points[j];
+                    if (q.x - p.x) * (q.x - p.x) >= best {
+                        break;
+                    }
+                    best = best.min(p.distance2(q));
+                }
+                best
+            };
+            let best = near(&mut order[at + 1..].iter(), f32::INFINITY);
+            libm::sqrtf(near(&mut order[..at].iter().rev(), best))
+        })
+        .filter(|d| d.is_finite() && *d > 0.0)
+        .collect();
+    nearest.sort_unstable_by(f32::total_cmp);
+    Ok(nearest.get(nearest.len() / 2).copied().unwrap_or(1.0))
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn flat() -> Grid {
-        Grid {
-            rows: 4,
-            columns: 4,
-            pitch: 4.7,
-            centre: Point::default(),
-        }
-    }
-
-    #[test]
-    fn a_flat_module_spans_7_05_mm_with_row_0_on_top() {
-        let module = Module::grid(flat()).unwrap();
-        assert_eq!(module.taxels().len(), 16);
-        for (i, x, y) in [
-            (0, -7.05, 7.05),
-            (3, 7.05, 7.05),
-            (12, -7.05, -7.05),
-            (5, -2.35, 2.35),
-        ] {
-            assert!(
-                module.taxels()[i].distance(Point::new(x, y)) < 1e-5,
-                "taxel {i}"
-            );
-        }
-    }
-
-    #[test]
-    fn what_is_no_layout_is_refused_by_name() {
-        for pitch in [0.0, -4.7, f32::INFINITY] {
-            assert_eq!(
-                Module::grid(Grid { pitch, ..flat() }),
-                Err(LayoutError::Pitch(pitch))
-            );
-        }
-        assert_eq!(
-            Module::grid(Grid { rows: 0, ..flat() }),
-            Err(LayoutError::Empty)
-        );
-        let huge = Module::grid(Grid {
-            rows: 2000,
-            columns: 2000,
-            ..flat()
-        });
-        assert_eq!(huge, Err(LayoutError::TooMany(4_000_000)));
-        let p = |x, y| Point::new(x, y);
-        let twice = Module::scattered(&[p(0.0, 1.0), p(2.0, 2.0), p(0.0, 1.0)]);
-        assert_eq!(twice, Err(LayoutError::Coincident(0, 2)));
-        assert_eq!(
-            Module::scattered(&[p(f32::NAN, 0.0)]),
-            Err(LayoutError::NotFinite(0))
-        );
-        assert_eq!(Module::scattered(&[]), Err(LayoutError::Empty));
-        let one = Module::scattered(&[p(0.0, 0.0)]).unwrap();
-        assert_eq!(one.clone().without(&[1]), Err(LayoutError::NoSuchTaxel(1)));
-        assert_eq!(one.clone().without(&[0]), Err(LayoutError::Empty));
-        assert_eq!(
-            Layout::new(alloc::vec![one.clone(), one]),
-            Err(LayoutError::SharedBoard(0, 1))
-        );
-        assert_eq!(Layout::new(Vec::new()), Err(LayoutError::Empty));
-    }
-}
+#[path = "layout_tests.rs"]
+mod tests;

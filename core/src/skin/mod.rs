@@ -1,11 +1,20 @@
-//! The sensor's side: where the taxels are, how frames become scans, what is a contact, who is ill.
+//! The skin as numbers: layouts, frames, the initialiser, the relative frame and taxel health.
+//!
+//! What belongs here is everything between a taxel reading and the list of taxels in contact. Clustering is
+//! [`crate::contact`]'s; bytes on a bus are [`crate::wire`]'s; layout files are `hil`'s.
+//!
+//! `readings -> ScanAssembler -> Scan -> Initialiser -> RelativeFrame`, with [`health::Monitor`] beside it.
+//! Taxels of all modules share one running index: module after module, row-major within a grid.
 
-mod health;
-mod initialiser;
-mod layout;
-mod scan;
+pub mod frame;
+pub mod health;
+pub mod initialiser;
+pub mod layout;
+mod layout_error;
+pub mod relative;
 
-pub use health::{Health, HealthSummary};
-pub use initialiser::{Axes, Initialiser, InitialiserSettings, Phase, Threshold};
-pub use layout::{Grid, Layout, LayoutError, Module};
-pub use scan::Scan;
+pub use frame::{Reading, Scan, ScanAssembler};
+pub use health::{Condition, HealthSettings, HealthSummary, Monitor};
+pub use initialiser::{Initialiser, InitialiserError, InitialiserSettings, Phase, ThresholdRule};
+pub use layout::{Address, Grid, Layout, LayoutError, Module};
+pub use relative::{Axes, FrameError, RelativeFrame};

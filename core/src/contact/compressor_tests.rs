@@ -1,0 +1,198 @@
+use super::super::levels::LevelTable;
+use super::super::settings::Norm;
+use super::*;
+use crate::skin::{Axes, Module};
+
+fn pad() -> Layout {
+    Layout::single(Module::grid("pad", 4, 4, 4.7).unwrap()).unwrap()
+}
+
+/// A frame of the normal axis, zero but for the given taxels.
+fn frame(layout: &Layout, touched: &[(usize, f32)]) -> RelativeFrame {
+    let mut f = RelativeFrame::new(layout);
+    let mut d = alloc::vec![[0.0; 3]; layout.taxels()];
+    for (i, v) in touched {
+        d[*i][2] = *v;
+    }
+    f.load(&d, Axes::Z, 10.0).unwrap();
+    f
+}
+
+fn compressor(layout: &Layout, clusters: u16) -> Compressor {
+    let settings = Settings {
+        clusters,
+        ..Settings::default()
+    };
+    Compressor::new(layout, settings).unwrap()
+}
+
+fn ids(c: &[Contact]) -> Vec<u32> {
+    c.iter().map(|c| c.id).collect()
+}
+
+#[test]
+fn pass_through_keeps_places_values_and_identities() {
+    let l = pad();
+    let mut c = compressor(&l, 4);
+    let out = c.compress(&frame(&l, &[(5, 100.0), (9, 50.0)])).unwrap();
+    assert_eq!(out[0].place, l.modules()[0].points()[5]);
+    assert!((out[0].intensity - 100.0).abs() < 1e-4 && out[0].members == 1);
+    assert_eq!(ids(out), [1, 2]);
+    // 5 moves on to 10, beyond 9, which stays: order changes, identity does not
+    assert_eq!(
+        ids(c.compress(&frame(&l, &[(9, 50.0), (10, 90.0)])).unwrap()),
+        [2, 1]
+    );
+    assert_eq!(
+        ids(c
+            .compress(&frame(&l, &[(0, 40.0), (9, 50.0), (10, 90.0)]))
+            .unwrap()),
+        [3, 2, 1]
+    );
+    assert!(c.compress(&frame(&l, &[])).unwrap().is_empty());
+    assert_eq!(ids(c.compress(&frame(&l, &[(9, 50.0)])).unwrap()), [4]);
+}
+
+#[test]
+fn one_contact_is_the_weighted_mean_with_the_bilinear_intensity() {
+    let l = pad();
+    let mut c = compressor(&l, 1);
+    let f = frame(&l, &[(5, 300.0), (6, 100.0)]);
+    let out = c.compress(&f).unwrap();
+    assert!((out[0].place.x - -1.175).abs() < 1e-5);
+    assert!((out[0].place.y - 2.35).abs() < 1e-5);
+    assert!((out[0].intensity - 250.0).abs() < 1e-3);
+    assert_eq!((out[0].members, out[0].level, out[0].id), (2, 1, 1));
+    assert_eq!(ids(c.compress(&frame(&l, &[(15, 30.0)])).unwrap()), [1]);
+}
+
+#[test]
+fn two_fingers_keep_their_identities_as_they_move() {
+    let l = Layout::single(Module::grid("wide", 4, 16, 4.7).unwrap()).unwrap();
+    let mut c = compressor(&l, 2);
+    let finger = |col: usize, v: f32| {
+        let at = move |r: usize, c: usize| (r * 16 + c, v);
+        [at(1, col), at(1, col + 1), at(2, col), at(2, col + 1)]
+    };
+    let mut seen = Vec::new();
+    for step in 0..6 {
+        let touched = [finger(step, 200.0), finger(14 - step, 100.0)].concat();
+        let out = c.compress(&frame(&l, &touched)).unwrap().to_vec();
+        assert_eq!(out.len(), 2);
+        assert!(out.iter().all(|c| c.members == 4));
+        let left = if out[0].place.x < out[1].place.x {
+            0
+        } else {
+            1
+        };
+        assert!((out[left].intensity - 200.0).abs() < 1e-2);
+        seen.push((out[left].id, out[1 - left].id));
+    }
+    assert!(seen.iter().all(|s| *s == seen[0]), "{seen:?}");
+    assert_eq!((c.work().seeded, c.work().solves), (1, 6));
+}
+
+#[test]
+fn levels_static_and_dynamic() {
+    let l = pad();
+    let touched = [(0, 100.0), (3, 110.0), (12, 500.0)];
+    let level = |levels| {
+        let settings = Settings {
+            clusters: 4,
+            levels,
+            ..Settings::default()
+        };
+        let mut c = Compressor::new(&l, settings).unwrap();
+        let out = c.compress(&frame(&l, &touched)).unwrap();
+        out.iter().map(|c| c.level).collect::<Vec<_>>()
+    };
+    assert_eq!(level(Levels::Off), [1, 1, 1]);
+    assert_eq!(level(Levels::Dynamic(2)), [1, 1, 2]);
+    assert_eq!(level(Levels::Dynamic(10)), [1, 2, 3]);
+    let table = LevelTable::new(&[100.0, 200.0, 300.0]).unwrap();
+    assert_eq!(level(Levels::Table(table)), [1, 1, 3]);
+}
+
+#[test]
+fn clusters_of_the_whole_skin_span_modules() {
+    let at = |name, x| {
+        let m = Module::grid(name, 4, 4, 4.7).unwrap();
+        m.with_origin(Point::new(x, 0.0)).unwrap()
+    };
+    let l = Layout::new(alloc::vec![at("left", -10.0), at("right", 10.0)]).unwrap();
+    let settings = Settings {
+        scope: Scope::Skin,
+        ..Settings::default()
+    };
+    let f = frame(&l, &[(7, 100.0), (16 + 4, 300.0)]);
+    let mut c = Compressor::new(&l, settings).unwrap();
+    let out = c.compress(&f).unwrap();
+    // (-10 + 7.05) and (10 - 7.05), weighed 1 : 3
+    assert!((out[0].place.x - 1.475).abs() < 1e-5);
+    assert_eq!((out.len(), out[0].module, out[0].members), (1, 1, 2));
+    assert!((out[0].intensity - 300.0).abs() < 1e-3); // beyond the edge counts as on it
+    let mut c = compressor(&l, 1);
+    let out = c.compress(&f).unwrap();
+    assert_eq!([out[0].module, out[1].module], [0, 1]);
+    assert!(c.compress(&frame(&pad(), &[])).is_err());
+}
+
+#[test]
+fn settings_out_of_range_are_refused() {
+    let bad = |f: fn(&mut Settings)| {
+        let mut s = Settings::default();
+        f(&mut s);
+        Compressor::new(&pad(), s).unwrap_err()
+    };
+    assert_eq!(bad(|s| s.clusters = 0), SettingsError::BadClusters);
+    assert_eq!(bad(|s| s.exponent = f32::NAN), SettingsError::BadExponent);
+    assert_eq!(bad(|s| s.exponent = -1.0), SettingsError::BadExponent);
+    assert_eq!(bad(|s| s.tolerance = f32::NAN), SettingsError::BadTolerance);
+    assert_eq!(bad(|s| s.max_iterations = 0), SettingsError::NoIterations);
+    assert_eq!(
+        bad(|s| s.levels = Levels::Dynamic(0)),
+        SettingsError::NoLevels
+    );
+}
+
+/// Random frames with extreme values: finite contacts inside the pad, unique identities, every taxel in one cluster.
+#[test]
+fn whatever_comes_contacts_are_sound_and_reproducible() {
+    let l = pad();
+    let mut r = Stream::new(5, "frames");
+    for case in 0..200u16 {
+        let settings = Settings {
+            clusters: 1 + case % 6,
+            exponent: [0.0, 1.0, 2.0, 0.5, 16.0][usize::from(case % 5)],
+            norm: [Norm::L1, Norm::L2, Norm::LInf][usize::from(case % 3)],
+            levels: Levels::Dynamic(3),
+            seed: u64::from(case),
+            ..Settings::default()
+        };
+        let mut a = Compressor::new(&l, settings.clone()).unwrap();
+        let mut b = Compressor::new(&l, settings).unwrap();
+        let mut f = RelativeFrame::new(&l);
+        for _ in 0..40 {
+            let share = r.uniform();
+            let d: Vec<[f32; 3]> = (0..16)
+                .map(|_| {
+                    let on = r.uniform() < share;
+                    let top = [1e-30, 1.0, 65_535.0, 1e9][(r.next_u64() % 4) as usize];
+                    core::array::from_fn(|_| if on { (r.uniform() * top) as f32 } else { 0.0 })
+                })
+                .collect();
+            f.load(&d, Axes::XYZ, 0.0).unwrap();
+            let out = a.compress(&f).unwrap();
+            assert_eq!(out, b.compress(&f).unwrap());
+            assert_eq!(out.len(), f.contacts().len().min(usize::from(1 + case % 6)));
+            for (i, c) in out.iter().enumerate() {
+                assert!(c.place.x.abs() <= 7.0501 && c.place.y.abs() <= 7.0501);
+                assert!(c.intensity.is_finite() && c.intensity >= 0.0);
+                assert!((1..=3).contains(&c.level) && c.members > 0 && c.id > 0);
+                assert!(out[..i].iter().all(|o| o.id != c.id));
+            }
+            let members: usize = out.iter().map(|c| usize::from(c.members)).sum();
+            assert_eq!(members, f.contacts().len());
+        }
+    }
+}

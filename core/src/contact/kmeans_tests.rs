@@ -1,0 +1,202 @@
+use super::*;
+use alloc::vec::Vec;
+
+const STOP: Stop = Stop {
+    tolerance: 1e-6,
+    max_iterations: 100,
+};
+
+struct Cloud {
+    x: Vec<f32>,
+    y: Vec<f32>,
+    w: Vec<f32>,
+}
+
+impl Cloud {
+    fn random(r: &mut Stream, n: usize, lattice: bool) -> Self {
+        let mut draw = |scale: f64| {
+            let v = (r.uniform() * scale) as f32;
+            if lattice { libm::floorf(v) } else { v }
+        };
+        Self {
+            x: (0..n).map(|_| draw(4.0)).collect(),
+            y: (0..n).map(|_| draw(4.0)).collect(),
+            w: (0..n).map(|_| draw(3.0)).collect(),
+        }
+    }
+    fn points(&self) -> Points<'_> {
+        Points {
+            x: &self.x,
+            y: &self.y,
+            w: &self.w,
+        }
+    }
+}
+
+/// The best two clusters: an optimal pair is split by a line, and every such split is by a line through two points,
+/// so all bit masks of few points hold them all.
+fn best_pair(c: &Cloud) -> f64 {
+    let n = c.x.len();
+    let cost = |mask: u32, side: u32| {
+        let own = || (0..n).filter(move |i| mask >> i & 1 == side);
+        let w: f64 = own().map(|i| f64::from(c.w[i])).sum();
+        if w <= 0.0 {
+            return 0.0;
+        }
+        let mean = |v: &[f32]| {
+            own()
+                .map(|i| f64::from(c.w[i]) * f64::from(v[i]))
+                .sum::<f64>()
+                / w
+        };
+        let (mx, my) = (mean(&c.x), mean(&c.y));
+        own()
+            .map(|i| {
+                let (dx, dy) = (f64::from(c.x[i]) - mx, f64::from(c.y[i]) - my);
+                f64::from(c.w[i]) * (dx * dx + dy * dy)
+            })
+            .sum::<f64>()
+    };
+    (0..1u32 << n)
+        .map(|m| cost(m, 0) + cost(m, 1))
+        .fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn best_of_several_seeds_is_the_exhaustive_optimum() {
+    let mut r = Stream::new(1, "pairs");
+    for _ in 0..60 {
+        let cloud = Cloud::random(&mut r, 9, false);
+        let mut k = KMeans::new(9, 2);
+        let mut best = f64::INFINITY;
+        for _ in 0..30 {
+            k.seed(cloud.points(), 2, &mut r);
+            assert!(k.solve(cloud.points(), STOP).converged);
+            best = best.min(k.inertia(cloud.points()));
+        }
+        let want = best_pair(&cloud);
+        assert!(
+            best >= want - 1e-5 && best <= want + 1e-4 * want + 1e-5,
+            "{best} {want}"
+        );
+    }
+}
+
+#[test]
+fn a_solution_is_a_fixed_point_and_warm_start_confirms_it() {
+    let mut r = Stream::new(2, "fixed");
+    for case in 0..500 {
+        let n = 2 + case % 30;
+        let cloud = Cloud::random(&mut r, n, false);
+        let p = cloud.points();
+        let mut k = KMeans::new(n, 5);
+        k.seed(p, 5.min(n), &mut r);
+        k.solve(p, STOP);
+        let solved: Vec<_> = k.centroids().collect();
+        for (i, a) in k.assigned()[..n].iter().enumerate() {
+            let d = |c: &(f32, f32)| square(p.x[i], p.y[i], c.0, c.1);
+            let least = solved.iter().map(d).fold(f32::INFINITY, f32::min);
+            assert!(d(&solved[*a as usize]) <= least + 1e-4);
+        }
+        let before = k.inertia(p);
+        let warm = k.solve(p, STOP);
+        assert!(warm.converged && warm.iterations <= 2);
+        assert!((k.inertia(p) - before).abs() <= 1e-5 * (1.0 + before));
+    }
+}
+
+/// Lattice points: duplicates, zero weights, more clusters than places, ties everywhere.
+#[test]
+fn hostile_points_end_and_stay_finite() {
+    let mut r = Stream::new(3, "hostile");
+    for case in 0..20_000 {
+        let n = 1 + case % 12;
+        let mut cloud = Cloud::random(&mut r, n, true);
+        match case % 5 {
+            0 => cloud.w.fill(0.0),
+            1 => {
+                cloud.x.fill(37_000.0);
+                cloud.y.fill(37_000.0);
+            }
+            2 => cloud.w[0] = 1e30,
+            _ => {}
+        }
+        let clusters = 1 + case % 7;
+        let mut k = KMeans::new(n, clusters);
+        if case % 3 == 0 {
+            k.set_centroids((0..clusters).map(|_| (1e6, -1e6))); // all far off and equal: all but one empty
+        } else {
+            k.seed(cloud.points(), clusters, &mut r);
+        }
+        let out = k.solve(cloud.points(), STOP);
+        assert!(out.iterations <= 100);
+        assert!(k.centroids().all(|(x, y)| x.is_finite() && y.is_finite()));
+        let members: u32 = (0..clusters).map(|c| k.members(c)).sum();
+        assert_eq!(members as usize, n);
+    }
+}
+
+#[test]
+fn empty_clusters_are_filled_when_there_are_places_enough() {
+    let x: Vec<f32> = (0..8).map(|i| i as f32).collect();
+    let cloud = Cloud {
+        y: alloc::vec![0.0; 8],
+        w: alloc::vec![1.0; 8],
+        x,
+    };
+    let mut k = KMeans::new(8, 4);
+    k.set_centroids([(0.0, 0.0); 4].into_iter());
+    assert!(k.solve(cloud.points(), STOP).converged);
+    assert!((0..4).all(|c| k.members(c) > 0));
+}
+
+/// Raw counts around 37,000 as coordinates: expanded squares would have no digit left.
+#[test]
+fn far_from_the_origin_assignments_are_exact() {
+    let at = |v: f32| 37_000.0 + v;
+    let x = [at(0.0), at(0.25), at(1.0), at(1.25)];
+    let points = Points {
+        x: &x,
+        y: &[at(0.0); 4],
+        w: &[1.0; 4],
+    };
+    let mut k = KMeans::new(4, 2);
+    k.set_centroids([(x[0], at(0.0)), (x[3], at(0.0))].into_iter());
+    k.solve(points, STOP);
+    assert_eq!(k.assigned(), [0, 0, 1, 1]);
+    assert_eq!(
+        k.centroids().collect::<Vec<_>>(),
+        [(at(0.125), at(0.0)), (at(1.125), at(0.0))]
+    );
+}
+
+#[test]
+fn ties_go_to_the_lowest_cluster() {
+    let points = Points {
+        x: &[-1.0, 0.0, 1.0],
+        y: &[0.0; 3],
+        w: &[1.0; 3],
+    };
+    let mut k = KMeans::new(3, 2);
+    k.set_centroids([(-1.0, 0.0), (1.0, 0.0)].into_iter());
+    k.solve(
+        points,
+        Stop {
+            max_iterations: 1,
+            ..STOP
+        },
+    );
+    assert_eq!(k.assigned(), [0, 0, 1]);
+}
+
+#[test]
+fn one_cluster_is_the_weighted_mean() {
+    let mut r = Stream::new(4, "mean");
+    for _ in 0..200 {
+        let cloud = Cloud::random(&mut r, 10, false);
+        let mut k = KMeans::new(10, 1);
+        k.seed(cloud.points(), 1, &mut r);
+        k.solve(cloud.points(), STOP);
+        assert_eq!(k.centroids().next(), Some(weighted_mean(cloud.points())));
+    }
+}

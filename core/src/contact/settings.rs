@@ -1,0 +1,130 @@
+//! Settings of the compressor, and why they are refused.
+
+use core::fmt;
+
+use super::levels::LevelTable;
+
+/// What a cluster and a level span.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scope {
+    /// Every module for itself; places are in its coordinates.
+    #[default]
+    Module,
+    /// The skin as one; places are in the skin's plane (module origin + place).
+    Skin,
+}
+
+/// l of (4.7): the vector norm that weighs a taxel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Norm {
+    /// Sum of the axes.
+    L1,
+    /// Euclidean.
+    #[default]
+    L2,
+    /// The largest axis.
+    LInf,
+}
+
+/// The second stage.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Levels {
+    /// None: every contact has level 1.
+    #[default]
+    Off,
+    /// The nearest level of a table: static levels, or just-noticeable differences.
+    Table(LevelTable),
+    /// K_I levels found anew in every frame, exactly; never more than the intensities in scope.
+    Dynamic(u16),
+}
+
+/// Settings of the compressor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// K_C: contacts per scope, 1 to 4096.
+    pub clusters: u16,
+    /// What K_C and K_I count for.
+    pub scope: Scope,
+    /// l of (4.7).
+    pub norm: Norm,
+    /// p of (4.7), 0 to 16; 0 weighs all taxels alike.
+    pub exponent: f32,
+    /// zeta_C of (4.8), mm.
+    pub tolerance: f32,
+    /// Most iterations a frame.
+    pub max_iterations: u32,
+    /// The second stage.
+    pub levels: Levels,
+    /// Seed of the k-means++ draws; every scope has its own stream.
+    pub seed: u64,
+}
+
+impl Default for Settings {
+    /// One contact a module, weights ||s||_2, 0.001 mm, 32 iterations, no levels, seed 0.
+    fn default() -> Self {
+        Self {
+            clusters: 1,
+            scope: Scope::Module,
+            norm: Norm::L2,
+            exponent: 1.0,
+            tolerance: 1e-3,
+            max_iterations: 32,
+            levels: Levels::Off,
+            seed: 0,
+        }
+    }
+}
+
+/// Most clusters a scope may have.
+const MOST_CLUSTERS: u16 = 4096;
+
+impl Settings {
+    /// Checks every value.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        if self.clusters == 0 || self.clusters > MOST_CLUSTERS {
+            return Err(SettingsError::BadClusters);
+        }
+        if !(0.0..=16.0).contains(&self.exponent) {
+            return Err(SettingsError::BadExponent);
+        }
+        if !(self.tolerance >= 0.0 && self.tolerance.is_finite()) {
+            return Err(SettingsError::BadTolerance);
+        }
+        if self.max_iterations == 0 {
+            return Err(SettingsError::NoIterations);
+        }
+        if self.levels == Levels::Dynamic(0) {
+            return Err(SettingsError::NoLevels);
+        }
+        Ok(())
+    }
+}
+
+/// Why settings are refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SettingsError {
+    /// K_C is 0 or over 4096.
+    BadClusters,
+    /// p is not within 0 to 16.
+    BadExponent,
+    /// zeta_C is not a finite number of mm, 0 or more.
+    BadTolerance,
+    /// No iteration allowed.
+    NoIterations,
+    /// K_I = 0.
+    NoLevels,
+}
+
+impl fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::BadClusters => "the number of contacts K_C must be 1 to 4096",
+            Self::BadExponent => "the weight exponent must be 0 to 16",
+            Self::BadTolerance => "the stop tolerance must be finite and not negative",
+            Self::NoIterations => "at least one iteration is needed",
+            Self::NoLevels => "the number of levels K_I must be 1 or more",
+        })
+    }
+}
+
+impl core::error::Error for SettingsError {}

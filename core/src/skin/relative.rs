@@ -1,0 +1,247 @@
+//! The relative frame (4.2): how far every taxel is from its reference, and which taxels are in contact.
+//!
+//! Always finite: the only ways in check their input and name the place of what they refuse.
+
+use alloc::vec::Vec;
+use core::fmt;
+use core::ops::Range;
+
+use super::layout::Layout;
+
+/// A choice of axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Axes([bool; 3]);
+
+impl Axes {
+    /// All three.
+    pub const XYZ: Self = Self([true; 3]);
+    /// The normal axis only.
+    pub const Z: Self = Self([false, false, true]);
+
+    /// Any choice; `None` if it is empty.
+    pub const fn new(x: bool, y: bool, z: bool) -> Option<Self> {
+        if x || y || z {
+            Some(Self([x, y, z]))
+        } else {
+            None
+        }
+    }
+
+    /// Whether each of x, y, z is chosen.
+    pub const fn flags(self) -> [bool; 3] {
+        self.0
+    }
+}
+
+/// Why a relative frame is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameError {
+    /// A value is NaN, infinite, or beyond 10^9 counts.
+    NotFinite {
+        /// Taxel, running index.
+        taxel: usize,
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+    },
+    /// A threshold that is NaN, infinite or negative.
+    BadThreshold,
+    /// Another number of taxels than the layout, or another layout.
+    OtherLayout {
+        /// Taxels given.
+        got: usize,
+        /// Taxels expected.
+        expected: usize,
+    },
+}
+
+impl fmt::Display for FrameError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotFinite { taxel, axis } => {
+                let axis = ['x', 'y', 'z'].get(*axis).copied().unwrap_or('?');
+                write!(
+                    f,
+                    "taxel {taxel}, axis {axis}: expected a finite number of counts"
+                )
+            }
+            Self::BadThreshold => write!(f, "the threshold must be finite and not negative"),
+            Self::OtherLayout { got, expected } => {
+                write!(f, "a frame of {got} taxels for a layout of {expected}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for FrameError {}
+
+/// Largest value of an axis, counts: its square stays finite in f32.
+const LARGEST: f32 = 1e9;
+
+/// Distance from the reference per taxel, and the taxels in contact. Running index throughout.
+#[derive(Clone, Debug)]
+pub struct RelativeFrame {
+    starts: Vec<u32>,
+    pub(super) axes: [Vec<f32>; 3],
+    magnitude: Vec<f32>,
+    usable: Vec<bool>,
+    contacts: Vec<u32>,
+    contact_starts: Vec<u32>,
+}
+
+impl RelativeFrame {
+    /// An untouched frame; every active taxel is usable.
+    pub fn new(layout: &Layout) -> Self {
+        let n = layout.taxels();
+        let active = layout.modules().iter().flat_map(|m| m.active());
+        Self {
+            starts: layout.starts().to_vec(),
+            axes: core::array::from_fn(|_| alloc::vec![0.0; n]),
+            magnitude: alloc::vec![0.0; n],
+            usable: active.copied().collect(),
+            contacts: Vec::with_capacity(n),
+            contact_starts: alloc::vec![0; layout.modules().len() + 1],
+        }
+    }
+
+    /// Takes differences from the reference, counts (their sign is dropped), of all taxels; the axes not chosen
+    /// count as 0. For callers with their own reference; [`super::Initialiser`] does it from raw counts.
+    ///
+    /// # Errors
+    /// Wrong length, a value that is no finite number, a bad threshold; the frame is as before then.
+    pub fn load(
+        &mut self,
+        differences: &[[f32; 3]],
+        axes: Axes,
+        threshold: f32,
+    ) -> Result<(), FrameError> {
+        if differences.len() != self.magnitude.len() {
+            return Err(FrameError::OtherLayout {
+                got: differences.len(),
+                expected: self.magnitude.len(),
+            });
+        }
+        if !(threshold.is_finite() && threshold >= 0.0) {
+            return Err(FrameError::BadThreshold);
+        }
+        let flags = axes.flags();
+        for (taxel, d) in differences.iter().enumerate() {
+            let bad = |a: &usize| flags[*a] && !(0.0..=LARGEST).contains(&libm::fabsf(d[*a]));
+            if let Some(axis) = (0..3).find(bad) {
+                return Err(FrameError::NotFinite { taxel, axis });
+            }
+        }
+        for (axis, values) in self.axes.iter_mut().enumerate() {
+            for (v, d) in values.iter_mut().zip(differences) {
+                *v = if flags[axis] {
+                    libm::fabsf(d[axis])
+                } else {
+                    0.0
+                };
+            }
+        }
+        self.find_contacts(threshold);
+        Ok(())
+    }
+
+    /// Magnitudes, then the list of taxels strictly above the threshold.
+    pub(super) fn find_contacts(&mut self, threshold: f32) {
+        let n = self.magnitude.len();
+        let [x, y, z] = &self.axes;
+        let (x, y, z) = (&x[..n], &y[..n], &z[..n]);
+        for i in 0..n {
+            self.magnitude[i] = libm::sqrtf(x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
+        }
+        self.contacts.clear();
+        for (module, pair) in self.starts.windows(2).enumerate() {
+            for i in pair[0]..pair[1] {
+                if self.magnitude[i as usize] > threshold && self.usable[i as usize] {
+                    self.contacts.push(i); // its capacity is all taxels
+                }
+            }
+            self.contact_starts[module + 1] = self.contacts.len() as u32;
+        }
+    }
+
+    /// Leaves a taxel out of contacts and interpolation, or takes it in again; holds from the next frame on.
+    pub fn set_usable(&mut self, index: usize, usable: bool) {
+        if let Some(u) = self.usable.get_mut(index) {
+            *u = usable;
+        }
+    }
+
+    /// |difference| along x, y, z (0..3), counts; 0 where not chosen.
+    pub fn axis(&self, axis: usize) -> &[f32] {
+        self.axes.get(axis).map_or(&[], Vec::as_slice)
+    }
+    /// Euclidean norm over the chosen axes, counts.
+    pub fn magnitude(&self) -> &[f32] {
+        &self.magnitude
+    }
+    /// Which taxels are used.
+    pub fn usable(&self) -> &[bool] {
+        &self.usable
+    }
+    /// All taxels in contact, ascending.
+    pub fn contacts(&self) -> &[u32] {
+        &self.contacts
+    }
+    /// One module's taxels in contact, ascending.
+    pub fn contacts_of(&self, module: usize) -> &[u32] {
+        match (
+            self.contact_starts.get(module),
+            self.contact_starts.get(module + 1),
+        ) {
+            (Some(&from), Some(&to)) => &self.contacts[from as usize..to as usize],
+            _ => &[],
+        }
+    }
+    /// One module's taxels.
+    pub fn range(&self, module: usize) -> Range<usize> {
+        match (self.starts.get(module), self.starts.get(module + 1)) {
+            (Some(&from), Some(&to)) => from as usize..to as usize,
+            _ => 0..0,
+        }
+    }
+    /// As [`Layout::starts`].
+    pub fn starts(&self) -> &[u32] {
+        &self.starts
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::skin::Module;
+
+    fn frame() -> RelativeFrame {
+        let pad = Module::grid("pad", 1, 3, 1.0).unwrap();
+        RelativeFrame::new(&Layout::single(pad).unwrap())
+    }
+
+    #[test]
+    fn contact_is_strictly_above_the_threshold_in_the_chosen_axes() {
+        let mut f = frame();
+        let d = [[3.0, 0.0, -4.0], [0.0, 0.0, 5.1], [9.0, 0.0, 0.0]];
+        f.load(&d, Axes::XYZ, 5.0).unwrap();
+        assert_eq!(f.contacts(), [1, 2]);
+        f.load(&d, Axes::Z, 3.9).unwrap();
+        assert_eq!(f.contacts_of(0), [0, 1]);
+        f.set_usable(0, false);
+        f.load(&d, Axes::Z, 3.9).unwrap();
+        assert_eq!(f.contacts(), [1]);
+        assert_eq!(f.contacts_of(7), []);
+    }
+
+    #[test]
+    fn what_is_not_finite_is_refused_with_its_place() {
+        let mut f = frame();
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX] {
+            let d = [[0.0; 3], [0.0, bad, 0.0], [0.0; 3]];
+            let e = f.load(&d, Axes::XYZ, 1.0);
+            assert_eq!(e, Err(FrameError::NotFinite { taxel: 1, axis: 1 }));
+            assert_eq!(f.load(&d, Axes::Z, 1.0), Ok(()));
+        }
+        assert!(f.load(&[[0.0; 3]; 2], Axes::Z, 1.0).is_err());
+        assert!(f.load(&[[0.0; 3]; 3], Axes::Z, f32::NAN).is_err());
+    }
+}
