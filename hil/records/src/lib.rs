@@ -1,4 +1,5 @@
 //! The canonical trace of a run, and what reads it.
 #![forbid(unsafe_code)]
 
+pub mod candump;
 pub mod trace;
