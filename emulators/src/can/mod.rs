@@ -2,6 +2,7 @@
 
 pub mod bits;
 mod confinement;
+pub mod faults;
 mod node;
 mod segment;
 
