@@ -1,4 +1,6 @@
 //! All integration tests in one binary, to save linking.
 
+#[cfg(test)]
 mod allegro;
+#[cfg(test)]
 mod dbc;
