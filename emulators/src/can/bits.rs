@@ -10,7 +10,7 @@ pub const INTERMISSION: u32 = 3;
 const CRC_POLY: u16 = 0x4599;
 
 /// CRC-15 of one byte shifted in, by the byte that leaves the register.
-const CRC_TABLE: [u16; 256] = {
+static CRC_TABLE: [u16; 256] = {
     let mut table = [0; 256];
     let mut byte = 0;
     while byte < 256 {
@@ -43,83 +43,84 @@ const fn stuff_bit(state: u8, bit: u8) -> (u8, u8) {
     }
 }
 
-/// [`stuff_bit`] over a byte, most significant bit first: next state, stuff bits in the high nibble.
-const STUFF_TABLE: [[u8; 256]; 8] = {
-    let mut table = [[0; 256]; 8];
+/// [`stuff_bit`] over the low `width` bits of a value, most significant first, for every start state:
+/// next state, stuff bits in the high nibble.
+const fn stuff_table<const N: usize>(width: u32) -> [[u8; N]; 8] {
+    let mut table = [[0; N]; 8];
     let mut start = 0;
     while start < 8 {
-        let mut byte = 0;
-        while byte < 256 {
-            let (mut state, mut count, mut bit) = (start as u8, 0, 8);
+        let mut value = 0;
+        while value < N {
+            let (mut state, mut count, mut bit) = (start as u8, 0, width);
             while bit > 0 {
                 bit -= 1;
-                let (next, stuffed) = stuff_bit(state, (byte >> bit & 1) as u8);
+                let (next, stuffed) = stuff_bit(state, (value >> bit & 1) as u8);
                 state = next;
                 count += stuffed;
             }
-            table[start][byte] = count << 4 | state;
-            byte += 1;
+            table[start][value] = count << 4 | state;
+            value += 1;
         }
         start += 1;
     }
     table
-};
+}
 
-/// The bits from start of frame to the end of the data field, right-aligned, and how many they are.
-fn body(frame: &CanFrame) -> (u128, u32) {
-    let data = frame.data();
-    // SOF, RTR, IDE and r0 are dominant: only the identifier and the length have ones.
-    let header = u128::from(frame.id()) << 7 | data.len() as u128;
-    let bits = data
-        .iter()
-        .fold(header, |bits, &byte| bits << 8 | u128::from(byte));
-    (bits, 19 + 8 * data.len() as u32)
+static STUFF_3: [[u8; 8]; 8] = stuff_table(3);
+static STUFF_7: [[u8; 128]; 8] = stuff_table(7);
+static STUFF_8: [[u8; 256]; 8] = stuff_table(8);
+
+/// Start of frame to the length code, 19 bits in three bytes after five zeros. SOF, RTR, IDE and r0
+/// are dominant: only the identifier and the length have ones.
+fn header(frame: &CanFrame) -> [u8; 3] {
+    let value = u32::from(frame.id()) << 7 | frame.data().len() as u32;
+    [(value >> 16) as u8, (value >> 8) as u8, value as u8]
 }
 
 /// CRC-15 over start of frame, arbitration, control and data field.
 pub fn crc(frame: &CanFrame) -> u16 {
-    let (bits, length) = body(frame);
-    // Leading zeros leave a zero register alone, so the field may be padded to whole bytes.
-    let mut shift = length.next_multiple_of(8);
-    let mut crc = 0u16;
-    while shift > 0 {
-        shift -= 8;
-        let index = (crc >> 7) as u8 ^ (bits >> shift) as u8;
-        crc = (crc << 8 ^ CRC_TABLE[usize::from(index)]) & 0x7FFF;
-    }
-    crc
-}
-
-/// The stuffed part without its stuff bits (start of frame to CRC), and its length.
-fn sequence(frame: &CanFrame) -> (u128, u32) {
-    let (bits, length) = body(frame);
-    (bits << 15 | u128::from(crc(frame)), length + 15)
+    // Leading zeros leave a zero register alone, so the header may be padded to whole bytes.
+    let bytes = header(frame)
+        .into_iter()
+        .chain(frame.data().iter().copied());
+    bytes.fold(0, |crc, byte| {
+        (crc << 8 ^ CRC_TABLE[usize::from((crc >> 7) as u8 ^ byte)]) & 0x7FFF
+    })
 }
 
 /// Stuff bits of a frame.
 pub fn stuff_bits(frame: &CanFrame) -> u32 {
-    let (bits, mut left) = sequence(frame);
+    let (crc, [first, second, third]) = (crc(frame), header(frame));
     let (mut state, mut count) = (4, 0); // recessive bus before the dominant start of frame
-    while left % 8 != 0 {
-        left -= 1;
-        let (next, stuffed) = stuff_bit(state, (bits >> left & 1) as u8);
-        state = next;
-        count += u32::from(stuffed);
-    }
-    while left > 0 {
-        left -= 8;
-        let entry = STUFF_TABLE[usize::from(state & 7)][usize::from((bits >> left) as u8)];
-        state = entry & 0xF;
+    let mut enter = |entry: u8| {
         count += u32::from(entry >> 4);
+        entry & 7
+    };
+    state = enter(STUFF_3[state][usize::from(first & 7)]).into();
+    let middle = [second, third]
+        .into_iter()
+        .chain(frame.data().iter().copied());
+    for byte in middle.chain([(crc >> 7) as u8]) {
+        state = enter(STUFF_8[state & 7][usize::from(byte)]).into();
     }
+    enter(STUFF_7[state & 7][usize::from(crc & 0x7F)]);
     count
+}
+
+/// The stuffed part without its stuff bits (start of frame to CRC), right-aligned, and its length.
+fn sequence(frame: &CanFrame) -> (u128, u32) {
+    let bytes = header(frame)
+        .into_iter()
+        .chain(frame.data().iter().copied());
+    let bits = bytes.fold(0, |bits: u128, byte| bits << 8 | u128::from(byte));
+    let length = 19 + 8 * frame.data().len() as u32;
+    (bits << 15 | u128::from(crc(frame)), length + 15)
 }
 
 /// Bits from start of frame to the end of its end-of-frame field, stuffing included. The
 /// intermission follows.
 pub fn length(frame: &CanFrame) -> u32 {
-    let (_, stuffable) = sequence(frame);
-    stuffable + stuff_bits(frame) + TRAILER
+    34 + 8 * frame.data().len() as u32 + stuff_bits(frame) + TRAILER
 }
 
 /// The stuffed bits of a frame from start of frame to CRC, `true` = recessive.
@@ -155,8 +156,8 @@ mod tests {
 
     /// The definition, bit by bit (Bosch CAN 2.0, section 3.1.1).
     fn slow_crc(frame: &CanFrame) -> u16 {
-        let (bits, length) = body(frame);
-        (0..length).rev().fold(0, |crc: u16, shift| {
+        let (bits, length) = sequence(frame);
+        (15..length).rev().fold(0, |crc: u16, shift| {
             let next = (bits >> shift & 1) as u16 ^ crc >> 14 & 1;
             (crc << 1 ^ if next == 1 { CRC_POLY } else { 0 }) & 0x7FFF
         })

@@ -1,8 +1,13 @@
 //! A classic CAN segment in virtual time: bit-true lengths, arbitration, load, error confinement.
 
 pub mod bits;
+mod confinement;
+pub mod faults;
 mod node;
 mod segment;
+
+#[cfg(test)]
+mod tests;
 
 pub use node::{Confinement, Filter, NodeConfig, NodeId, Order, SendError};
 pub use segment::{BusError, Segment, Statistics};

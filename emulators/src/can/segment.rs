@@ -18,10 +18,6 @@ const ERROR_FRAME: u32 = 20;
 const PASSIVE_ERROR_FRAME: u32 = 14;
 /// Bits an error-passive node waits after its own frame beyond the intermission.
 const SUSPEND: u32 = 8;
-/// Recessive bits before a node comes back from bus-off (128 times 11).
-const RECOVERY: u32 = 128 * 11;
-/// Errors kept for [`Segment::take_error`].
-const ERRORS_KEPT: usize = 1024;
 /// No frame waits.
 const NO_HEAD: u16 = u16::MAX;
 
@@ -54,11 +50,11 @@ pub struct Statistics {
 }
 
 #[derive(Clone, Debug)]
-struct Transmission {
-    sender: usize,
-    frame: CanFrame,
+pub(super) struct Transmission {
+    pub(super) sender: usize,
+    pub(super) frame: CanFrame,
     /// Nodes that sent the same identifier at the same moment, with what they sent.
-    rivals: Vec<(usize, CanFrame)>,
+    pub(super) rivals: Vec<(usize, CanFrame)>,
     error: Option<BusError>,
     end: Nanos,
     free_at: Nanos,
@@ -68,17 +64,17 @@ struct Transmission {
 #[derive(Clone, Debug)]
 pub struct Segment {
     bitrate: u32,
-    now: Nanos,
-    nodes: Vec<Node>,
+    pub(super) now: Nanos,
+    pub(super) nodes: Vec<Node>,
     /// Identifier each node offers, beside the nodes so that arbitration reads one cache line.
     heads: Vec<u16>,
-    busy: Option<Transmission>,
+    pub(super) busy: Option<Transmission>,
     free_at: Nanos,
     contend_at: Nanos,
-    restart_at: Nanos,
+    pub(super) restart_at: Nanos,
     injected: VecDeque<BusError>,
-    errors: VecDeque<(Nanos, BusError, NodeId)>,
-    statistics: Statistics,
+    pub(super) errors: VecDeque<(Nanos, BusError, NodeId)>,
+    pub(super) statistics: Statistics,
 }
 
 impl Segment {
@@ -191,17 +187,6 @@ impl Segment {
         }
     }
 
-    /// Restarts a node from bus-off by hand; it takes part again after 128 times 11 bits.
-    pub fn restart(&mut self, NodeId(n): NodeId) {
-        let back = self.now + self.span(RECOVERY);
-        if let Some(node) = self.nodes.get_mut(n)
-            && node.bus_off
-        {
-            node.not_before = back;
-            self.restart_at = self.restart_at.min(back);
-        }
-    }
-
     /// The next moment at which something can happen; [`Nanos::MAX`] if nothing will.
     pub fn next_event(&self) -> Nanos {
         let wire = match &self.busy {
@@ -236,11 +221,11 @@ impl Segment {
         }
     }
 
-    fn span(&self, bits: u32) -> Nanos {
+    pub(super) fn span(&self, bits: u32) -> Nanos {
         Nanos(u64::from(bits) * 1_000_000_000 / u64::from(self.bitrate))
     }
 
-    fn refresh(&mut self, n: usize) {
+    pub(super) fn refresh(&mut self, n: usize) {
         let node = &self.nodes[n];
         self.heads[n] = match node.transmit.front() {
             Some(frame) if !node.bus_off => frame.id(),
@@ -249,7 +234,7 @@ impl Segment {
     }
 
     /// When the next start of frame may be, from `free_at` on.
-    fn recontend(&mut self) {
+    pub(super) fn recontend(&mut self) {
         let from = self.free_at;
         let waiting = self.heads.iter().zip(&self.nodes);
         self.contend_at = waiting
@@ -257,23 +242,6 @@ impl Segment {
             .map(|(_, node)| node.not_before.max(from))
             .min()
             .unwrap_or(Nanos::MAX);
-    }
-
-    fn bring_back(&mut self) {
-        self.now = self.now.max(self.restart_at);
-        self.restart_at = Nanos::MAX;
-        for n in 0..self.nodes.len() {
-            let node = &mut self.nodes[n];
-            if node.bus_off && node.not_before <= self.now {
-                (node.bus_off, node.tec, node.rec) = (false, 0, 0);
-                self.refresh(n);
-            } else if node.bus_off && node.not_before != Nanos::MAX {
-                self.restart_at = self.restart_at.min(node.not_before);
-            }
-        }
-        if self.busy.is_none() {
-            self.recontend();
-        }
     }
 
     /// Starts the frame with the lowest identifier.
@@ -396,68 +364,5 @@ impl Segment {
         }
         self.recontend();
         woken
-    }
-
-    fn fail(&mut self, t: &Transmission, error: BusError) {
-        self.note(error, t.sender);
-        // An error-passive sender without an acknowledgement stays where it is: it may be alone.
-        let alone =
-            error == BusError::Ack && self.nodes[t.sender].confinement() == Confinement::Passive;
-        if alone {
-            self.requeue(t.sender, &t.frame);
-        } else {
-            self.penalise(t.sender, &t.frame);
-        }
-        for (n, frame) in &t.rivals {
-            self.penalise(*n, frame);
-        }
-        for n in 0..self.nodes.len() {
-            let sends = n == t.sender || t.rivals.iter().any(|&(rival, _)| rival == n);
-            if !sends && error != BusError::Ack {
-                self.nodes[n].rec = (self.nodes[n].rec + 1).min(255);
-            }
-        }
-    }
-
-    fn note(&mut self, error: BusError, n: usize) {
-        self.statistics.errors[error as usize] += 1;
-        if self.errors.len() < ERRORS_KEPT {
-            self.errors.push_back((self.now, error, NodeId(n)));
-        }
-    }
-
-    /// Counts a transmit error; the frame waits again unless the node goes bus-off.
-    fn penalise(&mut self, n: usize, frame: &CanFrame) {
-        let recovery = self.span(RECOVERY);
-        let node = &mut self.nodes[n];
-        node.tec += 8;
-        if node.tec <= 255 {
-            self.requeue(n, frame);
-            return;
-        }
-        node.bus_off = true;
-        node.transmit.clear();
-        node.not_before = match node.config.restart_after {
-            Some(wait) => self.now + wait + recovery,
-            None => Nanos::MAX,
-        };
-        self.restart_at = self.restart_at.min(node.not_before);
-        self.refresh(n);
-    }
-
-    /// Puts a frame back in front, unless a newer one with its identifier replaced it meanwhile.
-    fn requeue(&mut self, n: usize, frame: &CanFrame) {
-        let node = &mut self.nodes[n];
-        let waiting = &mut node.transmit;
-        match node.config.order {
-            super::Order::Fifo => waiting.push_front(*frame),
-            super::Order::Priority => {
-                let at = waiting.partition_point(|w| w.id() < frame.id());
-                if waiting.get(at).is_none_or(|w| w.id() != frame.id()) {
-                    waiting.insert(at, *frame);
-                }
-            }
-        }
-        self.refresh(n);
     }
 }

@@ -12,6 +12,7 @@ pub mod golden;
 pub mod measure;
 pub mod report;
 pub mod schedule;
+pub mod candump;
 pub mod trace;
 pub mod words;
 

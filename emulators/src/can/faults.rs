@@ -1,0 +1,317 @@
+//! Faults between a sensor bus and its reader, as a layer over any [`SensorBus`]; layers stack.
+//!
+//! Random faults hit frame by frame, each kind with its own stream, so that switching one on leaves the
+//! others' draws alone. Rules hit identifiers: a dead SDA line, a frozen or a zero taxel. All are counted.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use palpate_core::bus::{Received, SensorBus};
+use palpate_core::random::Stream;
+use palpate_core::units::Duration;
+use palpate_core::wire::can::CanFrame;
+
+/// Probabilities per frame, 0 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rates {
+    /// Lost.
+    pub lost: f64,
+    /// Received twice.
+    pub duplicated: f64,
+    /// Received late by [`Self::late_by`], after newer frames.
+    pub late: f64,
+    /// How late.
+    pub late_by: Duration,
+    /// One bit of the data turned over (a fault behind the controller: the CRC cannot see it).
+    pub corrupted: f64,
+    /// Cut short by one to eight bytes.
+    pub short: f64,
+}
+
+/// What happens to the frames of a rule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Effect {
+    /// They never arrive: a dead taxel, SDA line (mask 0x700) or board (mask 0x00F).
+    Silent,
+    /// The data of the first one, for ever.
+    Frozen,
+    /// Zero triplets: bytes 1 to 6.
+    Zero,
+}
+
+/// An effect on some identifiers, as SocketCAN filters say it: `id & mask == rule.id & mask`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Rule {
+    /// The bus; `None`: every bus.
+    pub bus: Option<u8>,
+    /// Identifier.
+    pub id: u16,
+    /// Its bits that count.
+    pub mask: u16,
+    /// What happens.
+    pub effect: Effect,
+}
+
+/// How many frames each fault hit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Lost at random.
+    pub lost: u64,
+    /// Received twice.
+    pub duplicated: u64,
+    /// Received late.
+    pub late: u64,
+    /// One bit turned over.
+    pub corrupted: u64,
+    /// Cut short.
+    pub short: u64,
+    /// Kept back by a rule.
+    pub silent: u64,
+    /// Given old data by a rule.
+    pub frozen: u64,
+    /// Given zeros by a rule.
+    pub zero: u64,
+}
+
+/// A bus behind which frames suffer.
+pub struct Faulty<B> {
+    inner: B,
+    rates: Rates,
+    rules: Vec<Rule>,
+    streams: [Stream; 5],
+    frozen: BTreeMap<(u8, u16), CanFrame>,
+    /// Frames on their way, oldest first, and those held back.
+    ready: VecDeque<Received>,
+    held: VecDeque<Received>,
+    counts: Counts,
+}
+
+impl<B: SensorBus> Faulty<B> {
+    /// A layer over `inner` with no fault yet. `name` tells stacked layers' streams apart.
+    pub fn new(inner: B, seed: u64, name: &str) -> Self {
+        let kinds = ["lost", "duplicated", "late", "corrupted", "short"];
+        Self {
+            inner,
+            rates: Rates::default(),
+            rules: Vec::new(),
+            streams: kinds.map(|kind| Stream::new(seed, &format!("{name} {kind}"))),
+            frozen: BTreeMap::new(),
+            ready: VecDeque::new(),
+            held: VecDeque::new(),
+            counts: Counts::default(),
+        }
+    }
+
+    /// Sets the random faults from now on.
+    pub const fn set_rates(&mut self, rates: Rates) {
+        self.rates = rates;
+    }
+
+    /// Sets the rules from now on; taxels frozen before thaw.
+    pub fn set_rules(&mut self, rules: Vec<Rule>) {
+        self.rules = rules;
+        self.frozen.clear();
+    }
+
+    /// What has been done to the frames so far.
+    pub const fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// The bus behind the layer.
+    pub const fn inner_mut(&mut self) -> &mut B {
+        &mut self.inner
+    }
+
+    fn strikes(&mut self, kind: usize, rate: f64) -> bool {
+        rate > 0.0 && self.streams[kind].uniform() < rate
+    }
+
+    /// Applies rules and random faults to a frame that arrived.
+    fn pass(&mut self, mut received: Received) {
+        for n in 0..self.rules.len() {
+            let rule = self.rules[n];
+            let hit = rule.bus.is_none_or(|bus| bus == received.bus)
+                && received.frame.id() & rule.mask == rule.id & rule.mask;
+            match rule.effect {
+                _ if !hit => {}
+                Effect::Silent => {
+                    self.counts.silent += 1;
+                    return;
+                }
+                Effect::Frozen => {
+                    let key = (received.bus, received.frame.id());
+                    received.frame = *self.frozen.entry(key).or_insert(received.frame);
+                    self.counts.frozen += 1;
+                }
+                Effect::Zero => {
+                    received.frame = edit(&received.frame, |data| {
+                        data.iter_mut().skip(1).take(6).for_each(|byte| *byte = 0);
+                    });
+                    self.counts.zero += 1;
+                }
+            }
+        }
+        if self.strikes(0, self.rates.lost) {
+            self.counts.lost += 1;
+            return;
+        }
+        if self.strikes(3, self.rates.corrupted) {
+            let bit = self.streams[3].next_u64() as usize;
+            received.frame = edit(&received.frame, |data| {
+                let bits = (8 * data.len()).max(1);
+                if let Some(byte) = data.get_mut(bit % bits / 8) {
+                    *byte ^= 1 << (bit % 8);
+                }
+            });
+            self.counts.corrupted += 1;
+        }
+        if self.strikes(4, self.rates.short) {
+            let cut = 1 + (self.streams[4].next_u64() % 8) as usize;
+            let (id, data) = (received.frame.id(), received.frame.data());
+            let kept = data
+                .get(..data.len().saturating_sub(cut))
+                .unwrap_or_default();
+            received.frame = CanFrame::new(id, kept).unwrap_or(received.frame);
+            self.counts.short += 1;
+        }
+        if self.strikes(2, self.rates.late) {
+            received.at += self.rates.late_by;
+            self.held.push_back(received);
+            self.counts.late += 1;
+            return;
+        }
+        self.ready.push_back(received);
+        if self.strikes(1, self.rates.duplicated) {
+            self.ready.push_back(received);
+            self.counts.duplicated += 1;
+        }
+    }
+}
+
+fn edit(frame: &CanFrame, change: impl FnOnce(&mut [u8])) -> CanFrame {
+    let mut bytes = [0; 8];
+    let length = frame.data().len();
+    bytes[..length].copy_from_slice(frame.data());
+    change(&mut bytes[..length]);
+    CanFrame::new(frame.id(), &bytes[..length]).unwrap_or(*frame)
+}
+
+impl<B: SensorBus> SensorBus for Faulty<B> {
+    type Error = B::Error;
+
+    fn receive(&mut self) -> Result<Option<Received>, B::Error> {
+        loop {
+            if let Some(received) = self.ready.pop_front() {
+                return Ok(Some(received));
+            }
+            let Some(received) = self.inner.receive()? else {
+                return Ok(None);
+            };
+            // Late frames come in before the first newer one.
+            while self.held.front().is_some_and(|held| held.at <= received.at) {
+                self.ready.extend(self.held.pop_front());
+            }
+            self.pass(received);
+        }
+    }
+
+    fn transmit(&mut self, bus: u8, frame: &CanFrame) -> Result<(), B::Error> {
+        self.inner.transmit(bus, frame)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::board::BoardConfig;
+    use crate::rig::{Handle, SkinBus};
+    use crate::skin::{Module, ModuleConfig};
+    use crate::time::Nanos;
+
+    fn run(rates: Rates, rules: Vec<Rule>, seed: u64) -> (Vec<Received>, Counts) {
+        let mut bus = SkinBus::new(1_000_000);
+        let config = BoardConfig {
+            autostart: true,
+            ..BoardConfig::default()
+        };
+        bus.add_board(config, vec![Module::new(ModuleConfig::default())])
+            .unwrap();
+        let handle = Handle::new(vec![bus]);
+        let mut faulty = Faulty::new(handle.clone(), seed, "can");
+        faulty.set_rates(rates);
+        faulty.set_rules(rules);
+        handle.advance(Nanos::from_micros(1_999_000)); // 200 scans, 3200 frames
+        let frames = std::iter::from_fn(|| faulty.receive().unwrap()).collect();
+        (frames, faulty.counts())
+    }
+
+    #[test]
+    fn random_faults_hit_their_share_and_repeat_with_the_seed() {
+        let rates = Rates {
+            lost: 0.3,
+            duplicated: 0.1,
+            late: 0.05,
+            late_by: Duration::from_millis(2),
+            corrupted: 0.02,
+            short: 0.02,
+        };
+        let (frames, counts) = run(rates, vec![], 5);
+        assert_eq!(
+            (&frames, counts),
+            (&run(rates, vec![], 5).0, run(rates, vec![], 5).1)
+        );
+        assert_ne!(frames, run(rates, vec![], 6).0);
+        assert!((860..1060).contains(&counts.lost), "{counts:?}");
+        assert!(
+            counts.duplicated > 100
+                && counts.late > 50
+                && counts.short > 20
+                && counts.corrupted > 20
+        );
+        assert!(
+            frames.windows(2).all(|w| w[0].at <= w[1].at),
+            "arrival times never go back"
+        );
+        let alone = run(
+            Rates {
+                lost: 0.3,
+                ..Rates::default()
+            },
+            vec![],
+            5,
+        )
+        .1;
+        assert_eq!(alone.lost, counts.lost, "streams are independent");
+        assert_eq!(run(Rates::default(), vec![], 5).0.len(), 3200);
+    }
+
+    #[test]
+    fn rules_silence_freeze_and_zero() {
+        let rule = |id, mask, effect| Rule {
+            bus: None,
+            id,
+            mask,
+            effect,
+        };
+        let (frames, counts) = run(
+            Rates::default(),
+            vec![
+                rule(0x300, 0x700, Effect::Silent),
+                rule(0x010, 0x7FF, Effect::Frozen),
+                rule(0x020, 0x7FF, Effect::Zero),
+            ],
+            1,
+        );
+        assert_eq!((counts.silent, counts.frozen, counts.zero), (800, 200, 200));
+        assert!(frames.iter().all(|r| r.frame.id() < 0x300));
+        let of = |id| {
+            frames
+                .iter()
+                .filter(move |r| r.frame.id() == id)
+                .map(|r| r.frame)
+        };
+        assert!(of(0x010).all(|f| Some(f) == of(0x010).next()));
+        assert!(of(0x020).all(|f| f.data()[1..7] == [0; 6]));
+        assert!(of(0x000).any(|f| Some(f) != of(0x000).next()));
+    }
+}

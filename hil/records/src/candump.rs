@@ -1,0 +1,185 @@
+//! The log format of can-utils' `candump -l`: `(1436509052.249713) can0 104#938406805591BB0C`.
+//!
+//! Text to frames and back with exact microseconds, nothing else: no files, no clock. Only classic data
+//! frames with 11-bit identifiers are frames here; the other kinds that candump knows are counted.
+
+use std::fmt::{self, Write};
+
+use palpate_core::units::Instant;
+use palpate_core::wire::can::CanFrame;
+
+/// One line of a log.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Logged {
+    /// Its time, microseconds: since the start of a run or since 1970, as the log was made.
+    pub at: Instant,
+    /// The interface's name.
+    pub interface: String,
+    /// The frame.
+    pub frame: CanFrame,
+}
+
+/// Why a log cannot be read: the line (from 1) and what was expected there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Malformed {
+    /// Line number, from 1.
+    pub line: usize,
+    /// What was expected.
+    pub expected: &'static str,
+}
+
+impl fmt::Display for Malformed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}: expected {}", self.line, self.expected)
+    }
+}
+
+impl std::error::Error for Malformed {}
+
+/// A log's frames in the order of its lines, and how many lines held another kind of frame
+/// (29-bit, remote, error, CAN FD).
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Log {
+    /// Classic data frames with 11-bit identifiers.
+    pub frames: Vec<Logged>,
+    /// Lines passed over.
+    pub other_kinds: usize,
+}
+
+/// Appends one line.
+pub fn write_line(out: &mut String, at: Instant, interface: &str, frame: &CanFrame) {
+    let us = at.as_micros();
+    // Writing to a String cannot fail.
+    let _ = write!(
+        out,
+        "({:010}.{:06}) {interface} {:03X}#",
+        us / 1_000_000,
+        us % 1_000_000,
+        frame.id()
+    );
+    for byte in frame.data() {
+        let _ = write!(out, "{byte:02X}");
+    }
+    out.push('\n');
+}
+
+/// Reads a whole log. Empty lines are passed over; a trailing direction (`R` or `T`) is accepted.
+pub fn read(text: &str) -> Result<Log, Malformed> {
+    let mut log = Log::default();
+    for (n, line) in text.lines().enumerate() {
+        if line.trim().is_empty() {
+            continue;
+        }
+        let malformed = |expected| Malformed {
+            line: n + 1,
+            expected,
+        };
+        match read_line(line).map_err(malformed)? {
+            Some(logged) => log.frames.push(logged),
+            None => log.other_kinds += 1,
+        }
+    }
+    Ok(log)
+}
+
+/// One line; `None` for a frame of another kind.
+fn read_line(line: &str) -> Result<Option<Logged>, &'static str> {
+    const SHAPE: &str = "`(seconds.microseconds) interface id#data`";
+    let mut words = line.split_whitespace();
+    let (Some(time), Some(interface), Some(frame)) = (words.next(), words.next(), words.next())
+    else {
+        return Err(SHAPE);
+    };
+    if !matches!((words.next(), words.next()), (None | Some("R" | "T"), None)) {
+        return Err("nothing after the frame but R or T");
+    }
+    let at = time_of(time).ok_or("a time `(seconds.microseconds)` with six decimals")?;
+    let (id, data) = frame.split_once('#').ok_or(SHAPE)?;
+    let hex = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_hexdigit());
+    if !hex(id) || !matches!(id.len(), 3 | 8) {
+        return Err("an identifier of three or eight hexadecimal digits");
+    }
+    if id.len() == 8 || data.starts_with(['#', 'R', 'r']) {
+        return Ok(None);
+    }
+    let id = u16::from_str_radix(id, 16).map_err(|_| SHAPE)?;
+    let bytes = bytes_of(data).ok_or("up to eight bytes of two hexadecimal digits")?;
+    let frame = CanFrame::new(id, &bytes).ok_or("an identifier up to 7FF and up to eight bytes")?;
+    Ok(Some(Logged {
+        at,
+        interface: interface.to_owned(),
+        frame,
+    }))
+}
+
+/// `(seconds.microseconds)` without a detour through floating point, which would lose microseconds.
+fn time_of(word: &str) -> Option<Instant> {
+    let (seconds, micros) = word.strip_prefix('(')?.strip_suffix(')')?.split_once('.')?;
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    if !digits(seconds) || !digits(micros) || micros.len() != 6 {
+        return None;
+    }
+    let seconds: u64 = seconds.parse().ok()?;
+    let us = seconds.checked_mul(1_000_000)?;
+    Some(Instant::from_micros(us.checked_add(micros.parse().ok()?)?))
+}
+
+fn bytes_of(text: &str) -> Option<Vec<u8>> {
+    let pairs = text.as_bytes().chunks(2);
+    pairs
+        .map(|pair| match *pair {
+            [high, low] => {
+                let digit = |byte| char::from(byte).to_digit(16);
+                Some((digit(high)? << 4 | digit(low)?) as u8)
+            }
+            _ => None,
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_survive_the_round_trip_to_the_microsecond() {
+        let text = "(1436509052.249713) can0 104#938406805591BB0C\n(0000000000.000001) vcan1 20F#0700\n(0000000001.000000) can0 7FF#\n";
+        let log = read(text).unwrap();
+        let mut again = String::new();
+        for l in &log.frames {
+            write_line(&mut again, l.at, &l.interface, &l.frame);
+        }
+        assert_eq!(again, text);
+        assert_eq!(log.frames[0].at.as_micros(), 1_436_509_052_249_713);
+        assert_eq!((log.frames.len(), log.other_kinds), (3, 0));
+    }
+
+    #[test]
+    fn other_kinds_of_frames_are_counted() {
+        let text = "(1.000000) can0 00000104#00 R\n\n(1.000000) can0 104#R\n(1.000000) can0 104##0AA\n(1.000000) can0 20000080#0000000000000000\n(1.000000) can0 104#00 T\n";
+        let log = read(text).unwrap();
+        assert_eq!((log.frames.len(), log.other_kinds), (1, 4));
+    }
+
+    #[test]
+    fn malformed_lines_are_named() {
+        for bad in [
+            "hello",
+            "(1.0) can0 104#00",
+            "1.000000 can0 104#00",
+            "(99999999999999999999.000000) can0 104#00",
+            "(18446744073709551.000000) can0 104#00",
+            "(1.000000) can0 104",
+            "(1.000000) can0 10#00",
+            "(1.000000) can0 FFF#00",
+            "(1.000000) can0 104#0",
+            "(1.000000) can0 104#é",
+            "(1.000000) can0 104#000102030405060708",
+            "(1.000000) can0 104#00 X",
+            "(1.000000) can0 104#00 R R",
+        ] {
+            let error = read(&format!("(1.000000) can0 104#00\n{bad}\n")).unwrap_err();
+            assert_eq!(error.line, 2, "{bad}");
+        }
+    }
+}
