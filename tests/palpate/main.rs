@@ -6,4 +6,5 @@
 mod allegro;
 mod dbc;
 mod driver;
+mod pca9685;
 mod tidy;

@@ -65,6 +65,8 @@ pub enum Adjacent {
 /// One message of a recorded transaction.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
+    /// The 7-bit address.
+    pub address: u8,
     /// Direction: from the chip.
     pub read: bool,
     /// Data bytes that crossed the bus, without the address; the last one may have been refused.
@@ -78,8 +80,6 @@ pub struct Record {
     pub start: Nanos,
     /// End of the STOP.
     pub end: Nanos,
-    /// The 7-bit address.
-    pub address: u8,
     /// What crossed the bus.
     pub messages: Vec<Message>,
     /// What became of it.
@@ -186,22 +186,54 @@ impl Segment {
         self.log.drain(..).collect()
     }
 
-    /// One transaction, from START to STOP. On an error the adapter sends STOP at once: bytes already
-    /// acknowledged have had their effect.
+    /// One transaction with one address, from START to STOP. On an error the adapter sends STOP at once:
+    /// bytes already acknowledged have had their effect.
     pub fn transaction(
         &mut self,
         address: u8,
         operations: &mut [Operation<'_>],
     ) -> Result<(), Error> {
-        if operations.is_empty() {
+        if self.adjacent == Adjacent::Refuse && has_neighbours(operations) {
+            return Err(Error::Unsupported);
+        }
+        let merge = self.adjacent == Adjacent::Merge;
+        let mut before = None;
+        self.whole(operations.iter_mut().map(|operation| {
+            let read = matches!(operation, Operation::Read(_));
+            let start = !(merge && before == Some(read));
+            before = Some(read);
+            (start.then_some(address), operation)
+        }))
+    }
+
+    /// Messages to any addresses with a repeated START between and one STOP at the end, as Linux's I2C_RDWR
+    /// sends them: boards prepared so change together.
+    pub fn transfer(&mut self, messages: &mut [(u8, Operation<'_>)]) -> Result<(), Error> {
+        self.whole(messages.iter_mut().map(|(address, o)| (Some(*address), o)))
+    }
+
+    /// Operations, with the address where a START comes before one.
+    fn whole<'a, 'b: 'a>(
+        &mut self,
+        mut operations: impl ExactSizeIterator<Item = (Option<u8>, &'a mut Operation<'b>)>,
+    ) -> Result<(), Error> {
+        if operations.len() == 0 {
             return Ok(()); // embedded-hal: nothing on the bus
         }
         let start = self.now;
         let mut messages = Vec::new();
-        let result = match self.adjacent {
-            Adjacent::Refuse if has_neighbours(operations) => return Err(Error::Unsupported),
-            _ => self.messages(address, operations, &mut messages),
-        };
+        let result = operations.try_for_each(|(address, operation)| {
+            if let Some(address) = address {
+                let read = matches!(operation, Operation::Read(_));
+                messages.push(Message {
+                    address,
+                    read,
+                    bytes: Vec::new(),
+                });
+                self.start(address, read)?;
+            }
+            self.operation(operation, &mut messages)
+        });
         self.stop();
         self.transactions += 1;
         self.busy = self.busy + self.now.since(start);
@@ -212,7 +244,6 @@ impl Segment {
             self.log.push_back(Record {
                 start,
                 end: self.now,
-                address,
                 messages,
                 result,
             });
@@ -220,35 +251,22 @@ impl Segment {
         result
     }
 
-    fn messages(
+    fn operation(
         &mut self,
-        address: u8,
-        operations: &mut [Operation<'_>],
-        log: &mut Vec<Message>,
+        operation: &mut Operation<'_>,
+        log: &mut [Message],
     ) -> Result<(), Error> {
-        let mut direction = None;
-        for operation in operations {
-            let read = matches!(operation, Operation::Read(_));
-            if direction != Some(read) || self.adjacent == Adjacent::RepeatedStart {
-                direction = Some(read);
-                log.push(Message {
-                    read,
-                    bytes: Vec::new(),
-                });
-                self.start(address, read)?;
-            }
-            match operation {
-                Operation::Read(buffer) => {
-                    for slot in buffer.iter_mut() {
-                        *slot = self.read_byte()?;
-                        record(log, *slot);
-                    }
+        match operation {
+            Operation::Read(buffer) => {
+                for slot in buffer.iter_mut() {
+                    *slot = self.read_byte()?;
+                    record(log, *slot);
                 }
-                Operation::Write(bytes) => {
-                    for &byte in *bytes {
-                        record(log, byte);
-                        self.write_byte(byte)?;
-                    }
+            }
+            Operation::Write(bytes) => {
+                for &byte in *bytes {
+                    record(log, byte);
+                    self.write_byte(byte)?;
                 }
             }
         }
