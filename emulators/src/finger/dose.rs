@@ -8,17 +8,10 @@ use crate::solver::exact::Exact;
 use crate::time::Nanos;
 use palpate_core::physics::{GAS_CONSTANT, HENRIQUES_A, HENRIQUES_EA, ZERO_CELSIUS_K};
 
-/// Under this the rates are taken at the step's maximum instead of integrated: Omega grows by at most
-/// 1.7e-7 a second then.
-const COOL_C: f64 = 38.0;
-/// Longest step of the quadrature; the skin's fastest time constant is 1.9 ms, its own under 10 ms.
-const STEP: Nanos = Nanos::from_micros(1000);
-/// Nodes and weights of Gauss and Legendre's rule of three on [0, 1].
-const GAUSS: [(f64, f64); 3] = [
-    (0.112_701_665_379_258_31, 5.0 / 18.0),
-    (0.5, 8.0 / 18.0),
-    (0.887_298_334_620_741_7, 5.0 / 18.0),
-];
+/// Longest step of the quadrature while pulses come: a PWM period and its ripple are one.
+const STEP: Nanos = Nanos::from_micros(6000);
+/// Steps shorter than this have no middle point.
+const SHORT: Nanos = Nanos::from_micros(500);
 
 /// Dose since it was switched on.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,34 +25,35 @@ pub struct Dose {
 impl Dose {
     /// Advances the solver to `to` and adds the dose on the way.
     pub(crate) fn advance(&mut self, solver: &mut Exact, to: Nanos) {
+        let mut longest = STEP;
         while solver.now() < to {
             let now = solver.now();
-            let left = to.since(now);
-            // Look ahead over the whole stretch first: a cool one is done at once.
-            if solver.peaks.shallow_c < COOL_C {
-                let before = solver.clone();
-                solver.advance(to);
-                if solver.peaks.shallow_c < COOL_C {
-                    self.omega +=
-                        omega_rate(solver.skin_c().0.max(before.skin_c().0)) * left.as_secs_f64();
-                    return;
-                }
-                *solver = before;
-            }
-            let span = Nanos(left.0.min(STEP.0));
-            self.quadrature(solver, now, span);
+            let span = Nanos(to.since(now).0.min(longest.0));
+            self.simpson(solver, now, span);
+            // Undisturbed skin only relaxes, ever more slowly.
+            longest = longest + Nanos(longest.0 / 4);
         }
     }
 
-    fn quadrature(&mut self, solver: &mut Exact, from: Nanos, span: Nanos) {
-        let seconds = span.as_secs_f64();
-        for (place, weight) in GAUSS {
-            solver.advance(Nanos(from.0 + (span.0 as f64 * place) as u64));
-            let t = solver.skin_c().0;
-            self.omega += omega_rate(t) * seconds * weight;
-            self.cem43_min += cem43_rate(t) * seconds * weight;
-        }
+    fn simpson(&mut self, solver: &mut Exact, from: Nanos, span: Nanos) {
+        let rate = |s: &Exact| {
+            let t = s.skin_c().0;
+            (omega_rate(t), cem43_rate(t))
+        };
+        let first = rate(solver);
+        let middle = (span >= SHORT).then(|| {
+            solver.advance(from + Nanos(span.0 / 2));
+            rate(solver)
+        });
         solver.advance(from + span);
+        let last = rate(solver);
+        let seconds = span.as_secs_f64();
+        let mean = |a: f64, m: Option<f64>, b: f64| match m {
+            Some(m) => (a + 4.0 * m + b) / 6.0,
+            None => (a + b) / 2.0,
+        };
+        self.omega += mean(first.0, middle.map(|m| m.0), last.0) * seconds;
+        self.cem43_min += mean(first.1, middle.map(|m| m.1), last.1) * seconds;
     }
 }
 

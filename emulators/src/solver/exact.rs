@@ -142,6 +142,11 @@ impl Exact {
         };
     }
 
+    /// Energy delivered so far: between the terminals, and into the wire, J.
+    pub const fn delivered(&self) -> (f64, f64) {
+        (self.energy.electrical_j, self.energy.wire_j)
+    }
+
     /// Where the heat went.
     pub fn energy(&self) -> Energy {
         let nodes = self.nodes();
@@ -191,8 +196,8 @@ impl Exact {
 
     /// Heat that flows into the wire now from drive and surroundings, W: its sign is the heading.
     fn inflow(&self) -> f64 {
-        let u = self.modes[self.mode].nodes(&self.z);
-        let t = self.network.body_c + u[0];
+        let u = self.modes[self.mode].first(&self.z);
+        let t = self.network.body_c + u.0;
         let frozen = Segment {
             slope: 0.0,
             low: t,
@@ -200,9 +205,9 @@ impl Exact {
             one_way: false,
         };
         let heat = self.heat(t, &frozen);
-        let out =
-            (self.network.air + self.network.ends) * u[0] + self.network.chain[0] * (u[0] - u[1]);
-        heat.power + heat.feedback * u[0] + self.network.rest_inflow() - out
+        let n = &*self.network;
+        let out = (n.air + n.ends) * u.0 + n.chain[0] * (u.0 - u.1);
+        heat.power + heat.feedback * u.0 + n.rest_inflow() - out
     }
 
     /// Turns to where the wire's temperature is going after an edge.

@@ -113,6 +113,11 @@ impl Mode {
         core::array::from_fn(|i| dot(&self.shape[i], z))
     }
 
+    /// Temperatures of the wire and of the first shell above the body's.
+    pub fn first(&self, z: &[f64; NODES]) -> (f64, f64) {
+        (dot(&self.shape[0], z), dot(&self.shape[1], z))
+    }
+
     /// Row that gives the outermost shell.
     pub fn last(&self) -> &[f64; NODES] {
         &self.shape[NODES - 1]
@@ -155,8 +160,17 @@ pub struct Propagator {
     ramp: [f64; NODES],
     /// The span, s.
     span: f64,
-    /// exp(-lambda t) at the times of [`Propagator::probe_times`], filled when first asked for.
-    probes: Option<Box<[[f64; NODES]; PROBES]>>,
+    /// Filled when first asked for.
+    probes: Option<Box<Probes>>,
+}
+
+/// Where within a span a slope is probed.
+#[derive(Clone, Debug)]
+pub struct Probes {
+    /// When, s.
+    pub times: [f64; PROBES],
+    /// exp(-lambda t) then.
+    pub decays: [[f64; NODES]; PROBES],
 }
 
 /// Times within a span at which a slope is probed.
@@ -196,23 +210,13 @@ impl Propagator {
         self.span
     }
 
-    /// Geometrically spaced times from 20 us to just before the end, where diffusion can have turned.
-    pub fn probe_times(&self) -> [f64; PROBES] {
-        let ratio = libm::pow(FIRST_PROBE_S / self.span, 1.0 / PROBES as f64).min(0.9);
-        let mut t = self.span;
-        let mut times = [0.0; PROBES];
-        for place in times.iter_mut().rev() {
-            t *= ratio;
-            *place = t;
-        }
-        times
-    }
-
-    /// Decays at those times.
-    pub fn probes(&mut self, mode: &Mode) -> &[[f64; NODES]; PROBES] {
-        let times = self.probe_times();
+    /// Times at which a slope is probed, and the decays until then.
+    pub fn probes(&mut self, mode: &Mode) -> &Probes {
+        let span = self.span;
         self.probes.get_or_insert_with(|| {
-            Box::new(times.map(|t| mode.lambda.map(|rate| libm::exp(-rate * t))))
+            let times = probe_times(span);
+            let decays = times.map(|t| mode.lambda.map(|rate| libm::exp(-rate * t)));
+            Box::new(Probes { times, decays })
         })
     }
 
@@ -242,4 +246,16 @@ pub fn dot(a: &[f64; NODES], b: &[f64; NODES]) -> f64 {
         s += a[k] * b[k];
     }
     s
+}
+
+/// Geometrically spaced times from 20 us to just before the end, where diffusion can have turned.
+fn probe_times(span: f64) -> [f64; PROBES] {
+    let ratio = libm::pow(FIRST_PROBE_S / span, 1.0 / PROBES as f64).min(0.9);
+    let mut t = span;
+    let mut times = [0.0; PROBES];
+    for place in times.iter_mut().rev() {
+        t *= ratio;
+        *place = t;
+    }
+    times
 }

@@ -13,6 +13,11 @@ use crate::wire::record::Peaks;
 /// far beyond what a wire can do: each event needs a threshold passed or a turn of the temperature.
 const EVENTS: usize = 100_000;
 
+/// Growths (e-foldings) computed at once in electrical runaway.
+const RUNAWAY: f64 = 20.0;
+/// In so short a step the skin turns at most once, s: its fastest change takes milliseconds.
+const SHORT_S: f64 = 250e-6;
+
 /// What ends a step early.
 enum Event {
     /// The wire passed this temperature on this heading.
@@ -35,6 +40,14 @@ impl Exact {
                 feedback: heat.feedback,
             });
             let power = heat.power + self.network.rest_inflow();
+            // A regime of electrical runaway grows without bound: look for its end in steps that cannot overflow.
+            let growth = -self.modes[self.mode].lambda[0];
+            let stretch = if growth > 0.0 {
+                left.min(RUNAWAY / growth)
+            } else {
+                left
+            };
+            whole &= stretch >= left;
             let (slot, mut propagator) = if whole {
                 let (slot, propagator) = self.borrow(span.0);
                 (Some(slot), propagator)
@@ -46,17 +59,23 @@ impl Exact {
             };
             let end = propagator.step(&self.modes[self.mode], &self.z, power);
             let event = if round < EVENTS {
-                self.first_event(&segment, power, &end, left)
+                self.first_event(&segment, power, &end, stretch)
             } else {
                 None
             };
             if event.is_none() {
-                self.accept(&mut propagator, &end, &heat, power, left);
+                self.accept(&mut propagator, &end, &heat, power, stretch);
             }
             if let Some(slot) = slot {
                 self.give_back(slot, span.0, propagator);
             }
-            let Some((after, event)) = event else { return };
+            let Some((after, event)) = event else {
+                left -= stretch;
+                if left > 0.0 {
+                    continue;
+                }
+                return;
+            };
             let mut propagator = Propagator::new(&self.modes[self.mode], after);
             let end = propagator.step(&self.modes[self.mode], &self.z, power);
             self.accept(&mut propagator, &end, &heat, power, after);
@@ -148,7 +167,7 @@ impl Exact {
         let outer = dot(mode.last(), &integral);
         let rate = (mode.rate(&self.z, power), mode.rate(end, power));
         let seen = Peaks {
-            wire_c: self.wire_peak_within(&rate.0, end, power, span),
+            wire_c: self.wire_peak_within(&rate, end, power, span),
             shallow_c: self.skin_peak_within(&mode.shallow, &rate, end, power, propagator),
             deep_c: self.skin_peak_within(&mode.deep, &rate, end, power, propagator),
         };
@@ -176,7 +195,7 @@ impl Exact {
     /// The wire's maximum over a step, both ends and all turns between.
     fn wire_peak_within(
         &self,
-        rate: &[f64; NODES],
+        rate: &([f64; NODES], [f64; NODES]),
         end: &[f64; NODES],
         power: f64,
         span: f64,
@@ -184,7 +203,11 @@ impl Exact {
         let mode = &self.modes[self.mode];
         let base = self.network.body_c;
         let mut top = base + dot(&mode.gain, &self.z).max(dot(&mode.gain, end));
-        if changes(&product(&mode.gain, rate)) > 0 {
+        let slopes = product(&mode.gain, &rate.0);
+        let turns = changes(&slopes);
+        if turns > 1
+            || (turns == 1 && slopes.iter().sum::<f64>() > 0.0 && dot(&mode.gain, &rate.1) < 0.0)
+        {
             let sum = mode.sum(&mode.gain, &self.z, power, base);
             let mut from = 0.0;
             while let Some(turn) = sum.next_turn(from, span) {
@@ -210,21 +233,26 @@ impl Exact {
         let mut top = base + dot(row, &self.z).max(dot(row, end));
         let slopes = product(row, &rate.0);
         let last = dot(row, &rate.1);
+        let first = slopes.iter().sum::<f64>();
         if changes(&slopes) == 0 {
             return top;
         }
-        let span = propagator.span();
-        let times = propagator.probe_times();
-        let found = propagator.probes(mode).map(|decay| dot(&decay, &slopes));
-        let (mut before, mut from) = (slopes.iter().sum::<f64>(), 0.0);
-        let rest = found.into_iter().zip(times).chain([(last, span)]);
-        for (slope, at) in rest {
+        let (mut before, mut from) = (first, 0.0);
+        let mut look = |slope: f64, at: f64| {
             if before > 0.0 && slope < 0.0 {
                 let sum = mode.sum(row, &self.z, power, base);
                 top = top.max(sum.value(sum.turn_between(from, at)));
             }
             (before, from) = (slope, at);
+        };
+        let span = propagator.span();
+        if span > SHORT_S {
+            let probes = propagator.probes(mode);
+            for (decay, at) in probes.decays.iter().zip(probes.times) {
+                look(dot(decay, &slopes), at);
+            }
         }
+        look(last, span);
         top
     }
 }

@@ -48,17 +48,6 @@ impl Sum<'_> {
         b
     }
 
-    /// Derivative at `t` seconds, K/s.
-    pub fn slope(&self, t: f64) -> f64 {
-        self.slope_terms(t).iter().sum()
-    }
-
-    /// Sign changes in the partial sums of the derivative at `t = 0`: a bound on how often the sum turns
-    /// afterwards. Zero means that it is monotone for ever.
-    pub fn turns_at_most(&self) -> usize {
-        changes(&self.slope_terms(0.0))
-    }
-
     /// The first time in (from, to] at which the derivative changes sign.
     pub fn next_turn(&self, from: f64, to: f64) -> Option<f64> {
         self.search(from, to, 48)
@@ -100,65 +89,85 @@ impl Sum<'_> {
         bounded_away(&s, &e)
     }
 
+    /// Value and derivative at `t`.
+    fn value_and_slope(&self, t: f64) -> (f64, f64) {
+        let (mut v, mut d) = (0.0, 0.0);
+        for (rate, a) in self.lambda.iter().zip(&self.a) {
+            let term = a * libm::exp(-rate * t);
+            v += term;
+            d -= rate * term;
+        }
+        (self.constant + v, d)
+    }
+
+    /// Derivative and second derivative at `t`.
+    fn slope_and_bend(&self, t: f64) -> (f64, f64) {
+        let (mut d, mut bend) = (0.0, 0.0);
+        for (rate, a) in self.lambda.iter().zip(&self.a) {
+            let term = -rate * a * libm::exp(-rate * t);
+            d += term;
+            bend -= rate * term;
+        }
+        (d, bend)
+    }
+
     /// The turn between two times at which the derivative has opposite signs.
     pub fn turn_between(&self, from: f64, to: f64) -> f64 {
-        let rising = self.slope(to) > 0.0;
-        root(from, to, |t| {
-            if rising {
-                self.slope(t)
-            } else {
-                -self.slope(t)
-            }
-        })
+        root(from, to, |t| self.slope_and_bend(t))
     }
 
     /// The time in [from, to] at which the sum, monotone there, passes `level`.
     pub fn crossing(&self, level: f64, from: f64, to: f64) -> f64 {
-        let rising = self.value(to) > level;
         root(from, to, |t| {
-            if rising {
-                self.value(t) - level
-            } else {
-                level - self.value(t)
-            }
+            let (v, d) = self.value_and_slope(t);
+            (v - level, d)
         })
     }
 }
 
-/// Root of a function that is negative at `low` and positive at `high`: bracketed regula falsi (Illinois) with
-/// bisection whenever it stalls. Deterministic, and never leaves the bracket.
-fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
-    let (mut f_low, mut f_high) = (f(low), f(high));
-    if f_low >= 0.0 {
+/// Root of a function, given with its derivative, that has opposite signs at the ends: Newton's steps inside
+/// a shrinking bracket, bisection whenever one would leave it or the last did not halve it.
+fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
+    let (start, mut slope) = f(low);
+    let sign = if f(high).0 > 0.0 { 1.0 } else { -1.0 };
+    if start * sign >= 0.0 {
         return low;
     }
-    if f_high <= 0.0 {
-        return high;
-    }
-    for round in 0..240 {
-        let width = high - low;
-        if width <= high * 1e-16 + 1e-18 {
+    let (mut t, mut v) = (low, start * sign);
+    for _ in 0..240 {
+        let newton = t - v / (slope * sign);
+        let (width, inside) = (high - low, newton > low && newton < high);
+        let next = if inside { newton } else { low + width / 2.0 };
+        let step = (next - t).abs();
+        let (value, d) = f(next);
+        (t, v, slope) = (next, value * sign, d);
+        if v < 0.0 {
+            low = t;
+        } else if v > 0.0 {
+            high = t;
+        } else {
             break;
         }
-        let mut t = low - f_low * width / (f_high - f_low);
-        if round % 3 == 2 || !(t > low && t < high) {
-            t = low + width / 2.0;
-            if t <= low || t >= high {
-                break;
+        // A Newton step at the size of rounding is the answer; so is a bracket that cannot be split.
+        if step <= t * 4e-16 + 1e-19 || high - low <= high * 2e-16 {
+            break;
+        }
+        // Far from the root Newton may crawl along one side: halve the other.
+        if inside && high - low > width * 0.5 && step > width * 1e-3 {
+            let middle = low + (high - low) / 2.0;
+            let value = f(middle).0 * sign;
+            if value < 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+            if t < low || t > high {
+                (t, (v, slope)) = (middle, f(middle));
+                v *= sign;
             }
         }
-        let v = f(t);
-        if v > 0.0 {
-            (high, f_high) = (t, v);
-            f_low /= 2.0;
-        } else if v < 0.0 {
-            (low, f_low) = (t, v);
-            f_high /= 2.0;
-        } else {
-            return t;
-        }
     }
-    high
+    t
 }
 
 /// Sign changes of the partial sums, rounding noise left out.

@@ -1,5 +1,6 @@
 //! The thermal model against `physics.md`, against itself and against other methods.
 
+mod properties;
 mod table;
 
 use crate::time::Nanos;

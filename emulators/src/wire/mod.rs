@@ -107,12 +107,11 @@ impl Wire {
     }
 
     fn rise(&mut self) {
-        let energy = self.solver.energy();
         self.pulse = Some(Pulse {
             start: self.now(),
             wire_c: self.solver.wire_c(),
             strain: self.strain_now(),
-            energy: (energy.electrical_j, energy.wire_j),
+            energy: self.solver.delivered(),
         });
     }
 
@@ -120,7 +119,7 @@ impl Wire {
         let Some(pulse) = self.pulse.take() else {
             return;
         };
-        let (energy, now) = (self.solver.energy(), self.now());
+        let (energy, now) = (self.solver.delivered(), self.now());
         let (hot, strain) = (self.solver.wire_c(), self.strain_now());
         if let Some(b) = self.burst
             && pulse.start.since(b.end) >= BURST_GAP
@@ -142,8 +141,8 @@ impl Wire {
         });
         b.end = now;
         b.pulses += 1;
-        b.electrical_j += energy.electrical_j - pulse.energy.0;
-        b.wire_j += energy.wire_j - pulse.energy.1;
+        b.electrical_j += energy.0 - pulse.energy.0;
+        b.wire_j += energy.1 - pulse.energy.1;
         b.hottest_c = b.hottest_c.max(hot);
         b.ripple_max_k = b.ripple_max_k.max(hot - pulse.wire_c);
         let part = 1.0 / f64::from(b.pulses);
