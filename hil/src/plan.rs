@@ -1,11 +1,13 @@
 //! From checked files to the core's own types.
 
-use palpate_core::contact::{Norm, Settings};
+use palpate_core::contact::{Levels, Norm, Scope, Settings};
 use palpate_core::guard::{Guard, Limits, Plant};
 use palpate_core::illusion::{Display, Drive, LogPhantom, Map, Rect, Shape, Wire, timing};
 use palpate_core::physics::{Alloy, WireParameters};
-use palpate_core::projector::{OutputSettings, Plan};
-use palpate_core::skin::{Axes, Grid, InitialiserSettings, Layout, Module, Threshold};
+use palpate_core::projector::{OutputSettings, Plan, SensingPlan};
+use palpate_core::skin::{
+    Address, Axes, HealthSettings, InitialiserSettings, Layout, LayoutError, Module, ThresholdRule,
+};
 use palpate_core::units::{Board, Channel, Duration, Milliamps, Point, Prescale};
 use palpate_core::wire::uskin::IdProfile;
 
@@ -17,30 +19,34 @@ fn point([x, y]: [f64; 2]) -> Point {
     Point::new(x as f32, y as f32)
 }
 
-/// One module of a sensor layout file.
-fn module(file: &files::Module, index: usize) -> Result<Module, palpate_core::skin::LayoutError> {
+/// One module of a sensor layout file. A module that several boards read is one here, under the first
+/// board's address.
+fn module(file: &files::Module, axes: u8) -> Result<Module, LayoutError> {
+    let limited = |n: usize| u16::try_from(n).unwrap_or(u16::MAX);
     let built = match (&file.grid, &file.points_mm) {
-        (Some(grid), _) => Module::grid(Grid {
-            rows: u16::try_from(grid.rows).unwrap_or(u16::MAX),
-            columns: u16::try_from(grid.columns).unwrap_or(u16::MAX),
-            pitch: grid.pitch_mm as f32,
-            centre: Point::default(),
-        })?,
-        (None, Some(points)) => {
-            Module::scattered(&points.iter().copied().map(point).collect::<Vec<_>>())?
+        (Some(grid), _) => {
+            Module::grid(&file.name, limited(grid.rows), limited(grid.columns), grid.pitch_mm as f32)?
         }
-        (None, None) => Module::scattered(&[])?,
+        (None, points) => {
+            let points = points.iter().flatten().copied().map(point).collect::<Vec<_>>();
+            Module::scattered(&file.name, &points)?
+        }
     };
-    let board = file.boards.first().copied().unwrap_or(u8::try_from(index).unwrap_or(u8::MAX));
-    Ok(built.without(&file.inactive)?.at(file.bus.unwrap_or(0), board))
+    let active: Vec<bool> =
+        (0..built.points().len()).map(|i| !file.inactive.contains(&i)).collect();
+    let built = built.with_active(&active)?.with_axes(axes)?.with_origin(point(file.place_mm))?;
+    match (file.bus, file.boards.first()) {
+        (Some(bus), Some(&board)) => built.with_address(Address { bus, board }),
+        _ => Ok(built),
+    }
 }
 
-/// The core's layout of a sensor layout file. Contacts are in each module's own millimetres.
+/// The core's layout of a sensor layout file.
 ///
 /// # Errors
 /// [`Failure::Input`] with the file's name and what no layout can be.
 pub fn layout(file: &files::SensorLayout) -> Result<Layout, Failure> {
-    let modules = file.modules.iter().enumerate().map(|(i, m)| module(m, i)).collect::<Result<_, _>>();
+    let modules = file.modules.iter().map(|m| module(m, file.axes)).collect::<Result<_, _>>();
     let built = modules.and_then(Layout::new);
     built.map_err(|e| Failure::Input(format!("layout `{}`: {e}", file.name)))
 }
@@ -113,7 +119,7 @@ pub fn milliamps(ma: f64) -> Milliamps {
 /// Axes of a scene file.
 pub const fn axes(axes: files::Axes) -> Axes {
     match axes {
-        files::Axes::Xyz => Axes::Xyz,
+        files::Axes::Xyz => Axes::XYZ,
         files::Axes::Z => Axes::Z,
     }
 }
@@ -123,23 +129,45 @@ pub const fn norm(norm: files::Norm) -> Norm {
     match norm {
         files::Norm::L1 => Norm::L1,
         files::Norm::L2 => Norm::L2,
-        files::Norm::Linf => Norm::Linf,
+        files::Norm::Linf => Norm::LInf,
     }
 }
 
-/// The loop of a scene on a bench, with static intensity levels found beforehand (or none).
+/// Where K_C counts, of a scene file.
+pub const fn scope(scope: files::Scope) -> Scope {
+    match scope {
+        files::Scope::Module => Scope::Module,
+        files::Scope::Skin => Scope::Skin,
+    }
+}
+
+/// The rectangle around what drives the display: the driving module's taxels, or the whole skin's.
+fn sensor_area(layout: &Layout, drives: usize, scope: Scope) -> Rect {
+    let places = |m: &Module, origin: Point| {
+        let shifted = |p: &Point| Point::new(p.x + origin.x, p.y + origin.y);
+        m.points().iter().map(shifted).collect::<Vec<_>>()
+    };
+    let taxels: Vec<Point> = match scope {
+        Scope::Skin => layout.modules().iter().flat_map(|m| places(m, m.origin())).collect(),
+        Scope::Module => {
+            layout.modules().get(drives).map(|m| places(m, Point::default())).unwrap_or_default()
+        }
+    };
+    Rect::around(taxels.into_iter())
+}
+
+/// The loop of a scene on a bench, with intensity levels found beforehand (or none).
 ///
 /// # Errors
 /// [`Failure::Input`] with file and key of what does not fit together.
-pub fn plan(setup: &Setup, seed: u64, levels: Vec<f32>) -> Result<Plan, Failure> {
+pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
     let (scene, bench) = (&setup.scene.value, &setup.bench.value);
     let bad = |key: &str, e: &dyn std::fmt::Display| {
-        Failure::Input(format!("{}: {key}: {e}", setup.scene.source.label()))
+        Failure::Input(setup.scene.source.bad(key, e.to_string()).to_string())
     };
     let layout = layout(&setup.sensor.value)?;
     let display = display(setup)?;
-    let taxels = layout.modules().get(scene.drives).map_or(&[][..], Module::taxels);
-    let sensor = Rect::around(taxels.iter().copied());
+    let sensor = sensor_area(&layout, scene.drives, scope(scene.compression.scope));
     let stated = scene.map.sensor_mm.map(|[x0, y0, x1, y1]| Rect {
         min: point([x0.min(x1), y0.min(y1)]),
         max: point([x0.max(x1), y0.max(y1)]),
@@ -152,37 +180,41 @@ pub fn plan(setup: &Setup, seed: u64, levels: Vec<f32>) -> Result<Plan, Failure>
         .map_err(|e| bad("illusion.tau_d_ms", &e))?;
     let shape = Shape { x: illusion.shape as f32, y: illusion.shape as f32 };
     let phantom = LogPhantom::new(&display, shape)
-        .ok_or_else(|| bad("illusion.shape", &"expected a shape factor above 0"))?;
+        .ok_or_else(|| bad("illusion.shape", &"a shape factor above 0"))?;
     let floor = if illusion.intensity { illusion.intensity_floor as f32 } else { 1.0 };
     let drive = Drive { alpha: illusion.alpha as f32, beta: illusion.beta as f32, floor };
 
     let (prescale, peak) = (prescale(bench)?, milliamps(bench.drive.current_ma));
-    let milliohm = (wire(bench).resistance_ohm * 1e3).round() as u32;
+    let wire_milliohm = (wire(bench).resistance_ohm * 1e3).round() as u32;
     let limits = limits(&setup.limits.value, milliamps(bench.drive.supply_limit_ma));
-    let guard = Guard::new(limits, Plant { prescale, wire_milliohm: milliohm, peak }, display.wires())
+    let guard = Guard::new(limits, Plant { prescale, wire_milliohm, peak }, display.wires())
         .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
 
     Ok(Plan {
-        profile: IdProfile::Current,
-        initialiser: InitialiserSettings {
-            reference_frames: scene.reference_frames,
-            faulty_sigma: scene.faulty_deviations.map(|k| k as f32),
-            threshold: Threshold::Auto { margin: scene.threshold_margin as f32 },
-            axes: axes(scene.compression.axes),
+        sensing: SensingPlan {
+            layout,
+            profile: IdProfile::Current,
+            initialiser: InitialiserSettings {
+                reference_frames: scene.reference_frames,
+                fault_sigmas: scene.faulty_deviations.map(|k| k as f32),
+                threshold: ThresholdRule::Auto { margin: scene.threshold_margin as f32 },
+                axes: axes(scene.compression.axes),
+            },
+            compression: Settings {
+                clusters: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),
+                scope: scope(scene.compression.scope),
+                norm: norm(scene.compression.norm),
+                exponent: scene.compression.weight_exponent as f32,
+                levels,
+                seed,
+                ..Settings::default()
+            },
+            health: HealthSettings::default(),
         },
-        compression: Settings {
-            kc: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),
-            weight_exponent: scene.compression.weight_exponent as f32,
-            norm: norm(scene.compression.norm),
-            levels,
-            seed,
-            ..Settings::default()
-        },
-        drives: scene.drives,
+        drives: u16::try_from(scene.drives).unwrap_or(u16::MAX),
         map,
+        display,
         output: OutputSettings { timing, phantom, drive, peak },
         guard,
-        layout,
-        display,
     })
 }

@@ -7,15 +7,17 @@ mod sensing;
 pub use output::{OutputSettings, Target};
 
 use alloc::boxed::Box;
-use alloc::vec::Vec;
 use core::fmt;
 
 use crate::bus::{Actuators, SensorBus};
-use crate::contact::{CompressError, Contact, Settings, Stage};
+use crate::contact::{Contact, Levels, Scope, Settings, SettingsError, Work};
 use crate::guard::Guard;
 use crate::illusion::{Display, Map};
 use crate::schedule::Entry;
-use crate::skin::{HealthSummary, Initialiser, InitialiserSettings, Layout};
+use crate::skin::{
+    FrameError, HealthSettings, HealthSummary, Initialiser, InitialiserError, InitialiserSettings,
+    Layout, RelativeFrame,
+};
 use crate::units::{Board, Instant, Point};
 use crate::wire::uskin::IdProfile;
 
@@ -55,18 +57,12 @@ impl Cause {
 pub struct FrameReport<'a> {
     /// End of the scan.
     pub at: Instant,
-    /// The module.
-    pub module: u16,
-    /// Zero-based number of the module's scan; the reference scans count.
+    /// Zero-based number of the driving module's scan; the reference scans count.
     pub number: u32,
-    /// Taxels above the threshold.
-    pub in_contact: u16,
-    /// Norm of the relative reading by taxel, raw counts.
-    pub norms: &'a [f32],
-    /// The contacts.
+    /// The relative frame: magnitudes, who is in contact.
+    pub relative: &'a RelativeFrame,
+    /// The contacts of all modules.
     pub contacts: &'a [Contact],
-    /// The way compression took.
-    pub stage: Stage,
 }
 
 /// Who wants to know what happens. Every method has an empty default.
@@ -92,19 +88,28 @@ pub trait Observer {
 /// Nobody wants to know.
 impl Observer for () {}
 
-/// What the loop is built from.
+/// What the sensor half is built from.
 #[derive(Debug)]
-pub struct Plan {
+pub struct SensingPlan {
     /// The skin.
     pub layout: Layout,
     /// How its boards number their frames.
     pub profile: IdProfile,
     /// Reference, threshold, faulty taxels.
     pub initialiser: InitialiserSettings,
-    /// Compression, the same for every module.
+    /// Compression.
     pub compression: Settings,
+    /// When a taxel counts as ill.
+    pub health: HealthSettings,
+}
+
+/// What the loop is built from.
+#[derive(Debug)]
+pub struct Plan {
+    /// The sensor half.
+    pub sensing: SensingPlan,
     /// The module that drives the display.
-    pub drives: usize,
+    pub drives: u16,
     /// Sensor to display.
     pub map: Map,
     /// The display.
@@ -120,14 +125,17 @@ pub struct Plan {
 pub enum PlanError {
     /// The module that shall drive the display does not exist; how many there are.
     NoSuchModule(usize),
+    /// The initialiser's settings.
+    Initialiser(InitialiserError),
     /// The compression settings.
-    Compression(CompressError),
+    Compression(SettingsError),
 }
 
 impl fmt::Display for PlanError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoSuchModule(n) => write!(f, "expected a driving module below {n}"),
+            Self::Initialiser(e) => e.fmt(f),
             Self::Compression(e) => e.fmt(f),
         }
     }
@@ -135,9 +143,15 @@ impl fmt::Display for PlanError {
 
 impl core::error::Error for PlanError {}
 
-impl From<CompressError> for PlanError {
-    fn from(e: CompressError) -> Self {
+impl From<SettingsError> for PlanError {
+    fn from(e: SettingsError) -> Self {
         Self::Compression(e)
+    }
+}
+
+impl From<InitialiserError> for PlanError {
+    fn from(e: InitialiserError) -> Self {
+        Self::Initialiser(e)
     }
 }
 
@@ -153,10 +167,11 @@ pub enum LoopError<S, A> {
 /// The loop and all its memory.
 #[derive(Debug)]
 pub struct Projector {
+    layout: Layout,
     sensing: Sensing,
     output: Output,
     map: Map,
-    drives: usize,
+    drives: u16,
     targets: Box<[Target]>,
 }
 
@@ -166,26 +181,25 @@ impl Projector {
     /// # Errors
     /// [`PlanError`] for a plan that fits no hardware.
     pub fn new(plan: Plan) -> Result<Self, PlanError> {
-        let modules = plan.layout.modules().len();
-        if plan.drives >= modules {
+        let modules = plan.sensing.layout.modules().len();
+        if usize::from(plan.drives) >= modules {
             return Err(PlanError::NoSuchModule(modules));
         }
         let blank = Target {
             place: Point::default(),
             weight: 0.0,
         };
-        let kc = usize::from(plan.compression.kc);
+        // No module has more contacts than taxels, whatever K_C says.
+        let taxels = plan.sensing.layout.taxels();
+        let most = usize::from(plan.sensing.compression.clusters).min(taxels);
+        let (sensing, layout) = Sensing::new(plan.sensing, plan.drives)?;
         Ok(Self {
-            sensing: Sensing::new(
-                &plan.layout,
-                plan.profile,
-                plan.initialiser,
-                &plan.compression,
-            )?,
+            layout,
+            sensing,
             output: Output::new(plan.display, plan.output, plan.guard),
             map: plan.map,
             drives: plan.drives,
-            targets: alloc::vec![blank; kc].into(),
+            targets: alloc::vec![blank; most].into(),
         })
     }
 
@@ -196,8 +210,7 @@ impl Projector {
             Some(t) if self.output.is_driving() => t + self.output.guard().limits().stale,
             _ => Instant::FAR_FUTURE,
         };
-        let scan = self.sensing.deadline().unwrap_or(Instant::FAR_FUTURE);
-        output.min(watchdog).min(scan)
+        output.min(watchdog)
     }
 
     /// Does all that is due at `now`: takes every frame that has come, ends what has ended, projects the
@@ -214,7 +227,7 @@ impl Projector {
     ) -> Result<bool, LoopError<S::Error, A::Error>> {
         loop {
             match sensors.receive() {
-                Ok(Some(received)) => self.sensing.take(&received, observer),
+                Ok(Some(received)) => self.sensing.take(&received, &self.layout, observer),
                 Ok(None) => break,
                 Err(e) => {
                     let off = self.all_off(now, Cause::SensorError, actuators, observer);
@@ -222,7 +235,7 @@ impl Projector {
                 }
             }
         }
-        self.sensing.flush(now, observer);
+        self.sensing.flush(now, &self.layout, observer);
         let stale = self.output.guard().limits().stale;
         let age = self.sensing.last_received().map(|t| now.since(t));
         let is_stale = age.is_none_or(|age| age >= stale);
@@ -270,13 +283,19 @@ impl Projector {
 
     /// Maps the newest contacts of the driving module to the display; returns how many there are.
     fn aim(&mut self) -> usize {
-        let Some(module) = self.sensing.modules().get(self.drives) else {
-            return 0;
+        let compressor = self.sensing.compressor();
+        let levels = match &compressor.settings().levels {
+            Levels::Off => 1,
+            Levels::Table(table) => u16::try_from(table.values().len()).unwrap_or(u16::MAX),
+            Levels::Dynamic(k) => *k,
         };
-        let levels = module.compressor().settings().levels.len() as u16; // at most 4096
         let drive = self.output.drive();
+        let ours = compressor
+            .contacts()
+            .iter()
+            .filter(|c| c.module == self.drives);
         let mut count = 0;
-        for (target, contact) in self.targets.iter_mut().zip(module.compressor().contacts()) {
+        for (target, contact) in self.targets.iter_mut().zip(ours) {
             *target = Target {
                 place: self.map.apply(contact.place),
                 weight: drive.weight(contact.level, levels),
@@ -306,22 +325,33 @@ impl Projector {
         &self.map
     }
 
-    /// Health of each module. Allocates: for the end of a run, not for the loop.
-    pub fn health(&self) -> Vec<HealthSummary> {
-        self.sensing
-            .modules()
-            .iter()
-            .map(|m| m.health().summary(m.active()))
-            .collect()
+    /// Health of the skin at `now`. Sorts, so it belongs after the loop, not in it.
+    pub fn health(&mut self, now: Instant) -> HealthSummary {
+        self.sensing.monitor().summary(now)
     }
 
-    /// Initialisation of a module, if it exists.
-    pub fn initialiser(&self, module: usize) -> Option<&Initialiser> {
-        self.sensing.modules().get(module).map(|m| m.initialiser())
+    /// Reference, threshold and faulty taxels.
+    pub const fn initialiser(&self) -> &Initialiser {
+        self.sensing.initialiser()
+    }
+
+    /// What compression did and could leave out.
+    pub fn work(&self) -> Work {
+        self.sensing.compressor().work()
     }
 
     /// Frames that were no sensor data of this layout.
     pub const fn foreign_frames(&self) -> u64 {
         self.sensing.foreign()
+    }
+
+    /// Readings missing from the scans so far.
+    pub fn lost_readings(&self) -> u64 {
+        self.sensing.lost()
+    }
+
+    /// The last frame that compression refused, if any.
+    pub const fn refused_frame(&self) -> Option<&FrameError> {
+        self.sensing.refused()
     }
 }

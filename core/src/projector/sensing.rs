@@ -1,141 +1,139 @@
 //! The sensor's half of the loop: frames off the bus become scans, scans become contacts.
+//!
+//! A frame is a scan of the driving module; the other modules contribute their newest readings.
 
-use alloc::boxed::Box;
-use alloc::format;
-use alloc::vec;
 use alloc::vec::Vec;
 
 use crate::bus::Received;
-use crate::contact::{CompressError, Compressor, Settings};
-use crate::skin::{Health, Initialiser, InitialiserSettings, Layout, Module, Phase, Scan};
+use crate::contact::Compressor;
+use crate::skin::{
+    Address, FrameError, Initialiser, Layout, Monitor, Phase, Reading, RelativeFrame, Scan,
+    ScanAssembler,
+};
 use crate::units::Instant;
 use crate::wire::uskin::{IdProfile, Message, Wiring, decode};
 
-use super::{FrameReport, Observer};
+use super::{FrameReport, Observer, PlanError, SensingPlan};
 
-/// One module on its way from readings to contacts.
+/// Everything behind the assembler, so that a finished scan can be handed on while it is borrowed.
 #[derive(Debug)]
-pub(super) struct ModuleState {
-    address: (u8, u8),
-    wiring: Wiring,
-    active: Box<[bool]>,
-    scan: Scan,
+struct Pipeline {
     initialiser: Initialiser,
+    relative: RelativeFrame,
     compressor: Compressor,
-    health: Health,
-    norms: Box<[f32]>,
+    monitor: Monitor,
+    /// Whether `relative` leaves out what the initialiser found faulty.
+    masked: bool,
+    drives: u16,
     frames: u32,
+    /// Frames that could not be compressed; the layout makes that impossible, so it is counted, not hidden.
+    refused: Option<FrameError>,
 }
 
 /// The state of the sensor half.
 #[derive(Debug)]
 pub(super) struct Sensing {
     profile: IdProfile,
-    modules: Vec<ModuleState>,
-    /// When the newest frame of any kind of data was received.
+    /// Address and wiring of each module.
+    modules: Vec<(Option<Address>, Wiring)>,
+    assembler: ScanAssembler,
+    pipeline: Pipeline,
     last_received: Option<Instant>,
-    /// Frames that were no sensor data of this layout.
     foreign: u64,
 }
 
-impl ModuleState {
-    fn new(
-        index: usize,
-        module: &Module,
-        initialiser: InitialiserSettings,
-        compression: &Settings,
-    ) -> Result<Self, CompressError> {
-        let n = module.taxels().len();
-        let wiring = module.wiring();
-        let position = |taxel| wiring.place(0, taxel).and_then(|p| wiring.order(p));
-        let active = (0..n).filter(|&i| module.active()[i]);
-        let end = active.filter_map(position).max().unwrap_or(0);
-        let identity = format!("compressor {index}");
-        Ok(Self {
-            address: module.address(),
-            wiring,
-            active: module.active().into(),
-            scan: Scan::new(n, end),
-            initialiser: Initialiser::new(initialiser, module),
-            compressor: Compressor::new(module, compression.clone(), &identity)?,
-            health: Health::new(n),
-            norms: vec![0.0; n].into(),
-            frames: 0,
-        })
-    }
+/// How a module's taxels hang on its board: a grid row by row, scattered ones in lines of four.
+fn wiring(module: &crate::skin::Module) -> Wiring {
+    let n = module.points().len();
+    let (rows, columns) = match module.as_grid() {
+        Some(grid) => (u8::try_from(grid.rows), u8::try_from(grid.cols)),
+        None => (u8::try_from(n.div_ceil(4)), Ok(4)),
+    };
+    // Skins too large for a board (cameras, bodies) never come over one.
+    rows.ok()
+        .zip(columns.ok())
+        .and_then(|(r, c)| Wiring::new(r, c, 1))
+        .unwrap_or(Wiring::FLAT)
+}
 
-    pub(super) const fn compressor(&self) -> &Compressor {
-        &self.compressor
-    }
-
-    pub(super) const fn health(&self) -> &Health {
-        &self.health
-    }
-
-    pub(super) const fn active(&self) -> &[bool] {
-        &self.active
-    }
-
-    pub(super) const fn initialiser(&self) -> &Initialiser {
-        &self.initialiser
-    }
-
-    /// Closes the open scan: initialiser, then compression.
-    fn close(&mut self, module: usize, observer: &mut impl Observer) {
-        let Some(at) = self.scan.time() else { return };
+impl Pipeline {
+    fn frame(&mut self, scan: &Scan, module: u16, layout: &Layout, observer: &mut impl Observer) {
+        self.monitor
+            .observe_range(scan, layout.range(usize::from(module)));
+        if module != self.drives {
+            return;
+        }
         let number = self.frames;
         self.frames = self.frames.saturating_add(1);
-        let counts = self.scan.counts();
-        let threshold = match (self.initialiser.phase(), self.initialiser.threshold()) {
-            (Phase::Ready, Some(threshold)) => threshold,
-            _ => {
-                self.initialiser.feed(counts);
-                self.scan.close();
-                return;
-            }
-        };
-        self.initialiser.norms(counts, &mut self.norms);
-        let axes = |taxel: usize| self.initialiser.axes_of(taxel, counts[taxel]);
-        let in_contact =
-            self.compressor
-                .compress(&self.norms, threshold, self.initialiser.faulty(), axes);
-        observer.frame(&FrameReport {
-            at,
-            module: module as u16, // a skin has at most 16 modules a bus
-            number,
-            in_contact: u16::try_from(in_contact).unwrap_or(u16::MAX),
-            norms: &self.norms,
-            contacts: self.compressor.contacts(),
-            stage: self.compressor.stage(),
-        });
-        self.scan.close();
+        if self.initialiser.phase() != Phase::Ready && self.initialiser.feed(scan) != Phase::Ready {
+            return;
+        }
+        if !self.masked {
+            self.initialiser.mask(&mut self.relative);
+            self.masked = true;
+        }
+        let result = self.initialiser.relative(scan, &mut self.relative);
+        match result.and_then(|()| self.compressor.compress(&self.relative).map(|_| ())) {
+            Ok(()) => observer.frame(&FrameReport {
+                at: scan.at(),
+                number,
+                relative: &self.relative,
+                contacts: self.compressor.contacts(),
+            }),
+            Err(error) => self.refused = Some(error),
+        }
     }
 }
 
 impl Sensing {
-    pub(super) fn new(
-        layout: &Layout,
-        profile: IdProfile,
-        initialiser: InitialiserSettings,
-        compression: &Settings,
-    ) -> Result<Self, CompressError> {
-        let module = |(i, m)| ModuleState::new(i, m, initialiser, compression);
-        let modules = layout
-            .modules()
-            .iter()
-            .enumerate()
-            .map(module)
-            .collect::<Result<_, _>>()?;
-        Ok(Self {
-            profile,
+    pub(super) fn new(plan: SensingPlan, drives: u16) -> Result<(Self, Layout), PlanError> {
+        let layout = plan.layout;
+        let mut assembler = ScanAssembler::new(&layout, ScanAssembler::DEFAULT_GAP);
+        let mut modules = Vec::with_capacity(layout.modules().len());
+        for (index, module) in layout.modules().iter().enumerate() {
+            let wiring = wiring(module);
+            let active = (0..module.points().len()).filter(|&i| module.active()[i]);
+            let order = |i| wiring.place(0, i).and_then(|p| wiring.order(p));
+            if let Some(last) = active.filter_map(order).max() {
+                assembler.set_last_order(index, last as u32); // a board has at most 64 taxels
+            }
+            modules.push((module.address(), wiring));
+        }
+        let initialiser = Initialiser::new(&layout, plan.initialiser)?;
+        let sensing = Self {
+            profile: plan.profile,
             modules,
+            assembler,
+            pipeline: Pipeline {
+                relative: RelativeFrame::new(&layout),
+                compressor: Compressor::new(&layout, plan.compression)?,
+                monitor: Monitor::new(&layout, plan.health),
+                initialiser,
+                masked: false,
+                drives,
+                frames: 0,
+                refused: None,
+            },
             last_received: None,
             foreign: 0,
-        })
+        };
+        Ok((sensing, layout))
     }
 
-    pub(super) fn modules(&self) -> &[ModuleState] {
-        &self.modules
+    pub(super) const fn compressor(&self) -> &Compressor {
+        &self.pipeline.compressor
+    }
+
+    pub(super) const fn initialiser(&self) -> &Initialiser {
+        &self.pipeline.initialiser
+    }
+
+    pub(super) const fn monitor(&mut self) -> &mut Monitor {
+        &mut self.pipeline.monitor
+    }
+
+    pub(super) const fn refused(&self) -> Option<&FrameError> {
+        self.pipeline.refused.as_ref()
     }
 
     pub(super) const fn last_received(&self) -> Option<Instant> {
@@ -146,49 +144,60 @@ impl Sensing {
         self.foreign
     }
 
-    /// Takes one frame off a bus.
-    pub(super) fn take(&mut self, received: &Received, observer: &mut impl Observer) {
+    pub(super) fn lost(&self) -> u64 {
+        self.assembler.lost()
+    }
+
+    /// Takes one frame off a bus. What is no sensor data of this layout is counted and left.
+    pub(super) fn take(
+        &mut self,
+        received: &Received,
+        layout: &Layout,
+        observer: &mut impl Observer,
+    ) {
+        if self.reading(received, layout, observer).is_none() {
+            self.foreign = self.foreign.saturating_add(1);
+        }
+    }
+
+    fn reading(
+        &mut self,
+        received: &Received,
+        layout: &Layout,
+        observer: &mut impl Observer,
+    ) -> Option<()> {
         let Ok(Message::Data(data)) = decode(self.profile, &received.frame) else {
-            self.foreign = self.foreign.saturating_add(1);
-            return;
+            return None;
         };
-        let is_ours = |m: &ModuleState| {
-            m.address.0 == received.bus && data.board.is_none_or(|b| b == m.address.1)
+        let is_sender =
+            |a: &Address| a.bus == received.bus && data.board.is_none_or(|b| b == a.board);
+        let index = self
+            .modules
+            .iter()
+            .position(|(a, _)| a.as_ref().is_some_and(is_sender))?;
+        let wiring = self.modules[index].1;
+        let (_, taxel) = wiring.taxel(data.place)?;
+        let order = wiring.order(data.place)?;
+        let reading = Reading {
+            module: index as u16, // a bus has at most 16 boards
+            taxel: taxel as u32,
+            order: order as u32,
+            counts: [data.reading.x, data.reading.y, data.reading.z],
+            at: received.at,
         };
-        let Some(index) = self.modules.iter().position(is_ours) else {
-            self.foreign = self.foreign.saturating_add(1);
-            return;
-        };
-        let m = &mut self.modules[index];
-        let (Some((0, taxel)), Some(position)) =
-            (m.wiring.taxel(data.place), m.wiring.order(data.place))
-        else {
-            self.foreign = self.foreign.saturating_add(1);
-            return;
-        };
+        let pipeline = &mut self.pipeline;
+        let push = self.assembler.push(&reading, |scan, m| {
+            pipeline.frame(scan, m, layout, observer)
+        });
+        push.ok()?;
         self.last_received = Some(received.at);
-        let counts = [data.reading.x, data.reading.y, data.reading.z];
-        m.health.record(taxel, counts, received.at);
-        if m.scan.ends_before(position, received.at) {
-            m.close(index, observer);
-        }
-        m.scan.put(taxel, position, counts, received.at);
-        if m.scan.is_complete() {
-            m.close(index, observer);
-        }
+        Some(())
     }
 
-    /// Closes scans whose remaining readings did not come in time.
-    pub(super) fn flush(&mut self, now: Instant, observer: &mut impl Observer) {
-        for (index, m) in self.modules.iter_mut().enumerate() {
-            if m.scan.deadline().is_some_and(|end| end <= now) {
-                m.close(index, observer);
-            }
-        }
-    }
-
-    /// When the next scan ends by itself.
-    pub(super) fn deadline(&self) -> Option<Instant> {
-        self.modules.iter().filter_map(|m| m.scan.deadline()).min()
+    /// Ends scans whose remaining readings did not come in time.
+    pub(super) fn flush(&mut self, now: Instant, layout: &Layout, observer: &mut impl Observer) {
+        let pipeline = &mut self.pipeline;
+        self.assembler
+            .flush(now, |scan, m| pipeline.frame(scan, m, layout, observer));
     }
 }

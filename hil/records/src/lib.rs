@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bursts;
+pub mod candump;
 pub mod contacts_csv;
 pub mod digest;
 mod fixed;
@@ -12,7 +13,6 @@ pub mod golden;
 pub mod measure;
 pub mod report;
 pub mod schedule;
-pub mod candump;
 pub mod trace;
 pub mod words;
 
