@@ -36,7 +36,9 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Input(message) | Self::Device(message) | Self::Guard(message) => f.write_str(message),
+            Self::Input(message) | Self::Device(message) | Self::Guard(message) => {
+                f.write_str(message)
+            }
             Self::Write { path, error } => write!(f, "{path}: cannot be written: {error}"),
         }
     }

@@ -1,3 +1,10 @@
 //! The `hil` library: everything behind the command line.
 
+pub mod cli;
+pub mod clock;
+pub mod command;
+pub mod failure;
 pub mod files;
+pub mod output;
+pub mod plan;
+pub mod run;

@@ -15,18 +15,28 @@ pub fn write_file(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Failure> {
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let name = path
+        .file_name()
+        .map(|n| n.to_string_lossy().into_owned())
+        .unwrap_or_default();
     let partial = path.with_file_name(format!(".{name}.partial"));
     let written = fs::File::create(&partial).and_then(|file| {
         let mut out = io::BufWriter::new(file);
         content(&mut out)?;
-        out.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()
+        out.into_inner()
+            .map_err(io::IntoInnerError::into_error)?
+            .sync_all()
     });
-    written.and_then(|()| fs::rename(&partial, path)).map_err(|error| {
-        // Best effort: the error to tell is the first one.
-        let _ = fs::remove_file(&partial);
-        Failure::Write { path: path.display().to_string(), error }
-    })
+    written
+        .and_then(|()| fs::rename(&partial, path))
+        .map_err(|error| {
+            // Best effort: the error to tell is the first one.
+            let _ = fs::remove_file(&partial);
+            Failure::Write {
+                path: path.display().to_string(),
+                error,
+            }
+        })
 }
 
 /// Writes to standard output. A reader that has gone away (`hil ... | head`) is no error.
@@ -36,9 +46,10 @@ pub fn write_file(
 pub fn print(content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
     let mut out = io::BufWriter::new(io::stdout().lock());
     match content(&mut out).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::Write { path: "standard output".into(), error })
-        }
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::Write {
+            path: "standard output".into(),
+            error,
+        }),
         _ => Ok(()),
     }
 }
@@ -63,6 +74,9 @@ mod tests {
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
         fs::remove_dir_all(&folder).unwrap();
         let nowhere = write_file(&folder.join("x"), |_| Ok(())).unwrap_err();
-        assert!(nowhere.to_string().contains("cannot be written"), "{nowhere}");
+        assert!(
+            nowhere.to_string().contains("cannot be written"),
+            "{nowhere}"
+        );
     }
 }

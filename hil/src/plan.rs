@@ -24,17 +24,29 @@ fn point([x, y]: [f64; 2]) -> Point {
 fn module(file: &files::Module, axes: u8) -> Result<Module, LayoutError> {
     let limited = |n: usize| u16::try_from(n).unwrap_or(u16::MAX);
     let built = match (&file.grid, &file.points_mm) {
-        (Some(grid), _) => {
-            Module::grid(&file.name, limited(grid.rows), limited(grid.columns), grid.pitch_mm as f32)?
-        }
+        (Some(grid), _) => Module::grid(
+            &file.name,
+            limited(grid.rows),
+            limited(grid.columns),
+            grid.pitch_mm as f32,
+        )?,
         (None, points) => {
-            let points = points.iter().flatten().copied().map(point).collect::<Vec<_>>();
+            let points = points
+                .iter()
+                .flatten()
+                .copied()
+                .map(point)
+                .collect::<Vec<_>>();
             Module::scattered(&file.name, &points)?
         }
     };
-    let active: Vec<bool> =
-        (0..built.points().len()).map(|i| !file.inactive.contains(&i)).collect();
-    let built = built.with_active(&active)?.with_axes(axes)?.with_origin(point(file.place_mm))?;
+    let active: Vec<bool> = (0..built.points().len())
+        .map(|i| !file.inactive.contains(&i))
+        .collect();
+    let built = built
+        .with_active(&active)?
+        .with_axes(axes)?
+        .with_origin(point(file.place_mm))?;
     match (file.bus, file.boards.first()) {
         (Some(bus), Some(&board)) => built.with_address(Address { bus, board }),
         _ => Ok(built),
@@ -46,7 +58,11 @@ fn module(file: &files::Module, axes: u8) -> Result<Module, LayoutError> {
 /// # Errors
 /// [`Failure::Input`] with the file's name and what no layout can be.
 pub fn layout(file: &files::SensorLayout) -> Result<Layout, Failure> {
-    let modules = file.modules.iter().map(|m| module(m, file.axes)).collect::<Result<_, _>>();
+    let modules = file
+        .modules
+        .iter()
+        .map(|m| module(m, file.axes))
+        .collect::<Result<_, _>>();
     let built = modules.and_then(Layout::new);
     built.map_err(|e| Failure::Input(format!("layout `{}`: {e}", file.name)))
 }
@@ -65,7 +81,12 @@ pub fn boards(bench: &files::Bench) -> Vec<u8> {
 /// [`Failure::Input`] with what no display can be.
 pub fn display(setup: &Setup) -> Result<Display, Failure> {
     let boards = boards(&setup.bench.value);
-    let wires = setup.display.value.wires_mm.iter().zip(&setup.bench.value.outputs);
+    let wires = setup
+        .display
+        .value
+        .wires_mm
+        .iter()
+        .zip(&setup.bench.value.outputs);
     let wire = |(place, output): (&[f64; 2], &files::Output)| Wire {
         place: point(*place),
         board: Board(boards.iter().position(|&b| b == output.board).unwrap_or(0) as u8),
@@ -80,13 +101,21 @@ pub fn display(setup: &Setup) -> Result<Display, Failure> {
 /// # Errors
 /// [`Failure::Input`] for no frequency at all.
 pub fn prescale(bench: &files::Bench) -> Result<Prescale, Failure> {
-    Prescale::from_hz(bench.drive.pwm_hz)
-        .ok_or_else(|| Failure::Input(format!("bench `{}`: expected a PWM frequency above 0", bench.name)))
+    Prescale::from_hz(bench.drive.pwm_hz).ok_or_else(|| {
+        Failure::Input(format!(
+            "bench `{}`: expected a PWM frequency above 0",
+            bench.name
+        ))
+    })
 }
 
 /// Parameters of a bench's wires.
 pub fn wire(bench: &files::Bench) -> WireParameters {
-    let base = if bench.wire.diameter_um == 100 { WireParameters::FIRST } else { WireParameters::FINAL };
+    let base = if bench.wire.diameter_um == 100 {
+        WireParameters::FIRST
+    } else {
+        WireParameters::FINAL
+    };
     let alloy = match bench.wire.transition {
         Transition::Low => Alloy::LOW,
         Transition::High => Alloy::HIGH,
@@ -148,10 +177,16 @@ fn sensor_area(layout: &Layout, drives: usize, scope: Scope) -> Rect {
         m.points().iter().map(shifted).collect::<Vec<_>>()
     };
     let taxels: Vec<Point> = match scope {
-        Scope::Skin => layout.modules().iter().flat_map(|m| places(m, m.origin())).collect(),
-        Scope::Module => {
-            layout.modules().get(drives).map(|m| places(m, Point::default())).unwrap_or_default()
-        }
+        Scope::Skin => layout
+            .modules()
+            .iter()
+            .flat_map(|m| places(m, m.origin()))
+            .collect(),
+        Scope::Module => layout
+            .modules()
+            .get(drives)
+            .map(|m| places(m, Point::default()))
+            .unwrap_or_default(),
     };
     Rect::around(taxels.into_iter())
 }
@@ -178,17 +213,36 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
     let ms = |ms: f64| Duration::from_micros((ms * 1e3).round() as u64);
     let timing = timing(ms(illusion.tau_d_ms), illusion.soa_ms.map(ms))
         .map_err(|e| bad("illusion.tau_d_ms", &e))?;
-    let shape = Shape { x: illusion.shape as f32, y: illusion.shape as f32 };
+    let shape = Shape {
+        x: illusion.shape as f32,
+        y: illusion.shape as f32,
+    };
     let phantom = LogPhantom::new(&display, shape)
         .ok_or_else(|| bad("illusion.shape", &"a shape factor above 0"))?;
-    let floor = if illusion.intensity { illusion.intensity_floor as f32 } else { 1.0 };
-    let drive = Drive { alpha: illusion.alpha as f32, beta: illusion.beta as f32, floor };
+    let floor = if illusion.intensity {
+        illusion.intensity_floor as f32
+    } else {
+        1.0
+    };
+    let drive = Drive {
+        alpha: illusion.alpha as f32,
+        beta: illusion.beta as f32,
+        floor,
+    };
 
     let (prescale, peak) = (prescale(bench)?, milliamps(bench.drive.current_ma));
     let wire_milliohm = (wire(bench).resistance_ohm * 1e3).round() as u32;
     let limits = limits(&setup.limits.value, milliamps(bench.drive.supply_limit_ma));
-    let guard = Guard::new(limits, Plant { prescale, wire_milliohm, peak }, display.wires())
-        .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
+    let guard = Guard::new(
+        limits,
+        Plant {
+            prescale,
+            wire_milliohm,
+            peak,
+        },
+        display.wires(),
+    )
+    .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
 
     Ok(Plan {
         sensing: SensingPlan {
@@ -197,7 +251,9 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
             initialiser: InitialiserSettings {
                 reference_frames: scene.reference_frames,
                 fault_sigmas: scene.faulty_deviations.map(|k| k as f32),
-                threshold: ThresholdRule::Auto { margin: scene.threshold_margin as f32 },
+                threshold: ThresholdRule::Auto {
+                    margin: scene.threshold_margin as f32,
+                },
                 axes: axes(scene.compression.axes),
             },
             compression: Settings {
@@ -214,7 +270,12 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
         drives: u16::try_from(scene.drives).unwrap_or(u16::MAX),
         map,
         display,
-        output: OutputSettings { timing, phantom, drive, peak },
+        output: OutputSettings {
+            timing,
+            phantom,
+            drive,
+            peak,
+        },
         guard,
     })
 }

@@ -290,10 +290,12 @@ impl Projector {
             Levels::Dynamic(k) => *k,
         };
         let drive = self.output.drive();
+        // With K_C over the whole skin, the skin drives the display; else one module does.
+        let whole = compressor.settings().scope == Scope::Skin;
         let ours = compressor
             .contacts()
             .iter()
-            .filter(|c| c.module == self.drives);
+            .filter(|c| whole || c.module == self.drives);
         let mut count = 0;
         for (target, contact) in self.targets.iter_mut().zip(ours) {
             *target = Target {

@@ -1,0 +1,162 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Tactile feedback, hardware in the loop: from touched skin to heated wires.
+#[derive(Debug, Parser)]
+#[command(name = "hil", version, about, disable_help_subcommand = true)]
+pub struct Cli {
+    /// What to do; without a command, `hil run` of the default scene.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scene (default: a rolling sphere) or a recording on a bench and print a summary.
+    Run(Box<RunArgs>),
+    /// Only the compression: contacts per frame of a recording, as CSV on standard output.
+    Contacts(ContactsArgs),
+}
+
+/// On or off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Switch {
+    /// On.
+    On,
+    /// Off.
+    Off,
+}
+
+/// Options of `hil run`.
+#[derive(Debug, Default, Args)]
+pub struct RunArgs {
+    /// A built-in scene or a file (default: sphere-along).
+    pub scene: Option<String>,
+    /// A built-in bench or a file (default: emulated).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub bench: Option<String>,
+    /// Recorded taxels (CSV) in place of the scene's touches; once a module of the layout.
+    #[arg(long, value_name = "FILE")]
+    pub replay: Vec<PathBuf>,
+    /// Sensor layout of the recording (default: the scene's).
+    #[arg(long, value_name = "NAME|FILE", requires = "replay")]
+    pub layout: Option<String>,
+    /// Rows a second of a recording without a time_us column.
+    #[arg(long, value_name = "HZ", requires = "replay")]
+    pub rate: Option<f64>,
+    /// Seed of all randomness.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Write summary.json, schedule.jsonl, contacts.csv and report.html into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the summary as one JSON object.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+    /// Write the schedule as JSON Lines.
+    #[arg(long, value_name = "FILE")]
+    pub schedule: Option<PathBuf>,
+    /// Write a report: one HTML page with plots.
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Write a record; the ending names the format: .csv contacts, .jsonl schedule. Repeatable.
+    #[arg(long, value_name = "FILE")]
+    pub record: Vec<PathBuf>,
+    /// Whether intensity levels change the drive.
+    #[arg(long, value_name = "on|off")]
+    pub intensity: Option<Switch>,
+    /// Illusion model: phantom.
+    #[arg(long, value_name = "NAME")]
+    pub illusion: Option<String>,
+    /// Shape factor s of the phantom law.
+    #[arg(long, value_name = "S")]
+    pub shape: Option<f64>,
+    /// Duty offset alpha, a fraction of a period.
+    #[arg(long, value_name = "A")]
+    pub alpha: Option<f64>,
+    /// Duty range beta, a fraction of a period.
+    #[arg(long, value_name = "B")]
+    pub beta: Option<f64>,
+    /// Stimulus duration, ms.
+    #[arg(long, value_name = "T")]
+    pub tau_d_ms: Option<f64>,
+    /// Stimulus onset asynchrony, ms (default: 0.32 tau_d + 47.3).
+    #[arg(long, value_name = "T")]
+    pub soa_ms: Option<f64>,
+}
+
+/// Norms of the weights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum NormArg {
+    /// Sum of absolute values.
+    L1,
+    /// Euclidean.
+    L2,
+    /// Largest.
+    Linf,
+}
+
+/// Axes that count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AxesArg {
+    /// All three.
+    Xyz,
+    /// The normal one.
+    Z,
+}
+
+/// What to do with rows that repeat the one before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum StaleArg {
+    /// Compress them like any other.
+    Keep,
+    /// Leave them out.
+    Skip,
+}
+
+/// Options of `hil contacts`.
+#[derive(Debug, Args)]
+pub struct ContactsArgs {
+    /// Recorded taxels (CSV).
+    pub file: PathBuf,
+    /// Sensor layout: a built-in name or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    pub layout: String,
+    /// Most contacts K_C of a module.
+    #[arg(long, default_value_t = 1)]
+    pub kc: u16,
+    /// Static intensity levels K_I, found over the whole recording.
+    #[arg(long, default_value_t = 10)]
+    pub ki: u16,
+    /// Contact-free rows at the start that make the reference.
+    #[arg(long, default_value_t = 10)]
+    pub reference_frames: u32,
+    /// Contact threshold: auto (the largest value of the first row after the reference) or raw counts.
+    #[arg(long, default_value = "auto", value_name = "auto|COUNTS")]
+    pub threshold: String,
+    /// Exponent p of the weights ||s||^p.
+    #[arg(long, default_value_t = 1.0)]
+    pub weight_exponent: f64,
+    /// Norm l of the weights.
+    #[arg(long, value_enum, default_value_t = NormArg::L2)]
+    pub norm: NormArg,
+    /// Axes that count.
+    #[arg(long, value_enum, default_value_t = AxesArg::Xyz)]
+    pub axes: AxesArg,
+    /// Rows a second of a recording without a time_us column.
+    #[arg(long, value_name = "HZ")]
+    pub rate: Option<f64>,
+    /// Seed of the k-means++ draws.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// What to do with rows that repeat the one before.
+    #[arg(long, value_enum, default_value_t = StaleArg::Keep)]
+    pub replay_stale: StaleArg,
+}

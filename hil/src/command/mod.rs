@@ -1,0 +1,7 @@
+//! One function a command: arguments in, files and text out.
+
+mod contacts;
+mod run;
+
+pub use contacts::contacts;
+pub use run::run;

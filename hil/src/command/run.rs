@@ -1,0 +1,222 @@
+//! `hil run`.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use palpate_records::contacts_csv::write_contacts;
+use palpate_records::report::{ReportExtras, SummaryRow, report_html};
+use palpate_records::schedule::write_schedule;
+
+use crate::cli::{RunArgs, Switch};
+use crate::failure::Failure;
+use crate::files::{self, Scene, Setup, load_bench, load_layout, load_scene};
+use crate::output::{print, write_file};
+use crate::run::{self, Input, Outcome};
+
+/// The scene of `hil run` without a name.
+const DEFAULT_SCENE: &str = "sphere-along";
+/// The bench of `hil run` without one.
+const DEFAULT_BENCH: &str = "emulated";
+
+/// What to write, by the ending of a file's name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Contacts,
+    Schedule,
+    Report,
+    Summary,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Self, Failure> {
+        match path.extension().and_then(|e| e.to_str()) {
+            Some("csv") => Ok(Self::Contacts),
+            Some("jsonl") => Ok(Self::Schedule),
+            _ => Err(Failure::Input(format!(
+                "--record {}: expected a name that ends in .csv (contacts) or .jsonl (schedule)",
+                path.display()
+            ))),
+        }
+    }
+
+    fn write(self, path: &Path, outcome: &Outcome) -> Result<(), Failure> {
+        write_file(path, |out| match self {
+            Self::Contacts => write_contacts(&outcome.trace, out),
+            Self::Schedule => write_schedule(&outcome.trace, out),
+            Self::Report => out.write_all(report(outcome).as_bytes()),
+            Self::Summary => {
+                serde_json::to_writer_pretty(&mut *out, &outcome.summary)?;
+                writeln!(out)
+            }
+        })
+    }
+}
+
+/// Runs a scene or a recording and writes what was asked for.
+///
+/// # Errors
+/// [`Failure`] with its exit status.
+pub fn run(args: &RunArgs) -> Result<(), Failure> {
+    let setup = setup(args)?;
+    let input = match args.replay.as_slice() {
+        [] => Input::Scene,
+        paths => Input::Replay {
+            paths: paths.to_vec(),
+            rate_hz: args.rate,
+        },
+    };
+    let files = wanted(args)?;
+    if let Some(folder) = &args.out {
+        fs::create_dir_all(folder).map_err(|error| Failure::Write {
+            path: folder.display().to_string(),
+            error,
+        })?;
+    }
+    let outcome = run::run(&setup, &input, args.seed)?;
+    for (format, path) in &files {
+        format.write(path, &outcome)?;
+    }
+    if args.json {
+        print(|out| {
+            serde_json::to_writer(&mut *out, &outcome.summary)?;
+            writeln!(out)
+        })
+    } else if args.quiet {
+        Ok(())
+    } else {
+        print(|out| {
+            outcome.summary.write(out)?;
+            files
+                .iter()
+                .try_for_each(|(_, path)| writeln!(out, "  wrote           {}", path.display()))
+        })
+    }
+}
+
+/// The files to write, checked before anything runs.
+fn wanted(args: &RunArgs) -> Result<Vec<(Format, PathBuf)>, Failure> {
+    let mut files = Vec::new();
+    if let Some(folder) = &args.out {
+        for (format, name) in [
+            (Format::Summary, "summary.json"),
+            (Format::Schedule, "schedule.jsonl"),
+            (Format::Contacts, "contacts.csv"),
+            (Format::Report, "report.html"),
+        ] {
+            files.push((format, folder.join(name)));
+        }
+    }
+    files.extend(args.schedule.iter().map(|p| (Format::Schedule, p.clone())));
+    files.extend(args.report.iter().map(|p| (Format::Report, p.clone())));
+    for path in &args.record {
+        files.push((Format::of(path)?, path.clone()));
+    }
+    Ok(files)
+}
+
+/// Scene and bench with the command line's changes, checked like a file of that content.
+fn setup(args: &RunArgs) -> Result<Setup, Failure> {
+    let mut scene = load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
+    let bench = load_bench(args.bench.as_deref().unwrap_or(DEFAULT_BENCH))?;
+    if let Some(name) = &args.layout {
+        // The name is checked here so that the error speaks of the option.
+        let found = load_layout(name)?;
+        if !matches!(found.value, files::LayoutFile::Sensor(_)) {
+            return Err(Failure::Input(format!(
+                "--layout {name}: expected a layout of kind \"sensor\", found a display"
+            )));
+        }
+        scene.value.layout.clone_from(name);
+    }
+    if !args.replay.is_empty() {
+        scene.value.touches.clear();
+        scene.value.name = format!("replay of {}", args.replay[0].display());
+    }
+    change(&mut scene.value, args)?;
+    Ok(Setup::join(scene, bench)?)
+}
+
+fn change(scene: &mut Scene, args: &RunArgs) -> Result<(), Failure> {
+    let illusion = &mut scene.illusion;
+    if let Some(name) = args.illusion.as_deref().filter(|n| *n != "phantom") {
+        return Err(Failure::Input(format!(
+            "--illusion {name}: expected phantom"
+        )));
+    }
+    if let Some(switch) = args.intensity {
+        illusion.intensity = switch == Switch::On;
+    }
+    let set =
+        |option: &str, value: Option<f64>, slot: &mut f64, low: f64, high: f64| match value {
+            Some(v) if !(low..=high).contains(&v) => Err(Failure::Input(format!(
+                "--{option} {v}: expected {low} to {high}"
+            ))),
+            Some(v) => {
+                *slot = v;
+                Ok(())
+            }
+            None => Ok(()),
+        };
+    set("shape", args.shape, &mut illusion.shape, 0.01, 100.0)?;
+    set("alpha", args.alpha, &mut illusion.alpha, 0.0, 1.0)?;
+    set("beta", args.beta, &mut illusion.beta, 0.0, 1.0)?;
+    set(
+        "tau-d-ms",
+        args.tau_d_ms,
+        &mut illusion.tau_d_ms,
+        1.0,
+        10_000.0,
+    )?;
+    let mut soa = illusion.soa_ms.unwrap_or(0.0);
+    set("soa-ms", args.soa_ms, &mut soa, 1.0, 10_000.0)?;
+    if args.soa_ms.is_some() {
+        illusion.soa_ms = Some(soa);
+    }
+    if illusion.alpha + illusion.beta >= 1.0 {
+        return Err(Failure::Input(format!(
+            "--alpha {} --beta {}: expected a sum below 1",
+            illusion.alpha, illusion.beta
+        )));
+    }
+    if illusion.tau_d_ms > illusion.onset_ms() {
+        return Err(Failure::Input(format!(
+            "--tau-d-ms {}: expected at most the onset asynchrony, {:.1} ms",
+            illusion.tau_d_ms,
+            illusion.onset_ms()
+        )));
+    }
+    Ok(())
+}
+
+fn report(outcome: &Outcome) -> String {
+    let s = &outcome.summary;
+    let row = |name: &str, value: String, unit: &str| SummaryRow {
+        name: name.into(),
+        value,
+        unit: unit.into(),
+        ..SummaryRow::default()
+    };
+    let rows = [
+        row(
+            "taxel refresh, median",
+            format!("{:.1}", s.taxels.refresh_hz.median),
+            "Hz",
+        ),
+        row(
+            "taxel refresh, slowest",
+            format!("{:.1}", s.taxels.refresh_hz.min),
+            "Hz",
+        ),
+        row("frozen taxels", s.taxels.frozen.to_string(), ""),
+        row("dead taxels", s.taxels.dead.to_string(), ""),
+        row("computed in", format!("{:.3}", s.wall_s), "s"),
+    ];
+    report_html(
+        &outcome.trace,
+        &ReportExtras {
+            frame_us: &outcome.frame_us,
+            summary: &rows,
+        },
+    )
+}

@@ -1,0 +1,386 @@
+//! A run: a scene or a recording through the loop onto an emulated display, in virtual time.
+
+mod recorder;
+mod skin;
+mod summary;
+
+pub use summary::{Summary, Taxels};
+
+use std::convert::Infallible;
+use std::path::PathBuf;
+
+use palpate_core::bus::{Actuators, SensorBus};
+use palpate_core::contact::{LevelTable, Levels};
+use palpate_core::driver::Pca9685Bank;
+use palpate_core::guard::Guarded;
+use palpate_core::physics::SkinParameters;
+use palpate_core::projector::{Cause, LoopError, Projector};
+use palpate_core::units::{Duration, Instant, Point};
+use palpate_emulators::display::{Display, DisplayConfig, Place};
+use palpate_emulators::i2c::BusClock;
+use palpate_emulators::perceiver::PerceiverParameters;
+use palpate_emulators::rig::Handle;
+use palpate_emulators::time::Nanos;
+use palpate_records::digest::short_digest;
+use palpate_records::trace::{Event, Header, Ledger, Limits, Source, Trace, WireInfo};
+
+use crate::clock;
+use crate::failure::Failure;
+use crate::files::Setup;
+use crate::plan;
+
+use recorder::{Onset, Recorder, um};
+use skin::Replay;
+
+/// The loop is called at least this often, as a real host would call it.
+const TICK: Duration = Duration::from_millis(1);
+/// A contact this close to the display's hull counts as inside it, mm.
+const HULL_MARGIN: f32 = 1e-3;
+
+/// What drives the sensor end.
+#[derive(Clone, Debug)]
+pub enum Input {
+    /// The scene's touches on an emulated skin.
+    Scene,
+    /// Recorded rows, one file a module, at a rate where the files have no times.
+    Replay {
+        /// The files.
+        paths: Vec<PathBuf>,
+        /// Rows a second.
+        rate_hz: Option<f64>,
+    },
+}
+
+/// A finished run.
+#[derive(Debug)]
+pub struct Outcome {
+    /// Everything that happened.
+    pub trace: Trace,
+    /// What it came to.
+    pub summary: Summary,
+    /// Computing time of each frame, microseconds.
+    pub frame_us: Vec<f32>,
+}
+
+/// A sensor end whose virtual time the run moves.
+trait Skin: SensorBus {
+    fn advance_to(&mut self, now: Instant);
+}
+
+impl Skin for Handle {
+    fn advance_to(&mut self, now: Instant) {
+        self.advance(Nanos::from(now));
+    }
+}
+
+impl Skin for Replay {
+    fn advance_to(&mut self, now: Instant) {
+        self.advance(now);
+    }
+}
+
+/// Nobody listens: for a pass that only looks at contacts.
+struct Silence;
+
+impl Actuators for Silence {
+    type Error = Infallible;
+
+    fn apply(&mut self, _update: &Guarded) -> Result<(), Infallible> {
+        Ok(())
+    }
+
+    fn all_off(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+/// Runs a scene on an emulated bench.
+///
+/// # Errors
+/// [`Failure`] for input that fits no loop, or a bus that fails.
+pub fn run(setup: &Setup, input: &Input, seed: u64) -> Result<Outcome, Failure> {
+    let layout = plan::layout(&setup.sensor.value)?;
+    let scene = &setup.scene.value;
+    match input {
+        Input::Scene => {
+            let end = Instant::from_micros((scene.length_s * 1e6).round() as u64);
+            let skin = || skin::emulated(scene, &setup.sensor.value, &layout, seed);
+            let levels = calibrate(setup, seed, &mut skin()?, end)?;
+            let truth = Some((scene.touches.clone(), scene.drives));
+            project(setup, seed, levels, &mut skin()?, truth, end)
+        }
+        Input::Replay { paths, rate_hz } => {
+            let open = || Replay::open(paths, &setup.sensor.value, &layout, *rate_hz);
+            let (mut first, mut second) = (open()?, open()?);
+            if first.rows() <= scene.reference_frames as usize {
+                return Err(Failure::Input(format!(
+                    "{}: expected more than the {} reference rows, found {}",
+                    paths
+                        .first()
+                        .map(|p| p.display().to_string())
+                        .unwrap_or_default(),
+                    scene.reference_frames,
+                    first.rows()
+                )));
+            }
+            let end = first.end() + Duration::from_millis(100);
+            let levels = calibrate(setup, seed, &mut first, end)?;
+            project(setup, seed, levels, &mut second, None, end)
+        }
+    }
+}
+
+/// A first pass that finds the static intensity levels over the whole input.
+fn calibrate(
+    setup: &Setup,
+    seed: u64,
+    skin: &mut impl Skin,
+    end: Instant,
+) -> Result<Levels, Failure> {
+    let k = setup.scene.value.compression.ki as usize;
+    let mut projector = build(setup, seed, Levels::Off)?;
+    let mut recorder = Recorder::default();
+    let mut now = Instant::ZERO;
+    while now < end {
+        skin.advance_to(now);
+        let polled = projector.poll(now, skin, &mut Silence, &mut recorder);
+        if let Err(LoopError::Sensor(e)) = polled {
+            return Err(Failure::Device(format!("sensor bus: {e:?}")));
+        }
+        now = projector.next().min(now + TICK);
+    }
+    match LevelTable::from_intensities(&recorder.intensities, k) {
+        Ok(table) => Ok(Levels::Table(table)),
+        Err(_) => Ok(Levels::Off), // nothing was touched
+    }
+}
+
+fn build(setup: &Setup, seed: u64, levels: Levels) -> Result<Projector, Failure> {
+    let plan = plan::plan(setup, seed, levels)?;
+    Projector::new(plan).map_err(|e| Failure::Input(format!("{}: {e}", setup.scene.source.label())))
+}
+
+/// The emulated display of a bench.
+fn display(setup: &Setup, projector: &Projector) -> Result<Display, Failure> {
+    let bench = &setup.bench.value;
+    let place = |w: &palpate_core::illusion::Wire| Place {
+        at: w.place,
+        board: w.board.0,
+        channel: w.channel.0,
+    };
+    Display::new(&DisplayConfig {
+        boards: plan::boards(bench)
+            .into_iter()
+            .map(|a| (a, bench.drive.oscillator))
+            .collect(),
+        wires: projector.display().wires().iter().map(place).collect(),
+        current: plan::milliamps(bench.drive.current_ma),
+        wire: plan::wire(bench),
+        skin: SkinParameters::DEFAULT,
+        perceiver: PerceiverParameters::default(),
+        clock: BusClock::Fast,
+    })
+    .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))
+}
+
+/// The pass that counts: the loop between the skin and the emulated display.
+fn project(
+    setup: &Setup,
+    seed: u64,
+    levels: Levels,
+    skin: &mut impl Skin,
+    truth: Option<(Vec<crate::files::Touch>, usize)>,
+    end: Instant,
+) -> Result<Outcome, Failure> {
+    let started = clock::now();
+    let bench = &setup.bench.value;
+    let prescale = plan::prescale(bench)?;
+    let mut projector = build(setup, seed, levels)?;
+    let mut display = display(setup, &projector)?;
+    let mut recorder = Recorder::new(truth);
+    let mut bank = Pca9685Bank::new(display.bus(), &plan::boards(bench), prescale);
+    let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
+
+    for (board, _) in plan::boards(bench).iter().enumerate() {
+        let board = board as u8; // at most 16
+        recorder.events.push(Event::AllOff {
+            t_us: 0,
+            board,
+            cause: "start",
+        });
+        recorder.events.push(Event::PreScale {
+            t_us: 0,
+            board,
+            pre_scale: prescale.get(),
+        });
+    }
+    let ready = bank.start(Instant::ZERO).map_err(|e| device(&e))?;
+
+    let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
+    let mut pending: Option<Onset> = None;
+    let mut now = ready;
+    while now < end {
+        skin.advance_to(now);
+        let edges = &mut recorder.events;
+        display
+            .advance(Nanos::from(now), &mut |e| edges.push(edge(&e)))
+            .map_err(|e| device(&e))?;
+        let before = recorder.frames;
+        let begun = clock::now();
+        let polled = projector.poll(now, skin, &mut bank, &mut recorder);
+        spent += begun.elapsed();
+        let onset = polled.map_err(|e| match e {
+            LoopError::Sensor(e) => Failure::Device(format!("sensor bus: {e:?}")),
+            LoopError::Actuator(e) => device(&e),
+        })?;
+        if recorder.frames > before {
+            let frames = recorder.frames - before;
+            let each = spent.as_secs_f32() * 1e6 / frames as f32;
+            frame_us.extend(std::iter::repeat_n(each, frames as usize));
+            spent = std::time::Duration::ZERO;
+        }
+        if onset {
+            feel(pending.take(), &display, &projector, &mut recorder);
+            pending = recorder.onset.take();
+            sample_wires(now, &mut display, &projector, &mut recorder);
+        }
+        now = projector.next().min(now + TICK);
+    }
+    feel(pending, &display, &projector, &mut recorder);
+    projector
+        .all_off(end, Cause::End, &mut bank, &mut recorder)
+        .map_err(|e| device(&e))?;
+    // Full off takes effect at the end of a period: wait for two of them.
+    let settled = Nanos::from(end) + Nanos(2 * prescale.period_ns());
+    let edges = &mut recorder.events;
+    display
+        .advance(settled, &mut |e| edges.push(edge(&e)))
+        .map_err(|e| device(&e))?;
+
+    let totals = display.totals();
+    let mut events = std::mem::take(&mut recorder.events);
+    events.sort_by_key(Event::t_ns);
+    let ledger = Ledger {
+        energy_uj: (totals.electrical_j * 1e6).round() as u64,
+        peak_supply_ma: totals.peak_supply.0,
+        hottest_wire: milli_c(totals.hottest_wire.0).map(|t| (t, totals.hottest_wire.1 as u16)),
+        hottest_skin_milli_c: milli_c(totals.hottest_skin_c),
+        limiter_events: recorder.limiter_events,
+        length_us: end.as_micros(),
+    };
+    let trace = Trace {
+        header: header(setup, seed, &projector)?,
+        events,
+        ledger,
+    };
+    let health = projector.health(end);
+    let summary = Summary::new(
+        &trace,
+        &recorder,
+        &frame_us,
+        &health,
+        bench,
+        started.elapsed(),
+    );
+    Ok(Outcome {
+        trace,
+        summary,
+        frame_us,
+    })
+}
+
+fn edge(e: &palpate_emulators::display::OutputEdge) -> Event {
+    Event::Edge {
+        t_ns: e.at.0,
+        board: e.board,
+        channel: e.channel,
+        high: e.high,
+    }
+}
+
+/// Thousandths of a degree; `None` for a display without wires.
+fn milli_c(celsius: f64) -> Option<i32> {
+    celsius.is_finite().then(|| (celsius * 1e3).round() as i32)
+}
+
+/// What a person felt of an onset that is over. Onsets with several contacts are not scored: one felt
+/// place cannot be held against two.
+fn feel(onset: Option<Onset>, display: &Display, projector: &Projector, recorder: &mut Recorder) {
+    let Some(Onset {
+        at,
+        target: Some(seen),
+    }) = onset
+    else {
+        return;
+    };
+    let true_place = recorder
+        .truth_at(at)
+        .map(|(place, _)| projector.map().apply(place));
+    let felt = display.feel(Nanos::from(at)).map(|felt| {
+        um(Point::new(
+            felt.position_mm.0 as f32,
+            felt.position_mm.1 as f32,
+        ))
+    });
+    recorder.events.push(Event::Felt {
+        t_us: at.as_micros(),
+        target: um(true_place.unwrap_or(seen)),
+        inside: projector.display().contains(seen, HULL_MARGIN),
+        felt,
+    });
+}
+
+fn sample_wires(
+    now: Instant,
+    display: &mut Display,
+    projector: &Projector,
+    recorder: &mut Recorder,
+) {
+    for wire in 0..projector.display().wires().len() {
+        if let Some(milli_c) = display.wire_c(wire).and_then(milli_c) {
+            recorder.events.push(Event::Wire {
+                t_us: now.as_micros(),
+                wire: wire as u16,
+                milli_c,
+            });
+        }
+    }
+}
+
+fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header, Failure> {
+    let (scene, bench) = (&setup.scene.value, &setup.bench.value);
+    let limits = projector.guard().limits();
+    let layout = plan::layout(&setup.sensor.value)?;
+    let taxels = layout
+        .modules()
+        .get(scene.drives)
+        .map(palpate_core::skin::Module::points);
+    let wire = |w: &palpate_core::illusion::Wire| WireInfo {
+        place: um(w.place),
+        board: w.board.0,
+        channel: w.channel.0,
+    };
+    let onset_us = (scene.illusion.onset_ms() * 1e3).round() as u64;
+    Ok(Header {
+        source: Source::Emulated,
+        scene: scene.name.clone(),
+        bench: bench.name.clone(),
+        seed,
+        scene_digest: short_digest(setup.scene.source.text().as_bytes()),
+        limits_digest: short_digest(setup.limits.source.text().as_bytes()),
+        pre_scale: plan::prescale(bench)?,
+        tau_d_us: (scene.illusion.tau_d_ms * 1e3).round() as u64,
+        soa_us: onset_us,
+        illusion: "phantom".into(),
+        kc: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),
+        limits: Limits {
+            pulse_ns: Some(limits.pulse_width_ns),
+            burst_us: Some(limits.burst.as_micros()),
+            supply_ma: Some(limits.supply.0),
+            fingertip_uw: u32::try_from(limits.fingertip_60s_uw).ok(),
+            skin_milli_c: None,
+        },
+        taxels: taxels.unwrap_or_default().iter().copied().map(um).collect(),
+        wires: projector.display().wires().iter().map(wire).collect(),
+    })
+}

@@ -1,0 +1,244 @@
+//! What a run came to: for people, and as the JSON object of `--json`.
+
+use std::io::{self, Write};
+use std::time::Duration;
+
+use palpate_core::skin::HealthSummary;
+use palpate_records::measure::{Errors, felt_error, path_error};
+use palpate_records::trace::{Source, Trace};
+use serde::Serialize;
+
+use super::recorder::Recorder;
+use crate::files::Bench;
+
+/// Root mean square and maximum of a distance, mm.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PathError {
+    /// Root mean square.
+    pub rmse: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+/// The same of what is felt, and where nothing is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FeltError {
+    /// Root mean square, display mm; `None` where nothing was felt or no truth is known.
+    pub rmse: Option<f64>,
+    /// Largest.
+    pub max: Option<f64>,
+    /// Onsets with a contact inside the hull and no wire above threshold.
+    pub breaks: u64,
+    /// Which perceiver says so.
+    pub perceiver: &'static str,
+}
+
+/// Rates at which taxels truly change, Hz.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Refresh {
+    /// Median over the taxels.
+    pub median: f64,
+    /// Slowest taxel.
+    pub min: f64,
+}
+
+/// The skin's health.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Taxels {
+    /// Rates of change.
+    pub refresh_hz: Refresh,
+    /// Taxels that stopped changing although readings came in.
+    pub frozen: u32,
+    /// Taxels never seen, or not any more.
+    pub dead: u32,
+    /// Share of frames in which no taxel changed.
+    pub repeated: f64,
+}
+
+/// Computing time of a frame, microseconds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FrameTime {
+    /// Median.
+    pub median: f64,
+    /// 99th percentile.
+    pub p99: f64,
+}
+
+/// The object that `hil run --json` prints; `interface.md` names its keys.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[allow(missing_docs)] // the keys say what they are, with their units
+pub struct Summary {
+    pub source: Source,
+    pub scene: String,
+    pub bench: String,
+    pub seed: u64,
+    pub frames: u32,
+    pub contacts: u64,
+    pub stimuli: u64,
+    pub path_error_mm: Option<PathError>,
+    pub felt_error_mm: FeltError,
+    pub energy_mj: f64,
+    pub peak_supply_a: f64,
+    pub hottest_wire_c: Option<f64>,
+    pub hottest_skin_c: Option<f64>,
+    pub pwm_hz: f64,
+    pub limiter_events: u32,
+    pub frame_us: Option<FrameTime>,
+    pub taxels: Taxels,
+    pub sim_s: f64,
+    pub wall_s: f64,
+}
+
+fn mm(um: u64) -> f64 {
+    um as f64 * 1e-3
+}
+
+impl FrameTime {
+    /// Of measured times; `None` for none.
+    fn of(frame_us: &[f32]) -> Option<Self> {
+        let mut sorted = frame_us.to_vec();
+        sorted.sort_by(f32::total_cmp);
+        let at = |part: f64| {
+            sorted
+                .get((part * (sorted.len().checked_sub(1)?) as f64) as usize)
+                .copied()
+        };
+        Some(Self {
+            median: f64::from(at(0.5)?),
+            p99: f64::from(at(0.99)?),
+        })
+    }
+}
+
+impl Summary {
+    pub(super) fn new(
+        trace: &Trace,
+        recorder: &Recorder,
+        frame_us: &[f32],
+        health: &HealthSummary,
+        bench: &Bench,
+        wall: Duration,
+    ) -> Self {
+        let error = |e: Errors| PathError {
+            rmse: mm(e.rmse_um),
+            max: mm(e.max_um),
+        };
+        let (felt, breaks) = felt_error(trace);
+        let path = path_error(trace).map(error);
+        // Without a truth there is nothing to hold the felt path against; breaks need none.
+        let felt = felt.map(error).filter(|_| path.is_some());
+        let ledger = &trace.ledger;
+        Self {
+            source: trace.header.source,
+            scene: trace.header.scene.clone(),
+            bench: trace.header.bench.clone(),
+            seed: trace.header.seed,
+            frames: recorder.frames,
+            contacts: recorder.contacts,
+            stimuli: recorder.stimuli,
+            path_error_mm: path,
+            felt_error_mm: FeltError {
+                rmse: felt.map(|f| f.rmse),
+                max: felt.map(|f| f.max),
+                breaks,
+                perceiver: "energy centroid",
+            },
+            energy_mj: ledger.energy_uj as f64 * 1e-3,
+            peak_supply_a: f64::from(ledger.peak_supply_ma) * 1e-3,
+            hottest_wire_c: ledger.hottest_wire.map(|(t, _)| f64::from(t) * 1e-3),
+            hottest_skin_c: ledger.hottest_skin_milli_c.map(|t| f64::from(t) * 1e-3),
+            pwm_hz: trace.header.pre_scale.hz() * bench.drive.oscillator,
+            limiter_events: ledger.limiter_events,
+            frame_us: FrameTime::of(frame_us),
+            taxels: Taxels {
+                refresh_hz: Refresh {
+                    median: f64::from(health.refresh_median_hz),
+                    min: f64::from(health.refresh_min_hz),
+                },
+                frozen: health.frozen,
+                dead: health.dead,
+                repeated: health.repeated as f64 / (health.frames.max(1)) as f64,
+            },
+            sim_s: ledger.length_us as f64 * 1e-6,
+            wall_s: wall.as_secs_f64(),
+        }
+    }
+
+    /// A dozen lines for a person.
+    ///
+    /// # Errors
+    /// What the stream says.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let source = match self.source {
+            Source::Emulated => "emulated",
+            Source::Real => "real",
+        };
+        writeln!(
+            out,
+            "{} on {} ({source}), seed {}",
+            self.scene, self.bench, self.seed
+        )?;
+        let mut row = |name: &str, value: String| writeln!(out, "  {name:<16}{value}");
+        row(
+            "simulated",
+            format!("{:.3} s in {:.3} s", self.sim_s, self.wall_s),
+        )?;
+        row(
+            "contacts",
+            format!("{} in {} frames", self.contacts, self.frames),
+        )?;
+        row(
+            "path error",
+            match &self.path_error_mm {
+                Some(e) => format!("{:.2} mm RMSE, {:.2} mm at most (sensor)", e.rmse, e.max),
+                None => "- (no true path known)".into(),
+            },
+        )?;
+        let breaks = match self.felt_error_mm.breaks {
+            0 => "no break".into(),
+            1 => "1 break".into(),
+            n => format!("{n} breaks"),
+        };
+        row(
+            "felt error",
+            match (self.felt_error_mm.rmse, self.felt_error_mm.max) {
+                (Some(rmse), Some(max)) => {
+                    format!("{rmse:.2} mm RMSE, {max:.2} mm at most (display), {breaks}")
+                }
+                _ => format!("- (no true path known), {breaks}"),
+            },
+        )?;
+        row(
+            "stimuli",
+            format!("{} at {:.2} Hz", self.stimuli, self.pwm_hz),
+        )?;
+        row("energy", format!("{:.1} mJ electrical", self.energy_mj))?;
+        row("supply", format!("{:.2} A at most", self.peak_supply_a))?;
+        let celsius = |t: Option<f64>| t.map_or("-".into(), |t| format!("{t:.1} C"));
+        row("hottest wire", celsius(self.hottest_wire_c))?;
+        row(
+            "hottest skin",
+            format!("{} (modelled, 0.1 mm deep)", celsius(self.hottest_skin_c)),
+        )?;
+        row("limiter events", self.limiter_events.to_string())?;
+        row(
+            "time per frame",
+            match &self.frame_us {
+                Some(t) => format!("{:.1} us median, {:.1} us p99", t.median, t.p99),
+                None => "-".into(),
+            },
+        )?;
+        let t = &self.taxels;
+        row(
+            "taxels",
+            format!(
+                "refresh {:.1} Hz median, {:.1} Hz min; {:.0} % of frames repeated; {} frozen, {} dead",
+                t.refresh_hz.median,
+                t.refresh_hz.min,
+                t.repeated * 100.0,
+                t.frozen,
+                t.dead
+            ),
+        )
+    }
+}
