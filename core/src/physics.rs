@@ -97,17 +97,16 @@ pub struct Mechanics {
     pub rest_c: f64,
 }
 
-impl Default for Mechanics {
-    fn default() -> Self {
-        Self {
-            modulus_austenite_pa: 75e9,
-            modulus_martensite_pa: 28e9,
-            transformation_strain: 0.045,
-            expansion_austenite: 11e-6,
-            expansion_martensite: 6.6e-6,
-            rest_c: 33.0,
-        }
-    }
+impl Mechanics {
+    /// The vendor's alloy, strain-free at skin temperature.
+    pub const DEFAULT: Self = Self {
+        modulus_austenite_pa: 75e9,
+        modulus_martensite_pa: 28e9,
+        transformation_strain: 0.045,
+        expansion_austenite: 11e-6,
+        expansion_martensite: 6.6e-6,
+        rest_c: 33.0,
+    };
 }
 
 /// One shape-memory wire.
@@ -172,14 +171,7 @@ impl WireParameters {
         bias_stress_pa: 172e6,
         alloy: Alloy::LOW,
         hysteresis: Hysteresis::Play,
-        mechanics: Mechanics {
-            modulus_austenite_pa: 75e9,
-            modulus_martensite_pa: 28e9,
-            transformation_strain: 0.045,
-            expansion_austenite: 11e-6,
-            expansion_martensite: 6.6e-6,
-            rest_c: 33.0,
-        },
+        mechanics: Mechanics::DEFAULT,
     };
     /// First module: 100 um x 5 mm, 1.4 Ohm, 46 % of the heat in the wire.
     pub const FIRST: Self = Self {

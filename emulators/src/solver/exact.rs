@@ -32,7 +32,7 @@ pub struct Exact {
     pub(super) modes: Vec<Mode>,
     pub(super) mode: usize,
     oldest: usize,
-    slots: Vec<Option<Slot>>,
+    slots: Vec<Slot>,
     pub(super) z: [f64; NODES],
     pub(super) now: Nanos,
     pub(super) drive: Drive,
@@ -86,7 +86,7 @@ impl Exact {
             modes: vec![resting],
             mode: 0,
             oldest: 1,
-            slots: vec![None; SLOTS],
+            slots: Vec::new(),
             z,
             now: Nanos::ZERO,
             drive: Drive::Off,
@@ -243,37 +243,33 @@ impl Exact {
             let place = self.oldest;
             self.oldest = if place + 1 < MODES { place + 1 } else { 1 };
             self.modes[place] = mode;
-            for slot in &mut self.slots {
-                if slot.as_ref().is_some_and(|s| s.mode == place) {
-                    *slot = None;
-                }
-            }
+            self.slots.retain(|slot| slot.mode != place);
             place
         });
         self.z = self.modes[self.mode].project(&nodes);
     }
 
-    /// Takes this mode's propagator over `nanos` out of its slot, computed unless it is there.
-    pub(super) fn borrow(&mut self, nanos: u64) -> (usize, Box<Propagator>) {
-        let mixed = nanos
-            .wrapping_mul(0x9E37_79B9_7F4A_7C15)
-            .wrapping_add(self.mode as u64);
-        let index = (mixed.wrapping_mul(0xD6E8_FEB8_6659_FD93) >> 60) as usize % SLOTS;
-        match self.slots[index].take() {
-            Some(s) if s.mode == self.mode && s.nanos == nanos => (index, s.propagator),
-            _ => {
+    /// Takes this mode's propagator over `nanos` out of the cache, computed unless it is there.
+    pub(super) fn borrow(&mut self, nanos: u64) -> Box<Propagator> {
+        let found = self
+            .slots
+            .iter()
+            .position(|s| s.mode == self.mode && s.nanos == nanos);
+        match found {
+            Some(i) => self.slots.swap_remove(i).propagator,
+            None => {
                 let span = Nanos(nanos).as_secs_f64();
-                (
-                    index,
-                    Box::new(Propagator::new(&self.modes[self.mode], span)),
-                )
+                Box::new(Propagator::new(&self.modes[self.mode], span))
             }
         }
     }
 
     /// Gives a borrowed propagator back.
-    pub(super) fn give_back(&mut self, index: usize, nanos: u64, propagator: Box<Propagator>) {
-        self.slots[index] = Some(Slot {
+    pub(super) fn give_back(&mut self, nanos: u64, propagator: Box<Propagator>) {
+        if self.slots.len() >= SLOTS {
+            self.slots.swap_remove(0);
+        }
+        self.slots.push(Slot {
             mode: self.mode,
             nanos,
             propagator,

@@ -5,7 +5,9 @@
 
 pub mod exact;
 pub mod modal;
+mod periodic;
 mod step;
+pub mod stepped;
 pub mod sum;
 
 use crate::finger::NODES;

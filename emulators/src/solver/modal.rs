@@ -169,14 +169,52 @@ pub struct Propagator {
 pub struct Probes {
     /// When, s.
     pub times: [f64; PROBES],
-    /// exp(-lambda t) then.
-    pub decays: [[f64; NODES]; PROBES],
+    /// exp(-lambda t) then, by coordinate.
+    decays: [[f64; PROBES]; NODES],
+}
+
+impl Probes {
+    /// Times halve (or are quartered, and so on) back from the end until the first is early enough, so
+    /// that the decays come from squaring.
+    fn new(mode: &Mode, span: f64) -> Self {
+        let mut halvings = 1;
+        while span > FIRST_PROBE_S * libm::exp2((halvings * PROBES) as f64) && halvings < 8 {
+            halvings += 1;
+        }
+        let mut times = [0.0; PROBES];
+        for (i, t) in times.iter_mut().enumerate() {
+            *t = span * libm::exp2(-((halvings * (PROBES - i)) as f64));
+        }
+        let decays = mode.lambda.map(|rate| {
+            let mut decay = libm::exp(-rate * times[0]);
+            let mut row = [decay; PROBES];
+            for place in &mut row[1..] {
+                for _ in 0..halvings {
+                    decay *= decay;
+                }
+                *place = decay;
+            }
+            row
+        });
+        Self { times, decays }
+    }
+
+    /// Sums of decaying `terms` at the times.
+    pub fn of(&self, terms: &[f64; NODES]) -> [f64; PROBES] {
+        let mut sums = [0.0; PROBES];
+        for (decays, term) in self.decays.iter().zip(terms) {
+            for (sum, decay) in sums.iter_mut().zip(decays) {
+                *sum += decay * term;
+            }
+        }
+        sums
+    }
 }
 
 /// Times within a span at which a slope is probed.
 pub const PROBES: usize = 12;
 /// The earliest of them, s: heat needs ten times as long to reach 0.1 mm.
-const FIRST_PROBE_S: f64 = 20e-6;
+const FIRST_PROBE_S: f64 = 40e-6;
 
 impl Propagator {
     /// Over `t` seconds.
@@ -198,7 +236,12 @@ impl Propagator {
                 let inner = 1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0));
                 p.ramp[k] = t * t / 2.0 * (1.0 - x / 3.0 * inner);
             } else {
-                p.rise[k] = -libm::expm1(-x) / mode.lambda[k];
+                let fallen = if x > 0.5 {
+                    1.0 - p.decay[k]
+                } else {
+                    -libm::expm1(-x)
+                };
+                p.rise[k] = fallen / mode.lambda[k];
                 p.ramp[k] = (t - p.rise[k]) / mode.lambda[k];
             }
         }
@@ -213,11 +256,8 @@ impl Propagator {
     /// Times at which a slope is probed, and the decays until then.
     pub fn probes(&mut self, mode: &Mode) -> &Probes {
         let span = self.span;
-        self.probes.get_or_insert_with(|| {
-            let times = probe_times(span);
-            let decays = times.map(|t| mode.lambda.map(|rate| libm::exp(-rate * t)));
-            Box::new(Probes { times, decays })
-        })
+        self.probes
+            .get_or_insert_with(|| Box::new(Probes::new(mode, span)))
     }
 
     /// Coordinates after the span under constant `power`.
@@ -239,23 +279,13 @@ impl Propagator {
     }
 }
 
-/// Sum of products, first to last, so that every machine rounds alike.
+/// Sum of products in four interleaved lanes: one fixed order on every machine, and short chains of additions.
 pub fn dot(a: &[f64; NODES], b: &[f64; NODES]) -> f64 {
-    let mut s = 0.0;
-    for k in 0..NODES {
-        s += a[k] * b[k];
+    let mut lane = [0.0; 4];
+    for k in (0..NODES - 1).step_by(4) {
+        for (l, lane) in lane.iter_mut().enumerate() {
+            *lane += a[k + l] * b[k + l];
+        }
     }
-    s
-}
-
-/// Geometrically spaced times from 20 us to just before the end, where diffusion can have turned.
-fn probe_times(span: f64) -> [f64; PROBES] {
-    let ratio = libm::pow(FIRST_PROBE_S / span, 1.0 / PROBES as f64).min(0.9);
-    let mut t = span;
-    let mut times = [0.0; PROBES];
-    for place in times.iter_mut().rev() {
-        t *= ratio;
-        *place = t;
-    }
-    times
+    (lane[0] + lane[1]) + (lane[2] + lane[3]) + a[NODES - 1] * b[NODES - 1]
 }

@@ -48,14 +48,10 @@ impl Exact {
                 left
             };
             whole &= stretch >= left;
-            let (slot, mut propagator) = if whole {
-                let (slot, propagator) = self.borrow(span.0);
-                (Some(slot), propagator)
+            let mut propagator = if whole {
+                self.borrow(span.0)
             } else {
-                (
-                    None,
-                    Box::new(Propagator::new(&self.modes[self.mode], left)),
-                )
+                Box::new(Propagator::new(&self.modes[self.mode], stretch))
             };
             let end = propagator.step(&self.modes[self.mode], &self.z, power);
             let event = if round < EVENTS {
@@ -66,8 +62,8 @@ impl Exact {
             if event.is_none() {
                 self.accept(&mut propagator, &end, &heat, power, stretch);
             }
-            if let Some(slot) = slot {
-                self.give_back(slot, span.0, propagator);
+            if whole {
+                self.give_back(span.0, propagator);
             }
             let Some((after, event)) = event else {
                 left -= stretch;
@@ -248,8 +244,8 @@ impl Exact {
         let span = propagator.span();
         if span > SHORT_S {
             let probes = propagator.probes(mode);
-            for (decay, at) in probes.decays.iter().zip(probes.times) {
-                look(dot(decay, &slopes), at);
+            for (slope, at) in probes.of(&slopes).into_iter().zip(probes.times) {
+                look(slope, at);
             }
         }
         look(last, span);

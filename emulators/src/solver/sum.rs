@@ -148,8 +148,8 @@ fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
         } else {
             break;
         }
-        // A Newton step at the size of rounding is the answer; so is a bracket that cannot be split.
-        if step <= t * 4e-16 + 1e-19 || high - low <= high * 2e-16 {
+        // Newton doubles the digits: after a step this small the rest is rounding.
+        if (inside && step <= t * 3e-8) || step <= 1e-19 || high - low <= high * 2e-16 {
             break;
         }
         // Far from the root Newton may crawl along one side: halve the other.

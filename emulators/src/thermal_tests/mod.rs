@@ -1,6 +1,8 @@
 //! The thermal model against `physics.md`, against itself and against other methods.
 
+mod others;
 mod properties;
+mod reference;
 mod table;
 
 use crate::time::Nanos;

@@ -147,17 +147,16 @@ fn change(scene: &mut Scene, args: &RunArgs) -> Result<(), Failure> {
     if let Some(switch) = args.intensity {
         illusion.intensity = switch == Switch::On;
     }
-    let set =
-        |option: &str, value: Option<f64>, slot: &mut f64, low: f64, high: f64| match value {
-            Some(v) if !(low..=high).contains(&v) => Err(Failure::Input(format!(
-                "--{option} {v}: expected {low} to {high}"
-            ))),
-            Some(v) => {
-                *slot = v;
-                Ok(())
-            }
-            None => Ok(()),
-        };
+    let set = |option: &str, value: Option<f64>, slot: &mut f64, low: f64, high: f64| match value {
+        Some(v) if !(low..=high).contains(&v) => Err(Failure::Input(format!(
+            "--{option} {v}: expected {low} to {high}"
+        ))),
+        Some(v) => {
+            *slot = v;
+            Ok(())
+        }
+        None => Ok(()),
+    };
     set("shape", args.shape, &mut illusion.shape, 0.01, 100.0)?;
     set("alpha", args.alpha, &mut illusion.alpha, 0.0, 1.0)?;
     set("beta", args.beta, &mut illusion.beta, 0.0, 1.0)?;

@@ -52,8 +52,8 @@ pub struct Scene {
     pub generation: Generation,
     /// Frames a second.
     pub rate_hz: f64,
-    /// Standard deviation of a reading's noise in counts.
-    pub noise_lsb: f64,
+    /// Range from which each taxel draws its noise's standard deviation, in counts.
+    pub noise_lsb: [f64; 2],
     /// Contact-free frames that make the reference; the next one makes the threshold.
     pub reference_frames: u32,
     /// Counts added to the threshold.
@@ -188,7 +188,9 @@ impl Scene {
         source.heading(&scene.name, &scene.description)?;
         source.range("length_s", scene.length_s, 0.01..=86_400.0, "s")?;
         source.range("rate_hz", scene.rate_hz, 0.1..=10_000.0, "Hz")?;
-        source.range("noise_lsb", scene.noise_lsb, 0.0..=1000.0, "counts")?;
+        let [low, high] = scene.noise_lsb;
+        source.range("noise_lsb", low, 0.0..=1000.0, "counts")?;
+        source.range("noise_lsb", high, low..=1000.0, "counts (the lower end)")?;
         source.range("reference_frames", scene.reference_frames, 1..=100_000, "")?;
         source.range(
             "threshold_margin",

@@ -62,7 +62,7 @@ pub fn emulated(
                 files::Generation::Y2021 => Generation::Y2021,
                 files::Generation::Current => Generation::Now,
             },
-            noise_lsb: (scene.noise_lsb, scene.noise_lsb),
+            noise_lsb: scene.noise_lsb.into(),
             seed,
             ..ModuleConfig::default()
         });

@@ -141,9 +141,9 @@ fn scenes() {
                 "f.toml:32: touches[0].start_s: expected at least 0.51 s: reference and threshold frames are contact-free, found 0.3",
             ),
             (
-                "mean = 3.0",
-                "mean = 0.5",
-                "f.toml:36: touches[0].force_n.amplitude: expected a number from 0 to 0.5 N (the mean), found 1.0",
+                "mean = 0.7",
+                "mean = 0.2",
+                "f.toml:36: touches[0].force_n.amplitude: expected a number from 0 to 0.2 N (the mean), found 0.3",
             ),
             (
                 "beta = 0.0244140625",

@@ -1,0 +1,224 @@
+//! Time constants, closed form, comparison solvers, dose and perceiver.
+
+use super::*;
+use crate::finger::dose::{cem43_rate, omega_rate};
+use crate::perceiver::{Centroid, Perceiver, PerceiverParameters, Vibration};
+use crate::solver::exact::Exact;
+use crate::solver::stepped::{Method, Stepped};
+use crate::solver::{Drive, Solver};
+use palpate_core::physics::{SkinParameters, WireParameters};
+
+const MS: u64 = 1_000_000;
+
+/// Time until a wire that starts 20 K above its surroundings is 20 / e above them, s.
+fn time_constant(wire: &WireParameters, skin: &SkinParameters) -> f64 {
+    let skin = SkinParameters {
+        air_c: 33.0,
+        ..*skin
+    };
+    let mut w = Wire::new(wire, &skin, 33.0).unwrap();
+    // A pulse so short that nothing has left the wire.
+    let joule = 20.0 * wire.heat_capacity() / wire.wire_share;
+    w.set_power(Nanos::ZERO, joule * 1e9);
+    w.set_power(Nanos(1), 0.0);
+    let (mut low, mut high) = (1_u64, 2_000_000_000_u64);
+    while high - low > 1000 {
+        let middle = low.midpoint(high);
+        let c = w.clone().temperature(Nanos(middle));
+        if c - 33.0 > 20.0 / std::f64::consts::E {
+            low = middle
+        } else {
+            high = middle
+        }
+    }
+    high as f64 * 1e-9
+}
+
+#[test]
+fn time_constants() {
+    let wire = WireParameters::FINAL;
+    let no_ends = WireParameters {
+        conductivity: 0.0,
+        ..wire
+    };
+    let air = time_constant(&no_ends, &SkinParameters::FREE);
+    let ends = time_constant(&wire, &SkinParameters::FREE);
+    println!("air {air:.4} s, with ends {ends:.4} s");
+    assert!((air - 0.32).abs() < 0.01 && (ends - 0.17).abs() < 0.01);
+    for (contact_h, fraction) in [(1000.0, 0.5), (2000.0, 0.5), (10_000.0, 0.5)] {
+        let skin = SkinParameters {
+            contact_h,
+            contact_fraction: fraction,
+            ..SkinParameters::DEFAULT
+        };
+        println!("h_c {contact_h}: {:.4} s", time_constant(&wire, &skin));
+    }
+}
+
+#[test]
+fn equal_periods_in_closed_form() {
+    let wire = WireParameters::FINAL;
+    let skin = SkinParameters::DEFAULT;
+    let on = Drive::Power(PULSE_W * 0.2);
+    let pattern = [(Nanos::ZERO, on), (PULSE, Drive::Off)];
+    let mut long = Exact::new(&wire, &skin, 33.0).unwrap();
+    let mut jump = long.clone();
+    for i in 0..20_000_u64 {
+        long.drive(Nanos(i * PERIOD.0), on);
+        long.drive(Nanos(i * PERIOD.0) + PULSE, Drive::Off);
+    }
+    long.advance(Nanos(20_000 * PERIOD.0));
+    jump.repeat(&pattern, PERIOD, 20_000);
+    assert_eq!(long.now(), jump.now());
+    for (a, b) in long.nodes().iter().zip(jump.nodes()) {
+        assert!((a - b).abs() < 1e-9, "{a} {b}");
+    }
+    let (a, b) = (long.energy(), jump.energy());
+    for (a, b) in [
+        (a.body_j, b.body_j),
+        (a.air_j, b.air_j),
+        (a.electrical_j, b.electrical_j),
+    ] {
+        assert!((a - b).abs() < 1e-9 * a.abs(), "{a} {b}");
+    }
+    // A month of it, which settles.
+    let month = 30 * 86_400 * 1_000_000_000 / PERIOD.0;
+    jump.repeat(&pattern, PERIOD, month);
+    let settled = jump.nodes();
+    jump.repeat(&pattern, PERIOD, month);
+    for (a, b) in settled.iter().zip(jump.nodes()) {
+        assert!((a - b).abs() < 1e-6, "{a} {b}");
+    }
+}
+
+#[test]
+fn transforming_periods_are_not_jumped() {
+    let (wire, skin) = (WireParameters::FINAL, SkinParameters::DEFAULT);
+    let pattern = [(Nanos::ZERO, Drive::Power(PULSE_W)), (PULSE, Drive::Off)];
+    let mut long = Exact::new(&wire, &skin, 33.0).unwrap();
+    let mut jump = long.clone();
+    for i in 0..2000 {
+        for (offset, drive) in pattern {
+            long.drive(Nanos(i * PERIOD.0) + offset, drive);
+        }
+    }
+    long.advance(Nanos(2000 * PERIOD.0));
+    jump.repeat(&pattern, PERIOD, 2000);
+    for (a, b) in long.nodes().iter().zip(jump.nodes()) {
+        assert!((a - b).abs() < 1e-9, "{a} {b}");
+    }
+    assert!((long.peaks.wire_c - jump.peaks.wire_c).abs() < 1e-9);
+}
+
+#[test]
+fn other_solvers_come_near() {
+    let (wire, skin) = (WireParameters::FINAL, SkinParameters::DEFAULT);
+    let train = edges(Nanos(35 * MS), Nanos(468 * MS), Nanos(900 * MS));
+    let run = |s: &mut dyn Solver| {
+        for &(t, watts) in &train {
+            s.drive(
+                t,
+                if watts > 0.0 {
+                    Drive::Power(watts)
+                } else {
+                    Drive::Off
+                },
+            );
+        }
+        s.advance(Nanos(930 * MS));
+        (s.nodes()[0], s.wire_peak())
+    };
+    let mut exact = Exact::new(&wire, &skin, 33.0).unwrap();
+    let truth = run(&mut exact);
+    for (method, step, near) in [
+        (Method::Rk4, Nanos(1000), 0.05),
+        (Method::Euler, Nanos(1000), 0.1),
+    ] {
+        let mut other = Stepped::new(&wire, &skin, 33.0, method, step).unwrap();
+        let got = run(&mut other);
+        println!(
+            "{method:?}: end {:.2e}, peak {:.2e} K",
+            got.0 - truth.0,
+            got.1 - truth.1
+        );
+        assert!((got.0 - truth.0).abs() < near && (got.1 - truth.1).abs() < near);
+    }
+    let mut mean = Stepped::new(&wire, &skin, 33.0, Method::CycleAveraged, PERIOD).unwrap();
+    let got = run(&mut mean);
+    println!(
+        "averaged: end {:.2e}, peak {:.2e} K",
+        got.0 - truth.0,
+        got.1 - truth.1
+    );
+    assert!(
+        truth.1 - got.1 > 3.0,
+        "averaging over a period hides the pulse's own rise"
+    );
+}
+
+#[test]
+fn a_burst_is_counted() {
+    let mut w = Wire::new(&WireParameters::FINAL, &SkinParameters::DEFAULT, 33.0).unwrap();
+    play(
+        &mut w,
+        &edges(Nanos(35 * MS), Nanos(468 * MS), Nanos(500 * MS)),
+    );
+    let first = w.take_burst(Nanos(500 * MS)).unwrap();
+    assert_eq!(first.pulses, 7);
+    assert!((first.electrical_j - 7.0 * 0.914e-3).abs() < 2e-6);
+    assert!((first.wire_j - 0.602 * first.electrical_j).abs() < 1e-12);
+    assert!(
+        first.ripple_k > 5.0 && first.ripple_max_k < 8.5,
+        "{first:?}"
+    );
+}
+
+#[test]
+fn dose_of_known_plateaus() {
+    assert!((cem43_rate(43.0) * 60.0 - 1.0).abs() < 1e-12);
+    assert!((cem43_rate(44.0) * 60.0 - 2.0).abs() < 1e-12);
+    assert!((cem43_rate(42.0) * 60.0 - 0.25).abs() < 1e-12);
+    assert!(cem43_rate(38.9) < 1e-300);
+    // 44 C for six hours: Moritz and Henriques' threshold, Omega about 1.
+    let omega = omega_rate(44.0) * 6.0 * 3600.0;
+    assert!(omega > 0.3 && omega < 3.0, "{omega}");
+    let skin = SkinParameters {
+        body_c: 43.0,
+        air_c: 43.0,
+        ..SkinParameters::DEFAULT
+    };
+    let wire = WireParameters {
+        ends_c: 43.0,
+        ..WireParameters::FINAL
+    };
+    let mut w = Wire::new(&wire, &skin, 43.0).unwrap().with_dose();
+    let dose = w.dose(Nanos(60_000 * MS)).unwrap();
+    assert!((dose.cem43_min - 1.0).abs() < 1e-9, "{dose:?}");
+}
+
+#[test]
+fn the_phantom_is_where_the_energy_is() {
+    let p = Perceiver::default();
+    let wire = WireParameters::FINAL;
+    let full = p.amplitude_of_pulses(&wire, 0.602 * 0.914e-3, 7);
+    assert!((full - 10.0).abs() < 0.1, "{full}");
+    assert!(!p.detects(p.amplitude_of_pulses(&wire, 0.09 * 0.602 * 0.914e-3, 7)));
+    assert!(p.detects(p.amplitude_of_pulses(&wire, 0.11 * 0.602 * 0.914e-3, 7)));
+    let at = |x: f64, amplitude_um: f64| Vibration {
+        position_mm: (x, 1.0),
+        amplitude_um,
+    };
+    assert_eq!(p.feel(&[at(0.0, 0.5), at(3.0, 0.9)]), None);
+    let felt = p
+        .feel(&[at(0.0, 10.0), at(5.0, 5.0), at(100.0, 0.9)])
+        .unwrap();
+    assert!((felt.position_mm.0 - 1.0).abs() < 1e-12 && felt.wires == 2);
+    let linear = PerceiverParameters {
+        centroid: Centroid::Amplitude,
+        ..PerceiverParameters::default()
+    };
+    let felt = Perceiver::new(linear)
+        .feel(&[at(0.0, 10.0), at(5.0, 5.0)])
+        .unwrap();
+    assert!((felt.position_mm.0 - 5.0 / 3.0).abs() < 1e-12);
+}
