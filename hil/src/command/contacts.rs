@@ -1,7 +1,5 @@
 //! `hil contacts`: (4.1) to (4.10) on a recording, and nothing else.
 
-use std::io::Write;
-
 use palpate_core::contact::{Compressor, Contact, LevelTable, Norm, Settings};
 use palpate_core::skin::{
     Axes, Initialiser, InitialiserSettings, Phase, RelativeFrame, Scan, ThresholdRule,

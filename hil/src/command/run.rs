@@ -1,7 +1,6 @@
 //! `hil run`.
 
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use palpate_records::contacts_csv::write_contacts;
