@@ -6,5 +6,7 @@
 mod allegro;
 mod dbc;
 mod driver;
+mod edges;
+mod goldens;
 mod pca9685;
 mod tidy;

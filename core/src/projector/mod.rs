@@ -13,7 +13,7 @@ use crate::bus::{Actuators, SensorBus};
 use crate::contact::{Contact, Levels, Scope, Settings, SettingsError, Work};
 use crate::guard::Guard;
 use crate::illusion::{Display, Map};
-use crate::schedule::Entry;
+use crate::schedule::{Entry, Timing};
 use crate::skin::{
     FrameError, HealthSettings, HealthSummary, Initialiser, InitialiserError, InitialiserSettings,
     Layout, RelativeFrame,
@@ -305,6 +305,11 @@ impl Projector {
             count += 1;
         }
         count
+    }
+
+    /// Stimulus duration and onset asynchrony in force.
+    pub const fn timing(&self) -> Timing {
+        self.output.timing()
     }
 
     /// The display.

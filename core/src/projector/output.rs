@@ -83,6 +83,10 @@ impl Output {
         &self.display
     }
 
+    pub(super) const fn timing(&self) -> Timing {
+        self.settings.timing
+    }
+
     pub(super) const fn drive(&self) -> Drive {
         self.settings.drive
     }

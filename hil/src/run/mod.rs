@@ -360,7 +360,6 @@ fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header, Fai
         board: w.board.0,
         channel: w.channel.0,
     };
-    let onset_us = (scene.illusion.onset_ms() * 1e3).round() as u64;
     Ok(Header {
         source: Source::Emulated,
         scene: scene.name.clone(),
@@ -369,8 +368,8 @@ fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header, Fai
         scene_digest: short_digest(setup.scene.source.text().as_bytes()),
         limits_digest: short_digest(setup.limits.source.text().as_bytes()),
         pre_scale: plan::prescale(bench)?,
-        tau_d_us: (scene.illusion.tau_d_ms * 1e3).round() as u64,
-        soa_us: onset_us,
+        tau_d_us: projector.timing().duration.as_micros(),
+        soa_us: projector.timing().soa.as_micros(),
         illusion: "phantom".into(),
         kc: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),
         limits: Limits {
