@@ -8,5 +8,6 @@ mod dbc;
 mod driver;
 mod edges;
 mod goldens;
+mod paths;
 mod pca9685;
 mod tidy;
