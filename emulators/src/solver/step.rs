@@ -2,7 +2,7 @@
 
 use super::Drive;
 use super::exact::{Exact, Heat};
-use super::modal::{Propagator, dot};
+use super::modal::{PROBES, Propagator, dot};
 use super::sum::{LEVEL_TOLERANCE, changes};
 use crate::finger::NODES;
 use crate::time::Nanos;
@@ -31,9 +31,11 @@ impl Exact {
     pub(super) fn run(&mut self, span: Nanos) {
         let mut left = span.as_secs_f64();
         let mut whole = true;
+        // After an event the threshold itself is the temperature, whatever rounding made of it.
+        let mut at = None;
         for round in 0.. {
             let t = self.wire_c();
-            let segment = self.phase.segment(t, self.heading);
+            let segment = self.phase.segment(at.take().unwrap_or(t), self.heading);
             let heat = self.heat(t, &segment);
             self.enter(super::modal::ModeKey {
                 phase_slope: -segment.slope,
@@ -75,6 +77,9 @@ impl Exact {
             let mut propagator = Propagator::new(&self.modes[self.mode], after);
             let end = propagator.step(&self.modes[self.mode], &self.z, power);
             self.accept(&mut propagator, &end, &heat, power, after);
+            if let Event::Threshold(threshold, _) = event {
+                at = Some(threshold);
+            }
             self.take(&event);
             left -= after;
             whole = false;
@@ -233,22 +238,30 @@ impl Exact {
         if changes(&slopes) == 0 {
             return top;
         }
-        let (mut before, mut from) = (first, 0.0);
-        let mut look = |slope: f64, at: f64| {
-            if before > 0.0 && slope < 0.0 {
-                let sum = mode.sum(row, &self.z, power, base);
-                top = top.max(sum.value(sum.turn_between(from, at)));
-            }
-            (before, from) = (slope, at);
-        };
         let span = propagator.span();
+        let mut seen = [(span, last); PROBES + 2];
+        let mut count = 1;
+        seen[0] = (0.0, first);
         if span > SHORT_S {
             let probes = propagator.probes(mode);
-            for (slope, at) in probes.of(&slopes).into_iter().zip(probes.times) {
-                look(slope, at);
+            for (at, slope) in probes.times.into_iter().zip(probes.of(&slopes)) {
+                seen[count] = (at, slope);
+                count += 1;
             }
         }
-        look(last, span);
+        let sum = mode.sum(row, &self.z, power, base);
+        for i in 0..count {
+            let (from, to) = (seen[i], seen[i + 1]);
+            if from.1 > 0.0 && to.1 < 0.0 {
+                top = top.max(sum.value(sum.turn_between(from.0, to.0)));
+            } else if i > 0 && from.1 <= 0.0 && seen[i - 1].1 < from.1 && to.1 < from.1 {
+                // Nearly rising: between the neighbours it may have risen and fallen again.
+                let steepest = sum.steepest_between(seen[i - 1].0, to.0);
+                if sum.slope(steepest) > 0.0 {
+                    top = top.max(sum.value(sum.turn_between(steepest, to.0)));
+                }
+            }
+        }
         top
     }
 }
