@@ -250,16 +250,29 @@ impl Exact {
             }
         }
         let sum = mode.sum(row, &self.z, power, base);
-        for i in 0..count {
-            let (from, to) = (seen[i], seen[i + 1]);
-            if from.1 > 0.0 && to.1 < 0.0 {
-                top = top.max(sum.value(sum.turn_between(from.0, to.0)));
-            } else if i > 0 && from.1 <= 0.0 && seen[i - 1].1 < from.1 && to.1 < from.1 {
-                // Nearly rising: between the neighbours it may have risen and fallen again.
-                let steepest = sum.steepest_between(seen[i - 1].0, to.0);
-                if sum.slope(steepest) > 0.0 {
-                    top = top.max(sum.value(sum.turn_between(steepest, to.0)));
-                }
+        for i in 0..=count {
+            let (here, next) = (seen[i], seen[(i + 1).min(count)]);
+            if here.1 > 0.0 && next.1 < 0.0 {
+                top = top.max(sum.value(sum.turn_between(here.0, next.0)));
+                continue;
+            }
+            // Nearly turned: between the neighbours the slope may have changed sign and back.
+            let before = seen[i.saturating_sub(1)];
+            let side = if here.1 > 0.0 { -1.0 } else { 1.0 };
+            let falls = if i < count {
+                side * next.1 < side * here.1
+            } else {
+                side * sum.bend(span) < 0.0
+            };
+            if i == 0 || side * before.1 >= side * here.1 || !falls {
+                continue;
+            }
+            let extreme = sum.steepest_between(before.0, next.0, side);
+            let slope = sum.slope(extreme);
+            if side > 0.0 && slope > 0.0 {
+                top = top.max(sum.value(sum.turn_between(extreme, next.0)));
+            } else if side < 0.0 && slope < 0.0 {
+                top = top.max(sum.value(sum.turn_between(before.0, extreme)));
             }
         }
         top

@@ -113,11 +113,17 @@ impl Sum<'_> {
         self.slope_and_bend(t).0
     }
 
-    /// The time at which the derivative is largest between two at which it rises and falls.
-    pub fn steepest_between(&self, mut from: f64, mut to: f64) -> f64 {
+    /// Second derivative at `t` seconds, K/s2.
+    pub fn bend(&self, t: f64) -> f64 {
+        self.slope_and_bend(t).1
+    }
+
+    /// The time at which the derivative times `side` (1 or -1) is largest, between two at which it rises and
+    /// falls.
+    pub fn steepest_between(&self, mut from: f64, mut to: f64, side: f64) -> f64 {
         for _ in 0..24 {
             let middle = from + (to - from) / 2.0;
-            if self.slope_and_bend(middle).1 > 0.0 {
+            if side * self.slope_and_bend(middle).1 > 0.0 {
                 from = middle
             } else {
                 to = middle
