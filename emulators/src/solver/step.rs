@@ -264,7 +264,10 @@ impl Exact {
             } else {
                 side * sum.bend(span) < 0.0
             };
-            if i == 0 || side * before.1 >= side * here.1 || !falls {
+            // Probes lie close: the extreme is nearer to `here` than its further neighbour is.
+            let reach = (here.1 - before.1).abs().max((here.1 - next.1).abs());
+            let far = here.1.abs() > reach;
+            if i == 0 || side * before.1 >= side * here.1 || !falls || far {
                 continue;
             }
             let extreme = sum.steepest_between(before.0, next.0, side);
