@@ -26,8 +26,6 @@ pub struct Mode {
     pub lambda: [f64; NODES],
     /// Gain from heat into the wire to each coordinate; not negative.
     pub gain: [f64; NODES],
-    /// Coordinates that one watt into the wire settles at.
-    pub settled: [f64; NODES],
     /// Node temperatures from coordinates: `shape[node][k]`.
     shape: [[f64; NODES]; NODES],
     /// Heat capacity of each node, J/K, latent heat included.
@@ -64,7 +62,6 @@ impl Mode {
             key,
             lambda: [0.0; NODES],
             gain: [0.0; NODES],
-            settled: [0.0; NODES],
             shape: [[0.0; NODES]; NODES],
             capacity,
             shallow: [0.0; NODES],
@@ -80,7 +77,6 @@ impl Mode {
                 mode.shape[i][k] = sign * vector[i] / libm::sqrt(capacity[i]);
             }
             mode.gain[k] = mode.shape[0][k];
-            mode.settled[k] = mode.gain[k] / mode.lambda[k];
         }
         for (depth, row) in [(network.shallow, 0), (network.deep, 1)] {
             let near = mode.shape[depth.node];
@@ -134,17 +130,12 @@ impl Mode {
 
     /// A watched temperature as a function of time under constant `power` (W into the wire), from `z`.
     pub fn sum(&self, row: &[f64; NODES], z: &[f64; NODES], power: f64, base: f64) -> Sum<'_> {
-        let mut a = [0.0; NODES];
-        let mut constant = base;
-        for k in 0..NODES {
-            let level = power * self.settled[k];
-            a[k] = row[k] * (z[k] - level);
-            constant += row[k] * level;
-        }
+        let rate = self.rate(z, power);
+        let slopes = core::array::from_fn(|k| row[k] * rate[k]);
         Sum {
             lambda: &self.lambda,
-            a,
-            constant,
+            slopes,
+            start: base + dot(row, z),
         }
     }
 }
@@ -174,25 +165,25 @@ pub struct Probes {
 }
 
 impl Probes {
-    /// Times halve (or are quartered, and so on) back from the end until the first is early enough, so
-    /// that the decays come from squaring.
+    /// Two probes to a halving of the time back from the end (or to a quartering, and so on, until the
+    /// first is early enough), so that all decays but the first two come from squaring.
     fn new(mode: &Mode, span: f64) -> Self {
         let mut halvings = 1;
-        while span > FIRST_PROBE_S * libm::exp2((halvings * PROBES) as f64) && halvings < 8 {
+        while span > FIRST_PROBE_S * libm::exp2((halvings * PROBES / 2) as f64) && halvings < 8 {
             halvings += 1;
         }
-        let mut times = [0.0; PROBES];
-        for (i, t) in times.iter_mut().enumerate() {
-            *t = span * libm::exp2(-((halvings * (PROBES - i)) as f64));
-        }
+        let times = core::array::from_fn(|i| {
+            span * libm::exp2((halvings * i) as f64 / 2.0 - (halvings * PROBES) as f64 / 2.0)
+        });
         let decays = mode.lambda.map(|rate| {
-            let mut decay = libm::exp(-rate * times[0]);
-            let mut row = [decay; PROBES];
-            for place in &mut row[1..] {
+            let mut row = [0.0; PROBES];
+            row[0] = libm::exp(-rate * times[0]);
+            row[1] = libm::exp(-rate * times[1]);
+            for i in 2..PROBES {
+                row[i] = row[i - 2];
                 for _ in 0..halvings {
-                    decay *= decay;
+                    row[i] *= row[i];
                 }
-                *place = decay;
             }
             row
         });
@@ -212,7 +203,7 @@ impl Probes {
 }
 
 /// Times within a span at which a slope is probed.
-pub const PROBES: usize = 12;
+pub const PROBES: usize = 24;
 /// The earliest of them, s: heat needs ten times as long to reach 0.1 mm.
 const FIRST_PROBE_S: f64 = 40e-6;
 

@@ -2,7 +2,7 @@
 
 use super::Drive;
 use super::exact::{Exact, Heat};
-use super::modal::{Propagator, dot};
+use super::modal::{PROBES, Propagator, dot};
 use super::sum::{LEVEL_TOLERANCE, changes};
 use crate::finger::NODES;
 use crate::time::Nanos;
@@ -31,9 +31,11 @@ impl Exact {
     pub(super) fn run(&mut self, span: Nanos) {
         let mut left = span.as_secs_f64();
         let mut whole = true;
+        // After an event the threshold itself is the temperature, whatever rounding made of it.
+        let mut at = None;
         for round in 0.. {
             let t = self.wire_c();
-            let segment = self.phase.segment(t, self.heading);
+            let segment = self.phase.segment(at.take().unwrap_or(t), self.heading);
             let heat = self.heat(t, &segment);
             self.enter(super::modal::ModeKey {
                 phase_slope: -segment.slope,
@@ -75,6 +77,9 @@ impl Exact {
             let mut propagator = Propagator::new(&self.modes[self.mode], after);
             let end = propagator.step(&self.modes[self.mode], &self.z, power);
             self.accept(&mut propagator, &end, &heat, power, after);
+            if let Event::Threshold(threshold, _) = event {
+                at = Some(threshold);
+            }
             self.take(&event);
             left -= after;
             whole = false;
@@ -233,22 +238,46 @@ impl Exact {
         if changes(&slopes) == 0 {
             return top;
         }
-        let (mut before, mut from) = (first, 0.0);
-        let mut look = |slope: f64, at: f64| {
-            if before > 0.0 && slope < 0.0 {
-                let sum = mode.sum(row, &self.z, power, base);
-                top = top.max(sum.value(sum.turn_between(from, at)));
-            }
-            (before, from) = (slope, at);
-        };
         let span = propagator.span();
+        let mut seen = [(span, last); PROBES + 2];
+        let mut count = 1;
+        seen[0] = (0.0, first);
         if span > SHORT_S {
             let probes = propagator.probes(mode);
-            for (slope, at) in probes.of(&slopes).into_iter().zip(probes.times) {
-                look(slope, at);
+            for (at, slope) in probes.times.into_iter().zip(probes.of(&slopes)) {
+                seen[count] = (at, slope);
+                count += 1;
             }
         }
-        look(last, span);
+        let sum = mode.sum(row, &self.z, power, base);
+        for i in 0..=count {
+            let (here, next) = (seen[i], seen[(i + 1).min(count)]);
+            if here.1 > 0.0 && next.1 < 0.0 {
+                top = top.max(sum.value(sum.turn_between(here.0, next.0)));
+                continue;
+            }
+            // Nearly turned: between the neighbours the slope may have changed sign and back.
+            let before = seen[i.saturating_sub(1)];
+            let side = if here.1 > 0.0 { -1.0 } else { 1.0 };
+            let falls = if i < count {
+                side * next.1 < side * here.1
+            } else {
+                side * sum.bend(span) < 0.0
+            };
+            // Probes lie close: the extreme is nearer to `here` than its further neighbour is.
+            let reach = (here.1 - before.1).abs().max((here.1 - next.1).abs());
+            let far = here.1.abs() > reach;
+            if i == 0 || side * before.1 >= side * here.1 || !falls || far {
+                continue;
+            }
+            let extreme = sum.steepest_between(before.0, next.0, side);
+            let slope = sum.slope(extreme);
+            if side > 0.0 && slope > 0.0 {
+                top = top.max(sum.value(sum.turn_between(extreme, next.0)));
+            } else if side < 0.0 && slope < 0.0 {
+                top = top.max(sum.value(sum.turn_between(before.0, extreme)));
+            }
+        }
         top
     }
 }

@@ -1,7 +1,8 @@
 //! Sums of exponentials: where they turn and where they cross a level.
 //!
 //! Everything the exact solver asks about the time between two edges is a question about
-//! `c + sum a_i exp(-lambda_i t)` with rising lambda. Laguerre's rule bounds the zeros of such a sum for
+//! `start + sum d_i (1 - exp(-lambda_i t)) / lambda_i` with rising lambda. Written with its first slopes d_i and not with
+//! the level it settles at, which near electrical runaway is too far away to subtract. Laguerre's rule bounds the zeros of such a sum for
 //! t > 0 by the sign changes of its partial sums, slowest first. Nearly every interval is settled by
 //! that count alone; the rest is bisected until the count or a bound on the derivative settles it.
 
@@ -14,36 +15,32 @@ const NEGLIGIBLE_K: f64 = 1e-12;
 /// Relative size under which a derivative counts as zero.
 const FLAT: f64 = 1e-13;
 
-/// `constant + sum a_i exp(-lambda_i t)`.
+/// `start + sum d_i (1 - exp(-lambda_i t)) / lambda_i`.
 #[derive(Clone, Copy, Debug)]
 pub struct Sum<'a> {
-    /// Decay rates, rising, 1/s.
+    /// Decay rates, rising, 1/s; none is zero.
     pub lambda: &'a [f64; NODES],
-    /// Amplitudes, K.
-    pub a: [f64; NODES],
-    /// Value that the decays leave, K.
-    pub constant: f64,
+    /// Terms of the derivative at the start, K/s.
+    pub slopes: [f64; NODES],
+    /// Value at the start, K.
+    pub start: f64,
 }
 
 impl Sum<'_> {
     /// Value at `t` seconds.
     pub fn value(&self, t: f64) -> f64 {
-        // Every amplitude of a mode that does not decay (lambda = 0) is part of the level.
-        let mut v = 0.0;
-        for i in 0..NODES {
-            v += self.a[i] * libm::exp(-self.lambda[i] * t);
-        }
-        self.constant + v
+        self.value_and_slope(t).0
     }
 
     /// Terms of the derivative at `t`, scaled to there.
     fn slope_terms(&self, t: f64) -> [f64; NODES] {
         let mut b = [0.0; NODES];
-        for ((b, rate), a) in b.iter_mut().zip(self.lambda).zip(&self.a) {
-            *b = -rate * a;
-            if t > 0.0 {
-                *b *= libm::exp(-rate * t);
-            }
+        for ((b, rate), d) in b.iter_mut().zip(self.lambda).zip(&self.slopes) {
+            *b = if t > 0.0 {
+                d * libm::exp(-rate * t)
+            } else {
+                *d
+            };
         }
         b
     }
@@ -91,24 +88,48 @@ impl Sum<'_> {
 
     /// Value and derivative at `t`.
     fn value_and_slope(&self, t: f64) -> (f64, f64) {
-        let (mut v, mut d) = (0.0, 0.0);
-        for (rate, a) in self.lambda.iter().zip(&self.a) {
-            let term = a * libm::exp(-rate * t);
-            v += term;
-            d -= rate * term;
+        let (mut v, mut slope) = (0.0, 0.0);
+        for (rate, d) in self.lambda.iter().zip(&self.slopes) {
+            let fallen = -libm::expm1(-rate * t);
+            v += d * fallen / rate;
+            slope += d * (1.0 - fallen);
         }
-        (self.constant + v, d)
+        (self.start + v, slope)
     }
 
     /// Derivative and second derivative at `t`.
     fn slope_and_bend(&self, t: f64) -> (f64, f64) {
-        let (mut d, mut bend) = (0.0, 0.0);
-        for (rate, a) in self.lambda.iter().zip(&self.a) {
-            let term = -rate * a * libm::exp(-rate * t);
-            d += term;
+        let (mut slope, mut bend) = (0.0, 0.0);
+        for (rate, d) in self.lambda.iter().zip(&self.slopes) {
+            let term = d * libm::exp(-rate * t);
+            slope += term;
             bend -= rate * term;
         }
-        (d, bend)
+        (slope, bend)
+    }
+
+    /// Derivative at `t` seconds, K/s.
+    pub fn slope(&self, t: f64) -> f64 {
+        self.slope_and_bend(t).0
+    }
+
+    /// Second derivative at `t` seconds, K/s2.
+    pub fn bend(&self, t: f64) -> f64 {
+        self.slope_and_bend(t).1
+    }
+
+    /// The time at which the derivative times `side` (1 or -1) is largest, between two at which it rises and
+    /// falls.
+    pub fn steepest_between(&self, mut from: f64, mut to: f64, side: f64) -> f64 {
+        for _ in 0..24 {
+            let middle = from + (to - from) / 2.0;
+            if side * self.slope_and_bend(middle).1 > 0.0 {
+                from = middle
+            } else {
+                to = middle
+            }
+        }
+        from
     }
 
     /// The turn between two times at which the derivative has opposite signs.

