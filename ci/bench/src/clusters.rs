@@ -56,6 +56,18 @@ fn cloud(n: usize, k: usize, frame: usize) -> Cloud {
     }
 }
 
+/// The weighted squared distance of all points to their nearest centroid: what K-means makes small.
+fn inertia(rows: &[(f32, f32, f32)], centroids: &[(f64, f64)]) -> f64 {
+    let cost = |&(x, y, w): &(f32, f32, f32)| {
+        let (x, y) = (f64::from(x), f64::from(y));
+        let d2 = centroids
+            .iter()
+            .map(|c| (c.0 - x) * (c.0 - x) + (c.1 - y) * (c.1 - y));
+        f64::from(w) * d2.fold(f64::INFINITY, f64::min)
+    };
+    rows.iter().map(cost).sum()
+}
+
 /// Prints medians of ours and of the textbook, and how much longer the textbook takes.
 ///
 /// # Errors
@@ -64,8 +76,8 @@ pub fn bench() -> Result<(), Box<dyn Error>> {
     let mut out = io::stdout().lock();
     writeln!(
         out,
-        "\n| K-means alone | ours warm, us | passes | textbook warm, us | ratio | textbook cold, us | ratio |\n\
-         |---|---:|---:|---:|---:|---:|---:|"
+        "\n| K-means alone | ours warm, us | passes | textbook warm, us | ratio | textbook cold, us | ratio | cost to cold |\n\
+         |---|---:|---:|---:|---:|---:|---:|---:|"
     )?;
     for (n, k) in [(12, 4), (16, 8), (125, 4), (240, 8)] {
         let round: Vec<Cloud> = (0..ROUND).map(|f| cloud(n, k, f)).collect();
@@ -73,7 +85,7 @@ pub fn bench() -> Result<(), Box<dyn Error>> {
         let (mut stream, mut draw) = (Stream::new(1, "bench"), Draw(1));
         let mut warm = Vec::new();
         let (mut a, mut b, mut c) = (Samples::default(), Samples::default(), Samples::default());
-        let mut passes = 0;
+        let (mut passes, mut cost) = (0, (0.0, 0.0));
         for step in 0..10 * ROUND {
             let cloud = &round[step % ROUND];
             let points = Points {
@@ -87,22 +99,25 @@ pub fn bench() -> Result<(), Box<dyn Error>> {
             }
             let (ours_us, outcome) = time(|| ours.solve(points, STOP));
             let (warm_us, next) = time(|| textbook::kmeans(&cloud.rows, k, Some(&warm), &mut draw));
-            let (cold_us, _) = time(|| textbook::kmeans(&cloud.rows, k, None, &mut draw));
+            let (cold_us, fresh) = time(|| textbook::kmeans(&cloud.rows, k, None, &mut draw));
             warm = next;
             if step >= ROUND {
                 passes += outcome.iterations;
                 a.push(ours_us);
                 b.push(warm_us);
                 c.push(cold_us);
+                cost.0 += ours.inertia(points);
+                cost.1 += inertia(&cloud.rows, &fresh);
             }
         }
         let (ours, warm, cold) = (a.median(), b.median(), c.median());
         let passes = f64::from(passes) / a.len() as f64;
         writeln!(
             out,
-            "| {n} points, K = {k} | {ours:.2} | {passes:.2} | {warm:.2} | {:.1} | {cold:.2} | {:.1} |",
+            "| {n} points, K = {k} | {ours:.2} | {passes:.2} | {warm:.2} | {:.1} | {cold:.2} | {:.1} | {:.3} |",
             warm / ours,
-            cold / ours
+            cold / ours,
+            cost.0 / cost.1
         )?;
     }
     Ok(())

@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     head()?;
     let clock = measure(1000, 20_000, |_| ());
     row("two readings of the clock, in every line", &clock, None)?;
-    projection::bench()?;
+    let load = projection::bench()?;
     let pad = sensor("uskin-4x4")?;
     stages("4x4, 12 in contact, K_C = 1", &pad, &[12], 1, None)?;
     stages("4x4, 12 in contact, K_C = 4", &pad, &[12], 4, None)?;
@@ -31,6 +31,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let case = "240 taxels, 125 in contact, K_C = 4 a module";
     stages(case, &hand, &touched, 4, Some(20.0))?;
     scene()?;
+    timing::note(&format!(
+        "Loop: {:.1} wires driven an onset, {} stimuli changed by the guard.",
+        load.stimuli, load.limited
+    ))?;
     clusters::bench()
 }
 

@@ -10,7 +10,9 @@ use palpate_core::bus::{Actuators, Received, SensorBus};
 use palpate_core::contact::{LevelTable, Levels};
 use palpate_core::driver::Pca9685Bank;
 use palpate_core::guard::Guarded;
-use palpate_core::projector::Projector;
+use palpate_core::projector::{Observer, Projector};
+use palpate_core::schedule::Entry;
+use palpate_core::skin::Module;
 use palpate_core::units::{Duration, Instant};
 use palpate_core::wire::can::CanFrame;
 use palpate_core::wire::uskin::{IdProfile, Reading, Wiring, encode};
@@ -100,6 +102,20 @@ impl<A: Actuators> Actuators for Counted<A> {
     }
 }
 
+/// What the guard let through.
+#[derive(Default)]
+struct Tally {
+    stimuli: usize,
+    limited: usize,
+}
+
+impl Observer for Tally {
+    fn entry(&mut self, entry: &Entry) {
+        self.stimuli += usize::from(entry.width().get() > 0);
+        self.limited += usize::from(entry.reason.is_some());
+    }
+}
+
 /// Times of one run of the loop, by what was due.
 #[derive(Default)]
 struct Times {
@@ -107,6 +123,8 @@ struct Times {
     ended: Samples,
     onset: Samples,
     channels: usize,
+    tally: Tally,
+    onsets: usize,
 }
 
 /// Polls at every scan, stimulus end and onset, a scan of 16 frames waiting each time.
@@ -128,6 +146,7 @@ fn run<A: Actuators>(
         taken: 0,
     };
     let (mut times, mut now, mut next_scan) = (Times::default(), Instant::ZERO, Instant::ZERO);
+    let mut tally = Tally::default();
     for step in 0..count {
         let source = match step.checked_sub(rest.len()) {
             None => &rest[step],
@@ -136,8 +155,9 @@ fn run<A: Actuators>(
         bus.frames.clone_from(source);
         (bus.at, bus.taken) = (now, 0);
         let before = actuators.updates;
-        let (us, polled) = time(|| projector.poll(now, &mut bus, &mut actuators, &mut ()));
+        let (us, polled) = time(|| projector.poll(now, &mut bus, &mut actuators, &mut tally));
         let onset = polled.map_err(|e| format!("the loop failed: {e:?}"))?;
+        times.onsets += usize::from(onset);
         // The first tenth warms up.
         if step >= count / 10 {
             match (onset, actuators.updates > before) {
@@ -151,7 +171,12 @@ fn run<A: Actuators>(
         }
         now = projector.next().min(next_scan).max(now + TICK);
     }
+    let compressed = projector.work().means as usize;
+    if compressed != count - rest.len() {
+        return Err(format!("{compressed} of {count} scans had a contact").into());
+    }
     times.channels = actuators.channels;
+    times.tally = tally;
     Ok(times)
 }
 
@@ -167,27 +192,39 @@ fn projector() -> Result<Projector, Box<dyn Error>> {
 }
 
 /// The 16 frames of one scan in the order of the wire.
-fn on_the_wire(counts: &[[u16; 3]]) -> Option<Vec<CanFrame>> {
+fn on_the_wire(board: u8, counts: &[[u16; 3]]) -> Option<Vec<CanFrame>> {
     let wiring = Wiring::FLAT;
     let frame = |n| {
         let place = wiring.nth(n)?;
         let [x, y, z] = *counts.get(wiring.taxel(place)?.1)?;
-        encode(IdProfile::Current, 0, place, Reading { x, y, z })
+        encode(IdProfile::Current, board, place, Reading { x, y, z })
     };
     (0..wiring.taxels()).map(frame).collect()
+}
+
+/// What the measured loop had to do.
+pub struct Load {
+    /// Wires driven at an onset, mean.
+    pub stimuli: f64,
+    /// Stimuli that the guard changed or refused.
+    pub limited: usize,
 }
 
 /// Measures the loop over actuators that do nothing and over the real driver on a bus that does nothing.
 ///
 /// # Errors
 /// Fixtures that do not fit together, a closed standard output.
-pub fn bench() -> Result<(), Box<dyn Error>> {
+pub fn bench() -> Result<Load, Box<dyn Error>> {
     const STEPS: usize = 60_000;
     let setup = Setup::load("sphere-along", "emulated")?;
     let layout = plan::layout(&setup.sensor.value)?;
+    let address = layout.modules().first().and_then(Module::address);
+    let board = address
+        .ok_or("the default scene's module has no board")?
+        .board;
     let wire = |range: std::ops::Range<usize>, touched: usize| {
         range
-            .map(|f| on_the_wire(&frames::counts(&layout, f, &[touched])))
+            .map(|f| on_the_wire(board, &frames::counts(&layout, f, &[touched])))
             .collect::<Option<Vec<_>>>()
             .ok_or("a taxel has no identifier")
     };
@@ -199,10 +236,14 @@ pub fn bench() -> Result<(), Box<dyn Error>> {
     let bank = Pca9685Bank::new(NullBus, &plan::boards(&setup.bench.value), prescale);
     let driver = run(&mut projector()?, &scans, &rest, bank, STEPS)?;
     if none.channels == 0 || none.channels != driver.channels {
-        return Err("the loop drove no wire, or not the same ones twice".into());
+        let (a, b) = (none.channels, driver.channels);
+        return Err(format!("the loop wrote {a} channels, with a driver {b}").into());
     }
     print(&none, &driver)?;
-    Ok(())
+    Ok(Load {
+        stimuli: driver.tally.stimuli as f64 / driver.onsets as f64,
+        limited: driver.tally.limited,
+    })
 }
 
 fn print(none: &Times, driver: &Times) -> io::Result<()> {

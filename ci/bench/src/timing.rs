@@ -87,3 +87,11 @@ pub fn row(case: &str, samples: &Samples, target: Option<f64>) -> io::Result<()>
         samples.len()
     )
 }
+
+/// Prints a sentence below a table.
+///
+/// # Errors
+/// A closed standard output.
+pub fn note(text: &str) -> io::Result<()> {
+    writeln!(io::stdout().lock(), "\n{text}")
+}
