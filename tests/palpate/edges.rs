@@ -76,7 +76,8 @@ fn edges_match_schedule(trace: &Trace, period_ns: f64) {
     // pulse. A held counter (all off) starts anew with the next onset, so phases are per burst.
     for entry in entries.iter().filter(|e| e.width().get() > 0) {
         let at = entry.at.as_micros() * 1000;
-        let until = entry.until.as_micros() * 1000;
+        // The end of the run cuts what still lasts.
+        let until = entry.until.as_micros().min(trace.ledger.length_us) * 1000;
         let mine: Vec<&Pulse> = pulses
             .iter()
             // Bus time and the rest of a period may pass before either end takes effect.

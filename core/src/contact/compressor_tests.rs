@@ -1,3 +1,5 @@
+//! Compression against closed forms and under hostile frames.
+
 use super::super::levels::LevelTable;
 use super::super::settings::Norm;
 use super::*;

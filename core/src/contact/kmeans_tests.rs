@@ -1,3 +1,5 @@
+//! K-means against exhaustive splits and on degenerate clouds.
+
 use super::*;
 use alloc::vec::Vec;
 

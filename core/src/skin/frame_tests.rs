@@ -1,3 +1,5 @@
+//! Scans from readings that come in order, late, twice or never.
+
 use super::*;
 use crate::skin::Module;
 

@@ -1,3 +1,5 @@
+//! Reference, threshold and faulty taxels by hand.
+
 use super::*;
 use crate::skin::Module;
 use crate::units::Instant;

@@ -1,3 +1,5 @@
+//! Layouts that are, and layouts that are refused.
+
 use super::*;
 
 #[test]

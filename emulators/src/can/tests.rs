@@ -1,3 +1,5 @@
+//! The segment: bits, arbitration, errors.
+
 use palpate_core::wire::can::CanFrame;
 
 use super::*;

@@ -1,3 +1,5 @@
+//! The emulated skin against the figures it is calibrated by.
+
 use super::*;
 
 const SPHERE_MM: f64 = 19.45;
