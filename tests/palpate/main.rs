@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 mod allegro;
+mod allocation;
 mod dbc;
 mod driver;
 mod edges;

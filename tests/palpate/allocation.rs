@@ -1,0 +1,167 @@
+//! The loop allocates nothing: an allocator that counts, and ten seconds of frames through `poll`.
+
+#![allow(unsafe_code)] // a global allocator cannot be had without
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::convert::Infallible;
+
+use embedded_can::ErrorKind;
+use palpate_core::bus::{Actuators, Received, SensorBus};
+use palpate_core::contact::{LevelTable, Levels};
+use palpate_core::guard::Guarded;
+use palpate_core::projector::Projector;
+use palpate_core::units::Instant;
+use palpate_core::wire::can::CanFrame;
+use palpate_core::wire::uskin::Reading;
+use palpate_core::wire::uskin::{ALL_BOARDS, Command, IdProfile, Wiring, encode};
+use palpate_hil::files::Setup;
+use palpate_hil::plan::plan;
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+// SAFETY: every call goes to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        // A thread that is being torn down has no counter any more, and no test either.
+        let _ = ALLOCATIONS.try_with(|n| n.set(n.get() + 1));
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+#[derive(Debug)]
+struct Never(Infallible);
+
+impl embedded_can::Error for Never {
+    fn kind(&self) -> ErrorKind {
+        match self.0 {}
+    }
+}
+
+/// Frames made beforehand, handed out as time comes.
+struct Tape {
+    frames: Vec<Received>,
+    next: usize,
+    now: Instant,
+}
+
+impl SensorBus for Tape {
+    type Error = Never;
+
+    fn receive(&mut self) -> Result<Option<Received>, Never> {
+        let frame = self
+            .frames
+            .get(self.next)
+            .copied()
+            .filter(|f| f.at <= self.now);
+        self.next += usize::from(frame.is_some());
+        Ok(frame)
+    }
+
+    fn transmit(&mut self, _bus: u8, _frame: &CanFrame) -> Result<(), Never> {
+        Ok(())
+    }
+}
+
+#[derive(Default)]
+struct Count(u64);
+
+impl Actuators for Count {
+    type Error = Infallible;
+
+    fn apply(&mut self, _update: &Guarded) -> Result<(), Infallible> {
+        self.0 += 1;
+        Ok(())
+    }
+
+    fn all_off(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+/// A touch that wanders over the pad after half a second, with lost and foreign frames in between.
+fn tape() -> Tape {
+    let mut frames = Vec::new();
+    for scan in 0..1000u64 {
+        let (cx, cy) = (
+            libm::sin(scan as f64 * 0.02) * 1.5,
+            libm::cos(scan as f64 * 0.013) * 1.5,
+        );
+        for k in 0..16u64 {
+            let place = Wiring::FLAT.nth(k as usize).unwrap();
+            let (_, taxel) = Wiring::FLAT.taxel(place).unwrap();
+            let (dx, dy) = ((taxel % 4) as f64 - 1.5 - cx, 1.5 - (taxel / 4) as f64 - cy);
+            let press = if scan > 60 {
+                400.0 * libm::exp(-(dx * dx + dy * dy))
+            } else {
+                0.0
+            };
+            let noise = ((scan * 31 + k * 17) % 5) as u16;
+            let reading = Reading {
+                x: 32_800 + noise,
+                y: 32_800 - noise,
+                z: 37_400 + press as u16,
+            };
+            let at = Instant::from_micros(scan * 10_000 + (k + 1) * 116);
+            if (scan * 16 + k) % 97 != 0 {
+                let frame = encode(IdProfile::Current, 4, place, reading).unwrap();
+                frames.push(Received { at, bus: 0, frame });
+            }
+            if scan % 100 == 50 && k == 7 {
+                let frame = Command {
+                    board: ALL_BOARDS,
+                    start: true,
+                }
+                .encode()
+                .unwrap();
+                frames.push(Received { at, bus: 0, frame });
+            }
+        }
+    }
+    Tape {
+        frames,
+        next: 0,
+        now: Instant::ZERO,
+    }
+}
+
+#[test]
+fn the_loop_allocates_nothing() {
+    for (scene, kc) in [
+        ("sphere-along", 1),
+        ("two-finger-press", 2),
+        ("two-finger-press", 4),
+    ] {
+        let mut setup = Setup::load(scene, "emulated").unwrap();
+        setup.scene.value.compression.kc = kc;
+        let table = LevelTable::from_intensities(&[10.0, 100.0, 200.0, 300.0, 400.0], 4).unwrap();
+        let mut projector = Projector::new(plan(&setup, 1, Levels::Table(table)).unwrap()).unwrap();
+        let (mut tape, mut count, mut now) = (tape(), Count::default(), Instant::ZERO);
+        let before = ALLOCATIONS.with(Cell::get);
+        while now < Instant::from_micros(10_000_000) {
+            tape.now = now;
+            projector.poll(now, &mut tape, &mut count, &mut ()).unwrap();
+            now = projector
+                .next()
+                .min(now + palpate_core::units::Duration::from_millis(3));
+        }
+        let spent = ALLOCATIONS.with(Cell::get) - before;
+        assert!(
+            count.0 > 200,
+            "{scene}: only {} updates: the loop was idle",
+            count.0
+        );
+        assert_eq!(spent, 0, "{scene}, K_C = {kc}: allocations in the loop");
+    }
+}
