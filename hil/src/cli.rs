@@ -39,6 +39,15 @@ pub(crate) fn rate(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A whole number within bounds.
+fn whole<T: TryFrom<u64>, const LOW: u64, const HIGH: u64>(text: &str) -> Result<T, String> {
+    let number: Option<u64> = text.parse().ok();
+    number
+        .filter(|n| (LOW..=HIGH).contains(n))
+        .and_then(|n| T::try_from(n).ok())
+        .ok_or_else(|| format!("expected a whole number from {LOW} to {HIGH}"))
+}
+
 /// A weight exponent, as the compressor takes it.
 fn exponent(text: &str) -> Result<f64, String> {
     match text.parse() {
@@ -103,7 +112,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "HZ", requires = "replay", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
     /// Seed of all randomness.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
     /// Write summary.json, schedule.jsonl, contacts.csv and report.html into this folder.
     #[arg(long, value_name = "DIR")]
@@ -184,13 +193,13 @@ pub struct ContactsArgs {
     #[arg(long, value_name = "NAME|FILE")]
     pub layout: String,
     /// Most contacts K_C of a module.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u16, 1, 1024>, allow_hyphen_values = true)]
     pub kc: u16,
     /// Static intensity levels K_I, found over the whole recording.
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=256))]
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u16, 1, 256>, allow_hyphen_values = true)]
     pub ki: u16,
     /// Contact-free rows at the start that make the reference.
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u32, 1, 100_000>, allow_hyphen_values = true)]
     pub reference_frames: u32,
     /// Contact threshold: auto (the largest value of the first row after the reference) or raw counts.
     #[arg(long, default_value = "auto", value_name = "auto|COUNTS", value_parser = threshold, allow_hyphen_values = true)]
@@ -208,7 +217,7 @@ pub struct ContactsArgs {
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
     /// Seed of the k-means++ draws.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
     /// What to do with rows that repeat the one before.
     #[arg(long, value_enum, default_value_t = StaleArg::Keep)]

@@ -7,4 +7,5 @@ mod allegro;
 mod dbc;
 mod driver;
 mod pca9685;
+mod recordings;
 mod tidy;

@@ -29,7 +29,7 @@ fn bad_scenes() {
             "kc = 1",
             "kc = 0",
             "kc",
-            &["compression.kc", "expected", "found `0`"][..],
+            &["compression.kc", "expected", "found 0"][..],
         ),
         ("kc = 1", "kc = -1", "kc", &["compression.kc", "expected"]),
         (
