@@ -368,6 +368,8 @@ fn bad_options_are_refused() {
         ("--rate", "1e300"),
         ("--rate", "1e-300"),
         ("--seed", "x"),
+        ("--seed", "-1"),
+        ("--ki", "257"),
         ("--replay-stale", "maybe"),
     ] {
         let mut args = vec!["contacts", &file, "--layout", "uskin-4x4", option, value];
