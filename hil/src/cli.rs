@@ -11,6 +11,69 @@ pub struct Cli {
     /// What to do; without a command, `hil run` of the default scene.
     #[command(subcommand)]
     pub command: Option<Command>,
+    /// Colour of error messages: auto is on a terminal, unless NO_COLOR is set.
+    #[arg(long, global = true, value_enum, value_name = "WHEN", default_value_t = Color::Auto)]
+    pub color: Color,
+}
+
+/// When messages are coloured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Color {
+    /// On a terminal.
+    Auto,
+    /// Also in a pipe.
+    Always,
+    /// Never.
+    Never,
+}
+
+/// Slowest and fastest rows of a recording, Hz: slower ones would outlast any run, faster ones have no
+/// microsecond of their own.
+const RATES: std::ops::RangeInclusive<f64> = 0.1..=1e6;
+
+/// Rows a second: zero and NaN are refused here, whatever the file says about its times.
+pub(crate) fn rate(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(hz) if RATES.contains(&hz) => Ok(hz),
+        _ => Err(format!("expected {} to {} Hz", RATES.start(), RATES.end())),
+    }
+}
+
+/// A whole number within bounds.
+fn whole<T: TryFrom<u64>, const LOW: u64, const HIGH: u64>(text: &str) -> Result<T, String> {
+    let number: Option<u64> = text.parse().ok();
+    number
+        .filter(|n| (LOW..=HIGH).contains(n))
+        .and_then(|n| T::try_from(n).ok())
+        .ok_or_else(|| format!("expected a whole number from {LOW} to {HIGH}"))
+}
+
+/// A weight exponent, as the compressor takes it.
+fn exponent(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(p) if (0.0..=16.0).contains(&p) => Ok(p),
+        _ => Err("expected 0 to 16".into()),
+    }
+}
+
+/// `auto` (none here) or raw counts.
+fn threshold(text: &str) -> Result<Threshold, String> {
+    if text == "auto" {
+        return Ok(Threshold::Auto);
+    }
+    match text.parse() {
+        Ok(counts) if (0.0..=1e6).contains(&counts) => Ok(Threshold::Counts(counts)),
+        _ => Err("expected auto or raw counts from 0 to 1000000".into()),
+    }
+}
+
+/// How the contact threshold is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Threshold {
+    /// The largest value of the first row after the reference.
+    Auto,
+    /// Raw counts.
+    Counts(f32),
 }
 
 /// The commands.
@@ -45,11 +108,11 @@ pub struct RunArgs {
     /// Sensor layout of the recording (default: the scene's).
     #[arg(long, value_name = "NAME|FILE", requires = "replay")]
     pub layout: Option<String>,
-    /// Rows a second of a recording without a time_us column.
-    #[arg(long, value_name = "HZ", requires = "replay")]
+    /// Rows a second of a recording without a time_us column (default: frequency_hz of meta_data.csv beside it).
+    #[arg(long, value_name = "HZ", requires = "replay", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
     /// Seed of all randomness.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
     /// Write summary.json, schedule.jsonl, contacts.csv and report.html into this folder.
     #[arg(long, value_name = "DIR")]
@@ -76,19 +139,19 @@ pub struct RunArgs {
     #[arg(long, value_name = "NAME")]
     pub illusion: Option<String>,
     /// Shape factor s of the phantom law.
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_hyphen_values = true)]
     pub shape: Option<f64>,
     /// Duty offset alpha, a fraction of a period.
-    #[arg(long, value_name = "A")]
+    #[arg(long, value_name = "A", allow_hyphen_values = true)]
     pub alpha: Option<f64>,
     /// Duty range beta, a fraction of a period.
-    #[arg(long, value_name = "B")]
+    #[arg(long, value_name = "B", allow_hyphen_values = true)]
     pub beta: Option<f64>,
     /// Stimulus duration, ms.
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
     pub tau_d_ms: Option<f64>,
     /// Stimulus onset asynchrony, ms (default: 0.32 tau_d + 47.3).
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
     pub soa_ms: Option<f64>,
 }
 
@@ -130,19 +193,19 @@ pub struct ContactsArgs {
     #[arg(long, value_name = "NAME|FILE")]
     pub layout: String,
     /// Most contacts K_C of a module.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u16, 1, 1024>, allow_hyphen_values = true)]
     pub kc: u16,
     /// Static intensity levels K_I, found over the whole recording.
-    #[arg(long, default_value_t = 10)]
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u16, 1, 256>, allow_hyphen_values = true)]
     pub ki: u16,
     /// Contact-free rows at the start that make the reference.
-    #[arg(long, default_value_t = 10)]
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u32, 1, 100_000>, allow_hyphen_values = true)]
     pub reference_frames: u32,
     /// Contact threshold: auto (the largest value of the first row after the reference) or raw counts.
-    #[arg(long, default_value = "auto", value_name = "auto|COUNTS")]
-    pub threshold: String,
+    #[arg(long, default_value = "auto", value_name = "auto|COUNTS", value_parser = threshold, allow_hyphen_values = true)]
+    pub threshold: Threshold,
     /// Exponent p of the weights ||s||^p.
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, value_name = "P", default_value = "1", value_parser = exponent, allow_hyphen_values = true)]
     pub weight_exponent: f64,
     /// Norm l of the weights.
     #[arg(long, value_enum, default_value_t = NormArg::L2)]
@@ -150,13 +213,22 @@ pub struct ContactsArgs {
     /// Axes that count.
     #[arg(long, value_enum, default_value_t = AxesArg::Xyz)]
     pub axes: AxesArg,
-    /// Rows a second of a recording without a time_us column.
-    #[arg(long, value_name = "HZ")]
+    /// Rows a second of a recording without a time_us column (default: frequency_hz of meta_data.csv beside it).
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
     /// Seed of the k-means++ draws.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
     /// What to do with rows that repeat the one before.
     #[arg(long, value_enum, default_value_t = StaleArg::Keep)]
     pub replay_stale: StaleArg,
+    /// Write contacts.csv into this folder in place of standard output.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print an array of objects, keys as the CSV's columns.
+    #[arg(long, conflicts_with = "out")]
+    pub json: bool,
+    /// Print no notes, only the contacts and errors.
+    #[arg(long)]
+    pub quiet: bool,
 }

@@ -1,14 +1,15 @@
 //! The `hil` program: parses the command line, runs the command, turns its failure into an exit status.
 
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 
 use clap::Parser;
-use palpate_hil::cli::{Cli, Command, RunArgs};
+use palpate_hil::cli::{Cli, Color, Command, RunArgs};
 use palpate_hil::command;
 
 fn main() -> ExitCode {
-    let result = match Cli::parse().command {
+    let cli = Cli::parse();
+    let result = match cli.command {
         None => command::run(&RunArgs {
             seed: 1,
             ..RunArgs::default()
@@ -20,8 +21,25 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             // Nobody may be reading standard error either.
-            let _ = writeln!(std::io::stderr(), "error: {failure}");
+            let _ = writeln!(std::io::stderr(), "{} {failure}", prefix(cli.color));
             ExitCode::from(failure.status())
         }
+    }
+}
+
+/// What an error message starts with; the bytes are those of clap's own errors.
+fn prefix(color: Color) -> &'static str {
+    let colored = match color {
+        Color::Always => true,
+        Color::Never => false,
+        Color::Auto => {
+            let asked_not_to = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
+            !asked_not_to && std::io::stderr().is_terminal()
+        }
+    };
+    if colored {
+        "\x1b[1m\x1b[31merror:\x1b[0m"
+    } else {
+        "error:"
     }
 }

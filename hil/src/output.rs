@@ -7,7 +7,8 @@ use std::path::Path;
 use crate::failure::Failure;
 
 /// Writes a file through a neighbour of it that is renamed at the end, so that an error or a full disk
-/// leaves nothing half-written behind.
+/// leaves nothing half-written behind. What is no ordinary file (a pipe, `/dev/stdout`) is written as it
+/// stands: a rename would put a file in a device's place. A link keeps pointing where it points.
 ///
 /// # Errors
 /// [`Failure::Write`] with the path and what the system said.
@@ -15,11 +16,33 @@ pub fn write_file(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Failure> {
-    let name = path
+    let failed = |error| Failure::Write {
+        path: path.display().to_string(),
+        error,
+    };
+    let whole = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    match fs::metadata(&whole) {
+        Ok(there) if there.is_dir() => {
+            return Err(failed(io::Error::from(io::ErrorKind::IsADirectory)));
+        }
+        Ok(there) if !there.is_file() || is_stream(path) => {
+            let stream = fs::OpenOptions::new().append(true).open(path);
+            return stream
+                .and_then(|file| {
+                    let mut out = io::BufWriter::new(file);
+                    content(&mut out)?;
+                    out.flush()
+                })
+                .map_err(failed);
+        }
+        _ => {}
+    }
+    let name = whole
         .file_name()
         .map(|n| n.to_string_lossy().into_owned())
         .unwrap_or_default();
-    let partial = path.with_file_name(format!(".{name}.partial"));
+    // Two runs at once may write the same file: each has its own neighbour.
+    let partial = whole.with_file_name(format!(".{name}.{}.partial", std::process::id()));
     let written = fs::File::create(&partial).and_then(|file| {
         let mut out = io::BufWriter::new(file);
         content(&mut out)?;
@@ -28,15 +51,35 @@ pub fn write_file(
             .sync_all()
     });
     written
-        .and_then(|()| fs::rename(&partial, path))
+        .and_then(|()| fs::rename(&partial, &whole))
         .map_err(|error| {
             // Best effort: the error to tell is the first one.
             let _ = fs::remove_file(&partial);
-            Failure::Write {
-                path: path.display().to_string(),
-                error,
-            }
+            failed(error)
         })
+}
+
+/// Whether a path names an open stream of this program, which may be a file elsewhere.
+fn is_stream(path: &Path) -> bool {
+    ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc/self/fd"]
+        .iter()
+        .any(|stream| path.starts_with(stream))
+}
+
+/// Makes a folder and those above it, where they are not there yet.
+///
+/// # Errors
+/// [`Failure::Write`] with the path and what the system said.
+pub fn make_folder(path: &Path) -> Result<(), Failure> {
+    fs::create_dir_all(path).map_err(|error| Failure::Write {
+        path: path.display().to_string(),
+        error,
+    })
+}
+
+/// A remark on standard error; nobody may be reading it.
+pub fn note(text: &str) {
+    let _ = writeln!(io::stderr(), "note: {text}");
 }
 
 /// Writes to standard output. A reader that has gone away (`hil ... | head`) is no error.

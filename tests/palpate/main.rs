@@ -11,4 +11,5 @@ mod edges;
 mod goldens;
 mod paths;
 mod pca9685;
+mod recordings;
 mod tidy;

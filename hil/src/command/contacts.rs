@@ -1,16 +1,22 @@
 //! `hil contacts`: (4.1) to (4.10) on a recording, and nothing else.
 
+use std::fmt;
+use std::io::{self, Write};
+
 use palpate_core::contact::{Compressor, Contact, LevelTable, Norm, Settings};
 use palpate_core::skin::{
     Axes, Initialiser, InitialiserSettings, Phase, RelativeFrame, Scan, ThresholdRule,
 };
 use palpate_core::units::Instant;
+use serde_json::json;
 
-use crate::cli::{AxesArg, ContactsArgs, NormArg, StaleArg};
+use crate::cli::{AxesArg, ContactsArgs, NormArg, StaleArg, Threshold};
 use crate::failure::Failure;
 use crate::files::{Columns, LayoutFile, load_layout, read_taxel_csv};
-use crate::output::print;
+use crate::output::{make_folder, note, print, write_file};
 use crate::plan;
+
+use super::rate::rate_of;
 
 /// One line of the output before levels are known.
 struct Row {
@@ -26,49 +32,95 @@ struct Row {
 pub fn contacts(args: &ContactsArgs) -> Result<(), Failure> {
     let rows = compress(args)?;
     let intensities: Vec<f32> = rows.iter().map(|r| r.contact.intensity).collect();
+    // No table without a contact, and then no row asks for a level.
     let levels = LevelTable::from_intensities(&intensities, usize::from(args.ki)).ok();
-    print(|out| {
-        writeln!(out, "{}", palpate_records::contacts_csv::HEADER)?;
-        for Row {
-            frame,
-            time_us,
-            contact: c,
-        } in &rows
-        {
-            let level = levels.as_ref().map_or(1, |table| table.level(c.intensity));
-            let Contact {
-                id,
-                module,
-                place,
-                intensity,
-                members,
-                ..
-            } = c;
-            writeln!(
-                out,
-                "{frame},{time_us},{module},{id},{:.4},{:.4},{intensity:.3},{level},{members}",
-                place.x, place.y
-            )?;
+    let level = |c: &Contact| levels.as_ref().map_or(1, |table| table.level(c.intensity));
+    if args.json {
+        return print(|out| write_json(&rows, level, out));
+    }
+    match &args.out {
+        None => print(|out| write_csv(&rows, level, out)),
+        Some(folder) => {
+            make_folder(folder)?;
+            write_file(&folder.join("contacts.csv"), |out| {
+                write_csv(&rows, level, out)
+            })
         }
-        Ok(())
-    })
+    }
+}
+
+fn write_csv(rows: &[Row], level: impl Fn(&Contact) -> u16, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "{}", palpate_records::contacts_csv::HEADER)?;
+    for row in rows {
+        let (frame, time_us) = (row.frame, row.time_us);
+        let level = level(&row.contact);
+        let Contact {
+            id,
+            module,
+            place,
+            intensity,
+            members,
+            ..
+        } = row.contact;
+        let (x, y) = (Fixed(place.x), Fixed(place.y));
+        writeln!(
+            out,
+            "{frame},{time_us},{module},{id},{x},{y},{intensity:.3},{level},{members}"
+        )?;
+    }
+    Ok(())
+}
+
+fn write_json(
+    rows: &[Row],
+    level: impl Fn(&Contact) -> u16,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let thousandths = |v: f32, scale: f64| (f64::from(v) * scale).round() / scale;
+    let objects = rows.iter().map(|row| {
+        let c = &row.contact;
+        json!({
+            "frame": row.frame,
+            "time_us": row.time_us,
+            "module": c.module,
+            "contact": c.id,
+            "x_mm": thousandths(c.place.x, 1e4) + 0.0,
+            "y_mm": thousandths(c.place.y, 1e4) + 0.0,
+            "intensity": thousandths(c.intensity, 1e3),
+            "level": level(c),
+            "members": c.members,
+        })
+    });
+    serde_json::to_writer(&mut *out, &objects.collect::<Vec<_>>())?;
+    writeln!(out)
+}
+
+/// Four decimals, and no minus before a zero.
+struct Fixed(f32);
+
+impl fmt::Display for Fixed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let zero = self.0.abs() < 5e-5;
+        write!(f, "{:.4}", if zero { 0.0 } else { self.0 })
+    }
 }
 
 fn compress(args: &ContactsArgs) -> Result<Vec<Row>, Failure> {
-    let option = |name: &str, e: &dyn std::fmt::Display| Failure::Input(format!("--{name}: {e}"));
-    if args.ki == 0 {
-        return Err(option("ki", &"expected at least 1 level, found 0"));
-    }
+    let option = |name: &str, e: &dyn fmt::Display| Failure::Input(format!("--{name}: {e}"));
     let loaded = load_layout(&args.layout)?;
     let LayoutFile::Sensor(file) = &loaded.value else {
-        let message = format!(
-            "expected a layout of kind \"sensor\", found the display `{}`",
+        let found = format!(
+            "{}: expected a layout of kind \"sensor\", found a display",
             args.layout
         );
-        return Err(option("layout", &message));
+        return Err(option("layout", &found));
     };
     let layout = plan::layout(file)?;
-    let table = read_taxel_csv(&args.file, &Columns::of_skin(file), args.rate)?;
+    let rate = rate_of(args.rate, std::slice::from_ref(&args.file))?;
+    let table = read_taxel_csv(&args.file, &Columns::of_skin(file), rate.hz)?;
+    if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.quiet) {
+        note(&format!("{hz} rows a second, from {}", meta.display()));
+    }
     let needed = args.reference_frames as usize + 1;
     if table.frames() < needed {
         return Err(Failure::Input(format!(
@@ -81,7 +133,10 @@ fn compress(args: &ContactsArgs) -> Result<Vec<Row>, Failure> {
     let settings = InitialiserSettings {
         reference_frames: args.reference_frames,
         fault_sigmas: None,
-        threshold: threshold(&args.threshold)?,
+        threshold: match args.threshold {
+            Threshold::Auto => ThresholdRule::Auto { margin: 0.0 },
+            Threshold::Counts(counts) => ThresholdRule::Fixed { counts },
+        },
         axes: match args.axes {
             AxesArg::Xyz => Axes::XYZ,
             AxesArg::Z => Axes::Z,
@@ -100,8 +155,8 @@ fn compress(args: &ContactsArgs) -> Result<Vec<Row>, Failure> {
         seed: args.seed,
         ..Settings::default()
     };
-    let mut compressor = Compressor::new(&layout, compression)
-        .map_err(|e| Failure::Input(format!("--kc or --weight-exponent: {e}")))?;
+    let mut compressor =
+        Compressor::new(&layout, compression).map_err(|e| option("kc, --weight-exponent", &e))?;
 
     // Columns run over the active taxels of all modules, module after module.
     let active: Vec<usize> = layout
@@ -155,16 +210,4 @@ fn compress(args: &ContactsArgs) -> Result<Vec<Row>, Failure> {
         }));
     }
     Ok(rows)
-}
-
-fn threshold(text: &str) -> Result<ThresholdRule, Failure> {
-    if text == "auto" {
-        return Ok(ThresholdRule::Auto { margin: 0.0 });
-    }
-    match text.parse::<f32>() {
-        Ok(counts) if counts.is_finite() && counts >= 0.0 => Ok(ThresholdRule::Fixed { counts }),
-        _ => Err(Failure::Input(format!(
-            "--threshold {text}: expected auto or raw counts of at least 0"
-        ))),
-    }
 }

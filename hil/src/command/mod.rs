@@ -1,6 +1,7 @@
 //! One function a command: arguments in, files and text out.
 
 mod contacts;
+mod rate;
 mod run;
 
 pub use contacts::contacts;

@@ -1,6 +1,5 @@
 //! `hil run`.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use palpate_records::contacts_csv::write_contacts;
@@ -9,9 +8,11 @@ use palpate_records::schedule::write_schedule;
 
 use crate::cli::{RunArgs, Switch};
 use crate::failure::Failure;
-use crate::files::{self, Scene, Setup, load_bench, load_layout, load_scene};
-use crate::output::{print, write_file};
+use crate::files::{self, Kind, Scene, Setup, load_bench, load_layout, load_scene};
+use crate::output::{make_folder, note, print, write_file};
 use crate::run::{self, Input, Outcome};
+
+use super::rate::rate_of;
 
 /// The scene of `hil run` without a name.
 const DEFAULT_SCENE: &str = "sphere-along";
@@ -58,21 +59,23 @@ impl Format {
 /// [`Failure`] with its exit status.
 pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let setup = setup(args)?;
+    let rate = rate_of(args.rate, &args.replay)?;
     let input = match args.replay.as_slice() {
         [] => Input::Scene,
         paths => Input::Replay {
             paths: paths.to_vec(),
-            rate_hz: args.rate,
+            rate_hz: rate.hz,
         },
     };
     let files = wanted(args)?;
-    if let Some(folder) = &args.out {
-        fs::create_dir_all(folder).map_err(|error| Failure::Write {
-            path: folder.display().to_string(),
-            error,
-        })?;
-    }
     let outcome = run::run(&setup, &input, args.seed)?;
+    if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.quiet) {
+        note(&format!("{hz} rows a second, from {}", meta.display()));
+    }
+    // Only now: bad input leaves no empty folder behind.
+    if let Some(folder) = &args.out {
+        make_folder(folder)?;
+    }
     for (format, path) in &files {
         format.write(path, &outcome)?;
     }
@@ -126,7 +129,12 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
                 "--layout {name}: expected a layout of kind \"sensor\", found a display"
             )));
         }
-        scene.value.layout.clone_from(name);
+        // Typed here, so it starts from here, not from the scene's folder.
+        scene.value.layout = if Kind::Layout.names().contains(&name.as_str()) {
+            name.clone()
+        } else {
+            std::path::absolute(name).map_or_else(|_| name.clone(), |p| p.display().to_string())
+        };
     }
     if !args.replay.is_empty() {
         scene.value.touches.clear();

@@ -66,8 +66,13 @@ impl Kind {
 /// # Errors
 /// An unknown name lists what exists; a file says why it cannot be read.
 pub fn resolve(kind: Kind, name: &str) -> Result<Source, FileError> {
-    look_up(kind, name, None)?
-        .ok_or_else(|| FileError::whole(name, kind.choices(), "neither of that name"))
+    look_up(kind, name, None)?.ok_or_else(|| {
+        FileError::whole(
+            if name.is_empty() { "\"\"" } else { name },
+            kind.choices(),
+            "neither of that name",
+        )
+    })
 }
 
 /// The same for a name that stands under `key` of another file: relative paths start at that file's folder.

@@ -158,8 +158,8 @@ impl Illusion {
         source.range("illusion.shape", self.shape, 0.01..=100.0, "")?;
         source.range("illusion.alpha", self.alpha, 0.0..=1.0, "")?;
         source.range("illusion.beta", self.beta, 0.0..=1.0, "")?;
-        if self.alpha + self.beta > 1.0 {
-            return Err(source.bad("illusion.beta", "alpha + beta of at most 1"));
+        if self.alpha + self.beta >= 1.0 {
+            return Err(source.bad("illusion.beta", "alpha + beta below 1"));
         }
         source.range("illusion.tau_d_ms", self.tau_d_ms, 1.0..=1000.0, "ms")?;
         if let Some(soa) = self.soa_ms {

@@ -165,7 +165,7 @@ pub(super) fn parse(
             ));
         }
         let time = match rate {
-            None => time(&record[0], table.time_us.last().copied()).map_err(|expected| {
+            None => time(&record[0], &table.time_us).map_err(|expected| {
                 wrong(
                     line,
                     Some("column 1 (time_us)".into()),
@@ -235,13 +235,19 @@ fn count(field: &[u8]) -> Option<u16> {
     whole.then_some(value as u16)
 }
 
-fn time(field: &[u8], before: Option<u64>) -> Result<u64, String> {
+/// Longest recording, as the longest scene: a slip in a time must not make a run of years.
+const LONGEST_US: u64 = 86_400_000_000;
+
+fn time(field: &[u8], before: &[u64]) -> Result<u64, String> {
     let time = std::str::from_utf8(field)
         .ok()
         .and_then(|text| text.parse().ok())
         .ok_or("a whole number of microseconds")?;
-    match before {
-        Some(before) if time <= before => Err(format!("more than the row before, {before}")),
+    match (before.first(), before.last()) {
+        (_, Some(last)) if time <= *last => Err(format!("more than the row before, {last}")),
+        (Some(first), _) if time - first > LONGEST_US => {
+            Err(format!("at most a day after the first row, {first}"))
+        }
         _ => Ok(time),
     }
 }

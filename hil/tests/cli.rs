@@ -1,0 +1,122 @@
+//! The program as a user meets it: arguments in; streams, files and an exit status out.
+
+// A failed expectation in a test is its message.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+#[path = "cli/contacts.rs"]
+mod contacts;
+#[path = "cli/input.rs"]
+mod input;
+#[path = "cli/outputs.rs"]
+mod outputs;
+#[path = "cli/run.rs"]
+mod run;
+
+use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+/// A folder of one test's own, gone when the test is over.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("hil-cli-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    fn text(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    fn write(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.path(name);
+        fs::write(&path, text).unwrap();
+        path
+    }
+
+    /// Everything in it, by name.
+    fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(&self.0).unwrap();
+        let name = |e: std::io::Result<fs::DirEntry>| e.unwrap().file_name().into_string().unwrap();
+        let mut names: Vec<_> = entries.map(name).collect();
+        names.sort();
+        names
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn command<S: AsRef<OsStr>>(args: &[S], folder: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hil"));
+    command.args(args).current_dir(folder).stdin(Stdio::null());
+    command
+}
+
+/// What a run of the program came to.
+struct Said {
+    status: Option<i32>,
+    out: String,
+    err: String,
+}
+
+impl From<Output> for Said {
+    fn from(output: Output) -> Self {
+        let said = Self {
+            status: output.status.code(),
+            out: String::from_utf8(output.stdout).unwrap(),
+            err: String::from_utf8(output.stderr).unwrap(),
+        };
+        assert!(!said.err.contains("panicked"), "{}", said.err);
+        said
+    }
+}
+
+/// Runs the program in `folder`.
+fn hil_in<S: AsRef<OsStr>>(folder: &Path, args: &[S]) -> Said {
+    command(args, folder).output().unwrap().into()
+}
+
+/// Runs the program where nothing of the project lies around.
+fn hil<S: AsRef<OsStr>>(args: &[S]) -> Said {
+    hil_in(&std::env::temp_dir(), args)
+}
+
+/// Its standard output; it must succeed and have nothing to remark.
+fn good<S: AsRef<OsStr>>(args: &[S]) -> String {
+    let said = hil(args);
+    assert_eq!((said.status, said.err.as_str()), (Some(0), ""));
+    said.out
+}
+
+/// Its message; it must refuse with exit 2 and print nothing else.
+fn refused<S: AsRef<OsStr>>(args: &[S]) -> String {
+    let said = hil(args);
+    assert_eq!(
+        (said.status, said.out.as_str()),
+        (Some(2), ""),
+        "{}",
+        said.err
+    );
+    assert!(said.err.starts_with("error: "), "{}", said.err);
+    said.err
+}
+
+/// `refused`, and every one of `words` must stand in the message.
+fn refused_with<S: AsRef<OsStr>>(args: &[S], words: &[&str]) {
+    let message = refused(args);
+    for word in words {
+        assert!(message.contains(word), "no `{word}` in: {message}");
+    }
+}

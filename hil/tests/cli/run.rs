@@ -1,0 +1,210 @@
+//! `hil run`: what it prints, and what a seed means.
+
+use serde_json::Value;
+
+use super::*;
+
+/// A scene short enough to run many times.
+fn short(folder: &Folder, seconds: &str) -> String {
+    let text = palpate_fixtures::scene("sphere-along").unwrap();
+    let text = text.replace("length_s = 10.0", &format!("length_s = {seconds}"));
+    let text = text.replace("end_s = 10.0", &format!("end_s = {seconds}"));
+    folder.write("short.toml", &text).display().to_string()
+}
+
+#[test]
+fn the_default_is_a_sphere_on_the_emulated_bench() {
+    let bare = hil::<&str>(&[]);
+    let named = good(&["run", "sphere-along", "--bench", "emulated", "--seed", "1"]);
+    assert_eq!(bare.status, Some(0));
+    assert!(
+        bare.out
+            .starts_with("sphere-along on emulated (emulated), seed 1\n"),
+        "{}",
+        bare.out
+    );
+    // All but computing times.
+    let timeless = |text: &str| {
+        let kept = text
+            .lines()
+            .filter(|l| !l.contains("time per frame") && !l.contains("simulated"));
+        kept.map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(timeless(&bare.out), timeless(&named));
+    assert_eq!(good(&["run", "--quiet"]), "");
+}
+
+#[test]
+fn json_is_one_object_with_every_key_of_the_contract() {
+    let text = good(&["run", "--json", "--seed", "7"]);
+    assert_eq!(text.lines().count(), 1);
+    let summary: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(summary["source"], "emulated");
+    assert_eq!(summary["scene"], "sphere-along");
+    assert_eq!(summary["seed"], 7);
+    for key in ["frames", "contacts", "stimuli", "limiter_events"] {
+        assert!(summary[key].is_u64(), "{key}: {}", summary[key]);
+    }
+    for key in [
+        "energy_mj",
+        "peak_supply_a",
+        "hottest_wire_c",
+        "hottest_skin_c",
+        "pwm_hz",
+        "sim_s",
+        "wall_s",
+    ] {
+        assert!(summary[key].is_f64(), "{key}: {}", summary[key]);
+    }
+    for (object, keys) in [
+        ("path_error_mm", &["rmse", "max"][..]),
+        ("felt_error_mm", &["rmse", "max", "breaks"]),
+        ("frame_us", &["median", "p99"]),
+        ("taxels", &["frozen", "dead"]),
+    ] {
+        for key in keys {
+            assert!(
+                summary[object][key].is_number(),
+                "{object}.{key}: {}",
+                summary[object]
+            );
+        }
+    }
+    for key in ["median", "min"] {
+        assert!(summary["taxels"]["refresh_hz"][key].is_number());
+    }
+    assert!((summary["pwm_hz"].as_f64().unwrap() - 196.89).abs() < 0.01);
+    assert!(summary["path_error_mm"]["rmse"].as_f64().unwrap() <= 0.5);
+    assert!((summary["sim_s"].as_f64().unwrap() - 10.0).abs() < 1e-9);
+}
+
+#[test]
+fn without_a_touch_there_is_no_path_to_err_from() {
+    let summary: Value = serde_json::from_str(&good(&["run", "idle", "--json"])).unwrap();
+    assert_eq!(summary["path_error_mm"], Value::Null);
+    assert_eq!(summary["contacts"], 0);
+    assert_eq!(summary["stimuli"], 0);
+    assert_eq!(summary["felt_error_mm"]["rmse"], Value::Null);
+    assert_eq!(summary["felt_error_mm"]["breaks"], 0);
+}
+
+#[test]
+fn every_built_in_scene_runs_on_every_built_in_bench() {
+    for scene in palpate_fixtures::scene_names() {
+        for bench in palpate_fixtures::bench_names() {
+            let said = hil(&["run", scene, "--bench", bench, "--json"]);
+            assert_eq!(said.status, Some(0), "{scene} on {bench}: {}", said.err);
+        }
+    }
+}
+
+#[test]
+fn one_seed_is_one_outcome_byte_for_byte() {
+    let folder = Folder::new("seeds");
+    let scene = short(&folder, "3.0");
+    for (name, seed) in [("a", "5"), ("b", "5"), ("c", "6")] {
+        let out = folder.path(name).display().to_string();
+        good(&["run", &scene, "--seed", seed, "--out", &out]);
+    }
+    for file in ["schedule.jsonl", "contacts.csv"] {
+        let read = |run: &str| fs::read(folder.path(run).join(file)).unwrap();
+        assert!(
+            read("a") == read("b"),
+            "{file} differs between two runs of one seed"
+        );
+        assert!(read("a") != read("c"), "{file} is the same for two seeds");
+    }
+}
+
+#[test]
+fn illusion_options_change_the_run_and_are_checked() {
+    let folder = Folder::new("illusion");
+    let scene = short(&folder, "2.0");
+    let schedule = |options: &[&str]| {
+        let path = folder.path("s.jsonl").display().to_string();
+        let mut args = vec!["run", &scene, "--schedule", &path];
+        args.extend(options);
+        good(&args);
+        folder.text("s.jsonl")
+    };
+    let plain = schedule(&[]);
+    for options in [
+        ["--shape", "2"],
+        ["--alpha", "0.005"],
+        ["--beta", "0.02"],
+        ["--tau-d-ms", "30"],
+        ["--soa-ms", "70"],
+        ["--intensity", "off"],
+    ] {
+        assert_ne!(schedule(&options), plain, "{options:?}");
+    }
+    assert_eq!(schedule(&["--illusion", "phantom"]), plain);
+    assert_eq!(schedule(&["--intensity", "on"]), plain);
+    for (options, word) in [
+        (&["--shape", "0"][..], "--shape 0: expected"),
+        (&["--shape", "NaN"], "--shape NaN: expected"),
+        (&["--alpha", "-1"], "--alpha -1: expected"),
+        (&["--alpha", "0.6", "--beta", "0.6"], "sum below 1"),
+        (
+            &["--tau-d-ms", "50", "--soa-ms", "40"],
+            "at most the onset asynchrony",
+        ),
+        (&["--soa-ms", "inf"], "--soa-ms inf: expected"),
+        (&["--illusion", "magic"], "expected phantom"),
+        (&["--intensity", "half"], "half"),
+    ] {
+        let mut args = vec!["run", &scene];
+        args.extend(options);
+        refused_with(&args, &[word]);
+    }
+}
+
+#[test]
+fn what_is_not_built_is_refused_and_not_ignored() {
+    for option in [
+        "--watch",
+        "--explain",
+        "--can",
+        "--i2c",
+        "--junit",
+        "--limits",
+        "--seeds",
+    ] {
+        refused_with(&["run", option], &[option]);
+    }
+    for name in [
+        "emulate", "record", "replay", "texture", "test", "review", "diff", "bench", "off",
+        "doctor",
+    ] {
+        refused_with(&[name], &[name]);
+    }
+    refused(&["run", "--seed", "-1"]);
+    refused(&["run", "--seed", "1.5"]);
+    refused(&["run", "sphere-along", "idle"]);
+    refused(&["run", "--layout", "uskin-4x4"]); // a scene has its own
+}
+
+#[test]
+fn help_and_version_are_no_errors() {
+    for args in [
+        &["--help"][..],
+        &["--version"],
+        &["run", "--help"],
+        &["contacts", "--help"],
+    ] {
+        assert!(!good(args).is_empty());
+    }
+}
+
+#[test]
+fn colour_is_for_terminals_unless_asked_for() {
+    let plain = hil(&["run", "nowhere"]).err;
+    assert!(!plain.contains('\x1b'), "{plain:?}");
+    assert!(
+        hil(&["run", "nowhere", "--color", "always"])
+            .err
+            .contains("\x1b[")
+    );
+    assert_eq!(hil(&["--color", "never", "run", "nowhere"]).err, plain);
+    refused(&["run", "--color", "sometimes"]);
+}
