@@ -126,7 +126,6 @@ pub(super) fn contact_path(trace: &Trace) -> String {
         let (x, y) = plot.at(*taxel);
         svg.rect((x - half, y - half), (2.0 * half, 2.0 * half), "taxel");
     }
-    truth(trace, &plot, &mut svg);
     let length = length_us(trace);
     let mut strokes: BTreeMap<(u16, u32), (Stroke, u32)> = BTreeMap::new();
     let mut first = None;
@@ -153,6 +152,8 @@ pub(super) fn contact_path(trace: &Trace) -> String {
     for (stroke, _) in strokes.values() {
         stroke.draw(&mut svg, "dots");
     }
+    // Above the contacts: a path that is followed well would hide it.
+    truth(trace, &plot, &mut svg);
     if let Some(at) = first {
         svg.circle(at, 6.5, "start");
     } else {
@@ -271,7 +272,11 @@ pub(super) fn felt_path(trace: &Trace) -> String {
         svg.text(
             (plot.left + plot.width, plot.top - 11.0),
             "note end",
-            "nothing was felt in this run",
+            if trace.events.iter().any(|e| matches!(e, Event::Felt { .. })) {
+                "nothing was felt in this run"
+            } else {
+                "no onset with one contact"
+            },
         );
     }
     svg.finish()
