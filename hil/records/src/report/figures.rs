@@ -136,8 +136,8 @@ fn felt_in_words(trace: &Trace) -> String {
 fn why(illusion: &str) -> &'static str {
     match illusion {
         "phantom" => {
-            "The phantom law (5.2) leaves little activation between wires: with shape 1 a quarter halfway \
-             between two, and the product of both axes elsewhere."
+            "The phantom law (5.2) leaves little activation between wires: with shape 1 a quarter \
+             halfway between two, and less beside both axes, since the shares of x and y multiply."
         }
         _ => "The illusion leaves too little activation there.",
     }

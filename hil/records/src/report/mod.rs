@@ -47,7 +47,7 @@ pub struct ReportExtras<'a> {
 
 /// The report as one HTML page.
 pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
-    let scene = escape(tables::title(&trace.header.scene));
+    let scene = escape(&tables::title(&trace.header.scene));
     let mut page = String::with_capacity(256 * 1024);
     let _ = writeln!(
         page,

@@ -126,6 +126,8 @@ pub(super) fn contact_path(trace: &Trace) -> String {
         let (x, y) = plot.at(*taxel);
         svg.rect((x - half, y - half), (2.0 * half, 2.0 * half), "taxel");
     }
+    // A broad band below the contacts: a path that is followed well hides no thin line.
+    truth(trace, &plot, &mut svg);
     let length = length_us(trace);
     let mut strokes: BTreeMap<(u16, u32), (Stroke, u32)> = BTreeMap::new();
     let mut first = None;
@@ -152,8 +154,6 @@ pub(super) fn contact_path(trace: &Trace) -> String {
     for (stroke, _) in strokes.values() {
         stroke.draw(&mut svg, "dots");
     }
-    // Above the contacts: a path that is followed well would hide it.
-    truth(trace, &plot, &mut svg);
     if let Some(at) = first {
         svg.circle(at, 6.5, "start");
     } else {
@@ -191,8 +191,9 @@ fn truth(trace: &Trace, plot: &Plot, svg: &mut Svg) {
             Some(_) => {
                 let _ = write!(line, "L{:.1} {:.1}", at.0, at.1);
             }
+            // A touch that rests is a dot.
             None => {
-                let _ = write!(line, "M{:.1} {:.1}", at.0, at.1);
+                let _ = write!(line, "M{:.1} {:.1}h0", at.0, at.1);
             }
         }
         last = Some((t_us, at));

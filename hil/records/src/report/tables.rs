@@ -12,11 +12,18 @@ use std::fmt::Write;
 /// Most happenings in the table.
 const EVENTS: usize = 200;
 
-/// A scene's name. Of a replayed file its last part; the whole path stands among the facts.
-pub(super) fn title(scene: &str) -> &str {
-    let is_path = scene.starts_with("replay of ");
-    let last = scene.rsplit(['/', '\\']).find(|part| !part.is_empty());
-    last.filter(|_| is_path).unwrap_or(scene)
+/// What the name of a replayed recording begins with.
+const REPLAY: &str = "replay of ";
+
+/// A scene's name; of a replayed file without its folders, which stand among the facts.
+pub(super) fn title(scene: &str) -> String {
+    match scene.strip_prefix(REPLAY) {
+        Some(path) => {
+            let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
+            format!("{REPLAY}{file}")
+        }
+        None => scene.to_owned(),
+    }
 }
 
 /// Name, whether real, and what was run.
@@ -29,7 +36,7 @@ pub(super) fn head(page: &mut String, trace: &Trace) {
     let _ = writeln!(
         page,
         "<header><h1>{}</h1><span class=\"badge{class}\">{word}</span></header>\n<dl>",
-        escape(title(&h.scene))
+        escape(&title(&h.scene))
     );
     let frames = trace
         .events
@@ -64,12 +71,18 @@ pub(super) fn head(page: &mut String, trace: &Trace) {
         ("scene digest", h.scene_digest.clone()),
         ("limits digest", h.limits_digest.clone()),
     ];
-    let full = Some(("recording", h.scene.clone())).filter(|_| title(&h.scene) != h.scene);
-    for (name, value) in facts.into_iter().chain(full) {
+    for (name, value) in facts {
         let _ = write!(
             page,
             "<div><dt>{name}</dt><dd>{}</dd></div>",
             escape(&value)
+        );
+    }
+    if let Some(path) = h.scene.strip_prefix(REPLAY) {
+        let _ = write!(
+            page,
+            "<div class=\"whole\"><dt>recording</dt><dd>{}</dd></div>",
+            escape(path)
         );
     }
     page.push_str("</dl>\n");
@@ -96,12 +109,13 @@ fn error_rows(rows: &mut Vec<SummaryRow>, what: &str, space: &str, errors: Optio
 
 fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
     let mut rows = Vec::new();
-    error_rows(
-        &mut rows,
-        "path error",
-        "sensor",
-        measure::path_error(trace),
-    );
+    let path = measure::path_error(trace);
+    error_rows(&mut rows, "path error", "sensor", path);
+    rows.push(row(
+        "frames with one true place",
+        path.map_or(0, |e| e.count).to_string(),
+        "",
+    ));
     let (felt, breaks) = measure::felt_error(trace);
     // Without a true path there is nothing to hold the felt path against; breaks need none.
     let known = trace
