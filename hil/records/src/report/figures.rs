@@ -80,16 +80,76 @@ pub(super) fn planes(page: &mut String, trace: &Trace) {
     let _ = writeln!(
         page,
         "<section><h2>C \u{b7} Felt path on the display</h2>\n{}\
-         <div class=\"legend\">{legend}</div></section></div>",
-        paths::felt_path(trace)
+         <div class=\"legend\">{legend}</div>{}</section></div>",
+        paths::felt_path(trace),
+        felt_in_words(trace)
     );
+}
+
+/// What figure C counts, and why a phantom breaks. Empty where nothing was projected.
+fn felt_in_words(trace: &Trace) -> String {
+    let (mut scored, mut breaks, mut beyond) = (0u64, 0u64, 0u64);
+    for event in &trace.events {
+        if let Event::Felt { inside, felt, .. } = event {
+            scored += 1;
+            breaks += u64::from(felt.is_none() && *inside);
+            beyond += u64::from(felt.is_none() && !*inside);
+        }
+    }
+    let driven = bursts(trace).iter().any(|b| b.width > 0);
+    let text = match (scored, driven) {
+        (0, false) => return String::new(),
+        (0, true) => {
+            "Not drawn: every onset had several contacts at once, and one felt place cannot \
+                      be held against two. The wires were driven; see the schedule."
+                .to_owned()
+        }
+        _ => {
+            let mut text = format!("Onsets with one contact: {scored}.");
+            if breaks > 0 {
+                let _ = write!(
+                    text,
+                    " Breaks: {breaks}. There the contact lies inside the display and no wire is \
+                     strong enough to be felt. {}",
+                    why(&trace.header.illusion)
+                );
+                if trace.ledger.limiter_events > 0 {
+                    text.push_str(" What the guard took away can break it too; see the events.");
+                }
+            }
+            if beyond > 0 {
+                let _ = write!(
+                    text,
+                    " Outside the display, where no phantom can be: {beyond}."
+                );
+            }
+            text.push_str(
+                " What is felt comes from a model with a fitted gain, not from a person.",
+            );
+            text
+        }
+    };
+    format!("<p class=\"sub words\">{}</p>", escape(&text))
+}
+
+/// The cause of a break, by the model's name.
+fn why(illusion: &str) -> &'static str {
+    match illusion {
+        "phantom" => {
+            "The phantom law (5.2) leaves little activation between wires: with shape 1 a quarter \
+             halfway between two, and less beside both axes, since the shares of x and y multiply."
+        }
+        _ => "The illusion leaves too little activation there.",
+    }
 }
 
 /// Figure B.
 pub(super) fn frames(page: &mut String, trace: &Trace, extras: &ReportExtras<'_>) {
     let _ = writeln!(
         page,
-        "<section><h2>B \u{b7} Contacts and compression time</h2>\n<div class=\"wide\">{}</div></section>",
+        "<section><h2>B \u{b7} Contacts and time per frame</h2><p class=\"sub\">Measured on this machine, for \
+         the whole loop: compression, and stimuli where an onset is due. The first frames make the \
+         reference and are not drawn.</p>\n<div class=\"wide\">{}</div></section>",
         series::frames(trace, extras.frame_us)
     );
 }
@@ -109,14 +169,22 @@ pub(super) fn temperatures(page: &mut String, trace: &Trace) {
         );
     }
     let all = trace.header.wires.len();
-    let which = if wires.len() < all {
-        format!("The {} hottest of {all} wires.", wires.len())
-    } else {
-        String::new()
-    };
+    let mut which = String::from(
+        "Sampled at each onset, before its burst heats the wire: the peaks within a burst are not drawn.",
+    );
+    if let Some((milli_c, wire)) = trace.ledger.hottest_wire {
+        let celsius = f64::from(milli_c) / 1000.0;
+        let _ = write!(
+            which,
+            " Hottest at any instant: wire {wire}, {celsius:.1} \u{b0}C."
+        );
+    }
+    if wires.len() < all {
+        let _ = write!(which, " The {} hottest of {all} wires.", wires.len());
+    }
     let _ = writeln!(
         page,
-        "<section><h2>Wire temperatures</h2><p class=\"sub\">{which}</p>\n<div class=\"wide\">{}</div>\
+        "<section><h2>Wire temperatures at the onsets</h2><p class=\"sub\">{which}</p>\n<div class=\"wide\">{}</div>\
          <div class=\"legend\">{legend}</div></section>",
         series::temperatures(trace, &wires)
     );

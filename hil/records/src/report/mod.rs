@@ -1,6 +1,6 @@
 //! The report of a run: one self-contained page with plots as SVG. It loads nothing and runs nothing.
 //!
-//! The figures follow the thesis's 5.5: the contact path (A), contacts and compression time against
+//! The figures follow the thesis's 5.5: the contact path (A), contacts and time per frame against
 //! frames (B), the felt path (C); then wire temperatures and the schedule as a strip chart.
 
 mod figures;
@@ -47,7 +47,7 @@ pub struct ReportExtras<'a> {
 
 /// The report as one HTML page.
 pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
-    let scene = escape(&trace.header.scene);
+    let scene = escape(&tables::title(&trace.header.scene));
     let mut page = String::with_capacity(256 * 1024);
     let _ = writeln!(
         page,

@@ -126,6 +126,7 @@ pub(super) fn contact_path(trace: &Trace) -> String {
         let (x, y) = plot.at(*taxel);
         svg.rect((x - half, y - half), (2.0 * half, 2.0 * half), "taxel");
     }
+    // A broad band below the contacts: a path that is followed well hides no thin line.
     truth(trace, &plot, &mut svg);
     let length = length_us(trace);
     let mut strokes: BTreeMap<(u16, u32), (Stroke, u32)> = BTreeMap::new();
@@ -190,8 +191,9 @@ fn truth(trace: &Trace, plot: &Plot, svg: &mut Svg) {
             Some(_) => {
                 let _ = write!(line, "L{:.1} {:.1}", at.0, at.1);
             }
+            // A touch that rests is a dot.
             None => {
-                let _ = write!(line, "M{:.1} {:.1}", at.0, at.1);
+                let _ = write!(line, "M{:.1} {:.1}h0", at.0, at.1);
             }
         }
         last = Some((t_us, at));
@@ -271,7 +273,11 @@ pub(super) fn felt_path(trace: &Trace) -> String {
         svg.text(
             (plot.left + plot.width, plot.top - 11.0),
             "note end",
-            "nothing was felt in this run",
+            if trace.events.iter().any(|e| matches!(e, Event::Felt { .. })) {
+                "nothing was felt in this run"
+            } else {
+                "no onset with one contact"
+            },
         );
     }
     svg.finish()

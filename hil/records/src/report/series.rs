@@ -85,7 +85,7 @@ pub(super) fn frames(trace: &Trace, frame_us: &[f32]) -> String {
     let mut svg = Svg::new(
         WIDTH,
         if timed { 420.0 } else { 220.0 },
-        "Taxels in contact and compression time against frames",
+        "Taxels in contact and time per frame against frames",
     );
     let upper = panel(30.0, 140.0, x, Scale::round(0.0, most.max(4.0)));
     upper.y_axis(&mut svg, "taxels in contact N_C");
@@ -103,7 +103,7 @@ pub(super) fn frames(trace: &Trace, frame_us: &[f32]) -> String {
         svg.text(
             at,
             "note end",
-            "compression time was not measured in this run",
+            "time per frame was not measured in this run",
         );
     }
     svg.finish()
@@ -125,7 +125,7 @@ fn times_panel(
         .unwrap_or(1.0)
         .max(scan.unwrap_or(0.0));
     let lower = panel(222.0, 150.0, x, Scale::decades(low, high));
-    lower.y_axis(svg, "compression time per frame [\u{b5}s]");
+    lower.y_axis(svg, "time per frame [\u{b5}s]");
     lower.x_axis(svg, "frame");
     lower.frame(svg);
     // Half a pixel is all an eye sees: a long run costs no more than its pixels.
@@ -161,7 +161,7 @@ fn times_panel(
         svg.text(
             (right + 6.0, y + 4.0),
             "tick",
-            &format!("median {median:.2}"),
+            &format!("median {median:.2} \u{b5}s"),
         );
     }
 }
@@ -202,7 +202,7 @@ pub(super) fn temperatures(trace: &Trace, wires: &[usize]) -> String {
     let x = Scale::exact(0.0, seconds(length_us(trace)));
     let plot = panel(30.0, 230.0, x, Scale::round(low, high));
     let mut svg = Svg::new(WIDTH, 306.0, "Wire temperatures against time");
-    plot.y_axis(&mut svg, "wire temperature [\u{b0}C]");
+    plot.y_axis(&mut svg, "temperature [\u{b0}C]");
     plot.x_axis(&mut svg, "time [s]");
     for (slot, line) in lines.iter().enumerate() {
         let points = line.iter().map(|p| plot.at(*p));

@@ -12,6 +12,20 @@ use std::fmt::Write;
 /// Most happenings in the table.
 const EVENTS: usize = 200;
 
+/// What the name of a replayed recording begins with.
+const REPLAY: &str = "replay of ";
+
+/// A scene's name; of a replayed file without its folders, which stand among the facts.
+pub(super) fn title(scene: &str) -> String {
+    match scene.strip_prefix(REPLAY) {
+        Some(path) => {
+            let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
+            format!("{REPLAY}{file}")
+        }
+        None => scene.to_owned(),
+    }
+}
+
 /// Name, whether real, and what was run.
 pub(super) fn head(page: &mut String, trace: &Trace) {
     let h = &trace.header;
@@ -22,7 +36,7 @@ pub(super) fn head(page: &mut String, trace: &Trace) {
     let _ = writeln!(
         page,
         "<header><h1>{}</h1><span class=\"badge{class}\">{word}</span></header>\n<dl>",
-        escape(&h.scene)
+        escape(&title(&h.scene))
     );
     let frames = trace
         .events
@@ -64,6 +78,13 @@ pub(super) fn head(page: &mut String, trace: &Trace) {
             escape(&value)
         );
     }
+    if let Some(path) = h.scene.strip_prefix(REPLAY) {
+        let _ = write!(
+            page,
+            "<div class=\"whole\"><dt>recording</dt><dd>{}</dd></div>",
+            escape(path)
+        );
+    }
     page.push_str("</dl>\n");
 }
 
@@ -88,15 +109,23 @@ fn error_rows(rows: &mut Vec<SummaryRow>, what: &str, space: &str, errors: Optio
 
 fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
     let mut rows = Vec::new();
-    error_rows(
-        &mut rows,
-        "path error",
-        "sensor",
-        measure::path_error(trace),
-    );
+    let path = measure::path_error(trace);
+    error_rows(&mut rows, "path error", "sensor", path);
+    rows.push(row(
+        "frames with one true place",
+        path.map_or(0, |e| e.count).to_string(),
+        "",
+    ));
     let (felt, breaks) = measure::felt_error(trace);
-    error_rows(&mut rows, "felt error", "display", felt);
-    rows.push(row("breaks", breaks.to_string(), "onsets"));
+    // Without a true path there is nothing to hold the felt path against; breaks need none.
+    let known = trace
+        .events
+        .iter()
+        .any(|e| matches!(e, Event::Truth { .. }));
+    error_rows(&mut rows, "felt error", "display", felt.filter(|_| known));
+    let mut broken = row("breaks", breaks.to_string(), "onsets");
+    broken.over = breaks > 0;
+    rows.push(broken);
     let most = trace.events.iter().filter_map(|e| match e {
         Event::Frame { in_contact, .. } => Some(*in_contact),
         _ => None,
@@ -110,7 +139,7 @@ fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
     let time = |q| quantile(&times, q).map_or_else(|| "\u{2013}".to_owned(), |t| format!("{t:.2}"));
     rows.push(row("time per frame, median", time(0.5), "\u{b5}s"));
     let mut p99 = row("time per frame, p99", time(0.99), "\u{b5}s");
-    p99.limit = scan_us(trace).map(|us| format!("{us:.0} (one scan)"));
+    p99.limit = scan_us(trace).map(|us| format!("{us:.0}, one scan"));
     rows.push(p99);
     rows.extend(extras.summary.iter().cloned());
     rows
@@ -161,7 +190,15 @@ pub(super) fn summary(page: &mut String, trace: &Trace, extras: &ReportExtras<'_
             r.value_text(),
         );
     }
-    page.push_str("</table></section></div>\n");
+    let _ = writeln!(
+        page,
+        "</table><p class=\"sub words\">Mean power is over the whole run, its limit over 60 s. {} \
+         Temperatures come from the model of wire and finger.</p></section></div>",
+        match trace.header.limits.skin_milli_c {
+            Some(_) => "Skin is modelled 0.1 mm deep.",
+            None => "Skin is modelled 0.1 mm deep; the guard has no limit on it yet.",
+        }
+    );
 }
 
 /// Limiter events, breaks, all-off and notes in words.
