@@ -1,7 +1,7 @@
 //! The program as a user meets it: arguments in; streams, files and an exit status out.
 
 // A failed expectation in a test is its message.
-#![allow(clippy::unwrap_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
 
 #[path = "cli/contacts.rs"]
 mod contacts;
