@@ -21,6 +21,9 @@ use power::Windows;
 /// The oscillators seen on real chips, Hz: the slowest makes the longest pulses, the fastest the most.
 const OSCILLATOR_HZ: (u64, u64) = (23_000_000, 27_400_000);
 
+/// A burst takes at most this part of the energy that a window still has: one in four.
+const FADE: u64 = 4;
+
 /// What one channel shall do from now on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Setting {
@@ -305,7 +308,9 @@ impl Guard {
             return refuse(Reason::SupplyCurrent);
         }
 
-        // Energy: burst, then the windows. Narrow the pulses to what is left.
+        // Energy: burst, then the windows. Narrow the pulses to what is left; of a window no burst may
+        // take more than a part of what is left, so that a contact that rests fades to the steady level
+        // the limit sustains instead of falling silent.
         let span = until.since(at);
         let wire = &mut self.wires[index];
         let limit = |uw: u64, seconds: u64| uw.saturating_mul(seconds * 1000);
@@ -319,7 +324,7 @@ impl Guard {
                     until,
                     limit(self.limits.wire_1s_uw, 1),
                     limit(self.limits.wire_10s_uw, 10),
-                ),
+                ) / FADE,
                 Reason::WirePower,
             ),
             (
@@ -327,7 +332,7 @@ impl Guard {
                     until,
                     limit(self.limits.fingertip_1s_uw, 1),
                     limit(self.limits.fingertip_60s_uw, 60),
-                ),
+                ) / FADE,
                 Reason::FingertipPower,
             ),
         ];

@@ -95,7 +95,9 @@ pub struct Initialiser {
     frames: u32,
     sums: Vec<[u64; 3]>,
     seen: Vec<u32>,
-    reference: [Vec<f32>; 3],
+    /// The reference, split into whole counts and the rest: at 49,000 counts one `f32` is good to 0.002
+    /// counts only, while a difference of whole counts is exact.
+    reference: [Vec<(f32, f32)>; 3],
     usable: Vec<bool>,
     faulty: Vec<bool>,
     single_axis: Vec<bool>,
@@ -129,7 +131,7 @@ impl Initialiser {
             frames: 0,
             sums: alloc::vec![[0; 3]; n],
             seen: alloc::vec![0; n],
-            reference: core::array::from_fn(|_| alloc::vec![0.0; n]),
+            reference: core::array::from_fn(|_| alloc::vec![(0.0, 0.0); n]),
             usable: modules().flat_map(|m| m.active()).copied().collect(),
             faulty: alloc::vec![false; n],
             single_axis: modules()
@@ -169,7 +171,9 @@ impl Initialiser {
                 self.usable[i] &= self.seen[i] > 0;
                 for axis in 0..3 {
                     let n = f64::from(self.seen[i].max(1));
-                    self.reference[axis][i] = (self.sums[i][axis] as f64 / n) as f32;
+                    let mean = self.sums[i][axis] as f64 / n;
+                    let whole = libm::floor(mean);
+                    self.reference[axis][i] = (whole as f32, (mean - whole) as f32);
                 }
             }
             self.phase = Phase::Referenced;
@@ -221,7 +225,8 @@ impl Initialiser {
         for (i, counts) in scan.counts().iter().enumerate() {
             for (axis, chosen) in self.settings.axes.flags().into_iter().enumerate() {
                 if chosen && self.usable[i] {
-                    let d = libm::fabsf(f32::from(counts[axis]) - self.reference[axis][i]);
+                    let (whole, rest) = self.reference[axis][i];
+                    let d = libm::fabsf(f32::from(counts[axis]) - whole - rest);
                     largest = largest.max(d);
                 }
             }
@@ -251,8 +256,8 @@ impl Initialiser {
                 continue;
             }
             let reference = &self.reference[axis][..n];
-            for ((out, r), counts) in out.iter_mut().zip(reference).zip(scan.counts()) {
-                *out = libm::fabsf(f32::from(counts[axis]) - r);
+            for ((out, (whole, rest)), counts) in out.iter_mut().zip(reference).zip(scan.counts()) {
+                *out = libm::fabsf(f32::from(counts[axis]) - whole - rest);
             }
         }
         frame.find_contacts(self.threshold);
@@ -291,9 +296,14 @@ impl Initialiser {
     pub fn usable(&self) -> &[bool] {
         &self.usable
     }
-    /// The reference along x, y, z (0..3), counts.
-    pub fn reference(&self, axis: usize) -> &[f32] {
-        self.reference.get(axis).map_or(&[], Vec::as_slice)
+    /// The reference of a taxel along x, y, z, counts; `None` if there is no such taxel.
+    pub fn reference(&self, index: usize) -> Option<[f64; 3]> {
+        let along = |axis: &Vec<(f32, f32)>| {
+            axis.get(index)
+                .map(|&(whole, rest)| f64::from(whole) + f64::from(rest))
+        };
+        let [x, y, z] = &self.reference;
+        Some([along(x)?, along(y)?, along(z)?])
     }
 }
 
