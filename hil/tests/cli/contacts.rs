@@ -176,11 +176,9 @@ fn the_threshold_is_strict_and_euclidean() {
     assert_eq!(found(&["--threshold", "4", "--axes", "z"]), 0);
     assert_eq!(found(&["--threshold", "3.9", "--axes", "z"]), 2);
     let row = contacts(&file, &["--reference-frames", "2", "--threshold", "4"])[0];
-    assert_eq!(
-        row,
-        [2.0, 50_000.0, 0.0, 1.0, -7.05, 7.05, 5.0, 1.0, 1.0],
-        "top left, 5 counts"
-    );
+    let top_left = [2.0, 50_000.0, 0.0, 1.0, -7.05, 7.05, 5.0, 1.0, 1.0];
+    let agree = row.iter().zip(top_left).all(|(a, b)| (a - b).abs() < 1e-3);
+    assert!(agree, "{row:?}");
 }
 
 #[test]
