@@ -16,13 +16,13 @@ use crate::illusion::Wire;
 use crate::schedule::{Entry, Reason, Stimulus, stagger};
 use crate::units::{Board, Duration, Instant, Milliamps, Prescale, Ticks};
 
-use power::Windows;
+use power::{Bucket, Window};
 
 /// The oscillators seen on real chips, Hz: the slowest makes the longest pulses, the fastest the most.
 const OSCILLATOR_HZ: (u64, u64) = (23_000_000, 27_400_000);
 
-/// A burst takes at most this part of the energy that a window still has: one in four.
-const FADE: u64 = 4;
+/// A burst takes at most this part of the energy that is left: one in two.
+const FADE: u64 = 2;
 
 /// What one channel shall do from now on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,7 +94,7 @@ impl core::error::Error for PlantError {}
 #[derive(Clone, Debug)]
 struct WireState {
     place: (Board, u8),
-    power: Windows,
+    power: Bucket,
     /// Start and energy so far (nJ) of the burst in progress or last ended, and when it ends.
     burst: Option<(Instant, u64, Instant)>,
     /// What the channel does now.
@@ -117,7 +117,7 @@ pub struct Guard {
     limits: Limits,
     plant: Plant,
     wires: Box<[WireState]>,
-    fingertip: Windows,
+    fingertip: Bucket,
     latched: Option<&'static str>,
 }
 
@@ -131,17 +131,18 @@ impl Guard {
         if !(plausible(plant.wire_milliohm, 1_000_000) && plausible(plant.peak.0, 100_000)) {
             return Err(PlantError::OutOfRange);
         }
+        let limits = limits.tightened();
         let state = |w: &Wire| WireState {
             place: (w.board, w.channel.0),
-            power: Windows::new(1, 10),
+            power: bucket((1, limits.wire_1s_uw), (10, limits.wire_10s_uw)),
             burst: None,
             now: None,
         };
         Ok(Self {
-            limits: limits.tightened(),
+            limits,
             plant,
             wires: wires.iter().map(state).collect(),
-            fingertip: Windows::new(1, 60),
+            fingertip: bucket((1, limits.fingertip_1s_uw), (60, limits.fingertip_60s_uw)),
             latched: None,
         })
     }
@@ -308,33 +309,19 @@ impl Guard {
             return refuse(Reason::SupplyCurrent);
         }
 
-        // Energy: burst, then the windows. Narrow the pulses to what is left; of a window no burst may
-        // take more than a part of what is left, so that a contact that rests fades to the steady level
-        // the limit sustains instead of falling silent.
+        // Energy: burst, then the windows. Narrow the pulses to what is left; of a window no burst takes
+        // more than a part of what is left, so that a contact that rests fades instead of stepping down.
         let span = until.since(at);
-        let wire = &mut self.wires[index];
-        let limit = |uw: u64, seconds: u64| uw.saturating_mul(seconds * 1000);
         let room = [
             (
                 self.limits.burst_energy_nj.saturating_sub(spent),
                 Reason::Burst,
             ),
             (
-                wire.power.room(
-                    until,
-                    limit(self.limits.wire_1s_uw, 1),
-                    limit(self.limits.wire_10s_uw, 10),
-                ) / FADE,
+                self.wires[index].power.left_nj(at) / FADE,
                 Reason::WirePower,
             ),
-            (
-                self.fingertip.room(
-                    until,
-                    limit(self.limits.fingertip_1s_uw, 1),
-                    limit(self.limits.fingertip_60s_uw, 60),
-                ) / FADE,
-                Reason::FingertipPower,
-            ),
+            (self.fingertip.left_nj(at) / FADE, Reason::FingertipPower),
         ];
         for (left, cause) in room {
             let wanted = self.energy_nj(width, peak, span);
@@ -349,8 +336,8 @@ impl Guard {
         }
         let energy = self.energy_nj(width, peak, span);
         let wire = &mut self.wires[index];
-        wire.power.book(until, energy);
-        self.fingertip.book(until, energy);
+        wire.power.spend(energy);
+        self.fingertip.spend(energy);
         wire.burst = Some((start, spent.saturating_add(energy), until));
         (Ticks::new(width), until, reason)
     }
@@ -399,6 +386,15 @@ impl Guard {
         // Boards are 0 ..= 15 by construction of a display.
         (0..16).map(|b| board_peak(Board(b))).sum()
     }
+}
+
+/// A bucket over two windows, each (seconds, mean microwatts).
+fn bucket(short: (u64, u64), long: (u64, u64)) -> Bucket {
+    let window = |(seconds, mean_uw): (u64, u64)| Window {
+        length: Duration::from_millis(seconds * 1000),
+        mean_uw,
+    };
+    Bucket::new(window(short), window(long))
 }
 
 #[cfg(test)]

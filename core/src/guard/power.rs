@@ -1,135 +1,146 @@
-//! Mean power over sliding windows, from above, in fixed memory.
+//! Mean power over two windows at once, from above, in a few bytes: a token bucket.
 //!
-//! Energy is booked in buckets of 50 ms. A burst is booked whole into the bucket of its end, and a
-//! window is read as every bucket it touches. So a window never misses energy: it sees up to one bucket
-//! too much (5 % of the 1 s window), never too little.
+//! A bucket of capacity C that refills at rate r lets through at most C + r W in any window W. C and r
+//! are chosen so that this meets the limits of both windows, with the length of one burst added: a burst
+//! is booked at its onset and may reach into a window that opens after it. A contact that rests empties
+//! the bucket and then lives on the refill: it fades to a steady level and is never cut off.
 
-use alloc::boxed::Box;
-use alloc::vec;
+use crate::units::{Duration, Instant};
 
-use crate::units::Instant;
+use super::limits::HARD;
 
-const BUCKET_US: u64 = 50_000;
-
-/// Energy over two sliding windows.
+/// Energy that may still be spent; picojoules, which are microwatts times microseconds.
 #[derive(Clone, Debug)]
-pub(super) struct Windows {
-    /// Energy by bucket, nanojoules, a ring over the longest window.
-    ring: Box<[u64]>,
-    /// Buckets of the short window.
-    short: usize,
-    /// Bucket number of the newest entry.
-    head: u64,
-    /// Energy in the short and in the long window that end with the newest bucket, nanojoules.
-    sums: (u64, u64),
+pub(super) struct Bucket {
+    capacity_pj: u64,
+    rate_uw: u64,
+    left_pj: u64,
+    at: Instant,
 }
 
-impl Windows {
-    /// Windows of `short_s` and `long_s` seconds; the second is the longer one.
-    pub(super) fn new(short_s: usize, long_s: usize) -> Self {
-        // One bucket more than the window is long: it touches one partly at each end.
-        let buckets = |s: usize| s * 1_000_000 / BUCKET_US as usize + 1;
+/// Mean power over a window.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Window {
+    pub(super) length: Duration,
+    pub(super) mean_uw: u64,
+}
+
+impl Window {
+    /// Energy that fits in.
+    const fn energy_pj(self) -> u64 {
+        self.mean_uw.saturating_mul(self.length.as_micros())
+    }
+
+    /// Its length and that of the longest burst.
+    const fn reach_us(self) -> u64 {
+        self.length.as_micros() + HARD.burst.as_micros()
+    }
+}
+
+impl Bucket {
+    /// A full bucket that keeps both windows, the second the longer one.
+    ///
+    /// C + r (T1 + b) = E1 and C + r (T2 + b) = E2; where a tightened table would make C negative or r
+    /// vanish, half of either energy goes to each.
+    pub(super) fn new(short: Window, long: Window) -> Self {
+        let (e1, e2) = (short.energy_pj(), long.energy_pj());
+        let e1 = e1.min(e2 / 2);
+        let between = (long.length.as_micros() - short.length.as_micros()).max(1);
+        let rate_uw = ((e2 - e1) / between).min(e1 / 2 / short.reach_us());
+        let used = |w: Window| rate_uw * w.reach_us();
+        // The division above rounds down, so the long window is checked too.
+        let capacity_pj = (e1 - used(short)).min(e2.saturating_sub(used(long)));
         Self {
-            ring: vec![0; buckets(long_s)].into(),
-            short: buckets(short_s),
-            head: 0,
-            sums: (0, 0),
+            capacity_pj,
+            rate_uw,
+            left_pj: capacity_pj,
+            at: Instant::ZERO,
         }
     }
 
-    /// Moves the newest bucket to the one that holds `t`; earlier times leave it where it is.
-    fn advance(&mut self, t: Instant) {
-        let target = t.as_micros() / BUCKET_US;
-        if target.saturating_sub(self.head) >= self.ring.len() as u64 {
-            self.ring.fill(0);
-            self.sums = (0, 0);
-            self.head = target;
-        }
-        let n = self.ring.len() as u64;
-        while self.head < target {
-            self.head += 1;
-            let slot = (self.head % n) as usize;
-            self.sums.1 -= self.ring[slot];
-            self.ring[slot] = 0;
-            // The bucket that has just left the short window is still in the ring: that is longer.
-            if let Some(left) = self.head.checked_sub(self.short as u64) {
-                self.sums.0 -= self.ring[(left % n) as usize];
-            }
-        }
+    /// Energy in nanojoules that may be spent at `at`. A time in the past counts as now.
+    pub(super) fn left_nj(&mut self, at: Instant) -> u64 {
+        let passed = at.since(self.at).as_micros();
+        self.at = self.at.max(at);
+        let refill = self.rate_uw.saturating_mul(passed);
+        self.left_pj = self.left_pj.saturating_add(refill).min(self.capacity_pj);
+        self.left_pj / 1000
     }
 
-    /// Energy in nanojoules that may still be booked at `t` before the short window holds `short_nj`
-    /// or the long one `long_nj`.
-    pub(super) fn room(&mut self, t: Instant, short_nj: u64, long_nj: u64) -> u64 {
-        self.advance(t);
-        short_nj
-            .saturating_sub(self.sums.0)
-            .min(long_nj.saturating_sub(self.sums.1))
-    }
-
-    /// Books energy spent up to `t`.
-    pub(super) fn book(&mut self, t: Instant, nj: u64) {
-        self.advance(t);
-        let slot = (self.head % self.ring.len() as u64) as usize;
-        self.ring[slot] += nj;
-        self.sums.0 += nj;
-        self.sums.1 += nj;
+    /// Books energy, at most what is left.
+    pub(super) fn spend(&mut self, nj: u64) {
+        self.left_pj = self.left_pj.saturating_sub(nj.saturating_mul(1000));
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Stream;
     use alloc::vec::Vec;
 
-    fn at(ms: u64) -> Instant {
-        Instant::from_micros(ms * 1000)
+    const S: u64 = 1_000_000;
+
+    fn bucket(short_uw: u64, long_uw: u64, long_s: u64) -> Bucket {
+        let window = |s: u64, mean_uw| Window {
+            length: Duration::from_micros(s * S),
+            mean_uw,
+        };
+        Bucket::new(window(1, short_uw), window(long_s, long_uw))
     }
 
     #[test]
-    fn agrees_with_a_sum_over_all_that_was_booked() {
-        let mut windows = Windows::new(1, 10);
-        let mut log: Vec<(u64, u64)> = Vec::new();
-        let mut stream = crate::random::Stream::new(3, "windows");
-        let mut now = 0u64;
-        for _ in 0..20_000 {
-            now += stream.next_u64()
-                % if stream.next_u64().is_multiple_of(50) {
-                    15_000
+    fn no_window_is_ever_passed_by_spending_greedily_at_random_times() {
+        for (short, long, long_s) in [
+            (45_000, 20_000, 10),
+            (110_000, 60_000, 60),
+            (5, 20_000, 10),
+            (45_000, 100, 10),
+        ] {
+            let mut bucket = bucket(short, long, long_s);
+            let mut stream = Stream::new(3, "bucket");
+            let (mut now, mut spent): (u64, Vec<(u64, u64)>) = (0, Vec::new());
+            for _ in 0..6_000 {
+                now += stream.next_u64()
+                    % if stream.next_u64().is_multiple_of(40) {
+                        9 * S
+                    } else {
+                        80_000
+                    };
+                let left = bucket.left_nj(Instant::from_micros(now));
+                let take = if stream.uniform() < 0.5 {
+                    left
                 } else {
-                    120
+                    left / 3
                 };
-            let bucket = |ms: u64| ms / 50;
-            let sum = |window_ms: u64| -> u64 {
-                let oldest = bucket(now).saturating_sub(window_ms / 50);
-                log.iter()
-                    .filter(|(t, _)| bucket(*t) >= oldest)
-                    .map(|(_, e)| e)
-                    .sum()
-            };
-            let limit = 1_000_000;
-            let expected =
-                (limit - sum(1000).min(limit)).min(2 * limit - sum(10_000).min(2 * limit));
-            assert_eq!(
-                windows.room(at(now), limit, 2 * limit),
-                expected,
-                "at {now} ms"
-            );
-            let energy = stream.next_u64() % 50_000;
-            windows.book(at(now), energy);
-            log.push((now, energy));
-            log.retain(|(t, _)| *t + 12_000 > now);
+                bucket.spend(take);
+                spent.push((now, take));
+                for (window, uw) in [(S, short), (long_s * S, long)] {
+                    let since = now.saturating_sub(window + 50_000);
+                    let sum: u64 = spent
+                        .iter()
+                        .rev()
+                        .take_while(|(t, _)| *t >= since)
+                        .map(|(_, e)| e)
+                        .sum();
+                    assert!(
+                        sum * 1000 <= uw * window,
+                        "{sum} nJ over {window} us at {now} us"
+                    );
+                }
+            }
         }
     }
 
     #[test]
-    fn old_energy_leaves_and_time_going_back_does_no_harm() {
-        let mut windows = Windows::new(1, 60);
-        windows.book(at(100), 500);
-        assert_eq!(windows.room(at(100), 600, 1000), 100);
-        assert_eq!(windows.room(at(50), 600, 1000), 100);
-        assert_eq!(windows.room(at(1_200), 600, 1000), 500);
-        assert_eq!(windows.room(at(61_000), 600, 1000), 600);
-        assert_eq!(windows.room(Instant::FAR_FUTURE, 600, 1000), 600);
+    fn the_rest_of_the_budget_is_there_to_be_used() {
+        // 45 mJ over 1 s and 200 mJ over 10 s: r = 155 / 9 = 17.2 mW, C = 45 - 1.05 r = 26.9 mJ.
+        let mut wire = bucket(45_000, 20_000, 10);
+        assert_eq!(wire.left_nj(Instant::ZERO) / 100_000, 269);
+        wire.spend(u64::MAX);
+        assert_eq!(wire.left_nj(Instant::ZERO), 0);
+        assert_eq!(wire.left_nj(Instant::from_micros(S)) / 100_000, 172);
+        assert_eq!(wire.left_nj(Instant::from_micros(10)) / 100_000, 172);
+        assert_eq!(wire.left_nj(Instant::FAR_FUTURE) / 100_000, 269);
     }
 }

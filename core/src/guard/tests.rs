@@ -146,8 +146,12 @@ fn a_dwelling_wire_is_held_to_45_mw_over_1_s_and_20_mw_over_10_s() {
     for k in 0..400u64 {
         let at = k * 58_500;
         let (_, entries) = admit(&mut guard, &[stimulus(0, 100, at, 35_000)]);
-        // It fades and is never refused, though it gets faint before the first second is over.
-        assert!(entries[0].width().get() >= 1, "silent at {at} us: {:?}", entries[0]);
+        // It fades to a steady level and is never silent.
+        assert!(
+            entries[0].width().get() >= 10,
+            "silent at {at} us: {:?}",
+            entries[0]
+        );
         // What nominal pulses deliver, spread over the burst as its mean.
         spent.push((at, 7.373_71 * entries[0].width().duty() * 35e-3));
         for (window_us, limit_w) in [(1_000_000u64, 0.045), (10_000_000, 0.020)] {
@@ -165,13 +169,14 @@ fn a_dwelling_wire_is_held_to_45_mw_over_1_s_and_20_mw_over_10_s() {
             assert!(mean <= limit_w, "{mean} W over {window_us} us at {at} us");
         }
     }
-    // And it is a limit, not a silence: at least 80 % of the 20 mW budget is delivered.
+    // And it is a limit, not a silence: the bucket refills at 17.2 mW, of which the pulse that may come
+    // too many takes an eighth.
     let last_10s: f64 = spent
         .iter()
         .filter(|(t, _)| *t > 399 * 58_500 - 10_000_000)
         .map(|(_, e)| e)
         .sum();
-    assert!(last_10s / 10.0 > 0.016, "{} W", last_10s / 10.0);
+    assert!(last_10s / 10.0 > 0.0145, "{} W", last_10s / 10.0);
 }
 
 #[test]
