@@ -6,5 +6,6 @@
 mod allegro;
 mod dbc;
 mod driver;
+mod hand;
 mod pca9685;
 mod tidy;

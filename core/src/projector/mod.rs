@@ -16,9 +16,9 @@ use crate::illusion::{Display, Map};
 use crate::schedule::Entry;
 use crate::skin::{
     FrameError, HealthSettings, HealthSummary, Initialiser, InitialiserError, InitialiserSettings,
-    Layout, RelativeFrame,
+    Layout, Monitor, RelativeFrame,
 };
-use crate::units::{Board, Instant, Point};
+use crate::units::{Board, Duration, Instant, Point};
 use crate::wire::uskin::IdProfile;
 
 use output::Output;
@@ -93,6 +93,8 @@ impl Observer for () {}
 pub struct SensingPlan {
     /// The skin.
     pub layout: Layout,
+    /// Silence that ends a scan: longer than between two frames of one, shorter than between two scans.
+    pub gap: Duration,
     /// How its boards number their frames.
     pub profile: IdProfile,
     /// Reference, threshold, faulty taxels.
@@ -329,7 +331,17 @@ impl Projector {
 
     /// Health of the skin at `now`. Sorts, so it belongs after the loop, not in it.
     pub fn health(&mut self, now: Instant) -> HealthSummary {
-        self.sensing.monitor().summary(now)
+        self.sensing.monitor_mut().summary(now)
+    }
+
+    /// What the skin is made of.
+    pub const fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Every taxel's rate and condition.
+    pub const fn monitor(&self) -> &Monitor {
+        self.sensing.monitor()
     }
 
     /// Reference, threshold and faulty taxels.
@@ -350,6 +362,11 @@ impl Projector {
     /// Readings missing from the scans so far.
     pub fn lost_readings(&self) -> u64 {
         self.sensing.lost()
+    }
+
+    /// Readings missing from one module's scans so far.
+    pub fn lost_readings_of(&self, module: usize) -> u64 {
+        self.sensing.lost_of(module)
     }
 
     /// The last frame that compression refused, if any.

@@ -88,7 +88,7 @@ impl Pipeline {
 impl Sensing {
     pub(super) fn new(plan: SensingPlan, drives: u16) -> Result<(Self, Layout), PlanError> {
         let layout = plan.layout;
-        let mut assembler = ScanAssembler::new(&layout, ScanAssembler::DEFAULT_GAP);
+        let mut assembler = ScanAssembler::new(&layout, plan.gap);
         let mut modules = Vec::with_capacity(layout.modules().len());
         for (index, module) in layout.modules().iter().enumerate() {
             let wiring = wiring(module);
@@ -128,7 +128,11 @@ impl Sensing {
         &self.pipeline.initialiser
     }
 
-    pub(super) const fn monitor(&mut self) -> &mut Monitor {
+    pub(super) const fn monitor(&self) -> &Monitor {
+        &self.pipeline.monitor
+    }
+
+    pub(super) const fn monitor_mut(&mut self) -> &mut Monitor {
         &mut self.pipeline.monitor
     }
 
@@ -146,6 +150,10 @@ impl Sensing {
 
     pub(super) fn lost(&self) -> u64 {
         self.assembler.lost()
+    }
+
+    pub(super) fn lost_of(&self, module: usize) -> u64 {
+        self.assembler.lost_of(module)
     }
 
     /// Takes one frame off a bus. What is no sensor data of this layout is counted and left.

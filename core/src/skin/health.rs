@@ -181,6 +181,12 @@ impl Monitor {
         }
     }
 
+    /// Readings of a taxel so far, and when the last one came; `None` if none did.
+    pub fn received(&self, index: usize) -> Option<(u32, Instant)> {
+        let t = self.taxels.get(index).filter(|t| t.received > 0)?;
+        Some((t.received, t.last_at))
+    }
+
     /// Value changes and readings of a taxel per second, since its first reading; 0 before the second one.
     pub fn rates_hz(&self, index: usize) -> (f32, f32) {
         let Some(t) = self.taxels.get(index) else {

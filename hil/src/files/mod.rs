@@ -32,7 +32,8 @@ pub use limits::{
 };
 pub use resolve::{Kind, resolve, resolve_from};
 pub use scene::{
-    Axes, Compression, Expect, Generation, Illusion, IllusionModel, Map, Norm, Scene, Scope,
+    Axes, Boards, Compression, Expect, Generation, Illusion, IllusionModel, Map, Norm, Overload,
+    Scene, Scope,
 };
 pub use setup::{Loaded, Setup, load_bench, load_layout, load_limits, load_scene};
 pub use source::Source;

@@ -115,13 +115,17 @@ impl Setup {
 
 fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileError> {
     let source = resolve_from(Kind::Layout, &scene.value.layout, &scene.source, "layout")?;
-    let LayoutFile::Sensor(sensor) = LayoutFile::read(&source)? else {
+    let LayoutFile::Sensor(mut sensor) = LayoutFile::read(&source)? else {
         return Err(scene.source.bad_found(
             "layout",
             "a layout of kind \"sensor\"",
             format!("the display `{}`", scene.value.layout),
         ));
     };
+    if let Some(bus) = scene.value.boards.bus {
+        let wired = sensor.modules.iter_mut().filter_map(|m| m.bus.as_mut());
+        wired.for_each(|of_module| *of_module = bus);
+    }
     let modules = sensor.modules.len();
     let touched = scene.value.touches.iter().enumerate();
     let named = touched

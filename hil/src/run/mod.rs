@@ -1,9 +1,11 @@
 //! A run: a scene or a recording through the loop onto an emulated display, in virtual time.
 
+mod boards;
 mod recorder;
 mod skin;
 mod summary;
 
+pub use boards::{BoardReport, BusReport, Spread};
 pub use summary::{Summary, Taxels};
 
 use std::convert::Infallible;
@@ -65,11 +67,20 @@ pub struct Outcome {
 /// A sensor end whose virtual time the run moves.
 trait Skin: SensorBus {
     fn advance_to(&mut self, now: Instant);
+
+    /// Its buses, where they are emulated.
+    fn buses(&self) -> Vec<BusReport> {
+        Vec::new()
+    }
 }
 
 impl Skin for Handle {
     fn advance_to(&mut self, now: Instant) {
         self.advance(Nanos::from(now));
+    }
+
+    fn buses(&self) -> Vec<BusReport> {
+        self.with(|buses| boards::buses(buses))
     }
 }
 
@@ -274,7 +285,7 @@ fn project(
         ledger,
     };
     let health = projector.health(end);
-    let summary = Summary::new(
+    let mut summary = Summary::new(
         &trace,
         &recorder,
         &frame_us,
@@ -282,6 +293,8 @@ fn project(
         bench,
         started.elapsed(),
     );
+    summary.boards = boards::boards(&projector);
+    summary.buses = skin.buses();
     Ok(Outcome {
         trace,
         summary,

@@ -8,6 +8,7 @@ use palpate_records::measure::{Errors, felt_error, path_error};
 use palpate_records::trace::{Source, Trace};
 use serde::Serialize;
 
+use super::boards::{BoardReport, BusReport};
 use super::recorder::Recorder;
 use crate::files::Bench;
 
@@ -85,6 +86,8 @@ pub struct Summary {
     pub limiter_events: u32,
     pub frame_us: Option<FrameTime>,
     pub taxels: Taxels,
+    pub boards: Vec<BoardReport>,
+    pub buses: Vec<BusReport>,
     pub sim_s: f64,
     pub wall_s: f64,
 }
@@ -159,6 +162,8 @@ impl Summary {
                 dead: health.dead,
                 repeated: health.repeated as f64 / (health.frames.max(1)) as f64,
             },
+            boards: Vec::new(),
+            buses: Vec::new(),
             sim_s: ledger.length_us as f64 * 1e-6,
             wall_s: wall.as_secs_f64(),
         }
@@ -239,6 +244,25 @@ impl Summary {
                 t.frozen,
                 t.dead
             ),
-        )
+        )?;
+        for bus in &self.buses {
+            let of_bus = |b: &&BoardReport| b.bus.map(usize::from) == Some(bus.bus);
+            let boards: Vec<_> = self.boards.iter().filter(of_bus).collect();
+            let slowest = boards
+                .iter()
+                .map(|b| b.rate_hz.min)
+                .fold(f64::MAX, f64::min);
+            let fastest = boards.iter().map(|b| b.rate_hz.max).fold(0.0, f64::max);
+            row(
+                &format!("bus {}", bus.bus),
+                format!(
+                    "{:.1} % load, {} boards, taxels at {slowest:.1} to {fastest:.1} Hz, {} errors",
+                    bus.load * 100.0,
+                    boards.len(),
+                    bus.errors.iter().sum::<u64>()
+                ),
+            )?;
+        }
+        Ok(())
     }
 }
