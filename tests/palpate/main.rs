@@ -6,6 +6,7 @@
 mod allegro;
 mod dbc;
 mod driver;
+mod faults;
 mod hand;
 mod pca9685;
 mod tidy;

@@ -15,8 +15,8 @@ use crate::guard::Guard;
 use crate::illusion::{Display, Map};
 use crate::schedule::Entry;
 use crate::skin::{
-    FrameError, HealthSettings, HealthSummary, Initialiser, InitialiserError, InitialiserSettings,
-    Layout, Monitor, RelativeFrame,
+    Condition, FrameError, HealthSettings, HealthSummary, Initialiser, InitialiserError,
+    InitialiserSettings, Layout, Monitor, RelativeFrame,
 };
 use crate::units::{Board, Duration, Instant, Point};
 use crate::wire::uskin::IdProfile;
@@ -78,6 +78,10 @@ pub trait Observer {
     /// An onset was projected for these targets.
     fn onset(&mut self, at: Instant, targets: &[Target]) {
         let _ = (at, targets);
+    }
+    /// A taxel's health changed; from now on an ill one is left out, a good one taken in again.
+    fn taxel(&mut self, at: Instant, index: usize, condition: Condition) {
+        let _ = (at, index, condition);
     }
     /// A board was switched off whole.
     fn all_off(&mut self, at: Instant, board: Board, cause: Cause) {

@@ -207,6 +207,10 @@ impl ScanAssembler {
             return Err(unknown);
         }
         let open = self.pending[module];
+        let staged = self.staged[(from + reading.taxel) as usize];
+        if open.order == Some(reading.order) && staged.is_some_and(|s| s.0 == reading.counts) {
+            return Ok(()); // the same frame twice
+        }
         if open
             .order
             .is_some_and(|o| reading.order <= o || reading.at.since(open.at) > self.gap)

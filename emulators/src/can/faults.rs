@@ -128,6 +128,11 @@ impl<B: SensorBus> Faulty<B> {
     }
 
     /// The bus behind the layer.
+    pub const fn inner(&self) -> &B {
+        &self.inner
+    }
+
+    /// The bus behind the layer, to disturb it.
     pub const fn inner_mut(&mut self) -> &mut B {
         &mut self.inner
     }

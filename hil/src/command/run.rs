@@ -72,7 +72,8 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
             error,
         })?;
     }
-    let outcome = run::run(&setup, &input, args.seed)?;
+    let mut outcome = run::run(&setup, &input, args.seed)?;
+    let failure = outcome.failure.take();
     for (format, path) in &files {
         format.write(path, &outcome)?;
     }
@@ -90,7 +91,8 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
                 .iter()
                 .try_for_each(|(_, path)| writeln!(out, "  wrote           {}", path.display()))
         })
-    }
+    }?;
+    failure.map_or(Ok(()), Err)
 }
 
 /// The files to write, checked before anything runs.

@@ -7,6 +7,7 @@
 
 mod bench;
 mod error;
+mod fault;
 mod layout;
 mod limits;
 mod resolve;
@@ -24,6 +25,7 @@ mod tests;
 
 pub use bench::{Bench, BenchKind, Drive, Output, Transition, Wire};
 pub use error::FileError;
+pub use fault::{Fault, FaultKind};
 pub use layout::{
     DisplayLayout, Grid, ImageCell, ImageSize, LayoutFile, Module, SensorLayout, Taxel,
 };

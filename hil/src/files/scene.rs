@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{FileError, Source, Touch};
+use super::{Fault, FileError, Source, Touch};
 
 macro_rules! choice {
     ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $text:literal),+ $(,)? }) => {
@@ -80,6 +80,9 @@ pub struct Scene {
     /// What touches the skin; nothing if left out.
     #[serde(default)]
     pub touches: Vec<Touch>,
+    /// What goes wrong on an emulated bench; nothing if left out.
+    #[serde(default)]
+    pub faults: Vec<Fault>,
     /// What a test of this scene checks.
     #[serde(default)]
     pub expect: Expect,
@@ -240,6 +243,9 @@ impl Scene {
                 );
                 return Err(source.bad(&format!("{key}.start_s"), expected));
             }
+        }
+        for (index, fault) in scene.faults.iter().enumerate() {
+            fault.check(source, &format!("faults[{index}]"), scene.length_s)?;
         }
         scene.expect.check(source)?;
         Ok(scene)

@@ -2,11 +2,14 @@
 
 mod boards;
 mod recorder;
+mod script;
 mod skin;
 mod summary;
+mod supervisor;
 
 pub use boards::{BoardReport, BusReport, Spread};
-pub use summary::{Summary, Taxels};
+pub use script::FaultReport;
+pub use summary::{IllTaxel, Summary, Taxels};
 
 use std::convert::Infallible;
 use std::path::PathBuf;
@@ -18,8 +21,10 @@ use palpate_core::guard::Guarded;
 use palpate_core::physics::SkinParameters;
 use palpate_core::projector::{Cause, LoopError, Projector};
 use palpate_core::units::{Duration, Instant, Point};
+use palpate_emulators::can::faults::Faulty;
 use palpate_emulators::display::{Display, DisplayConfig, Place};
 use palpate_emulators::i2c::BusClock;
+use palpate_emulators::i2c::fault::{I2cFault, I2cFaults, Shared};
 use palpate_emulators::perceiver::PerceiverParameters;
 use palpate_emulators::rig::Handle;
 use palpate_emulators::time::Nanos;
@@ -32,7 +37,9 @@ use crate::files::Setup;
 use crate::plan;
 
 use recorder::{Onset, Recorder, um};
+use script::{Bench, Script};
 use skin::Replay;
+use supervisor::Supervisor;
 
 /// The loop is called at least this often, as a real host would call it.
 const TICK: Duration = Duration::from_millis(1);
@@ -62,11 +69,18 @@ pub struct Outcome {
     pub summary: Summary,
     /// Computing time of each frame, microseconds.
     pub frame_us: Vec<f32>,
+    /// What ended the run before its time; the outputs are off.
+    pub failure: Option<Failure>,
 }
 
 /// A sensor end whose virtual time the run moves.
 trait Skin: SensorBus {
     fn advance_to(&mut self, now: Instant);
+
+    /// The emulated skin behind its fault layer.
+    fn emulated(&mut self) -> Option<&mut Faulty<Handle>> {
+        None
+    }
 
     /// Its buses, where they are emulated.
     fn buses(&self) -> Vec<BusReport> {
@@ -81,6 +95,20 @@ impl Skin for Handle {
 
     fn buses(&self) -> Vec<BusReport> {
         self.with(|buses| boards::buses(buses))
+    }
+}
+
+impl Skin for Faulty<Handle> {
+    fn advance_to(&mut self, now: Instant) {
+        self.inner_mut().advance(Nanos::from(now));
+    }
+
+    fn emulated(&mut self) -> Option<&mut Faulty<Handle>> {
+        Some(self)
+    }
+
+    fn buses(&self) -> Vec<BusReport> {
+        self.inner().with(|buses| boards::buses(buses))
     }
 }
 
@@ -118,7 +146,8 @@ pub fn run(setup: &Setup, input: &Input, seed: u64) -> Result<Outcome, Failure> 
             let skin = || skin::emulated(scene, &setup.sensor.value, &layout, seed);
             let levels = calibrate(setup, seed, &mut skin()?, end)?;
             let truth = Some((scene.touches.clone(), scene.drives));
-            project(setup, seed, levels, &mut skin()?, truth, end)
+            let mut faulty = Faulty::new(skin()?, seed, "sensor bus");
+            project(setup, seed, levels, &mut faulty, truth, end)
         }
         Input::Replay { paths, rate_hz } => {
             let open = || Replay::open(paths, &setup.sensor.value, &layout, *rate_hz);
@@ -208,8 +237,16 @@ fn project(
     let prescale = plan::prescale(bench)?;
     let mut projector = build(setup, seed, levels)?;
     let mut display = display(setup, &projector)?;
-    let mut recorder = Recorder::new(truth);
-    let mut bank = Pca9685Bank::new(display.bus(), &plan::boards(bench), prescale);
+    let mut recorder = Recorder::new(truth, projector.layout());
+    let i2c = Shared::new(I2cFault::new(
+        display.bus(),
+        I2cFaults::default(),
+        seed,
+        "actuator bus",
+    ));
+    let mut bank = Pca9685Bank::new(i2c.clone(), &plan::boards(bench), prescale);
+    let mut script = Script::new(&setup.scene.value.faults, projector.layout());
+    let mut supervisor = Supervisor::default();
     let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
 
     for (board, _) in plan::boards(bench).iter().enumerate() {
@@ -225,25 +262,70 @@ fn project(
             pre_scale: prescale.get(),
         });
     }
-    let ready = bank.start(Instant::ZERO).map_err(|e| device(&e))?;
+    macro_rules! hardware {
+        () => {
+            Bench {
+                skin: skin.emulated(),
+                i2c: &i2c,
+                display: &display,
+                oscillator: bench.drive.oscillator,
+            }
+        };
+    }
+    script.step(Instant::ZERO, &mut hardware!(), &mut recorder.events);
+    let mut now = match bank.start(Instant::ZERO) {
+        Ok(ready) => ready,
+        Err(e) => {
+            supervisor.lose(Instant::ZERO, &e, &display, &mut recorder.events);
+            Instant::ZERO
+        }
+    };
 
     let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
     let mut pending: Option<Onset> = None;
-    let mut now = ready;
+    let mut failure = None;
     while now < end {
         skin.advance_to(now);
         let edges = &mut recorder.events;
         display
             .advance(Nanos::from(now), &mut |e| edges.push(edge(&e)))
             .map_err(|e| device(&e))?;
+        if supervisor.is_lost() {
+            match supervisor.recover(now, &mut bank, &display, &mut recorder.events) {
+                Ok(Some(ready)) => now = ready,
+                Ok(None) => {
+                    script.step(now, &mut hardware!(), &mut recorder.events);
+                    now += TICK;
+                }
+                Err(e) => {
+                    failure = Some(e);
+                    break;
+                }
+            }
+            continue;
+        }
         let before = recorder.frames;
         let begun = clock::now();
         let polled = projector.poll(now, skin, &mut bank, &mut recorder);
         spent += begun.elapsed();
-        let onset = polled.map_err(|e| match e {
-            LoopError::Sensor(e) => Failure::Device(format!("sensor bus: {e:?}")),
-            LoopError::Actuator(e) => device(&e),
-        })?;
+        let polled = match polled {
+            // A chip that fell back to reset values answers, but sleeps: ask while wires should be driven.
+            Ok(true) => bank.verify().map(|()| true).inspect_err(|_| {
+                // The error is on its way; recovery finds out whether this helped.
+                let _ = projector.all_off(now, Cause::ActuatorError, &mut bank, &mut recorder);
+            }),
+            Ok(false) => Ok(false),
+            Err(LoopError::Actuator(e)) => Err(e),
+            Err(LoopError::Sensor(e)) => {
+                failure = Some(Failure::Device(format!("sensor bus: {e:?}")));
+                break;
+            }
+        };
+        supervisor.retried(now, bank.retries(), &mut recorder.events);
+        let onset = polled.unwrap_or_else(|e| {
+            supervisor.lose(now, &e, &display, &mut recorder.events);
+            false
+        });
         if recorder.frames > before {
             let frames = recorder.frames - before;
             let each = spent.as_secs_f32() * 1e6 / frames as f32;
@@ -255,18 +337,27 @@ fn project(
             pending = recorder.onset.take();
             sample_wires(now, &mut display, &projector, &mut recorder);
         }
-        now = projector.next().min(now + TICK);
+        supervisor.restart_boards(now, skin, &projector, &mut recorder.events);
+        script.step(now, &mut hardware!(), &mut recorder.events);
+        now = projector.next().min(now + TICK).min(script.next());
     }
     feel(pending, &display, &projector, &mut recorder);
-    projector
-        .all_off(end, Cause::End, &mut bank, &mut recorder)
-        .map_err(|e| device(&e))?;
+    let end = if failure.is_some() { now } else { end };
+    let off = projector.all_off(end, Cause::End, &mut bank, &mut recorder);
+    if let Err(e) = off
+        && failure.is_none()
+    {
+        supervisor.lose(end, &e, &display, &mut recorder.events);
+        failure = Some(device(&e));
+    }
+    script.finish(end, &mut hardware!(), &mut recorder.events);
     // Full off takes effect at the end of a period: wait for two of them.
     let settled = Nanos::from(end) + Nanos(2 * prescale.period_ns());
     let edges = &mut recorder.events;
     display
         .advance(settled, &mut |e| edges.push(edge(&e)))
         .map_err(|e| device(&e))?;
+    recorder.tell_taxels();
 
     let totals = display.totals();
     let mut events = std::mem::take(&mut recorder.events);
@@ -295,10 +386,13 @@ fn project(
     );
     summary.boards = boards::boards(&projector);
     summary.buses = skin.buses();
+    summary.faults = script.report();
+    summary.taxels.list(&projector, end);
     Ok(Outcome {
         trace,
         summary,
         frame_us,
+        failure,
     })
 }
 

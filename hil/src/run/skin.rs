@@ -22,7 +22,7 @@ use crate::files::{self, Columns, Scene, SensorLayout, TaxelTable, read_taxel_cs
 const BITRATE: u32 = 1_000_000;
 
 /// The wiring of a module on its board: a grid row by row, scattered taxels in lines of four.
-fn wiring(module: &palpate_core::skin::Module) -> Option<Wiring> {
+pub(super) fn wiring(module: &palpate_core::skin::Module) -> Option<Wiring> {
     let (rows, columns) = match module.as_grid() {
         Some(grid) => (grid.rows, grid.cols),
         None => (u16::try_from(module.points().len().div_ceil(4)).ok()?, 4),
