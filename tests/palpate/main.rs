@@ -9,4 +9,5 @@ mod driver;
 mod faults;
 mod hand;
 mod pca9685;
+mod scans;
 mod tidy;

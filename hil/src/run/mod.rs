@@ -1,6 +1,9 @@
 //! A run: a scene or a recording through the loop onto an emulated display, in virtual time.
 
 mod boards;
+mod effects;
+mod ends;
+mod feel;
 mod recorder;
 mod script;
 mod skin;
@@ -18,33 +21,28 @@ use palpate_core::bus::{Actuators, SensorBus};
 use palpate_core::contact::{LevelTable, Levels};
 use palpate_core::driver::Pca9685Bank;
 use palpate_core::guard::Guarded;
-use palpate_core::physics::SkinParameters;
 use palpate_core::projector::{Cause, LoopError, Projector};
-use palpate_core::units::{Duration, Instant, Point};
+use palpate_core::units::{Duration, Instant};
 use palpate_emulators::can::faults::Faulty;
-use palpate_emulators::display::{Display, DisplayConfig, Place};
-use palpate_emulators::i2c::BusClock;
 use palpate_emulators::i2c::fault::{I2cFault, I2cFaults, Shared};
-use palpate_emulators::perceiver::PerceiverParameters;
 use palpate_emulators::rig::Handle;
 use palpate_emulators::time::Nanos;
-use palpate_records::digest::short_digest;
-use palpate_records::trace::{Event, Header, Ledger, Limits, Source, Trace, WireInfo};
+use palpate_records::trace::{Event, Ledger, Trace};
 
 use crate::clock;
 use crate::failure::Failure;
 use crate::files::Setup;
 use crate::plan;
 
-use recorder::{Onset, Recorder, um};
+use ends::{display, header};
+use feel::{feel, sample_wires};
+use recorder::{Onset, Recorder};
 use script::{Bench, Script};
 use skin::Replay;
 use supervisor::Supervisor;
 
 /// The loop is called at least this often, as a real host would call it.
 const TICK: Duration = Duration::from_millis(1);
-/// A contact this close to the display's hull counts as inside it, mm.
-const HULL_MARGIN: f32 = 1e-3;
 
 /// What drives the sensor end.
 #[derive(Clone, Debug)]
@@ -198,29 +196,6 @@ fn calibrate(
 fn build(setup: &Setup, seed: u64, levels: Levels) -> Result<Projector, Failure> {
     let plan = plan::plan(setup, seed, levels)?;
     Projector::new(plan).map_err(|e| Failure::Input(format!("{}: {e}", setup.scene.source.label())))
-}
-
-/// The emulated display of a bench.
-fn display(setup: &Setup, projector: &Projector) -> Result<Display, Failure> {
-    let bench = &setup.bench.value;
-    let place = |w: &palpate_core::illusion::Wire| Place {
-        at: w.place,
-        board: w.board.0,
-        channel: w.channel.0,
-    };
-    Display::new(&DisplayConfig {
-        boards: plan::boards(bench)
-            .into_iter()
-            .map(|a| (a, bench.drive.oscillator))
-            .collect(),
-        wires: projector.display().wires().iter().map(place).collect(),
-        current: plan::milliamps(bench.drive.current_ma),
-        wire: plan::wire(bench),
-        skin: SkinParameters::DEFAULT,
-        perceiver: PerceiverParameters::default(),
-        clock: BusClock::Fast,
-    })
-    .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))
 }
 
 /// The pass that counts: the loop between the skin and the emulated display.
@@ -408,86 +383,4 @@ fn edge(e: &palpate_emulators::display::OutputEdge) -> Event {
 /// Thousandths of a degree; `None` for a display without wires.
 fn milli_c(celsius: f64) -> Option<i32> {
     celsius.is_finite().then(|| (celsius * 1e3).round() as i32)
-}
-
-/// What a person felt of an onset that is over. Onsets with several contacts are not scored: one felt
-/// place cannot be held against two.
-fn feel(onset: Option<Onset>, display: &Display, projector: &Projector, recorder: &mut Recorder) {
-    let Some(Onset {
-        at,
-        target: Some(seen),
-    }) = onset
-    else {
-        return;
-    };
-    let true_place = recorder
-        .truth_at(at)
-        .map(|(place, _)| projector.map().apply(place));
-    let felt = display.feel(Nanos::from(at)).map(|felt| {
-        um(Point::new(
-            felt.position_mm.0 as f32,
-            felt.position_mm.1 as f32,
-        ))
-    });
-    recorder.events.push(Event::Felt {
-        t_us: at.as_micros(),
-        target: um(true_place.unwrap_or(seen)),
-        inside: projector.display().contains(seen, HULL_MARGIN),
-        felt,
-    });
-}
-
-fn sample_wires(
-    now: Instant,
-    display: &mut Display,
-    projector: &Projector,
-    recorder: &mut Recorder,
-) {
-    for wire in 0..projector.display().wires().len() {
-        if let Some(milli_c) = display.wire_c(wire).and_then(milli_c) {
-            recorder.events.push(Event::Wire {
-                t_us: now.as_micros(),
-                wire: wire as u16,
-                milli_c,
-            });
-        }
-    }
-}
-
-fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header, Failure> {
-    let (scene, bench) = (&setup.scene.value, &setup.bench.value);
-    let limits = projector.guard().limits();
-    let layout = plan::layout(&setup.sensor.value)?;
-    let taxels = layout
-        .modules()
-        .get(scene.drives)
-        .map(palpate_core::skin::Module::points);
-    let wire = |w: &palpate_core::illusion::Wire| WireInfo {
-        place: um(w.place),
-        board: w.board.0,
-        channel: w.channel.0,
-    };
-    let onset_us = (scene.illusion.onset_ms() * 1e3).round() as u64;
-    Ok(Header {
-        source: Source::Emulated,
-        scene: scene.name.clone(),
-        bench: bench.name.clone(),
-        seed,
-        scene_digest: short_digest(setup.scene.source.text().as_bytes()),
-        limits_digest: short_digest(setup.limits.source.text().as_bytes()),
-        pre_scale: plan::prescale(bench)?,
-        tau_d_us: (scene.illusion.tau_d_ms * 1e3).round() as u64,
-        soa_us: onset_us,
-        illusion: "phantom".into(),
-        kc: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),
-        limits: Limits {
-            pulse_ns: Some(limits.pulse_width_ns),
-            burst_us: Some(limits.burst.as_micros()),
-            supply_ma: Some(limits.supply.0),
-            fingertip_uw: u32::try_from(limits.fingertip_60s_uw).ok(),
-            skin_milli_c: None,
-        },
-        taxels: taxels.unwrap_or_default().iter().copied().map(um).collect(),
-        wires: projector.display().wires().iter().map(wire).collect(),
-    })
 }

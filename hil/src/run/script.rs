@@ -3,9 +3,8 @@
 
 use palpate_core::skin::Layout;
 use palpate_core::units::{Duration, Instant};
-use palpate_core::wire::uskin::IdProfile;
 use palpate_emulators::can::BusError;
-use palpate_emulators::can::faults::{Counts, Effect, Faulty, Rates, Rule};
+use palpate_emulators::can::faults::{Faulty, Rates};
 use palpate_emulators::display::Display;
 use palpate_emulators::i2c::Handle as I2cHandle;
 use palpate_emulators::i2c::fault::{I2cFaultKind, I2cFaults, Shared};
@@ -14,7 +13,7 @@ use palpate_emulators::rig::{Handle, SkinBus};
 use palpate_records::trace::Event;
 use serde::Serialize;
 
-use super::skin::wiring;
+use super::effects::{counter, i2c_kind, on_chip, rules};
 use crate::files::{Fault, FaultKind};
 
 /// How long what happens for a moment lasts, where the scene does not say: a reboot, a bus-off host.
@@ -316,44 +315,10 @@ impl Script {
             corrupted: rate(FaultKind::FramesCorrupted),
             short: rate(FaultKind::FramesShort),
         };
-        let rules = on().flat_map(|f| self.rules(f)).collect();
+        let all = on().flat_map(|f| rules(&self.layout, f)).collect();
         if let Some(skin) = bench.skin.as_mut() {
             skin.set_rates(rates);
-            skin.set_rules(rules);
-        }
-    }
-
-    /// What a fault does to identifiers.
-    fn rules(&self, fault: &Fault) -> Vec<Rule> {
-        let module = fault.module.and_then(|m| self.layout.modules().get(m));
-        let Some((module, wires)) = module.and_then(|m| Some((m, wiring(m)?))) else {
-            return Vec::new();
-        };
-        let Some(address) = module.address() else {
-            return Vec::new();
-        };
-        let rule = |id: u16, mask: u16, effect: Effect| Rule {
-            bus: Some(address.bus),
-            id,
-            mask,
-            effect,
-        };
-        let line = |s: u8| u16::from(s) << 8 | u16::from(address.board);
-        let taxel = |effect: Effect| {
-            let place = fault.taxel.and_then(|t| wires.place(0, t));
-            let id = place.and_then(|p| IdProfile::Current.id(address.board, p));
-            id.map(|id| rule(id, 0x7FF, effect)).into_iter().collect()
-        };
-        match fault.kind {
-            FaultKind::TaxelFrozen => taxel(Effect::Frozen),
-            FaultKind::ZeroTriplets => taxel(Effect::Zero),
-            FaultKind::SdaDead => {
-                vec![rule(line(fault.line.unwrap_or(0)), 0x70F, Effect::Silent)]
-            }
-            FaultKind::WrongModel => (wires.rows() / 2..wires.rows())
-                .map(|s| rule(line(s), 0x70F, Effect::Zero))
-                .collect(),
-            _ => Vec::new(),
+            skin.set_rules(all);
         }
     }
 }
@@ -361,53 +326,4 @@ impl Script {
 fn note(events: &mut Vec<Event>, now: Instant, text: String) {
     let t_us = now.as_micros();
     events.push(Event::Note { t_us, text });
-}
-
-const fn i2c_kind(kind: FaultKind) -> Option<I2cFaultKind> {
-    match kind {
-        FaultKind::I2cAddressNack => Some(I2cFaultKind::AddressNack),
-        FaultKind::I2cDataNack => Some(I2cFaultKind::DataNack),
-        FaultKind::I2cArbitrationLoss => Some(I2cFaultKind::ArbitrationLoss),
-        FaultKind::I2cEio => Some(I2cFaultKind::Eio),
-        FaultKind::I2cStretch => Some(I2cFaultKind::LongStretch),
-        FaultKind::I2cStuck => Some(I2cFaultKind::StuckBus),
-        _ => None,
-    }
-}
-
-/// How much a kind has hit so far, where a layer counts it.
-fn counter(fault: &Fault, bench: &Bench<'_>) -> u64 {
-    if let Some(kind) = i2c_kind(fault.kind) {
-        return bench.i2c.with(|layer| layer.counts()[kind as usize]);
-    }
-    let counts = bench
-        .skin
-        .as_ref()
-        .map_or(Counts::default(), |s| s.counts());
-    match fault.kind {
-        FaultKind::FramesLost => counts.lost,
-        FaultKind::FramesDuplicated => counts.duplicated,
-        FaultKind::FramesLate => counts.late,
-        FaultKind::FramesCorrupted => counts.corrupted,
-        FaultKind::FramesShort => counts.short,
-        FaultKind::SdaDead => counts.silent,
-        FaultKind::TaxelFrozen => counts.frozen,
-        FaultKind::ZeroTriplets | FaultKind::WrongModel => counts.zero,
-        _ => 0,
-    }
-}
-
-fn on_chip(
-    bench: &Bench<'_>,
-    chip: Option<usize>,
-    now: Instant,
-    work: &mut dyn FnMut(&mut palpate_emulators::pca9685::Pca9685, palpate_emulators::time::Nanos),
-) {
-    // Refused only from inside another look at the segment, and there is none here.
-    let _ = bench.display.bus().with(|segment| {
-        if let Some(chip) = chip.and_then(|c| segment.chips_mut().get_mut(c)) {
-            let at = chip.now().max(palpate_emulators::time::Nanos::from(now));
-            work(chip, at);
-        }
-    });
 }
