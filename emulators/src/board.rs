@@ -88,15 +88,36 @@ impl std::fmt::Display for BoardError {
 
 impl std::error::Error for BoardError {}
 
+/// A frame of a scan: module, taxel in it, chip group, identifier.
+type Slot = (usize, usize, u64, u16);
+
+/// The frames of a scan in the order in which they go, without the taxels that are not read.
+fn wire_order(config: &BoardConfig, modules: &[Module]) -> Result<Vec<Slot>, BoardError> {
+    let wiring = config.wiring;
+    let mut order = Vec::new();
+    for place in (0..).map_while(|n| wiring.nth(n)) {
+        let (module, taxel) = wiring.taxel(place).ok_or(BoardError::Wiring)?;
+        let id = config.profile.id(config.address, place);
+        let module = usize::from(module);
+        let unread = |m: &Module| m.config().unread.contains(&taxel);
+        if modules.get(module).is_some_and(unread) {
+            continue;
+        }
+        let group = module * usize::from(wiring.columns()) + usize::from(place.chip % 8);
+        order.push((module, taxel, group as u64, id.ok_or(BoardError::Address)?));
+    }
+    Ok(order)
+}
+
 /// A sensor board with its modules.
 pub struct Board {
     config: BoardConfig,
     node: NodeId,
     modules: Vec<Module>,
-    /// For each frame of a scan in wire order: module, taxel in it, chip group, identifier.
-    order: Vec<(usize, usize, u64, u16)>,
+    order: Vec<Slot>,
     readings: Vec<Vec<Reading>>,
     sending: bool,
+    powered: bool,
     /// When the clock started, and how many ticks it has made since.
     origin: Nanos,
     ticks: u64,
@@ -128,19 +149,7 @@ impl Board {
         if config.address > 15 {
             return Err(BoardError::Address);
         }
-        let mut order = Vec::new();
-        while let Some(place) = wiring.nth(order.len()) {
-            let id = config.profile.id(config.address, place);
-            let (module, taxel) = wiring.taxel(place).ok_or(BoardError::Wiring)?;
-            let group =
-                usize::from(module) * usize::from(wiring.columns()) + usize::from(place.chip % 8);
-            order.push((
-                usize::from(module),
-                taxel,
-                group as u64,
-                id.ok_or(BoardError::Address)?,
-            ));
-        }
+        let order = wire_order(&config, &modules)?;
         let command = |board: u8| COMMAND_ID | u16::from(board);
         let node = segment.attach(NodeConfig {
             order: match config.overload {
@@ -157,6 +166,7 @@ impl Board {
             readings: vec![Vec::new(); modules.len()],
             modules,
             sending: config.autostart,
+            powered: true,
             origin: Nanos::ZERO,
             ticks: 0,
             period_ns: 1e9 / (config.scan_hz * (1.0 + config.drift_ppm * 1e-6)),
@@ -201,6 +211,44 @@ impl Board {
         (self.scans, self.skipped)
     }
 
+    /// Cuts the board's power: what it wanted to send is gone.
+    pub fn power_off(&mut self, segment: &mut Segment) {
+        segment.clear(self.node);
+        (self.powered, self.sending, self.handed) = (false, false, self.order.len());
+    }
+
+    /// Powers the board up again. It forgets that it was started, unless it starts by itself.
+    pub fn power_on(&mut self, segment: &Segment) {
+        self.powered = true;
+        self.sending = self.config.autostart;
+        self.start_clock(segment.now());
+    }
+
+    /// Lets the board's clock run fast or slow by `ppm` from its present tick on.
+    pub fn set_drift(&mut self, ppm: f64) {
+        let rate = self.config.scan_hz * (1.0 + ppm * 1e-6);
+        if rate.is_finite() && rate > 0.0 {
+            self.origin = self.tick(self.ticks);
+            self.ticks = 0;
+            self.period_ns = 1e9 / rate;
+            self.config.drift_ppm = ppm;
+        }
+    }
+
+    /// Gives the board another number, as a mistake in the field would; its commands stay where they were.
+    ///
+    /// # Errors
+    /// [`BoardError::Address`] for a number that its identifiers have no room for; nothing has changed then.
+    pub fn set_address(&mut self, address: u8) -> Result<(), BoardError> {
+        let config = BoardConfig {
+            address,
+            ..self.config
+        };
+        self.order = wire_order(&config, &self.modules)?;
+        self.config = config;
+        Ok(())
+    }
+
     /// When the board acts next of its own accord.
     pub fn next_event(&self) -> Nanos {
         if self.handed < self.order.len() {
@@ -236,7 +284,7 @@ impl Board {
             let Ok(Message::Command(command)) = uskin::decode(self.config.profile, &frame) else {
                 continue; // data of another board under one of our command identifiers
             };
-            if !command.is_for(self.config.address) {
+            if !self.powered || !command.is_for(self.config.address) {
                 continue;
             }
             if command.start && !self.sending {

@@ -80,6 +80,15 @@ impl SkinBus {
         self.boards.get_mut(n)
     }
 
+    /// Does something to a board at the present moment: power, clock, number.
+    pub fn disturb(&mut self, n: usize, work: impl FnOnce(&mut Board, &mut Segment)) {
+        if let Some(board) = self.boards.get_mut(n) {
+            work(board, &mut self.segment);
+        }
+        let next = self.boards.iter().map(Board::next_event).min();
+        self.boards_next = next.unwrap_or(Nanos::MAX);
+    }
+
     /// The next moment at which something can happen here.
     pub fn next_event(&self) -> Nanos {
         self.segment.next_event().min(self.boards_next)

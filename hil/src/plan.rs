@@ -6,7 +6,8 @@ use palpate_core::illusion::{Display, Drive, LogPhantom, Map, Rect, Shape, Wire,
 use palpate_core::physics::{Alloy, WireParameters};
 use palpate_core::projector::{OutputSettings, Plan, SensingPlan};
 use palpate_core::skin::{
-    Address, Axes, HealthSettings, InitialiserSettings, Layout, LayoutError, Module, ThresholdRule,
+    Address, Axes, HealthSettings, InitialiserSettings, Layout, LayoutError, Module, ScanAssembler,
+    ThresholdRule,
 };
 use palpate_core::units::{Board, Channel, Duration, Milliamps, Point, Prescale};
 use palpate_core::wire::uskin::IdProfile;
@@ -170,6 +171,28 @@ pub const fn scope(scope: files::Scope) -> Scope {
     }
 }
 
+/// The silence that ends a scan. On a bus with room the frames of a scan come within milliseconds; on one
+/// that waiting boards overload they spread over the whole scan, and the next scan's follow a scan later.
+fn scan_gap(layout: &Layout, scene: &files::Scene) -> Duration {
+    const FRAME_S: f64 = 117e-6;
+    let period = 1.0 / scene.rate_hz;
+    let taxels_on = |bus: u8| {
+        let on_bus = |m: &&Module| m.address().is_some_and(|a| a.bus == bus);
+        let active = |m: &Module| m.active().iter().filter(|a| **a).count();
+        let of_bus = layout.modules().iter().filter(on_bus);
+        of_bus.map(active).sum::<usize>()
+    };
+    let fullest = (0..=u8::MAX).map(taxels_on).max().unwrap_or(0);
+    let busy = fullest as f64 * FRAME_S;
+    let waits = scene.boards.overload != Some(files::Overload::Overwrite);
+    if busy > period && waits {
+        Duration::from_micros((0.75e6 * busy) as u64)
+    } else {
+        let short = Duration::from_micros((0.4e6 * period) as u64);
+        short.min(ScanAssembler::DEFAULT_GAP)
+    }
+}
+
 /// The rectangle around what drives the display: the driving module's taxels, or the whole skin's.
 fn sensor_area(layout: &Layout, drives: usize, scope: Scope) -> Rect {
     let places = |m: &Module, origin: Point| {
@@ -246,6 +269,7 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
 
     Ok(Plan {
         sensing: SensingPlan {
+            gap: scan_gap(&layout, scene),
             layout,
             profile: IdProfile::Current,
             initialiser: InitialiserSettings {

@@ -64,6 +64,9 @@ impl fmt::Display for DriverError {
 
 impl core::error::Error for DriverError {}
 
+/// Times a transfer is tried before a transient error counts.
+const ATTEMPTS: u32 = 3;
+
 /// One board: its address and what its channels were last told. `None` after anything that may have
 /// left them otherwise, so that the next update writes them whatever it says.
 #[derive(Clone, Debug)]
@@ -78,6 +81,7 @@ pub struct Pca9685Bank<I> {
     i2c: I,
     boards: Box<[BoardState]>,
     prescale: Prescale,
+    retries: u64,
 }
 
 impl<I: I2c> Pca9685Bank<I> {
@@ -91,6 +95,7 @@ impl<I: I2c> Pca9685Bank<I> {
             i2c,
             boards: addresses.iter().map(board).collect(),
             prescale,
+            retries: 0,
         }
     }
 
@@ -115,6 +120,23 @@ impl<I: I2c> Pca9685Bank<I> {
         Ok(now + Duration::from_micros(regs::WAKE_US))
     }
 
+    /// Transfers made again after a transient error.
+    pub const fn retries(&self) -> u64 {
+        self.retries
+    }
+
+    /// Whether every board still is as [`Self::start`] left it: a chip that fell back to its reset values
+    /// sleeps, and nothing on the bus says so.
+    ///
+    /// # Errors
+    /// [`DriverError`] of the first board that does not answer or does not read back.
+    pub fn verify(&mut self) -> Result<(), DriverError> {
+        for index in 0..self.boards.len() {
+            self.expect(Board(index as u8), regs::MODE1, mode1::AI | mode1::ALLCALL)?;
+        }
+        Ok(())
+    }
+
     /// The bus, for an owner that must look at it.
     pub fn bus(&self) -> &I {
         &self.i2c
@@ -129,17 +151,34 @@ impl<I: I2c> Pca9685Bank<I> {
 
     fn write(&mut self, board: Board, bytes: &[u8]) -> Result<(), DriverError> {
         let address = self.address(board)?;
-        self.i2c
-            .write(address, bytes)
-            .map_err(|e| DriverError::Bus(board, e.kind()))
+        self.patiently(board, |i2c| i2c.write(address, bytes))
+    }
+
+    /// Makes a transfer, and makes it again from its first byte after a transient error: what part of it
+    /// arrived is written over by the same values, so an update is never torn.
+    fn patiently(
+        &mut self,
+        board: Board,
+        mut transfer: impl FnMut(&mut I) -> Result<(), I::Error>,
+    ) -> Result<(), DriverError> {
+        let mut attempt = 1;
+        loop {
+            let Err(error) = transfer(&mut self.i2c) else {
+                return Ok(());
+            };
+            let error = DriverError::Bus(board, error.kind());
+            if attempt == ATTEMPTS || !error.is_transient() {
+                return Err(error);
+            }
+            attempt += 1;
+            self.retries += 1;
+        }
     }
 
     fn expect(&mut self, board: Board, register: u8, want: u8) -> Result<(), DriverError> {
         let address = self.address(board)?;
         let mut got = [0];
-        self.i2c
-            .write_read(address, &[register], &mut got)
-            .map_err(|e| DriverError::Bus(board, e.kind()))?;
+        self.patiently(board, |i2c| i2c.write_read(address, &[register], &mut got))?;
         if got[0] == want {
             Ok(())
         } else {
@@ -205,12 +244,12 @@ impl<I: I2c> Actuators for Pca9685Bank<I> {
         let length = 1 + 4 * (last - first + 1);
         let (address, old) = (state.address, state.shadow);
         state.shadow = wanted;
-        self.i2c.write(address, &bytes[..length]).map_err(|e| {
+        let written = self.patiently(board, |i2c| i2c.write(address, &bytes[..length]));
+        written.inspect_err(|_| {
             // Part of it may have arrived: nothing in this range is known any more.
             let shadow = &mut self.boards[index].shadow;
             *shadow = old;
             shadow[first..=last].fill(None);
-            DriverError::Bus(board, e.kind())
         })
     }
 

@@ -15,10 +15,10 @@ use crate::guard::Guard;
 use crate::illusion::{Display, Map};
 use crate::schedule::{Entry, Timing};
 use crate::skin::{
-    FrameError, HealthSettings, HealthSummary, Initialiser, InitialiserError, InitialiserSettings,
-    Layout, RelativeFrame,
+    Condition, FrameError, HealthSettings, HealthSummary, Initialiser, InitialiserError,
+    InitialiserSettings, Layout, Monitor, RelativeFrame,
 };
-use crate::units::{Board, Instant, Point};
+use crate::units::{Board, Duration, Instant, Point};
 use crate::wire::uskin::IdProfile;
 
 use output::Output;
@@ -79,6 +79,10 @@ pub trait Observer {
     fn onset(&mut self, at: Instant, targets: &[Target]) {
         let _ = (at, targets);
     }
+    /// A taxel's health changed; from now on an ill one is left out, a good one taken in again.
+    fn taxel(&mut self, at: Instant, index: usize, condition: Condition) {
+        let _ = (at, index, condition);
+    }
     /// A board was switched off whole.
     fn all_off(&mut self, at: Instant, board: Board, cause: Cause) {
         let _ = (at, board, cause);
@@ -93,6 +97,8 @@ impl Observer for () {}
 pub struct SensingPlan {
     /// The skin.
     pub layout: Layout,
+    /// Silence that ends a scan: longer than between two frames of one, shorter than between two scans.
+    pub gap: Duration,
     /// How its boards number their frames.
     pub profile: IdProfile,
     /// Reference, threshold, faulty taxels.
@@ -334,7 +340,17 @@ impl Projector {
 
     /// Health of the skin at `now`. Sorts, so it belongs after the loop, not in it.
     pub fn health(&mut self, now: Instant) -> HealthSummary {
-        self.sensing.monitor().summary(now)
+        self.sensing.monitor_mut().summary(now)
+    }
+
+    /// What the skin is made of.
+    pub const fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Every taxel's rate and condition.
+    pub const fn monitor(&self) -> &Monitor {
+        self.sensing.monitor()
     }
 
     /// Reference, threshold and faulty taxels.
@@ -355,6 +371,11 @@ impl Projector {
     /// Readings missing from the scans so far.
     pub fn lost_readings(&self) -> u64 {
         self.sensing.lost()
+    }
+
+    /// Readings missing from one module's scans so far.
+    pub fn lost_readings_of(&self, module: usize) -> u64 {
+        self.sensing.lost_of(module)
     }
 
     /// The last frame that compression refused, if any.

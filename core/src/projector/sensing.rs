@@ -2,18 +2,22 @@
 //!
 //! A frame is a scan of the driving module; the other modules contribute their newest readings.
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use crate::bus::Received;
-use crate::contact::Compressor;
+use crate::contact::{Compressor, Scope};
 use crate::skin::{
-    Address, FrameError, Initialiser, Layout, Monitor, Phase, Reading, RelativeFrame, Scan,
-    ScanAssembler,
+    Address, Condition, FrameError, Initialiser, Layout, Monitor, Phase, Reading, RelativeFrame,
+    Scan, ScanAssembler,
 };
-use crate::units::Instant;
+use crate::units::{Duration, Instant};
 use crate::wire::uskin::{IdProfile, Message, Wiring, decode};
 
 use super::{FrameReport, Observer, PlanError, SensingPlan};
+
+/// How often taxels are looked at of which nothing comes.
+const ROUND: Duration = Duration::from_millis(100);
 
 /// Everything behind the assembler, so that a finished scan can be handed on while it is borrowed.
 #[derive(Debug)]
@@ -24,6 +28,8 @@ struct Pipeline {
     monitor: Monitor,
     /// Whether `relative` leaves out what the initialiser found faulty.
     masked: bool,
+    /// Each taxel's condition as it was last reported.
+    conditions: Box<[Condition]>,
     drives: u16,
     frames: u32,
     /// Frames that could not be compressed; the layout makes that impossible, so it is counted, not hidden.
@@ -38,7 +44,12 @@ pub(super) struct Sensing {
     modules: Vec<(Option<Address>, Wiring)>,
     assembler: ScanAssembler,
     pipeline: Pipeline,
+    /// Whether every module drives the display, or one.
+    whole: bool,
+    /// When something came that drives the display.
     last_received: Option<Instant>,
+    /// When to look for taxels of which nothing comes.
+    next_round: Instant,
     foreign: u64,
 }
 
@@ -60,6 +71,7 @@ impl Pipeline {
     fn frame(&mut self, scan: &Scan, module: u16, layout: &Layout, observer: &mut impl Observer) {
         self.monitor
             .observe_range(scan, layout.range(usize::from(module)));
+        self.examine(scan.at(), usize::from(module), layout, observer);
         if module != self.drives {
             return;
         }
@@ -85,10 +97,49 @@ impl Pipeline {
     }
 }
 
+impl Pipeline {
+    /// Looks at the taxels of a module: reports those whose health changed, and leaves the ill ones out.
+    /// Where a whole module stands still it may be a skin without noise, so it is only reported.
+    fn examine(
+        &mut self,
+        now: Instant,
+        module: usize,
+        layout: &Layout,
+        observer: &mut impl Observer,
+    ) {
+        let range = layout.range(module);
+        let mut still = true;
+        for i in range.clone() {
+            let condition = self.monitor.condition(i, now);
+            still &= !matches!(
+                condition,
+                Condition::Good | Condition::Saturated | Condition::Jumping
+            );
+            if self.conditions[i] != condition {
+                self.conditions[i] = condition;
+                observer.taxel(now, i, condition);
+            }
+        }
+        if !self.masked {
+            return;
+        }
+        for i in range {
+            let sound = match self.conditions[i] {
+                Condition::Good => !self.monitor.has_jumped(i),
+                Condition::Frozen => still,
+                _ => false,
+            };
+            self.relative
+                .set_usable(i, sound && self.initialiser.usable()[i]);
+        }
+    }
+}
+
 impl Sensing {
     pub(super) fn new(plan: SensingPlan, drives: u16) -> Result<(Self, Layout), PlanError> {
         let layout = plan.layout;
-        let mut assembler = ScanAssembler::new(&layout, ScanAssembler::DEFAULT_GAP);
+        let whole = plan.compression.scope == Scope::Skin;
+        let mut assembler = ScanAssembler::new(&layout, plan.gap);
         let mut modules = Vec::with_capacity(layout.modules().len());
         for (index, module) in layout.modules().iter().enumerate() {
             let wiring = wiring(module);
@@ -110,11 +161,25 @@ impl Sensing {
                 monitor: Monitor::new(&layout, plan.health),
                 initialiser,
                 masked: false,
+                conditions: layout
+                    .modules()
+                    .iter()
+                    .flat_map(|m| m.active())
+                    .map(|active| {
+                        if *active {
+                            Condition::Good
+                        } else {
+                            Condition::Inactive
+                        }
+                    })
+                    .collect(),
                 drives,
                 frames: 0,
                 refused: None,
             },
+            whole,
             last_received: None,
+            next_round: Instant::ZERO,
             foreign: 0,
         };
         Ok((sensing, layout))
@@ -128,7 +193,11 @@ impl Sensing {
         &self.pipeline.initialiser
     }
 
-    pub(super) const fn monitor(&mut self) -> &mut Monitor {
+    pub(super) const fn monitor(&self) -> &Monitor {
+        &self.pipeline.monitor
+    }
+
+    pub(super) const fn monitor_mut(&mut self) -> &mut Monitor {
         &mut self.pipeline.monitor
     }
 
@@ -146,6 +215,10 @@ impl Sensing {
 
     pub(super) fn lost(&self) -> u64 {
         self.assembler.lost()
+    }
+
+    pub(super) fn lost_of(&self, module: usize) -> u64 {
+        self.assembler.lost_of(module)
     }
 
     /// Takes one frame off a bus. What is no sensor data of this layout is counted and left.
@@ -190,7 +263,9 @@ impl Sensing {
             pipeline.frame(scan, m, layout, observer)
         });
         push.ok()?;
-        self.last_received = Some(received.at);
+        if self.whole || index == usize::from(self.pipeline.drives) {
+            self.last_received = Some(received.at);
+        }
         Some(())
     }
 
@@ -199,5 +274,11 @@ impl Sensing {
         let pipeline = &mut self.pipeline;
         self.assembler
             .flush(now, |scan, m| pipeline.frame(scan, m, layout, observer));
+        if now >= self.next_round {
+            self.next_round = now + ROUND;
+            for module in 0..layout.modules().len() {
+                pipeline.examine(now, module, layout, observer);
+            }
+        }
     }
 }

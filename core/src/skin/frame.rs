@@ -133,6 +133,8 @@ struct Pending {
     readings: u32,
     /// Readings of a complete scan.
     expected: u32,
+    /// Readings missing from its scans so far.
+    lost: u64,
 }
 
 /// Makes scans of readings, module by module.
@@ -161,6 +163,7 @@ impl ScanAssembler {
                 last: expected.saturating_sub(1),
                 readings: 0,
                 expected,
+                lost: 0,
             }
         });
         Self {
@@ -204,6 +207,10 @@ impl ScanAssembler {
             return Err(unknown);
         }
         let open = self.pending[module];
+        let staged = self.staged[(from + reading.taxel) as usize];
+        if open.order == Some(reading.order) && staged.is_some_and(|s| s.0 == reading.counts) {
+            return Ok(()); // the same frame twice
+        }
         if open
             .order
             .is_some_and(|o| reading.order <= o || reading.at.since(open.at) > self.gap)
@@ -254,7 +261,9 @@ impl ScanAssembler {
         p.order = None;
         self.scan.at = self.scan.at.max(p.at);
         self.scans += 1;
-        self.lost += u64::from(p.expected.saturating_sub(p.readings));
+        let lost = u64::from(p.expected.saturating_sub(p.readings));
+        self.lost += lost;
+        p.lost += lost;
         p.readings = 0;
         done(&self.scan, module as u16);
     }
@@ -266,6 +275,10 @@ impl ScanAssembler {
     /// Module scans ended so far.
     pub fn scans(&self) -> u64 {
         self.scans
+    }
+    /// Readings missing from one module's scans; scans of which nothing came are not known of.
+    pub fn lost_of(&self, module: usize) -> u64 {
+        self.pending.get(module).map_or(0, |p| p.lost)
     }
     /// Readings missing from those scans.
     pub fn lost(&self) -> u64 {

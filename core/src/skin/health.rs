@@ -58,6 +58,8 @@ struct Taxel {
     changed_at: Instant,
     /// 16 a jump, one less a quiet reading.
     jumps: u16,
+    /// Whether the newest reading was a jump.
+    jumped: bool,
 }
 
 /// Counts of conditions and the refresh rate over the active taxels.
@@ -141,12 +143,14 @@ impl Monitor {
                 t.changed = t.changed.saturating_add(1);
                 t.changed_at = at;
                 any = true;
-                let jumped = new.iter().zip(t.counts).any(|(a, b)| a.abs_diff(b) > jump);
-                t.jumps = if jumped {
+                t.jumped = new.iter().zip(t.counts).any(|(a, b)| a.abs_diff(b) > jump);
+                t.jumps = if t.jumped {
                     t.jumps.saturating_add(16).min(64)
                 } else {
                     t.jumps.saturating_sub(1)
                 };
+            } else {
+                t.jumped = false;
             }
             t.counts = new;
             t.last_at = at;
@@ -179,6 +183,17 @@ impl Monitor {
         } else {
             Condition::Good
         }
+    }
+
+    /// Whether a taxel's newest reading jumped: one such reading is no touch.
+    pub fn has_jumped(&self, index: usize) -> bool {
+        self.taxels.get(index).is_some_and(|t| t.jumped)
+    }
+
+    /// Readings of a taxel so far, and when the last one came; `None` if none did.
+    pub fn received(&self, index: usize) -> Option<(u32, Instant)> {
+        let t = self.taxels.get(index).filter(|t| t.received > 0)?;
+        Some((t.received, t.last_at))
     }
 
     /// Value changes and readings of a taxel per second, since its first reading; 0 before the second one.

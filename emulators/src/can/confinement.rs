@@ -73,13 +73,26 @@ impl Segment {
 
     /// Counts a transmit error; the frame waits again unless the node goes bus-off.
     pub(super) fn penalise(&mut self, n: usize, frame: &CanFrame) {
-        let recovery = self.span(RECOVERY);
         let node = &mut self.nodes[n];
         node.tec += 8;
         if node.tec <= 255 {
             self.requeue(n, frame);
             return;
         }
+        self.cut_off(n);
+    }
+
+    /// Drives a node off the bus, as 32 failed transmissions in a row would.
+    pub fn force_bus_off(&mut self, NodeId(n): NodeId) {
+        if n < self.nodes.len() && !self.nodes[n].bus_off {
+            self.nodes[n].tec = 256;
+            self.cut_off(n);
+        }
+    }
+
+    fn cut_off(&mut self, n: usize) {
+        let recovery = self.span(RECOVERY);
+        let node = &mut self.nodes[n];
         node.bus_off = true;
         node.transmit.clear();
         node.not_before = match node.config.restart_after {

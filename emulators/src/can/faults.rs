@@ -51,6 +51,13 @@ pub struct Rule {
     pub effect: Effect,
 }
 
+impl Rule {
+    /// Whether a frame is one of the rule's.
+    pub fn hits(&self, bus: u8, id: u16) -> bool {
+        self.bus.is_none_or(|mine| mine == bus) && id & self.mask == self.id & self.mask
+    }
+}
+
 /// How many frames each fault hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
@@ -106,10 +113,13 @@ impl<B: SensorBus> Faulty<B> {
         self.rates = rates;
     }
 
-    /// Sets the rules from now on; taxels frozen before thaw.
+    /// Sets the rules from now on; what no rule freezes any more thaws.
     pub fn set_rules(&mut self, rules: Vec<Rule>) {
+        self.frozen.retain(|&(bus, id), _| {
+            let freezes = |r: &Rule| r.effect == Effect::Frozen && r.hits(bus, id);
+            rules.iter().any(freezes)
+        });
         self.rules = rules;
-        self.frozen.clear();
     }
 
     /// What has been done to the frames so far.
@@ -118,6 +128,11 @@ impl<B: SensorBus> Faulty<B> {
     }
 
     /// The bus behind the layer.
+    pub const fn inner(&self) -> &B {
+        &self.inner
+    }
+
+    /// The bus behind the layer, to disturb it.
     pub const fn inner_mut(&mut self) -> &mut B {
         &mut self.inner
     }
@@ -130,8 +145,7 @@ impl<B: SensorBus> Faulty<B> {
     fn pass(&mut self, mut received: Received) {
         for n in 0..self.rules.len() {
             let rule = self.rules[n];
-            let hit = rule.bus.is_none_or(|bus| bus == received.bus)
-                && received.frame.id() & rule.mask == rule.id & rule.mask;
+            let hit = rule.hits(received.bus, received.frame.id());
             match rule.effect {
                 _ if !hit => {}
                 Effect::Silent => {

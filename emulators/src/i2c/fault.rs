@@ -1,5 +1,8 @@
 //! A fault layer in front of any I2C bus: seeded or scripted, each fault counted and kept for the record.
 
+use std::cell::RefCell;
+use std::rc::Rc;
+
 use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, NoAcknowledgeSource, Operation};
 use palpate_core::random::Stream;
 
@@ -105,6 +108,11 @@ impl<I> I2cFault<I> {
             counts: [0; 6],
             transactions: 0,
         }
+    }
+
+    /// Sets the dice from now on.
+    pub const fn set_faults(&mut self, faults: I2cFaults) {
+        self.faults = faults;
     }
 
     /// Lets `kind` strike the next transaction (a scene's script).
@@ -221,5 +229,41 @@ impl<I: I2c + HoldClock> I2c for I2cFault<I> {
             }
         }
         Err(FaultError::Injected(kind))
+    }
+}
+
+/// A layer that a driver and whoever scripts its faults share.
+#[derive(Debug)]
+pub struct Shared<I>(Rc<RefCell<I2cFault<I>>>);
+
+impl<I> Clone for Shared<I> {
+    fn clone(&self) -> Self {
+        Self(Rc::clone(&self.0))
+    }
+}
+
+impl<I> Shared<I> {
+    /// Takes the layer in.
+    pub fn new(layer: I2cFault<I>) -> Self {
+        Self(Rc::new(RefCell::new(layer)))
+    }
+
+    /// Looks at the layer or changes its faults. `work` must not use the bus.
+    pub fn with<T>(&self, work: impl FnOnce(&mut I2cFault<I>) -> T) -> T {
+        work(&mut self.0.borrow_mut())
+    }
+}
+
+impl<I: I2c> ErrorType for Shared<I> {
+    type Error = FaultError<I::Error>;
+}
+
+impl<I: I2c + HoldClock> I2c for Shared<I> {
+    fn transaction(
+        &mut self,
+        address: u8,
+        operations: &mut [Operation<'_>],
+    ) -> Result<(), Self::Error> {
+        self.0.borrow_mut().transaction(address, operations)
     }
 }

@@ -37,6 +37,8 @@ pub struct ModuleConfig {
     pub number: usize,
     /// Where its taxels are, mm.
     pub taxels: Vec<Point>,
+    /// Taxels that are there and that the board does not read, by index.
+    pub unread: Vec<usize>,
     /// Distance of neighbouring taxels, mm.
     pub pitch_mm: f64,
     /// Rest values.
@@ -59,6 +61,7 @@ impl Default for ModuleConfig {
         Self {
             number: 0,
             taxels: grid(4, 4, 4.7),
+            unread: Vec::new(),
             pitch_mm: 4.7,
             generation: Generation::Now,
             noise_lsb: (1.0, 2.3),

@@ -68,7 +68,8 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         },
     };
     let files = wanted(args)?;
-    let outcome = run::run(&setup, &input, args.seed)?;
+    let mut outcome = run::run(&setup, &input, args.seed)?;
+    let failure = outcome.failure.take();
     if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.quiet) {
         note(&format!("{hz} rows a second, from {}", meta.display()));
     }
@@ -93,7 +94,8 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
                 .iter()
                 .try_for_each(|(_, path)| writeln!(out, "  wrote           {}", path.display()))
         })
-    }
+    }?;
+    failure.map_or(Ok(()), Err)
 }
 
 /// The files to write, checked before anything runs.

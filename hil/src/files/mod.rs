@@ -7,6 +7,7 @@
 
 mod bench;
 mod error;
+mod fault;
 mod layout;
 mod limits;
 mod resolve;
@@ -24,6 +25,7 @@ mod tests;
 
 pub use bench::{Bench, BenchKind, Drive, Output, Transition, Wire};
 pub use error::FileError;
+pub use fault::{Fault, FaultKind};
 pub use layout::{
     DisplayLayout, Grid, ImageCell, ImageSize, LayoutFile, Module, SensorLayout, Taxel,
 };
@@ -32,7 +34,8 @@ pub use limits::{
 };
 pub use resolve::{Kind, resolve, resolve_from};
 pub use scene::{
-    Axes, Compression, Expect, Generation, Illusion, IllusionModel, Map, Norm, Scene, Scope,
+    Axes, Boards, Compression, Expect, Generation, Illusion, IllusionModel, Map, Norm, Overload,
+    Scene, Scope,
 };
 pub use setup::{Loaded, Setup, load_bench, load_layout, load_limits, load_scene};
 pub use source::Source;

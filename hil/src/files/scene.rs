@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{FileError, Source, Touch};
+use super::{Fault, FileError, Source, Touch};
 
 macro_rules! choice {
     ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $text:literal),+ $(,)? }) => {
@@ -33,6 +33,11 @@ choice! { /** Where `kc` and `ki` apply. */ Scope {
 }}
 choice! { /** How a place between wires becomes activations. */ IllusionModel {
     /** The logarithmic phantom sensation of the thesis's (5.2). */ Phantom = "phantom",
+}}
+
+choice! { /** What a board does when a scan is due and frames of the last one have not left. */ Overload {
+    /** The next scan starts at the first tick after the last frame left. */ Wait = "wait",
+    /** Every scan replaces what still waits; high identifiers starve. */ Overwrite = "overwrite",
 }}
 
 /// A scene.
@@ -69,9 +74,15 @@ pub struct Scene {
     /// From skin to display.
     #[serde(default)]
     pub map: Map,
+    /// The sensor boards on their buses.
+    #[serde(default)]
+    pub boards: Boards,
     /// What touches the skin; nothing if left out.
     #[serde(default)]
     pub touches: Vec<Touch>,
+    /// What goes wrong on an emulated bench; nothing if left out.
+    #[serde(default)]
+    pub faults: Vec<Fault>,
     /// What a test of this scene checks.
     #[serde(default)]
     pub expect: Expect,
@@ -128,6 +139,17 @@ pub struct Map {
     pub sensor_mm: Option<[f64; 4]>,
     /// The display layout this scene needs; left out: whatever the bench carries.
     pub display: Option<String>,
+}
+
+/// The sensor boards of an emulated skin.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Boards {
+    /// Puts every board on this bus; left out: as the layout says.
+    pub bus: Option<u8>,
+    /// Boards on an overloaded bus; left out: they wait.
+    pub overload: Option<Overload>,
 }
 
 /// Bounds that a test of this scene checks; those left out are not checked.
@@ -221,6 +243,9 @@ impl Scene {
                 );
                 return Err(source.bad(&format!("{key}.start_s"), expected));
             }
+        }
+        for (index, fault) in scene.faults.iter().enumerate() {
+            fault.check(source, &format!("faults[{index}]"), scene.length_s)?;
         }
         scene.expect.check(source)?;
         Ok(scene)

@@ -83,6 +83,7 @@ impl Setup {
     pub fn join(scene: Loaded<Scene>, bench: Loaded<Bench>) -> Result<Self, FileError> {
         let sensor = sensor_of(&scene)?;
         let display = display_of(&bench)?;
+        check_faults(&scene, &sensor.value, &bench.value)?;
         let limits = match &bench.value.limits {
             Some(name) => {
                 let source = resolve_from(Kind::Limits, name, &bench.source, "limits")?;
@@ -115,13 +116,17 @@ impl Setup {
 
 fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileError> {
     let source = resolve_from(Kind::Layout, &scene.value.layout, &scene.source, "layout")?;
-    let LayoutFile::Sensor(sensor) = LayoutFile::read(&source)? else {
+    let LayoutFile::Sensor(mut sensor) = LayoutFile::read(&source)? else {
         return Err(scene.source.bad_found(
             "layout",
             "a layout of kind \"sensor\"",
             format!("the display `{}`", scene.value.layout),
         ));
     };
+    if let Some(bus) = scene.value.boards.bus {
+        let wired = sensor.modules.iter_mut().filter_map(|m| m.bus.as_mut());
+        wired.for_each(|of_module| *of_module = bus);
+    }
     let modules = sensor.modules.len();
     let touched = scene.value.touches.iter().enumerate();
     let named = touched
@@ -137,6 +142,35 @@ fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileError> {
         value: sensor,
         source,
     })
+}
+
+/// Every fault must meet something that is there.
+fn check_faults(
+    scene: &Loaded<Scene>,
+    sensor: &SensorLayout,
+    bench: &Bench,
+) -> Result<(), FileError> {
+    let chips: std::collections::BTreeSet<u8> = bench.outputs.iter().map(|o| o.board).collect();
+    let chips = chips.len();
+    let buses = sensor.modules.iter().filter_map(|m| m.bus);
+    let buses = buses.max().map_or(0, |last| usize::from(last) + 1);
+    for (index, fault) in scene.value.faults.iter().enumerate() {
+        let below = |name: &str, value: Option<usize>, count: usize| {
+            let fits = value.is_none_or(|v| v < count);
+            let key = format!("faults[{index}].{name}");
+            let bad = || scene.source.bad(&key, format!("less than {count}"));
+            fits.then_some(()).ok_or_else(bad)
+        };
+        below("module", fault.module, sensor.modules.len())?;
+        below("with", fault.with, sensor.modules.len())?;
+        below("bus", fault.bus.map(usize::from), buses)?;
+        below("board", fault.board, chips)?;
+        if let Some(module) = fault.module.and_then(|m| sensor.modules.get(m)) {
+            below("taxel", fault.taxel, module.taxels().len())?;
+            below("line", fault.line.map(usize::from), 8)?;
+        }
+    }
+    Ok(())
 }
 
 fn display_of(bench: &Loaded<Bench>) -> Result<Loaded<DisplayLayout>, FileError> {

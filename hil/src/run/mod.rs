@@ -1,10 +1,18 @@
 //! A run: a scene or a recording through the loop onto an emulated display, in virtual time.
 
+mod boards;
+mod effects;
+mod ends;
+mod feel;
 mod recorder;
+mod script;
 mod skin;
 mod summary;
+mod supervisor;
 
-pub use summary::{Summary, Taxels};
+pub use boards::{BoardReport, BusReport, Spread};
+pub use script::FaultReport;
+pub use summary::{IllTaxel, Summary, Taxels};
 
 use std::convert::Infallible;
 use std::path::PathBuf;
@@ -13,29 +21,28 @@ use palpate_core::bus::{Actuators, SensorBus};
 use palpate_core::contact::{LevelTable, Levels};
 use palpate_core::driver::Pca9685Bank;
 use palpate_core::guard::Guarded;
-use palpate_core::physics::SkinParameters;
 use palpate_core::projector::{Cause, LoopError, Projector};
-use palpate_core::units::{Duration, Instant, Point};
-use palpate_emulators::display::{Display, DisplayConfig, Place};
-use palpate_emulators::i2c::BusClock;
-use palpate_emulators::perceiver::PerceiverParameters;
+use palpate_core::units::{Duration, Instant};
+use palpate_emulators::can::faults::Faulty;
+use palpate_emulators::i2c::fault::{I2cFault, I2cFaults, Shared};
 use palpate_emulators::rig::Handle;
 use palpate_emulators::time::Nanos;
-use palpate_records::digest::short_digest;
-use palpate_records::trace::{Event, Header, Ledger, Limits, Source, Trace, WireInfo};
+use palpate_records::trace::{Event, Ledger, Trace};
 
 use crate::clock;
 use crate::failure::Failure;
 use crate::files::Setup;
 use crate::plan;
 
-use recorder::{Onset, Recorder, um};
+use ends::{display, header};
+use feel::{feel, sample_wires};
+use recorder::{Onset, Recorder};
+use script::{Bench, Script};
 use skin::Replay;
+use supervisor::Supervisor;
 
 /// The loop is called at least this often, as a real host would call it.
 const TICK: Duration = Duration::from_millis(1);
-/// A contact this close to the display's hull counts as inside it, mm.
-const HULL_MARGIN: f32 = 1e-3;
 
 /// What drives the sensor end.
 #[derive(Clone, Debug)]
@@ -60,16 +67,46 @@ pub struct Outcome {
     pub summary: Summary,
     /// Computing time of each frame, microseconds.
     pub frame_us: Vec<f32>,
+    /// What ended the run before its time; the outputs are off.
+    pub failure: Option<Failure>,
 }
 
 /// A sensor end whose virtual time the run moves.
 trait Skin: SensorBus {
     fn advance_to(&mut self, now: Instant);
+
+    /// The emulated skin behind its fault layer.
+    fn emulated(&mut self) -> Option<&mut Faulty<Handle>> {
+        None
+    }
+
+    /// Its buses, where they are emulated.
+    fn buses(&self) -> Vec<BusReport> {
+        Vec::new()
+    }
 }
 
 impl Skin for Handle {
     fn advance_to(&mut self, now: Instant) {
         self.advance(Nanos::from(now));
+    }
+
+    fn buses(&self) -> Vec<BusReport> {
+        self.with(|buses| boards::buses(buses))
+    }
+}
+
+impl Skin for Faulty<Handle> {
+    fn advance_to(&mut self, now: Instant) {
+        self.inner_mut().advance(Nanos::from(now));
+    }
+
+    fn emulated(&mut self) -> Option<&mut Faulty<Handle>> {
+        Some(self)
+    }
+
+    fn buses(&self) -> Vec<BusReport> {
+        self.inner().with(|buses| boards::buses(buses))
     }
 }
 
@@ -107,7 +144,8 @@ pub fn run(setup: &Setup, input: &Input, seed: u64) -> Result<Outcome, Failure> 
             let skin = || skin::emulated(scene, &setup.sensor.value, &layout, seed);
             let levels = calibrate(setup, seed, &mut skin()?, end)?;
             let truth = Some((scene.touches.clone(), scene.drives));
-            project(setup, seed, levels, &mut skin()?, truth, end)
+            let mut faulty = Faulty::new(skin()?, seed, "sensor bus");
+            project(setup, seed, levels, &mut faulty, truth, end)
         }
         Input::Replay { paths, rate_hz } => {
             let open = || Replay::open(paths, &setup.sensor.value, &layout, *rate_hz);
@@ -160,29 +198,6 @@ fn build(setup: &Setup, seed: u64, levels: Levels) -> Result<Projector, Failure>
     Projector::new(plan).map_err(|e| Failure::Input(format!("{}: {e}", setup.scene.source.label())))
 }
 
-/// The emulated display of a bench.
-fn display(setup: &Setup, projector: &Projector) -> Result<Display, Failure> {
-    let bench = &setup.bench.value;
-    let place = |w: &palpate_core::illusion::Wire| Place {
-        at: w.place,
-        board: w.board.0,
-        channel: w.channel.0,
-    };
-    Display::new(&DisplayConfig {
-        boards: plan::boards(bench)
-            .into_iter()
-            .map(|a| (a, bench.drive.oscillator))
-            .collect(),
-        wires: projector.display().wires().iter().map(place).collect(),
-        current: plan::milliamps(bench.drive.current_ma),
-        wire: plan::wire(bench),
-        skin: SkinParameters::DEFAULT,
-        perceiver: PerceiverParameters::default(),
-        clock: BusClock::Fast,
-    })
-    .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))
-}
-
 /// The pass that counts: the loop between the skin and the emulated display.
 fn project(
     setup: &Setup,
@@ -197,8 +212,16 @@ fn project(
     let prescale = plan::prescale(bench)?;
     let mut projector = build(setup, seed, levels)?;
     let mut display = display(setup, &projector)?;
-    let mut recorder = Recorder::new(truth);
-    let mut bank = Pca9685Bank::new(display.bus(), &plan::boards(bench), prescale);
+    let mut recorder = Recorder::new(truth, projector.layout());
+    let i2c = Shared::new(I2cFault::new(
+        display.bus(),
+        I2cFaults::default(),
+        seed,
+        "actuator bus",
+    ));
+    let mut bank = Pca9685Bank::new(i2c.clone(), &plan::boards(bench), prescale);
+    let mut script = Script::new(&setup.scene.value.faults, projector.layout());
+    let mut supervisor = Supervisor::default();
     let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
 
     for (board, _) in plan::boards(bench).iter().enumerate() {
@@ -214,25 +237,70 @@ fn project(
             pre_scale: prescale.get(),
         });
     }
-    let ready = bank.start(Instant::ZERO).map_err(|e| device(&e))?;
+    macro_rules! hardware {
+        () => {
+            Bench {
+                skin: skin.emulated(),
+                i2c: &i2c,
+                display: &display,
+                oscillator: bench.drive.oscillator,
+            }
+        };
+    }
+    script.step(Instant::ZERO, &mut hardware!(), &mut recorder.events);
+    let mut now = match bank.start(Instant::ZERO) {
+        Ok(ready) => ready,
+        Err(e) => {
+            supervisor.lose(Instant::ZERO, &e, &display, &mut recorder.events);
+            Instant::ZERO
+        }
+    };
 
     let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
     let mut pending: Option<Onset> = None;
-    let mut now = ready;
+    let mut failure = None;
     while now < end {
         skin.advance_to(now);
         let edges = &mut recorder.events;
         display
             .advance(Nanos::from(now), &mut |e| edges.push(edge(&e)))
             .map_err(|e| device(&e))?;
+        if supervisor.is_lost() {
+            match supervisor.recover(now, &mut bank, &display, &mut recorder.events) {
+                Ok(Some(ready)) => now = ready,
+                Ok(None) => {
+                    script.step(now, &mut hardware!(), &mut recorder.events);
+                    now += TICK;
+                }
+                Err(e) => {
+                    failure = Some(e);
+                    break;
+                }
+            }
+            continue;
+        }
         let before = recorder.frames;
         let begun = clock::now();
         let polled = projector.poll(now, skin, &mut bank, &mut recorder);
         spent += begun.elapsed();
-        let onset = polled.map_err(|e| match e {
-            LoopError::Sensor(e) => Failure::Device(format!("sensor bus: {e:?}")),
-            LoopError::Actuator(e) => device(&e),
-        })?;
+        let polled = match polled {
+            // A chip that fell back to reset values answers, but sleeps: ask while wires should be driven.
+            Ok(true) => bank.verify().map(|()| true).inspect_err(|_| {
+                // The error is on its way; recovery finds out whether this helped.
+                let _ = projector.all_off(now, Cause::ActuatorError, &mut bank, &mut recorder);
+            }),
+            Ok(false) => Ok(false),
+            Err(LoopError::Actuator(e)) => Err(e),
+            Err(LoopError::Sensor(e)) => {
+                failure = Some(Failure::Device(format!("sensor bus: {e:?}")));
+                break;
+            }
+        };
+        supervisor.retried(now, bank.retries(), &mut recorder.events);
+        let onset = polled.unwrap_or_else(|e| {
+            supervisor.lose(now, &e, &display, &mut recorder.events);
+            false
+        });
         if recorder.frames > before {
             let frames = recorder.frames - before;
             let each = spent.as_secs_f32() * 1e6 / frames as f32;
@@ -244,18 +312,27 @@ fn project(
             pending = recorder.onset.take();
             sample_wires(now, &mut display, &projector, &mut recorder);
         }
-        now = projector.next().min(now + TICK);
+        supervisor.restart_boards(now, skin, &projector, &mut recorder.events);
+        script.step(now, &mut hardware!(), &mut recorder.events);
+        now = projector.next().min(now + TICK).min(script.next());
     }
     feel(pending, &display, &projector, &mut recorder);
-    projector
-        .all_off(end, Cause::End, &mut bank, &mut recorder)
-        .map_err(|e| device(&e))?;
+    let end = if failure.is_some() { now } else { end };
+    let off = projector.all_off(end, Cause::End, &mut bank, &mut recorder);
+    if let Err(e) = off
+        && failure.is_none()
+    {
+        supervisor.lose(end, &e, &display, &mut recorder.events);
+        failure = Some(device(&e));
+    }
+    script.finish(end, &mut hardware!(), &mut recorder.events);
     // Full off takes effect at the end of a period: wait for two of them.
     let settled = Nanos::from(end) + Nanos(2 * prescale.period_ns());
     let edges = &mut recorder.events;
     display
         .advance(settled, &mut |e| edges.push(edge(&e)))
         .map_err(|e| device(&e))?;
+    recorder.tell_taxels();
 
     let totals = display.totals();
     let mut events = std::mem::take(&mut recorder.events);
@@ -274,7 +351,7 @@ fn project(
         ledger,
     };
     let health = projector.health(end);
-    let summary = Summary::new(
+    let mut summary = Summary::new(
         &trace,
         &recorder,
         &frame_us,
@@ -282,10 +359,15 @@ fn project(
         bench,
         started.elapsed(),
     );
+    summary.boards = boards::boards(&projector);
+    summary.buses = skin.buses();
+    summary.faults = script.report();
+    summary.taxels.list(&projector, end);
     Ok(Outcome {
         trace,
         summary,
         frame_us,
+        failure,
     })
 }
 
@@ -301,85 +383,4 @@ fn edge(e: &palpate_emulators::display::OutputEdge) -> Event {
 /// Thousandths of a degree; `None` for a display without wires.
 fn milli_c(celsius: f64) -> Option<i32> {
     celsius.is_finite().then(|| (celsius * 1e3).round() as i32)
-}
-
-/// What a person felt of an onset that is over. Onsets with several contacts are not scored: one felt
-/// place cannot be held against two.
-fn feel(onset: Option<Onset>, display: &Display, projector: &Projector, recorder: &mut Recorder) {
-    let Some(Onset {
-        at,
-        target: Some(seen),
-    }) = onset
-    else {
-        return;
-    };
-    let true_place = recorder
-        .truth_at(at)
-        .map(|(place, _)| projector.map().apply(place));
-    let felt = display.feel(Nanos::from(at)).map(|felt| {
-        um(Point::new(
-            felt.position_mm.0 as f32,
-            felt.position_mm.1 as f32,
-        ))
-    });
-    recorder.events.push(Event::Felt {
-        t_us: at.as_micros(),
-        target: um(true_place.unwrap_or(seen)),
-        inside: projector.display().contains(seen, HULL_MARGIN),
-        felt,
-    });
-}
-
-fn sample_wires(
-    now: Instant,
-    display: &mut Display,
-    projector: &Projector,
-    recorder: &mut Recorder,
-) {
-    for wire in 0..projector.display().wires().len() {
-        if let Some(milli_c) = display.wire_c(wire).and_then(milli_c) {
-            recorder.events.push(Event::Wire {
-                t_us: now.as_micros(),
-                wire: wire as u16,
-                milli_c,
-            });
-        }
-    }
-}
-
-fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header, Failure> {
-    let (scene, bench) = (&setup.scene.value, &setup.bench.value);
-    let limits = projector.guard().limits();
-    let layout = plan::layout(&setup.sensor.value)?;
-    let taxels = layout
-        .modules()
-        .get(scene.drives)
-        .map(palpate_core::skin::Module::points);
-    let wire = |w: &palpate_core::illusion::Wire| WireInfo {
-        place: um(w.place),
-        board: w.board.0,
-        channel: w.channel.0,
-    };
-    Ok(Header {
-        source: Source::Emulated,
-        scene: scene.name.clone(),
-        bench: bench.name.clone(),
-        seed,
-        scene_digest: short_digest(setup.scene.source.text().as_bytes()),
-        limits_digest: short_digest(setup.limits.source.text().as_bytes()),
-        pre_scale: plan::prescale(bench)?,
-        tau_d_us: projector.timing().duration.as_micros(),
-        soa_us: projector.timing().soa.as_micros(),
-        illusion: "phantom".into(),
-        kc: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),
-        limits: Limits {
-            pulse_ns: Some(limits.pulse_width_ns),
-            burst_us: Some(limits.burst.as_micros()),
-            supply_ma: Some(limits.supply.0),
-            fingertip_uw: u32::try_from(limits.fingertip_60s_uw).ok(),
-            skin_milli_c: None,
-        },
-        taxels: taxels.unwrap_or_default().iter().copied().map(um).collect(),
-        wires: projector.display().wires().iter().map(wire).collect(),
-    })
 }

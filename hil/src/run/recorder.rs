@@ -2,6 +2,7 @@
 
 use palpate_core::projector::{Cause, FrameReport, Observer, Target};
 use palpate_core::schedule::Entry;
+use palpate_core::skin::{Condition, Layout};
 use palpate_core::units::{Board, Instant, Point};
 use palpate_records::trace::{Event, PlaceUm};
 
@@ -27,6 +28,18 @@ pub fn truth(touches: &[Touch], drives: usize, at: Instant) -> Option<(Point, f6
     now.next()
         .is_none()
         .then(|| (Point::new(only.x_mm as f32, only.y_mm as f32), only.force_n))
+}
+
+/// A taxel's condition in a word.
+pub const fn word(condition: Condition) -> &'static str {
+    match condition {
+        Condition::Inactive => "inactive",
+        Condition::Dead => "dead",
+        Condition::Frozen => "frozen",
+        Condition::Saturated => "saturated",
+        Condition::Jumping => "jumping",
+        Condition::Good => "good",
+    }
 }
 
 /// An onset whose sensation is not known yet.
@@ -57,15 +70,34 @@ pub struct Recorder {
     pub onset: Option<Onset>,
     /// The scene's touches and the driving module, where an emulated skin knows the truth.
     truth: Option<(Vec<Touch>, usize)>,
+    /// The skin, for naming its taxels.
+    layout: Option<Layout>,
+    /// Taxels whose health changed alike: when, module, condition, taxels. Not yet told.
+    changed: Option<(Instant, usize, Condition, Vec<usize>)>,
 }
 
 impl Recorder {
     /// For a skin whose touches are known, or not.
-    pub fn new(truth: Option<(Vec<Touch>, usize)>) -> Self {
+    pub fn new(truth: Option<(Vec<Touch>, usize)>, layout: &Layout) -> Self {
         Self {
             truth,
+            layout: Some(layout.clone()),
             ..Self::default()
         }
+    }
+
+    /// Writes down the taxels whose health changed last.
+    pub fn tell_taxels(&mut self) {
+        let Some((at, module, condition, taxels)) = self.changed.take() else {
+            return;
+        };
+        let name = self.layout.as_ref().and_then(|l| l.modules().get(module));
+        let name = name.map_or("?", palpate_core::skin::Module::name);
+        let list: Vec<String> = taxels.iter().map(usize::to_string).collect();
+        self.events.push(Event::Note {
+            t_us: at.as_micros(),
+            text: format!("taxels of {name}: {} {}", list.join(","), word(condition)),
+        });
     }
 
     /// Where the driving module is truly touched.
@@ -128,6 +160,22 @@ impl Observer for Recorder {
             None
         };
         self.onset = Some(Onset { at, target });
+    }
+
+    fn taxel(&mut self, at: Instant, index: usize, condition: Condition) {
+        let place = self.layout.as_ref().and_then(|l| l.locate(index));
+        let Some((module, taxel)) = place else {
+            return;
+        };
+        match &mut self.changed {
+            Some((t, m, c, taxels)) if (*t, *m, *c) == (at, module, condition) => {
+                taxels.push(taxel);
+            }
+            _ => {
+                self.tell_taxels();
+                self.changed = Some((at, module, condition, vec![taxel]));
+            }
+        }
     }
 
     fn all_off(&mut self, at: Instant, board: Board, cause: Cause) {

@@ -10,7 +10,7 @@ use palpate_core::skin::Layout;
 use palpate_core::units::{Instant, Point};
 use palpate_core::wire::can::CanFrame;
 use palpate_core::wire::uskin::{ALL_BOARDS, Command, IdProfile, Reading, Wiring, data_frame};
-use palpate_emulators::board::BoardConfig;
+use palpate_emulators::board::{BoardConfig, Overload};
 use palpate_emulators::rig::{Handle, SkinBus};
 use palpate_emulators::skin::{Generation, Module, ModuleConfig, Touch as Press};
 use palpate_emulators::time::Nanos;
@@ -22,7 +22,7 @@ use crate::files::{self, Columns, Scene, SensorLayout, TaxelTable, read_taxel_cs
 const BITRATE: u32 = 1_000_000;
 
 /// The wiring of a module on its board: a grid row by row, scattered taxels in lines of four.
-fn wiring(module: &palpate_core::skin::Module) -> Option<Wiring> {
+pub(super) fn wiring(module: &palpate_core::skin::Module) -> Option<Wiring> {
     let (rows, columns) = match module.as_grid() {
         Some(grid) => (grid.rows, grid.cols),
         None => (u16::try_from(module.points().len().div_ceil(4)).ok()?, 4),
@@ -56,6 +56,9 @@ pub fn emulated(
         let mut skin = Module::new(ModuleConfig {
             number,
             taxels: module.points().to_vec(),
+            unread: (0..module.points().len())
+                .filter(|&t| !module.active()[t])
+                .collect(),
             pitch_mm: f64::from(module.spacing()),
             generation: match scene.generation {
                 files::Generation::Y2019 => Generation::Y2019,
@@ -90,6 +93,10 @@ pub fn emulated(
             address: address.board,
             wiring,
             scan_hz: scene.rate_hz,
+            overload: match scene.boards.overload {
+                Some(files::Overload::Overwrite) => Overload::Overwrite,
+                Some(files::Overload::Wait) | None => Overload::Wait,
+            },
             ..BoardConfig::default()
         };
         buses[bus].add_board(config, vec![skin]).map_err(|e| {

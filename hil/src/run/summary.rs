@@ -3,12 +3,16 @@
 use std::io::{self, Write};
 use std::time::Duration;
 
-use palpate_core::skin::HealthSummary;
+use palpate_core::projector::Projector;
+use palpate_core::skin::{Condition, HealthSummary};
+use palpate_core::units::Instant;
 use palpate_records::measure::{Errors, felt_error, path_error};
 use palpate_records::trace::{Source, Trace};
 use serde::Serialize;
 
-use super::recorder::Recorder;
+use super::boards::{BoardReport, BusReport};
+use super::recorder::{Recorder, word};
+use super::script::FaultReport;
 use crate::files::Bench;
 
 /// Root mean square and maximum of a distance, mm.
@@ -34,7 +38,7 @@ pub struct FeltError {
 }
 
 /// Rates at which taxels truly change, Hz.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Refresh {
     /// Median over the taxels.
     pub median: f64,
@@ -43,7 +47,7 @@ pub struct Refresh {
 }
 
 /// The skin's health.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Taxels {
     /// Rates of change.
     pub refresh_hz: Refresh,
@@ -51,8 +55,57 @@ pub struct Taxels {
     pub frozen: u32,
     /// Taxels never seen, or not any more.
     pub dead: u32,
+    /// Taxels with an axis at the end of its range.
+    pub saturated: u32,
+    /// Taxels that jump.
+    pub jumping: u32,
+    /// Of the dead ones, those of which nothing ever came.
+    pub never_seen: u32,
     /// Share of frames in which no taxel changed.
     pub repeated: f64,
+    /// Every taxel that was ill when the run ended, and left out.
+    pub ill: Vec<IllTaxel>,
+    /// Rate of change of every taxel that is read, Hz, by module.
+    pub refresh_each_hz: Vec<Vec<f32>>,
+}
+
+/// A taxel that is left out.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct IllTaxel {
+    /// Its module, zero-based.
+    pub module: usize,
+    /// Its number there, zero-based.
+    pub taxel: usize,
+    /// frozen, dead, saturated or jumping; never-seen for a dead one of which nothing ever came.
+    pub condition: &'static str,
+}
+
+impl Taxels {
+    /// Fills in what is known of every single taxel at `now`.
+    pub(super) fn list(&mut self, projector: &Projector, now: Instant) {
+        let (layout, monitor) = (projector.layout(), projector.monitor());
+        for (module, m) in layout.modules().iter().enumerate() {
+            let mut rates = Vec::new();
+            for (taxel, index) in layout.range(module).enumerate() {
+                if !m.active()[taxel] {
+                    continue;
+                }
+                rates.push(monitor.rates_hz(index).0);
+                let condition = match monitor.condition(index, now) {
+                    Condition::Good | Condition::Inactive => continue,
+                    Condition::Dead if monitor.received(index).is_none() => "never-seen",
+                    other => word(other),
+                };
+                self.never_seen += u32::from(condition == "never-seen");
+                self.ill.push(IllTaxel {
+                    module,
+                    taxel,
+                    condition,
+                });
+            }
+            self.refresh_each_hz.push(rates);
+        }
+    }
 }
 
 /// Computing time of a frame, microseconds.
@@ -85,6 +138,9 @@ pub struct Summary {
     pub limiter_events: u32,
     pub frame_us: Option<FrameTime>,
     pub taxels: Taxels,
+    pub boards: Vec<BoardReport>,
+    pub buses: Vec<BusReport>,
+    pub faults: Vec<FaultReport>,
     pub sim_s: f64,
     pub wall_s: f64,
 }
@@ -157,8 +213,16 @@ impl Summary {
                 },
                 frozen: health.frozen,
                 dead: health.dead,
+                saturated: health.saturated,
+                jumping: health.jumping,
+                never_seen: 0,
+                ill: Vec::new(),
+                refresh_each_hz: Vec::new(),
                 repeated: health.repeated as f64 / (health.frames.max(1)) as f64,
             },
+            boards: Vec::new(),
+            buses: Vec::new(),
+            faults: Vec::new(),
             sim_s: ledger.length_us as f64 * 1e-6,
             wall_s: wall.as_secs_f64(),
         }
@@ -232,13 +296,37 @@ impl Summary {
         row(
             "taxels",
             format!(
-                "refresh {:.1} Hz median, {:.1} Hz min; {:.0} % of frames repeated; {} frozen, {} dead",
+                "refresh {:.1} Hz median, {:.1} Hz min; {:.0} % of frames repeated; {} frozen, {} dead, {} saturated, {} jumping",
                 t.refresh_hz.median,
                 t.refresh_hz.min,
                 t.repeated * 100.0,
                 t.frozen,
-                t.dead
+                t.dead,
+                t.saturated,
+                t.jumping
             ),
-        )
+        )?;
+        for bus in &self.buses {
+            let of_bus = |b: &&BoardReport| b.bus.map(usize::from) == Some(bus.bus);
+            let boards: Vec<_> = self.boards.iter().filter(of_bus).collect();
+            let slowest = boards
+                .iter()
+                .map(|b| b.rate_hz.min)
+                .fold(f64::MAX, f64::min);
+            let fastest = boards.iter().map(|b| b.rate_hz.max).fold(0.0, f64::max);
+            row(
+                &format!("bus {}", bus.bus),
+                format!(
+                    "{:.1} % load, {} boards, taxels at {slowest:.1} to {fastest:.1} Hz, {} errors",
+                    bus.load * 100.0,
+                    boards.len(),
+                    bus.errors.iter().sum::<u64>()
+                ),
+            )?;
+        }
+        for fault in &self.faults {
+            row("fault", format!("{}: count {}", fault.what, fault.count))?;
+        }
+        Ok(())
     }
 }

@@ -1,0 +1,105 @@
+//! Rate and loss of every board and bus: what a run's summary says of its sensor end.
+
+use palpate_core::projector::Projector;
+use palpate_emulators::rig::SkinBus;
+use serde::Serialize;
+
+/// The slowest, median and fastest of several rates, Hz.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Spread {
+    /// Slowest.
+    pub min: f64,
+    /// Median.
+    pub median: f64,
+    /// Fastest.
+    pub max: f64,
+}
+
+/// A sensor board as the loop saw it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BoardReport {
+    /// Its module, zero-based.
+    pub module: usize,
+    /// The module's name.
+    pub name: String,
+    /// Its bus; `None` for a recording.
+    pub bus: Option<u8>,
+    /// Its number on the bus.
+    pub board: Option<u8>,
+    /// Readings a second over its taxels.
+    pub rate_hz: Spread,
+    /// Readings received.
+    pub readings: u64,
+    /// Readings missing from scans of which something came.
+    pub lost: u64,
+    /// Share of readings missing, 0 to 1.
+    pub loss: f64,
+}
+
+/// A sensor bus as its emulator knows it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BusReport {
+    /// Its number.
+    pub bus: usize,
+    /// Share of the time in which it was not idle, 0 to 1.
+    pub load: f64,
+    /// Frames completed.
+    pub frames: u64,
+    /// Frames a second.
+    pub rate_hz: f64,
+    /// Error frames: bit, stuff, CRC, form, acknowledgement.
+    pub errors: [u64; 5],
+    /// Frames the host did not take in time.
+    pub overflows: u64,
+}
+
+/// Every board of the loop.
+pub fn boards(projector: &Projector) -> Vec<BoardReport> {
+    let (layout, monitor) = (projector.layout(), projector.monitor());
+    let report = |(module, m): (usize, &palpate_core::skin::Module)| {
+        let taxels = layout.range(module).zip(m.active());
+        let active: Vec<usize> = taxels.filter(|t| *t.1).map(|t| t.0).collect();
+        let mut rates: Vec<f32> = active.iter().map(|&i| monitor.rates_hz(i).1).collect();
+        rates.sort_by(f32::total_cmp);
+        let at = |k: usize| rates.get(k).copied().map_or(0.0, f64::from);
+        let received = active.iter().filter_map(|&i| monitor.received(i));
+        let readings: u64 = received.map(|r| u64::from(r.0)).sum();
+        let lost = projector.lost_readings_of(module);
+        BoardReport {
+            module,
+            name: m.name().to_owned(),
+            bus: m.address().map(|a| a.bus),
+            board: m.address().map(|a| a.board),
+            rate_hz: Spread {
+                min: at(0),
+                median: at(rates.len() / 2),
+                max: at(rates.len().saturating_sub(1)),
+            },
+            readings,
+            lost,
+            loss: lost as f64 / (lost + readings).max(1) as f64,
+        }
+    };
+    layout.modules().iter().enumerate().map(report).collect()
+}
+
+/// Every bus of an emulated skin.
+pub fn buses(buses: &[SkinBus]) -> Vec<BusReport> {
+    let report = |(number, bus): (usize, &SkinBus)| {
+        let (segment, statistics) = (bus.segment(), bus.segment().statistics());
+        let seconds = segment.now().as_secs_f64();
+        BusReport {
+            bus: number,
+            load: segment.load(),
+            frames: statistics.frames,
+            rate_hz: if seconds > 0.0 {
+                statistics.frames as f64 / seconds
+            } else {
+                0.0
+            },
+            errors: statistics.errors,
+            overflows: segment.overflows(bus.host()),
+        }
+    };
+    buses.iter().enumerate().map(report).collect()
+}

@@ -1,0 +1,78 @@
+//! Both ends of a run on paper: the display that is built, the header that says what was run.
+
+use palpate_core::physics::SkinParameters;
+use palpate_core::projector::Projector;
+use palpate_emulators::display::{Display, DisplayConfig, Place};
+use palpate_emulators::i2c::BusClock;
+use palpate_emulators::perceiver::PerceiverParameters;
+use palpate_records::digest::short_digest;
+use palpate_records::trace::{Header, Limits, Source, WireInfo};
+
+use super::recorder::um;
+use crate::failure::Failure;
+use crate::files::Setup;
+use crate::plan;
+
+/// The emulated display of a bench.
+pub(super) fn display(setup: &Setup, projector: &Projector) -> Result<Display, Failure> {
+    let bench = &setup.bench.value;
+    let place = |w: &palpate_core::illusion::Wire| Place {
+        at: w.place,
+        board: w.board.0,
+        channel: w.channel.0,
+    };
+    Display::new(&DisplayConfig {
+        boards: plan::boards(bench)
+            .into_iter()
+            .map(|a| (a, bench.drive.oscillator))
+            .collect(),
+        wires: projector.display().wires().iter().map(place).collect(),
+        current: plan::milliamps(bench.drive.current_ma),
+        wire: plan::wire(bench),
+        skin: SkinParameters::DEFAULT,
+        perceiver: PerceiverParameters::default(),
+        clock: BusClock::Fast,
+    })
+    .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))
+}
+
+/// What was run, on what.
+///
+/// # Errors
+/// [`Failure`] for a bench without a PWM frequency.
+pub(super) fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header, Failure> {
+    let (scene, bench) = (&setup.scene.value, &setup.bench.value);
+    let limits = projector.guard().limits();
+    let layout = plan::layout(&setup.sensor.value)?;
+    let taxels = layout
+        .modules()
+        .get(scene.drives)
+        .map(palpate_core::skin::Module::points);
+    let wire = |w: &palpate_core::illusion::Wire| WireInfo {
+        place: um(w.place),
+        board: w.board.0,
+        channel: w.channel.0,
+    };
+    Ok(Header {
+        source: Source::Emulated,
+        scene: scene.name.clone(),
+        bench: bench.name.clone(),
+        seed,
+        scene_digest: short_digest(setup.scene.source.text().as_bytes()),
+        limits_digest: short_digest(setup.limits.source.text().as_bytes()),
+        pre_scale: plan::prescale(bench)?,
+        tau_d_us: projector.timing().duration.as_micros(),
+        soa_us: projector.timing().soa.as_micros(),
+        illusion: "phantom".into(),
+        kc: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),
+        limits: Limits {
+            pulse_ns: Some(limits.pulse_width_ns),
+            burst_us: Some(limits.burst.as_micros()),
+            supply_ma: Some(limits.supply.0),
+            fingertip_uw: u32::try_from(limits.fingertip_60s_uw).ok(),
+            skin_milli_c: None,
+        },
+        taxels: taxels.unwrap_or_default().iter().copied().map(um).collect(),
+        wires: projector.display().wires().iter().map(wire).collect(),
+    })
+}

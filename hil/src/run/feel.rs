@@ -1,0 +1,63 @@
+//! What a run samples of the display: where an onset was felt, how warm the wires are.
+
+use palpate_core::projector::Projector;
+use palpate_core::units::{Instant, Point};
+use palpate_emulators::display::Display;
+use palpate_emulators::time::Nanos;
+use palpate_records::trace::Event;
+
+use super::milli_c;
+use super::recorder::{Onset, Recorder, um};
+
+/// A contact this close to the display's hull counts as inside it, mm.
+const HULL_MARGIN: f32 = 1e-3;
+
+/// What a person felt of an onset that is over. Onsets with several contacts are not scored: one felt
+/// place cannot be held against two.
+pub(super) fn feel(
+    onset: Option<Onset>,
+    display: &Display,
+    projector: &Projector,
+    recorder: &mut Recorder,
+) {
+    let Some(Onset {
+        at,
+        target: Some(seen),
+    }) = onset
+    else {
+        return;
+    };
+    let true_place = recorder
+        .truth_at(at)
+        .map(|(place, _)| projector.map().apply(place));
+    let felt = display.feel(Nanos::from(at)).map(|felt| {
+        um(Point::new(
+            felt.position_mm.0 as f32,
+            felt.position_mm.1 as f32,
+        ))
+    });
+    recorder.events.push(Event::Felt {
+        t_us: at.as_micros(),
+        target: um(true_place.unwrap_or(seen)),
+        inside: projector.display().contains(seen, HULL_MARGIN),
+        felt,
+    });
+}
+
+/// How warm every wire is now.
+pub(super) fn sample_wires(
+    now: Instant,
+    display: &mut Display,
+    projector: &Projector,
+    recorder: &mut Recorder,
+) {
+    for wire in 0..projector.display().wires().len() {
+        if let Some(milli_c) = display.wire_c(wire).and_then(milli_c) {
+            recorder.events.push(Event::Wire {
+                t_us: now.as_micros(),
+                wire: wire as u16,
+                milli_c,
+            });
+        }
+    }
+}

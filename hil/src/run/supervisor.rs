@@ -1,0 +1,166 @@
+//! What a run does about hardware that stops answering: outputs off at once, a bounded wait, a way back.
+
+use embedded_hal::i2c::I2c;
+use palpate_core::bus::SensorBus;
+use palpate_core::driver::{DriverError, Pca9685Bank};
+use palpate_core::projector::Projector;
+use palpate_core::units::{Duration, Instant};
+use palpate_core::wire::uskin::Command;
+use palpate_emulators::display::Display;
+use palpate_emulators::time::Nanos;
+use palpate_records::trace::Event;
+
+use crate::failure::Failure;
+
+/// An actuator bus that is dead for this long ends the run.
+const GIVE_UP: Duration = Duration::from_millis(100);
+/// A board that is silent for this long is told to start again.
+const SILENT: Duration = Duration::from_millis(200);
+/// How often silent boards are looked for.
+const ROUND: Duration = Duration::from_millis(100);
+
+/// Watches both buses of a run.
+#[derive(Debug, Default)]
+pub struct Supervisor {
+    /// Since when the actuator bus is lost, and its last error.
+    lost: Option<(Instant, DriverError)>,
+    retries: u64,
+    next_round: Instant,
+    /// Boards that are silent, by module.
+    silent: Vec<bool>,
+}
+
+impl Supervisor {
+    /// The actuator bus failed: outputs are cut through the chips' OE line, which needs no bus.
+    pub fn lose(
+        &mut self,
+        now: Instant,
+        error: &DriverError,
+        display: &Display,
+        events: &mut Vec<Event>,
+    ) {
+        self.lost = Some((now, *error));
+        enable(display, now, false);
+        note(
+            events,
+            now,
+            format!("actuators: {error}; outputs off by the OE line"),
+        );
+    }
+
+    /// Whether the actuator bus is lost.
+    pub const fn is_lost(&self) -> bool {
+        self.lost.is_some()
+    }
+
+    /// Tries to start the boards anew; returns when they are ready, if they are.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] once the bus has been dead for too long.
+    pub fn recover<I: I2c>(
+        &mut self,
+        now: Instant,
+        bank: &mut Pca9685Bank<I>,
+        display: &Display,
+        events: &mut Vec<Event>,
+    ) -> Result<Option<Instant>, Failure> {
+        let Some((since, error)) = self.lost else {
+            return Ok(Some(now));
+        };
+        let ms = now.since(since).as_micros() as f64 * 1e-3;
+        if let Ok(ready) = bank.start(now) {
+            self.lost = None;
+            enable(display, ready, true);
+            self.retries = bank.retries();
+            note(
+                events,
+                now,
+                format!("actuators: started anew after {ms} ms"),
+            );
+            return Ok(Some(ready));
+        }
+        if now.since(since) < GIVE_UP {
+            return Ok(None);
+        }
+        note(
+            events,
+            now,
+            format!("actuators: dead for {ms} ms, giving up"),
+        );
+        Err(Failure::Device(format!(
+            "{error}; dead for {ms} ms, outputs off by the OE line"
+        )))
+    }
+
+    /// Tells of transfers that were made again.
+    pub fn retried(&mut self, now: Instant, retries: u64, events: &mut Vec<Event>) {
+        if retries > self.retries {
+            let times = retries - self.retries;
+            note(
+                events,
+                now,
+                format!("actuators: transfer tried again, {times} times"),
+            );
+            self.retries = retries;
+        }
+    }
+
+    /// Tells boards that have gone silent to start: one that rebooted waits for that.
+    pub fn restart_boards(
+        &mut self,
+        now: Instant,
+        skin: &mut impl SensorBus,
+        projector: &Projector,
+        events: &mut Vec<Event>,
+    ) {
+        if now < self.next_round {
+            return;
+        }
+        self.next_round = now + ROUND;
+        let layout = projector.layout();
+        self.silent.resize(layout.modules().len(), false);
+        for (index, module) in layout.modules().iter().enumerate() {
+            let Some(address) = module.address() else {
+                continue;
+            };
+            let times = layout
+                .range(index)
+                .filter_map(|i| projector.monitor().received(i));
+            let last = times.map(|r| r.1).max().unwrap_or(Instant::ZERO);
+            let silent = now.since(last) > SILENT;
+            if silent != self.silent[index] {
+                let what = if silent {
+                    "is silent, told to start"
+                } else {
+                    "sends again"
+                };
+                note(events, now, format!("board of {}: {what}", module.name()));
+                self.silent[index] = silent;
+            }
+            let command = Command {
+                board: address.board,
+                start: true,
+            };
+            if let Some(frame) = command.encode().filter(|_| silent) {
+                // A full queue or a host that is bus-off: the next round tries again.
+                let _ = skin.transmit(address.bus, &frame);
+            }
+        }
+    }
+}
+
+/// Moves the OE line of every chip: high cuts all outputs whatever the registers say.
+fn enable(display: &Display, now: Instant, enabled: bool) {
+    // Refused only from inside another look at the segment, and there is none here.
+    let _ = display.bus().with(|segment| {
+        for chip in segment.chips_mut() {
+            let at = chip.now().max(Nanos::from(now));
+            chip.set_output_enable_pin(at, !enabled);
+        }
+    });
+}
+
+fn note(events: &mut Vec<Event>, now: Instant, text: String) {
+    let t_us = now.as_micros();
+    events.push(Event::Note { t_us, text });
+}
