@@ -303,3 +303,15 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
         guard,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_core::guard::HARD;
+
+    /// A limit file is checked against its own copy of the hard limits; the guard enforces core's.
+    #[test]
+    fn the_hard_limits_of_files_are_those_of_the_guard() {
+        assert_eq!(limits(&files::HARD_LIMITS, Milliamps(u32::MAX)), HARD);
+    }
+}
