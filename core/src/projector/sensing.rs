@@ -40,8 +40,8 @@ struct Pipeline {
 #[derive(Debug)]
 pub(super) struct Sensing {
     profile: IdProfile,
-    /// Address and wiring of each module.
-    modules: Vec<(Option<Address>, Wiring)>,
+    /// Address and wiring of each module that a board can carry.
+    modules: Vec<Option<(Address, Wiring)>>,
     assembler: ScanAssembler,
     pipeline: Pipeline,
     /// Whether every module drives the display, or one.
@@ -51,20 +51,6 @@ pub(super) struct Sensing {
     /// When to look for taxels of which nothing comes.
     next_round: Instant,
     foreign: u64,
-}
-
-/// How a module's taxels hang on its board: a grid row by row, scattered ones in lines of four.
-fn wiring(module: &crate::skin::Module) -> Wiring {
-    let n = module.points().len();
-    let (rows, columns) = match module.as_grid() {
-        Some(grid) => (u8::try_from(grid.rows), u8::try_from(grid.cols)),
-        None => (u8::try_from(n.div_ceil(4)), Ok(4)),
-    };
-    // Skins too large for a board (cameras, bodies) never come over one.
-    rows.ok()
-        .zip(columns.ok())
-        .and_then(|(r, c)| Wiring::new(r, c, 1))
-        .unwrap_or(Wiring::FLAT)
 }
 
 impl Pipeline {
@@ -142,13 +128,13 @@ impl Sensing {
         let mut assembler = ScanAssembler::new(&layout, plan.gap);
         let mut modules = Vec::with_capacity(layout.modules().len());
         for (index, module) in layout.modules().iter().enumerate() {
-            let wiring = wiring(module);
+            let wiring = module.wiring();
             let active = (0..module.points().len()).filter(|&i| module.active()[i]);
-            let order = |i| wiring.place(0, i).and_then(|p| wiring.order(p));
+            let order = |i| wiring.and_then(|w| w.order(w.place(0, i)?));
             if let Some(last) = active.filter_map(order).max() {
                 assembler.set_last_order(index, last as u32); // a board has at most 64 taxels
             }
-            modules.push((module.address(), wiring));
+            modules.push(module.address().zip(wiring));
         }
         let initialiser = Initialiser::new(&layout, plan.initialiser)?;
         let sensing = Self {
@@ -244,11 +230,11 @@ impl Sensing {
         };
         let is_sender =
             |a: &Address| a.bus == received.bus && data.board.is_none_or(|b| b == a.board);
-        let index = self
-            .modules
-            .iter()
-            .position(|(a, _)| a.as_ref().is_some_and(is_sender))?;
-        let wiring = self.modules[index].1;
+        let mut wired = self.modules.iter().enumerate();
+        let (index, wiring) = wired.find_map(|(i, module)| {
+            let (address, wiring) = module.as_ref()?;
+            is_sender(address).then_some((i, *wiring))
+        })?;
         let (_, taxel) = wiring.taxel(data.place)?;
         let order = wiring.order(data.place)?;
         let reading = Reading {

@@ -9,6 +9,7 @@ use core::ops::Range;
 
 pub use super::layout_error::LayoutError;
 use crate::units::Point;
+use crate::wire::uskin::Wiring;
 
 /// A regular grid: index = row * cols + col, row 0 on top, centred on the module's origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -189,6 +190,16 @@ impl Module {
     pub fn origin(&self) -> Point {
         self.origin
     }
+    /// How the taxels hang on their board: a grid row by row, scattered ones in lines of four. `None` for
+    /// a skin no board can carry (cameras, whole bodies).
+    pub fn wiring(&self) -> Option<Wiring> {
+        let (rows, columns) = match &self.grid {
+            Some(grid) => (usize::from(grid.rows), usize::from(grid.cols)),
+            None => (self.points.len().div_ceil(4), 4),
+        };
+        Wiring::new(u8::try_from(rows).ok()?, u8::try_from(columns).ok()?, 1)
+    }
+
     /// The board that sends it, if any.
     pub fn address(&self) -> Option<Address> {
         self.address

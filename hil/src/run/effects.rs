@@ -9,13 +9,12 @@ use palpate_emulators::pca9685::Pca9685;
 use palpate_emulators::time::Nanos;
 
 use super::script::Bench;
-use super::skin::wiring;
 use crate::files::{Fault, FaultKind};
 
 /// What a fault does to identifiers.
 pub(super) fn rules(layout: &Layout, fault: &Fault) -> Vec<Rule> {
     let module = fault.module.and_then(|m| layout.modules().get(m));
-    let Some((module, wires)) = module.and_then(|m| Some((m, wiring(m)?))) else {
+    let Some((module, wires)) = module.and_then(|m| Some((m, m.wiring()?))) else {
         return Vec::new();
     };
     let Some(address) = module.address() else {

@@ -136,6 +136,7 @@ impl Actuators for Silence {
 /// # Errors
 /// [`Failure`] for input that fits no loop, or a bus that fails.
 pub fn run(setup: &Setup, input: &Input, seed: u64) -> Result<Outcome, Failure> {
+    let started = clock::now();
     let layout = plan::layout(&setup.sensor.value)?;
     let scene = &setup.scene.value;
     match input {
@@ -145,7 +146,7 @@ pub fn run(setup: &Setup, input: &Input, seed: u64) -> Result<Outcome, Failure> 
             let levels = calibrate(setup, seed, &mut skin()?, end)?;
             let truth = Some((scene.touches.clone(), scene.drives));
             let mut faulty = Faulty::new(skin()?, seed, "sensor bus");
-            project(setup, seed, levels, &mut faulty, truth, end)
+            project(setup, seed, levels, &mut faulty, truth, end, started)
         }
         Input::Replay { paths, rate_hz } => {
             let open = || Replay::open(paths, &setup.sensor.value, &layout, *rate_hz);
@@ -163,7 +164,7 @@ pub fn run(setup: &Setup, input: &Input, seed: u64) -> Result<Outcome, Failure> 
             }
             let end = first.end() + Duration::from_millis(100);
             let levels = calibrate(setup, seed, &mut first, end)?;
-            project(setup, seed, levels, &mut second, None, end)
+            project(setup, seed, levels, &mut second, None, end, started)
         }
     }
 }
@@ -198,7 +199,8 @@ fn build(setup: &Setup, seed: u64, levels: Levels) -> Result<Projector, Failure>
     Projector::new(plan).map_err(|e| Failure::Input(format!("{}: {e}", setup.scene.source.label())))
 }
 
-/// The pass that counts: the loop between the skin and the emulated display.
+/// The pass that counts: the loop between the skin and the emulated display. The whole run began at
+/// `started`, by the wall clock.
 fn project(
     setup: &Setup,
     seed: u64,
@@ -206,8 +208,8 @@ fn project(
     skin: &mut impl Skin,
     truth: Option<(Vec<crate::files::Touch>, usize)>,
     end: Instant,
+    started: std::time::Instant,
 ) -> Result<Outcome, Failure> {
-    let started = clock::now();
     let bench = &setup.bench.value;
     let prescale = plan::prescale(bench)?;
     let mut projector = build(setup, seed, levels)?;

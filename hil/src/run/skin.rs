@@ -9,7 +9,7 @@ use palpate_core::bus::{Received, SensorBus};
 use palpate_core::skin::Layout;
 use palpate_core::units::{Instant, Point};
 use palpate_core::wire::can::CanFrame;
-use palpate_core::wire::uskin::{ALL_BOARDS, Command, IdProfile, Reading, Wiring, data_frame};
+use palpate_core::wire::uskin::{ALL_BOARDS, Command, IdProfile, Reading, data_frame};
 use palpate_emulators::board::{BoardConfig, Overload};
 use palpate_emulators::rig::{Handle, SkinBus};
 use palpate_emulators::skin::{Generation, Module, ModuleConfig, Touch as Press};
@@ -20,15 +20,6 @@ use crate::files::{self, Columns, Scene, SensorLayout, TaxelTable, read_taxel_cs
 
 /// CAN bit rate of the sensor boards.
 const BITRATE: u32 = 1_000_000;
-
-/// The wiring of a module on its board: a grid row by row, scattered taxels in lines of four.
-pub(super) fn wiring(module: &palpate_core::skin::Module) -> Option<Wiring> {
-    let (rows, columns) = match module.as_grid() {
-        Some(grid) => (grid.rows, grid.cols),
-        None => (u16::try_from(module.points().len().div_ceil(4)).ok()?, 4),
-    };
-    Wiring::new(u8::try_from(rows).ok()?, u8::try_from(columns).ok()?, 1)
-}
 
 fn unwired(layout: &str, module: &str) -> Failure {
     Failure::Input(format!(
@@ -51,7 +42,9 @@ pub fn emulated(
     for (number, module) in layout.modules().iter().enumerate() {
         let refuse = || unwired(&file.name, module.name());
         let address = module.address().ok_or_else(refuse)?;
-        let wiring = wiring(module).filter(|w| w.taxels() == module.points().len());
+        let wiring = module
+            .wiring()
+            .filter(|w| w.taxels() == module.points().len());
         let wiring = wiring.ok_or_else(refuse)?;
         let mut skin = Module::new(ModuleConfig {
             number,
@@ -201,7 +194,7 @@ fn lay_out(
     const FRAME_US: u64 = 116;
     let refuse = || unwired(&file.name, module.name());
     let address = module.address().ok_or_else(refuse)?;
-    let wiring = wiring(module).ok_or_else(refuse)?;
+    let wiring = module.wiring().ok_or_else(refuse)?;
     // Columns run over the active taxels by index, frames over them in wire order.
     let active: Vec<usize> = (0..module.points().len())
         .filter(|&i| module.active()[i])
