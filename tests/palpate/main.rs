@@ -10,6 +10,7 @@ mod driver;
 mod edges;
 mod faults;
 mod goldens;
+mod guard;
 mod hand;
 mod paths;
 mod pca9685;
