@@ -23,6 +23,7 @@ pub mod identity;
 pub mod interpolate;
 pub mod kmeans;
 pub mod levels;
+mod passes;
 pub mod settings;
 pub mod weights;
 
