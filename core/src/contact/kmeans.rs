@@ -280,7 +280,10 @@ impl KMeans {
             let point = (points.x[i], points.y[i], points.w[i]);
             let mut taken = [[0.0; 4]];
             passes::add(&mut taken, 0, point);
-            for (s, t) in self.sums[self.assigned[i] as usize].iter_mut().zip(taken[0]) {
+            for (s, t) in self.sums[self.assigned[i] as usize]
+                .iter_mut()
+                .zip(taken[0])
+            {
                 *s -= t;
             }
             self.assigned[i] = k as u32;

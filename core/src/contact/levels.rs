@@ -123,6 +123,8 @@ pub struct LevelSolver {
     /// Prefix sums of values and squares, taken from the median: index i covers the first i values.
     sum: Vec<f64>,
     square: Vec<f64>,
+    /// 1/m for clusters of m values: the divisions of the inner loop.
+    share: Vec<f64>,
     cost: Vec<f64>,
     next: Vec<f64>,
     /// First value of the last cluster, per number of clusters and value.
@@ -141,6 +143,7 @@ impl LevelSolver {
             sorted: Vec::with_capacity(most),
             sum: alloc::vec![0.0; most + 1],
             square: alloc::vec![0.0; most + 1],
+            share: (0..=most).map(|m| 1.0 / m.max(1) as f64).collect(),
             cost: alloc::vec![0.0; most],
             next: alloc::vec![0.0; most],
             split: alloc::vec![0; most * k],
@@ -176,7 +179,10 @@ impl LevelSolver {
             self.split[i] = 0;
         }
         for row in 1..k {
-            self.fill_row(row, n);
+            // The clusters still to come take a value each, and after the last row only the whole counts.
+            let to = n - (k - 1 - row);
+            let from = if row + 1 == k { n - 1 } else { row };
+            self.fill_row(row, from, to);
             core::mem::swap(&mut self.cost, &mut self.next);
         }
         // Walk back from the last value.
@@ -195,24 +201,32 @@ impl LevelSolver {
     fn within(&self, a: usize, b: usize) -> f64 {
         let s = self.sum[b + 1] - self.sum[a];
         let q = self.square[b + 1] - self.square[a];
-        (q - s * s / (b + 1 - a) as f64).max(0.0)
+        (q - s * s * self.share[b + 1 - a]).max(0.0)
     }
 
-    /// Best cost of values 0 ..= i in `row + 1` clusters for all i. The split point never goes back as i grows, so
-    /// the middle i halves the range for both sides.
-    fn fill_row(&mut self, row: usize, n: usize) {
+    /// Best cost of values 0 ..= i in `row + 1` clusters for i in `from .. to`. The split point never goes back as i
+    /// grows, so the middle i halves the range for both sides.
+    fn fill_row(&mut self, row: usize, from: usize, to: usize) {
         self.todo.clear();
-        self.todo.push([row as u32, n as u32, row as u32, n as u32]); // i in [0], [1]; split in [2], [3]
+        self.todo
+            .push([from as u32, to as u32, row as u32, to as u32]); // i in [0], [1]; split in [2], [3]
         while let Some([from, to, low, high]) = self.todo.pop() {
             if from >= to {
                 continue;
             }
             let i = from + (to - from) / 2;
+            let end = i as usize + 1;
+            let (first, last) = (low.max(row as u32) as usize, high.min(i + 1) as usize);
+            let (sum, square) = (self.sum[end], self.square[end]);
             let mut best = (f64::INFINITY, low);
-            for j in low.max(row as u32)..high.min(i + 1) {
-                let c = self.cost[j as usize - 1] + self.within(j as usize, i as usize);
+            let starts = self.sum[first..last].iter().zip(&self.square[first..last]);
+            let before = &self.cost[first - 1..last - 1];
+            let shares = self.share[end + 1 - last..=end - first].iter().rev();
+            for (j, (((s, q), before), share)) in (first..).zip(starts.zip(before).zip(shares)) {
+                let (s, q) = (sum - s, square - q);
+                let c = before + (q - s * s * share).max(0.0);
                 if c < best.0 {
-                    best = (c, j);
+                    best = (c, j as u32);
                 }
             }
             self.next[i as usize] = best.0;

@@ -19,6 +19,7 @@
 //! ```
 
 pub mod compressor;
+mod group;
 pub mod identity;
 pub mod interpolate;
 pub mod kmeans;
@@ -28,6 +29,7 @@ pub mod settings;
 pub mod weights;
 
 pub use compressor::{Compressor, Contact, Work};
+pub use group::Group;
 pub use kmeans::{KMeans, Points, Stop};
 pub use levels::{LevelError, LevelSolver, LevelTable};
 pub use settings::{Levels, Norm, Scope, Settings, SettingsError};

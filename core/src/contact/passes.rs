@@ -50,7 +50,11 @@ pub(super) fn assign<const MARGIN: bool>(
                 let closer = d < best[lane];
                 if MARGIN {
                     let farther = if closer { best[lane] } else { d };
-                    second[lane] = if farther < second[lane] { farther } else { second[lane] };
+                    second[lane] = if farther < second[lane] {
+                        farther
+                    } else {
+                        second[lane]
+                    };
                 }
                 best[lane] = if closer { d } else { best[lane] };
                 arg[lane] = if closer { k as u32 } else { arg[lane] };
