@@ -19,6 +19,7 @@
 //! ```
 
 pub mod compressor;
+mod few;
 mod group;
 pub mod identity;
 pub mod interpolate;
