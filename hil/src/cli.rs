@@ -83,6 +83,8 @@ pub enum Command {
     Run(Box<RunArgs>),
     /// Only the compression: contacts per frame of a recording, as CSV on standard output.
     Contacts(ContactsArgs),
+    /// Run time against error, ours beside others': tables and plots (in builds with `--features bench`).
+    Bench(BenchArgs),
 }
 
 /// On or off.
@@ -153,6 +155,22 @@ pub struct RunArgs {
     /// Stimulus onset asynchrony, ms (default: 0.32 tau_d + 47.3).
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     pub soa_ms: Option<f64>,
+}
+
+/// Options of `hil bench`.
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// What to measure (default: everything).
+    pub family: Option<String>,
+    /// Write bench.html, bench.json and the plots (SVG) into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the rows as a JSON array.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
 }
 
 /// Norms of the weights.
