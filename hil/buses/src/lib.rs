@@ -1,0 +1,3 @@
+//! Buses that the operating system gives: the ones a bench has, and the ones served to other programs.
+
+pub mod served;
