@@ -126,7 +126,11 @@ impl Pacer {
     /// leaving turns out, not by hurrying.
     pub fn next(now: Instant, step: Duration) -> Instant {
         let step = step.as_micros().max(1);
-        Instant::from_micros((now.as_micros() / step).saturating_add(1).saturating_mul(step))
+        Instant::from_micros(
+            (now.as_micros() / step)
+                .saturating_add(1)
+                .saturating_mul(step),
+        )
     }
 
     /// How late the turns were.

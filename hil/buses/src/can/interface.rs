@@ -212,7 +212,9 @@ impl Interface {
             }
             Change::Passive if !self.passive => {
                 self.passive = true;
-                self.note("error passive: nobody acknowledges, wrong bit rate or bad wiring".into());
+                self.note(
+                    "error passive: nobody acknowledges, wrong bit rate or bad wiring".into(),
+                );
             }
             Change::BusOff | Change::Passive => {}
         }

@@ -47,7 +47,9 @@ impl Stamps {
     }
 
     fn at(&mut self, packet: &Packet, monotonic: i64, realtime: i64) -> Instant {
-        let age = packet.software_ns.map(|stamp| realtime.saturating_sub(stamp));
+        let age = packet
+            .software_ns
+            .map(|stamp| realtime.saturating_sub(stamp));
         let age = age.filter(|age| (0..=OLDEST_NS).contains(age)).unwrap_or(0);
         let arrived = monotonic - age;
         let at = match packet.hardware_ns {

@@ -53,7 +53,12 @@ fn frames_of_every_interface_arrive_in_order_with_their_bus() {
     let (mut buses, others) = buses(2);
     for n in 0..200u8 {
         let other = &others[usize::from(n % 2)];
-        send(other.as_raw_fd(), &raw(4, &[0, n, 0, 0, 0, 0, 0]), MsgFlags::empty()).unwrap();
+        send(
+            other.as_raw_fd(),
+            &raw(4, &[0, n, 0, 0, 0, 0, 0]),
+            MsgFlags::empty(),
+        )
+        .unwrap();
     }
     let mut next = [0u8, 1];
     for _ in 0..200 {
@@ -83,7 +88,12 @@ fn bus_off_is_counted_and_told_once() {
     let (mut buses, others) = buses(1);
     for _ in 0..3 {
         let class = nix::libc::CAN_ERR_FLAG | 0x40;
-        send(others[0].as_raw_fd(), &raw(class, &[0; 8]), MsgFlags::empty()).unwrap();
+        send(
+            others[0].as_raw_fd(),
+            &raw(class, &[0; 8]),
+            MsgFlags::empty(),
+        )
+        .unwrap();
     }
     let told = soon(|| buses.note());
     assert!(told.text.starts_with("test0: bus-off"), "{}", told.text);
@@ -110,7 +120,10 @@ fn an_interface_that_is_not_there_says_what_to_type() {
     let error = CanBuses::open(&wanted, RunClock::start()).unwrap_err();
     let text = error.to_string();
     assert!(text.starts_with("no-such-can: "), "{text}");
-    assert!(text.contains("ip link") || text.contains("modprobe"), "{text}");
+    assert!(
+        text.contains("ip link") || text.contains("modprobe"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -74,7 +74,8 @@ impl Fault {
                 self.address
             ),
             FaultKind::TimedOut => {
-                "the adapter gave up (ETIMEDOUT); is SDA or SCL held low, are the pull-ups there?".into()
+                "the adapter gave up (ETIMEDOUT); is SDA or SCL held low, are the pull-ups there?"
+                    .into()
             }
             FaultKind::Disturbed => "the transfer failed (EIO); check wiring and supply".into(),
             FaultKind::Gone => "the adapter is gone; plug it in again".into(),
@@ -123,7 +124,13 @@ mod tests {
         assert_eq!(kind(Errno::EIO).0, ErrorKind::Bus);
         assert_eq!(kind(Errno::ETIMEDOUT).0, ErrorKind::Other);
         assert_eq!(kind(Errno::ENODEV).0, ErrorKind::Other);
-        let texts = [Errno::ENXIO, Errno::EREMOTEIO, Errno::EBUSY, Errno::ETIMEDOUT, Errno::ENODEV];
+        let texts = [
+            Errno::ENXIO,
+            Errno::EREMOTEIO,
+            Errno::EBUSY,
+            Errno::ETIMEDOUT,
+            Errno::ENODEV,
+        ];
         let texts = texts.map(|e| kind(e).1);
         for (i, text) in texts.iter().enumerate() {
             assert!(text.starts_with("/dev/i2c-1, address 0x40: "), "{text}");

@@ -70,10 +70,7 @@ fn a_stuck_adapter_costs_its_limit_and_is_never_queued_for() {
     drop(held);
     line.write(0x40, &[3]).unwrap();
     // The first was on its way and may arrive late; the second was never sent.
-    assert_eq!(
-        *writes.lock().unwrap(),
-        [(0x40, vec![1]), (0x40, vec![3])]
-    );
+    assert_eq!(*writes.lock().unwrap(), [(0x40, vec![1]), (0x40, vec![3])]);
 }
 
 #[test]
@@ -96,7 +93,12 @@ fn the_driver_tries_passing_faults_three_times_and_others_once() {
         let (line, writes, _) = line(Some(kind));
         let mut bank = Pca9685Bank::new(line, &[0x40], Prescale::from_hz(200.0).unwrap());
         bank.start(Instant::ZERO).unwrap_err();
-        let own = writes.lock().unwrap().iter().filter(|w| w.0 == 0x40).count();
+        let own = writes
+            .lock()
+            .unwrap()
+            .iter()
+            .filter(|w| w.0 == 0x40)
+            .count();
         assert_eq!(own, times, "{kind:?}");
         assert_eq!(bank.bus().last_fault().unwrap().kind, kind);
     }
