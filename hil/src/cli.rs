@@ -85,6 +85,35 @@ pub enum Command {
     Contacts(ContactsArgs),
     /// Run time against error, ours beside others': tables and plots (in builds with `--features bench`).
     Bench(BenchArgs),
+    /// Serve the emulators to other programs, boards on CAN interfaces and the display behind a /dev/i2c-N,
+    /// until stopped.
+    Emulate(EmulateArgs),
+}
+
+/// Options of `hil emulate`.
+#[derive(Debug, Args)]
+pub struct EmulateArgs {
+    /// A built-in bench or a file (default: emulated).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub bench: Option<String>,
+    /// What touches the boards, over and over: a built-in scene or a file (default: sphere-along).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub scene: Option<String>,
+    /// A CAN interface that is up; once a sensor bus of the scene's layout (default: vcan0, vcan1, ...).
+    #[arg(long, value_name = "IFACE")]
+    pub can: Vec<String>,
+    /// The boards wait for a start command (20f#0700), and the scene begins with it.
+    #[arg(long)]
+    pub await_start: bool,
+    /// Seed of all randomness.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
+    pub seed: u64,
+    /// Print what happens as JSON Lines: every edge of an output, every all-off, the record at the end.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
 }
 
 /// On or off.

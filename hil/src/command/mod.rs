@@ -2,9 +2,11 @@
 
 mod bench;
 mod contacts;
+mod emulate;
 mod rate;
 mod run;
 
 pub use bench::bench;
 pub use contacts::contacts;
+pub use emulate::emulate;
 pub use run::run;

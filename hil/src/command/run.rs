@@ -15,9 +15,9 @@ use crate::run::{self, Input, Keep, Outcome};
 use super::rate::rate_of;
 
 /// The scene of `hil run` without a name.
-const DEFAULT_SCENE: &str = "sphere-along";
+pub(super) const DEFAULT_SCENE: &str = "sphere-along";
 /// The bench of `hil run` without one.
-const DEFAULT_BENCH: &str = "emulated";
+pub(super) const DEFAULT_BENCH: &str = "emulated";
 
 /// What to write, by the ending of a file's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

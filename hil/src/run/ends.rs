@@ -1,5 +1,6 @@
 //! Both ends of a run on paper: the display that is built, the header that says what was run.
 
+use palpate_core::illusion::Wire;
 use palpate_core::physics::SkinParameters;
 use palpate_core::projector::Projector;
 use palpate_emulators::display::{Display, DisplayConfig, Place};
@@ -14,9 +15,9 @@ use crate::files::Setup;
 use crate::plan;
 
 /// The emulated display of a bench.
-pub(super) fn display(setup: &Setup, projector: &Projector) -> Result<Display, Failure> {
+pub(crate) fn display(setup: &Setup, wires: &[Wire]) -> Result<Display, Failure> {
     let bench = &setup.bench.value;
-    let place = |w: &palpate_core::illusion::Wire| Place {
+    let place = |w: &Wire| Place {
         at: w.place,
         board: w.board.0,
         channel: w.channel.0,
@@ -26,7 +27,7 @@ pub(super) fn display(setup: &Setup, projector: &Projector) -> Result<Display, F
             .into_iter()
             .map(|a| (a, bench.drive.oscillator))
             .collect(),
-        wires: projector.display().wires().iter().map(place).collect(),
+        wires: wires.iter().map(place).collect(),
         current: plan::milliamps(bench.drive.current_ma),
         wire: plan::wire(bench),
         skin: SkinParameters::DEFAULT,
@@ -48,7 +49,7 @@ pub(super) fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<
         .modules()
         .get(scene.drives)
         .map(palpate_core::skin::Module::points);
-    let wire = |w: &palpate_core::illusion::Wire| WireInfo {
+    let wire = |w: &Wire| WireInfo {
         place: um(w.place),
         board: w.board.0,
         channel: w.channel.0,

@@ -2,13 +2,13 @@
 
 mod boards;
 mod effects;
-mod ends;
+pub(crate) mod ends;
 mod feel;
 mod recorder;
 mod replay;
-mod script;
+pub(crate) mod script;
 mod sensor;
-mod skin;
+pub(crate) mod skin;
 mod summary;
 mod supervisor;
 mod tape;
@@ -205,7 +205,7 @@ fn project(
     let bench = &setup.bench.value;
     let prescale = plan::prescale(bench)?;
     let mut projector = build(setup, seed, levels)?;
-    let mut display = display(setup, &projector)?;
+    let mut display = display(setup, projector.display().wires())?;
     let mut recorder = Recorder::new(truth, projector.layout());
     let i2c = Shared::new(I2cFault::new(
         display.bus(),
