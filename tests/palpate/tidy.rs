@@ -69,7 +69,10 @@ fn dependencies_run_one_way() {
         ("fixtures", &[]),
         ("hil/records", &["core"]),
         ("hil/buses", &["core", "emulators"]),
-        ("hil", &["buses", "core", "emulators", "fixtures", "records"]),
+        (
+            "hil",
+            &["buses", "core", "emulators", "fixtures", "records"],
+        ),
     ];
     let mut offences = Vec::new();
     for (package, may_use) in allowed {

@@ -83,7 +83,12 @@ fn canplayer_replays_a_log_that_we_wrote() {
             z: 40_000 - n,
         };
         let frame = encode(IdProfile::Current, 4, place, reading).unwrap();
-        write_line(&mut log, Instant::from_micros(u64::from(n) * 625), "vcan1", &frame);
+        write_line(
+            &mut log,
+            Instant::from_micros(u64::from(n) * 625),
+            "vcan1",
+            &frame,
+        );
         frames.push(frame);
     }
     let file = PathBuf::from("/tmp/ours.log");
@@ -92,7 +97,12 @@ fn canplayer_replays_a_log_that_we_wrote() {
         "(sleep 1; canplayer -I {}) & exec timeout 60 candump -n 160 -L vcan1",
         file.display()
     ));
-    let back: Vec<_> = read(&back).unwrap().frames.iter().map(|f| f.frame).collect();
+    let back: Vec<_> = read(&back)
+        .unwrap()
+        .frames
+        .iter()
+        .map(|f| f.frame)
+        .collect();
     assert_eq!(back, frames);
 }
 
@@ -104,7 +114,8 @@ fn cangen_floods_the_bus_and_the_boards_speak_on_afterwards() {
     let mut emulator = Emulator::start(&[]);
     // Every kind of frame that cangen knows for classic CAN, as fast as it can, and then one identifier
     // that wins every arbitration.
-    let flood = try_sh("timeout 3 cangen vcan0 -g 0 -i -m -R; timeout 2 cangen vcan0 -g 0 -i -I 000 -L 8");
+    let flood =
+        try_sh("timeout 3 cangen vcan0 -g 0 -i -m -R; timeout 2 cangen vcan0 -g 0 -i -I 000 -L 8");
     assert!(text(&flood.stderr).is_empty(), "{}", text(&flood.stderr));
     assert!(emulator.is_alive());
     sh("sleep 2"); // what waits for the emulated wire goes first

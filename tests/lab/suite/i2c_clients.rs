@@ -11,7 +11,10 @@ use super::tools::{in_lab, python, sh, try_sh};
 /// A bench's wire in a record.
 fn wire(record: &Value, n: usize) -> (u64, f64) {
     let wire = &record["wires"][n];
-    (wire["pulses"].as_u64().unwrap(), wire["longest_us"].as_f64().unwrap())
+    (
+        wire["pulses"].as_u64().unwrap(),
+        wire["longest_us"].as_f64().unwrap(),
+    )
 }
 
 #[test]
@@ -22,7 +25,10 @@ fn i2c_tools_detect_read_set_and_dump() {
     let emulator = Emulator::start(&[]);
     let n = emulator.number();
     let listed = sh("i2cdetect -l");
-    assert!(listed.contains(&format!("i2c-{n}")) && listed.contains("MCP2221"), "{listed}");
+    assert!(
+        listed.contains(&format!("i2c-{n}")) && listed.contains("MCP2221"),
+        "{listed}"
+    );
 
     // The chip and its all-call address, and nobody else.
     let grid = sh(&format!("i2cdetect -y {n}"));
@@ -30,12 +36,18 @@ fn i2c_tools_detect_read_set_and_dump() {
     let found: Vec<&str> = cells.filter(|c| *c != "--").collect();
     assert_eq!(found, ["40", "70"], "{grid}");
 
-    assert_eq!(sh(&format!("i2cget -y {n} 0x40 {PRE_SCALE:#x}")).trim(), "0x1e");
+    assert_eq!(
+        sh(&format!("i2cget -y {n} 0x40 {PRE_SCALE:#x}")).trim(),
+        "0x1e"
+    );
     sh(&format!("i2cset -y {n} 0x40 {MODE1} 0x21"));
     assert_eq!(sh(&format!("i2cget -y {n} 0x40 {MODE1}")).trim(), "0x21");
     // A word, a block with a length of its own, and a combined transfer.
     sh(&format!("i2cset -y {n} 0x40 {LED0_ON_L} 0x0123 w"));
-    assert_eq!(sh(&format!("i2cget -y {n} 0x40 {LED0_ON_L} w")).trim(), "0x0123");
+    assert_eq!(
+        sh(&format!("i2cget -y {n} 0x40 {LED0_ON_L} w")).trim(),
+        "0x0123"
+    );
     sh(&format!("i2cset -y {n} 0x40 {LED0_ON_L} 0 0 100 0 i"));
     let read = sh(&format!("i2ctransfer -y {n} w1@0x40 {LED0_ON_L} r4"));
     assert_eq!(read.trim(), "0x00 0x00 0x64 0x00");
@@ -43,8 +55,16 @@ fn i2c_tools_detect_read_set_and_dump() {
     assert!(!try_sh(&format!("i2cget -y {n} 0x41 0")).status.success());
 
     let dump = sh(&format!("i2cdump -y {n} 0x40 b"));
-    let row = |start: &str| dump.lines().find(|l| l.starts_with(start)).unwrap().to_owned();
-    assert!(row("00:").starts_with("00: 21 04 e2 e4 e8 e0 00 00 64 00"), "{dump}");
+    let row = |start: &str| {
+        dump.lines()
+            .find(|l| l.starts_with(start))
+            .unwrap()
+            .to_owned()
+    };
+    assert!(
+        row("00:").starts_with("00: 21 04 e2 e4 e8 e0 00 00 64 00"),
+        "{dump}"
+    );
     assert!(row("f0:").contains("1e"), "{dump}");
     let record = emulator.stop();
     assert!(wire(&record, 0).0 > 0, "{record}");

@@ -33,10 +33,12 @@ fn controllers(test: &str) -> bool {
 fn boards_heard_on(interface: &str) -> BTreeSet<(u8, u8)> {
     let log = sh(&format!("timeout 3 candump -L {interface} || true"));
     let frames = read(&log).unwrap().frames;
-    let place = |logged: &palpate_records::candump::Logged| match decode(IdProfile::Current, &logged.frame) {
-        Ok(Message::Data(data)) => Some((data.place.sda, data.place.chip)),
-        _ => None,
-    };
+    let place =
+        |logged: &palpate_records::candump::Logged| match decode(IdProfile::Current, &logged.frame)
+        {
+            Ok(Message::Data(data)) => Some((data.place.sda, data.place.chip)),
+            _ => None,
+        };
     frames.iter().filter_map(place).collect()
 }
 
@@ -46,8 +48,14 @@ fn controllers_have_a_real_bit_rate_and_hear_each_other() {
         return;
     }
     let about = sh("ip -details link show can0");
-    assert!(about.contains("bitrate 1000000 sample-point 0.750"), "{about}");
-    assert!(about.contains("sja1000: tseg1") && about.contains("ERROR-ACTIVE"), "{about}");
+    assert!(
+        about.contains("bitrate 1000000 sample-point 0.750"),
+        "{about}"
+    );
+    assert!(
+        about.contains("sja1000: tseg1") && about.contains("ERROR-ACTIVE"),
+        "{about}"
+    );
     for (from, to) in [("can0", "can1"), ("can1", "can0")] {
         let heard = sh(&format!(
             "(sleep 1; cansend {from} 104#93C0903EA392530F) & exec timeout 20 candump -n 1 -L {to}"
@@ -55,7 +63,11 @@ fn controllers_have_a_real_bit_rate_and_hear_each_other() {
         assert!(heard.contains("104#93C0903EA392530F"), "{heard}");
     }
     // A bit rate cannot change under a running controller, and a restart is for bus-off only.
-    assert!(!try_sh("ip link set can0 type can bitrate 500000").status.success());
+    assert!(
+        !try_sh("ip link set can0 type can bitrate 500000")
+            .status
+            .success()
+    );
     assert!(!try_sh("ip link set can0 type can restart").status.success());
 }
 

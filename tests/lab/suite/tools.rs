@@ -17,13 +17,20 @@ pub fn in_lab(test: &str) -> bool {
 pub fn sh(line: &str) -> String {
     let output = try_sh(line);
     let (out, err) = (text(&output.stdout), text(&output.stderr));
-    assert!(output.status.success(), "`{line}`: {}\n{out}{err}", output.status);
+    assert!(
+        output.status.success(),
+        "`{line}`: {}\n{out}{err}",
+        output.status
+    );
     out
 }
 
 /// Runs a line of shell text, whatever becomes of it.
 pub fn try_sh(line: &str) -> Output {
-    let shell = Command::new("sh").args(["-c", line]).stdin(Stdio::null()).output();
+    let shell = Command::new("sh")
+        .args(["-c", line])
+        .stdin(Stdio::null())
+        .output();
     shell.unwrap()
 }
 

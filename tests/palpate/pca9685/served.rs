@@ -33,10 +33,18 @@ impl Dice {
             1 | 2 => GET_DATA,
             n => TRANSFERS[n as usize % 5],
         };
-        let address = [0x40, 0x40, 0x40, 0x70, 0x00, 0x71, self.byte() >> 1][self.below(7) as usize];
+        let address =
+            [0x40, 0x40, 0x40, 0x70, 0x00, 0x71, self.byte() >> 1][self.below(7) as usize];
         let length = [1, 2, 3, 5, 9, 65, self.below(80)][self.below(7) as usize];
         let mut report = vec![command, length as u8, (length >> 8) as u8, address << 1];
-        let register = [0x00, 0x01, 0xFA, 0xFE, 6 + 4 * (self.byte() % 16), self.byte()];
+        let register = [
+            0x00,
+            0x01,
+            0xFA,
+            0xFE,
+            6 + 4 * (self.byte() % 16),
+            self.byte(),
+        ];
         report.push(register[self.below(6) as usize]);
         report.resize_with(4 + length.max(1) as usize, || 0);
         for byte in &mut report[5..] {
@@ -130,7 +138,11 @@ fn whatever_a_client_sends_the_registers_are_those_of_the_reference_model() {
                 reference.edges.clear();
                 for register in 0..=255 {
                     let wanted = reference.reg[usize::from(register)];
-                    assert_eq!(chip.register(register), wanted, "report {n} {report:02x?}: register {register:02x}");
+                    assert_eq!(
+                        chip.register(register),
+                        wanted,
+                        "report {n} {report:02x?}: register {register:02x}"
+                    );
                 }
                 // Only power takes a chip off the external clock, of which the reference knows nothing.
                 if reference.reg[0] & 0x40 != 0 {
@@ -145,7 +157,9 @@ fn whatever_a_client_sends_the_registers_are_those_of_the_reference_model() {
     }
     assert!(transfers > 50_000, "only {transfers} transfers");
     assert!(written > 10_000, "only {written} transfers moved data");
-    println!("{REPORTS} reports, {transfers} transfers, {written} with data, {clocks} to the external clock");
+    println!(
+        "{REPORTS} reports, {transfers} transfers, {written} with data, {clocks} to the external clock"
+    );
 }
 
 #[test]
