@@ -68,12 +68,33 @@ pub fn layout(file: &files::SensorLayout) -> Result<Layout, Failure> {
     built.map_err(|e| Failure::Input(format!("layout `{}`: {e}", file.name)))
 }
 
-/// The I2C addresses of a bench's boards, ascending: a board's index is its place here.
+/// The I2C addresses on each of a bench's buses, ascending. Boards are numbered through in this order.
+pub fn buses(bench: &files::Bench) -> Vec<Vec<u8>> {
+    let count = bench.outputs.iter().map(|o| usize::from(o.bus) + 1).max();
+    let mut buses = vec![Vec::new(); count.unwrap_or(0)];
+    for output in &bench.outputs {
+        buses[usize::from(output.bus)].push(output.board);
+    }
+    for addresses in &mut buses {
+        addresses.sort_unstable();
+        addresses.dedup();
+    }
+    buses
+}
+
+/// The I2C addresses of all boards: a board's number is its place here.
 pub fn boards(bench: &files::Bench) -> Vec<u8> {
-    let mut addresses: Vec<u8> = bench.outputs.iter().map(|o| o.board).collect();
-    addresses.sort_unstable();
-    addresses.dedup();
-    addresses
+    buses(bench).concat()
+}
+
+/// The number of the board that carries an output.
+fn board(buses: &[Vec<u8>], output: &files::Output) -> Board {
+    let bus = usize::from(output.bus);
+    let before: usize = buses.iter().take(bus).map(Vec::len).sum();
+    let place = buses
+        .get(bus)
+        .and_then(|b| b.iter().position(|&a| a == output.board));
+    Board((before + place.unwrap_or(0)) as u8) // at most 16
 }
 
 /// The display's wires with the outputs that drive them.
@@ -81,7 +102,7 @@ pub fn boards(bench: &files::Bench) -> Vec<u8> {
 /// # Errors
 /// [`Failure::Input`] with what no display can be.
 pub fn display(setup: &Setup) -> Result<Display, Failure> {
-    let boards = boards(&setup.bench.value);
+    let buses = buses(&setup.bench.value);
     let wires = setup
         .display
         .value
@@ -90,7 +111,7 @@ pub fn display(setup: &Setup) -> Result<Display, Failure> {
         .zip(&setup.bench.value.outputs);
     let wire = |(place, output): (&[f64; 2], &files::Output)| Wire {
         place: point(*place),
-        board: Board(boards.iter().position(|&b| b == output.board).unwrap_or(0) as u8),
+        board: board(&buses, output),
         channel: Channel(output.channel),
     };
     Display::new(&wires.map(wire).collect::<Vec<_>>())

@@ -1,10 +1,12 @@
 //! One function a command: arguments in, files and text out.
 
+mod bench;
 mod contacts;
 mod emulate;
 mod rate;
 mod run;
 
+pub use bench::bench;
 pub use contacts::contacts;
 pub use emulate::emulate;
 pub use run::run;
