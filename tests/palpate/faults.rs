@@ -292,7 +292,7 @@ fn an_oscillator_at_either_end_changes_the_pulses_and_nothing_else() {
         ));
         assert!(outcome.failure.is_none());
         assert_eq!(outcome.summary.stimuli, clean.summary.stimuli);
-        let hot = |o: &Outcome| o.summary.energy_mj;
+        let hot = |o: &Outcome| o.summary.energy_mj.unwrap();
         println!(
             "oscillator x {factor}: {} mJ, nominal {} mJ",
             hot(&outcome),

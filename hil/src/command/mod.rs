@@ -1,10 +1,17 @@
 //! One function a command: arguments in, files and text out.
 
+mod bench;
 mod contacts;
+mod doctor;
 mod emulate;
+mod guardian;
+mod off;
 mod rate;
 mod run;
 
 pub use contacts::contacts;
+pub use doctor::doctor;
 pub use emulate::emulate;
+pub use guardian::guardian;
+pub use off::off;
 pub use run::run;

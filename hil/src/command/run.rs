@@ -8,16 +8,15 @@ use palpate_records::schedule::write_schedule;
 
 use crate::cli::{RunArgs, Switch};
 use crate::failure::Failure;
-use crate::files::{self, Kind, Scene, Setup, load_bench, load_layout, load_scene};
+use crate::files::{self, BenchKind, Kind, Scene, Setup, load_layout, load_scene};
 use crate::output::{make_folder, note, print, write_file};
 use crate::run::{self, Input, Outcome};
 
+use super::bench::bench;
 use super::rate::rate_of;
 
 /// The scene of `hil run` without a name.
 pub(super) const DEFAULT_SCENE: &str = "sphere-along";
-/// The bench of `hil run` without one.
-pub(super) const DEFAULT_BENCH: &str = "emulated";
 
 /// What to write, by the ending of a file's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,7 +67,16 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         },
     };
     let files = wanted(args)?;
-    let mut outcome = run::run(&setup, &input, args.seed)?;
+    let is_real = setup.bench.value.kind == BenchKind::Real;
+    let mut outcome = match (is_real, args.replay.is_empty()) {
+        (false, _) => run::run(&setup, &input, args.seed)?,
+        (true, true) => run::real::run(&setup, args.seed)?,
+        (true, false) => {
+            return Err(Failure::Input(
+                "--replay: a recording drives an emulated bench only".into(),
+            ));
+        }
+    };
     let failure = outcome.failure.take();
     if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.quiet) {
         note(&format!("{hz} rows a second, from {}", meta.display()));
@@ -122,7 +130,7 @@ fn wanted(args: &RunArgs) -> Result<Vec<(Format, PathBuf)>, Failure> {
 /// Scene and bench with the command line's changes, checked like a file of that content.
 fn setup(args: &RunArgs) -> Result<Setup, Failure> {
     let mut scene = load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
-    let bench = load_bench(args.bench.as_deref().unwrap_or(DEFAULT_BENCH))?;
+    let bench = bench(args.bench.as_deref(), &args.can, &args.i2c)?;
     if let Some(name) = &args.layout {
         // The name is checked here so that the error speaks of the option.
         let found = load_layout(name)?;

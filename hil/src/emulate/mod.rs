@@ -64,9 +64,7 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
         hardware.begin_scene(Nanos::ZERO)?;
     }
     let outputs = &setup.bench.value.outputs;
-    let wires = outputs
-        .iter()
-        .map(|o| WireRecord::new(o.board, o.channel));
+    let wires = outputs.iter().map(|o| WireRecord::new(o.board, o.channel));
     let record = Record {
         source: "emulated",
         can: can.iter().map(|i| named(i.name())).collect(),

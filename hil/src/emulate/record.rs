@@ -244,7 +244,16 @@ impl Teller {
                 serde_json::to_writer(&mut *out, told)?;
                 writeln!(out)
             }
-            (_, Told::Serving { scene, can, i2c, chips, .. }) => {
+            (
+                _,
+                Told::Serving {
+                    scene,
+                    can,
+                    i2c,
+                    chips,
+                    ..
+                },
+            ) => {
                 writeln!(out, "serving {scene} (emulated); Ctrl-C stops")?;
                 can.iter()
                     .try_for_each(|name| writeln!(out, "  {name:<14} uSkin boards"))?;

@@ -100,6 +100,14 @@ impl Recorder {
         });
     }
 
+    /// A line worth keeping.
+    pub fn note(&mut self, at: Instant, text: String) {
+        self.events.push(Event::Note {
+            t_us: at.as_micros(),
+            text,
+        });
+    }
+
     /// Where the driving module is truly touched.
     pub fn truth_at(&self, at: Instant) -> Option<(Point, f64)> {
         let (touches, drives) = self.truth.as_ref()?;

@@ -106,8 +106,7 @@ impl Interface {
 /// Whether a later attempt may succeed on the same socket.
 fn is_pause(error: &io::Error) -> bool {
     let number = error.raw_os_error();
-    error.kind() == ErrorKind::WouldBlock
-        || matches!(number, Some(libc::ENOBUFS | libc::ENETDOWN))
+    error.kind() == ErrorKind::WouldBlock || matches!(number, Some(libc::ENOBUFS | libc::ENETDOWN))
 }
 
 impl AsFd for Interface {

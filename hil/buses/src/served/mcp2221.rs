@@ -151,9 +151,8 @@ impl Mcp2221 {
 
     fn write(&mut self, asked: &[u8; REPORT], bus: &mut impl I2c) {
         let (length, address) = header(asked);
-        let continues = |i: &Incoming| {
-            i.command == asked[0] && i.address == address && i.length == length
-        };
+        let continues =
+            |i: &Incoming| i.command == asked[0] && i.address == address && i.length == length;
         let mut incoming = match self.incoming.take().filter(continues) {
             Some(incoming) => incoming,
             None => {

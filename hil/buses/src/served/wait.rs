@@ -13,7 +13,9 @@ use nix::time::{ClockId, clock_gettime};
 /// The monotonic clock, nanoseconds: the same for every program of this machine.
 pub fn monotonic_ns() -> u64 {
     let read = clock_gettime(ClockId::CLOCK_MONOTONIC);
-    read.map_or(0, |t| t.tv_sec() as u64 * 1_000_000_000 + t.tv_nsec() as u64)
+    read.map_or(0, |t| {
+        t.tv_sec() as u64 * 1_000_000_000 + t.tv_nsec() as u64
+    })
 }
 
 /// SIGINT, SIGTERM and SIGHUP as something to wait for in place of a sudden end.
