@@ -87,6 +87,8 @@ pub enum Command {
     /// Serve the emulators to other programs, boards on CAN interfaces and the display behind a /dev/i2c-N,
     /// until stopped.
     Emulate(EmulateArgs),
+    /// Run time against error, ours beside others': tables and plots (in builds with `--features bench`).
+    Bench(BenchArgs),
     /// What this machine can do, what is missing, and what to type to get it.
     Doctor(DoctorArgs),
     /// Switch everything off on a bench, from any state, and say what was seen.
@@ -187,7 +189,7 @@ pub struct RunArgs {
     /// An I2C adapter (/dev/i2c-N), in place of the bench's; once a bus of the outputs.
     #[arg(long, value_name = "DEVICE")]
     pub i2c: Vec<PathBuf>,
-    /// Recorded taxels (CSV) in place of the scene's touches; once a module of the layout.
+    /// Recorded taxels in place of the scene's touches: CSV, once a module of the layout, or one candump .log.
     #[arg(long, value_name = "FILE")]
     pub replay: Vec<PathBuf>,
     /// Sensor layout of the recording (default: the scene's).
@@ -214,7 +216,7 @@ pub struct RunArgs {
     /// Write a report: one HTML page with plots.
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
-    /// Write a record; the ending names the format: .csv contacts, .jsonl schedule. Repeatable.
+    /// Write a record; the ending names the format: .csv contacts, .jsonl schedule, .log candump. Repeatable.
     #[arg(long, value_name = "FILE")]
     pub record: Vec<PathBuf>,
     /// Whether intensity levels change the drive.
@@ -238,6 +240,22 @@ pub struct RunArgs {
     /// Stimulus onset asynchrony, ms (default: 0.32 tau_d + 47.3).
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     pub soa_ms: Option<f64>,
+}
+
+/// Options of `hil bench`.
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// What to measure (default: everything).
+    pub family: Option<String>,
+    /// Write bench.html, bench.json and the plots (SVG) into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the rows as a JSON array.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
 }
 
 /// Norms of the weights.

@@ -20,6 +20,7 @@ fn main() -> ExitCode {
         Some(Command::Doctor(args)) => command::doctor(&args),
         Some(Command::Off(args)) => command::off(&args),
         Some(Command::Guardian(args)) => return ExitCode::from(command::guardian(args)),
+        Some(Command::Bench(args)) => command::bench(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,46 +1,67 @@
-//! Which bench a command means: a file, or the default one on devices named on the command line.
+//! `hil bench`.
 
-use std::path::PathBuf;
-
+use crate::cli::BenchArgs;
 use crate::failure::Failure;
-use crate::files::{Bench, BenchKind, Loaded, Real, load_bench};
 
-/// The bench of a command without one.
-pub(super) const DEFAULT_BENCH: &str = "emulated";
-
-/// A bench by name, with these interfaces and adapters in place of its own where there are any.
+/// Says how to build a program that can do it.
 ///
 /// # Errors
-/// An unknown name, a bad file, or devices that are too few.
-pub(super) fn bench(
-    name: Option<&str>,
-    can: &[String],
-    i2c: &[PathBuf],
-) -> Result<Loaded<Bench>, Failure> {
-    let mut bench = load_bench(name.unwrap_or(DEFAULT_BENCH))?;
-    if can.is_empty() && i2c.is_empty() {
-        return Ok(bench);
+/// Always [`Failure::Input`].
+#[cfg(not(feature = "bench"))]
+pub fn bench(_: &BenchArgs) -> Result<(), Failure> {
+    Err(Failure::Input(
+        "this program was built without `hil bench`, which needs other people's solvers to compare \
+         with; build and run it with: cargo run --release -p palpate-hil --features bench -- bench"
+            .into(),
+    ))
+}
+
+/// Measures one family or all and writes what was asked for.
+///
+/// # Errors
+/// [`Failure`] with its exit status.
+#[cfg(feature = "bench")]
+pub fn bench(args: &BenchArgs) -> Result<(), Failure> {
+    use crate::bench::{Row, chosen, page, table};
+    use crate::output::{make_folder, print, write_file};
+
+    let families = chosen(args.family.as_deref())?;
+    let mut found = Vec::new();
+    for family in families {
+        if !args.quiet {
+            crate::output::note(&format!("measuring {}", family.name));
+        }
+        found.push((family.name, (family.measure)()?));
     }
-    let file = &mut bench.value;
-    file.kind = BenchKind::Real;
-    let real = file.real.get_or_insert_with(|| Real::new(vec![], vec![]));
-    if !can.is_empty() {
-        real.can = can.to_vec();
+    let rows: Vec<&Row> = found.iter().flat_map(|(_, f)| &f.rows).collect();
+    if let Some(folder) = &args.out {
+        make_folder(folder)?;
+        write_file(&folder.join("bench.json"), |out| {
+            serde_json::to_writer_pretty(&mut *out, &rows)?;
+            writeln!(out)
+        })?;
+        for (name, findings) in &found {
+            for plot in &findings.plots {
+                let path = folder.join(format!("{name}-{}.svg", plot.name));
+                write_file(&path, |out| out.write_all(plot.file().as_bytes()))?;
+            }
+        }
+        let page = page::html(&found);
+        write_file(&folder.join("bench.html"), |out| {
+            out.write_all(page.as_bytes())
+        })?;
     }
-    if !i2c.is_empty() {
-        real.i2c = i2c.to_vec();
+    if args.quiet {
+        return Ok(());
     }
-    let needed = file.outputs.iter().map(|o| usize::from(o.bus) + 1).max();
-    if needed > Some(real.i2c.len()) {
-        return Err(Failure::Input(format!(
-            "--i2c: bench `{}` needs {} adapters, found {}",
-            file.name,
-            needed.unwrap_or(0),
-            real.i2c.len()
-        )));
-    }
-    if name.is_none() {
-        file.name = "real".into();
-    }
-    Ok(bench)
+    print(|out| {
+        if args.json {
+            serde_json::to_writer(&mut *out, &rows)?;
+            return writeln!(out);
+        }
+        for (name, findings) in &found {
+            table::write(out, name, findings)?;
+        }
+        Ok(())
+    })
 }

@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use crate::output::print;
 use crate::run::real::watch;
 
-use super::bench::bench;
+use super::devices::bench;
 
 /// The JSON object of `--json`.
 #[derive(Serialize)]

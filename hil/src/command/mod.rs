@@ -2,6 +2,7 @@
 
 mod bench;
 mod contacts;
+mod devices;
 mod doctor;
 mod emulate;
 mod guardian;
@@ -9,6 +10,7 @@ mod off;
 mod rate;
 mod run;
 
+pub use bench::bench;
 pub use contacts::contacts;
 pub use doctor::doctor;
 pub use emulate::emulate;

@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::output::{note, print};
 use crate::run::real::watch;
 
-use super::bench::bench;
+use super::devices::bench;
 
 /// How long a run that holds the bus may take to end.
 const PATIENCE: Duration = Duration::from_secs(3);

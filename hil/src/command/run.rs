@@ -8,11 +8,11 @@ use palpate_records::schedule::write_schedule;
 
 use crate::cli::{RunArgs, Switch};
 use crate::failure::Failure;
-use crate::files::{self, BenchKind, Kind, Scene, Setup, load_layout, load_scene};
+use crate::files::{self, BenchKind, Kind, Scene, Setup, load_layout, load_scene, write_can_log};
 use crate::output::{make_folder, note, print, write_file};
-use crate::run::{self, Input, Outcome};
+use crate::run::{self, Input, Keep, Outcome};
 
-use super::bench::bench;
+use super::devices::bench;
 use super::rate::rate_of;
 
 /// The scene of `hil run` without a name.
@@ -23,6 +23,7 @@ pub(super) const DEFAULT_SCENE: &str = "sphere-along";
 enum Format {
     Contacts,
     Schedule,
+    Can,
     Report,
     Summary,
 }
@@ -32,8 +33,9 @@ impl Format {
         match path.extension().and_then(|e| e.to_str()) {
             Some("csv") => Ok(Self::Contacts),
             Some("jsonl") => Ok(Self::Schedule),
+            Some("log") => Ok(Self::Can),
             _ => Err(Failure::Input(format!(
-                "--record {}: expected a name that ends in .csv (contacts) or .jsonl (schedule)",
+                "--record {}: expected a name that ends in .csv (contacts), .jsonl (schedule) or .log (candump)",
                 path.display()
             ))),
         }
@@ -43,6 +45,7 @@ impl Format {
         write_file(path, |out| match self {
             Self::Contacts => write_contacts(&outcome.trace, out),
             Self::Schedule => write_schedule(&outcome.trace, out),
+            Self::Can => write_can_log(&outcome.can, out),
             Self::Report => out.write_all(report(outcome).as_bytes()),
             Self::Summary => {
                 serde_json::to_writer_pretty(&mut *out, &outcome.summary)?;
@@ -67,9 +70,12 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         },
     };
     let files = wanted(args)?;
+    let keep = Keep {
+        can: files.iter().any(|(format, _)| *format == Format::Can),
+    };
     let is_real = setup.bench.value.kind == BenchKind::Real;
     let mut outcome = match (is_real, args.replay.is_empty()) {
-        (false, _) => run::run(&setup, &input, args.seed)?,
+        (false, _) => run::run_keeping(&setup, &input, args.seed, keep)?,
         (true, true) => run::real::run(&setup, args.seed)?,
         (true, false) => {
             return Err(Failure::Input(

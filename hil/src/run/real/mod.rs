@@ -261,6 +261,7 @@ fn outcome(
         trace,
         summary,
         frame_us: done.frame_us,
+        can: Vec::new(),
         failure: done.failure,
     })
 }
