@@ -16,6 +16,9 @@ use super::devices::bench;
 /// How long a run that holds the bus may take to end.
 const PATIENCE: Duration = Duration::from_secs(3);
 
+/// What one transfer may take.
+const TRANSFER: Duration = Duration::from_secs(2);
+
 /// Switches everything off, ends a run that is driving, and shows or clears a latched stop.
 ///
 /// # Errors
@@ -28,7 +31,9 @@ pub fn off(args: &OffArgs) -> Result<(), Failure> {
             bench.value.name
         )));
     };
-    let watch = watch(&bench.value, real);
+    let mut watch = watch(&bench.value, real);
+    // Nobody waits for a loop here: an answer counts more than its time.
+    watch.transfer = watch.transfer.max(TRANSFER);
     let mut lines = Vec::new();
     // Before the lock: a run beside us keeps the line cut until it notices that its guardian ends.
     let oe = watch

@@ -12,6 +12,8 @@ use crate::files::{self, BenchKind, Kind, Scene, Setup, load_layout, load_scene,
 use crate::output::{make_folder, note, print, write_file};
 use crate::run::{self, Input, Keep, Outcome};
 
+use crate::run::real::Kind as LiveKind;
+
 use super::devices::bench;
 use super::rate::rate_of;
 
@@ -69,14 +71,21 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
             rate_hz: rate.hz,
         },
     };
-    let files = wanted(args)?;
+    let mut files = wanted(args)?;
     let keep = Keep {
         can: files.iter().any(|(format, _)| *format == Format::Can),
     };
     let is_real = setup.bench.value.kind == BenchKind::Real;
     let mut outcome = match (is_real, args.replay.is_empty()) {
         (false, _) => run::run_keeping(&setup, &input, args.seed, keep)?,
-        (true, true) => run::real::run(&setup, args.seed)?,
+        (true, true) => {
+            if let Some(folder) = &args.out {
+                make_folder(folder)?;
+            }
+            let (live, later) = split(files);
+            files = later;
+            run::real::run(&setup, args.seed, &live)?
+        }
         (true, false) => {
             return Err(Failure::Input(
                 "--replay: a recording drives an emulated bench only".into(),
@@ -110,6 +119,21 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         })
     }?;
     failure.map_or(Ok(()), Err)
+}
+
+/// The files that a real run writes while it runs, and those that come after it.
+#[allow(clippy::type_complexity)] // two lists of what `wanted` returns
+fn split(files: Vec<(Format, PathBuf)>) -> (Vec<(LiveKind, PathBuf)>, Vec<(Format, PathBuf)>) {
+    let (mut live, mut later) = (Vec::new(), Vec::new());
+    for (format, path) in files {
+        match format {
+            Format::Contacts => live.push((LiveKind::Contacts, path)),
+            Format::Schedule => live.push((LiveKind::Schedule, path)),
+            Format::Can => live.push((LiveKind::Can, path)),
+            Format::Report | Format::Summary => later.push((format, path)),
+        }
+    }
+    (live, later)
 }
 
 /// The files to write, checked before anything runs.

@@ -51,10 +51,9 @@ pub(super) struct Watchman {
     has_oe: bool,
 }
 
-/// Both ends of the loop and the guardian.
+/// The actuators' end of the loop, its clock, and the guardian.
 pub(super) struct Live {
     pub(super) clock: RunClock,
-    pub(super) can: CanBuses,
     pub(super) banks: Banks<Line>,
     pub(super) watchman: Watchman,
     /// What the guardian found driving before it switched everything off.
@@ -62,8 +61,12 @@ pub(super) struct Live {
 }
 
 impl Live {
-    /// Opens everything, guardian last: from then on somebody is there to say off.
-    pub(super) fn open(bench: &Bench, real: &Real, layout: &Layout) -> Result<Self, Failure> {
+    /// Opens everything, interfaces too, guardian last: from then on somebody is there to say off.
+    pub(super) fn open(
+        bench: &Bench,
+        real: &Real,
+        layout: &Layout,
+    ) -> Result<(Self, CanBuses), Failure> {
         let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
         let watch = watch(bench, real);
         refuse_latched(&watch)?;
@@ -79,16 +82,16 @@ impl Live {
         let banks = Banks::new(lines.into_iter().zip(addresses), prescale);
         let program = std::env::current_exe().map_err(|e| device(&e))?;
         let (guardian, found) = Guardian::start(&program, &watch).map_err(|e| device(&e))?;
-        Ok(Self {
+        let live = Self {
             clock,
-            can,
             banks,
             watchman: Watchman {
                 guardian,
                 has_oe: real.oe.is_some(),
             },
             found,
-        })
+        };
+        Ok((live, can))
     }
 
     /// Boards configured and verified, outputs released. Returns when the first update may come.

@@ -1,12 +1,17 @@
 //! A run on a real bench: the same loop, held to the wall clock, between SocketCAN and Linux I2C adapters.
 
 mod bench;
+mod journal;
 mod report;
 mod signals;
 
 pub use bench::watch;
+pub use journal::Kind;
 pub use report::{CanReport, Pacing};
 
+use std::path::PathBuf;
+
+use palpate_buses::can::CanBuses;
 use palpate_buses::pacer::{Lateness, Pacer};
 use palpate_buses::sys::{lock_memory, set_fifo_priority};
 use palpate_core::bus::SensorBus;
@@ -25,6 +30,7 @@ use crate::failure::Failure;
 use crate::files::{Real, Setup};
 
 use bench::Live;
+use journal::{Journal, Tap};
 use signals::Signals;
 
 /// Real-time priority of the loop, below the guardian's.
@@ -41,11 +47,12 @@ struct Done {
     failure: Option<Failure>,
 }
 
-/// Runs a scene's length on a real bench: what touches the skin is up to the world.
+/// Runs a scene's length on a real bench: what touches the skin is up to the world. `files` grow while it
+/// runs.
 ///
 /// # Errors
 /// [`Failure`] for input that fits no loop, or a bench that cannot be opened or started.
-pub fn run(setup: &Setup, seed: u64) -> Result<Outcome, Failure> {
+pub fn run(setup: &Setup, seed: u64, files: &[(Kind, PathBuf)]) -> Result<Outcome, Failure> {
     let started = clock::now();
     let (scene, bench) = (&setup.scene.value, &setup.bench.value);
     let Some(real) = &bench.real else {
@@ -61,10 +68,13 @@ pub fn run(setup: &Setup, seed: u64) -> Result<Outcome, Failure> {
         scene_levels(setup, seed)?
     };
     let projector = build(setup, seed, levels)?;
-    let live = Live::open(bench, real, projector.layout())?;
+    let journal = Journal::start(files, &header(setup, seed, &projector)?)?;
+    let keeps_can = files.iter().any(|(kind, _)| *kind == Kind::Can);
+    let (live, can) = Live::open(bench, real, projector.layout())?;
     let length = Instant::from_micros((scene.length_s * 1e6).round() as u64);
     let done = std::thread::scope(|scope| {
-        let turns = || drive(live, projector, real, &signals, length);
+        let records = (journal, keeps_can);
+        let turns = || drive(live, can, projector, real, &signals, length, records);
         let thread = std::thread::Builder::new()
             .name("loop".into())
             .spawn_scoped(scope, turns);
@@ -80,10 +90,12 @@ pub fn run(setup: &Setup, seed: u64) -> Result<Outcome, Failure> {
 /// The loop on its own thread, until the scene's end, a signal, or a failure.
 fn drive(
     mut live: Live,
+    can: CanBuses,
     mut projector: Projector,
     real: &Real,
     signals: &Signals,
     length: Instant,
+    (mut journal, keeps_can): (Journal, bool),
 ) -> Result<Done, Failure> {
     let mut recorder = Recorder::new(None, projector.layout());
     if real.realtime {
@@ -100,7 +112,8 @@ fn drive(
             return Err(Failure::Device(cause));
         }
     };
-    start_boards(&mut live, &projector);
+    let mut can = Tap::new(can, keeps_can);
+    start_boards(&mut can, &projector);
     let mut supervisor = Supervisor::default();
     let mut pacer = Pacer::new(live.clock);
     let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
@@ -118,8 +131,13 @@ fn drive(
             recorder.note(now, format!("stopped by {signal}"));
             break;
         }
-        while let Some(note) = live.can.note() {
+        can.now = now;
+        while let Some(note) = can.inner.note() {
             recorder.note(note.at, note.text);
+        }
+        journal.tell(&recorder.events, can.take());
+        if journal.has_failed() {
+            break;
         }
         if supervisor.is_lost() {
             let Live {
@@ -138,7 +156,7 @@ fn drive(
         }
         let before = recorder.frames;
         let begun = clock::now();
-        let polled = projector.poll(now, &mut live.can, &mut live.banks, &mut recorder);
+        let polled = projector.poll(now, &mut can, &mut live.banks, &mut recorder);
         spent += begun.elapsed();
         let polled = match polled {
             // A chip that fell back to reset values answers, but sleeps: ask while wires should be driven.
@@ -165,14 +183,14 @@ fn drive(
             frame_us.extend(std::iter::repeat_n(each, frames as usize));
             spent = std::time::Duration::ZERO;
         }
-        supervisor.restart_boards(now, &mut live.can, &projector, &mut recorder.events);
+        supervisor.restart_boards(now, &mut can, &projector, &mut recorder.events);
         let next = projector.next().min(Pacer::next(now, TICK));
         now = pacer.wait(next);
     }
     let end = live.clock.now();
     let off = projector.all_off(end, Cause::End, &mut live.banks, &mut recorder);
     let off = off.map_err(|error| live.explain(&error));
-    let tallies = live.can.tallies();
+    let tallies = can.inner.tallies();
     let parted = match (off, failure.is_some()) {
         (Ok(()), false) => live.watchman.guardian.end(),
         (Ok(()), true) => live.watchman.guardian.end().or(Ok(())), // the first failure is the one to tell
@@ -186,6 +204,10 @@ fn drive(
         failure.get_or_insert(Failure::Device(cause));
     }
     recorder.tell_taxels();
+    journal.tell(&recorder.events, can.take());
+    if let Err(error) = journal.finish() {
+        failure.get_or_insert(error);
+    }
     let can = real.can.iter().zip(&tallies);
     Ok(Done {
         projector,
@@ -212,7 +234,7 @@ fn take_priority() -> Result<(), Failure> {
 }
 
 /// Tells every board of the layout to send.
-fn start_boards(live: &mut Live, projector: &Projector) {
+fn start_boards(can: &mut impl SensorBus, projector: &Projector) {
     for address in projector
         .layout()
         .modules()
@@ -225,7 +247,7 @@ fn start_boards(live: &mut Live, projector: &Projector) {
         };
         if let Some(frame) = command.encode() {
             // What is lost here is made up by the supervisor, which tells silent boards again.
-            let _ = live.can.transmit(address.bus, &frame);
+            let _ = can.transmit(address.bus, &frame);
         }
     }
 }
