@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use palpate_buses::guardian::{parse_bus, parse_line};
 
 /// Tactile feedback, hardware in the loop: from touched skin to heated wires.
 #[derive(Debug, Parser)]
@@ -83,11 +84,60 @@ pub enum Command {
     Run(Box<RunArgs>),
     /// Only the compression: contacts per frame of a recording, as CSV on standard output.
     Contacts(ContactsArgs),
-    /// Run time against error, ours beside others': tables and plots (in builds with `--features bench`).
-    Bench(BenchArgs),
     /// Serve the emulators to other programs, boards on CAN interfaces and the display behind a /dev/i2c-N,
     /// until stopped.
     Emulate(EmulateArgs),
+    /// Run time against error, ours beside others': tables and plots (in builds with `--features bench`).
+    Bench(BenchArgs),
+    /// What this machine can do, what is missing, and what to type to get it.
+    Doctor(DoctorArgs),
+    /// Switch everything off on a bench, from any state, and say what was seen.
+    Off(OffArgs),
+    /// The process that switches off when a run dies; `hil run` starts it.
+    #[command(hide = true)]
+    Guardian(GuardianArgs),
+}
+
+/// Options of `hil doctor`.
+#[derive(Debug, Args)]
+pub struct DoctorArgs {
+    /// A bench whose buses to look at (default: all there are).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub bench: Option<String>,
+    /// Print one JSON object.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `hil off`.
+#[derive(Debug, Args)]
+pub struct OffArgs {
+    /// A bench of real buses: a file.
+    #[arg(long, value_name = "NAME|FILE", required_unless_present = "i2c")]
+    pub bench: Option<String>,
+    /// An I2C adapter in place of a bench; every address where a chip answers is switched off. Repeatable.
+    #[arg(long, value_name = "DEVICE", conflicts_with = "bench")]
+    pub i2c: Vec<PathBuf>,
+    /// Also clear a latched stop: the way back, once somebody has looked at the bench.
+    #[arg(long)]
+    pub unlatch: bool,
+}
+
+/// Options of the guardian process.
+#[derive(Debug, Args)]
+pub struct GuardianArgs {
+    /// Adapter and addresses of its boards.
+    #[arg(long, value_name = "PATH=ADDRESS,..", value_parser = parse_bus)]
+    pub i2c: Vec<(PathBuf, Vec<u8>)>,
+    /// GPIO chip and line of the OE pins.
+    #[arg(long, value_name = "CHIP=LINE", value_parser = parse_line)]
+    pub oe: Option<(PathBuf, u32)>,
+    /// Silence after which the run counts as hung.
+    #[arg(long, value_name = "MS", value_parser = whole::<u64, 1, 10_000>)]
+    pub heartbeat_ms: u64,
+    /// What one transfer may take.
+    #[arg(long, value_name = "MS", value_parser = whole::<u64, 1, 10_000>)]
+    pub transfer_ms: u64,
 }
 
 /// Options of `hil emulate`.
@@ -133,6 +183,12 @@ pub struct RunArgs {
     /// A built-in bench or a file (default: emulated).
     #[arg(long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
+    /// A CAN interface, in place of the bench's; once a bus of the layout. The run is real then.
+    #[arg(long, value_name = "IFACE")]
+    pub can: Vec<String>,
+    /// An I2C adapter (/dev/i2c-N), in place of the bench's; once a bus of the outputs.
+    #[arg(long, value_name = "DEVICE")]
+    pub i2c: Vec<PathBuf>,
     /// Recorded taxels in place of the scene's touches: CSV, once a module of the layout, or one candump .log.
     #[arg(long, value_name = "FILE")]
     pub replay: Vec<PathBuf>,

@@ -317,7 +317,8 @@ fn an_oscillator_at_either_end_changes_the_pulses_and_nothing_else() {
                 "{wanted}"
             );
         }
-        let ratio = outcome.summary.energy_mj / clean.summary.energy_mj;
+        let energy_mj = |o: &Outcome| o.summary.energy_mj.unwrap();
+        let ratio = energy_mj(&outcome) / energy_mj(&clean);
         assert!(
             energy.contains(&ratio),
             "oscillator x {factor}: energy x {ratio}"

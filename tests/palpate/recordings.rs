@@ -63,7 +63,10 @@ fn check(outcome: &Outcome, rows: usize, modules: u16, what: &str) {
     );
     let entries = events.iter().filter(|e| matches!(e, Event::Schedule(_)));
     assert!(entries.count() > 100, "{what}: hardly a schedule");
-    assert!(summary.stimuli > 0 && summary.energy_mj > 0.0, "{what}");
+    assert!(
+        summary.stimuli > 0 && summary.energy_mj > Some(0.0),
+        "{what}"
+    );
     for module in 0..modules {
         let mut found = 0;
         for event in events {

@@ -34,7 +34,10 @@ impl<I: I2c> Banks<I> {
     /// # Errors
     /// [`DriverError`] of the first board that does not answer or does not read back.
     pub fn start(&mut self, now: Instant) -> Result<Instant, DriverError> {
-        self.all_off()?;
+        // A bank switches its own boards off first; the last bus must not wait for the first one's set-up.
+        if self.banks.len() > 1 {
+            self.all_off()?;
+        }
         let mut ready = now;
         for bank in &mut self.banks {
             ready = ready.max(bank.start(now)?);

@@ -7,4 +7,5 @@ pub mod lock;
 pub mod oe;
 pub mod pacer;
 pub mod served;
+pub mod survey;
 pub mod sys;

@@ -3,9 +3,15 @@
 use std::fs::{self, File, OpenOptions};
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
+use std::time::Duration;
 
 use nix::errno::Errno;
 use nix::fcntl::{Flock, FlockArg};
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use palpate_core::units::Duration as Span;
+
+use crate::pacer::RunClock;
 
 /// The lock, for as long as it lives.
 #[derive(Debug)]
@@ -66,6 +72,39 @@ impl BusLock {
             }),
         }
     }
+
+    /// Locks a bus, and ends the guardian that has it. Returns who that was.
+    ///
+    /// # Errors
+    /// [`LockError`] when another program has it, or the guardian does not end within `patience`.
+    pub fn take_over(path: &Path, patience: Duration) -> Result<(Self, Option<String>), LockError> {
+        let clock = RunClock::start();
+        let mut ended = None;
+        loop {
+            let error = match Self::take(path) {
+                Ok(lock) => return Ok((lock, ended)),
+                Err(error) => error,
+            };
+            let LockError::Held { pid: Some(pid), .. } = &error else {
+                return Err(error);
+            };
+            let late = u128::from(clock.now().as_micros()) > patience.as_micros();
+            // Only what locks as we do is ended: the guardian runs the same program as we.
+            if late || !is_same_program(*pid) {
+                return Err(error);
+            }
+            if ended.is_none() {
+                ended = Some(who(Some(*pid)));
+                let _ = kill(Pid::from_raw(*pid as i32), Signal::SIGTERM);
+            }
+            clock.sleep_until(clock.now() + Span::from_millis(2));
+        }
+    }
+}
+
+fn is_same_program(pid: u32) -> bool {
+    let name = |pid: &str| fs::read_to_string(format!("/proc/{pid}/comm")).ok();
+    name("self").is_some_and(|ours| name(&pid.to_string()) == Some(ours))
 }
 
 /// Who holds a lock on this file, by `/proc/locks`: `1: FLOCK ADVISORY WRITE 4711 00:05:123 0 EOF`.

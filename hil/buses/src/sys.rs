@@ -1,10 +1,13 @@
-//! The few system calls that no safe crate has: I2C adapter functions and time-out, real-time priority.
+//! The few system calls that no safe crate has: I2C adapter functions and time-out, real-time priority
+//! (and locked memory, which belongs beside it).
 //! Each `unsafe` stands alone with its reason.
 
 use std::os::fd::{AsRawFd, BorrowedFd};
 
 use nix::errno::Errno;
 use nix::libc;
+use nix::sys::mman::{MlockAllFlags, mlockall};
+use nix::sys::resource::{RLIM_INFINITY, Resource, getrlimit};
 
 /// `I2C_TIMEOUT` of `linux/i2c-dev.h`: units of 10 ms.
 const I2C_TIMEOUT: libc::Ioctl = 0x0702;
@@ -72,4 +75,18 @@ pub fn set_fifo_priority(priority: u8) -> Result<(), Errno> {
     // SAFETY: 0 is the calling thread; the structure is read during the call only.
     let result = unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const parameters) };
     Errno::result(result).map(drop)
+}
+
+/// How much memory may be locked, bytes; `None` for all of it.
+pub fn lock_memory_limit() -> Option<u64> {
+    let (soft, _) = getrlimit(Resource::RLIMIT_MEMLOCK).ok()?;
+    (soft != RLIM_INFINITY && !nix::unistd::geteuid().is_root()).then_some(soft)
+}
+
+/// Memory that is never paged out, for the whole program.
+///
+/// # Errors
+/// `EPERM` or `ENOMEM` without CAP_IPC_LOCK or a memlock limit that allows it.
+pub fn lock_memory() -> Result<(), Errno> {
+    mlockall(MlockAllFlags::MCL_CURRENT | MlockAllFlags::MCL_FUTURE)
 }

@@ -5,7 +5,8 @@ use crate::emulate::{self, Options, Telling};
 use crate::failure::Failure;
 use crate::files::{Setup, load_bench, load_scene};
 
-use super::run::{DEFAULT_BENCH, DEFAULT_SCENE};
+use super::devices::DEFAULT_BENCH;
+use super::run::DEFAULT_SCENE;
 
 /// Serves a scene's boards and a bench's display until stopped.
 ///

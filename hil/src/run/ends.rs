@@ -11,7 +11,7 @@ use palpate_records::trace::{Header, Limits, Source, WireInfo};
 
 use super::recorder::um;
 use crate::failure::Failure;
-use crate::files::Setup;
+use crate::files::{BenchKind, Setup};
 use crate::plan;
 
 /// The emulated display of a bench.
@@ -55,7 +55,10 @@ pub(super) fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<
         channel: w.channel.0,
     };
     Ok(Header {
-        source: Source::Emulated,
+        source: match bench.kind {
+            BenchKind::Emulated => Source::Emulated,
+            BenchKind::Real => Source::Real,
+        },
         scene: scene.name.clone(),
         bench: bench.name.clone(),
         seed,

@@ -1,9 +1,11 @@
-//! A run: a scene or a recording through the loop onto an emulated display, in virtual time.
+//! A run: a scene or a recording through the loop onto an emulated display, in virtual time; or the loop on
+//! a [real] bench, held to the wall clock.
 
 mod boards;
 mod effects;
 pub(crate) mod ends;
 mod feel;
+pub mod real;
 mod recorder;
 mod replay;
 pub(crate) mod script;
@@ -22,7 +24,7 @@ use std::path::PathBuf;
 
 use palpate_core::bus::{Actuators, Received};
 use palpate_core::contact::{LevelTable, Levels};
-use palpate_core::driver::Pca9685Bank;
+use palpate_core::driver::Banks;
 use palpate_core::guard::Guarded;
 use palpate_core::projector::{Cause, LoopError, Projector};
 use palpate_core::units::{Duration, Instant};
@@ -161,6 +163,16 @@ pub fn run_keeping(
     }
 }
 
+/// The static intensity levels of a scene's own touches on an emulated skin: what a live run goes by, since
+/// it cannot see its whole input beforehand.
+fn scene_levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
+    let scene = &setup.scene.value;
+    let layout = plan::layout(&setup.sensor.value)?;
+    let end = Instant::from_micros((scene.length_s * 1e6).round() as u64);
+    let mut skin = Tape::new(skin::emulated(scene, &setup.sensor.value, &layout, seed)?);
+    calibrate(setup, seed, &mut skin, end)
+}
+
 /// A first pass that finds the static intensity levels over the whole input.
 fn calibrate(
     setup: &Setup,
@@ -213,7 +225,7 @@ fn project(
         seed,
         "actuator bus",
     ));
-    let mut bank = Pca9685Bank::new(i2c.clone(), &plan::boards(bench), prescale);
+    let mut bank = Banks::new([(i2c.clone(), &*plan::boards(bench))], prescale);
     let mut script = Script::new(&setup.scene.value.faults, projector.layout());
     let mut supervisor = Supervisor::default();
     let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());

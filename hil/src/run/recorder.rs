@@ -100,6 +100,14 @@ impl Recorder {
         });
     }
 
+    /// A line worth keeping.
+    pub fn note(&mut self, at: Instant, text: String) {
+        self.events.push(Event::Note {
+            t_us: at.as_micros(),
+            text,
+        });
+    }
+
     /// Where the driving module is truly touched.
     pub fn truth_at(&self, at: Instant) -> Option<(Point, f64)> {
         let (touches, drives) = self.truth.as_ref()?;
@@ -134,7 +142,7 @@ impl Observer for Recorder {
                 place: um(contact.place),
                 intensity_milli: (f64::from(contact.intensity) * 1e3).round() as u32,
                 level: contact.level,
-                members: contact.members,
+                members: u16::try_from(contact.members).unwrap_or(u16::MAX),
             });
         }
         if let Some((place, force_n)) = self.truth_at(report.at) {

@@ -8,7 +8,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
-use nix::sys::mman::{MlockAllFlags, mlockall};
 use nix::sys::signal::{Signal, kill};
 use nix::sys::socket::{MsgFlags, recv, send};
 use nix::unistd::{Pid, getppid, setsid};
@@ -103,7 +102,7 @@ fn tell(text: &str) {
 /// What the system gives to one who must not fail, as far as it does: memory that is never paged out, the
 /// last place in the queue of the out-of-memory killer, a place before ordinary programs.
 fn harden() {
-    let _ = mlockall(MlockAllFlags::MCL_CURRENT | MlockAllFlags::MCL_FUTURE);
+    let _ = sys::lock_memory();
     let _ = fs::write("/proc/self/oom_score_adj", "-1000");
     let _ = sys::set_fifo_priority(60);
 }

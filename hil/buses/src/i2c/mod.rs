@@ -7,7 +7,9 @@ mod fault;
 pub use adapter::{LinuxAdapter, OpenError, number};
 pub use fault::{Fault, FaultKind};
 
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
+use std::sync::mpsc::{
+    Receiver, RecvTimeoutError, Sender, SyncSender, TryRecvError, channel, sync_channel,
+};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -82,7 +84,7 @@ impl Line {
     fn exchange(&mut self, address: u8, write: &[u8], read: &mut [u8]) -> Result<(), FaultKind> {
         if let Some(overdue) = self.overdue.take() {
             // What it says came too late for whoever asked.
-            if let Err(RecvTimeoutError::Timeout) = overdue.recv_timeout(self.limit) {
+            if let Err(TryRecvError::Empty) = overdue.try_recv() {
                 self.overdue = Some(overdue);
                 return Err(FaultKind::Stuck);
             }
