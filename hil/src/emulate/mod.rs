@@ -24,11 +24,11 @@ use hardware::{Hardware, starts};
 pub use record::{CanRecord, Record, Telling, WireRecord};
 use record::{Teller, Told};
 
-/// Frames leave at most so long after their end on the emulated wire: on a full bus a turn a frame would
-/// be too many.
-const TURN_NS: u64 = 250_000;
+/// Frames leave together when the last of so long a time has ended on the emulated wire: a turn a frame
+/// would be too many on a full bus.
+const TURN_NS: u64 = 500_000;
 /// Without anything to do the outputs are still looked at this often.
-const IDLE_NS: u64 = 1_000_000;
+const IDLE_NS: u64 = 10_000_000;
 /// The kernel has so long to make a node of the bridge.
 const NODE_NS: u64 = 60_000_000_000;
 
@@ -90,6 +90,10 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
     .run()
 }
 
+fn broken(error: std::io::Error) -> Failure {
+    Failure::Device(format!("/dev/uhid: {error}"))
+}
+
 fn named(name: &str) -> CanRecord {
     CanRecord {
         name: name.into(),
@@ -149,35 +153,36 @@ impl Server<'_> {
     }
 
     /// Something that should have left at `due` leaves now.
-    fn was_due(&mut self, due: Nanos) {
-        let late_ms = self.now().since(due).0 as f64 / 1e6;
+    fn was_due(&mut self, due: Nanos, now: Nanos) {
+        let late_ms = now.since(due).0 as f64 / 1e6;
         self.record.latest_ms = self.record.latest_ms.max(late_ms);
     }
 
     fn run(mut self) -> Result<(), Failure> {
-        while !self.signals.raised() {
+        let mut ready = vec![true; 2 + self.can.len()];
+        while !(ready[0] && self.signals.raised()) {
             self.advance()?;
-            self.exchange_frames()?;
+            self.exchange_frames(&ready[2..])?;
+            if ready[1] {
+                self.take_requests()?;
+            }
             self.answer_requests()?;
             self.look_at_outputs()?;
             self.find_node()?;
             self.teller.flush()?;
-            self.sleep()?;
+            ready = self.sleep()?;
         }
         self.finish()
     }
 
-    /// When there is something to do next, if nobody asks for anything.
-    fn due(&self, now: Nanos) -> Nanos {
+    /// Waits until somebody asks for something or there is something to do.
+    fn sleep(&self) -> Result<Vec<bool>, Failure> {
+        let now = self.now();
         let frames = self.hardware.next_event().max(now + Nanos(TURN_NS));
         let answer = self.answers.front().map_or(Nanos::MAX, |a| a.0);
-        frames.min(answer).min(now + Nanos(IDLE_NS))
-    }
-
-    fn sleep(&self) -> Result<(), Failure> {
+        let until = frames.min(answer).min(now + Nanos(IDLE_NS));
         let mut fds = vec![self.signals.as_fd(), self.uhid.as_fd()];
         fds.extend(self.can.iter().map(AsFd::as_fd));
-        let until = self.due(self.now());
         wait(&fds, self.epoch + until.0).map_err(|e| Failure::Device(format!("waiting: {e}")))
     }
 
@@ -216,16 +221,17 @@ impl Server<'_> {
     }
 
     /// Boards' frames out, everybody else's in.
-    fn exchange_frames(&mut self) -> Result<(), Failure> {
+    fn exchange_frames(&mut self, ready: &[bool]) -> Result<(), Failure> {
         let gone = |name: &str, e: std::io::Error| Failure::Device(format!("{name}: {e}"));
+        let now = self.now();
         while let Some((due, received)) = self.hardware.frame() {
-            self.was_due(due);
+            self.was_due(due, now);
             if let Some(interface) = self.can.get_mut(usize::from(received.bus)) {
                 let sent = interface.send(&received.frame);
                 sent.map_err(|e| gone(interface.name(), e))?;
             }
         }
-        for bus in 0..self.can.len() {
+        for (bus, _) in ready.iter().enumerate().filter(|r| *r.1) {
             loop {
                 let interface = &mut self.can[bus];
                 let heard = interface.receive();
@@ -245,9 +251,8 @@ impl Server<'_> {
         Ok(())
     }
 
-    /// Takes what the kernel's driver asks of the bridge, and answers what is due.
-    fn answer_requests(&mut self) -> Result<(), Failure> {
-        let broken = |e: std::io::Error| Failure::Device(format!("/dev/uhid: {e}"));
+    /// Takes what the kernel's driver asks of the bridge.
+    fn take_requests(&mut self) -> Result<(), Failure> {
         while let Some(request) = self.uhid.receive().map_err(broken)? {
             match &request {
                 Request::Report(report) => {
@@ -262,10 +267,15 @@ impl Server<'_> {
                 _ => self.uhid.refuse(&request).map_err(broken)?,
             }
         }
+        Ok(())
+    }
+
+    /// Gives the answers that are due.
+    fn answer_requests(&mut self) -> Result<(), Failure> {
         let now = self.now();
         while let Some((due, answer)) = self.answers.pop_front_if(|a| a.0 <= now) {
             if due > Nanos::ZERO {
-                self.was_due(due);
+                self.was_due(due, now);
             }
             self.uhid.send(&answer).map_err(broken)?;
         }

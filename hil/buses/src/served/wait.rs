@@ -49,19 +49,19 @@ impl AsFd for Signals {
     }
 }
 
-/// Waits until one of `fds` can be read, or until the monotonic clock shows `until_ns`.
+/// Waits until one of `fds` can be read, or until the monotonic clock shows `until_ns`. Returns which of
+/// them can be read, or have an error to tell.
 ///
 /// # Errors
 /// What the system says.
-pub fn wait(fds: &[BorrowedFd<'_>], until_ns: u64) -> io::Result<()> {
+pub fn wait(fds: &[BorrowedFd<'_>], until_ns: u64) -> io::Result<Vec<bool>> {
     let left = until_ns.saturating_sub(monotonic_ns());
     let left = TimeSpec::new((left / 1_000_000_000) as i64, (left % 1_000_000_000) as i64);
-    let mut fds: Vec<PollFd<'_>> = fds
-        .iter()
-        .map(|fd| PollFd::new(*fd, PollFlags::POLLIN))
-        .collect();
-    match ppoll(&mut fds, Some(left), None) {
-        Ok(_) | Err(Errno::EINTR) => Ok(()),
+    let poll = |fd: &BorrowedFd<'_>| PollFd::new(*fd, PollFlags::POLLIN);
+    let mut polled: Vec<PollFd<'_>> = fds.iter().map(poll).collect();
+    match ppoll(&mut polled, Some(left), None) {
+        Ok(_) => Ok(polled.iter().map(|p| p.any().unwrap_or(true)).collect()),
+        Err(Errno::EINTR) => Ok(vec![true; fds.len()]),
         Err(error) => Err(error.into()),
     }
 }
