@@ -171,6 +171,18 @@ pub const fn scope(scope: files::Scope) -> Scope {
     }
 }
 
+/// The contact threshold of a scene.
+fn threshold(scene: &files::Scene) -> ThresholdRule {
+    let margin = scene.threshold_margin as f32;
+    match scene.threshold {
+        files::ThresholdRule::Maximum => ThresholdRule::Auto { margin },
+        files::ThresholdRule::PerTaxel => ThresholdRule::PerTaxel {
+            sigmas: files::THRESHOLD_SIGMAS as f32,
+            floor: margin,
+        },
+    }
+}
+
 /// The silence that ends a scan. On a bus with room the frames of a scan come within milliseconds; on one
 /// that waiting boards overload they spread over the whole scan, and the next scan's follow a scan later.
 fn scan_gap(layout: &Layout, scene: &files::Scene) -> Duration {
@@ -275,10 +287,11 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
             initialiser: InitialiserSettings {
                 reference_frames: scene.reference_frames,
                 fault_sigmas: scene.faulty_deviations.map(|k| k as f32),
-                threshold: ThresholdRule::Auto {
-                    margin: scene.threshold_margin as f32,
-                },
+                threshold: threshold(scene),
                 axes: axes(scene.compression.axes),
+                drift: scene
+                    .drift_s
+                    .map(|s| Duration::from_micros((s * 1e6).round() as u64)),
             },
             compression: Settings {
                 clusters: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),

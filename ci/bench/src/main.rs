@@ -66,7 +66,7 @@ fn stages(
     let samples = measure(ROUND, 50 * ROUND, |i| {
         let made = initialiser
             .relative(&scans[i % ROUND], &mut relative)
-            .and_then(|()| compressor.compress(&relative).map(<[_]>::len));
+            .and_then(|_| compressor.compress(&relative).map(<[_]>::len));
         match made {
             Ok(_) if relative.contacts().len() == wanted => {}
             other => failure = Some(format!("{case}: {other:?}")),

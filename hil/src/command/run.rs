@@ -139,6 +139,12 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
         };
     }
     if !args.replay.is_empty() {
+        if args.scene.is_none() {
+            // Real boards are noisy, drift, and differ: the scene's own rule is for emulated ones.
+            scene.value.threshold = files::ThresholdRule::PerTaxel;
+            scene.value.threshold_margin = files::THRESHOLD_FLOOR;
+            scene.value.drift_s = Some(files::DRIFT_S);
+        }
         scene.value.touches.clear();
         scene.value.name = format!("replay of {}", args.replay[0].display());
     }
