@@ -137,6 +137,9 @@ pub struct RunArgs {
     /// Print nothing but errors.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
+    /// Print the plan, and after the run what was done and what was left out.
+    #[arg(long)]
+    pub explain: bool,
     /// Write the schedule as JSON Lines.
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,

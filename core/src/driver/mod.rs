@@ -2,4 +2,4 @@
 
 mod pca9685;
 
-pub use pca9685::{DriverError, Pca9685Bank};
+pub use pca9685::{DriverError, Pca9685Bank, Traffic};

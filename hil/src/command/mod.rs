@@ -2,6 +2,7 @@
 
 mod bench;
 mod contacts;
+mod explain;
 mod rate;
 mod run;
 

@@ -1,5 +1,6 @@
 //! `hil run`.
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use palpate_records::contacts_csv::write_contacts;
@@ -12,6 +13,7 @@ use crate::files::{self, Kind, Scene, Setup, load_bench, load_layout, load_scene
 use crate::output::{make_folder, note, print, write_file};
 use crate::run::{self, Input, Outcome};
 
+use super::explain;
 use super::rate::rate_of;
 
 /// The scene of `hil run` without a name.
@@ -68,6 +70,9 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         },
     };
     let files = wanted(args)?;
+    if args.explain {
+        explained(args, |out| explain::plan(&setup, out))?;
+    }
     let mut outcome = run::run(&setup, &input, args.seed)?;
     let failure = outcome.failure.take();
     if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.quiet) {
@@ -95,7 +100,25 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
                 .try_for_each(|(_, path)| writeln!(out, "  wrote           {}", path.display()))
         })
     }?;
+    if args.explain {
+        explained(args, |out| explain::done(&outcome.effort, out))?;
+    }
     failure.map_or(Ok(()), Err)
+}
+
+/// Prints an explanation: on standard output, or beside the object or silence that is asked for there.
+fn explained(
+    args: &RunArgs,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Failure> {
+    if !(args.json || args.quiet) {
+        return print(write);
+    }
+    let mut text = Vec::new();
+    // Writing to memory does not fail.
+    let _ = write(&mut text);
+    note(String::from_utf8_lossy(&text).trim_end());
+    Ok(())
 }
 
 /// The files to write, checked before anything runs.

@@ -2,6 +2,7 @@
 
 mod boards;
 mod effects;
+pub mod effort;
 mod ends;
 mod feel;
 mod recorder;
@@ -35,6 +36,7 @@ use crate::failure::Failure;
 use crate::files::Setup;
 use crate::plan;
 
+use effort::Effort;
 use ends::{display, header};
 use feel::{feel, sample_wires};
 use recorder::{Onset, Recorder};
@@ -69,6 +71,8 @@ pub struct Outcome {
     pub summary: Summary,
     /// Computing time of each frame, microseconds.
     pub frame_us: Vec<f32>,
+    /// What was done and what was left out.
+    pub effort: Effort,
     /// What ended the run before its time; the outputs are off.
     pub failure: Option<Failure>,
 }
@@ -178,6 +182,9 @@ fn calibrate(
     end: Instant,
 ) -> Result<Levels, Failure> {
     let k = setup.scene.value.compression.ki as usize;
+    if k <= 1 {
+        return Ok(Levels::Off); // every contact has the one level there is
+    }
     let mut projector = build(setup, seed, Levels::Off)?;
     let mut recorder = Recorder::default();
     let mut now = Instant::ZERO;
@@ -262,6 +269,7 @@ fn project(
     let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
     let mut pending: Option<Onset> = None;
     let mut failure = None;
+    let mut effort = Effort::default();
     while now < end {
         skin.advance_to(now);
         let edges = &mut recorder.events;
@@ -308,6 +316,7 @@ fn project(
             let frames = recorder.frames - before;
             let each = spent.as_secs_f32() * 1e6 / frames as f32;
             frame_us.extend(std::iter::repeat_n(each, frames as usize));
+            effort.note(&projector.work(), frames, each);
             spent = std::time::Duration::ZERO;
         }
         if onset {
@@ -367,10 +376,14 @@ fn project(
     summary.buses = skin.buses();
     summary.faults = script.report();
     summary.taxels.list(&projector, end);
+    recorder.tell(&mut effort, projector.display().wires().len());
+    effort.traffic = bank.traffic();
+    effort.calibrated = setup.scene.value.compression.ki > 1;
     Ok(Outcome {
         trace,
         summary,
         frame_us,
+        effort,
         failure,
     })
 }
