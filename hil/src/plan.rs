@@ -24,7 +24,7 @@ fn point([x, y]: [f64; 2]) -> Point {
 /// board's address.
 fn module(file: &files::Module, axes: u8) -> Result<Module, LayoutError> {
     let limited = |n: usize| u16::try_from(n).unwrap_or(u16::MAX);
-    let built = match (&file.grid, &file.points_mm) {
+    let built = match (&file.grid, file.scattered()) {
         (Some(grid), _) => Module::grid(
             &file.name,
             limited(grid.rows),
@@ -32,12 +32,8 @@ fn module(file: &files::Module, axes: u8) -> Result<Module, LayoutError> {
             grid.pitch_mm as f32,
         )?,
         (None, points) => {
-            let points = points
-                .iter()
-                .flatten()
-                .copied()
-                .map(point)
-                .collect::<Vec<_>>();
+            let points = points.into_iter().flatten().map(point);
+            let points = points.collect::<Vec<_>>();
             Module::scattered(&file.name, &points)?
         }
     };
