@@ -116,7 +116,7 @@ pub struct RunArgs {
     /// A built-in bench or a file (default: emulated).
     #[arg(long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
-    /// Recorded taxels (CSV) in place of the scene's touches; once a module of the layout.
+    /// Recorded taxels in place of the scene's touches: CSV, once a module of the layout, or one candump .log.
     #[arg(long, value_name = "FILE")]
     pub replay: Vec<PathBuf>,
     /// Sensor layout of the recording (default: the scene's).
@@ -146,7 +146,7 @@ pub struct RunArgs {
     /// Write a report: one HTML page with plots.
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
-    /// Write a record; the ending names the format: .csv contacts, .jsonl schedule. Repeatable.
+    /// Write a record; the ending names the format: .csv contacts, .jsonl schedule, .log candump. Repeatable.
     #[arg(long, value_name = "FILE")]
     pub record: Vec<PathBuf>,
     /// Whether intensity levels change the drive.

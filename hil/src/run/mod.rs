@@ -6,7 +6,9 @@ pub mod effort;
 mod ends;
 mod feel;
 mod recorder;
+mod replay;
 mod script;
+mod sensor;
 mod skin;
 mod summary;
 mod supervisor;
@@ -19,7 +21,7 @@ pub use summary::{IllTaxel, Summary, Taxels};
 use std::convert::Infallible;
 use std::path::PathBuf;
 
-use palpate_core::bus::{Actuators, SensorBus};
+use palpate_core::bus::{Actuators, Received};
 use palpate_core::contact::{LevelTable, Levels};
 use palpate_core::driver::Pca9685Bank;
 use palpate_core::guard::Guarded;
@@ -27,7 +29,6 @@ use palpate_core::projector::{Cause, LoopError, Projector};
 use palpate_core::units::{Duration, Instant};
 use palpate_emulators::can::faults::Faulty;
 use palpate_emulators::i2c::fault::{I2cFault, I2cFaults, Shared};
-use palpate_emulators::rig::Handle;
 use palpate_emulators::time::Nanos;
 use palpate_records::trace::{Event, Ledger, Trace};
 
@@ -40,8 +41,9 @@ use effort::Effort;
 use ends::{display, header};
 use feel::{feel, sample_wires};
 use recorder::{Onset, Recorder};
+use replay::Replay;
 use script::{Bench, Script};
-use skin::Replay;
+use sensor::{Skin, Tapped};
 use supervisor::Supervisor;
 use tape::Tape;
 
@@ -53,7 +55,7 @@ const TICK: Duration = Duration::from_millis(1);
 pub enum Input {
     /// The scene's touches on an emulated skin.
     Scene,
-    /// Recorded rows, one file a module, at a rate where the files have no times.
+    /// Recorded rows, one file a module, at a rate where the files have no times; or one candump log.
     Replay {
         /// The files.
         paths: Vec<PathBuf>,
@@ -75,41 +77,15 @@ pub struct Outcome {
     pub effort: Effort,
     /// What ended the run before its time; the outputs are off.
     pub failure: Option<Failure>,
+    /// Frames on the sensor buses as the host saw them, if they were to be kept.
+    pub can: Vec<Received>,
 }
 
-/// A sensor end whose virtual time the run moves.
-trait Skin: SensorBus {
-    fn advance_to(&mut self, now: Instant);
-
-    /// The emulated skin behind its fault layer.
-    fn emulated(&mut self) -> Option<&mut Faulty<Handle>> {
-        None
-    }
-
-    /// Its buses, where they are emulated.
-    fn buses(&self) -> Vec<BusReport> {
-        Vec::new()
-    }
-}
-
-impl Skin for Faulty<Handle> {
-    fn advance_to(&mut self, now: Instant) {
-        self.inner_mut().advance(Nanos::from(now));
-    }
-
-    fn emulated(&mut self) -> Option<&mut Faulty<Handle>> {
-        Some(self)
-    }
-
-    fn buses(&self) -> Vec<BusReport> {
-        self.inner().with(|buses| boards::buses(buses))
-    }
-}
-
-impl Skin for Replay {
-    fn advance_to(&mut self, now: Instant) {
-        self.advance(now);
-    }
+/// What a run keeps beside its trace.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Keep {
+    /// Every frame on the sensor buses: 24 bytes each, 1600 a second for a module of 16 taxels at 100 Hz.
+    pub can: bool,
 }
 
 /// Nobody listens: for a pass that only looks at contacts.
@@ -132,6 +108,19 @@ impl Actuators for Silence {
 /// # Errors
 /// [`Failure`] for input that fits no loop, or a bus that fails.
 pub fn run(setup: &Setup, input: &Input, seed: u64) -> Result<Outcome, Failure> {
+    run_keeping(setup, input, seed, Keep::default())
+}
+
+/// [`run`], keeping more.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_keeping(
+    setup: &Setup,
+    input: &Input,
+    seed: u64,
+    keep: Keep,
+) -> Result<Outcome, Failure> {
     let started = clock::now();
     let layout = plan::layout(&setup.sensor.value)?;
     let scene = &setup.scene.value;
@@ -144,18 +133,20 @@ pub fn run(setup: &Setup, input: &Input, seed: u64) -> Result<Outcome, Failure> 
             let truth = || Some((scene.touches.clone(), scene.drives));
             if scene.faults.is_empty() && tape.is_exact() {
                 tape.rewind(end);
+                let mut tape = Tapped::new(tape, keep.can);
                 let levels = levels.clone();
                 let outcome = project(setup, seed, levels, &mut tape, truth(), end, started)?;
-                if tape.is_exact() {
+                if tape.inner().is_exact() {
                     return Ok(outcome);
                 }
             }
-            let mut faulty = Faulty::new(skin()?, seed, "sensor bus");
+            let faulty = Faulty::new(skin()?, seed, "sensor bus");
+            let mut faulty = Tapped::new(faulty, keep.can);
             project(setup, seed, levels, &mut faulty, truth(), end, started)
         }
         Input::Replay { paths, rate_hz } => {
             let open = || Replay::open(paths, &setup.sensor.value, &layout, *rate_hz);
-            let (mut first, mut second) = (open()?, open()?);
+            let (mut first, mut second) = (open()?, Tapped::new(open()?, keep.can));
             if first.rows() <= scene.reference_frames as usize {
                 return Err(Failure::Input(format!(
                     "{}: expected more than the {} reference rows, found {}",
@@ -213,7 +204,7 @@ fn project(
     setup: &Setup,
     seed: u64,
     levels: Levels,
-    skin: &mut impl Skin,
+    skin: &mut Tapped<impl Skin>,
     truth: Option<(Vec<crate::files::Touch>, usize)>,
     end: Instant,
     started: std::time::Instant,
@@ -385,6 +376,7 @@ fn project(
         frame_us,
         effort,
         failure,
+        can: skin.take(),
     })
 }
 

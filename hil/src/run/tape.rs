@@ -11,6 +11,7 @@ use palpate_emulators::rig::{Handle, HostError};
 use palpate_emulators::time::Nanos;
 
 use super::boards::{self, BusReport};
+use super::sensor::Skin;
 
 /// Frames that a tape holds at most, 24 bytes each: three minutes of a hand of 240 taxels at 100 Hz. What is
 /// longer is emulated twice.
@@ -52,7 +53,7 @@ impl Tape {
     }
 }
 
-impl super::Skin for Tape {
+impl Skin for Tape {
     fn advance_to(&mut self, now: Instant) {
         self.now = self.now.max(now.into());
         if self.next.is_none() {
