@@ -24,7 +24,7 @@ fn point([x, y]: [f64; 2]) -> Point {
 /// board's address.
 fn module(file: &files::Module, axes: u8) -> Result<Module, LayoutError> {
     let limited = |n: usize| u16::try_from(n).unwrap_or(u16::MAX);
-    let built = match (&file.grid, &file.points_mm) {
+    let built = match (&file.grid, file.scattered()) {
         (Some(grid), _) => Module::grid(
             &file.name,
             limited(grid.rows),
@@ -32,12 +32,8 @@ fn module(file: &files::Module, axes: u8) -> Result<Module, LayoutError> {
             grid.pitch_mm as f32,
         )?,
         (None, points) => {
-            let points = points
-                .iter()
-                .flatten()
-                .copied()
-                .map(point)
-                .collect::<Vec<_>>();
+            let points = points.into_iter().flatten().map(point);
+            let points = points.collect::<Vec<_>>();
             Module::scattered(&file.name, &points)?
         }
     };
@@ -192,6 +188,18 @@ pub const fn scope(scope: files::Scope) -> Scope {
     }
 }
 
+/// The contact threshold of a scene.
+fn threshold(scene: &files::Scene) -> ThresholdRule {
+    let margin = scene.threshold_margin as f32;
+    match scene.threshold {
+        files::ThresholdRule::Maximum => ThresholdRule::Auto { margin },
+        files::ThresholdRule::PerTaxel => ThresholdRule::PerTaxel {
+            sigmas: files::THRESHOLD_SIGMAS as f32,
+            floor: margin,
+        },
+    }
+}
+
 /// The silence that ends a scan. On a bus with room the frames of a scan come within milliseconds; on one
 /// that waiting boards overload they spread over the whole scan, and the next scan's follow a scan later.
 fn scan_gap(layout: &Layout, scene: &files::Scene) -> Duration {
@@ -296,10 +304,11 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
             initialiser: InitialiserSettings {
                 reference_frames: scene.reference_frames,
                 fault_sigmas: scene.faulty_deviations.map(|k| k as f32),
-                threshold: ThresholdRule::Auto {
-                    margin: scene.threshold_margin as f32,
-                },
+                threshold: threshold(scene),
                 axes: axes(scene.compression.axes),
+                drift: scene
+                    .drift_s
+                    .map(|s| Duration::from_micros((s * 1e6).round() as u64)),
             },
             compression: Settings {
                 clusters: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),

@@ -1,5 +1,6 @@
 //! `hil run`.
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use palpate_records::contacts_csv::write_contacts;
@@ -15,6 +16,7 @@ use crate::run::{self, Input, Keep, Outcome};
 use crate::run::real::Kind as LiveKind;
 
 use super::devices::bench;
+use super::explain;
 use super::rate::rate_of;
 
 /// The scene of `hil run` without a name.
@@ -72,6 +74,9 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         },
     };
     let mut files = wanted(args)?;
+    if args.explain {
+        explained(args, |out| explain::plan(&setup, out))?;
+    }
     let keep = Keep {
         can: files.iter().any(|(format, _)| *format == Format::Can),
     };
@@ -118,6 +123,9 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
                 .try_for_each(|(_, path)| writeln!(out, "  wrote           {}", path.display()))
         })
     }?;
+    if args.explain {
+        explained(args, |out| explain::done(&outcome.effort, out))?;
+    }
     failure.map_or(Ok(()), Err)
 }
 
@@ -134,6 +142,21 @@ fn split(files: Vec<(Format, PathBuf)>) -> (Vec<(LiveKind, PathBuf)>, Vec<(Forma
         }
     }
     (live, later)
+}
+
+/// Prints an explanation: on standard output, or beside the object or silence that is asked for there.
+fn explained(
+    args: &RunArgs,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Failure> {
+    if !(args.json || args.quiet) {
+        return print(write);
+    }
+    let mut text = Vec::new();
+    // Writing to memory does not fail.
+    let _ = write(&mut text);
+    note(String::from_utf8_lossy(&text).trim_end());
+    Ok(())
 }
 
 /// The files to write, checked before anything runs.
@@ -177,6 +200,12 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
         };
     }
     if !args.replay.is_empty() {
+        if args.scene.is_none() {
+            // Real boards are noisy, drift, and differ: the scene's own rule is for emulated ones.
+            scene.value.threshold = files::ThresholdRule::PerTaxel;
+            scene.value.threshold_margin = files::THRESHOLD_FLOOR;
+            scene.value.drift_s = Some(files::DRIFT_S);
+        }
         scene.value.touches.clear();
         scene.value.name = format!("replay of {}", args.replay[0].display());
     }

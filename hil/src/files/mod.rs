@@ -36,8 +36,8 @@ pub use limits::{
 };
 pub use resolve::{Kind, resolve, resolve_from};
 pub use scene::{
-    Axes, Boards, Compression, Expect, Generation, Illusion, IllusionModel, Map, Norm, Overload,
-    Scene, Scope,
+    Axes, Boards, Compression, DRIFT_S, Expect, Generation, Illusion, IllusionModel, Map, Norm,
+    Overload, Scene, Scope, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdRule,
 };
 pub use setup::{Loaded, Setup, load_bench, load_layout, load_limits, load_scene};
 pub use source::Source;

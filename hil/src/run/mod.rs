@@ -3,6 +3,7 @@
 
 mod boards;
 mod effects;
+pub mod effort;
 pub(crate) mod ends;
 mod feel;
 pub mod real;
@@ -38,6 +39,7 @@ use crate::failure::Failure;
 use crate::files::Setup;
 use crate::plan;
 
+use effort::Effort;
 use ends::{display, header};
 use feel::{feel, sample_wires};
 use recorder::{Onset, Recorder};
@@ -73,6 +75,8 @@ pub struct Outcome {
     pub summary: Summary,
     /// Computing time of each frame, microseconds.
     pub frame_us: Vec<f32>,
+    /// What was done and what was left out.
+    pub effort: Effort,
     /// What ended the run before its time; the outputs are off.
     pub failure: Option<Failure>,
     /// Frames on the sensor buses as the host saw them, if they were to be kept.
@@ -181,6 +185,9 @@ fn calibrate(
     end: Instant,
 ) -> Result<Levels, Failure> {
     let k = setup.scene.value.compression.ki as usize;
+    if k <= 1 {
+        return Ok(Levels::Off); // every contact has the one level there is
+    }
     let mut projector = build(setup, seed, Levels::Off)?;
     let mut recorder = Recorder::default();
     let mut now = Instant::ZERO;
@@ -265,6 +272,7 @@ fn project(
     let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
     let mut pending: Option<Onset> = None;
     let mut failure = None;
+    let mut effort = Effort::default();
     while now < end {
         skin.advance_to(now);
         let edges = &mut recorder.events;
@@ -311,6 +319,7 @@ fn project(
             let frames = recorder.frames - before;
             let each = spent.as_secs_f32() * 1e6 / frames as f32;
             frame_us.extend(std::iter::repeat_n(each, frames as usize));
+            effort.note(&projector.work(), frames, each);
             spent = std::time::Duration::ZERO;
         }
         if onset {
@@ -370,10 +379,14 @@ fn project(
     summary.buses = skin.buses();
     summary.faults = script.report();
     summary.taxels.list(&projector, end);
+    recorder.tell(&mut effort, projector.display().wires().len());
+    effort.traffic = bank.traffic();
+    effort.calibrated = setup.scene.value.compression.ki > 1;
     Ok(Outcome {
         trace,
         summary,
         frame_us,
+        effort,
         failure,
         can: skin.take(),
     })

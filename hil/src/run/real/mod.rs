@@ -21,6 +21,7 @@ use palpate_core::units::Instant;
 use palpate_core::wire::uskin::Command;
 use palpate_records::trace::{Event, Ledger, Trace};
 
+use super::effort::Effort;
 use super::ends::header;
 use super::recorder::Recorder;
 use super::supervisor::Supervisor;
@@ -41,6 +42,7 @@ struct Done {
     projector: Projector,
     recorder: Recorder,
     frame_us: Vec<f32>,
+    effort: Effort,
     lateness: Lateness,
     can: Vec<CanReport>,
     end: Instant,
@@ -117,6 +119,7 @@ fn drive(
     let mut supervisor = Supervisor::default();
     let mut pacer = Pacer::new(live.clock);
     let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
+    let mut effort = Effort::default();
     let mut failure = None;
     let mut now = pacer.wait(ready);
     let end = Instant::from_micros(length.as_micros().saturating_add(now.as_micros()));
@@ -181,6 +184,7 @@ fn drive(
             let frames = recorder.frames - before;
             let each = spent.as_secs_f32() * 1e6 / frames as f32;
             frame_us.extend(std::iter::repeat_n(each, frames as usize));
+            effort.note(&projector.work(), frames, each);
             spent = std::time::Duration::ZERO;
         }
         supervisor.restart_boards(now, &mut can, &projector, &mut recorder.events);
@@ -204,6 +208,8 @@ fn drive(
         failure.get_or_insert(Failure::Device(cause));
     }
     recorder.tell_taxels();
+    recorder.tell(&mut effort, projector.display().wires().len());
+    effort.traffic = live.banks.traffic();
     journal.tell(&recorder.events, can.take());
     if let Err(error) = journal.finish() {
         failure.get_or_insert(error);
@@ -213,6 +219,7 @@ fn drive(
         projector,
         recorder,
         frame_us,
+        effort,
         lateness: pacer.lateness().clone(),
         can: can
             .map(|(name, tally)| CanReport::new(name, tally))
@@ -283,6 +290,7 @@ fn outcome(
         trace,
         summary,
         frame_us: done.frame_us,
+        effort: done.effort,
         can: Vec::new(),
         failure: done.failure,
     })
