@@ -1,10 +1,16 @@
 //! From checked files to the core's own types.
 
+mod illusion;
+mod person;
+
+pub use illusion::{drive, model};
+pub use person::perceiver;
+
 use palpate_core::contact::{Levels, Norm, Scope, Settings};
 use palpate_core::guard::{Guard, Limits, Plant};
-use palpate_core::illusion::{Display, Drive, LogPhantom, Map, Rect, Shape, Wire, timing};
+use palpate_core::illusion::{Display, Map, Rect, Surface, Wire};
 use palpate_core::physics::{Alloy, WireParameters};
-use palpate_core::projector::{OutputSettings, Plan, SensingPlan};
+use palpate_core::projector::{Plan, SensingPlan};
 use palpate_core::skin::{
     Address, Axes, HealthSettings, InitialiserSettings, Layout, LayoutError, Module, ScanAssembler,
     ThresholdRule,
@@ -82,6 +88,7 @@ pub fn boards(bench: &files::Bench) -> Vec<u8> {
 /// [`Failure::Input`] with what no display can be.
 pub fn display(setup: &Setup) -> Result<Display, Failure> {
     let boards = boards(&setup.bench.value);
+    let file = &setup.display.value;
     let wires = setup
         .display
         .value
@@ -93,7 +100,13 @@ pub fn display(setup: &Setup) -> Result<Display, Failure> {
         board: Board(boards.iter().position(|&b| b == output.board).unwrap_or(0) as u8),
         channel: Channel(output.channel),
     };
+    let surface = file.surface.map_or(Surface::Flat, |s| Surface::Finger {
+        radius_mm: (s.diameter_mm / 2.0) as f32,
+        tip_mm: s.tip_mm as f32,
+    });
+    let [dx, dy] = file.spacing_mm;
     Display::new(&wires.map(wire).collect::<Vec<_>>())
+        .map(|d| d.with_spacing((dx as f32, dy as f32)).with_surface(surface))
         .map_err(|e| Failure::Input(format!("display `{}`: {e}", setup.display.value.name)))
 }
 
@@ -232,27 +245,6 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
     });
     let map = Map::new(sensor, stated, display.bounds()).map_err(|e| bad("map.sensor_mm", &e))?;
 
-    let illusion = &scene.illusion;
-    let ms = |ms: f64| Duration::from_micros((ms * 1e3).round() as u64);
-    let timing = timing(ms(illusion.tau_d_ms), illusion.soa_ms.map(ms))
-        .map_err(|e| bad("illusion.tau_d_ms", &e))?;
-    let shape = Shape {
-        x: illusion.shape as f32,
-        y: illusion.shape as f32,
-    };
-    let phantom = LogPhantom::new(&display, shape)
-        .ok_or_else(|| bad("illusion.shape", &"a shape factor above 0"))?;
-    let floor = if illusion.intensity {
-        illusion.intensity_floor as f32
-    } else {
-        1.0
-    };
-    let drive = Drive {
-        alpha: illusion.alpha as f32,
-        beta: illusion.beta as f32,
-        floor,
-    };
-
     let (prescale, peak) = (prescale(bench)?, milliamps(bench.drive.current_ma));
     let wire_milliohm = (wire(bench).resistance_ohm * 1e3).round() as u32;
     let limits = limits(&setup.limits.value, milliamps(bench.drive.supply_limit_ma));
@@ -267,6 +259,7 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
     )
     .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
 
+    let output = illusion::output(setup, &display, peak)?;
     Ok(Plan {
         sensing: SensingPlan {
             gap: scan_gap(&layout, scene),
@@ -294,12 +287,7 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
         drives: u16::try_from(scene.drives).unwrap_or(u16::MAX),
         map,
         display,
-        output: OutputSettings {
-            timing,
-            phantom,
-            drive,
-            peak,
-        },
+        output,
         guard,
     })
 }
