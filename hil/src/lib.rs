@@ -1,5 +1,7 @@
 //! The `hil` library: everything behind the command line.
 
+#[cfg(feature = "bench")]
+pub mod bench;
 pub mod cli;
 pub mod clock;
 pub mod command;

@@ -16,6 +16,7 @@ fn main() -> ExitCode {
         }),
         Some(Command::Run(args)) => command::run(&args),
         Some(Command::Contacts(args)) => command::contacts(&args),
+        Some(Command::Bench(args)) => command::bench(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -79,7 +79,7 @@ pub fn bench() -> Result<(), Box<dyn Error>> {
         "\n| K-means alone | ours warm, us | passes | textbook warm, us | ratio | textbook cold, us | ratio | cost to cold |\n\
          |---|---:|---:|---:|---:|---:|---:|---:|"
     )?;
-    for (n, k) in [(12, 4), (16, 8), (125, 4), (240, 8)] {
+    for (n, k) in [(12, 4), (16, 8), (125, 4), (240, 8), (2000, 16)] {
         let round: Vec<Cloud> = (0..ROUND).map(|f| cloud(n, k, f)).collect();
         let mut ours = KMeans::new(n, k);
         let (mut stream, mut draw) = (Stream::new(1, "bench"), Draw(1));

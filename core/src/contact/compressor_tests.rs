@@ -3,6 +3,7 @@
 use super::super::levels::LevelTable;
 use super::super::settings::Norm;
 use super::*;
+use crate::random::Stream;
 use crate::skin::{Axes, Module};
 
 fn pad() -> Layout {
@@ -193,7 +194,7 @@ fn whatever_comes_contacts_are_sound_and_reproducible() {
                 assert!((1..=3).contains(&c.level) && c.members > 0 && c.id > 0);
                 assert!(out[..i].iter().all(|o| o.id != c.id));
             }
-            let members: usize = out.iter().map(|c| usize::from(c.members)).sum();
+            let members: usize = out.iter().map(|c| c.members as usize).sum();
             assert_eq!(members, f.contacts().len());
         }
     }

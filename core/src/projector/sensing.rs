@@ -38,12 +38,42 @@ struct Pipeline {
     refused: Option<FrameError>,
 }
 
+/// Who sends under which number: modules by bus and board.
+#[derive(Debug, Default)]
+struct Senders {
+    /// Index and wiring of a bus's modules by board; the last place is the first module of the bus, for
+    /// identifiers that name no board.
+    buses: Vec<[Option<(u16, Wiring)>; BOARDS + 1]>,
+}
+
+/// Boards that a bus can have.
+const BOARDS: usize = 16;
+
+impl Senders {
+    fn add(&mut self, index: usize, address: Address, wiring: Wiring) {
+        let bus = usize::from(address.bus);
+        if self.buses.len() <= bus {
+            self.buses.resize(bus + 1, [None; BOARDS + 1]);
+        }
+        let sender = (index as u16, wiring); // a bus has at most 16 boards
+        for place in [usize::from(address.board), BOARDS] {
+            if let Some(slot) = self.buses[bus].get_mut(place) {
+                slot.get_or_insert(sender);
+            }
+        }
+    }
+
+    fn find(&self, bus: u8, board: Option<u8>) -> Option<(u16, Wiring)> {
+        let place = board.map_or(BOARDS, usize::from);
+        *self.buses.get(usize::from(bus))?.get(place)?
+    }
+}
+
 /// The state of the sensor half.
 #[derive(Debug)]
 pub(super) struct Sensing {
     profile: IdProfile,
-    /// Address and wiring of each module that a board can carry.
-    modules: Vec<Option<(Address, Wiring)>>,
+    senders: Senders,
     assembler: ScanAssembler,
     pipeline: Pipeline,
     /// Whether every module drives the display, or one.
@@ -131,7 +161,7 @@ impl Sensing {
         let layout = plan.layout;
         let whole = plan.compression.scope == Scope::Skin;
         let mut assembler = ScanAssembler::new(&layout, plan.gap);
-        let mut modules = Vec::with_capacity(layout.modules().len());
+        let mut senders = Senders::default();
         for (index, module) in layout.modules().iter().enumerate() {
             let wiring = module.wiring();
             let active = (0..module.points().len()).filter(|&i| module.active()[i]);
@@ -139,12 +169,14 @@ impl Sensing {
             if let Some(last) = active.filter_map(order).max() {
                 assembler.set_last_order(index, last as u32); // a board has at most 64 taxels
             }
-            modules.push(module.address().zip(wiring));
+            if let Some((address, wiring)) = module.address().zip(wiring) {
+                senders.add(index, address, wiring);
+            }
         }
         let initialiser = Initialiser::new(&layout, plan.initialiser)?;
         let sensing = Self {
             profile: plan.profile,
-            modules,
+            senders,
             assembler,
             pipeline: Pipeline {
                 relative: RelativeFrame::new(&layout),
@@ -239,17 +271,11 @@ impl Sensing {
         let Ok(Message::Data(data)) = decode(self.profile, &received.frame) else {
             return None;
         };
-        let is_sender =
-            |a: &Address| a.bus == received.bus && data.board.is_none_or(|b| b == a.board);
-        let mut wired = self.modules.iter().enumerate();
-        let (index, wiring) = wired.find_map(|(i, module)| {
-            let (address, wiring) = module.as_ref()?;
-            is_sender(address).then_some((i, *wiring))
-        })?;
+        let (module, wiring) = self.senders.find(received.bus, data.board)?;
         let (_, taxel) = wiring.taxel(data.place)?;
         let order = wiring.order(data.place)?;
         let reading = Reading {
-            module: index as u16, // a bus has at most 16 boards
+            module,
             taxel: taxel as u32,
             order: order as u32,
             counts: [data.reading.x, data.reading.y, data.reading.z],
@@ -260,7 +286,7 @@ impl Sensing {
             pipeline.frame(scan, m, layout, observer)
         });
         push.ok()?;
-        if self.whole || index == usize::from(self.pipeline.drives) {
+        if self.whole || module == self.pipeline.drives {
             self.last_received = Some(received.at);
         }
         Some(())

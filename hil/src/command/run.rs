@@ -9,9 +9,11 @@ use palpate_records::schedule::write_schedule;
 
 use crate::cli::{RunArgs, Switch};
 use crate::failure::Failure;
-use crate::files::{self, IllusionModel, Kind, Scene, Setup, load_bench, load_layout, load_scene};
+use crate::files::{
+    self, IllusionModel, Kind, Scene, Setup, load_bench, load_layout, load_scene, write_can_log,
+};
 use crate::output::{make_folder, note, print, write_file};
-use crate::run::{self, Input, Outcome};
+use crate::run::{self, Input, Keep, Outcome};
 
 use super::rate::rate_of;
 
@@ -25,6 +27,7 @@ const DEFAULT_BENCH: &str = "emulated";
 enum Format {
     Contacts,
     Schedule,
+    Can,
     Report,
     Summary,
 }
@@ -34,8 +37,9 @@ impl Format {
         match path.extension().and_then(|e| e.to_str()) {
             Some("csv") => Ok(Self::Contacts),
             Some("jsonl") => Ok(Self::Schedule),
+            Some("log") => Ok(Self::Can),
             _ => Err(Failure::Input(format!(
-                "--record {}: expected a name that ends in .csv (contacts) or .jsonl (schedule)",
+                "--record {}: expected a name that ends in .csv (contacts), .jsonl (schedule) or .log (candump)",
                 path.display()
             ))),
         }
@@ -45,6 +49,7 @@ impl Format {
         write_file(path, |out| match self {
             Self::Contacts => write_contacts(&outcome.trace, out),
             Self::Schedule => write_schedule(&outcome.trace, out),
+            Self::Can => write_can_log(&outcome.can, out),
             Self::Report => out.write_all(report(outcome).as_bytes()),
             Self::Summary => {
                 serde_json::to_writer_pretty(&mut *out, &outcome.summary)?;
@@ -69,7 +74,10 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         },
     };
     let files = wanted(args)?;
-    let mut outcome = run::run(&setup, &input, args.seed)?;
+    let keep = Keep {
+        can: files.iter().any(|(format, _)| *format == Format::Can),
+    };
+    let mut outcome = run::run_keeping(&setup, &input, args.seed, keep)?;
     let failure = outcome.failure.take();
     if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.quiet) {
         note(&format!("{hz} rows a second, from {}", meta.display()));

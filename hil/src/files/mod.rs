@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod bench;
+mod can_log;
 mod error;
 mod fault;
 mod illusion;
@@ -25,6 +26,7 @@ mod schema;
 mod tests;
 
 pub use bench::{Bench, BenchKind, Drive, Output, Transition, Wire};
+pub use can_log::{is_can_log, read_can_log, write_can_log};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
 pub use illusion::{Distances, Illusion, IllusionModel, PerceiverFile, Sharing, Timing, Wearer};

@@ -138,7 +138,7 @@ impl Observer for Recorder {
                 place: um(contact.place),
                 intensity_milli: (f64::from(contact.intensity) * 1e3).round() as u32,
                 level: contact.level,
-                members: contact.members,
+                members: u16::try_from(contact.members).unwrap_or(u16::MAX),
             });
         }
         if let Some((place, force_n)) = self.truth_at(report.at) {

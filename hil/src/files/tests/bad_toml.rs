@@ -249,7 +249,7 @@ fn files_that_do_not_fit_together() {
     );
     assert_eq!(
         join(("uskin-4x4", "uskin"), same),
-        "s.toml:5: layout: expected a layout (allegro, scattered-12, thimble-8, three-in-line, uskin-4x4, uskin-4x4-pair, uskin-4x6) or a file, found \"uskin\""
+        "s.toml:5: layout: expected a layout (allegro, scattered-12, tactile-brush-4x3, thimble-8, three-in-line, uskin-4x4, uskin-4x4-pair, uskin-4x6) or a file, found \"uskin\""
     );
     assert_eq!(
         join(
