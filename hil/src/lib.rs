@@ -6,6 +6,7 @@ pub mod cli;
 pub mod clock;
 pub mod command;
 pub mod failure;
+pub mod felt;
 pub mod files;
 pub mod output;
 pub mod plan;

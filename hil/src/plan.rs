@@ -88,18 +88,32 @@ pub fn boards(bench: &files::Bench) -> Vec<u8> {
 /// [`Failure::Input`] with what no display can be.
 pub fn display(setup: &Setup) -> Result<Display, Failure> {
     let boards = boards(&setup.bench.value);
-    let file = &setup.display.value;
-    let wires = setup
-        .display
-        .value
-        .wires_mm
-        .iter()
-        .zip(&setup.bench.value.outputs);
-    let wire = |(place, output): (&[f64; 2], &files::Output)| Wire {
-        place: point(*place),
-        board: Board(boards.iter().position(|&b| b == output.board).unwrap_or(0) as u8),
-        channel: Channel(output.channel),
+    let outputs = &setup.bench.value.outputs;
+    display_of(&setup.display.value, |wire| {
+        let output = outputs.get(wire);
+        let board = output.and_then(|o| boards.iter().position(|&b| b == o.board));
+        let channel = output.map_or(0, |o| o.channel);
+        (Board(board.unwrap_or(0) as u8), Channel(channel))
+    })
+}
+
+/// A display file's wires on the outputs that `output` names for each.
+///
+/// # Errors
+/// [`Failure::Input`] with what no display can be.
+pub fn display_of(
+    file: &files::DisplayLayout,
+    output: impl Fn(usize) -> (Board, Channel),
+) -> Result<Display, Failure> {
+    let wire = |(index, place): (usize, &[f64; 2])| {
+        let (board, channel) = output(index);
+        Wire {
+            place: point(*place),
+            board,
+            channel,
+        }
     };
+    let wires = file.wires_mm.iter().enumerate();
     let surface = file.surface.map_or(Surface::Flat, |s| Surface::Finger {
         radius_mm: (s.diameter_mm / 2.0) as f32,
         tip_mm: s.tip_mm as f32,
@@ -107,7 +121,7 @@ pub fn display(setup: &Setup) -> Result<Display, Failure> {
     let [dx, dy] = file.spacing_mm;
     Display::new(&wires.map(wire).collect::<Vec<_>>())
         .map(|d| d.with_spacing((dx as f32, dy as f32)).with_surface(surface))
-        .map_err(|e| Failure::Input(format!("display `{}`: {e}", setup.display.value.name)))
+        .map_err(|e| Failure::Input(format!("display `{}`: {e}", file.name)))
 }
 
 /// PRE_SCALE for the frequency a bench asks for.
@@ -207,7 +221,7 @@ fn scan_gap(layout: &Layout, scene: &files::Scene) -> Duration {
 }
 
 /// The rectangle around what drives the display: the driving module's taxels, or the whole skin's.
-fn sensor_area(layout: &Layout, drives: usize, scope: Scope) -> Rect {
+pub fn sensor_area(layout: &Layout, drives: usize, scope: Scope) -> Rect {
     let places = |m: &Module, origin: Point| {
         let shifted = |p: &Point| Point::new(p.x + origin.x, p.y + origin.y);
         m.points().iter().map(shifted).collect::<Vec<_>>()

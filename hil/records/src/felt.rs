@@ -28,41 +28,71 @@ pub struct FeltScore {
     pub jumps: u64,
 }
 
-/// The felt path by both perceivers, the energy centroid first.
-pub fn felt_scores(trace: &Trace) -> [FeltScore; 2] {
-    let step = felt_step_um(trace);
-    PERCEIVERS.map(|perceiver| score(trace, perceiver, step))
+/// One onset with one contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FeltOnset {
+    /// The onset.
+    pub t_us: u64,
+    /// Where the contact was, on the display.
+    pub target: PlaceUm,
+    /// Whether that is inside the display.
+    pub inside: bool,
+    /// Where it was felt, if it was.
+    pub felt: Option<FeltAt>,
 }
 
-fn score(trace: &Trace, (name, place): Perceiver, step_um: u64) -> FeltScore {
-    let mut sum = Sum::default();
-    let (mut breaks, mut jumps) = (0, 0);
-    let mut before: Option<(u64, PlaceUm, PlaceUm)> = None;
-    let mut last: Option<PlaceUm> = None;
-    for event in &trace.events {
-        let Event::Felt {
+/// The felt path of a run by both perceivers, the energy centroid first.
+pub fn felt_scores(trace: &Trace) -> [FeltScore; 2] {
+    let onset = |event: &Event| match *event {
+        Event::Felt {
             t_us,
             target,
             inside,
             felt,
             ..
-        } = event
-        else {
-            continue;
-        };
-        let felt = felt.as_ref().map(place);
-        breaks += u64::from(*inside && felt.is_none());
-        if let (true, Some(held)) = (*inside, felt.or(last)) {
-            sum.add(distance2_um(held, *target));
+        } => Some(FeltOnset {
+            t_us,
+            target,
+            inside,
+            felt,
+        }),
+        _ => None,
+    };
+    let onsets: Vec<FeltOnset> = trace.events.iter().filter_map(onset).collect();
+    let wires: Vec<PlaceUm> = trace.header.wires.iter().map(|w| w.place).collect();
+    scores(&onsets, &wires, trace.header.soa_us)
+}
+
+/// The felt path of these onsets, one SOA apart where the contact stays, on a display with these wires.
+pub fn scores(onsets: &[FeltOnset], wires: &[PlaceUm], soa_us: u64) -> [FeltScore; 2] {
+    let step = felt_step_um(wires);
+    PERCEIVERS.map(|perceiver| score(onsets, perceiver, step, soa_us))
+}
+
+fn score(
+    onsets: &[FeltOnset],
+    (name, place): Perceiver,
+    step_um: u64,
+    soa_us: u64,
+) -> FeltScore {
+    let mut sum = Sum::default();
+    let (mut breaks, mut jumps) = (0, 0);
+    let mut before: Option<(u64, PlaceUm, PlaceUm)> = None;
+    let mut last: Option<PlaceUm> = None;
+    for onset in onsets {
+        let (target, felt) = (onset.target, onset.felt.as_ref().map(place));
+        breaks += u64::from(onset.inside && felt.is_none());
+        if let (true, Some(held)) = (onset.inside, felt.or(last)) {
+            sum.add(distance2_um(held, target));
         }
         last = felt.or(last);
-        let next_onset = |t: u64| t_us.saturating_sub(t) <= trace.header.soa_us;
+        let next_onset = |t: u64| onset.t_us.saturating_sub(t) <= soa_us;
         if let (Some((_, from, aim)), Some(felt)) = (before.filter(|b| next_onset(b.0)), felt) {
             let moved = distance2_um(felt, from).isqrt();
-            let meant = distance2_um(*target, aim).isqrt();
+            let meant = distance2_um(target, aim).isqrt();
             jumps += u64::from(moved >= meant.saturating_add(step_um));
         }
-        before = felt.map(|felt| (*t_us, felt, *target));
+        before = felt.map(|felt| (onset.t_us, felt, target));
     }
     FeltScore {
         perceiver: name,
@@ -73,11 +103,10 @@ fn score(trace: &Trace, (name, place): Perceiver, step_um: u64) -> FeltScore {
 }
 
 /// The smallest step that is felt as motion: a fifth of the smallest gap between wires, micrometres.
-fn felt_step_um(trace: &Trace) -> u64 {
-    let wires = &trace.header.wires;
+fn felt_step_um(wires: &[PlaceUm]) -> u64 {
     let pairs = wires.iter().enumerate().flat_map(|(i, a)| {
         let others = wires.iter().take(i);
-        others.map(|b| distance2_um(a.place, b.place))
+        others.map(|b| distance2_um(*a, *b))
     });
     pairs.min().map_or(u64::MAX, |gap2| gap2.isqrt() / 5)
 }

@@ -14,6 +14,7 @@ mod supervisor;
 mod tape;
 
 pub use boards::{BoardReport, BusReport, Spread};
+pub use recorder::um;
 pub use script::FaultReport;
 pub use summary::{IllTaxel, Summary, Taxels};
 
