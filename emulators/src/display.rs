@@ -198,23 +198,22 @@ impl Display {
         self.wires.get_mut(wire).map(|w| w.temperature(now))
     }
 
-    /// Where a person feels the bursts that began at or after `since`; `None` is a break: no wire above
-    /// threshold.
-    pub fn feel(&self, since: Nanos) -> Option<Felt> {
-        let felt = |(wire, place): (&Wire, &Place)| {
+    /// What a person meets of the bursts that began at or after `since`: every wire that had one.
+    pub fn vibrations(&self, since: Nanos) -> Vec<Vibration> {
+        let met = |(wire, place): (&Wire, &Place)| {
             let burst = wire.burst().filter(|b| b.start >= since)?;
             Some(Vibration {
                 position_mm: (f64::from(place.at.x), f64::from(place.at.y)),
                 amplitude_um: self.perceiver.amplitude_of_burst(&self.parameters, &burst),
             })
         };
-        let felt: Vec<Vibration> = self
-            .wires
-            .iter()
-            .zip(&self.places)
-            .filter_map(felt)
-            .collect();
-        self.perceiver.feel(&felt)
+        let wires = self.wires.iter().zip(&self.places);
+        wires.filter_map(met).collect()
+    }
+
+    /// Where a person feels them; `None` is a break: no wire above threshold.
+    pub fn feel(&self, since: Nanos) -> Option<Felt> {
+        self.perceiver.feel(&self.vibrations(since))
     }
 
     /// What the run came to until now.

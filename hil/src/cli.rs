@@ -237,10 +237,10 @@ pub struct RunArgs {
     /// Whether intensity levels change the drive.
     #[arg(long, value_name = "on|off")]
     pub intensity: Option<Switch>,
-    /// Illusion model: phantom.
+    /// Illusion model: phantom, energy, linear, square, balanced, three-nearest, gaussian or nearest.
     #[arg(long, value_name = "NAME")]
     pub illusion: Option<String>,
-    /// Shape factor s of the phantom law.
+    /// Shape: s of phantom, exponent of balanced, width of gaussian.
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     pub shape: Option<f64>,
     /// Duty offset alpha, a fraction of a period.

@@ -32,6 +32,8 @@ struct Pipeline {
     conditions: Box<[Condition]>,
     drives: u16,
     frames: u32,
+    /// Time of the newest frame that was compressed.
+    newest: Option<Instant>,
     /// Frames that could not be compressed; the layout makes that impossible, so it is counted, not hidden.
     refused: Option<FrameError>,
 }
@@ -109,12 +111,15 @@ impl Pipeline {
             Ok(())
         });
         match compressed {
-            Ok(()) => observer.frame(&FrameReport {
-                at: scan.at(),
-                number,
-                relative: &self.relative,
-                contacts: self.compressor.contacts(),
-            }),
+            Ok(()) => {
+                self.newest = Some(scan.at());
+                observer.frame(&FrameReport {
+                    at: scan.at(),
+                    number,
+                    relative: &self.relative,
+                    contacts: self.compressor.contacts(),
+                });
+            }
             Err(error) => self.refused = Some(error),
         }
     }
@@ -213,6 +218,7 @@ impl Sensing {
                     .collect(),
                 drives,
                 frames: 0,
+                newest: None,
                 refused: None,
             },
             whole,
@@ -241,6 +247,11 @@ impl Sensing {
 
     pub(super) const fn refused(&self) -> Option<&FrameError> {
         self.pipeline.refused.as_ref()
+    }
+
+    /// Time of the newest frame that was compressed.
+    pub(super) const fn newest_frame(&self) -> Option<Instant> {
+        self.pipeline.newest
     }
 
     pub(super) const fn last_received(&self) -> Option<Instant> {

@@ -3,13 +3,16 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use palpate_core::illusion::Model;
 use palpate_records::contacts_csv::write_contacts;
 use palpate_records::report::{ReportExtras, SummaryRow, report_html};
 use palpate_records::schedule::write_schedule;
 
 use crate::cli::{RunArgs, Switch};
 use crate::failure::Failure;
-use crate::files::{self, BenchKind, Kind, Scene, Setup, load_layout, load_scene, write_can_log};
+use crate::files::{
+    self, BenchKind, IllusionModel, Kind, Scene, Setup, load_layout, load_scene, write_can_log,
+};
 use crate::output::{make_folder, note, print, write_file};
 use crate::run::{self, Input, Keep, Outcome};
 
@@ -215,49 +218,46 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
 
 fn change(scene: &mut Scene, args: &RunArgs) -> Result<(), Failure> {
     let illusion = &mut scene.illusion;
-    if let Some(name) = args.illusion.as_deref().filter(|n| *n != "phantom") {
-        return Err(Failure::Input(format!(
-            "--illusion {name}: expected phantom"
-        )));
+    if let Some(name) = args.illusion.as_deref() {
+        let Some(model) = IllusionModel::named(name) else {
+            return Err(Failure::Input(format!(
+                "--illusion {name}: expected one of {}",
+                Model::ALL.map(Model::name).join(", ")
+            )));
+        };
+        if model != illusion.model {
+            // Shape and distances were meant for the scene's own model.
+            (illusion.shape, illusion.flat, illusion.distances) = (None, false, None);
+        }
+        illusion.model = model;
     }
     if let Some(switch) = args.intensity {
         illusion.intensity = switch == Switch::On;
     }
-    let set = |option: &str, value: Option<f64>, slot: &mut f64, low: f64, high: f64| match value {
+    let within = |option: &str, value: Option<f64>, low: f64, high: f64| match value {
         Some(v) if !(low..=high).contains(&v) => Err(Failure::Input(format!(
             "--{option} {v}: expected {low} to {high}"
         ))),
-        Some(v) => {
-            *slot = v;
-            Ok(())
-        }
-        None => Ok(()),
+        value => Ok(value),
     };
-    set("shape", args.shape, &mut illusion.shape, 0.01, 100.0)?;
-    set("alpha", args.alpha, &mut illusion.alpha, 0.0, 1.0)?;
-    set("beta", args.beta, &mut illusion.beta, 0.0, 1.0)?;
-    set(
-        "tau-d-ms",
-        args.tau_d_ms,
-        &mut illusion.tau_d_ms,
-        1.0,
-        10_000.0,
-    )?;
-    let mut soa = illusion.soa_ms.unwrap_or(0.0);
-    set("soa-ms", args.soa_ms, &mut soa, 1.0, 10_000.0)?;
-    if args.soa_ms.is_some() {
-        illusion.soa_ms = Some(soa);
+    if let Some(shape) = within("shape", args.shape, 0.01, 100.0)? {
+        (illusion.shape, illusion.flat) = (Some(shape), false);
     }
+    illusion.alpha = within("alpha", args.alpha, 0.0, 1.0)?.unwrap_or(illusion.alpha);
+    illusion.beta = within("beta", args.beta, 0.0, 1.0)?.unwrap_or(illusion.beta);
+    let tau_d = within("tau-d-ms", args.tau_d_ms, 1.0, 10_000.0)?;
+    illusion.tau_d_ms = tau_d.or(illusion.tau_d_ms);
+    let soa = within("soa-ms", args.soa_ms, 1.0, 10_000.0)?;
+    illusion.soa_ms = soa.or(illusion.soa_ms);
     if illusion.alpha + illusion.beta >= 1.0 {
         return Err(Failure::Input(format!(
             "--alpha {} --beta {}: expected a sum below 1",
             illusion.alpha, illusion.beta
         )));
     }
-    if illusion.tau_d_ms > illusion.onset_ms() {
+    if let Some(tau_d) = illusion.tau_d_ms.filter(|t| *t > illusion.onset_ms()) {
         return Err(Failure::Input(format!(
-            "--tau-d-ms {}: expected at most the onset asynchrony, {:.1} ms",
-            illusion.tau_d_ms,
+            "--tau-d-ms {tau_d}: expected at most the onset asynchrony, {:.1} ms",
             illusion.onset_ms()
         )));
     }

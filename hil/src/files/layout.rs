@@ -9,6 +9,9 @@ const MOST_TAXELS: usize = 1 << 22;
 /// The most taxels one sensor board reads.
 const TAXELS_PER_BOARD: usize = 16;
 
+/// Outer diameter of the eyelets that hold a wire at both ends (thesis 5.2.2).
+const EYELET_MM: f64 = 0.76;
+
 /// A layout of either kind.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -163,8 +166,21 @@ pub struct DisplayLayout {
     pub assumed: Option<String>,
     /// The actuator spacings Dx and Dy of the phantom sensation.
     pub spacing_mm: [f64; 2],
+    /// The surface that was unrolled; left out: flat.
+    pub surface: Option<Surface>,
     /// The wires' centres on the unrolled surface, in the order of the bench's outputs.
     pub wires_mm: Vec<[f64; 2]>,
+}
+
+/// A finger: a cylinder whose end is a half sphere.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Surface {
+    /// Diameter of cylinder and tip.
+    pub diameter_mm: f64,
+    /// The y at which the cylinder ends and the tip begins.
+    pub tip_mm: f64,
 }
 
 impl Module {
@@ -404,7 +420,26 @@ impl DisplayLayout {
         for (axis, value) in self.spacing_mm.into_iter().enumerate() {
             source.range(&format!("spacing_mm[{axis}]"), value, 0.1..=1e3, "mm")?;
         }
-        places(source, "wires_mm", &self.wires_mm, 1..=256)
+        if let Some(surface) = self.surface {
+            let diameter = surface.diameter_mm;
+            source.range("surface.diameter_mm", diameter, 1.0..=1e3, "mm")?;
+            source.range("surface.tip_mm", surface.tip_mm, -1e3..=1e3, "mm")?;
+        }
+        places(source, "wires_mm", &self.wires_mm, 1..=256)?;
+        self.check_overlap(source)
+    }
+
+    /// Two wires closer than their eyelets are wide cannot both be there.
+    fn check_overlap(&self, source: &Source) -> Result<(), FileError> {
+        for (index, [x, y]) in self.wires_mm.iter().enumerate() {
+            let near = |[u, v]: &[f64; 2]| libm::hypot(x - u, y - v) < EYELET_MM;
+            if let Some(first) = self.wires_mm[..index].iter().position(near) {
+                let expected =
+                    format!("at least {EYELET_MM} mm to every other wire, number {first} overlaps");
+                return Err(source.bad(&format!("wires_mm[{index}]"), expected));
+            }
+        }
+        Ok(())
     }
 }
 

@@ -2,8 +2,9 @@
 
 use serde::Deserialize;
 
-use super::{Fault, FileError, Source, Touch};
+use super::{Fault, FileError, Illusion, Source, Touch};
 
+/// A closed list of words.
 macro_rules! choice {
     ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $text:literal),+ $(,)? }) => {
         $(#[$doc])*
@@ -12,6 +13,8 @@ macro_rules! choice {
         pub enum $name { $($(#[$variant_doc])* #[serde(rename = $text)] $variant),+ }
     };
 }
+
+pub(super) use choice;
 
 choice! { /** A sensor generation: its values at rest. */ Generation {
     /** X and Y near 16.4k, Z 32k to 36k. */ Y2019 = "2019",
@@ -36,10 +39,6 @@ choice! { /** Where `kc` and `ki` apply. */ Scope {
     /** To each module. */ Module = "module",
     /** To the whole skin in one plane. */ Skin = "skin",
 }}
-choice! { /** How a place between wires becomes activations. */ IllusionModel {
-    /** The logarithmic phantom sensation of the thesis's (5.2). */ Phantom = "phantom",
-}}
-
 choice! { /** What a board does when a scan is due and frames of the last one have not left. */ Overload {
     /** The next scan starts at the first tick after the last frame left. */ Wait = "wait",
     /** Every scan replaces what still waits; high identifiers starve. */ Overwrite = "overwrite",
@@ -128,29 +127,6 @@ pub struct Compression {
     pub scope: Scope,
 }
 
-/// Phantom sensation and its timing.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct Illusion {
-    /// The model.
-    pub model: IllusionModel,
-    /// The model's shape factor.
-    pub shape: f64,
-    /// Duty of a wire that is barely active, a share of the period.
-    pub alpha: f64,
-    /// Duty added at full activation, a share of the period.
-    pub beta: f64,
-    /// Length of a stimulus in milliseconds.
-    pub tau_d_ms: f64,
-    /// Between onsets in milliseconds; left out: 0.32 `tau_d` + 47.3.
-    pub soa_ms: Option<f64>,
-    /// Whether a contact's level reaches the wires.
-    pub intensity: bool,
-    /// The share of beta at the lowest level; the top level has all of it.
-    pub intensity_floor: f64,
-}
-
 /// The linear map from skin to display.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -188,37 +164,6 @@ pub struct Expect {
     pub contacts_max: Option<u32>,
     /// Most events of the limiter.
     pub limiter_events_max: Option<u32>,
-}
-
-impl Illusion {
-    /// Time between onsets in milliseconds.
-    #[must_use]
-    pub fn onset_ms(&self) -> f64 {
-        self.soa_ms.unwrap_or(0.32 * self.tau_d_ms + 47.3)
-    }
-
-    fn check(&self, source: &Source) -> Result<(), FileError> {
-        source.range("illusion.shape", self.shape, 0.01..=100.0, "")?;
-        source.range("illusion.alpha", self.alpha, 0.0..=1.0, "")?;
-        source.range("illusion.beta", self.beta, 0.0..=1.0, "")?;
-        if self.alpha + self.beta >= 1.0 {
-            return Err(source.bad("illusion.beta", "alpha + beta below 1"));
-        }
-        source.range("illusion.tau_d_ms", self.tau_d_ms, 1.0..=1000.0, "ms")?;
-        if let Some(soa) = self.soa_ms {
-            source.range("illusion.soa_ms", soa, 1.0..=10_000.0, "ms")?;
-        }
-        if self.tau_d_ms > self.onset_ms() {
-            let expected = format!("at most the time between onsets, {} ms", self.onset_ms());
-            return Err(source.bad("illusion.tau_d_ms", expected));
-        }
-        source.range(
-            "illusion.intensity_floor",
-            self.intensity_floor,
-            0.0..=1.0,
-            "",
-        )
-    }
 }
 
 impl Scene {

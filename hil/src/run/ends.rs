@@ -5,7 +5,6 @@ use palpate_core::physics::SkinParameters;
 use palpate_core::projector::Projector;
 use palpate_emulators::display::{Display, DisplayConfig, Place};
 use palpate_emulators::i2c::BusClock;
-use palpate_emulators::perceiver::PerceiverParameters;
 use palpate_records::digest::short_digest;
 use palpate_records::trace::{Header, Limits, Source, WireInfo};
 
@@ -31,7 +30,7 @@ pub(crate) fn display(setup: &Setup, wires: &[Wire]) -> Result<Display, Failure>
         current: plan::milliamps(bench.drive.current_ma),
         wire: plan::wire(bench),
         skin: SkinParameters::DEFAULT,
-        perceiver: PerceiverParameters::default(),
+        perceiver: plan::perceiver(&setup.perceiver.value),
         clock: BusClock::Fast,
     })
     .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))
@@ -67,7 +66,7 @@ pub(super) fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<
         pre_scale: plan::prescale(bench)?,
         tau_d_us: projector.timing().duration.as_micros(),
         soa_us: projector.timing().soa.as_micros(),
-        illusion: "phantom".into(),
+        illusion: plan::model(scene.illusion.model).name().into(),
         kc: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),
         limits: Limits {
             pulse_ns: Some(limits.pulse_width_ns),

@@ -17,6 +17,7 @@ mod supervisor;
 mod tape;
 
 pub use boards::{BoardReport, BusReport, Spread};
+pub use recorder::um;
 pub use script::FaultReport;
 pub use summary::{IllTaxel, Summary, Taxels};
 
@@ -223,6 +224,7 @@ fn project(
 ) -> Result<Outcome, Failure> {
     let bench = &setup.bench.value;
     let prescale = plan::prescale(bench)?;
+    let drive = plan::drive(&setup.scene.value.illusion);
     let mut projector = build(setup, seed, levels)?;
     let mut display = display(setup, projector.display().wires())?;
     let mut recorder = Recorder::new(truth, projector.layout());
@@ -323,7 +325,7 @@ fn project(
             spent = std::time::Duration::ZERO;
         }
         if onset {
-            feel(pending.take(), &display, &projector, &mut recorder);
+            feel(pending.take(), &display, &projector, drive, &mut recorder);
             pending = recorder.onset.take();
             sample_wires(now, &mut display, &projector, &mut recorder);
         }
@@ -331,7 +333,7 @@ fn project(
         script.step(now, &mut hardware!(), &mut recorder.events);
         now = projector.next().min(now + TICK).min(script.next());
     }
-    feel(pending, &display, &projector, &mut recorder);
+    feel(pending, &display, &projector, drive, &mut recorder);
     let end = if failure.is_some() { now } else { end };
     let off = projector.all_off(end, Cause::End, &mut bank, &mut recorder);
     if let Err(e) = off

@@ -50,8 +50,10 @@ pub const fn word(condition: Condition) -> &'static str {
 pub struct Onset {
     /// When.
     pub at: Instant,
-    /// Where the only contact was on the display; `None` for none or several.
-    pub target: Option<Point>,
+    /// The only contact on the display; `None` for none or several.
+    pub target: Option<Target>,
+    /// Sum of the squared pulse widths that were asked for, ticks.
+    pub squares: u64,
 }
 
 /// Collects a run.
@@ -75,6 +77,8 @@ pub struct Recorder {
     onsets: (u64, u64),
     /// Boards and channels of which a stimulus was asked.
     warmed: BTreeSet<(u8, u8)>,
+    /// Squared widths of the stimuli since.
+    squares: u64,
     /// The scene's touches and the driving module, where an emulated skin knows the truth.
     truth: Option<(Vec<Touch>, usize)>,
     /// The skin, for naming its taxels.
@@ -174,6 +178,7 @@ impl Observer for Recorder {
         self.stimuli += u64::from(entry.width().get() > 0);
         self.warmed.insert((entry.board.0, entry.channel.0));
         self.limiter_events += u32::from(entry.reason.is_some());
+        self.squares += u64::from(entry.requested.get()).pow(2);
         self.events.push(Event::Schedule(*entry));
     }
 
@@ -181,11 +186,16 @@ impl Observer for Recorder {
         self.onsets.0 += 1;
         self.onsets.1 += u64::from(targets.is_empty());
         let target = if let [only] = targets {
-            Some(only.place)
+            Some(*only)
         } else {
             None
         };
-        self.onset = Some(Onset { at, target });
+        let squares = std::mem::take(&mut self.squares);
+        self.onset = Some(Onset {
+            at,
+            target,
+            squares,
+        });
     }
 
     fn taxel(&mut self, at: Instant, index: usize, condition: Condition) {
