@@ -23,7 +23,7 @@ mod schema;
 #[cfg(test)]
 mod tests;
 
-pub use bench::{Bench, BenchKind, Drive, Output, Transition, Wire};
+pub use bench::{Amplifier, Bench, BenchKind, Drive, Output, Transition, Wire};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
 pub use layout::{
