@@ -25,7 +25,7 @@ mod schema;
 #[cfg(test)]
 mod tests;
 
-pub use bench::{Bench, BenchKind, Drive, Output, OutputEnable, Real, Transition, Wire};
+pub use bench::{Amplifier, Bench, BenchKind, Drive, Output, OutputEnable, Real, Transition, Wire};
 pub use can_log::{is_can_log, read_can_log, write_can_log};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};

@@ -3,10 +3,13 @@
 use palpate_core::illusion::Wire;
 use palpate_core::physics::SkinParameters;
 use palpate_core::projector::Projector;
+use palpate_emulators::amplifier::AmplifierConfig;
+use palpate_emulators::amplifier::supply::Source;
 use palpate_emulators::display::{Display, DisplayConfig, Place};
 use palpate_emulators::i2c::BusClock;
+use palpate_emulators::time::Nanos;
 use palpate_records::digest::short_digest;
-use palpate_records::trace::{Header, Limits, Source, WireInfo};
+use palpate_records::trace::{self, Header, Limits, WireInfo};
 
 use super::recorder::um;
 use crate::failure::Failure;
@@ -27,7 +30,15 @@ pub(crate) fn display(setup: &Setup, wires: &[Wire]) -> Result<Display, Failure>
             .map(|a| (a, bench.drive.oscillator))
             .collect(),
         wires: wires.iter().map(place).collect(),
-        current: plan::milliamps(bench.drive.current_ma),
+        amplifier: AmplifierConfig {
+            current: plan::milliamps(bench.drive.current_ma),
+            rise: Nanos((bench.amplifier.rise_us * 1e3).round() as u64),
+            on_ohm: bench.amplifier.on_ohm,
+        },
+        source: Source {
+            volts: bench.amplifier.supply_v.unwrap_or(f64::INFINITY),
+            ohm: bench.amplifier.supply_ohm,
+        },
         wire: plan::wire(bench),
         skin: SkinParameters::DEFAULT,
         perceiver: plan::perceiver(&setup.perceiver.value),
@@ -55,8 +66,8 @@ pub(super) fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<
     };
     Ok(Header {
         source: match bench.kind {
-            BenchKind::Emulated => Source::Emulated,
-            BenchKind::Real => Source::Real,
+            BenchKind::Emulated => trace::Source::Emulated,
+            BenchKind::Real => trace::Source::Real,
         },
         scene: scene.name.clone(),
         bench: bench.name.clone(),

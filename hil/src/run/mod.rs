@@ -257,7 +257,7 @@ fn project(
             Bench {
                 skin: skin.emulated(),
                 i2c: &i2c,
-                display: &display,
+                display: &mut display,
                 oscillator: bench.drive.oscillator,
             }
         };
