@@ -1,9 +1,13 @@
 //! The `hil` library: everything behind the command line.
 
+#[cfg(feature = "bench")]
+pub mod bench;
 pub mod cli;
 pub mod clock;
 pub mod command;
+pub mod emulate;
 pub mod failure;
+pub mod felt;
 pub mod files;
 pub mod output;
 pub mod plan;

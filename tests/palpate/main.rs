@@ -12,6 +12,7 @@ mod faults;
 mod goldens;
 mod guard;
 mod hand;
+mod illusion;
 mod paths;
 mod pca9685;
 mod recordings;

@@ -86,7 +86,9 @@ impl Plant {
         let span = (span + SWITCHING).as_micros();
         let slowest = self.period().as_micros();
         let n = span.div_ceil(slowest);
-        let on_us = n.saturating_mul(slowest).max(span.saturating_add(span.div_ceil(n)));
+        let on_us = n
+            .saturating_mul(slowest)
+            .max(span.saturating_add(span.div_ceil(n)));
         let nanowatt = u128::from(self.peak.0).pow(2) * u128::from(self.wire_milliohm);
         let nj = (nanowatt * u128::from(on_us) * u128::from(width)).div_ceil(4096 * 1_000_000);
         nj.min(u128::from(u64::MAX / 4)) as u64

@@ -5,10 +5,10 @@
 
 mod figures;
 mod paths;
-mod scale;
+pub mod scale;
 mod series;
 mod strip;
-mod svg;
+pub mod svg;
 mod tables;
 
 use crate::digest::trace_digest;
@@ -16,7 +16,8 @@ use crate::trace::{Source, Trace};
 use std::fmt::Write;
 use svg::escape;
 
-const STYLE: &str = include_str!("style.css");
+/// The style sheet of the pages, light and dark.
+pub const STYLE: &str = include_str!("style.css");
 
 /// A line of the summary that the trace itself does not hold.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -191,6 +192,7 @@ mod tests {
                 target: PlaceUm::default(),
                 inside: false,
                 felt: None,
+                energy_permille: 0,
             },
             Event::Frame {
                 t_us: 9,

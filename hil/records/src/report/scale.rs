@@ -2,7 +2,7 @@
 
 /// How values become places along an axis.
 #[derive(Clone, Copy)]
-pub(super) struct Scale {
+pub struct Scale {
     low: f64,
     high: f64,
     log: bool,
@@ -33,7 +33,7 @@ impl Scale {
 
     /// Logarithmic, widened to whole decades; both ends must be above zero.
     pub fn decades(low: f64, high: f64) -> Self {
-        let low = 10f64.powf(low.max(1e-6).log10().floor());
+        let low = 10f64.powf(low.max(1e-15).log10().floor());
         let high = 10f64.powf(high.max(low * 1.1).min(1e12).log10().ceil());
         Self {
             low,
@@ -52,6 +52,7 @@ impl Scale {
         }
     }
 
+    /// About `wanted` values along the axis, with what is written beside them.
     pub fn ticks(&self, wanted: f64) -> Vec<(f64, String)> {
         if self.log {
             let decades = (self.high / self.low).log10().round() as i32;
@@ -59,16 +60,7 @@ impl Scale {
             return (0..=decades)
                 .step_by(by)
                 .map(|d| self.low * 10f64.powi(d))
-                .map(|v| {
-                    (
-                        v,
-                        if v < 1.0 {
-                            format!("{v:.2}")
-                        } else {
-                            thousands(v)
-                        },
-                    )
-                })
+                .map(|v| (v, decade(v)))
                 .collect();
         }
         let step = step(self.high - self.low, wanted);
@@ -107,6 +99,25 @@ fn step(span: f64, wanted: f64) -> f64 {
     nice * decade
 }
 
+/// A power of ten: as a number near 1, else with its exponent.
+fn decade(value: f64) -> String {
+    if (0.005..0.5).contains(&value) {
+        return format!("{value:.2}");
+    }
+    if (0.5..5e6).contains(&value) {
+        return thousands(value);
+    }
+    let digit = |c: char| match c {
+        '-' => '\u{207b}',
+        '1' => '\u{b9}',
+        '2' => '\u{b2}',
+        '3' => '\u{b3}',
+        c => char::from_u32(0x2070 + c.to_digit(10).unwrap_or(0)).unwrap_or(c),
+    };
+    let exponent = format!("{:.0}", value.log10());
+    format!("10{}", exponent.chars().map(digit).collect::<String>())
+}
+
 /// Whole number with a thin gap between thousands.
 fn thousands(value: f64) -> String {
     let digits = format!("{:.0}", value.abs());
@@ -141,6 +152,20 @@ mod tests {
             .map(|t| t.1)
             .collect();
         assert_eq!(texts.first().map(String::as_str), Some("0.10"));
+        let texts: Vec<_> = Scale::decades(2e-12, 1e-9)
+            .ticks(8.0)
+            .into_iter()
+            .map(|t| t.1)
+            .collect();
+        assert_eq!(
+            texts,
+            [
+                "10\u{207b}\u{b9}\u{b2}",
+                "10\u{207b}\u{b9}\u{b9}",
+                "10\u{207b}\u{b9}\u{2070}",
+                "10\u{207b}\u{2079}"
+            ]
+        );
         assert!(Scale::exact(f64::NAN, 3.0).ticks(5.0).len() > 2);
         assert!(Scale::round(5.0, 5.0).ticks(5.0).len() > 2);
     }

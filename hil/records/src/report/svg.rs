@@ -7,7 +7,7 @@ use super::scale::Scale;
 use std::fmt::Write;
 
 /// Text with everything replaced that means something to HTML.
-pub(super) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -24,11 +24,12 @@ pub(super) fn escape(text: &str) -> String {
 }
 
 /// A drawing under construction.
-pub(super) struct Svg {
+pub struct Svg {
     body: String,
 }
 
 impl Svg {
+    /// An empty drawing of this size in pixels; the label is for those who hear it.
     pub fn new(width: f64, height: f64, label: &str) -> Self {
         let label = escape(label);
         let body = format!(
@@ -38,6 +39,7 @@ impl Svg {
         Self { body }
     }
 
+    /// A straight line.
     pub fn line(&mut self, from: (f64, f64), to: (f64, f64), class: &str) {
         let _ = writeln!(
             self.body,
@@ -46,6 +48,7 @@ impl Svg {
         );
     }
 
+    /// A rectangle by its upper left corner and its size.
     pub fn rect(&mut self, at: (f64, f64), size: (f64, f64), class: &str) {
         let _ = writeln!(
             self.body,
@@ -57,6 +60,7 @@ impl Svg {
         );
     }
 
+    /// A circle about a point.
     pub fn circle(&mut self, at: (f64, f64), radius: f64, class: &str) {
         let _ = writeln!(
             self.body,
@@ -65,6 +69,7 @@ impl Svg {
         );
     }
 
+    /// A path in SVG's own notation; nothing for an empty one.
     pub fn path(&mut self, data: &str, class: &str) {
         if !data.is_empty() {
             let _ = writeln!(self.body, "<path class=\"{class}\" d=\"{data}\"/>");
@@ -82,6 +87,7 @@ impl Svg {
         );
     }
 
+    /// The drawing as text.
     pub fn finish(mut self) -> String {
         self.body.push_str("</svg>\n");
         self.body
@@ -89,24 +95,33 @@ impl Svg {
 }
 
 /// A rectangle with two scales.
-pub(super) struct Plot {
+pub struct Plot {
+    /// Left edge, pixels.
     pub left: f64,
+    /// Upper edge, pixels.
     pub top: f64,
+    /// Width, pixels.
     pub width: f64,
+    /// Height, pixels.
     pub height: f64,
+    /// Scale to the right.
     pub x: Scale,
+    /// Scale upwards.
     pub y: Scale,
 }
 
 impl Plot {
+    /// Pixel of a value along x.
     pub fn px(&self, x: f64) -> f64 {
         self.left + self.x.at(x) * self.width
     }
 
+    /// Pixel of a value along y.
     pub fn py(&self, y: f64) -> f64 {
         self.top + (1.0 - self.y.at(y)) * self.height
     }
 
+    /// Pixels of a point.
     pub fn at(&self, p: (f64, f64)) -> (f64, f64) {
         (self.px(p.0), self.py(p.1))
     }
@@ -147,6 +162,7 @@ impl Plot {
         svg.text((self.left - 44.0, self.top - 13.0), "label", label);
     }
 
+    /// The rectangle around the plot.
     pub fn frame(&self, svg: &mut Svg) {
         svg.rect((self.left, self.top), (self.width, self.height), "frame");
     }
@@ -154,7 +170,7 @@ impl Plot {
 
 /// A line through points in pixels; every column keeps its ends and extremes, so that an hour costs
 /// what a second does. A point that is no number interrupts the line.
-pub(super) fn envelope(points: impl Iterator<Item = (f64, f64)>) -> String {
+pub fn envelope(points: impl Iterator<Item = (f64, f64)>) -> String {
     let mut out = String::new();
     let mut pen = false;
     let mut bucket: Vec<(f64, f64)> = Vec::new();
@@ -191,7 +207,7 @@ pub(super) fn envelope(points: impl Iterator<Item = (f64, f64)>) -> String {
 }
 
 /// One dot of a path whose style has round ends.
-pub(super) fn dot(out: &mut String, (x, y): (f64, f64)) {
+pub fn dot(out: &mut String, (x, y): (f64, f64)) {
     if x.is_finite() && y.is_finite() {
         let _ = write!(out, "M{x:.1} {y:.1}h0");
     }

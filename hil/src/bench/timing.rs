@@ -1,0 +1,129 @@
+//! Run times: methods in turn, medians of many calls.
+
+use std::hint::black_box;
+use std::time::Duration;
+
+use crate::clock;
+
+/// Calls shorter than this are timed several at once, so that the clock's own cost does not count.
+const SHORT: Duration = Duration::from_micros(20);
+
+/// One contestant: what it does, and the calls that make one sample.
+struct Runner<'a> {
+    work: Box<dyn FnMut() + 'a>,
+    samples: Samples,
+    spent: Duration,
+}
+
+/// Methods timed against each other: one sample of each, again and again, in one run.
+#[derive(Default)]
+pub struct Race<'a> {
+    runners: Vec<Runner<'a>>,
+}
+
+impl<'a> Race<'a> {
+    /// Enters a method; the results come back in the order of entry.
+    pub fn enter<T>(&mut self, mut work: impl FnMut() -> T + 'a) {
+        self.runners.push(Runner {
+            work: Box::new(move || {
+                black_box(work());
+            }),
+            samples: Samples::default(),
+            spent: Duration::ZERO,
+        });
+    }
+
+    /// Calls every method once to warm up, then in turn until each has `count` samples or has used
+    /// `budget`; a slow one has at least one.
+    pub fn run(mut self, count: usize, budget: Duration) -> Vec<Samples> {
+        let mut calls = Vec::new();
+        for runner in &mut self.runners {
+            let once = time(1, &mut runner.work);
+            calls.push((SHORT.as_secs_f64() / once.as_secs_f64().max(1e-9)).ceil() as u32);
+        }
+        let mut going = true;
+        while going {
+            going = false;
+            for (runner, calls) in self.runners.iter_mut().zip(&calls) {
+                if runner.samples.len() < count && runner.spent < budget {
+                    let spent = time(*calls, &mut runner.work);
+                    runner.spent += spent;
+                    let each = spent.as_secs_f64() * 1e6 / f64::from(*calls);
+                    runner.samples.push(each);
+                    going = true;
+                }
+            }
+        }
+        self.runners.into_iter().map(|r| r.samples).collect()
+    }
+}
+
+fn time(calls: u32, work: &mut dyn FnMut()) -> Duration {
+    let begun = clock::now();
+    for _ in 0..calls {
+        work();
+    }
+    begun.elapsed()
+}
+
+/// Many measured times of one thing, microseconds.
+#[derive(Clone, Debug, Default)]
+pub struct Samples(Vec<f64>);
+
+impl Samples {
+    /// One more.
+    pub fn push(&mut self, us: f64) {
+        self.0.push(us);
+    }
+
+    /// How many there are.
+    pub const fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there is none.
+    pub const fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The value that `part` of the samples do not exceed; NaN without samples.
+    pub fn quantile(&self, part: f64) -> f64 {
+        let mut sorted = self.0.clone();
+        sorted.sort_by(f64::total_cmp);
+        let rank = (part * sorted.len() as f64).ceil().max(1.0) as usize - 1;
+        sorted.get(rank).copied().unwrap_or(f64::NAN)
+    }
+
+    /// Half are not longer.
+    pub fn median(&self) -> f64 {
+        self.quantile(0.5)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    #[test]
+    fn every_method_gets_its_samples_and_a_slow_one_at_least_one() {
+        let (quick, slow) = (Cell::new(0_u32), Cell::new(0_u32));
+        let mut race = Race::default();
+        race.enter(|| quick.set(quick.get() + 1));
+        race.enter(|| {
+            slow.set(slow.get() + 1);
+            (0..200_000_u64).fold(0, |sum, i| black_box(sum ^ i))
+        });
+        let samples = race.run(5, Duration::from_nanos(1));
+        assert_eq!((samples[0].len(), samples[1].len()), (1, 1));
+        assert!(quick.get() > slow.get() && slow.get() == 2);
+        assert!(samples[0].median() < samples[1].median());
+    }
+
+    #[test]
+    fn quantiles_are_samples() {
+        let samples = Samples((1..=100).map(f64::from).collect());
+        assert_eq!((samples.median(), samples.quantile(0.99)), (50.0, 99.0));
+        assert!(Samples::default().is_empty() && Samples::default().median().is_nan());
+    }
+}
