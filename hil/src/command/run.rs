@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use palpate_records::contacts_csv::write_contacts;
-use palpate_records::report::{ReportExtras, SummaryRow, report_html};
+use palpate_records::report::{ReportExtras, SummaryRow, Thermal, report_html};
 use palpate_records::schedule::write_schedule;
 
 use crate::cli::{RunArgs, Switch};
@@ -225,6 +225,11 @@ fn report(outcome: &Outcome) -> String {
         &ReportExtras {
             frame_us: &outcome.frame_us,
             summary: &rows,
+            thermal: Some(Thermal {
+                samples: &outcome.warmth,
+                margins: &outcome.summary.margins,
+                limits: outcome.skin_limits,
+            }),
         },
     )
 }

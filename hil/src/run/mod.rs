@@ -4,6 +4,7 @@ mod boards;
 mod effects;
 mod ends;
 mod feel;
+mod margins;
 mod recorder;
 mod script;
 mod skin;
@@ -27,6 +28,7 @@ use palpate_emulators::can::faults::Faulty;
 use palpate_emulators::i2c::fault::{I2cFault, I2cFaults, Shared};
 use palpate_emulators::rig::Handle;
 use palpate_emulators::time::Nanos;
+use palpate_records::report::{SkinLimits, Warmth};
 use palpate_records::trace::{Event, Ledger, Trace};
 
 use crate::clock;
@@ -67,6 +69,10 @@ pub struct Outcome {
     pub summary: Summary,
     /// Computing time of each frame, microseconds.
     pub frame_us: Vec<f32>,
+    /// Temperatures over time.
+    pub warmth: Vec<Warmth>,
+    /// The skin's limits in force.
+    pub skin_limits: SkinLimits,
     /// What ended the run before its time; the outputs are off.
     pub failure: Option<Failure>,
 }
@@ -115,6 +121,9 @@ impl Skin for Replay {
         self.advance(now);
     }
 }
+
+/// The finger is looked at no less often than this, even where no stimulus comes.
+const LOOK: Duration = Duration::from_millis(250);
 
 /// Nobody listens: for a pass that only looks at contacts.
 struct Silence;
@@ -258,6 +267,8 @@ fn project(
         }
     };
 
+    let mut samples = Vec::new();
+    let mut look = Instant::ZERO;
     let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
     let mut pending: Option<Onset> = None;
     let mut failure = None;
@@ -314,6 +325,10 @@ fn project(
             pending = recorder.onset.take();
             sample_wires(now, &mut display, &projector, &mut recorder);
         }
+        if onset || now >= look {
+            samples.extend(display.sample());
+            look = now + LOOK;
+        }
         supervisor.restart_boards(now, skin, &projector, &mut recorder.events);
         script.step(now, &mut hardware!(), &mut recorder.events);
         now = projector.next().min(now + TICK).min(script.next());
@@ -336,6 +351,7 @@ fn project(
         .map_err(|e| device(&e))?;
     recorder.tell_taxels();
 
+    samples.extend(display.sample());
     let totals = display.totals();
     let mut events = std::mem::take(&mut recorder.events);
     events.sort_by_key(Event::t_ns);
@@ -365,7 +381,17 @@ fn project(
     summary.buses = skin.buses();
     summary.faults = script.report();
     summary.taxels.list(&projector, end);
+    let course = margins::Course {
+        flows: &display.take_flows(),
+        samples: &samples,
+        totals: &totals,
+        wires: projector.display().wires().len(),
+    };
+    let file = &setup.limits.value;
+    summary.margins = margins::margins(&course, projector.guard().limits(), file);
     Ok(Outcome {
+        warmth: samples.iter().map(margins::warmth).collect(),
+        skin_limits: margins::skin_limits(file),
         trace,
         summary,
         frame_us,
