@@ -23,4 +23,5 @@ pub mod random;
 pub mod schedule;
 pub mod skin;
 pub mod units;
+pub mod vector;
 pub mod wire;

@@ -132,7 +132,8 @@ pub struct Display {
     rising: Vec<(Nanos, usize, Edge)>,
     /// What flows in each wire, and since when.
     flowing: Vec<(Nanos, f64)>,
-    flows: Vec<Flow>,
+    /// Kept only where somebody takes them: an emulator may be served for days.
+    flows: Option<Vec<Flow>>,
     /// Integrals of each wire's skin temperature at past samples, for the mean.
     past: VecDeque<(Nanos, Vec<f64>)>,
 }
@@ -177,7 +178,7 @@ impl Display {
             pending: Vec::new(),
             rising: Vec::new(),
             flowing: vec![(Nanos::ZERO, 0.0); config.wires.len()],
-            flows: Vec::new(),
+            flows: None,
             past: VecDeque::new(),
         })
     }
@@ -258,8 +259,11 @@ impl Display {
     }
 
     fn keep(&mut self, wire: usize, from: Nanos, to: Nanos, watts: f64) {
-        if watts > 0.0 && to > from {
-            self.flows.push(Flow {
+        if let Some(flows) = &mut self.flows
+            && watts > 0.0
+            && to > from
+        {
+            flows.push(Flow {
                 wire,
                 from,
                 to,
@@ -268,14 +272,20 @@ impl Display {
         }
     }
 
-    /// Every stretch of current since the last call, up to now; a wire that is on now is cut there.
+    /// Keeps every stretch of current from now on, for [`Display::take_flows`].
+    pub fn keep_flows(&mut self) {
+        self.flows.get_or_insert_default();
+    }
+
+    /// Every stretch of current since they are kept or were last taken, up to now; a wire that is on now is
+    /// cut there.
     pub fn take_flows(&mut self) -> Vec<Flow> {
         for wire in 0..self.wires.len() {
             let (since, watts) = self.flowing[wire];
             self.flowing[wire].0 = since.max(self.now);
             self.keep(wire, since, self.now, watts);
         }
-        std::mem::take(&mut self.flows)
+        self.flows.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
     /// How warm the finger was since the last sample; `None` without wires.
@@ -341,23 +351,22 @@ impl Display {
         self.wires.get_mut(wire).map(|w| w.temperature(now))
     }
 
-    /// Where a person feels the bursts that began at or after `since`; `None` is a break: no wire above
-    /// threshold.
-    pub fn feel(&self, since: Nanos) -> Option<Felt> {
-        let felt = |(wire, place): (&Wire, &Place)| {
+    /// What a person meets of the bursts that began at or after `since`: every wire that had one.
+    pub fn vibrations(&self, since: Nanos) -> Vec<Vibration> {
+        let met = |(wire, place): (&Wire, &Place)| {
             let burst = wire.burst().filter(|b| b.start >= since)?;
             Some(Vibration {
                 position_mm: (f64::from(place.at.x), f64::from(place.at.y)),
                 amplitude_um: self.perceiver.amplitude_of_burst(&self.parameters, &burst),
             })
         };
-        let felt: Vec<Vibration> = self
-            .wires
-            .iter()
-            .zip(&self.places)
-            .filter_map(felt)
-            .collect();
-        self.perceiver.feel(&felt)
+        let wires = self.wires.iter().zip(&self.places);
+        wires.filter_map(met).collect()
+    }
+
+    /// Where a person feels them; `None` is a break: no wire above threshold.
+    pub fn feel(&self, since: Nanos) -> Option<Felt> {
+        self.perceiver.feel(&self.vibrations(since))
     }
 
     /// What the run came to until now.

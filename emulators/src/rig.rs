@@ -187,26 +187,32 @@ impl Handle {
     }
 }
 
-impl SensorBus for Handle {
-    type Error = HostError;
-
-    /// The oldest frame over all buses; of two received at once the one from the lower bus.
-    fn receive(&mut self) -> Result<Option<Received>, HostError> {
+impl Handle {
+    /// The oldest frame over all buses with the end of the frame on the wire; of two received at once the
+    /// one from the lower bus.
+    pub fn receive_at(&mut self) -> Option<(Nanos, Received)> {
         let mut buses = self.buses.borrow_mut();
         let waiting = buses.iter().enumerate();
         let oldest = waiting
             .filter_map(|(n, bus)| Some((bus.segment.received_at(bus.host)?, n)))
             .min();
-        let taken = oldest.and_then(|(_, n)| {
-            let bus = buses.get_mut(n)?;
-            let (at, frame) = bus.segment.receive(bus.host)?;
-            Some(Received {
-                at: Instant::from_micros(at.as_micros()),
-                bus: n as u8,
-                frame,
-            })
-        });
-        Ok(taken)
+        let (_, n) = oldest?;
+        let bus = buses.get_mut(n)?;
+        let (at, frame) = bus.segment.receive(bus.host)?;
+        let received = Received {
+            at: Instant::from_micros(at.as_micros()),
+            bus: n as u8,
+            frame,
+        };
+        Some((at, received))
+    }
+}
+
+impl SensorBus for Handle {
+    type Error = HostError;
+
+    fn receive(&mut self) -> Result<Option<Received>, HostError> {
+        Ok(self.receive_at().map(|(_, received)| received))
     }
 
     fn transmit(&mut self, bus: u8, frame: &CanFrame) -> Result<(), HostError> {

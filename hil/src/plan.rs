@@ -1,10 +1,16 @@
 //! From checked files to the core's own types.
 
+mod illusion;
+mod person;
+
+pub use illusion::{drive, model};
+pub use person::perceiver;
+
 use palpate_core::contact::{Levels, Norm, Scope, Settings};
 use palpate_core::guard::{Guard, Limits, Plant};
-use palpate_core::illusion::{Display, Drive, LogPhantom, Map, Rect, Shape, Wire, timing};
+use palpate_core::illusion::{Display, Map, Rect, Surface, Wire};
 use palpate_core::physics::{Alloy, WireParameters};
-use palpate_core::projector::{OutputSettings, Plan, SensingPlan};
+use palpate_core::projector::{Plan, SensingPlan};
 use palpate_core::skin::{
     Address, Axes, HealthSettings, InitialiserSettings, Layout, LayoutError, Module, ScanAssembler,
     ThresholdRule,
@@ -24,7 +30,7 @@ fn point([x, y]: [f64; 2]) -> Point {
 /// board's address.
 fn module(file: &files::Module, axes: u8) -> Result<Module, LayoutError> {
     let limited = |n: usize| u16::try_from(n).unwrap_or(u16::MAX);
-    let built = match (&file.grid, &file.points_mm) {
+    let built = match (&file.grid, file.scattered()) {
         (Some(grid), _) => Module::grid(
             &file.name,
             limited(grid.rows),
@@ -32,12 +38,8 @@ fn module(file: &files::Module, axes: u8) -> Result<Module, LayoutError> {
             grid.pitch_mm as f32,
         )?,
         (None, points) => {
-            let points = points
-                .iter()
-                .flatten()
-                .copied()
-                .map(point)
-                .collect::<Vec<_>>();
+            let points = points.into_iter().flatten().map(point);
+            let points = points.collect::<Vec<_>>();
             Module::scattered(&file.name, &points)?
         }
     };
@@ -68,12 +70,33 @@ pub fn layout(file: &files::SensorLayout) -> Result<Layout, Failure> {
     built.map_err(|e| Failure::Input(format!("layout `{}`: {e}", file.name)))
 }
 
-/// The I2C addresses of a bench's boards, ascending: a board's index is its place here.
+/// The I2C addresses on each of a bench's buses, ascending. Boards are numbered through in this order.
+pub fn buses(bench: &files::Bench) -> Vec<Vec<u8>> {
+    let count = bench.outputs.iter().map(|o| usize::from(o.bus) + 1).max();
+    let mut buses = vec![Vec::new(); count.unwrap_or(0)];
+    for output in &bench.outputs {
+        buses[usize::from(output.bus)].push(output.board);
+    }
+    for addresses in &mut buses {
+        addresses.sort_unstable();
+        addresses.dedup();
+    }
+    buses
+}
+
+/// The I2C addresses of all boards: a board's number is its place here.
 pub fn boards(bench: &files::Bench) -> Vec<u8> {
-    let mut addresses: Vec<u8> = bench.outputs.iter().map(|o| o.board).collect();
-    addresses.sort_unstable();
-    addresses.dedup();
-    addresses
+    buses(bench).concat()
+}
+
+/// The number of the board that carries an output.
+fn board(buses: &[Vec<u8>], output: &files::Output) -> Board {
+    let bus = usize::from(output.bus);
+    let before: usize = buses.iter().take(bus).map(Vec::len).sum();
+    let place = buses
+        .get(bus)
+        .and_then(|b| b.iter().position(|&a| a == output.board));
+    Board((before + place.unwrap_or(0)) as u8) // at most 16
 }
 
 /// The display's wires with the outputs that drive them.
@@ -81,20 +104,40 @@ pub fn boards(bench: &files::Bench) -> Vec<u8> {
 /// # Errors
 /// [`Failure::Input`] with what no display can be.
 pub fn display(setup: &Setup) -> Result<Display, Failure> {
-    let boards = boards(&setup.bench.value);
-    let wires = setup
-        .display
-        .value
-        .wires_mm
-        .iter()
-        .zip(&setup.bench.value.outputs);
-    let wire = |(place, output): (&[f64; 2], &files::Output)| Wire {
-        place: point(*place),
-        board: Board(boards.iter().position(|&b| b == output.board).unwrap_or(0) as u8),
-        channel: Channel(output.channel),
+    let buses = buses(&setup.bench.value);
+    let outputs = &setup.bench.value.outputs;
+    display_of(&setup.display.value, |wire| {
+        outputs.get(wire).map_or((Board(0), Channel(0)), |output| {
+            (board(&buses, output), Channel(output.channel))
+        })
+    })
+}
+
+/// A display file's wires on the outputs that `output` names for each.
+///
+/// # Errors
+/// [`Failure::Input`] with what no display can be.
+pub fn display_of(
+    file: &files::DisplayLayout,
+    output: impl Fn(usize) -> (Board, Channel),
+) -> Result<Display, Failure> {
+    let wire = |(index, place): (usize, &[f64; 2])| {
+        let (board, channel) = output(index);
+        Wire {
+            place: point(*place),
+            board,
+            channel,
+        }
     };
+    let wires = file.wires_mm.iter().enumerate();
+    let surface = file.surface.map_or(Surface::Flat, |s| Surface::Finger {
+        radius_mm: (s.diameter_mm / 2.0) as f32,
+        tip_mm: s.tip_mm as f32,
+    });
+    let [dx, dy] = file.spacing_mm;
     Display::new(&wires.map(wire).collect::<Vec<_>>())
-        .map_err(|e| Failure::Input(format!("display `{}`: {e}", setup.display.value.name)))
+        .map(|d| d.with_spacing((dx as f32, dy as f32)).with_surface(surface))
+        .map_err(|e| Failure::Input(format!("display `{}`: {e}", file.name)))
 }
 
 /// PRE_SCALE for the frequency a bench asks for.
@@ -171,6 +214,18 @@ pub const fn scope(scope: files::Scope) -> Scope {
     }
 }
 
+/// The contact threshold of a scene.
+fn threshold(scene: &files::Scene) -> ThresholdRule {
+    let margin = scene.threshold_margin as f32;
+    match scene.threshold {
+        files::ThresholdRule::Maximum => ThresholdRule::Auto { margin },
+        files::ThresholdRule::PerTaxel => ThresholdRule::PerTaxel {
+            sigmas: files::THRESHOLD_SIGMAS as f32,
+            floor: margin,
+        },
+    }
+}
+
 /// The silence that ends a scan. On a bus with room the frames of a scan come within milliseconds; on one
 /// that waiting boards overload they spread over the whole scan, and the next scan's follow a scan later.
 fn scan_gap(layout: &Layout, scene: &files::Scene) -> Duration {
@@ -194,7 +249,7 @@ fn scan_gap(layout: &Layout, scene: &files::Scene) -> Duration {
 }
 
 /// The rectangle around what drives the display: the driving module's taxels, or the whole skin's.
-fn sensor_area(layout: &Layout, drives: usize, scope: Scope) -> Rect {
+pub fn sensor_area(layout: &Layout, drives: usize, scope: Scope) -> Rect {
     let places = |m: &Module, origin: Point| {
         let shifted = |p: &Point| Point::new(p.x + origin.x, p.y + origin.y);
         m.points().iter().map(shifted).collect::<Vec<_>>()
@@ -232,27 +287,6 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
     });
     let map = Map::new(sensor, stated, display.bounds()).map_err(|e| bad("map.sensor_mm", &e))?;
 
-    let illusion = &scene.illusion;
-    let ms = |ms: f64| Duration::from_micros((ms * 1e3).round() as u64);
-    let timing = timing(ms(illusion.tau_d_ms), illusion.soa_ms.map(ms))
-        .map_err(|e| bad("illusion.tau_d_ms", &e))?;
-    let shape = Shape {
-        x: illusion.shape as f32,
-        y: illusion.shape as f32,
-    };
-    let phantom = LogPhantom::new(&display, shape)
-        .ok_or_else(|| bad("illusion.shape", &"a shape factor above 0"))?;
-    let floor = if illusion.intensity {
-        illusion.intensity_floor as f32
-    } else {
-        1.0
-    };
-    let drive = Drive {
-        alpha: illusion.alpha as f32,
-        beta: illusion.beta as f32,
-        floor,
-    };
-
     let (prescale, peak) = (prescale(bench)?, milliamps(bench.drive.current_ma));
     let wire_milliohm = (wire(bench).resistance_ohm * 1e3).round() as u32;
     let limits = limits(&setup.limits.value, milliamps(bench.drive.supply_limit_ma));
@@ -267,6 +301,7 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
     )
     .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
 
+    let output = illusion::output(setup, &display, peak)?;
     Ok(Plan {
         sensing: SensingPlan {
             gap: scan_gap(&layout, scene),
@@ -275,10 +310,11 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
             initialiser: InitialiserSettings {
                 reference_frames: scene.reference_frames,
                 fault_sigmas: scene.faulty_deviations.map(|k| k as f32),
-                threshold: ThresholdRule::Auto {
-                    margin: scene.threshold_margin as f32,
-                },
+                threshold: threshold(scene),
                 axes: axes(scene.compression.axes),
+                drift: scene
+                    .drift_s
+                    .map(|s| Duration::from_micros((s * 1e6).round() as u64)),
             },
             compression: Settings {
                 clusters: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),
@@ -294,12 +330,7 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
         drives: u16::try_from(scene.drives).unwrap_or(u16::MAX),
         map,
         display,
-        output: OutputSettings {
-            timing,
-            phantom,
-            drive,
-            peak,
-        },
+        output,
         guard,
     })
 }

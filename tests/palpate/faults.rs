@@ -126,7 +126,8 @@ fn a_corrupted_reading_that_jumps_is_no_touch() {
     let outcome = one("at_s = 1.0\nkind = \"frames-corrupted\"\nrate = 0.02");
     println!("corrupted: {:?}", outcome.summary.path_error_mm);
     assert!(fault(&outcome).count > 50 && outcome.failure.is_none());
-    assert!(rmse(&outcome) < 3.0);
+    // One bit in fifty frames, so a wrong taxel in every fourth scan; what docs/faults.md says it costs.
+    assert!((1.0..2.7).contains(&rmse(&outcome)), "{}", rmse(&outcome));
 }
 
 #[test]
@@ -181,9 +182,21 @@ fn two_boards_with_one_number_destroy_one_anothers_frames() {
         "pair",
         "[[faults]]\nat_s = 1.5\nuntil_s = 2.5\nkind = \"same-address\"\nmodule = 1\nwith = 0",
     );
-    let errors: u64 = outcome.summary.buses[0].errors.iter().sum();
-    println!("{:?}", outcome.summary.buses);
-    assert!(errors > 0 && outcome.failure.is_none());
+    // The loser of each collision sees another level than it sent; it turns error-passive after sixteen,
+    // and from then on the winner's frame survives.
+    let [bit, others @ ..] = outcome.summary.buses[0].errors;
+    assert!(
+        (100..400).contains(&bit) && others == [0; 4],
+        "{bit} {others:?}"
+    );
+    assert!(outcome.failure.is_none());
+    let board = &outcome.summary.boards[1].name;
+    for words in ["is silent, told to start", "sends again"] {
+        assert!(
+            told(&outcome, &format!("board of {board}: {words}")),
+            "{words}"
+        );
+    }
     assert!(told(&outcome, "fault: same-address module 1 with 0"));
     assert!(outputs_are_off(&outcome));
 }
@@ -286,19 +299,54 @@ fn a_brown_out_in_mid_burst_is_noticed_at_the_next_onset() {
 #[test]
 fn an_oscillator_at_either_end_changes_the_pulses_and_nothing_else() {
     let clean = healthy();
-    for factor in ["0.9", "1.1"] {
+    // The ends that have been seen, 23 and 27.4 MHz. A burst of 35 ms has longer pulses and fewer of them,
+    // or shorter ones and more.
+    for (factor, energy) in [(0.92, 1.0..1.10), (1.096, 1.0..1.08)] {
         let outcome = one(&format!(
             "at_s = 0.0\nkind = \"oscillator\"\nboard = 0\nfactor = {factor}"
         ));
         assert!(outcome.failure.is_none());
         assert_eq!(outcome.summary.stimuli, clean.summary.stimuli);
-        let hot = |o: &Outcome| o.summary.energy_mj;
-        println!(
-            "oscillator x {factor}: {} mJ, nominal {} mJ",
-            hot(&outcome),
-            hot(&clean)
+        for (wanted, widths) in [(factor, widths_ns(&outcome)), (1.0, widths_ns(&clean))] {
+            let tick = 31.0 * 40.0 / wanted; // (30 + 1) / 25 MHz
+            let off = widths
+                .iter()
+                .map(|&w| (w as f64 - (w as f64 / tick).round() * tick).abs());
+            assert!(
+                widths.len() > 400 && off.fold(0.0, f64::max) <= 1.0,
+                "{wanted}"
+            );
+        }
+        let energy_mj = |o: &Outcome| o.summary.energy_mj.unwrap();
+        let ratio = energy_mj(&outcome) / energy_mj(&clean);
+        assert!(
+            energy.contains(&ratio),
+            "oscillator x {factor}: energy x {ratio}"
         );
     }
+}
+
+/// Length of every pulse, ns.
+fn widths_ns(outcome: &Outcome) -> Vec<u64> {
+    let mut rose = [None; 256];
+    let mut widths = Vec::new();
+    for event in &outcome.trace.events {
+        if let Event::Edge {
+            t_ns,
+            board,
+            channel,
+            high,
+        } = *event
+        {
+            let slot = &mut rose[usize::from(board) * 16 + usize::from(channel)];
+            match slot.take() {
+                Some(from) if !high => widths.push(t_ns - from),
+                _ if high => *slot = Some(t_ns),
+                _ => {}
+            }
+        }
+    }
+    widths
 }
 
 #[test]
@@ -367,6 +415,24 @@ fn random_faults_of_every_layer_at_once_neither_stall_nor_panic() {
     let outcome = with("sphere-along", &faults);
     assert!(outputs_are_off(&outcome));
     assert!(outcome.summary.faults.iter().all(|f| f.count > 0));
+}
+
+/// A scene without faults plays its second pass from a tape; one with a fault that hits nothing emulates it.
+#[test]
+fn playing_the_boards_back_is_emulating_them_again() {
+    let inert = "[[faults]]\nat_s = 0.0\nkind = \"frames-lost\"\nrate = 0.0";
+    for scene in ["sphere-circle", "pair"] {
+        let (played, emulated) = (with(scene, ""), with(scene, inert));
+        let events = |o: &Outcome| -> Vec<Event> {
+            let told =
+                |e: &&Event| !matches!(e, Event::Note { text, .. } if text.starts_with("fault"));
+            o.trace.events.iter().filter(told).cloned().collect()
+        };
+        assert_eq!(events(&played), events(&emulated), "{scene}");
+        assert_eq!(played.trace.ledger, emulated.trace.ledger, "{scene}");
+        assert_eq!(played.summary.buses, emulated.summary.buses, "{scene}");
+        assert!(played.summary.contacts > 100);
+    }
 }
 
 #[test]

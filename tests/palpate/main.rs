@@ -11,6 +11,7 @@ mod edges;
 mod faults;
 mod goldens;
 mod hand;
+mod illusion;
 mod paths;
 mod pca9685;
 mod recordings;

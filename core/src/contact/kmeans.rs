@@ -1,14 +1,16 @@
 //! Weighted K-means in the plane: seeding (4.4), assignment (4.5, 4.6), update (4.7), stop (4.8).
 //!
 //! Coordinates lie in separate arrays. Distances are taken as differences first: expanded squares lose all
-//! digits in f32. Sums run over points in ascending order in f64, so results are the same on every machine.
+//! digits in f32. Sums run in f64 in one fixed order ([`super::passes`]), so results are the same on every machine.
 //!
 //! Ties go to the lowest index. A cluster left empty is moved onto the point that adds most to the cost; if no
 //! point is off its centroid there is nothing to gain and it stays, so this ends on duplicates too.
 
 use alloc::vec::Vec;
 
+use super::passes::{self, Sum, chained, square};
 use crate::random::Stream;
+use crate::vector::Vectors;
 
 /// Points and weights, slices of one length; all finite, weights not negative.
 #[derive(Clone, Copy, Debug)]
@@ -45,18 +47,30 @@ pub struct Stop {
 /// How a solve ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Outcome {
-    /// Assignment passes made.
+    /// Assignments settled, whether by a pass over the points or known without.
     pub iterations: u32,
+    /// Passes over the points made for them.
+    pub passes: u32,
     /// Whether (4.8) was met, rather than the cap.
     pub converged: bool,
+    /// Whether the same points and weights would end at the very same centroids again.
+    pub settled: bool,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
-struct Sum {
-    w: f64,
-    wx: f64,
-    wy: f64,
-    n: u32,
+/// What is known of the assignments without looking at the points again.
+#[derive(Clone, Copy, Debug)]
+struct Known {
+    /// How much nearer, at least, every point was to its centroid than to any other, mm; 0 where not measured.
+    margin: f32,
+    /// How far, at most, a centroid has moved since, mm.
+    moved: f32,
+}
+
+impl Known {
+    /// Whether another pass could change no assignment: two distances change by at most what their centroids move.
+    fn holds(self) -> bool {
+        self.moved <= 0.0 || 2.0 * self.moved * (1.0 + 1e-5) + 1e-12 < self.margin
+    }
 }
 
 /// Centroids and scratch memory for up to a given number of points and clusters.
@@ -64,12 +78,14 @@ struct Sum {
 pub struct KMeans {
     most_points: usize,
     most_clusters: usize,
+    vectors: Vectors,
     cx: Vec<f32>,
     cy: Vec<f32>,
     sums: Vec<Sum>,
     nearest: Vec<f32>,
     assigned: Vec<u32>,
     previous: Vec<u32>,
+    known: Option<Known>,
 }
 
 impl KMeans {
@@ -78,17 +94,27 @@ impl KMeans {
         Self {
             most_points: points,
             most_clusters: clusters,
+            vectors: Vectors::widest(),
             cx: Vec::with_capacity(clusters),
             cy: Vec::with_capacity(clusters),
-            sums: Vec::with_capacity(clusters),
+            sums: Vec::with_capacity(chained(clusters)),
             nearest: alloc::vec![0.0; points],
             assigned: alloc::vec![0; points],
             previous: alloc::vec![0; points],
+            known: None,
         }
+    }
+
+    /// The same with the vectors of choice; the results are the same too.
+    #[must_use]
+    pub const fn with_vectors(mut self, vectors: Vectors) -> Self {
+        self.vectors = vectors;
+        self
     }
 
     /// Centroids to start from, mm; those beyond the room made are dropped.
     pub fn set_centroids(&mut self, places: impl Iterator<Item = (f32, f32)>) {
+        self.known = None;
         self.cx.clear();
         self.cy.clear();
         for (x, y) in places.take(self.most_clusters) {
@@ -153,77 +179,92 @@ impl KMeans {
 
     /// Lloyd's iteration from the present centroids. Points beyond the room made are not looked at.
     pub fn solve(&mut self, points: Points<'_>, stop: Stop) -> Outcome {
+        self.known = None;
+        self.iterate::<false>(points, stop)
+    }
+
+    /// As [`KMeans::solve`], bit for bit, for the places of the last solve, in that order, from its centroids;
+    /// weights may be others. Assignments that cannot have changed are not looked for again.
+    pub fn resume(&mut self, points: Points<'_>, stop: Stop) -> Outcome {
+        self.iterate::<true>(points, stop)
+    }
+
+    /// `MARGIN`: measures margins, which costs a quarter more a pass and saves passes on resting places.
+    fn iterate<const MARGIN: bool>(&mut self, points: Points<'_>, stop: Stop) -> Outcome {
         let n = points.len().min(self.most_points);
+        let nothing = n == 0 || self.cx.is_empty();
         let mut outcome = Outcome {
             iterations: 0,
-            converged: n == 0 || self.cx.is_empty(),
+            passes: 0,
+            converged: nothing,
+            settled: nothing,
         };
         while !outcome.converged && outcome.iterations < stop.max_iterations.max(1) {
-            core::mem::swap(&mut self.assigned, &mut self.previous);
-            self.assign(points, n);
+            let same = if self.known.is_some_and(Known::holds) {
+                true
+            } else {
+                core::mem::swap(&mut self.assigned, &mut self.previous);
+                self.assign::<MARGIN>(points, n);
+                outcome.passes += 1;
+                self.assigned[..n] == self.previous[..n]
+            };
             outcome.iterations += 1;
-            if outcome.iterations > 1 && self.assigned[..n] == self.previous[..n] {
-                outcome.converged = true; // the same members have the same centroids: a move of zero
+            if outcome.iterations > 1 && same {
+                // The same members have the same centroids: a move of zero.
+                (outcome.converged, outcome.settled) = (true, true);
                 break;
             }
-            outcome.converged = self.update(points, n) <= stop.tolerance;
+            let (moved, changed) = self.update(points, n);
+            outcome.converged = moved <= stop.tolerance;
+            outcome.settled = !changed;
         }
         outcome
     }
 
-    /// (4.5), (4.6), eight points at a time: their best distances stay in registers over all centroids.
-    fn assign(&mut self, points: Points<'_>, n: usize) {
-        const LANES: usize = 8;
-        let (x, y) = (&points.x[..n], &points.y[..n]);
+    /// (4.5), (4.6).
+    fn assign<const MARGIN: bool>(&mut self, points: Points<'_>, n: usize) {
         let (near, assigned) = (&mut self.nearest[..n], &mut self.assigned[..n]);
-        let mut at = 0;
-        while at < n {
-            let count = LANES.min(n - at);
-            let (mut bx, mut by) = ([0.0f32; LANES], [0.0f32; LANES]);
-            bx[..count].copy_from_slice(&x[at..at + count]);
-            by[..count].copy_from_slice(&y[at..at + count]);
-            let (mut best, mut arg) = ([f32::INFINITY; LANES], [0u32; LANES]);
-            for (k, (&cx, &cy)) in self.cx.iter().zip(&self.cy).enumerate() {
-                for lane in 0..LANES {
-                    let d = square(bx[lane], by[lane], cx, cy);
-                    let closer = d < best[lane];
-                    best[lane] = if closer { d } else { best[lane] };
-                    arg[lane] = if closer { k as u32 } else { arg[lane] };
-                }
-            }
-            near[at..at + count].copy_from_slice(&best[..count]);
-            assigned[at..at + count].copy_from_slice(&arg[..count]);
-            at += count;
-        }
+        let (places, centroids) = ((&points.x[..n], &points.y[..n]), (&*self.cx, &*self.cy));
+        let margin = self
+            .vectors
+            .run(|| passes::assign::<MARGIN>(places, centroids, near, assigned));
+        self.known = Some(Known { margin, moved: 0.0 });
     }
 
-    /// (4.7) with the sum of weights below the line; returns the J of (4.8).
-    fn update(&mut self, points: Points<'_>, n: usize) -> f32 {
-        self.sums.clear();
-        self.sums.resize(self.cx.len(), Sum::default()); // within capacity
-        for i in 0..n {
-            add(&mut self.sums, &self.assigned, points, i, 1.0);
-        }
-        for k in 0..self.sums.len() {
-            if self.sums[k].n == 0 {
+    /// (4.7) with the sum of weights below the line; returns the J of (4.8), and whether any centroid is another.
+    fn update(&mut self, points: Points<'_>, n: usize) -> (f32, bool) {
+        let clusters = self.cx.len();
+        self.sums.resize(chained(clusters), [0.0; 4]); // within capacity
+        let (assigned, sums) = (&self.assigned[..n], &mut self.sums[..]);
+        self.vectors
+            .run(|| passes::sum(points.x, points.y, points.w, assigned, sums));
+        for k in 0..clusters {
+            if self.sums[k][3] < 1.0 {
                 self.refill(points, n, k);
             }
         }
-        let mut moved = 0.0f32;
-        for (k, sum) in self.sums.iter().enumerate() {
-            if sum.n == 0 {
+        let (mut moved, mut farthest, mut changed) = (0.0f32, 0.0f32, false);
+        for k in 0..clusters {
+            let [w, wx, wy, members] = self.sums[k];
+            if members < 1.0 {
                 continue;
             }
-            let (x, y) = if sum.w > 0.0 {
-                (sum.wx / sum.w, sum.wy / sum.w)
+            let (x, y) = if w > 0.0 {
+                (wx / w, wy / w)
             } else {
                 plain_mean(&self.assigned[..n], points, k as u32)
             };
             let (x, y) = (x as f32, y as f32);
-            moved += libm::sqrtf(square(x, y, self.cx[k], self.cy[k]));
+            let step = libm::sqrtf(square(x, y, self.cx[k], self.cy[k]));
+            (moved, farthest) = (moved + step, farthest.max(step));
+            changed |= (x, y) != (self.cx[k], self.cy[k]);
             (self.cx[k], self.cy[k]) = (x, y);
         }
-        0.5 * moved
+        if let Some(known) = &mut self.known {
+            // A move too small to have a length still is one.
+            known.moved += farthest + if changed { f32::MIN_POSITIVE } else { 0.0 };
+        }
+        (0.5 * moved, changed)
     }
 
     /// Gives the empty cluster `k` the point that costs most where it is; the lowest index of equals.
@@ -231,16 +272,25 @@ impl KMeans {
         let mut worst = (0.0f32, None);
         for i in 0..n {
             let cost = points.w[i] * self.nearest[i];
-            if cost > worst.0 && self.sums[self.assigned[i] as usize].n > 1 {
+            if cost > worst.0 && self.sums[self.assigned[i] as usize][3] > 1.0 {
                 worst = (cost, Some(i));
             }
         }
         if let Some(i) = worst.1 {
-            add(&mut self.sums, &self.assigned, points, i, -1.0);
+            let point = (points.x[i], points.y[i], points.w[i]);
+            let mut taken = [[0.0; 4]];
+            passes::add(&mut taken, 0, point);
+            for (s, t) in self.sums[self.assigned[i] as usize]
+                .iter_mut()
+                .zip(taken[0])
+            {
+                *s -= t;
+            }
             self.assigned[i] = k as u32;
             self.nearest[i] = 0.0;
-            add(&mut self.sums, &self.assigned, points, i, 1.0);
+            passes::add(&mut self.sums, k as u32, point);
         }
+        self.known = None; // an empty cluster's own distance says nothing
     }
 
     /// Centroids, mm.
@@ -255,7 +305,9 @@ impl KMeans {
 
     /// Members of a cluster after the last solve that moved the centroids.
     pub fn members(&self, cluster: usize) -> u32 {
-        self.sums.get(cluster).map_or(0, |s| s.n)
+        let clusters = self.cx.len();
+        let sum = self.sums.get(cluster).filter(|_| cluster < clusters);
+        sum.map_or(0, |s| s[3] as u32)
     }
 
     /// sum(w d²) of the points to their nearest centroid, mm² times weight.
@@ -271,21 +323,6 @@ impl KMeans {
             })
             .sum()
     }
-}
-
-fn square(ax: f32, ay: f32, bx: f32, by: f32) -> f32 {
-    let (dx, dy) = (ax - bx, ay - by);
-    dx * dx + dy * dy
-}
-
-#[inline]
-fn add(sums: &mut [Sum], assigned: &[u32], points: Points<'_>, i: usize, sign: f64) {
-    let sum = &mut sums[assigned[i] as usize];
-    let w = sign * f64::from(points.w[i]);
-    sum.w += w;
-    sum.wx += w * f64::from(points.x[i]);
-    sum.wy += w * f64::from(points.y[i]);
-    sum.n = if sign < 0.0 { sum.n - 1 } else { sum.n + 1 };
 }
 
 /// Where all members weigh nothing they weigh the same.

@@ -7,6 +7,9 @@
 use alloc::vec::Vec;
 use core::fmt;
 
+use super::few::{self, FEW};
+use crate::vector::Vectors;
+
 /// Why levels cannot be found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LevelError {
@@ -119,14 +122,15 @@ fn nearest(levels: &[f32], v: f32) -> u16 {
 pub struct LevelSolver {
     most: usize,
     k: usize,
+    vectors: Vectors,
     sorted: Vec<f32>,
     /// Prefix sums of values and squares, taken from the median: index i covers the first i values.
     sum: Vec<f64>,
     square: Vec<f64>,
+    /// 1/m for clusters of m values: the divisions of the inner loop.
+    share: Vec<f64>,
+    /// Best cost of values 0 ..= i in `row + 1` clusters, row by row.
     cost: Vec<f64>,
-    next: Vec<f64>,
-    /// First value of the last cluster, per number of clusters and value.
-    split: Vec<u32>,
     levels: Vec<f32>,
     todo: Vec<[u32; 4]>,
 }
@@ -138,12 +142,12 @@ impl LevelSolver {
         Self {
             most,
             k,
+            vectors: Vectors::widest(),
             sorted: Vec::with_capacity(most),
             sum: alloc::vec![0.0; most + 1],
             square: alloc::vec![0.0; most + 1],
-            cost: alloc::vec![0.0; most],
-            next: alloc::vec![0.0; most],
-            split: alloc::vec![0; most * k],
+            share: (0..=most).map(|m| 1.0 / m.max(1) as f64).collect(),
+            cost: alloc::vec![0.0; if most > FEW { most * k } else { 0 }],
             levels: Vec::with_capacity(k),
             todo: Vec::with_capacity(64),
         }
@@ -171,52 +175,77 @@ impl LevelSolver {
         }
         let distinct = 1 + self.sorted.windows(2).filter(|p| p[0] < p[1]).count();
         let k = self.k.min(distinct);
+        if n <= FEW {
+            let starts = few::starts(self.vectors, &self.sum[..=n], &self.square[..=n], k);
+            for row in 0..k {
+                let end = if row + 1 < k { starts[row + 1] } else { n };
+                self.push_mean(centre, starts[row], end);
+            }
+            return Ok(());
+        }
         for i in 0..n {
             self.cost[i] = self.within(0, i);
-            self.split[i] = 0;
         }
         for row in 1..k {
-            self.fill_row(row, n);
-            core::mem::swap(&mut self.cost, &mut self.next);
+            // The clusters still to come take a value each, and after the last row only the whole counts.
+            let to = n - (k - 1 - row);
+            self.fill_row(row, if row + 1 == k { n - 1 } else { row }, to);
         }
         // Walk back from the last value.
         let mut end = n;
         for row in (0..k).rev() {
-            let start = self.split[row * self.most + end - 1] as usize;
-            let mean = (self.sum[end] - self.sum[start]) / (end - start) as f64;
-            self.levels.push((centre + mean) as f32);
+            let start = self.split(row, end - 1);
+            self.push_mean(centre, start, end);
             end = start;
         }
         self.levels.reverse();
         Ok(())
     }
 
+    /// Adds the level of values start .. end.
+    fn push_mean(&mut self, centre: f64, start: usize, end: usize) {
+        let mean = (self.sum[end] - self.sum[start]) / (end - start) as f64;
+        self.levels.push((centre + mean) as f32);
+    }
+
     /// Cost of values a ..= b as one cluster.
     fn within(&self, a: usize, b: usize) -> f64 {
         let s = self.sum[b + 1] - self.sum[a];
         let q = self.square[b + 1] - self.square[a];
-        (q - s * s / (b + 1 - a) as f64).max(0.0)
+        (q - s * s * self.share[b + 1 - a]).max(0.0)
     }
 
-    /// Best cost of values 0 ..= i in `row + 1` clusters for all i. The split point never goes back as i grows, so
-    /// the middle i halves the range for both sides.
-    fn fill_row(&mut self, row: usize, n: usize) {
+    /// Where the last of `row + 1` clusters over values 0 ..= i starts: the first split of that cost.
+    fn split(&self, row: usize, i: usize) -> usize {
+        if row == 0 {
+            return 0;
+        }
+        let before = &self.cost[(row - 1) * self.most..];
+        let best = self.cost[row * self.most + i];
+        let meets = |j: &usize| before[j - 1] + self.within(*j, i) <= best;
+        (row..=i).find(meets).unwrap_or(i)
+    }
+
+    /// Best costs of values 0 ..= i for i in `from .. to`. The split point never goes back as i grows, so the middle
+    /// i halves the range for both sides.
+    fn fill_row(&mut self, row: usize, from: usize, to: usize) {
         self.todo.clear();
-        self.todo.push([row as u32, n as u32, row as u32, n as u32]); // i in [0], [1]; split in [2], [3]
+        self.todo
+            .push([from as u32, to as u32, row as u32, to as u32]); // i in [0], [1]; split in [2], [3]
+        let before = (row - 1) * self.most;
         while let Some([from, to, low, high]) = self.todo.pop() {
             if from >= to {
                 continue;
             }
             let i = from + (to - from) / 2;
             let mut best = (f64::INFINITY, low);
-            for j in low.max(row as u32)..high.min(i + 1) {
-                let c = self.cost[j as usize - 1] + self.within(j as usize, i as usize);
+            for j in low..high.min(i + 1) {
+                let c = self.cost[before + j as usize - 1] + self.within(j as usize, i as usize);
                 if c < best.0 {
                     best = (c, j);
                 }
             }
-            self.next[i as usize] = best.0;
-            self.split[row * self.most + i as usize] = best.1;
+            self.cost[row * self.most + i as usize] = best.0;
             self.todo.push([i + 1, to, best.1, high]);
             self.todo.push([from, i, low, best.1 + 1]);
         }

@@ -19,14 +19,18 @@
 //! ```
 
 pub mod compressor;
+mod few;
+mod group;
 pub mod identity;
 pub mod interpolate;
 pub mod kmeans;
 pub mod levels;
+mod passes;
 pub mod settings;
 pub mod weights;
 
 pub use compressor::{Compressor, Contact, Work};
+pub use group::Group;
 pub use kmeans::{KMeans, Points, Stop};
 pub use levels::{LevelError, LevelSolver, LevelTable};
 pub use settings::{Levels, Norm, Scope, Settings, SettingsError};

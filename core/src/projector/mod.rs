@@ -4,7 +4,8 @@
 mod output;
 mod sensing;
 
-pub use output::{OutputSettings, Target};
+pub use crate::illusion::Target;
+pub use output::OutputSettings;
 
 use alloc::boxed::Box;
 use core::fmt;
@@ -12,13 +13,13 @@ use core::fmt;
 use crate::bus::{Actuators, SensorBus};
 use crate::contact::{Contact, Levels, Scope, Settings, SettingsError, Work};
 use crate::guard::Guard;
-use crate::illusion::{Display, Map};
+use crate::illusion::{CalibrationError, Display, Map, Tracks};
 use crate::schedule::{Entry, Timing};
 use crate::skin::{
     Condition, FrameError, HealthSettings, HealthSummary, Initialiser, InitialiserError,
     InitialiserSettings, Layout, Monitor, RelativeFrame,
 };
-use crate::units::{Board, Duration, Instant, Point};
+use crate::units::{Board, Duration, Instant};
 use crate::wire::uskin::IdProfile;
 
 use output::Output;
@@ -135,6 +136,8 @@ pub enum PlanError {
     Initialiser(InitialiserError),
     /// The compression settings.
     Compression(SettingsError),
+    /// A calibration that is not of this display's wires.
+    Calibration(CalibrationError),
 }
 
 impl fmt::Display for PlanError {
@@ -143,6 +146,7 @@ impl fmt::Display for PlanError {
             Self::NoSuchModule(n) => write!(f, "expected a driving module below {n}"),
             Self::Initialiser(e) => e.fmt(f),
             Self::Compression(e) => e.fmt(f),
+            Self::Calibration(e) => write!(f, "expected {e}"),
         }
     }
 }
@@ -179,6 +183,9 @@ pub struct Projector {
     map: Map,
     drives: u16,
     targets: Box<[Target]>,
+    tracks: Tracks,
+    /// Time of the frame that the tracks know.
+    tracked: Option<Instant>,
 }
 
 impl Projector {
@@ -191,13 +198,16 @@ impl Projector {
         if usize::from(plan.drives) >= modules {
             return Err(PlanError::NoSuchModule(modules));
         }
-        let blank = Target {
-            place: Point::default(),
-            weight: 0.0,
-        };
+        if plan.output.calibration.len() != plan.display.wires().len() {
+            return Err(PlanError::Calibration(CalibrationError::Count));
+        }
         // No module has more contacts than taxels, whatever K_C says.
         let taxels = plan.sensing.layout.taxels();
         let most = usize::from(plan.sensing.compression.clusters).min(taxels);
+        let step = match plan.output.smallest_step {
+            part if part > 0.0 => part * plan.display.gap(),
+            _ => 0.0,
+        };
         let (sensing, layout) = Sensing::new(plan.sensing, plan.drives)?;
         Ok(Self {
             layout,
@@ -205,7 +215,9 @@ impl Projector {
             output: Output::new(plan.display, plan.output, plan.guard),
             map: plan.map,
             drives: plan.drives,
-            targets: alloc::vec![blank; most].into(),
+            targets: alloc::vec![Target::default(); most].into(),
+            tracks: Tracks::new(most, step),
+            tracked: None,
         })
     }
 
@@ -259,7 +271,9 @@ impl Projector {
             self.all_off(now, Cause::LateTick, actuators, observer)
                 .map_err(LoopError::Actuator)?;
         }
-        let count = if is_stale { 0 } else { self.aim() };
+        self.track();
+        let due = self.output.is_due(now) && !is_stale;
+        let count = if due { self.aim(now) } else { 0 };
         match self
             .output
             .poll(now, &self.targets[..count], actuators, observer)
@@ -287,25 +301,43 @@ impl Projector {
         self.output.all_off(now, cause, actuators, observer)
     }
 
-    /// Maps the newest contacts of the driving module to the display; returns how many there are.
-    fn aim(&mut self) -> usize {
-        let compressor = self.sensing.compressor();
-        let levels = match &compressor.settings().levels {
+    /// The newest contacts that drive the display: with K_C over the whole skin all of them, else one
+    /// module's.
+    fn ours(sensing: &Sensing, drives: u16) -> impl Iterator<Item = &Contact> {
+        let compressor = sensing.compressor();
+        let whole = compressor.settings().scope == Scope::Skin;
+        let contacts = compressor.contacts().iter();
+        contacts.filter(move |c| whole || c.module == drives)
+    }
+
+    /// Takes the contacts of a frame that has not been taken yet.
+    fn track(&mut self) {
+        let newest = self.sensing.newest_frame();
+        if let Some(at) = newest.filter(|_| newest != self.tracked) {
+            self.tracked = newest;
+            let placed = |c: &Contact| (c.id, self.map.apply(c.place));
+            self.tracks
+                .observe(at, Self::ours(&self.sensing, self.drives).map(placed));
+        }
+    }
+
+    /// Where the newest contacts are on the display at `now`; returns how many there are.
+    fn aim(&mut self, now: Instant) -> usize {
+        let levels = match &self.sensing.compressor().settings().levels {
             Levels::Off => 1,
             Levels::Table(table) => u16::try_from(table.values().len()).unwrap_or(u16::MAX),
             Levels::Dynamic(k) => *k,
         };
         let drive = self.output.drive();
-        // With K_C over the whole skin, the skin drives the display; else one module does.
-        let whole = compressor.settings().scope == Scope::Skin;
-        let ours = compressor
-            .contacts()
-            .iter()
-            .filter(|c| whole || c.module == self.drives);
         let mut count = 0;
-        for (target, contact) in self.targets.iter_mut().zip(ours) {
+        for (target, contact) in self
+            .targets
+            .iter_mut()
+            .zip(Self::ours(&self.sensing, self.drives))
+        {
+            let tracked = self.tracks.place(contact.id, now);
             *target = Target {
-                place: self.map.apply(contact.place),
+                place: tracked.unwrap_or(self.map.apply(contact.place)),
                 weight: drive.weight(contact.level, levels),
             };
             count += 1;

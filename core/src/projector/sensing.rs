@@ -32,16 +32,48 @@ struct Pipeline {
     conditions: Box<[Condition]>,
     drives: u16,
     frames: u32,
+    /// Time of the newest frame that was compressed.
+    newest: Option<Instant>,
     /// Frames that could not be compressed; the layout makes that impossible, so it is counted, not hidden.
     refused: Option<FrameError>,
+}
+
+/// Who sends under which number: modules by bus and board.
+#[derive(Debug, Default)]
+struct Senders {
+    /// Index and wiring of a bus's modules by board; the last place is the first module of the bus, for
+    /// identifiers that name no board.
+    buses: Vec<[Option<(u16, Wiring)>; BOARDS + 1]>,
+}
+
+/// Boards that a bus can have.
+const BOARDS: usize = 16;
+
+impl Senders {
+    fn add(&mut self, index: usize, address: Address, wiring: Wiring) {
+        let bus = usize::from(address.bus);
+        if self.buses.len() <= bus {
+            self.buses.resize(bus + 1, [None; BOARDS + 1]);
+        }
+        let sender = (index as u16, wiring); // a bus has at most 16 boards
+        for place in [usize::from(address.board), BOARDS] {
+            if let Some(slot) = self.buses[bus].get_mut(place) {
+                slot.get_or_insert(sender);
+            }
+        }
+    }
+
+    fn find(&self, bus: u8, board: Option<u8>) -> Option<(u16, Wiring)> {
+        let place = board.map_or(BOARDS, usize::from);
+        *self.buses.get(usize::from(bus))?.get(place)?
+    }
 }
 
 /// The state of the sensor half.
 #[derive(Debug)]
 pub(super) struct Sensing {
     profile: IdProfile,
-    /// Address and wiring of each module that a board can carry.
-    modules: Vec<Option<(Address, Wiring)>>,
+    senders: Senders,
     assembler: ScanAssembler,
     pipeline: Pipeline,
     /// Whether every module drives the display, or one.
@@ -55,6 +87,7 @@ pub(super) struct Sensing {
 
 impl Pipeline {
     fn frame(&mut self, scan: &Scan, module: u16, layout: &Layout, observer: &mut impl Observer) {
+        self.watch_for_new_board(usize::from(module), layout);
         self.monitor
             .observe_range(scan, layout.range(usize::from(module)));
         self.examine(scan.at(), usize::from(module), layout, observer);
@@ -70,20 +103,42 @@ impl Pipeline {
             self.initialiser.mask(&mut self.relative);
             self.masked = true;
         }
-        let result = self.initialiser.relative(scan, &mut self.relative);
-        match result.and_then(|()| self.compressor.compress(&self.relative).map(|_| ())) {
-            Ok(()) => observer.frame(&FrameReport {
-                at: scan.at(),
-                number,
-                relative: &self.relative,
-                contacts: self.compressor.contacts(),
-            }),
+        let advanced = self.initialiser.advance(scan, &mut self.relative);
+        let compressed = advanced.and_then(|news| {
+            if news || !self.compressor.repeat() {
+                self.compressor.compress(&self.relative)?;
+            }
+            Ok(())
+        });
+        match compressed {
+            Ok(()) => {
+                self.newest = Some(scan.at());
+                observer.frame(&FrameReport {
+                    at: scan.at(),
+                    number,
+                    relative: &self.relative,
+                    contacts: self.compressor.contacts(),
+                });
+            }
             Err(error) => self.refused = Some(error),
         }
     }
 }
 
 impl Pipeline {
+    /// A module all of whose taxels were dead, and of which a scan now comes, may have another board: where the
+    /// reference follows drift, the module starts over.
+    fn watch_for_new_board(&mut self, module: usize, layout: &Layout) {
+        let conditions = &self.conditions[layout.range(module)];
+        let silent = |c: &Condition| matches!(c, Condition::Dead | Condition::Inactive);
+        if self.initialiser.follows_drift()
+            && conditions.iter().all(silent)
+            && conditions.contains(&Condition::Dead)
+        {
+            self.initialiser.restart(module);
+        }
+    }
+
     /// Looks at the taxels of a module: reports those whose health changed, and leaves the ill ones out.
     /// Where a whole module stands still it may be a skin without noise, so it is only reported.
     fn examine(
@@ -126,7 +181,7 @@ impl Sensing {
         let layout = plan.layout;
         let whole = plan.compression.scope == Scope::Skin;
         let mut assembler = ScanAssembler::new(&layout, plan.gap);
-        let mut modules = Vec::with_capacity(layout.modules().len());
+        let mut senders = Senders::default();
         for (index, module) in layout.modules().iter().enumerate() {
             let wiring = module.wiring();
             let active = (0..module.points().len()).filter(|&i| module.active()[i]);
@@ -134,12 +189,14 @@ impl Sensing {
             if let Some(last) = active.filter_map(order).max() {
                 assembler.set_last_order(index, last as u32); // a board has at most 64 taxels
             }
-            modules.push(module.address().zip(wiring));
+            if let Some((address, wiring)) = module.address().zip(wiring) {
+                senders.add(index, address, wiring);
+            }
         }
         let initialiser = Initialiser::new(&layout, plan.initialiser)?;
         let sensing = Self {
             profile: plan.profile,
-            modules,
+            senders,
             assembler,
             pipeline: Pipeline {
                 relative: RelativeFrame::new(&layout),
@@ -161,6 +218,7 @@ impl Sensing {
                     .collect(),
                 drives,
                 frames: 0,
+                newest: None,
                 refused: None,
             },
             whole,
@@ -189,6 +247,11 @@ impl Sensing {
 
     pub(super) const fn refused(&self) -> Option<&FrameError> {
         self.pipeline.refused.as_ref()
+    }
+
+    /// Time of the newest frame that was compressed.
+    pub(super) const fn newest_frame(&self) -> Option<Instant> {
+        self.pipeline.newest
     }
 
     pub(super) const fn last_received(&self) -> Option<Instant> {
@@ -228,17 +291,11 @@ impl Sensing {
         let Ok(Message::Data(data)) = decode(self.profile, &received.frame) else {
             return None;
         };
-        let is_sender =
-            |a: &Address| a.bus == received.bus && data.board.is_none_or(|b| b == a.board);
-        let mut wired = self.modules.iter().enumerate();
-        let (index, wiring) = wired.find_map(|(i, module)| {
-            let (address, wiring) = module.as_ref()?;
-            is_sender(address).then_some((i, *wiring))
-        })?;
+        let (module, wiring) = self.senders.find(received.bus, data.board)?;
         let (_, taxel) = wiring.taxel(data.place)?;
         let order = wiring.order(data.place)?;
         let reading = Reading {
-            module: index as u16, // a bus has at most 16 boards
+            module,
             taxel: taxel as u32,
             order: order as u32,
             counts: [data.reading.x, data.reading.y, data.reading.z],
@@ -249,7 +306,7 @@ impl Sensing {
             pipeline.frame(scan, m, layout, observer)
         });
         push.ok()?;
-        if self.whole || index == usize::from(self.pipeline.drives) {
+        if self.whole || module == self.pipeline.drives {
             self.last_received = Some(received.at);
         }
         Some(())

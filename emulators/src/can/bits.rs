@@ -9,22 +9,30 @@ pub const INTERMISSION: u32 = 3;
 /// Generator of CRC-15-CAN.
 const CRC_POLY: u16 = 0x4599;
 
-/// CRC-15 of one byte shifted in, by the byte that leaves the register.
-static CRC_TABLE: [u16; 256] = {
-    let mut table = [0; 256];
+/// Bytes under the CRC at most: the padded header and the data field.
+const COVERED: usize = 11;
+
+/// `CRC_TABLE[n][byte]`: CRC-15 of a byte with `n` zero bytes behind it. The register starts at zero, so the
+/// CRC of a frame is the XOR over its bytes, and the look-ups need not wait for one another.
+static CRC_TABLE: [[u16; 256]; COVERED] = {
+    let mut table = [[0; 256]; COVERED];
     let mut byte = 0;
     while byte < 256 {
-        let mut crc = (byte as u16) << 7;
-        let mut bit = 0;
-        while bit < 8 {
-            crc = if crc & 0x4000 != 0 {
-                crc << 1 ^ CRC_POLY
-            } else {
-                crc << 1
-            };
-            bit += 1;
+        let (mut crc, mut behind) = ((byte as u16) << 7, 0);
+        while behind < COVERED {
+            let mut bit = 0;
+            while bit < 8 {
+                crc = if crc & 0x4000 != 0 {
+                    crc << 1 ^ CRC_POLY
+                } else {
+                    crc << 1
+                };
+                bit += 1;
+            }
+            crc &= 0x7FFF;
+            table[behind][byte] = crc;
+            behind += 1;
         }
-        table[byte] = crc & 0x7FFF;
         byte += 1;
     }
     table
@@ -43,15 +51,18 @@ const fn stuff_bit(state: u8, bit: u8) -> (u8, u8) {
     }
 }
 
-/// [`stuff_bit`] over the low `width` bits of a value, most significant first, for every start state:
-/// next state, stuff bits in the high nibble.
-const fn stuff_table<const N: usize>(width: u32) -> [[u8; N]; 8] {
-    let mut table = [[0; N]; 8];
+/// Bits of the sequence that go through the stuffing rule at once.
+const CHUNK: u32 = 11;
+
+/// [`stuff_bit`] over [`CHUNK`] bits, most significant first, for every start state: next state, stuff
+/// bits in the high nibble.
+static STUFF: [[u8; 1 << CHUNK]; 8] = {
+    let mut table = [[0; 1 << CHUNK]; 8];
     let mut start = 0;
     while start < 8 {
         let mut value = 0;
-        while value < N {
-            let (mut state, mut count, mut bit) = (start as u8, 0, width);
+        while value < 1 << CHUNK {
+            let (mut state, mut count, mut bit) = (start as u8, 0, CHUNK);
             while bit > 0 {
                 bit -= 1;
                 let (next, stuffed) = stuff_bit(state, (value >> bit & 1) as u8);
@@ -64,57 +75,48 @@ const fn stuff_table<const N: usize>(width: u32) -> [[u8; N]; 8] {
         start += 1;
     }
     table
-}
+};
 
-static STUFF_3: [[u8; 8]; 8] = stuff_table(3);
-static STUFF_7: [[u8; 128]; 8] = stuff_table(7);
-static STUFF_8: [[u8; 256]; 8] = stuff_table(8);
-
-/// Start of frame to the length code, 19 bits in three bytes after five zeros. SOF, RTR, IDE and r0
-/// are dominant: only the identifier and the length have ones.
-fn header(frame: &CanFrame) -> [u8; 3] {
-    let value = u32::from(frame.id()) << 7 | frame.data().len() as u32;
-    [(value >> 16) as u8, (value >> 8) as u8, value as u8]
+/// Start of frame to the length code, 19 bits. SOF, RTR, IDE and r0 are dominant: only the identifier
+/// and the length have ones.
+fn header(frame: &CanFrame) -> u32 {
+    u32::from(frame.id()) << 7 | frame.data().len() as u32
 }
 
 /// CRC-15 over start of frame, arbitration, control and data field.
 pub fn crc(frame: &CanFrame) -> u16 {
     // Leading zeros leave a zero register alone, so the header may be padded to whole bytes.
-    let bytes = header(frame)
-        .into_iter()
-        .chain(frame.data().iter().copied());
-    bytes.fold(0, |crc, byte| {
-        (crc << 8 ^ CRC_TABLE[usize::from((crc >> 7) as u8 ^ byte)]) & 0x7FFF
-    })
+    let [_, header @ ..] = header(frame).to_be_bytes();
+    let bytes = header.iter().chain(frame.data()).rev();
+    bytes
+        .zip(&CRC_TABLE)
+        .fold(0, |crc, (&byte, table)| crc ^ table[usize::from(byte)])
 }
 
 /// Stuff bits of a frame.
 pub fn stuff_bits(frame: &CanFrame) -> u32 {
-    let (crc, [first, second, third]) = (crc(frame), header(frame));
-    let (mut state, mut count) = (4, 0); // recessive bus before the dominant start of frame
-    let mut enter = |entry: u8| {
+    /// Fills the first chunk: alternating bits are never stuffed, and the last one is recessive, as the
+    /// bus is before the start of frame.
+    const FILL: u128 = 0b101_0101_0101;
+    let (bits, length) = sequence(frame);
+    let bits = FILL << length | bits;
+    let (mut state, mut count) = (0, 0);
+    for chunk in (0..=length / CHUNK).rev() {
+        let value = (bits >> (chunk * CHUNK)) as usize & ((1 << CHUNK) - 1);
+        let entry = STUFF[usize::from(state & 7)][value];
+        state = entry & 7;
         count += u32::from(entry >> 4);
-        entry & 7
-    };
-    state = enter(STUFF_3[state][usize::from(first & 7)]).into();
-    let middle = [second, third]
-        .into_iter()
-        .chain(frame.data().iter().copied());
-    for byte in middle.chain([(crc >> 7) as u8]) {
-        state = enter(STUFF_8[state & 7][usize::from(byte)]).into();
     }
-    enter(STUFF_7[state & 7][usize::from(crc & 0x7F)]);
     count
 }
 
 /// The stuffed part without its stuff bits (start of frame to CRC), right-aligned, and its length.
 fn sequence(frame: &CanFrame) -> (u128, u32) {
-    let bytes = header(frame)
-        .into_iter()
-        .chain(frame.data().iter().copied());
-    let bits = bytes.fold(0, |bits: u128, byte| bits << 8 | u128::from(byte));
-    let length = 19 + 8 * frame.data().len() as u32;
-    (bits << 15 | u128::from(crc(frame)), length + 15)
+    let length = 8 * frame.data().len() as u32;
+    let data = frame.data().iter();
+    let data = data.fold(0, |bits: u64, &byte| bits << 8 | u64::from(byte));
+    let bits = u128::from(header(frame)) << length | u128::from(data);
+    (bits << 15 | u128::from(crc(frame)), 19 + length + 15)
 }
 
 /// Bits from start of frame to the end of its end-of-frame field, stuffing included. The
@@ -196,9 +198,11 @@ mod tests {
     #[test]
     fn crc_has_the_published_check_value() {
         // CRC-15/CAN of "123456789" is 0x059E (reveng catalogue); the table is the same register.
-        let crc = b"123456789".iter().fold(0u16, |crc, &byte| {
-            (crc << 8 ^ CRC_TABLE[usize::from((crc >> 7) as u8 ^ byte)]) & 0x7FFF
-        });
+        let crc = b"123456789"
+            .iter()
+            .rev()
+            .zip(&CRC_TABLE)
+            .fold(0, |crc, (&byte, table)| crc ^ table[usize::from(byte)]);
         assert_eq!(crc, 0x059E);
     }
 

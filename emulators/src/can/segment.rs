@@ -64,6 +64,8 @@ pub(super) struct Transmission {
 #[derive(Clone, Debug)]
 pub struct Segment {
     bitrate: u32,
+    /// Length of a bit, ns, where it is a whole number of them: a division a frame less.
+    whole_bit_ns: Option<u64>,
     pub(super) now: Nanos,
     pub(super) nodes: Vec<Node>,
     /// Identifier each node offers, beside the nodes so that arbitration reads one cache line.
@@ -80,8 +82,11 @@ pub struct Segment {
 impl Segment {
     /// An idle bus at `bitrate` bit/s (at least 1).
     pub fn new(bitrate: u32) -> Self {
+        let bitrate = bitrate.max(1);
+        let divides = 1_000_000_000 % bitrate == 0;
         Self {
-            bitrate: bitrate.max(1),
+            bitrate,
+            whole_bit_ns: divides.then_some(u64::from(1_000_000_000 / bitrate)),
             now: Nanos::ZERO,
             nodes: Vec::new(),
             heads: Vec::new(),
@@ -222,7 +227,11 @@ impl Segment {
     }
 
     pub(super) fn span(&self, bits: u32) -> Nanos {
-        Nanos(u64::from(bits) * 1_000_000_000 / u64::from(self.bitrate))
+        let bits = u64::from(bits);
+        Nanos(match self.whole_bit_ns {
+            Some(bit) => bits * bit,
+            None => bits * 1_000_000_000 / u64::from(self.bitrate),
+        })
     }
 
     pub(super) fn refresh(&mut self, n: usize) {
@@ -244,33 +253,41 @@ impl Segment {
             .unwrap_or(Nanos::MAX);
     }
 
+    /// The frame that a node offers, to be sent.
+    fn take(&mut self, n: usize) -> Option<CanFrame> {
+        let frame = self.nodes[n].transmit.pop_front();
+        self.refresh(n);
+        frame
+    }
+
     /// Starts the frame with the lowest identifier.
     fn arbitrate(&mut self) {
         let start = self.contend_at;
         self.now = self.now.max(start);
         self.contend_at = Nanos::MAX;
-        let ready = |n: usize| self.nodes[n].not_before <= start;
-        let offered = self.heads.iter().enumerate().filter(|&(n, _)| ready(n));
-        let lowest = offered.map(|(_, &id)| id).min().unwrap_or(NO_HEAD);
+        // One look at what every node offers: the lowest identifier, who has it first, who else.
+        let (mut lowest, mut first, mut shared) = (NO_HEAD, 0, false);
+        for (n, (&head, node)) in self.heads.iter().zip(&self.nodes).enumerate() {
+            if head > lowest || head == NO_HEAD || node.not_before > start {
+                continue;
+            }
+            shared = head == lowest;
+            if !shared {
+                (lowest, first) = (head, n);
+            }
+        }
         if lowest == NO_HEAD {
             return;
         }
-        let (mut winner, mut rivals) = (None, Vec::new());
-        for n in 0..self.nodes.len() {
-            if self.heads[n] == lowest
-                && self.nodes[n].not_before <= start
-                && let Some(frame) = self.nodes[n].transmit.pop_front()
-            {
-                self.refresh(n);
-                match &winner {
-                    None => winner = Some((n, frame)),
-                    Some(_) => rivals.push((n, frame)),
-                }
-            }
-        }
-        let Some((mut sender, mut frame)) = winner else {
+        let Some(mut frame) = self.take(first) else {
             return;
         };
+        let (mut sender, mut rivals) = (first, Vec::new());
+        for n in first + 1..if shared { self.nodes.len() } else { 0 } {
+            if self.heads[n] == lowest && self.nodes[n].not_before <= start {
+                rivals.extend(self.take(n).map(|frame| (n, frame)));
+            }
+        }
         // Of frames with one identifier the one with the first dominant bit survives; where the
         // loser notices, it destroys the frame if its flag is an active one.
         let mut collision = None;

@@ -201,7 +201,7 @@ impl Sink {
                 self.place(*place);
                 self.u32(*intensity_milli);
                 self.u16(*level);
-                self.u16(*members);
+                self.u32(*members);
             }
             Event::Truth {
                 t_us,
@@ -257,12 +257,17 @@ impl Sink {
                 target,
                 inside,
                 felt,
+                energy_permille,
             } => {
                 self.u8(8);
                 self.u64(*t_us);
                 self.place(*target);
                 self.u8(u8::from(*inside));
-                self.option(*felt, Self::place);
+                self.option(*felt, |hash, felt| {
+                    hash.place(felt.energy);
+                    hash.place(felt.amplitude);
+                });
+                self.u32(*energy_permille);
             }
             Event::Wire {
                 t_us,

@@ -1,29 +1,36 @@
 //! `hil run`.
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use palpate_core::illusion::Model;
 use palpate_records::contacts_csv::write_contacts;
 use palpate_records::report::{ReportExtras, SummaryRow, Thermal, report_html};
 use palpate_records::schedule::write_schedule;
 
 use crate::cli::{RunArgs, Switch};
 use crate::failure::Failure;
-use crate::files::{self, Kind, Scene, Setup, load_bench, load_layout, load_scene};
+use crate::files::{
+    self, BenchKind, IllusionModel, Kind, Scene, Setup, load_layout, load_scene, write_can_log,
+};
 use crate::output::{make_folder, note, print, write_file};
-use crate::run::{self, Input, Outcome};
+use crate::run::{self, Input, Keep, Outcome};
 
+use crate::run::real::Kind as LiveKind;
+
+use super::devices::bench;
+use super::explain;
 use super::rate::rate_of;
 
 /// The scene of `hil run` without a name.
-const DEFAULT_SCENE: &str = "sphere-along";
-/// The bench of `hil run` without one.
-const DEFAULT_BENCH: &str = "emulated";
+pub(super) const DEFAULT_SCENE: &str = "sphere-along";
 
 /// What to write, by the ending of a file's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Contacts,
     Schedule,
+    Can,
     Report,
     Summary,
 }
@@ -33,8 +40,9 @@ impl Format {
         match path.extension().and_then(|e| e.to_str()) {
             Some("csv") => Ok(Self::Contacts),
             Some("jsonl") => Ok(Self::Schedule),
+            Some("log") => Ok(Self::Can),
             _ => Err(Failure::Input(format!(
-                "--record {}: expected a name that ends in .csv (contacts) or .jsonl (schedule)",
+                "--record {}: expected a name that ends in .csv (contacts), .jsonl (schedule) or .log (candump)",
                 path.display()
             ))),
         }
@@ -44,6 +52,7 @@ impl Format {
         write_file(path, |out| match self {
             Self::Contacts => write_contacts(&outcome.trace, out),
             Self::Schedule => write_schedule(&outcome.trace, out),
+            Self::Can => write_can_log(&outcome.can, out),
             Self::Report => out.write_all(report(outcome).as_bytes()),
             Self::Summary => {
                 serde_json::to_writer_pretty(&mut *out, &outcome.summary)?;
@@ -67,8 +76,30 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
             rate_hz: rate.hz,
         },
     };
-    let files = wanted(args)?;
-    let mut outcome = run::run(&setup, &input, args.seed)?;
+    let mut files = wanted(args)?;
+    if args.explain {
+        explained(args, |out| explain::plan(&setup, out))?;
+    }
+    let keep = Keep {
+        can: files.iter().any(|(format, _)| *format == Format::Can),
+    };
+    let is_real = setup.bench.value.kind == BenchKind::Real;
+    let mut outcome = match (is_real, args.replay.is_empty()) {
+        (false, _) => run::run_keeping(&setup, &input, args.seed, keep)?,
+        (true, true) => {
+            if let Some(folder) = &args.out {
+                make_folder(folder)?;
+            }
+            let (live, later) = split(files);
+            files = later;
+            run::real::run(&setup, args.seed, &live)?
+        }
+        (true, false) => {
+            return Err(Failure::Input(
+                "--replay: a recording drives an emulated bench only".into(),
+            ));
+        }
+    };
     let failure = outcome.failure.take();
     if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.quiet) {
         note(&format!("{hz} rows a second, from {}", meta.display()));
@@ -95,7 +126,40 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
                 .try_for_each(|(_, path)| writeln!(out, "  wrote           {}", path.display()))
         })
     }?;
+    if args.explain {
+        explained(args, |out| explain::done(&outcome.effort, out))?;
+    }
     failure.map_or(Ok(()), Err)
+}
+
+/// The files that a real run writes while it runs, and those that come after it.
+#[allow(clippy::type_complexity)] // two lists of what `wanted` returns
+fn split(files: Vec<(Format, PathBuf)>) -> (Vec<(LiveKind, PathBuf)>, Vec<(Format, PathBuf)>) {
+    let (mut live, mut later) = (Vec::new(), Vec::new());
+    for (format, path) in files {
+        match format {
+            Format::Contacts => live.push((LiveKind::Contacts, path)),
+            Format::Schedule => live.push((LiveKind::Schedule, path)),
+            Format::Can => live.push((LiveKind::Can, path)),
+            Format::Report | Format::Summary => later.push((format, path)),
+        }
+    }
+    (live, later)
+}
+
+/// Prints an explanation: on standard output, or beside the object or silence that is asked for there.
+fn explained(
+    args: &RunArgs,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Failure> {
+    if !(args.json || args.quiet) {
+        return print(write);
+    }
+    let mut text = Vec::new();
+    // Writing to memory does not fail.
+    let _ = write(&mut text);
+    note(String::from_utf8_lossy(&text).trim_end());
+    Ok(())
 }
 
 /// The files to write, checked before anything runs.
@@ -122,7 +186,7 @@ fn wanted(args: &RunArgs) -> Result<Vec<(Format, PathBuf)>, Failure> {
 /// Scene and bench with the command line's changes, checked like a file of that content.
 fn setup(args: &RunArgs) -> Result<Setup, Failure> {
     let mut scene = load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
-    let bench = load_bench(args.bench.as_deref().unwrap_or(DEFAULT_BENCH))?;
+    let bench = bench(args.bench.as_deref(), &args.can, &args.i2c)?;
     if let Some(name) = &args.layout {
         // The name is checked here so that the error speaks of the option.
         let found = load_layout(name)?;
@@ -139,6 +203,12 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
         };
     }
     if !args.replay.is_empty() {
+        if args.scene.is_none() {
+            // Real boards are noisy, drift, and differ: the scene's own rule is for emulated ones.
+            scene.value.threshold = files::ThresholdRule::PerTaxel;
+            scene.value.threshold_margin = files::THRESHOLD_FLOOR;
+            scene.value.drift_s = Some(files::DRIFT_S);
+        }
         scene.value.touches.clear();
         scene.value.name = format!("replay of {}", args.replay[0].display());
     }
@@ -148,49 +218,46 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
 
 fn change(scene: &mut Scene, args: &RunArgs) -> Result<(), Failure> {
     let illusion = &mut scene.illusion;
-    if let Some(name) = args.illusion.as_deref().filter(|n| *n != "phantom") {
-        return Err(Failure::Input(format!(
-            "--illusion {name}: expected phantom"
-        )));
+    if let Some(name) = args.illusion.as_deref() {
+        let Some(model) = IllusionModel::named(name) else {
+            return Err(Failure::Input(format!(
+                "--illusion {name}: expected one of {}",
+                Model::ALL.map(Model::name).join(", ")
+            )));
+        };
+        if model != illusion.model {
+            // Shape and distances were meant for the scene's own model.
+            (illusion.shape, illusion.flat, illusion.distances) = (None, false, None);
+        }
+        illusion.model = model;
     }
     if let Some(switch) = args.intensity {
         illusion.intensity = switch == Switch::On;
     }
-    let set = |option: &str, value: Option<f64>, slot: &mut f64, low: f64, high: f64| match value {
+    let within = |option: &str, value: Option<f64>, low: f64, high: f64| match value {
         Some(v) if !(low..=high).contains(&v) => Err(Failure::Input(format!(
             "--{option} {v}: expected {low} to {high}"
         ))),
-        Some(v) => {
-            *slot = v;
-            Ok(())
-        }
-        None => Ok(()),
+        value => Ok(value),
     };
-    set("shape", args.shape, &mut illusion.shape, 0.01, 100.0)?;
-    set("alpha", args.alpha, &mut illusion.alpha, 0.0, 1.0)?;
-    set("beta", args.beta, &mut illusion.beta, 0.0, 1.0)?;
-    set(
-        "tau-d-ms",
-        args.tau_d_ms,
-        &mut illusion.tau_d_ms,
-        1.0,
-        10_000.0,
-    )?;
-    let mut soa = illusion.soa_ms.unwrap_or(0.0);
-    set("soa-ms", args.soa_ms, &mut soa, 1.0, 10_000.0)?;
-    if args.soa_ms.is_some() {
-        illusion.soa_ms = Some(soa);
+    if let Some(shape) = within("shape", args.shape, 0.01, 100.0)? {
+        (illusion.shape, illusion.flat) = (Some(shape), false);
     }
+    illusion.alpha = within("alpha", args.alpha, 0.0, 1.0)?.unwrap_or(illusion.alpha);
+    illusion.beta = within("beta", args.beta, 0.0, 1.0)?.unwrap_or(illusion.beta);
+    let tau_d = within("tau-d-ms", args.tau_d_ms, 1.0, 10_000.0)?;
+    illusion.tau_d_ms = tau_d.or(illusion.tau_d_ms);
+    let soa = within("soa-ms", args.soa_ms, 1.0, 10_000.0)?;
+    illusion.soa_ms = soa.or(illusion.soa_ms);
     if illusion.alpha + illusion.beta >= 1.0 {
         return Err(Failure::Input(format!(
             "--alpha {} --beta {}: expected a sum below 1",
             illusion.alpha, illusion.beta
         )));
     }
-    if illusion.tau_d_ms > illusion.onset_ms() {
+    if let Some(tau_d) = illusion.tau_d_ms.filter(|t| *t > illusion.onset_ms()) {
         return Err(Failure::Input(format!(
-            "--tau-d-ms {}: expected at most the onset asynchrony, {:.1} ms",
-            illusion.tau_d_ms,
+            "--tau-d-ms {tau_d}: expected at most the onset asynchrony, {:.1} ms",
             illusion.onset_ms()
         )));
     }
@@ -225,7 +292,7 @@ fn report(outcome: &Outcome) -> String {
         &ReportExtras {
             frame_us: &outcome.frame_us,
             summary: &rows,
-            thermal: Some(Thermal {
+            thermal: (!outcome.warmth.is_empty()).then(|| Thermal {
                 samples: &outcome.warmth,
                 margins: &outcome.summary.margins,
                 limits: outcome.skin_limits,

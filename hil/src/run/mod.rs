@@ -1,32 +1,38 @@
-//! A run: a scene or a recording through the loop onto an emulated display, in virtual time.
+//! A run: a scene or a recording through the loop onto an emulated display, in virtual time; or the loop on
+//! a [real] bench, held to the wall clock.
 
 mod boards;
 mod effects;
-mod ends;
+pub mod effort;
+pub(crate) mod ends;
 mod feel;
 mod margins;
+pub mod real;
 mod recorder;
-mod script;
-mod skin;
+mod replay;
+pub(crate) mod script;
+mod sensor;
+pub(crate) mod skin;
 mod summary;
 mod supervisor;
+mod tape;
 
 pub use boards::{BoardReport, BusReport, Spread};
+pub use recorder::um;
 pub use script::FaultReport;
 pub use summary::{IllTaxel, Summary, Taxels};
 
 use std::convert::Infallible;
 use std::path::PathBuf;
 
-use palpate_core::bus::{Actuators, SensorBus};
+use palpate_core::bus::{Actuators, Received};
 use palpate_core::contact::{LevelTable, Levels};
-use palpate_core::driver::Pca9685Bank;
+use palpate_core::driver::Banks;
 use palpate_core::guard::Guarded;
 use palpate_core::projector::{Cause, LoopError, Projector};
 use palpate_core::units::{Duration, Instant};
 use palpate_emulators::can::faults::Faulty;
 use palpate_emulators::i2c::fault::{I2cFault, I2cFaults, Shared};
-use palpate_emulators::rig::Handle;
 use palpate_emulators::time::Nanos;
 use palpate_records::report::{SkinLimits, Warmth};
 use palpate_records::trace::{Event, Ledger, Trace};
@@ -36,12 +42,15 @@ use crate::failure::Failure;
 use crate::files::Setup;
 use crate::plan;
 
+use effort::Effort;
 use ends::{display, header};
 use feel::{feel, sample_wires};
 use recorder::{Onset, Recorder};
+use replay::Replay;
 use script::{Bench, Script};
-use skin::Replay;
+use sensor::{Skin, Tapped};
 use supervisor::Supervisor;
+use tape::Tape;
 
 /// The loop is called at least this often, as a real host would call it.
 const TICK: Duration = Duration::from_millis(1);
@@ -51,7 +60,7 @@ const TICK: Duration = Duration::from_millis(1);
 pub enum Input {
     /// The scene's touches on an emulated skin.
     Scene,
-    /// Recorded rows, one file a module, at a rate where the files have no times.
+    /// Recorded rows, one file a module, at a rate where the files have no times; or one candump log.
     Replay {
         /// The files.
         paths: Vec<PathBuf>,
@@ -73,53 +82,19 @@ pub struct Outcome {
     pub warmth: Vec<Warmth>,
     /// The skin's limits in force.
     pub skin_limits: SkinLimits,
+    /// What was done and what was left out.
+    pub effort: Effort,
     /// What ended the run before its time; the outputs are off.
     pub failure: Option<Failure>,
+    /// Frames on the sensor buses as the host saw them, if they were to be kept.
+    pub can: Vec<Received>,
 }
 
-/// A sensor end whose virtual time the run moves.
-trait Skin: SensorBus {
-    fn advance_to(&mut self, now: Instant);
-
-    /// The emulated skin behind its fault layer.
-    fn emulated(&mut self) -> Option<&mut Faulty<Handle>> {
-        None
-    }
-
-    /// Its buses, where they are emulated.
-    fn buses(&self) -> Vec<BusReport> {
-        Vec::new()
-    }
-}
-
-impl Skin for Handle {
-    fn advance_to(&mut self, now: Instant) {
-        self.advance(Nanos::from(now));
-    }
-
-    fn buses(&self) -> Vec<BusReport> {
-        self.with(|buses| boards::buses(buses))
-    }
-}
-
-impl Skin for Faulty<Handle> {
-    fn advance_to(&mut self, now: Instant) {
-        self.inner_mut().advance(Nanos::from(now));
-    }
-
-    fn emulated(&mut self) -> Option<&mut Faulty<Handle>> {
-        Some(self)
-    }
-
-    fn buses(&self) -> Vec<BusReport> {
-        self.inner().with(|buses| boards::buses(buses))
-    }
-}
-
-impl Skin for Replay {
-    fn advance_to(&mut self, now: Instant) {
-        self.advance(now);
-    }
+/// What a run keeps beside its trace.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Keep {
+    /// Every frame on the sensor buses: 24 bytes each, 1600 a second for a module of 16 taxels at 100 Hz.
+    pub can: bool,
 }
 
 /// The finger is looked at no less often than this, even where no stimulus comes.
@@ -145,6 +120,19 @@ impl Actuators for Silence {
 /// # Errors
 /// [`Failure`] for input that fits no loop, or a bus that fails.
 pub fn run(setup: &Setup, input: &Input, seed: u64) -> Result<Outcome, Failure> {
+    run_keeping(setup, input, seed, Keep::default())
+}
+
+/// [`run`], keeping more.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_keeping(
+    setup: &Setup,
+    input: &Input,
+    seed: u64,
+    keep: Keep,
+) -> Result<Outcome, Failure> {
     let started = clock::now();
     let layout = plan::layout(&setup.sensor.value)?;
     let scene = &setup.scene.value;
@@ -152,14 +140,25 @@ pub fn run(setup: &Setup, input: &Input, seed: u64) -> Result<Outcome, Failure> 
         Input::Scene => {
             let end = Instant::from_micros((scene.length_s * 1e6).round() as u64);
             let skin = || skin::emulated(scene, &setup.sensor.value, &layout, seed);
-            let levels = calibrate(setup, seed, &mut skin()?, end)?;
-            let truth = Some((scene.touches.clone(), scene.drives));
-            let mut faulty = Faulty::new(skin()?, seed, "sensor bus");
-            project(setup, seed, levels, &mut faulty, truth, end, started)
+            let mut tape = Tape::new(skin()?);
+            let levels = calibrate(setup, seed, &mut tape, end)?;
+            let truth = || Some((scene.touches.clone(), scene.drives));
+            if scene.faults.is_empty() && tape.is_exact() {
+                tape.rewind(end);
+                let mut tape = Tapped::new(tape, keep.can);
+                let levels = levels.clone();
+                let outcome = project(setup, seed, levels, &mut tape, truth(), end, started)?;
+                if tape.inner().is_exact() {
+                    return Ok(outcome);
+                }
+            }
+            let faulty = Faulty::new(skin()?, seed, "sensor bus");
+            let mut faulty = Tapped::new(faulty, keep.can);
+            project(setup, seed, levels, &mut faulty, truth(), end, started)
         }
         Input::Replay { paths, rate_hz } => {
             let open = || Replay::open(paths, &setup.sensor.value, &layout, *rate_hz);
-            let (mut first, mut second) = (open()?, open()?);
+            let (mut first, mut second) = (open()?, Tapped::new(open()?, keep.can));
             if first.rows() <= scene.reference_frames as usize {
                 return Err(Failure::Input(format!(
                     "{}: expected more than the {} reference rows, found {}",
@@ -178,6 +177,16 @@ pub fn run(setup: &Setup, input: &Input, seed: u64) -> Result<Outcome, Failure> 
     }
 }
 
+/// The static intensity levels of a scene's own touches on an emulated skin: what a live run goes by, since
+/// it cannot see its whole input beforehand.
+fn scene_levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
+    let scene = &setup.scene.value;
+    let layout = plan::layout(&setup.sensor.value)?;
+    let end = Instant::from_micros((scene.length_s * 1e6).round() as u64);
+    let mut skin = Tape::new(skin::emulated(scene, &setup.sensor.value, &layout, seed)?);
+    calibrate(setup, seed, &mut skin, end)
+}
+
 /// A first pass that finds the static intensity levels over the whole input.
 fn calibrate(
     setup: &Setup,
@@ -186,6 +195,9 @@ fn calibrate(
     end: Instant,
 ) -> Result<Levels, Failure> {
     let k = setup.scene.value.compression.ki as usize;
+    if k <= 1 {
+        return Ok(Levels::Off); // every contact has the one level there is
+    }
     let mut projector = build(setup, seed, Levels::Off)?;
     let mut recorder = Recorder::default();
     let mut now = Instant::ZERO;
@@ -214,15 +226,17 @@ fn project(
     setup: &Setup,
     seed: u64,
     levels: Levels,
-    skin: &mut impl Skin,
+    skin: &mut Tapped<impl Skin>,
     truth: Option<(Vec<crate::files::Touch>, usize)>,
     end: Instant,
     started: std::time::Instant,
 ) -> Result<Outcome, Failure> {
     let bench = &setup.bench.value;
     let prescale = plan::prescale(bench)?;
+    let drive = plan::drive(&setup.scene.value.illusion);
     let mut projector = build(setup, seed, levels)?;
-    let mut display = display(setup, &projector)?;
+    let mut display = display(setup, projector.display().wires())?;
+    display.keep_flows();
     let mut recorder = Recorder::new(truth, projector.layout());
     let i2c = Shared::new(I2cFault::new(
         display.bus(),
@@ -230,7 +244,7 @@ fn project(
         seed,
         "actuator bus",
     ));
-    let mut bank = Pca9685Bank::new(i2c.clone(), &plan::boards(bench), prescale);
+    let mut bank = Banks::new([(i2c.clone(), &*plan::boards(bench))], prescale);
     let mut script = Script::new(&setup.scene.value.faults, projector.layout());
     let mut supervisor = Supervisor::default();
     let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
@@ -272,6 +286,7 @@ fn project(
     let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
     let mut pending: Option<Onset> = None;
     let mut failure = None;
+    let mut effort = Effort::default();
     while now < end {
         skin.advance_to(now);
         let edges = &mut recorder.events;
@@ -318,10 +333,11 @@ fn project(
             let frames = recorder.frames - before;
             let each = spent.as_secs_f32() * 1e6 / frames as f32;
             frame_us.extend(std::iter::repeat_n(each, frames as usize));
+            effort.note(&projector.work(), frames, each);
             spent = std::time::Duration::ZERO;
         }
         if onset {
-            feel(pending.take(), &display, &projector, &mut recorder);
+            feel(pending.take(), &display, &projector, drive, &mut recorder);
             pending = recorder.onset.take();
             sample_wires(now, &mut display, &projector, &mut recorder);
         }
@@ -333,7 +349,7 @@ fn project(
         script.step(now, &mut hardware!(), &mut recorder.events);
         now = projector.next().min(now + TICK).min(script.next());
     }
-    feel(pending, &display, &projector, &mut recorder);
+    feel(pending, &display, &projector, drive, &mut recorder);
     let end = if failure.is_some() { now } else { end };
     let off = projector.all_off(end, Cause::End, &mut bank, &mut recorder);
     if let Err(e) = off
@@ -368,6 +384,7 @@ fn project(
         events,
         ledger,
     };
+    skin.advance_to(end);
     let health = projector.health(end);
     let mut summary = Summary::new(
         &trace,
@@ -389,13 +406,18 @@ fn project(
     };
     let file = &setup.limits.value;
     summary.margins = margins::margins(&course, projector.guard().limits(), file);
+    recorder.tell(&mut effort, projector.display().wires().len());
+    effort.traffic = bank.traffic();
+    effort.calibrated = setup.scene.value.compression.ki > 1;
     Ok(Outcome {
         warmth: samples.iter().map(margins::warmth).collect(),
         skin_limits: margins::skin_limits(file),
         trace,
         summary,
         frame_us,
+        effort,
         failure,
+        can: skin.take(),
     })
 }
 

@@ -6,12 +6,14 @@ use std::time::Duration;
 use palpate_core::projector::Projector;
 use palpate_core::skin::{Condition, HealthSummary};
 use palpate_core::units::Instant;
-use palpate_records::measure::{Errors, felt_error, path_error};
+use palpate_records::felt::{decibels, energy_permille, felt_scores};
+use palpate_records::measure::{Errors, path_error};
 use palpate_records::report::Margin;
 use palpate_records::trace::{Source, Trace};
 use serde::Serialize;
 
 use super::boards::{BoardReport, BusReport};
+use super::real::{CanReport, Pacing};
 use super::recorder::{Recorder, word};
 use super::script::FaultReport;
 use crate::files::Bench;
@@ -28,14 +30,25 @@ pub struct PathError {
 /// The same of what is felt, and where nothing is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FeltError {
-    /// Root mean square, display mm; `None` where nothing was felt or no truth is known.
+    /// Root mean square, display mm, over the onsets inside the display; `None` where nothing was felt or no truth is known.
     pub rmse: Option<f64>,
     /// Largest.
     pub max: Option<f64>,
     /// Onsets with a contact inside the hull and no wire above threshold.
     pub breaks: u64,
+    /// Onsets at which the felt place went further than the contact by a step that can be felt.
+    pub jumps: u64,
     /// Which perceiver says so.
     pub perceiver: &'static str,
+}
+
+/// Energy asked of all wires together over one wire's, dB, over the onsets inside the display.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct EnergyDb {
+    /// The deepest dip.
+    pub min: f64,
+    /// The highest.
+    pub max: f64,
 }
 
 /// Rates at which taxels truly change, Hz.
@@ -131,8 +144,12 @@ pub struct Summary {
     pub stimuli: u64,
     pub path_error_mm: Option<PathError>,
     pub felt_error_mm: FeltError,
-    pub energy_mj: f64,
-    pub peak_supply_a: f64,
+    pub felt_error_amplitude_mm: FeltError,
+    pub felt_energy_db: Option<EnergyDb>,
+    /// Null on a real bench, which does not measure it.
+    pub energy_mj: Option<f64>,
+    /// Null on a real bench.
+    pub peak_supply_a: Option<f64>,
     pub hottest_wire_c: Option<f64>,
     pub hottest_skin_c: Option<f64>,
     pub pwm_hz: f64,
@@ -143,6 +160,10 @@ pub struct Summary {
     pub buses: Vec<BusReport>,
     pub faults: Vec<FaultReport>,
     pub margins: Vec<Margin>,
+    /// How a real run kept its time; null for an emulated one.
+    pub pacing: Option<Pacing>,
+    /// The CAN interfaces of a real run.
+    pub can: Vec<CanReport>,
     pub sim_s: f64,
     pub wall_s: f64,
 }
@@ -159,6 +180,28 @@ fn short(v: f64) -> String {
 
 fn mm(um: u64) -> f64 {
     um as f64 * 1e-3
+}
+
+impl FeltError {
+    fn line(&self) -> String {
+        let many = |count: u64, one: &str| match count {
+            0 => format!("no {one}"),
+            1 => format!("1 {one}"),
+            n => format!("{n} {one}s"),
+        };
+        let events = format!(
+            "{}, {}",
+            many(self.breaks, "break"),
+            many(self.jumps, "jump")
+        );
+        match (self.rmse, self.max) {
+            (Some(rmse), Some(max)) => format!(
+                "{rmse:.2} mm RMSE, {max:.2} mm at most (display, {}), {events}",
+                self.perceiver
+            ),
+            _ => format!("- (no true path known), {events}"),
+        }
+    }
 }
 
 impl FrameTime {
@@ -191,11 +234,20 @@ impl Summary {
             rmse: mm(e.rmse_um),
             max: mm(e.max_um),
         };
-        let (felt, breaks) = felt_error(trace);
         let path = path_error(trace).map(error);
         // Without a truth there is nothing to hold the felt path against; breaks need none.
-        let felt = felt.map(error).filter(|_| path.is_some());
+        let [felt, felt_amplitude] = felt_scores(trace).map(|score| {
+            let errors = score.errors.map(error).filter(|_| path.is_some());
+            FeltError {
+                rmse: errors.map(|e| e.rmse),
+                max: errors.map(|e| e.max),
+                breaks: score.breaks,
+                jumps: score.jumps,
+                perceiver: score.perceiver,
+            }
+        });
         let ledger = &trace.ledger;
+        let emulated = trace.header.source == Source::Emulated;
         Self {
             source: trace.header.source,
             scene: trace.header.scene.clone(),
@@ -205,14 +257,14 @@ impl Summary {
             contacts: recorder.contacts,
             stimuli: recorder.stimuli,
             path_error_mm: path,
-            felt_error_mm: FeltError {
-                rmse: felt.map(|f| f.rmse),
-                max: felt.map(|f| f.max),
-                breaks,
-                perceiver: "energy centroid",
-            },
-            energy_mj: ledger.energy_uj as f64 * 1e-3,
-            peak_supply_a: f64::from(ledger.peak_supply_ma) * 1e-3,
+            felt_error_mm: felt,
+            felt_error_amplitude_mm: felt_amplitude,
+            felt_energy_db: energy_permille(trace).map(|(min, max)| EnergyDb {
+                min: decibels(min),
+                max: decibels(max),
+            }),
+            energy_mj: emulated.then(|| ledger.energy_uj as f64 * 1e-3),
+            peak_supply_a: emulated.then(|| f64::from(ledger.peak_supply_ma) * 1e-3),
             hottest_wire_c: ledger.hottest_wire.map(|(t, _)| f64::from(t) * 1e-3),
             hottest_skin_c: ledger.hottest_skin_milli_c.map(|t| f64::from(t) * 1e-3),
             pwm_hz: trace.header.pre_scale.hz() * bench.drive.oscillator,
@@ -236,6 +288,8 @@ impl Summary {
             buses: Vec::new(),
             faults: Vec::new(),
             margins: Vec::new(),
+            pacing: None,
+            can: Vec::new(),
             sim_s: ledger.length_us as f64 * 1e-6,
             wall_s: wall.as_secs_f64(),
         }
@@ -256,10 +310,13 @@ impl Summary {
             self.scene, self.bench, self.seed
         )?;
         let mut row = |name: &str, value: String| writeln!(out, "  {name:<16}{value}");
-        row(
-            "simulated",
-            format!("{:.3} s in {:.3} s", self.sim_s, self.wall_s),
-        )?;
+        match self.source {
+            Source::Emulated => row(
+                "simulated",
+                format!("{:.3} s in {:.3} s", self.sim_s, self.wall_s),
+            ),
+            Source::Real => row("length", format!("{:.3} s", self.sim_s)),
+        }?;
         row(
             "contacts",
             format!("{} in {} frames", self.contacts, self.frames),
@@ -271,26 +328,23 @@ impl Summary {
                 None => "- (no true path known)".into(),
             },
         )?;
-        let breaks = match self.felt_error_mm.breaks {
-            0 => "no break".into(),
-            1 => "1 break".into(),
-            n => format!("{n} breaks"),
-        };
-        row(
-            "felt error",
-            match (self.felt_error_mm.rmse, self.felt_error_mm.max) {
-                (Some(rmse), Some(max)) => {
-                    format!("{rmse:.2} mm RMSE, {max:.2} mm at most (display), {breaks}")
-                }
-                _ => format!("- (no true path known), {breaks}"),
-            },
-        )?;
+        for felt in [&self.felt_error_mm, &self.felt_error_amplitude_mm] {
+            row("felt error", felt.line())?;
+        }
+        if let Some(db) = &self.felt_energy_db {
+            row(
+                "felt energy",
+                format!("{:.1} to {:.1} dB of one wire's", db.min, db.max),
+            )?;
+        }
         row(
             "stimuli",
             format!("{} at {:.2} Hz", self.stimuli, self.pwm_hz),
         )?;
-        row("energy", format!("{:.1} mJ electrical", self.energy_mj))?;
-        row("supply", format!("{:.2} A at most", self.peak_supply_a))?;
+        if let (Some(mj), Some(ampere)) = (self.energy_mj, self.peak_supply_a) {
+            row("energy", format!("{mj:.1} mJ electrical"))?;
+            row("supply", format!("{ampere:.2} A at most"))?;
+        }
         let celsius = |t: Option<f64>| t.map_or("-".into(), |t| format!("{t:.1} C"));
         row(
             "hottest wire",
@@ -347,6 +401,12 @@ impl Summary {
                     bus.errors.iter().sum::<u64>()
                 ),
             )?;
+        }
+        for can in &self.can {
+            row(&can.interface, can.words())?;
+        }
+        if let Some(pacing) = &self.pacing {
+            row("pacing", pacing.words())?;
         }
         for fault in &self.faults {
             row("fault", format!("{}: count {}", fault.what, fault.count))?;

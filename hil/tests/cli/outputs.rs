@@ -263,3 +263,30 @@ fn a_reader_that_leaves_is_no_error() {
         assert_eq!((said.status, said.err.as_str()), (Some(0), ""), "{args:?}");
     }
 }
+
+#[test]
+fn a_can_log_replays_to_the_same_contacts_and_the_same_log() {
+    let folder = Folder::new("can-log");
+    let path = |name: &str| folder.path(name).display().to_string();
+    let (log, again) = (path("a.log"), path("b.log"));
+    let (first, second) = (path("a.csv"), path("b.csv"));
+    good(&["run", "--record", &log, "--record", &first]);
+    good(&[
+        "run", "--replay", &log, "--record", &again, "--record", &second,
+    ]);
+    let text = folder.text("a.log");
+    // 16 taxels at 100 Hz for 10 s, and each line as candump writes it.
+    assert_eq!(text.lines().count(), 16_000);
+    assert!(text.starts_with("(0000000000.000"), "{}", &text[..40]);
+    assert!(folder.text("a.csv").lines().count() > 500);
+    assert_eq!(folder.text("b.csv"), folder.text("a.csv"));
+    assert_eq!(folder.text("b.log"), text);
+    let two = ["run", "--replay", &log, "--replay", &again];
+    refused_with(&two, &["expected one log of all buses"]);
+    folder.write(
+        "broken.log",
+        "(0.000001) can0 004#00\n(0.000002) can0 004#0\n",
+    );
+    let broken = ["run", "--replay", &path("broken.log")];
+    refused_with(&broken, &["broken.log:2: expected up to eight bytes"]);
+}

@@ -200,6 +200,7 @@ mod tests {
                 target: PlaceUm::default(),
                 inside: false,
                 felt: None,
+                energy_permille: 0,
             },
             Event::Frame {
                 t_us: 9,

@@ -156,9 +156,9 @@ fn scenes() {
                 "f.toml:26: illusion.tau_d_ms: expected at most the time between onsets, 72.9 ms, found 80.0",
             ),
             (
-                "model = \"phantom\"",
+                "model = \"balanced\"",
                 "model = \"ghost\"",
-                "f.toml:22: illusion.model: expected `phantom`, found `ghost`",
+                "f.toml:22: illusion.model: expected one of `phantom`, `energy`, `linear`, `square`, `balanced`, `three-nearest`, `gaussian`, `nearest`, found `ghost`",
             ),
             (
                 "intensity = true",

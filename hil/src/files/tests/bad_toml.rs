@@ -31,14 +31,14 @@ fn benches() {
         Bench::read,
         &[
             (
-                "current_ma = 1580.0",
+                "current_ma = 1050.0",
                 "current_ma = 0.0",
                 "f.toml:10: drive.current_ma: expected a number from 1 to 5000 mA, found 0.0",
             ),
             (
                 "supply_limit_ma = 4000.0",
                 "supply_limit_ma = 900",
-                "f.toml:11: drive.supply_limit_ma: expected at least the current of one wire, 1580 mA, found 900",
+                "f.toml:11: drive.supply_limit_ma: expected at least the current of one wire, 1050 mA, found 900",
             ),
             (
                 "pwm_hz = 200.0",
@@ -109,7 +109,7 @@ fn layouts() {
             (
                 "grid = {",
                 "points_mm = [[0, 0]]\ngrid = {",
-                "f.toml:9: modules[0].points_mm: expected either grid or points_mm, found [[0, 0]]",
+                "f.toml:9: modules[0].points_mm: expected one of grid, hex and points_mm, found [[0, 0]]",
             ),
             (
                 "boards = [4]",
@@ -249,7 +249,7 @@ fn files_that_do_not_fit_together() {
     );
     assert_eq!(
         join(("uskin-4x4", "uskin"), same),
-        "s.toml:5: layout: expected a layout (allegro, scattered-12, thimble-8, three-in-line, uskin-4x4, uskin-4x4-pair, uskin-4x6) or a file, found \"uskin\""
+        "s.toml:5: layout: expected a layout (allegro, scattered-12, tactile-brush-4x3, thimble-8, three-in-line, uskin-4x4, uskin-4x4-pair, uskin-4x6) or a file, found \"uskin\""
     );
     assert_eq!(
         join(
