@@ -287,6 +287,9 @@ fn outcome(
     summary.pacing = Some(Pacing::new(&done.lateness, real.realtime));
     summary.can = done.can;
     Ok(Outcome {
+        // Nothing measures a real finger.
+        warmth: Vec::new(),
+        skin_limits: super::margins::skin_limits(&setup.limits.value),
         trace,
         summary,
         frame_us: done.frame_us,
