@@ -76,11 +76,11 @@ pub struct OutputEnable {
 }
 
 const fn heartbeat_ms() -> u32 {
-    50
+    60
 }
 
 const fn transfer_ms() -> u32 {
-    30
+    200
 }
 
 impl Real {

@@ -142,7 +142,7 @@ impl Observer for Recorder {
                 place: um(contact.place),
                 intensity_milli: (f64::from(contact.intensity) * 1e3).round() as u32,
                 level: contact.level,
-                members: u16::try_from(contact.members).unwrap_or(u16::MAX),
+                members: contact.members,
             });
         }
         if let Some((place, force_n)) = self.truth_at(report.at) {

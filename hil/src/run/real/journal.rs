@@ -58,10 +58,12 @@ impl Journal {
                 Kind::Schedule => schedule::write_header(header, &mut first),
                 Kind::Can => Ok(()),
             };
-            let created = begun.and_then(|()| File::create(path)).and_then(|mut file| {
-                file.write_all(&first)?;
-                Ok(file)
-            });
+            let created = begun
+                .and_then(|()| File::create(path))
+                .and_then(|mut file| {
+                    file.write_all(&first)?;
+                    Ok(file)
+                });
             let file = created.map_err(|error| failure(path, error))?;
             open.push((*kind, path.clone(), file));
         }

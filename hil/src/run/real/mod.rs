@@ -17,7 +17,7 @@ use palpate_buses::sys::{lock_memory, set_fifo_priority};
 use palpate_core::bus::SensorBus;
 use palpate_core::contact::Levels;
 use palpate_core::projector::{Cause, LoopError, Projector};
-use palpate_core::units::Instant;
+use palpate_core::units::{Duration, Instant};
 use palpate_core::wire::uskin::Command;
 use palpate_records::trace::{Event, Ledger, Trace};
 
@@ -35,6 +35,9 @@ use signals::Signals;
 
 /// Real-time priority of the loop, below the guardian's.
 const PRIORITY: u8 = 50;
+
+/// Registers are read back this often.
+const LOOK: Duration = Duration::from_millis(250);
 
 /// What the loop leaves behind.
 struct Done {
@@ -118,6 +121,7 @@ fn drive(
     let mut pacer = Pacer::new(live.clock);
     let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
     let mut failure = None;
+    let mut next_look = Instant::ZERO;
     let mut now = pacer.wait(ready);
     let end = Instant::from_micros(length.as_micros().saturating_add(now.as_micros()));
     while now < end {
@@ -159,13 +163,21 @@ fn drive(
         let polled = projector.poll(now, &mut can, &mut live.banks, &mut recorder);
         spent += begun.elapsed();
         let polled = match polled {
-            // A chip that fell back to reset values answers, but sleeps: ask while wires should be driven.
-            Ok(true) => live.banks.verify().inspect_err(|_| {
-                // The error is on its way; recovery finds out whether this helped.
-                let _ =
-                    projector.all_off(now, Cause::ActuatorError, &mut live.banks, &mut recorder);
-            }),
-            Ok(false) => Ok(()),
+            // A chip that fell back to reset values answers, but sleeps, and nothing on the bus says so. Asked
+            // between two bursts, so that a slow answer delays no end of one.
+            Ok(_) if now >= next_look && projector.guard().next_expiry().is_none() => {
+                next_look = now + LOOK;
+                live.banks.verify().inspect_err(|_| {
+                    // The error is on its way; recovery finds out whether this helped.
+                    let _ = projector.all_off(
+                        now,
+                        Cause::ActuatorError,
+                        &mut live.banks,
+                        &mut recorder,
+                    );
+                })
+            }
+            Ok(_) => Ok(()),
             Err(LoopError::Actuator(e)) => Err(e),
             Err(LoopError::Sensor(e)) => {
                 failure = Some(Failure::Device(format!("sensor bus: {e}")));
