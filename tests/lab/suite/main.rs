@@ -12,3 +12,4 @@ mod fuzz;
 mod i2c_clients;
 mod sja1000;
 mod tools;
+mod whole_loop;

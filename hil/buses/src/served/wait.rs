@@ -57,8 +57,10 @@ impl AsFd for Signals {
 pub fn wait(fds: &[BorrowedFd<'_>], until_ns: u64) -> io::Result<Vec<bool>> {
     let left = until_ns.saturating_sub(monotonic_ns());
     let left = TimeSpec::new((left / 1_000_000_000) as i64, (left % 1_000_000_000) as i64);
-    let polled = fds.iter().map(|fd| PollFd::new(*fd, PollFlags::POLLIN));
-    let mut polled: Vec<PollFd<'_>> = polled.collect();
+    let mut polled: Vec<PollFd<'_>> = fds
+        .iter()
+        .map(|fd| PollFd::new(*fd, PollFlags::POLLIN))
+        .collect();
     match ppoll(&mut polled, Some(left), None) {
         Ok(_) => Ok(polled.iter().map(|p| p.any().unwrap_or(true)).collect()),
         Err(Errno::EINTR) => Ok(vec![true; fds.len()]),
