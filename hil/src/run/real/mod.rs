@@ -36,6 +36,10 @@ use signals::Signals;
 /// Real-time priority of the loop, below the guardian's.
 const PRIORITY: u8 = 50;
 
+/// An adapter that is gone may come back within this time: a USB plug that was pulled and put in again.
+const GIVE_UP: Duration = Duration::from_millis(3000);
+/// How often a bus that is lost is tried.
+const RETRY: Duration = Duration::from_millis(20);
 /// Registers are read back this often.
 const LOOK: Duration = Duration::from_millis(250);
 
@@ -45,6 +49,7 @@ struct Done {
     recorder: Recorder,
     frame_us: Vec<f32>,
     lateness: Lateness,
+    realtime: bool,
     can: Vec<CanReport>,
     end: Instant,
     failure: Option<Failure>,
@@ -87,7 +92,7 @@ pub fn run(setup: &Setup, seed: u64, files: &[(Kind, PathBuf)]) -> Result<Outcom
             |_| Failure::Device("the loop panicked; the guardian switches everything off".into());
         thread.join().map_err(panicked)?
     })?;
-    outcome(setup, seed, real, done, started)
+    outcome(setup, seed, done, started)
 }
 
 /// The loop on its own thread, until the scene's end, a signal, or a failure.
@@ -101,9 +106,18 @@ fn drive(
     (mut journal, keeps_can): (Journal, bool),
 ) -> Result<Done, Failure> {
     let mut recorder = Recorder::new(None, projector.layout());
-    if real.realtime {
-        take_priority()?;
-    }
+    let realtime = match real.realtime {
+        Some(false) => false,
+        None => take_priority().is_ok(),
+        Some(true) => match take_priority() {
+            Ok(()) => true,
+            Err(refused) => {
+                // Nothing is on yet: the good-bye cannot fail in a way that matters more than this.
+                let _ = live.watchman.guardian.end();
+                return Err(refused);
+            }
+        },
+    };
     for line in live.found.lines() {
         recorder.note(Instant::ZERO, format!("{line}; switched off"));
     }
@@ -117,7 +131,7 @@ fn drive(
     };
     let mut can = Tap::new(can, keeps_can);
     start_boards(&mut can, &projector);
-    let mut supervisor = Supervisor::default();
+    let mut supervisor = Supervisor::patient(GIVE_UP);
     let mut pacer = Pacer::new(live.clock);
     let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
     let mut failure = None;
@@ -149,7 +163,7 @@ fn drive(
             } = &mut live;
             match supervisor.recover(now, banks, watchman, &mut recorder.events) {
                 Ok(_) => {
-                    now = pacer.wait(Pacer::next(live.clock.now(), TICK));
+                    now = pacer.wait(Pacer::next(live.clock.now(), RETRY));
                     continue;
                 }
                 Err(e) => {
@@ -226,6 +240,7 @@ fn drive(
         recorder,
         frame_us,
         lateness: pacer.lateness().clone(),
+        realtime,
         can: can
             .map(|(name, tally)| CanReport::new(name, tally))
             .collect(),
@@ -268,7 +283,6 @@ fn start_boards(can: &mut impl SensorBus, projector: &Projector) {
 fn outcome(
     setup: &Setup,
     seed: u64,
-    real: &Real,
     mut done: Done,
     started: std::time::Instant,
 ) -> Result<Outcome, Failure> {
@@ -289,7 +303,7 @@ fn outcome(
     let mut summary = Summary::new(&trace, &done.recorder, &done.frame_us, &health, bench, wall);
     summary.boards = boards::boards(&done.projector);
     summary.taxels.list(&done.projector, done.end);
-    summary.pacing = Some(Pacing::new(&done.lateness, real.realtime));
+    summary.pacing = Some(Pacing::new(&done.lateness, done.realtime));
     summary.can = done.can;
     Ok(Outcome {
         trace,
