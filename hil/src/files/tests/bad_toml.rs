@@ -31,14 +31,14 @@ fn benches() {
         Bench::read,
         &[
             (
-                "current_ma = 1050.0",
+                "current_ma = 990.0",
                 "current_ma = 0.0",
                 "f.toml:10: drive.current_ma: expected a number from 1 to 5000 mA, found 0.0",
             ),
             (
                 "supply_limit_ma = 4000.0",
                 "supply_limit_ma = 900",
-                "f.toml:11: drive.supply_limit_ma: expected at least the current of one wire, 1050 mA, found 900",
+                "f.toml:11: drive.supply_limit_ma: expected at least the current of one wire, 990 mA, found 900",
             ),
             (
                 "pwm_hz = 200.0",
