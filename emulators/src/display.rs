@@ -4,7 +4,8 @@
 use palpate_core::physics::{ParameterError, SkinParameters, WireParameters};
 use palpate_core::units::{Channel, Milliamps, Point};
 
-use crate::amplifier::{Amplifier, Current, Pull, Supply};
+use crate::amplifier::supply::{Load, Source, Supply};
+use crate::amplifier::{Amplifier, AmplifierConfig, AmplifierFault, Pull, takes_effect};
 use crate::i2c::{BusClock, Error as I2cError, Handle, Segment};
 use crate::pca9685::{Config, Edge, Oscillator, Pca9685, Pin};
 use crate::perceiver::{Felt, Perceiver, PerceiverParameters, Vibration};
@@ -32,8 +33,10 @@ pub struct DisplayConfig {
     pub boards: Vec<(u8, f64)>,
     /// The wires in the display's order.
     pub wires: Vec<Place>,
-    /// The amplifiers' current.
-    pub current: Milliamps,
+    /// The amplifiers.
+    pub amplifier: AmplifierConfig,
+    /// What feeds them all.
+    pub source: Source,
     /// Every wire's parameters.
     pub wire: WireParameters,
     /// The finger's.
@@ -75,7 +78,11 @@ pub struct DisplayTotals {
 pub struct Display {
     i2c: Handle,
     amplifiers: Vec<Amplifier>,
+    rise: Nanos,
+    source: Source,
     supply: Supply,
+    /// One a wire, in their order.
+    loads: Vec<Load>,
     places: Vec<Place>,
     parameters: WireParameters,
     wires: Vec<Wire>,
@@ -83,6 +90,8 @@ pub struct Display {
     now: Nanos,
     /// Edges of one step, in the order of time: the same memory for every step.
     pending: Vec<(usize, Edge)>,
+    /// Edges that have yet to take effect behind their amplifiers, and when.
+    rising: Vec<(Nanos, usize, Edge)>,
 }
 
 impl Display {
@@ -102,14 +111,28 @@ impl Display {
         let wire = |_: &Place| Wire::new(&config.wire, &config.skin, START_C);
         Ok(Self {
             i2c: Handle::new(segment),
-            amplifiers: vec![Amplifier::new(config.current, Pull::Down); config.boards.len()],
+            amplifiers: vec![
+                Amplifier::new(config.amplifier.current, Pull::Down);
+                config.boards.len()
+            ],
+            rise: config.amplifier.rise,
+            source: config.source,
             supply: Supply::default(),
+            loads: vec![
+                Load {
+                    asked: 0.0,
+                    ohm: config.wire.resistance_ohm + config.amplifier.on_ohm.max(0.0),
+                    amps: 0.0,
+                };
+                config.wires.len()
+            ],
             wires: config.wires.iter().map(wire).collect::<Result<_, _>>()?,
             places: config.wires.clone(),
             parameters: config.wire,
             perceiver: Perceiver::new(config.perceiver),
             now: Nanos::ZERO,
             pending: Vec::new(),
+            rising: Vec::new(),
         })
     }
 
@@ -138,9 +161,11 @@ impl Display {
         })?;
         // Stable: of edges at one instant the lower board comes first.
         self.pending.sort_by_key(|(_, edge)| edge.at);
-        for index in 0..self.pending.len() {
-            let (board, edge) = self.pending[index];
-            self.take(board, edge);
+        let mut until = to;
+        for &(board, edge) in &self.pending {
+            until = until.max(edge.at);
+            let at = takes_effect(&edge, self.rise);
+            self.rising.push((at, board, edge));
             sink(OutputEdge {
                 at: edge.at,
                 board: board as u8, // at most 16 chips on a bus
@@ -149,46 +174,48 @@ impl Display {
             });
         }
         self.pending.clear();
+        self.rising.sort_by_key(|(at, ..)| *at);
+        let due = self.rising.partition_point(|(at, ..)| *at <= until);
+        for index in 0..due {
+            let (at, board, edge) = self.rising[index];
+            let change = self.amplifiers.get_mut(board).and_then(|a| a.edge(edge));
+            if change.is_some() {
+                self.flow(at);
+            }
+        }
+        self.rising.drain(..due);
         self.now = self.now.max(to);
         Ok(())
     }
 
-    fn take(&mut self, board: usize, edge: Edge) {
-        let Some(amplifier) = self.amplifiers.get_mut(board) else {
-            return;
-        };
-        let Some(change) = amplifier.edge(edge) else {
-            return;
-        };
-        self.flow(board, change);
-    }
-
-    fn flow(&mut self, board: usize, change: Current) {
-        let sum = self
-            .amplifiers
-            .iter()
-            .fold(0u32, |sum, a| sum.saturating_add(a.sum().0));
-        self.supply.set(change.at, Milliamps(sum));
-        let is_fed = |p: &Place| usize::from(p.board) == board && p.channel == change.channel.0;
-        if let Some(index) = self.places.iter().position(is_fed) {
-            self.wires[index].set_current(change.at, change.current.amps());
+    /// Lets the currents that the amplifiers ask for flow from `at` on, as far as the supply has them.
+    fn flow(&mut self, at: Nanos) {
+        for (load, place) in self.loads.iter_mut().zip(&self.places) {
+            let amplifier = self.amplifiers.get(usize::from(place.board));
+            let current = amplifier.map(|a| a.current(Channel(place.channel)));
+            load.asked = current.unwrap_or_default().amps();
         }
+        self.source.share(&mut self.loads);
+        let mut sum = 0.0;
+        for (load, wire) in self.loads.iter().zip(&mut self.wires) {
+            sum += load.amps;
+            wire.set_current(at, load.amps);
+        }
+        self.supply.set(at, Milliamps((sum * 1e3).round() as u32));
     }
 
-    /// Breaks or repairs the amplifier of one output, now.
-    pub fn set_fault(
-        &mut self,
-        board: usize,
-        channel: Channel,
-        fault: Option<crate::amplifier::AmplifierFault>,
-    ) {
-        let now = self.now;
-        let change = self
-            .amplifiers
-            .get_mut(board)
-            .and_then(|a| a.set_fault(now, channel, fault));
-        if let Some(change) = change {
-            self.flow(board, change);
+    /// Breaks or repairs the amplifier of a wire, now; a wire that is not there is left alone.
+    pub fn set_fault(&mut self, wire: usize, fault: Option<AmplifierFault>) {
+        let Some(place) = self.places.get(wire) else {
+            return;
+        };
+        let (now, channel) = (self.now, Channel(place.channel));
+        let amplifier = self.amplifiers.get_mut(usize::from(place.board));
+        if amplifier
+            .and_then(|a| a.set_fault(now, channel, fault))
+            .is_some()
+        {
+            self.flow(now);
         }
     }
 

@@ -93,6 +93,9 @@ mod tests {
             }
         }
         let (mean, spread) = (sum / n, libm::sqrt(squares / n));
-        assert!(mean.abs() < 0.03 && (spread - 0.25).abs() < 0.02, "{mean} {spread}");
+        assert!(
+            mean.abs() < 0.03 && (spread - 0.25).abs() < 0.02,
+            "{mean} {spread}"
+        );
     }
 }

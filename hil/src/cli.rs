@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use palpate_buses::guardian::{parse_bus, parse_line};
 
 /// Tactile feedback, hardware in the loop: from touched skin to heated wires.
 #[derive(Debug, Parser)]
@@ -56,14 +57,24 @@ fn exponent(text: &str) -> Result<f64, String> {
     }
 }
 
-/// `auto` (none here) or raw counts.
+/// A rule by its name, or raw counts.
 fn threshold(text: &str) -> Result<Threshold, String> {
-    if text == "auto" {
-        return Ok(Threshold::Auto);
+    match text {
+        "auto" => return Ok(Threshold::Auto),
+        "per-taxel" => return Ok(Threshold::PerTaxel),
+        _ => {}
     }
     match text.parse() {
         Ok(counts) if (0.0..=1e6).contains(&counts) => Ok(Threshold::Counts(counts)),
-        _ => Err("expected auto or raw counts from 0 to 1000000".into()),
+        _ => Err("expected auto, per-taxel or raw counts from 0 to 1000000".into()),
+    }
+}
+
+/// A positive number that files take too.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(v) if (0.01..=86_400.0).contains(&v) => Ok(v),
+        _ => Err("expected 0.01 to 86400".into()),
     }
 }
 
@@ -72,6 +83,8 @@ fn threshold(text: &str) -> Result<Threshold, String> {
 pub enum Threshold {
     /// The largest value of the first row after the reference.
     Auto,
+    /// From every taxel's own noise.
+    PerTaxel,
     /// Raw counts.
     Counts(f32),
 }
@@ -83,8 +96,86 @@ pub enum Command {
     Run(Box<RunArgs>),
     /// Only the compression: contacts per frame of a recording, as CSV on standard output.
     Contacts(ContactsArgs),
+    /// Serve the emulators to other programs, boards on CAN interfaces and the display behind a /dev/i2c-N,
+    /// until stopped.
+    Emulate(EmulateArgs),
     /// Run time against error, ours beside others': tables and plots (in builds with `--features bench`).
     Bench(BenchArgs),
+    /// What this machine can do, what is missing, and what to type to get it.
+    Doctor(DoctorArgs),
+    /// Switch everything off on a bench, from any state, and say what was seen.
+    Off(OffArgs),
+    /// The process that switches off when a run dies; `hil run` starts it.
+    #[command(hide = true)]
+    Guardian(GuardianArgs),
+}
+
+/// Options of `hil doctor`.
+#[derive(Debug, Args)]
+pub struct DoctorArgs {
+    /// A bench whose buses to look at (default: all there are).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub bench: Option<String>,
+    /// Print one JSON object.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `hil off`.
+#[derive(Debug, Args)]
+pub struct OffArgs {
+    /// A bench of real buses: a file.
+    #[arg(long, value_name = "NAME|FILE", required_unless_present = "i2c")]
+    pub bench: Option<String>,
+    /// An I2C adapter in place of a bench; every address where a chip answers is switched off. Repeatable.
+    #[arg(long, value_name = "DEVICE", conflicts_with = "bench")]
+    pub i2c: Vec<PathBuf>,
+    /// Also clear a latched stop: the way back, once somebody has looked at the bench.
+    #[arg(long)]
+    pub unlatch: bool,
+}
+
+/// Options of the guardian process.
+#[derive(Debug, Args)]
+pub struct GuardianArgs {
+    /// Adapter and addresses of its boards.
+    #[arg(long, value_name = "PATH=ADDRESS,..", value_parser = parse_bus)]
+    pub i2c: Vec<(PathBuf, Vec<u8>)>,
+    /// GPIO chip and line of the OE pins.
+    #[arg(long, value_name = "CHIP=LINE", value_parser = parse_line)]
+    pub oe: Option<(PathBuf, u32)>,
+    /// Silence after which the run counts as hung.
+    #[arg(long, value_name = "MS", value_parser = whole::<u64, 1, 10_000>)]
+    pub heartbeat_ms: u64,
+    /// What one transfer may take.
+    #[arg(long, value_name = "MS", value_parser = whole::<u64, 1, 10_000>)]
+    pub transfer_ms: u64,
+}
+
+/// Options of `hil emulate`.
+#[derive(Debug, Args)]
+pub struct EmulateArgs {
+    /// A built-in bench or a file (default: emulated).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub bench: Option<String>,
+    /// What touches the boards, over and over: a built-in scene or a file (default: sphere-along).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub scene: Option<String>,
+    /// A CAN interface that is up; once a sensor bus of the scene's layout (default: vcan0, vcan1, ...).
+    #[arg(long, value_name = "IFACE")]
+    pub can: Vec<String>,
+    /// The boards wait for a start command (20f#0700), and the scene begins with it.
+    #[arg(long)]
+    pub await_start: bool,
+    /// Seed of all randomness.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
+    pub seed: u64,
+    /// Print what happens as JSON Lines: every edge of an output, every all-off, the record at the end.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
 }
 
 /// On or off.
@@ -104,6 +195,12 @@ pub struct RunArgs {
     /// A built-in bench or a file (default: emulated).
     #[arg(long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
+    /// A CAN interface, in place of the bench's; once a bus of the layout. The run is real then.
+    #[arg(long, value_name = "IFACE")]
+    pub can: Vec<String>,
+    /// An I2C adapter (/dev/i2c-N), in place of the bench's; once a bus of the outputs.
+    #[arg(long, value_name = "DEVICE")]
+    pub i2c: Vec<PathBuf>,
     /// Recorded taxels in place of the scene's touches: CSV, once a module of the layout, or one candump .log.
     #[arg(long, value_name = "FILE")]
     pub replay: Vec<PathBuf>,
@@ -125,6 +222,9 @@ pub struct RunArgs {
     /// Print nothing but errors.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
+    /// Print the plan, and after the run what was done and what was left out.
+    #[arg(long)]
+    pub explain: bool,
     /// Write the schedule as JSON Lines.
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
@@ -193,6 +293,15 @@ pub enum AxesArg {
     Z,
 }
 
+/// What K_C and K_I count for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ScopeArg {
+    /// Every module.
+    Module,
+    /// The whole skin in one plane.
+    Skin,
+}
+
 /// What to do with rows that repeat the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum StaleArg {
@@ -219,9 +328,19 @@ pub struct ContactsArgs {
     /// Contact-free rows at the start that make the reference.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u32, 1, 100_000>, allow_hyphen_values = true)]
     pub reference_frames: u32,
-    /// Contact threshold: auto (the largest value of the first row after the reference) or raw counts.
-    #[arg(long, default_value = "auto", value_name = "auto|COUNTS", value_parser = threshold, allow_hyphen_values = true)]
+    /// Contact threshold: auto (the largest value of the first row after the reference), per-taxel (from every taxel's
+    /// own noise) or raw counts.
+    #[arg(long, default_value = "auto", value_name = "auto|per-taxel|COUNTS", value_parser = threshold, allow_hyphen_values = true)]
     pub threshold: Threshold,
+    /// Let the reference follow taxels not in contact with this time constant (default: it stays).
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
+    pub drift_s: Option<f64>,
+    /// Leave out taxels this many deviations from their axis's mean in the first row (default: none).
+    #[arg(long, value_name = "K", value_parser = positive, allow_hyphen_values = true)]
+    pub faulty_deviations: Option<f64>,
+    /// Where K_C and K_I count.
+    #[arg(long, value_enum, default_value_t = ScopeArg::Module)]
+    pub scope: ScopeArg,
     /// Exponent p of the weights ||s||^p.
     #[arg(long, value_name = "P", default_value = "1", value_parser = exponent, allow_hyphen_values = true)]
     pub weight_exponent: f64,

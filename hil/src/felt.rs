@@ -3,7 +3,9 @@
 //! Laws are compared here, at one drive and by one person. What a run gives to feel on a bench, where limits
 //! and warm wires count, is `run`'s.
 
-use palpate_core::illusion::{Display, Drive, Illusion, Map, ModelError, ModelSettings, Steps, build};
+use palpate_core::illusion::{
+    Display, Drive, Illusion, Map, ModelError, ModelSettings, Steps, build,
+};
 use palpate_core::physics::WireParameters;
 use palpate_core::units::{Milliamps, Point, Prescale, Ticks};
 use palpate_emulators::perceiver::{Perceiver, Vibration};
@@ -153,7 +155,10 @@ pub fn path_on(scene: &str, display: &Display) -> Result<Vec<Point>, Failure> {
         .map_err(|e| Failure::Input(format!("scene `{scene}`: {e}")))?;
     let onsets = (value.length_s * 1e6) as u64 / SOA_US;
     let at = |k: u64| {
-        let touch = value.touches.iter().find_map(|t| t.at((k * SOA_US) as f64 * 1e-6))?;
+        let touch = value
+            .touches
+            .iter()
+            .find_map(|t| t.at((k * SOA_US) as f64 * 1e-6))?;
         Some(map.apply(Point::new(touch.x_mm as f32, touch.y_mm as f32)))
     };
     Ok((0..onsets).filter_map(at).collect())
@@ -164,7 +169,9 @@ pub fn path_on(scene: &str, display: &Display) -> Result<Vec<Point>, Failure> {
 /// # Errors
 /// [`Failure`] where the file cannot be read.
 pub fn person() -> Result<Perceiver, Failure> {
-    Ok(Perceiver::new(plan::perceiver(&load_perceiver("fitted")?.value)))
+    Ok(Perceiver::new(plan::perceiver(
+        &load_perceiver("fitted")?.value,
+    )))
 }
 
 /// The current of a shipped bench.

@@ -5,6 +5,7 @@ pub mod bench;
 pub mod cli;
 pub mod clock;
 pub mod command;
+pub mod emulate;
 pub mod failure;
 pub mod felt;
 pub mod files;

@@ -16,6 +16,10 @@ fn main() -> ExitCode {
         }),
         Some(Command::Run(args)) => command::run(&args),
         Some(Command::Contacts(args)) => command::contacts(&args),
+        Some(Command::Emulate(args)) => command::emulate(&args),
+        Some(Command::Doctor(args)) => command::doctor(&args),
+        Some(Command::Off(args)) => command::off(&args),
+        Some(Command::Guardian(args)) => return ExitCode::from(command::guardian(args)),
         Some(Command::Bench(args)) => command::bench(&args),
     };
     match result {

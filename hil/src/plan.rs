@@ -30,7 +30,7 @@ fn point([x, y]: [f64; 2]) -> Point {
 /// board's address.
 fn module(file: &files::Module, axes: u8) -> Result<Module, LayoutError> {
     let limited = |n: usize| u16::try_from(n).unwrap_or(u16::MAX);
-    let built = match (&file.grid, &file.points_mm) {
+    let built = match (&file.grid, file.scattered()) {
         (Some(grid), _) => Module::grid(
             &file.name,
             limited(grid.rows),
@@ -38,12 +38,8 @@ fn module(file: &files::Module, axes: u8) -> Result<Module, LayoutError> {
             grid.pitch_mm as f32,
         )?,
         (None, points) => {
-            let points = points
-                .iter()
-                .flatten()
-                .copied()
-                .map(point)
-                .collect::<Vec<_>>();
+            let points = points.into_iter().flatten().map(point);
+            let points = points.collect::<Vec<_>>();
             Module::scattered(&file.name, &points)?
         }
     };
@@ -74,12 +70,33 @@ pub fn layout(file: &files::SensorLayout) -> Result<Layout, Failure> {
     built.map_err(|e| Failure::Input(format!("layout `{}`: {e}", file.name)))
 }
 
-/// The I2C addresses of a bench's boards, ascending: a board's index is its place here.
+/// The I2C addresses on each of a bench's buses, ascending. Boards are numbered through in this order.
+pub fn buses(bench: &files::Bench) -> Vec<Vec<u8>> {
+    let count = bench.outputs.iter().map(|o| usize::from(o.bus) + 1).max();
+    let mut buses = vec![Vec::new(); count.unwrap_or(0)];
+    for output in &bench.outputs {
+        buses[usize::from(output.bus)].push(output.board);
+    }
+    for addresses in &mut buses {
+        addresses.sort_unstable();
+        addresses.dedup();
+    }
+    buses
+}
+
+/// The I2C addresses of all boards: a board's number is its place here.
 pub fn boards(bench: &files::Bench) -> Vec<u8> {
-    let mut addresses: Vec<u8> = bench.outputs.iter().map(|o| o.board).collect();
-    addresses.sort_unstable();
-    addresses.dedup();
-    addresses
+    buses(bench).concat()
+}
+
+/// The number of the board that carries an output.
+fn board(buses: &[Vec<u8>], output: &files::Output) -> Board {
+    let bus = usize::from(output.bus);
+    let before: usize = buses.iter().take(bus).map(Vec::len).sum();
+    let place = buses
+        .get(bus)
+        .and_then(|b| b.iter().position(|&a| a == output.board));
+    Board((before + place.unwrap_or(0)) as u8) // at most 16
 }
 
 /// The display's wires with the outputs that drive them.
@@ -87,13 +104,12 @@ pub fn boards(bench: &files::Bench) -> Vec<u8> {
 /// # Errors
 /// [`Failure::Input`] with what no display can be.
 pub fn display(setup: &Setup) -> Result<Display, Failure> {
-    let boards = boards(&setup.bench.value);
+    let buses = buses(&setup.bench.value);
     let outputs = &setup.bench.value.outputs;
     display_of(&setup.display.value, |wire| {
-        let output = outputs.get(wire);
-        let board = output.and_then(|o| boards.iter().position(|&b| b == o.board));
-        let channel = output.map_or(0, |o| o.channel);
-        (Board(board.unwrap_or(0) as u8), Channel(channel))
+        outputs.get(wire).map_or((Board(0), Channel(0)), |output| {
+            (board(&buses, output), Channel(output.channel))
+        })
     })
 }
 
@@ -198,6 +214,18 @@ pub const fn scope(scope: files::Scope) -> Scope {
     }
 }
 
+/// The contact threshold of a scene.
+fn threshold(scene: &files::Scene) -> ThresholdRule {
+    let margin = scene.threshold_margin as f32;
+    match scene.threshold {
+        files::ThresholdRule::Maximum => ThresholdRule::Auto { margin },
+        files::ThresholdRule::PerTaxel => ThresholdRule::PerTaxel {
+            sigmas: files::THRESHOLD_SIGMAS as f32,
+            floor: margin,
+        },
+    }
+}
+
 /// The silence that ends a scan. On a bus with room the frames of a scan come within milliseconds; on one
 /// that waiting boards overload they spread over the whole scan, and the next scan's follow a scan later.
 fn scan_gap(layout: &Layout, scene: &files::Scene) -> Duration {
@@ -282,10 +310,11 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
             initialiser: InitialiserSettings {
                 reference_frames: scene.reference_frames,
                 fault_sigmas: scene.faulty_deviations.map(|k| k as f32),
-                threshold: ThresholdRule::Auto {
-                    margin: scene.threshold_margin as f32,
-                },
+                threshold: threshold(scene),
                 axes: axes(scene.compression.axes),
+                drift: scene
+                    .drift_s
+                    .map(|s| Duration::from_micros((s * 1e6).round() as u64)),
             },
             compression: Settings {
                 clusters: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),

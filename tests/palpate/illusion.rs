@@ -1,8 +1,8 @@
 //! What every law keeps, whatever the array and the contact; and what the default illusion promises.
 
 use palpate_core::illusion::{
-    Display, DisplayError, Distances, Mixer, Model, ModelError, ModelSettings, ShapeChoice, Sharing,
-    Surface, Target, Wire, build,
+    Display, DisplayError, Distances, Mixer, Model, ModelError, ModelSettings, ShapeChoice,
+    Sharing, Surface, Target, Wire, build,
 };
 use palpate_core::units::{Board, Channel, Point};
 use palpate_records::trace::Event;
@@ -50,7 +50,11 @@ fn settings() -> Vec<ModelSettings> {
     });
     let thimble = display(&THIMBLE).unwrap();
     let known: Vec<_> = each
-        .filter(|s| build(&thimble, s).map_err(|e| assert_eq!(e, ModelError::Distances)).is_ok())
+        .filter(|s| {
+            build(&thimble, s)
+                .map_err(|e| assert_eq!(e, ModelError::Distances))
+                .is_ok()
+        })
         .collect();
     assert_eq!(known.len(), 13, "laws by distances");
     known
@@ -238,23 +242,38 @@ fn settings_that_no_law_knows_are_refused() {
     };
     for shape in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         let shape = ShapeChoice::Factor(shape);
-        let settings = ModelSettings { shape, ..of(Model::Phantom) };
+        let settings = ModelSettings {
+            shape,
+            ..of(Model::Phantom)
+        };
         assert_eq!(refused(settings), Some(ModelError::Shape));
     }
     let shape = ShapeChoice::Factor(1.0);
-    let settings = ModelSettings { shape, ..of(Model::Energy) };
+    let settings = ModelSettings {
+        shape,
+        ..of(Model::Energy)
+    };
     assert_eq!(refused(settings), Some(ModelError::Shape));
     let shape = ShapeChoice::Flat;
-    let settings = ModelSettings { shape, ..of(Model::Gaussian) };
+    let settings = ModelSettings {
+        shape,
+        ..of(Model::Gaussian)
+    };
     assert_eq!(refused(settings), Some(ModelError::Shape));
-    let settings = ModelSettings { margin: Some(0.0), ..of(Model::Linear) };
+    let settings = ModelSettings {
+        margin: Some(0.0),
+        ..of(Model::Linear)
+    };
     assert_eq!(refused(settings), Some(ModelError::Margin));
 }
 
 /// Around the finger a chord is shorter than the arc: a law over space reaches further than one over the plane.
 #[test]
 fn distances_through_space_follow_the_finger() {
-    let finger = Surface::Finger { radius_mm: 8.0, tip_mm: 6.0 };
+    let finger = Surface::Finger {
+        radius_mm: 8.0,
+        tip_mm: 6.0,
+    };
     let worn = display(&THIMBLE).unwrap().with_surface(finger);
     let at = Point::new(5.5, 0.0);
     let by = |distances: Distances| {
@@ -274,21 +293,39 @@ fn the_default_holds_where_the_thesis_breaks() {
     let bench = palpate_hil::files::Setup::load("sphere-along", "thesis").unwrap();
     let thimble = palpate_hil::plan::display(&bench).unwrap();
     let worn = |model: Model| {
-        let settings = ModelSettings { model, ..ModelSettings::default() };
-        Worn::new(&thimble, &settings, person().unwrap(), current("thesis").unwrap()).unwrap()
+        let settings = ModelSettings {
+            model,
+            ..ModelSettings::default()
+        };
+        Worn::new(
+            &thimble,
+            &settings,
+            person().unwrap(),
+            current("thesis").unwrap(),
+        )
+        .unwrap()
     };
     let (mut ours, mut theirs) = (worn(Model::default()), worn(Model::Phantom));
     let mut broken = 0;
     for scene in PATHS {
         let path = path_on(scene, &thimble).unwrap();
         let (mine, published) = (ours.score(&path), theirs.score(&path));
-        assert!(mine.energy_db.0 > -1.0 && mine.energy_db.1 < 1.0, "{scene}: {:?}", mine.energy_db);
+        assert!(
+            mine.energy_db.0 > -1.0 && mine.energy_db.1 < 1.0,
+            "{scene}: {:?}",
+            mine.energy_db
+        );
         assert!(published.energy_db.0 < -8.0, "{scene}: (5.2) dips");
         for (mine, published) in mine.felt.iter().zip(&published.felt) {
             assert_eq!(mine.breaks, 0, "{scene}, {}", mine.perceiver);
-            let rmse = |score: &palpate_records::felt::FeltScore| score.errors.unwrap().rmse_um as f64;
+            let rmse =
+                |score: &palpate_records::felt::FeltScore| score.errors.unwrap().rmse_um as f64;
             let ratio = rmse(mine) / rmse(published);
-            assert!(ratio <= 0.7, "{scene}, {}: {ratio:.2} of (5.2)", mine.perceiver);
+            assert!(
+                ratio <= 0.7,
+                "{scene}, {}: {ratio:.2} of (5.2)",
+                mine.perceiver
+            );
         }
         broken += published.felt[0].breaks;
     }

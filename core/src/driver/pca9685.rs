@@ -70,18 +70,34 @@ const ATTEMPTS: u32 = 3;
 /// One board: its address and what its channels were last told. `None` after anything that may have
 /// left them otherwise, so that the next update writes them whatever it says.
 #[derive(Clone, Debug)]
-struct BoardState {
+pub(super) struct BoardState {
     address: u8,
     shadow: [Option<[u8; 4]>; 16],
+}
+
+/// What updates came to on the bus.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// Updates sent, one write each.
+    pub writes: u64,
+    /// Updates that would have changed no register, and were not sent.
+    pub unchanged_updates: u64,
+    /// Channels written.
+    pub channels: u64,
+    /// Channels of updates that already held what they should, and were not written.
+    pub unchanged_channels: u64,
 }
 
 /// Up to 16 PCA9685 boards on one bus.
 #[derive(Debug)]
 pub struct Pca9685Bank<I> {
     i2c: I,
-    boards: Box<[BoardState]>,
+    pub(super) boards: Box<[BoardState]>,
+    /// Number of the first board: a bench with several buses counts its boards through.
+    first: u8,
     prescale: Prescale,
     retries: u64,
+    traffic: Traffic,
 }
 
 impl<I: I2c> Pca9685Bank<I> {
@@ -94,9 +110,24 @@ impl<I: I2c> Pca9685Bank<I> {
         Self {
             i2c,
             boards: addresses.iter().map(board).collect(),
+            first: 0,
             prescale,
             retries: 0,
+            traffic: Traffic::default(),
         }
+    }
+
+    /// The same with its boards numbered from `first`, where another bus carries those before.
+    #[must_use]
+    pub fn numbered_from(mut self, first: u8) -> Self {
+        self.first = first;
+        self
+    }
+
+    /// The boards' numbers.
+    pub fn numbers(&self) -> impl Iterator<Item = Board> + use<I> {
+        let count = self.boards.len() as u8; // at most 63 addresses
+        (self.first..self.first.saturating_add(count)).map(Board)
     }
 
     /// Everything off and verified, then each board configured: asleep, PRE_SCALE, totem-pole outputs
@@ -108,8 +139,7 @@ impl<I: I2c> Pca9685Bank<I> {
     /// [`DriverError`] of the first board that does not answer or does not read back.
     pub fn start(&mut self, now: Instant) -> Result<Instant, DriverError> {
         self.switch_off()?;
-        for index in 0..self.boards.len() {
-            let board = Board(index as u8);
+        for board in self.numbers() {
             self.expect(board, regs::LED0_ON_L + 3, regs::FULL)?;
             let asleep = mode1::SLEEP | mode1::AI | mode1::ALLCALL;
             self.write(board, &[regs::MODE1, asleep, mode2::OUTDRV])?;
@@ -125,14 +155,19 @@ impl<I: I2c> Pca9685Bank<I> {
         self.retries
     }
 
+    /// What updates came to on the bus so far.
+    pub const fn traffic(&self) -> Traffic {
+        self.traffic
+    }
+
     /// Whether every board still is as [`Self::start`] left it: a chip that fell back to its reset values
     /// sleeps, and nothing on the bus says so.
     ///
     /// # Errors
     /// [`DriverError`] of the first board that does not answer or does not read back.
     pub fn verify(&mut self) -> Result<(), DriverError> {
-        for index in 0..self.boards.len() {
-            self.expect(Board(index as u8), regs::MODE1, mode1::AI | mode1::ALLCALL)?;
+        for board in self.numbers() {
+            self.expect(board, regs::MODE1, mode1::AI | mode1::ALLCALL)?;
         }
         Ok(())
     }
@@ -142,8 +177,13 @@ impl<I: I2c> Pca9685Bank<I> {
         &self.i2c
     }
 
-    fn address(&self, board: Board) -> Result<u8, DriverError> {
-        let state = self.boards.get(usize::from(board.0));
+    /// Where a board of this number stands in the bank; past its end for another's.
+    fn index(&self, board: Board) -> usize {
+        usize::from(board.0).wrapping_sub(self.first.into())
+    }
+
+    pub(super) fn address(&self, board: Board) -> Result<u8, DriverError> {
+        let state = self.boards.get(self.index(board));
         state
             .map(|b| b.address)
             .ok_or(DriverError::NoSuchBoard(board))
@@ -156,7 +196,7 @@ impl<I: I2c> Pca9685Bank<I> {
 
     /// Makes a transfer, and makes it again from its first byte after a transient error: what part of it
     /// arrived is written over by the same values, so an update is never torn.
-    fn patiently(
+    pub(super) fn patiently(
         &mut self,
         board: Board,
         mut transfer: impl FnMut(&mut I) -> Result<(), I::Error>,
@@ -194,9 +234,9 @@ impl<I: I2c> Pca9685Bank<I> {
         // No chip listens to all-call if every ALLCALL bit is clear: the writes below decide.
         let _ = self.i2c.write(regs::ALLCALL_ADDRESS, &OFF);
         let mut result = Ok(());
-        for index in 0..self.boards.len() {
-            self.boards[index].shadow = [None; 16];
-            let written = self.write(Board(index as u8), &OFF);
+        self.boards.iter_mut().for_each(|b| b.shadow = [None; 16]);
+        for board in self.numbers() {
+            let written = self.write(board, &OFF);
             result = result.and(written);
         }
         result
@@ -219,7 +259,7 @@ impl<I: I2c> Actuators for Pca9685Bank<I> {
 
     fn apply(&mut self, update: &Guarded) -> Result<(), DriverError> {
         let board = update.board();
-        let index = usize::from(board.0);
+        let index = self.index(board);
         let Some(state) = self.boards.get_mut(index) else {
             return Err(DriverError::NoSuchBoard(board));
         };
@@ -231,9 +271,16 @@ impl<I: I2c> Actuators for Pca9685Bank<I> {
             }
         }
         let differs = |c: &usize| wanted[*c] != state.shadow[*c];
+        let asked = update.channels().iter().flatten().count() as u64;
         let (Some(first), Some(last)) = ((0..16).find(differs), (0..16).rev().find(differs)) else {
+            self.traffic.unchanged_updates += 1;
+            self.traffic.unchanged_channels += asked;
             return Ok(());
         };
+        let changed = (first..=last).filter(differs).count() as u64;
+        self.traffic.writes += 1;
+        self.traffic.channels += changed;
+        self.traffic.unchanged_channels += asked.saturating_sub(changed);
         // One write, so unknown channels in between are written too: off, as they were left.
         const OFF: [u8; 4] = [0, 0, 0, regs::FULL];
         let mut bytes = [0; 65];

@@ -87,6 +87,7 @@ pub(super) struct Sensing {
 
 impl Pipeline {
     fn frame(&mut self, scan: &Scan, module: u16, layout: &Layout, observer: &mut impl Observer) {
+        self.watch_for_new_board(usize::from(module), layout);
         self.monitor
             .observe_range(scan, layout.range(usize::from(module)));
         self.examine(scan.at(), usize::from(module), layout, observer);
@@ -102,8 +103,14 @@ impl Pipeline {
             self.initialiser.mask(&mut self.relative);
             self.masked = true;
         }
-        let result = self.initialiser.relative(scan, &mut self.relative);
-        match result.and_then(|()| self.compressor.compress(&self.relative).map(|_| ())) {
+        let advanced = self.initialiser.advance(scan, &mut self.relative);
+        let compressed = advanced.and_then(|news| {
+            if news || !self.compressor.repeat() {
+                self.compressor.compress(&self.relative)?;
+            }
+            Ok(())
+        });
+        match compressed {
             Ok(()) => {
                 self.newest = Some(scan.at());
                 observer.frame(&FrameReport {
@@ -119,6 +126,19 @@ impl Pipeline {
 }
 
 impl Pipeline {
+    /// A module all of whose taxels were dead, and of which a scan now comes, may have another board: where the
+    /// reference follows drift, the module starts over.
+    fn watch_for_new_board(&mut self, module: usize, layout: &Layout) {
+        let conditions = &self.conditions[layout.range(module)];
+        let silent = |c: &Condition| matches!(c, Condition::Dead | Condition::Inactive);
+        if self.initialiser.follows_drift()
+            && conditions.iter().all(silent)
+            && conditions.contains(&Condition::Dead)
+        {
+            self.initialiser.restart(module);
+        }
+    }
+
     /// Looks at the taxels of a module: reports those whose health changed, and leaves the ill ones out.
     /// Where a whole module stands still it may be a skin without noise, so it is only reported.
     fn examine(

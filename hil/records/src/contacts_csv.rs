@@ -13,7 +13,15 @@ pub const HEADER: &str = "frame,time_us,module,contact,x_mm,y_mm,intensity,level
 /// Whatever the writer says.
 pub fn write_contacts(trace: &Trace, mut out: impl Write) -> io::Result<()> {
     writeln!(out, "{HEADER}")?;
-    for event in &trace.events {
+    write_rows(&trace.events, out)
+}
+
+/// Writes the rows of events alone.
+///
+/// # Errors
+/// Whatever the writer says.
+pub fn write_rows(events: &[Event], mut out: impl Write) -> io::Result<()> {
+    for event in events {
         if let Event::Contact {
             t_us,
             frame,

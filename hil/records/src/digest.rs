@@ -201,7 +201,7 @@ impl Sink {
                 self.place(*place);
                 self.u32(*intensity_milli);
                 self.u16(*level);
-                self.u16(*members);
+                self.u32(*members);
             }
             Event::Truth {
                 t_us,

@@ -69,12 +69,7 @@ pub fn scores(onsets: &[FeltOnset], wires: &[PlaceUm], soa_us: u64) -> [FeltScor
     PERCEIVERS.map(|perceiver| score(onsets, perceiver, step, soa_us))
 }
 
-fn score(
-    onsets: &[FeltOnset],
-    (name, place): Perceiver,
-    step_um: u64,
-    soa_us: u64,
-) -> FeltScore {
+fn score(onsets: &[FeltOnset], (name, place): Perceiver, step_um: u64, soa_us: u64) -> FeltScore {
     let mut sum = Sum::default();
     let (mut breaks, mut jumps) = (0, 0);
     let mut before: Option<(u64, PlaceUm, PlaceUm)> = None;

@@ -90,9 +90,25 @@ impl Record {
 /// # Errors
 /// Whatever the writer says.
 pub fn write_schedule(trace: &Trace, mut out: impl Write) -> io::Result<()> {
-    serde_json::to_writer(&mut out, &HeaderLine::new(&trace.header))?;
-    out.write_all(b"\n")?;
-    for (_, record) in sorted(trace) {
+    write_header(&trace.header, &mut out)?;
+    write_records(&trace.events, out)
+}
+
+/// Writes the first line.
+///
+/// # Errors
+/// Whatever the writer says.
+pub fn write_header(header: &Header, mut out: impl Write) -> io::Result<()> {
+    serde_json::to_writer(&mut out, &HeaderLine::new(header))?;
+    out.write_all(b"\n")
+}
+
+/// Writes the records of events, sorted: of a whole run, or of a piece that holds all events of its instants.
+///
+/// # Errors
+/// Whatever the writer says.
+pub fn write_records(events: &[Event], mut out: impl Write) -> io::Result<()> {
+    for (_, record) in sorted(events) {
         serde_json::to_writer(&mut out, &record)?;
         out.write_all(b"\n")?;
     }
@@ -102,7 +118,7 @@ pub fn write_schedule(trace: &Trace, mut out: impl Write) -> io::Result<()> {
 /// Time, board, how many whole-board records came before at that instant, channel.
 type Key = (u64, u8, u32, u16);
 
-fn sorted(trace: &Trace) -> Vec<(Key, Record)> {
+fn sorted(events: &[Event]) -> Vec<(Key, Record)> {
     let mut passed: BTreeMap<(u64, u8), u32> = BTreeMap::new();
     let mut whole_board = |t_us: u64, board: u8| {
         let count = passed.entry((t_us, board)).or_default();
@@ -111,7 +127,7 @@ fn sorted(trace: &Trace) -> Vec<(Key, Record)> {
     };
     let mut barriers: Vec<(usize, Key, Record)> = Vec::new();
     let mut entries: Vec<(usize, &Entry)> = Vec::new();
-    for (index, event) in trace.events.iter().enumerate() {
+    for (index, event) in events.iter().enumerate() {
         match *event {
             Event::Schedule(ref entry) => entries.push((index, entry)),
             Event::PreScale {

@@ -133,7 +133,7 @@ pub(crate) fn circle(seconds: u64) -> Trace {
                 place: um(x, y),
                 intensity_milli: (f * 900_000.0) as u32,
                 level: (f * 7.0) as u16,
-                members,
+                members: members.into(),
             });
         }
     }

@@ -126,7 +126,7 @@ pub enum Event {
         /// Level, 1 ..= K_I.
         level: u16,
         /// Taxels in its cluster.
-        members: u16,
+        members: u32,
     },
     /// Where something truly touched the skin at the frame's time (emulated skins know).
     Truth {

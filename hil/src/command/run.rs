@@ -1,5 +1,6 @@
 //! `hil run`.
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use palpate_core::illusion::Model;
@@ -10,18 +11,20 @@ use palpate_records::schedule::write_schedule;
 use crate::cli::{RunArgs, Switch};
 use crate::failure::Failure;
 use crate::files::{
-    self, IllusionModel, Kind, Scene, Setup, load_bench, load_layout, load_scene, write_can_log,
+    self, BenchKind, IllusionModel, Kind, Scene, Setup, load_layout, load_scene, write_can_log,
 };
 use crate::output::{make_folder, note, print, write_file};
 use crate::plan;
 use crate::run::{self, Input, Keep, Outcome};
 
+use crate::run::real::Kind as LiveKind;
+
+use super::devices::bench;
+use super::explain;
 use super::rate::rate_of;
 
 /// The scene of `hil run` without a name.
-const DEFAULT_SCENE: &str = "sphere-along";
-/// The bench of `hil run` without one.
-const DEFAULT_BENCH: &str = "emulated";
+pub(super) const DEFAULT_SCENE: &str = "sphere-along";
 
 /// What to write, by the ending of a file's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,11 +77,30 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
             rate_hz: rate.hz,
         },
     };
-    let files = wanted(args)?;
+    let mut files = wanted(args)?;
+    if args.explain {
+        explained(args, |out| explain::plan(&setup, out))?;
+    }
     let keep = Keep {
         can: files.iter().any(|(format, _)| *format == Format::Can),
     };
-    let mut outcome = run::run_keeping(&setup, &input, args.seed, keep)?;
+    let is_real = setup.bench.value.kind == BenchKind::Real;
+    let mut outcome = match (is_real, args.replay.is_empty()) {
+        (false, _) => run::run_keeping(&setup, &input, args.seed, keep)?,
+        (true, true) => {
+            if let Some(folder) = &args.out {
+                make_folder(folder)?;
+            }
+            let (live, later) = split(files);
+            files = later;
+            run::real::run(&setup, args.seed, &live)?
+        }
+        (true, false) => {
+            return Err(Failure::Input(
+                "--replay: a recording drives an emulated bench only".into(),
+            ));
+        }
+    };
     let failure = outcome.failure.take();
     if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.quiet) {
         note(&format!("{hz} rows a second, from {}", meta.display()));
@@ -105,7 +127,40 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
                 .try_for_each(|(_, path)| writeln!(out, "  wrote           {}", path.display()))
         })
     }?;
+    if args.explain {
+        explained(args, |out| explain::done(&outcome.effort, out))?;
+    }
     failure.map_or(Ok(()), Err)
+}
+
+/// The files that a real run writes while it runs, and those that come after it.
+#[allow(clippy::type_complexity)] // two lists of what `wanted` returns
+fn split(files: Vec<(Format, PathBuf)>) -> (Vec<(LiveKind, PathBuf)>, Vec<(Format, PathBuf)>) {
+    let (mut live, mut later) = (Vec::new(), Vec::new());
+    for (format, path) in files {
+        match format {
+            Format::Contacts => live.push((LiveKind::Contacts, path)),
+            Format::Schedule => live.push((LiveKind::Schedule, path)),
+            Format::Can => live.push((LiveKind::Can, path)),
+            Format::Report | Format::Summary => later.push((format, path)),
+        }
+    }
+    (live, later)
+}
+
+/// Prints an explanation: on standard output, or beside the object or silence that is asked for there.
+fn explained(
+    args: &RunArgs,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Failure> {
+    if !(args.json || args.quiet) {
+        return print(write);
+    }
+    let mut text = Vec::new();
+    // Writing to memory does not fail.
+    let _ = write(&mut text);
+    note(String::from_utf8_lossy(&text).trim_end());
+    Ok(())
 }
 
 /// The files to write, checked before anything runs.
@@ -132,7 +187,7 @@ fn wanted(args: &RunArgs) -> Result<Vec<(Format, PathBuf)>, Failure> {
 /// Scene and bench with the command line's changes, checked like a file of that content.
 fn setup(args: &RunArgs) -> Result<Setup, Failure> {
     let mut scene = load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
-    let bench = load_bench(args.bench.as_deref().unwrap_or(DEFAULT_BENCH))?;
+    let bench = bench(args.bench.as_deref(), &args.can, &args.i2c)?;
     if let Some(name) = &args.layout {
         // The name is checked here so that the error speaks of the option.
         let found = load_layout(name)?;
@@ -149,6 +204,12 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
         };
     }
     if !args.replay.is_empty() {
+        if args.scene.is_none() {
+            // Real boards are noisy, drift, and differ: the scene's own rule is for emulated ones.
+            scene.value.threshold = files::ThresholdRule::PerTaxel;
+            scene.value.threshold_margin = files::THRESHOLD_FLOOR;
+            scene.value.drift_s = Some(files::DRIFT_S);
+        }
         scene.value.touches.clear();
         scene.value.name = format!("replay of {}", args.replay[0].display());
     }

@@ -30,6 +30,11 @@ choice! { /** The axes that count. */ Axes {
     /** All three. */ Xyz = "xyz",
     /** The normal one. */ Z = "z",
 }}
+choice! { /** Where the contact threshold comes from. */ ThresholdRule {
+    /** The largest value of the first frame after the reference, for all taxels: the thesis's (4.3). */
+    Maximum = "maximum",
+    /** Six standard deviations of every taxel's own noise. */ PerTaxel = "per-taxel",
+}}
 choice! { /** Where `kc` and `ki` apply. */ Scope {
     /** To each module. */ Module = "module",
     /** To the whole skin in one plane. */ Skin = "skin",
@@ -38,6 +43,17 @@ choice! { /** What a board does when a scan is due and frames of the last one ha
     /** The next scan starts at the first tick after the last frame left. */ Wait = "wait",
     /** Every scan replaces what still waits; high identifiers starve. */ Overwrite = "overwrite",
 }}
+
+/// Standard deviations of a taxel's noise that its own threshold lies above its reference.
+pub const THRESHOLD_SIGMAS: f64 = 6.0;
+/// Counts that a recording's thresholds lie above that: fainter differences on real boards are not touch.
+pub const THRESHOLD_FLOOR: f64 = 20.0;
+/// Time constant of drift following on recordings, seconds: boards drift by about 1000 counts in minutes.
+pub const DRIFT_S: f64 = 5.0;
+
+const fn per_taxel() -> ThresholdRule {
+    ThresholdRule::PerTaxel
+}
 
 /// A scene.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -60,8 +76,13 @@ pub struct Scene {
     pub noise_lsb: [f64; 2],
     /// Contact-free frames that make the reference; the next one makes the threshold.
     pub reference_frames: u32,
+    /// Where the contact threshold comes from; left out: every taxel's own noise.
+    #[serde(default = "per_taxel")]
+    pub threshold: ThresholdRule,
     /// Counts added to the threshold.
     pub threshold_margin: f64,
+    /// Time constant in seconds with which the reference follows a taxel not in contact; left out: it stays.
+    pub drift_s: Option<f64>,
     /// A taxel this many standard deviations from the mean of its axis is faulty; left out: none is.
     pub faulty_deviations: Option<f64>,
     /// The module that drives the display, counted from zero.
@@ -168,6 +189,9 @@ impl Scene {
             0.0..=65_535.0,
             "counts",
         )?;
+        if let Some(constant) = scene.drift_s {
+            source.range("drift_s", constant, 0.01..=86_400.0, "s")?;
+        }
         if let Some(k) = scene.faulty_deviations {
             source.range("faulty_deviations", k, 0.1..=1000.0, "")?;
         }

@@ -209,6 +209,7 @@ fn check_faults(
         below("with", fault.with, sensor.modules.len())?;
         below("bus", fault.bus.map(usize::from), buses)?;
         below("board", fault.board, chips)?;
+        below("wire", fault.wire, bench.outputs.len())?;
         if let Some(module) = fault.module.and_then(|m| sensor.modules.get(m)) {
             below("taxel", fault.taxel, module.taxels().len())?;
             below("line", fault.line.map(usize::from), 8)?;

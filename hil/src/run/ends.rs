@@ -1,21 +1,25 @@
 //! Both ends of a run on paper: the display that is built, the header that says what was run.
 
+use palpate_core::illusion::Wire;
 use palpate_core::physics::SkinParameters;
 use palpate_core::projector::Projector;
+use palpate_emulators::amplifier::AmplifierConfig;
+use palpate_emulators::amplifier::supply::Source;
 use palpate_emulators::display::{Display, DisplayConfig, Place};
 use palpate_emulators::i2c::BusClock;
+use palpate_emulators::time::Nanos;
 use palpate_records::digest::short_digest;
-use palpate_records::trace::{Header, Limits, Source, WireInfo};
+use palpate_records::trace::{self, Header, Limits, WireInfo};
 
 use super::recorder::um;
 use crate::failure::Failure;
-use crate::files::Setup;
+use crate::files::{BenchKind, Setup};
 use crate::plan;
 
 /// The emulated display of a bench.
-pub(super) fn display(setup: &Setup, projector: &Projector) -> Result<Display, Failure> {
+pub(crate) fn display(setup: &Setup, wires: &[Wire]) -> Result<Display, Failure> {
     let bench = &setup.bench.value;
-    let place = |w: &palpate_core::illusion::Wire| Place {
+    let place = |w: &Wire| Place {
         at: w.place,
         board: w.board.0,
         channel: w.channel.0,
@@ -25,8 +29,16 @@ pub(super) fn display(setup: &Setup, projector: &Projector) -> Result<Display, F
             .into_iter()
             .map(|a| (a, bench.drive.oscillator))
             .collect(),
-        wires: projector.display().wires().iter().map(place).collect(),
-        current: plan::milliamps(bench.drive.current_ma),
+        wires: wires.iter().map(place).collect(),
+        amplifier: AmplifierConfig {
+            current: plan::milliamps(bench.drive.current_ma),
+            rise: Nanos((bench.amplifier.rise_us * 1e3).round() as u64),
+            on_ohm: bench.amplifier.on_ohm,
+        },
+        source: Source {
+            volts: bench.amplifier.supply_v.unwrap_or(f64::INFINITY),
+            ohm: bench.amplifier.supply_ohm,
+        },
         wire: plan::wire(bench),
         skin: SkinParameters::DEFAULT,
         perceiver: plan::perceiver(&setup.perceiver.value),
@@ -47,13 +59,16 @@ pub(super) fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<
         .modules()
         .get(scene.drives)
         .map(palpate_core::skin::Module::points);
-    let wire = |w: &palpate_core::illusion::Wire| WireInfo {
+    let wire = |w: &Wire| WireInfo {
         place: um(w.place),
         board: w.board.0,
         channel: w.channel.0,
     };
     Ok(Header {
-        source: Source::Emulated,
+        source: match bench.kind {
+            BenchKind::Emulated => trace::Source::Emulated,
+            BenchKind::Real => trace::Source::Real,
+        },
         scene: scene.name.clone(),
         bench: bench.name.clone(),
         seed,

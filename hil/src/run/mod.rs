@@ -1,14 +1,17 @@
-//! A run: a scene or a recording through the loop onto an emulated display, in virtual time.
+//! A run: a scene or a recording through the loop onto an emulated display, in virtual time; or the loop on
+//! a [real] bench, held to the wall clock.
 
 mod boards;
 mod effects;
-mod ends;
+pub mod effort;
+pub(crate) mod ends;
 mod feel;
+pub mod real;
 mod recorder;
 mod replay;
-mod script;
+pub(crate) mod script;
 mod sensor;
-mod skin;
+pub(crate) mod skin;
 mod summary;
 mod supervisor;
 mod tape;
@@ -23,7 +26,7 @@ use std::path::PathBuf;
 
 use palpate_core::bus::{Actuators, Received};
 use palpate_core::contact::{LevelTable, Levels};
-use palpate_core::driver::Pca9685Bank;
+use palpate_core::driver::Banks;
 use palpate_core::guard::Guarded;
 use palpate_core::projector::{Cause, LoopError, Projector};
 use palpate_core::units::{Duration, Instant};
@@ -37,6 +40,7 @@ use crate::failure::Failure;
 use crate::files::Setup;
 use crate::plan;
 
+use effort::Effort;
 use ends::{display, header};
 use feel::{feel, sample_wires};
 use recorder::{Onset, Recorder};
@@ -72,6 +76,8 @@ pub struct Outcome {
     pub summary: Summary,
     /// Computing time of each frame, microseconds.
     pub frame_us: Vec<f32>,
+    /// What was done and what was left out.
+    pub effort: Effort,
     /// What ended the run before its time; the outputs are off.
     pub failure: Option<Failure>,
     /// Frames on the sensor buses as the host saw them, if they were to be kept.
@@ -162,6 +168,16 @@ pub fn run_keeping(
     }
 }
 
+/// The static intensity levels of a scene's own touches on an emulated skin: what a live run goes by, since
+/// it cannot see its whole input beforehand.
+fn scene_levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
+    let scene = &setup.scene.value;
+    let layout = plan::layout(&setup.sensor.value)?;
+    let end = Instant::from_micros((scene.length_s * 1e6).round() as u64);
+    let mut skin = Tape::new(skin::emulated(scene, &setup.sensor.value, &layout, seed)?);
+    calibrate(setup, seed, &mut skin, end)
+}
+
 /// A first pass that finds the static intensity levels over the whole input.
 fn calibrate(
     setup: &Setup,
@@ -170,6 +186,9 @@ fn calibrate(
     end: Instant,
 ) -> Result<Levels, Failure> {
     let k = setup.scene.value.compression.ki as usize;
+    if k <= 1 {
+        return Ok(Levels::Off); // every contact has the one level there is
+    }
     let mut projector = build(setup, seed, Levels::Off)?;
     let mut recorder = Recorder::default();
     let mut now = Instant::ZERO;
@@ -207,7 +226,7 @@ fn project(
     let prescale = plan::prescale(bench)?;
     let drive = plan::drive(&setup.scene.value.illusion);
     let mut projector = build(setup, seed, levels)?;
-    let mut display = display(setup, &projector)?;
+    let mut display = display(setup, projector.display().wires())?;
     let mut recorder = Recorder::new(truth, projector.layout());
     let i2c = Shared::new(I2cFault::new(
         display.bus(),
@@ -215,7 +234,7 @@ fn project(
         seed,
         "actuator bus",
     ));
-    let mut bank = Pca9685Bank::new(i2c.clone(), &plan::boards(bench), prescale);
+    let mut bank = Banks::new([(i2c.clone(), &*plan::boards(bench))], prescale);
     let mut script = Script::new(&setup.scene.value.faults, projector.layout());
     let mut supervisor = Supervisor::default();
     let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
@@ -238,7 +257,7 @@ fn project(
             Bench {
                 skin: skin.emulated(),
                 i2c: &i2c,
-                display: &display,
+                display: &mut display,
                 oscillator: bench.drive.oscillator,
             }
         };
@@ -255,6 +274,7 @@ fn project(
     let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
     let mut pending: Option<Onset> = None;
     let mut failure = None;
+    let mut effort = Effort::default();
     while now < end {
         skin.advance_to(now);
         let edges = &mut recorder.events;
@@ -301,6 +321,7 @@ fn project(
             let frames = recorder.frames - before;
             let each = spent.as_secs_f32() * 1e6 / frames as f32;
             frame_us.extend(std::iter::repeat_n(each, frames as usize));
+            effort.note(&projector.work(), frames, each);
             spent = std::time::Duration::ZERO;
         }
         if onset {
@@ -360,10 +381,14 @@ fn project(
     summary.buses = skin.buses();
     summary.faults = script.report();
     summary.taxels.list(&projector, end);
+    recorder.tell(&mut effort, projector.display().wires().len());
+    effort.traffic = bank.traffic();
+    effort.calibrated = setup.scene.value.compression.ki > 1;
     Ok(Outcome {
         trace,
         summary,
         frame_us,
+        effort,
         failure,
         can: skin.take(),
     })

@@ -5,6 +5,7 @@ use palpate_core::skin::Layout;
 use palpate_core::units::Point;
 use palpate_core::wire::uskin::{ALL_BOARDS, Command};
 use palpate_emulators::board::{BoardConfig, Overload};
+use palpate_emulators::can::NodeConfig;
 use palpate_emulators::rig::{Handle, SkinBus};
 use palpate_emulators::skin::{Generation, Module, ModuleConfig, Touch as Press};
 use palpate_emulators::time::Nanos;
@@ -23,15 +24,18 @@ pub fn unwired(layout: &str, module: &str) -> Failure {
     ))
 }
 
-/// Emulated boards with the scene's touches on them, sending from the start.
+/// Emulated boards with the scene's touches on them, which wait for their commands. With `repeat` the
+/// touches begin anew after each such span; `host` is the host's controller on every bus.
 ///
 /// # Errors
 /// [`Failure::Input`] for a layout whose modules no board can carry.
-pub fn emulated(
+pub fn boards(
     scene: &Scene,
     file: &SensorLayout,
     layout: &Layout,
     seed: u64,
+    repeat: Option<Nanos>,
+    host: NodeConfig,
 ) -> Result<Handle, Failure> {
     let mut buses: Vec<SkinBus> = Vec::new();
     for (number, module) in layout.modules().iter().enumerate() {
@@ -64,6 +68,7 @@ pub fn emulated(
             .cloned()
             .collect();
         skin.touch(Box::new(move |now: Nanos, out: &mut Vec<Press>| {
+            let now = repeat.map_or(now, |span| Nanos(now.0 % span.0.max(1)));
             out.extend(
                 touches
                     .iter()
@@ -76,7 +81,9 @@ pub fn emulated(
             );
         }));
         let bus = usize::from(address.bus);
-        buses.resize_with(buses.len().max(bus + 1), || SkinBus::new(BITRATE));
+        buses.resize_with(buses.len().max(bus + 1), || {
+            SkinBus::with_host(BITRATE, host)
+        });
         let config = BoardConfig {
             address: address.board,
             wiring,
@@ -95,8 +102,30 @@ pub fn emulated(
             ))
         })?;
     }
-    let count = buses.len();
-    let mut handle = Handle::new(buses);
+    Ok(Handle::new(buses))
+}
+
+/// Emulated boards with the scene's touches on them, sending from the start.
+///
+/// # Errors
+/// As [`boards`].
+pub fn emulated(
+    scene: &Scene,
+    file: &SensorLayout,
+    layout: &Layout,
+    seed: u64,
+) -> Result<Handle, Failure> {
+    let mut handle = boards(scene, file, layout, seed, None, NodeConfig::default())?;
+    start(&mut handle)?;
+    Ok(handle)
+}
+
+/// Sends the start command on every bus.
+///
+/// # Errors
+/// [`Failure::Device`] for a bus whose host takes no command.
+pub fn start(handle: &mut Handle) -> Result<(), Failure> {
+    let count = handle.with(|buses| buses.len());
     let start = Command {
         board: ALL_BOARDS,
         start: true,
@@ -112,5 +141,5 @@ pub fn emulated(
             )));
         }
     }
-    Ok(handle)
+    Ok(())
 }

@@ -12,6 +12,7 @@ use palpate_records::trace::{Source, Trace};
 use serde::Serialize;
 
 use super::boards::{BoardReport, BusReport};
+use super::real::{CanReport, Pacing};
 use super::recorder::{Recorder, word};
 use super::script::FaultReport;
 use crate::files::Bench;
@@ -144,8 +145,10 @@ pub struct Summary {
     pub felt_error_mm: FeltError,
     pub felt_error_amplitude_mm: FeltError,
     pub felt_energy_db: Option<EnergyDb>,
-    pub energy_mj: f64,
-    pub peak_supply_a: f64,
+    /// Null on a real bench, which does not measure it.
+    pub energy_mj: Option<f64>,
+    /// Null on a real bench.
+    pub peak_supply_a: Option<f64>,
     pub hottest_wire_c: Option<f64>,
     pub hottest_skin_c: Option<f64>,
     pub pwm_hz: f64,
@@ -155,6 +158,10 @@ pub struct Summary {
     pub boards: Vec<BoardReport>,
     pub buses: Vec<BusReport>,
     pub faults: Vec<FaultReport>,
+    /// How a real run kept its time; null for an emulated one.
+    pub pacing: Option<Pacing>,
+    /// The CAN interfaces of a real run.
+    pub can: Vec<CanReport>,
     pub sim_s: f64,
     pub wall_s: f64,
 }
@@ -228,6 +235,7 @@ impl Summary {
             }
         });
         let ledger = &trace.ledger;
+        let emulated = trace.header.source == Source::Emulated;
         Self {
             source: trace.header.source,
             scene: trace.header.scene.clone(),
@@ -243,8 +251,8 @@ impl Summary {
                 min: decibels(min),
                 max: decibels(max),
             }),
-            energy_mj: ledger.energy_uj as f64 * 1e-3,
-            peak_supply_a: f64::from(ledger.peak_supply_ma) * 1e-3,
+            energy_mj: emulated.then(|| ledger.energy_uj as f64 * 1e-3),
+            peak_supply_a: emulated.then(|| f64::from(ledger.peak_supply_ma) * 1e-3),
             hottest_wire_c: ledger.hottest_wire.map(|(t, _)| f64::from(t) * 1e-3),
             hottest_skin_c: ledger.hottest_skin_milli_c.map(|t| f64::from(t) * 1e-3),
             pwm_hz: trace.header.pre_scale.hz() * bench.drive.oscillator,
@@ -267,6 +275,8 @@ impl Summary {
             boards: Vec::new(),
             buses: Vec::new(),
             faults: Vec::new(),
+            pacing: None,
+            can: Vec::new(),
             sim_s: ledger.length_us as f64 * 1e-6,
             wall_s: wall.as_secs_f64(),
         }
@@ -287,10 +297,13 @@ impl Summary {
             self.scene, self.bench, self.seed
         )?;
         let mut row = |name: &str, value: String| writeln!(out, "  {name:<16}{value}");
-        row(
-            "simulated",
-            format!("{:.3} s in {:.3} s", self.sim_s, self.wall_s),
-        )?;
+        match self.source {
+            Source::Emulated => row(
+                "simulated",
+                format!("{:.3} s in {:.3} s", self.sim_s, self.wall_s),
+            ),
+            Source::Real => row("length", format!("{:.3} s", self.sim_s)),
+        }?;
         row(
             "contacts",
             format!("{} in {} frames", self.contacts, self.frames),
@@ -315,8 +328,10 @@ impl Summary {
             "stimuli",
             format!("{} at {:.2} Hz", self.stimuli, self.pwm_hz),
         )?;
-        row("energy", format!("{:.1} mJ electrical", self.energy_mj))?;
-        row("supply", format!("{:.2} A at most", self.peak_supply_a))?;
+        if let (Some(mj), Some(ampere)) = (self.energy_mj, self.peak_supply_a) {
+            row("energy", format!("{mj:.1} mJ electrical"))?;
+            row("supply", format!("{ampere:.2} A at most"))?;
+        }
         let celsius = |t: Option<f64>| t.map_or("-".into(), |t| format!("{t:.1} C"));
         row("hottest wire", celsius(self.hottest_wire_c))?;
         row(
@@ -362,6 +377,12 @@ impl Summary {
                     bus.errors.iter().sum::<u64>()
                 ),
             )?;
+        }
+        for can in &self.can {
+            row(&can.interface, can.words())?;
+        }
+        if let Some(pacing) = &self.pacing {
+            row("pacing", pacing.words())?;
         }
         for fault in &self.faults {
             row("fault", format!("{}: count {}", fault.what, fault.count))?;

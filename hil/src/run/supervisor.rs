@@ -2,7 +2,7 @@
 
 use embedded_hal::i2c::I2c;
 use palpate_core::bus::SensorBus;
-use palpate_core::driver::{DriverError, Pca9685Bank};
+use palpate_core::driver::Banks;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant};
 use palpate_core::wire::uskin::Command;
@@ -19,11 +19,36 @@ const SILENT: Duration = Duration::from_millis(200);
 /// How often silent boards are looked for.
 const ROUND: Duration = Duration::from_millis(100);
 
+/// The line that cuts every output whatever the chips' registers say, and needs no bus.
+pub trait OutputEnable {
+    /// Releases it, or cuts.
+    fn set_enabled(&self, now: Instant, enabled: bool);
+
+    /// How notes tell that the outputs were cut, or that they could not be.
+    fn words(&self) -> &'static str;
+}
+
+impl OutputEnable for Display {
+    fn set_enabled(&self, now: Instant, enabled: bool) {
+        // Refused only from inside another look at the segment, and there is none here.
+        let _ = self.bus().with(|segment| {
+            for chip in segment.chips_mut() {
+                let at = chip.now().max(Nanos::from(now));
+                chip.set_output_enable_pin(at, !enabled);
+            }
+        });
+    }
+
+    fn words(&self) -> &'static str {
+        "outputs off by the OE line"
+    }
+}
+
 /// Watches both buses of a run.
 #[derive(Debug, Default)]
 pub struct Supervisor {
     /// Since when the actuator bus is lost, and its last error.
-    lost: Option<(Instant, DriverError)>,
+    lost: Option<(Instant, String)>,
     retries: u64,
     next_round: Instant,
     /// Boards that are silent, by module.
@@ -35,17 +60,13 @@ impl Supervisor {
     pub fn lose(
         &mut self,
         now: Instant,
-        error: &DriverError,
-        display: &Display,
+        error: &dyn std::fmt::Display,
+        oe: &impl OutputEnable,
         events: &mut Vec<Event>,
     ) {
-        self.lost = Some((now, *error));
-        enable(display, now, false);
-        note(
-            events,
-            now,
-            format!("actuators: {error}; outputs off by the OE line"),
-        );
+        self.lost = Some((now, error.to_string()));
+        oe.set_enabled(now, false);
+        note(events, now, format!("actuators: {error}; {}", oe.words()));
     }
 
     /// Whether the actuator bus is lost.
@@ -60,17 +81,18 @@ impl Supervisor {
     pub fn recover<I: I2c>(
         &mut self,
         now: Instant,
-        bank: &mut Pca9685Bank<I>,
-        display: &Display,
+        bank: &mut Banks<I>,
+        oe: &impl OutputEnable,
         events: &mut Vec<Event>,
     ) -> Result<Option<Instant>, Failure> {
-        let Some((since, error)) = self.lost else {
+        let Some((since, error)) = &self.lost else {
             return Ok(Some(now));
         };
+        let since = *since;
         let ms = now.since(since).as_micros() as f64 * 1e-3;
         if let Ok(ready) = bank.start(now) {
             self.lost = None;
-            enable(display, ready, true);
+            oe.set_enabled(ready, true);
             self.retries = bank.retries();
             note(
                 events,
@@ -88,7 +110,8 @@ impl Supervisor {
             format!("actuators: dead for {ms} ms, giving up"),
         );
         Err(Failure::Device(format!(
-            "{error}; dead for {ms} ms, outputs off by the OE line"
+            "{error}; dead for {ms} ms, {}",
+            oe.words()
         )))
     }
 
@@ -147,17 +170,6 @@ impl Supervisor {
             }
         }
     }
-}
-
-/// Moves the OE line of every chip: high cuts all outputs whatever the registers say.
-fn enable(display: &Display, now: Instant, enabled: bool) {
-    // Refused only from inside another look at the segment, and there is none here.
-    let _ = display.bus().with(|segment| {
-        for chip in segment.chips_mut() {
-            let at = chip.now().max(Nanos::from(now));
-            chip.set_output_enable_pin(at, !enabled);
-        }
-    });
 }
 
 fn note(events: &mut Vec<Event>, now: Instant, text: String) {

@@ -17,7 +17,7 @@ struct Span {
     to: PlaceUm,
     levels: (u16, u16),
     peak_milli: u32,
-    members: u16,
+    members: u32,
 }
 
 /// The contacts, by module and identity.

@@ -7,7 +7,7 @@ mod users;
 use std::time::Duration;
 
 use palpate_core::illusion::{
-    Display, Model, ModelSettings, Mixer, ShapeChoice, Sharing, Target, Wire, build,
+    Display, Mixer, Model, ModelSettings, ShapeChoice, Sharing, Target, Wire, build,
 };
 use palpate_core::units::{Board, Channel, Milliamps, Point};
 use palpate_emulators::perceiver::Perceiver;
@@ -126,9 +126,13 @@ pub fn measure() -> Result<Findings, Failure> {
 /// A shipped display on outputs of its own.
 fn array(name: &str) -> Result<Display, Failure> {
     let LayoutFile::Display(file) = load_layout(name)?.value else {
-        return Err(Failure::Input(format!("layout `{name}`: expected a display")));
+        return Err(Failure::Input(format!(
+            "layout `{name}`: expected a display"
+        )));
     };
-    plan::display_of(&file, |wire| (Board((wire / 8) as u8), Channel((wire % 8) as u8)))
+    plan::display_of(&file, |wire| {
+        (Board((wire / 8) as u8), Channel((wire % 8) as u8))
+    })
 }
 
 /// Sixteen columns of eight wires, 9 mm apart.
@@ -183,7 +187,9 @@ fn on_array(
     case("peak", "dB", &|t| t.peak_db);
     case("breaks", "onsets", &|t| t.breaks as f64);
     case("jumps, energy centroid", "onsets", &|t| t.jumps[0] as f64);
-    case("jumps, amplitude centroid", "onsets", &|t| t.jumps[1] as f64);
+    case("jumps, amplitude centroid", "onsets", &|t| {
+        t.jumps[1] as f64
+    });
     Ok(())
 }
 

@@ -109,7 +109,7 @@ fn layouts() {
             (
                 "grid = {",
                 "points_mm = [[0, 0]]\ngrid = {",
-                "f.toml:9: modules[0].points_mm: expected either grid or points_mm, found [[0, 0]]",
+                "f.toml:9: modules[0].points_mm: expected one of grid, hex and points_mm, found [[0, 0]]",
             ),
             (
                 "boards = [4]",

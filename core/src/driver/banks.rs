@@ -1,0 +1,104 @@
+//! The boards of several I2C buses as one: numbered through, each bus with a bank of its own.
+
+use alloc::boxed::Box;
+
+use embedded_hal::i2c::I2c;
+
+use super::{DriverError, Pca9685Bank, Traffic};
+use crate::bus::Actuators;
+use crate::guard::Guarded;
+use crate::units::{Board, Instant, Prescale};
+
+/// Every board of a bench. The first bus's boards come first.
+#[derive(Debug)]
+pub struct Banks<I> {
+    banks: Box<[Pca9685Bank<I>]>,
+}
+
+impl<I: I2c> Banks<I> {
+    /// A bank for each bus with its boards' 7-bit addresses; nothing is sent yet.
+    pub fn new<'a>(buses: impl IntoIterator<Item = (I, &'a [u8])>, prescale: Prescale) -> Self {
+        let mut first = 0;
+        let bank = |(i2c, addresses): (I, &[u8])| {
+            let bank = Pca9685Bank::new(i2c, addresses, prescale).numbered_from(first);
+            first += addresses.len() as u8; // a bench has at most 16 boards
+            bank
+        };
+        Self {
+            banks: buses.into_iter().map(bank).collect(),
+        }
+    }
+
+    /// Everything off on every bus, then [`Pca9685Bank::start`] for each.
+    ///
+    /// # Errors
+    /// [`DriverError`] of the first board that does not answer or does not read back.
+    pub fn start(&mut self, now: Instant) -> Result<Instant, DriverError> {
+        // A bank switches its own boards off first; the last bus must not wait for the first one's set-up.
+        if self.banks.len() > 1 {
+            self.all_off()?;
+        }
+        let mut ready = now;
+        for bank in &mut self.banks {
+            ready = ready.max(bank.start(now)?);
+        }
+        Ok(ready)
+    }
+
+    /// Whether every board still is as [`Self::start`] left it.
+    ///
+    /// # Errors
+    /// [`DriverError`] of the first board that does not answer or does not read back.
+    pub fn verify(&mut self) -> Result<(), DriverError> {
+        self.banks.iter_mut().try_for_each(Pca9685Bank::verify)
+    }
+
+    /// Transfers made again after a transient error.
+    pub fn retries(&self) -> u64 {
+        self.banks.iter().map(Pca9685Bank::retries).sum()
+    }
+
+    /// What updates came to on all buses so far.
+    pub fn traffic(&self) -> Traffic {
+        let each = self.banks.iter().map(Pca9685Bank::traffic);
+        each.fold(Traffic::default(), |sum, one| Traffic {
+            writes: sum.writes + one.writes,
+            unchanged_updates: sum.unchanged_updates + one.unchanged_updates,
+            channels: sum.channels + one.channels,
+            unchanged_channels: sum.unchanged_channels + one.unchanged_channels,
+        })
+    }
+
+    /// The banks, to look at their boards one by one.
+    pub fn banks_mut(&mut self) -> &mut [Pca9685Bank<I>] {
+        &mut self.banks
+    }
+
+    /// The bus that carries a board.
+    pub fn bus_of(&self, board: Board) -> Option<&I> {
+        let carries = |bank: &&Pca9685Bank<I>| bank.numbers().any(|b| b == board);
+        self.banks.iter().find(carries).map(Pca9685Bank::bus)
+    }
+}
+
+impl<I: I2c> Actuators for Banks<I> {
+    type Error = DriverError;
+
+    fn apply(&mut self, update: &Guarded) -> Result<(), DriverError> {
+        let board = update.board();
+        let carries = |bank: &&mut Pca9685Bank<I>| bank.numbers().any(|b| b == board);
+        match self.banks.iter_mut().find(carries) {
+            Some(bank) => bank.apply(update),
+            None => Err(DriverError::NoSuchBoard(board)),
+        }
+    }
+
+    /// Every bus is tried whatever the others answer; the first error is returned.
+    fn all_off(&mut self) -> Result<(), DriverError> {
+        let off = |result: Result<(), _>, bank: &mut Pca9685Bank<I>| {
+            let one = bank.all_off();
+            result.and(one)
+        };
+        self.banks.iter_mut().fold(Ok(()), off)
+    }
+}

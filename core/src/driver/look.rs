@@ -1,0 +1,110 @@
+//! What a chip was found doing: before anything is written to it, and after everything was switched off.
+
+use embedded_hal::i2c::I2c;
+
+use super::{DriverError, Pca9685Bank};
+use crate::units::Board;
+use crate::wire::pca9685::{self as regs, mode1};
+
+/// Registers of a chip as they were read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Seen {
+    /// MODE1.
+    pub mode1: u8,
+    /// MODE2.
+    pub mode2: u8,
+    /// PRE_SCALE.
+    pub prescale: u8,
+    /// Channels whose registers make a pulse, a bit each.
+    pub loaded: u16,
+}
+
+impl Seen {
+    /// Channels that drive their output now: none while the chip sleeps.
+    pub const fn driving(&self) -> u16 {
+        if self.mode1 & mode1::SLEEP == 0 {
+            self.loaded
+        } else {
+            0
+        }
+    }
+}
+
+/// Whether a channel's four registers make a pulse (7.3.3): full off wins over all, full on over the rest.
+const fn makes_a_pulse([on_l, on_h, off_l, off_h]: [u8; 4]) -> bool {
+    if off_h & regs::FULL != 0 {
+        return false;
+    }
+    on_h & regs::FULL != 0 || on_l != off_l || (on_h ^ off_h) & 0x0F != 0
+}
+
+impl<I: I2c> Pca9685Bank<I> {
+    /// Reads a board, whatever state it is in, and changes nothing.
+    ///
+    /// # Errors
+    /// [`DriverError`] when it does not answer.
+    pub fn look(&mut self, board: Board) -> Result<Seen, DriverError> {
+        let mode1 = self.read(board, regs::MODE1)?;
+        let mut seen = Seen {
+            mode1,
+            mode2: self.read(board, regs::MODE2)?,
+            prescale: self.read(board, regs::PRE_SCALE)?,
+            loaded: 0,
+        };
+        let mut all = [0; 4 * regs::CHANNELS as usize];
+        if mode1 & mode1::AI != 0 {
+            let address = self.address(board)?;
+            self.patiently(board, |i2c| {
+                i2c.write_read(address, &[regs::LED0_ON_L], &mut all)
+            })?;
+        } else {
+            // The pointer stays where it is: one register at a time.
+            for (register, byte) in (regs::LED0_ON_L..).zip(&mut all) {
+                *byte = self.read(board, register)?;
+            }
+        }
+        for (channel, quad) in all.as_chunks::<4>().0.iter().enumerate() {
+            seen.loaded |= u16::from(makes_a_pulse(*quad)) << channel;
+        }
+        Ok(seen)
+    }
+
+    fn read(&mut self, board: Board, register: u8) -> Result<u8, DriverError> {
+        let address = self.address(board)?;
+        let mut byte = [0];
+        self.patiently(board, |i2c| i2c.write_read(address, &[register], &mut byte))?;
+        Ok(byte[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn full_off_wins_over_full_on_and_equal_counts_make_no_pulse() {
+        for (quad, pulse) in [
+            ([0, 0, 0, 0x10], false),
+            ([0, 0x10, 0, 0x10], false),
+            ([0, 0x10, 0, 0], true),
+            ([7, 1, 7, 1], false),
+            ([7, 0xE1, 7, 1], false), // the upper bits are reserved
+            ([7, 1, 8, 1], true),
+            ([7, 1, 7, 2], true),
+        ] {
+            assert_eq!(makes_a_pulse(quad), pulse, "{quad:02x?}");
+        }
+    }
+
+    #[test]
+    fn a_chip_asleep_drives_nothing() {
+        let seen = Seen {
+            mode1: mode1::RESET,
+            mode2: 4,
+            prescale: 30,
+            loaded: 3,
+        };
+        assert_eq!(seen.driving(), 0);
+        assert_eq!(Seen { mode1: 0, ..seen }.driving(), 3);
+    }
+}

@@ -1,0 +1,225 @@
+//! One CAN_RAW socket: how it is opened, and one packet off it with all that the kernel says about it.
+
+use std::io::{self, IoSliceMut};
+use std::os::fd::{AsFd, AsRawFd, BorrowedFd, OwnedFd, RawFd};
+
+use nix::errno::Errno;
+use nix::libc::{self, canid_t};
+use nix::sys::socket::{
+    ControlMessageOwned, MsgFlags, TimestampingFlag, recvmsg, send, setsockopt, sockopt,
+};
+use nix::sys::time::TimeSpec;
+use palpate_core::wire::can::CanFrame;
+use socketcan::{CanFilter, CanSocket, Socket, SocketOptions};
+
+/// A classic CAN frame as the kernel hands it over: identifier, length, padding, data.
+const FRAME: usize = 16;
+/// Bytes the kernel shall keep for us: a second of a full bus needs about 8000 frames of some 800 bytes
+/// of its own bookkeeping each.
+const RECEIVE_BUFFER: usize = 8 << 20;
+
+/// A socket that has been opened for a set of boards.
+#[derive(Debug)]
+pub struct Endpoint {
+    socket: CanSocket,
+}
+
+/// What came off a socket.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Packet {
+    /// Its meaning.
+    pub content: Content,
+    /// The kernel's time stamp, ns since 1970.
+    pub software_ns: Option<i64>,
+    /// The controller's time stamp, ns of its own clock.
+    pub hardware_ns: Option<i64>,
+    /// Frames this socket has lost so far, if it has lost any (SO_RXQ_OVFL; wraps).
+    pub dropped: Option<u32>,
+}
+
+/// The kinds of packet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// A classic data frame with an 11-bit identifier.
+    Frame(CanFrame),
+    /// An error frame: class bits of its identifier, and its data.
+    Error(u32, [u8; 8]),
+    /// Anything else: 29 bits, remote, CAN FD, no frame at all.
+    Other,
+}
+
+impl Endpoint {
+    /// Opens an interface for the data of these boards (`id & 0x00F`), with error frames, receive times
+    /// and the count of lost frames. No boards: all frames.
+    ///
+    /// # Errors
+    /// What the system says; `ENODEV` for an interface that does not exist.
+    pub fn open(interface: &str, boards: &[u8]) -> io::Result<Self> {
+        let socket = CanSocket::open(interface)?;
+        if !boards.is_empty() {
+            // Extended and remote frames have their flag set, so the mask refuses them.
+            let mask = 0x00F | libc::CAN_EFF_FLAG | libc::CAN_RTR_FLAG;
+            let filter = |c: &u8| CanFilter::new(canid_t::from(*c), mask);
+            let filters: Vec<CanFilter> = boards.iter().map(filter).collect();
+            socket.set_filters(&filters)?;
+        }
+        socket.set_error_filter_accept_all()?;
+        socket.set_nonblocking(true)?;
+        // Beyond the system's limit with the right to, else up to it.
+        if setsockopt(&socket, sockopt::RcvBufForce, &RECEIVE_BUFFER).is_err() {
+            setsockopt(&socket, sockopt::RcvBuf, &RECEIVE_BUFFER)?;
+        }
+        setsockopt(&socket, sockopt::RxqOvfl, &1)?;
+        let stamps = TimestampingFlag::SOF_TIMESTAMPING_RX_HARDWARE
+            | TimestampingFlag::SOF_TIMESTAMPING_RAW_HARDWARE
+            | TimestampingFlag::SOF_TIMESTAMPING_RX_SOFTWARE
+            | TimestampingFlag::SOF_TIMESTAMPING_SOFTWARE;
+        setsockopt(&socket, sockopt::Timestamping, &stamps)?;
+        Ok(Self { socket })
+    }
+
+    /// The next packet. Never waits.
+    ///
+    /// # Errors
+    /// `EAGAIN` when there is none; `ENETDOWN` once when the interface goes down, `ENODEV` when it is
+    /// gone.
+    pub fn receive(&self) -> Result<Packet, Errno> {
+        let mut bytes = [0; FRAME];
+        // A time stamp of three times (two kinds of them at most) and the count of lost frames.
+        let mut control = nix::cmsg_space!([TimeSpec; 3], [TimeSpec; 3], u32);
+        let mut parts = [IoSliceMut::new(&mut bytes)];
+        let message = recvmsg::<()>(
+            self.socket.as_raw_fd(),
+            &mut parts,
+            Some(&mut control),
+            MsgFlags::MSG_DONTWAIT,
+        )?;
+        let length = message.bytes;
+        let (mut software_ns, mut hardware_ns, mut dropped) = (None, None, None);
+        for part in message.cmsgs()? {
+            match part {
+                ControlMessageOwned::ScmTimestampsns(stamps) => {
+                    software_ns = nanoseconds(stamps.system);
+                    hardware_ns = nanoseconds(stamps.hw_raw);
+                }
+                ControlMessageOwned::RxqOvfl(count) => dropped = Some(count),
+                _ => {}
+            }
+        }
+        Ok(Packet {
+            content: content(&bytes[..length.min(FRAME)]),
+            software_ns,
+            hardware_ns,
+            dropped,
+        })
+    }
+
+    /// Queues a frame.
+    ///
+    /// # Errors
+    /// `ENOBUFS` or `EAGAIN` for a full queue, `ENETDOWN` for an interface that is down.
+    pub fn send(&self, frame: &CanFrame) -> Result<(), Errno> {
+        let mut bytes = [0; FRAME];
+        bytes[..4].copy_from_slice(&u32::from(frame.id()).to_ne_bytes());
+        bytes[4] = frame.data().len() as u8; // at most 8
+        bytes[8..8 + frame.data().len()].copy_from_slice(frame.data());
+        send(self.socket.as_raw_fd(), &bytes, MsgFlags::MSG_DONTWAIT).map(drop)
+    }
+}
+
+/// A double for tests: one end of a pair of datagram sockets speaks like a CAN socket.
+impl From<OwnedFd> for Endpoint {
+    fn from(fd: OwnedFd) -> Self {
+        Self {
+            socket: CanSocket::from(fd),
+        }
+    }
+}
+
+impl AsFd for Endpoint {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.socket.as_fd()
+    }
+}
+
+impl AsRawFd for Endpoint {
+    fn as_raw_fd(&self) -> RawFd {
+        self.socket.as_raw_fd()
+    }
+}
+
+/// A stamp in nanoseconds; the kernel leaves those it does not have at zero.
+fn nanoseconds(stamp: TimeSpec) -> Option<i64> {
+    let ns = stamp
+        .tv_sec()
+        .checked_mul(1_000_000_000)?
+        .checked_add(stamp.tv_nsec())?;
+    (ns > 0).then_some(ns)
+}
+
+/// The meaning of a packet's bytes.
+fn content(bytes: &[u8]) -> Content {
+    let &[i0, i1, i2, i3, length, _, _, _, ref data @ ..] = bytes else {
+        return Content::Other;
+    };
+    let Ok(data) = <[u8; 8]>::try_from(data) else {
+        return Content::Other;
+    };
+    let id = u32::from_ne_bytes([i0, i1, i2, i3]);
+    if id & libc::CAN_ERR_FLAG != 0 {
+        return Content::Error(id & libc::CAN_ERR_MASK, data);
+    }
+    let (short, length) = (u16::try_from(id), usize::from(length));
+    match (short, data.get(..length)) {
+        (Ok(id), Some(data)) => CanFrame::new(id, data).map_or(Content::Other, Content::Frame),
+        _ => Content::Other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bytes(id: u32, length: u8) -> [u8; FRAME] {
+        let mut bytes = [0; FRAME];
+        bytes[..4].copy_from_slice(&id.to_ne_bytes());
+        bytes[4] = length;
+        bytes[8..].copy_from_slice(&[0x93, 0x7e, 0x31, 0x7e, 0x15, 0x93, 0x12, 0x0f]);
+        bytes
+    }
+
+    #[test]
+    fn frames_of_seven_and_eight_bytes_are_frames() {
+        for length in [0, 2, 7, 8] {
+            let Content::Frame(frame) = content(&bytes(0x004, length)) else {
+                panic!("length {length}");
+            };
+            assert_eq!((frame.id(), frame.data().len()), (4, usize::from(length)));
+        }
+    }
+
+    #[test]
+    fn what_no_board_sends_is_no_frame() {
+        let strange = [
+            (libc::CAN_EFF_FLAG | 4, 8),
+            (libc::CAN_RTR_FLAG | 4, 0),
+            (0x800, 8),
+            (4, 9),
+            (4, 255),
+        ];
+        for (id, length) in strange {
+            assert_eq!(content(&bytes(id, length)), Content::Other, "{id:x}");
+        }
+        assert_eq!(content(&bytes(4, 8)[..15]), Content::Other);
+        assert_eq!(content(&[]), Content::Other);
+    }
+
+    #[test]
+    fn error_frames_keep_class_and_data() {
+        let id = libc::CAN_ERR_FLAG | libc::CAN_ERR_BUSOFF as u32;
+        assert_eq!(
+            content(&bytes(id, 8)),
+            Content::Error(0x40, [0x93, 0x7e, 0x31, 0x7e, 0x15, 0x93, 0x12, 0x0f])
+        );
+    }
+}

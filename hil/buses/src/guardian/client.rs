@@ -1,0 +1,193 @@
+//! The run's end: starts a guardian, keeps it awake, and takes leave.
+
+use std::io;
+use std::os::fd::{AsFd, AsRawFd, OwnedFd};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+use nix::errno::Errno;
+use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
+use nix::sys::socket::{AddressFamily, MsgFlags, SockFlag, SockType, recv, send, socketpair};
+use palpate_core::units::{Duration, Instant};
+
+use super::{PACKET, Watch, word};
+
+/// How long a guardian may take to look at every board and switch it off.
+const START_MS: u16 = 20_000;
+/// How long it may take to confirm the end.
+const END_MS: u16 = 5_000;
+
+/// Why there is no guardian, and so no run.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// The process could not be started.
+    #[error("the guardian cannot be started: {0}")]
+    Spawn(#[from] io::Error),
+    /// It says why it cannot guard.
+    #[error("{0}")]
+    Refused(String),
+    /// It said nothing.
+    #[error("the guardian does not answer")]
+    Silent,
+}
+
+/// A guardian that can no longer be relied on: the run has to end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Lost {
+    /// Its process is gone.
+    #[error("the guardian process is gone")]
+    Died,
+    /// It does not answer.
+    #[error("the guardian does not answer")]
+    Silent,
+}
+
+/// A guardian and the socket to it. Dropped without [`Self::end`], it acts.
+#[derive(Debug)]
+pub struct Guardian {
+    link: OwnedFd,
+    child: Child,
+    /// Between two heartbeats.
+    period: Duration,
+    /// Silence that means it is gone.
+    limit: Duration,
+    sent: Instant,
+    heard: Instant,
+}
+
+impl Guardian {
+    /// Starts a guardian, and returns when everything is off and read back, with what was found driving,
+    /// a line each.
+    ///
+    /// # Errors
+    /// [`StartError`].
+    pub fn start(program: &Path, watch: &Watch) -> Result<(Self, String), StartError> {
+        let kind = SockType::SeqPacket;
+        let flags = SockFlag::SOCK_CLOEXEC;
+        let (link, theirs) = socketpair(AddressFamily::Unix, kind, None, flags)
+            .map_err(|e| StartError::Spawn(e.into()))?;
+        let child = Command::new(program)
+            .args(watch.arguments())
+            .stdin(Stdio::from(theirs))
+            .stdout(Stdio::null())
+            .spawn()?;
+        let heartbeat = watch.heartbeat.as_micros() as u64;
+        let mut guardian = Self {
+            link,
+            child,
+            period: Duration::from_micros(heartbeat / 5),
+            limit: Duration::from_micros(heartbeat * 10),
+            sent: Instant::ZERO,
+            heard: Instant::ZERO,
+        };
+        match guardian.answer(START_MS) {
+            Some((word::READY, found)) => Ok((guardian, found)),
+            Some((_, reason)) => {
+                let _ = guardian.child.wait();
+                Err(StartError::Refused(reason))
+            }
+            None => Err(StartError::Silent),
+        }
+    }
+
+    /// The process's number.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// Says that the loop is alive, when it is time to, and looks whether the guardian is. Only the loop
+    /// itself may call this: a thread beside it would be alive while the loop hangs.
+    ///
+    /// # Errors
+    /// [`Lost`].
+    pub fn beat(&mut self, now: Instant) -> Result<(), Lost> {
+        if now < self.sent + self.period && self.sent != Instant::ZERO {
+            return Ok(());
+        }
+        if self.sent == Instant::ZERO {
+            self.heard = now;
+        }
+        self.sent = now.max(Instant::from_micros(1));
+        self.send(&[word::BEAT])?;
+        let mut packet = [0; 16];
+        loop {
+            match recv(self.link.as_raw_fd(), &mut packet, MsgFlags::MSG_DONTWAIT) {
+                Ok(0) => return Err(Lost::Died),
+                Ok(_) => self.heard = now,
+                Err(Errno::EINTR) => {}
+                Err(Errno::EAGAIN) => break,
+                Err(_) => return Err(Lost::Died),
+            }
+        }
+        if now.since(self.heard) > self.limit {
+            return Err(Lost::Silent);
+        }
+        Ok(())
+    }
+
+    /// Releases the OE line, once the boards are configured, or cuts it.
+    ///
+    /// # Errors
+    /// [`Lost`].
+    pub fn set_outputs(&self, released: bool) -> Result<(), Lost> {
+        self.send(&[if released { word::RELEASE } else { word::CUT }])
+    }
+
+    /// Takes leave: the guardian switches everything off once more, reads back, and ends.
+    ///
+    /// # Errors
+    /// What it could not switch off; it goes on trying after this program's end.
+    pub fn end(mut self) -> Result<(), String> {
+        self.send(&[word::BYE]).map_err(|e| e.to_string())?;
+        match self.answer(END_MS) {
+            Some((word::READY, _)) => {
+                let _ = self.child.wait();
+                Ok(())
+            }
+            Some((_, reason)) => Err(reason),
+            None => Err(Lost::Silent.to_string()),
+        }
+    }
+
+    /// Hands over: this run cannot switch off itself, for this cause. The guardian latches it and goes on
+    /// trying after this program's end. Returns whether everything is off already.
+    pub fn hand_over(mut self, cause: &str) -> bool {
+        let mut packet = vec![word::TRIP];
+        packet.extend_from_slice(cause.as_bytes());
+        packet.truncate(PACKET);
+        if self.send(&packet).is_err() {
+            return false;
+        }
+        matches!(self.answer(END_MS / 10), Some((word::READY, _)))
+    }
+
+    fn send(&self, packet: &[u8]) -> Result<(), Lost> {
+        let flags = MsgFlags::MSG_DONTWAIT | MsgFlags::MSG_NOSIGNAL;
+        match send(self.link.as_raw_fd(), packet, flags) {
+            // A full queue is one that nobody reads; `beat` notices by the missing answers.
+            Ok(_) | Err(Errno::EAGAIN | Errno::EINTR) => Ok(()),
+            Err(_) => Err(Lost::Died),
+        }
+    }
+
+    /// The next answer that is no heartbeat.
+    fn answer(&mut self, timeout_ms: u16) -> Option<(u8, String)> {
+        loop {
+            let mut waiting = [PollFd::new(self.link.as_fd(), PollFlags::POLLIN)];
+            match poll(&mut waiting, PollTimeout::from(timeout_ms)) {
+                Err(Errno::EINTR) => continue,
+                Ok(0) | Err(_) => return None,
+                Ok(_) => {}
+            }
+            let mut packet = vec![0; PACKET];
+            let length = recv(self.link.as_raw_fd(), &mut packet, MsgFlags::empty()).ok()?;
+            match packet[..length].split_first() {
+                None => return None,
+                Some((&word::BEAT, _)) => {}
+                Some((&first, rest)) => {
+                    return Some((first, String::from_utf8_lossy(rest).into_owned()));
+                }
+            }
+        }
+    }
+}

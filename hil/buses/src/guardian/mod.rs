@@ -1,0 +1,133 @@
+//! The guardian: a process of its own that switches everything off when the run beside it dies or hangs.
+//!
+//! A PWM chip keeps driving what it was last told. Whatever ends a run, somebody must be left to say off:
+//! SIGKILL, an out-of-memory kill or a hung loop leave nobody in the run itself. Run and guardian are joined
+//! by a pair of sockets. The run sends heartbeats; when they stop, or its end closes without a good-bye, the
+//! guardian cuts the OE line, switches every board off, kills what is left of the run, switches off again
+//! and reads back, until every board is known to be off.
+
+mod client;
+mod latch;
+mod server;
+mod sweep;
+
+pub use client::{Guardian, Lost, StartError};
+pub use latch::{Latch, Latched};
+pub use server::serve;
+pub use sweep::{BoardFound, Sweeper};
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// What a guardian guards, and how patiently.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Watch {
+    /// I2C adapters with the addresses of the boards on each.
+    pub buses: Vec<(PathBuf, Vec<u8>)>,
+    /// The GPIO line on the chips' OE pins: device and offset. High cuts.
+    pub oe: Option<(PathBuf, u32)>,
+    /// Silence after which the run counts as hung.
+    pub heartbeat: Duration,
+    /// What one I2C transfer may take.
+    pub transfer: Duration,
+}
+
+impl Watch {
+    /// The command line of the guardian process, after the program's name.
+    pub fn arguments(&self) -> Vec<String> {
+        let mut arguments = vec!["guardian".to_owned()];
+        for (path, addresses) in &self.buses {
+            let list: Vec<String> = addresses.iter().map(|a| format!("{a:02x}")).collect();
+            arguments.push(format!("--i2c={}={}", path.display(), list.join(",")));
+        }
+        if let Some((chip, line)) = &self.oe {
+            arguments.push(format!("--oe={}={line}", chip.display()));
+        }
+        arguments.push(format!("--heartbeat-ms={}", self.heartbeat.as_millis()));
+        arguments.push(format!("--transfer-ms={}", self.transfer.as_millis()));
+        arguments
+    }
+}
+
+/// Reads `PATH=40,41` of [`Watch::arguments`].
+///
+/// # Errors
+/// What was expected.
+pub fn parse_bus(text: &str) -> Result<(PathBuf, Vec<u8>), String> {
+    let expected = || "expected PATH=ADDRESS,ADDRESS.. with addresses in hexadecimal".to_owned();
+    let (path, list) = text.rsplit_once('=').ok_or_else(expected)?;
+    let addresses = list.split(',').map(|a| u8::from_str_radix(a, 16));
+    let addresses = addresses
+        .collect::<Result<Vec<u8>, _>>()
+        .map_err(|_| expected())?;
+    Ok((path.into(), addresses))
+}
+
+/// Reads `CHIP=LINE` of [`Watch::arguments`].
+///
+/// # Errors
+/// What was expected.
+pub fn parse_line(text: &str) -> Result<(PathBuf, u32), String> {
+    let parsed = text
+        .rsplit_once('=')
+        .and_then(|(chip, line)| Some((chip.into(), line.parse().ok()?)));
+    parsed.ok_or_else(|| "expected CHIP=LINE".into())
+}
+
+/// A word between the two processes: one packet, its first byte says which.
+mod word {
+    /// Run to guardian: alive. Guardian to run: so am I.
+    pub const BEAT: u8 = b'.';
+    /// Run to guardian: boards are configured, the OE line may be released.
+    pub const RELEASE: u8 = b'e';
+    /// Run to guardian: cut the OE line.
+    pub const CUT: u8 = b'c';
+    /// Run to guardian: everything is off, good-bye.
+    pub const BYE: u8 = b'q';
+    /// Run to guardian: I cannot switch off any more; the cause follows.
+    pub const TRIP: u8 = b'x';
+    /// Guardian to run: everything is off; what was found follows.
+    pub const READY: u8 = b'R';
+    /// Guardian to run: it cannot guard; why follows.
+    pub const REFUSED: u8 = b'E';
+}
+
+/// The longest packet: a report of 16 boards.
+const PACKET: usize = 4096;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_watch_survives_its_command_line() {
+        let watch = Watch {
+            buses: vec![
+                ("/dev/i2c-1".into(), vec![0x40, 0x7f]),
+                ("/dev/a=b".into(), vec![0x41]),
+            ],
+            oe: Some(("/dev/gpiochip0".into(), 17)),
+            heartbeat: Duration::from_millis(50),
+            transfer: Duration::from_millis(30),
+        };
+        let arguments = watch.arguments();
+        let value = |name: &str| {
+            let with = format!("--{name}=");
+            let all = arguments.iter().filter_map(|a| a.strip_prefix(&with));
+            all.map(str::to_owned).collect::<Vec<_>>()
+        };
+        let buses: Vec<_> = value("i2c").iter().map(|a| parse_bus(a).unwrap()).collect();
+        assert_eq!(buses, watch.buses);
+        assert_eq!(parse_line(&value("oe")[0]).ok(), watch.oe);
+        assert_eq!(value("heartbeat-ms"), ["50"]);
+        for bad in [
+            "",
+            "/dev/i2c-1",
+            "/dev/i2c-1=",
+            "/dev/i2c-1=4g",
+            "/dev/i2c-1=40,",
+        ] {
+            assert!(parse_bus(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Switching every board of every bus off and reading back that it is.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::thread;
+use std::time::Duration;
+
+use palpate_core::bus::Actuators;
+use palpate_core::driver::{Pca9685Bank, Seen};
+use palpate_core::units::Prescale;
+
+use crate::i2c::{Line, LinuxAdapter, OpenError};
+
+/// What a board was found doing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BoardFound {
+    /// The adapter's node.
+    pub bus: PathBuf,
+    /// The board's address.
+    pub address: u8,
+    /// Its registers, or why they could not be read.
+    pub seen: Result<Seen, String>,
+}
+
+impl BoardFound {
+    /// Whether it drove an output.
+    pub fn was_driving(&self) -> bool {
+        self.seen.as_ref().is_ok_and(|seen| seen.driving() != 0)
+    }
+}
+
+impl fmt::Display for BoardFound {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{} {:#04x}: ", self.bus.display(), self.address)?;
+        let seen = match &self.seen {
+            Ok(seen) => seen,
+            Err(reason) => return out.write_str(reason),
+        };
+        let list = |bits: u16| {
+            let on = (0..16).filter(|n| bits >> n & 1 == 1);
+            on.map(|n| n.to_string()).collect::<Vec<_>>().join(",")
+        };
+        if seen.driving() != 0 {
+            write!(out, "was driving channels {}", list(seen.driving()))
+        } else if seen.loaded != 0 {
+            write!(out, "was asleep with channels {} loaded", list(seen.loaded))
+        } else {
+            out.write_str("was off")
+        }
+    }
+}
+
+/// The boards of a bench with a bus each for the way out.
+#[derive(Debug)]
+pub struct Sweeper {
+    banks: Vec<(PathBuf, Vec<u8>, Pca9685Bank<Line>)>,
+}
+
+impl Sweeper {
+    /// Opens the adapters; transfers that take longer than `limit` fail. Nothing is sent.
+    ///
+    /// # Errors
+    /// [`OpenError`] for the first adapter that cannot be used.
+    pub fn open(buses: &[(PathBuf, Vec<u8>)], limit: Duration) -> Result<Self, OpenError> {
+        let open = |(path, addresses): &(PathBuf, Vec<u8>)| {
+            let adapter = LinuxAdapter::open(path, addresses)?;
+            let line = Line::new(adapter, limit).map_err(|e| OpenError {
+                path: path.display().to_string(),
+                reason: e.to_string(),
+            })?;
+            Ok((path.clone(), addresses.clone(), line))
+        };
+        let lines = buses
+            .iter()
+            .map(open)
+            .collect::<Result<Vec<_>, OpenError>>()?;
+        Ok(Self::over(lines))
+    }
+
+    /// Over lines that are open already.
+    pub fn over(lines: Vec<(PathBuf, Vec<u8>, Line)>) -> Self {
+        // Switching off and reading back need no PRE_SCALE.
+        let bank = |(path, addresses, line): (PathBuf, Vec<u8>, Line)| {
+            let bank = Pca9685Bank::new(line, &addresses, Prescale::MIN);
+            (path, addresses, bank)
+        };
+        Self {
+            banks: lines.into_iter().map(bank).collect(),
+        }
+    }
+
+    /// Reads every board and changes nothing.
+    pub fn look(&mut self) -> Vec<BoardFound> {
+        let mut found = Vec::new();
+        for (path, addresses, bank) in &mut self.banks {
+            for (&address, board) in addresses.iter().zip(bank.numbers()) {
+                let seen = bank.look(board).map_err(|error| {
+                    let fault = bank.bus().last_fault();
+                    fault.map_or_else(|| error.to_string(), ToString::to_string)
+                });
+                found.push(BoardFound {
+                    bus: path.clone(),
+                    address,
+                    seen,
+                });
+            }
+        }
+        found
+    }
+
+    /// Everything off, all buses at once, and read back. `Err` names the first board that is not known to
+    /// be off.
+    ///
+    /// # Errors
+    /// In words, why.
+    pub fn off(&mut self) -> Result<(), String> {
+        let one = |(path, _, bank): &mut (PathBuf, Vec<u8>, Pca9685Bank<Line>)| {
+            bank.all_off().map_err(|error| {
+                let fault = bank.bus().last_fault();
+                fault.map_or_else(|| error.to_string(), ToString::to_string)
+            })?;
+            for board in bank.numbers() {
+                match bank.look(board) {
+                    Ok(seen) if seen.loaded == 0 => {}
+                    Ok(_) => {
+                        return Err(format!(
+                            "{}: board {} reads back as on",
+                            path.display(),
+                            board.0
+                        ));
+                    }
+                    Err(error) => return Err(error.to_string()),
+                }
+            }
+            Ok(())
+        };
+        if let [only] = self.banks.as_mut_slice() {
+            return one(only);
+        }
+        // A bus that is stuck must not keep the others on.
+        thread::scope(|scope| {
+            let started: Vec<_> = self
+                .banks
+                .iter_mut()
+                .map(|bank| scope.spawn(move || one(bank)))
+                .collect();
+            let join = |t: thread::ScopedJoinHandle<'_, Result<(), String>>| {
+                t.join()
+                    .unwrap_or_else(|_| Err("switching off has failed within".into()))
+            };
+            started.into_iter().map(join).fold(Ok(()), Result::and)
+        })
+    }
+}

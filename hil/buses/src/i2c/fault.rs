@@ -1,0 +1,140 @@
+//! What can go wrong in an I2C transfer on Linux, told apart by errno
+//! (Documentation/i2c/fault-codes.rst, and what drivers do beside it).
+
+use embedded_hal::i2c::{Error as I2cError, ErrorKind, NoAcknowledgeSource};
+use nix::errno::Errno;
+
+/// The kinds of failure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaultKind {
+    /// `ENXIO`: no chip acknowledged the address.
+    NoAddress,
+    /// `EREMOTEIO`: a chip refused, address or data; which one the adapter does not say.
+    Refused,
+    /// `EAGAIN`: another master won.
+    ArbitrationLost,
+    /// `EBUSY`: the bus or adapter is busy, or a kernel driver holds the address.
+    Busy,
+    /// `ETIMEDOUT`: the adapter gave up; a line is held low, or a chip stretches the clock for too long.
+    TimedOut,
+    /// `EIO`: the adapter says no more than that.
+    Disturbed,
+    /// `ENODEV`, `ESHUTDOWN`, `EPIPE`, `ENOENT`: the adapter is gone.
+    Gone,
+    /// `EOPNOTSUPP`, `EINVAL`: the adapter cannot do this transfer.
+    Unsupported,
+    /// The adapter has not answered within this program's own limit; the transfer may still happen.
+    Stuck,
+    /// Anything else.
+    Other(Errno),
+}
+
+impl From<Errno> for FaultKind {
+    fn from(errno: Errno) -> Self {
+        match errno {
+            Errno::ENXIO => Self::NoAddress,
+            Errno::EREMOTEIO => Self::Refused,
+            Errno::EAGAIN => Self::ArbitrationLost,
+            Errno::EBUSY => Self::Busy,
+            Errno::ETIMEDOUT => Self::TimedOut,
+            Errno::EIO | Errno::EPROTO | Errno::EBADMSG => Self::Disturbed,
+            Errno::ENODEV | Errno::ESHUTDOWN | Errno::EPIPE | Errno::ENOENT | Errno::ENOTCONN => {
+                Self::Gone
+            }
+            Errno::EOPNOTSUPP | Errno::EINVAL | Errno::ENOTTY => Self::Unsupported,
+            other => Self::Other(other),
+        }
+    }
+}
+
+/// A transfer that failed: on which bus, with which chip, why.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{bus}, address {address:#04x}: {}", self.words())]
+pub struct Fault {
+    /// The device node.
+    pub bus: String,
+    /// The chip's address.
+    pub address: u8,
+    /// What happened.
+    pub kind: FaultKind,
+}
+
+impl Fault {
+    fn words(&self) -> String {
+        match self.kind {
+            FaultKind::NoAddress => {
+                "no chip answers (ENXIO); check wiring, power and address straps".into()
+            }
+            FaultKind::Refused => {
+                "the transfer was not acknowledged (EREMOTEIO); check wiring and power".into()
+            }
+            FaultKind::ArbitrationLost => "another master took the bus (EAGAIN)".into(),
+            FaultKind::Busy => format!(
+                "busy (EBUSY); a kernel driver may hold the address: see /sys/bus/i2c/devices/*-00{:02x}/driver",
+                self.address
+            ),
+            FaultKind::TimedOut => {
+                "the adapter gave up (ETIMEDOUT); is SDA or SCL held low, are the pull-ups there?"
+                    .into()
+            }
+            FaultKind::Disturbed => "the transfer failed (EIO); check wiring and supply".into(),
+            FaultKind::Gone => "the adapter is gone; plug it in again".into(),
+            FaultKind::Unsupported => {
+                "the adapter cannot do this transfer; `i2cdetect -F` shows what it can".into()
+            }
+            FaultKind::Stuck => "no answer from the adapter in time".into(),
+            FaultKind::Other(errno) => format!("{} ({errno:?})", errno.desc()),
+        }
+    }
+}
+
+impl I2cError for Fault {
+    /// Only what may pass by itself is of a kind that the driver tries again at once.
+    fn kind(&self) -> ErrorKind {
+        match self.kind {
+            FaultKind::NoAddress => ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address),
+            FaultKind::Refused => ErrorKind::NoAcknowledge(NoAcknowledgeSource::Unknown),
+            FaultKind::ArbitrationLost => ErrorKind::ArbitrationLoss,
+            FaultKind::Busy | FaultKind::Disturbed => ErrorKind::Bus,
+            _ => ErrorKind::Other,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errnos_are_told_apart_and_only_passing_ones_are_tried_again() {
+        let kind = |errno: Errno| {
+            let fault = Fault {
+                bus: "/dev/i2c-1".into(),
+                address: 0x40,
+                kind: errno.into(),
+            };
+            (fault.kind(), fault.to_string())
+        };
+        let address = ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address);
+        let unknown = ErrorKind::NoAcknowledge(NoAcknowledgeSource::Unknown);
+        assert_eq!(kind(Errno::ENXIO).0, address);
+        assert_eq!(kind(Errno::EREMOTEIO).0, unknown);
+        assert_eq!(kind(Errno::EAGAIN).0, ErrorKind::ArbitrationLoss);
+        assert_eq!(kind(Errno::EBUSY).0, ErrorKind::Bus);
+        assert_eq!(kind(Errno::EIO).0, ErrorKind::Bus);
+        assert_eq!(kind(Errno::ETIMEDOUT).0, ErrorKind::Other);
+        assert_eq!(kind(Errno::ENODEV).0, ErrorKind::Other);
+        let texts = [
+            Errno::ENXIO,
+            Errno::EREMOTEIO,
+            Errno::EBUSY,
+            Errno::ETIMEDOUT,
+            Errno::ENODEV,
+        ];
+        let texts = texts.map(|e| kind(e).1);
+        for (i, text) in texts.iter().enumerate() {
+            assert!(text.starts_with("/dev/i2c-1, address 0x40: "), "{text}");
+            assert!(!texts[..i].contains(text), "{text}");
+        }
+    }
+}

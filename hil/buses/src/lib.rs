@@ -1,0 +1,11 @@
+//! Buses that the operating system gives: the ones a bench has, and the ones served to other programs.
+
+pub mod can;
+pub mod guardian;
+pub mod i2c;
+pub mod lock;
+pub mod oe;
+pub mod pacer;
+pub mod served;
+pub mod survey;
+pub mod sys;

@@ -1,0 +1,182 @@
+//! The clock of a real run and the pacer that holds its loop to it: absolute times, so that lateness
+//! never adds up, and a tally of how late each turn began.
+
+use nix::errno::Errno;
+use nix::sys::time::TimeSpec;
+use nix::time::{ClockId, ClockNanosleepFlags, clock_gettime, clock_nanosleep};
+use palpate_core::units::{Duration, Instant};
+
+/// CLOCK_MONOTONIC, counted from the start of a run. Copies count from the same moment.
+#[derive(Clone, Copy, Debug)]
+pub struct RunClock {
+    epoch_ns: i64,
+}
+
+impl RunClock {
+    /// A clock that reads zero now.
+    pub fn start() -> Self {
+        Self {
+            epoch_ns: monotonic_ns(),
+        }
+    }
+
+    /// The time since the start, in whole microseconds.
+    pub fn now(&self) -> Instant {
+        self.instant(monotonic_ns())
+    }
+
+    /// What a reading of CLOCK_MONOTONIC (ns) is on this clock; zero for one before the start.
+    pub fn instant(&self, monotonic_ns: i64) -> Instant {
+        let ns = monotonic_ns.saturating_sub(self.epoch_ns);
+        Instant::from_micros(u64::try_from(ns).unwrap_or(0) / 1000)
+    }
+
+    /// Sleeps until `until` and returns at once when that is past. A signal does not cut it short.
+    pub fn sleep_until(&self, until: Instant) {
+        let ns = i64::try_from(until.as_micros().saturating_mul(1000)).unwrap_or(i64::MAX);
+        let at = self.epoch_ns.saturating_add(ns);
+        let at = TimeSpec::new(at / 1_000_000_000, at % 1_000_000_000);
+        let absolute = ClockNanosleepFlags::TIMER_ABSTIME;
+        while clock_nanosleep(ClockId::CLOCK_MONOTONIC, absolute, &at) == Err(Errno::EINTR) {}
+    }
+}
+
+/// CLOCK_MONOTONIC in nanoseconds.
+pub(crate) fn monotonic_ns() -> i64 {
+    nanoseconds(ClockId::CLOCK_MONOTONIC)
+}
+
+/// CLOCK_REALTIME in nanoseconds since 1970: what the kernel stamps frames with.
+pub(crate) fn realtime_ns() -> i64 {
+    nanoseconds(ClockId::CLOCK_REALTIME)
+}
+
+fn nanoseconds(clock: ClockId) -> i64 {
+    // Both clocks exist on every Linux; zero would be a clock that stands still, which the loop reports.
+    clock_gettime(clock).map_or(0, |t| t.tv_sec() * 1_000_000_000 + t.tv_nsec())
+}
+
+/// How late the turns of a loop began: a histogram whose bins are powers of two of a microsecond.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Lateness {
+    /// Turns that began less than 2^n microseconds late, and not less than half of that.
+    bins: [u64; 32],
+    worst_us: u64,
+}
+
+impl Lateness {
+    /// Counts a turn that was due at `due` and began at `began`.
+    pub fn note(&mut self, due: Instant, began: Instant) {
+        let late = began.since(due).as_micros();
+        let bin = (u64::BITS - late.leading_zeros()) as usize;
+        self.bins[bin.min(self.bins.len() - 1)] += 1;
+        self.worst_us = self.worst_us.max(late);
+    }
+
+    /// Turns counted.
+    pub fn turns(&self) -> u64 {
+        self.bins.iter().sum()
+    }
+
+    /// The latest turn, microseconds.
+    pub const fn worst_us(&self) -> u64 {
+        self.worst_us
+    }
+
+    /// At most this many microseconds late is a share (0 to 1) of the turns: the upper end of the bin
+    /// that holds it, never above the worst.
+    pub fn quantile_us(&self, share: f64) -> u64 {
+        let rank = (share * self.turns() as f64).ceil() as u64;
+        let mut below = 0;
+        for (bin, count) in self.bins.iter().enumerate() {
+            below += count;
+            if below >= rank {
+                return ((1u64 << bin) - 1).min(self.worst_us);
+            }
+        }
+        self.worst_us
+    }
+}
+
+/// Calls a loop's turns at absolute times.
+#[derive(Debug)]
+pub struct Pacer {
+    clock: RunClock,
+    lateness: Lateness,
+}
+
+impl Pacer {
+    /// A pacer on this clock.
+    pub fn new(clock: RunClock) -> Self {
+        Self {
+            clock,
+            lateness: Lateness::default(),
+        }
+    }
+
+    /// Waits until `due` and returns the time it truly is.
+    pub fn wait(&mut self, due: Instant) -> Instant {
+        self.clock.sleep_until(due);
+        let now = self.clock.now();
+        self.lateness.note(due, now);
+        now
+    }
+
+    /// The first turn after `now` on a grid of `step` from zero: a turn that took too long is made up by
+    /// leaving turns out, not by hurrying.
+    pub fn next(now: Instant, step: Duration) -> Instant {
+        let step = step.as_micros().max(1);
+        Instant::from_micros(
+            (now.as_micros() / step)
+                .saturating_add(1)
+                .saturating_mul(step),
+        )
+    }
+
+    /// How late the turns were.
+    pub const fn lateness(&self) -> &Lateness {
+        &self.lateness
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn us(us: u64) -> Instant {
+        Instant::from_micros(us)
+    }
+
+    #[test]
+    fn quantiles_are_upper_bounds_of_what_was_counted() {
+        let mut lateness = Lateness::default();
+        for late in [0, 0, 3, 100, 900] {
+            lateness.note(us(1000), us(1000 + late));
+        }
+        lateness.note(us(5000), us(10)); // early is not late
+        assert_eq!((lateness.turns(), lateness.worst_us()), (6, 900));
+        assert_eq!(lateness.quantile_us(0.5), 0);
+        assert_eq!(lateness.quantile_us(0.8), 127);
+        assert_eq!(lateness.quantile_us(1.0), 900);
+    }
+
+    #[test]
+    fn a_late_turn_leaves_turns_out() {
+        let step = Duration::from_millis(1);
+        assert_eq!(Pacer::next(us(0), step), us(1000));
+        assert_eq!(Pacer::next(us(999), step), us(1000));
+        assert_eq!(Pacer::next(us(7300), step), us(8000));
+        assert_eq!(Pacer::next(Instant::FAR_FUTURE, step), Instant::FAR_FUTURE);
+    }
+
+    #[test]
+    fn the_clock_never_wakes_early_and_does_not_wait_for_the_past() {
+        let clock = RunClock::start();
+        let mut pacer = Pacer::new(clock);
+        for due in [us(500), us(2500), us(100)] {
+            assert!(pacer.wait(due) >= due);
+        }
+        assert_eq!(pacer.lateness().turns(), 3);
+        assert_eq!(clock.instant(i64::MIN), Instant::ZERO);
+    }
+}

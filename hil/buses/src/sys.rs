@@ -1,0 +1,92 @@
+//! The few system calls that no safe crate has: I2C adapter functions and time-out, real-time priority
+//! (and locked memory, which belongs beside it).
+//! Each `unsafe` stands alone with its reason.
+
+use std::os::fd::{AsRawFd, BorrowedFd};
+
+use nix::errno::Errno;
+use nix::libc;
+use nix::sys::mman::{MlockAllFlags, mlockall};
+use nix::sys::resource::{RLIM_INFINITY, Resource, getrlimit};
+
+/// `I2C_TIMEOUT` of `linux/i2c-dev.h`: units of 10 ms.
+const I2C_TIMEOUT: libc::Ioctl = 0x0702;
+/// `I2C_RETRIES`.
+const I2C_RETRIES: libc::Ioctl = 0x0701;
+/// `I2C_SLAVE`.
+const I2C_SLAVE: libc::Ioctl = 0x0703;
+/// `I2C_FUNCS`: writes an unsigned long.
+const I2C_FUNCS: libc::Ioctl = 0x0705;
+
+/// An ioctl whose argument is a number, not a pointer.
+#[allow(unsafe_code)]
+fn number(fd: BorrowedFd<'_>, request: libc::Ioctl, value: libc::c_ulong) -> Result<(), Errno> {
+    // SAFETY: the three requests used here take a number by value and touch no memory of ours.
+    let result = unsafe { libc::ioctl(fd.as_raw_fd(), request, value) };
+    Errno::result(result).map(drop)
+}
+
+/// How long the adapter may take over one transfer, in units of 10 ms. Adapters may round it up, or
+/// not know it at all.
+///
+/// # Errors
+/// What the device says.
+pub fn set_i2c_timeout(fd: BorrowedFd<'_>, units_10ms: u32) -> Result<(), Errno> {
+    number(fd, I2C_TIMEOUT, units_10ms.into())
+}
+
+/// How often the adapter tries by itself: it cannot know which writes may be repeated.
+///
+/// # Errors
+/// What the device says.
+pub fn set_i2c_retries(fd: BorrowedFd<'_>, retries: u32) -> Result<(), Errno> {
+    number(fd, I2C_RETRIES, retries.into())
+}
+
+/// Claims an address as `i2c-dev` does: `EBUSY` while a kernel driver holds it.
+///
+/// # Errors
+/// What the device says.
+pub fn claim_address(fd: BorrowedFd<'_>, address: u8) -> Result<(), Errno> {
+    number(fd, I2C_SLAVE, address.into())
+}
+
+/// What the adapter can do: bits `I2C_FUNC_*` of `linux/i2c.h`.
+///
+/// # Errors
+/// What the device says; `ENOTTY` for a node that is no I2C adapter.
+#[allow(unsafe_code)]
+pub fn i2c_functions(fd: BorrowedFd<'_>) -> Result<libc::c_ulong, Errno> {
+    let mut functions: libc::c_ulong = 0;
+    // SAFETY: I2C_FUNCS writes one unsigned long through the pointer, which lives until after the call.
+    let result = unsafe { libc::ioctl(fd.as_raw_fd(), I2C_FUNCS, &raw mut functions) };
+    Errno::result(result).map(|_| functions)
+}
+
+/// Real-time priority (SCHED_FIFO, 1 to 99) for the calling thread.
+///
+/// # Errors
+/// `EPERM` without CAP_SYS_NICE or an rtprio limit that allows it.
+#[allow(unsafe_code)]
+pub fn set_fifo_priority(priority: u8) -> Result<(), Errno> {
+    let parameters = libc::sched_param {
+        sched_priority: priority.into(),
+    };
+    // SAFETY: 0 is the calling thread; the structure is read during the call only.
+    let result = unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const parameters) };
+    Errno::result(result).map(drop)
+}
+
+/// How much memory may be locked, bytes; `None` for all of it.
+pub fn lock_memory_limit() -> Option<u64> {
+    let (soft, _) = getrlimit(Resource::RLIMIT_MEMLOCK).ok()?;
+    (soft != RLIM_INFINITY && !nix::unistd::geteuid().is_root()).then_some(soft)
+}
+
+/// Memory that is never paged out, for the whole program.
+///
+/// # Errors
+/// `EPERM` or `ENOMEM` without CAP_IPC_LOCK or a memlock limit that allows it.
+pub fn lock_memory() -> Result<(), Errno> {
+    mlockall(MlockAllFlags::MCL_CURRENT | MlockAllFlags::MCL_FUTURE)
+}

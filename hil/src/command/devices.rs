@@ -1,0 +1,46 @@
+//! Which bench a command means: a file, or the default one on devices named on the command line.
+
+use std::path::PathBuf;
+
+use crate::failure::Failure;
+use crate::files::{Bench, BenchKind, Loaded, Real, load_bench};
+
+/// The bench of a command without one.
+pub(super) const DEFAULT_BENCH: &str = "emulated";
+
+/// A bench by name, with these interfaces and adapters in place of its own where there are any.
+///
+/// # Errors
+/// An unknown name, a bad file, or devices that are too few.
+pub(super) fn bench(
+    name: Option<&str>,
+    can: &[String],
+    i2c: &[PathBuf],
+) -> Result<Loaded<Bench>, Failure> {
+    let mut bench = load_bench(name.unwrap_or(DEFAULT_BENCH))?;
+    if can.is_empty() && i2c.is_empty() {
+        return Ok(bench);
+    }
+    let file = &mut bench.value;
+    file.kind = BenchKind::Real;
+    let real = file.real.get_or_insert_with(|| Real::new(vec![], vec![]));
+    if !can.is_empty() {
+        real.can = can.to_vec();
+    }
+    if !i2c.is_empty() {
+        real.i2c = i2c.to_vec();
+    }
+    let needed = file.outputs.iter().map(|o| usize::from(o.bus) + 1).max();
+    if needed > Some(real.i2c.len()) {
+        return Err(Failure::Input(format!(
+            "--i2c: bench `{}` needs {} adapters, found {}",
+            file.name,
+            needed.unwrap_or(0),
+            real.i2c.len()
+        )));
+    }
+    if name.is_none() {
+        file.name = "real".into();
+    }
+    Ok(bench)
+}

@@ -1,0 +1,33 @@
+//! `hil emulate`.
+
+use crate::cli::EmulateArgs;
+use crate::emulate::{self, Options, Telling};
+use crate::failure::Failure;
+use crate::files::{Setup, load_bench, load_scene};
+
+use super::devices::DEFAULT_BENCH;
+use super::run::DEFAULT_SCENE;
+
+/// Serves a scene's boards and a bench's display until stopped.
+///
+/// # Errors
+/// [`Failure`] with its exit status.
+pub fn emulate(args: &EmulateArgs) -> Result<(), Failure> {
+    let scene = load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
+    let bench = load_bench(args.bench.as_deref().unwrap_or(DEFAULT_BENCH))?;
+    let setup = Setup::join(scene, bench)?;
+    let telling = match (args.json, args.quiet) {
+        (true, _) => Telling::Json,
+        (_, true) => Telling::Nothing,
+        _ => Telling::Words,
+    };
+    emulate::serve(
+        &setup,
+        &Options {
+            can: args.can.clone(),
+            await_start: args.await_start,
+            seed: args.seed,
+            telling,
+        },
+    )
+}

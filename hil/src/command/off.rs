@@ -1,0 +1,100 @@
+//! `hil off`: everything off, from any state, and what it saw.
+
+use std::time::Duration;
+
+use palpate_buses::guardian::{Latch, Sweeper, Watch};
+use palpate_buses::lock::BusLock;
+use palpate_buses::oe::OeLine;
+
+use crate::cli::OffArgs;
+use crate::failure::Failure;
+use crate::output::{note, print};
+use crate::run::real::watch;
+
+use super::devices::bench;
+
+/// How long a run that holds the bus may take to end.
+const PATIENCE: Duration = Duration::from_secs(3);
+
+/// What one transfer may take.
+const TRANSFER: Duration = Duration::from_secs(2);
+
+/// Switches everything off, ends a run that is driving, and shows or clears a latched stop.
+///
+/// # Errors
+/// [`Failure::Input`] for a bench that is not real, [`Failure::Device`] when not everything is off.
+pub fn off(args: &OffArgs) -> Result<(), Failure> {
+    let bench = bench(args.bench.as_deref(), &[], &args.i2c)?;
+    let Some(real) = &bench.value.real else {
+        return Err(Failure::Input(format!(
+            "bench `{}` is emulated: nothing of it drives anything while no program runs it",
+            bench.value.name
+        )));
+    };
+    let mut watch = watch(&bench.value, real);
+    // Nobody waits for a loop here: an answer counts more than its time.
+    watch.transfer = watch.transfer.max(TRANSFER);
+    let mut lines = Vec::new();
+    // Before the lock: a run beside us keeps the line cut until it notices that its guardian ends.
+    let oe = watch
+        .oe
+        .as_ref()
+        .map(|(chip, line)| OeLine::cut(chip, *line));
+    if let Some(Err(reason)) = &oe {
+        note(reason);
+    }
+    let result = sweep(&watch, &mut lines);
+    for (path, _) in &watch.buses {
+        let latch = Latch::of(path);
+        let Some(held) = latch.read() else {
+            continue;
+        };
+        lines.push(format!(
+            "{}: stopped earlier: {}",
+            path.display(),
+            held.cause
+        ));
+        if !args.unlatch {
+            lines.push(format!(
+                "{}: stays latched; `hil off --unlatch` clears it",
+                path.display()
+            ));
+        } else if result.is_ok() {
+            latch.clear().map_err(|error| Failure::Write {
+                path: path.display().to_string(),
+                error,
+            })?;
+            lines.push(format!("{}: the stop is cleared", path.display()));
+        }
+    }
+    print(|out| lines.iter().try_for_each(|line| writeln!(out, "{line}")))?;
+    result
+}
+
+/// Takes the buses over and switches everything off.
+fn sweep(watch: &Watch, lines: &mut Vec<String>) -> Result<(), Failure> {
+    let mut sweeper =
+        Sweeper::open(&watch.buses, watch.transfer).map_err(|e| Failure::Device(e.to_string()))?;
+    let found = sweeper.look();
+    // At once, whoever has the bus; then again when nobody else has.
+    let first = sweeper.off();
+    let mut locks = Vec::new();
+    for (path, _) in &watch.buses {
+        match BusLock::take_over(path, PATIENCE) {
+            Ok((lock, ended)) => {
+                lines.extend(ended.map(|who| format!("{}: ended {who}", path.display())));
+                locks.push(lock);
+            }
+            Err(error) => lines.push(error.to_string()),
+        }
+    }
+    lines.extend(found.iter().map(ToString::to_string));
+    let off = sweeper.off().map_err(|second| {
+        let reason = first.err().unwrap_or(second);
+        Failure::Device(format!("not everything is known to be off: {reason}"))
+    });
+    if off.is_ok() && locks.len() == watch.buses.len() {
+        lines.push("everything is off, and read back".into());
+    }
+    off
+}

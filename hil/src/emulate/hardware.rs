@@ -1,0 +1,187 @@
+//! The emulated hardware of a bench on a time line that others set: boards under a scene's touches, chips
+//! with wires on a finger, the scene's faults in front of both buses.
+
+use palpate_core::bus::{Received, SensorBus};
+use palpate_core::skin::Layout;
+use palpate_core::units::Instant;
+use palpate_core::wire::can::CanFrame;
+use palpate_core::wire::pca9685::{FULL, LED0_ON_L};
+use palpate_core::wire::uskin::{IdProfile, Message, decode};
+use palpate_emulators::can::NodeConfig;
+use palpate_emulators::can::faults::Faulty;
+use palpate_emulators::display::{Display, OutputEdge};
+use palpate_emulators::i2c::fault::{I2cFault, I2cFaults, Shared};
+use palpate_emulators::i2c::{Handle as I2cHandle, Segment};
+use palpate_emulators::pca9685::{Pca9685, Pin};
+use palpate_emulators::rig::Handle;
+use palpate_emulators::time::Nanos;
+use palpate_records::trace::Event;
+
+use crate::failure::Failure;
+use crate::files::Setup;
+use crate::plan;
+use crate::run::script::{Bench, Script};
+use crate::run::{ends, skin};
+
+/// Frames of other programs that may wait for the emulated wire, a bus.
+const WAITING: usize = 4096;
+
+/// Both ends of a bench.
+pub(super) struct Hardware<'a> {
+    setup: &'a Setup,
+    layout: Layout,
+    seed: u64,
+    skin: Faulty<Handle>,
+    /// When the scene began; the skin's own time starts there.
+    scene_zero: Nanos,
+    script: Script,
+    /// The actuator side, for whoever reads what it came to.
+    pub(super) display: Display,
+    i2c: Shared<I2cHandle>,
+}
+
+impl<'a> Hardware<'a> {
+    /// Boards that wait for their commands and chips at rest.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for a layout that no board carries or a display that cannot be.
+    pub fn new(setup: &'a Setup, seed: u64) -> Result<Self, Failure> {
+        let layout = plan::layout(&setup.sensor.value)?;
+        let display = ends::display(setup, plan::display(setup)?.wires())?;
+        let faults = I2cFaults::default();
+        let i2c = Shared::new(I2cFault::new(display.bus(), faults, seed, "actuator bus"));
+        Ok(Self {
+            skin: boards(setup, &layout, seed)?,
+            scene_zero: Nanos::ZERO,
+            script: Script::new(&setup.scene.value.faults, &layout),
+            setup,
+            layout,
+            seed,
+            display,
+            i2c,
+        })
+    }
+
+    /// How many sensor buses there are.
+    pub fn buses(&self) -> usize {
+        self.skin.inner().with(|buses| buses.len())
+    }
+
+    /// Begins the scene at `now` with new boards, all of them sending.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn begin_scene(&mut self, now: Nanos) -> Result<(), Failure> {
+        self.skin = boards(self.setup, &self.layout, self.seed)?;
+        self.scene_zero = now;
+        self.script = Script::new(&self.setup.scene.value.faults, &self.layout);
+        skin::start(self.skin.inner_mut())
+    }
+
+    /// Whether any board sends.
+    pub fn sends(&self) -> bool {
+        let any = |b: &palpate_emulators::rig::SkinBus| b.boards().iter().any(|b| b.sending());
+        self.skin.inner().with(|buses| buses.iter().any(any))
+    }
+
+    /// Lets time pass until `now` on both sides; edges go to `edges`, faults that come and go are returned
+    /// in words.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] if an emulator contradicts itself.
+    pub fn advance(
+        &mut self,
+        now: Nanos,
+        edges: &mut impl FnMut(OutputEdge),
+    ) -> Result<Vec<String>, Failure> {
+        let scene_now = now.since(self.scene_zero);
+        self.skin.inner_mut().advance(scene_now);
+        let advanced = self.display.advance(now, edges);
+        advanced.map_err(|e| Failure::Device(format!("emulated display: {e}")))?;
+        let mut events = Vec::new();
+        self.script.step(
+            Instant::from_micros(scene_now.as_micros()),
+            &mut Bench {
+                skin: Some(&mut self.skin),
+                i2c: &self.i2c,
+                display: &mut self.display,
+                oscillator: self.setup.bench.value.drive.oscillator,
+            },
+            &mut events,
+        );
+        let words = |event| match event {
+            Event::Note { text, .. } => Some(text),
+            _ => None,
+        };
+        Ok(events.into_iter().filter_map(words).collect())
+    }
+
+    /// When something happens next on a sensor bus.
+    pub fn next_event(&self) -> Nanos {
+        self.skin.inner().next_event() + self.scene_zero
+    }
+
+    /// The next frame that a board has sent, with the time at which it ended on the emulated wire.
+    pub fn frame(&mut self) -> Option<(Nanos, Received)> {
+        // The emulated bus reports nothing here that the boards do not mend themselves.
+        let received = self.skin.receive().ok().flatten()?;
+        Some((self.scene_zero + Nanos::from(received.at), received))
+    }
+
+    /// A frame of another program onto an emulated wire; `false` if there was no room for it.
+    pub fn hear(&mut self, bus: usize, frame: &CanFrame) -> bool {
+        self.skin.transmit(bus as u8, frame).is_ok() // at most 256 buses, as the layout has it
+    }
+
+    /// The bus of the chips, through the scene's faults.
+    pub fn i2c(&self) -> Shared<I2cHandle> {
+        self.i2c.clone()
+    }
+
+    /// When the last transfer has ended on the emulated wire, and how many there were.
+    pub fn i2c_time(&self) -> (Nanos, u64) {
+        let look = |s: &mut Segment| (s.now(), s.transactions());
+        self.display.bus().with(look).unwrap_or_default()
+    }
+
+    /// Hazardous things done to the chips so far.
+    pub fn hazards(&self) -> u64 {
+        let sum = |s: &mut Segment| s.chips().iter().map(Pca9685::hazard_count).sum();
+        self.display.bus().with(sum).unwrap_or_default()
+    }
+
+    /// Of each chip: its address, and whether it drives or is going to drive an output.
+    pub fn driving(&self) -> Vec<(u8, bool)> {
+        let state = |chip: &Pca9685| (chip.config().address, drives(chip));
+        let look = |s: &mut Segment| s.chips().iter().map(state).collect();
+        self.display.bus().with(look).unwrap_or_default()
+    }
+}
+
+/// Whether a start command is in this frame.
+pub(super) fn starts(frame: &CanFrame) -> bool {
+    matches!(decode(IdProfile::Current, frame), Ok(Message::Command(c)) if c.start)
+}
+
+/// Whether an output is high, or a running chip has a channel without the full-off bit and with a pulse.
+fn drives(chip: &Pca9685) -> bool {
+    let high = chip.pins().contains(&Pin::High);
+    high || chip.is_running()
+        && (0..16).any(|channel| {
+            let [on_l, on_h, off_l, off_h] =
+                [0, 1, 2, 3].map(|byte| chip.register(LED0_ON_L + 4 * channel + byte));
+            let off = off_h & FULL != 0;
+            !off && (on_h & FULL != 0 || (on_l, on_h) != (off_l, off_h))
+        })
+}
+
+fn boards(setup: &Setup, layout: &Layout, seed: u64) -> Result<Faulty<Handle>, Failure> {
+    let scene = &setup.scene.value;
+    let span = Nanos((scene.length_s * 1e9) as u64);
+    let host = NodeConfig {
+        transmit_limit: WAITING,
+        ..NodeConfig::default()
+    };
+    let handle = skin::boards(scene, &setup.sensor.value, layout, seed, Some(span), host)?;
+    Ok(Faulty::new(handle, seed, "sensor bus"))
+}

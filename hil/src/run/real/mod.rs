@@ -1,0 +1,297 @@
+//! A run on a real bench: the same loop, held to the wall clock, between SocketCAN and Linux I2C adapters.
+
+mod bench;
+mod journal;
+mod report;
+mod signals;
+
+pub use bench::watch;
+pub use journal::Kind;
+pub use report::{CanReport, Pacing};
+
+use std::path::PathBuf;
+
+use palpate_buses::can::CanBuses;
+use palpate_buses::pacer::{Lateness, Pacer};
+use palpate_buses::sys::{lock_memory, set_fifo_priority};
+use palpate_core::bus::SensorBus;
+use palpate_core::contact::Levels;
+use palpate_core::projector::{Cause, LoopError, Projector};
+use palpate_core::units::Instant;
+use palpate_core::wire::uskin::Command;
+use palpate_records::trace::{Event, Ledger, Trace};
+
+use super::effort::Effort;
+use super::ends::header;
+use super::recorder::Recorder;
+use super::supervisor::Supervisor;
+use super::{Outcome, Summary, TICK, boards, build, scene_levels};
+use crate::clock;
+use crate::failure::Failure;
+use crate::files::{Real, Setup};
+
+use bench::Live;
+use journal::{Journal, Tap};
+use signals::Signals;
+
+/// Real-time priority of the loop, below the guardian's.
+const PRIORITY: u8 = 50;
+
+/// What the loop leaves behind.
+struct Done {
+    projector: Projector,
+    recorder: Recorder,
+    frame_us: Vec<f32>,
+    effort: Effort,
+    lateness: Lateness,
+    can: Vec<CanReport>,
+    end: Instant,
+    failure: Option<Failure>,
+}
+
+/// Runs a scene's length on a real bench: what touches the skin is up to the world. `files` grow while it
+/// runs.
+///
+/// # Errors
+/// [`Failure`] for input that fits no loop, or a bench that cannot be opened or started.
+pub fn run(setup: &Setup, seed: u64, files: &[(Kind, PathBuf)]) -> Result<Outcome, Failure> {
+    let started = clock::now();
+    let (scene, bench) = (&setup.scene.value, &setup.bench.value);
+    let Some(real) = &bench.real else {
+        return Err(Failure::Input(format!(
+            "bench `{}`: expected kind = \"real\"",
+            bench.name
+        )));
+    };
+    let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
+    let levels = if scene.touches.is_empty() {
+        Levels::Dynamic(u16::try_from(scene.compression.ki).unwrap_or(u16::MAX))
+    } else {
+        scene_levels(setup, seed)?
+    };
+    let projector = build(setup, seed, levels)?;
+    let journal = Journal::start(files, &header(setup, seed, &projector)?)?;
+    let keeps_can = files.iter().any(|(kind, _)| *kind == Kind::Can);
+    let (live, can) = Live::open(bench, real, projector.layout())?;
+    let length = Instant::from_micros((scene.length_s * 1e6).round() as u64);
+    let done = std::thread::scope(|scope| {
+        let records = (journal, keeps_can);
+        let turns = || drive(live, can, projector, real, &signals, length, records);
+        let thread = std::thread::Builder::new()
+            .name("loop".into())
+            .spawn_scoped(scope, turns);
+        let thread = thread.map_err(|e| Failure::Device(format!("the loop's thread: {e}")))?;
+        // A panic has dropped the guardian's socket: everything is off or about to be.
+        let panicked =
+            |_| Failure::Device("the loop panicked; the guardian switches everything off".into());
+        thread.join().map_err(panicked)?
+    })?;
+    outcome(setup, seed, real, done, started)
+}
+
+/// The loop on its own thread, until the scene's end, a signal, or a failure.
+fn drive(
+    mut live: Live,
+    can: CanBuses,
+    mut projector: Projector,
+    real: &Real,
+    signals: &Signals,
+    length: Instant,
+    (mut journal, keeps_can): (Journal, bool),
+) -> Result<Done, Failure> {
+    let mut recorder = Recorder::new(None, projector.layout());
+    if real.realtime {
+        take_priority()?;
+    }
+    for line in live.found.lines() {
+        recorder.note(Instant::ZERO, format!("{line}; switched off"));
+    }
+    let ready = match live.start() {
+        Ok(ready) => ready,
+        Err(error) => {
+            let cause = live.explain(&error);
+            live.watchman.guardian.hand_over(&cause);
+            return Err(Failure::Device(cause));
+        }
+    };
+    let mut can = Tap::new(can, keeps_can);
+    start_boards(&mut can, &projector);
+    let mut supervisor = Supervisor::default();
+    let mut pacer = Pacer::new(live.clock);
+    let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
+    let mut effort = Effort::default();
+    let mut failure = None;
+    let mut now = pacer.wait(ready);
+    let end = Instant::from_micros(length.as_micros().saturating_add(now.as_micros()));
+    while now < end {
+        if let Err(lost) = live.watchman.guardian.beat(now) {
+            failure = Some(Failure::Device(format!(
+                "{lost}; nobody is left to switch off after this program"
+            )));
+            break;
+        }
+        if let Some(signal) = signals.caught() {
+            recorder.note(now, format!("stopped by {signal}"));
+            break;
+        }
+        can.now = now;
+        while let Some(note) = can.inner.note() {
+            recorder.note(note.at, note.text);
+        }
+        journal.tell(&recorder.events, can.take());
+        if journal.has_failed() {
+            break;
+        }
+        if supervisor.is_lost() {
+            let Live {
+                banks, watchman, ..
+            } = &mut live;
+            match supervisor.recover(now, banks, watchman, &mut recorder.events) {
+                Ok(_) => {
+                    now = pacer.wait(Pacer::next(live.clock.now(), TICK));
+                    continue;
+                }
+                Err(e) => {
+                    failure = Some(e);
+                    break;
+                }
+            }
+        }
+        let before = recorder.frames;
+        let begun = clock::now();
+        let polled = projector.poll(now, &mut can, &mut live.banks, &mut recorder);
+        spent += begun.elapsed();
+        let polled = match polled {
+            // A chip that fell back to reset values answers, but sleeps: ask while wires should be driven.
+            Ok(true) => live.banks.verify().inspect_err(|_| {
+                // The error is on its way; recovery finds out whether this helped.
+                let _ =
+                    projector.all_off(now, Cause::ActuatorError, &mut live.banks, &mut recorder);
+            }),
+            Ok(false) => Ok(()),
+            Err(LoopError::Actuator(e)) => Err(e),
+            Err(LoopError::Sensor(e)) => {
+                failure = Some(Failure::Device(format!("sensor bus: {e}")));
+                break;
+            }
+        };
+        supervisor.retried(now, live.banks.retries(), &mut recorder.events);
+        if let Err(error) = polled {
+            let error = live.explain(&error);
+            supervisor.lose(now, &error, &live.watchman, &mut recorder.events);
+        }
+        if recorder.frames > before {
+            let frames = recorder.frames - before;
+            let each = spent.as_secs_f32() * 1e6 / frames as f32;
+            frame_us.extend(std::iter::repeat_n(each, frames as usize));
+            effort.note(&projector.work(), frames, each);
+            spent = std::time::Duration::ZERO;
+        }
+        supervisor.restart_boards(now, &mut can, &projector, &mut recorder.events);
+        let next = projector.next().min(Pacer::next(now, TICK));
+        now = pacer.wait(next);
+    }
+    let end = live.clock.now();
+    let off = projector.all_off(end, Cause::End, &mut live.banks, &mut recorder);
+    let off = off.map_err(|error| live.explain(&error));
+    let tallies = can.inner.tallies();
+    let parted = match (off, failure.is_some()) {
+        (Ok(()), false) => live.watchman.guardian.end(),
+        (Ok(()), true) => live.watchman.guardian.end().or(Ok(())), // the first failure is the one to tell
+        (Err(cause), _) => {
+            live.watchman.guardian.hand_over(&cause);
+            Err(cause)
+        }
+    };
+    if let Err(cause) = parted {
+        recorder.note(end, format!("not everything is known to be off: {cause}"));
+        failure.get_or_insert(Failure::Device(cause));
+    }
+    recorder.tell_taxels();
+    recorder.tell(&mut effort, projector.display().wires().len());
+    effort.traffic = live.banks.traffic();
+    journal.tell(&recorder.events, can.take());
+    if let Err(error) = journal.finish() {
+        failure.get_or_insert(error);
+    }
+    let can = real.can.iter().zip(&tallies);
+    Ok(Done {
+        projector,
+        recorder,
+        frame_us,
+        effort,
+        lateness: pacer.lateness().clone(),
+        can: can
+            .map(|(name, tally)| CanReport::new(name, tally))
+            .collect(),
+        end,
+        failure,
+    })
+}
+
+/// Real-time priority for this thread, memory that is never paged out for the program.
+fn take_priority() -> Result<(), Failure> {
+    let locked = lock_memory().and_then(|()| set_fifo_priority(PRIORITY));
+    locked.map_err(|errno| {
+        Failure::Device(format!(
+            "real-time priority: {}; allow it with `setcap cap_sys_nice,cap_ipc_lock=ep` on the program, or leave `realtime` out of the bench",
+            errno.desc()
+        ))
+    })
+}
+
+/// Tells every board of the layout to send.
+fn start_boards(can: &mut impl SensorBus, projector: &Projector) {
+    for address in projector
+        .layout()
+        .modules()
+        .iter()
+        .filter_map(|m| m.address())
+    {
+        let command = Command {
+            board: address.board,
+            start: true,
+        };
+        if let Some(frame) = command.encode() {
+            // What is lost here is made up by the supervisor, which tells silent boards again.
+            let _ = can.transmit(address.bus, &frame);
+        }
+    }
+}
+
+/// The run on paper.
+fn outcome(
+    setup: &Setup,
+    seed: u64,
+    real: &Real,
+    mut done: Done,
+    started: std::time::Instant,
+) -> Result<Outcome, Failure> {
+    let bench = &setup.bench.value;
+    let mut events = std::mem::take(&mut done.recorder.events);
+    events.sort_by_key(Event::t_ns);
+    let trace = Trace {
+        header: header(setup, seed, &done.projector)?,
+        events,
+        ledger: Ledger {
+            limiter_events: done.recorder.limiter_events,
+            length_us: done.end.as_micros(),
+            ..Ledger::default()
+        },
+    };
+    let health = done.projector.health(done.end);
+    let wall = started.elapsed();
+    let mut summary = Summary::new(&trace, &done.recorder, &done.frame_us, &health, bench, wall);
+    summary.boards = boards::boards(&done.projector);
+    summary.taxels.list(&done.projector, done.end);
+    summary.pacing = Some(Pacing::new(&done.lateness, real.realtime));
+    summary.can = done.can;
+    Ok(Outcome {
+        trace,
+        summary,
+        frame_us: done.frame_us,
+        effort: done.effort,
+        can: Vec::new(),
+        failure: done.failure,
+    })
+}

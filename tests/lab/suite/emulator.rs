@@ -1,0 +1,96 @@
+//! `hil emulate` as a process, with what it says.
+
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+use serde_json::Value;
+
+use super::tools::{sh, vcan};
+
+/// Generous: the lab's processor is emulated.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+pub struct Emulator {
+    child: Child,
+    lines: Receiver<Value>,
+    /// Events told so far.
+    pub told: Vec<Value>,
+    /// `/dev/i2c-N`.
+    pub node: String,
+}
+
+impl Emulator {
+    /// On vcan0, with further options.
+    pub fn start(options: &[&str]) -> Self {
+        vcan("vcan0");
+        let hil = std::env::var("PALPATE_HIL").unwrap();
+        let mut child = Command::new(hil)
+            .args(["emulate", "--json"])
+            .args(options)
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let out = BufReader::new(child.stdout.take().unwrap());
+        let (send, lines) = channel();
+        std::thread::spawn(move || {
+            for line in out.lines().map_while(Result::ok) {
+                if send.send(serde_json::from_str(&line).unwrap()).is_err() {
+                    break;
+                }
+            }
+        });
+        let mut this = Self {
+            child,
+            lines,
+            told: Vec::new(),
+            node: String::new(),
+        };
+        let serving = this.wait_for("serving");
+        this.node = serving["i2c"].as_str().unwrap().to_owned();
+        this
+    }
+
+    /// The N of `/dev/i2c-N`.
+    pub fn number(&self) -> &str {
+        self.node.trim_start_matches("/dev/i2c-")
+    }
+
+    /// Waits until an event of this kind is told.
+    #[track_caller]
+    pub fn wait_for(&mut self, event: &str) -> Value {
+        loop {
+            let told = self.lines.recv_timeout(PATIENCE);
+            let told = told.unwrap_or_else(|e| panic!("waiting for `{event}`: {e}"));
+            self.told.push(told.clone());
+            if told["event"] == event {
+                return told;
+            }
+        }
+    }
+
+    /// Whether it still runs.
+    pub fn is_alive(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_none()
+    }
+
+    /// Stops it as Ctrl-C does and returns its record.
+    #[track_caller]
+    pub fn stop(mut self) -> Value {
+        assert!(self.is_alive(), "hil emulate has ended by itself");
+        sh(&format!("kill -INT {}", self.child.id()));
+        let record = self.wait_for("record");
+        assert!(self.child.wait().unwrap().success());
+        record
+    }
+}
+
+impl Drop for Emulator {
+    /// A failed test leaves no emulator behind.
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}

@@ -1,0 +1,14 @@
+//! The lab suite: `hil emulate` in a process of its own, and programs that nobody here wrote as its clients.
+//!
+//! Needs CAN interfaces, `/dev/uhid` and root, which `ci/lab` gives. Anywhere else every test says that it
+//! was skipped. One test after the other (`--test-threads 1`): they share the interfaces.
+
+// A failed expectation in a test is its message.
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
+
+mod can_clients;
+mod emulator;
+mod fuzz;
+mod i2c_clients;
+mod sja1000;
+mod tools;

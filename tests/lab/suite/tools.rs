@@ -1,0 +1,60 @@
+//! Running other people's programs.
+
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+
+/// `true` in the lab; else says what is skipped.
+pub fn in_lab(test: &str) -> bool {
+    let there = std::env::var_os("PALPATE_IN_LAB").is_some();
+    if !there {
+        println!("SKIPPED {test}: not in the lab; ci/lab-suite runs it there");
+    }
+    there
+}
+
+/// Runs a line of shell text and returns what it printed.
+#[track_caller]
+pub fn sh(line: &str) -> String {
+    let output = try_sh(line);
+    let (out, err) = (text(&output.stdout), text(&output.stderr));
+    assert!(
+        output.status.success(),
+        "`{line}`: {}\n{out}{err}",
+        output.status
+    );
+    out
+}
+
+/// Runs a line of shell text, whatever becomes of it.
+pub fn try_sh(line: &str) -> Output {
+    let shell = Command::new("sh")
+        .args(["-c", line])
+        .stdin(Stdio::null())
+        .output();
+    shell.unwrap()
+}
+
+/// What a program printed.
+pub fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// A virtual CAN interface of this name, up, with room for a burst.
+pub fn vcan(name: &str) {
+    sh(&format!(
+        "ip link show {name} >/dev/null 2>&1 || ip link add {name} type vcan; ip link set {name} up"
+    ));
+}
+
+/// A client of ours around somebody's library, in Python.
+#[track_caller]
+pub fn python(script: &str, arguments: &str) -> String {
+    let python = std::env::var("PALPATE_LAB_PYTHON").unwrap();
+    let script = here().join("suite/clients").join(script);
+    sh(&format!("{python} {} {arguments}", script.display()))
+}
+
+/// This package's folder.
+pub fn here() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}

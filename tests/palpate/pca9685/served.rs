@@ -1,0 +1,198 @@
+//! The served bridge under a client that fuzzes it: whatever reports come, the chip behind it ends in a
+//! state that the reference model reaches by the traffic that crossed the bus.
+
+use palpate_buses::served::mcp2221::{Mcp2221, REPORT};
+use palpate_buses::served::uhid::Request;
+use palpate_core::random::Stream;
+
+use super::reference::Reference;
+use super::*;
+
+/// Reports of the fuzzing client.
+const REPORTS: u32 = 120_000;
+
+const STATUS: u8 = 0x10;
+const GET_DATA: u8 = 0x40;
+const TRANSFERS: [u8; 5] = [0x90, 0x91, 0x92, 0x93, 0x94];
+
+struct Dice(Stream);
+
+impl Dice {
+    fn below(&mut self, n: u32) -> u32 {
+        (self.0.uniform() * f64::from(n)) as u32
+    }
+
+    fn byte(&mut self) -> u8 {
+        self.below(256) as u8
+    }
+
+    /// What the kernel's driver would send, with values nobody checked.
+    fn plausible(&mut self) -> Vec<u8> {
+        let command = match self.below(10) {
+            0 => STATUS,
+            1 | 2 => GET_DATA,
+            n => TRANSFERS[n as usize % 5],
+        };
+        let address =
+            [0x40, 0x40, 0x40, 0x70, 0x00, 0x71, self.byte() >> 1][self.below(7) as usize];
+        let length = [1, 2, 3, 5, 9, 65, self.below(80)][self.below(7) as usize];
+        let mut report = vec![command, length as u8, (length >> 8) as u8, address << 1];
+        let register = [
+            0x00,
+            0x01,
+            0xFA,
+            0xFE,
+            6 + 4 * (self.byte() % 16),
+            self.byte(),
+        ];
+        report.push(register[self.below(6) as usize]);
+        report.resize_with(4 + length.max(1) as usize, || 0);
+        for byte in &mut report[5..] {
+            *byte = [0x00, 0x10, 0x21, 0xA1, 0x06, self.byte()][self.below(6) as usize];
+        }
+        report.truncate(REPORT);
+        report
+    }
+
+    /// One of the plausible ones with a few bytes changed and an end of its own, or bytes and nothing else.
+    fn malformed(&mut self) -> Vec<u8> {
+        let mut report = self.plausible();
+        if self.below(3) == 0 {
+            report = (0..self.below(80)).map(|_| self.byte()).collect();
+        }
+        for _ in 0..self.below(3) {
+            let at = self.below(report.len().max(1) as u32) as usize;
+            let byte = self.byte();
+            if let Some(slot) = report.get_mut(at) {
+                *slot = byte;
+            }
+        }
+        report.truncate(self.below(80) as usize);
+        // Lengths up to 65535 are for the test below: the reference walks every tick of their time.
+        if let Some(high) = report.get_mut(2) {
+            *high = 0;
+        }
+        report
+    }
+}
+
+/// Lets the reference see what crossed the bus, at the very times.
+fn replay(reference: &mut Reference, log: Vec<palpate_emulators::i2c::Record>) {
+    let bit = BusClock::Fast.bit().0;
+    for record in log {
+        let mut t = record.start.0;
+        for (n, message) in record.messages.iter().enumerate() {
+            t += 10 * bit;
+            let acknowledged = reference.start(t, message.address, message.read);
+            let last = n + 1 == record.messages.len();
+            let refused = last && record.result == Err(Error::AddressNack);
+            assert_eq!(acknowledged, !refused, "address {:02x}", message.address);
+            for (m, &byte) in message.bytes.iter().enumerate() {
+                t += 9 * bit;
+                if message.read {
+                    assert_eq!(reference.read(t), byte, "a byte read");
+                } else {
+                    let last = last && m + 1 == message.bytes.len();
+                    let refused = last && record.result == Err(Error::DataNack);
+                    assert_eq!(reference.write(t, byte), !refused, "byte {byte:02x}");
+                }
+            }
+        }
+        assert_eq!(record.end.0, t + bit, "STOP");
+        reference.stop(record.end.0);
+    }
+}
+
+#[test]
+fn whatever_a_client_sends_the_registers_are_those_of_the_reference_model() {
+    let oscillator = 25_000_000;
+    let bench = Bench::one();
+    let mut reference = Reference::new(ADDRESS, oscillator, UpdateModel::EndOfLow);
+    let mut bridge = Mcp2221::default();
+    let mut dice = Dice(Stream::new(1, "fuzzing client"));
+    let (mut transfers, mut written, mut clocks) = (0, 0, 0);
+    for n in 0..REPORTS {
+        let report = if dice.below(4) == 0 {
+            dice.malformed()
+        } else {
+            dice.plausible()
+        };
+        let answer = bridge.answer(&report, &mut bench.bus.clone());
+        assert!(answer.is_none_or(|a| a[0] == report[usize::from(report.len() == 65)]));
+        let log = bench.bus.with(Segment::take_log).unwrap();
+        transfers += log.len();
+        written += log
+            .iter()
+            .filter(|r| r.result.is_ok() && r.messages.iter().any(|m| m.bytes.len() > 1))
+            .count();
+        let pause = Nanos(u64::from(dice.below(50_000)));
+        bench
+            .bus
+            .with(|segment| {
+                replay(&mut reference, log);
+                let now = segment.now() + pause;
+                segment.set_now(now);
+                let chip = &mut segment.chips_mut()[0];
+                chip.advance(now, &mut |_| {});
+                reference.pass(now.0);
+                reference.edges.clear();
+                for register in 0..=255 {
+                    let wanted = reference.reg[usize::from(register)];
+                    assert_eq!(
+                        chip.register(register),
+                        wanted,
+                        "report {n} {report:02x?}: register {register:02x}"
+                    );
+                }
+                // Only power takes a chip off the external clock, of which the reference knows nothing.
+                if reference.reg[0] & 0x40 != 0 {
+                    clocks += 1;
+                    chip.power_cycle(now);
+                    chip.advance(now, &mut |_| {});
+                    reference.power_cycle(now.0);
+                    reference.edges.clear();
+                }
+            })
+            .unwrap();
+    }
+    assert!(transfers > 50_000, "only {transfers} transfers");
+    assert!(written > 10_000, "only {written} transfers moved data");
+    println!(
+        "{REPORTS} reports, {transfers} transfers, {written} with data, {clocks} to the external clock"
+    );
+}
+
+#[test]
+fn no_length_and_no_event_of_any_kind_does_harm() {
+    let bench = Bench::one();
+    let mut bridge = Mcp2221::default();
+    let mut dice = Dice(Stream::new(2, "fuzzing client"));
+    for _ in 0..20_000 {
+        let length = dice.below(4400);
+        let event: Vec<u8> = (0..length.min(80)).map(|_| dice.byte()).collect();
+        let mut event = [event, vec![0xFF; length.saturating_sub(80) as usize]].concat();
+        if dice.below(2) == 0 && event.len() > 4 {
+            event[..4].copy_from_slice(&6_u32.to_le_bytes()); // an output report
+        }
+        if let Request::Report(report) = Request::decode(&event) {
+            let _ = bridge.answer(&report, &mut bench.bus.clone());
+        }
+    }
+    // The longest transfers there are: chunk after chunk, then fetched.
+    for command in TRANSFERS {
+        let mut report = [0x21; REPORT];
+        report[..5].copy_from_slice(&[command, 0xFF, 0xFF, ADDRESS << 1, map::LED0_ON_L]);
+        for _ in 0..=65_535 / 60 {
+            bridge.answer(&report, &mut bench.bus.clone()).unwrap();
+            if command & 1 == 1 {
+                break; // a read asks once
+            }
+        }
+        let mut fetched = 0;
+        while command & 1 == 1 && fetched < 65_535 {
+            let answer = bridge.answer(&[GET_DATA], &mut bench.bus.clone()).unwrap();
+            assert_eq!((answer[1], answer[2]), (0, 0x55));
+            fetched += usize::from(answer[3]);
+        }
+    }
+}
