@@ -8,5 +8,6 @@ pub mod command;
 pub mod failure;
 pub mod files;
 pub mod output;
+pub mod parallel;
 pub mod plan;
 pub mod run;

@@ -4,9 +4,11 @@
 //! [`FAMILIES`]. Methods of one case are timed in turn in one run, so that their ratios hold on a noisy
 //! machine. Only builds with the feature `bench` have this room: peers never reach the ordinary program.
 
+pub mod compression;
 pub mod page;
 pub mod physics;
 pub mod plot;
+pub mod projection;
 pub mod table;
 pub mod timing;
 
@@ -55,10 +57,20 @@ pub struct Family {
 }
 
 /// Every family, in the order of the pages.
-pub const FAMILIES: [Family; 1] = [Family {
-    name: "physics",
-    measure: physics::measure,
-}];
+pub const FAMILIES: [Family; 3] = [
+    Family {
+        name: "physics",
+        measure: physics::measure,
+    },
+    Family {
+        name: "compression",
+        measure: compression::measure,
+    },
+    Family {
+        name: "loop",
+        measure: projection::measure,
+    },
+];
 
 /// The family of that name, or all.
 ///
