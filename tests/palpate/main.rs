@@ -5,6 +5,7 @@
 
 mod allegro;
 mod allocation;
+mod compression;
 mod dbc;
 mod driver;
 mod edges;
@@ -14,5 +15,6 @@ mod hand;
 mod paths;
 mod pca9685;
 mod recordings;
+mod rules;
 mod scans;
 mod tidy;
