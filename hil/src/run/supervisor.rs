@@ -72,6 +72,7 @@ impl Supervisor {
             give_up,
             lost: None,
             retries: 0,
+            stopped: None,
             next_round: Instant::ZERO,
             silent: Vec::new(),
         }
