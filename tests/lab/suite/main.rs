@@ -7,6 +7,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 mod can_clients;
+mod deaths;
 mod emulator;
 mod fuzz;
 mod i2c_clients;
