@@ -71,6 +71,7 @@ impl Supervisor {
         Self {
             give_up,
             lost: None,
+            stopped: None,
             retries: 0,
             next_round: Instant::ZERO,
             silent: Vec::new(),
