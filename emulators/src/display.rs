@@ -1,15 +1,19 @@
 //! The actuator side of a bench: I2C segment, chips, amplifiers, supply, wires on a finger, and the
 //! person who wears it. The counterpart of [`crate::rig`].
 
+use std::collections::VecDeque;
+
 use palpate_core::physics::{ParameterError, SkinParameters, WireParameters};
 use palpate_core::units::{Channel, Milliamps, Point};
 
-use crate::amplifier::{Amplifier, Current, Pull, Supply};
+use crate::amplifier::supply::{Load, Source, Supply};
+use crate::amplifier::{Amplifier, AmplifierConfig, AmplifierFault, Pull, takes_effect};
 use crate::i2c::{BusClock, Error as I2cError, Handle, Segment};
 use crate::pca9685::{Config, Edge, Oscillator, Pca9685, Pin};
 use crate::perceiver::{Felt, Perceiver, PerceiverParameters, Vibration};
 use crate::time::Nanos;
 use crate::wire::Wire;
+use crate::wire::record::Peaks;
 
 /// Skin temperature from which everything starts, degrees C.
 const START_C: f64 = 33.0;
@@ -32,8 +36,10 @@ pub struct DisplayConfig {
     pub boards: Vec<(u8, f64)>,
     /// The wires in the display's order.
     pub wires: Vec<Place>,
-    /// The amplifiers' current.
-    pub current: Milliamps,
+    /// The amplifiers.
+    pub amplifier: AmplifierConfig,
+    /// What feeds them all.
+    pub source: Source,
     /// Every wire's parameters.
     pub wire: WireParameters,
     /// The finger's.
@@ -57,6 +63,37 @@ pub struct OutputEdge {
     pub high: bool,
 }
 
+/// A stretch of one wire's current.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flow {
+    /// The wire, in the display's order.
+    pub wire: usize,
+    /// From when.
+    pub from: Nanos,
+    /// Until when.
+    pub to: Nanos,
+    /// Electrical power between the wire's terminals, W.
+    pub watts: f64,
+}
+
+/// The finger at one instant, worst over its wires.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThermalSample {
+    /// When.
+    pub at: Nanos,
+    /// Hottest wire since the sample before, degrees C.
+    pub wire_c: f64,
+    /// Hottest skin at 0.1 mm since the sample before, degrees C.
+    pub shallow_c: f64,
+    /// Hottest skin at 0.4 mm since the sample before, degrees C.
+    pub deep_c: f64,
+    /// Hottest mean of the skin at 0.1 mm over the last ten seconds, degrees C; before the start all was at rest.
+    pub mean_c: f64,
+}
+
+/// The window of the mean skin temperature (`physics.md`).
+const MEAN_WINDOW: Nanos = Nanos::from_micros(10_000_000);
+
 /// What a run came to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DisplayTotals {
@@ -68,6 +105,10 @@ pub struct DisplayTotals {
     pub hottest_wire: (f64, usize),
     /// Hottest skin 0.1 mm deep under any wire, degrees C.
     pub hottest_skin_c: f64,
+    /// Hottest skin 0.4 mm deep under any wire, degrees C.
+    pub hottest_deep_c: f64,
+    /// Largest burn integrals under any wire: Henriques' Omega and minutes at 43 C.
+    pub dose: (f64, f64),
 }
 
 /// The display side of a bench.
@@ -75,7 +116,11 @@ pub struct DisplayTotals {
 pub struct Display {
     i2c: Handle,
     amplifiers: Vec<Amplifier>,
+    rise: Nanos,
+    source: Source,
     supply: Supply,
+    /// One a wire, in their order.
+    loads: Vec<Load>,
     places: Vec<Place>,
     parameters: WireParameters,
     wires: Vec<Wire>,
@@ -83,6 +128,14 @@ pub struct Display {
     now: Nanos,
     /// Edges of one step, in the order of time: the same memory for every step.
     pending: Vec<(usize, Edge)>,
+    /// Edges that have yet to take effect behind their amplifiers, and when.
+    rising: Vec<(Nanos, usize, Edge)>,
+    /// What flows in each wire, and since when.
+    flowing: Vec<(Nanos, f64)>,
+    /// Kept only where somebody takes them: an emulator may be served for days.
+    flows: Option<Vec<Flow>>,
+    /// Integrals of each wire's skin temperature at past samples, for the mean.
+    past: VecDeque<(Nanos, Vec<f64>)>,
 }
 
 impl Display {
@@ -99,17 +152,34 @@ impl Display {
             })
         };
         let segment = Segment::new(config.clock, config.boards.iter().map(chip).collect());
-        let wire = |_: &Place| Wire::new(&config.wire, &config.skin, START_C);
+        let wire = |_: &Place| Wire::new(&config.wire, &config.skin, START_C).map(Wire::with_dose);
         Ok(Self {
             i2c: Handle::new(segment),
-            amplifiers: vec![Amplifier::new(config.current, Pull::Down); config.boards.len()],
+            amplifiers: vec![
+                Amplifier::new(config.amplifier.current, Pull::Down);
+                config.boards.len()
+            ],
+            rise: config.amplifier.rise,
+            source: config.source,
             supply: Supply::default(),
+            loads: vec![
+                Load {
+                    asked: 0.0,
+                    ohm: config.wire.resistance_ohm + config.amplifier.on_ohm.max(0.0),
+                    amps: 0.0,
+                };
+                config.wires.len()
+            ],
             wires: config.wires.iter().map(wire).collect::<Result<_, _>>()?,
             places: config.wires.clone(),
             parameters: config.wire,
             perceiver: Perceiver::new(config.perceiver),
             now: Nanos::ZERO,
             pending: Vec::new(),
+            rising: Vec::new(),
+            flowing: vec![(Nanos::ZERO, 0.0); config.wires.len()],
+            flows: None,
+            past: VecDeque::new(),
         })
     }
 
@@ -138,9 +208,11 @@ impl Display {
         })?;
         // Stable: of edges at one instant the lower board comes first.
         self.pending.sort_by_key(|(_, edge)| edge.at);
-        for index in 0..self.pending.len() {
-            let (board, edge) = self.pending[index];
-            self.take(board, edge);
+        let mut until = to;
+        for &(board, edge) in &self.pending {
+            until = until.max(edge.at);
+            let at = takes_effect(&edge, self.rise);
+            self.rising.push((at, board, edge));
             sink(OutputEdge {
                 at: edge.at,
                 board: board as u8, // at most 16 chips on a bus
@@ -149,46 +221,127 @@ impl Display {
             });
         }
         self.pending.clear();
+        self.rising.sort_by_key(|(at, ..)| *at);
+        let due = self.rising.partition_point(|(at, ..)| *at <= until);
+        for index in 0..due {
+            let (at, board, edge) = self.rising[index];
+            let change = self.amplifiers.get_mut(board).and_then(|a| a.edge(edge));
+            if change.is_some() {
+                self.flow(at);
+            }
+        }
+        self.rising.drain(..due);
         self.now = self.now.max(to);
         Ok(())
     }
 
-    fn take(&mut self, board: usize, edge: Edge) {
-        let Some(amplifier) = self.amplifiers.get_mut(board) else {
-            return;
-        };
-        let Some(change) = amplifier.edge(edge) else {
-            return;
-        };
-        self.flow(board, change);
+    /// Lets the currents that the amplifiers ask for flow from `at` on, as far as the supply has them.
+    fn flow(&mut self, at: Nanos) {
+        for (load, place) in self.loads.iter_mut().zip(&self.places) {
+            let amplifier = self.amplifiers.get(usize::from(place.board));
+            let current = amplifier.map(|a| a.current(Channel(place.channel)));
+            load.asked = current.unwrap_or_default().amps();
+        }
+        self.source.share(&mut self.loads);
+        let mut sum = 0.0;
+        for wire in 0..self.loads.len() {
+            let load = self.loads[wire];
+            sum += load.amps;
+            self.wires[wire].set_current(at, load.amps);
+            let (since, before) = self.flowing[wire];
+            let watts = load.amps * load.amps * self.parameters.resistance_ohm;
+            if watts != before {
+                self.flowing[wire] = (at, watts);
+                self.keep(wire, since, at, before);
+            }
+        }
+        self.supply.set(at, Milliamps((sum * 1e3).round() as u32));
     }
 
-    fn flow(&mut self, board: usize, change: Current) {
-        let sum = self
-            .amplifiers
-            .iter()
-            .fold(0u32, |sum, a| sum.saturating_add(a.sum().0));
-        self.supply.set(change.at, Milliamps(sum));
-        let is_fed = |p: &Place| usize::from(p.board) == board && p.channel == change.channel.0;
-        if let Some(index) = self.places.iter().position(is_fed) {
-            self.wires[index].set_current(change.at, change.current.amps());
+    fn keep(&mut self, wire: usize, from: Nanos, to: Nanos, watts: f64) {
+        if let Some(flows) = &mut self.flows
+            && watts > 0.0
+            && to > from
+        {
+            flows.push(Flow {
+                wire,
+                from,
+                to,
+                watts,
+            });
         }
     }
 
-    /// Breaks or repairs the amplifier of one output, now.
-    pub fn set_fault(
-        &mut self,
-        board: usize,
-        channel: Channel,
-        fault: Option<crate::amplifier::AmplifierFault>,
-    ) {
+    /// Keeps every stretch of current from now on, for [`Display::take_flows`].
+    pub fn keep_flows(&mut self) {
+        self.flows.get_or_insert_default();
+    }
+
+    /// Every stretch of current since they are kept or were last taken, up to now; a wire that is on now is
+    /// cut there.
+    pub fn take_flows(&mut self) -> Vec<Flow> {
+        for wire in 0..self.wires.len() {
+            let (since, watts) = self.flowing[wire];
+            self.flowing[wire].0 = since.max(self.now);
+            self.keep(wire, since, self.now, watts);
+        }
+        self.flows.as_mut().map(std::mem::take).unwrap_or_default()
+    }
+
+    /// How warm the finger was since the last sample; `None` without wires.
+    pub fn sample(&mut self) -> Option<ThermalSample> {
         let now = self.now;
-        let change = self
-            .amplifiers
-            .get_mut(board)
-            .and_then(|a| a.set_fault(now, channel, fault));
-        if let Some(change) = change {
-            self.flow(board, change);
+        let mut integrals = Vec::with_capacity(self.wires.len());
+        let mut worst: Option<Peaks> = None;
+        for wire in &mut self.wires {
+            let peaks = wire.window_peaks(now);
+            worst.get_or_insert(peaks).raise(&peaks);
+            integrals.push(wire.dose(now).unwrap_or_default().celsius_s);
+        }
+        let begin = now.since(MEAN_WINDOW);
+        while self.past.get(1).is_some_and(|next| next.0 <= begin) {
+            self.past.pop_front();
+        }
+        // Between samples the integral is taken as straight; before the start all was at rest.
+        let length = MEAN_WINDOW.as_secs_f64();
+        let rest = (length - now.since(begin).as_secs_f64()) * START_C;
+        let mean = |wire: usize| {
+            let mut then = 0.0;
+            if let (Some(a), Some(b)) = (self.past.front(), self.past.get(1)) {
+                let part = begin.since(a.0).as_secs_f64() / b.0.since(a.0).as_secs_f64();
+                then = a.1[wire] + (b.1[wire] - a.1[wire]) * part;
+            }
+            (integrals[wire] - then + rest) / length
+        };
+        let mean_c = (0..integrals.len()).map(mean).fold(f64::MIN, f64::max);
+        if self.past.back().is_none_or(|last| last.0 < now) {
+            if self.past.is_empty() {
+                self.past
+                    .push_back((Nanos::ZERO, vec![0.0; integrals.len()]));
+            }
+            self.past.push_back((now, integrals));
+        }
+        worst.map(|peaks| ThermalSample {
+            at: now,
+            wire_c: peaks.wire_c,
+            shallow_c: peaks.shallow_c,
+            deep_c: peaks.deep_c,
+            mean_c,
+        })
+    }
+
+    /// Breaks or repairs the amplifier of a wire, now; a wire that is not there is left alone.
+    pub fn set_fault(&mut self, wire: usize, fault: Option<AmplifierFault>) {
+        let Some(place) = self.places.get(wire) else {
+            return;
+        };
+        let (now, channel) = (self.now, Channel(place.channel));
+        let amplifier = self.amplifiers.get_mut(usize::from(place.board));
+        if amplifier
+            .and_then(|a| a.set_fault(now, channel, fault))
+            .is_some()
+        {
+            self.flow(now);
         }
     }
 
@@ -198,23 +351,22 @@ impl Display {
         self.wires.get_mut(wire).map(|w| w.temperature(now))
     }
 
-    /// Where a person feels the bursts that began at or after `since`; `None` is a break: no wire above
-    /// threshold.
-    pub fn feel(&self, since: Nanos) -> Option<Felt> {
-        let felt = |(wire, place): (&Wire, &Place)| {
+    /// What a person meets of the bursts that began at or after `since`: every wire that had one.
+    pub fn vibrations(&self, since: Nanos) -> Vec<Vibration> {
+        let met = |(wire, place): (&Wire, &Place)| {
             let burst = wire.burst().filter(|b| b.start >= since)?;
             Some(Vibration {
                 position_mm: (f64::from(place.at.x), f64::from(place.at.y)),
                 amplitude_um: self.perceiver.amplitude_of_burst(&self.parameters, &burst),
             })
         };
-        let felt: Vec<Vibration> = self
-            .wires
-            .iter()
-            .zip(&self.places)
-            .filter_map(felt)
-            .collect();
-        self.perceiver.feel(&felt)
+        let wires = self.wires.iter().zip(&self.places);
+        wires.filter_map(met).collect()
+    }
+
+    /// Where a person feels them; `None` is a break: no wire above threshold.
+    pub fn feel(&self, since: Nanos) -> Option<Felt> {
+        self.perceiver.feel(&self.vibrations(since))
     }
 
     /// What the run came to until now.
@@ -223,6 +375,7 @@ impl Display {
             peak_supply: self.supply.peak().0,
             hottest_wire: (f64::NEG_INFINITY, 0),
             hottest_skin_c: f64::NEG_INFINITY,
+            hottest_deep_c: f64::NEG_INFINITY,
             ..DisplayTotals::default()
         };
         for (index, wire) in self.wires.iter_mut().enumerate() {
@@ -232,6 +385,10 @@ impl Display {
                 totals.hottest_wire = (peaks.wire_c, index);
             }
             totals.hottest_skin_c = totals.hottest_skin_c.max(peaks.shallow_c);
+            totals.hottest_deep_c = totals.hottest_deep_c.max(peaks.deep_c);
+            let dose = wire.dose(self.now).unwrap_or_default();
+            totals.dose.0 = totals.dose.0.max(dose.omega);
+            totals.dose.1 = totals.dose.1.max(dose.cem43_min);
         }
         totals
     }

@@ -18,6 +18,7 @@ pub mod rig;
 pub mod skin;
 pub mod solver;
 pub mod time;
+pub mod touching;
 pub mod wire;
 
 #[cfg(test)]

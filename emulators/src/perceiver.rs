@@ -7,44 +7,39 @@
 use crate::wire::record::Burst;
 use palpate_core::physics::WireParameters;
 
-/// Which centroid is felt. The literature disagrees; report both.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Which centroid is felt. The literature disagrees; every score is given for both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Centroid {
     /// Weights are squared amplitudes (Israr and Poupyrev).
-    #[default]
     Energy,
     /// Weights are amplitudes.
     Amplitude,
 }
 
-/// The person's parameters.
+impl Centroid {
+    /// Both.
+    pub const BOTH: [Self; 2] = [Self::Energy, Self::Amplitude];
+
+    /// Its name in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Energy => "energy centroid",
+            Self::Amplitude => "amplitude centroid",
+        }
+    }
+}
+
+/// The person's parameters; `fixtures/perceivers` has their values and where they come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PerceiverParameters {
-    /// Displacement of the skin per change of the wire's length, 1. **Fitted**: full drive of the final
-    /// module changes the length by 0.46 um a pulse and shall give the 10 um that were measured on
-    /// the first prototype; not measured on this one.
+    /// Displacement of the skin per change of the wire's length, 1. **Fitted.**
     pub fitted_gain: f64,
-    /// Smallest displacement felt near 200 Hz by a contact of this size, um. Assumed: a tenth of full
-    /// drive, so that a wire with an activation under 0.10 is not felt.
+    /// Smallest displacement felt near 200 Hz by a contact of this size, um. **Fitted.**
     pub threshold_um: f64,
     /// Expansion that turns ripple into strain when only energy is known, 1/K (austenite).
     pub expansion: f64,
-    /// Pulses after which a burst is felt as strongly as it will be. Assumed: 7, a burst of 35 ms.
+    /// Pulses after which a burst is felt as strongly as it will be.
     pub full_pulses: u32,
-    /// Which centroid is felt.
-    pub centroid: Centroid,
-}
-
-impl Default for PerceiverParameters {
-    fn default() -> Self {
-        Self {
-            fitted_gain: 21.6,
-            threshold_um: 1.0,
-            expansion: 11e-6,
-            full_pulses: 7,
-            centroid: Centroid::Energy,
-        }
-    }
 }
 
 /// A wire as the person meets it: where it is and how much it moves the skin.
@@ -59,18 +54,30 @@ pub struct Vibration {
 /// What is felt at one instant or of one stimulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Felt {
-    /// Where, mm, in the display's plane.
-    pub position_mm: (f64, f64),
+    /// Where by the energy centroid, mm, in the display's plane.
+    pub energy_mm: (f64, f64),
+    /// Where by the amplitude centroid.
+    pub amplitude_mm: (f64, f64),
     /// How strong: root of the summed squares, um.
     pub amplitude_um: f64,
     /// Wires above threshold.
     pub wires: usize,
 }
 
+impl Felt {
+    /// Where by one of the two centroids, mm.
+    pub const fn place(&self, centroid: Centroid) -> (f64, f64) {
+        match centroid {
+            Centroid::Energy => self.energy_mm,
+            Centroid::Amplitude => self.amplitude_mm,
+        }
+    }
+}
+
 /// The person.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Perceiver {
-    /// Gain, threshold and centroid.
+    /// Gain and threshold.
     pub parameters: PerceiverParameters,
 }
 
@@ -111,23 +118,38 @@ impl Perceiver {
 
     /// Where the wires together are felt; `None` where no wire is above threshold: the phantom breaks.
     pub fn feel(&self, wires: &[Vibration]) -> Option<Felt> {
-        let (mut x, mut y, mut weights, mut squares, mut count) = (0.0, 0.0, 0.0, 0.0, 0);
+        let (mut energy, mut amplitude) = (Mean::default(), Mean::default());
+        let mut count = 0;
         for w in wires.iter().filter(|w| self.detects(w.amplitude_um)) {
-            let square = w.amplitude_um * w.amplitude_um;
-            let weight = match self.parameters.centroid {
-                Centroid::Energy => square,
-                Centroid::Amplitude => w.amplitude_um,
-            };
-            x += weight * w.position_mm.0;
-            y += weight * w.position_mm.1;
-            weights += weight;
-            squares += square;
+            energy.add(w.amplitude_um * w.amplitude_um, w.position_mm);
+            amplitude.add(w.amplitude_um, w.position_mm);
             count += 1;
         }
-        (weights > 0.0).then(|| Felt {
-            position_mm: (x / weights, y / weights),
-            amplitude_um: libm::sqrt(squares),
+        (energy.weights > 0.0).then(|| Felt {
+            energy_mm: energy.place(),
+            amplitude_mm: amplitude.place(),
+            amplitude_um: libm::sqrt(energy.weights),
             wires: count,
         })
+    }
+}
+
+/// A weighted mean of places.
+#[derive(Default)]
+struct Mean {
+    weights: f64,
+    x: f64,
+    y: f64,
+}
+
+impl Mean {
+    fn add(&mut self, weight: f64, (x, y): (f64, f64)) {
+        self.weights += weight;
+        self.x += weight * x;
+        self.y += weight * y;
+    }
+
+    fn place(&self) -> (f64, f64) {
+        (self.x / self.weights, self.y / self.weights)
     }
 }

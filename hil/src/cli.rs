@@ -57,14 +57,24 @@ fn exponent(text: &str) -> Result<f64, String> {
     }
 }
 
-/// `auto` (none here) or raw counts.
+/// A rule by its name, or raw counts.
 fn threshold(text: &str) -> Result<Threshold, String> {
-    if text == "auto" {
-        return Ok(Threshold::Auto);
+    match text {
+        "auto" => return Ok(Threshold::Auto),
+        "per-taxel" => return Ok(Threshold::PerTaxel),
+        _ => {}
     }
     match text.parse() {
         Ok(counts) if (0.0..=1e6).contains(&counts) => Ok(Threshold::Counts(counts)),
-        _ => Err("expected auto or raw counts from 0 to 1000000".into()),
+        _ => Err("expected auto, per-taxel or raw counts from 0 to 1000000".into()),
+    }
+}
+
+/// A positive number that files take too.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(v) if (0.01..=86_400.0).contains(&v) => Ok(v),
+        _ => Err("expected 0.01 to 86400".into()),
     }
 }
 
@@ -73,6 +83,8 @@ fn threshold(text: &str) -> Result<Threshold, String> {
 pub enum Threshold {
     /// The largest value of the first row after the reference.
     Auto,
+    /// From every taxel's own noise.
+    PerTaxel,
     /// Raw counts.
     Counts(f32),
 }
@@ -210,6 +222,9 @@ pub struct RunArgs {
     /// Print nothing but errors.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
+    /// Print the plan, and after the run what was done and what was left out.
+    #[arg(long)]
+    pub explain: bool,
     /// Write the schedule as JSON Lines.
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
@@ -222,10 +237,10 @@ pub struct RunArgs {
     /// Whether intensity levels change the drive.
     #[arg(long, value_name = "on|off")]
     pub intensity: Option<Switch>,
-    /// Illusion model: phantom.
+    /// Illusion model: phantom, energy, linear, square, balanced, three-nearest, gaussian or nearest.
     #[arg(long, value_name = "NAME")]
     pub illusion: Option<String>,
-    /// Shape factor s of the phantom law.
+    /// Shape: s of phantom, exponent of balanced, width of gaussian.
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     pub shape: Option<f64>,
     /// Duty offset alpha, a fraction of a period.
@@ -278,6 +293,15 @@ pub enum AxesArg {
     Z,
 }
 
+/// What K_C and K_I count for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ScopeArg {
+    /// Every module.
+    Module,
+    /// The whole skin in one plane.
+    Skin,
+}
+
 /// What to do with rows that repeat the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum StaleArg {
@@ -304,9 +328,19 @@ pub struct ContactsArgs {
     /// Contact-free rows at the start that make the reference.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u32, 1, 100_000>, allow_hyphen_values = true)]
     pub reference_frames: u32,
-    /// Contact threshold: auto (the largest value of the first row after the reference) or raw counts.
-    #[arg(long, default_value = "auto", value_name = "auto|COUNTS", value_parser = threshold, allow_hyphen_values = true)]
+    /// Contact threshold: auto (the largest value of the first row after the reference), per-taxel (from every taxel's
+    /// own noise) or raw counts.
+    #[arg(long, default_value = "auto", value_name = "auto|per-taxel|COUNTS", value_parser = threshold, allow_hyphen_values = true)]
     pub threshold: Threshold,
+    /// Let the reference follow taxels not in contact with this time constant (default: it stays).
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
+    pub drift_s: Option<f64>,
+    /// Leave out taxels this many deviations from their axis's mean in the first row (default: none).
+    #[arg(long, value_name = "K", value_parser = positive, allow_hyphen_values = true)]
+    pub faulty_deviations: Option<f64>,
+    /// Where K_C and K_I count.
+    #[arg(long, value_enum, default_value_t = ScopeArg::Module)]
+    pub scope: ScopeArg,
     /// Exponent p of the weights ||s||^p.
     #[arg(long, value_name = "P", default_value = "1", value_parser = exponent, allow_hyphen_values = true)]
     pub weight_exponent: f64,

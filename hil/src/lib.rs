@@ -7,6 +7,7 @@ pub mod clock;
 pub mod command;
 pub mod emulate;
 pub mod failure;
+pub mod felt;
 pub mod files;
 pub mod output;
 pub mod plan;

@@ -1,10 +1,16 @@
 //! From checked files to the core's own types.
 
+mod illusion;
+mod person;
+
+pub use illusion::{drive, model};
+pub use person::perceiver;
+
 use palpate_core::contact::{Levels, Norm, Scope, Settings};
 use palpate_core::guard::{Guard, Limits, Plant};
-use palpate_core::illusion::{Display, Drive, LogPhantom, Map, Rect, Shape, Wire, timing};
+use palpate_core::illusion::{Display, Map, Rect, Surface, Wire};
 use palpate_core::physics::{Alloy, WireParameters};
-use palpate_core::projector::{OutputSettings, Plan, SensingPlan};
+use palpate_core::projector::{Plan, SensingPlan};
 use palpate_core::skin::{
     Address, Axes, HealthSettings, InitialiserSettings, Layout, LayoutError, Module, ScanAssembler,
     ThresholdRule,
@@ -24,7 +30,7 @@ fn point([x, y]: [f64; 2]) -> Point {
 /// board's address.
 fn module(file: &files::Module, axes: u8) -> Result<Module, LayoutError> {
     let limited = |n: usize| u16::try_from(n).unwrap_or(u16::MAX);
-    let built = match (&file.grid, &file.points_mm) {
+    let built = match (&file.grid, file.scattered()) {
         (Some(grid), _) => Module::grid(
             &file.name,
             limited(grid.rows),
@@ -32,12 +38,8 @@ fn module(file: &files::Module, axes: u8) -> Result<Module, LayoutError> {
             grid.pitch_mm as f32,
         )?,
         (None, points) => {
-            let points = points
-                .iter()
-                .flatten()
-                .copied()
-                .map(point)
-                .collect::<Vec<_>>();
+            let points = points.into_iter().flatten().map(point);
+            let points = points.collect::<Vec<_>>();
             Module::scattered(&file.name, &points)?
         }
     };
@@ -103,19 +105,39 @@ fn board(buses: &[Vec<u8>], output: &files::Output) -> Board {
 /// [`Failure::Input`] with what no display can be.
 pub fn display(setup: &Setup) -> Result<Display, Failure> {
     let buses = buses(&setup.bench.value);
-    let wires = setup
-        .display
-        .value
-        .wires_mm
-        .iter()
-        .zip(&setup.bench.value.outputs);
-    let wire = |(place, output): (&[f64; 2], &files::Output)| Wire {
-        place: point(*place),
-        board: board(&buses, output),
-        channel: Channel(output.channel),
+    let outputs = &setup.bench.value.outputs;
+    display_of(&setup.display.value, |wire| {
+        outputs.get(wire).map_or((Board(0), Channel(0)), |output| {
+            (board(&buses, output), Channel(output.channel))
+        })
+    })
+}
+
+/// A display file's wires on the outputs that `output` names for each.
+///
+/// # Errors
+/// [`Failure::Input`] with what no display can be.
+pub fn display_of(
+    file: &files::DisplayLayout,
+    output: impl Fn(usize) -> (Board, Channel),
+) -> Result<Display, Failure> {
+    let wire = |(index, place): (usize, &[f64; 2])| {
+        let (board, channel) = output(index);
+        Wire {
+            place: point(*place),
+            board,
+            channel,
+        }
     };
+    let wires = file.wires_mm.iter().enumerate();
+    let surface = file.surface.map_or(Surface::Flat, |s| Surface::Finger {
+        radius_mm: (s.diameter_mm / 2.0) as f32,
+        tip_mm: s.tip_mm as f32,
+    });
+    let [dx, dy] = file.spacing_mm;
     Display::new(&wires.map(wire).collect::<Vec<_>>())
-        .map_err(|e| Failure::Input(format!("display `{}`: {e}", setup.display.value.name)))
+        .map(|d| d.with_spacing((dx as f32, dy as f32)).with_surface(surface))
+        .map_err(|e| Failure::Input(format!("display `{}`: {e}", file.name)))
 }
 
 /// PRE_SCALE for the frequency a bench asks for.
@@ -156,6 +178,11 @@ pub fn limits(table: &files::Limits, supply: Milliamps) -> Limits {
         wire_10s_uw: scaled(table.wire_power.over_10s_mw, 1e3),
         fingertip_1s_uw: scaled(table.fingertip_power.over_1s_mw, 1e3),
         fingertip_60s_uw: scaled(table.fingertip_power.over_60s_mw, 1e3),
+        skin_mean_mc: scaled(table.skin.mean_10s_c, 1e3),
+        skin_peak_mc: scaled(table.skin.peak_c, 1e3),
+        skin_deep_mc: scaled(table.skin.deep_c, 1e3),
+        dose_omega_ppm: scaled(table.dose.henriques_omega, 1e6),
+        dose_cem43_ms: scaled(table.dose.cem43_min, 60e3),
         stale: Duration::from_micros(scaled(table.watchdog.off_within_ms, 1e3)),
         supply,
     }
@@ -192,6 +219,18 @@ pub const fn scope(scope: files::Scope) -> Scope {
     }
 }
 
+/// The contact threshold of a scene.
+fn threshold(scene: &files::Scene) -> ThresholdRule {
+    let margin = scene.threshold_margin as f32;
+    match scene.threshold {
+        files::ThresholdRule::Maximum => ThresholdRule::Auto { margin },
+        files::ThresholdRule::PerTaxel => ThresholdRule::PerTaxel {
+            sigmas: files::THRESHOLD_SIGMAS as f32,
+            floor: margin,
+        },
+    }
+}
+
 /// The silence that ends a scan. On a bus with room the frames of a scan come within milliseconds; on one
 /// that waiting boards overload they spread over the whole scan, and the next scan's follow a scan later.
 fn scan_gap(layout: &Layout, scene: &files::Scene) -> Duration {
@@ -215,7 +254,7 @@ fn scan_gap(layout: &Layout, scene: &files::Scene) -> Duration {
 }
 
 /// The rectangle around what drives the display: the driving module's taxels, or the whole skin's.
-fn sensor_area(layout: &Layout, drives: usize, scope: Scope) -> Rect {
+pub fn sensor_area(layout: &Layout, drives: usize, scope: Scope) -> Rect {
     let places = |m: &Module, origin: Point| {
         let shifted = |p: &Point| Point::new(p.x + origin.x, p.y + origin.y);
         m.points().iter().map(shifted).collect::<Vec<_>>()
@@ -253,27 +292,6 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
     });
     let map = Map::new(sensor, stated, display.bounds()).map_err(|e| bad("map.sensor_mm", &e))?;
 
-    let illusion = &scene.illusion;
-    let ms = |ms: f64| Duration::from_micros((ms * 1e3).round() as u64);
-    let timing = timing(ms(illusion.tau_d_ms), illusion.soa_ms.map(ms))
-        .map_err(|e| bad("illusion.tau_d_ms", &e))?;
-    let shape = Shape {
-        x: illusion.shape as f32,
-        y: illusion.shape as f32,
-    };
-    let phantom = LogPhantom::new(&display, shape)
-        .ok_or_else(|| bad("illusion.shape", &"a shape factor above 0"))?;
-    let floor = if illusion.intensity {
-        illusion.intensity_floor as f32
-    } else {
-        1.0
-    };
-    let drive = Drive {
-        alpha: illusion.alpha as f32,
-        beta: illusion.beta as f32,
-        floor,
-    };
-
     let (prescale, peak) = (prescale(bench)?, milliamps(bench.drive.current_ma));
     let wire_milliohm = (wire(bench).resistance_ohm * 1e3).round() as u32;
     let limits = limits(&setup.limits.value, milliamps(bench.drive.supply_limit_ma));
@@ -288,6 +306,7 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
     )
     .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
 
+    let output = illusion::output(setup, &display, peak)?;
     Ok(Plan {
         sensing: SensingPlan {
             gap: scan_gap(&layout, scene),
@@ -296,10 +315,11 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
             initialiser: InitialiserSettings {
                 reference_frames: scene.reference_frames,
                 fault_sigmas: scene.faulty_deviations.map(|k| k as f32),
-                threshold: ThresholdRule::Auto {
-                    margin: scene.threshold_margin as f32,
-                },
+                threshold: threshold(scene),
                 axes: axes(scene.compression.axes),
+                drift: scene
+                    .drift_s
+                    .map(|s| Duration::from_micros((s * 1e6).round() as u64)),
             },
             compression: Settings {
                 clusters: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),
@@ -315,12 +335,7 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
         drives: u16::try_from(scene.drives).unwrap_or(u16::MAX),
         map,
         display,
-        output: OutputSettings {
-            timing,
-            phantom,
-            drive,
-            peak,
-        },
+        output,
         guard,
     })
 }

@@ -350,6 +350,52 @@ fn widths_ns(outcome: &Outcome) -> Vec<u64> {
 }
 
 #[test]
+fn a_stuck_amplifier_burns_whatever_software_does() {
+    // Nothing is ever sent: every pin stays low, and there is nothing left to switch off.
+    let idle = with(
+        "idle",
+        "[[faults]]\nat_s = 1.0\nkind = \"amplifier-stuck-on\"\nwire = 2",
+    );
+    let edges = |e: &Event| matches!(e, Event::Edge { high: true, .. });
+    assert!(!idle.trace.events.iter().any(edges));
+    assert!(idle.summary.hottest_skin_c.unwrap() > 100.0);
+    // With all outputs off by OE and the run given up the wire goes on heating until somebody cuts the current.
+    let stuck = "[[faults]]\nat_s = 1.0\nkind = \"amplifier-stuck-on\"\nwire = 2";
+    let bus = "[[faults]]\nat_s = 1.02\nkind = \"i2c-stuck\"";
+    let cut = with("sphere-along", &format!("{stuck}\nuntil_s = 1.03\n{bus}"));
+    let left = with("sphere-along", &format!("{stuck}\n{bus}"));
+    for outcome in [&cut, &left] {
+        assert_eq!(outcome.failure.as_ref().unwrap().status(), 3);
+        assert!(outputs_are_off(outcome));
+    }
+    let (cut, left) = (
+        cut.summary.hottest_wire_c.unwrap(),
+        left.summary.hottest_wire_c.unwrap(),
+    );
+    println!("current cut by hand after 30 ms: {cut:.0} C, left on: {left:.0} C");
+    assert!(left > cut + 100.0);
+}
+
+#[test]
+fn an_open_wire_stays_cold_and_the_others_do_their_work() {
+    let broken = one("at_s = 0.0\nkind = \"open-wire\"\nwire = 2");
+    let clean = healthy();
+    assert!(broken.failure.is_none());
+    assert_eq!(broken.summary.stimuli, clean.summary.stimuli);
+    assert!(broken.summary.energy_mj < clean.summary.energy_mj);
+    let warmest = |o: &Outcome| {
+        let of_wire = |e: &Event| match e {
+            Event::Wire {
+                wire: 2, milli_c, ..
+            } => Some(*milli_c),
+            _ => None,
+        };
+        o.trace.events.iter().filter_map(of_wire).max().unwrap()
+    };
+    assert!(warmest(&clean) > 35_000 && warmest(&broken) < 33_100);
+}
+
+#[test]
 fn random_faults_of_every_layer_at_once_neither_stall_nor_panic() {
     let mut faults = String::new();
     for (kind, keys) in [

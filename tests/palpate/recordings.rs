@@ -2,16 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_hil::cli::{AxesArg, ContactsArgs, NormArg, StaleArg, Threshold};
+use palpate_hil::cli::{AxesArg, ContactsArgs, NormArg, ScopeArg, StaleArg, Threshold};
 use palpate_hil::command;
 use palpate_hil::files::{Setup, load_bench, load_scene};
 use palpate_hil::run::{Input, Outcome, run};
 use palpate_records::trace::Event;
 
-const FINGERS: [&str; 2] = ["xela_sensor1.csv", "xela_sensor2.csv"];
+pub const FINGERS: [&str; 2] = ["xela_sensor1.csv", "xela_sensor2.csv"];
 
 /// The folder of every trial, in order; none, and said so, where the recordings are not at hand.
-fn trials() -> Vec<PathBuf> {
+pub fn trials() -> Vec<PathBuf> {
     let data = std::env::var_os("PALPATE_DATA").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"),
         PathBuf::from,
@@ -212,6 +212,9 @@ fn contacts_of_a_recording_are_those_of_the_formulas() {
             ki: 10,
             reference_frames: 10,
             threshold: Threshold::Auto,
+            drift_s: None,
+            faulty_deviations: None,
+            scope: ScopeArg::Module,
             weight_exponent: exponent,
             norm: NormArg::L2,
             axes: AxesArg::Xyz,

@@ -199,3 +199,68 @@ fn whatever_comes_contacts_are_sound_and_reproducible() {
         }
     }
 }
+
+/// Two modules, whose frames repeat, keep their set of taxels, or change altogether: what is left out is not missed.
+#[test]
+fn every_shortcut_gives_the_bits_of_the_long_way() {
+    let module = |name, x| {
+        let m = Module::grid(name, 4, 5, 4.7).unwrap();
+        m.with_origin(Point::new(x, 0.0)).unwrap()
+    };
+    let l = Layout::new(alloc::vec![module("left", -15.0), module("right", 15.0)]).unwrap();
+    let mut r = Stream::new(6, "shortcuts");
+    let mut work = Work::default();
+    for case in 0..10_000u32 {
+        let settings = Settings {
+            clusters: 1 + (case % 7) as u16,
+            scope: [Scope::Module, Scope::Skin][(case / 7 % 2) as usize],
+            norm: [Norm::L2, Norm::L1, Norm::LInf][(case / 14 % 3) as usize],
+            exponent: [1.0, 2.0, 0.5, 0.0][(case / 42 % 4) as usize],
+            tolerance: [1e-3, 0.0, 0.5][(case / 5 % 3) as usize],
+            levels: Levels::Dynamic(3),
+            seed: u64::from(case),
+            ..Settings::default()
+        };
+        let mut quick = Compressor::new(&l, settings.clone()).unwrap();
+        let mut long = Compressor::new(&l, settings).unwrap();
+        let mut f = RelativeFrame::new(&l);
+        let mut d = alloc::vec![[0.0f32; 3]; 40];
+        for _ in 0..10 {
+            let change = r.next_u64() % 4;
+            for value in d.iter_mut() {
+                let stays = value[2] > 0.0;
+                match change {
+                    0 => {} // the frame repeats
+                    1 if stays => value[2] *= 1.0 + 0.01 * r.uniform() as f32,
+                    2 if stays => {
+                        *value = core::array::from_fn(|_| 1.0 + 99.0 * r.uniform() as f32)
+                    }
+                    3 => {
+                        let on = r.uniform() < 0.6;
+                        *value =
+                            core::array::from_fn(|_| if on { r.uniform() as f32 } else { 0.0 });
+                    }
+                    _ => {}
+                }
+            }
+            f.load(&d, Axes::XYZ, 0.0).unwrap();
+            if !(change == 0 && quick.repeat()) {
+                quick.compress(&f).unwrap();
+            }
+            long.groups.iter_mut().for_each(Group::distrust);
+            let want = long.compress_with(&f, |groups, locate| {
+                groups.iter_mut().rev().for_each(locate)
+            });
+            assert_eq!(quick.contacts(), want.unwrap(), "case {case}");
+        }
+        work.add(&quick.work());
+        work.repeats += quick.work().repeats;
+        assert_eq!(long.work().iterations, long.work().passes);
+    }
+    // Every shortcut was taken, or this would prove nothing.
+    assert!(work.repeats > 1000 && work.repeated > 100, "{work:?}");
+    assert!(
+        work.passes < work.iterations && work.untouched > 100,
+        "{work:?}"
+    );
+}

@@ -8,6 +8,7 @@ const STOP: Stop = Stop {
     max_iterations: 100,
 };
 
+#[derive(Clone)]
 struct Cloud {
     x: Vec<f32>,
     y: Vec<f32>,
@@ -201,4 +202,52 @@ fn one_cluster_is_the_weighted_mean() {
         k.solve(cloud.points(), STOP);
         assert_eq!(k.centroids().next(), Some(weighted_mean(cloud.points())));
     }
+}
+
+/// Wide vectors and plain ones, with what is known of the last solve and without: the same bits.
+#[test]
+fn widths_and_knowledge_change_no_bit() {
+    let mut r = Stream::new(7, "widths");
+    let (mut passes, mut iterations) = (0, 0);
+    for case in 0..100_000 {
+        let n = 1 + case % 70;
+        let k = 1 + case % 9;
+        let mut cloud = Cloud::random(&mut r, n, case % 4 == 0);
+        let mut wide = KMeans::new(n, k);
+        wide.seed(cloud.points(), k, &mut r);
+        let mut plain = wide.clone().with_vectors(Vectors::plain());
+        for frame in 0..3 {
+            let stop = Stop {
+                tolerance: [0.0, 1e-3][case % 2],
+                max_iterations: [100, 2][usize::from(case % 11 == 0)],
+            };
+            let got = wide.resume(cloud.points(), stop);
+            let want = plain.solve(cloud.points(), stop);
+            assert_eq!(
+                (got.iterations, got.converged, got.settled),
+                (want.iterations, want.converged, want.settled)
+            );
+            assert!(
+                wide.centroids().eq(plain.centroids()),
+                "case {case}, frame {frame}"
+            );
+            assert_eq!(wide.assigned(), plain.assigned());
+            assert!((0..k).all(|c| wide.members(c) == plain.members(c)));
+            if want.settled {
+                let before: Vec<_> = plain.centroids().collect();
+                plain.solve(cloud.points(), stop);
+                assert!(plain.centroids().eq(before), "settled is a fixed point");
+            }
+            (passes, iterations) = (passes + got.passes, iterations + got.iterations);
+            let change = [1.0, 0.01, 0.0][frame];
+            cloud
+                .w
+                .iter_mut()
+                .for_each(|w| *w *= 1.0 + (change * r.uniform()) as f32);
+        }
+    }
+    assert!(
+        passes < iterations,
+        "{passes} of {iterations}: nothing was left out"
+    );
 }

@@ -4,7 +4,7 @@ use alloc::boxed::Box;
 
 use embedded_hal::i2c::I2c;
 
-use super::{DriverError, Pca9685Bank};
+use super::{DriverError, Pca9685Bank, Traffic};
 use crate::bus::Actuators;
 use crate::guard::Guarded;
 use crate::units::{Board, Instant, Prescale};
@@ -56,6 +56,17 @@ impl<I: I2c> Banks<I> {
     /// Transfers made again after a transient error.
     pub fn retries(&self) -> u64 {
         self.banks.iter().map(Pca9685Bank::retries).sum()
+    }
+
+    /// What updates came to on all buses so far.
+    pub fn traffic(&self) -> Traffic {
+        let each = self.banks.iter().map(Pca9685Bank::traffic);
+        each.fold(Traffic::default(), |sum, one| Traffic {
+            writes: sum.writes + one.writes,
+            unchanged_updates: sum.unchanged_updates + one.unchanged_updates,
+            channels: sum.channels + one.channels,
+            unchanged_channels: sum.unchanged_channels + one.unchanged_channels,
+        })
     }
 
     /// The banks, to look at their boards one by one.

@@ -6,4 +6,4 @@ mod pca9685;
 
 pub use banks::Banks;
 pub use look::Seen;
-pub use pca9685::{DriverError, Pca9685Bank};
+pub use pca9685::{DriverError, Pca9685Bank, Traffic};

@@ -75,6 +75,19 @@ pub(super) struct BoardState {
     shadow: [Option<[u8; 4]>; 16],
 }
 
+/// What updates came to on the bus.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// Updates sent, one write each.
+    pub writes: u64,
+    /// Updates that would have changed no register, and were not sent.
+    pub unchanged_updates: u64,
+    /// Channels written.
+    pub channels: u64,
+    /// Channels of updates that already held what they should, and were not written.
+    pub unchanged_channels: u64,
+}
+
 /// Up to 16 PCA9685 boards on one bus.
 #[derive(Debug)]
 pub struct Pca9685Bank<I> {
@@ -84,6 +97,7 @@ pub struct Pca9685Bank<I> {
     first: u8,
     prescale: Prescale,
     retries: u64,
+    traffic: Traffic,
 }
 
 impl<I: I2c> Pca9685Bank<I> {
@@ -99,6 +113,7 @@ impl<I: I2c> Pca9685Bank<I> {
             first: 0,
             prescale,
             retries: 0,
+            traffic: Traffic::default(),
         }
     }
 
@@ -138,6 +153,11 @@ impl<I: I2c> Pca9685Bank<I> {
     /// Transfers made again after a transient error.
     pub const fn retries(&self) -> u64 {
         self.retries
+    }
+
+    /// What updates came to on the bus so far.
+    pub const fn traffic(&self) -> Traffic {
+        self.traffic
     }
 
     /// Whether every board still is as [`Self::start`] left it: a chip that fell back to its reset values
@@ -251,9 +271,16 @@ impl<I: I2c> Actuators for Pca9685Bank<I> {
             }
         }
         let differs = |c: &usize| wanted[*c] != state.shadow[*c];
+        let asked = update.channels().iter().flatten().count() as u64;
         let (Some(first), Some(last)) = ((0..16).find(differs), (0..16).rev().find(differs)) else {
+            self.traffic.unchanged_updates += 1;
+            self.traffic.unchanged_channels += asked;
             return Ok(());
         };
+        let changed = (first..=last).filter(differs).count() as u64;
+        self.traffic.writes += 1;
+        self.traffic.channels += changed;
+        self.traffic.unchanged_channels += asked.saturating_sub(changed);
         // One write, so unknown channels in between are written too: off, as they were left.
         const OFF: [u8; 4] = [0, 0, 0, regs::FULL];
         let mut bytes = [0; 65];

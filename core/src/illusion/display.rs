@@ -6,7 +6,9 @@ use core::fmt;
 
 use crate::units::{Board, Channel, Point};
 
+use super::cells::{foot, left_of};
 use super::map::Rect;
+use super::surface::Surface;
 
 /// One wire: where it lies and which output drives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +27,7 @@ pub struct Display {
     wires: Box<[Wire]>,
     hull: Box<[Point]>,
     spacing: (f32, f32),
+    surface: Surface,
 }
 
 /// Why an arrangement of wires is no display.
@@ -97,7 +100,38 @@ impl Display {
             wires: wires.into(),
             hull: convex_hull(places),
             spacing,
+            surface: Surface::Flat,
         })
+    }
+
+    /// With the spacings (D_x, D_y) of (5.2) as stated, mm, where the wires are no regular grid. An axis on
+    /// which all wires agree keeps its infinite one.
+    #[must_use]
+    pub fn with_spacing(mut self, (dx, dy): (f32, f32)) -> Self {
+        let (x, y) = self.spacing;
+        let stated = |found: f32, stated: f32| if found.is_finite() { stated } else { found };
+        self.spacing = (stated(x, dx), stated(y, dy));
+        self
+    }
+
+    /// On this surface in space.
+    #[must_use]
+    pub const fn with_surface(mut self, surface: Surface) -> Self {
+        self.surface = surface;
+        self
+    }
+
+    /// The surface that was unrolled.
+    pub const fn surface(&self) -> Surface {
+        self.surface
+    }
+
+    /// The smallest distance of two wires, mm; infinite for a single one.
+    pub fn gap(&self) -> f32 {
+        let places = || self.wires.iter().map(|w| w.place);
+        let to_earlier = |(i, p): (usize, Point)| places().take(i).map(move |q| p.distance2(q));
+        let least = places().enumerate().flat_map(to_earlier);
+        libm::sqrtf(least.fold(f32::INFINITY, f32::min))
     }
 
     /// The wires by index.
@@ -124,10 +158,10 @@ impl Display {
     /// Whether a place lies inside the hull or within `margin` mm of it.
     pub fn contains(&self, at: Point, margin: f32) -> bool {
         let n = self.hull.len();
-        if n >= 3 && (0..n).all(|i| cross(self.hull[i], self.hull[(i + 1) % n], at) >= 0.0) {
+        if n >= 3 && (0..n).all(|i| left_of(self.hull[i], self.hull[(i + 1) % n], at) >= 0.0) {
             return true;
         }
-        (0..n).any(|i| segment_distance(self.hull[i], self.hull[(i + 1) % n], at) <= margin)
+        (0..n).any(|i| at.distance(foot(self.hull[i], self.hull[(i + 1) % n], at)) <= margin)
     }
 }
 
@@ -137,20 +171,6 @@ fn gap(values: impl Iterator<Item = f32>) -> f32 {
     sorted.sort_by(f32::total_cmp);
     let gaps = sorted.windows(2).map(|w| w[1] - w[0]).filter(|&d| d > 1e-3);
     gaps.fold(f32::INFINITY, f32::min)
-}
-
-fn cross(a: Point, b: Point, c: Point) -> f32 {
-    (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
-}
-
-fn segment_distance(a: Point, b: Point, p: Point) -> f32 {
-    let length2 = a.distance2(b);
-    if length2 <= 0.0 {
-        return a.distance(p);
-    }
-    let t = ((p.x - a.x) * (b.x - a.x) + (p.y - a.y) * (b.y - a.y)) / length2;
-    let t = t.clamp(0.0, 1.0);
-    p.distance(Point::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)))
 }
 
 /// Andrew's monotone chain (1979).
@@ -164,7 +184,7 @@ fn convex_hull(mut points: Vec<Point>) -> Box<[Point]> {
         let start = hull.len();
         for p in points {
             while hull.len() >= start + 2
-                && cross(hull[hull.len() - 2], hull[hull.len() - 1], p) <= 0.0
+                && left_of(hull[hull.len() - 2], hull[hull.len() - 1], p) <= 0.0
             {
                 hull.pop();
             }
@@ -204,6 +224,17 @@ pub(crate) mod tests {
         Display::new(&wires).unwrap()
     }
 
+    /// Wires along x, in this order.
+    pub(crate) fn line(x: &[f32]) -> Display {
+        let wire = |(&x, c): (&f32, u8)| Wire {
+            place: Point::new(x, 0.0),
+            board: Board(0),
+            channel: Channel(c),
+        };
+        let wires: Vec<Wire> = x.iter().zip(0..).map(wire).collect();
+        Display::new(&wires).unwrap()
+    }
+
     #[test]
     fn the_thimble_has_the_spacings_of_the_thesis() {
         let display = thimble();
@@ -223,12 +254,7 @@ pub(crate) mod tests {
 
     #[test]
     fn wires_in_line_have_a_hull_without_area() {
-        let wire = |x: f32, c| Wire {
-            place: Point::new(x, 0.0),
-            board: Board(0),
-            channel: Channel(c),
-        };
-        let display = Display::new(&[wire(-6.5, 0), wire(0.0, 1), wire(6.5, 2)]).unwrap();
+        let display = line(&[-6.5, 0.0, 6.5]);
         assert_eq!(display.spacing(), (6.5, f32::INFINITY));
         assert!(display.contains(Point::new(3.0, 0.0), 1e-6));
         assert!(!display.contains(Point::new(3.0, 0.1), 0.01));

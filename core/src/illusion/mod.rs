@@ -1,12 +1,28 @@
-//! From a contact on the sensor to activations of wires (thesis chapter 5): the sensor-to-display map,
-//! the display's geometry, the phantom models and the onset timing.
+//! From a contact on the sensor to activations of wires (thesis chapter 5): the sensor-to-display map, the
+//! display's geometry, the laws behind one trait, several contacts, intensity, timing and known strokes.
 
+mod cells;
 mod display;
+mod drive;
 mod map;
+mod mix;
+mod model;
 mod phantom;
+mod reach;
+mod shares;
+mod stroke;
+mod surface;
 mod timing;
+mod track;
 
+pub use cells::Cells;
 pub use display::{Display, DisplayError, Wire};
+pub use drive::{Calibration, CalibrationError, Drive, Steps, noticeable_levels};
 pub use map::{Map, MapError, Rect};
-pub use phantom::{Drive, LogPhantom, Shape};
-pub use timing::{TimingError, soa_tactile_brush, timing};
+pub use mix::{Mixer, Sharing, Target};
+pub use model::{Distances, Illusion, Model, ModelError, ModelSettings, ShapeChoice, build};
+pub use phantom::{LogPhantom, RadialPhantom, Shape};
+pub use stroke::{Dab, FELT_STEP, Planned, Stroke, StrokeError};
+pub use surface::Surface;
+pub use timing::{LONGEST, TimingError, TimingLaw, duration_tactile_brush, soa_tactile_brush};
+pub use track::Tracks;

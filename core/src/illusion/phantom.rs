@@ -1,8 +1,12 @@
-//! Phantom sensation: which wire vibrates how strongly so that one touch is felt between them.
+//! The logarithmic phantom sensation of the thesis, (5.2), and its form over true distances.
 
-use crate::units::{Point, Ticks};
+use alloc::boxed::Box;
+
+use crate::units::Point;
 
 use super::display::Display;
+use super::model::{Illusion, ModelError};
+use super::reach::Metric;
 
 /// Shape factors (s_x, s_y) of (5.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,174 +17,225 @@ pub struct Shape {
     pub y: f32,
 }
 
-/// The logarithmic activation of the thesis, (5.2):
+impl Shape {
+    /// The factor with which two wires `spacing` mm apart are both at 2^-1/2 halfway, so that the energy
+    /// there is that on a wire: 3.71, 4.08 and 4.65 for 6.5, 9 and 14 mm. Any factor does where there is
+    /// no spacing.
+    pub fn flat(spacing: f32) -> f32 {
+        if !spacing.is_finite() {
+            return 1.0;
+        }
+        let half = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
+        let spacing = f64::from(spacing);
+        let ratio = libm::log2(spacing / 2.0 + 1.0) / libm::log2(spacing + 1.0);
+        (libm::log(half) / libm::log(ratio)) as f32
+    }
+}
+
+/// One factor of (5.2): `max(1 - (log2(|d| + 1) / log2(D + 1))^s, 0)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Slope {
+    /// D, mm; infinite where nothing attenuates.
+    spacing: f32,
+    /// 1 / ln(D + 1): the base of the logarithms cancels.
+    scale: f32,
+    shape: f32,
+}
+
+impl Slope {
+    fn new(spacing: f32, shape: f32) -> Self {
+        let scale = (1.0 / libm::log1p(f64::from(spacing))) as f32;
+        Self {
+            spacing,
+            scale,
+            shape,
+        }
+    }
+
+    fn at(&self, distance: f32) -> f32 {
+        let distance = libm::fabsf(distance);
+        // Most wires are out of reach: they need no logarithm. NaN compares false and ends as 0.
+        let within = distance < self.spacing;
+        if !within {
+            return 0.0;
+        }
+        let ratio = libm::logf(distance + 1.0) * self.scale;
+        // s = 1, the thesis's value, needs no power.
+        let fall = if (self.shape - 1.0).abs() < f32::EPSILON {
+            ratio
+        } else {
+            libm::powf(ratio, self.shape)
+        };
+        (1.0 - fall).max(0.0)
+    }
+}
+
+/// The activation of the thesis, (5.2), axis by axis:
 ///
 /// `a_n = max(1 - (log2(|dx| + 1) / log2(D_x + 1))^s_x, 0) * (the same in y)`
 ///
 /// Distances are in millimetres; the `+ 1` makes the law depend on that unit. On a wire a = 1 and its
-/// neighbours are 0. Between two wires with s = 1 both get 0.23 .. 0.28: the gap that the thesis's
-/// users felt, and this model keeps.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// neighbours are 0. Between two wires with s = 1 both get 0.23 .. 0.28: the gap that the thesis's users
+/// felt, and this model keeps.
+#[derive(Clone, Debug)]
 pub struct LogPhantom {
-    shape: Shape,
-    /// log2(D + 1) per axis; infinite on an axis without spacing, which then does not attenuate.
-    reach: (f32, f32),
+    slopes: (Slope, Slope),
+    wires: Box<[Point]>,
 }
 
 impl LogPhantom {
-    /// The law for a display's spacings. Shape factors that are not finite and positive are refused.
-    pub fn new(display: &Display, shape: Shape) -> Option<Self> {
+    /// The law for a display's spacings.
+    ///
+    /// # Errors
+    /// A shape factor that is not finite and positive.
+    pub fn new(display: &Display, shape: Shape) -> Result<Self, ModelError> {
         let good = |s: f32| s.is_finite() && s > 0.0;
+        if !(good(shape.x) && good(shape.y)) {
+            return Err(ModelError::Shape);
+        }
         let (dx, dy) = display.spacing();
-        let reach = (libm::log2f(dx + 1.0), libm::log2f(dy + 1.0));
-        (good(shape.x) && good(shape.y)).then_some(Self { shape, reach })
+        Ok(Self {
+            slopes: (Slope::new(dx, shape.x), Slope::new(dy, shape.y)),
+            wires: display.wires().iter().map(|w| w.place).collect(),
+        })
     }
+}
 
-    /// Activation in [0, 1] of the wire at `wire` for a contact at `at` (both display mm).
-    pub fn activation(&self, wire: Point, at: Point) -> f32 {
-        let axis = |d: f32, reach: f32, s: f32| {
-            // A quotient, not a product with a reciprocal: on a neighbour it is exactly one.
-            let ratio = libm::log2f(libm::fabsf(d) + 1.0) / reach;
-            // Most wires are out of reach: they need no power. NaN compares false and ends as 0.
-            let inside = ratio < 1.0;
-            if !inside {
-                return 0.0;
-            }
-            // s = 1, the thesis's value, needs no power either; the result is the same to the bit.
-            1.0 - if (s - 1.0).abs() < f32::EPSILON {
-                ratio
+impl Illusion for LogPhantom {
+    fn activate(&self, at: Point, out: &mut [f32]) {
+        for (a, wire) in out.iter_mut().zip(&self.wires) {
+            let ax = self.slopes.0.at(at.x - wire.x);
+            *a = if ax > 0.0 {
+                ax * self.slopes.1.at(at.y - wire.y)
             } else {
-                libm::powf(ratio, s)
-            }
-        };
-        let ax = axis(at.x - wire.x, self.reach.0, self.shape.x);
-        if ax <= 0.0 {
-            return 0.0;
+                0.0
+            };
         }
-        ax * axis(at.y - wire.y, self.reach.1, self.shape.y)
     }
 }
 
-/// From activation to duty, (5.1) with intensity: `A = alpha + beta g a` for a > 0, else off.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drive {
-    /// Duty offset, a fraction of a period; raises only wires that are active.
-    pub alpha: f32,
-    /// Duty range, a fraction of a period (thesis: 100 / 4096).
-    pub beta: f32,
-    /// Weight g of the weakest intensity level, in (0, 1]; 1 is the thesis's constant beta. Levels
-    /// between are spaced evenly up to g = 1 at the top.
-    pub floor: f32,
+/// (5.2) with one factor over the true distance, in the plane or straight through space. D is each wire's
+/// distance to its nearest neighbour, so that on a wire its neighbours are still 0.
+#[derive(Clone, Debug)]
+pub struct RadialPhantom {
+    metric: Metric,
+    slopes: Box<[Slope]>,
 }
 
-impl Drive {
-    /// g(level): monotone, 1 at the top level.
-    pub fn weight(&self, level: u16, levels: u16) -> f32 {
-        if levels <= 1 {
-            return 1.0;
+impl RadialPhantom {
+    /// The law over `metric`; `shape` gives each wire's factor from its D.
+    ///
+    /// # Errors
+    /// A shape factor that is not finite and positive.
+    pub(super) fn new(metric: Metric, shape: impl Fn(f32) -> f32) -> Result<Self, ModelError> {
+        let gaps = metric.gaps();
+        if !gaps.iter().all(|&d| shape(d).is_finite() && shape(d) > 0.0) {
+            return Err(ModelError::Shape);
         }
-        let part = f32::from(level.clamp(1, levels) - 1) / f32::from(levels - 1);
-        self.floor + (1.0 - self.floor) * part
+        let slopes = gaps.iter().map(|&d| Slope::new(d, shape(d))).collect();
+        Ok(Self { metric, slopes })
     }
+}
 
-    /// Pulse width for an activation already weighted by g.
-    pub fn width(&self, activation: f32) -> Ticks {
-        if activation > 0.0 {
-            Ticks::from_duty(self.alpha + self.beta * activation)
-        } else {
-            Ticks::ZERO
+impl Illusion for RadialPhantom {
+    fn activate(&self, at: Point, out: &mut [f32]) {
+        let at = self.metric.lift(at);
+        for (i, (a, slope)) in out.iter_mut().zip(&self.slopes).enumerate() {
+            let squared = self.metric.distance2(at, i);
+            let within = squared < slope.spacing * slope.spacing;
+            *a = if within {
+                slope.at(libm::sqrtf(squared))
+            } else {
+                0.0
+            };
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::display::tests::thimble;
+    use super::super::display::tests::{line, thimble};
     use super::*;
 
     const ONE: Shape = Shape { x: 1.0, y: 1.0 };
+
+    fn at(law: &LogPhantom, place: Point) -> [f32; 8] {
+        let mut out = [f32::NAN; 8];
+        law.activate(place, &mut out);
+        out
+    }
 
     #[test]
     fn a_wire_under_the_contact_is_alone() {
         let display = thimble();
         let law = LogPhantom::new(&display, ONE).unwrap();
         for (n, wire) in display.wires().iter().enumerate() {
-            for (m, other) in display.wires().iter().enumerate() {
-                let a = law.activation(other.place, wire.place);
-                assert_eq!(
-                    a,
-                    if n == m { 1.0 } else { 0.0 },
-                    "contact on {n}, wire {m}"
-                );
-            }
+            let expected: [f32; 8] = core::array::from_fn(|m| if n == m { 1.0 } else { 0.0 });
+            assert_eq!(at(&law, wire.place), expected, "contact on {n}");
+        }
+    }
+
+    /// The dips of `(5.2)`: energy halfway between two wires, and in the centre of a cell, against a wire.
+    #[test]
+    fn midpoints_have_the_dip_of_the_thesis() {
+        let db = |energy: f32| 10.0 * libm::log10(f64::from(energy));
+        for (spacing, expected) in [(6.5, -8.0), (9.0, -8.7), (14.0, -9.7)] {
+            let law = LogPhantom::new(&line(&[0.0, spacing]), ONE).unwrap();
+            let mut out = [0.0; 2];
+            law.activate(Point::new(spacing / 2.0, 0.0), &mut out);
+            let dip = db(out[0] * out[0] + out[1] * out[1]);
+            assert!((dip - expected).abs() < 0.1, "{spacing} mm: {dip:.2} dB");
+        }
+        // Four equal wires around the centre of a 9 x 14 mm cell.
+        let one = |d: f32| Slope::new(d, 1.0).at(d / 2.0);
+        let each = one(9.0) * one(14.0);
+        assert!((db(4.0 * each * each) + 18.4).abs() < 0.1);
+        for (spacing, expected) in [(9.0f32, -0.1), (14.0, -0.7)] {
+            let a = Slope::new(spacing, 4.0).at(spacing / 2.0);
+            assert!(
+                (db(2.0 * a * a) - expected).abs() < 0.1,
+                "s = 4, {spacing} mm"
+            );
         }
     }
 
     #[test]
-    fn midpoints_have_the_dip_of_the_thesis() {
-        // 1 - log2(d/2 + 1) / log2(d + 1) by hand: log2 4.25 / log2 7.5 and 3 / log2 15.
-        for (spacing, expected) in [(6.5f32, 0.281_9f64), (14.0, 0.232_1)] {
-            let exact =
-                1.0 - (f64::from(spacing) / 2.0 + 1.0).log2() / (f64::from(spacing) + 1.0).log2();
-            let wire = |x: f32, c| super::super::Wire {
-                place: Point::new(x, 0.0),
-                board: crate::units::Board(0),
-                channel: crate::units::Channel(c),
-            };
-            let display = Display::new(&[wire(0.0, 0), wire(spacing, 1)]).unwrap();
-            let law = LogPhantom::new(&display, ONE).unwrap();
-            let a = f64::from(law.activation(Point::new(0.0, 0.0), Point::new(spacing / 2.0, 0.0)));
-            assert!((a - exact).abs() < 1e-6);
-            assert!((a - expected).abs() < 1e-3, "{spacing}: {a}");
+    fn an_automatic_shape_makes_the_midpoint_flat() {
+        for (spacing, expected) in [(6.5, 3.71), (9.0, 4.08), (14.0, 4.65)] {
+            let shape = Shape::flat(spacing);
+            assert!((shape - expected).abs() < 0.01, "{spacing} mm: {shape}");
+            let a = Slope::new(spacing, shape).at(spacing / 2.0);
+            assert!((2.0 * a * a - 1.0).abs() < 1e-4);
         }
+        assert_eq!(Shape::flat(f32::INFINITY), 1.0);
     }
 
     #[test]
     fn shape_one_is_the_power_law_at_one() {
         let display = thimble();
         let one = LogPhantom::new(&display, ONE).unwrap();
-        let near = LogPhantom::new(
-            &display,
-            Shape {
-                x: 1.0 + 1e-5,
-                y: 1.0 + 1e-5,
-            },
-        )
-        .unwrap();
+        let near = Shape {
+            x: 1.0 + 1e-5,
+            y: 1.0 + 1e-5,
+        };
+        let near = LogPhantom::new(&display, near).unwrap();
         for i in 0..200 {
-            let at = Point::new(-11.0 + 0.11 * i as f32, 14.0 - 0.14 * i as f32);
-            for wire in display.wires() {
-                let d = one.activation(wire.place, at) - near.activation(wire.place, at);
-                assert!(d.abs() < 1e-4);
+            let place = Point::new(-11.0 + 0.11 * i as f32, 14.0 - 0.14 * i as f32);
+            for (a, b) in at(&one, place).iter().zip(at(&near, place)) {
+                assert!((a - b).abs() < 1e-4);
             }
         }
-    }
-
-    #[test]
-    fn nothing_active_means_off_even_with_an_offset() {
-        let drive = Drive {
-            alpha: 0.01,
-            beta: 0.0244,
-            floor: 0.5,
-        };
-        assert_eq!(drive.width(0.0), Ticks::ZERO);
-        assert_eq!(drive.width(1.0), Ticks::from_duty(0.0344));
-        assert_eq!(drive.width(f32::NAN), Ticks::ZERO);
-        assert_eq!(drive.weight(1, 10), 0.5);
-        assert_eq!(drive.weight(10, 10), 1.0);
-        assert_eq!(drive.weight(1, 1), 1.0);
     }
 
     #[test]
     fn bad_shapes_and_places_do_not_spread() {
         let display = thimble();
         for s in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-            assert!(LogPhantom::new(&display, Shape { x: s, y: 1.0 }).is_none());
+            assert!(LogPhantom::new(&display, Shape { x: s, y: 1.0 }).is_err());
         }
         let law = LogPhantom::new(&display, ONE).unwrap();
         for bad in [f32::NAN, f32::INFINITY, f32::MAX] {
-            let a = law.activation(Point::new(0.0, 4.75), Point::new(bad, 0.0));
-            assert_eq!(a, 0.0);
+            assert_eq!(at(&law, Point::new(bad, 0.0)), [0.0; 8]);
         }
     }
 }

@@ -5,16 +5,69 @@ use core::fmt;
 use crate::schedule::Timing;
 use crate::units::Duration;
 
-/// Onset asynchrony for apparent motion: `0.32 tau_d + 47.3 ms` (Israr & Poupyrev 2011, Tactile
-/// Brush), in whole microseconds: 35 ms -> 58.5 ms.
+/// Longest stimulus that a law asks for: the guard's longest burst.
+pub const LONGEST: Duration = Duration::from_millis(50);
+/// Duration where neither it nor an onset asynchrony is stated (thesis chapter 5).
+pub const USUAL: Duration = Duration::from_millis(35);
+
+/// Which study the missing one of duration and onset asynchrony follows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TimingLaw {
+    /// `SOA = 0.32 tau_d + 47.3 ms` (Israr and Poupyrev 2011, Tactile Brush), found on the back.
+    #[default]
+    TactileBrush,
+    /// 115 ms between onsets, the middle of the 105 to 125 ms at which a fingerpad mostly felt motion.
+    Fingerpad,
+}
+
+impl TimingLaw {
+    /// Its name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::TactileBrush => "tactile-brush",
+            Self::Fingerpad => "fingerpad",
+        }
+    }
+
+    /// A checked timing; what is not stated the law gives, durations not above [`LONGEST`].
+    ///
+    /// # Errors
+    /// [`TimingError`] for a zero span, or stimuli longer than the time to the next.
+    pub fn timing(
+        self,
+        duration: Option<Duration>,
+        soa: Option<Duration>,
+    ) -> Result<Timing, TimingError> {
+        let soa = soa.unwrap_or(match self {
+            Self::TactileBrush => soa_tactile_brush(duration.unwrap_or(USUAL)),
+            Self::Fingerpad => Duration::from_millis(115),
+        });
+        let duration = duration.unwrap_or(duration_tactile_brush(soa).min(LONGEST));
+        if duration == Duration::ZERO || soa == Duration::ZERO {
+            return Err(TimingError::Zero);
+        }
+        if duration > soa {
+            return Err(TimingError::Overlap);
+        }
+        Ok(Timing { duration, soa })
+    }
+}
+
+/// Onset asynchrony for apparent motion: `0.32 tau_d + 47.3 ms` (Israr and Poupyrev 2011, Tactile Brush),
+/// in whole microseconds: 35 ms -> 58.5 ms.
 pub const fn soa_tactile_brush(duration: Duration) -> Duration {
     Duration::from_micros(duration.as_micros().saturating_mul(32) / 100 + 47_300)
+}
+
+/// The same law the other way round; zero where onsets are too close for it.
+pub const fn duration_tactile_brush(soa: Duration) -> Duration {
+    Duration::from_micros(soa.as_micros().saturating_sub(47_300).saturating_mul(100) / 32)
 }
 
 /// Why a timing is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimingError {
-    /// A stimulus of no length, or onsets no time apart.
+    /// A stimulus of no length, or onsets no time apart; under 47.3 ms the law leaves no time to vibrate.
     Zero,
     /// Stimuli would overlap their successors: d <= SOA is required (Park 2016).
     Overlap,
@@ -23,9 +76,11 @@ pub enum TimingError {
 impl fmt::Display for TimingError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Zero => "expected a stimulus duration and an onset asynchrony above zero",
+            Self::Zero => {
+                "a stimulus duration above zero, or more than 47.3 ms between onsets for the law to give one"
+            }
             Self::Overlap => {
-                "the stimulus lasts longer than the onset asynchrony; expected tau_d <= tau_SOA"
+                "a stimulus not longer than the time between onsets, tau_d <= tau_SOA"
             }
         })
     }
@@ -33,39 +88,37 @@ impl fmt::Display for TimingError {
 
 impl core::error::Error for TimingError {}
 
-/// A checked timing; without `soa` the Tactile Brush law gives it.
-///
-/// # Errors
-/// [`TimingError`] for a zero span, or stimuli longer than the time to the next.
-pub fn timing(duration: Duration, soa: Option<Duration>) -> Result<Timing, TimingError> {
-    let soa = soa.unwrap_or(soa_tactile_brush(duration));
-    if duration == Duration::ZERO || soa == Duration::ZERO {
-        return Err(TimingError::Zero);
-    }
-    if duration > soa {
-        return Err(TimingError::Overlap);
-    }
-    Ok(Timing { duration, soa })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const BRUSH: TimingLaw = TimingLaw::TactileBrush;
+
     #[test]
     fn thirty_five_milliseconds_give_58_5() {
-        let t = timing(Duration::from_millis(35), None).unwrap();
+        let t = BRUSH.timing(Some(Duration::from_millis(35)), None).unwrap();
         assert_eq!(t.soa, Duration::from_micros(58_500));
+        assert_eq!(BRUSH.timing(None, None), Ok(t));
+        assert_eq!(BRUSH.timing(None, Some(t.soa)), Ok(t));
+    }
+
+    #[test]
+    fn a_law_never_asks_for_more_than_a_burst() {
+        let t = TimingLaw::Fingerpad.timing(None, None).unwrap();
+        assert_eq!(t.soa, Duration::from_millis(115));
+        assert_eq!(t.duration, LONGEST);
+        let stated = TimingLaw::Fingerpad.timing(Some(Duration::from_millis(20)), None);
+        assert_eq!(stated.unwrap().duration, Duration::from_millis(20));
     }
 
     #[test]
     fn overlap_starts_just_under_70_ms() {
-        // d <= 0.32 d + 47.3 ms exactly when d <= 69.56 ms (anchors.md: Park 2016).
-        assert!(timing(Duration::from_micros(69_558), None).is_ok());
-        assert_eq!(
-            timing(Duration::from_micros(69_560), None),
-            Err(TimingError::Overlap)
-        );
-        assert_eq!(timing(Duration::ZERO, None), Err(TimingError::Zero));
+        // d <= 0.32 d + 47.3 ms exactly when d <= 69.56 ms (Park 2016).
+        let of = |us| BRUSH.timing(Some(Duration::from_micros(us)), None);
+        assert!(of(69_558).is_ok());
+        assert_eq!(of(69_560), Err(TimingError::Overlap));
+        assert_eq!(of(0), Err(TimingError::Zero));
+        let close = BRUSH.timing(None, Some(Duration::from_millis(47)));
+        assert_eq!(close, Err(TimingError::Zero));
     }
 }

@@ -3,54 +3,29 @@
 
 mod output;
 mod sensing;
+mod strokes;
 
-pub use output::{OutputSettings, Target};
+pub use crate::illusion::Target;
+pub use output::OutputSettings;
 
 use alloc::boxed::Box;
 use core::fmt;
 
 use crate::bus::{Actuators, SensorBus};
 use crate::contact::{Contact, Levels, Scope, Settings, SettingsError, Work};
+pub use crate::guard::Cause;
 use crate::guard::Guard;
-use crate::illusion::{Display, Map};
+use crate::illusion::{CalibrationError, Display, Map, Tracks};
 use crate::schedule::{Entry, Timing};
 use crate::skin::{
     Condition, FrameError, HealthSettings, HealthSummary, Initialiser, InitialiserError,
     InitialiserSettings, Layout, Monitor, RelativeFrame,
 };
-use crate::units::{Board, Duration, Instant, Point};
+use crate::units::{Board, Duration, Instant};
 use crate::wire::uskin::IdProfile;
 
 use output::Output;
 use sensing::Sensing;
-
-/// Why everything was switched off. The list is closed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
-    /// No sensor frame for longer than the limit while a wire was driven.
-    StaleInput,
-    /// The actuator bus reported an error.
-    ActuatorError,
-    /// The sensor bus reported an error.
-    SensorError,
-    /// The loop was called too late to end a stimulus in time.
-    LateTick,
-    /// The run ended.
-    End,
-}
-
-impl Cause {
-    /// The word that stands in a schedule file.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::StaleInput => "stale-input",
-            Self::ActuatorError => "actuator-error",
-            Self::SensorError => "sensor-error",
-            Self::LateTick => "late-tick",
-            Self::End => "end",
-        }
-    }
-}
 
 /// A frame that went through compression.
 #[derive(Debug)]
@@ -135,6 +110,8 @@ pub enum PlanError {
     Initialiser(InitialiserError),
     /// The compression settings.
     Compression(SettingsError),
+    /// A calibration that is not of this display's wires.
+    Calibration(CalibrationError),
 }
 
 impl fmt::Display for PlanError {
@@ -143,6 +120,7 @@ impl fmt::Display for PlanError {
             Self::NoSuchModule(n) => write!(f, "expected a driving module below {n}"),
             Self::Initialiser(e) => e.fmt(f),
             Self::Compression(e) => e.fmt(f),
+            Self::Calibration(e) => write!(f, "expected {e}"),
         }
     }
 }
@@ -179,6 +157,9 @@ pub struct Projector {
     map: Map,
     drives: u16,
     targets: Box<[Target]>,
+    tracks: Tracks,
+    /// Time of the frame that the tracks know.
+    tracked: Option<Instant>,
 }
 
 impl Projector {
@@ -191,13 +172,16 @@ impl Projector {
         if usize::from(plan.drives) >= modules {
             return Err(PlanError::NoSuchModule(modules));
         }
-        let blank = Target {
-            place: Point::default(),
-            weight: 0.0,
-        };
+        if plan.output.calibration.len() != plan.display.wires().len() {
+            return Err(PlanError::Calibration(CalibrationError::Count));
+        }
         // No module has more contacts than taxels, whatever K_C says.
         let taxels = plan.sensing.layout.taxels();
         let most = usize::from(plan.sensing.compression.clusters).min(taxels);
+        let step = match plan.output.smallest_step {
+            part if part > 0.0 => part * plan.display.gap(),
+            _ => 0.0,
+        };
         let (sensing, layout) = Sensing::new(plan.sensing, plan.drives)?;
         Ok(Self {
             layout,
@@ -205,18 +189,17 @@ impl Projector {
             output: Output::new(plan.display, plan.output, plan.guard),
             map: plan.map,
             drives: plan.drives,
-            targets: alloc::vec![blank; most].into(),
+            targets: alloc::vec![Target::default(); most].into(),
+            tracks: Tracks::new(most, step),
+            tracked: None,
         })
     }
 
     /// When the loop has to be called next, whatever comes in; earlier calls do no harm.
     pub fn next(&self) -> Instant {
         let output = self.output.next();
-        let watchdog = match self.sensing.last_received() {
-            Some(t) if self.output.is_driving() => t + self.output.guard().limits().stale,
-            _ => Instant::FAR_FUTURE,
-        };
-        output.min(watchdog)
+        let deadline = self.output.guard().deadline();
+        deadline.map_or(output, |deadline| deadline.min(output))
     }
 
     /// Does all that is due at `now`: takes every frame that has come, ends what has ended, projects the
@@ -242,24 +225,18 @@ impl Projector {
             }
         }
         self.sensing.flush(now, &self.layout, observer);
-        let stale = self.output.guard().limits().stale;
-        let age = self.sensing.last_received().map(|t| now.since(t));
-        let is_stale = age.is_none_or(|age| age >= stale);
-        if is_stale && self.output.is_driving() {
-            self.all_off(now, Cause::StaleInput, actuators, observer)
+        let guard = self.output.guard_mut();
+        if let Some(at) = self.sensing.last_received() {
+            guard.hear(at);
+        }
+        let stale = guard.is_stale(now);
+        if let Some(cause) = guard.watch(now) {
+            self.all_off(now, cause, actuators, observer)
                 .map_err(LoopError::Actuator)?;
         }
-        // A stimulus that should have ended this long ago: the host was not there in time.
-        let overdue = self
-            .output
-            .guard()
-            .next_expiry()
-            .map_or(0, |end| now.since(end).as_micros());
-        if overdue > stale.as_micros() {
-            self.all_off(now, Cause::LateTick, actuators, observer)
-                .map_err(LoopError::Actuator)?;
-        }
-        let count = if is_stale { 0 } else { self.aim() };
+        self.track();
+        let due = self.output.is_due(now) && !stale;
+        let count = if due { self.aim(now) } else { 0 };
         match self
             .output
             .poll(now, &self.targets[..count], actuators, observer)
@@ -273,7 +250,7 @@ impl Projector {
         }
     }
 
-    /// Everything off, now.
+    /// Everything off, now, and kept off until [`Self::reset`].
     ///
     /// # Errors
     /// The first board that did not answer.
@@ -287,25 +264,53 @@ impl Projector {
         self.output.all_off(now, cause, actuators, observer)
     }
 
-    /// Maps the newest contacts of the driving module to the display; returns how many there are.
-    fn aim(&mut self) -> usize {
-        let compressor = self.sensing.compressor();
-        let levels = match &compressor.settings().levels {
+    /// The way back from a stop: nothing is driven after [`Self::all_off`], whatever its cause, until this has
+    /// been called once the cause is gone. Sensor frames come, the loop was called on time, and all outputs
+    /// take an all-off.
+    ///
+    /// # Errors
+    /// What is still wrong; everything stays off.
+    pub fn reset<A: Actuators>(&mut self, now: Instant, actuators: &mut A) -> Result<(), Cause> {
+        self.output.reset(now, actuators)
+    }
+
+    /// The newest contacts that drive the display: with K_C over the whole skin all of them, else one
+    /// module's.
+    fn ours(sensing: &Sensing, drives: u16) -> impl Iterator<Item = &Contact> {
+        let compressor = sensing.compressor();
+        let whole = compressor.settings().scope == Scope::Skin;
+        let contacts = compressor.contacts().iter();
+        contacts.filter(move |c| whole || c.module == drives)
+    }
+
+    /// Takes the contacts of a frame that has not been taken yet.
+    fn track(&mut self) {
+        let newest = self.sensing.newest_frame();
+        if let Some(at) = newest.filter(|_| newest != self.tracked) {
+            self.tracked = newest;
+            let placed = |c: &Contact| (c.id, self.map.apply(c.place));
+            self.tracks
+                .observe(at, Self::ours(&self.sensing, self.drives).map(placed));
+        }
+    }
+
+    /// Where the newest contacts are on the display at `now`; returns how many there are.
+    fn aim(&mut self, now: Instant) -> usize {
+        let levels = match &self.sensing.compressor().settings().levels {
             Levels::Off => 1,
             Levels::Table(table) => u16::try_from(table.values().len()).unwrap_or(u16::MAX),
             Levels::Dynamic(k) => *k,
         };
         let drive = self.output.drive();
-        // With K_C over the whole skin, the skin drives the display; else one module does.
-        let whole = compressor.settings().scope == Scope::Skin;
-        let ours = compressor
-            .contacts()
-            .iter()
-            .filter(|c| whole || c.module == self.drives);
         let mut count = 0;
-        for (target, contact) in self.targets.iter_mut().zip(ours) {
+        for (target, contact) in self
+            .targets
+            .iter_mut()
+            .zip(Self::ours(&self.sensing, self.drives))
+        {
+            let tracked = self.tracks.place(contact.id, now);
             *target = Target {
-                place: self.map.apply(contact.place),
+                place: tracked.unwrap_or(self.map.apply(contact.place)),
                 weight: drive.weight(contact.level, levels),
             };
             count += 1;
@@ -326,11 +331,6 @@ impl Projector {
     /// The guard.
     pub const fn guard(&self) -> &Guard {
         self.output.guard()
-    }
-
-    /// The guard, to latch or to clear it.
-    pub const fn guard_mut(&mut self) -> &mut Guard {
-        self.output.guard_mut()
     }
 
     /// The sensor-to-display map.

@@ -6,28 +6,29 @@ use alloc::vec;
 
 use crate::bus::Actuators;
 use crate::guard::Guard;
-use crate::illusion::{Display, Drive, LogPhantom};
+use crate::illusion::{Calibration, Display, Drive, Illusion, Mixer, Planned, Sharing, Target};
 use crate::schedule::{Stimulus, Timing};
-use crate::units::{Board, Duration, Instant, Milliamps, Point};
+use crate::units::{Board, Duration, Instant, Milliamps, Ticks};
 
+use super::strokes::Strokes;
 use super::{Cause, Observer};
 
-/// A contact as the display sees it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Target {
-    /// Place on the display, mm.
-    pub place: Point,
-    /// Intensity weight g, in [0, 1].
-    pub weight: f32,
-}
-
 /// How stimuli are made.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub struct OutputSettings {
     /// Stimulus duration and onset asynchrony.
     pub timing: Timing,
-    /// Phantom law.
-    pub phantom: LogPhantom,
+    /// From a contact to activations.
+    pub illusion: Box<dyn Illusion>,
+    /// How several contacts share wires.
+    pub sharing: Sharing,
+    /// What this person needs of each wire.
+    pub calibration: Calibration,
+    /// Smallest step of a contact that is rendered, as a part of the smallest gap between wires; 0
+    /// renders every step.
+    pub smallest_step: f32,
+    /// Strokes that are known beforehand; while one runs, live contacts wait.
+    pub strokes: Box<[Planned]>,
     /// Activation to duty.
     pub drive: Drive,
     /// Current while a pulse is high.
@@ -38,10 +39,15 @@ pub struct OutputSettings {
 #[derive(Debug)]
 pub(super) struct Output {
     display: Display,
-    settings: OutputSettings,
+    timing: Timing,
+    drive: Drive,
+    peak: Milliamps,
+    calibration: Calibration,
+    mixer: Mixer,
+    strokes: Strokes,
     guard: Guard,
-    /// Activation by wire, weighted; the same memory for every onset.
-    activation: Box<[f32]>,
+    /// Pulse width by wire; the same memory for every onset.
+    widths: Box<[Ticks]>,
     /// Stimuli of one board at one onset.
     stimuli: Box<[Stimulus]>,
     /// Highest board number in use.
@@ -54,16 +60,21 @@ impl Output {
         let n = display.wires().len();
         let blank = Stimulus {
             wire: 0,
-            width: crate::units::Ticks::ZERO,
+            width: Ticks::ZERO,
             peak: settings.peak,
             at: Instant::ZERO,
             until: Instant::ZERO,
         };
         let boards = display.wires().iter().map(|w| w.board.0).max().unwrap_or(0);
         Self {
-            settings,
+            timing: settings.timing,
+            drive: settings.drive,
+            peak: settings.peak,
+            calibration: settings.calibration,
+            mixer: Mixer::new(settings.illusion, settings.sharing, n),
+            strokes: Strokes::new(&settings.strokes),
             guard,
-            activation: vec![0.0; n].into(),
+            widths: vec![Ticks::ZERO; n].into(),
             stimuli: vec![blank; n].into(),
             boards,
             next_onset: Instant::ZERO,
@@ -84,23 +95,22 @@ impl Output {
     }
 
     pub(super) const fn timing(&self) -> Timing {
-        self.settings.timing
+        self.timing
     }
 
     pub(super) const fn drive(&self) -> Drive {
-        self.settings.drive
+        self.drive
+    }
+
+    /// Whether an onset is due.
+    pub(super) fn is_due(&self, now: Instant) -> bool {
+        now >= self.next_onset
     }
 
     /// When this half has something to do next.
     pub(super) fn next(&self) -> Instant {
-        self.guard
-            .next_expiry()
-            .map_or(self.next_onset, |end| end.min(self.next_onset))
-    }
-
-    /// Whether a stimulus is running.
-    pub(super) fn is_driving(&self) -> bool {
-        self.guard.next_expiry().is_some()
+        let onset = self.next_onset.min(self.strokes.next());
+        self.guard.next_expiry().map_or(onset, |end| end.min(onset))
     }
 
     /// Ends what has ended and, when an onset is due, projects `targets`. An onset that was missed by
@@ -114,8 +124,18 @@ impl Output {
         actuators: &mut A,
         observer: &mut impl Observer,
     ) -> Result<bool, A::Error> {
-        let due = now >= self.next_onset;
-        if !due {
+        if self.is_due(now) && self.strokes.hold(self.next_onset) {
+            self.advance_grid(now);
+        }
+        if let Some((onset, dab)) = self.strokes.due(now) {
+            let target = Target {
+                place: dab.place,
+                weight: 1.0,
+            };
+            self.render(onset, dab.duration, &[target], actuators, observer)?;
+            return Ok(true);
+        }
+        if !self.is_due(now) {
             if self.guard.next_expiry().is_some_and(|end| end <= now) {
                 for board in 0..=self.boards {
                     let update = self.guard.expire(now, Board(board));
@@ -127,9 +147,24 @@ impl Output {
             return Ok(false);
         }
         let onset = self.advance_grid(now);
+        let turn = onset.as_micros() / self.timing.soa.as_micros();
+        let targets = self.mixer.rendered(targets, turn);
+        self.render(onset, self.timing.duration, targets, actuators, observer)?;
+        Ok(true)
+    }
+
+    /// One onset: the stimuli of these targets through the guard and out.
+    fn render<A: Actuators>(
+        &mut self,
+        onset: Instant,
+        duration: Duration,
+        targets: &[Target],
+        actuators: &mut A,
+        observer: &mut impl Observer,
+    ) -> Result<(), A::Error> {
         self.activate(targets);
         for board in 0..=self.boards {
-            let count = self.collect(Board(board), onset);
+            let count = self.collect(Board(board), onset, duration);
             let update = self
                 .guard
                 .admit(onset, Board(board), &self.stimuli[..count], |entry| {
@@ -140,10 +175,22 @@ impl Output {
             }
         }
         observer.onset(onset, targets);
-        Ok(true)
+        Ok(())
     }
 
-    /// Everything off, now.
+    /// Opens the guard's latch if nothing is wrong any more.
+    pub(super) fn reset<A: Actuators>(
+        &mut self,
+        now: Instant,
+        actuators: &mut A,
+    ) -> Result<(), Cause> {
+        // The outputs last: while another cause stands there is no need to trouble their bus.
+        self.guard.ready(now)?;
+        actuators.all_off().map_err(|_| Cause::ActuatorError)?;
+        self.guard.reset(now)
+    }
+
+    /// Everything off, now, and the guard latched.
     pub(super) fn all_off<A: Actuators>(
         &mut self,
         now: Instant,
@@ -152,7 +199,8 @@ impl Output {
         observer: &mut impl Observer,
     ) -> Result<(), A::Error> {
         let result = actuators.all_off();
-        self.guard.all_off();
+        self.guard.latch(cause);
+        self.guard.all_off(now);
         for board in 0..=self.boards {
             observer.all_off(now, Board(board), cause);
         }
@@ -161,44 +209,34 @@ impl Output {
 
     /// The newest grid point not later than `now`; the next onset is the one after it.
     fn advance_grid(&mut self, now: Instant) -> Instant {
-        let soa = self.settings.timing.soa.as_micros();
+        let soa = self.timing.soa.as_micros();
         let late = now.since(self.next_onset).as_micros() / soa;
         let onset = self.next_onset + Duration::from_micros(late.saturating_mul(soa));
-        self.next_onset = onset + self.settings.timing.soa;
+        self.next_onset = onset + self.timing.soa;
         onset
     }
 
-    /// Weighted activation of every wire; where contacts share one, the strongest rules.
+    /// The pulse width of every wire.
     fn activate(&mut self, targets: &[Target]) {
-        self.activation.fill(0.0);
-        for target in targets {
-            for (a, wire) in self.activation.iter_mut().zip(self.display.wires()) {
-                let mine = self.settings.phantom.activation(wire.place, target.place);
-                *a = a.max(mine * target.weight);
-            }
+        let activation = self.mixer.activate(targets);
+        for (wire, (width, &a)) in self.widths.iter_mut().zip(activation).enumerate() {
+            *width = self.drive.width(self.calibration.apply(wire, a));
         }
     }
 
     /// Stimuli of the active wires of one board; returns how many.
-    fn collect(&mut self, board: Board, onset: Instant) -> usize {
+    fn collect(&mut self, board: Board, onset: Instant, duration: Duration) -> usize {
         let mut count = 0;
-        for (index, (wire, &a)) in self
-            .display
-            .wires()
-            .iter()
-            .zip(&*self.activation)
-            .enumerate()
-        {
-            let width = self.settings.drive.width(a);
+        for (index, (wire, &width)) in self.display.wires().iter().zip(&self.widths).enumerate() {
             if wire.board != board || width.get() == 0 {
                 continue;
             }
             self.stimuli[count] = Stimulus {
                 wire: index as u16, // a display has at most 256 wires
                 width,
-                peak: self.settings.peak,
+                peak: self.peak,
                 at: onset,
-                until: onset + self.settings.timing.duration,
+                until: onset + duration,
             };
             count += 1;
         }

@@ -32,6 +32,8 @@ struct Pipeline {
     conditions: Box<[Condition]>,
     drives: u16,
     frames: u32,
+    /// Time of the newest frame that was compressed.
+    newest: Option<Instant>,
     /// Frames that could not be compressed; the layout makes that impossible, so it is counted, not hidden.
     refused: Option<FrameError>,
 }
@@ -85,6 +87,7 @@ pub(super) struct Sensing {
 
 impl Pipeline {
     fn frame(&mut self, scan: &Scan, module: u16, layout: &Layout, observer: &mut impl Observer) {
+        self.watch_for_new_board(usize::from(module), layout);
         self.monitor
             .observe_range(scan, layout.range(usize::from(module)));
         self.examine(scan.at(), usize::from(module), layout, observer);
@@ -100,20 +103,42 @@ impl Pipeline {
             self.initialiser.mask(&mut self.relative);
             self.masked = true;
         }
-        let result = self.initialiser.relative(scan, &mut self.relative);
-        match result.and_then(|()| self.compressor.compress(&self.relative).map(|_| ())) {
-            Ok(()) => observer.frame(&FrameReport {
-                at: scan.at(),
-                number,
-                relative: &self.relative,
-                contacts: self.compressor.contacts(),
-            }),
+        let advanced = self.initialiser.advance(scan, &mut self.relative);
+        let compressed = advanced.and_then(|news| {
+            if news || !self.compressor.repeat() {
+                self.compressor.compress(&self.relative)?;
+            }
+            Ok(())
+        });
+        match compressed {
+            Ok(()) => {
+                self.newest = Some(scan.at());
+                observer.frame(&FrameReport {
+                    at: scan.at(),
+                    number,
+                    relative: &self.relative,
+                    contacts: self.compressor.contacts(),
+                });
+            }
             Err(error) => self.refused = Some(error),
         }
     }
 }
 
 impl Pipeline {
+    /// A module all of whose taxels were dead, and of which a scan now comes, may have another board: where the
+    /// reference follows drift, the module starts over.
+    fn watch_for_new_board(&mut self, module: usize, layout: &Layout) {
+        let conditions = &self.conditions[layout.range(module)];
+        let silent = |c: &Condition| matches!(c, Condition::Dead | Condition::Inactive);
+        if self.initialiser.follows_drift()
+            && conditions.iter().all(silent)
+            && conditions.contains(&Condition::Dead)
+        {
+            self.initialiser.restart(module);
+        }
+    }
+
     /// Looks at the taxels of a module: reports those whose health changed, and leaves the ill ones out.
     /// Where a whole module stands still it may be a skin without noise, so it is only reported.
     fn examine(
@@ -193,6 +218,7 @@ impl Sensing {
                     .collect(),
                 drives,
                 frames: 0,
+                newest: None,
                 refused: None,
             },
             whole,
@@ -221,6 +247,11 @@ impl Sensing {
 
     pub(super) const fn refused(&self) -> Option<&FrameError> {
         self.pipeline.refused.as_ref()
+    }
+
+    /// Time of the newest frame that was compressed.
+    pub(super) const fn newest_frame(&self) -> Option<Instant> {
+        self.pipeline.newest
     }
 
     pub(super) const fn last_received(&self) -> Option<Instant> {

@@ -2,13 +2,18 @@
 //!
 //! Frame 0 tells faulty taxels, frames 0 ..= T-1 make the reference (the mean), frame T the threshold (4.3);
 //! from frame T on relative frames (4.2) are made. The skin must be untouched until then.
+//!
+//! Beyond the thesis, for boards as they are: a threshold for every taxel from its own noise, a reference that
+//! follows slow drift, and a module that starts over after its board was changed.
 
 use alloc::vec::Vec;
 use core::fmt;
 
+use super::baseline::Baseline;
 use super::frame::Scan;
 use super::layout::Layout;
 use super::relative::{Axes, FrameError, RelativeFrame};
+use crate::units::Duration;
 
 /// How the contact threshold is found, raw counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +23,14 @@ pub enum ThresholdRule {
     Auto {
         /// Added to it, counts.
         margin: f32,
+    },
+    /// Every taxel its own: `floor` and so many times its noise at rest, measured while the reference is made and
+    /// without the rows that merely repeat. One frame with an outlier cannot raise it for all.
+    PerTaxel {
+        /// Standard deviations (Euclidean over the chosen axes).
+        sigmas: f32,
+        /// Added to them, counts: what is too faint to matter.
+        floor: f32,
     },
     /// As given.
     Fixed {
@@ -39,16 +52,20 @@ pub struct InitialiserSettings {
     pub threshold: ThresholdRule,
     /// The axes that count for threshold, contact and intensity.
     pub axes: Axes,
+    /// Time constant with which the reference of a taxel follows its readings while it is not in contact; `None`
+    /// keeps it as it was found.
+    pub drift: Option<Duration>,
 }
 
 impl Default for InitialiserSettings {
-    /// 10 frames, no taxel faulty, the threshold of (4.3) without margin, all axes.
+    /// 10 frames, no taxel faulty, the threshold of (4.3) without margin, all axes, no drift following: the thesis.
     fn default() -> Self {
         Self {
             reference_frames: 10,
             fault_sigmas: None,
             threshold: ThresholdRule::Auto { margin: 0.0 },
             axes: Axes::XYZ,
+            drift: None,
         }
     }
 }
@@ -60,8 +77,10 @@ pub enum InitialiserError {
     NoReference,
     /// A number of deviations that is not positive and finite.
     BadSigmas,
-    /// A margin or threshold that is NaN, infinite or negative.
+    /// A margin, threshold or number of deviations that is NaN, infinite or negative.
     BadThreshold,
+    /// A time constant of zero.
+    BadDrift,
 }
 
 impl fmt::Display for InitialiserError {
@@ -70,6 +89,7 @@ impl fmt::Display for InitialiserError {
             Self::NoReference => "the reference needs at least one frame",
             Self::BadSigmas => "the number of standard deviations must be positive and finite",
             Self::BadThreshold => "threshold and margin must be finite and not negative",
+            Self::BadDrift => "the time constant of drift must be longer than 0",
         })
     }
 }
@@ -93,15 +113,15 @@ pub struct Initialiser {
     settings: InitialiserSettings,
     phase: Phase,
     frames: u32,
-    sums: Vec<[u64; 3]>,
-    seen: Vec<u32>,
-    /// The reference, split into whole counts and the rest: at 49,000 counts one `f32` is good to 0.002
-    /// counts only, while a difference of whole counts is exact.
-    reference: [Vec<(f32, f32)>; 3],
+    starts: Vec<u32>,
+    baseline: Baseline,
+    /// Frames each module still takes for a new reference; 0 once it has one.
+    missing: Vec<u32>,
+    active: Vec<bool>,
     usable: Vec<bool>,
     faulty: Vec<bool>,
     single_axis: Vec<bool>,
-    threshold: f32,
+    thresholds: Vec<f32>,
 }
 
 impl Initialiser {
@@ -116,40 +136,60 @@ impl Initialiser {
         {
             return Err(InitialiserError::BadSigmas);
         }
-        let counts = match settings.threshold {
-            ThresholdRule::Auto { margin } => margin,
-            ThresholdRule::Fixed { counts } => counts,
+        let (counts, sigmas) = match settings.threshold {
+            ThresholdRule::Auto { margin } => (margin, 0.0),
+            ThresholdRule::Fixed { counts } => (counts, 0.0),
+            ThresholdRule::PerTaxel { sigmas, floor } => (floor, sigmas),
         };
-        if !(counts >= 0.0 && counts.is_finite()) {
+        if [counts, sigmas]
+            .iter()
+            .any(|v| !(*v >= 0.0 && v.is_finite()))
+        {
             return Err(InitialiserError::BadThreshold);
+        }
+        if settings.drift == Some(Duration::ZERO) {
+            return Err(InitialiserError::BadDrift);
         }
         let n = layout.taxels();
         let modules = || layout.modules().iter();
+        let active: Vec<bool> = modules().flat_map(|m| m.active()).copied().collect();
         Ok(Self {
             settings,
             phase: Phase::Collecting,
             frames: 0,
-            sums: alloc::vec![[0; 3]; n],
-            seen: alloc::vec![0; n],
-            reference: core::array::from_fn(|_| alloc::vec![(0.0, 0.0); n]),
-            usable: modules().flat_map(|m| m.active()).copied().collect(),
+            starts: layout.starts().to_vec(),
+            baseline: Baseline::new(n, settings.axes.flags()),
+            missing: alloc::vec![0; layout.modules().len()],
+            usable: active.clone(),
+            active,
             faulty: alloc::vec![false; n],
             single_axis: modules()
                 .flat_map(|m| m.points().iter().map(move |_| m.axes() == 1))
                 .collect(),
-            threshold: counts,
+            thresholds: alloc::vec![counts; n],
         })
     }
 
     /// Takes the next frame of the whole skin. Taxels not yet seen are left out of the reference, and of the run
     /// if they stay unseen until it is complete. Does nothing once ready; a scan of another layout is ignored.
     pub fn feed(&mut self, scan: &Scan) -> Phase {
-        if self.phase == Phase::Ready || scan.counts().len() != self.sums.len() {
+        let n = self.baseline.taxels();
+        if self.phase == Phase::Ready || scan.counts().len() != n {
             return self.phase;
         }
         if self.phase == Phase::Referenced {
-            if let ThresholdRule::Auto { margin } = self.settings.threshold {
-                self.threshold = self.largest_difference(scan) + margin;
+            match self.settings.threshold {
+                ThresholdRule::Auto { margin } => {
+                    let threshold = self.largest_difference(scan) + margin;
+                    self.thresholds.fill(threshold);
+                }
+                ThresholdRule::PerTaxel { sigmas, floor } => {
+                    for (threshold, noise) in self.thresholds.iter_mut().zip(self.baseline.noise())
+                    {
+                        *threshold = floor + sigmas * noise;
+                    }
+                }
+                ThresholdRule::Fixed { .. } => {}
             }
             self.phase = Phase::Ready;
             return self.phase;
@@ -157,29 +197,59 @@ impl Initialiser {
         if self.frames == 0 {
             self.mark_faulty(scan);
         }
-        for (i, counts) in scan.counts().iter().enumerate() {
-            if scan.seen()[i] {
-                self.seen[i] += 1;
-                for (sum, c) in self.sums[i].iter_mut().zip(counts) {
-                    *sum += u64::from(*c);
-                }
-            }
-        }
+        self.baseline.collect(scan, 0..n);
         self.frames += 1;
         if self.frames == self.settings.reference_frames {
-            for i in 0..self.sums.len() {
-                self.usable[i] &= self.seen[i] > 0;
-                for axis in 0..3 {
-                    let n = f64::from(self.seen[i].max(1));
-                    let mean = self.sums[i][axis] as f64 / n;
-                    let whole = libm::floor(mean);
-                    self.reference[axis][i] = (whole as f32, (mean - whole) as f32);
-                }
+            self.baseline.finish(0..n);
+            for (i, usable) in self.usable.iter_mut().enumerate() {
+                *usable &= self.baseline.knows(i);
             }
             self.phase = Phase::Referenced;
         }
         // The caller has no relative frame either way; `Referenced` is visible through `phase`.
         self.phase
+    }
+
+    /// Starts over with one module, whose board was changed or comes back after a silence: its taxels are left out
+    /// until [`Initialiser::advance`] has seen as many frames of it as the first reference had. Thresholds stay.
+    pub fn restart(&mut self, module: usize) {
+        let range = self.range(module);
+        if self.phase != Phase::Ready || range.is_empty() {
+            return;
+        }
+        self.missing[module] = self.settings.reference_frames;
+        self.baseline.restart(range.clone());
+        self.usable[range].fill(false);
+    }
+
+    /// Whether a module is starting over.
+    pub fn is_restarting(&self, module: usize) -> bool {
+        self.missing.get(module).is_some_and(|n| *n > 0)
+    }
+
+    fn range(&self, module: usize) -> core::ops::Range<usize> {
+        match (self.starts.get(module), self.starts.get(module + 1)) {
+            (Some(&from), Some(&to)) => from as usize..to as usize,
+            _ => 0..0,
+        }
+    }
+
+    /// Takes a frame for the modules that start over.
+    fn collect_again(&mut self, scan: &Scan) {
+        for module in 0..self.missing.len() {
+            let range = self.range(module);
+            if self.missing[module] == 0 || !scan.fresh()[range.clone()].contains(&true) {
+                continue;
+            }
+            self.baseline.collect(scan, range.clone());
+            self.missing[module] -= 1;
+            if self.missing[module] == 0 {
+                self.baseline.finish(range.clone());
+                for i in range {
+                    self.usable[i] = self.active[i] && !self.faulty[i] && self.baseline.knows(i);
+                }
+            }
+        }
     }
 
     fn mark_faulty(&mut self, scan: &Scan) {
@@ -225,43 +295,64 @@ impl Initialiser {
         for (i, counts) in scan.counts().iter().enumerate() {
             for (axis, chosen) in self.settings.axes.flags().into_iter().enumerate() {
                 if chosen && self.usable[i] {
-                    let (whole, rest) = self.reference[axis][i];
-                    let d = libm::fabsf(f32::from(counts[axis]) - whole - rest);
-                    largest = largest.max(d);
+                    largest = largest.max(self.baseline.difference(axis, i, counts[axis]));
                 }
             }
         }
         largest
     }
 
-    /// The relative frame (4.2) of a scan and its taxels in contact.
+    /// The relative frame (4.2) of the next scan and its taxels in contact, after the reference has followed drift
+    /// up to the scan before. Returns whether anything in the frame may be other than before: the same counts with
+    /// the same taxels left out are the same frame, and neither drift nor time changes that.
     ///
     /// Before [`Phase::Ready`] nothing is in contact. Taxels left out through `frame` stay left out.
     ///
     /// # Errors
     /// A scan or frame of another layout.
-    pub fn relative(&self, scan: &Scan, frame: &mut RelativeFrame) -> Result<(), FrameError> {
-        let n = self.sums.len();
+    pub fn advance(&mut self, scan: &Scan, frame: &mut RelativeFrame) -> Result<bool, FrameError> {
+        if self.missing.iter().any(|n| *n > 0) && scan.counts().len() == self.baseline.taxels() {
+            self.collect_again(scan);
+        }
+        if let Some(constant) = self.settings.drift
+            && self.phase == Phase::Ready
+            && frame.made
+            && frame.magnitude().len() == self.baseline.taxels()
+            && frame.counts != scan.counts()
+        {
+            let since = scan.at().since(frame.at).as_secs_f64() as f32;
+            let share = since / (since + constant.as_secs_f64() as f32);
+            self.baseline.follow(frame, &self.thresholds, share);
+        }
+        self.relative(scan, frame)
+    }
+
+    /// As [`Initialiser::advance`] with the reference as it is.
+    ///
+    /// # Errors
+    /// A scan or frame of another layout.
+    pub fn relative(&self, scan: &Scan, frame: &mut RelativeFrame) -> Result<bool, FrameError> {
+        let n = self.baseline.taxels();
         for got in [scan.counts().len(), frame.magnitude().len()] {
             if got != n {
                 return Err(FrameError::OtherLayout { got, expected: n });
             }
         }
-        let flags = self.settings.axes.flags();
-        let ready = self.phase == Phase::Ready;
-        for axis in 0..3 {
-            let out = &mut frame.axes[axis][..n];
-            if !(flags[axis] && ready) {
-                out.fill(0.0);
-                continue;
-            }
-            let reference = &self.reference[axis][..n];
-            for ((out, (whole, rest)), counts) in out.iter_mut().zip(reference).zip(scan.counts()) {
-                *out = libm::fabsf(f32::from(counts[axis]) - whole - rest);
-            }
+        if self.phase != Phase::Ready {
+            frame.clear();
+            return Ok(true);
         }
-        frame.find_contacts(self.threshold);
-        Ok(())
+        if frame.made && frame.counts == scan.counts() {
+            return Ok(false);
+        }
+        if !frame.made {
+            frame.axes.iter_mut().for_each(|axis| axis.fill(0.0));
+        }
+        frame.counts.copy_from_slice(scan.counts());
+        (frame.at, frame.made) = (scan.at(), true);
+        self.baseline.measure(&frame.counts, &mut frame.axes);
+        frame.find_contacts(|i| self.thresholds[i]);
+        Ok(true)
     }
 
     /// A relative frame for this skin, with the taxels found unusable left out. Make it once ready.
@@ -280,13 +371,21 @@ impl Initialiser {
         }
     }
 
+    /// Whether the reference follows drift.
+    pub fn follows_drift(&self) -> bool {
+        self.settings.drift.is_some()
+    }
     /// Where it stands.
     pub fn phase(&self) -> Phase {
         self.phase
     }
-    /// The contact threshold, counts; final once ready.
+    /// The contact threshold, counts, of the taxel with the largest one; final once ready.
     pub fn threshold(&self) -> f32 {
-        self.threshold
+        self.thresholds.iter().copied().fold(0.0, f32::max)
+    }
+    /// The contact threshold of every taxel, counts; final once ready.
+    pub fn thresholds(&self) -> &[f32] {
+        &self.thresholds
     }
     /// Faulty taxels (4.3.3).
     pub fn faulty(&self) -> &[bool] {
@@ -298,12 +397,8 @@ impl Initialiser {
     }
     /// The reference of a taxel along x, y, z, counts; `None` if there is no such taxel.
     pub fn reference(&self, index: usize) -> Option<[f64; 3]> {
-        let along = |axis: &Vec<(f32, f32)>| {
-            axis.get(index)
-                .map(|&(whole, rest)| f64::from(whole) + f64::from(rest))
-        };
-        let [x, y, z] = &self.reference;
-        Some([along(x)?, along(y)?, along(z)?])
+        let along = |axis| self.baseline.reference(axis, index);
+        Some([along(0)?, along(1)?, along(2)?])
     }
 }
 

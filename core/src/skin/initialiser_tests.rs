@@ -51,6 +51,7 @@ fn a_far_taxel_is_faulty_and_left_out() {
         fault_sigmas: Some(3.0),
         threshold: ThresholdRule::Fixed { counts: 10.0 },
         axes: Axes::Z,
+        drift: None,
     };
     let mut init = Initialiser::new(&l, settings).unwrap();
     let rest = |i: usize| [32_000, if i == 7 { 9 } else { 32_000 + i as u16 }, 37_000];
@@ -82,4 +83,136 @@ fn unseen_taxels_never_touch_and_bad_settings_are_refused() {
         };
         assert!(Initialiser::new(&l, settings).is_err());
     }
+}
+
+/// A pad at rest but for a wiggle of one count on every taxel, and of nine on taxel 3.
+fn noisy(k: u64) -> impl Fn(usize) -> [u16; 3] {
+    move |i| {
+        [
+            40_000,
+            16_000,
+            37_000 + (k % 2) as u16 * if i == 3 { 9 } else { 1 },
+        ]
+    }
+}
+
+fn ready(settings: InitialiserSettings) -> (Layout, Initialiser) {
+    let l = pad();
+    let mut init = Initialiser::new(&l, settings).unwrap();
+    let mut k = 0;
+    while init.phase() != Phase::Ready {
+        init.feed(&scan(&l, noisy(k)));
+        init.feed(&scan(&l, noisy(k))); // every row twice, as boards do
+        k += 1;
+    }
+    (l, init)
+}
+
+fn at(mut s: Scan, ms: u64, rows: impl Fn(usize) -> [u16; 3]) -> Scan {
+    let rows: Vec<_> = (0..s.counts().len()).map(rows).collect();
+    s.load(Instant::from_micros(ms * 1000), &rows).unwrap();
+    s
+}
+
+#[test]
+fn every_taxel_has_its_own_threshold_and_an_outlier_raises_no_other() {
+    let rule = ThresholdRule::PerTaxel {
+        sigmas: 5.0,
+        floor: 10.0,
+    };
+    let (_, init) = ready(InitialiserSettings {
+        reference_frames: 40,
+        threshold: rule,
+        ..Default::default()
+    });
+    // A step of 1 between distinct rows: sqrt(1/2) counts. Taxel 3 counts as four times the median.
+    let sigma = libm::sqrtf(0.5);
+    assert!((init.thresholds()[0] - (10.0 + 5.0 * sigma)).abs() < 1e-4);
+    assert!((init.thresholds()[3] - (10.0 + 20.0 * sigma)).abs() < 1e-4);
+    assert!((init.threshold() - init.thresholds()[3]).abs() < 1e-6);
+}
+
+#[test]
+fn the_reference_follows_drift_but_no_touch() {
+    let (l, mut init) = ready(InitialiserSettings {
+        threshold: ThresholdRule::Fixed { counts: 20.0 },
+        drift: Some(Duration::from_millis(2000)),
+        ..Default::default()
+    });
+    let mut f = init.frame(&l);
+    let mut s = Scan::new(&l);
+    // 8 counts a second for two minutes; taxel 5 is pressed all the while.
+    let row = |ms: u64| {
+        let drift = (ms * 8 / 1000) as u16;
+        move |i: usize| {
+            [
+                40_000,
+                16_000,
+                37_000 + drift + if i == 5 { 1500 } else { 0 },
+            ]
+        }
+    };
+    for ms in (0..120_000).step_by(10) {
+        s = at(s, ms, row(ms));
+        init.advance(&s, &mut f).unwrap();
+        assert_eq!(f.contacts(), [5], "at {ms} ms");
+    }
+    let moved = init.reference(0).unwrap()[2] - 37_000.0;
+    assert!((moved - 960.0).abs() < 20.0, "{moved}");
+    assert!((init.reference(5).unwrap()[2] - 37_000.5).abs() < 1.0);
+}
+
+#[test]
+fn a_changed_board_starts_over_and_is_left_out_meanwhile() {
+    let (l, mut init) = ready(InitialiserSettings {
+        threshold: ThresholdRule::Fixed { counts: 20.0 },
+        ..Default::default()
+    });
+    let mut f = init.frame(&l);
+    let other = |i: usize| [16_400, 48_900, 33_000 + if i == 2 { 500 } else { 0 }];
+    let s = scan(&l, other);
+    init.restart(0);
+    for _ in 0..10 {
+        assert!(init.is_restarting(0) && !init.usable()[0]);
+        init.mask(&mut f);
+        init.advance(&s, &mut f).unwrap();
+        assert!(f.contacts().is_empty());
+    }
+    assert!(!init.is_restarting(0) && init.usable()[0]);
+    (0..16).for_each(|i| f.set_usable(i, init.usable()[i]));
+    init.advance(&s, &mut f).unwrap();
+    assert!(f.contacts().is_empty());
+    init.advance(&scan(&l, |i| [16_400, 48_900, 33_100 + i as u16]), &mut f)
+        .unwrap();
+    assert_eq!(f.contacts().len(), 16);
+    init.restart(7); // there is no such module
+}
+
+#[test]
+fn a_repeated_scan_is_no_news_and_changes_nothing() {
+    let (l, mut init) = ready(InitialiserSettings {
+        drift: Some(Duration::from_millis(500)),
+        ..Default::default()
+    });
+    let mut f = init.frame(&l);
+    let touched = |i: usize| [40_000, 16_000, 37_000 + 100 * u16::from(i == 9)];
+    let s = at(Scan::new(&l), 10, touched);
+    assert_eq!(init.advance(&s, &mut f), Ok(true));
+    let before = f.clone();
+    let later = at(s.clone(), 900, touched);
+    assert_eq!(init.advance(&later, &mut f), Ok(false));
+    assert_eq!(
+        (before.magnitude(), before.contacts()),
+        (f.magnitude(), f.contacts())
+    );
+    // The same scan with nothing known of it: the same frame.
+    let mut anew = init.frame(&l);
+    init.relative(&later, &mut anew).unwrap();
+    assert_eq!(
+        (anew.magnitude(), anew.contacts()),
+        (f.magnitude(), f.contacts())
+    );
+    f.set_usable(9, false);
+    assert_eq!(init.advance(&later, &mut f), Ok(true));
+    assert!(f.contacts().is_empty());
 }

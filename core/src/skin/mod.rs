@@ -6,6 +6,7 @@
 //! `readings -> ScanAssembler -> Scan -> Initialiser -> RelativeFrame`, with [`health::Monitor`] beside it.
 //! Taxels of all modules share one running index: module after module, row-major within a grid.
 
+mod baseline;
 pub mod frame;
 pub mod health;
 pub mod initialiser;

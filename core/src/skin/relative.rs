@@ -7,6 +7,8 @@ use core::fmt;
 use core::ops::Range;
 
 use super::layout::Layout;
+use crate::units::Instant;
+use crate::vector::Vectors;
 
 /// A choice of axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,6 +84,12 @@ const LARGEST: f32 = 1e9;
 pub struct RelativeFrame {
     starts: Vec<u32>,
     pub(super) axes: [Vec<f32>; 3],
+    /// The raw counts it was made from, and when they were read.
+    pub(super) counts: Vec<[u16; 3]>,
+    pub(super) at: Instant,
+    /// Whether it was made from those counts with the taxels now left out.
+    pub(super) made: bool,
+    vectors: Vectors,
     magnitude: Vec<f32>,
     usable: Vec<bool>,
     contacts: Vec<u32>,
@@ -96,6 +104,10 @@ impl RelativeFrame {
         Self {
             starts: layout.starts().to_vec(),
             axes: core::array::from_fn(|_| alloc::vec![0.0; n]),
+            counts: alloc::vec![[0; 3]; n],
+            at: Instant::ZERO,
+            made: false,
+            vectors: Vectors::widest(),
             magnitude: alloc::vec![0.0; n],
             usable: active.copied().collect(),
             contacts: Vec::with_capacity(n),
@@ -139,22 +151,34 @@ impl RelativeFrame {
                 };
             }
         }
-        self.find_contacts(threshold);
+        self.made = false;
+        self.find_contacts(|_| threshold);
         Ok(())
     }
 
-    /// Magnitudes, then the list of taxels strictly above the threshold.
-    pub(super) fn find_contacts(&mut self, threshold: f32) {
+    /// Nothing differs and nothing is in contact.
+    pub(super) fn clear(&mut self) {
+        self.made = false;
+        self.axes.iter_mut().for_each(|axis| axis.fill(0.0));
+        self.find_contacts(|_| 0.0);
+    }
+
+    /// Magnitudes, then the list of taxels strictly above their thresholds.
+    pub(super) fn find_contacts(&mut self, threshold: impl Fn(usize) -> f32) {
         let n = self.magnitude.len();
         let [x, y, z] = &self.axes;
         let (x, y, z) = (&x[..n], &y[..n], &z[..n]);
-        for i in 0..n {
-            self.magnitude[i] = libm::sqrtf(x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
-        }
+        let magnitude = &mut self.magnitude[..];
+        self.vectors.run(|| {
+            for i in 0..n {
+                magnitude[i] = libm::sqrtf(x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
+            }
+        });
         self.contacts.clear();
         for (module, pair) in self.starts.windows(2).enumerate() {
             for i in pair[0]..pair[1] {
-                if self.magnitude[i as usize] > threshold && self.usable[i as usize] {
+                let at = i as usize;
+                if self.magnitude[at] > threshold(at) && self.usable[at] {
                     self.contacts.push(i); // its capacity is all taxels
                 }
             }
@@ -164,8 +188,11 @@ impl RelativeFrame {
 
     /// Leaves a taxel out of contacts and interpolation, or takes it in again; holds from the next frame on.
     pub fn set_usable(&mut self, index: usize, usable: bool) {
-        if let Some(u) = self.usable.get_mut(index) {
+        if let Some(u) = self.usable.get_mut(index)
+            && *u != usable
+        {
             *u = usable;
+            self.made = false;
         }
     }
 

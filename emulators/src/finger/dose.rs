@@ -3,57 +3,53 @@
 //! Engineering measures, not a certificate. Henriques' constants are optimistic under 50 C, and CEM43 is
 //! useless for millisecond contacts above 60 C; the plateau limits stand beside them.
 
-use crate::solver::Solver;
-use crate::solver::exact::Exact;
-use crate::time::Nanos;
 use palpate_core::physics::{GAS_CONSTANT, HENRIQUES_A, HENRIQUES_EA, ZERO_CELSIUS_K};
 
-/// Longest step of the quadrature while pulses come: a PWM period and its ripple are one.
-const STEP: Nanos = Nanos::from_micros(6000);
-/// Steps shorter than this have no middle point.
-const SHORT: Nanos = Nanos::from_micros(500);
+/// Longest first step of the quadrature after an edge, s: a PWM period and its ripple are one.
+const STEP_S: f64 = 6e-3;
+/// Steps shorter than this have no middle point, s.
+const SHORT_S: f64 = 0.5e-3;
 
 /// Dose since it was switched on.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Dose {
     /// Henriques' Omega, 1; 0.53 is a first-degree burn.
     pub omega: f64,
     /// Cumulative equivalent minutes at 43 C.
     pub cem43_min: f64,
+    /// Integral of the temperature, degrees C times seconds: the difference of two over the time between is a
+    /// mean.
+    pub celsius_s: f64,
 }
 
 impl Dose {
-    /// Advances the solver to `to` and adds the dose on the way.
-    pub(crate) fn advance(&mut self, solver: &mut Exact, to: Nanos) {
-        let mut longest = STEP;
-        while solver.now() < to {
-            let now = solver.now();
-            let span = Nanos(to.since(now).0.min(longest.0));
-            self.simpson(solver, now, span);
+    /// Adds a stretch of `span` seconds in which the temperature (degrees C) goes from `first` to `last` by way
+    /// of `between`.
+    pub(crate) fn add(&mut self, span: f64, first: f64, last: f64, between: impl Fn(f64) -> f64) {
+        let rate = |t: f64| (omega_rate(t), cem43_rate(t));
+        let (mut at, mut step, mut before) = (0.0, STEP_S, rate(first));
+        while at < span {
+            let end = if at + step * 1.5 < span {
+                at + step
+            } else {
+                span
+            };
+            let after = if end < span {
+                rate(between(end))
+            } else {
+                rate(last)
+            };
+            let middle = (end - at >= SHORT_S).then(|| rate(between((at + end) / 2.0)));
+            let mean = |a: f64, m: Option<f64>, b: f64| match m {
+                Some(m) => (a + 4.0 * m + b) / 6.0,
+                None => (a + b) / 2.0,
+            };
+            self.omega += mean(before.0, middle.map(|m| m.0), after.0) * (end - at);
+            self.cem43_min += mean(before.1, middle.map(|m| m.1), after.1) * (end - at);
+            (at, before) = (end, after);
             // Undisturbed skin only relaxes, ever more slowly.
-            longest = longest + Nanos(longest.0 / 4);
+            step *= 1.25;
         }
-    }
-
-    fn simpson(&mut self, solver: &mut Exact, from: Nanos, span: Nanos) {
-        let rate = |s: &Exact| {
-            let t = s.skin_c().0;
-            (omega_rate(t), cem43_rate(t))
-        };
-        let first = rate(solver);
-        let middle = (span >= SHORT).then(|| {
-            solver.advance(from + Nanos(span.0 / 2));
-            rate(solver)
-        });
-        solver.advance(from + span);
-        let last = rate(solver);
-        let seconds = span.as_secs_f64();
-        let mean = |a: f64, m: Option<f64>, b: f64| match m {
-            Some(m) => (a + 4.0 * m + b) / 6.0,
-            None => (a + b) / 2.0,
-        };
-        self.omega += mean(first.0, middle.map(|m| m.0), last.0) * seconds;
-        self.cem43_min += mean(first.1, middle.map(|m| m.1), last.1) * seconds;
     }
 }
 

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::modal::{Mode, ModeKey, Propagator, dot};
 use super::{Drive, Solver};
+use crate::finger::dose::Dose;
 use crate::finger::{NODES, Network};
 use crate::time::Nanos;
 use crate::wire::phase::{Heading, Phase, Segment};
@@ -41,6 +42,8 @@ pub struct Exact {
     /// Maxima since [`Exact::open_window`].
     pub window: Peaks,
     pub(super) energy: Energy,
+    /// Burn integrals of the skin at 0.1 mm, where they are wanted.
+    pub dose: Option<Dose>,
 }
 
 /// Heat into the wire as a function of its temperature above the body's: `power + feedback u`.
@@ -93,6 +96,7 @@ impl Exact {
             peaks,
             window: peaks,
             energy: Energy::default(),
+            dose: None,
         };
         solver.face();
         Ok(solver)

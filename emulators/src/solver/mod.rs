@@ -3,7 +3,9 @@
 //! [`exact::Exact`] is what the emulator uses. The others exist to be compared with it. All take the same
 //! calls: the drive changes at integer times, and nothing is computed until somebody asks.
 
+mod decay;
 pub mod exact;
+mod highest;
 pub mod modal;
 mod periodic;
 mod step;

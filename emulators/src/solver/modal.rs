@@ -4,6 +4,7 @@
 //! coordinates z = V^T C^1/2 u every node decays on its own: z' = -lambda z + g p, so that a step of any length
 //! is seventeen multiply-adds and has no truncation error.
 
+use super::decay::decays;
 use super::sum::Sum;
 use crate::finger::{NODES, Network};
 use nalgebra::{SMatrix, SymmetricEigen};
@@ -128,14 +129,12 @@ impl Mode {
         d
     }
 
-    /// A watched temperature as a function of time under constant `power` (W into the wire), from `z`.
-    pub fn sum(&self, row: &[f64; NODES], z: &[f64; NODES], power: f64, base: f64) -> Sum<'_> {
-        let rate = self.rate(z, power);
-        let slopes = core::array::from_fn(|k| row[k] * rate[k]);
+    /// A watched temperature as a function of time: from `start` (K), with these terms of its slope.
+    pub fn sum(&self, slopes: [f64; NODES], start: f64) -> Sum<'_> {
         Sum {
             lambda: &self.lambda,
             slopes,
-            start: base + dot(row, z),
+            start,
         }
     }
 }
@@ -149,106 +148,29 @@ pub struct Propagator {
     rise: [f64; NODES],
     /// (t - rise) / lambda, s2.
     ramp: [f64; NODES],
-    /// The span, s.
-    span: f64,
-    /// Filled when first asked for.
-    probes: Option<Box<Probes>>,
 }
-
-/// Where within a span a slope is probed.
-#[derive(Clone, Debug)]
-pub struct Probes {
-    /// When, s.
-    pub times: [f64; PROBES],
-    /// exp(-lambda t) then, by coordinate.
-    decays: [[f64; PROBES]; NODES],
-}
-
-impl Probes {
-    /// Two probes to a halving of the time back from the end (or to a quartering, and so on, until the
-    /// first is early enough), so that all decays but the first two come from squaring.
-    fn new(mode: &Mode, span: f64) -> Self {
-        let mut halvings = 1;
-        while span > FIRST_PROBE_S * libm::exp2((halvings * PROBES / 2) as f64) && halvings < 8 {
-            halvings += 1;
-        }
-        let times = core::array::from_fn(|i| {
-            span * libm::exp2((halvings * i) as f64 / 2.0 - (halvings * PROBES) as f64 / 2.0)
-        });
-        let decays = mode.lambda.map(|rate| {
-            let mut row = [0.0; PROBES];
-            row[0] = libm::exp(-rate * times[0]);
-            row[1] = libm::exp(-rate * times[1]);
-            for i in 2..PROBES {
-                row[i] = row[i - 2];
-                for _ in 0..halvings {
-                    row[i] *= row[i];
-                }
-            }
-            row
-        });
-        Self { times, decays }
-    }
-
-    /// Sums of decaying `terms` at the times.
-    pub fn of(&self, terms: &[f64; NODES]) -> [f64; PROBES] {
-        let mut sums = [0.0; PROBES];
-        for (decays, term) in self.decays.iter().zip(terms) {
-            for (sum, decay) in sums.iter_mut().zip(decays) {
-                *sum += decay * term;
-            }
-        }
-        sums
-    }
-}
-
-/// Times within a span at which a slope is probed.
-pub const PROBES: usize = 24;
-/// The earliest of them, s: heat needs ten times as long to reach 0.1 mm.
-const FIRST_PROBE_S: f64 = 40e-6;
 
 impl Propagator {
     /// Over `t` seconds.
     pub fn new(mode: &Mode, t: f64) -> Self {
-        let zero = [0.0; NODES];
+        let (decay, fallen) = decays(&mode.lambda, t);
         let mut p = Self {
-            decay: zero,
-            rise: zero,
-            ramp: zero,
-            span: t,
-            probes: None,
+            decay,
+            rise: fallen,
+            ramp: [0.0; NODES],
         };
         for k in 0..NODES {
             let x = mode.lambda[k] * t;
-            p.decay[k] = libm::exp(-x);
-            if x.abs() < 1e-3 {
-                p.rise[k] =
-                    t * (1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0))));
+            p.rise[k] /= mode.lambda[k];
+            // Where t and the rise are nearly equal their difference has no digits left.
+            p.ramp[k] = if x.abs() < 1e-3 {
                 let inner = 1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0));
-                p.ramp[k] = t * t / 2.0 * (1.0 - x / 3.0 * inner);
+                t * t / 2.0 * (1.0 - x / 3.0 * inner)
             } else {
-                let fallen = if x > 0.5 {
-                    1.0 - p.decay[k]
-                } else {
-                    -libm::expm1(-x)
-                };
-                p.rise[k] = fallen / mode.lambda[k];
-                p.ramp[k] = (t - p.rise[k]) / mode.lambda[k];
-            }
+                (t - p.rise[k]) / mode.lambda[k]
+            };
         }
         p
-    }
-
-    /// The span, s.
-    pub const fn span(&self) -> f64 {
-        self.span
-    }
-
-    /// Times at which a slope is probed, and the decays until then.
-    pub fn probes(&mut self, mode: &Mode) -> &Probes {
-        let span = self.span;
-        self.probes
-            .get_or_insert_with(|| Box::new(Probes::new(mode, span)))
     }
 
     /// Coordinates after the span under constant `power`.
@@ -273,9 +195,9 @@ impl Propagator {
 /// Sum of products in four interleaved lanes: one fixed order on every machine, and short chains of additions.
 pub fn dot(a: &[f64; NODES], b: &[f64; NODES]) -> f64 {
     let mut lane = [0.0; 4];
-    for k in (0..NODES - 1).step_by(4) {
-        for (l, lane) in lane.iter_mut().enumerate() {
-            *lane += a[k + l] * b[k + l];
+    for (a, b) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0) {
+        for l in 0..4 {
+            lane[l] += a[l] * b[l];
         }
     }
     (lane[0] + lane[1]) + (lane[2] + lane[3]) + a[NODES - 1] * b[NODES - 1]

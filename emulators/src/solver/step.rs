@@ -2,8 +2,9 @@
 
 use super::Drive;
 use super::exact::{Exact, Heat};
-use super::modal::{PROBES, Propagator, dot};
-use super::sum::{LEVEL_TOLERANCE, changes};
+use super::highest::{Point, highest};
+use super::modal::{Propagator, dot};
+use super::sum::{LEVEL_TOLERANCE, Sum, changes};
 use crate::finger::NODES;
 use crate::time::Nanos;
 use crate::wire::phase::{Heading, Segment};
@@ -15,8 +16,6 @@ const EVENTS: usize = 100_000;
 
 /// Growths (e-foldings) computed at once in electrical runaway.
 const RUNAWAY: f64 = 20.0;
-/// In so short a step the skin turns at most once, s: its fastest change takes milliseconds.
-const SHORT_S: f64 = 250e-6;
 
 /// What ends a step early.
 enum Event {
@@ -50,7 +49,7 @@ impl Exact {
                 left
             };
             whole &= stretch >= left;
-            let mut propagator = if whole {
+            let propagator = if whole {
                 self.borrow(span.0)
             } else {
                 Box::new(Propagator::new(&self.modes[self.mode], stretch))
@@ -62,7 +61,7 @@ impl Exact {
                 None
             };
             if event.is_none() {
-                self.accept(&mut propagator, &end, &heat, power, stretch);
+                self.accept(&propagator, &end, &heat, power, stretch);
             }
             if whole {
                 self.give_back(span.0, propagator);
@@ -74,9 +73,9 @@ impl Exact {
                 }
                 return;
             };
-            let mut propagator = Propagator::new(&self.modes[self.mode], after);
+            let propagator = Propagator::new(&self.modes[self.mode], after);
             let end = propagator.step(&self.modes[self.mode], &self.z, power);
-            self.accept(&mut propagator, &end, &heat, power, after);
+            self.accept(&propagator, &end, &heat, power, after);
             if let Event::Threshold(threshold, _) = event {
                 at = Some(threshold);
             }
@@ -123,12 +122,12 @@ impl Exact {
             Heading::Up => to < from - LEVEL_TOLERANCE,
             Heading::Down => to > from + LEVEL_TOLERANCE,
         };
-        let rate = mode.rate(&self.z, power);
-        let monotone = changes(&product(&mode.gain, &rate)) == 0;
+        let slopes = product(&mode.gain, &mode.rate(&self.z, power));
+        let monotone = changes(&slopes) == 0;
         if monotone && last >= low && last <= high && !(segment.one_way && backward(first, last)) {
             return None;
         }
-        let sum = mode.sum(&mode.gain, &self.z, power, base);
+        let sum = mode.sum(slopes, first);
         let (mut from, mut before) = (0.0, first);
         loop {
             let turn = sum.next_turn(from, span);
@@ -138,11 +137,11 @@ impl Exact {
                 return Some((from, Event::Turn));
             }
             if value > high {
-                let at = sum.crossing(segment.high, from, to);
+                let at = sum.crossing(segment.high, from, to, true);
                 return Some((at, Event::Threshold(segment.high, Heading::Up)));
             }
             if value < low {
-                let at = sum.crossing(segment.low, from, to);
+                let at = sum.crossing(segment.low, from, to, false);
                 return Some((at, Event::Threshold(segment.low, Heading::Down)));
             }
             turn?;
@@ -156,7 +155,7 @@ impl Exact {
     /// Moves the state to `end`, `span` seconds on, and keeps the books.
     fn accept(
         &mut self,
-        propagator: &mut Propagator,
+        propagator: &Propagator,
         end: &[f64; NODES],
         heat: &Heat,
         power: f64,
@@ -167,11 +166,24 @@ impl Exact {
         let wire = dot(&mode.gain, &integral);
         let outer = dot(mode.last(), &integral);
         let rate = (mode.rate(&self.z, power), mode.rate(end, power));
+        let shallow = self.course(&mode.shallow, &rate, end, span);
+        let deep = self.course(&mode.deep, &rate, end, span);
+        let known = (
+            self.peaks.shallow_c.min(self.window.shallow_c),
+            self.peaks.deep_c.min(self.window.deep_c),
+        );
         let seen = Peaks {
-            wire_c: self.wire_peak_within(&rate, end, power, span),
-            shallow_c: self.skin_peak_within(&mode.shallow, &rate, end, power, propagator),
-            deep_c: self.skin_peak_within(&mode.deep, &rate, end, power, propagator),
+            wire_c: self.wire_peak_within(&rate, end, span),
+            shallow_c: shallow.highest(known.0),
+            deep_c: deep.highest(known.1),
         };
+        let mut dose = self.dose;
+        if let Some(dose) = &mut dose {
+            let (first, last) = (shallow.from.value, shallow.to.value);
+            dose.add(span, first, last, |t| shallow.sum.value(t));
+            dose.celsius_s += dot(&mode.shallow, &integral) + self.network.body_c * span;
+        }
+        self.dose = dose;
         self.peaks.raise(&seen);
         self.window.raise(&seen);
 
@@ -198,18 +210,18 @@ impl Exact {
         &self,
         rate: &([f64; NODES], [f64; NODES]),
         end: &[f64; NODES],
-        power: f64,
         span: f64,
     ) -> f64 {
         let mode = &self.modes[self.mode];
         let base = self.network.body_c;
-        let mut top = base + dot(&mode.gain, &self.z).max(dot(&mode.gain, end));
+        let start = base + dot(&mode.gain, &self.z);
+        let mut top = start.max(base + dot(&mode.gain, end));
         let slopes = product(&mode.gain, &rate.0);
         let turns = changes(&slopes);
         if turns > 1
             || (turns == 1 && slopes.iter().sum::<f64>() > 0.0 && dot(&mode.gain, &rate.1) < 0.0)
         {
-            let sum = mode.sum(&mode.gain, &self.z, power, base);
+            let sum = mode.sum(slopes, start);
             let mut from = 0.0;
             while let Some(turn) = sum.next_turn(from, span) {
                 top = top.max(sum.value(turn));
@@ -219,66 +231,37 @@ impl Exact {
         top
     }
 
-    /// The maximum at a depth over a step. Heat of a pulse arrives after the pulse, so that the slope may
-    /// be negative at both ends with a peak between; it is probed at times spaced as diffusion is slow.
-    fn skin_peak_within(
-        &self,
+    /// The course of the temperature at a depth over a step.
+    fn course<'a>(
+        &'a self,
         row: &[f64; NODES],
         rate: &([f64; NODES], [f64; NODES]),
         end: &[f64; NODES],
-        power: f64,
-        propagator: &mut Propagator,
-    ) -> f64 {
-        let mode = &self.modes[self.mode];
-        let base = self.network.body_c;
-        let mut top = base + dot(row, &self.z).max(dot(row, end));
-        let slopes = product(row, &rate.0);
-        let last = dot(row, &rate.1);
-        let first = slopes.iter().sum::<f64>();
-        if changes(&slopes) == 0 {
-            return top;
-        }
-        let span = propagator.span();
-        let mut seen = [(span, last); PROBES + 2];
-        let mut count = 1;
-        seen[0] = (0.0, first);
-        if span > SHORT_S {
-            let probes = propagator.probes(mode);
-            for (at, slope) in probes.times.into_iter().zip(probes.of(&slopes)) {
-                seen[count] = (at, slope);
-                count += 1;
-            }
-        }
-        let sum = mode.sum(row, &self.z, power, base);
-        for i in 0..=count {
-            let (here, next) = (seen[i], seen[(i + 1).min(count)]);
-            if here.1 > 0.0 && next.1 < 0.0 {
-                top = top.max(sum.value(sum.turn_between(here.0, next.0)));
-                continue;
-            }
-            // Nearly turned: between the neighbours the slope may have changed sign and back.
-            let before = seen[i.saturating_sub(1)];
-            let side = if here.1 > 0.0 { -1.0 } else { 1.0 };
-            let falls = if i < count {
-                side * next.1 < side * here.1
-            } else {
-                side * sum.bend(span) < 0.0
-            };
-            // Probes lie close: the extreme is nearer to `here` than its further neighbour is.
-            let reach = (here.1 - before.1).abs().max((here.1 - next.1).abs());
-            let far = here.1.abs() > reach;
-            if i == 0 || side * before.1 >= side * here.1 || !falls || far {
-                continue;
-            }
-            let extreme = sum.steepest_between(before.0, next.0, side);
-            let slope = sum.slope(extreme);
-            if side > 0.0 && slope > 0.0 {
-                top = top.max(sum.value(sum.turn_between(extreme, next.0)));
-            } else if side < 0.0 && slope < 0.0 {
-                top = top.max(sum.value(sum.turn_between(before.0, extreme)));
-            }
-        }
-        top
+        span: f64,
+    ) -> Course<'a> {
+        let at = |t: f64, z: &[f64; NODES], rate: &[f64; NODES]| Point {
+            t,
+            value: self.network.body_c + dot(row, z),
+            slope: dot(row, rate),
+            terms: product(row, rate),
+        };
+        let (from, to) = (at(0.0, &self.z, &rate.0), at(span, end, &rate.1));
+        let sum = self.modes[self.mode].sum(from.terms, from.value);
+        Course { sum, from, to }
+    }
+}
+
+/// A temperature over a step: the whole of it, and its ends.
+struct Course<'a> {
+    sum: Sum<'a>,
+    from: Point,
+    to: Point,
+}
+
+impl Course<'_> {
+    /// Its maximum, or `known` if that is higher.
+    fn highest(&self, known: f64) -> f64 {
+        highest(&self.sum, &self.from, &self.to, known)
     }
 }
 

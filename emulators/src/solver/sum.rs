@@ -6,6 +6,8 @@
 //! t > 0 by the sign changes of its partial sums, slowest first. Nearly every interval is settled by
 //! that count alone; the rest is bisected until the count or a bound on the derivative settles it.
 
+use super::decay::decays;
+use super::highest::Point;
 use crate::finger::NODES;
 
 /// Levels are crossed when passed by more than this, K: well under the promised 1e-9.
@@ -32,17 +34,33 @@ impl Sum<'_> {
         self.value_and_slope(t).0
     }
 
+    /// Value and terms of the derivative at `t`.
+    pub(super) fn point(&self, t: f64) -> Point {
+        let (decay, fallen) = decays(self.lambda, t);
+        let mut value = 0.0;
+        let mut terms = decay;
+        for k in 0..NODES {
+            value += self.slopes[k] * fallen[k] / self.lambda[k];
+            terms[k] *= self.slopes[k];
+        }
+        Point {
+            t,
+            value: self.start + value,
+            slope: terms.iter().sum(),
+            terms,
+        }
+    }
+
     /// Terms of the derivative at `t`, scaled to there.
     fn slope_terms(&self, t: f64) -> [f64; NODES] {
-        let mut b = [0.0; NODES];
-        for ((b, rate), d) in b.iter_mut().zip(self.lambda).zip(&self.slopes) {
-            *b = if t > 0.0 {
-                d * libm::exp(-rate * t)
-            } else {
-                *d
-            };
+        if t <= 0.0 {
+            return self.slopes;
         }
-        b
+        let mut terms = decays(self.lambda, t).0;
+        for (term, d) in terms.iter_mut().zip(&self.slopes) {
+            *term *= d;
+        }
+        terms
     }
 
     /// The first time in (from, to] at which the derivative changes sign.
@@ -88,69 +106,50 @@ impl Sum<'_> {
 
     /// Value and derivative at `t`.
     fn value_and_slope(&self, t: f64) -> (f64, f64) {
-        let (mut v, mut slope) = (0.0, 0.0);
-        for (rate, d) in self.lambda.iter().zip(&self.slopes) {
-            let fallen = -libm::expm1(-rate * t);
-            v += d * fallen / rate;
-            slope += d * (1.0 - fallen);
-        }
-        (self.start + v, slope)
+        let point = self.point(t);
+        (point.value, point.slope)
     }
 
     /// Derivative and second derivative at `t`.
     fn slope_and_bend(&self, t: f64) -> (f64, f64) {
         let (mut slope, mut bend) = (0.0, 0.0);
-        for (rate, d) in self.lambda.iter().zip(&self.slopes) {
-            let term = d * libm::exp(-rate * t);
+        for (rate, term) in self.lambda.iter().zip(self.slope_terms(t)) {
             slope += term;
             bend -= rate * term;
         }
         (slope, bend)
     }
 
-    /// Derivative at `t` seconds, K/s.
-    pub fn slope(&self, t: f64) -> f64 {
-        self.slope_and_bend(t).0
-    }
-
-    /// Second derivative at `t` seconds, K/s2.
-    pub fn bend(&self, t: f64) -> f64 {
-        self.slope_and_bend(t).1
-    }
-
-    /// The time at which the derivative times `side` (1 or -1) is largest, between two at which it rises and
-    /// falls.
-    pub fn steepest_between(&self, mut from: f64, mut to: f64, side: f64) -> f64 {
-        for _ in 0..24 {
-            let middle = from + (to - from) / 2.0;
-            if side * self.slope_and_bend(middle).1 > 0.0 {
-                from = middle
-            } else {
-                to = middle
-            }
-        }
-        from
-    }
-
     /// The turn between two times at which the derivative has opposite signs.
     pub fn turn_between(&self, from: f64, to: f64) -> f64 {
-        root(from, to, |t| self.slope_and_bend(t))
+        let start = self.slope_and_bend(from);
+        root((from, to), start, start.0 < 0.0, |t| self.slope_and_bend(t))
     }
 
-    /// The time in [from, to] at which the sum, monotone there, passes `level`.
-    pub fn crossing(&self, level: f64, from: f64, to: f64) -> f64 {
-        root(from, to, |t| {
-            let (v, d) = self.value_and_slope(t);
-            (v - level, d)
+    /// The time in [from, to] at which the sum, monotone there, rises or falls past `level`.
+    pub fn crossing(&self, level: f64, from: f64, to: f64, rises: bool) -> f64 {
+        let over = |(v, d): (f64, f64)| (v - level, d);
+        let start = if from > 0.0 {
+            self.value_and_slope(from)
+        } else {
+            (self.start, self.slopes.iter().sum())
+        };
+        root((from, to), over(start), rises, |t| {
+            over(self.value_and_slope(t))
         })
     }
 }
 
-/// Root of a function, given with its derivative, that has opposite signs at the ends: Newton's steps inside
-/// a shrinking bracket, bisection whenever one would leave it or the last did not halve it.
-fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
-    let (start, mut slope) = f(low);
-    let sign = if f(high).0 > 0.0 { 1.0 } else { -1.0 };
+/// Root of a function that `rises` or falls through zero between two times, given with its derivative (at the earlier
+/// one too): Newton's steps inside a shrinking bracket, bisection whenever one would leave it or the last did
+/// not halve it.
+fn root(
+    (mut low, mut high): (f64, f64),
+    (start, mut slope): (f64, f64),
+    rises: bool,
+    f: impl Fn(f64) -> (f64, f64),
+) -> f64 {
+    let sign = if rises { 1.0 } else { -1.0 };
     if start * sign >= 0.0 {
         return low;
     }

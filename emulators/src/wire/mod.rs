@@ -25,7 +25,6 @@ pub struct Wire {
     pulse: Option<Pulse>,
     burst: Option<Burst>,
     ended: Option<Burst>,
-    dose: Option<Dose>,
 }
 
 /// The wire at a rising edge.
@@ -53,15 +52,13 @@ impl Wire {
             pulse: None,
             burst: None,
             ended: None,
-            dose: None,
         })
     }
 
-    /// Also keeps the burn integrals at 0.1 mm from here on. Costs a few evaluations per step once the
-    /// skin is warmer than 38 C.
+    /// Also keeps the burn integrals at 0.1 mm from here on, at a few evaluations a step.
     #[must_use]
     pub fn with_dose(mut self) -> Self {
-        self.dose = Some(Dose::default());
+        self.solver.dose = Some(Dose::default());
         self
     }
 
@@ -161,10 +158,7 @@ impl Wire {
 
     /// Computes up to `to`; nothing if that is past. Questions do this themselves.
     pub fn advance(&mut self, to: Nanos) {
-        match &mut self.dose {
-            None => self.solver.advance(to),
-            Some(dose) => dose.advance(&mut self.solver, to),
-        }
+        self.solver.advance(to);
     }
 
     /// The time computed up to.
@@ -227,7 +221,7 @@ impl Wire {
     /// The burn integrals at 0.1 mm up to `at`; `None` without [`Wire::with_dose`].
     pub fn dose(&mut self, at: Nanos) -> Option<Dose> {
         self.advance(at);
-        self.dose.clone()
+        self.solver.dose
     }
 
     /// The burst under way, or the last one if no other has begun. A pulse counts once it has ended.

@@ -257,12 +257,17 @@ impl Sink {
                 target,
                 inside,
                 felt,
+                energy_permille,
             } => {
                 self.u8(8);
                 self.u64(*t_us);
                 self.place(*target);
                 self.u8(u8::from(*inside));
-                self.option(*felt, Self::place);
+                self.option(*felt, |hash, felt| {
+                    hash.place(felt.energy);
+                    hash.place(felt.amplitude);
+                });
+                self.u32(*energy_permille);
             }
             Event::Wire {
                 t_us,

@@ -8,6 +8,7 @@ pub mod bursts;
 pub mod candump;
 pub mod contacts_csv;
 pub mod digest;
+pub mod felt;
 mod fixed;
 pub mod golden;
 pub mod measure;

@@ -17,21 +17,22 @@ pub struct Errors {
     pub count: u64,
 }
 
+/// Collects squared distances.
 #[derive(Default)]
-struct Sum {
+pub(crate) struct Sum {
     squares: u128,
     max: u64,
     count: u64,
 }
 
 impl Sum {
-    fn add(&mut self, squared_um: u64) {
+    pub(crate) fn add(&mut self, squared_um: u64) {
         self.squares = self.squares.saturating_add(u128::from(squared_um));
         self.max = self.max.max(squared_um);
         self.count += 1;
     }
 
-    fn errors(&self) -> Option<Errors> {
+    pub(crate) fn errors(&self) -> Option<Errors> {
         let mean = self.squares.checked_div(u128::from(self.count))?;
         Some(Errors {
             rmse_um: u64::try_from(mean).unwrap_or(u64::MAX).isqrt(),
@@ -62,29 +63,6 @@ pub fn path_error(trace: &Trace) -> Option<Errors> {
         }
     }
     sum.errors()
-}
-
-/// Felt place against the mapped contact, display space, and the number of breaks: onsets with the
-/// contact inside the display and nothing felt.
-pub fn felt_error(trace: &Trace) -> (Option<Errors>, u64) {
-    let mut sum = Sum::default();
-    let mut breaks = 0;
-    for event in &trace.events {
-        if let Event::Felt {
-            target,
-            inside,
-            felt,
-            ..
-        } = event
-        {
-            match felt {
-                Some(felt) => sum.add(distance2_um(*felt, *target)),
-                None if *inside => breaks += 1,
-                None => {}
-            }
-        }
-    }
-    (sum.errors(), breaks)
 }
 
 /// Length of the run, microseconds: what the ledger says, or the last event where it says nothing.
@@ -300,7 +278,6 @@ mod tests {
         };
         assert_eq!(path_error(&trace), Some(expected));
         assert_eq!(path_error(&synthetic::empty()), None);
-        assert_eq!(felt_error(&synthetic::empty()), (None, 0));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Traces for tests: plausible in every number, made without the loop.
 #![allow(clippy::cast_possible_truncation)]
 
-use crate::trace::{Event, Header, Ledger, Limits, PlaceUm, Source, Trace, WireInfo};
+use crate::trace::{Event, FeltAt, Header, Ledger, Limits, PlaceUm, Source, Trace, WireInfo};
 use palpate_core::schedule::{Entry, Reason};
 use palpate_core::units::{Board, Channel, Instant, Prescale, Ticks};
 
@@ -156,7 +156,11 @@ pub(crate) fn circle(seconds: u64) -> Trace {
                         .sum::<f64>()
                         / total
                 };
-                um(mean(|w| w.0), mean(|w| w.1))
+                let at = um(mean(|w| w.0), mean(|w| w.1));
+                FeltAt {
+                    energy: at,
+                    amplitude: at,
+                }
             });
             let inside = d.0.abs() / 11.0 + d.1.abs() / 28.0 < 1.0;
             events.push(Event::Felt {
@@ -164,6 +168,7 @@ pub(crate) fn circle(seconds: u64) -> Trace {
                 target: um(d.0, d.1),
                 inside,
                 felt,
+                energy_permille: (total * 1e3) as u32,
             });
         }
         for (wire, a) in drive.iter().enumerate() {

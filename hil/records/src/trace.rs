@@ -6,7 +6,7 @@ use palpate_core::units::Prescale;
 use serde::Serialize;
 
 /// Version of the trace's meaning; grows when a field changes what it says.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// Whether hardware took part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -25,6 +25,15 @@ pub struct PlaceUm {
     pub x: i32,
     /// Micrometres up.
     pub y: i32,
+}
+
+/// Where an onset is felt, by the two perceivers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct FeltAt {
+    /// Mean of the wires' places weighted by energy.
+    pub energy: PlaceUm,
+    /// The same weighted by amplitude.
+    pub amplitude: PlaceUm,
 }
 
 /// One wire of the display and the output that drives it.
@@ -168,7 +177,9 @@ pub enum Event {
         /// Whether that place lies inside the display's hull.
         inside: bool,
         /// Where it is felt; `None` is a break: no wire above threshold.
-        felt: Option<PlaceUm>,
+        felt: Option<FeltAt>,
+        /// Energy asked of all wires together, thousandths of one wire's at full drive for this level.
+        energy_permille: u32,
     },
     /// Temperature of a wire.
     Wire {

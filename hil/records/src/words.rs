@@ -164,6 +164,7 @@ fn breaks(trace: &Trace, gap_us: u64) -> Vec<Happening> {
             target,
             inside: true,
             felt: None,
+            ..
         } = event
         else {
             continue;

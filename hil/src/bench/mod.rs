@@ -4,6 +4,7 @@
 //! [`FAMILIES`]. Methods of one case are timed in turn in one run, so that their ratios hold on a noisy
 //! machine. Only builds with the feature `bench` have this room: peers never reach the ordinary program.
 
+pub mod illusion;
 pub mod page;
 pub mod physics;
 pub mod plot;
@@ -41,8 +42,23 @@ pub struct Findings {
     pub rows: Vec<Row>,
     /// The pictures.
     pub plots: Vec<Plot>,
+    /// Pictures that are no plots of measurements.
+    pub figures: Vec<Figure>,
     /// Sentences below the table: conditions, targets met and missed.
     pub words: Vec<String>,
+}
+
+/// A drawing with its caption.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Its file's name, after the family's: lower case with hyphens.
+    pub name: String,
+    /// Its heading.
+    pub title: String,
+    /// What it shows.
+    pub words: String,
+    /// The drawing, an SVG element that takes its colours from the page.
+    pub svg: String,
 }
 
 /// A family of measurements.
@@ -55,10 +71,16 @@ pub struct Family {
 }
 
 /// Every family, in the order of the pages.
-pub const FAMILIES: [Family; 1] = [Family {
-    name: "physics",
-    measure: physics::measure,
-}];
+pub const FAMILIES: [Family; 2] = [
+    Family {
+        name: "physics",
+        measure: physics::measure,
+    },
+    Family {
+        name: "illusion",
+        measure: illusion::measure,
+    },
+];
 
 /// The family of that name, or all.
 ///

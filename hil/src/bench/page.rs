@@ -26,6 +26,16 @@ pub fn html(found: &[(&'static str, Findings)]) -> String {
                 plot.legend()
             );
         }
+        for figure in &findings.figures {
+            let _ = writeln!(
+                page,
+                "<section><h2>{} \u{b7} {}</h2><p class=\"sub\">{}</p>\n<div class=\"wide\">{}</div></section>",
+                escape(family),
+                escape(&figure.title),
+                escape(&figure.words),
+                figure.svg
+            );
+        }
         rows(&mut page, family, findings);
     }
     let _ = writeln!(

@@ -110,8 +110,7 @@ impl Plot {
 
     /// The drawing as a file of its own.
     pub fn file(&self) -> String {
-        let style = format!("<style>{STYLE}svg{{background:var(--card)}}</style>\n<");
-        self.svg().replacen("\n<", &format!("\n{style}"), 1)
+        styled(&self.svg())
     }
 
     /// What the colours mean, as HTML.
@@ -151,6 +150,12 @@ impl Plot {
             (false, _) => Scale::exact(0.0, 1.0),
         }
     }
+}
+
+/// A drawing with the page's colours inside, to stand as a file of its own.
+pub fn styled(svg: &str) -> String {
+    let style = format!("<style>{STYLE}svg{{background:var(--card)}}</style>\n<");
+    svg.replacen("\n<", &format!("\n{style}"), 1)
 }
 
 /// The colour of series `i`; from the ninth on they repeat.

@@ -22,6 +22,7 @@ pub fn bench(_: &BenchArgs) -> Result<(), Failure> {
 /// [`Failure`] with its exit status.
 #[cfg(feature = "bench")]
 pub fn bench(args: &BenchArgs) -> Result<(), Failure> {
+    use crate::bench::plot::styled;
     use crate::bench::{Row, chosen, page, table};
     use crate::output::{make_folder, print, write_file};
 
@@ -44,6 +45,11 @@ pub fn bench(args: &BenchArgs) -> Result<(), Failure> {
             for plot in &findings.plots {
                 let path = folder.join(format!("{name}-{}.svg", plot.name));
                 write_file(&path, |out| out.write_all(plot.file().as_bytes()))?;
+            }
+            for figure in &findings.figures {
+                let path = folder.join(format!("{name}-{}.svg", figure.name));
+                let text = styled(&figure.svg);
+                write_file(&path, |out| out.write_all(text.as_bytes()))?;
             }
         }
         let page = page::html(&found);

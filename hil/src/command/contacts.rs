@@ -3,20 +3,28 @@
 use std::fmt;
 use std::io::{self, Write};
 
-use palpate_core::contact::{Compressor, Contact, LevelTable, Norm, Settings};
+use palpate_core::contact::{Compressor, Contact, LevelTable, Norm, Scope, Settings};
 use palpate_core::skin::{
-    Axes, Initialiser, InitialiserSettings, Phase, RelativeFrame, Scan, ThresholdRule,
+    Axes, FrameError, Initialiser, InitialiserSettings, Phase, RelativeFrame, Scan, ThresholdRule,
 };
-use palpate_core::units::Instant;
+use palpate_core::units::{Duration, Instant};
 use serde_json::json;
 
-use crate::cli::{AxesArg, ContactsArgs, NormArg, StaleArg, Threshold};
+use crate::cli::{AxesArg, ContactsArgs, NormArg, ScopeArg, StaleArg, Threshold};
 use crate::failure::Failure;
-use crate::files::{Columns, LayoutFile, load_layout, read_taxel_csv};
+use crate::files::{
+    Columns, LayoutFile, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, load_layout, read_taxel_csv,
+};
 use crate::output::{make_folder, note, print, write_file};
 use crate::plan;
 
 use super::rate::rate_of;
+
+/// `--threshold per-taxel`, as scenes have it by default.
+const PER_TAXEL: ThresholdRule = ThresholdRule::PerTaxel {
+    sigmas: THRESHOLD_SIGMAS as f32,
+    floor: THRESHOLD_FLOOR as f32,
+};
 
 /// One line of the output before levels are known.
 struct Row {
@@ -132,15 +140,19 @@ fn compress(args: &ContactsArgs) -> Result<Vec<Row>, Failure> {
     }
     let settings = InitialiserSettings {
         reference_frames: args.reference_frames,
-        fault_sigmas: None,
+        fault_sigmas: args.faulty_deviations.map(|k| k as f32),
         threshold: match args.threshold {
             Threshold::Auto => ThresholdRule::Auto { margin: 0.0 },
+            Threshold::PerTaxel => PER_TAXEL,
             Threshold::Counts(counts) => ThresholdRule::Fixed { counts },
         },
         axes: match args.axes {
             AxesArg::Xyz => Axes::XYZ,
             AxesArg::Z => Axes::Z,
         },
+        drift: args
+            .drift_s
+            .map(|s| Duration::from_micros((s * 1e6).round() as u64)),
     };
     let mut initialiser =
         Initialiser::new(&layout, settings).map_err(|e| option("reference-frames", &e))?;
@@ -151,6 +163,10 @@ fn compress(args: &ContactsArgs) -> Result<Vec<Row>, Failure> {
             NormArg::L1 => Norm::L1,
             NormArg::L2 => Norm::L2,
             NormArg::Linf => Norm::LInf,
+        },
+        scope: match args.scope {
+            ScopeArg::Module => Scope::Module,
+            ScopeArg::Skin => Scope::Skin,
         },
         seed: args.seed,
         ..Settings::default()
@@ -199,11 +215,16 @@ fn compress(args: &ContactsArgs) -> Result<Vec<Row>, Failure> {
             continue;
         }
         let relative = relative.get_or_insert_with(|| initialiser.frame(&layout));
-        let contacts = initialiser
-            .relative(&scan, relative)
-            .and_then(|()| compressor.compress(relative))
-            .map_err(|e| Failure::Input(format!("{}: row {frame}: {e}", args.file.display())))?;
-        rows.extend(contacts.iter().map(|&contact| Row {
+        let mut compress = || {
+            if initialiser.advance(&scan, relative)? || !compressor.repeat() {
+                compressor.compress(relative)?;
+            }
+            Ok(())
+        };
+        compress().map_err(|e: FrameError| {
+            Failure::Input(format!("{}: row {frame}: {e}", args.file.display()))
+        })?;
+        rows.extend(compressor.contacts().iter().map(|&contact| Row {
             frame,
             time_us,
             contact,

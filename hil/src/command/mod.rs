@@ -5,6 +5,7 @@ mod contacts;
 mod devices;
 mod doctor;
 mod emulate;
+mod explain;
 mod guardian;
 mod off;
 mod rate;

@@ -1,20 +1,26 @@
 //! `hil run`.
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use palpate_core::illusion::Model;
 use palpate_records::contacts_csv::write_contacts;
-use palpate_records::report::{ReportExtras, SummaryRow, report_html};
+use palpate_records::report::{ReportExtras, SummaryRow, Thermal, report_html};
 use palpate_records::schedule::write_schedule;
 
 use crate::cli::{RunArgs, Switch};
 use crate::failure::Failure;
-use crate::files::{self, BenchKind, Kind, Scene, Setup, load_layout, load_scene, write_can_log};
+use crate::files::{
+    self, BenchKind, IllusionModel, Kind, Scene, Setup, load_layout, load_scene, write_can_log,
+};
 use crate::output::{make_folder, note, print, write_file};
+use crate::plan;
 use crate::run::{self, Input, Keep, Outcome};
 
 use crate::run::real::Kind as LiveKind;
 
 use super::devices::bench;
+use super::explain;
 use super::rate::rate_of;
 
 /// The scene of `hil run` without a name.
@@ -72,6 +78,9 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         },
     };
     let mut files = wanted(args)?;
+    if args.explain {
+        explained(args, |out| explain::plan(&setup, out))?;
+    }
     let keep = Keep {
         can: files.iter().any(|(format, _)| *format == Format::Can),
     };
@@ -118,6 +127,9 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
                 .try_for_each(|(_, path)| writeln!(out, "  wrote           {}", path.display()))
         })
     }?;
+    if args.explain {
+        explained(args, |out| explain::done(&outcome.effort, out))?;
+    }
     failure.map_or(Ok(()), Err)
 }
 
@@ -134,6 +146,21 @@ fn split(files: Vec<(Format, PathBuf)>) -> (Vec<(LiveKind, PathBuf)>, Vec<(Forma
         }
     }
     (live, later)
+}
+
+/// Prints an explanation: on standard output, or beside the object or silence that is asked for there.
+fn explained(
+    args: &RunArgs,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Failure> {
+    if !(args.json || args.quiet) {
+        return print(write);
+    }
+    let mut text = Vec::new();
+    // Writing to memory does not fail.
+    let _ = write(&mut text);
+    note(String::from_utf8_lossy(&text).trim_end());
+    Ok(())
 }
 
 /// The files to write, checked before anything runs.
@@ -177,6 +204,12 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
         };
     }
     if !args.replay.is_empty() {
+        if args.scene.is_none() {
+            // Real boards are noisy, drift, and differ: the scene's own rule is for emulated ones.
+            scene.value.threshold = files::ThresholdRule::PerTaxel;
+            scene.value.threshold_margin = files::THRESHOLD_FLOOR;
+            scene.value.drift_s = Some(files::DRIFT_S);
+        }
         scene.value.touches.clear();
         scene.value.name = format!("replay of {}", args.replay[0].display());
     }
@@ -186,49 +219,53 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
 
 fn change(scene: &mut Scene, args: &RunArgs) -> Result<(), Failure> {
     let illusion = &mut scene.illusion;
-    if let Some(name) = args.illusion.as_deref().filter(|n| *n != "phantom") {
-        return Err(Failure::Input(format!(
-            "--illusion {name}: expected phantom"
-        )));
+    if let Some(name) = args.illusion.as_deref() {
+        let Some(model) = IllusionModel::named(name) else {
+            return Err(Failure::Input(format!(
+                "--illusion {name}: expected one of {}",
+                Model::ALL.map(Model::name).join(", ")
+            )));
+        };
+        if model != illusion.model {
+            // Shape and distances were meant for the scene's own model.
+            (illusion.shape, illusion.flat, illusion.distances) = (None, false, None);
+        }
+        illusion.model = model;
     }
     if let Some(switch) = args.intensity {
         illusion.intensity = switch == Switch::On;
     }
-    let set = |option: &str, value: Option<f64>, slot: &mut f64, low: f64, high: f64| match value {
+    let within = |option: &str, value: Option<f64>, low: f64, high: f64| match value {
         Some(v) if !(low..=high).contains(&v) => Err(Failure::Input(format!(
             "--{option} {v}: expected {low} to {high}"
         ))),
-        Some(v) => {
-            *slot = v;
-            Ok(())
-        }
-        None => Ok(()),
+        value => Ok(value),
     };
-    set("shape", args.shape, &mut illusion.shape, 0.01, 100.0)?;
-    set("alpha", args.alpha, &mut illusion.alpha, 0.0, 1.0)?;
-    set("beta", args.beta, &mut illusion.beta, 0.0, 1.0)?;
-    set(
-        "tau-d-ms",
-        args.tau_d_ms,
-        &mut illusion.tau_d_ms,
-        1.0,
-        10_000.0,
-    )?;
-    let mut soa = illusion.soa_ms.unwrap_or(0.0);
-    set("soa-ms", args.soa_ms, &mut soa, 1.0, 10_000.0)?;
-    if args.soa_ms.is_some() {
-        illusion.soa_ms = Some(soa);
+    if let Some(shape) = within("shape", args.shape, 0.01, 100.0)? {
+        let model = plan::model(illusion.model);
+        if model.shape().is_none() {
+            let name = model.name();
+            return Err(Failure::Input(format!(
+                "--shape {shape}: expected no shape, {name} has none"
+            )));
+        }
+        (illusion.shape, illusion.flat) = (Some(shape), false);
     }
+    illusion.alpha = within("alpha", args.alpha, 0.0, 1.0)?.unwrap_or(illusion.alpha);
+    illusion.beta = within("beta", args.beta, 0.0, 1.0)?.unwrap_or(illusion.beta);
+    let tau_d = within("tau-d-ms", args.tau_d_ms, 1.0, 10_000.0)?;
+    illusion.tau_d_ms = tau_d.or(illusion.tau_d_ms);
+    let soa = within("soa-ms", args.soa_ms, 1.0, 10_000.0)?;
+    illusion.soa_ms = soa.or(illusion.soa_ms);
     if illusion.alpha + illusion.beta >= 1.0 {
         return Err(Failure::Input(format!(
             "--alpha {} --beta {}: expected a sum below 1",
             illusion.alpha, illusion.beta
         )));
     }
-    if illusion.tau_d_ms > illusion.onset_ms() {
+    if let Some(tau_d) = illusion.tau_d_ms.filter(|t| *t > illusion.onset_ms()) {
         return Err(Failure::Input(format!(
-            "--tau-d-ms {}: expected at most the onset asynchrony, {:.1} ms",
-            illusion.tau_d_ms,
+            "--tau-d-ms {tau_d}: expected at most the onset asynchrony, {:.1} ms",
             illusion.onset_ms()
         )));
     }
@@ -263,6 +300,11 @@ fn report(outcome: &Outcome) -> String {
         &ReportExtras {
             frame_us: &outcome.frame_us,
             summary: &rows,
+            thermal: (!outcome.warmth.is_empty()).then(|| Thermal {
+                samples: &outcome.warmth,
+                margins: &outcome.summary.margins,
+                limits: outcome.skin_limits,
+            }),
         },
     )
 }

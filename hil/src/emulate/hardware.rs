@@ -104,7 +104,7 @@ impl<'a> Hardware<'a> {
             &mut Bench {
                 skin: Some(&mut self.skin),
                 i2c: &self.i2c,
-                display: &self.display,
+                display: &mut self.display,
                 oscillator: self.setup.bench.value.drive.oscillator,
             },
             &mut events,

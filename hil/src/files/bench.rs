@@ -27,6 +27,9 @@ pub struct Bench {
     pub wire: Wire,
     /// What drives them.
     pub drive: Drive,
+    /// What turns the chip's pulses into current; left out: instant, without loss, and never short of voltage.
+    #[serde(default)]
+    pub amplifier: Amplifier,
     /// One entry a wire, in the display's order.
     pub outputs: Vec<Output>,
 }
@@ -134,6 +137,24 @@ pub struct Drive {
     pub oscillator: f64,
 }
 
+/// The amplifiers and the supply that feeds them all.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Amplifier {
+    /// From no current to all of it and back, microseconds.
+    #[serde(default)]
+    pub rise_us: f64,
+    /// Resistance of a transistor that is on, Ohm.
+    #[serde(default)]
+    pub on_ohm: f64,
+    /// The supply's voltage without load; left out: it always suffices.
+    pub supply_v: Option<f64>,
+    /// Resistance of supply and leads: how far the voltage sags, Ohm.
+    #[serde(default)]
+    pub supply_ohm: f64,
+}
+
 /// Where a wire is connected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -198,6 +219,14 @@ impl Bench {
             }
             (BenchKind::Real, Some(real)) => real.check(source)?,
         };
+        let amplifier = &bench.amplifier;
+        source.range("amplifier.rise_us", amplifier.rise_us, 0.0..=100.0, "us")?;
+        source.range("amplifier.on_ohm", amplifier.on_ohm, 0.0..=100.0, "Ohm")?;
+        if let Some(volts) = amplifier.supply_v {
+            source.range("amplifier.supply_v", volts, 0.1..=60.0, "V")?;
+        }
+        let ohm = amplifier.supply_ohm;
+        source.range("amplifier.supply_ohm", ohm, 0.0..=100.0, "Ohm")?;
         for (index, output) in bench.outputs.iter().enumerate() {
             let key = format!("outputs[{index}]");
             let last = adapters - 1;

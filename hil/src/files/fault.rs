@@ -76,6 +76,10 @@ kinds! {
     BrownOut = "brown-out" ["board"] [],
     /// A PCA9685's oscillator runs at `factor` times its nominal frequency.
     Oscillator = "oscillator" ["board" "factor"] [],
+    /// A wire's amplifier conducts whatever its input says: a shorted transistor.
+    AmplifierStuckOn = "amplifier-stuck-on" ["wire"] [],
+    /// A wire or its plug is broken.
+    OpenWire = "open-wire" ["wire"] [],
 }
 
 /// One fault.
@@ -107,6 +111,8 @@ pub struct Fault {
     pub bus: Option<u8>,
     /// A PCA9685, counted from zero in the order of addresses.
     pub board: Option<usize>,
+    /// A wire of the display, counted from zero.
+    pub wire: Option<usize>,
     /// Parts per million, positive is fast.
     pub ppm: Option<f64>,
     /// Of the nominal frequency.
@@ -129,6 +135,7 @@ impl Fault {
             ("with", whole(self.with)),
             ("bus", self.bus.map(f64::from)),
             ("board", whole(self.board)),
+            ("wire", whole(self.wire)),
             ("ppm", self.ppm),
             ("factor", self.factor),
             ("stretch_ms", self.stretch_ms),

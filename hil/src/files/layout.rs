@@ -4,8 +4,13 @@ use serde::Deserialize;
 
 use super::{FileError, Source};
 
+/// The most taxels of a skin, as the core has it.
+const MOST_TAXELS: usize = 1 << 22;
 /// The most taxels one sensor board reads.
 const TAXELS_PER_BOARD: usize = 16;
+
+/// Outer diameter of the eyelets that hold a wire at both ends (thesis 5.2.2).
+const EYELET_MM: f64 = 0.76;
 
 /// A layout of either kind.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -73,10 +78,14 @@ pub struct ImageSize {
 pub struct Module {
     /// Lower case with hyphens.
     pub name: String,
-    /// A regular grid around the module's centre; or `points_mm`.
+    /// A regular grid around the module's centre; or `hex` or `points_mm`.
     pub grid: Option<Grid>,
-    /// Any places; or `grid`.
+    /// Hexagonal cells around the module's centre: every other row is half a pitch to the right.
+    pub hex: Option<Grid>,
+    /// Any places; or `grid` or `hex`.
     pub points_mm: Option<Vec<[f64; 2]>>,
+    /// Copies of this module side by side, `-1` to `-n` after its name; left out: itself alone.
+    pub repeat: Option<Repeat>,
     /// Taxels (by index) that are there but not read.
     #[serde(default)]
     pub inactive: Vec<usize>,
@@ -103,6 +112,19 @@ pub struct Grid {
     pub columns: usize,
     /// Between neighbours, both ways.
     pub pitch_mm: f64,
+}
+
+/// Copies of a module in rows and columns, their places counted from `place_mm` at the top left.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Repeat {
+    /// From top to bottom.
+    pub rows: usize,
+    /// From left to right.
+    pub columns: usize,
+    /// From a copy's centre to the next one's, to the right and down.
+    pub step_mm: [f64; 2],
 }
 
 /// A cell of the skin's image.
@@ -144,8 +166,21 @@ pub struct DisplayLayout {
     pub assumed: Option<String>,
     /// The actuator spacings Dx and Dy of the phantom sensation.
     pub spacing_mm: [f64; 2],
+    /// The surface that was unrolled; left out: flat.
+    pub surface: Option<Surface>,
     /// The wires' centres on the unrolled surface, in the order of the bench's outputs.
     pub wires_mm: Vec<[f64; 2]>,
+}
+
+/// A finger: a cylinder whose end is a half sphere.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Surface {
+    /// Diameter of cylinder and tip.
+    pub diameter_mm: f64,
+    /// The y at which the cylinder ends and the tip begins.
+    pub tip_mm: f64,
 }
 
 impl Module {
@@ -180,33 +215,101 @@ impl Module {
     }
 
     fn places(&self) -> Vec<[f64; 2]> {
-        let Some(grid) = self.grid else {
-            return self.points_mm.clone().unwrap_or_default();
+        let (grid, hex) = match (self.grid, self.hex) {
+            (Some(grid), _) => (grid, false),
+            (None, Some(hex)) => (hex, true),
+            (None, None) => return self.points_mm.clone().unwrap_or_default(),
         };
-        let centred = |index: usize, count: usize| {
-            (index as f64 - (count as f64 - 1.0) / 2.0) * grid.pitch_mm
-        };
+        // Rows of hexagons are nearer to each other than their cells.
+        let row_pitch = grid.pitch_mm * if hex { 0.75_f64.sqrt() } else { 1.0 };
+        let centred = |index: usize, count: usize| index as f64 - (count as f64 - 1.0) / 2.0;
         (0..grid.rows * grid.columns)
             .map(|index| {
                 let (row, column) = (index / grid.columns, index % grid.columns);
-                [centred(column, grid.columns), -centred(row, grid.rows)]
+                let shift = if hex {
+                    0.5 * (row % 2) as f64 - 0.25
+                } else {
+                    0.0
+                };
+                [
+                    (centred(column, grid.columns) + shift) * grid.pitch_mm,
+                    -centred(row, grid.rows) * row_pitch,
+                ]
             })
             .collect()
     }
 
+    /// Places of a module that is no plain grid.
+    #[must_use]
+    pub fn scattered(&self) -> Option<Vec<[f64; 2]>> {
+        self.grid.is_none().then(|| self.places())
+    }
+
+    /// The module and its copies.
+    fn copies(self) -> Vec<Self> {
+        let Some(repeat) = self.repeat else {
+            return vec![self];
+        };
+        let copy = |index: usize| {
+            let (row, column) = (index / repeat.columns, index % repeat.columns);
+            let [x, y] = self.place_mm;
+            Self {
+                name: format!("{}-{}", self.name, index + 1),
+                place_mm: [
+                    x + column as f64 * repeat.step_mm[0],
+                    y - row as f64 * repeat.step_mm[1],
+                ],
+                repeat: None,
+                ..self.clone()
+            }
+        };
+        (0..repeat.rows * repeat.columns).map(copy).collect()
+    }
+
     fn check(&self, source: &Source, key: &str) -> Result<(), FileError> {
         let at = |name: &str| format!("{key}.{name}");
-        match (&self.grid, &self.points_mm) {
-            (Some(grid), None) => {
-                source.range(&at("grid.rows"), grid.rows, 1..=256, "")?;
-                source.range(&at("grid.columns"), grid.columns, 1..=256, "")?;
-                source.range(&at("grid.pitch_mm"), grid.pitch_mm, 0.05..=1e3, "mm")?;
+        let shapes = [
+            ("grid", self.grid.is_some()),
+            ("hex", self.hex.is_some()),
+            ("points_mm", self.points_mm.is_some()),
+        ];
+        let mut given = shapes.iter().filter(|(_, given)| *given);
+        match (given.next(), given.next()) {
+            (None, _) => return Err(source.bad(&at("grid"), "grid, hex or points_mm")),
+            (_, Some((name, _))) => {
+                return Err(source.bad(&at(name), "one of grid, hex and points_mm"));
             }
-            (None, Some(points)) => places(source, &at("points_mm"), points, 1..=20_000)?,
-            (Some(_), Some(_)) => {
-                return Err(source.bad(&at("points_mm"), "either grid or points_mm"));
+            _ => {}
+        }
+        for (name, grid) in [("grid", &self.grid), ("hex", &self.hex)] {
+            if let Some(grid) = grid {
+                source.range(&at(&format!("{name}.rows")), grid.rows, 1..=4096, "")?;
+                source.range(&at(&format!("{name}.columns")), grid.columns, 1..=4096, "")?;
+                let key = at(&format!("{name}.pitch_mm"));
+                source.range(&key, grid.pitch_mm, 0.01..=1e3, "mm")?;
+                if grid.rows * grid.columns > MOST_TAXELS {
+                    let expected = format!("at most {MOST_TAXELS} taxels");
+                    return Err(source.bad(&at(name), expected));
+                }
             }
-            (None, None) => return Err(source.bad(&at("grid"), "either grid or points_mm")),
+        }
+        if let Some(points) = &self.points_mm {
+            places(source, &at("points_mm"), points, 1..=20_000)?;
+        }
+        if let Some(repeat) = self.repeat {
+            source.range(&at("repeat.rows"), repeat.rows, 1..=256, "")?;
+            source.range(&at("repeat.columns"), repeat.columns, 1..=256, "")?;
+            for (axis, step) in repeat.step_mm.into_iter().enumerate() {
+                source.range(
+                    &at(&format!("repeat.step_mm[{axis}]")),
+                    step,
+                    0.01..=1e4,
+                    "mm",
+                )?;
+            }
+            if self.bus.is_some() || self.image.is_some() {
+                return Err(source.bad(&at("repeat"), "no bus and no image: copies share neither"));
+            }
         }
         let count = self.places().len();
         for (position, index) in self.inactive.iter().enumerate() {
@@ -292,8 +395,13 @@ impl LayoutFile {
     pub fn read(source: &Source) -> Result<Self, FileError> {
         match source.peek("kind")?.as_deref() {
             Some("sensor") => {
-                let layout: SensorLayout = source.read()?;
+                let mut layout: SensorLayout = source.read()?;
                 layout.check(source)?;
+                layout.modules = layout
+                    .modules
+                    .into_iter()
+                    .flat_map(Module::copies)
+                    .collect();
                 Ok(Self::Sensor(layout))
             }
             Some("display") => {
@@ -312,7 +420,26 @@ impl DisplayLayout {
         for (axis, value) in self.spacing_mm.into_iter().enumerate() {
             source.range(&format!("spacing_mm[{axis}]"), value, 0.1..=1e3, "mm")?;
         }
-        places(source, "wires_mm", &self.wires_mm, 1..=256)
+        if let Some(surface) = self.surface {
+            let diameter = surface.diameter_mm;
+            source.range("surface.diameter_mm", diameter, 1.0..=1e3, "mm")?;
+            source.range("surface.tip_mm", surface.tip_mm, -1e3..=1e3, "mm")?;
+        }
+        places(source, "wires_mm", &self.wires_mm, 1..=256)?;
+        self.check_overlap(source)
+    }
+
+    /// Two wires closer than their eyelets are wide cannot both be there.
+    fn check_overlap(&self, source: &Source) -> Result<(), FileError> {
+        for (index, [x, y]) in self.wires_mm.iter().enumerate() {
+            let near = |[u, v]: &[f64; 2]| libm::hypot(x - u, y - v) < EYELET_MM;
+            if let Some(first) = self.wires_mm[..index].iter().position(near) {
+                let expected =
+                    format!("at least {EYELET_MM} mm to every other wire, number {first} overlaps");
+                return Err(source.bad(&format!("wires_mm[{index}]"), expected));
+            }
+        }
+        Ok(())
     }
 }
 

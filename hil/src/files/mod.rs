@@ -9,6 +9,7 @@ mod bench;
 mod can_log;
 mod error;
 mod fault;
+mod illusion;
 mod layout;
 mod limits;
 mod resolve;
@@ -24,22 +25,25 @@ mod schema;
 #[cfg(test)]
 mod tests;
 
-pub use bench::{Bench, BenchKind, Drive, Output, OutputEnable, Real, Transition, Wire};
+pub use bench::{Amplifier, Bench, BenchKind, Drive, Output, OutputEnable, Real, Transition, Wire};
 pub use can_log::{is_can_log, read_can_log, write_can_log};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
+pub use illusion::{
+    Distances, Illusion, IllusionModel, PerceiverFile, Sharing, Stroke, Timing, Wearer,
+};
 pub use layout::{
-    DisplayLayout, Grid, ImageCell, ImageSize, LayoutFile, Module, SensorLayout, Taxel,
+    DisplayLayout, Grid, ImageCell, ImageSize, LayoutFile, Module, SensorLayout, Surface, Taxel,
 };
 pub use limits::{
     Burst, Dose, FingertipPower, HARD_LIMITS, Limits, Pulse, Skin, Watchdog, WirePower,
 };
 pub use resolve::{Kind, resolve, resolve_from};
 pub use scene::{
-    Axes, Boards, Compression, Expect, Generation, Illusion, IllusionModel, Map, Norm, Overload,
-    Scene, Scope,
+    Axes, Boards, Compression, DRIFT_S, Expect, Generation, Map, Norm, Overload, Scene, Scope,
+    THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdRule,
 };
-pub use setup::{Loaded, Setup, load_bench, load_layout, load_limits, load_scene};
+pub use setup::{Loaded, Setup, load_bench, load_layout, load_limits, load_perceiver, load_scene};
 pub use source::Source;
 pub use taxel_csv::{Columns, TaxelTable, read_taxel_csv};
 pub use touch::{Force, Path, PathKind, Touch, TouchPoint};

@@ -15,6 +15,10 @@ pub enum Kind {
     Bench,
     /// What the guard enforces.
     Limits,
+    /// The emulated person.
+    Perceiver,
+    /// A wearer's calibration.
+    Wearer,
 }
 
 impl Kind {
@@ -24,6 +28,8 @@ impl Kind {
             Self::Layout => "layouts",
             Self::Bench => "benches",
             Self::Limits => "limits",
+            Self::Perceiver => "perceivers",
+            Self::Wearer => "wearers",
         }
     }
 
@@ -33,6 +39,8 @@ impl Kind {
             Self::Layout => "a layout",
             Self::Bench => "a bench",
             Self::Limits => "a limit table",
+            Self::Perceiver => "a perceiver",
+            Self::Wearer => "a wearer",
         }
     }
 
@@ -42,6 +50,8 @@ impl Kind {
             Self::Layout => palpate_fixtures::layout(name),
             Self::Bench => palpate_fixtures::bench(name),
             Self::Limits => palpate_fixtures::limits(name),
+            Self::Perceiver => palpate_fixtures::perceiver(name),
+            Self::Wearer => palpate_fixtures::wearer(name),
         }
     }
 
@@ -53,6 +63,8 @@ impl Kind {
             Self::Layout => palpate_fixtures::layout_names().collect(),
             Self::Bench => palpate_fixtures::bench_names().collect(),
             Self::Limits => palpate_fixtures::limits_names().collect(),
+            Self::Perceiver => palpate_fixtures::perceiver_names().collect(),
+            Self::Wearer => palpate_fixtures::wearer_names().collect(),
         }
     }
 

@@ -2,8 +2,9 @@
 
 use serde::Deserialize;
 
-use super::{Fault, FileError, Source, Touch};
+use super::{Fault, FileError, Illusion, Source, Stroke, Touch};
 
+/// A closed list of words.
 macro_rules! choice {
     ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $text:literal),+ $(,)? }) => {
         $(#[$doc])*
@@ -12,6 +13,8 @@ macro_rules! choice {
         pub enum $name { $($(#[$variant_doc])* #[serde(rename = $text)] $variant),+ }
     };
 }
+
+pub(super) use choice;
 
 choice! { /** A sensor generation: its values at rest. */ Generation {
     /** X and Y near 16.4k, Z 32k to 36k. */ Y2019 = "2019",
@@ -27,18 +30,30 @@ choice! { /** The axes that count. */ Axes {
     /** All three. */ Xyz = "xyz",
     /** The normal one. */ Z = "z",
 }}
+choice! { /** Where the contact threshold comes from. */ ThresholdRule {
+    /** The largest value of the first frame after the reference, for all taxels: the thesis's (4.3). */
+    Maximum = "maximum",
+    /** Six standard deviations of every taxel's own noise. */ PerTaxel = "per-taxel",
+}}
 choice! { /** Where `kc` and `ki` apply. */ Scope {
     /** To each module. */ Module = "module",
     /** To the whole skin in one plane. */ Skin = "skin",
 }}
-choice! { /** How a place between wires becomes activations. */ IllusionModel {
-    /** The logarithmic phantom sensation of the thesis's (5.2). */ Phantom = "phantom",
-}}
-
 choice! { /** What a board does when a scan is due and frames of the last one have not left. */ Overload {
     /** The next scan starts at the first tick after the last frame left. */ Wait = "wait",
     /** Every scan replaces what still waits; high identifiers starve. */ Overwrite = "overwrite",
 }}
+
+/// Standard deviations of a taxel's noise that its own threshold lies above its reference.
+pub const THRESHOLD_SIGMAS: f64 = 6.0;
+/// Counts that a recording's thresholds lie above that: fainter differences on real boards are not touch.
+pub const THRESHOLD_FLOOR: f64 = 20.0;
+/// Time constant of drift following on recordings, seconds: boards drift by about 1000 counts in minutes.
+pub const DRIFT_S: f64 = 5.0;
+
+const fn per_taxel() -> ThresholdRule {
+    ThresholdRule::PerTaxel
+}
 
 /// A scene.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -61,8 +76,13 @@ pub struct Scene {
     pub noise_lsb: [f64; 2],
     /// Contact-free frames that make the reference; the next one makes the threshold.
     pub reference_frames: u32,
+    /// Where the contact threshold comes from; left out: every taxel's own noise.
+    #[serde(default = "per_taxel")]
+    pub threshold: ThresholdRule,
     /// Counts added to the threshold.
     pub threshold_margin: f64,
+    /// Time constant in seconds with which the reference follows a taxel not in contact; left out: it stays.
+    pub drift_s: Option<f64>,
     /// A taxel this many standard deviations from the mean of its axis is faulty; left out: none is.
     pub faulty_deviations: Option<f64>,
     /// The module that drives the display, counted from zero.
@@ -80,6 +100,9 @@ pub struct Scene {
     /// What touches the skin; nothing if left out.
     #[serde(default)]
     pub touches: Vec<Touch>,
+    /// Strokes over the display that are known beforehand; none if left out.
+    #[serde(default)]
+    pub strokes: Vec<Stroke>,
     /// What goes wrong on an emulated bench; nothing if left out.
     #[serde(default)]
     pub faults: Vec<Fault>,
@@ -105,29 +128,6 @@ pub struct Compression {
     pub axes: Axes,
     /// Where `kc` and `ki` apply.
     pub scope: Scope,
-}
-
-/// Phantom sensation and its timing.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct Illusion {
-    /// The model.
-    pub model: IllusionModel,
-    /// The model's shape factor.
-    pub shape: f64,
-    /// Duty of a wire that is barely active, a share of the period.
-    pub alpha: f64,
-    /// Duty added at full activation, a share of the period.
-    pub beta: f64,
-    /// Length of a stimulus in milliseconds.
-    pub tau_d_ms: f64,
-    /// Between onsets in milliseconds; left out: 0.32 `tau_d` + 47.3.
-    pub soa_ms: Option<f64>,
-    /// Whether a contact's level reaches the wires.
-    pub intensity: bool,
-    /// The share of beta at the lowest level; the top level has all of it.
-    pub intensity_floor: f64,
 }
 
 /// The linear map from skin to display.
@@ -169,37 +169,6 @@ pub struct Expect {
     pub limiter_events_max: Option<u32>,
 }
 
-impl Illusion {
-    /// Time between onsets in milliseconds.
-    #[must_use]
-    pub fn onset_ms(&self) -> f64 {
-        self.soa_ms.unwrap_or(0.32 * self.tau_d_ms + 47.3)
-    }
-
-    fn check(&self, source: &Source) -> Result<(), FileError> {
-        source.range("illusion.shape", self.shape, 0.01..=100.0, "")?;
-        source.range("illusion.alpha", self.alpha, 0.0..=1.0, "")?;
-        source.range("illusion.beta", self.beta, 0.0..=1.0, "")?;
-        if self.alpha + self.beta >= 1.0 {
-            return Err(source.bad("illusion.beta", "alpha + beta below 1"));
-        }
-        source.range("illusion.tau_d_ms", self.tau_d_ms, 1.0..=1000.0, "ms")?;
-        if let Some(soa) = self.soa_ms {
-            source.range("illusion.soa_ms", soa, 1.0..=10_000.0, "ms")?;
-        }
-        if self.tau_d_ms > self.onset_ms() {
-            let expected = format!("at most the time between onsets, {} ms", self.onset_ms());
-            return Err(source.bad("illusion.tau_d_ms", expected));
-        }
-        source.range(
-            "illusion.intensity_floor",
-            self.intensity_floor,
-            0.0..=1.0,
-            "",
-        )
-    }
-}
-
 impl Scene {
     /// Reads and checks a scene by itself; [`super::Setup`] checks it against its layout and bench.
     ///
@@ -220,6 +189,9 @@ impl Scene {
             0.0..=65_535.0,
             "counts",
         )?;
+        if let Some(constant) = scene.drift_s {
+            source.range("drift_s", constant, 0.01..=86_400.0, "s")?;
+        }
         if let Some(k) = scene.faulty_deviations {
             source.range("faulty_deviations", k, 0.1..=1000.0, "")?;
         }
@@ -243,6 +215,11 @@ impl Scene {
                 );
                 return Err(source.bad(&format!("{key}.start_s"), expected));
             }
+        }
+        let mut free_s = 0.0;
+        for (index, stroke) in scene.strokes.iter().enumerate() {
+            stroke.check(source, &format!("strokes[{index}]"), free_s, scene.length_s)?;
+            free_s = stroke.start_s + stroke.length_s;
         }
         for (index, fault) in scene.faults.iter().enumerate() {
             fault.check(source, &format!("faults[{index}]"), scene.length_s)?;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Bench, LayoutFile, Limits, Scene};
+use super::{Bench, LayoutFile, Limits, PerceiverFile, Scene, Wearer};
 
 #[test]
 fn shipped_schemas_are_current() {
@@ -10,7 +10,9 @@ fn shipped_schemas_are_current() {
         ("bench", schemars::schema_for!(Bench)),
         ("layout", schemars::schema_for!(LayoutFile)),
         ("limits", schemars::schema_for!(Limits)),
+        ("perceiver", schemars::schema_for!(PerceiverFile)),
         ("scene", schemars::schema_for!(Scene)),
+        ("wearer", schemars::schema_for!(Wearer)),
     ];
     for (name, schema) in schemas {
         let text = serde_json::to_string_pretty(&schema).unwrap() + "\n";

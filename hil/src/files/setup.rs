@@ -1,7 +1,10 @@
 //! What a run needs, read together and checked against one another.
 
 use super::resolve::{Kind, resolve, resolve_from};
-use super::{Bench, DisplayLayout, FileError, LayoutFile, Limits, Scene, SensorLayout, Source};
+use super::{
+    Bench, DisplayLayout, FileError, LayoutFile, Limits, PerceiverFile, Scene, SensorLayout,
+    Source, Wearer,
+};
 
 /// What was read, beside its text: later checks name a line with [`Source::bad`].
 #[derive(Debug, Clone, PartialEq)]
@@ -52,6 +55,14 @@ pub fn load_limits(name: &str) -> Result<Loaded<Limits>, FileError> {
     load(resolve(Kind::Limits, name)?, Limits::read)
 }
 
+/// A perceiver by name or path.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_perceiver(name: &str) -> Result<Loaded<PerceiverFile>, FileError> {
+    load(resolve(Kind::Perceiver, name)?, PerceiverFile::read)
+}
+
 /// A scene on a bench, with everything they name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setup {
@@ -65,6 +76,10 @@ pub struct Setup {
     pub display: Loaded<DisplayLayout>,
     /// The bench's limit table.
     pub limits: Loaded<Limits>,
+    /// The emulated person.
+    pub perceiver: Loaded<PerceiverFile>,
+    /// The wearer's calibration, if there is one.
+    pub wearer: Option<Loaded<Wearer>>,
 }
 
 impl Setup {
@@ -91,7 +106,11 @@ impl Setup {
             }
             None => load_limits("default")?,
         };
+        let (perceiver, wearer) = person_of(&scene)?;
         let wires = display.value.wires_mm.len();
+        if let Some(wearer) = &wearer {
+            wearer.value.fits(&wearer.source, wires)?;
+        }
         if bench.value.outputs.len() != wires {
             let expected = format!("{wires} outputs, one a wire of `{}`", display.value.name);
             let found = format!("{}", bench.value.outputs.len());
@@ -110,8 +129,33 @@ impl Setup {
             bench,
             display,
             limits,
+            perceiver,
+            wearer,
         })
     }
+}
+
+/// The emulated person of a scene, and the calibration if it names one.
+type Person = (Loaded<PerceiverFile>, Option<Loaded<Wearer>>);
+
+fn person_of(scene: &Loaded<Scene>) -> Result<Person, FileError> {
+    let illusion = &scene.value.illusion;
+    let perceiver = match &illusion.perceiver {
+        Some(name) => {
+            let key = "illusion.perceiver";
+            let source = resolve_from(Kind::Perceiver, name, &scene.source, key)?;
+            load(source, PerceiverFile::read)?
+        }
+        None => load_perceiver("fitted")?,
+    };
+    let wearer = match &illusion.wearer {
+        Some(name) => {
+            let source = resolve_from(Kind::Wearer, name, &scene.source, "illusion.wearer")?;
+            Some(load(source, Wearer::read)?)
+        }
+        None => None,
+    };
+    Ok((perceiver, wearer))
 }
 
 fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileError> {
@@ -165,6 +209,7 @@ fn check_faults(
         below("with", fault.with, sensor.modules.len())?;
         below("bus", fault.bus.map(usize::from), buses)?;
         below("board", fault.board, chips)?;
+        below("wire", fault.wire, bench.outputs.len())?;
         if let Some(module) = fault.module.and_then(|m| sensor.modules.get(m)) {
             below("taxel", fault.taxel, module.taxels().len())?;
             below("line", fault.line.map(usize::from), 8)?;

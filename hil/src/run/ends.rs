@@ -3,11 +3,13 @@
 use palpate_core::illusion::Wire;
 use palpate_core::physics::SkinParameters;
 use palpate_core::projector::Projector;
+use palpate_emulators::amplifier::AmplifierConfig;
+use palpate_emulators::amplifier::supply::Source;
 use palpate_emulators::display::{Display, DisplayConfig, Place};
 use palpate_emulators::i2c::BusClock;
-use palpate_emulators::perceiver::PerceiverParameters;
+use palpate_emulators::time::Nanos;
 use palpate_records::digest::short_digest;
-use palpate_records::trace::{Header, Limits, Source, WireInfo};
+use palpate_records::trace::{self, Header, Limits, WireInfo};
 
 use super::recorder::um;
 use crate::failure::Failure;
@@ -28,10 +30,18 @@ pub(crate) fn display(setup: &Setup, wires: &[Wire]) -> Result<Display, Failure>
             .map(|a| (a, bench.drive.oscillator))
             .collect(),
         wires: wires.iter().map(place).collect(),
-        current: plan::milliamps(bench.drive.current_ma),
+        amplifier: AmplifierConfig {
+            current: plan::milliamps(bench.drive.current_ma),
+            rise: Nanos((bench.amplifier.rise_us * 1e3).round() as u64),
+            on_ohm: bench.amplifier.on_ohm,
+        },
+        source: Source {
+            volts: bench.amplifier.supply_v.unwrap_or(f64::INFINITY),
+            ohm: bench.amplifier.supply_ohm,
+        },
         wire: plan::wire(bench),
         skin: SkinParameters::DEFAULT,
-        perceiver: PerceiverParameters::default(),
+        perceiver: plan::perceiver(&setup.perceiver.value),
         clock: BusClock::Fast,
     })
     .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))
@@ -56,8 +66,8 @@ pub(super) fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<
     };
     Ok(Header {
         source: match bench.kind {
-            BenchKind::Emulated => Source::Emulated,
-            BenchKind::Real => Source::Real,
+            BenchKind::Emulated => trace::Source::Emulated,
+            BenchKind::Real => trace::Source::Real,
         },
         scene: scene.name.clone(),
         bench: bench.name.clone(),
@@ -67,7 +77,7 @@ pub(super) fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<
         pre_scale: plan::prescale(bench)?,
         tau_d_us: projector.timing().duration.as_micros(),
         soa_us: projector.timing().soa.as_micros(),
-        illusion: "phantom".into(),
+        illusion: plan::model(scene.illusion.model).name().into(),
         kc: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),
         limits: Limits {
             pulse_ns: Some(limits.pulse_width_ns),

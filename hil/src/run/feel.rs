@@ -1,10 +1,11 @@
 //! What a run samples of the display: where an onset was felt, how warm the wires are.
 
+use palpate_core::illusion::Drive;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Instant, Point};
 use palpate_emulators::display::Display;
 use palpate_emulators::time::Nanos;
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, FeltAt};
 
 use super::milli_c;
 use super::recorder::{Onset, Recorder, um};
@@ -18,11 +19,13 @@ pub(super) fn feel(
     onset: Option<Onset>,
     display: &Display,
     projector: &Projector,
+    drive: Drive,
     recorder: &mut Recorder,
 ) {
     let Some(Onset {
         at,
         target: Some(seen),
+        squares,
     }) = onset
     else {
         return;
@@ -30,17 +33,18 @@ pub(super) fn feel(
     let true_place = recorder
         .truth_at(at)
         .map(|(place, _)| projector.map().apply(place));
-    let felt = display.feel(Nanos::from(at)).map(|felt| {
-        um(Point::new(
-            felt.position_mm.0 as f32,
-            felt.position_mm.1 as f32,
-        ))
+    let place = |(x, y): (f64, f64)| um(Point::new(x as f32, y as f32));
+    let felt = display.feel(Nanos::from(at)).map(|felt| FeltAt {
+        energy: place(felt.energy_mm),
+        amplitude: place(felt.amplitude_mm),
     });
+    let full = u64::from(drive.width(seen.weight).get()).pow(2).max(1);
     recorder.events.push(Event::Felt {
         t_us: at.as_micros(),
-        target: um(true_place.unwrap_or(seen)),
-        inside: projector.display().contains(seen, HULL_MARGIN),
+        target: um(true_place.unwrap_or(seen.place)),
+        inside: projector.display().contains(seen.place, HULL_MARGIN),
         felt,
+        energy_permille: u32::try_from(1000 * squares / full).unwrap_or(u32::MAX),
     });
 }
 

@@ -1,11 +1,14 @@
 //! From what the loop reports to the canonical trace.
 
+use std::collections::BTreeSet;
+
 use palpate_core::projector::{Cause, FrameReport, Observer, Target};
 use palpate_core::schedule::Entry;
 use palpate_core::skin::{Condition, Layout};
 use palpate_core::units::{Board, Instant, Point};
 use palpate_records::trace::{Event, PlaceUm};
 
+use super::effort::Effort;
 use crate::files::Touch;
 
 /// Micrometres of a place in millimetres, rounded.
@@ -47,8 +50,10 @@ pub const fn word(condition: Condition) -> &'static str {
 pub struct Onset {
     /// When.
     pub at: Instant,
-    /// Where the only contact was on the display; `None` for none or several.
-    pub target: Option<Point>,
+    /// The only contact on the display; `None` for none or several.
+    pub target: Option<Target>,
+    /// Sum of the squared pulse widths that were asked for, ticks.
+    pub squares: u64,
 }
 
 /// Collects a run.
@@ -68,6 +73,12 @@ pub struct Recorder {
     pub intensities: Vec<f32>,
     /// The newest onset.
     pub onset: Option<Onset>,
+    /// Onsets projected, and those of them without a contact.
+    onsets: (u64, u64),
+    /// Boards and channels of which a stimulus was asked.
+    warmed: BTreeSet<(u8, u8)>,
+    /// Squared widths of the stimuli since.
+    squares: u64,
     /// The scene's touches and the driving module, where an emulated skin knows the truth.
     truth: Option<(Vec<Touch>, usize)>,
     /// The skin, for naming its taxels.
@@ -106,6 +117,14 @@ impl Recorder {
             t_us: at.as_micros(),
             text,
         });
+    }
+
+    /// Tells what the onsets came to.
+    pub fn tell(&self, effort: &mut Effort, wires: usize) {
+        (effort.onsets, effort.silent_onsets) = self.onsets;
+        effort.driven = self.stimuli;
+        effort.wires = wires;
+        effort.cold_wires = wires.saturating_sub(self.warmed.len());
     }
 
     /// Where the driving module is truly touched.
@@ -157,17 +176,26 @@ impl Observer for Recorder {
 
     fn entry(&mut self, entry: &Entry) {
         self.stimuli += u64::from(entry.width().get() > 0);
+        self.warmed.insert((entry.board.0, entry.channel.0));
         self.limiter_events += u32::from(entry.reason.is_some());
+        self.squares += u64::from(entry.requested.get()).pow(2);
         self.events.push(Event::Schedule(*entry));
     }
 
     fn onset(&mut self, at: Instant, targets: &[Target]) {
+        self.onsets.0 += 1;
+        self.onsets.1 += u64::from(targets.is_empty());
         let target = if let [only] = targets {
-            Some(only.place)
+            Some(*only)
         } else {
             None
         };
-        self.onset = Some(Onset { at, target });
+        let squares = std::mem::take(&mut self.squares);
+        self.onset = Some(Onset {
+            at,
+            target,
+            squares,
+        });
     }
 
     fn taxel(&mut self, at: Instant, index: usize, condition: Condition) {

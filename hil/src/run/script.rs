@@ -3,6 +3,7 @@
 
 use palpate_core::skin::Layout;
 use palpate_core::units::{Duration, Instant};
+use palpate_emulators::amplifier::AmplifierFault;
 use palpate_emulators::can::BusError;
 use palpate_emulators::can::faults::{Faulty, Rates};
 use palpate_emulators::display::Display;
@@ -41,7 +42,7 @@ pub struct Bench<'a> {
     /// The actuators' fault layer.
     pub i2c: &'a Shared<I2cHandle>,
     /// The display.
-    pub display: &'a Display,
+    pub display: &'a mut Display,
     /// The factor of every chip's oscillator while nothing is wrong.
     pub oscillator: f64,
 }
@@ -250,6 +251,15 @@ impl Script {
                     let errors = classes.iter().cycle().take(count);
                     errors.for_each(|&error| b.segment_mut().inject(error));
                 });
+            }
+            (FaultKind::AmplifierStuckOn | FaultKind::OpenWire, _) => {
+                let defect = match fault.kind {
+                    FaultKind::OpenWire => AmplifierFault::OpenWire,
+                    _ => AmplifierFault::StuckOn,
+                };
+                if let Some(wire) = fault.wire {
+                    bench.display.set_fault(wire, begins.then_some(defect));
+                }
             }
             (FaultKind::BrownOut, _) if begins => {
                 on_chip(bench, fault.board, now, &mut |chip, at| {

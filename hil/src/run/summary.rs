@@ -6,7 +6,9 @@ use std::time::Duration;
 use palpate_core::projector::Projector;
 use palpate_core::skin::{Condition, HealthSummary};
 use palpate_core::units::Instant;
-use palpate_records::measure::{Errors, felt_error, path_error};
+use palpate_records::felt::{decibels, energy_permille, felt_scores};
+use palpate_records::measure::{Errors, path_error};
+use palpate_records::report::Margin;
 use palpate_records::trace::{Source, Trace};
 use serde::Serialize;
 
@@ -28,14 +30,25 @@ pub struct PathError {
 /// The same of what is felt, and where nothing is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FeltError {
-    /// Root mean square, display mm; `None` where nothing was felt or no truth is known.
+    /// Root mean square, display mm, over the onsets inside the display; `None` where nothing was felt or no truth is known.
     pub rmse: Option<f64>,
     /// Largest.
     pub max: Option<f64>,
     /// Onsets with a contact inside the hull and no wire above threshold.
     pub breaks: u64,
+    /// Onsets at which the felt place went further than the contact by a step that can be felt.
+    pub jumps: u64,
     /// Which perceiver says so.
     pub perceiver: &'static str,
+}
+
+/// Energy asked of all wires together over one wire's, dB, over the onsets inside the display.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct EnergyDb {
+    /// The deepest dip.
+    pub min: f64,
+    /// The highest.
+    pub max: f64,
 }
 
 /// Rates at which taxels truly change, Hz.
@@ -131,6 +144,8 @@ pub struct Summary {
     pub stimuli: u64,
     pub path_error_mm: Option<PathError>,
     pub felt_error_mm: FeltError,
+    pub felt_error_amplitude_mm: FeltError,
+    pub felt_energy_db: Option<EnergyDb>,
     /// Null on a real bench, which does not measure it.
     pub energy_mj: Option<f64>,
     /// Null on a real bench.
@@ -144,6 +159,7 @@ pub struct Summary {
     pub boards: Vec<BoardReport>,
     pub buses: Vec<BusReport>,
     pub faults: Vec<FaultReport>,
+    pub margins: Vec<Margin>,
     /// How a real run kept its time; null for an emulated one.
     pub pacing: Option<Pacing>,
     /// The CAN interfaces of a real run.
@@ -152,8 +168,40 @@ pub struct Summary {
     pub wall_s: f64,
 }
 
+/// Three digits or so, whatever the size.
+fn short(v: f64) -> String {
+    match v.abs() {
+        a if a >= 100.0 || !a.is_finite() => format!("{v:.0}"),
+        a if a >= 1.0 => format!("{v:.1}"),
+        a if a >= 0.001 || a == 0.0 => format!("{v:.3}"),
+        _ => format!("{v:.0e}"),
+    }
+}
+
 fn mm(um: u64) -> f64 {
     um as f64 * 1e-3
+}
+
+impl FeltError {
+    fn line(&self) -> String {
+        let many = |count: u64, one: &str| match count {
+            0 => format!("no {one}"),
+            1 => format!("1 {one}"),
+            n => format!("{n} {one}s"),
+        };
+        let events = format!(
+            "{}, {}",
+            many(self.breaks, "break"),
+            many(self.jumps, "jump")
+        );
+        match (self.rmse, self.max) {
+            (Some(rmse), Some(max)) => format!(
+                "{rmse:.2} mm RMSE, {max:.2} mm at most (display, {}), {events}",
+                self.perceiver
+            ),
+            _ => format!("- (no true path known), {events}"),
+        }
+    }
 }
 
 impl FrameTime {
@@ -186,10 +234,18 @@ impl Summary {
             rmse: mm(e.rmse_um),
             max: mm(e.max_um),
         };
-        let (felt, breaks) = felt_error(trace);
         let path = path_error(trace).map(error);
         // Without a truth there is nothing to hold the felt path against; breaks need none.
-        let felt = felt.map(error).filter(|_| path.is_some());
+        let [felt, felt_amplitude] = felt_scores(trace).map(|score| {
+            let errors = score.errors.map(error).filter(|_| path.is_some());
+            FeltError {
+                rmse: errors.map(|e| e.rmse),
+                max: errors.map(|e| e.max),
+                breaks: score.breaks,
+                jumps: score.jumps,
+                perceiver: score.perceiver,
+            }
+        });
         let ledger = &trace.ledger;
         let emulated = trace.header.source == Source::Emulated;
         Self {
@@ -201,12 +257,12 @@ impl Summary {
             contacts: recorder.contacts,
             stimuli: recorder.stimuli,
             path_error_mm: path,
-            felt_error_mm: FeltError {
-                rmse: felt.map(|f| f.rmse),
-                max: felt.map(|f| f.max),
-                breaks,
-                perceiver: "energy centroid",
-            },
+            felt_error_mm: felt,
+            felt_error_amplitude_mm: felt_amplitude,
+            felt_energy_db: energy_permille(trace).map(|(min, max)| EnergyDb {
+                min: decibels(min),
+                max: decibels(max),
+            }),
             energy_mj: emulated.then(|| ledger.energy_uj as f64 * 1e-3),
             peak_supply_a: emulated.then(|| f64::from(ledger.peak_supply_ma) * 1e-3),
             hottest_wire_c: ledger.hottest_wire.map(|(t, _)| f64::from(t) * 1e-3),
@@ -231,6 +287,7 @@ impl Summary {
             boards: Vec::new(),
             buses: Vec::new(),
             faults: Vec::new(),
+            margins: Vec::new(),
             pacing: None,
             can: Vec::new(),
             sim_s: ledger.length_us as f64 * 1e-6,
@@ -271,20 +328,15 @@ impl Summary {
                 None => "- (no true path known)".into(),
             },
         )?;
-        let breaks = match self.felt_error_mm.breaks {
-            0 => "no break".into(),
-            1 => "1 break".into(),
-            n => format!("{n} breaks"),
-        };
-        row(
-            "felt error",
-            match (self.felt_error_mm.rmse, self.felt_error_mm.max) {
-                (Some(rmse), Some(max)) => {
-                    format!("{rmse:.2} mm RMSE, {max:.2} mm at most (display), {breaks}")
-                }
-                _ => format!("- (no true path known), {breaks}"),
-            },
-        )?;
+        for felt in [&self.felt_error_mm, &self.felt_error_amplitude_mm] {
+            row("felt error", felt.line())?;
+        }
+        if let Some(db) = &self.felt_energy_db {
+            row(
+                "felt energy",
+                format!("{:.1} to {:.1} dB of one wire's", db.min, db.max),
+            )?;
+        }
         row(
             "stimuli",
             format!("{} at {:.2} Hz", self.stimuli, self.pwm_hz),
@@ -294,10 +346,21 @@ impl Summary {
             row("supply", format!("{ampere:.2} A at most"))?;
         }
         let celsius = |t: Option<f64>| t.map_or("-".into(), |t| format!("{t:.1} C"));
-        row("hottest wire", celsius(self.hottest_wire_c))?;
+        row(
+            "hottest wire",
+            format!("{} (no limit of its own)", celsius(self.hottest_wire_c)),
+        )?;
+        let limit = self.margins.iter().find(|m| m.name == "skin at 0.1 mm");
+        let limit = limit.map_or(String::new(), |m| {
+            let passed = if m.over() { ", PASSED" } else { "" };
+            format!(", limit {:.1} C{passed}", m.limit)
+        });
         row(
             "hottest skin",
-            format!("{} (modelled, 0.1 mm deep)", celsius(self.hottest_skin_c)),
+            format!(
+                "{}{limit} (modelled, 0.1 mm deep)",
+                celsius(self.hottest_skin_c)
+            ),
         )?;
         row("limiter events", self.limiter_events.to_string())?;
         row(
@@ -347,6 +410,18 @@ impl Summary {
         }
         for fault in &self.faults {
             row("fault", format!("{}: count {}", fault.what, fault.count))?;
+        }
+        for (index, m) in self.margins.iter().enumerate() {
+            let line = format!(
+                "{:<23}{:>8} of {:>7} {:<3} {:>4.0} % used{}",
+                m.name,
+                short(m.worst),
+                short(m.limit),
+                m.unit,
+                m.used.max(0.0) * 100.0,
+                if m.over() { ", PASSED" } else { "" }
+            );
+            row(if index == 0 { "margins" } else { "" }, line)?;
         }
         Ok(())
     }

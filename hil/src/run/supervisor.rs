@@ -1,7 +1,7 @@
 //! What a run does about hardware that stops answering: outputs off at once, a bounded wait, a way back.
 
 use embedded_hal::i2c::I2c;
-use palpate_core::bus::SensorBus;
+use palpate_core::bus::{Actuators, SensorBus};
 use palpate_core::driver::Banks;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant};
@@ -52,6 +52,8 @@ pub struct Supervisor {
     /// Since when the actuator bus is lost, and its last error.
     lost: Option<(Instant, String)>,
     retries: u64,
+    /// Since when the guard's latch is closed.
+    stopped: Option<Instant>,
     next_round: Instant,
     /// Boards that are silent, by module.
     silent: Vec<bool>,
@@ -144,6 +146,29 @@ impl Supervisor {
                 format!("actuators: transfer tried again, {times} times"),
             );
             self.retries = retries;
+        }
+    }
+
+    /// Tells of a stop, and ends it once its cause is gone. A bench with a person on it leaves that to the
+    /// person; here all is emulated.
+    pub fn resume(
+        &mut self,
+        now: Instant,
+        projector: &mut Projector,
+        bank: &mut impl Actuators,
+        events: &mut Vec<Event>,
+    ) {
+        let Some(cause) = projector.guard().latched() else {
+            return;
+        };
+        if self.stopped.is_none() {
+            self.stopped = Some(now);
+            note(events, now, format!("stopped: {}", cause.word()));
+        }
+        if projector.reset(now, bank).is_ok() {
+            let since = self.stopped.take().unwrap_or(now);
+            let ms = now.since(since).as_micros() as f64 * 1e-3;
+            note(events, now, format!("stop ended after {ms} ms, cause gone"));
         }
     }
 

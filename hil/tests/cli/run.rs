@@ -138,7 +138,8 @@ fn illusion_options_change_the_run_and_are_checked() {
     ] {
         assert_ne!(schedule(&options), plain, "{options:?}");
     }
-    assert_eq!(schedule(&["--illusion", "phantom"]), plain);
+    assert_eq!(schedule(&["--illusion", "balanced"]), plain);
+    assert_ne!(schedule(&["--illusion", "phantom"]), plain);
     assert_eq!(schedule(&["--intensity", "on"]), plain);
     for (options, word) in [
         (&["--shape", "0"][..], "--shape 0: expected"),
@@ -150,7 +151,7 @@ fn illusion_options_change_the_run_and_are_checked() {
             "at most the onset asynchrony",
         ),
         (&["--soa-ms", "inf"], "--soa-ms inf: expected"),
-        (&["--illusion", "magic"], "expected phantom"),
+        (&["--illusion", "magic"], "expected one of phantom, energy"),
         (&["--intensity", "half"], "half"),
     ] {
         let mut args = vec!["run", &scene];

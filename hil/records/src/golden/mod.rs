@@ -10,6 +10,7 @@ mod pad;
 mod strip;
 
 use crate::digest;
+use crate::felt::{energy_permille, felt_scores};
 use crate::fixed::{milli_u, seconds};
 use crate::measure::{self, Errors, Row};
 use crate::trace::{Event, Source, Trace};
@@ -172,11 +173,23 @@ pub fn schedule_golden(trace: &Trace) -> String {
     head(&mut out, "schedule", trace);
     drive(&mut out, trace);
     contact_summary(&mut out, trace);
-    let (felt, breaks) = measure::felt_error(trace);
-    put(
-        &mut out,
-        &format!("{}; breaks {breaks}", errors("felt error", felt)),
-    );
+    for score in felt_scores(trace) {
+        let what = format!("felt error, {}", score.perceiver);
+        let (breaks, jumps) = (score.breaks, score.jumps);
+        put(
+            &mut out,
+            &format!(
+                "{}; breaks {breaks}, jumps {jumps}",
+                errors(&what, score.errors)
+            ),
+        );
+    }
+    if let Some((least, most)) = energy_permille(trace) {
+        put(
+            &mut out,
+            &format!("  energy inside the display: {least} to {most} thousandths of a wire's"),
+        );
+    }
     out.push('\n');
     strip::schedule(&mut out, trace);
     story(&mut out, trace);

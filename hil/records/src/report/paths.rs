@@ -208,7 +208,7 @@ pub(super) fn felt_path(trace: &Trace) -> String {
     for event in &trace.events {
         if let Event::Felt { target, felt, .. } = event {
             places.push(mm(*target));
-            places.extend(felt.map(mm));
+            places.extend(felt.map(|f| mm(f.energy)));
         }
     }
     let mut plot = plane();
@@ -225,6 +225,7 @@ pub(super) fn felt_path(trace: &Trace) -> String {
             target,
             inside,
             felt,
+            ..
         } = event
         else {
             continue;
@@ -238,7 +239,7 @@ pub(super) fn felt_path(trace: &Trace) -> String {
         target_path.to(aim, 0);
         match felt {
             Some(felt) => {
-                let at = plot.at(mm(*felt));
+                let at = plot.at(mm(felt.energy));
                 first.get_or_insert(at);
                 felt_path.to(at, hue(*t_us, length));
             }

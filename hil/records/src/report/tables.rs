@@ -3,6 +3,7 @@
 use super::series::{quantile, scan_us, sorted_times};
 use super::svg::escape;
 use super::{ReportExtras, SummaryRow};
+use crate::felt::{decibels, energy_permille, felt_scores};
 use crate::fixed::{milli_u, seconds};
 use crate::measure::{self, Errors};
 use crate::trace::{Event, Source, Trace};
@@ -116,16 +117,31 @@ fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
         path.map_or(0, |e| e.count).to_string(),
         "",
     ));
-    let (felt, breaks) = measure::felt_error(trace);
+    let mut breaks = 0;
     // Without a true path there is nothing to hold the felt path against; breaks need none.
     let known = trace
         .events
         .iter()
         .any(|e| matches!(e, Event::Truth { .. }));
-    error_rows(&mut rows, "felt error", "display", felt.filter(|_| known));
+    for score in felt_scores(trace) {
+        let what = format!("felt error by {}", score.perceiver);
+        let errors = score.errors.filter(|_| known);
+        error_rows(&mut rows, &what, "display", errors);
+        rows.push(row(
+            &format!("jumps by {}", score.perceiver),
+            score.jumps.to_string(),
+            "onsets",
+        ));
+        breaks = score.breaks;
+    }
     let mut broken = row("breaks", breaks.to_string(), "onsets");
     broken.over = breaks > 0;
     rows.push(broken);
+    if let Some((least, most)) = energy_permille(trace) {
+        let (least, most) = (decibels(least), decibels(most));
+        let text = format!("{least:.1} to {most:.1}");
+        rows.push(row("energy inside the display", text, "dB"));
+    }
     let most = trace.events.iter().filter_map(|e| match e {
         Event::Frame { in_contact, .. } => Some(*in_contact),
         _ => None,

@@ -190,11 +190,19 @@ impl<S: SensorBus> SensorBus for Tap<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use palpate_records::synthetic;
+    use crate::files::Setup;
+    use crate::run::{Input, run};
+    use palpate_records::trace::Trace;
+
+    /// A run of an emulated bench; its pieces could have come from a real one.
+    fn trace() -> Trace {
+        let setup = Setup::load("sphere-along", "emulated").unwrap();
+        run(&setup, &Input::Scene, 1).unwrap().trace
+    }
 
     #[test]
     fn pieces_make_the_same_files_as_a_whole_run() {
-        let trace = synthetic::trace();
+        let trace = trace();
         let folder = std::env::temp_dir().join(format!("palpate-journal-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let files = [
@@ -219,7 +227,7 @@ mod tests {
 
     #[test]
     fn a_full_disk_is_noticed() {
-        let header = synthetic::trace().header;
+        let header = trace().header;
         let files = [(Kind::Contacts, PathBuf::from("/dev/full"))];
         let refused = Journal::start(&files, &header).err().unwrap();
         assert_eq!(refused.status(), 3);

@@ -21,6 +21,7 @@ use palpate_core::units::{Duration, Instant};
 use palpate_core::wire::uskin::Command;
 use palpate_records::trace::{Event, Ledger, Trace};
 
+use super::effort::Effort;
 use super::ends::header;
 use super::recorder::Recorder;
 use super::supervisor::Supervisor;
@@ -48,6 +49,7 @@ struct Done {
     projector: Projector,
     recorder: Recorder,
     frame_us: Vec<f32>,
+    effort: Effort,
     lateness: Lateness,
     realtime: bool,
     can: Vec<CanReport>,
@@ -134,6 +136,7 @@ fn drive(
     let mut supervisor = Supervisor::patient(GIVE_UP);
     let mut pacer = Pacer::new(live.clock);
     let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
+    let mut effort = Effort::default();
     let mut failure = None;
     let mut next_look = Instant::ZERO;
     let mut now = pacer.wait(ready);
@@ -207,6 +210,7 @@ fn drive(
             let frames = recorder.frames - before;
             let each = spent.as_secs_f32() * 1e6 / frames as f32;
             frame_us.extend(std::iter::repeat_n(each, frames as usize));
+            effort.note(&projector.work(), frames, each);
             spent = std::time::Duration::ZERO;
         }
         supervisor.restart_boards(now, &mut can, &projector, &mut recorder.events);
@@ -230,6 +234,8 @@ fn drive(
         failure.get_or_insert(Failure::Device(cause));
     }
     recorder.tell_taxels();
+    recorder.tell(&mut effort, projector.display().wires().len());
+    effort.traffic = live.banks.traffic();
     journal.tell(&recorder.events, can.take());
     if let Err(error) = journal.finish() {
         failure.get_or_insert(error);
@@ -239,6 +245,7 @@ fn drive(
         projector,
         recorder,
         frame_us,
+        effort,
         lateness: pacer.lateness().clone(),
         realtime,
         can: can
@@ -306,9 +313,13 @@ fn outcome(
     summary.pacing = Some(Pacing::new(&done.lateness, done.realtime));
     summary.can = done.can;
     Ok(Outcome {
+        // Nothing measures a real finger.
+        warmth: Vec::new(),
+        skin_limits: super::margins::skin_limits(&setup.limits.value),
         trace,
         summary,
         frame_us: done.frame_us,
+        effort: done.effort,
         can: Vec::new(),
         failure: done.failure,
     })

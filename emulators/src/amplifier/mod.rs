@@ -1,13 +1,34 @@
-//! Current amplifiers: a pin in, a wire's current out, and what the supply gives for all of them.
-//!
-//! Ideal for now: the set current or none, at the edge's own nanosecond. Rise time, on-resistance and
-//! sagging supplies get their fields when they do something.
+//! Current amplifiers: a pin in, the current that a wire is to get out. [`supply`] says what it truly gets.
+
+pub mod supply;
 
 use palpate_core::units::{Channel, Milliamps};
 use palpate_core::wire::pca9685::CHANNELS;
 
 use crate::pca9685::{Edge, Pin};
 use crate::time::Nanos;
+
+/// What the amplifiers of a bench are like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AmplifierConfig {
+    /// Current of a wire that is on, while the supply has it.
+    pub current: Milliamps,
+    /// From no current to all of it, and back; linear.
+    pub rise: Nanos,
+    /// Resistance of a transistor that is on, in series with its wire, Ohm.
+    pub on_ohm: f64,
+}
+
+impl AmplifierConfig {
+    /// Instant and without loss: this current or none.
+    pub const fn ideal(current: Milliamps) -> Self {
+        Self {
+            current,
+            rise: Nanos::ZERO,
+            on_ohm: 0.0,
+        }
+    }
+}
 
 /// A defect of one output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -28,15 +49,24 @@ pub enum Pull {
     Up,
 }
 
-/// A change of a wire's current.
+/// A change of the current that a wire is to get.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Current {
     /// When.
     pub at: Nanos,
     /// Which wire.
     pub channel: Channel,
-    /// The current from then on.
+    /// The current from then on, if the supply has it.
     pub current: Milliamps,
+}
+
+/// When an edge of the pin takes effect behind an amplifier whose current rises and falls linearly in
+/// `rise`. The ramp is told as the one instant that puts the same energy into the wire: two thirds of it on the
+/// way up, where the square of the current is small at first, one third on the way down. A pulse shorter
+/// than a third of the rise gives nothing.
+pub fn takes_effect(edge: &Edge, rise: Nanos) -> Nanos {
+    let part = if edge.pin == Pin::High { 2 } else { 1 };
+    edge.at + Nanos(rise.0 * part / 3)
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -93,7 +123,7 @@ impl Amplifier {
         output.map_or(Milliamps(0), |output| self.flows(output))
     }
 
-    /// What all wires of this board take now.
+    /// What all outputs of this board are to give now.
     pub fn sum(&self) -> Milliamps {
         Milliamps((self.outputs.iter()).fold(0, |sum, o| sum.saturating_add(self.flows(o).0)))
     }
@@ -122,46 +152,6 @@ impl Amplifier {
             (None, pin) => pin == Pin::High,
         };
         if on { output.peak } else { Milliamps(0) }
-    }
-}
-
-/// The supply behind any number of boards: its current and the peak of it.
-///
-/// Changes at the same nanosecond count together: one wire off and the next one on is no peak.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Supply {
-    now: Milliamps,
-    at: Nanos,
-    peak: Milliamps,
-    peak_at: Nanos,
-}
-
-impl Supply {
-    /// The sum over all boards from `at` on. Times do not go backwards.
-    pub fn set(&mut self, at: Nanos, sum: Milliamps) {
-        if at > self.at {
-            self.settle();
-            self.at = at;
-        }
-        self.now = sum;
-    }
-
-    /// What flows now.
-    pub const fn current(&self) -> Milliamps {
-        self.now
-    }
-
-    /// The largest current so far and when it first flowed.
-    pub fn peak(&self) -> (Milliamps, Nanos) {
-        let mut settled = *self;
-        settled.settle();
-        (settled.peak, settled.peak_at)
-    }
-
-    fn settle(&mut self) {
-        if self.now > self.peak {
-            (self.peak, self.peak_at) = (self.now, self.at);
-        }
     }
 }
 
@@ -213,23 +203,17 @@ mod tests {
     }
 
     #[test]
-    fn the_supply_peak_is_over_all_wires_and_not_over_a_handover() {
-        let mut amplifier = Amplifier::new(Milliamps(300), Pull::Down);
-        let mut supply = Supply::default();
-        for e in [
-            edge(10, 0, Pin::High),
-            edge(20, 1, Pin::High), // on and off in one nanosecond, in this order
-            edge(20, 0, Pin::Low),
-            edge(30, 2, Pin::High),
-            edge(40, 1, Pin::Low),
-        ] {
-            amplifier.edge(e);
-            supply.set(e.at, amplifier.sum());
-            if e.at == Nanos(20) && e.channel == Channel(0) {
-                assert_eq!(supply.peak(), (Milliamps(300), Nanos(10)));
-            }
-        }
-        assert_eq!(supply.peak(), (Milliamps(600), Nanos(30)));
-        assert_eq!(supply.current(), Milliamps(300));
+    fn a_ramp_gives_the_energy_of_its_equivalent_edges() {
+        let rise = Nanos(3000);
+        let on = takes_effect(&edge(0, 0, Pin::High), rise);
+        let off = takes_effect(&edge(100_000, 0, Pin::Low), rise);
+        // Integral of the squared current over both ramps and what lies between, per squared full current.
+        let steps = 300_000;
+        let true_ns: f64 = (0..steps)
+            .map(|i| (f64::from(i) + 0.5) * 103_000.0 / f64::from(steps))
+            .map(|t| (t / 3000.0).min(1.0).min((103_000.0 - t) / 3000.0))
+            .map(|part| part * part * 103_000.0 / f64::from(steps))
+            .sum();
+        assert!((true_ns - off.since(on).0 as f64).abs() < 0.1, "{true_ns}");
     }
 }

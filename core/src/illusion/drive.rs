@@ -1,0 +1,205 @@
+//! From activation to duty: intensity levels, the person's calibration, (5.1).
+
+use alloc::boxed::Box;
+use alloc::vec;
+use core::fmt;
+
+use crate::units::Ticks;
+
+/// How the weights of intensity levels are spaced between the weakest and 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Steps {
+    /// Evenly.
+    #[default]
+    Even,
+    /// By just noticeable differences down from the top: each level is weaker by the Weber fraction, and
+    /// levels that would fall below the weakest weight share it.
+    Weber(f32),
+}
+
+/// How many levels a person tells apart over a range: `ln(I_max / I_0) / ln(1 + w)` for the Weber
+/// fraction w. 20 dB of amplitude at w = 0.2 are 12.6.
+pub fn noticeable_levels(weakest: f32, fraction: f32) -> f32 {
+    -libm::logf(weakest) / libm::log1pf(fraction)
+}
+
+/// From activation to duty, (5.1) with intensity: `A = alpha + beta g a` for a > 0, else off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Duty offset, a fraction of a period; raises only wires that are active.
+    pub alpha: f32,
+    /// Duty range, a fraction of a period (thesis: 100 / 4096).
+    pub beta: f32,
+    /// Weight g of the weakest intensity level, in (0, 1]; 1 is the thesis's constant beta.
+    pub floor: f32,
+    /// The levels between.
+    pub steps: Steps,
+}
+
+impl Drive {
+    /// g(level): monotone, 1 at the top level.
+    pub fn weight(&self, level: u16, levels: u16) -> f32 {
+        if levels <= 1 {
+            return 1.0;
+        }
+        let level = level.clamp(1, levels);
+        match self.steps {
+            Steps::Even => {
+                let part = f32::from(level - 1) / f32::from(levels - 1);
+                self.floor + (1.0 - self.floor) * part
+            }
+            Steps::Weber(fraction) => {
+                let below = f32::from(levels - level);
+                libm::expf(-below * libm::log1pf(fraction)).max(self.floor)
+            }
+        }
+    }
+
+    /// Pulse width for an activation already weighted by g.
+    pub fn width(&self, activation: f32) -> Ticks {
+        if activation > 0.0 {
+            Ticks::from_duty(self.alpha + self.beta * activation)
+        } else {
+            Ticks::ZERO
+        }
+    }
+}
+
+/// What one person needs of each wire. The same for all wires of a person who has not been measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    wires: Box<[(f32, f32)]>,
+}
+
+/// Why a calibration is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CalibrationError {
+    /// There must be one gain and one threshold a wire.
+    Count,
+    /// This wire's gain is not above 0 and at most 1: the strongest wire has gain 1, others are lowered to it.
+    Gain(usize),
+    /// This wire's threshold is not from 0 to below 1: what is not felt at full drive cannot be driven.
+    Threshold(usize),
+}
+
+impl fmt::Display for CalibrationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Count => f.write_str("one gain and one threshold a wire"),
+            Self::Gain(_) => f.write_str("a gain above 0 and at most 1 (full scale)"),
+            Self::Threshold(_) => f.write_str("a threshold from 0 to below the wire's gain"),
+        }
+    }
+}
+
+impl core::error::Error for CalibrationError {}
+
+impl Calibration {
+    /// Everything as it comes: gain 1, threshold 0.
+    pub fn even(wires: usize) -> Self {
+        Self {
+            wires: vec![(1.0, 0.0); wires].into(),
+        }
+    }
+
+    /// Of a gain and a threshold a wire. The gain is the drive, as a part of full drive, at which all wires
+    /// feel equally strong; the threshold the part of full drive at which this person begins to feel it.
+    ///
+    /// # Errors
+    /// [`CalibrationError`] names the wire.
+    pub fn new(gain: &[f32], threshold: &[f32]) -> Result<Self, CalibrationError> {
+        if gain.len() != threshold.len() {
+            return Err(CalibrationError::Count);
+        }
+        for (i, (&g, &t)) in gain.iter().zip(threshold).enumerate() {
+            if !(g > 0.0 && g <= 1.0) {
+                return Err(CalibrationError::Gain(i));
+            }
+            if !(0.0..g).contains(&t) {
+                return Err(CalibrationError::Threshold(i));
+            }
+        }
+        let wires = gain.iter().copied().zip(threshold.iter().copied());
+        Ok(Self {
+            wires: wires.collect(),
+        })
+    }
+
+    /// How many wires it is for.
+    pub fn len(&self) -> usize {
+        self.wires.len()
+    }
+
+    /// Whether it is for no wire.
+    pub fn is_empty(&self) -> bool {
+        self.wires.is_empty()
+    }
+
+    /// The activation that this person needs for a weighted activation of a wire: 0 stays 0, everything
+    /// above lies between the threshold and the gain.
+    pub fn apply(&self, wire: usize, activation: f32) -> f32 {
+        match self.wires.get(wire) {
+            Some(&(gain, threshold)) if activation > 0.0 => {
+                threshold + (gain - threshold) * activation
+            }
+            _ => 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DRIVE: Drive = Drive {
+        alpha: 0.01,
+        beta: 0.0244,
+        floor: 0.5,
+        steps: Steps::Even,
+    };
+
+    #[test]
+    fn nothing_active_means_off_even_with_an_offset() {
+        assert_eq!(DRIVE.width(0.0), Ticks::ZERO);
+        assert_eq!(DRIVE.width(1.0), Ticks::from_duty(0.0344));
+        assert_eq!(DRIVE.width(f32::NAN), Ticks::ZERO);
+        assert_eq!(DRIVE.weight(1, 10), 0.5);
+        assert_eq!(DRIVE.weight(10, 10), 1.0);
+        assert_eq!(DRIVE.weight(1, 1), 1.0);
+    }
+
+    #[test]
+    fn weber_levels_differ_by_the_fraction_down_to_the_floor() {
+        let drive = Drive {
+            steps: Steps::Weber(0.2),
+            ..DRIVE
+        };
+        assert_eq!(drive.weight(10, 10), 1.0);
+        assert!((drive.weight(10, 10) / drive.weight(9, 10) - 1.2).abs() < 1e-5);
+        assert_eq!(drive.weight(1, 10), 0.5);
+        assert!((noticeable_levels(0.1, 0.2) - 12.6).abs() < 0.05);
+    }
+
+    #[test]
+    fn a_calibration_keeps_silence_and_full_scale() {
+        let person = Calibration::new(&[1.0, 0.8], &[0.25, 0.0]).unwrap();
+        assert_eq!(person.apply(0, 0.0), 0.0);
+        assert_eq!(person.apply(0, 1.0), 1.0);
+        assert_eq!(person.apply(0, 0.5), 0.625);
+        assert_eq!(person.apply(1, 1.0), 0.8);
+        assert_eq!(person.apply(2, 1.0), 0.0);
+        assert_eq!(Calibration::even(1).apply(0, 0.3), 0.3);
+    }
+
+    #[test]
+    fn a_calibration_beyond_full_scale_is_refused_by_wire() {
+        let refused = |gain: f32, threshold: f32| Calibration::new(&[1.0, gain], &[0.0, threshold]);
+        for gain in [0.0, -1.0, 1.01, f32::NAN] {
+            assert_eq!(refused(gain, 0.0), Err(CalibrationError::Gain(1)));
+        }
+        for threshold in [1.0, 2.0, -0.1, f32::NAN] {
+            assert_eq!(refused(1.0, threshold), Err(CalibrationError::Threshold(1)));
+        }
+        assert_eq!(Calibration::new(&[1.0], &[]), Err(CalibrationError::Count));
+    }
+}

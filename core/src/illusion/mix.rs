@@ -1,0 +1,150 @@
+//! Several contacts on one display: how they share its wires.
+
+use alloc::boxed::Box;
+use alloc::vec;
+
+use crate::units::Point;
+
+use super::model::Illusion;
+
+/// How contacts share wires. Whatever the rule, a wire stays within [0, 1] and the energy of all wires
+/// within the sum of what each contact alone would have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sharing {
+    /// A wire follows the contact that asks most of it.
+    #[default]
+    Strongest,
+    /// A wire's energies add up, to full drive at most.
+    Sum,
+    /// Onset after onset, one contact after the other.
+    Slices,
+}
+
+impl Sharing {
+    /// Every rule.
+    pub const ALL: [Self; 3] = [Self::Strongest, Self::Sum, Self::Slices];
+
+    /// Its name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Strongest => "strongest",
+            Self::Sum => "sum",
+            Self::Slices => "slices",
+        }
+    }
+}
+
+/// A contact as the display sees it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Target {
+    /// Place on the display, mm.
+    pub place: Point,
+    /// Intensity weight g, in [0, 1].
+    pub weight: f32,
+}
+
+/// An illusion, the rule for several contacts, and their memory.
+#[derive(Debug)]
+pub struct Mixer {
+    illusion: Box<dyn Illusion>,
+    sharing: Sharing,
+    activation: Box<[f32]>,
+    one: Box<[f32]>,
+}
+
+impl Mixer {
+    /// For a display of so many wires; the last time it allocates.
+    pub fn new(illusion: Box<dyn Illusion>, sharing: Sharing, wires: usize) -> Self {
+        Self {
+            illusion,
+            sharing,
+            activation: vec![0.0; wires].into(),
+            one: vec![0.0; wires].into(),
+        }
+    }
+
+    /// Those of `targets` that the onset with this number renders.
+    pub fn rendered<'t>(&self, targets: &'t [Target], onset: u64) -> &'t [Target] {
+        if self.sharing != Sharing::Slices || targets.is_empty() {
+            return targets;
+        }
+        let turn = (onset % targets.len() as u64) as usize;
+        &targets[turn..=turn]
+    }
+
+    /// Weighted activation of every wire, by its index, for contacts at once.
+    pub fn activate(&mut self, targets: &[Target]) -> &[f32] {
+        if let [only] = targets {
+            self.illusion.activate(only.place, &mut self.activation);
+            for a in &mut self.activation {
+                *a *= only.weight;
+            }
+            return &self.activation;
+        }
+        self.activation.fill(0.0);
+        for target in targets {
+            self.illusion.activate(target.place, &mut self.one);
+            for (a, one) in self.activation.iter_mut().zip(&self.one) {
+                let mine = one * target.weight;
+                *a = match self.sharing {
+                    // Slices hand in one target; a rule for more of them is never asked for.
+                    Sharing::Strongest | Sharing::Slices => a.max(mine),
+                    Sharing::Sum => libm::sqrtf(*a * *a + mine * mine).min(1.0),
+                };
+            }
+        }
+        &self.activation
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::display::tests::line;
+    use super::super::model::{Model, ModelSettings, build};
+    use super::*;
+
+    fn mixer(sharing: Sharing) -> Mixer {
+        let display = line(&[0.0, 10.0, 20.0]);
+        let settings = ModelSettings {
+            model: Model::Linear,
+            ..ModelSettings::default()
+        };
+        Mixer::new(build(&display, &settings).unwrap(), sharing, 3)
+    }
+
+    fn target(x: f32, weight: f32) -> Target {
+        Target {
+            place: Point::new(x, 0.0),
+            weight,
+        }
+    }
+
+    #[test]
+    fn the_rules_by_hand() {
+        let both = [target(6.0, 1.0), target(12.0, 0.5)];
+        // Alone: 0.4 0.6 0, and 0 0.4 0.1.
+        let strongest = mixer(Sharing::Strongest).activate(&both).to_vec();
+        let expected = [0.4, 0.6, 0.1];
+        assert!(
+            strongest
+                .iter()
+                .zip(expected)
+                .all(|(a, e)| (a - e).abs() < 1e-6)
+        );
+        let sum = mixer(Sharing::Sum).activate(&both).to_vec();
+        assert!((sum[1] - libm::sqrtf(0.36 + 0.16)).abs() < 1e-6);
+        let three = [target(10.0, 1.0); 3];
+        assert_eq!(mixer(Sharing::Sum).activate(&three), [0.0, 1.0, 0.0]);
+        assert_eq!(mixer(Sharing::Sum).activate(&[]), [0.0; 3]);
+    }
+
+    #[test]
+    fn slices_take_turns() {
+        let both = [target(0.0, 1.0), target(20.0, 1.0)];
+        let mixer = mixer(Sharing::Slices);
+        assert_eq!(mixer.rendered(&both, 0), &both[..1]);
+        assert_eq!(mixer.rendered(&both, 1), &both[1..]);
+        assert_eq!(mixer.rendered(&both, 2), &both[..1]);
+        assert!(mixer.rendered(&[], 3).is_empty());
+    }
+}

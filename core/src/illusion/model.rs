@@ -1,0 +1,237 @@
+//! The choice of an illusion: its name and settings to one trait behind which every law stands.
+
+use alloc::boxed::Box;
+use core::fmt;
+
+use crate::units::Point;
+
+use super::cells::Cells;
+use super::display::Display;
+use super::phantom::{LogPhantom, RadialPhantom, Shape};
+use super::reach::{Gaussian, Metric, Nearest, ThreeNearest};
+use super::shares::{AxisShares, CellShares, Power};
+use super::surface::Surface;
+
+/// A law that makes one touch felt between wires.
+///
+/// Every law gives activations in [0, 1], 1 on a wire and 0 to wires out of its reach, whatever the order
+/// of the wires. A place that is no number activates nothing.
+pub trait Illusion: fmt::Debug + Send + Sync {
+    /// Writes the activation of every wire, by its index, for a contact at `at` (display mm).
+    fn activate(&self, at: Point, out: &mut [f32]);
+}
+
+/// The laws by name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Model {
+    /// The thesis's (5.2), logarithmic.
+    Phantom,
+    /// Square roots of shares: the energy centroid is the contact (Israr and Poupyrev 2011).
+    Energy,
+    /// Shares: the amplitude centroid is the contact.
+    Linear,
+    /// Squares of shares: gentle on both sides of a wire, weak between.
+    Square,
+    /// Shares to a power between those of energy and linear, scaled to one energy everywhere.
+    #[default]
+    Balanced,
+    /// Three nearest wires by inverse distance (Park 2016).
+    ThreeNearest,
+    /// A bell around each wire.
+    Gaussian,
+    /// The nearest wire alone: recognised best, not smooth (Tang and McMahan 2019).
+    Nearest,
+}
+
+impl Model {
+    /// Every model, in the order of the lists.
+    pub const ALL: [Self; 8] = [
+        Self::Phantom,
+        Self::Energy,
+        Self::Linear,
+        Self::Square,
+        Self::Balanced,
+        Self::ThreeNearest,
+        Self::Gaussian,
+        Self::Nearest,
+    ];
+
+    /// Its name in files and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Phantom => "phantom",
+            Self::Energy => "energy",
+            Self::Linear => "linear",
+            Self::Square => "square",
+            Self::Balanced => "balanced",
+            Self::ThreeNearest => "three-nearest",
+            Self::Gaussian => "gaussian",
+            Self::Nearest => "nearest",
+        }
+    }
+
+    /// The shape where none is stated: s of (5.2), the balanced law's exponent, the bell's width as a
+    /// share of the gap (0.6 makes midpoints flat). The other laws have none.
+    pub const fn shape(self) -> Option<f32> {
+        match self {
+            Self::Phantom => Some(1.0),
+            Self::Balanced => Some(BALANCED),
+            Self::Gaussian => Some(0.6),
+            _ => None,
+        }
+    }
+
+    /// The distances where none are stated.
+    pub const fn distances(self) -> Distances {
+        match self {
+            Self::Phantom => Distances::Axes,
+            _ => Distances::Plane,
+        }
+    }
+}
+
+/// Exponent of the balanced law: where both perceivers are off by about as much (`docs/illusion.md` has
+/// the curve).
+const BALANCED: f32 = 0.65;
+
+/// How far a contact is from a wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Distances {
+    /// Each axis on its own.
+    Axes,
+    /// In the unrolled plane.
+    Plane,
+    /// Straight through space, on the display's surface.
+    Space,
+}
+
+/// A shape factor, or the wish for flat midpoints.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ShapeChoice {
+    /// The model's own.
+    #[default]
+    Model,
+    /// This one.
+    Factor(f32),
+    /// For (5.2): the factor that makes midpoints flat, from the spacings.
+    Flat,
+}
+
+/// How an illusion is to be built.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ModelSettings {
+    /// The law.
+    pub model: Model,
+    /// Its shape.
+    pub shape: ShapeChoice,
+    /// Its distances; the model's own if not stated.
+    pub distances: Option<Distances>,
+    /// How far beyond the hull a contact is still rendered by laws over shares, as a part of the smallest
+    /// gap between wires; half a gap if not stated.
+    pub margin: Option<f32>,
+}
+
+/// Why a law does not fit a display, or its settings a law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModelError {
+    /// Nothing lies between one wire.
+    OneWire,
+    /// Three nearest need wires that are not in one line.
+    InLine,
+    /// The shape is no positive number, or the model has none.
+    Shape,
+    /// The model knows no such distances.
+    Distances,
+    /// The margin is no positive number.
+    Margin,
+}
+
+impl fmt::Display for ModelError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::OneWire => "two wires or more: with one there is no place between (`nearest` takes one)",
+            Self::InLine => "wires that are not in one line: three-nearest needs triangles",
+            Self::Shape => {
+                "a shape above 0 for phantom, balanced or gaussian, `flat` for phantom only, and none for the others"
+            }
+            Self::Distances => {
+                "`axes` for phantom, energy, linear or square, `plane` for any, `space` for phantom, three-nearest, gaussian or nearest"
+            }
+            Self::Margin => "a margin above 0",
+        })
+    }
+}
+
+impl core::error::Error for ModelError {}
+
+/// Builds a law for a display; the last time it allocates.
+///
+/// # Errors
+/// [`ModelError`] for a display that the law cannot be laid over, and for settings it does not know.
+pub fn build(display: &Display, settings: &ModelSettings) -> Result<Box<dyn Illusion>, ModelError> {
+    let model = settings.model;
+    let distances = settings.distances.unwrap_or(model.distances());
+    let surface = match distances {
+        Distances::Space => display.surface(),
+        Distances::Axes | Distances::Plane => Surface::Flat,
+    };
+    let shape = match settings.shape {
+        ShapeChoice::Flat if model == Model::Phantom => None,
+        ShapeChoice::Flat => return Err(ModelError::Shape),
+        ShapeChoice::Model => Some(model.shape().unwrap_or(1.0)),
+        ShapeChoice::Factor(s) if model.shape().is_some() && s.is_finite() && s > 0.0 => Some(s),
+        ShapeChoice::Factor(_) => return Err(ModelError::Shape),
+    };
+    if display.wires().len() < 2 && model != Model::Nearest {
+        return Err(ModelError::OneWire);
+    }
+    let metric = || Metric::new(display, surface);
+    let cells = || Cells::new(display).ok_or(ModelError::OneWire);
+    let share = |exponent: f32, level: bool| -> Result<Box<dyn Illusion>, ModelError> {
+        let power = Power { exponent, level };
+        let margin = settings.margin.unwrap_or(0.5);
+        if !(margin.is_finite() && margin > 0.0) {
+            return Err(ModelError::Margin);
+        }
+        match distances {
+            Distances::Axes if !level => Ok(Box::new(AxisShares::new(display, power))),
+            Distances::Plane => {
+                let gap = metric()
+                    .gaps()
+                    .iter()
+                    .copied()
+                    .fold(f32::INFINITY, f32::min);
+                Ok(Box::new(CellShares::new(cells()?, power, margin * gap)))
+            }
+            _ => Err(ModelError::Distances),
+        }
+    };
+    match (model, distances) {
+        (Model::Phantom, Distances::Axes) => {
+            let (dx, dy) = display.spacing();
+            let shape = Shape {
+                x: shape.unwrap_or(Shape::flat(dx)),
+                y: shape.unwrap_or(Shape::flat(dy)),
+            };
+            Ok(Box::new(LogPhantom::new(display, shape)?))
+        }
+        (Model::Phantom, _) => {
+            let of_gap = |gap: f32| shape.unwrap_or(Shape::flat(gap));
+            Ok(Box::new(RadialPhantom::new(metric(), of_gap)?))
+        }
+        (Model::Energy, _) => share(0.5, false),
+        (Model::Linear, _) => share(1.0, false),
+        (Model::Square, _) => share(2.0, false),
+        (Model::Balanced, _) => share(shape.unwrap_or(BALANCED), true),
+        (_, Distances::Axes) => Err(ModelError::Distances),
+        (Model::ThreeNearest, _) => {
+            let cells = cells()?;
+            if cells.in_line() {
+                return Err(ModelError::InLine);
+            }
+            Ok(Box::new(ThreeNearest::new(display, metric(), cells)))
+        }
+        (Model::Gaussian, _) => Ok(Box::new(Gaussian::new(metric(), shape.unwrap_or(0.6)))),
+        (Model::Nearest, _) => Ok(Box::new(Nearest::new(metric()))),
+    }
+}

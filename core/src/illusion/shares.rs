@@ -1,0 +1,162 @@
+//! Laws over shares: what a contact's place is worth to each wire, raised to a power.
+//!
+//! With the exponent 1/2 the energy centroid of the wires is the contact (Israr and Poupyrev's energy law,
+//! in two dimensions), with 1 their amplitude centroid is (the linear law). Between the two lies the
+//! balanced law: no exponent satisfies both perceivers, so it is wrong by about as little for either.
+
+use crate::units::Point;
+
+use super::cells::Cells;
+use super::model::Illusion;
+
+/// Which power, and whether the energy is made 1 everywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Power {
+    /// Exponent of the share.
+    pub exponent: f32,
+    /// Whether activations are scaled so that their squares sum to 1.
+    pub level: bool,
+}
+
+impl Power {
+    fn of(self, share: f32) -> f32 {
+        // The named laws need no power function.
+        match self.exponent {
+            e if (e - 0.5).abs() < f32::EPSILON => libm::sqrtf(share),
+            e if (e - 1.0).abs() < f32::EPSILON => share,
+            e if (e - 2.0).abs() < f32::EPSILON => share * share,
+            _ if share >= 1.0 => 1.0,
+            e => libm::expf(e * libm::logf(share)),
+        }
+    }
+
+    /// Shares in place to activations.
+    fn apply(self, shares: &mut [f32]) {
+        let mut energy = 0.0;
+        for a in shares.iter_mut().filter(|s| **s > 0.0) {
+            *a = self.of(*a);
+            energy += *a * *a;
+        }
+        if self.level && energy > 0.0 {
+            let scale = 1.0 / libm::sqrtf(energy);
+            for a in shares.iter_mut().filter(|s| **s > 0.0) {
+                *a = (*a * scale).min(1.0);
+            }
+        }
+    }
+}
+
+/// Shares by the cells between wires: any array.
+#[derive(Clone, Debug)]
+pub struct CellShares {
+    cells: Cells,
+    power: Power,
+    /// Beyond the hull a contact is rendered on its edge, weaker with distance and not at all from here on, mm.
+    margin: f32,
+}
+
+impl CellShares {
+    pub(super) const fn new(cells: Cells, power: Power, margin: f32) -> Self {
+        Self {
+            cells,
+            power,
+            margin,
+        }
+    }
+}
+
+impl Illusion for CellShares {
+    fn activate(&self, at: Point, out: &mut [f32]) {
+        let (near, beyond) = self.cells.nearest(at);
+        // What is no number compares false.
+        let within = beyond < self.margin;
+        if !within {
+            out.fill(0.0);
+            return;
+        }
+        self.cells.shares(near, out);
+        self.power.apply(out);
+        if beyond > 0.0 {
+            let part = 1.0 - beyond / self.margin;
+            for a in out.iter_mut() {
+                *a *= part;
+            }
+        }
+    }
+}
+
+/// Shares axis by axis, `max(1 - |dx| / D_x, 0)` times the same in y: regular grids. Where a grid has a
+/// hole, what that wire should have given is missing.
+#[derive(Clone, Debug)]
+pub struct AxisShares {
+    spacing: (f32, f32),
+    wires: alloc::boxed::Box<[Point]>,
+    power: Power,
+}
+
+impl AxisShares {
+    pub(super) fn new(display: &super::Display, power: Power) -> Self {
+        Self {
+            spacing: display.spacing(),
+            wires: display.wires().iter().map(|w| w.place).collect(),
+            power,
+        }
+    }
+}
+
+impl Illusion for AxisShares {
+    fn activate(&self, at: Point, out: &mut [f32]) {
+        let axis = |d: f32, spacing: f32| {
+            let d = libm::fabsf(d);
+            let within = d < spacing;
+            if within { 1.0 - d / spacing } else { 0.0 }
+        };
+        for (a, wire) in out.iter_mut().zip(&self.wires) {
+            *a = axis(at.x - wire.x, self.spacing.0) * axis(at.y - wire.y, self.spacing.1);
+        }
+        self.power.apply(out);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::display::tests::thimble;
+    use super::*;
+
+    fn law(exponent: f32, level: bool) -> CellShares {
+        let cells = Cells::new(&thimble()).unwrap();
+        CellShares::new(cells, Power { exponent, level }, 4.0)
+    }
+
+    #[test]
+    fn energy_and_linear_by_hand() {
+        let mut out = [0.0; 8];
+        // A quarter of the way from wire 2 to wire 3.
+        law(0.5, false).activate(Point::new(0.0, 7.125), &mut out);
+        assert!((out[2] - libm::sqrtf(0.75)).abs() < 1e-5 && (out[3] - 0.5).abs() < 1e-5);
+        law(1.0, false).activate(Point::new(0.0, 7.125), &mut out);
+        assert!((out[2] - 0.75).abs() < 1e-5 && (out[3] - 0.25).abs() < 1e-5);
+        law(2.0, false).activate(Point::new(5.5, 0.0), &mut out);
+        assert!((out[1] - 0.0625).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_level_law_has_one_energy_inside_and_fades_outside() {
+        let law = law(0.7, true);
+        let mut out = [0.0; 8];
+        let energy = |out: &[f32]| out.iter().map(|a| a * a).sum::<f32>();
+        for i in 0..200 {
+            law.activate(
+                Point::new((i % 14) as f32 - 6.5, (i / 14) as f32 - 7.0),
+                &mut out,
+            );
+            assert!((energy(&out) - 1.0).abs() < 1e-5);
+        }
+        law.activate(Point::new(13.0, 0.0), &mut out);
+        assert!((energy(&out) - 0.25).abs() < 1e-5);
+        for nowhere in [15.1, f32::INFINITY, f32::NAN] {
+            law.activate(Point::new(nowhere, 0.0), &mut out);
+            assert_eq!(out, [0.0; 8]);
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! Known strokes by the Tactile Brush planner (Israr and Poupyrev 2011): from start to end in a given time.
+//!
+//! The stroke is felt at points on it: its ends, and wherever it passes from one cell of wires into the
+//! next, which on a regular grid are its crossings with the grid's lines. At the point `i` the stimulus is
+//! strongest when the stroke is there: onset + d/2 = distance / speed. Onsets follow the law
+//! `SOA_i = 0.32 d_i + 47.3 ms`, so that the durations follow one from the other:
+//! `d_(i+1) = 2 (passage to the next point) - 94.6 ms + 0.36 d_i`.
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+use core::fmt;
+
+use crate::units::{Duration, Instant, Point};
+
+use super::cells::Cells;
+use super::timing::{LONGEST, duration_tactile_brush};
+
+/// A straight stroke over the display.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    /// Where it begins, display mm.
+    pub from: Point,
+    /// Where it ends.
+    pub to: Point,
+    /// How long it takes.
+    pub length: Duration,
+}
+
+/// One stimulus of a stroke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dab {
+    /// Onset after the stroke's first one.
+    pub at: Duration,
+    /// How long it lasts.
+    pub duration: Duration,
+    /// Where, display mm.
+    pub place: Point,
+}
+
+/// A planned stroke: its stimuli from `start` on, the last of them over at `end`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Planned {
+    /// First onset.
+    pub start: Instant,
+    /// End of the last stimulus.
+    pub end: Instant,
+    /// The stimuli, in order.
+    pub dabs: Box<[Dab]>,
+}
+
+impl Planned {
+    /// Stimuli in order, beginning at `start`.
+    pub fn new(start: Instant, dabs: Vec<Dab>) -> Self {
+        let end = dabs.iter().map(|d| start + d.at + d.duration).max();
+        Self {
+            start,
+            end: end.unwrap_or(start),
+            dabs: dabs.into(),
+        }
+    }
+}
+
+/// Why there is no plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StrokeError {
+    /// Start and end are one place, or no numbers: a contact, not a stroke.
+    NoLength,
+    /// Faster than two stimuli can follow one another; the shortest time it can take.
+    TooFast(Duration),
+}
+
+impl fmt::Display for StrokeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoLength => f.write_str("a stroke between two different places"),
+            Self::TooFast(least) => write!(
+                f,
+                "a stroke of at least {} ms",
+                least.as_micros().div_ceil(1000)
+            ),
+        }
+    }
+}
+
+impl core::error::Error for StrokeError {}
+
+/// Shortest stimulus worth giving: two periods of 200 Hz.
+const SHORTEST_US: f32 = 10_000.0;
+/// The law's constant term.
+const BASE_US: f32 = 47_300.0;
+/// The law's factor.
+const LAW: f32 = 0.32;
+/// A phantom must travel this part of the gap to be felt as moving.
+pub const FELT_STEP: f32 = 0.2;
+
+impl Stroke {
+    /// Its stimuli in order. `gap` is the display's smallest distance of two wires. Points nearer to one
+    /// another than a felt step, or passed faster than stimuli can follow, are left out.
+    ///
+    /// # Errors
+    /// [`StrokeError`] for a stroke of no length, or one too fast.
+    pub fn plan(&self, cells: &Cells, gap: f32) -> Result<Vec<Dab>, StrokeError> {
+        let length = self.from.distance(self.to);
+        if !(length.is_finite() && length > 0.0) {
+            return Err(StrokeError::NoLength);
+        }
+        let total = self.length.as_micros() as f32;
+        let least = BASE_US + LAW * SHORTEST_US;
+        if total < least {
+            return Err(StrokeError::TooFast(Duration::from_micros(least as u64)));
+        }
+        let step = (FELT_STEP * gap / length).max(least / total);
+        let mut parts = cells.crossings(self.from, self.to);
+        let mut last = 0.0;
+        parts.retain(|&p| {
+            let apart = p - last >= step && 1.0 - p >= step;
+            if apart {
+                last = p;
+            }
+            apart
+        });
+        parts.insert(0, 0.0);
+        parts.push(1.0);
+        let passage = |i: usize| (parts[i + 1] - parts[i]) * total;
+        let limit = |us: f32| us.clamp(SHORTEST_US, LONGEST.as_micros() as f32);
+        let first = Duration::from_micros(passage(0) as u64);
+        let mut duration = limit(duration_tactile_brush(first).as_micros() as f32);
+        let lead = duration / 2.0;
+        let mut dabs = Vec::with_capacity(parts.len());
+        for (i, &part) in parts.iter().enumerate() {
+            if i > 0 {
+                duration = limit(2.0 * passage(i - 1) - 2.0 * BASE_US + 0.36 * duration);
+            }
+            let middle = part * total;
+            dabs.push(Dab {
+                at: Duration::from_micros((middle + lead - duration / 2.0).max(0.0) as u64),
+                duration: Duration::from_micros(duration as u64),
+                place: Point::new(
+                    self.from.x + part * (self.to.x - self.from.x),
+                    self.from.y + part * (self.to.y - self.from.y),
+                ),
+            });
+        }
+        Ok(dabs)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::display::tests::{line, thimble};
+    use super::*;
+
+    fn stroke(from: (f32, f32), to: (f32, f32), ms: u64) -> Stroke {
+        Stroke {
+            from: Point::new(from.0, from.1),
+            to: Point::new(to.0, to.1),
+            length: Duration::from_millis(ms),
+        }
+    }
+
+    #[test]
+    fn even_passages_keep_the_law() {
+        let display = line(&[0.0, 10.0, 20.0, 30.0]);
+        let cells = Cells::new(&display).unwrap();
+        // 180 ms over three gaps: 60 ms each, (60 - 47.3) / 0.32 = 39.7 ms.
+        let dabs = stroke((0.0, 0.0), (30.0, 0.0), 180)
+            .plan(&cells, display.gap())
+            .unwrap();
+        assert_eq!(dabs.len(), 4);
+        for (i, dab) in dabs.iter().enumerate() {
+            assert!((dab.place.x - 10.0 * i as f32).abs() < 1e-3);
+            assert!(dab.duration.as_micros().abs_diff(39_687) < 20);
+            assert!(dab.at.as_micros().abs_diff(60_000 * i as u64) < 40);
+        }
+    }
+
+    #[test]
+    fn every_plan_keeps_onsets_in_order_and_bursts_in_bounds() {
+        let display = thimble();
+        let cells = Cells::new(&display).unwrap();
+        for ms in [400, 700, 1500, 6000] {
+            let dabs = stroke((-9.0, -5.0), (7.0, 6.0), ms)
+                .plan(&cells, display.gap())
+                .unwrap();
+            assert!(dabs.len() >= 3);
+            for pair in dabs.windows(2) {
+                assert!(pair[0].at < pair[1].at);
+                let soa = Duration::from_micros(pair[1].at.as_micros() - pair[0].at.as_micros());
+                assert!(pair[0].duration <= soa, "{ms} ms: d <= SOA");
+                assert!(pair[0].duration <= LONGEST);
+            }
+        }
+    }
+
+    #[test]
+    fn no_stroke_and_a_stroke_too_fast_are_refused() {
+        let display = thimble();
+        let cells = Cells::new(&display).unwrap();
+        let plan = |s: Stroke| s.plan(&cells, display.gap());
+        assert_eq!(
+            plan(stroke((1.0, 1.0), (1.0, 1.0), 500)),
+            Err(StrokeError::NoLength)
+        );
+        assert_eq!(
+            plan(stroke((f32::NAN, 1.0), (1.0, 1.0), 500)),
+            Err(StrokeError::NoLength)
+        );
+        let Err(StrokeError::TooFast(least)) = plan(stroke((0.0, -14.25), (0.0, 14.25), 50)) else {
+            panic!("50 ms are too short for two stimuli");
+        };
+        let slower = Stroke {
+            length: least,
+            ..stroke((0.0, -14.25), (0.0, 14.25), 0)
+        };
+        assert!(plan(slower).is_ok());
+    }
+}

@@ -1,0 +1,75 @@
+//! The surface that a display's wires lie on: flat, or a finger whose skin has been unrolled.
+
+use crate::units::Point;
+
+/// From the unrolled plane to space.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Surface {
+    /// The plane is the surface.
+    #[default]
+    Flat,
+    /// A cylinder with a rounded end. The plane's x runs around it, y along it; from `tip_mm` on the
+    /// meridians follow a hemisphere of the same radius. Lengths along x and y are kept on the cylinder;
+    /// on the tip those along y are.
+    Finger {
+        /// Radius of cylinder and tip, mm.
+        radius_mm: f32,
+        /// The y at which the cylinder ends, mm.
+        tip_mm: f32,
+    },
+}
+
+impl Surface {
+    /// A place of the plane in space, mm; on a finger the axis is the second coordinate.
+    pub fn lift(self, at: Point) -> [f32; 3] {
+        match self {
+            Self::Flat => [at.x, at.y, 0.0],
+            Self::Finger { radius_mm, tip_mm } => {
+                let around = at.x / radius_mm;
+                // Beyond the pole there is no skin.
+                let over = ((at.y - tip_mm) / radius_mm).clamp(0.0, core::f32::consts::FRAC_PI_2);
+                let ring = radius_mm * libm::cosf(over);
+                let along = at.y.min(tip_mm) + radius_mm * libm::sinf(over);
+                [ring * libm::sinf(around), along, ring * libm::cosf(around)]
+            }
+        }
+    }
+}
+
+/// Squared straight distance of two places in space, mm2.
+pub(super) fn distance2(a: [f32; 3], b: [f32; 3]) -> f32 {
+    let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FINGER: Surface = Surface::Finger {
+        radius_mm: 8.0,
+        tip_mm: 6.0,
+    };
+
+    #[test]
+    fn lengths_along_the_finger_are_kept_and_chords_are_shorter_than_arcs() {
+        let far = |a: Point, b: Point| libm::sqrtf(distance2(FINGER.lift(a), FINGER.lift(b)));
+        let along = far(Point::new(0.0, -14.25), Point::new(0.0, -4.75));
+        assert!((along - 9.5).abs() < 1e-5);
+        // A chord over an arc of 11 mm at radius 8 mm.
+        let around = far(Point::new(0.0, 4.75), Point::new(11.0, 4.75));
+        assert!((around - 16.0 * libm::sinf(11.0 / 16.0)).abs() < 1e-4);
+        assert!(far(Point::new(0.0, 4.75), Point::new(0.0, 14.25)) < 9.5);
+    }
+
+    #[test]
+    fn the_tip_is_round_and_ends_at_the_pole() {
+        let pole = FINGER.lift(Point::new(5.0, 100.0));
+        assert!(pole[0].abs() < 1e-3 && (pole[1] - 14.0).abs() < 1e-3 && pole[2].abs() < 1e-3);
+        for y in [6.0, 8.0, 14.25] {
+            let [x, along, z] = FINGER.lift(Point::new(3.0, y));
+            let from_centre = libm::sqrtf(x * x + (along - 6.0) * (along - 6.0) + z * z);
+            assert!((from_centre - 8.0).abs() < 1e-4);
+        }
+    }
+}

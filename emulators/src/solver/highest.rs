@@ -1,0 +1,126 @@
+//! The maximum of a sum of exponentials over a span: branch and bound.
+//!
+//! A piece of the span is left as soon as its ceiling is no higher than what is known already; the rest is
+//! halved, in the logarithm of time, until it bends one way only and Newton finds its turn. The heat of a pulse
+//! arrives after the pulse, so that a skin may cool at both ends of a span with a peak between: ends alone tell
+//! nothing.
+
+use super::modal::dot;
+use super::sum::Sum;
+use crate::finger::NODES;
+
+/// A ceiling this little higher counts as no higher, K: far under the promised 1e-9.
+const ENOUGH_K: f64 = 1e-11;
+/// Halvings of a span after which what is left is shorter than any clock tells.
+const DEEPEST: u32 = 60;
+
+/// An instant of a sum.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// When, s.
+    pub t: f64,
+    /// Value, K.
+    pub value: f64,
+    /// Derivative, K/s.
+    pub slope: f64,
+    /// Its terms, slowest first.
+    pub terms: [f64; NODES],
+}
+
+/// The maximum of `sum` between two instants of it, or `known` if that is higher.
+pub fn highest(sum: &Sum<'_>, from: &Point, to: &Point, known: f64) -> f64 {
+    within(sum, from, to, known.max(from.value).max(to.value), DEEPEST)
+}
+
+fn within(sum: &Sum<'_>, from: &Point, to: &Point, known: f64, depth: u32) -> f64 {
+    let span = to.t - from.t;
+    let enough = known + ENOUGH_K;
+    let slopes = spread((from.slope, to.slope), (&from.terms, &to.terms));
+    if ceiling((from.value, to.value), slopes, span) <= enough || depth == 0 {
+        return known;
+    }
+    let grows = sum.lambda[0] < 0.0;
+    let slopes = by_parts(&from.terms, grows, slopes);
+    if ceiling((from.value, to.value), slopes, span) <= enough {
+        return known;
+    }
+    let bend =
+        |p: &Point| -> [f64; NODES] { core::array::from_fn(|k| -sum.lambda[k] * p.terms[k]) };
+    let (then, there) = (bend(from), bend(to));
+    let ends = (-dot(sum.lambda, &from.terms), -dot(sum.lambda, &to.terms));
+    let bends = by_parts(&then, grows, spread(ends, (&then, &there)));
+    if bends.0 >= 0.0 {
+        return known; // highest at an end
+    }
+    if bends.1 <= 0.0 {
+        let turns = from.slope > 0.0 && to.slope < 0.0;
+        let top = turns.then(|| sum.value(sum.turn_between(from.t, to.t)));
+        return top.map_or(known, |top| max(known, top));
+    }
+    let falling = (-from.slope, -to.slope);
+    let slopes = (
+        max(slopes.0, -ceiling(falling, (-bends.1, -bends.0), span)),
+        min(slopes.1, ceiling((from.slope, to.slope), bends, span)),
+    );
+    if ceiling((from.value, to.value), slopes, span) <= enough {
+        return known;
+    }
+    // Fast terms are gone soon: cut where both parts have the same share of decades.
+    let cut = if from.t > 0.0 {
+        libm::sqrt(from.t * to.t).max(from.t + span / 64.0)
+    } else {
+        to.t / 8.0
+    };
+    let middle = sum.point(cut);
+    let known = within(sum, from, &middle, max(known, middle.value), depth - 1);
+    within(sum, &middle, to, known, depth - 1)
+}
+
+/// The least and the most that terms can have added up to between two instants, from their sums then and there:
+/// every term goes one way, so that the sum lies between those of the smaller and of the larger ones.
+fn spread((a, b): (f64, f64), (then, there): (&[f64; NODES], &[f64; NODES])) -> (f64, f64) {
+    let mut apart = [0.0; 4];
+    let pairs = then.as_chunks::<4>().0.iter().zip(there.as_chunks::<4>().0);
+    for (a, b) in pairs {
+        for l in 0..4 {
+            apart[l] += (a[l] - b[l]).abs();
+        }
+    }
+    let last = (then[NODES - 1] - there[NODES - 1]).abs();
+    let apart = (apart[0] + apart[1]) + (apart[2] + apart[3]) + last;
+    ((a + b - apart) / 2.0, (a + b + apart) / 2.0)
+}
+
+/// Narrows such bounds: written by parts, slowest first, the sum is a weighted mean of the partial sums and zero,
+/// unless a term grows.
+fn by_parts(then: &[f64; NODES], grows: bool, (least, most): (f64, f64)) -> (f64, f64) {
+    if grows {
+        return (least, most);
+    }
+    let (mut lowest, mut highest, mut partial) = (0.0, 0.0, 0.0);
+    for term in then {
+        partial += term;
+        highest = max(highest, partial);
+        lowest = min(lowest, partial);
+    }
+    (max(least, lowest), min(most, highest))
+}
+
+/// What cannot be passed on the way from one value to another with slopes between these.
+fn ceiling((from, to): (f64, f64), (least, most): (f64, f64), span: f64) -> f64 {
+    if most <= 0.0 || least >= 0.0 {
+        return max(from, to);
+    }
+    // As fast as it can up, then as fast as it can down to where it ends.
+    let up = ((to - from) - least * span) / (most - least);
+    from + most * up.clamp(0.0, span)
+}
+
+/// One instruction, where `f64::max` takes care of NaN.
+fn max(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+fn min(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}

@@ -1,0 +1,156 @@
+//! `hil run --explain`: what a scene asks for and what is built for it; afterwards what was done and what was left
+//! out, in counts and time. Everything left out would have given the same bytes; tests hold every shortcut to that.
+
+use std::io::{self, Write};
+
+use crate::files::{Scene, Scope, Setup, ThresholdRule};
+use crate::run::effort::{Effort, Kind};
+
+/// The plan: one line a stage.
+///
+/// # Errors
+/// What the stream says.
+pub fn plan(setup: &Setup, out: &mut dyn Write) -> io::Result<()> {
+    let scene = &setup.scene.value;
+    writeln!(out, "plan")?;
+    let mut row = |name: &str, value: String| writeln!(out, "  {name:<16}{value}");
+    row("threshold", threshold(scene))?;
+    row(
+        "reference",
+        match scene.drift_s {
+            Some(s) => format!(
+                "{} frames, then follows drift in {s} s",
+                scene.reference_frames
+            ),
+            None => format!("{} frames, and stays", scene.reference_frames),
+        },
+    )?;
+    row("contacts", contacts(setup))?;
+    row(
+        "levels",
+        match scene.compression.ki {
+            1 => "one: none to find, no first pass".into(),
+            k => format!("{k}, static: a first pass over the whole input finds them exactly"),
+        },
+    )?;
+    row(
+        "intensity",
+        if scene.illusion.intensity {
+            "levels set how hard wires are driven".into()
+        } else {
+            "off: levels are recorded, and no wire heeds them".into()
+        },
+    )?;
+    row("texture", "no contact carries one: not built".into())?;
+    row(
+        "display",
+        format!(
+            "{} wires, written only where registers change",
+            setup.display.value.wires_mm.len()
+        ),
+    )
+}
+
+fn threshold(scene: &Scene) -> String {
+    let margin = scene.threshold_margin;
+    match scene.threshold {
+        ThresholdRule::Maximum => {
+            format!("one for all: largest value of a frame, and {margin} counts")
+        }
+        ThresholdRule::PerTaxel => format!(
+            "each taxel's own: {} deviations of its noise, and {margin} counts",
+            crate::files::THRESHOLD_SIGMAS
+        ),
+    }
+}
+
+fn contacts(setup: &Setup) -> String {
+    let (c, modules) = (
+        &setup.scene.value.compression,
+        setup.sensor.value.modules.len(),
+    );
+    let span = match (c.scope, modules) {
+        (Scope::Skin, _) => "for the whole skin".into(),
+        (Scope::Module, 1) => "for the module".into(),
+        (Scope::Module, n) => {
+            format!("for each of {n} modules; all are recorded, one drives the display")
+        }
+    };
+    let how = match c.kc {
+        1 => "a weighted mean, no iteration",
+        _ => "passed through up to that many taxels, else weighted K-means from the last frame",
+    };
+    format!("at most {} {span}: {how}", c.kc)
+}
+
+/// What was done and left out.
+///
+/// # Errors
+/// What the stream says.
+pub fn done(effort: &Effort, out: &mut dyn Write) -> io::Result<()> {
+    let work = &effort.compression;
+    writeln!(out, "done and left out")?;
+    for kind in Kind::ALL {
+        let (count, median, sum) = effort.frames(kind);
+        let name = match kind {
+            Kind::Repeated => "repeated",
+            Kind::Untouched => "untouched",
+            Kind::Direct => "no iteration",
+            Kind::Solved => "iterated",
+        };
+        let time = if count == 0 {
+            String::new()
+        } else {
+            format!(", {median:.2} us median, {:.2} ms together", sum * 1e-3)
+        };
+        writeln!(out, "  {name:<16}{count} frames{time}")?;
+    }
+    let mut row = |name: &str, value: String| writeln!(out, "  {name:<16}{value}");
+    row(
+        "modules",
+        format!(
+            "{} untouched, {} repeated, {} passed through, {} means, {} solved",
+            work.untouched, work.repeated, work.passed, work.means, work.solves
+        ),
+    )?;
+    row(
+        "assignments",
+        format!(
+            "{} by a pass over the taxels, {} known without; {} seeded afresh",
+            work.passes,
+            work.iterations - work.passes,
+            work.seeded
+        ),
+    )?;
+    row(
+        "levels",
+        if effort.calibrated {
+            "first pass made".into()
+        } else {
+            "first pass left out".into()
+        },
+    )?;
+    row(
+        "onsets",
+        format!(
+            "{}, of which {} had nothing to project",
+            effort.onsets, effort.silent_onsets
+        ),
+    )?;
+    let possible = effort.onsets * effort.wires as u64;
+    row(
+        "wires",
+        format!(
+            "{} stimuli of {possible} possible; {} of {} wires stayed cold throughout",
+            effort.driven, effort.cold_wires, effort.wires
+        ),
+    )?;
+    let t = &effort.traffic;
+    row(
+        "registers",
+        format!(
+            "{} updates sent and {} left out; {} channels written, {} held their value",
+            t.writes, t.unchanged_updates, t.channels, t.unchanged_channels
+        ),
+    )
+}

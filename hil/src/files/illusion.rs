@@ -1,0 +1,287 @@
+//! A scene's illusion: which law, how contacts share wires, how strong, when; and the two files about the
+//! person: the perceiver of the emulation, the calibration of a wearer.
+
+use palpate_core::illusion::TimingLaw;
+use palpate_core::units::Duration;
+use serde::Deserialize;
+use serde::de::IntoDeserializer;
+
+use super::scene::choice;
+use super::{FileError, Source};
+
+choice! { /** How a place between wires becomes activations. */ IllusionModel {
+    /** The logarithmic phantom sensation of the thesis's (5.2). */ Phantom = "phantom",
+    /** Square roots of shares. */ Energy = "energy",
+    /** Shares. */ Linear = "linear",
+    /** Squares of shares. */ Square = "square",
+    /** Shares to a power between those of energy and linear, at one energy everywhere. */ Balanced = "balanced",
+    /** Three nearest wires by inverse distance (Park 2016). */ ThreeNearest = "three-nearest",
+    /** A bell around each wire. */ Gaussian = "gaussian",
+    /** The nearest wire alone. */ Nearest = "nearest",
+}}
+choice! { /** How far a contact is from a wire. */ Distances {
+    /** Each axis on its own. */ Axes = "axes",
+    /** In the unrolled plane. */ Plane = "plane",
+    /** Straight through space, on the display's surface. */ Space = "space",
+}}
+choice! { /** How several contacts share wires. */ Sharing {
+    /** A wire follows the contact that asks most of it. */ Strongest = "strongest",
+    /** Energies add up, to full drive at most. */ Sum = "sum",
+    /** One contact after the other, onset by onset. */ Slices = "slices",
+}}
+choice! { /** What the missing one of duration and onset asynchrony follows. */ Timing {
+    /** 0.32 `tau_d` + 47.3 ms. */ TactileBrush = "tactile-brush",
+    /** 115 ms between onsets. */ Fingerpad = "fingerpad",
+}}
+
+impl IllusionModel {
+    /// The model of this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        let word: serde::de::value::StrDeserializer<'_, serde::de::value::Error> =
+            name.into_deserializer();
+        Self::deserialize(word).ok()
+    }
+}
+
+/// Phantom sensation and its timing.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Illusion {
+    /// The model.
+    pub model: IllusionModel,
+    /// The model's shape: s of `phantom`, the exponent of `balanced`, the width of `gaussian` as a share of
+    /// the gap. Left out: the model's own (1, 0.65, 0.6).
+    pub shape: Option<f64>,
+    /// `phantom` with the shape that makes midpoints flat, found from the spacings.
+    #[serde(default)]
+    pub flat: bool,
+    /// Distances; left out: `axes` for `phantom`, else `plane`.
+    pub distances: Option<Distances>,
+    /// How far outside the wires a contact is still rendered, as a share of the smallest gap; left out: 0.5.
+    pub margin: Option<f64>,
+    /// How several contacts share wires; left out: the strongest rules.
+    pub sharing: Option<Sharing>,
+    /// Smallest step that is rendered, as a share of the smallest gap (0.2 is what can be felt); left out: any.
+    #[serde(default)]
+    pub smallest_step: f64,
+    /// Duty of a wire that is barely active, a share of the period.
+    pub alpha: f64,
+    /// Duty added at full activation, a share of the period.
+    pub beta: f64,
+    /// The timing law; left out: `tactile-brush`.
+    pub timing: Option<Timing>,
+    /// Length of a stimulus in milliseconds; left out: by the law from `soa_ms`, 50 at most.
+    pub tau_d_ms: Option<f64>,
+    /// Between onsets in milliseconds; left out: by the law from `tau_d_ms`.
+    pub soa_ms: Option<f64>,
+    /// Whether a contact's level reaches the wires.
+    pub intensity: bool,
+    /// The share of beta at the lowest level; the top level has all of it.
+    pub intensity_floor: f64,
+    /// Weber fraction by which levels differ, from the top down to the floor; left out: evenly spaced.
+    pub weber: Option<f64>,
+    /// The emulated person, a built-in name or a file; left out: `fitted`.
+    pub perceiver: Option<String>,
+    /// The wearer's calibration, a built-in name or a file; left out: every wire as it comes.
+    pub wearer: Option<String>,
+}
+
+impl Illusion {
+    /// The timing law.
+    #[must_use]
+    pub fn law(&self) -> TimingLaw {
+        match self.timing {
+            None | Some(Timing::TactileBrush) => TimingLaw::TactileBrush,
+            Some(Timing::Fingerpad) => TimingLaw::Fingerpad,
+        }
+    }
+
+    /// The stated duration and onset asynchrony in the core's unit.
+    #[must_use]
+    pub fn stated(&self) -> (Option<Duration>, Option<Duration>) {
+        let span = |ms: f64| Duration::from_micros((ms * 1e3).round() as u64);
+        (self.tau_d_ms.map(span), self.soa_ms.map(span))
+    }
+
+    /// Time between onsets in milliseconds.
+    #[must_use]
+    pub fn onset_ms(&self) -> f64 {
+        let (_, soa) = self.stated();
+        let usual = self.tau_d_ms.unwrap_or(35.0);
+        match (soa, self.law()) {
+            (Some(soa), _) => soa.as_micros() as f64 * 1e-3,
+            (None, TimingLaw::TactileBrush) => 0.32 * usual + 47.3,
+            (None, TimingLaw::Fingerpad) => 115.0,
+        }
+    }
+
+    pub(super) fn check(&self, source: &Source) -> Result<(), FileError> {
+        if let Some(shape) = self.shape {
+            source.range("illusion.shape", shape, 0.01..=100.0, "")?;
+            if self.flat {
+                return Err(source.bad("illusion.flat", "a shape or a flat midpoint, not both"));
+            }
+        }
+        if let Some(margin) = self.margin {
+            source.range("illusion.margin", margin, 0.01..=10.0, "gaps")?;
+        }
+        let steps = self.smallest_step;
+        source.range("illusion.smallest_step", steps, 0.0..=1.0, "gaps")?;
+        source.range("illusion.alpha", self.alpha, 0.0..=1.0, "")?;
+        source.range("illusion.beta", self.beta, 0.0..=1.0, "")?;
+        if self.alpha + self.beta >= 1.0 {
+            return Err(source.bad("illusion.beta", "alpha + beta below 1"));
+        }
+        if let Some(tau) = self.tau_d_ms {
+            source.range("illusion.tau_d_ms", tau, 1.0..=1000.0, "ms")?;
+        }
+        if let Some(soa) = self.soa_ms {
+            source.range("illusion.soa_ms", soa, 1.0..=10_000.0, "ms")?;
+        }
+        if self.tau_d_ms.is_some_and(|tau| tau > self.onset_ms()) {
+            let expected = format!("at most the time between onsets, {} ms", self.onset_ms());
+            return Err(source.bad("illusion.tau_d_ms", expected));
+        }
+        let (duration, soa) = self.stated();
+        self.law()
+            .timing(duration, soa)
+            .map_err(|e| source.bad("illusion.soa_ms", e.to_string()))?;
+        let floor = self.intensity_floor;
+        source.range("illusion.intensity_floor", floor, 0.0..=1.0, "")?;
+        if let Some(weber) = self.weber {
+            source.range("illusion.weber", weber, 0.001..=10.0, "")?;
+        }
+        Ok(())
+    }
+}
+
+/// A straight stroke over the display, rendered by the Tactile Brush planner in place of live contacts.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Stroke {
+    /// First onset.
+    pub start_s: f64,
+    /// How long it takes from end to end.
+    pub length_s: f64,
+    /// Where it begins, on the display.
+    pub from_mm: [f64; 2],
+    /// Where it ends.
+    pub to_mm: [f64; 2],
+}
+
+impl Stroke {
+    pub(super) fn check(
+        &self,
+        source: &Source,
+        key: &str,
+        free_s: f64,
+        end_s: f64,
+    ) -> Result<(), FileError> {
+        let at = |name: &str| format!("{key}.{name}");
+        if !(free_s..end_s).contains(&self.start_s) {
+            let expected = format!("from {free_s} s, where the one before ends, to below {end_s} s");
+            return Err(source.bad(&at("start_s"), expected));
+        }
+        source.range(&at("length_s"), self.length_s, 0.001..=3600.0, "s")?;
+        for (name, place) in [("from_mm", self.from_mm), ("to_mm", self.to_mm)] {
+            for (axis, value) in place.into_iter().enumerate() {
+                source.range(&at(&format!("{name}[{axis}]")), value, -1e4..=1e4, "mm")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The emulated person: what a wire's ripple becomes on the skin, and what of it is felt.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct PerceiverFile {
+    /// Lower case with hyphens.
+    pub name: String,
+    /// What it is, in a sentence.
+    pub description: String,
+    /// Which values are fitted or assumed; reports flag it.
+    pub assumed: Option<String>,
+    /// Displacement of the skin per change of the wire's length, 1.
+    pub fitted_gain: f64,
+    /// Displacement that full drive of the published module gives, um: what the threshold is held against.
+    pub full_scale_um: f64,
+    /// Smallest displacement that is felt, um.
+    pub threshold_um: f64,
+    /// Expansion that turns ripple into strain, 1e-6/K.
+    pub expansion_ppm: f64,
+    /// Pulses after which a burst is felt as strongly as it will be.
+    pub full_pulses: u32,
+}
+
+impl PerceiverFile {
+    /// Reads and checks a perceiver.
+    ///
+    /// # Errors
+    /// Names the line and key of what cannot be.
+    pub fn read(source: &Source) -> Result<Self, FileError> {
+        let file: Self = source.read()?;
+        source.heading(&file.name, &file.description)?;
+        source.range("fitted_gain", file.fitted_gain, 1e-3..=1e6, "")?;
+        source.range("full_scale_um", file.full_scale_um, 1e-3..=1e4, "um")?;
+        source.range("expansion_ppm", file.expansion_ppm, 1e-3..=1e3, "1e-6/K")?;
+        source.range("full_pulses", file.full_pulses, 1..=1000, "")?;
+        if !(0.0..file.full_scale_um).contains(&file.threshold_um) {
+            let expected = format!("from 0 to below full scale, {} um", file.full_scale_um);
+            return Err(source.bad("threshold_um", expected));
+        }
+        Ok(file)
+    }
+}
+
+/// A wearer's calibration: one gain and one threshold a wire, in the display's order.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Wearer {
+    /// Lower case with hyphens.
+    pub name: String,
+    /// Who, in a sentence.
+    pub description: String,
+    /// The part of full drive at which this wire feels as strong as the weakest one at full drive.
+    pub gain: Vec<f64>,
+    /// The part of full drive at which this person begins to feel the wire.
+    pub threshold: Vec<f64>,
+}
+
+impl Wearer {
+    /// Reads and checks a calibration by itself; [`super::Setup`] checks it against the display.
+    ///
+    /// # Errors
+    /// Names the line and key of what cannot be.
+    pub fn read(source: &Source) -> Result<Self, FileError> {
+        let file: Self = source.read()?;
+        source.heading(&file.name, &file.description)?;
+        if file.threshold.len() != file.gain.len() {
+            let expected = format!("{} thresholds, one a gain", file.gain.len());
+            let found = file.threshold.len().to_string();
+            return Err(source.bad_found("threshold", expected, found));
+        }
+        for (wire, (&gain, &threshold)) in file.gain.iter().zip(&file.threshold).enumerate() {
+            source.range(&format!("gain[{wire}]"), gain, 0.01..=1.0, "of full scale")?;
+            if !(0.0..gain).contains(&threshold) {
+                let expected = format!("from 0 to below the wire's full scale, its gain of {gain}");
+                return Err(source.bad(&format!("threshold[{wire}]"), expected));
+            }
+        }
+        Ok(file)
+    }
+
+    /// Holds the calibration against a display of so many wires.
+    pub(super) fn fits(&self, source: &Source, wires: usize) -> Result<(), FileError> {
+        if self.gain.len() == wires {
+            return Ok(());
+        }
+        let expected = format!("{wires} gains, one a wire");
+        Err(source.bad_found("gain", expected, self.gain.len().to_string()))
+    }
+}
