@@ -106,11 +106,9 @@ impl Death {
             }
             Self::Hang => {
                 let script = here().join("suite/clients/stop_thread.py");
-                let stopper = Command::new("python3")
-                    .arg(script)
-                    .arg(pid.to_string())
-                    .arg("loop");
-                return Some({ stopper }.spawn().unwrap());
+                let mut stopper = Command::new("python3");
+                stopper.arg(script).arg(pid.to_string()).arg("loop");
+                return Some(stopper.spawn().unwrap());
             }
         }
         None
