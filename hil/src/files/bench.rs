@@ -167,7 +167,7 @@ impl Real {
         let interfaces = u8::try_from(self.can.len()).unwrap_or(u8::MAX);
         source.range("real.can", interfaces, 1..=16, "interfaces")?;
         source.range("real.heartbeat_ms", self.heartbeat_ms, 10..=1000, "ms")?;
-        source.range("real.transfer_ms", self.transfer_ms, 1..=1000, "ms")?;
+        source.range("real.transfer_ms", self.transfer_ms, 1..=10_000, "ms")?;
         Ok(adapters)
     }
 }

@@ -71,10 +71,12 @@ impl Supervisor {
         Self {
             give_up,
             lost: None,
+            stopped: None,
             retries: 0,
             stopped: None,
             next_round: Instant::ZERO,
             silent: Vec::new(),
+            stopped: None,
         }
     }
 
@@ -150,8 +152,8 @@ impl Supervisor {
         }
     }
 
-    /// Tells of a stop, and ends it once its cause is gone. A bench with a person on it leaves that to the
-    /// person; here all is emulated.
+    /// Tells of a stop of the guard, and ends it once its cause is gone: frames come again, turns are on time,
+    /// boards answer and are off. What the guardian stops on a real bench is left to a person.
     pub fn resume(
         &mut self,
         now: Instant,

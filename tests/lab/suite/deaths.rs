@@ -76,7 +76,8 @@ fn run(emulator: &Emulator, options: &str) -> Child {
     sh("cansend vcan0 20F#0701");
     let hil = std::env::var("PALPATE_HIL").unwrap();
     let line = format!(
-        "exec {hil} run sphere-along --quiet --can vcan0 --i2c {} {options}",
+        "exec {hil} run sphere-along --quiet --bench {} --can vcan0 --i2c {} {options}",
+        here().join("suite/bench.toml").display(),
         emulator.node
     );
     Command::new("sh")
@@ -105,11 +106,9 @@ impl Death {
             }
             Self::Hang => {
                 let script = here().join("suite/clients/stop_thread.py");
-                let stopper = Command::new("python3")
-                    .arg(script)
-                    .arg(pid.to_string())
-                    .arg("loop");
-                return Some({ stopper }.spawn().unwrap());
+                let mut stopper = Command::new("python3");
+                stopper.arg(script).arg(pid.to_string()).arg("loop");
+                return Some(stopper.spawn().unwrap());
             }
         }
         None

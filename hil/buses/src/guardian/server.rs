@@ -20,6 +20,8 @@ use crate::oe::OeLine;
 use crate::pacer::RunClock;
 use crate::sys;
 
+/// How long boards may take to answer for the first time.
+const START: std::time::Duration = std::time::Duration::from_secs(5);
 /// A run whose end of the pair closed has this long to end by itself.
 const GRACE: Duration = Duration::from_millis(500);
 /// How long a guardian goes on trying to reach boards that do not answer.
@@ -132,7 +134,7 @@ impl<'a> Post<'a> {
         let oe = oe.transpose()?;
         let mut sweeper = Sweeper::open(&watch.buses, watch.transfer).map_err(|e| e.to_string())?;
         let found = sweeper.look();
-        sweeper.off()?;
+        sweeper.off_within(START)?;
         harden();
         let driving = found.iter().filter(|b| b.was_driving());
         let lines: Vec<String> = driving.map(ToString::to_string).collect();

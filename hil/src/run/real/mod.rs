@@ -175,6 +175,8 @@ fn drive(
                 }
             }
         }
+        let banks = &mut live.banks;
+        supervisor.resume(now, &mut projector, banks, &mut recorder.events);
         let before = recorder.frames;
         let begun = clock::now();
         let polled = projector.poll(now, &mut can, &mut live.banks, &mut recorder);
