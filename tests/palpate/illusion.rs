@@ -5,8 +5,8 @@ use palpate_core::illusion::{
     Sharing, Surface, Target, Wire, build,
 };
 use palpate_core::units::{Board, Channel, Point};
-use palpate_records::trace::Event;
 use palpate_hil::felt::{PATHS, Worn, current, path_on, person};
+use palpate_records::trace::Event;
 use proptest::prelude::*;
 
 /// Wires at these places, on as many boards as they need.
@@ -341,7 +341,9 @@ fn planned_strokes_are_played() {
         .events
         .iter()
         .filter_map(|e| match *e {
-            Event::Felt { t_us, target, felt, .. } => Some((t_us, target, felt)),
+            Event::Felt {
+                t_us, target, felt, ..
+            } => Some((t_us, target, felt)),
             _ => None,
         })
         .collect();

@@ -48,7 +48,9 @@ impl Strokes {
 
     /// Whether a stroke has the display at that time.
     pub(super) fn hold(&self, at: Instant) -> bool {
-        self.spans.iter().any(|(start, end)| *start <= at && at < *end)
+        self.spans
+            .iter()
+            .any(|(start, end)| *start <= at && at < *end)
     }
 }
 

@@ -182,7 +182,8 @@ impl Stroke {
     ) -> Result<(), FileError> {
         let at = |name: &str| format!("{key}.{name}");
         if !(free_s..end_s).contains(&self.start_s) {
-            let expected = format!("from {free_s} s, where the one before ends, to below {end_s} s");
+            let expected =
+                format!("from {free_s} s, where the one before ends, to below {end_s} s");
             return Err(source.bad(&at("start_s"), expected));
         }
         source.range(&at("length_s"), self.length_s, 0.001..=3600.0, "s")?;

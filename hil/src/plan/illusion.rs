@@ -84,8 +84,13 @@ fn strokes(setup: &Setup, display: &Display) -> Result<Box<[Planned]>, Failure> 
             length: Duration::from_micros(micros(file.length_s)),
         };
         let cells = Cells::new(display).ok_or_else(|| bad("two wires or more".into()))?;
-        let dabs = stroke.plan(&cells, display.gap()).map_err(|e| bad(e.to_string()))?;
-        Ok(Planned::new(Instant::from_micros(micros(file.start_s)), dabs))
+        let dabs = stroke
+            .plan(&cells, display.gap())
+            .map_err(|e| bad(e.to_string()))?;
+        Ok(Planned::new(
+            Instant::from_micros(micros(file.start_s)),
+            dabs,
+        ))
     };
     scene.value.strokes.iter().enumerate().map(plan).collect()
 }
