@@ -104,7 +104,7 @@ fn layouts() {
             (
                 "rows = 4",
                 "rows = 0",
-                "f.toml:9: modules[0].grid.rows: expected a number from 1 to 256, found 0",
+                "f.toml:9: modules[0].grid.rows: expected a number from 1 to 4096, found 0",
             ),
             (
                 "grid = {",
