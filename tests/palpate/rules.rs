@@ -12,7 +12,7 @@ use palpate_core::units::{Duration, Instant};
 use palpate_hil::cli::{AxesArg, ContactsArgs, NormArg, ScopeArg, StaleArg, Threshold};
 use palpate_hil::command;
 use palpate_hil::files::{
-    DRIFT_S, Setup, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, load_bench, load_scene,
+    Axes, DRIFT_S, Scope, Setup, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, load_bench, load_scene,
 };
 use palpate_hil::run::{Input, run};
 
