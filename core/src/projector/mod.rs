@@ -3,6 +3,7 @@
 
 mod output;
 mod sensing;
+mod strokes;
 
 pub use crate::illusion::Target;
 pub use output::OutputSettings;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use palpate_core::illusion::Model;
 use palpate_records::contacts_csv::write_contacts;
-use palpate_records::report::{ReportExtras, SummaryRow, report_html};
+use palpate_records::report::{ReportExtras, SummaryRow, Thermal, report_html};
 use palpate_records::schedule::write_schedule;
 
 use crate::cli::{RunArgs, Switch};
@@ -14,6 +14,7 @@ use crate::files::{
     self, BenchKind, IllusionModel, Kind, Scene, Setup, load_layout, load_scene, write_can_log,
 };
 use crate::output::{make_folder, note, print, write_file};
+use crate::plan;
 use crate::run::{self, Input, Keep, Outcome};
 
 use crate::run::real::Kind as LiveKind;
@@ -241,6 +242,13 @@ fn change(scene: &mut Scene, args: &RunArgs) -> Result<(), Failure> {
         value => Ok(value),
     };
     if let Some(shape) = within("shape", args.shape, 0.01, 100.0)? {
+        let model = plan::model(illusion.model);
+        if model.shape().is_none() {
+            let name = model.name();
+            return Err(Failure::Input(format!(
+                "--shape {shape}: expected no shape, {name} has none"
+            )));
+        }
         (illusion.shape, illusion.flat) = (Some(shape), false);
     }
     illusion.alpha = within("alpha", args.alpha, 0.0, 1.0)?.unwrap_or(illusion.alpha);
@@ -292,6 +300,11 @@ fn report(outcome: &Outcome) -> String {
         &ReportExtras {
             frame_us: &outcome.frame_us,
             summary: &rows,
+            thermal: (!outcome.warmth.is_empty()).then(|| Thermal {
+                samples: &outcome.warmth,
+                margins: &outcome.summary.margins,
+                limits: outcome.skin_limits,
+            }),
         },
     )
 }

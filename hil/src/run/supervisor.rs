@@ -12,7 +12,7 @@ use palpate_records::trace::Event;
 
 use crate::failure::Failure;
 
-/// An actuator bus that is dead for this long ends the run.
+/// How long an emulated run waits for a dead actuator bus.
 const GIVE_UP: Duration = Duration::from_millis(100);
 /// A board that is silent for this long is told to start again.
 const SILENT: Duration = Duration::from_millis(200);
@@ -45,8 +45,10 @@ impl OutputEnable for Display {
 }
 
 /// Watches both buses of a run.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Supervisor {
+    /// An actuator bus that is dead for this long ends the run.
+    give_up: Duration,
     /// Since when the actuator bus is lost, and its last error.
     lost: Option<(Instant, String)>,
     retries: u64,
@@ -57,7 +59,25 @@ pub struct Supervisor {
     silent: Vec<bool>,
 }
 
+impl Default for Supervisor {
+    fn default() -> Self {
+        Self::patient(GIVE_UP)
+    }
+}
+
 impl Supervisor {
+    /// One that waits this long for a dead actuator bus.
+    pub const fn patient(give_up: Duration) -> Self {
+        Self {
+            give_up,
+            lost: None,
+            stopped: None,
+            retries: 0,
+            next_round: Instant::ZERO,
+            silent: Vec::new(),
+        }
+    }
+
     /// The actuator bus failed: outputs are cut through the chips' OE line, which needs no bus.
     pub fn lose(
         &mut self,
@@ -103,7 +123,7 @@ impl Supervisor {
             );
             return Ok(Some(ready));
         }
-        if now.since(since) < GIVE_UP {
+        if now.since(since) < self.give_up {
             return Ok(None);
         }
         note(
@@ -130,8 +150,8 @@ impl Supervisor {
         }
     }
 
-    /// Tells of a stop, and ends it once its cause is gone. A bench with a person on it leaves that to the
-    /// person; here all is emulated.
+    /// Tells of a stop of the guard, and ends it once its cause is gone: frames come again, turns are on time,
+    /// boards answer and are off. What the guardian stops on a real bench is left to a person.
     pub fn resume(
         &mut self,
         now: Instant,

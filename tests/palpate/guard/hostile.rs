@@ -1,7 +1,7 @@
 //! With the guard in place no limit of the table is passed in the emulator, whatever is asked; without it many
 //! are, so that this can fail. And nothing gets hotter than the guard has predicted.
 //!
-//! `ci/soak` plays more of them than an ordinary run.
+//! `ci/hostile` plays more of them than an ordinary run.
 
 use std::thread;
 
