@@ -73,6 +73,7 @@ impl Supervisor {
             lost: None,
             stopped: None,
             retries: 0,
+            stopped: None,
             next_round: Instant::ZERO,
             silent: Vec::new(),
             stopped: None,
