@@ -16,6 +16,7 @@ mod outputs;
 mod pins;
 mod reference;
 mod registers;
+mod served;
 mod sleep;
 mod state_machine;
 mod time;
