@@ -169,6 +169,11 @@ pub fn limits(table: &files::Limits, supply: Milliamps) -> Limits {
         wire_10s_uw: scaled(table.wire_power.over_10s_mw, 1e3),
         fingertip_1s_uw: scaled(table.fingertip_power.over_1s_mw, 1e3),
         fingertip_60s_uw: scaled(table.fingertip_power.over_60s_mw, 1e3),
+        skin_mean_mc: scaled(table.skin.mean_10s_c, 1e3),
+        skin_peak_mc: scaled(table.skin.peak_c, 1e3),
+        skin_deep_mc: scaled(table.skin.deep_c, 1e3),
+        dose_omega_ppm: scaled(table.dose.henriques_omega, 1e6),
+        dose_cem43_ms: scaled(table.dose.cem43_min, 60e3),
         stale: Duration::from_micros(scaled(table.watchdog.off_within_ms, 1e3)),
         supply,
     }

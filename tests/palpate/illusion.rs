@@ -6,6 +6,7 @@ use palpate_core::illusion::{
 };
 use palpate_core::units::{Board, Channel, Point};
 use palpate_hil::felt::{PATHS, Worn, current, path_on, person};
+use palpate_records::trace::Event;
 use proptest::prelude::*;
 
 /// Wires at these places, on as many boards as they need.
@@ -329,6 +330,29 @@ fn the_default_holds_where_the_thesis_breaks() {
         broken += published.felt[0].breaks;
     }
     assert!(broken > 0, "(5.2) breaks at the published drive");
+}
+
+/// Strokes take the display at their planned onsets, off the grid, and are felt from end to end.
+#[test]
+fn planned_strokes_are_played() {
+    let outcome = super::goldens::shipped("brush-strokes");
+    let felt: Vec<_> = outcome
+        .trace
+        .events
+        .iter()
+        .filter_map(|e| match *e {
+            Event::Felt {
+                t_us, target, felt, ..
+            } => Some((t_us, target, felt)),
+            _ => None,
+        })
+        .collect();
+    let first: Vec<_> = felt.iter().filter(|f| f.0 < 2_000_000).collect();
+    let places: Vec<i32> = first.iter().map(|f| f.1.y).collect();
+    assert_eq!(places, [-14_250, -4_750, 4_750, 14_250]);
+    assert_eq!(first[0].0, 1_000_000);
+    assert!(felt.len() >= 7 && felt.iter().all(|f| f.2.is_some()));
+    assert_eq!(outcome.summary.limiter_events, 0);
 }
 
 /// The same promise through the whole loop on the default bench, with the guard in between.

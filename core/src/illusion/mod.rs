@@ -22,7 +22,7 @@ pub use map::{Map, MapError, Rect};
 pub use mix::{Mixer, Sharing, Target};
 pub use model::{Distances, Illusion, Model, ModelError, ModelSettings, ShapeChoice, build};
 pub use phantom::{LogPhantom, RadialPhantom, Shape};
-pub use stroke::{Dab, FELT_STEP, Stroke, StrokeError};
+pub use stroke::{Dab, FELT_STEP, Planned, Stroke, StrokeError};
 pub use surface::Surface;
 pub use timing::{LONGEST, TimingError, TimingLaw, duration_tactile_brush, soa_tactile_brush};
 pub use track::Tracks;

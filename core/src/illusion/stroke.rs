@@ -6,10 +6,11 @@
 //! `SOA_i = 0.32 d_i + 47.3 ms`, so that the durations follow one from the other:
 //! `d_(i+1) = 2 (passage to the next point) - 94.6 ms + 0.36 d_i`.
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::fmt;
 
-use crate::units::{Duration, Point};
+use crate::units::{Duration, Instant, Point};
 
 use super::cells::Cells;
 use super::timing::{LONGEST, duration_tactile_brush};
@@ -34,6 +35,29 @@ pub struct Dab {
     pub duration: Duration,
     /// Where, display mm.
     pub place: Point,
+}
+
+/// A planned stroke: its stimuli from `start` on, the last of them over at `end`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Planned {
+    /// First onset.
+    pub start: Instant,
+    /// End of the last stimulus.
+    pub end: Instant,
+    /// The stimuli, in order.
+    pub dabs: Box<[Dab]>,
+}
+
+impl Planned {
+    /// Stimuli in order, beginning at `start`.
+    pub fn new(start: Instant, dabs: Vec<Dab>) -> Self {
+        let end = dabs.iter().map(|d| start + d.at + d.duration).max();
+        Self {
+            start,
+            end: end.unwrap_or(start),
+            dabs: dabs.into(),
+        }
+    }
 }
 
 /// Why there is no plan.

@@ -6,10 +6,11 @@ use alloc::vec;
 
 use crate::bus::Actuators;
 use crate::guard::Guard;
-use crate::illusion::{Calibration, Display, Drive, Illusion, Mixer, Sharing, Target};
+use crate::illusion::{Calibration, Display, Drive, Illusion, Mixer, Planned, Sharing, Target};
 use crate::schedule::{Stimulus, Timing};
 use crate::units::{Board, Duration, Instant, Milliamps, Ticks};
 
+use super::strokes::Strokes;
 use super::{Cause, Observer};
 
 /// How stimuli are made.
@@ -26,6 +27,8 @@ pub struct OutputSettings {
     /// Smallest step of a contact that is rendered, as a part of the smallest gap between wires; 0
     /// renders every step.
     pub smallest_step: f32,
+    /// Strokes that are known beforehand; while one runs, live contacts wait.
+    pub strokes: Box<[Planned]>,
     /// Activation to duty.
     pub drive: Drive,
     /// Current while a pulse is high.
@@ -41,6 +44,7 @@ pub(super) struct Output {
     peak: Milliamps,
     calibration: Calibration,
     mixer: Mixer,
+    strokes: Strokes,
     guard: Guard,
     /// Pulse width by wire; the same memory for every onset.
     widths: Box<[Ticks]>,
@@ -68,6 +72,7 @@ impl Output {
             peak: settings.peak,
             calibration: settings.calibration,
             mixer: Mixer::new(settings.illusion, settings.sharing, n),
+            strokes: Strokes::new(&settings.strokes),
             guard,
             widths: vec![Ticks::ZERO; n].into(),
             stimuli: vec![blank; n].into(),
@@ -104,14 +109,8 @@ impl Output {
 
     /// When this half has something to do next.
     pub(super) fn next(&self) -> Instant {
-        self.guard
-            .next_expiry()
-            .map_or(self.next_onset, |end| end.min(self.next_onset))
-    }
-
-    /// Whether a stimulus is running.
-    pub(super) fn is_driving(&self) -> bool {
-        self.guard.next_expiry().is_some()
+        let onset = self.next_onset.min(self.strokes.next());
+        self.guard.next_expiry().map_or(onset, |end| end.min(onset))
     }
 
     /// Ends what has ended and, when an onset is due, projects `targets`. An onset that was missed by
@@ -125,6 +124,17 @@ impl Output {
         actuators: &mut A,
         observer: &mut impl Observer,
     ) -> Result<bool, A::Error> {
+        if self.is_due(now) && self.strokes.hold(self.next_onset) {
+            self.advance_grid(now);
+        }
+        if let Some((onset, dab)) = self.strokes.due(now) {
+            let target = Target {
+                place: dab.place,
+                weight: 1.0,
+            };
+            self.render(onset, dab.duration, &[target], actuators, observer)?;
+            return Ok(true);
+        }
         if !self.is_due(now) {
             if self.guard.next_expiry().is_some_and(|end| end <= now) {
                 for board in 0..=self.boards {
@@ -139,9 +149,22 @@ impl Output {
         let onset = self.advance_grid(now);
         let turn = onset.as_micros() / self.timing.soa.as_micros();
         let targets = self.mixer.rendered(targets, turn);
+        self.render(onset, self.timing.duration, targets, actuators, observer)?;
+        Ok(true)
+    }
+
+    /// One onset: the stimuli of these targets through the guard and out.
+    fn render<A: Actuators>(
+        &mut self,
+        onset: Instant,
+        duration: Duration,
+        targets: &[Target],
+        actuators: &mut A,
+        observer: &mut impl Observer,
+    ) -> Result<(), A::Error> {
         self.activate(targets);
         for board in 0..=self.boards {
-            let count = self.collect(Board(board), onset);
+            let count = self.collect(Board(board), onset, duration);
             let update = self
                 .guard
                 .admit(onset, Board(board), &self.stimuli[..count], |entry| {
@@ -152,10 +175,22 @@ impl Output {
             }
         }
         observer.onset(onset, targets);
-        Ok(true)
+        Ok(())
     }
 
-    /// Everything off, now.
+    /// Opens the guard's latch if nothing is wrong any more.
+    pub(super) fn reset<A: Actuators>(
+        &mut self,
+        now: Instant,
+        actuators: &mut A,
+    ) -> Result<(), Cause> {
+        // The outputs last: while another cause stands there is no need to trouble their bus.
+        self.guard.ready(now)?;
+        actuators.all_off().map_err(|_| Cause::ActuatorError)?;
+        self.guard.reset(now)
+    }
+
+    /// Everything off, now, and the guard latched.
     pub(super) fn all_off<A: Actuators>(
         &mut self,
         now: Instant,
@@ -164,7 +199,8 @@ impl Output {
         observer: &mut impl Observer,
     ) -> Result<(), A::Error> {
         let result = actuators.all_off();
-        self.guard.all_off();
+        self.guard.latch(cause);
+        self.guard.all_off(now);
         for board in 0..=self.boards {
             observer.all_off(now, Board(board), cause);
         }
@@ -189,7 +225,7 @@ impl Output {
     }
 
     /// Stimuli of the active wires of one board; returns how many.
-    fn collect(&mut self, board: Board, onset: Instant) -> usize {
+    fn collect(&mut self, board: Board, onset: Instant, duration: Duration) -> usize {
         let mut count = 0;
         for (index, (wire, &width)) in self.display.wires().iter().zip(&self.widths).enumerate() {
             if wire.board != board || width.get() == 0 {
@@ -200,7 +236,7 @@ impl Output {
                 width,
                 peak: self.peak,
                 at: onset,
-                until: onset + self.timing.duration,
+                until: onset + duration,
             };
             count += 1;
         }

@@ -14,6 +14,7 @@ use crate::files::{
     self, BenchKind, IllusionModel, Kind, Scene, Setup, load_layout, load_scene, write_can_log,
 };
 use crate::output::{make_folder, note, print, write_file};
+use crate::plan;
 use crate::run::{self, Input, Keep, Outcome};
 
 use crate::run::real::Kind as LiveKind;
@@ -241,6 +242,13 @@ fn change(scene: &mut Scene, args: &RunArgs) -> Result<(), Failure> {
         value => Ok(value),
     };
     if let Some(shape) = within("shape", args.shape, 0.01, 100.0)? {
+        let model = plan::model(illusion.model);
+        if model.shape().is_none() {
+            let name = model.name();
+            return Err(Failure::Input(format!(
+                "--shape {shape}: expected no shape, {name} has none"
+            )));
+        }
         (illusion.shape, illusion.flat) = (Some(shape), false);
     }
     illusion.alpha = within("alpha", args.alpha, 0.0, 1.0)?.unwrap_or(illusion.alpha);

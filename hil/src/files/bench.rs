@@ -56,13 +56,13 @@ pub struct Real {
     pub i2c: Vec<PathBuf>,
     /// The line that cuts all outputs, if one is wired.
     pub oe: Option<OutputEnable>,
-    /// Real-time priority and locked memory.
-    #[serde(default)]
-    pub realtime: bool,
+    /// Real-time priority and locked memory: true insists, false does without. Left out: where allowed.
+    pub realtime: Option<bool>,
     /// The guardian switches off when it has not heard from the loop for this long.
     #[serde(default = "heartbeat_ms")]
     pub heartbeat_ms: u32,
-    /// A transfer that takes longer than this has failed.
+    /// A transfer that takes longer than this has failed: a backstop for adapters that know no limit of
+    /// their own.
     #[serde(default = "transfer_ms")]
     pub transfer_ms: u32,
 }
@@ -79,11 +79,11 @@ pub struct OutputEnable {
 }
 
 const fn heartbeat_ms() -> u32 {
-    50
+    60
 }
 
 const fn transfer_ms() -> u32 {
-    30
+    500
 }
 
 impl Real {
@@ -93,7 +93,7 @@ impl Real {
             can,
             i2c,
             oe: None,
-            realtime: false,
+            realtime: None,
             heartbeat_ms: heartbeat_ms(),
             transfer_ms: transfer_ms(),
         }
@@ -167,7 +167,7 @@ impl Real {
         let interfaces = u8::try_from(self.can.len()).unwrap_or(u8::MAX);
         source.range("real.can", interfaces, 1..=16, "interfaces")?;
         source.range("real.heartbeat_ms", self.heartbeat_ms, 10..=1000, "ms")?;
-        source.range("real.transfer_ms", self.transfer_ms, 1..=1000, "ms")?;
+        source.range("real.transfer_ms", self.transfer_ms, 1..=10_000, "ms")?;
         Ok(adapters)
     }
 }

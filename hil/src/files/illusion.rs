@@ -157,6 +157,45 @@ impl Illusion {
     }
 }
 
+/// A straight stroke over the display, rendered by the Tactile Brush planner in place of live contacts.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Stroke {
+    /// First onset.
+    pub start_s: f64,
+    /// How long it takes from end to end.
+    pub length_s: f64,
+    /// Where it begins, on the display.
+    pub from_mm: [f64; 2],
+    /// Where it ends.
+    pub to_mm: [f64; 2],
+}
+
+impl Stroke {
+    pub(super) fn check(
+        &self,
+        source: &Source,
+        key: &str,
+        free_s: f64,
+        end_s: f64,
+    ) -> Result<(), FileError> {
+        let at = |name: &str| format!("{key}.{name}");
+        if !(free_s..end_s).contains(&self.start_s) {
+            let expected =
+                format!("from {free_s} s, where the one before ends, to below {end_s} s");
+            return Err(source.bad(&at("start_s"), expected));
+        }
+        source.range(&at("length_s"), self.length_s, 0.001..=3600.0, "s")?;
+        for (name, place) in [("from_mm", self.from_mm), ("to_mm", self.to_mm)] {
+            for (axis, value) in place.into_iter().enumerate() {
+                source.range(&at(&format!("{name}[{axis}]")), value, -1e4..=1e4, "mm")?;
+            }
+        }
+        Ok(())
+    }
+}
+
 /// The emulated person: what a wire's ripple becomes on the skin, and what of it is felt.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]

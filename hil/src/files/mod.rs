@@ -30,7 +30,9 @@ pub use bench::{Amplifier, Bench, BenchKind, Drive, Output, OutputEnable, Real, 
 pub use can_log::{is_can_log, read_can_log, write_can_log};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
-pub use illusion::{Distances, Illusion, IllusionModel, PerceiverFile, Sharing, Timing, Wearer};
+pub use illusion::{
+    Distances, Illusion, IllusionModel, PerceiverFile, Sharing, Stroke, Timing, Wearer,
+};
 pub use layout::{
     DisplayLayout, Grid, ImageCell, ImageSize, LayoutFile, Module, SensorLayout, Surface, Taxel,
 };

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{Fault, FileError, Illusion, Source, Touch};
+use super::{Fault, FileError, Illusion, Source, Stroke, Touch};
 
 /// A closed list of words.
 macro_rules! choice {
@@ -100,6 +100,9 @@ pub struct Scene {
     /// What touches the skin; nothing if left out.
     #[serde(default)]
     pub touches: Vec<Touch>,
+    /// Strokes over the display that are known beforehand; none if left out.
+    #[serde(default)]
+    pub strokes: Vec<Stroke>,
     /// What goes wrong on an emulated bench; nothing if left out.
     #[serde(default)]
     pub faults: Vec<Fault>,
@@ -212,6 +215,11 @@ impl Scene {
                 );
                 return Err(source.bad(&format!("{key}.start_s"), expected));
             }
+        }
+        let mut free_s = 0.0;
+        for (index, stroke) in scene.strokes.iter().enumerate() {
+            stroke.check(source, &format!("strokes[{index}]"), free_s, scene.length_s)?;
+            free_s = stroke.start_s + stroke.length_s;
         }
         for (index, fault) in scene.faults.iter().enumerate() {
             fault.check(source, &format!("faults[{index}]"), scene.length_s)?;

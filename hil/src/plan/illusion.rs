@@ -1,12 +1,13 @@
 //! A scene's illusion section as the core's settings.
 
 use palpate_core::illusion::{
-    Calibration, Display, Distances, Drive, Model, ModelError, ModelSettings, ShapeChoice, Sharing,
-    Steps, build,
+    Calibration, Cells, Display, Distances, Drive, Model, ModelError, ModelSettings, Planned,
+    ShapeChoice, Sharing, Steps, Stroke, build,
 };
 use palpate_core::projector::OutputSettings;
-use palpate_core::units::Milliamps;
+use palpate_core::units::{Duration, Instant, Milliamps};
 
+use super::point;
 use crate::failure::Failure;
 use crate::files::{self, IllusionModel, Setup};
 
@@ -68,6 +69,32 @@ pub fn drive(illusion: &files::Illusion) -> Drive {
     }
 }
 
+/// A scene's strokes, planned for a display.
+fn strokes(setup: &Setup, display: &Display) -> Result<Box<[Planned]>, Failure> {
+    let scene = &setup.scene;
+    let micros = |seconds: f64| (seconds * 1e6).round() as u64;
+    let plan = |(index, file): (usize, &files::Stroke)| {
+        let bad = |expected: String| {
+            let key = format!("strokes[{index}].length_s");
+            Failure::Input(scene.source.bad(&key, expected).to_string())
+        };
+        let stroke = Stroke {
+            from: point(file.from_mm),
+            to: point(file.to_mm),
+            length: Duration::from_micros(micros(file.length_s)),
+        };
+        let cells = Cells::new(display).ok_or_else(|| bad("two wires or more".into()))?;
+        let dabs = stroke
+            .plan(&cells, display.gap())
+            .map_err(|e| bad(e.to_string()))?;
+        Ok(Planned::new(
+            Instant::from_micros(micros(file.start_s)),
+            dabs,
+        ))
+    };
+    scene.value.strokes.iter().enumerate().map(plan).collect()
+}
+
 /// How stimuli are made.
 pub(super) fn output(
     setup: &Setup,
@@ -103,6 +130,7 @@ pub(super) fn output(
         },
         calibration,
         smallest_step: illusion.smallest_step as f32,
+        strokes: strokes(setup, display)?,
         drive: drive(illusion),
         peak,
     })

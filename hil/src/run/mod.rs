@@ -307,6 +307,7 @@ fn project(
             }
             continue;
         }
+        supervisor.resume(now, &mut projector, &mut bank, &mut recorder.events);
         let before = recorder.frames;
         let begun = clock::now();
         let polled = projector.poll(now, skin, &mut bank, &mut recorder);

@@ -148,12 +148,12 @@ fn bad_benches_and_limits() {
     let good = palpate_fixtures::bench("emulated").unwrap();
     for (from, to, words) in [
         (
-            "current_ma = 1050.0",
+            "current_ma = 990.0",
             "current_ma = 0.0",
             &["drive.current_ma", "expected"][..],
         ),
         (
-            "current_ma = 1050.0",
+            "current_ma = 990.0",
             "current_ma = nan",
             &["drive.current_ma", "nan"],
         ),

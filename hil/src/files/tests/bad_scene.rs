@@ -166,6 +166,26 @@ fn scenes() {
                 "f.toml:27: illusion.intensity: expected true or false, found \"on\"",
             ),
             (
+                "shape = 0.65",
+                "shape = 0.0",
+                "f.toml:23: illusion.shape: expected a number from 0.01 to 100, found 0.0",
+            ),
+            (
+                "shape = 0.65",
+                "shape = 0.65\nflat = true",
+                "f.toml:24: illusion.flat: expected a shape or a flat midpoint, not both, found true",
+            ),
+            (
+                "tau_d_ms = 35.0",
+                "soa_ms = 47.0",
+                "f.toml:26: illusion.soa_ms: expected a stimulus duration above zero, or more than 47.3 ms between onsets for the law to give one, found 47.0",
+            ),
+            (
+                "shape = 0.65",
+                "sharing = \"loudest\"",
+                "f.toml:23: illusion.sharing: expected one of `strongest`, `sum`, `slices`, found `loudest`",
+            ),
+            (
                 "generation = \"2021\"",
                 "generation = \"2020\"",
                 "f.toml:6: generation: expected one of `2019`, `2021`, `current`, found `2020`",

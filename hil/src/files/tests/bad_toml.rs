@@ -31,14 +31,14 @@ fn benches() {
         Bench::read,
         &[
             (
-                "current_ma = 1050.0",
+                "current_ma = 990.0",
                 "current_ma = 0.0",
                 "f.toml:10: drive.current_ma: expected a number from 1 to 5000 mA, found 0.0",
             ),
             (
                 "supply_limit_ma = 4000.0",
                 "supply_limit_ma = 900",
-                "f.toml:11: drive.supply_limit_ma: expected at least the current of one wire, 1050 mA, found 900",
+                "f.toml:11: drive.supply_limit_ma: expected at least the current of one wire, 990 mA, found 900",
             ),
             (
                 "pwm_hz = 200.0",
@@ -171,9 +171,55 @@ fn layouts() {
                 "f.toml:6: wires_mm: expected 1 to 256 places, found []",
             ),
             (
+                "[6.5, 0.0]]",
+                "[0.5, 0.5]]",
+                "f.toml:6: wires_mm[2]: expected at least 0.76 mm to every other wire, number 1 overlaps, found [0.5, 0.5]",
+            ),
+            (
                 "spacing_mm = [6.5, 6.5]",
                 "spacing_mm = [0.0, 6.5]",
                 "f.toml:5: spacing_mm[0]: expected a number from 0.1 to 1000 mm, found 0.0",
+            ),
+        ],
+    );
+}
+
+#[test]
+fn people_feel_below_full_scale() {
+    check(
+        palpate_fixtures::perceiver("fitted").unwrap(),
+        PerceiverFile::read,
+        &[
+            (
+                "threshold_um = 1.2",
+                "threshold_um = 10.5",
+                "f.toml:7: threshold_um: expected from 0 to below full scale, 10 um, found 10.5",
+            ),
+            (
+                "full_pulses = 7",
+                "full_pulses = 0",
+                "f.toml:9: full_pulses: expected a number from 1 to 1000, found 0",
+            ),
+        ],
+    );
+    check(
+        palpate_fixtures::wearer("example-8").unwrap(),
+        Wearer::read,
+        &[
+            (
+                "gain = [1.0,",
+                "gain = [1.5,",
+                "f.toml:4: gain[0]: expected a number from 0.01 to 1 of full scale, found 1.5",
+            ),
+            (
+                "threshold = [0.1,",
+                "threshold = [1.0,",
+                "f.toml:5: threshold[0]: expected from 0 to below the wire's full scale, its gain of 1, found 1.0",
+            ),
+            (
+                "gain = [1.0, 1.0,",
+                "gain = [1.0,",
+                "f.toml:5: threshold: expected 7 thresholds, one a gain, found 8",
             ),
         ],
     );
