@@ -73,10 +73,8 @@ impl Supervisor {
             lost: None,
             stopped: None,
             retries: 0,
-            stopped: None,
             next_round: Instant::ZERO,
             silent: Vec::new(),
-            stopped: None,
         }
     }
 
