@@ -256,6 +256,7 @@ fn a_block_is_fetched_without_being_asked_for() {
     let mut asked = Asked::new();
     asked.ask(&[0x90, 2, 0, ADDRESS << 1, map::MODE1, 0x21]);
     asked.ask(&[0x94, 1, 0, ADDRESS << 1, map::MODE1]);
+    assert_eq!(asked.status(), (false, 0));
     let answer = asked.ask(&[GET_DATA]);
     assert_eq!(answer[..6], [GET_DATA, 0, 0x55, 33, 32, 0x21]);
 }
