@@ -5,6 +5,7 @@
 
 mod allegro;
 mod allocation;
+mod compression;
 mod dbc;
 mod driver;
 mod edges;
@@ -16,5 +17,6 @@ mod illusion;
 mod paths;
 mod pca9685;
 mod recordings;
+mod rules;
 mod scans;
 mod tidy;

@@ -71,10 +71,10 @@ impl Supervisor {
         Self {
             give_up,
             lost: None,
+            stopped: None,
             retries: 0,
             next_round: Instant::ZERO,
             silent: Vec::new(),
-            stopped: None,
         }
     }
 

@@ -252,6 +252,15 @@ fn a_register_is_written_and_read_through_a_repeated_start() {
 }
 
 #[test]
+fn a_block_is_fetched_without_being_asked_for() {
+    let mut asked = Asked::new();
+    asked.ask(&[0x90, 2, 0, ADDRESS << 1, map::MODE1, 0x21]);
+    asked.ask(&[0x94, 1, 0, ADDRESS << 1, map::MODE1]);
+    let answer = asked.ask(&[GET_DATA]);
+    assert_eq!(answer[..6], [GET_DATA, 0, 0x55, 33, 32, 0x21]);
+}
+
+#[test]
 fn a_long_message_goes_out_when_its_last_chunk_is_there() {
     let mut asked = Asked::new();
     asked.ask(&[0x90, 2, 0, ADDRESS << 1, map::MODE1, 0x21]);
