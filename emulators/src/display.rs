@@ -1,6 +1,8 @@
 //! The actuator side of a bench: I2C segment, chips, amplifiers, supply, wires on a finger, and the
 //! person who wears it. The counterpart of [`crate::rig`].
 
+use std::collections::VecDeque;
+
 use palpate_core::physics::{ParameterError, SkinParameters, WireParameters};
 use palpate_core::units::{Channel, Milliamps, Point};
 
@@ -11,6 +13,7 @@ use crate::pca9685::{Config, Edge, Oscillator, Pca9685, Pin};
 use crate::perceiver::{Felt, Perceiver, PerceiverParameters, Vibration};
 use crate::time::Nanos;
 use crate::wire::Wire;
+use crate::wire::record::Peaks;
 
 /// Skin temperature from which everything starts, degrees C.
 const START_C: f64 = 33.0;
@@ -60,6 +63,37 @@ pub struct OutputEdge {
     pub high: bool,
 }
 
+/// A stretch of one wire's current.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flow {
+    /// The wire, in the display's order.
+    pub wire: usize,
+    /// From when.
+    pub from: Nanos,
+    /// Until when.
+    pub to: Nanos,
+    /// Electrical power between the wire's terminals, W.
+    pub watts: f64,
+}
+
+/// The finger at one instant, worst over its wires.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThermalSample {
+    /// When.
+    pub at: Nanos,
+    /// Hottest wire since the sample before, degrees C.
+    pub wire_c: f64,
+    /// Hottest skin at 0.1 mm since the sample before, degrees C.
+    pub shallow_c: f64,
+    /// Hottest skin at 0.4 mm since the sample before, degrees C.
+    pub deep_c: f64,
+    /// Hottest mean of the skin at 0.1 mm over the last ten seconds, degrees C; before the start all was at rest.
+    pub mean_c: f64,
+}
+
+/// The window of the mean skin temperature (`physics.md`).
+const MEAN_WINDOW: Nanos = Nanos::from_micros(10_000_000);
+
 /// What a run came to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DisplayTotals {
@@ -71,6 +105,10 @@ pub struct DisplayTotals {
     pub hottest_wire: (f64, usize),
     /// Hottest skin 0.1 mm deep under any wire, degrees C.
     pub hottest_skin_c: f64,
+    /// Hottest skin 0.4 mm deep under any wire, degrees C.
+    pub hottest_deep_c: f64,
+    /// Largest burn integrals under any wire: Henriques' Omega and minutes at 43 C.
+    pub dose: (f64, f64),
 }
 
 /// The display side of a bench.
@@ -92,6 +130,12 @@ pub struct Display {
     pending: Vec<(usize, Edge)>,
     /// Edges that have yet to take effect behind their amplifiers, and when.
     rising: Vec<(Nanos, usize, Edge)>,
+    /// What flows in each wire, and since when.
+    flowing: Vec<(Nanos, f64)>,
+    /// Kept only where somebody takes them: an emulator may be served for days.
+    flows: Option<Vec<Flow>>,
+    /// Integrals of each wire's skin temperature at past samples, for the mean.
+    past: VecDeque<(Nanos, Vec<f64>)>,
 }
 
 impl Display {
@@ -108,7 +152,7 @@ impl Display {
             })
         };
         let segment = Segment::new(config.clock, config.boards.iter().map(chip).collect());
-        let wire = |_: &Place| Wire::new(&config.wire, &config.skin, START_C);
+        let wire = |_: &Place| Wire::new(&config.wire, &config.skin, START_C).map(Wire::with_dose);
         Ok(Self {
             i2c: Handle::new(segment),
             amplifiers: vec![
@@ -133,6 +177,9 @@ impl Display {
             now: Nanos::ZERO,
             pending: Vec::new(),
             rising: Vec::new(),
+            flowing: vec![(Nanos::ZERO, 0.0); config.wires.len()],
+            flows: None,
+            past: VecDeque::new(),
         })
     }
 
@@ -197,11 +244,90 @@ impl Display {
         }
         self.source.share(&mut self.loads);
         let mut sum = 0.0;
-        for (load, wire) in self.loads.iter().zip(&mut self.wires) {
+        for wire in 0..self.loads.len() {
+            let load = self.loads[wire];
             sum += load.amps;
-            wire.set_current(at, load.amps);
+            self.wires[wire].set_current(at, load.amps);
+            let (since, before) = self.flowing[wire];
+            let watts = load.amps * load.amps * self.parameters.resistance_ohm;
+            if watts != before {
+                self.flowing[wire] = (at, watts);
+                self.keep(wire, since, at, before);
+            }
         }
         self.supply.set(at, Milliamps((sum * 1e3).round() as u32));
+    }
+
+    fn keep(&mut self, wire: usize, from: Nanos, to: Nanos, watts: f64) {
+        if let Some(flows) = &mut self.flows
+            && watts > 0.0
+            && to > from
+        {
+            flows.push(Flow {
+                wire,
+                from,
+                to,
+                watts,
+            });
+        }
+    }
+
+    /// Keeps every stretch of current from now on, for [`Display::take_flows`].
+    pub fn keep_flows(&mut self) {
+        self.flows.get_or_insert_default();
+    }
+
+    /// Every stretch of current since they are kept or were last taken, up to now; a wire that is on now is
+    /// cut there.
+    pub fn take_flows(&mut self) -> Vec<Flow> {
+        for wire in 0..self.wires.len() {
+            let (since, watts) = self.flowing[wire];
+            self.flowing[wire].0 = since.max(self.now);
+            self.keep(wire, since, self.now, watts);
+        }
+        self.flows.as_mut().map(std::mem::take).unwrap_or_default()
+    }
+
+    /// How warm the finger was since the last sample; `None` without wires.
+    pub fn sample(&mut self) -> Option<ThermalSample> {
+        let now = self.now;
+        let mut integrals = Vec::with_capacity(self.wires.len());
+        let mut worst: Option<Peaks> = None;
+        for wire in &mut self.wires {
+            let peaks = wire.window_peaks(now);
+            worst.get_or_insert(peaks).raise(&peaks);
+            integrals.push(wire.dose(now).unwrap_or_default().celsius_s);
+        }
+        let begin = now.since(MEAN_WINDOW);
+        while self.past.get(1).is_some_and(|next| next.0 <= begin) {
+            self.past.pop_front();
+        }
+        // Between samples the integral is taken as straight; before the start all was at rest.
+        let length = MEAN_WINDOW.as_secs_f64();
+        let rest = (length - now.since(begin).as_secs_f64()) * START_C;
+        let mean = |wire: usize| {
+            let mut then = 0.0;
+            if let (Some(a), Some(b)) = (self.past.front(), self.past.get(1)) {
+                let part = begin.since(a.0).as_secs_f64() / b.0.since(a.0).as_secs_f64();
+                then = a.1[wire] + (b.1[wire] - a.1[wire]) * part;
+            }
+            (integrals[wire] - then + rest) / length
+        };
+        let mean_c = (0..integrals.len()).map(mean).fold(f64::MIN, f64::max);
+        if self.past.back().is_none_or(|last| last.0 < now) {
+            if self.past.is_empty() {
+                self.past
+                    .push_back((Nanos::ZERO, vec![0.0; integrals.len()]));
+            }
+            self.past.push_back((now, integrals));
+        }
+        worst.map(|peaks| ThermalSample {
+            at: now,
+            wire_c: peaks.wire_c,
+            shallow_c: peaks.shallow_c,
+            deep_c: peaks.deep_c,
+            mean_c,
+        })
     }
 
     /// Breaks or repairs the amplifier of a wire, now; a wire that is not there is left alone.
@@ -249,6 +375,7 @@ impl Display {
             peak_supply: self.supply.peak().0,
             hottest_wire: (f64::NEG_INFINITY, 0),
             hottest_skin_c: f64::NEG_INFINITY,
+            hottest_deep_c: f64::NEG_INFINITY,
             ..DisplayTotals::default()
         };
         for (index, wire) in self.wires.iter_mut().enumerate() {
@@ -258,6 +385,10 @@ impl Display {
                 totals.hottest_wire = (peaks.wire_c, index);
             }
             totals.hottest_skin_c = totals.hottest_skin_c.max(peaks.shallow_c);
+            totals.hottest_deep_c = totals.hottest_deep_c.max(peaks.deep_c);
+            let dose = wire.dose(self.now).unwrap_or_default();
+            totals.dose.0 = totals.dose.0.max(dose.omega);
+            totals.dose.1 = totals.dose.1.max(dose.cem43_min);
         }
         totals
     }

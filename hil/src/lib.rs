@@ -10,5 +10,6 @@ pub mod failure;
 pub mod felt;
 pub mod files;
 pub mod output;
+pub mod parallel;
 pub mod plan;
 pub mod run;

@@ -5,15 +5,18 @@
 
 mod allegro;
 mod allocation;
+mod compression;
 mod dbc;
 mod driver;
 mod edges;
 mod faults;
 mod goldens;
+mod guard;
 mod hand;
 mod illusion;
 mod paths;
 mod pca9685;
 mod recordings;
+mod rules;
 mod scans;
 mod tidy;

@@ -112,7 +112,7 @@ fn a_solution_is_a_fixed_point_and_warm_start_confirms_it() {
 #[test]
 fn hostile_points_end_and_stay_finite() {
     let mut r = Stream::new(3, "hostile");
-    for case in 0..20_000 {
+    for case in 0..100_000 {
         let n = 1 + case % 12;
         let mut cloud = Cloud::random(&mut r, n, true);
         match case % 5 {

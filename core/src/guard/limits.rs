@@ -4,7 +4,8 @@
 
 use crate::units::{Duration, Milliamps};
 
-/// Every limit the guard enforces. Powers and energies are electrical, into the wire and its leads.
+/// Every limit the guard enforces. Powers and energies are electrical, into the wire and its leads;
+/// temperatures are of modelled skin, at the worst of the guard's parameter range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Longest single pulse, nanoseconds, at the slowest oscillator a chip may have.
@@ -21,6 +22,16 @@ pub struct Limits {
     pub fingertip_1s_uw: u64,
     /// Mean power of a fingertip over 60 s, microwatts.
     pub fingertip_60s_uw: u64,
+    /// Skin 0.1 mm deep as a mean over 10 s, millidegrees Celsius.
+    pub skin_mean_mc: u64,
+    /// Skin 0.1 mm deep at any time, millidegrees Celsius.
+    pub skin_peak_mc: u64,
+    /// Skin 0.4 mm deep at any time, millidegrees Celsius.
+    pub skin_deep_mc: u64,
+    /// Henriques' Omega over a session, millionths.
+    pub dose_omega_ppm: u64,
+    /// Cumulative equivalent time at 43 C over a session, milliseconds.
+    pub dose_cem43_ms: u64,
     /// Outputs go off when sensor input is older than this, or a tick or the link this late.
     pub stale: Duration,
     /// Current of all wires on at one instant; the bench's supply sets it, there is no hard value.
@@ -39,30 +50,16 @@ pub const HARD: Limits = Limits {
     wire_10s_uw: 20_000,
     fingertip_1s_uw: 110_000,
     fingertip_60s_uw: 60_000,
+    skin_mean_mc: 41_000,
+    skin_peak_mc: 43_000,
+    skin_deep_mc: 41_000,
+    dose_omega_ppm: 10_000,
+    dose_cem43_ms: 120_000,
     stale: Duration::from_millis(100),
     supply: Milliamps(u32::MAX),
 };
 
 impl Limits {
-    /// Names of the limits, as limit files spell them, each with its value here and in [`HARD`].
-    pub fn rows(&self) -> [(&'static str, u64, u64); 8] {
-        let h = &HARD;
-        [
-            ("pulse_width_ns", self.pulse_width_ns, h.pulse_width_ns),
-            ("burst_us", self.burst.as_micros(), h.burst.as_micros()),
-            ("burst_energy_nj", self.burst_energy_nj, h.burst_energy_nj),
-            ("wire_1s_uw", self.wire_1s_uw, h.wire_1s_uw),
-            ("wire_10s_uw", self.wire_10s_uw, h.wire_10s_uw),
-            ("fingertip_1s_uw", self.fingertip_1s_uw, h.fingertip_1s_uw),
-            (
-                "fingertip_60s_uw",
-                self.fingertip_60s_uw,
-                h.fingertip_60s_uw,
-            ),
-            ("stale_us", self.stale.as_micros(), h.stale.as_micros()),
-        ]
-    }
-
     /// The stricter of both in every row: however a table was made, it cannot loosen [`HARD`].
     pub fn tightened(self) -> Self {
         Self {
@@ -73,6 +70,11 @@ impl Limits {
             wire_10s_uw: self.wire_10s_uw.min(HARD.wire_10s_uw),
             fingertip_1s_uw: self.fingertip_1s_uw.min(HARD.fingertip_1s_uw),
             fingertip_60s_uw: self.fingertip_60s_uw.min(HARD.fingertip_60s_uw),
+            skin_mean_mc: self.skin_mean_mc.min(HARD.skin_mean_mc),
+            skin_peak_mc: self.skin_peak_mc.min(HARD.skin_peak_mc),
+            skin_deep_mc: self.skin_deep_mc.min(HARD.skin_deep_mc),
+            dose_omega_ppm: self.dose_omega_ppm.min(HARD.dose_omega_ppm),
+            dose_cem43_ms: self.dose_cem43_ms.min(HARD.dose_cem43_ms),
             stale: self.stale.min(HARD.stale),
             supply: self.supply.min(HARD.supply),
         }
@@ -93,20 +95,38 @@ mod tests {
             wire_10s_uw: 20_001,
             fingertip_1s_uw: 110_001,
             fingertip_60s_uw: 60_001,
+            skin_mean_mc: 41_001,
+            skin_peak_mc: 43_001,
+            skin_deep_mc: 41_001,
+            dose_omega_ppm: 10_001,
+            dose_cem43_ms: 120_001,
             stale: Duration::from_millis(101),
             supply: Milliamps(2500),
         };
-        assert_eq!(
-            loose.tightened(),
-            Limits {
-                supply: Milliamps(2500),
-                ..HARD
-            }
-        );
-        assert!(loose.rows().iter().all(|&(_, mine, hard)| mine > hard));
-        let tight = Limits {
-            wire_1s_uw: 1,
+        let hard = Limits {
+            supply: Milliamps(2500),
             ..HARD
+        };
+        assert_eq!(loose.tightened(), hard);
+    }
+
+    #[test]
+    fn what_is_tighter_stays() {
+        let tight = Limits {
+            pulse_width_ns: 1,
+            burst: Duration::from_micros(2),
+            burst_energy_nj: 3,
+            wire_1s_uw: 4,
+            wire_10s_uw: 5,
+            fingertip_1s_uw: 6,
+            fingertip_60s_uw: 7,
+            skin_mean_mc: 8,
+            skin_peak_mc: 9,
+            skin_deep_mc: 10,
+            dose_omega_ppm: 11,
+            dose_cem43_ms: 12,
+            stale: Duration::from_micros(13),
+            supply: Milliamps(14),
         };
         assert_eq!(tight.tightened(), tight);
     }

@@ -4,25 +4,30 @@
 //! reason. What it returns, [`Guarded`], is the only thing a driver accepts, and only this module can
 //! make one. Switching off needs no guard.
 
+mod admission;
+mod dose;
 mod limits;
+mod plant;
 mod power;
+mod table;
+mod thermal;
+mod watchdog;
 
 pub use limits::{BURST_GAP, HARD, Limits};
+pub use plant::{Plant, PlantError};
+pub use thermal::Predicted;
+pub use watchdog::Cause;
 
 use alloc::boxed::Box;
-use core::fmt;
 
 use crate::illusion::Wire;
-use crate::schedule::{Entry, Reason, Stimulus, stagger};
-use crate::units::{Board, Duration, Instant, Milliamps, Prescale, Ticks};
+use crate::schedule::{Entry, Stimulus, stagger};
+use crate::units::{Board, Channel, Duration, Instant, Ticks};
 
+use admission::Burst;
 use power::{Bucket, Window};
-
-/// The oscillators seen on real chips, Hz: the slowest makes the longest pulses, the fastest the most.
-const OSCILLATOR_HZ: (u64, u64) = (23_000_000, 27_400_000);
-
-/// A burst takes at most this part of the energy that is left: one in two.
-const FADE: u64 = 2;
+use thermal::{Budget, Skin};
+use watchdog::Watchdog;
 
 /// What one channel shall do from now on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,39 +69,13 @@ impl Guarded {
     }
 }
 
-/// What the guard must know of the hardware it protects.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Plant {
-    /// PRE_SCALE of the boards.
-    pub prescale: Prescale,
-    /// Resistance of one wire with its leads, milliohms.
-    pub wire_milliohm: u32,
-    /// Largest current an amplifier can be asked for.
-    pub peak: Milliamps,
-}
-
-/// Why a guard cannot protect this hardware.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PlantError {
-    /// Resistance or current is zero or absurd (over 1 kOhm or 100 A).
-    OutOfRange,
-}
-
-impl fmt::Display for PlantError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("expected a wire resistance of 1 to 1000000 milliohms and a peak current of 1 to 100000 mA")
-    }
-}
-
-impl core::error::Error for PlantError {}
-
 /// What the guard remembers of one wire.
 #[derive(Clone, Debug)]
 struct WireState {
     place: (Board, u8),
     power: Bucket,
-    /// Start and energy so far (nJ) of the burst in progress or last ended, and when it ends.
-    burst: Option<(Instant, u64, Instant)>,
+    skin: Skin,
+    burst: Option<Burst>,
     /// What the channel does now.
     now: Option<Running>,
 }
@@ -105,20 +84,22 @@ struct WireState {
 #[derive(Clone, Copy, Debug)]
 struct Running {
     setting: Setting,
-    /// Current it draws while high.
-    peak: Milliamps,
     /// When it has to end.
     until: Instant,
 }
 
-/// The guard of one fingertip: static limits of the table, from above.
+/// The guard of one fingertip: every limit of the table, from above.
+///
+/// Heat and dose count from its making; neither the way back nor anything else clears them.
 #[derive(Clone, Debug)]
 pub struct Guard {
     limits: Limits,
     plant: Plant,
+    budget: Budget,
     wires: Box<[WireState]>,
     fingertip: Bucket,
-    latched: Option<&'static str>,
+    predicted: Predicted,
+    watchdog: Watchdog,
 }
 
 impl Guard {
@@ -127,23 +108,32 @@ impl Guard {
     /// # Errors
     /// When the plant's figures are none a wire can have.
     pub fn new(limits: Limits, plant: Plant, wires: &[Wire]) -> Result<Self, PlantError> {
-        let plausible = |x: u32, most: u32| (1..=most).contains(&x);
-        if !(plausible(plant.wire_milliohm, 1_000_000) && plausible(plant.peak.0, 100_000)) {
-            return Err(PlantError::OutOfRange);
-        }
+        plant.check()?;
         let limits = limits.tightened();
+        // What is booked at an onset reaches as far beyond it.
+        let reach = limits.burst + plant.latency() + plant.surplus();
+        let bucket = |short: (u64, u64), long: (u64, u64)| {
+            let window = |(seconds, mean_uw): (u64, u64)| Window {
+                length: Duration::from_millis(seconds * 1000),
+                mean_uw,
+            };
+            Bucket::new(window(short), window(long), reach)
+        };
         let state = |w: &Wire| WireState {
             place: (w.board, w.channel.0),
             power: bucket((1, limits.wire_1s_uw), (10, limits.wire_10s_uw)),
+            skin: Skin::new(),
             burst: None,
             now: None,
         };
         Ok(Self {
             limits,
             plant,
+            budget: Budget::new(&limits),
             wires: wires.iter().map(state).collect(),
             fingertip: bucket((1, limits.fingertip_1s_uw), (60, limits.fingertip_60s_uw)),
-            latched: None,
+            predicted: Predicted::REST,
+            watchdog: Watchdog::new(limits.stale, plant.latency()),
         })
     }
 
@@ -152,19 +142,60 @@ impl Guard {
         &self.limits
     }
 
+    /// The most that was predicted under any wire so far, for what has been passed.
+    pub const fn predicted(&self) -> &Predicted {
+        &self.predicted
+    }
+
+    /// Tells the watchdog of a sensor frame received at `at`.
+    pub fn hear(&mut self, at: Instant) {
+        self.watchdog.hear(at);
+    }
+
+    /// Whether no sensor frame has come for so long that nothing may be driven.
+    pub fn is_stale(&self, now: Instant) -> bool {
+        self.watchdog.is_stale(now)
+    }
+
+    /// The watchdog's look at `now`: the cause to switch everything off for, if there is one. Call it
+    /// whenever the loop runs, and at [`Self::deadline`] at the latest.
+    pub fn watch(&mut self, now: Instant) -> Option<Cause> {
+        let end = self.next_expiry();
+        self.watchdog.look(now, end)
+    }
+
+    /// When sensor input becomes too old for what is driven.
+    pub fn deadline(&self) -> Option<Instant> {
+        self.next_expiry().map(|_| self.watchdog.deadline())
+    }
+
     /// Refuses everything from now on. The first cause is kept.
-    pub fn latch(&mut self, cause: &'static str) {
-        self.latched.get_or_insert(cause);
+    pub fn latch(&mut self, cause: Cause) {
+        self.watchdog.latch(cause);
     }
 
     /// Why everything is refused, if it is.
-    pub const fn latched(&self) -> Option<&'static str> {
-        self.latched
+    pub const fn latched(&self) -> Option<Cause> {
+        self.watchdog.latched()
     }
 
-    /// Clears the latch: the documented way back, by a person's decision only.
-    pub fn unlatch(&mut self) {
-        self.latched = None;
+    /// Whether frames come and the loop runs on time.
+    ///
+    /// # Errors
+    /// What is wrong.
+    pub fn ready(&self, now: Instant) -> Result<(), Cause> {
+        self.watchdog.ready(now)
+    }
+
+    /// The way back from a latch, for a caller that has seen to it that the outputs are off and their link is
+    /// whole; [`Projector::reset`](crate::projector::Projector::reset) does.
+    ///
+    /// # Errors
+    /// What is still wrong, as in [`Self::ready`]; the latch stays closed.
+    pub fn reset(&mut self, now: Instant) -> Result<(), Cause> {
+        self.ready(now)?;
+        self.watchdog.open();
+        Ok(())
     }
 
     /// Passes stimuli for one board, together. Wires of that board without a stimulus are switched off
@@ -187,26 +218,25 @@ impl Guard {
             if owner != board || usize::from(channel) >= update.channels.len() {
                 continue;
             }
-            let (width, until, reason) = self.clamp(index, at, stimulus);
-            let (on, off) = stagger(crate::units::Channel(channel), width);
+            let passed = self.clamp(index, at, stimulus);
+            let (on, off) = stagger(Channel(channel), passed.width);
             let setting = Setting { on, off };
-            if width > Ticks::ZERO {
+            if passed.width > Ticks::ZERO {
                 self.wires[index].now = Some(Running {
                     setting,
-                    peak: stimulus.peak,
-                    until,
+                    until: passed.until,
                 });
                 update.channels[usize::from(channel)] = Some(setting);
             }
             ledger(Entry {
                 at,
                 board,
-                channel: crate::units::Channel(channel),
+                channel: Channel(channel),
                 on,
                 off,
-                until,
+                until: passed.until,
                 requested: stimulus.width,
-                reason,
+                reason: passed.reason,
             });
         }
         update
@@ -242,11 +272,17 @@ impl Guard {
             board,
             channels: [None; 16],
         };
-        for wire in self.wires.iter_mut().filter(|w| w.place.0 == board) {
-            if let (Some(was), Some(slot)) = (
-                wire.now.take_if(|now| which(now)),
-                update.channels.get_mut(usize::from(wire.place.1)),
-            ) {
+        for index in 0..self.wires.len() {
+            let wire = &mut self.wires[index];
+            let (owner, channel) = wire.place;
+            if owner != board {
+                continue;
+            }
+            let Some(was) = wire.now.take_if(|now| which(now)) else {
+                continue;
+            };
+            self.overrun(index, &was, at);
+            if let Some(slot) = update.channels.get_mut(usize::from(channel)) {
                 *slot = Some(Setting {
                     on: was.setting.on,
                     off: was.setting.on,
@@ -256,145 +292,14 @@ impl Guard {
         update
     }
 
-    /// Everything off and forgotten as running: after an all-off of the driver.
-    pub fn all_off(&mut self) {
-        self.wires.iter_mut().for_each(|w| w.now = None);
-    }
-
-    /// The widest pulse and the latest end the limits leave of a stimulus, booked as spent.
-    fn clamp(
-        &mut self,
-        index: usize,
-        at: Instant,
-        s: &Stimulus,
-    ) -> (Ticks, Instant, Option<Reason>) {
-        let refuse = |reason| (Ticks::ZERO, s.until, Some(reason));
-        if self.latched.is_some() {
-            return refuse(Reason::Latched);
-        }
-        if s.width == Ticks::ZERO || s.until <= at {
-            return (Ticks::ZERO, s.until, None);
-        }
-        let mut reason = None;
-        let mut width = s.width.get();
-
-        // Pulse width, at the slowest oscillator.
-        let slowest_tick_ps = self.tick_ps(OSCILLATOR_HZ.0);
-        let longest =
-            (self.limits.pulse_width_ns.saturating_mul(1000) / slowest_tick_ps).min(4095) as u16;
-        if width > longest {
-            (width, reason) = (longest, Some(Reason::PulseWidth));
-        }
-
-        // A burst that goes on: what is left of its time and of its energy.
-        let previous = self.wires[index]
-            .burst
-            .filter(|&(_, _, end)| at < end + BURST_GAP);
-        let (start, spent) = previous.map_or((at, 0), |(start, spent, _)| (start, spent));
-        let mut until = s.until;
-        if until > start + self.limits.burst {
-            (until, reason) = (start + self.limits.burst, Some(Reason::Burst));
-        }
-        if until <= at {
-            return refuse(Reason::Burst);
-        }
-
-        // Supply: the wires already on, and this one, at their worst instant.
-        let peak = s.peak.min(self.plant.peak);
-        let (on, off) = stagger(
-            crate::units::Channel(self.wires[index].place.1),
-            Ticks::new(width),
-        );
-        if self.supply_peak(index, Setting { on, off }, peak) > u64::from(self.limits.supply.0) {
-            return refuse(Reason::SupplyCurrent);
-        }
-
-        // Energy: burst, then the windows. Narrow the pulses to what is left; of a window no burst takes
-        // more than a part of what is left, so that a contact that rests fades instead of stepping down.
-        let span = until.since(at);
-        let room = [
-            (
-                self.limits.burst_energy_nj.saturating_sub(spent),
-                Reason::Burst,
-            ),
-            (
-                self.wires[index].power.left_nj(at) / FADE,
-                Reason::WirePower,
-            ),
-            (self.fingertip.left_nj(at) / FADE, Reason::FingertipPower),
-        ];
-        for (left, cause) in room {
-            let wanted = self.energy_nj(width, peak, span);
-            if wanted > left {
-                let fits = u128::from(width) * u128::from(left) / u128::from(wanted.max(1));
-                width = fits as u16; // less than `width`, since left < wanted
-                reason = Some(cause);
+    /// Everything is off at `at`, by an all-off of the driver.
+    pub fn all_off(&mut self, at: Instant) {
+        for index in 0..self.wires.len() {
+            if let Some(was) = self.wires[index].now.take() {
+                self.overrun(index, &was, at);
             }
         }
-        if width == 0 {
-            return (Ticks::ZERO, until, reason);
-        }
-        let energy = self.energy_nj(width, peak, span);
-        let wire = &mut self.wires[index];
-        wire.power.spend(energy);
-        self.fingertip.spend(energy);
-        wire.burst = Some((start, spent.saturating_add(energy), until));
-        (Ticks::new(width), until, reason)
     }
-
-    /// Length of a tick at an oscillator frequency, picoseconds, rounded up.
-    fn tick_ps(&self, oscillator_hz: u64) -> u64 {
-        ((u64::from(self.plant.prescale.get()) + 1) * 1_000_000_000_000).div_ceil(oscillator_hz)
-    }
-
-    /// Electrical energy, nJ, of pulses of `width` ticks for a `span`: from above over all oscillators.
-    ///
-    /// `span / period + 1` pulses can start within a span. With the oscillator at f the n-th part is
-    /// `I^2 R width (span f / 4096 + tick)`: the mean does not depend on f, the pulse too many is longest
-    /// at the slowest.
-    fn energy_nj(&self, width: u16, peak: Milliamps, span: Duration) -> u64 {
-        let nanowatt = u128::from(peak.0).pow(2) * u128::from(self.plant.wire_milliohm);
-        let extra_ps = u128::from(self.tick_ps(OSCILLATOR_HZ.0)) * u128::from(width);
-        let mean_ps = u128::from(span.as_micros()) * 1_000_000 * u128::from(width) / 4096;
-        let nj = (nanowatt * (mean_ps + extra_ps)).div_ceil(1_000_000_000_000);
-        nj.min(u128::from(u64::MAX / 4)) as u64
-    }
-
-    /// Largest current, mA, at any instant of a period with wire `index` set as given and the others as
-    /// they are. Boards run asynchronously, so their peaks add.
-    fn supply_peak(&self, index: usize, setting: Setting, peak: Milliamps) -> u64 {
-        let running = |i: usize| match i == index {
-            true => Some((setting, peak)),
-            false => self.wires[i].now.map(|now| (now.setting, now.peak)),
-        };
-        let board_peak = |board: Board| {
-            let on_board =
-                || (0..self.wires.len()).filter(move |&i| self.wires[i].place.0 == board);
-            let total_at = |tick: u16| -> u64 {
-                let high = |(s, ma): (Setting, Milliamps)| {
-                    (s.on <= tick && tick < s.off).then_some(u64::from(ma.0))
-                };
-                on_board().filter_map(running).filter_map(high).sum()
-            };
-            // The sum only grows where a pulse starts.
-            on_board()
-                .filter_map(running)
-                .map(|(s, _)| total_at(s.on))
-                .max()
-                .unwrap_or(0)
-        };
-        // Boards are 0 ..= 15 by construction of a display.
-        (0..16).map(|b| board_peak(Board(b))).sum()
-    }
-}
-
-/// A bucket over two windows, each (seconds, mean microwatts).
-fn bucket(short: (u64, u64), long: (u64, u64)) -> Bucket {
-    let window = |(seconds, mean_uw): (u64, u64)| Window {
-        length: Duration::from_millis(seconds * 1000),
-        mean_uw,
-    };
-    Bucket::new(window(short), window(long))
 }
 
 #[cfg(test)]

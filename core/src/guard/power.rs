@@ -1,13 +1,11 @@
 //! Mean power over two windows at once, from above, in a few bytes: a token bucket.
 //!
 //! A bucket of capacity C that refills at rate r lets through at most C + r W in any window W. C and r
-//! are chosen so that this meets the limits of both windows, with the length of one burst added: a burst
+//! are chosen so that this meets the limits of both windows, with the reach of one burst added: a burst
 //! is booked at its onset and may reach into a window that opens after it. A contact that rests empties
 //! the bucket and then lives on the refill: it fades to a steady level and is never cut off.
 
 use crate::units::{Duration, Instant};
-
-use super::limits::HARD;
 
 /// Energy that may still be spent; picojoules, which are microwatts times microseconds.
 #[derive(Clone, Debug)]
@@ -30,24 +28,21 @@ impl Window {
     const fn energy_pj(self) -> u64 {
         self.mean_uw.saturating_mul(self.length.as_micros())
     }
-
-    /// Its length and that of the longest burst.
-    const fn reach_us(self) -> u64 {
-        self.length.as_micros() + HARD.burst.as_micros()
-    }
 }
 
 impl Bucket {
-    /// A full bucket that keeps both windows, the second the longer one.
+    /// A full bucket that keeps both windows, the second the longer one, for bursts that end `reach` after
+    /// they are booked.
     ///
     /// C + r (T1 + b) = E1 and C + r (T2 + b) = E2; where a tightened table would make C negative or r
     /// vanish, half of either energy goes to each.
-    pub(super) fn new(short: Window, long: Window) -> Self {
+    pub(super) fn new(short: Window, long: Window, reach: Duration) -> Self {
+        let reach_us = |w: Window| w.length.as_micros() + reach.as_micros();
         let (e1, e2) = (short.energy_pj(), long.energy_pj());
         let e1 = e1.min(e2 / 2);
         let between = (long.length.as_micros() - short.length.as_micros()).max(1);
-        let rate_uw = ((e2 - e1) / between).min(e1 / 2 / short.reach_us());
-        let used = |w: Window| rate_uw * w.reach_us();
+        let rate_uw = ((e2 - e1) / between).min(e1 / 2 / reach_us(short));
+        let used = |w: Window| rate_uw * reach_us(w);
         // The division above rounds down, so the long window is checked too.
         let capacity_pj = (e1 - used(short)).min(e2.saturating_sub(used(long)));
         Self {
@@ -86,7 +81,8 @@ mod tests {
             length: Duration::from_micros(s * S),
             mean_uw,
         };
-        Bucket::new(window(1, short_uw), window(long_s, long_uw))
+        let reach = Duration::from_millis(50);
+        Bucket::new(window(1, short_uw), window(long_s, long_uw), reach)
     }
 
     #[test]

@@ -13,6 +13,7 @@ use core::fmt;
 
 use crate::bus::{Actuators, SensorBus};
 use crate::contact::{Contact, Levels, Scope, Settings, SettingsError, Work};
+pub use crate::guard::Cause;
 use crate::guard::Guard;
 use crate::illusion::{CalibrationError, Display, Map, Tracks};
 use crate::schedule::{Entry, Timing};
@@ -25,34 +26,6 @@ use crate::wire::uskin::IdProfile;
 
 use output::Output;
 use sensing::Sensing;
-
-/// Why everything was switched off. The list is closed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
-    /// No sensor frame for longer than the limit while a wire was driven.
-    StaleInput,
-    /// The actuator bus reported an error.
-    ActuatorError,
-    /// The sensor bus reported an error.
-    SensorError,
-    /// The loop was called too late to end a stimulus in time.
-    LateTick,
-    /// The run ended.
-    End,
-}
-
-impl Cause {
-    /// The word that stands in a schedule file.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::StaleInput => "stale-input",
-            Self::ActuatorError => "actuator-error",
-            Self::SensorError => "sensor-error",
-            Self::LateTick => "late-tick",
-            Self::End => "end",
-        }
-    }
-}
 
 /// A frame that went through compression.
 #[derive(Debug)]
@@ -225,11 +198,8 @@ impl Projector {
     /// When the loop has to be called next, whatever comes in; earlier calls do no harm.
     pub fn next(&self) -> Instant {
         let output = self.output.next();
-        let watchdog = match self.sensing.last_received() {
-            Some(t) if self.output.is_driving() => t + self.output.guard().limits().stale,
-            _ => Instant::FAR_FUTURE,
-        };
-        output.min(watchdog)
+        let deadline = self.output.guard().deadline();
+        deadline.map_or(output, |deadline| deadline.min(output))
     }
 
     /// Does all that is due at `now`: takes every frame that has come, ends what has ended, projects the
@@ -255,25 +225,17 @@ impl Projector {
             }
         }
         self.sensing.flush(now, &self.layout, observer);
-        let stale = self.output.guard().limits().stale;
-        let age = self.sensing.last_received().map(|t| now.since(t));
-        let is_stale = age.is_none_or(|age| age >= stale);
-        if is_stale && self.output.is_driving() {
-            self.all_off(now, Cause::StaleInput, actuators, observer)
-                .map_err(LoopError::Actuator)?;
+        let guard = self.output.guard_mut();
+        if let Some(at) = self.sensing.last_received() {
+            guard.hear(at);
         }
-        // A stimulus that should have ended this long ago: the host was not there in time.
-        let overdue = self
-            .output
-            .guard()
-            .next_expiry()
-            .map_or(0, |end| now.since(end).as_micros());
-        if overdue > stale.as_micros() {
-            self.all_off(now, Cause::LateTick, actuators, observer)
+        let stale = guard.is_stale(now);
+        if let Some(cause) = guard.watch(now) {
+            self.all_off(now, cause, actuators, observer)
                 .map_err(LoopError::Actuator)?;
         }
         self.track();
-        let due = self.output.is_due(now) && !is_stale;
+        let due = self.output.is_due(now) && !stale;
         let count = if due { self.aim(now) } else { 0 };
         match self
             .output
@@ -288,7 +250,7 @@ impl Projector {
         }
     }
 
-    /// Everything off, now.
+    /// Everything off, now, and kept off until [`Self::reset`].
     ///
     /// # Errors
     /// The first board that did not answer.
@@ -300,6 +262,16 @@ impl Projector {
         observer: &mut impl Observer,
     ) -> Result<(), A::Error> {
         self.output.all_off(now, cause, actuators, observer)
+    }
+
+    /// The way back from a stop: nothing is driven after [`Self::all_off`], whatever its cause, until this has
+    /// been called once the cause is gone. Sensor frames come, the loop was called on time, and all outputs
+    /// take an all-off.
+    ///
+    /// # Errors
+    /// What is still wrong; everything stays off.
+    pub fn reset<A: Actuators>(&mut self, now: Instant, actuators: &mut A) -> Result<(), Cause> {
+        self.output.reset(now, actuators)
     }
 
     /// The newest contacts that drive the display: with K_C over the whole skin all of them, else one
@@ -359,11 +331,6 @@ impl Projector {
     /// The guard.
     pub const fn guard(&self) -> &Guard {
         self.output.guard()
-    }
-
-    /// The guard, to latch or to clear it.
-    pub const fn guard_mut(&mut self) -> &mut Guard {
-        self.output.guard_mut()
     }
 
     /// The sensor-to-display map.

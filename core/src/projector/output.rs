@@ -113,11 +113,6 @@ impl Output {
         self.guard.next_expiry().map_or(onset, |end| end.min(onset))
     }
 
-    /// Whether a stimulus is running.
-    pub(super) fn is_driving(&self) -> bool {
-        self.guard.next_expiry().is_some()
-    }
-
     /// Ends what has ended and, when an onset is due, projects `targets`. An onset that was missed by
     /// more than half an SOA is left out: the grid from t = 0 stands whatever happens.
     ///
@@ -183,7 +178,19 @@ impl Output {
         Ok(())
     }
 
-    /// Everything off, now.
+    /// Opens the guard's latch if nothing is wrong any more.
+    pub(super) fn reset<A: Actuators>(
+        &mut self,
+        now: Instant,
+        actuators: &mut A,
+    ) -> Result<(), Cause> {
+        // The outputs last: while another cause stands there is no need to trouble their bus.
+        self.guard.ready(now)?;
+        actuators.all_off().map_err(|_| Cause::ActuatorError)?;
+        self.guard.reset(now)
+    }
+
+    /// Everything off, now, and the guard latched.
     pub(super) fn all_off<A: Actuators>(
         &mut self,
         now: Instant,
@@ -192,7 +199,8 @@ impl Output {
         observer: &mut impl Observer,
     ) -> Result<(), A::Error> {
         let result = actuators.all_off();
-        self.guard.all_off();
+        self.guard.latch(cause);
+        self.guard.all_off(now);
         for board in 0..=self.boards {
             observer.all_off(now, Board(board), cause);
         }

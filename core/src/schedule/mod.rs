@@ -38,6 +38,14 @@ pub enum Reason {
     WirePower,
     /// The fingertip's mean power over a window would have passed the limit.
     FingertipPower,
+    /// The skin 0.1 mm deep would have passed its limit at some time.
+    SkinPeak,
+    /// The skin 0.1 mm deep would have passed its limit as a mean over 10 s.
+    SkinMean,
+    /// The skin 0.4 mm deep would have passed its limit at some time.
+    SkinDeep,
+    /// Too little is left of the session's dose for so warm a burst.
+    Dose,
     /// The guard is latched: everything stays off until the cause is cleared.
     Latched,
 }
@@ -51,6 +59,10 @@ impl Reason {
             Self::SupplyCurrent => "supply-current",
             Self::WirePower => "wire-power",
             Self::FingertipPower => "fingertip-power",
+            Self::SkinPeak => "skin-peak",
+            Self::SkinMean => "skin-mean",
+            Self::SkinDeep => "skin-deep",
+            Self::Dose => "dose",
             Self::Latched => "latched",
         }
     }

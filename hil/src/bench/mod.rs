@@ -4,10 +4,12 @@
 //! [`FAMILIES`]. Methods of one case are timed in turn in one run, so that their ratios hold on a noisy
 //! machine. Only builds with the feature `bench` have this room: peers never reach the ordinary program.
 
+pub mod compression;
 pub mod illusion;
 pub mod page;
 pub mod physics;
 pub mod plot;
+pub mod projection;
 pub mod table;
 pub mod timing;
 
@@ -71,14 +73,22 @@ pub struct Family {
 }
 
 /// Every family, in the order of the pages.
-pub const FAMILIES: [Family; 2] = [
+pub const FAMILIES: [Family; 4] = [
     Family {
         name: "physics",
         measure: physics::measure,
     },
     Family {
+        name: "compression",
+        measure: compression::measure,
+    },
+    Family {
         name: "illusion",
         measure: illusion::measure,
+    },
+    Family {
+        name: "loop",
+        measure: projection::measure,
     },
 ];
 

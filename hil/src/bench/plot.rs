@@ -18,6 +18,8 @@ pub enum Mark {
     Swept,
     /// A line alone: a quantity over time.
     Line,
+    /// Small dots, not joined: places.
+    Scatter,
 }
 
 /// Points of one name.
@@ -100,7 +102,9 @@ impl Plot {
                 );
                 dot(&mut dots, (x, y));
             }
-            svg.path(&line, &format!("series {}", colour(i)));
+            if series.mark != Mark::Scatter {
+                svg.path(&line, &format!("series {}", colour(i)));
+            }
             if series.mark != Mark::Line {
                 svg.path(&dots, &dots_class(series.mark, i));
             }

@@ -1,9 +1,8 @@
-//! The whole loop on one 4x4 module: 16 CAN frames in, contacts, and stimuli out when they are due.
+//! The whole loop on one 4x4 module: 16 CAN frames in, contacts, and stimuli out when they are due; and what is felt
+//! against the time it takes.
 
 use std::convert::Infallible;
-use std::error::Error;
 use std::hint::black_box;
-use std::io;
 
 use embedded_hal::i2c::{ErrorType, I2c, Operation};
 use palpate_core::bus::{Actuators, Received, SensorBus};
@@ -16,11 +15,15 @@ use palpate_core::skin::Module;
 use palpate_core::units::{Duration, Instant};
 use palpate_core::wire::can::CanFrame;
 use palpate_core::wire::uskin::{IdProfile, Reading, Wiring, encode};
-use palpate_hil::files::Setup;
-use palpate_hil::plan;
 
-use crate::frames::{self, ROUND};
-use crate::timing::{Samples, row, time};
+use super::compression::presses::{self, Presses, ROUND};
+use super::plot::{Mark, Plot, Series};
+use super::timing::Samples;
+use super::{Findings, Row};
+use crate::failure::Failure;
+use crate::files::{Setup, load_bench, load_scene};
+use crate::run::{Input, run as run_scene};
+use crate::{clock, plan};
 
 /// A bus that holds one scan.
 struct OneScan {
@@ -134,7 +137,7 @@ fn run<A: Actuators>(
     rest: &[Vec<CanFrame>],
     actuators: A,
     count: usize,
-) -> Result<Times, Box<dyn Error>> {
+) -> Result<Times, Failure> {
     let mut actuators = Counted {
         inner: actuators,
         updates: 0,
@@ -155,8 +158,10 @@ fn run<A: Actuators>(
         bus.frames.clone_from(source);
         (bus.at, bus.taken) = (now, 0);
         let before = actuators.updates;
-        let (us, polled) = time(|| projector.poll(now, &mut bus, &mut actuators, &mut tally));
-        let onset = polled.map_err(|e| format!("the loop failed: {e:?}"))?;
+        let begun = clock::now();
+        let polled = black_box(projector.poll(now, &mut bus, &mut actuators, &mut tally));
+        let us = begun.elapsed().as_secs_f64() * 1e6;
+        let onset = polled.map_err(|e| broken(&format!("the loop failed: {e:?}")))?;
         times.onsets += usize::from(onset);
         // The first tenth warms up.
         if step >= count / 10 {
@@ -171,9 +176,12 @@ fn run<A: Actuators>(
         }
         now = projector.next().min(next_scan).max(now + TICK);
     }
-    let compressed = projector.work().means as usize;
+    let work = projector.work();
+    let compressed = (work.means + work.repeats) as usize;
     if compressed != count - rest.len() {
-        return Err(format!("{compressed} of {count} scans had a contact").into());
+        return Err(broken(&format!(
+            "{compressed} of {count} scans had a contact"
+        )));
     }
     times.channels = actuators.channels;
     times.tally = tally;
@@ -184,11 +192,14 @@ fn run<A: Actuators>(
 const TICK: Duration = Duration::from_micros(1);
 
 /// The default scene's loop with `touched` taxels always in contact.
-fn projector() -> Result<Projector, Box<dyn Error>> {
-    let setup = Setup::load("sphere-along", "emulated")?;
+fn projector(setup: &Setup) -> Result<Projector, Failure> {
     let strengths: Vec<f32> = (0..200).map(|i| 300.0 + 10.0 * i as f32).collect();
-    let levels = Levels::Table(LevelTable::from_intensities(&strengths, 10)?);
-    Ok(Projector::new(plan::plan(&setup, 1, levels)?)?)
+    let levels = LevelTable::from_intensities(&strengths, 10).map_err(|e| broken(&e))?;
+    Projector::new(plan::plan(setup, 1, Levels::Table(levels))?).map_err(|e| broken(&e))
+}
+
+fn broken(what: &dyn std::fmt::Display) -> Failure {
+    Failure::Input(format!("bench loop: {what}"))
 }
 
 /// The 16 frames of one scan in the order of the wire.
@@ -202,58 +213,147 @@ fn on_the_wire(board: u8, counts: &[[u16; 3]]) -> Option<Vec<CanFrame>> {
     (0..wiring.taxels()).map(frame).collect()
 }
 
-/// What the measured loop had to do.
-pub struct Load {
-    /// Wires driven at an onset, mean.
-    pub stimuli: f64,
-    /// Stimuli that the guard changed or refused.
-    pub limited: usize,
-}
-
-/// Measures the loop over actuators that do nothing and over the real driver on a bus that does nothing.
+/// Measures the family.
 ///
 /// # Errors
-/// Fixtures that do not fit together, a closed standard output.
-pub fn bench() -> Result<Load, Box<dyn Error>> {
+/// Fixtures that do not fit together.
+pub fn measure() -> Result<Findings, Failure> {
+    let mut findings = Findings::default();
+    frames(&mut findings)?;
+    felt(&mut findings)?;
+    Ok(findings)
+}
+
+fn row(case: &str, method: &str, error: (f64, &'static str), median_us: f64) -> Row {
+    Row {
+        family: "loop",
+        case: case.into(),
+        method: method.into(),
+        error: error.0,
+        error_unit: error.1,
+        median_us,
+        peer: false,
+    }
+}
+
+/// A frame by what is due, over actuators that do nothing and over the real driver on a bus that does nothing.
+fn frames(findings: &mut Findings) -> Result<(), Failure> {
     const STEPS: usize = 60_000;
     let setup = Setup::load("sphere-along", "emulated")?;
     let layout = plan::layout(&setup.sensor.value)?;
     let address = layout.modules().first().and_then(Module::address);
     let board = address
-        .ok_or("the default scene's module has no board")?
+        .ok_or_else(|| broken(&"the module has no board"))?
         .board;
-    let wire = |range: std::ops::Range<usize>, touched: usize| {
+    let wire = |range: std::ops::Range<usize>, touched: Option<Presses>| {
         range
-            .map(|f| on_the_wire(board, &frames::counts(&layout, f, &[touched])))
+            .map(|f| on_the_wire(board, &presses::counts(&layout, f, touched)))
             .collect::<Option<Vec<_>>>()
-            .ok_or("a taxel has no identifier")
+            .ok_or_else(|| broken(&"a taxel has no identifier"))
     };
-    let rest = wire(0..setup.scene.value.reference_frames as usize + 1, 0)?;
-    let scans = wire(0..ROUND, 12)?;
+    let rest = wire(0..setup.scene.value.reference_frames as usize + 1, None)?;
+    let scans = wire(0..ROUND, Some(Presses::EveryModule(12)))?;
+    // Real boards repeat three rows of four.
+    let stale: Vec<_> = (0..ROUND).map(|f| scans[f / 4 * 4].clone()).collect();
 
-    let none = run(&mut projector()?, &scans, &rest, Nothing, STEPS)?;
+    let none = run(&mut projector(&setup)?, &scans, &rest, Nothing, STEPS)?;
+    let quiet = run(&mut projector(&setup)?, &stale, &rest, Nothing, STEPS)?;
     let prescale = plan::prescale(&setup.bench.value)?;
     let bank = Pca9685Bank::new(NullBus, &plan::boards(&setup.bench.value), prescale);
-    let driver = run(&mut projector()?, &scans, &rest, bank, STEPS)?;
+    let driver = run(&mut projector(&setup)?, &scans, &rest, bank, STEPS)?;
     if none.channels == 0 || none.channels != driver.channels {
         let (a, b) = (none.channels, driver.channels);
-        return Err(format!("the loop wrote {a} channels, with a driver {b}").into());
+        return Err(broken(&format!(
+            "the loop wrote {a} channels, with a driver {b}"
+        )));
     }
-    print(&none, &driver)?;
-    Ok(Load {
-        stimuli: driver.tally.stimuli as f64 / driver.onsets as f64,
-        limited: driver.tally.limited,
-    })
+    let case = "frame 4x4, 16 CAN frames in";
+    for (method, samples) in [
+        ("default", &none.quiet),
+        ("three of four repeated", &quiet.quiet),
+        ("a stimulus ends", &none.ended),
+        ("an onset", &none.onset),
+        ("a stimulus ends, PCA9685 driver", &driver.ended),
+        ("an onset, PCA9685 driver", &driver.onset),
+    ] {
+        findings
+            .rows
+            .push(row(case, method, (f64::NAN, ""), samples.median()));
+    }
+    findings.words.push(format!(
+        "default: nothing due. {:.1} wires driven an onset; the guard changed {} stimuli.",
+        driver.tally.stimuli as f64 / driver.onsets as f64,
+        driver.tally.limited
+    ));
+    Ok(())
 }
 
-fn print(none: &Times, driver: &Times) -> io::Result<()> {
-    row("loop, 16 frames in, nothing due", &none.quiet, Some(2.0))?;
-    row("loop, a stimulus ends", &none.ended, Some(8.0))?;
-    row("loop, an onset, no driver", &none.onset, Some(8.0))?;
-    row(
-        "loop, a stimulus ends, PCA9685 driver",
-        &driver.ended,
-        Some(8.0),
-    )?;
-    row("loop, an onset, PCA9685 driver", &driver.onset, Some(8.0))
+/// Felt error against the time of a frame, over K_C, cadence, the weights' exponent and the rate of the sensor.
+fn felt(findings: &mut Findings) -> Result<(), Failure> {
+    type Change = Box<dyn Fn(&mut crate::files::Scene)>;
+    let mut sweeps: Vec<(&str, Vec<(String, Change)>)> =
+        vec![("default", vec![("default".into(), Box::new(|_| ()))])];
+    let clusters = [2, 4, 8, 16].map(|kc| {
+        let change: Change = Box::new(move |s| s.compression.kc = kc);
+        (format!("K={kc}"), change)
+    });
+    sweeps.push(("K_C", clusters.into()));
+    let cadence = [40.0, 80.0, 105.0, 125.0].map(|ms| {
+        let change: Change = Box::new(move |s| s.illusion.soa_ms = Some(ms));
+        (format!("SOA {ms} ms"), change)
+    });
+    sweeps.push(("cadence", cadence.into()));
+    let exponent = [0.0, 1.0, 4.0].map(|p| {
+        let change: Change = Box::new(move |s| s.compression.weight_exponent = p);
+        (format!("p={p}"), change)
+    });
+    sweeps.push(("weights", exponent.into()));
+    let rate = [25.0, 50.0].map(|hz| {
+        let change: Change = Box::new(move |s| {
+            s.rate_hz = hz;
+            s.reference_frames = 10;
+        });
+        (format!("{hz} Hz"), change)
+    });
+    sweeps.push(("frames left out", rate.into()));
+    let mut series = Vec::new();
+    for (sweep, variants) in sweeps {
+        let mut points = Vec::new();
+        for (method, change) in variants {
+            let mut scene = load_scene("sphere-circle")?;
+            change(&mut scene.value);
+            let seconds = scene.value.length_s;
+            let setup = Setup::join(scene, load_bench("emulated")?)?;
+            let outcome = run_scene(&setup, &Input::Scene, 1)?;
+            // The loop's whole time a second of the scene: frames left out cost nothing.
+            let spent: f64 = outcome.frame_us.iter().map(|t| f64::from(*t)).sum::<f64>() / seconds;
+            // Of several contacts no single place is felt; then there is no error to tell.
+            let error = outcome.summary.felt_error_mm.rmse.unwrap_or(f64::NAN);
+            findings.rows.push(row(
+                "felt sphere-circle, a second",
+                &method,
+                (error, "mm felt RMSE"),
+                spent,
+            ));
+            points.push((spent, error));
+        }
+        series.push(Series {
+            name: sweep.into(),
+            points,
+            mark: if sweep == "default" {
+                Mark::Ours
+            } else {
+                Mark::Swept
+            },
+        });
+    }
+    let mut plot = Plot::work_precision(
+        "felt",
+        "Felt error against the time of the whole loop",
+        "felt RMSE [mm]",
+        series,
+    );
+    plot.x.label = "time of the loop for a second of touch [\u{b5}s]".into();
+    findings.plots.push(plot);
+    Ok(())
 }

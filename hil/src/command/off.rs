@@ -13,11 +13,11 @@ use crate::run::real::watch;
 
 use super::devices::bench;
 
-/// How long a run that holds the bus may take to end.
-const PATIENCE: Duration = Duration::from_secs(3);
+/// How long a run that holds the bus may take to end, and boards to answer.
+const PATIENCE: Duration = Duration::from_secs(5);
 
 /// What one transfer may take.
-const TRANSFER: Duration = Duration::from_secs(2);
+const TRANSFER: Duration = Duration::from_secs(1);
 
 /// Switches everything off, ends a run that is driving, and shows or clears a latched stop.
 ///
@@ -89,7 +89,7 @@ fn sweep(watch: &Watch, lines: &mut Vec<String>) -> Result<(), Failure> {
         }
     }
     lines.extend(found.iter().map(ToString::to_string));
-    let off = sweeper.off().map_err(|second| {
+    let off = sweeper.off_within(PATIENCE).map_err(|second| {
         let reason = first.err().unwrap_or(second);
         Failure::Device(format!("not everything is known to be off: {reason}"))
     });

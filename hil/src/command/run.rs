@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use palpate_core::illusion::Model;
 use palpate_records::contacts_csv::write_contacts;
-use palpate_records::report::{ReportExtras, SummaryRow, report_html};
+use palpate_records::report::{ReportExtras, SummaryRow, Thermal, report_html};
 use palpate_records::schedule::write_schedule;
 
 use crate::cli::{RunArgs, Switch};
@@ -300,6 +300,11 @@ fn report(outcome: &Outcome) -> String {
         &ReportExtras {
             frame_us: &outcome.frame_us,
             summary: &rows,
+            thermal: (!outcome.warmth.is_empty()).then(|| Thermal {
+                samples: &outcome.warmth,
+                margins: &outcome.summary.margins,
+                limits: outcome.skin_limits,
+            }),
         },
     )
 }

@@ -56,13 +56,13 @@ pub struct Real {
     pub i2c: Vec<PathBuf>,
     /// The line that cuts all outputs, if one is wired.
     pub oe: Option<OutputEnable>,
-    /// Real-time priority and locked memory.
-    #[serde(default)]
-    pub realtime: bool,
+    /// Real-time priority and locked memory: true insists, false does without. Left out: where allowed.
+    pub realtime: Option<bool>,
     /// The guardian switches off when it has not heard from the loop for this long.
     #[serde(default = "heartbeat_ms")]
     pub heartbeat_ms: u32,
-    /// A transfer that takes longer than this has failed.
+    /// A transfer that takes longer than this has failed: a backstop for adapters that know no limit of
+    /// their own.
     #[serde(default = "transfer_ms")]
     pub transfer_ms: u32,
 }
@@ -79,11 +79,11 @@ pub struct OutputEnable {
 }
 
 const fn heartbeat_ms() -> u32 {
-    50
+    60
 }
 
 const fn transfer_ms() -> u32 {
-    30
+    500
 }
 
 impl Real {
@@ -93,33 +93,22 @@ impl Real {
             can,
             i2c,
             oe: None,
-            realtime: false,
+            realtime: None,
             heartbeat_ms: heartbeat_ms(),
             transfer_ms: transfer_ms(),
         }
     }
 }
 
-/// A wire's kind.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+/// A wire and what it is made of.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Wire {
-    /// 75 or 100 micrometres.
-    pub diameter_um: u32,
-    /// Its transition temperatures.
-    pub transition: Transition,
-}
-
-/// Transition temperatures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Transition {
-    /// As/Af/Ms/Mf 68/78/52/42 C.
-    Low,
-    /// As/Af/Ms/Mf 88/98/72/62 C.
-    High,
+    /// A wire: a built-in name or a file.
+    pub kind: String,
+    /// An alloy: a built-in name or a file.
+    pub alloy: String,
 }
 
 /// Current, supply and PWM.
@@ -178,7 +167,7 @@ impl Real {
         let interfaces = u8::try_from(self.can.len()).unwrap_or(u8::MAX);
         source.range("real.can", interfaces, 1..=16, "interfaces")?;
         source.range("real.heartbeat_ms", self.heartbeat_ms, 10..=1000, "ms")?;
-        source.range("real.transfer_ms", self.transfer_ms, 1..=1000, "ms")?;
+        source.range("real.transfer_ms", self.transfer_ms, 1..=10_000, "ms")?;
         Ok(adapters)
     }
 }
@@ -191,9 +180,6 @@ impl Bench {
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let bench: Self = source.read()?;
         source.heading(&bench.name, &bench.description)?;
-        if !matches!(bench.wire.diameter_um, 75 | 100) {
-            return Err(source.bad("wire.diameter_um", "75 or 100"));
-        }
         let drive = &bench.drive;
         source.range("drive.current_ma", drive.current_ma, 1.0..=5000.0, "mA")?;
         source.range(

@@ -6,6 +6,7 @@ mod effects;
 pub mod effort;
 pub(crate) mod ends;
 mod feel;
+mod margins;
 pub mod real;
 mod recorder;
 mod replay;
@@ -33,6 +34,7 @@ use palpate_core::units::{Duration, Instant};
 use palpate_emulators::can::faults::Faulty;
 use palpate_emulators::i2c::fault::{I2cFault, I2cFaults, Shared};
 use palpate_emulators::time::Nanos;
+use palpate_records::report::{SkinLimits, Warmth};
 use palpate_records::trace::{Event, Ledger, Trace};
 
 use crate::clock;
@@ -76,6 +78,10 @@ pub struct Outcome {
     pub summary: Summary,
     /// Computing time of each frame, microseconds.
     pub frame_us: Vec<f32>,
+    /// Temperatures over time.
+    pub warmth: Vec<Warmth>,
+    /// The skin's limits in force.
+    pub skin_limits: SkinLimits,
     /// What was done and what was left out.
     pub effort: Effort,
     /// What ended the run before its time; the outputs are off.
@@ -90,6 +96,9 @@ pub struct Keep {
     /// Every frame on the sensor buses: 24 bytes each, 1600 a second for a module of 16 taxels at 100 Hz.
     pub can: bool,
 }
+
+/// The finger is looked at no less often than this, even where no stimulus comes.
+const LOOK: Duration = Duration::from_millis(250);
 
 /// Nobody listens: for a pass that only looks at contacts.
 struct Silence;
@@ -227,6 +236,7 @@ fn project(
     let drive = plan::drive(&setup.scene.value.illusion);
     let mut projector = build(setup, seed, levels)?;
     let mut display = display(setup, projector.display().wires())?;
+    display.keep_flows();
     let mut recorder = Recorder::new(truth, projector.layout());
     let i2c = Shared::new(I2cFault::new(
         display.bus(),
@@ -271,6 +281,8 @@ fn project(
         }
     };
 
+    let mut samples = Vec::new();
+    let mut look = Instant::ZERO;
     let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
     let mut pending: Option<Onset> = None;
     let mut failure = None;
@@ -295,6 +307,7 @@ fn project(
             }
             continue;
         }
+        supervisor.resume(now, &mut projector, &mut bank, &mut recorder.events);
         let before = recorder.frames;
         let begun = clock::now();
         let polled = projector.poll(now, skin, &mut bank, &mut recorder);
@@ -329,6 +342,10 @@ fn project(
             pending = recorder.onset.take();
             sample_wires(now, &mut display, &projector, &mut recorder);
         }
+        if onset || now >= look {
+            samples.extend(display.sample());
+            look = now + LOOK;
+        }
         supervisor.restart_boards(now, skin, &projector, &mut recorder.events);
         script.step(now, &mut hardware!(), &mut recorder.events);
         now = projector.next().min(now + TICK).min(script.next());
@@ -351,6 +368,7 @@ fn project(
         .map_err(|e| device(&e))?;
     recorder.tell_taxels();
 
+    samples.extend(display.sample());
     let totals = display.totals();
     let mut events = std::mem::take(&mut recorder.events);
     events.sort_by_key(Event::t_ns);
@@ -381,10 +399,20 @@ fn project(
     summary.buses = skin.buses();
     summary.faults = script.report();
     summary.taxels.list(&projector, end);
+    let course = margins::Course {
+        flows: &display.take_flows(),
+        samples: &samples,
+        totals: &totals,
+        wires: projector.display().wires().len(),
+    };
+    let file = &setup.limits.value;
+    summary.margins = margins::margins(&course, projector.guard().limits(), file);
     recorder.tell(&mut effort, projector.display().wires().len());
     effort.traffic = bank.traffic();
     effort.calibrated = setup.scene.value.compression.ki > 1;
     Ok(Outcome {
+        warmth: samples.iter().map(margins::warmth).collect(),
+        skin_limits: margins::skin_limits(file),
         trace,
         summary,
         frame_us,

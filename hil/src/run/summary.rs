@@ -8,6 +8,7 @@ use palpate_core::skin::{Condition, HealthSummary};
 use palpate_core::units::Instant;
 use palpate_records::felt::{decibels, energy_permille, felt_scores};
 use palpate_records::measure::{Errors, path_error};
+use palpate_records::report::Margin;
 use palpate_records::trace::{Source, Trace};
 use serde::Serialize;
 
@@ -158,12 +159,23 @@ pub struct Summary {
     pub boards: Vec<BoardReport>,
     pub buses: Vec<BusReport>,
     pub faults: Vec<FaultReport>,
+    pub margins: Vec<Margin>,
     /// How a real run kept its time; null for an emulated one.
     pub pacing: Option<Pacing>,
     /// The CAN interfaces of a real run.
     pub can: Vec<CanReport>,
     pub sim_s: f64,
     pub wall_s: f64,
+}
+
+/// Three digits or so, whatever the size.
+fn short(v: f64) -> String {
+    match v.abs() {
+        a if a >= 100.0 || !a.is_finite() => format!("{v:.0}"),
+        a if a >= 1.0 => format!("{v:.1}"),
+        a if a >= 0.001 || a == 0.0 => format!("{v:.3}"),
+        _ => format!("{v:.0e}"),
+    }
 }
 
 fn mm(um: u64) -> f64 {
@@ -275,6 +287,7 @@ impl Summary {
             boards: Vec::new(),
             buses: Vec::new(),
             faults: Vec::new(),
+            margins: Vec::new(),
             pacing: None,
             can: Vec::new(),
             sim_s: ledger.length_us as f64 * 1e-6,
@@ -333,10 +346,21 @@ impl Summary {
             row("supply", format!("{ampere:.2} A at most"))?;
         }
         let celsius = |t: Option<f64>| t.map_or("-".into(), |t| format!("{t:.1} C"));
-        row("hottest wire", celsius(self.hottest_wire_c))?;
+        row(
+            "hottest wire",
+            format!("{} (no limit of its own)", celsius(self.hottest_wire_c)),
+        )?;
+        let limit = self.margins.iter().find(|m| m.name == "skin at 0.1 mm");
+        let limit = limit.map_or(String::new(), |m| {
+            let passed = if m.over() { ", PASSED" } else { "" };
+            format!(", limit {:.1} C{passed}", m.limit)
+        });
         row(
             "hottest skin",
-            format!("{} (modelled, 0.1 mm deep)", celsius(self.hottest_skin_c)),
+            format!(
+                "{}{limit} (modelled, 0.1 mm deep)",
+                celsius(self.hottest_skin_c)
+            ),
         )?;
         row("limiter events", self.limiter_events.to_string())?;
         row(
@@ -386,6 +410,18 @@ impl Summary {
         }
         for fault in &self.faults {
             row("fault", format!("{}: count {}", fault.what, fault.count))?;
+        }
+        for (index, m) in self.margins.iter().enumerate() {
+            let line = format!(
+                "{:<23}{:>8} of {:>7} {:<3} {:>4.0} % used{}",
+                m.name,
+                short(m.worst),
+                short(m.limit),
+                m.unit,
+                m.used.max(0.0) * 100.0,
+                if m.over() { ", PASSED" } else { "" }
+            );
+            row(if index == 0 { "margins" } else { "" }, line)?;
         }
         Ok(())
     }

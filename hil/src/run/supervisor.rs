@@ -1,7 +1,7 @@
 //! What a run does about hardware that stops answering: outputs off at once, a bounded wait, a way back.
 
 use embedded_hal::i2c::I2c;
-use palpate_core::bus::SensorBus;
+use palpate_core::bus::{Actuators, SensorBus};
 use palpate_core::driver::Banks;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant};
@@ -12,7 +12,7 @@ use palpate_records::trace::Event;
 
 use crate::failure::Failure;
 
-/// An actuator bus that is dead for this long ends the run.
+/// How long an emulated run waits for a dead actuator bus.
 const GIVE_UP: Duration = Duration::from_millis(100);
 /// A board that is silent for this long is told to start again.
 const SILENT: Duration = Duration::from_millis(200);
@@ -45,17 +45,39 @@ impl OutputEnable for Display {
 }
 
 /// Watches both buses of a run.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Supervisor {
+    /// An actuator bus that is dead for this long ends the run.
+    give_up: Duration,
     /// Since when the actuator bus is lost, and its last error.
     lost: Option<(Instant, String)>,
     retries: u64,
+    /// Since when the guard's latch is closed.
+    stopped: Option<Instant>,
     next_round: Instant,
     /// Boards that are silent, by module.
     silent: Vec<bool>,
 }
 
+impl Default for Supervisor {
+    fn default() -> Self {
+        Self::patient(GIVE_UP)
+    }
+}
+
 impl Supervisor {
+    /// One that waits this long for a dead actuator bus.
+    pub const fn patient(give_up: Duration) -> Self {
+        Self {
+            give_up,
+            lost: None,
+            stopped: None,
+            retries: 0,
+            next_round: Instant::ZERO,
+            silent: Vec::new(),
+        }
+    }
+
     /// The actuator bus failed: outputs are cut through the chips' OE line, which needs no bus.
     pub fn lose(
         &mut self,
@@ -101,7 +123,7 @@ impl Supervisor {
             );
             return Ok(Some(ready));
         }
-        if now.since(since) < GIVE_UP {
+        if now.since(since) < self.give_up {
             return Ok(None);
         }
         note(
@@ -125,6 +147,29 @@ impl Supervisor {
                 format!("actuators: transfer tried again, {times} times"),
             );
             self.retries = retries;
+        }
+    }
+
+    /// Tells of a stop of the guard, and ends it once its cause is gone: frames come again, turns are on time,
+    /// boards answer and are off. What the guardian stops on a real bench is left to a person.
+    pub fn resume(
+        &mut self,
+        now: Instant,
+        projector: &mut Projector,
+        bank: &mut impl Actuators,
+        events: &mut Vec<Event>,
+    ) {
+        let Some(cause) = projector.guard().latched() else {
+            return;
+        };
+        if self.stopped.is_none() {
+            self.stopped = Some(now);
+            note(events, now, format!("stopped: {}", cause.word()));
+        }
+        if projector.reset(now, bank).is_ok() {
+            let since = self.stopped.take().unwrap_or(now);
+            let ms = now.since(since).as_micros() as f64 * 1e-3;
+            note(events, now, format!("stop ended after {ms} ms, cause gone"));
         }
     }
 

@@ -71,6 +71,23 @@ impl Emulator {
         }
     }
 
+    /// Takes in what is told until nothing but the edges of a steady state has been for this long.
+    #[track_caller]
+    #[allow(clippy::disallowed_methods)] // the lab's own time is what is measured here
+    pub fn hear_until_quiet(&mut self, quiet: Duration) {
+        let began = std::time::Instant::now();
+        let mut changed = began;
+        while changed.elapsed() < quiet {
+            assert!(began.elapsed() < PATIENCE, "it never ends");
+            if let Ok(told) = self.lines.recv_timeout(quiet) {
+                if told["event"] != "edge" {
+                    changed = std::time::Instant::now();
+                }
+                self.told.push(told);
+            }
+        }
+    }
+
     /// Whether it still runs.
     pub fn is_alive(&mut self) -> bool {
         self.child.try_wait().unwrap().is_none()

@@ -16,7 +16,7 @@ fn random_ioctls_leave_node_and_emulator_in_order() {
     println!("fuzzing client: {}", said.trim());
     assert!(emulator.is_alive());
     // Software reset: from wherever the client left the chip, to the data sheet's defaults.
-    sh(&format!("i2ctransfer -y {n} w1@0x00 0x06"));
+    sh(&format!("i2ctransfer -a -y {n} w1@0x00 0x06"));
     let dump = sh(&format!(
         "i2ctransfer -y {n} w1@0x40 0xfe r1; i2ctransfer -y {n} w1@0x40 0x00 r1"
     ));

@@ -123,8 +123,8 @@ fn all_off_is_told_with_its_time() {
     }
     let mut emulator = Emulator::start(&[]);
     let n = emulator.number().to_owned();
-    sh(&format!("i2cset -y {n} 0x40 {LED0_ON_L} 0 0 100 0 i"));
     sh(&format!("i2cset -y {n} 0x40 {MODE1} 0x21"));
+    sh(&format!("i2cset -y {n} 0x40 {LED0_ON_L} 0 0 100 0 i"));
     let driving = emulator.wait_for("driving");
     sh(&format!("i2cset -y {n} 0x70 0xfd 0x10"));
     let off = emulator.wait_for("all_off");

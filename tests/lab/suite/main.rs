@@ -7,8 +7,10 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 mod can_clients;
+mod deaths;
 mod emulator;
 mod fuzz;
 mod i2c_clients;
 mod sja1000;
 mod tools;
+mod whole_loop;

@@ -196,3 +196,110 @@ fn no_length_and_no_event_of_any_kind_does_harm() {
         }
     }
 }
+
+/// A bridge with a chip behind it, asked as Linux's driver asks.
+struct Asked {
+    bench: Bench,
+    bridge: Mcp2221,
+}
+
+impl Asked {
+    fn new() -> Self {
+        Self {
+            bench: Bench::one(),
+            bridge: Mcp2221::default(),
+        }
+    }
+
+    fn ask(&mut self, report: &[u8]) -> [u8; REPORT] {
+        let bus = &mut self.bench.bus.clone();
+        self.bridge.answer(report, bus).unwrap()
+    }
+
+    /// What the driver concludes from a status report: bit 6 of byte 20, then byte 8.
+    fn status(&mut self) -> (bool, u8) {
+        let answer = self.ask(&[STATUS]);
+        assert_eq!(answer[..2], [STATUS, 0]);
+        (answer[20] & 0x40 != 0, answer[8])
+    }
+}
+
+#[test]
+fn a_register_is_written_and_read_through_a_repeated_start() {
+    let mut asked = Asked::new();
+    let speed = asked.ask(&[STATUS, 0, 0, 0x20, 27]);
+    assert_eq!((speed[3], speed[4]), (0x20, 27));
+    assert_eq!(
+        asked.ask(&[0x90, 2, 0, ADDRESS << 1, map::MODE1, 0x21])[..3],
+        [0x90, 0, 0]
+    );
+    assert_eq!(asked.status(), (false, 0));
+    assert_eq!(asked.ask(&[0x94, 1, 0, ADDRESS << 1, map::MODE1])[1], 0);
+    assert_eq!(asked.ask(&[0x93, 2, 0, ADDRESS << 1])[1], 0);
+    assert_eq!(
+        asked.ask(&[GET_DATA])[..6],
+        [GET_DATA, 0, 0x55, 2, 0x21, 0x04]
+    );
+    // Nothing is left.
+    assert_eq!(asked.ask(&[GET_DATA])[1], 0x41);
+    let log = asked.bench.bus.with(Segment::take_log).unwrap();
+    assert_eq!(log.len(), 2, "{log:?}");
+    assert_eq!(
+        log[1].messages.len(),
+        2,
+        "one transaction with a repeated START"
+    );
+}
+
+#[test]
+fn a_block_is_fetched_without_being_asked_for() {
+    let mut asked = Asked::new();
+    asked.ask(&[0x90, 2, 0, ADDRESS << 1, map::MODE1, 0x21]);
+    asked.ask(&[0x94, 1, 0, ADDRESS << 1, map::MODE1]);
+    let answer = asked.ask(&[GET_DATA]);
+    assert_eq!(answer[..6], [GET_DATA, 0, 0x55, 33, 32, 0x21]);
+}
+
+#[test]
+fn a_long_message_goes_out_when_its_last_chunk_is_there() {
+    let mut asked = Asked::new();
+    asked.ask(&[0x90, 2, 0, ADDRESS << 1, map::MODE1, 0x21]);
+    let mut bytes = vec![map::LED0_ON_L];
+    bytes.extend((0..64).map(|n| n & 0x0F));
+    for chunk in bytes.chunks(60) {
+        assert_eq!(
+            asked.bench.bus.with(Segment::take_log).unwrap().len(),
+            usize::from(chunk.len() == 60)
+        );
+        asked.ask(&[&[0x90, 65, 0, ADDRESS << 1], chunk].concat());
+    }
+    let log = asked.bench.bus.with(Segment::take_log).unwrap();
+    assert_eq!(log[0].messages[0].bytes, bytes);
+    // Back in two reports, marked alike.
+    asked.ask(&[0x94, 1, 0, ADDRESS << 1, map::LED0_ON_L]);
+    asked.ask(&[0x93, 64, 0, ADDRESS << 1]);
+    let (first, second) = (asked.ask(&[GET_DATA]), asked.ask(&[GET_DATA]));
+    assert_eq!(
+        (first[2], first[3], second[2], second[3]),
+        (0x55, 60, 0x55, 4)
+    );
+    assert_eq!([&first[4..64], &second[4..8]].concat(), bytes[1..]);
+}
+
+#[test]
+fn a_missing_chip_is_told_and_then_forgotten() {
+    let mut asked = Asked::new();
+    asked.ask(&[0x90, 1, 0, 0x41 << 1, 0]);
+    assert_eq!(asked.status(), (true, 0x25));
+    // The driver sets the speed before the next transfer; an old failure must not spoil that.
+    let speed = asked.ask(&[STATUS, 0, 0, 0x20, 27]);
+    assert_eq!((speed[8], speed[20]), (0, 0));
+    asked.ask(&[0x91, 1, 0, 0x41 << 1]);
+    let answer = asked.ask(&[GET_DATA]);
+    assert_eq!((answer[2], answer[3]), (0x25, 127));
+    // hidraw puts a report number in front.
+    let mut numbered = [0; REPORT + 1];
+    numbered[1..6].copy_from_slice(&[0x90, 1, 0, ADDRESS << 1, 0]);
+    assert_eq!(asked.ask(&numbered)[..2], [0x90, 0]);
+    assert_eq!(asked.status(), (false, 0));
+}

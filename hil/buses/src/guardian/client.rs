@@ -4,6 +4,7 @@ use std::io;
 use std::os::fd::{AsFd, AsRawFd, OwnedFd};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
 
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
@@ -42,10 +43,25 @@ pub enum Lost {
     Silent,
 }
 
+/// Says that the loop is alive while it waits for something that has a limit of its own.
+#[derive(Clone, Debug)]
+pub struct Pulse {
+    link: Arc<OwnedFd>,
+}
+
+impl Pulse {
+    /// One heartbeat.
+    pub fn beat(&self) {
+        let flags = MsgFlags::MSG_DONTWAIT | MsgFlags::MSG_NOSIGNAL;
+        // A guardian that is gone is noticed by `Guardian::beat`.
+        let _ = send(self.link.as_raw_fd(), &[word::BEAT], flags);
+    }
+}
+
 /// A guardian and the socket to it. Dropped without [`Self::end`], it acts.
 #[derive(Debug)]
 pub struct Guardian {
-    link: OwnedFd,
+    link: Arc<OwnedFd>,
     child: Child,
     /// Between two heartbeats.
     period: Duration,
@@ -73,7 +89,7 @@ impl Guardian {
             .spawn()?;
         let heartbeat = watch.heartbeat.as_micros() as u64;
         let mut guardian = Self {
-            link,
+            link: Arc::new(link),
             child,
             period: Duration::from_micros(heartbeat / 5),
             limit: Duration::from_micros(heartbeat * 10),
@@ -93,6 +109,13 @@ impl Guardian {
     /// The process's number.
     pub fn id(&self) -> u32 {
         self.child.id()
+    }
+
+    /// A way to say that the loop is alive from within a wait.
+    pub fn pulse(&self) -> Pulse {
+        Pulse {
+            link: Arc::clone(&self.link),
+        }
     }
 
     /// Says that the loop is alive, when it is time to, and looks whether the guardian is. Only the loop

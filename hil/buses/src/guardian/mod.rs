@@ -11,7 +11,7 @@ mod latch;
 mod server;
 mod sweep;
 
-pub use client::{Guardian, Lost, StartError};
+pub use client::{Guardian, Lost, Pulse, StartError};
 pub use latch::{Latch, Latched};
 pub use server::serve;
 pub use sweep::{BoardFound, Sweeper};
@@ -96,38 +96,4 @@ mod word {
 const PACKET: usize = 4096;
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_watch_survives_its_command_line() {
-        let watch = Watch {
-            buses: vec![
-                ("/dev/i2c-1".into(), vec![0x40, 0x7f]),
-                ("/dev/a=b".into(), vec![0x41]),
-            ],
-            oe: Some(("/dev/gpiochip0".into(), 17)),
-            heartbeat: Duration::from_millis(50),
-            transfer: Duration::from_millis(30),
-        };
-        let arguments = watch.arguments();
-        let value = |name: &str| {
-            let with = format!("--{name}=");
-            let all = arguments.iter().filter_map(|a| a.strip_prefix(&with));
-            all.map(str::to_owned).collect::<Vec<_>>()
-        };
-        let buses: Vec<_> = value("i2c").iter().map(|a| parse_bus(a).unwrap()).collect();
-        assert_eq!(buses, watch.buses);
-        assert_eq!(parse_line(&value("oe")[0]).ok(), watch.oe);
-        assert_eq!(value("heartbeat-ms"), ["50"]);
-        for bad in [
-            "",
-            "/dev/i2c-1",
-            "/dev/i2c-1=",
-            "/dev/i2c-1=4g",
-            "/dev/i2c-1=40,",
-        ] {
-            assert!(parse_bus(bad).is_err(), "{bad}");
-        }
-    }
-}
+mod tests;

@@ -11,7 +11,7 @@ use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::signal::{Signal, kill};
 use nix::sys::socket::{MsgFlags, recv, send};
 use nix::unistd::{Pid, getppid, setsid};
-use palpate_core::units::{Duration, Instant};
+use palpate_core::units::Duration;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use super::{Latch, PACKET, Sweeper, Watch, word};
@@ -20,10 +20,14 @@ use crate::oe::OeLine;
 use crate::pacer::RunClock;
 use crate::sys;
 
+/// How long boards may take to answer for the first time.
+const START: std::time::Duration = std::time::Duration::from_secs(5);
 /// A run whose end of the pair closed has this long to end by itself.
 const GRACE: Duration = Duration::from_millis(500);
 /// How long a guardian goes on trying to reach boards that do not answer.
 const PATIENCE: Duration = Duration::from_millis(600_000);
+/// How often an awake guardian looks whether the run is silent.
+const SLICE_MS: u64 = 10;
 /// Pauses between those tries: the first and the longest.
 const PAUSE: (u64, u64) = (5, 250);
 
@@ -130,7 +134,7 @@ impl<'a> Post<'a> {
         let oe = oe.transpose()?;
         let mut sweeper = Sweeper::open(&watch.buses, watch.transfer).map_err(|e| e.to_string())?;
         let found = sweeper.look();
-        sweeper.off()?;
+        sweeper.off_within(START)?;
         harden();
         let driving = found.iter().filter(|b| b.was_driving());
         let lines: Vec<String> = driving.map(ToString::to_string).collect();
@@ -148,28 +152,34 @@ impl<'a> Post<'a> {
 
     /// Listens to the run.
     fn stand(mut self) -> u8 {
-        let heartbeat = Duration::from_micros(self.watch.heartbeat.as_micros() as u64);
-        let mut last: Option<Instant> = None;
+        let heartbeat = self.watch.heartbeat.as_micros() as u64;
+        // Since the last heartbeat; none before the first. Time in which the guardian did not get to run
+        // itself counts little: the run did not either, and gets its turn before it is judged.
+        let mut silence: Option<u64> = None;
+        let mut looked = self.clock.now();
         loop {
-            let now = self.clock.now();
-            let silence = last.map(|at| now.since(at));
             if let Some(silence) = silence.filter(|s| *s > heartbeat) {
-                return self.act(&Cause::Hung(silence));
+                return self.act(&Cause::Hung(Duration::from_micros(silence)));
             }
             if self.terminated.load(Ordering::Relaxed) {
                 return self.act(&Cause::Terminated);
             }
-            let left =
-                silence.map(|s| heartbeat.as_micros().saturating_sub(s.as_micros()) / 1000 + 1);
-            let packet = match receive(left) {
+            let received = receive(silence.map(|_| SLICE_MS));
+            let now = self.clock.now();
+            let passed = now.since(looked).as_micros().min(2_000 * SLICE_MS);
+            looked = now;
+            let packet = match received {
                 Ok(Some(packet)) => packet,
-                Ok(None) => continue,
+                Ok(None) => {
+                    silence = silence.map(|s| s + passed);
+                    continue;
+                }
                 Err(()) => return self.act(&Cause::Died),
             };
-            last = last.map(|_| self.clock.now());
+            silence = silence.map(|_| 0);
             match packet.split_first() {
                 Some((&word::BEAT, _)) => {
-                    last = Some(self.clock.now());
+                    silence = Some(0);
                     say(word::BEAT, "");
                 }
                 Some((&word::RELEASE, _)) => self.set_oe(false),

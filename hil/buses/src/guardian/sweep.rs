@@ -10,6 +10,10 @@ use palpate_core::driver::{Pca9685Bank, Seen};
 use palpate_core::units::Prescale;
 
 use crate::i2c::{Line, LinuxAdapter, OpenError};
+use crate::pacer::RunClock;
+
+/// Between two tries of a bus that does not answer.
+const PAUSE: palpate_core::units::Duration = palpate_core::units::Duration::from_millis(20);
 
 /// What a board was found doing.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -106,6 +110,22 @@ impl Sweeper {
             }
         }
         found
+    }
+
+    /// [`Self::off`] until it succeeds, or fails after `patience`: an adapter may be slow to wake.
+    ///
+    /// # Errors
+    /// In words, why not.
+    pub fn off_within(&mut self, patience: Duration) -> Result<(), String> {
+        let clock = RunClock::start();
+        loop {
+            let result = self.off();
+            let spent = Duration::from_micros(clock.now().as_micros());
+            if result.is_ok() || spent >= patience {
+                return result;
+            }
+            clock.sleep_until(clock.now() + PAUSE);
+        }
     }
 
     /// Everything off, all buses at once, and read back. `Err` names the first board that is not known to

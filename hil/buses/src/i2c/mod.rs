@@ -15,6 +15,8 @@ use std::time::Duration;
 
 use embedded_hal::i2c::{ErrorType, I2c, Operation};
 
+use crate::guardian::Pulse;
+
 /// What transfers: an adapter of the system, or a test's double.
 pub trait Adapter: Send {
     /// Its name in messages.
@@ -27,12 +29,18 @@ pub trait Adapter: Send {
     fn transfer(&mut self, address: u8, write: &[u8], read: &mut [u8]) -> Result<(), FaultKind>;
 }
 
+/// How often a waiting loop says that it is alive.
+const BEAT: Duration = Duration::from_millis(10);
+
+/// What came of a transaction: the bytes read.
+type Answer = Result<Vec<u8>, FaultKind>;
+
 /// A transaction on its way to the thread, and where its answer goes.
 struct Request {
     address: u8,
     write: Vec<u8>,
     read: usize,
-    answer: SyncSender<Result<Vec<u8>, FaultKind>>,
+    answer: SyncSender<Answer>,
 }
 
 /// The loop's end of a bus. Waits for each transaction, but no longer than its limit.
@@ -42,8 +50,10 @@ pub struct Line {
     requests: Option<Sender<Request>>,
     /// The answer of a transaction that took too long. While it is out, nothing else is sent: a queue
     /// would carry out orders that nobody wants any more.
-    overdue: Option<Receiver<Result<Vec<u8>, FaultKind>>>,
+    overdue: Option<Receiver<Answer>>,
     limit: Duration,
+    /// Told while the loop waits.
+    pulse: Option<Pulse>,
     last: Option<Fault>,
     thread: Option<JoinHandle<()>>,
 }
@@ -71,9 +81,32 @@ impl Line {
             requests: Some(requests),
             overdue: None,
             limit,
+            pulse: None,
             last: None,
             thread: Some(thread),
         })
+    }
+
+    /// While a transaction goes on the guardian hears that the loop is alive: the limit is what bounds the
+    /// wait, and on a bus that is stuck a guardian can do no more than the loop.
+    pub fn set_pulse(&mut self, pulse: Pulse) {
+        self.pulse = Some(pulse);
+    }
+
+    /// Waits for an answer, no longer than the limit.
+    fn wait(&self, answer: &Receiver<Answer>) -> Result<Answer, RecvTimeoutError> {
+        let mut left = self.limit;
+        while left > BEAT {
+            match answer.recv_timeout(BEAT) {
+                Err(RecvTimeoutError::Timeout) => {}
+                other => return other,
+            }
+            left -= BEAT;
+            if let Some(pulse) = &self.pulse {
+                pulse.beat();
+            }
+        }
+        answer.recv_timeout(left)
     }
 
     /// The last transaction that failed, in full: the driver's own error keeps only its kind.
@@ -100,7 +133,7 @@ impl Line {
         let Some(Ok(())) = sent else {
             return Err(FaultKind::Gone);
         };
-        match answered.recv_timeout(self.limit) {
+        match self.wait(&answered) {
             Ok(Ok(bytes)) => {
                 read.copy_from_slice(&bytes);
                 Ok(())

@@ -5,8 +5,7 @@
 //! start needs them.
 //!
 //! The bridge moves bytes when it has a transfer's last chunk, so a transfer is never torn by a slow
-//! client. A write without STOP waits for the read that follows it; if anything else comes, it goes out
-//! alone.
+//! client. A write without STOP waits for what is read after it; if anything else comes, it goes out alone.
 
 use embedded_hal::i2c::{Error as _, ErrorKind, I2c, NoAcknowledgeSource, Operation};
 
@@ -14,6 +13,8 @@ use embedded_hal::i2c::{Error as _, ErrorKind, I2c, NoAcknowledgeSource, Operati
 pub const REPORT: usize = 64;
 /// Data bytes in a report.
 const CHUNK: usize = 60;
+/// Bytes of an SMBus block.
+const BLOCK: usize = 32;
 
 /// First bytes of reports (3.1).
 mod command {
@@ -126,7 +127,7 @@ impl Mcp2221 {
                 self.tell_at_once(&mut answer);
             }
             command::GET_DATA => {
-                self.flush(bus);
+                self.read_block(bus);
                 self.fetch(&mut answer);
             }
             command::STATUS => {
@@ -197,6 +198,22 @@ impl Mcp2221 {
         if self.state != 0 {
             data.clear();
         }
+        (self.data, self.fetched, self.reading) = (data, 0, true);
+    }
+
+    /// Linux's driver never asks for the bytes of an SMBus block (6.1 to 6.12 at least): after the register's
+    /// write it fetches them. A length and as many bytes as a block has at most are what it expects.
+    fn read_block(&mut self, bus: &mut impl I2c) {
+        let Some((address, bytes)) = self.held.take() else {
+            return;
+        };
+        let mut data = vec![0; 1 + BLOCK];
+        data[0] = BLOCK as u8;
+        self.transfer(
+            bus,
+            address,
+            &mut [Operation::Write(&bytes), Operation::Read(&mut data[1..])],
+        );
         (self.data, self.fetched, self.reading) = (data, 0, true);
     }
 

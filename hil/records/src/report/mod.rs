@@ -10,11 +10,13 @@ mod series;
 mod strip;
 pub mod svg;
 mod tables;
+mod thermal;
 
 use crate::digest::trace_digest;
 use crate::trace::{Source, Trace};
 use std::fmt::Write;
 use svg::escape;
+pub use thermal::{Margin, SkinLimits, Thermal, Warmth};
 
 /// The style sheet of the pages, light and dark.
 pub const STYLE: &str = include_str!("style.css");
@@ -44,6 +46,8 @@ pub struct ReportExtras<'a> {
     /// More lines for the summary. Path error, felt error, time per frame and the ledger are there
     /// without being named here.
     pub summary: &'a [SummaryRow],
+    /// What the emulated finger came to, where there is one.
+    pub thermal: Option<Thermal<'a>>,
 }
 
 /// The report as one HTML page.
@@ -58,6 +62,9 @@ pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
     );
     tables::head(&mut page, trace);
     tables::summary(&mut page, trace, extras);
+    if let Some(thermal) = &extras.thermal {
+        thermal::section(&mut page, thermal);
+    }
     figures::planes(&mut page, trace);
     figures::frames(&mut page, trace, extras);
     figures::temperatures(&mut page, trace);
@@ -130,6 +137,7 @@ mod tests {
             &ReportExtras {
                 frame_us: &times,
                 summary: &rows,
+                thermal: None,
             },
         );
         sound(&page);
@@ -166,7 +174,7 @@ mod tests {
             &trace,
             &ReportExtras {
                 frame_us: &odd,
-                summary: &[],
+                ..ReportExtras::default()
             },
         ));
         trace.header.taxels.clear();
@@ -205,7 +213,7 @@ mod tests {
             &trace,
             &ReportExtras {
                 frame_us: &[f32::MAX, 1.0],
-                summary: &[],
+                ..ReportExtras::default()
             },
         ));
     }
@@ -218,7 +226,7 @@ mod tests {
             &trace,
             &ReportExtras {
                 frame_us: &times,
-                summary: &[],
+                ..ReportExtras::default()
             },
         );
         show("long.html", &page);

@@ -20,6 +20,8 @@ const REFERENCE: f64 = 1e-12;
 /// Samples of a method, and the time after which a slow one has enough of them.
 const SAMPLES: usize = 31;
 const BUDGET: Duration = Duration::from_millis(1500);
+/// Errors under this count as equal: the reference itself is no better, K.
+const EQUAL_K: f64 = 1e-6;
 
 fn methods() -> Vec<Method> {
     let mut all = vec![Method::Default];
@@ -83,13 +85,16 @@ fn one(case: &Case, findings: &mut Findings) -> Result<(), String> {
     for method in methods() {
         let mut seen = Vec::new();
         // What gives up before the end has no error and is not raced.
-        if method.run(case, Some(&mut seen)).is_ok() {
-            measured.push((method, errors(&seen, &reference)));
-            race.enter(move || method.run(case, None));
-        } else {
-            findings
-                .words
-                .push(format!("{}: {} gave up.", case.name, method.name()));
+        match method.run(case, Some(&mut seen)) {
+            Ok(()) => {
+                measured.push((method, errors(&seen, &reference)));
+                race.enter(move || method.run(case, None));
+            }
+            Err(why) => {
+                let (name, edge) = (method.name(), seen.len());
+                let words = format!("{}: {name} gave up after edge {edge}: {why}.", case.name);
+                findings.words.push(words);
+            }
         }
     }
     let samples = race.run(SAMPLES, BUDGET);
@@ -97,6 +102,7 @@ fn one(case: &Case, findings: &mut Findings) -> Result<(), String> {
         .into_iter()
         .zip(samples.iter().map(|s| s.median()))
         .collect();
+    findings.words.extend(compare(case.name, &points));
     for (suffix, pick) in [("", 0), (", at the end", 1)] {
         for &((method, errors), median_us) in &points {
             findings.rows.push(Row {
@@ -142,4 +148,23 @@ fn one(case: &Case, findings: &mut Findings) -> Result<(), String> {
         ));
     }
     Ok(())
+}
+
+/// How much faster the default is than diffsol where diffsol is as accurate as it, or as accurate as it gets.
+fn compare(case: &str, points: &[((Method, (f64, f64)), f64)]) -> Option<String> {
+    let ours = points.iter().find(|p| p.0.0 == Method::Default)?;
+    let peers = points
+        .iter()
+        .filter(|p| matches!(p.0.0, Method::Diffsol(..)) && p.0.1.0.is_finite());
+    let equal = peers.clone().filter(|p| p.0.1.0 <= ours.0.1.0.max(EQUAL_K));
+    let fastest = equal.min_by(|a, b| a.1.total_cmp(&b.1));
+    let best = peers.min_by(|a, b| a.0.1.0.total_cmp(&b.0.1.0));
+    let peer = fastest.or(best)?;
+    Some(format!(
+        "{case}: default {:.1e} K; {} {:.1e} K in {:.0} times the run time (target: 100 times at equal error).",
+        ours.0.1.0,
+        peer.0.0.name(),
+        peer.0.1.0,
+        peer.1 / ours.1
+    ))
 }

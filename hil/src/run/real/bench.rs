@@ -78,10 +78,13 @@ impl Live {
             let adapter = LinuxAdapter::open(path, addresses).map_err(|e| device(&e))?;
             lines.push(Line::new(adapter, watch.transfer).map_err(|e| device(&e))?);
         }
-        let addresses = watch.buses.iter().map(|(_, addresses)| &**addresses);
-        let banks = Banks::new(lines.into_iter().zip(addresses), prescale);
         let program = std::env::current_exe().map_err(|e| device(&e))?;
         let (guardian, found) = Guardian::start(&program, &watch).map_err(|e| device(&e))?;
+        lines
+            .iter_mut()
+            .for_each(|line| line.set_pulse(guardian.pulse()));
+        let addresses = watch.buses.iter().map(|(_, addresses)| &**addresses);
+        let banks = Banks::new(lines.into_iter().zip(addresses), prescale);
         let live = Self {
             clock,
             banks,

@@ -17,7 +17,7 @@ use palpate_buses::sys::{lock_memory, set_fifo_priority};
 use palpate_core::bus::SensorBus;
 use palpate_core::contact::Levels;
 use palpate_core::projector::{Cause, LoopError, Projector};
-use palpate_core::units::Instant;
+use palpate_core::units::{Duration, Instant};
 use palpate_core::wire::uskin::Command;
 use palpate_records::trace::{Event, Ledger, Trace};
 
@@ -37,6 +37,13 @@ use signals::Signals;
 /// Real-time priority of the loop, below the guardian's.
 const PRIORITY: u8 = 50;
 
+/// An adapter that is gone may come back within this time: a USB plug that was pulled and put in again.
+const GIVE_UP: Duration = Duration::from_millis(3000);
+/// How often a bus that is lost is tried.
+const RETRY: Duration = Duration::from_millis(20);
+/// Registers are read back this often.
+const LOOK: Duration = Duration::from_millis(250);
+
 /// What the loop leaves behind.
 struct Done {
     projector: Projector,
@@ -44,6 +51,7 @@ struct Done {
     frame_us: Vec<f32>,
     effort: Effort,
     lateness: Lateness,
+    realtime: bool,
     can: Vec<CanReport>,
     end: Instant,
     failure: Option<Failure>,
@@ -86,7 +94,7 @@ pub fn run(setup: &Setup, seed: u64, files: &[(Kind, PathBuf)]) -> Result<Outcom
             |_| Failure::Device("the loop panicked; the guardian switches everything off".into());
         thread.join().map_err(panicked)?
     })?;
-    outcome(setup, seed, real, done, started)
+    outcome(setup, seed, done, started)
 }
 
 /// The loop on its own thread, until the scene's end, a signal, or a failure.
@@ -100,9 +108,18 @@ fn drive(
     (mut journal, keeps_can): (Journal, bool),
 ) -> Result<Done, Failure> {
     let mut recorder = Recorder::new(None, projector.layout());
-    if real.realtime {
-        take_priority()?;
-    }
+    let realtime = match real.realtime {
+        Some(false) => false,
+        None => take_priority().is_ok(),
+        Some(true) => match take_priority() {
+            Ok(()) => true,
+            Err(refused) => {
+                // Nothing is on yet: the good-bye cannot fail in a way that matters more than this.
+                let _ = live.watchman.guardian.end();
+                return Err(refused);
+            }
+        },
+    };
     for line in live.found.lines() {
         recorder.note(Instant::ZERO, format!("{line}; switched off"));
     }
@@ -116,11 +133,12 @@ fn drive(
     };
     let mut can = Tap::new(can, keeps_can);
     start_boards(&mut can, &projector);
-    let mut supervisor = Supervisor::default();
+    let mut supervisor = Supervisor::patient(GIVE_UP);
     let mut pacer = Pacer::new(live.clock);
     let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
     let mut effort = Effort::default();
     let mut failure = None;
+    let mut next_look = Instant::ZERO;
     let mut now = pacer.wait(ready);
     let end = Instant::from_micros(length.as_micros().saturating_add(now.as_micros()));
     while now < end {
@@ -148,7 +166,7 @@ fn drive(
             } = &mut live;
             match supervisor.recover(now, banks, watchman, &mut recorder.events) {
                 Ok(_) => {
-                    now = pacer.wait(Pacer::next(live.clock.now(), TICK));
+                    now = pacer.wait(Pacer::next(live.clock.now(), RETRY));
                     continue;
                 }
                 Err(e) => {
@@ -157,18 +175,28 @@ fn drive(
                 }
             }
         }
+        let banks = &mut live.banks;
+        supervisor.resume(now, &mut projector, banks, &mut recorder.events);
         let before = recorder.frames;
         let begun = clock::now();
         let polled = projector.poll(now, &mut can, &mut live.banks, &mut recorder);
         spent += begun.elapsed();
         let polled = match polled {
-            // A chip that fell back to reset values answers, but sleeps: ask while wires should be driven.
-            Ok(true) => live.banks.verify().inspect_err(|_| {
-                // The error is on its way; recovery finds out whether this helped.
-                let _ =
-                    projector.all_off(now, Cause::ActuatorError, &mut live.banks, &mut recorder);
-            }),
-            Ok(false) => Ok(()),
+            // A chip that fell back to reset values answers, but sleeps, and nothing on the bus says so. Asked
+            // between two bursts, so that a slow answer delays no end of one.
+            Ok(_) if now >= next_look && projector.guard().next_expiry().is_none() => {
+                next_look = now + LOOK;
+                live.banks.verify().inspect_err(|_| {
+                    // The error is on its way; recovery finds out whether this helped.
+                    let _ = projector.all_off(
+                        now,
+                        Cause::ActuatorError,
+                        &mut live.banks,
+                        &mut recorder,
+                    );
+                })
+            }
+            Ok(_) => Ok(()),
             Err(LoopError::Actuator(e)) => Err(e),
             Err(LoopError::Sensor(e)) => {
                 failure = Some(Failure::Device(format!("sensor bus: {e}")));
@@ -221,6 +249,7 @@ fn drive(
         frame_us,
         effort,
         lateness: pacer.lateness().clone(),
+        realtime,
         can: can
             .map(|(name, tally)| CanReport::new(name, tally))
             .collect(),
@@ -263,7 +292,6 @@ fn start_boards(can: &mut impl SensorBus, projector: &Projector) {
 fn outcome(
     setup: &Setup,
     seed: u64,
-    real: &Real,
     mut done: Done,
     started: std::time::Instant,
 ) -> Result<Outcome, Failure> {
@@ -284,9 +312,12 @@ fn outcome(
     let mut summary = Summary::new(&trace, &done.recorder, &done.frame_us, &health, bench, wall);
     summary.boards = boards::boards(&done.projector);
     summary.taxels.list(&done.projector, done.end);
-    summary.pacing = Some(Pacing::new(&done.lateness, real.realtime));
+    summary.pacing = Some(Pacing::new(&done.lateness, done.realtime));
     summary.can = done.can;
     Ok(Outcome {
+        // Nothing measures a real finger.
+        warmth: Vec::new(),
+        skin_limits: super::margins::skin_limits(&setup.limits.value),
         trace,
         summary,
         frame_us: done.frame_us,

@@ -1,0 +1,197 @@
+//! What the limits leave of one stimulus: pulse width, burst, supply, energy and heat, in this order.
+
+use crate::schedule::{Reason, Stimulus, stagger};
+use crate::units::{Board, Channel, Duration, Instant, Ticks};
+
+use super::limits::BURST_GAP;
+use super::plant::SWITCHING;
+use super::{Guard, Running, Setting};
+
+/// A burst leaves this part of what is left of a budget, one in four: what rests fades.
+const FADE: u64 = 4;
+
+/// What is left of a stimulus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Passed {
+    pub(super) width: Ticks,
+    pub(super) until: Instant,
+    pub(super) reason: Option<Reason>,
+}
+
+/// A burst in progress or the last one of a wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Burst {
+    start: Instant,
+    spent_nj: u64,
+    end: Instant,
+}
+
+/// What a burst may take of what is left.
+const fn faded(left: u64) -> u64 {
+    left - left.div_ceil(FADE)
+}
+
+impl Guard {
+    /// The widest pulse and the latest end the limits leave of a stimulus, booked as spent.
+    pub(super) fn clamp(&mut self, index: usize, at: Instant, s: &Stimulus) -> Passed {
+        let nothing = |reason| Passed {
+            width: Ticks::ZERO,
+            until: s.until,
+            reason,
+        };
+        if self.latched().is_some() {
+            return nothing(Some(Reason::Latched));
+        }
+        if s.width == Ticks::ZERO || s.until <= at {
+            return nothing(None);
+        }
+        let mut reason = None;
+        let mut width = s.width.get();
+
+        let widest = self.plant.widest(self.limits.pulse_width_ns);
+        if width > widest {
+            (width, reason) = (widest, Some(Reason::PulseWidth));
+        }
+
+        // A burst that goes on: what is left of its time. From its first edge to its last it may take
+        // longer than asked by one pulse and the bus, and the gap before it may be as much shorter.
+        let slack = self.burst_slack();
+        let burst = self.wires[index]
+            .burst
+            .filter(|b| at < b.end + BURST_GAP + slack)
+            .unwrap_or(Burst {
+                start: at,
+                spent_nj: 0,
+                end: at,
+            });
+        let latest = (burst.start + self.limits.burst) - slack;
+        let mut until = s.until;
+        if until > latest {
+            (until, reason) = (latest, Some(Reason::Burst));
+        }
+        if until <= at {
+            return nothing(Some(Reason::Burst));
+        }
+
+        // Supply: the wires already on, and this one, at their worst instant. An update says nothing of the
+        // current: whatever a stimulus asks, the amplifier gives what it is set to.
+        let (on, off) = stagger(Channel(self.wires[index].place.1), Ticks::new(width));
+        if self.supply_peak(index, Setting { on, off }) > u64::from(self.limits.supply.0) {
+            return nothing(Some(Reason::SupplyCurrent));
+        }
+
+        // Energy: narrow the pulses to the least that is left anywhere.
+        let span = until.since(at);
+        let (left, cause) = self.energy_left(index, at, until, burst.spent_nj);
+        let wanted = self.plant.energy_nj(width, span);
+        if wanted > left {
+            let fits = u128::from(width) * u128::from(left) / u128::from(wanted);
+            (width, reason) = (fits as u16, Some(cause)); // less than `width`, since left < wanted
+        }
+        if width > 0 {
+            let energy = self.plant.energy_nj(width, span);
+            self.spend(index, at, until, energy);
+            self.wires[index].burst = Some(Burst {
+                start: burst.start,
+                spent_nj: burst.spent_nj.saturating_add(energy),
+                end: until,
+            });
+        }
+        Passed {
+            width: Ticks::new(width),
+            until,
+            reason,
+        }
+    }
+
+    /// Energy, nJ, that a stimulus may bring, and which limit says so. Of the budgets that fill again a burst
+    /// takes only a part of what is left, so that a contact that rests fades instead of stepping down.
+    fn energy_left(
+        &mut self,
+        index: usize,
+        at: Instant,
+        until: Instant,
+        spent_nj: u64,
+    ) -> (u64, Reason) {
+        let latency = self.plant.latency();
+        let off = until + self.plant.surplus();
+        let wire = &mut self.wires[index];
+        let booking = wire.skin.booking(at, off, latency);
+        let (joules, cause) = wire.skin.room(&self.budget, booking);
+        // The cast saturates: nothing left is zero.
+        let heat_nj = (joules * 1e9) as u64;
+        let rows = [
+            (
+                self.limits.burst_energy_nj.saturating_sub(spent_nj),
+                Reason::Burst,
+            ),
+            (faded(heat_nj), cause),
+            (faded(wire.power.left_nj(at)), Reason::WirePower),
+            (faded(self.fingertip.left_nj(at)), Reason::FingertipPower),
+        ];
+        rows.into_iter()
+            .fold((u64::MAX, Reason::Burst), |least, row| {
+                if row.0 < least.0 { row } else { least }
+            })
+    }
+
+    /// Books energy that a wire is on for between `at` and `until`.
+    fn spend(&mut self, index: usize, at: Instant, until: Instant, energy_nj: u64) {
+        let latency = self.plant.latency();
+        let off = until + self.plant.surplus();
+        let wire = &mut self.wires[index];
+        wire.power.spend(energy_nj);
+        self.fingertip.spend(energy_nj);
+        let booking = wire.skin.booking(at, off, latency);
+        let predicted = wire
+            .skin
+            .heat(&self.budget, booking, energy_nj as f64 * 1e-9);
+        self.predicted.raise(&predicted);
+    }
+
+    /// Books what a wire got beyond the end of its stimulus because it was switched off late.
+    pub(super) fn overrun(&mut self, index: usize, was: &Running, off: Instant) {
+        let span = off.since(was.until);
+        if span == Duration::ZERO {
+            return;
+        }
+        let width = was.setting.off - was.setting.on;
+        let energy = self.plant.energy_nj(width, span);
+        self.spend(index, was.until, off, energy);
+        if let Some(burst) = &mut self.wires[index].burst {
+            burst.spent_nj = burst.spent_nj.saturating_add(energy);
+            burst.end = off;
+        }
+    }
+
+    /// How much longer a burst may be, and its gap shorter, than asked: a pulse and the bus.
+    fn burst_slack(&self) -> Duration {
+        Duration::from_micros(self.limits.pulse_width_ns.div_ceil(1000)) + SWITCHING
+    }
+
+    /// Largest current, mA, at any instant of a period with wire `index` set as given and the others as
+    /// they are. Boards run asynchronously, so their peaks add.
+    fn supply_peak(&self, index: usize, setting: Setting) -> u64 {
+        let running = |i: usize| {
+            if i == index {
+                Some(setting)
+            } else {
+                self.wires[i].now.map(|now| now.setting)
+            }
+        };
+        let most_on = |board: Board| {
+            let on_board =
+                || (0..self.wires.len()).filter(move |&i| self.wires[i].place.0 == board);
+            let on_at = |tick: u16| {
+                let settings = on_board().filter_map(running);
+                settings.filter(|s| s.on <= tick && tick < s.off).count()
+            };
+            // The number only grows where a pulse starts.
+            let starts = on_board().filter_map(running).map(|s| on_at(s.on));
+            starts.max().unwrap_or(0)
+        };
+        // Boards are 0 ..= 15 by construction of a display.
+        let most: usize = (0..16).map(|b| most_on(Board(b))).sum();
+        most as u64 * u64::from(self.plant.peak.0)
+    }
+}

@@ -1,0 +1,313 @@
+//! The thermal budget: what the skin under each wire will come to, from above over the whole parameter range.
+//!
+//! The heat of a pulse is felt at a depth as a sum of decays whose coefficients stand in [`table`](super::table):
+//! nowhere below the response of the full model at any corner of the range, at that time or later. So what is
+//! predicted at the end of a burst is also the most that can come after it. A wire's memory is one number a
+//! decay, the bins of its 10 s mean, and its dose.
+//!
+//! Heat is booked no earlier than the chip can deliver it: a response that falls with time makes the later
+//! booking the hotter one. That allows for every oscillator, the bus, and the place of a pulse in its period.
+
+use crate::schedule::Reason;
+use crate::units::{Duration, Instant};
+
+use super::dose::{Dose, DoseLimits};
+use super::limits::Limits;
+use super::table::{DEEP, LATENT_K, REST_C, SHALLOW, SLOWEST};
+
+/// Decays a wire.
+const DECAYS: usize = SHALLOW.len();
+/// Their rates, 1/s.
+const RATES: Decays = {
+    let mut rates = [SLOWEST; DECAYS];
+    let mut k = 1;
+    while k < DECAYS {
+        rates[k] = 2.0 * rates[k - 1];
+        k += 1;
+    }
+    rates
+};
+/// Window of the mean.
+const WINDOW: Duration = Duration::from_millis(10_000);
+/// Length of a bin of the mean, microseconds.
+const BIN_US: u64 = 250_000;
+/// Bins kept: a window of which both ends lie within bins.
+const BINS: usize = (WINDOW.as_micros() / BIN_US) as usize + 1;
+/// Bins after the end of a burst at which the mean is looked at; between two of them it is taken to have the
+/// heat of the later and the past of the earlier one.
+const AHEAD: [u64; 8] = [1, 2, 4, 8, 14, 20, 30, 40];
+
+type Decays = [f64; DECAYS];
+
+/// The limits of the budget, as temperatures above rest of skin without latent heat, and what looks ahead.
+#[derive(Clone, Debug)]
+pub(super) struct Budget {
+    peak_k: f64,
+    mean_k: f64,
+    deep_k: f64,
+    dose: DoseLimits,
+    /// Time integral of each decay of the shallow response until each of [`AHEAD`], K s/J.
+    ahead: [Decays; AHEAD.len()],
+}
+
+/// What the guard knows of the skin under one wire.
+#[derive(Clone, Debug)]
+pub(super) struct Skin {
+    /// Booked until here.
+    at: Instant,
+    /// Energy that each decay still feels, J.
+    energy: Decays,
+    /// Time integral of the temperature above rest at 0.1 mm, K s, by bin of absolute time.
+    bins: [f64; BINS],
+    dose: Dose,
+}
+
+/// A burst as the budget books it: uniform between two times.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Booking {
+    /// Not before this.
+    pub(super) from: Instant,
+    /// All of it until here.
+    pub(super) until: Instant,
+}
+
+/// Temperatures and doses predicted from above: the most of all so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Predicted {
+    /// Skin 0.1 mm deep at any time, degrees C.
+    pub peak_c: f64,
+    /// Skin 0.1 mm deep as a mean over 10 s, degrees C.
+    pub mean_c: f64,
+    /// Skin 0.4 mm deep at any time, degrees C.
+    pub deep_c: f64,
+    /// Henriques' Omega.
+    pub omega: f64,
+    /// Cumulative equivalent minutes at 43 C.
+    pub cem43_min: f64,
+}
+
+impl Predicted {
+    /// Skin at rest, without any dose.
+    pub(super) const REST: Self = Self {
+        peak_c: REST_C,
+        mean_c: REST_C,
+        deep_c: REST_C,
+        omega: 0.0,
+        cem43_min: 0.0,
+    };
+
+    /// Takes over what is higher.
+    pub(super) fn raise(&mut self, other: &Self) {
+        self.peak_c = self.peak_c.max(other.peak_c);
+        self.mean_c = self.mean_c.max(other.mean_c);
+        self.deep_c = self.deep_c.max(other.deep_c);
+        self.omega = self.omega.max(other.omega);
+        self.cem43_min = self.cem43_min.max(other.cem43_min);
+    }
+}
+
+/// What a stretch of time does to the decays.
+struct Stretch {
+    seconds: f64,
+    /// Of energy from before: what is left of it.
+    left: Decays,
+    /// Of energy spread over the stretch: what is left of it at the end.
+    kept: Decays,
+}
+
+impl Stretch {
+    fn new(span: Duration) -> Self {
+        let seconds = span.as_secs_f64();
+        let mut left = [libm::exp(-SLOWEST * seconds); DECAYS];
+        for k in 1..DECAYS {
+            let slower = left[k - 1];
+            left[k] = slower * slower;
+        }
+        let mut kept = [1.0; DECAYS];
+        if span > Duration::ZERO {
+            for ((kept, left), rate) in kept.iter_mut().zip(&left).zip(&RATES) {
+                *kept = (1.0 - left) / (rate * seconds);
+            }
+        }
+        Self {
+            seconds,
+            left,
+            kept,
+        }
+    }
+
+    /// Energies at the end.
+    fn end(&self, energy: &Decays, joules: f64) -> Decays {
+        core::array::from_fn(|k| energy[k] * self.left[k] + joules * self.kept[k])
+    }
+
+    /// Time integral over the stretch of what `SHALLOW` makes of the energies, K s.
+    fn integral(&self, energy: &Decays, joules: f64) -> f64 {
+        let term = |k: usize| {
+            let old = energy[k] * (1.0 - self.left[k]);
+            SHALLOW[k] / RATES[k] * (old + joules * (1.0 - self.kept[k]))
+        };
+        (0..DECAYS).map(term).sum()
+    }
+}
+
+fn dot(a: &Decays, b: &Decays) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+impl Budget {
+    pub(super) fn new(limits: &Limits) -> Self {
+        let kelvin = |mc: u64, latent: f64| mc as f64 * 1e-3 - REST_C - latent;
+        let integral = |bins: u64| {
+            let seconds = (bins * BIN_US) as f64 * 1e-6;
+            core::array::from_fn(|k| SHALLOW[k] / RATES[k] * (1.0 - libm::exp(-RATES[k] * seconds)))
+        };
+        Self {
+            peak_k: kelvin(limits.skin_peak_mc, LATENT_K[0]),
+            mean_k: kelvin(limits.skin_mean_mc, LATENT_K[1]),
+            deep_k: kelvin(limits.skin_deep_mc, LATENT_K[2]),
+            dose: DoseLimits {
+                omega: limits.dose_omega_ppm as f64 * 1e-6,
+                cem43_min: limits.dose_cem43_ms as f64 / 60_000.0,
+            },
+            ahead: AHEAD.map(integral),
+        }
+    }
+}
+
+impl Skin {
+    /// Skin at rest at the start of the run.
+    pub(super) fn new() -> Self {
+        Self {
+            at: Instant::ZERO,
+            energy: [0.0; DECAYS],
+            bins: [0.0; BINS],
+            dose: Dose::new(REST_C + LATENT_K[0]),
+        }
+    }
+
+    /// When a burst that is on between two times is booked: after all that is booked, and as late as
+    /// `latency` allows it to come.
+    pub(super) fn booking(&self, on: Instant, off: Instant, latency: Duration) -> Booking {
+        let from = self.at.max(on + latency);
+        let least = from + Duration::from_micros(1);
+        Booking {
+            from,
+            until: least.max(off + latency),
+        }
+    }
+
+    /// Electrical energy, J, that a booking may bring until a limit is met, and which: not more than zero if
+    /// one is met without it.
+    pub(super) fn room(&mut self, budget: &Budget, booking: Booking) -> (f64, Reason) {
+        self.relax(booking.from);
+        let stretch = Stretch::new(booking.until.since(booking.from));
+        let old = stretch.end(&self.energy, 0.0);
+        let ceiling_k = self.dose.ceiling_c(&budget.dose) - REST_C - LATENT_K[0];
+        let (shallow, each) = (dot(&SHALLOW, &old), dot(&SHALLOW, &stretch.kept));
+        let mut room = ((budget.peak_k - shallow) / each, Reason::SkinPeak);
+        let mut offer = |joules: f64, reason: Reason| {
+            if joules < room.0 {
+                room = (joules, reason);
+            }
+        };
+        offer((ceiling_k - shallow) / each, Reason::Dose);
+        let deep_room = budget.deep_k - dot(&DEEP, &old);
+        offer(deep_room / dot(&DEEP, &stretch.kept), Reason::SkinDeep);
+        let window_s = WINDOW.as_secs_f64();
+        let (so_far, burst) = (
+            stretch.integral(&self.energy, 0.0),
+            stretch.integral(&[0.0; DECAYS], 1.0),
+        );
+        for (past, ahead) in self.pasts(booking.until).zip(&budget.ahead) {
+            let spent = past + so_far + dot(ahead, &old);
+            let more = burst + dot(ahead, &stretch.kept);
+            offer((budget.mean_k * window_s - spent) / more, Reason::SkinMean);
+        }
+        room
+    }
+
+    /// Books energy, J, and returns the most that is predicted from now on if nothing more comes.
+    pub(super) fn heat(&mut self, budget: &Budget, booking: Booking, joules: f64) -> Predicted {
+        self.relax(booking.from);
+        let all = booking.until.since(booking.from).as_secs_f64();
+        while self.at < booking.until {
+            let until = booking.until.min(self.bin_end());
+            let part = until.since(self.at).as_secs_f64() / all;
+            self.step(until, joules * part);
+        }
+        let means = self.pasts(self.at).zip(&budget.ahead);
+        let most = means.map(|(past, ahead)| past + dot(ahead, &self.energy));
+        let mean_k = most.fold(0.0, f64::max) / WINDOW.as_secs_f64();
+        Predicted {
+            peak_c: REST_C + LATENT_K[0] + dot(&SHALLOW, &self.energy),
+            mean_c: REST_C + LATENT_K[1] + mean_k,
+            deep_c: REST_C + LATENT_K[2] + dot(&DEEP, &self.energy),
+            omega: self.dose.omega,
+            cem43_min: self.dose.cem43_min,
+        }
+    }
+
+    /// Lets time pass until `to` without heat. Before the last window nothing but energy and dose matters:
+    /// there the steps grow.
+    fn relax(&mut self, to: Instant) {
+        let recent = to - WINDOW - Duration::from_micros(BIN_US);
+        let mut stride = BIN_US;
+        if self.at < recent {
+            self.bins = [0.0; BINS];
+        }
+        while self.at < recent {
+            let until = recent.min(self.at + Duration::from_micros(stride));
+            let stretch = Stretch::new(until.since(self.at));
+            self.pass(&stretch, until, 0.0);
+            stride *= 2;
+        }
+        while self.at < to {
+            self.step(to.min(self.bin_end()), 0.0);
+        }
+    }
+
+    /// A stretch within one bin.
+    fn step(&mut self, until: Instant, joules: f64) {
+        let stretch = Stretch::new(until.since(self.at));
+        let bin = self.at.as_micros() / BIN_US;
+        if self.at.as_micros() == bin * BIN_US {
+            self.bins[slot(bin)] = 0.0;
+        }
+        self.bins[slot(bin)] += stretch.integral(&self.energy, joules);
+        self.pass(&stretch, until, joules);
+    }
+
+    fn pass(&mut self, stretch: &Stretch, until: Instant, joules: f64) {
+        self.energy = stretch.end(&self.energy, joules);
+        self.at = until;
+        let shallow_c = REST_C + LATENT_K[0] + dot(&SHALLOW, &self.energy);
+        if joules > 0.0 {
+            self.dose.heat(shallow_c, stretch.seconds);
+        } else {
+            self.dose.relax(shallow_c, stretch.seconds);
+        }
+    }
+
+    /// End of the bin that `at` lies in.
+    fn bin_end(&self) -> Instant {
+        Instant::from_micros((self.at.as_micros() / BIN_US + 1).saturating_mul(BIN_US))
+    }
+
+    /// What bins hold of the windows that end between `until` and the first, the first and the second and so on
+    /// of [`AHEAD`] after it, K s.
+    fn pasts(&self, until: Instant) -> impl Iterator<Item = f64> {
+        let starts = [0].into_iter().chain(AHEAD);
+        starts.map(move |ahead| {
+            let end = until + Duration::from_micros(ahead * BIN_US);
+            let first = (end - WINDOW).as_micros() / BIN_US;
+            let begun = self.at.as_micros().div_ceil(BIN_US);
+            (first..begun).map(|bin| self.bins[slot(bin)]).sum()
+        })
+    }
+}
+
+/// Where a bin is kept.
+const fn slot(bin: u64) -> usize {
+    (bin % BINS as u64) as usize
+}

@@ -1,0 +1,129 @@
+//! The sweep over emulated chips: what is found, what is switched off, and a bus that is stuck.
+
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use embedded_hal::i2c::{Error as _, ErrorKind, NoAcknowledgeSource, Operation};
+use palpate_emulators::i2c::{BusClock, Segment};
+use palpate_emulators::pca9685::{Config, Pca9685};
+
+use super::{Sweeper, Watch, parse_bus, parse_line};
+use crate::i2c::{Adapter, FaultKind, Line};
+
+/// An emulated bus as an adapter, which may be held.
+struct Emulated {
+    segment: Segment,
+    hold: Arc<Mutex<()>>,
+}
+
+impl Adapter for Emulated {
+    fn name(&self) -> String {
+        "emulated".into()
+    }
+
+    fn transfer(&mut self, address: u8, write: &[u8], read: &mut [u8]) -> Result<(), FaultKind> {
+        let _held = self.hold.lock().unwrap();
+        let mut operations = vec![Operation::Write(write)];
+        if !read.is_empty() {
+            operations.push(Operation::Read(read));
+        }
+        let done = self.segment.transaction(address, &mut operations);
+        done.map_err(|error| match error.kind() {
+            ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address) => FaultKind::NoAddress,
+            _ => FaultKind::Disturbed,
+        })
+    }
+}
+
+/// A bus with a chip at 0x40 whose channels 3 and 5 were left driving, and nobody at 0x41.
+fn bus(addresses: &[u8]) -> ((std::path::PathBuf, Vec<u8>, Line), Arc<Mutex<()>>) {
+    let mut segment = Segment::new(BusClock::Fast, vec![Pca9685::new(Config::new(0x40))]);
+    let mut write = |bytes: &[u8]| {
+        let sent = segment.transaction(0x40, &mut [Operation::Write(bytes)]);
+        sent.unwrap();
+    };
+    write(&[0x00, 0x21, 0x04]); // awake, auto-increment, all-call
+    write(&[0x06 + 4 * 3, 0, 0, 100, 0]);
+    write(&[0x06 + 4 * 5, 0, 0x10, 0, 0]);
+    let hold = Arc::new(Mutex::new(()));
+    let adapter = Emulated {
+        segment,
+        hold: Arc::clone(&hold),
+    };
+    let line = Line::new(adapter, Duration::from_millis(50)).unwrap();
+    (("/dev/emulated".into(), addresses.to_vec(), line), hold)
+}
+
+#[test]
+fn a_chip_left_driving_is_found_named_and_switched_off() {
+    let mut sweeper = Sweeper::over(vec![bus(&[0x40]).0]);
+    let found = sweeper.look();
+    assert!(found[0].was_driving());
+    assert_eq!(
+        found[0].to_string(),
+        "/dev/emulated 0x40: was driving channels 3,5"
+    );
+    sweeper.off().unwrap();
+    let after = sweeper.look();
+    assert_eq!(after[0].to_string(), "/dev/emulated 0x40: was off");
+}
+
+#[test]
+fn a_board_that_does_not_answer_is_not_known_to_be_off_and_keeps_no_other_on() {
+    let mut sweeper = Sweeper::over(vec![bus(&[0x40, 0x41]).0]);
+    let error = sweeper.off().unwrap_err();
+    assert!(error.contains("0x41") && error.contains("ENXIO"), "{error}");
+    let after = sweeper.look();
+    assert!(!after[0].was_driving() && after[1].seen.is_err());
+}
+
+#[test]
+fn a_stuck_bus_keeps_no_other_bus_on() {
+    let ((first, hold), (second, _)) = (bus(&[0x40]), bus(&[0x40]));
+    let mut sweeper = Sweeper::over(vec![first, second]);
+    let held = hold.lock().unwrap();
+    sweeper.off().unwrap_err();
+    drop(held);
+    let mut driving = [true; 2];
+    // The stuck bus answers again once its thread has got on.
+    while let [a, b] = &sweeper.look()[..] {
+        driving = [a, b].map(|board| board.was_driving());
+        if a.seen.is_ok() {
+            break;
+        }
+    }
+    assert!(!driving[1], "the bus that was free");
+    sweeper.off().unwrap();
+}
+
+#[test]
+fn a_watch_survives_its_command_line() {
+    let watch = Watch {
+        buses: vec![
+            ("/dev/i2c-1".into(), vec![0x40, 0x7f]),
+            ("/dev/a=b".into(), vec![0x41]),
+        ],
+        oe: Some(("/dev/gpiochip0".into(), 17)),
+        heartbeat: Duration::from_millis(50),
+        transfer: Duration::from_millis(30),
+    };
+    let arguments = watch.arguments();
+    let value = |name: &str| {
+        let with = format!("--{name}=");
+        let all = arguments.iter().filter_map(|a| a.strip_prefix(&with));
+        all.map(str::to_owned).collect::<Vec<_>>()
+    };
+    let buses: Vec<_> = value("i2c").iter().map(|a| parse_bus(a).unwrap()).collect();
+    assert_eq!(buses, watch.buses);
+    assert_eq!(parse_line(&value("oe")[0]).ok(), watch.oe);
+    assert_eq!(value("heartbeat-ms"), ["50"]);
+    for bad in [
+        "",
+        "/dev/i2c-1",
+        "/dev/i2c-1=",
+        "/dev/i2c-1=4g",
+        "/dev/i2c-1=40,",
+    ] {
+        assert!(parse_bus(bad).is_err(), "{bad}");
+    }
+}

@@ -1,0 +1,285 @@
+//! Clustering and levels alone: ours warm, cold, stopped early and on a part of the points, beside others'.
+
+use std::time::Duration;
+
+use palpate_core::contact::kmeans::{KMeans, Stop};
+use palpate_core::contact::levels::LevelSolver;
+use palpate_core::random::Stream;
+
+use super::clouds::{Cloud, ROUND, wide};
+use super::peers;
+use super::textbook::{self, Draw};
+use crate::bench::plot::{Mark, Plot, Series};
+use crate::bench::timing::Race;
+use crate::bench::{Findings, Row};
+use crate::failure::Failure;
+
+/// Points and clusters of every case.
+const CASES: [(usize, usize); 5] = [(12, 4), (16, 8), (125, 4), (240, 8), (2000, 16)];
+/// What an error is.
+const ERROR: &str = "inertia over the best of 32 starts, less 1";
+/// What a location's error is.
+const MISS: &str = "mm from a true press to the nearest contact";
+const SAMPLES: usize = 400;
+const BUDGET: Duration = Duration::from_millis(1500);
+
+/// How far a frame's centroids are found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Method {
+    /// From the last frame's centroids, at most so many iterations.
+    Warm(u32),
+    /// Seeded anew in every frame.
+    Cold,
+    /// Warm, on every fourth point.
+    Subsampled,
+    /// As textbooks write it, warm or cold.
+    Textbook { warm: bool },
+}
+
+impl Method {
+    const ALL: [(&'static str, Self); 7] = [
+        ("default", Self::Warm(32)),
+        ("warm", Self::Warm(2)),
+        ("early-stopped", Self::Warm(1)),
+        ("subsampled", Self::Subsampled),
+        ("cold", Self::Cold),
+        ("textbook, warm", Self::Textbook { warm: true }),
+        ("textbook, cold", Self::Textbook { warm: false }),
+    ];
+}
+
+/// Errors over the frames of a round, summed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Errors {
+    excess: f64,
+    miss: f64,
+}
+
+impl Errors {
+    /// One more frame, whose least inertia is `optimum`.
+    pub fn add(&mut self, cloud: &Cloud, centroids: &[(f64, f64)], optimum: f64) {
+        self.excess += cloud.inertia(centroids) / optimum - 1.0;
+        self.miss += cloud.miss(centroids);
+    }
+}
+
+/// What a method came to on a case.
+pub struct Measured {
+    /// Its name.
+    pub method: String,
+    /// Over a round.
+    pub errors: Errors,
+    /// A frame's time.
+    pub median_us: f64,
+    /// Whether it is somebody else's.
+    pub peer: bool,
+}
+
+/// A method with all it carries from frame to frame.
+struct Contestant<'a> {
+    method: Method,
+    k: usize,
+    round: &'a [Cloud],
+    rows: Vec<Vec<(f32, f32, f32)>>,
+    thin: Vec<Cloud>,
+    kmeans: KMeans,
+    stream: Stream,
+    draw: Draw,
+    centroids: Vec<(f64, f64)>,
+    frame: usize,
+}
+
+impl<'a> Contestant<'a> {
+    fn new(method: Method, k: usize, round: &'a [Cloud]) -> Self {
+        let (n, mut stream) = (round[0].x.len(), Stream::new(1, "bench"));
+        let mut kmeans = KMeans::new(n, k);
+        let thin: Vec<Cloud> = match method {
+            Method::Subsampled => round
+                .iter()
+                .map(|c| c.thinned(if n >= 4 * k { 4 } else { 1 }))
+                .collect(),
+            _ => Vec::new(),
+        };
+        kmeans.seed(thin.first().unwrap_or(&round[0]).points(), k, &mut stream);
+        let rows = |c: &Cloud| (0..n).map(|i| (c.x[i], c.y[i], c.w[i])).collect::<Vec<_>>();
+        let mut draw = Draw(1);
+        let rows: Vec<_> = match method {
+            Method::Textbook { .. } => round.iter().map(rows).collect(),
+            _ => Vec::new(),
+        };
+        let centroids = rows
+            .first()
+            .map(|rows| textbook::kmeans(rows, k, None, &mut draw));
+        Self {
+            method,
+            k,
+            round,
+            thin,
+            kmeans,
+            stream,
+            draw,
+            centroids: centroids.unwrap_or_default(),
+            rows,
+            frame: 0,
+        }
+    }
+
+    /// The next frame.
+    fn step(&mut self) {
+        let at = self.frame % ROUND;
+        self.frame += 1;
+        let points = self.round[at].points();
+        let stop = |max_iterations| Stop {
+            tolerance: 1e-3,
+            max_iterations,
+        };
+        match self.method {
+            Method::Warm(most) => {
+                self.kmeans.solve(points, stop(most));
+            }
+            Method::Cold => {
+                self.kmeans.seed(points, self.k, &mut self.stream);
+                self.kmeans.solve(points, stop(32));
+            }
+            Method::Subsampled => {
+                self.kmeans.solve(self.thin[at].points(), stop(32));
+            }
+            Method::Textbook { warm } => {
+                let start = warm.then_some(&self.centroids[..]);
+                self.centroids = textbook::kmeans(&self.rows[at], self.k, start, &mut self.draw);
+            }
+        }
+    }
+
+    fn centroids(&self) -> Vec<(f64, f64)> {
+        match self.method {
+            Method::Textbook { .. } => self.centroids.clone(),
+            _ => wide(&self.kmeans),
+        }
+    }
+}
+
+/// Measures all cases; with peers where `PALPATE_PEERS` names a Python that has them.
+///
+/// # Errors
+/// Peers that are asked for and do not answer.
+pub fn measure(findings: &mut Findings) -> Result<(), Failure> {
+    for (n, k) in CASES {
+        let round = Cloud::round(n, k);
+        let mut contestants: Vec<_> = Method::ALL
+            .iter()
+            .map(|(_, method)| Contestant::new(*method, k, &round))
+            .collect();
+        let mut race = Race::default();
+        for contestant in &mut contestants {
+            race.enter(|| contestant.step());
+        }
+        let samples = race.run(SAMPLES, BUDGET);
+
+        // Once more round for the errors, from the state that the race has left.
+        let mut errors = vec![Errors::default(); contestants.len()];
+        let (mut best, mut starts) = (Vec::new(), Vec::new());
+        for contestant in &mut contestants {
+            while contestant.frame % ROUND != 0 {
+                contestant.step();
+            }
+        }
+        for cloud in &round {
+            // Peers make two iterations from where the same of ours begin.
+            starts.push(contestants[1].centroids());
+            contestants.iter_mut().for_each(Contestant::step);
+            let optimum = cloud.optimum(k, &contestants[0].centroids());
+            best.push(optimum);
+            for (errors, contestant) in errors.iter_mut().zip(&contestants) {
+                errors.add(cloud, &contestant.centroids(), optimum);
+            }
+        }
+        let case = format!("N={n} K={k}");
+        let mut results: Vec<Measured> = Method::ALL
+            .iter()
+            .zip(errors.iter().zip(&samples))
+            .map(|((name, method), (errors, samples))| Measured {
+                method: (*name).into(),
+                errors: *errors,
+                median_us: samples.median(),
+                peer: matches!(method, Method::Textbook { .. }),
+            })
+            .collect();
+        results.extend(peers::measure(&round, &starts, &best)?);
+        for (case, unit, error) in [
+            (case.clone(), ERROR, (|e| e.excess) as fn(Errors) -> f64),
+            (format!("location {case}"), MISS, |e| e.miss),
+        ] {
+            let row = |r: &Measured| Row {
+                family: "compression",
+                case: case.clone(),
+                method: r.method.clone(),
+                error: error(r.errors) / ROUND as f64,
+                error_unit: unit,
+                median_us: r.median_us,
+                peer: r.peer,
+            };
+            let rows: Vec<Row> = results.iter().map(row).collect();
+            plot(findings, &case, unit, &rows);
+            findings.rows.extend(rows);
+        }
+    }
+    levels(findings);
+    Ok(())
+}
+
+fn plot(findings: &mut Findings, case: &str, unit: &str, rows: &[Row]) {
+    // A method that is as good as the optimum has no place on a logarithm: it stands at 1e-6.
+    let series = rows.iter().map(|row| Series {
+        name: row.method.clone(),
+        points: vec![(row.median_us, row.error.max(1e-6))],
+        mark: if row.peer { Mark::Swept } else { Mark::Ours },
+    });
+    let name = format!("error-{}", case.to_lowercase().replace(['=', ' '], "-"));
+    let title = format!("Clustering, {case}");
+    findings
+        .plots
+        .push(Plot::work_precision(&name, &title, unit, series.collect()));
+}
+
+/// Exact levels of few values, beside the `ckmeans` crate.
+fn levels(findings: &mut Findings) {
+    const SETS: usize = 64;
+    for (n, k) in [(16, 4), (16, 8), (16, 10)] {
+        let mut stream = Stream::new(1, "levels");
+        let sets: Vec<Vec<f32>> = (0..SETS)
+            .map(|_| (0..n).map(|_| (2000.0 * stream.uniform()) as f32).collect())
+            .collect();
+        let theirs: Vec<Vec<f64>> = sets
+            .iter()
+            .map(|set| set.iter().map(|v| f64::from(*v)).collect())
+            .collect();
+        let mut solver = LevelSolver::new(n, k);
+        let (mut a, mut b) = (0, 0);
+        let mut race = Race::default();
+        race.enter(|| {
+            a += 1;
+            solver.solve(&sets[a % SETS])
+        });
+        race.enter(|| {
+            b += 1;
+            ckmeans::ckmeans(&theirs[b % SETS], k as u8)
+        });
+        let samples = race.run(SAMPLES, BUDGET);
+        // Both are exact; tests hold one against the other.
+        for (method, samples, peer) in [
+            ("default", &samples[0], false),
+            ("ckmeans", &samples[1], true),
+        ] {
+            findings.rows.push(Row {
+                family: "compression",
+                case: format!("levels n={n} K={k}"),
+                method: method.into(),
+                error: 0.0,
+                error_unit: "counts² over the optimum",
+                median_us: samples.median(),
+                peer,
+            });
+        }
+    }
+}

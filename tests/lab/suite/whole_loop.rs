@@ -1,0 +1,120 @@
+//! The whole loop through device nodes: `hil run` on a vcan interface and an I2C node, `hil emulate` in
+//! another process behind them, against the same scene in one process and virtual time.
+//!
+//! What may differ, and how much: the wall clock cuts a scan in two now and then (the lab's processor is
+//! emulated), and the grid of onsets lies elsewhere on the scene by up to one SOA.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::read_to_string;
+
+use serde_json::Value;
+
+use super::emulator::Emulator;
+use super::tools::{in_lab, sh};
+
+const SCENE: &str = "sphere-along";
+/// Share of contacts that must be those of the run in one process to the last digit.
+const SAME_CONTACTS: f64 = 0.9;
+/// Share of frames with a contact that must come through at all.
+const SEEN_CONTACTS: f64 = 0.9;
+/// Ticks by which a wire's pulse may differ at the same place of the scene: its path moves 0.2 mm in an SOA.
+const TICKS: i64 = 12;
+/// Share of stimuli that must lie within that band.
+const SAME_STIMULI: f64 = 0.8;
+
+/// Contacts as `place, intensity, members`, with their times, microseconds.
+fn contacts(file: &str) -> Vec<(i64, String)> {
+    let text = read_to_string(file).unwrap();
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let what = [cells[4], cells[5], cells[6], cells[8]].join(",");
+        (cells[1].parse().unwrap(), what)
+    };
+    text.lines().skip(1).map(row).collect()
+}
+
+/// Onset and width of every stimulus, by channel.
+fn stimuli(file: &str) -> BTreeMap<u64, Vec<(i64, i64)>> {
+    let mut by_channel: BTreeMap<u64, Vec<(i64, i64)>> = BTreeMap::new();
+    for line in read_to_string(file).unwrap().lines().skip(1) {
+        let entry: Value = serde_json::from_str(line).unwrap();
+        let number = |key: &str| entry[key].as_i64();
+        if let (Some(on), Some(off), Some(at)) = (number("on"), number("off"), number("t_us"))
+            && off > on
+        {
+            let channel = by_channel.entry(entry["channel"].as_u64().unwrap());
+            channel.or_default().push((at, off - on));
+        }
+    }
+    by_channel
+}
+
+#[test]
+fn the_loop_through_device_nodes_is_the_loop_in_one_process() {
+    if !in_lab("the loop through vcan and an I2C node") {
+        return;
+    }
+    let hil = std::env::var("PALPATE_HIL").unwrap();
+    sh(&format!(
+        "{hil} run {SCENE} --quiet --record /tmp/in.csv --schedule /tmp/in.jsonl"
+    ));
+    let emulator = Emulator::start(&["--await-start", "--scene", SCENE]);
+    let summary = sh(&format!(
+        "{hil} run {SCENE} --can vcan0 --i2c {} --json --record /tmp/out.csv --schedule /tmp/out.jsonl",
+        emulator.node
+    ));
+    let record = emulator.stop();
+    let summary: Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["source"], "real");
+
+    let (inside, outside) = (contacts("/tmp/in.csv"), contacts("/tmp/out.csv"));
+    let known: BTreeSet<&String> = inside.iter().map(|c| &c.1).collect();
+    let same = outside.iter().filter(|c| known.contains(&c.1)).count();
+    let share = |part: usize, of: usize| part as f64 / of.max(1) as f64;
+    println!(
+        "contacts: {} in one process, {} through the nodes, {same} of them the same",
+        inside.len(),
+        outside.len()
+    );
+
+    // Times of one run on the other's scale: contacts that both have.
+    let times: BTreeMap<&String, i64> = inside.iter().map(|c| (&c.1, c.0)).collect();
+    let mut shifts: Vec<i64> = outside
+        .iter()
+        .filter_map(|c| Some(c.0 - times.get(&c.1)?))
+        .collect();
+    shifts.sort_unstable();
+    assert!(!shifts.is_empty(), "not one contact is the same");
+    let shift = shifts[shifts.len() / 2];
+
+    let (wanted, found) = (stimuli("/tmp/in.jsonl"), stimuli("/tmp/out.jsonl"));
+    let (mut near, mut all) = (0, 0);
+    for (channel, found) in &found {
+        for (at, width) in found {
+            let neighbours = wanted.get(channel).into_iter().flatten();
+            let best = neighbours
+                .filter(|w| (w.0 + shift - at).abs() <= 60_000)
+                .map(|w| (w.1 - width).abs())
+                .min();
+            all += 1;
+            near += usize::from(best.is_some_and(|ticks| ticks <= TICKS));
+        }
+    }
+    let total: usize = wanted.values().map(Vec::len).sum();
+    println!(
+        "stimuli: {total} in one process, {all} through the nodes, {near} of them within {TICKS} ticks"
+    );
+    println!("emulated: {record}");
+
+    assert!(share(same, outside.len()) >= SAME_CONTACTS);
+    assert!(share(outside.len(), inside.len()) >= SEEN_CONTACTS);
+    assert!(share(near, all) >= SAME_STIMULI);
+    assert!((0.8..=1.2).contains(&share(all, total)));
+    // Each stimulus became pulses, none of them longer than what was asked for, and all of it ended.
+    let pulses = |w: &Value| w["pulses"].as_u64().unwrap();
+    let wires = record["wires"].as_array().unwrap();
+    assert!(wires.iter().map(pulses).sum::<u64>() as usize > all);
+    let longest = wires.iter().map(|w| w["longest_us"].as_f64().unwrap());
+    assert!(longest.fold(0.0, f64::max) <= 125.0, "{record}");
+    assert_eq!(record["driving"], Value::Array(Vec::new()));
+}

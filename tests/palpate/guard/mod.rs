@@ -1,0 +1,7 @@
+//! The guard against the full model: its table, its predictions, and hostile schedules.
+
+mod hostile;
+mod kernel;
+mod rig;
+mod schedule;
+mod table;

@@ -1,0 +1,309 @@
+//! Chip, amplifiers, wires and finger with every parameter its own, and an audit of the whole limit table over
+//! what they did.
+
+use std::collections::VecDeque;
+
+use palpate_core::guard::{HARD, Limits};
+use palpate_core::physics::{Alloy, SkinParameters, WireParameters};
+use palpate_core::random::Stream;
+use palpate_core::units::{Channel, Milliamps};
+use palpate_emulators::amplifier::supply::Supply;
+use palpate_emulators::amplifier::{Amplifier, Pull};
+use palpate_emulators::i2c::{BusClock, Handle, Segment};
+use palpate_emulators::pca9685::{Config, Edge, Oscillator, Pca9685, Pin, UpdateModel};
+use palpate_emulators::time::Nanos;
+use palpate_emulators::wire::Wire;
+
+/// Wires of the fingertip, on the first channels of one chip.
+pub const WIRES: usize = 8;
+/// The chip's address.
+pub const ADDRESS: u8 = 0x40;
+/// How often the skin is looked at for its 10 s mean.
+const SAMPLE: u64 = 50_000_000;
+
+/// A bench's parameters, each drawn from its stated range, ends included.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameters {
+    pub wire: WireParameters,
+    pub skin: SkinParameters,
+    pub oscillator_hz: u32,
+    pub updates: UpdateModel,
+    pub clock: BusClock,
+    pub current: Milliamps,
+    pub supply: Milliamps,
+}
+
+/// One of the ends of a range half of the time, else anything between.
+pub fn pick(stream: &mut Stream, low: f64, high: f64) -> f64 {
+    match stream.next_u64() % 4 {
+        0 => low,
+        1 => high,
+        _ => low + (high - low) * stream.uniform(),
+    }
+}
+
+impl Parameters {
+    /// The range of `physics.md`, both prototypes' wires and alloys, oscillators from 23 to 27.4 MHz.
+    pub fn draw(s: &mut Stream) -> Self {
+        let first = s.next_u64().is_multiple_of(2);
+        let base = if first {
+            WireParameters::FIRST
+        } else {
+            WireParameters::FINAL
+        };
+        let alloy = if s.next_u64().is_multiple_of(2) {
+            Alloy::LOW
+        } else {
+            Alloy::HIGH
+        };
+        let wire = WireParameters {
+            wire_share: pick(s, 0.6, 1.0),
+            specific_heat: pick(s, 322.0, 837.0),
+            latent_heat: pick(s, 0.0, 24e3),
+            alloy,
+            ..base
+        };
+        let skin = SkinParameters {
+            contact_h: pick(s, 1000.0, 10_000.0),
+            contact_fraction: pick(s, 0.1, 0.5),
+            ..SkinParameters::DEFAULT
+        };
+        Self {
+            wire,
+            skin,
+            oscillator_hz: pick(s, 23e6, 27.4e6) as u32,
+            updates: if s.next_u64().is_multiple_of(2) {
+                UpdateModel::EndOfLow
+            } else {
+                UpdateModel::Immediate
+            },
+            clock: if s.next_u64().is_multiple_of(2) {
+                BusClock::Fast
+            } else {
+                BusClock::FastPlus
+            },
+            current: Milliamps(pick(s, 800.0, 2500.0) as u32),
+            supply: Milliamps(pick(s, 2500.0, 8000.0) as u32),
+        }
+    }
+
+    /// The limits of this bench.
+    pub fn limits(&self) -> Limits {
+        Limits {
+            supply: self.supply,
+            ..HARD
+        }
+    }
+}
+
+/// Pulses of one wire, as the audit remembers them.
+#[derive(Clone, Debug, Default)]
+struct Pulses {
+    /// When the pulse under way began.
+    since: Option<u64>,
+    /// Start and end of the burst, and its energy, J.
+    burst: Option<(u64, u64, f64)>,
+    /// Start and end of every pulse in the last 60 s.
+    past: VecDeque<(u64, u64)>,
+    /// Skin 0.1 mm deep at the last samples, and the sum of all but the first.
+    samples: VecDeque<f64>,
+}
+
+/// Where a limit was passed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Breach {
+    pub limit: &'static str,
+    pub at_s: f64,
+    pub value: f64,
+}
+
+/// The bench.
+pub struct Rig {
+    pub bus: Handle,
+    pub parameters: Parameters,
+    amplifier: Amplifier,
+    supply: Supply,
+    pub wires: Vec<Wire>,
+    pulses: Vec<Pulses>,
+    edges: Vec<Edge>,
+    now: u64,
+    next_sample: u64,
+    /// The first limit that was passed.
+    pub breach: Option<Breach>,
+    /// Hottest 10 s mean.
+    pub mean_c: f64,
+}
+
+impl Rig {
+    pub fn new(parameters: Parameters) -> Self {
+        let chip = Pca9685::new(Config {
+            oscillator: Oscillator::from_hz(parameters.oscillator_hz),
+            updates: parameters.updates,
+            ..Config::new(ADDRESS)
+        });
+        let wire = Wire::new(&parameters.wire, &parameters.skin, 33.0).unwrap();
+        Self {
+            bus: Handle::new(Segment::new(parameters.clock, vec![chip])),
+            parameters,
+            amplifier: Amplifier::new(parameters.current, Pull::Down),
+            supply: Supply::default(),
+            wires: vec![wire.with_dose(); WIRES],
+            pulses: vec![Pulses::default(); WIRES],
+            edges: Vec::new(),
+            now: 0,
+            next_sample: SAMPLE,
+            breach: None,
+            mean_c: 33.0,
+        }
+    }
+
+    /// The time of the bus, which transfers move.
+    pub fn now(&self) -> u64 {
+        self.bus.with(|segment| segment.now().0).unwrap()
+    }
+
+    /// Lets time pass until `to`, ns.
+    pub fn advance(&mut self, to: u64) {
+        while self.next_sample <= to {
+            self.run(self.next_sample);
+            self.sample();
+            self.next_sample += SAMPLE;
+        }
+        self.run(to);
+    }
+
+    fn run(&mut self, to: u64) {
+        let edges = &mut self.edges;
+        let reached = self.bus.with(|segment| {
+            segment.set_now(Nanos(to));
+            let chip = &mut segment.chips_mut()[0];
+            let until = Nanos(to).max(chip.now());
+            chip.advance(until, &mut |edge| edges.push(edge));
+            until.0
+        });
+        self.now = self.now.max(reached.unwrap());
+        for edge in std::mem::take(&mut self.edges) {
+            self.take(edge);
+        }
+    }
+
+    fn take(&mut self, edge: Edge) {
+        let wire = usize::from(edge.channel.0);
+        let Some(change) = self.amplifier.edge(edge) else {
+            return;
+        };
+        self.supply.set(change.at, self.amplifier.sum());
+        if wire >= WIRES {
+            return;
+        }
+        self.wires[wire].set_current(change.at, change.current.amps());
+        match edge.pin {
+            Pin::High => self.pulses[wire].since = Some(edge.at.0),
+            _ => {
+                if let Some(since) = self.pulses[wire].since.take() {
+                    self.pulse(wire, since, edge.at.0);
+                }
+            }
+        }
+    }
+
+    /// Electrical power while a pulse is high, W.
+    fn watts(&self) -> f64 {
+        self.parameters.current.amps().powi(2) * self.parameters.wire.resistance_ohm
+    }
+
+    fn pulse(&mut self, wire: usize, since: u64, until: u64) {
+        let watts = self.watts();
+        let joules = |from: u64, to: u64| watts * to.saturating_sub(from) as f64 * 1e-9;
+        self.limit("pulse width", (until - since) as f64, 200e3);
+        let p = &mut self.pulses[wire];
+        let (start, _, spent) = p
+            .burst
+            .filter(|b| since < b.1 + 20_000_000)
+            .unwrap_or((since, since, 0.0));
+        let burst = (start, until, spent + joules(since, until));
+        p.burst = Some(burst);
+        p.past.push_back((since, until));
+        while p.past.front().is_some_and(|x| x.1 + 60_000_000_000 < until) {
+            p.past.pop_front();
+        }
+        self.limit("burst length", (burst.1 - burst.0) as f64, 50e6);
+        self.limit("burst energy", burst.2, 10e-3);
+    }
+
+    /// Mean power of one wire over the last `window` ns, W.
+    fn mean_w(&self, wire: usize, window: u64) -> f64 {
+        let since = self.now.saturating_sub(window);
+        let past = self.pulses[wire].past.iter().rev();
+        let recent = past.take_while(|x| x.1 > since);
+        let on: u64 = recent.map(|x| x.1 - x.0.max(since)).sum();
+        self.watts() * on as f64 / window as f64
+    }
+
+    fn sample(&mut self) {
+        const S: u64 = 1_000_000_000;
+        let mut tip = [0.0, 0.0];
+        for wire in 0..WIRES {
+            if self.pulses[wire]
+                .since
+                .is_some_and(|since| self.now > since + 200_000)
+            {
+                self.limit("pulse width", f64::INFINITY, 200e3);
+            }
+            if self.pulses[wire].past.is_empty() {
+                continue;
+            }
+            self.limit("wire power over 1 s", self.mean_w(wire, S), 45e-3);
+            self.limit("wire power over 10 s", self.mean_w(wire, 10 * S), 20e-3);
+            tip[0] += self.mean_w(wire, S);
+            tip[1] += self.mean_w(wire, 60 * S);
+            let shallow = self.wires[wire].skin(Nanos(self.now)).0;
+            let samples = &mut self.pulses[wire].samples;
+            samples.push_back(shallow - 33.0);
+            if samples.len() > 200 {
+                samples.pop_front();
+            }
+            let mean_c = 33.0 + samples.iter().sum::<f64>() / 200.0;
+            self.mean_c = self.mean_c.max(mean_c);
+        }
+        self.limit("fingertip power over 1 s", tip[0], 110e-3);
+        self.limit("fingertip power over 60 s", tip[1], 60e-3);
+        self.limit("skin mean", self.mean_c, 41.0);
+    }
+
+    /// Looks at what is only known of the whole: skin, dose, supply. Pulses under way count as well.
+    pub fn inspect(&mut self) {
+        for wire in 0..WIRES {
+            if self.pulses[wire]
+                .since
+                .is_some_and(|since| self.now > since + 200_000)
+            {
+                self.limit("pulse width", f64::INFINITY, 200e3);
+            }
+            if self.pulses[wire].past.is_empty() && self.pulses[wire].since.is_none() {
+                continue;
+            }
+            let now = Nanos(self.now);
+            let peaks = self.wires[wire].peaks(now);
+            let dose = self.wires[wire].dose(now).unwrap();
+            self.limit("skin at 0.1 mm", peaks.shallow_c, 43.0);
+            self.limit("skin at 0.4 mm", peaks.deep_c, 41.0);
+            self.limit("Henriques' Omega", dose.omega, 0.01);
+            self.limit("CEM43", dose.cem43_min, 2.0);
+        }
+        let peak = f64::from(self.supply.peak().0.0);
+        self.limit("supply", peak, f64::from(self.parameters.supply.0));
+    }
+
+    fn limit(&mut self, limit: &'static str, value: f64, most: f64) {
+        if value > most && self.breach.is_none() {
+            let at_s = self.now as f64 * 1e-9;
+            self.breach = Some(Breach { limit, at_s, value });
+        }
+    }
+
+    /// Channel of a wire.
+    pub const fn channel(wire: usize) -> Channel {
+        Channel(wire as u8)
+    }
+}
