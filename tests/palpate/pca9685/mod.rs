@@ -16,7 +16,6 @@ mod outputs;
 mod pins;
 mod reference;
 mod registers;
-mod served;
 mod sleep;
 mod state_machine;
 mod time;
