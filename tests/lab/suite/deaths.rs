@@ -253,7 +253,7 @@ fn an_adapter_that_was_unplugged_and_comes_back_is_switched_off_first() {
         return;
     }
     let mut emulator = Emulator::start(&["--await-start", "--scene", "sphere-along"]);
-    let mut run = run(&emulator, "--json");
+    let mut run = run(&emulator, "");
     emulator.wait_for("driving");
     let driver = "/sys/bus/hid/drivers/mcp2221";
     let device = sh(&format!("ls {driver} | grep -m1 04D8"));
