@@ -9,7 +9,7 @@ pub use person::perceiver;
 use palpate_core::contact::{Levels, Norm, Scope, Settings};
 use palpate_core::guard::{Guard, Limits, Plant};
 use palpate_core::illusion::{Display, Map, Rect, Surface, Wire};
-use palpate_core::physics::{Alloy, WireParameters};
+use palpate_core::physics::WireParameters;
 use palpate_core::projector::{Plan, SensingPlan};
 use palpate_core::skin::{
     Address, Axes, HealthSettings, InitialiserSettings, Layout, LayoutError, Module, ScanAssembler,
@@ -19,7 +19,7 @@ use palpate_core::units::{Board, Channel, Duration, Milliamps, Point, Prescale};
 use palpate_core::wire::uskin::IdProfile;
 
 use crate::failure::Failure;
-use crate::files::{self, Setup, Transition};
+use crate::files::{self, Setup};
 
 /// Millimetres of a file as the core counts them.
 fn point([x, y]: [f64; 2]) -> Point {
@@ -154,17 +154,8 @@ pub fn prescale(bench: &files::Bench) -> Result<Prescale, Failure> {
 }
 
 /// Parameters of a bench's wires.
-pub fn wire(bench: &files::Bench) -> WireParameters {
-    let base = if bench.wire.diameter_um == 100 {
-        WireParameters::FIRST
-    } else {
-        WireParameters::FINAL
-    };
-    let alloy = match bench.wire.transition {
-        Transition::Low => Alloy::LOW,
-        Transition::High => Alloy::HIGH,
-    };
-    WireParameters { alloy, ..base }
+pub fn wire(setup: &Setup) -> WireParameters {
+    setup.wire.value.parameters(&setup.alloy.value)
 }
 
 /// The guard's limits: a limit table with the bench's supply.
@@ -293,7 +284,7 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
     let map = Map::new(sensor, stated, display.bounds()).map_err(|e| bad("map.sensor_mm", &e))?;
 
     let (prescale, peak) = (prescale(bench)?, milliamps(bench.drive.current_ma));
-    let wire_milliohm = (wire(bench).resistance_ohm * 1e3).round() as u32;
+    let wire_milliohm = (wire(setup).resistance_ohm * 1e3).round() as u32;
     let limits = limits(&setup.limits.value, milliamps(bench.drive.supply_limit_ma));
     let guard = Guard::new(
         limits,

@@ -12,7 +12,7 @@ use palpate_core::units::{Duration, Instant};
 use palpate_hil::cli::{AxesArg, ContactsArgs, NormArg, ScopeArg, StaleArg, Threshold};
 use palpate_hil::command;
 use palpate_hil::files::{
-    DRIFT_S, Setup, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, load_bench, load_scene,
+    Axes, DRIFT_S, Scope, Setup, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, load_bench, load_scene,
 };
 use palpate_hil::run::{Input, run};
 
@@ -155,7 +155,7 @@ fn recorded_frames_that_repeat_are_left_out_exactly() {
     }
 }
 
-/// 60 taxels at 50 Hz. The file says 200 x 6 x 10 x 75, but what lies next to each other in it is a row of six
+/// 60 taxels at 50 Hz, the left five columns first. The file says 200 x 6 x 10 x 75, but what lies next to each other in it is a row of six
 /// taxels, then time, then the ten columns: only so do values change smoothly.
 fn forearm(data: &[u8]) -> Vec<Vec<u16>> {
     let header = usize::from(u16::from_le_bytes([data[8], data[9]])) + 10;
@@ -165,7 +165,9 @@ fn forearm(data: &[u8]) -> Vec<Vec<u16>> {
         .collect();
     let slide = &values[..4500];
     let frame = |t: usize| {
-        let taxel = |i: usize| slide[(i % 10) * 450 + t * 6 + i / 10].round() as u16;
+        // Half, row and column of the layout's taxel.
+        let taxel =
+            |i: usize| slide[(i / 30 * 5 + i % 5) * 450 + t * 6 + i % 30 / 5].round() as u16;
         (0..60).map(taxel).collect()
     };
     (0..75).map(frame).collect()
@@ -180,20 +182,25 @@ fn a_recorded_forearm_goes_the_same_way() {
         return; // said by `trials`
     };
     let frames = forearm(&std::fs::read(data).unwrap());
-    let mut text: String = (1..=60).map(|t| format!("txl{t}_z,")).collect();
-    text.pop();
     // The slides start in contact: rows at rest stand before them.
     let rest = vec![0; 60];
-    for row in std::iter::repeat_n(&rest, 11).chain(&frames) {
-        let values: Vec<String> = row.iter().map(u16::to_string).collect();
-        let _ = write!(text, "\n{}", values.join(","));
-    }
     let folder = std::env::temp_dir().join(format!("palpate-forearm-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
-    let file = folder.join("forearm.csv");
-    std::fs::write(&file, text + "\n").unwrap();
+    let write = |name: &str, taxels: std::ops::Range<usize>| {
+        let header: Vec<String> = (1..=taxels.len()).map(|t| format!("txl{t}_z")).collect();
+        let mut text = header.join(",");
+        for row in std::iter::repeat_n(&rest, 11).chain(&frames) {
+            let values: Vec<String> = row[taxels.clone()].iter().map(u16::to_string).collect();
+            let _ = write!(text, "\n{}", values.join(","));
+        }
+        let file = folder.join(name);
+        std::fs::write(&file, text + "\n").unwrap();
+        file
+    };
+    let file = write("forearm.csv", 0..60);
+    let halves = vec![write("left.csv", 0..30), write("right.csv", 30..60)];
     command::contacts(&ContactsArgs {
-        file: file.clone(),
+        file,
         layout: "icub-forearm".into(),
         kc: 3,
         ki: 10,
@@ -201,7 +208,7 @@ fn a_recorded_forearm_goes_the_same_way() {
         threshold: Threshold::Counts(5.0),
         drift_s: None,
         faulty_deviations: None,
-        scope: ScopeArg::Module,
+        scope: ScopeArg::Skin,
         weight_exponent: 1.0,
         norm: NormArg::L2,
         axes: AxesArg::Z,
@@ -221,9 +228,11 @@ fn a_recorded_forearm_goes_the_same_way() {
     scene.value.touches.clear();
     scene.value.reference_frames = 10;
     scene.value.compression.kc = 3;
+    scene.value.compression.scope = Scope::Skin;
+    scene.value.compression.axes = Axes::Z;
     let setup = Setup::join(scene, load_bench("emulated").unwrap()).unwrap();
     let input = Input::Replay {
-        paths: vec![file],
+        paths: halves,
         rate_hz: Some(50.0),
     };
     let summary = run(&setup, &input, 1).unwrap().summary;

@@ -105,11 +105,7 @@ mod tests {
         dose.heat(43.0, 60.0);
         close(dose.cem43_min, 2.0);
         // Henriques at 43 C: 3.1e98 exp(-6.27e5 / (R 316.15 K)) = 7.939e-6 1/s.
-        assert!(
-            (dose.omega / 120.0 - 7.939e-6).abs() < 5e-9,
-            "{}",
-            dose.omega / 120.0
-        );
+        assert!((dose.omega / 120.0 - 7.939e-6).abs() < 5e-9);
     }
 
     #[test]

@@ -63,6 +63,13 @@ impl Guarded {
         self.board
     }
 
+    /// Changes one channel; a display has none beyond the sixteenth.
+    fn set(&mut self, channel: u8, setting: Setting) {
+        if let Some(slot) = self.channels.get_mut(usize::from(channel)) {
+            *slot = Some(setting);
+        }
+    }
+
     /// The channels to change, by number; `None` leaves a channel as it is.
     pub const fn channels(&self) -> &[Option<Setting>; 16] {
         &self.channels
@@ -212,12 +219,10 @@ impl Guard {
         let mut update = self.release(at, board);
         for stimulus in stimuli {
             let index = usize::from(stimulus.wire);
-            let Some((owner, channel)) = self.wires.get(index).map(|w| w.place) else {
+            let place = self.wires.get(index).map(|w| w.place);
+            let Some((_, channel)) = place.filter(|place| place.0 == board) else {
                 continue;
             };
-            if owner != board || usize::from(channel) >= update.channels.len() {
-                continue;
-            }
             let passed = self.clamp(index, at, stimulus);
             let (on, off) = stagger(Channel(channel), passed.width);
             let setting = Setting { on, off };
@@ -226,7 +231,7 @@ impl Guard {
                     setting,
                     until: passed.until,
                 });
-                update.channels[usize::from(channel)] = Some(setting);
+                update.set(channel, setting);
             }
             ledger(Entry {
                 at,
@@ -282,12 +287,11 @@ impl Guard {
                 continue;
             };
             self.overrun(index, &was, at);
-            if let Some(slot) = update.channels.get_mut(usize::from(channel)) {
-                *slot = Some(Setting {
-                    on: was.setting.on,
-                    off: was.setting.on,
-                });
-            }
+            let ended = Setting {
+                on: was.setting.on,
+                off: was.setting.on,
+            };
+            update.set(channel, ended);
         }
         update
     }
@@ -304,3 +308,5 @@ impl Guard {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod thermal_tests;

@@ -358,6 +358,54 @@ fn what_drives_nothing_is_ignored() {
 }
 
 #[test]
+fn an_update_says_when_and_where_and_leaves_other_boards_alone() {
+    let mut pair = wires(2);
+    pair[1].board = Board(1);
+    let mut guard = Guard::new(HARD, THESIS, &pair).unwrap();
+    assert_eq!(*guard.limits(), HARD);
+    assert_eq!(guard.predicted().peak_c, 33.0);
+    let both = [stimulus(0, 50, 0, 35_000), stimulus(1, 50, 0, 35_000)];
+    let at = Instant::from_micros(7);
+    let mut entries = 0;
+    let update = guard.admit(at, Board(1), &both, |_| entries += 1);
+    assert_eq!((update.at(), update.board(), entries), (at, Board(1), 1));
+    assert_eq!(update.channels()[0], None);
+    assert!(guard.predicted().peak_c > 33.5);
+    let off = guard.release(at, Board(0));
+    assert!(off.channels().iter().all(Option::is_none));
+}
+
+#[test]
+fn what_is_switched_off_late_is_booked() {
+    let mut late = guard(HARD, THESIS);
+    let mut punctual = late.clone();
+    for guard in [&mut late, &mut punctual] {
+        guard.admit(
+            Instant::ZERO,
+            Board(0),
+            &[stimulus(0, 100, 0, 20_000)],
+            |_| (),
+        );
+    }
+    punctual.expire(Instant::from_micros(20_000), Board(0));
+    late.expire(Instant::from_micros(30_000), Board(0));
+    assert!(late.predicted().peak_c > punctual.predicted().peak_c + 0.5);
+    let mut dead = guard(HARD, THESIS);
+    dead.admit(
+        Instant::ZERO,
+        Board(0),
+        &[stimulus(0, 100, 0, 20_000)],
+        |_| (),
+    );
+    dead.all_off(Instant::from_micros(30_000));
+    assert_eq!(dead.predicted(), late.predicted());
+    // The burst ended later, so the gap after it does too, and less is left of its energy.
+    let again = [stimulus(0, 40, 45_000, 35_000)];
+    assert_eq!(admit(&mut punctual, &again).1[0].reason, None);
+    assert_eq!(admit(&mut late, &again).1[0].reason, Some(Reason::Burst));
+}
+
+#[test]
 fn implausible_plants_are_refused() {
     for plant in [
         Plant {

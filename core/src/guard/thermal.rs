@@ -260,7 +260,7 @@ impl Skin {
             let until = recent.min(self.at + Duration::from_micros(stride));
             let stretch = Stretch::new(until.since(self.at));
             self.pass(&stretch, until, 0.0);
-            stride *= 2;
+            stride = stride.saturating_mul(2);
         }
         while self.at < to {
             self.step(to.min(self.bin_end()), 0.0);

@@ -84,8 +84,8 @@ impl Cells {
             direction = (-direction.0, -direction.1);
         }
         self.direction = direction;
-        let along = |p: &Point| p.x * direction.0 + p.y * direction.1;
-        let mut line: Vec<(f32, u16)> = self.places.iter().map(along).zip(0..).collect();
+        let along = self.places.iter().map(|p| self.along(*p));
+        let mut line: Vec<(f32, u16)> = along.zip(0..).collect();
         line.sort_by(|a, b| a.0.total_cmp(&b.0));
         self.line = line.into();
     }
@@ -191,11 +191,20 @@ impl Cells {
         }
     }
 
-    fn shares_in_line(&self, at: Point, out: &mut [f32]) {
-        let along = at.x * self.direction.0 + at.y * self.direction.1;
+    /// Place along the line, and the neighbours there: where they are along it, and which they are.
+    fn neighbours(&self, at: Point) -> (f32, [(f32, u16); 2]) {
+        let along = self.along(at);
         let after = self.line.partition_point(|stop| stop.0 <= along);
         let right = after.clamp(1, self.line.len() - 1);
-        let ((x0, left), (x1, right)) = (self.line[right - 1], self.line[right]);
+        (along, [self.line[right - 1], self.line[right]])
+    }
+
+    fn along(&self, p: Point) -> f32 {
+        p.x * self.direction.0 + p.y * self.direction.1
+    }
+
+    fn shares_in_line(&self, at: Point, out: &mut [f32]) {
+        let (along, [(x0, left), (x1, right)]) = self.neighbours(at);
         let b = ((along - x0) / (x1 - x0)).clamp(0.0, 1.0);
         let b = if b < NONE {
             0.0
@@ -211,11 +220,9 @@ impl Cells {
     /// The wires at the corners of the cell around `at`, anticlockwise. In line: the two neighbours.
     pub(super) fn corners(&self, at: Point, each: &mut impl FnMut(usize)) {
         if self.in_line() {
-            let along = at.x * self.direction.0 + at.y * self.direction.1;
-            let after = self.line.partition_point(|stop| stop.0 <= along);
-            let right = after.clamp(1, self.line.len() - 1);
-            each(usize::from(self.line[right - 1].1));
-            each(usize::from(self.line[right].1));
+            for (_, wire) in self.neighbours(at).1 {
+                each(usize::from(wire));
+            }
             return;
         }
         for corner in self.find(at) {
@@ -228,8 +235,7 @@ impl Cells {
     pub fn crossings(&self, from: Point, to: Point) -> Vec<f32> {
         let mut parts = Vec::new();
         if self.in_line() {
-            let along = |p: Point| p.x * self.direction.0 + p.y * self.direction.1;
-            let (a, b) = (along(from), along(to));
+            let (a, b) = (self.along(from), self.along(to));
             parts.extend(self.line.iter().map(|stop| (stop.0 - a) / (b - a)));
         } else {
             for index in 0..self.starts.len() - 1 {

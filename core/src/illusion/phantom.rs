@@ -52,19 +52,22 @@ impl Slope {
         }
     }
 
+    /// Whether a wire so far away has any part. Most have none and need no logarithm; what is no number
+    /// compares false.
+    fn reaches(&self, distance: f32) -> bool {
+        libm::fabsf(distance) < self.spacing
+    }
+
+    /// The factor at a distance within reach.
     fn at(&self, distance: f32) -> f32 {
         let distance = libm::fabsf(distance);
-        // Most wires are out of reach: they need no logarithm. NaN compares false and ends as 0.
-        let within = distance < self.spacing;
-        if !within {
-            return 0.0;
-        }
         let ratio = libm::logf(distance + 1.0) * self.scale;
         // s = 1, the thesis's value, needs no power.
         let fall = if (self.shape - 1.0).abs() < f32::EPSILON {
             ratio
         } else {
-            libm::powf(ratio, self.shape)
+            // Half the time of a power function, which is exact where nobody can feel it.
+            libm::expf(self.shape * libm::logf(ratio))
         };
         (1.0 - fall).max(0.0)
     }
@@ -103,10 +106,11 @@ impl LogPhantom {
 
 impl Illusion for LogPhantom {
     fn activate(&self, at: Point, out: &mut [f32]) {
+        let (x, y) = &self.slopes;
         for (a, wire) in out.iter_mut().zip(&self.wires) {
-            let ax = self.slopes.0.at(at.x - wire.x);
-            *a = if ax > 0.0 {
-                ax * self.slopes.1.at(at.y - wire.y)
+            let (dx, dy) = (at.x - wire.x, at.y - wire.y);
+            *a = if x.reaches(dx) && y.reaches(dy) {
+                x.at(dx) * y.at(dy)
             } else {
                 0.0
             };
@@ -141,10 +145,9 @@ impl Illusion for RadialPhantom {
     fn activate(&self, at: Point, out: &mut [f32]) {
         let at = self.metric.lift(at);
         for (i, (a, slope)) in out.iter_mut().zip(&self.slopes).enumerate() {
-            let squared = self.metric.distance2(at, i);
-            let within = squared < slope.spacing * slope.spacing;
-            *a = if within {
-                slope.at(libm::sqrtf(squared))
+            let distance = libm::sqrtf(self.metric.distance2(at, i));
+            *a = if slope.reaches(distance) {
+                slope.at(distance)
             } else {
                 0.0
             };

@@ -171,9 +171,10 @@ impl RelativeFrame {
         let magnitude = &mut self.magnitude[..];
         self.vectors.run(|| {
             for i in 0..n {
-                magnitude[i] = libm::sqrtf(x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
+                magnitude[i] = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
             }
         });
+        self.vectors.sqrt(&mut self.magnitude);
         self.contacts.clear();
         for (module, pair) in self.starts.windows(2).enumerate() {
             for i in pair[0]..pair[1] {

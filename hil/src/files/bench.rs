@@ -100,26 +100,15 @@ impl Real {
     }
 }
 
-/// A wire's kind.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+/// A wire and what it is made of.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Wire {
-    /// 75 or 100 micrometres.
-    pub diameter_um: u32,
-    /// Its transition temperatures.
-    pub transition: Transition,
-}
-
-/// Transition temperatures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Transition {
-    /// As/Af/Ms/Mf 68/78/52/42 C.
-    Low,
-    /// As/Af/Ms/Mf 88/98/72/62 C.
-    High,
+    /// A wire: a built-in name or a file.
+    pub kind: String,
+    /// An alloy: a built-in name or a file.
+    pub alloy: String,
 }
 
 /// Current, supply and PWM.
@@ -191,9 +180,6 @@ impl Bench {
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let bench: Self = source.read()?;
         source.heading(&bench.name, &bench.description)?;
-        if !matches!(bench.wire.diameter_um, 75 | 100) {
-            return Err(source.bad("wire.diameter_um", "75 or 100"));
-        }
         let drive = &bench.drive;
         source.range("drive.current_ma", drive.current_ma, 1.0..=5000.0, "mA")?;
         source.range(

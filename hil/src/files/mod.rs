@@ -18,6 +18,7 @@ mod setup;
 mod source;
 mod taxel_csv;
 mod touch;
+mod wire;
 mod wording;
 
 #[cfg(test)]
@@ -25,7 +26,7 @@ mod schema;
 #[cfg(test)]
 mod tests;
 
-pub use bench::{Amplifier, Bench, BenchKind, Drive, Output, OutputEnable, Real, Transition, Wire};
+pub use bench::{Amplifier, Bench, BenchKind, Drive, Output, OutputEnable, Real, Wire};
 pub use can_log::{is_can_log, read_can_log, write_can_log};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
@@ -47,3 +48,4 @@ pub use setup::{Loaded, Setup, load_bench, load_layout, load_limits, load_percei
 pub use source::Source;
 pub use taxel_csv::{Columns, TaxelTable, read_taxel_csv};
 pub use touch::{Force, Path, PathKind, Touch, TouchPoint};
+pub use wire::{AlloyFile, Electrical, HysteresisLaw, Mechanical, ThermalValues, WireFile};

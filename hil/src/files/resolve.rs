@@ -19,6 +19,10 @@ pub enum Kind {
     Perceiver,
     /// A wearer's calibration.
     Wearer,
+    /// A shape-memory wire.
+    Wire,
+    /// What it is made of.
+    Alloy,
 }
 
 impl Kind {
@@ -30,6 +34,8 @@ impl Kind {
             Self::Limits => "limits",
             Self::Perceiver => "perceivers",
             Self::Wearer => "wearers",
+            Self::Wire => "wires",
+            Self::Alloy => "alloys",
         }
     }
 
@@ -41,6 +47,8 @@ impl Kind {
             Self::Limits => "a limit table",
             Self::Perceiver => "a perceiver",
             Self::Wearer => "a wearer",
+            Self::Wire => "a wire",
+            Self::Alloy => "an alloy",
         }
     }
 
@@ -52,6 +60,8 @@ impl Kind {
             Self::Limits => palpate_fixtures::limits(name),
             Self::Perceiver => palpate_fixtures::perceiver(name),
             Self::Wearer => palpate_fixtures::wearer(name),
+            Self::Wire => palpate_fixtures::wire(name),
+            Self::Alloy => palpate_fixtures::alloy(name),
         }
     }
 
@@ -65,6 +75,8 @@ impl Kind {
             Self::Limits => palpate_fixtures::limits_names().collect(),
             Self::Perceiver => palpate_fixtures::perceiver_names().collect(),
             Self::Wearer => palpate_fixtures::wearer_names().collect(),
+            Self::Wire => palpate_fixtures::wire_names().collect(),
+            Self::Alloy => palpate_fixtures::alloy_names().collect(),
         }
     }
 

@@ -2,17 +2,19 @@
 
 use std::path::Path;
 
-use super::{Bench, LayoutFile, Limits, PerceiverFile, Scene, Wearer};
+use super::{AlloyFile, Bench, LayoutFile, Limits, PerceiverFile, Scene, Wearer, WireFile};
 
 #[test]
 fn shipped_schemas_are_current() {
     let schemas = [
+        ("alloy", schemars::schema_for!(AlloyFile)),
         ("bench", schemars::schema_for!(Bench)),
         ("layout", schemars::schema_for!(LayoutFile)),
         ("limits", schemars::schema_for!(Limits)),
         ("perceiver", schemars::schema_for!(PerceiverFile)),
         ("scene", schemars::schema_for!(Scene)),
         ("wearer", schemars::schema_for!(Wearer)),
+        ("wire", schemars::schema_for!(WireFile)),
     ];
     for (name, schema) in schemas {
         let text = serde_json::to_string_pretty(&schema).unwrap() + "\n";

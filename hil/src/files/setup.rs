@@ -2,8 +2,8 @@
 
 use super::resolve::{Kind, resolve, resolve_from};
 use super::{
-    Bench, DisplayLayout, FileError, LayoutFile, Limits, PerceiverFile, Scene, SensorLayout,
-    Source, Wearer,
+    AlloyFile, Bench, DisplayLayout, FileError, LayoutFile, Limits, PerceiverFile, Scene,
+    SensorLayout, Source, Wearer, WireFile,
 };
 
 /// What was read, beside its text: later checks name a line with [`Source::bad`].
@@ -76,6 +76,10 @@ pub struct Setup {
     pub display: Loaded<DisplayLayout>,
     /// The bench's limit table.
     pub limits: Loaded<Limits>,
+    /// The bench's wires.
+    pub wire: Loaded<WireFile>,
+    /// What they are made of.
+    pub alloy: Loaded<AlloyFile>,
     /// The emulated person.
     pub perceiver: Loaded<PerceiverFile>,
     /// The wearer's calibration, if there is one.
@@ -106,6 +110,16 @@ impl Setup {
             }
             None => load_limits("default")?,
         };
+        let wire = resolve_from(
+            Kind::Wire,
+            &bench.value.wire.kind,
+            &bench.source,
+            "wire.kind",
+        )?;
+        let wire = load(wire, WireFile::read)?;
+        let alloy = &bench.value.wire.alloy;
+        let alloy = resolve_from(Kind::Alloy, alloy, &bench.source, "wire.alloy")?;
+        let alloy = load(alloy, AlloyFile::read)?;
         let (perceiver, wearer) = person_of(&scene)?;
         let wires = display.value.wires_mm.len();
         if let Some(wearer) = &wearer {
@@ -129,6 +143,8 @@ impl Setup {
             bench,
             display,
             limits,
+            wire,
+            alloy,
             perceiver,
             wearer,
         })

@@ -39,7 +39,7 @@ pub(crate) fn display(setup: &Setup, wires: &[Wire]) -> Result<Display, Failure>
             volts: bench.amplifier.supply_v.unwrap_or(f64::INFINITY),
             ohm: bench.amplifier.supply_ohm,
         },
-        wire: plan::wire(bench),
+        wire: plan::wire(setup),
         skin: SkinParameters::DEFAULT,
         perceiver: plan::perceiver(&setup.perceiver.value),
         clock: BusClock::Fast,

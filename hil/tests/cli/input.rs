@@ -204,9 +204,9 @@ fn bad_benches_and_limits() {
             &["limits", "default"],
         ),
         (
-            "diameter_um = 75",
-            "diameter_um = 80",
-            &["wire.diameter_um", "75"],
+            "kind = \"final-75um\"",
+            "kind = \"final-80um\"",
+            &["wire.kind", "final-75um, first-100um"],
         ),
     ] {
         let file = folder

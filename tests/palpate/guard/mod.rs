@@ -2,6 +2,7 @@
 
 mod hostile;
 mod kernel;
+mod latent;
 mod rig;
 mod schedule;
 mod table;

@@ -9,10 +9,12 @@ use palpate_core::random::Stream;
 use palpate_core::units::{Channel, Milliamps};
 use palpate_emulators::amplifier::supply::Supply;
 use palpate_emulators::amplifier::{Amplifier, Pull};
+use palpate_emulators::finger::dose::Dose;
 use palpate_emulators::i2c::{BusClock, Handle, Segment};
 use palpate_emulators::pca9685::{Config, Edge, Oscillator, Pca9685, Pin, UpdateModel};
 use palpate_emulators::time::Nanos;
 use palpate_emulators::wire::Wire;
+use palpate_emulators::wire::record::Peaks;
 
 /// Wires of the fingertip, on the first channels of one chip.
 pub const WIRES: usize = 8;
@@ -105,7 +107,7 @@ struct Pulses {
     burst: Option<(u64, u64, f64)>,
     /// Start and end of every pulse in the last 60 s.
     past: VecDeque<(u64, u64)>,
-    /// Skin 0.1 mm deep at the last samples, and the sum of all but the first.
+    /// Skin 0.1 mm deep above rest at the samples of the last 10 s, K.
     samples: VecDeque<f64>,
 }
 
@@ -135,19 +137,21 @@ pub struct Rig {
 }
 
 impl Rig {
-    pub fn new(parameters: Parameters) -> Self {
+    /// A bench at rest. Dose takes time to add up, in the skin and here: it is kept only where asked for.
+    pub fn new(parameters: Parameters, dose: bool) -> Self {
         let chip = Pca9685::new(Config {
             oscillator: Oscillator::from_hz(parameters.oscillator_hz),
             updates: parameters.updates,
             ..Config::new(ADDRESS)
         });
         let wire = Wire::new(&parameters.wire, &parameters.skin, 33.0).unwrap();
+        let wire = if dose { wire.with_dose() } else { wire };
         Self {
             bus: Handle::new(Segment::new(parameters.clock, vec![chip])),
             parameters,
             amplifier: Amplifier::new(parameters.current, Pull::Down),
             supply: Supply::default(),
-            wires: vec![wire.with_dose(); WIRES],
+            wires: vec![wire; WIRES],
             pulses: vec![Pulses::default(); WIRES],
             edges: Vec::new(),
             now: 0,
@@ -285,7 +289,7 @@ impl Rig {
             }
             let now = Nanos(self.now);
             let peaks = self.wires[wire].peaks(now);
-            let dose = self.wires[wire].dose(now).unwrap();
+            let dose = self.wires[wire].dose(now).unwrap_or_default();
             self.limit("skin at 0.1 mm", peaks.shallow_c, 43.0);
             self.limit("skin at 0.4 mm", peaks.deep_c, 41.0);
             self.limit("Henriques' Omega", dose.omega, 0.01);
@@ -293,6 +297,25 @@ impl Rig {
         }
         let peak = f64::from(self.supply.peak().0.0);
         self.limit("supply", peak, f64::from(self.parameters.supply.0));
+    }
+
+    /// Hottest skin under any wire: 0.1 mm at any time, its 10 s mean, 0.4 mm, degrees C.
+    pub fn hottest(&mut self) -> [f64; 3] {
+        let now = Nanos(self.now);
+        let peaks: Vec<_> = self.wires.iter_mut().map(|w| w.peaks(now)).collect();
+        let most = |of: fn(&Peaks) -> f64| peaks.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+        [most(|p| p.shallow_c), self.mean_c, most(|p| p.deep_c)]
+    }
+
+    /// Largest dose under any wire; none where it is not kept.
+    pub fn dose(&mut self) -> Dose {
+        let now = Nanos(self.now);
+        let mut most = Dose::default();
+        for dose in self.wires.iter_mut().filter_map(|w| w.dose(now)) {
+            most.omega = most.omega.max(dose.omega);
+            most.cem43_min = most.cem43_min.max(dose.cem43_min);
+        }
+        most
     }
 
     fn limit(&mut self, limit: &'static str, value: f64, most: f64) {

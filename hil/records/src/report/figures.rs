@@ -63,7 +63,7 @@ pub(super) fn planes(page: &mut String, trace: &Trace) {
     );
     let mut legend = String::new();
     line_key(&mut legend, "aim", "contact, mapped");
-    let _ = write!(legend, "<span>felt: {RAMP}</span>");
+    let _ = write!(legend, "<span>felt, energy centroid: {RAMP}</span>");
     path_key(
         &mut legend,
         "cross",

@@ -17,6 +17,8 @@ pub struct Cloud {
     pub y: Vec<f32>,
     /// Weights.
     pub w: Vec<f32>,
+    /// Where the presses truly are, mm.
+    presses: Vec<(f64, f64)>,
 }
 
 impl Cloud {
@@ -48,6 +50,7 @@ impl Cloud {
             x: (0..n).map(|i| place(i).0 as f32).collect(),
             y: (0..n).map(|i| place(i).1 as f32).collect(),
             w: (0..n).map(weight).collect(),
+            presses,
         }
     }
 
@@ -72,6 +75,7 @@ impl Cloud {
             x: thin(&self.x),
             y: thin(&self.y),
             w: thin(&self.w),
+            presses: self.presses.clone(),
         }
     }
 
@@ -85,6 +89,15 @@ impl Cloud {
             f64::from(self.w[i]) * d2.fold(f64::INFINITY, f64::min)
         };
         (0..self.x.len()).map(cost).sum()
+    }
+
+    /// Mean distance of a true press to the nearest centroid, mm.
+    pub fn miss(&self, centroids: &[(f64, f64)]) -> f64 {
+        let miss = |p: &(f64, f64)| {
+            let d = centroids.iter().map(|c| libm::hypot(c.0 - p.0, c.1 - p.1));
+            d.fold(f64::INFINITY, f64::min)
+        };
+        self.presses.iter().map(miss).sum::<f64>() / self.presses.len() as f64
     }
 
     /// The least inertia found from many starts, each iterated to its end, and from `known` centroids.

@@ -23,6 +23,8 @@ struct Case<'a> {
     presses: Option<Presses>,
     clusters: u16,
     scope: Scope,
+    /// Most iterations a frame.
+    iterations: u32,
     /// Frames made; they are gone through again and again.
     frames: usize,
     /// Whether one frame comes over and over.
@@ -49,6 +51,7 @@ fn time(case: &Case<'_>) -> Result<f64, Failure> {
         clusters: case.clusters,
         scope: case.scope,
         exponent: 2.0,
+        max_iterations: case.iterations,
         ..Settings::default()
     };
     let failed = |e: &dyn std::fmt::Display| Failure::Input(format!("{}: {e}", case.name));
@@ -100,6 +103,7 @@ pub fn measure(findings: &mut Findings) -> Result<(), Failure> {
         presses,
         clusters,
         scope: Scope::Module,
+        iterations: Settings::default().max_iterations,
         frames: ROUND,
         repeated: false,
         parallel: false,
@@ -112,6 +116,7 @@ pub fn measure(findings: &mut Findings) -> Result<(), Failure> {
     let large = |name, layout, presses, scope, parallel| Case {
         scope,
         parallel,
+        iterations: 2,
         frames: 4,
         ..case(name, layout, presses, 16)
     };
@@ -138,28 +143,28 @@ pub fn measure(findings: &mut Findings) -> Result<(), Failure> {
             )
         },
         large(
-            "frame DIGIT, all in contact, K=16",
+            "frame DIGIT, all in contact, K=16, two iterations",
             &gel,
             touched(16, 307_200),
             Scope::Skin,
             false,
         ),
         large(
-            "frame DIGIT, a tenth in contact, K=16",
+            "frame DIGIT, a tenth in contact, K=16, two iterations",
             &gel,
             touched(16, 30_720),
             Scope::Skin,
             false,
         ),
         large(
-            "frame million, a tenth in contact, K=16 a module",
+            "frame million, a tenth in contact, K=16 a module, two iterations",
             &million,
             touched(16, 100_000),
             Scope::Module,
             false,
         ),
         large(
-            "frame million, a tenth in contact, K=16 a module, all cores",
+            "frame million, a tenth in contact, K=16 a module, two iterations, all cores",
             &million,
             touched(16, 100_000),
             Scope::Module,
@@ -204,6 +209,7 @@ fn growth(findings: &mut Findings) -> Result<(), Failure> {
                 }),
                 clusters,
                 scope: Scope::Module,
+                iterations: 2,
                 frames: 4,
                 repeated: false,
                 parallel: false,
@@ -224,7 +230,7 @@ fn growth(findings: &mut Findings) -> Result<(), Failure> {
     findings.plots.push(Plot {
         name: "growth".into(),
         title: "Time of a frame against the size of the skin".into(),
-        words: "Half of the taxels in contact under eight presses, warm, one core: raw counts to contacts.".into(),
+        words: "Half of the taxels in contact under eight presses, warm, two iterations, one core: raw counts to contacts.".into(),
         x: axis("taxels"),
         y: axis("median run time [\u{b5}s]"),
         series,

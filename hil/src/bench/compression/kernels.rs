@@ -17,7 +17,9 @@ use crate::failure::Failure;
 /// Points and clusters of every case.
 const CASES: [(usize, usize); 5] = [(12, 4), (16, 8), (125, 4), (240, 8), (2000, 16)];
 /// What an error is.
-pub const ERROR: &str = "inertia over the best of 32 starts, less 1";
+const ERROR: &str = "inertia over the best of 32 starts, less 1";
+/// What a location's error is.
+const MISS: &str = "mm from a true press to the nearest contact";
 const SAMPLES: usize = 400;
 const BUDGET: Duration = Duration::from_millis(1500);
 
@@ -44,6 +46,33 @@ impl Method {
         ("textbook, warm", Self::Textbook { warm: true }),
         ("textbook, cold", Self::Textbook { warm: false }),
     ];
+}
+
+/// Errors over the frames of a round, summed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Errors {
+    excess: f64,
+    miss: f64,
+}
+
+impl Errors {
+    /// One more frame, whose least inertia is `optimum`.
+    pub fn add(&mut self, cloud: &Cloud, centroids: &[(f64, f64)], optimum: f64) {
+        self.excess += cloud.inertia(centroids) / optimum - 1.0;
+        self.miss += cloud.miss(centroids);
+    }
+}
+
+/// What a method came to on a case.
+pub struct Measured {
+    /// Its name.
+    pub method: String,
+    /// Over a round.
+    pub errors: Errors,
+    /// A frame's time.
+    pub median_us: f64,
+    /// Whether it is somebody else's.
+    pub peer: bool,
 }
 
 /// A method with all it carries from frame to frame.
@@ -148,7 +177,7 @@ pub fn measure(findings: &mut Findings) -> Result<(), Failure> {
         let samples = race.run(SAMPLES, BUDGET);
 
         // Once more round for the errors, from the state that the race has left.
-        let mut excess = vec![0.0; contestants.len()];
+        let mut errors = vec![Errors::default(); contestants.len()];
         let (mut best, mut starts) = (Vec::new(), Vec::new());
         for contestant in &mut contestants {
             while contestant.frame % ROUND != 0 {
@@ -156,37 +185,50 @@ pub fn measure(findings: &mut Findings) -> Result<(), Failure> {
             }
         }
         for cloud in &round {
-            starts.push(contestants[0].centroids());
+            // Peers make two iterations from where the same of ours begin.
+            starts.push(contestants[1].centroids());
             contestants.iter_mut().for_each(Contestant::step);
             let optimum = cloud.optimum(k, &contestants[0].centroids());
             best.push(optimum);
-            for (excess, contestant) in excess.iter_mut().zip(&contestants) {
-                *excess += cloud.inertia(&contestant.centroids()) / optimum - 1.0;
+            for (errors, contestant) in errors.iter_mut().zip(&contestants) {
+                errors.add(cloud, &contestant.centroids(), optimum);
             }
         }
         let case = format!("N={n} K={k}");
-        let mut rows: Vec<Row> = Method::ALL
+        let mut results: Vec<Measured> = Method::ALL
             .iter()
-            .zip(excess.iter().zip(&samples))
-            .map(|((name, method), (excess, samples))| Row {
-                family: "compression",
-                case: case.clone(),
+            .zip(errors.iter().zip(&samples))
+            .map(|((name, method), (errors, samples))| Measured {
                 method: (*name).into(),
-                error: excess / ROUND as f64,
-                error_unit: ERROR,
+                errors: *errors,
                 median_us: samples.median(),
                 peer: matches!(method, Method::Textbook { .. }),
             })
             .collect();
-        rows.extend(peers::measure(&case, &round, &starts, &best)?);
-        plot(findings, &case, &rows);
-        findings.rows.extend(rows);
+        results.extend(peers::measure(&round, &starts, &best)?);
+        for (case, unit, error) in [
+            (case.clone(), ERROR, (|e| e.excess) as fn(Errors) -> f64),
+            (format!("location {case}"), MISS, |e| e.miss),
+        ] {
+            let row = |r: &Measured| Row {
+                family: "compression",
+                case: case.clone(),
+                method: r.method.clone(),
+                error: error(r.errors) / ROUND as f64,
+                error_unit: unit,
+                median_us: r.median_us,
+                peer: r.peer,
+            };
+            let rows: Vec<Row> = results.iter().map(row).collect();
+            plot(findings, &case, unit, &rows);
+            findings.rows.extend(rows);
+        }
     }
     levels(findings);
     Ok(())
 }
 
-fn plot(findings: &mut Findings, case: &str, rows: &[Row]) {
+fn plot(findings: &mut Findings, case: &str, unit: &str, rows: &[Row]) {
     // A method that is as good as the optimum has no place on a logarithm: it stands at 1e-6.
     let series = rows.iter().map(|row| Series {
         name: row.method.clone(),
@@ -197,7 +239,7 @@ fn plot(findings: &mut Findings, case: &str, rows: &[Row]) {
     let title = format!("Clustering, {case}");
     findings
         .plots
-        .push(Plot::work_precision(&name, &title, ERROR, series.collect()));
+        .push(Plot::work_precision(&name, &title, unit, series.collect()));
 }
 
 /// Exact levels of few values, beside the `ckmeans` crate.

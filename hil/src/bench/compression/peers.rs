@@ -8,8 +8,7 @@ use serde::Deserialize;
 use serde_json::json;
 
 use super::clouds::Cloud;
-use super::kernels::ERROR;
-use crate::bench::Row;
+use super::kernels::{Errors, Measured};
 use crate::failure::Failure;
 
 /// The script that measures them.
@@ -24,16 +23,15 @@ struct Answer {
     centroids: Vec<Vec<(f64, f64)>>,
 }
 
-/// The peers' rows of a case; none where no Python is named.
+/// The peers on the frames of a case; none where no Python is named.
 ///
 /// # Errors
 /// A Python that cannot be started, fails, or answers something else.
 pub(super) fn measure(
-    case: &str,
     round: &[Cloud],
     starts: &[Vec<(f64, f64)>],
     best: &[f64],
-) -> Result<Vec<Row>, Failure> {
+) -> Result<Vec<Measured>, Failure> {
     let Some(python) = std::env::var_os("PALPATE_PEERS") else {
         return Ok(Vec::new());
     };
@@ -65,18 +63,17 @@ pub(super) fn measure(
     }
     let answers: Vec<Answer> =
         serde_json::from_slice(&output.stdout).map_err(|e| failed(e.to_string()))?;
-    let row = |answer: Answer| {
-        let excess = answer.centroids.iter().zip(round).zip(best);
-        let excess = excess.map(|((found, cloud), best)| cloud.inertia(found) / best - 1.0);
-        Row {
-            family: "compression",
-            case: case.into(),
-            error: excess.sum::<f64>() / round.len() as f64,
-            error_unit: ERROR,
-            median_us: answer.median_us,
+    let measured = |answer: Answer| {
+        let mut errors = Errors::default();
+        for ((centroids, cloud), best) in answer.centroids.iter().zip(round).zip(best) {
+            errors.add(cloud, centroids, *best);
+        }
+        Measured {
             method: answer.method,
+            errors,
+            median_us: answer.median_us,
             peer: true,
         }
     };
-    Ok(answers.into_iter().map(row).collect())
+    Ok(answers.into_iter().map(measured).collect())
 }

@@ -46,9 +46,9 @@ fn benches() {
                 "f.toml:12: drive.pwm_hz: expected a number from 24 to 1526 Hz, found 1600.0",
             ),
             (
-                "diameter_um = 75",
-                "diameter_um = 80",
-                "f.toml:7: wire.diameter_um: expected 75 or 100, found 80",
+                "alloy = \"low\"",
+                "alloy = 7",
+                "f.toml:7: wire.alloy: expected a string, found 7",
             ),
             (
                 "kind = \"emulated\"",
@@ -104,7 +104,7 @@ fn layouts() {
             (
                 "rows = 4",
                 "rows = 0",
-                "f.toml:9: modules[0].grid.rows: expected a number from 1 to 256, found 0",
+                "f.toml:9: modules[0].grid.rows: expected a number from 1 to 4096, found 0",
             ),
             (
                 "grid = {",
@@ -283,7 +283,7 @@ fn files_that_do_not_fit_together() {
     let same = ("", "");
     assert_eq!(
         join(("drives = 0", "drives = 1"), same),
-        "s.toml:11: drives: expected a module of `uskin-4x4`, 0 to 0, found 1"
+        "s.toml:12: drives: expected a module of `uskin-4x4`, 0 to 0, found 1"
     );
     assert_eq!(
         join(("diameter_mm", "module = 2\ndiameter_mm"), same),

@@ -1,0 +1,292 @@
+//! The budget's arithmetic against sums over its history, written out.
+
+use alloc::vec::Vec;
+
+use super::limits::{HARD, Limits};
+use super::table;
+use super::thermal::{Booking, Budget, Predicted, Skin};
+use crate::random::Stream;
+use crate::schedule::Reason;
+use crate::units::{Duration, Instant};
+
+const fn us(us: u64) -> Instant {
+    Instant::from_micros(us)
+}
+
+fn close(a: f64, b: f64) {
+    assert!((a - b).abs() <= 1e-9 * (1.0 + b.abs()), "{a} is not {b}");
+}
+
+/// Everything booked: (from, until, J).
+#[derive(Default)]
+struct History(Vec<(u64, u64, f64)>);
+
+impl History {
+    /// What `coefficients` make of it at `at`, K: integrals of decays, one by one.
+    fn now(&self, coefficients: &[f64], at: u64) -> f64 {
+        let mut sum = 0.0;
+        for &(from, until, joules) in &self.0 {
+            let (age, length) = ((at - until) as f64 * 1e-6, (until - from) as f64 * 1e-6);
+            for (k, c) in coefficients.iter().enumerate() {
+                let rate = table::SLOWEST * libm::exp2(k as f64);
+                let mean = -libm::expm1(-rate * length) / (rate * length);
+                sum += c * joules * mean * libm::exp(-rate * age);
+            }
+        }
+        sum
+    }
+
+    /// Time integral of the shallow temperature from `since` to `at`, K s; no booking lies astride `since`.
+    fn integral(&self, since: u64, at: u64) -> f64 {
+        let mut sum = 0.0;
+        for &(from, until, joules) in &self.0 {
+            let length = (until - from) as f64 * 1e-6;
+            for (k, c) in table::SHALLOW.iter().enumerate() {
+                let rate = table::SLOWEST * libm::exp2(k as f64);
+                let mean = -libm::expm1(-rate * length) / (rate * length);
+                // Heat given off from its booking to the end of time, less what is still to come.
+                let left = |t: u64| {
+                    if t <= from {
+                        1.0
+                    } else {
+                        mean * libm::exp(-rate * (t - until) as f64 * 1e-6)
+                    }
+                };
+                sum += c * joules / rate * (left(since) - left(at));
+            }
+        }
+        sum
+    }
+}
+
+fn booking(from: u64, until: u64) -> Booking {
+    Booking {
+        from: us(from),
+        until: us(until),
+    }
+}
+
+#[test]
+fn predictions_are_sums_over_history() {
+    let budget = Budget::new(&HARD);
+    let (mut skin, mut history, mut at) = (Skin::new(), History::default(), 0);
+    let mut s = Stream::new(1, "bookings");
+    for round in 0..300 {
+        // Pauses within a bin, over bins, over the window; ends on bins' edges too.
+        let pause = match round % 5 {
+            0 => s.next_u64() % 30_000_000,
+            1 => 250_000 - at % 250_000,
+            _ => s.next_u64() % 600_000,
+        };
+        let from = at + pause;
+        let until = from + 1 + s.next_u64() % 300_000;
+        let joules = 1e-3 * s.uniform();
+        history.0.push((from, until, joules));
+        let predicted = skin.heat(&budget, booking(from, until), joules);
+        at = until;
+        close(
+            predicted.peak_c,
+            33.0 + table::LATENT_K[0] + history.now(&table::SHALLOW, at),
+        );
+        close(
+            predicted.deep_c,
+            33.0 + table::LATENT_K[2] + history.now(&table::DEEP, at),
+        );
+    }
+}
+
+#[test]
+fn the_mean_is_the_windows_and_what_is_to_come() {
+    let budget = Budget::new(&HARD);
+    for (bursts, pause) in [
+        (1, 0),
+        (3, 2_000_000),
+        (60, 200_000),
+        (12, 4_000_000),
+        (3, 40_000_000),
+    ] {
+        let (mut skin, mut history) = (Skin::new(), History::default());
+        let (mut at, mut predicted) = (0, Predicted::REST);
+        for _ in 0..bursts {
+            let from = at + pause;
+            let until = from + 50_000;
+            history.0.push((from, until, 5e-3));
+            predicted = skin.heat(&budget, booking(from, until), 5e-3);
+            at = until;
+        }
+        // Windows end up to 10 s from now; between two looks the heat is the later one's, the past the earlier's.
+        let mut most = 0.0f64;
+        for ahead in [
+            [0, 1],
+            [1, 2],
+            [2, 4],
+            [4, 8],
+            [8, 14],
+            [14, 20],
+            [20, 30],
+            [30, 40],
+        ] {
+            let since = (at + ahead[0] * 250_000).saturating_sub(10_000_000) / 250_000 * 250_000;
+            let past = history.integral(since, at);
+            let future = history.integral(at, at + ahead[1] * 250_000);
+            most = most.max((past + future) / 10.0);
+        }
+        close(predicted.mean_c, 33.0 + table::LATENT_K[1] + most);
+    }
+}
+
+#[test]
+fn the_room_leads_exactly_to_the_limit() {
+    let cases = [
+        (
+            Limits {
+                skin_peak_mc: 35_000,
+                ..HARD
+            },
+            Reason::SkinPeak,
+        ),
+        (
+            Limits {
+                skin_deep_mc: 33_300,
+                ..HARD
+            },
+            Reason::SkinDeep,
+        ),
+        (
+            Limits {
+                skin_mean_mc: 33_400,
+                ..HARD
+            },
+            Reason::SkinMean,
+        ),
+    ];
+    for (limits, reason) in cases {
+        let budget = Budget::new(&limits);
+        let mut skin = Skin::new();
+        for (from, until) in [
+            (10_000, 52_000),
+            (300_000, 342_000),
+            (9_000_000, 9_050_000),
+            (40_000_000, 40_050_000),
+        ] {
+            let (room, cause) = skin.room(&budget, booking(from, until));
+            assert!(cause == reason && room > 0.0, "{cause:?} {room}");
+            let reached = skin.clone().heat(&budget, booking(from, until), room);
+            let limit = |mc: u64| mc as f64 * 1e-3;
+            match reason {
+                Reason::SkinPeak => close(reached.peak_c, limit(limits.skin_peak_mc)),
+                Reason::SkinDeep => close(reached.deep_c, limit(limits.skin_deep_mc)),
+                _ => close(reached.mean_c, limit(limits.skin_mean_mc)),
+            }
+            skin.heat(&budget, booking(from, until), 0.6 * room);
+        }
+        let (first, _) = skin.room(&budget, booking(40_060_000, 40_100_000));
+        skin.heat(&budget, booking(40_060_000, 40_100_000), 2.0 * first);
+        assert!(skin.room(&budget, booking(40_100_000, 40_142_000)).0 < 0.0);
+    }
+}
+
+#[test]
+fn a_spent_dose_lowers_the_ceiling() {
+    // A millisecond at 43 C: what is left is gone after little.
+    let limits = Limits {
+        dose_cem43_ms: 10,
+        ..HARD
+    };
+    let budget = Budget::new(&limits);
+    let mut skin = Skin::new();
+    let (room, cause) = skin.room(&budget, booking(0, 42_000));
+    assert_eq!(cause, Reason::Dose);
+    let reached = skin.heat(&budget, booking(0, 42_000), room);
+    // 10 ms in 60 s: 43 C less log4 of 6000.
+    close(reached.peak_c, 43.0 - libm::log2(6000.0) / 2.0);
+    assert!(reached.cem43_min > 0.0 && reached.omega > 0.0);
+    let omega = Limits {
+        dose_omega_ppm: 1,
+        ..HARD
+    };
+    let budget = Budget::new(&omega);
+    let mut skin = Skin::new();
+    assert_eq!(skin.room(&budget, booking(0, 42_000)).1, Reason::Dose);
+}
+
+#[test]
+fn dose_adds_up_while_skin_cools() {
+    let budget = Budget::new(&HARD);
+    let mut skin = Skin::new();
+    skin.heat(&budget, booking(0, 42_000), 15e-3);
+    let short = skin.clone().heat(&budget, booking(100_000, 100_001), 0.0);
+    let long = skin
+        .clone()
+        .heat(&budget, booking(60_000_000, 60_000_001), 0.0);
+    assert!(long.omega > short.omega && long.cem43_min > short.cem43_min);
+    // Rest alone: 2^-20 of a minute a minute, and a little for the latent allowance.
+    let mut rest = Skin::new();
+    let hour = rest.heat(&budget, booking(3_600_000_000, 3_600_000_001), 0.0);
+    let expected = 60.0 * libm::exp2(2.0 * (table::REST_C + table::LATENT_K[0] - 43.0));
+    assert!(
+        (hour.cem43_min / expected - 1.0).abs() < 1e-6,
+        "{}",
+        hour.cem43_min
+    );
+}
+
+#[test]
+fn heat_is_booked_late_and_never_before_what_is_booked() {
+    let budget = Budget::new(&HARD);
+    let latency = Duration::from_micros(12_000);
+    let mut skin = Skin::new();
+    assert_eq!(
+        skin.booking(us(1_000), us(42_000), latency),
+        booking(13_000, 54_000)
+    );
+    skin.heat(&budget, booking(13_000, 54_000), 1e-3);
+    assert_eq!(
+        skin.booking(us(50_000), us(60_000), latency),
+        booking(62_000, 72_000)
+    );
+    assert_eq!(
+        skin.booking(us(30_000), us(60_000), latency),
+        booking(54_000, 72_000)
+    );
+    assert_eq!(
+        skin.booking(us(30_000), us(40_000), latency),
+        booking(54_000, 54_001)
+    );
+}
+
+#[test]
+fn the_most_of_two_predictions_is_taken_row_by_row() {
+    let high = Predicted {
+        peak_c: 40.0,
+        mean_c: 34.0,
+        deep_c: 36.0,
+        omega: 1.0,
+        cem43_min: 0.0,
+    };
+    let mut most = Predicted {
+        mean_c: 39.0,
+        cem43_min: 2.0,
+        ..Predicted::REST
+    };
+    most.raise(&high);
+    let expected = Predicted {
+        mean_c: 39.0,
+        cem43_min: 2.0,
+        ..high
+    };
+    assert_eq!(most, expected);
+}
+
+#[test]
+fn the_end_of_time_is_no_trap() {
+    let budget = Budget::new(&HARD);
+    let mut skin = Skin::new();
+    let end = skin.booking(
+        Instant::FAR_FUTURE,
+        Instant::FAR_FUTURE,
+        Duration::from_millis(12),
+    );
+    assert!(skin.room(&budget, end).0.is_finite());
+    assert!(skin.heat(&budget, end, 1e-3).peak_c.is_finite());
+}

@@ -1,0 +1,385 @@
+//! Wires and alloys: what a shape-memory wire is made of. The built-in files carry the program's own constants.
+
+use palpate_core::physics::{Alloy, Hysteresis, Mechanics, WireParameters};
+use serde::Deserialize;
+
+use super::{FileError, Source};
+
+/// A wire, its alloy left open.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct WireFile {
+    /// Lower case with hyphens.
+    pub name: String,
+    /// What it is, in a sentence.
+    pub description: String,
+    /// Diameter, micrometres.
+    pub diameter_um: f64,
+    /// Length between the crimps, millimetres.
+    pub length_mm: f64,
+    /// What makes heat.
+    pub electrical: Electrical,
+    /// Where the heat goes.
+    pub thermal: ThermalValues,
+    /// How the phase follows the temperature; left out: generalised play.
+    #[serde(default)]
+    pub hysteresis: HysteresisLaw,
+    /// Strain and sag.
+    pub mechanical: Mechanical,
+}
+
+/// Resistance.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Electrical {
+    /// Between the terminals, as martensite at 33 C, Ohm.
+    pub resistance_ohm: f64,
+    /// Part of it that is wire and not crimps and leads.
+    pub wire_share: f64,
+    /// The wire's resistance as austenite over that as martensite.
+    pub austenite_ratio: f64,
+    /// Relative change of the wire's resistance with temperature, 1/K.
+    pub per_kelvin: f64,
+}
+
+/// Heat.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ThermalValues {
+    /// Density, kg/m3.
+    pub density_kg_m3: f64,
+    /// Specific heat, J/(kg K).
+    pub specific_heat_j_kgk: f64,
+    /// Latent heat of the whole transformation, J/kg.
+    pub latent_heat_j_kg: f64,
+    /// Conductivity, W/(m K).
+    pub conductivity_w_mk: f64,
+    /// Heat transfer to still air, W/(m2 K).
+    pub air_w_m2k: f64,
+    /// Conductance to the mount, W/K.
+    pub mount_w_k: f64,
+}
+
+/// Strain.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Mechanical {
+    /// Constant stress, MPa.
+    pub bias_stress_mpa: f64,
+    /// Young's modulus of austenite, GPa.
+    pub modulus_austenite_gpa: f64,
+    /// Young's modulus of martensite, GPa.
+    pub modulus_martensite_gpa: f64,
+    /// Strain of the whole transformation.
+    pub transformation_strain: f64,
+    /// Thermal expansion of austenite, 1/K.
+    pub expansion_austenite_per_k: f64,
+    /// Thermal expansion of martensite, 1/K.
+    pub expansion_martensite_per_k: f64,
+}
+
+/// A law of hysteresis.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum HysteresisLaw {
+    /// Generalised play.
+    #[default]
+    Play,
+    /// Liang and Rogers' cosine in straight pieces.
+    Cosine {
+        /// Pieces of a branch, 2 to 64.
+        pieces: u8,
+    },
+    /// A weighted sum of plays.
+    Plays {
+        /// How many, 1 to 16.
+        count: u8,
+        /// Hysteresis of the narrowest over the alloy's own.
+        narrowest: f64,
+    },
+}
+
+/// Transformation temperatures.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct AlloyFile {
+    /// Lower case with hyphens.
+    pub name: String,
+    /// What it is, in a sentence.
+    pub description: String,
+    /// Heating: austenite begins to form, degrees C.
+    pub austenite_start_c: f64,
+    /// Heating: all austenite, degrees C.
+    pub austenite_finish_c: f64,
+    /// Cooling: martensite begins to form, degrees C.
+    pub martensite_start_c: f64,
+    /// Cooling: all martensite, degrees C.
+    pub martensite_finish_c: f64,
+    /// Stress at which these hold, MPa.
+    pub reference_stress_mpa: f64,
+    /// Rise of the stress that moves them by a kelvin, MPa/K.
+    pub stress_mpa_k: f64,
+}
+
+impl AlloyFile {
+    /// Reads an alloy; [`WireFile::parameters`] checks its temperatures.
+    ///
+    /// # Errors
+    /// Names the line and key of what cannot be.
+    pub fn read(source: &Source) -> Result<Self, FileError> {
+        let alloy: Self = source.read()?;
+        source.heading(&alloy.name, &alloy.description)?;
+        let order = [
+            (
+                "martensite_start_c",
+                alloy.martensite_start_c,
+                alloy.martensite_finish_c,
+            ),
+            (
+                "austenite_start_c",
+                alloy.austenite_start_c,
+                alloy.martensite_start_c,
+            ),
+            (
+                "austenite_finish_c",
+                alloy.austenite_finish_c,
+                alloy.austenite_start_c,
+            ),
+        ];
+        source.range(
+            "martensite_finish_c",
+            alloy.martensite_finish_c,
+            -200.0..=1000.0,
+            "C",
+        )?;
+        for (key, value, below) in order {
+            source.range(key, value, -200.0..=1000.0, "C")?;
+            if value <= below {
+                let order = format!("more than {below}: Mf < Ms < As < Af");
+                return Err(source.bad(key, order));
+            }
+        }
+        source.range(
+            "reference_stress_mpa",
+            alloy.reference_stress_mpa,
+            0.0..=2000.0,
+            "MPa",
+        )?;
+        source.range("stress_mpa_k", alloy.stress_mpa_k, 0.1..=100.0, "MPa/K")?;
+        Ok(alloy)
+    }
+}
+
+impl WireFile {
+    /// Reads a wire.
+    ///
+    /// # Errors
+    /// Names the line and key of what cannot be.
+    pub fn read(source: &Source) -> Result<Self, FileError> {
+        let wire: Self = source.read()?;
+        source.heading(&wire.name, &wire.description)?;
+        let (e, t, m) = (&wire.electrical, &wire.thermal, &wire.mechanical);
+        for (key, value, low, high, unit) in [
+            ("diameter_um", wire.diameter_um, 10.0, 1000.0, "um"),
+            ("length_mm", wire.length_mm, 0.5, 100.0, "mm"),
+            (
+                "electrical.resistance_ohm",
+                e.resistance_ohm,
+                0.01,
+                1000.0,
+                "Ohm",
+            ),
+            ("electrical.wire_share", e.wire_share, 0.0, 1.0, ""),
+            (
+                "electrical.austenite_ratio",
+                e.austenite_ratio,
+                0.2,
+                5.0,
+                "",
+            ),
+            ("electrical.per_kelvin", e.per_kelvin, -0.01, 0.01, "1/K"),
+            (
+                "thermal.density_kg_m3",
+                t.density_kg_m3,
+                1000.0,
+                20_000.0,
+                "kg/m3",
+            ),
+            (
+                "thermal.specific_heat_j_kgk",
+                t.specific_heat_j_kgk,
+                100.0,
+                2000.0,
+                "J/kgK",
+            ),
+            (
+                "thermal.latent_heat_j_kg",
+                t.latent_heat_j_kg,
+                0.0,
+                1e5,
+                "J/kg",
+            ),
+            (
+                "thermal.conductivity_w_mk",
+                t.conductivity_w_mk,
+                0.0,
+                500.0,
+                "W/mK",
+            ),
+            ("thermal.air_w_m2k", t.air_w_m2k, 0.0, 2000.0, "W/m2K"),
+            ("thermal.mount_w_k", t.mount_w_k, 0.0, 1.0, "W/K"),
+            (
+                "mechanical.bias_stress_mpa",
+                m.bias_stress_mpa,
+                0.0,
+                1000.0,
+                "MPa",
+            ),
+            (
+                "mechanical.modulus_austenite_gpa",
+                m.modulus_austenite_gpa,
+                1.0,
+                500.0,
+                "GPa",
+            ),
+            (
+                "mechanical.modulus_martensite_gpa",
+                m.modulus_martensite_gpa,
+                1.0,
+                500.0,
+                "GPa",
+            ),
+            (
+                "mechanical.transformation_strain",
+                m.transformation_strain,
+                0.0,
+                0.2,
+                "",
+            ),
+            (
+                "mechanical.expansion_austenite_per_k",
+                m.expansion_austenite_per_k,
+                0.0,
+                1e-4,
+                "1/K",
+            ),
+            (
+                "mechanical.expansion_martensite_per_k",
+                m.expansion_martensite_per_k,
+                0.0,
+                1e-4,
+                "1/K",
+            ),
+        ] {
+            source.range(key, value, low..=high, unit)?;
+        }
+        match wire.hysteresis {
+            HysteresisLaw::Play => {}
+            HysteresisLaw::Cosine { pieces } => {
+                source.range("hysteresis.pieces", pieces, 2..=64, "")?;
+            }
+            HysteresisLaw::Plays { count, narrowest } => {
+                source.range("hysteresis.count", count, 1..=16, "")?;
+                source.range("hysteresis.narrowest", narrowest, 0.01..=1.0, "")?;
+            }
+        }
+        Ok(wire)
+    }
+
+    /// The wire of an alloy as the model takes it. Divisions, so that the numbers are those that stand in the
+    /// program.
+    #[must_use]
+    pub fn parameters(&self, alloy: &AlloyFile) -> WireParameters {
+        let (e, t, m) = (&self.electrical, &self.thermal, &self.mechanical);
+        WireParameters {
+            diameter_m: self.diameter_um / 1e6,
+            length_m: self.length_mm / 1e3,
+            density: t.density_kg_m3,
+            specific_heat: t.specific_heat_j_kgk,
+            latent_heat: t.latent_heat_j_kg,
+            conductivity: t.conductivity_w_mk,
+            resistance_ohm: e.resistance_ohm,
+            wire_share: e.wire_share,
+            austenite_ratio: e.austenite_ratio,
+            resistance_per_kelvin: e.per_kelvin,
+            air_h: t.air_w_m2k,
+            mount_w_per_k: t.mount_w_k,
+            bias_stress_pa: m.bias_stress_mpa * 1e6,
+            alloy: Alloy {
+                austenite_start_c: alloy.austenite_start_c,
+                austenite_finish_c: alloy.austenite_finish_c,
+                martensite_start_c: alloy.martensite_start_c,
+                martensite_finish_c: alloy.martensite_finish_c,
+                stress_per_kelvin: alloy.stress_mpa_k * 1e6,
+                reference_stress_pa: alloy.reference_stress_mpa * 1e6,
+            },
+            hysteresis: match self.hysteresis {
+                HysteresisLaw::Play => Hysteresis::Play,
+                HysteresisLaw::Cosine { pieces } => Hysteresis::Cosine { pieces },
+                HysteresisLaw::Plays { count, narrowest } => Hysteresis::Plays { count, narrowest },
+            },
+            mechanics: Mechanics {
+                modulus_austenite_pa: m.modulus_austenite_gpa * 1e9,
+                modulus_martensite_pa: m.modulus_martensite_gpa * 1e9,
+                transformation_strain: m.transformation_strain,
+                expansion_austenite: m.expansion_austenite_per_k,
+                expansion_martensite: m.expansion_martensite_per_k,
+                ..Mechanics::DEFAULT
+            },
+            ..WireParameters::FINAL
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wire(name: &str) -> WireFile {
+        WireFile::read(&Source::new(name, palpate_fixtures::wire(name).unwrap())).unwrap()
+    }
+
+    fn alloy(name: &str) -> AlloyFile {
+        AlloyFile::read(&Source::new(name, palpate_fixtures::alloy(name).unwrap())).unwrap()
+    }
+
+    #[test]
+    fn the_shipped_files_are_the_programs_own_constants() {
+        let (final_wire, first) = (wire("final-75um"), wire("first-100um"));
+        assert_eq!(final_wire.parameters(&alloy("low")), WireParameters::FINAL);
+        assert_eq!(first.parameters(&alloy("low")), WireParameters::FIRST);
+        let high = final_wire.parameters(&alloy("high"));
+        assert_eq!(high.alloy, Alloy::HIGH);
+        assert!(high.check().is_ok());
+    }
+
+    #[test]
+    fn laws_are_chosen_and_nonsense_is_named() {
+        let text = palpate_fixtures::wire("final-75um").unwrap();
+        let read = |text: String| WireFile::read(&Source::new("w.toml", text));
+        let plays = format!("{text}\n[hysteresis]\nlaw = \"plays\"\ncount = 5\nnarrowest = 0.2\n");
+        let law = read(plays).unwrap().hysteresis;
+        assert!(matches!(law, HysteresisLaw::Plays { count: 5, .. }));
+        let cosine = format!("{text}\n[hysteresis]\nlaw = \"cosine\"\npieces = 1\n");
+        assert!(
+            read(cosine)
+                .unwrap_err()
+                .to_string()
+                .contains("hysteresis.pieces")
+        );
+        let thick = text.replace("diameter_um = 75.0", "diameter_um = 7500.0");
+        let error = read(thick).unwrap_err().to_string();
+        assert!(error.contains("w.toml:4: diameter_um: expected"), "{error}");
+        let low = palpate_fixtures::alloy("low")
+            .unwrap()
+            .replace("= 78.0", "= 60.0");
+        let error = AlloyFile::read(&Source::new("a.toml", low)).unwrap_err();
+        assert!(error.to_string().contains("Mf < Ms < As < Af"), "{error}");
+    }
+}
