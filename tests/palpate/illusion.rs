@@ -56,7 +56,7 @@ fn settings() -> Vec<ModelSettings> {
                 .is_ok()
         })
         .collect();
-    assert_eq!(known.len(), 13, "laws by distances");
+    assert_eq!(known.len(), 16, "laws by distances");
     known
 }
 

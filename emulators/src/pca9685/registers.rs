@@ -53,10 +53,10 @@ impl Pca9685 {
         self.act(at);
         self.bus.message = if !self.answers(address, read) {
             Message::Idle
-        } else if address == map::SOFTWARE_RESET.0 {
-            Message::GeneralCall
         } else if read {
             Message::Read
+        } else if address == map::SOFTWARE_RESET.0 {
+            Message::GeneralCall
         } else {
             Message::Control
         };

@@ -1,5 +1,5 @@
 //! The few system calls that no safe crate has: I2C adapter functions and time-out, real-time priority
-//! (and locked memory, which belongs beside it).
+//! (and locked memory and core dumps, which belong beside them).
 //! Each `unsafe` stands alone with its reason.
 
 use std::os::fd::{AsRawFd, BorrowedFd};
@@ -7,6 +7,7 @@ use std::os::fd::{AsRawFd, BorrowedFd};
 use nix::errno::Errno;
 use nix::libc;
 use nix::sys::mman::{MlockAllFlags, mlockall};
+use nix::sys::prctl;
 use nix::sys::resource::{RLIM_INFINITY, Resource, getrlimit};
 
 /// `I2C_TIMEOUT` of `linux/i2c-dev.h`: units of 10 ms.
@@ -75,6 +76,15 @@ pub fn set_fifo_priority(priority: u8) -> Result<(), Errno> {
     // SAFETY: 0 is the calling thread; the structure is read during the call only.
     let result = unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const parameters) };
     Errno::result(result).map(drop)
+}
+
+/// No core dump of this program: while one is written the program counts as alive, its sockets stay open,
+/// and whoever waits for its end waits.
+///
+/// # Errors
+/// What the system says.
+pub fn forbid_core_dumps() -> Result<(), Errno> {
+    prctl::set_dumpable(false)
 }
 
 /// How much memory may be locked, bytes; `None` for all of it.

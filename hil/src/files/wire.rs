@@ -76,10 +76,10 @@ pub struct Mechanical {
     pub modulus_martensite_gpa: f64,
     /// Strain of the whole transformation.
     pub transformation_strain: f64,
-    /// Thermal expansion of austenite, micrometres a metre and kelvin.
-    pub expansion_austenite_um_mk: f64,
-    /// Thermal expansion of martensite, micrometres a metre and kelvin.
-    pub expansion_martensite_um_mk: f64,
+    /// Thermal expansion of austenite, 1/K.
+    pub expansion_austenite_per_k: f64,
+    /// Thermal expansion of martensite, 1/K.
+    pub expansion_martensite_per_k: f64,
 }
 
 /// A law of hysteresis.
@@ -263,18 +263,18 @@ impl WireFile {
                 "",
             ),
             (
-                "mechanical.expansion_austenite_um_mk",
-                m.expansion_austenite_um_mk,
+                "mechanical.expansion_austenite_per_k",
+                m.expansion_austenite_per_k,
                 0.0,
-                100.0,
-                "um/mK",
+                1e-4,
+                "1/K",
             ),
             (
-                "mechanical.expansion_martensite_um_mk",
-                m.expansion_martensite_um_mk,
+                "mechanical.expansion_martensite_per_k",
+                m.expansion_martensite_per_k,
                 0.0,
-                100.0,
-                "um/mK",
+                1e-4,
+                "1/K",
             ),
         ] {
             source.range(key, value, low..=high, unit)?;
@@ -328,8 +328,8 @@ impl WireFile {
                 modulus_austenite_pa: m.modulus_austenite_gpa * 1e9,
                 modulus_martensite_pa: m.modulus_martensite_gpa * 1e9,
                 transformation_strain: m.transformation_strain,
-                expansion_austenite: m.expansion_austenite_um_mk / 1e6,
-                expansion_martensite: m.expansion_martensite_um_mk / 1e6,
+                expansion_austenite: m.expansion_austenite_per_k,
+                expansion_martensite: m.expansion_martensite_per_k,
                 ..Mechanics::DEFAULT
             },
             ..WireParameters::FINAL

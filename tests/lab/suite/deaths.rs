@@ -10,7 +10,9 @@
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
+use nix::sys::ptrace;
 use nix::sys::signal::{Signal, kill};
+use nix::sys::wait::{WaitPidFlag, WaitStatus, waitpid};
 use nix::time::{ClockId, clock_gettime};
 use nix::unistd::Pid;
 use serde_json::Value;
@@ -94,25 +96,44 @@ fn guardian_of(run: &Child) -> Pid {
 }
 
 impl Death {
-    fn strike(self, run: &Child) -> Option<Child> {
+    fn strike(self, run: &Child, guardian: Pid) {
         let pid = Pid::from_raw(run.id() as i32);
         match self {
             Self::By(signal) => kill(pid, signal).unwrap(),
-            Self::Guardian => kill(guardian_of(run), Signal::SIGKILL).unwrap(),
+            Self::Guardian => kill(guardian, Signal::SIGKILL).unwrap(),
             Self::OutOfMemory => {
                 sh(&format!(
                     "echo 1000 > /proc/{pid}/oom_score_adj; echo f > /proc/sysrq-trigger"
                 ));
             }
-            Self::Hang => {
-                let script = here().join("suite/clients/stop_thread.py");
-                let mut stopper = Command::new("python3");
-                stopper.arg(script).arg(pid.to_string()).arg("loop");
-                return Some(stopper.spawn().unwrap());
+            Self::Hang => stop_thread(pid, "loop"),
+        }
+    }
+}
+
+/// Stops one thread of a process, by its name, until somebody kills the process.
+fn stop_thread(pid: Pid, name: &str) {
+    let threads = std::fs::read_dir(format!("/proc/{pid}/task")).unwrap();
+    let is_named = |path: &std::path::PathBuf| {
+        let comm = std::fs::read_to_string(path.join("comm"));
+        comm.is_ok_and(|comm| comm.trim() == name)
+    };
+    let found = threads.map(|t| t.unwrap().path()).find(is_named).unwrap();
+    let thread = found.file_name().unwrap().to_string_lossy().parse();
+    let thread = Pid::from_raw(thread.unwrap());
+    let (send, stopped) = std::sync::mpsc::channel();
+    // A thread's tracer is a thread too, and has to take note of its end.
+    std::thread::spawn(move || {
+        ptrace::seize(thread, ptrace::Options::empty()).unwrap();
+        ptrace::interrupt(thread).unwrap();
+        send.send(()).unwrap();
+        while let Ok(status) = waitpid(thread, Some(WaitPidFlag::__WALL)) {
+            if matches!(status, WaitStatus::Exited(..) | WaitStatus::Signaled(..)) {
+                return;
             }
         }
-        None
-    }
+    });
+    stopped.recv().unwrap();
 }
 
 /// Waits until the chip drives, then for a moment within the burst.
@@ -157,15 +178,17 @@ fn no_death_leaves_an_output_on() {
         for n in 0..count {
             let mut run = run(&emulator, "--record /tmp/death.log");
             wait_for_a_burst(&mut emulator, &mut moments);
+            let guardian = guardian_of(&run);
             let struck = now_ns();
-            let helper = death.strike(&run);
+            death.strike(&run, guardian);
+            let ended = run.wait().unwrap();
+            // Only when both are gone is nobody left who could still switch off.
+            while std::fs::exists(format!("/proc/{guardian}")).unwrap() {
+                std::thread::sleep(Duration::from_millis(20));
+            }
             match off_for_good(&mut emulator, struck) {
                 Some(delay_ns) => delays.push(delay_ns as f64 * 1e-6),
                 None => left_on.push(format!("{death:?} {n}")),
-            }
-            let ended = run.wait().unwrap();
-            if let Some(mut helper) = helper {
-                helper.wait().unwrap();
             }
             if matches!(
                 death,
@@ -230,7 +253,7 @@ fn an_adapter_that_was_unplugged_and_comes_back_is_switched_off_first() {
         return;
     }
     let mut emulator = Emulator::start(&["--await-start", "--scene", "sphere-along"]);
-    let mut run = run(&emulator, "--json");
+    let mut run = run(&emulator, "");
     emulator.wait_for("driving");
     let driver = "/sys/bus/hid/drivers/mcp2221";
     let device = sh(&format!("ls {driver} | grep -m1 04D8"));

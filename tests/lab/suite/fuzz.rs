@@ -25,5 +25,5 @@ fn random_ioctls_leave_node_and_emulator_in_order() {
         ["0x1e", "0x11"]
     );
     let record: Value = emulator.stop();
-    assert!(record["transfers"].as_u64().unwrap() > 1000, "{record}");
+    assert!(record["transfers"].as_u64().unwrap() > 100, "{record}");
 }

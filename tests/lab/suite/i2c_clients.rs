@@ -110,6 +110,7 @@ fn rust_pwm_pca9685_over_linux_embedded_hal() {
     pwm.set_channel_on_off(Channel::C2, 0, 100).unwrap();
     sh("sleep 0.5");
     pwm.set_channel_full_off(Channel::C2).unwrap();
+    drop(pwm); // the kernel keeps an adapter until its last client has closed the node
     let record = emulator.stop();
     let (pulses, longest) = wire(&record, 2);
     assert!(pulses > 10, "{record}");

@@ -7,6 +7,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 mod can_clients;
+mod can_flood;
 mod deaths;
 mod emulator;
 mod fuzz;

@@ -115,14 +115,13 @@ impl Interface {
         loop {
             let open = self.endpoint.take();
             let registered = open.map(watched);
-            match registered {
-                Some(Ok(fd)) => {
-                    if self.serve_open(&fd).await.is_none() {
-                        return;
-                    }
-                }
-                Some(Err(error)) => self.note(format!("cannot be waited for: {error}")),
-                None => {}
+            if let Some(Err(error)) = &registered {
+                self.note(format!("cannot be waited for: {error}"));
+            }
+            if let Some(Ok(fd)) = registered
+                && self.serve_open(&fd).await.is_none()
+            {
+                return;
             }
             tokio::time::sleep(ROUND).await;
             if self.commands.is_closed() {

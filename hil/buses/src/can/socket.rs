@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn error_frames_keep_class_and_data() {
-        let id = libc::CAN_ERR_FLAG | libc::CAN_ERR_BUSOFF as u32;
+        let id = libc::CAN_ERR_FLAG | libc::CAN_ERR_BUSOFF;
         assert_eq!(
             content(&bytes(id, 8)),
             Content::Error(0x40, [0x93, 0x7e, 0x31, 0x7e, 0x15, 0x93, 0x12, 0x0f])

@@ -55,7 +55,7 @@ impl Stamps {
         let at = match packet.hardware_ns {
             Some(hardware) => {
                 self.hardware += 1;
-                self.from_controller(hardware, arrived)
+                self.by_controller(hardware, arrived)
             }
             None => arrived,
         };
@@ -66,7 +66,7 @@ impl Stamps {
 
     /// A controller's time on our clock. A frame can only be seen late, so the smallest distance between
     /// the clocks is the true one; it may grow no faster than clocks drift.
-    fn from_controller(&mut self, hardware: i64, arrived: i64) -> i64 {
+    fn by_controller(&mut self, hardware: i64, arrived: i64) -> i64 {
         let seen = arrived.saturating_sub(hardware);
         let offset = match self.offset {
             Some((offset, since)) if (seen - offset).abs() < JUMP_NS => {

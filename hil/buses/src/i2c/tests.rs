@@ -7,14 +7,17 @@ use palpate_core::units::{Instant, Prescale};
 
 use super::*;
 
+/// Address and bytes of every write.
+type Writes = Arc<Mutex<Vec<(u8, Vec<u8>)>>>;
+
 /// An adapter that remembers writes, answers reads with their number, and can be held.
 struct Double {
-    writes: Arc<Mutex<Vec<(u8, Vec<u8>)>>>,
+    writes: Writes,
     hold: Arc<Mutex<()>>,
     fault: Option<FaultKind>,
 }
 
-type Seen = (Line, Arc<Mutex<Vec<(u8, Vec<u8>)>>>, Arc<Mutex<()>>);
+type Seen = (Line, Writes, Arc<Mutex<()>>);
 
 fn line(fault: Option<FaultKind>) -> Seen {
     let (writes, hold) = (Arc::default(), Arc::default());

@@ -41,7 +41,7 @@ const SET_SPEED: u8 = 0x20;
 mod engine {
     /// Another controller holds the bus: EAGAIN.
     pub const BUSY: u8 = 0x01;
-    /// No START was possible, or the clock stayed low: EIO.
+    /// No START was possible, or the clock stayed low: ETIMEDOUT.
     pub const START_TIMEOUT: u8 = 0x12;
     /// Nobody acknowledged the address: ENXIO.
     pub const ADDRESS_NACK: u8 = 0x25;
@@ -131,7 +131,10 @@ impl Mcp2221 {
                 self.fetch(&mut answer);
             }
             command::STATUS => {
-                self.flush(bus);
+                // A mere question does not end the wait for a repeated START: the driver asks one there.
+                if asked[2] == CANCEL || asked[3] == SET_SPEED {
+                    self.flush(bus);
+                }
                 self.status(&asked, &mut answer);
             }
             command::GET_PINS => {

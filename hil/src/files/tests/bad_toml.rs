@@ -283,7 +283,7 @@ fn files_that_do_not_fit_together() {
     let same = ("", "");
     assert_eq!(
         join(("drives = 0", "drives = 1"), same),
-        "s.toml:11: drives: expected a module of `uskin-4x4`, 0 to 0, found 1"
+        "s.toml:12: drives: expected a module of `uskin-4x4`, 0 to 0, found 1"
     );
     assert_eq!(
         join(("diameter_mm", "module = 2\ndiameter_mm"), same),

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 
 use palpate_buses::can::CanBuses;
 use palpate_buses::pacer::{Lateness, Pacer};
-use palpate_buses::sys::{lock_memory, set_fifo_priority};
+use palpate_buses::sys::{forbid_core_dumps, lock_memory, set_fifo_priority};
 use palpate_core::bus::SensorBus;
 use palpate_core::contact::Levels;
 use palpate_core::projector::{Cause, LoopError, Projector};
@@ -71,6 +71,8 @@ pub fn run(setup: &Setup, seed: u64, files: &[(Kind, PathBuf)]) -> Result<Outcom
             bench.name
         )));
     };
+    // An abort in the middle of a burst must be noticed at once; refused, it is noticed by the heartbeat.
+    let _ = forbid_core_dumps();
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
     let levels = if scene.touches.is_empty() {
         Levels::Dynamic(u16::try_from(scene.compression.ki).unwrap_or(u16::MAX))
