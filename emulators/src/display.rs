@@ -250,7 +250,7 @@ impl Display {
             self.wires[wire].set_current(at, load.amps);
             let (since, before) = self.flowing[wire];
             let watts = load.amps * load.amps * self.parameters.resistance_ohm;
-            if watts != before {
+            if watts.to_bits() != before.to_bits() {
                 self.flowing[wire] = (at, watts);
                 self.keep(wire, since, at, before);
             }

@@ -245,7 +245,7 @@ fn many_threads_find_what_one_finds() {
                     [
                         0.0,
                         0.0,
-                        if r.next_u64() % 3 == 0 {
+                        if r.next_u64().is_multiple_of(3) {
                             (100.0 * r.uniform()) as f32
                         } else {
                             0.0

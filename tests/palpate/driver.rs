@@ -82,20 +82,20 @@ fn an_update_is_one_contiguous_write_of_what_changed() {
                 0x06 + 8, // LED2_ON_L
                 0x00,
                 0x02,
-                0x64,
-                0x02, // ON 512, OFF 612
+                0x32,
+                0x02, // ON 512, OFF 562
                 0x00,
                 0x00,
                 0x00,
                 0x10, // full off
                 0x00,
                 0x04,
-                0x32,
-                0x04, // ON 1024, OFF 1074
+                0x19,
+                0x04, // ON 1024, OFF 1049
             ],
         ),
         // Only wire 0 widens: one channel.
-        Transaction::write(0x40, vec![0x06 + 8, 0x00, 0x02, 0x6E, 0x02]),
+        Transaction::write(0x40, vec![0x06 + 8, 0x00, 0x02, 0x37, 0x02]),
         // The end: both off, full-off bit set, ON kept.
         Transaction::write(
             0x40,
@@ -118,16 +118,17 @@ fn an_update_is_one_contiguous_write_of_what_changed() {
     ]);
     let mut guard = guard(&[(0, 2), (0, 3), (0, 4)]);
     let mut bank = Pca9685Bank::new(mock.clone(), &[0x40], PRE);
-    let first = [stimulus(0, 100, 0), stimulus(2, 50, 0)];
+    let first = [stimulus(0, 50, 0), stimulus(2, 25, 0)];
     let update = guard.admit(Instant::ZERO, Board(0), &first, |_| ());
     bank.apply(&update).unwrap();
     // The same again writes nothing.
     bank.apply(&update).unwrap();
-    let at = Instant::from_micros(58_500);
-    let second = [stimulus(0, 110, 58_500), stimulus(2, 50, 58_500)];
+    // In mid-burst, which then lasts 45 of its 50 ms.
+    let at = Instant::from_micros(10_000);
+    let second = [stimulus(0, 55, 10_000), stimulus(2, 25, 10_000)];
     bank.apply(&guard.admit(at, Board(0), &second, |_| ()))
         .unwrap();
-    bank.apply(&guard.release(Instant::from_micros(93_500), Board(0)))
+    bank.apply(&guard.release(Instant::from_micros(45_000), Board(0)))
         .unwrap();
     mock.done();
 }

@@ -83,10 +83,10 @@ fn place() -> impl Strategy<Value = Point> {
     (-25.0f32..25.0, -25.0f32..25.0).prop_map(|(x, y)| Point::new(x, y))
 }
 
-/// How far activations may move over 0.01 mm. Shares move by a quarter a millimetre at most on these
+/// How far activations may move over 0.01 mm. Shares move by 0.3 a millimetre at most on these
 /// arrays; a root of a share is steep where the share begins, hence the power.
 fn modulus(model: Model) -> Option<f32> {
-    let share = 0.25f32 * 0.01;
+    let share = 0.3f32 * 0.01;
     match model {
         Model::Phantom => Some(0.01),
         Model::Linear => Some(share + 1e-4),

@@ -99,14 +99,14 @@ impl Cells {
                 (f64::from(p.x), f64::from(p.y))
             };
             let radius = (0..n).map(|i| apart(at(0), at(i))).fold(0.0, f64::max);
-            for i in 0..n {
+            for (i, &wire) in polygon.iter().enumerate() {
                 let (before, here, after) = (at(i + n - 1), at(i), at(i + 1));
                 let length = apart(here, after);
                 let normal = (-(after.1 - here.1) / length, (after.0 - here.0) / length);
                 let offset = -(normal.0 * here.0 + normal.1 * here.1);
                 let factor = cross(before, here, after) / (apart(before, here) * length);
                 corners.push(Corner {
-                    wire: polygon[i] as u16, // a display has at most 256 wires
+                    wire: wire as u16, // a display has at most 256 wires
                     edge: [normal.0, normal.1, offset].map(|v| (v / radius) as f32),
                     factor: factor as f32,
                 });

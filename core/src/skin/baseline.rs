@@ -141,8 +141,9 @@ impl Baseline {
     /// Moves the reference of every usable taxel not in contact by `share` (0 to 1) of its way to the readings the
     /// frame was made from.
     pub(super) fn follow(&mut self, frame: &RelativeFrame, thresholds: &[f32], share: f32) {
-        for i in 0..self.taxels() {
-            if !frame.usable()[i] || frame.magnitude()[i] > thresholds[i] {
+        let limits = thresholds.iter().take(self.taxels());
+        for (i, &threshold) in limits.enumerate() {
+            if !frame.usable()[i] || frame.magnitude()[i] > threshold {
                 continue;
             }
             for axis in 0..3 {

@@ -47,6 +47,7 @@ pub fn decays(lambda: &[f64; NODES], t: f64) -> ([f64; NODES], [f64; NODES]) {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // exact by construction
 mod tests {
     use super::*;
 

@@ -170,7 +170,7 @@ fn bad_benches_and_limits() {
         (
             "kind = \"emulated\"",
             "kind = \"real\"",
-            &["kind", "emulated", "real"],
+            &["kind", "expected a [real] table that names the buses"],
         ),
         ("channel = 1", "channel = 0", &["outputs[1]", "expected"]),
         (

@@ -272,7 +272,14 @@ fn a_can_log_replays_to_the_same_contacts_and_the_same_log() {
     let (first, second) = (path("a.csv"), path("b.csv"));
     good(&["run", "--record", &log, "--record", &first]);
     good(&[
-        "run", "--replay", &log, "--record", &again, "--record", &second,
+        "run",
+        "sphere-along",
+        "--replay",
+        &log,
+        "--record",
+        &again,
+        "--record",
+        &second,
     ]);
     let text = folder.text("a.log");
     // 16 taxels at 100 Hz for 10 s, and each line as candump writes it.

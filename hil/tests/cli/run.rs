@@ -162,20 +162,11 @@ fn illusion_options_change_the_run_and_are_checked() {
 
 #[test]
 fn what_is_not_built_is_refused_and_not_ignored() {
-    for option in [
-        "--watch",
-        "--explain",
-        "--can",
-        "--i2c",
-        "--junit",
-        "--limits",
-        "--seeds",
-    ] {
+    for option in ["--watch", "--junit", "--limits", "--seeds"] {
         refused_with(&["run", option], &[option]);
     }
     for name in [
-        "emulate", "record", "replay", "texture", "test", "review", "diff", "bench", "off",
-        "doctor",
+        "record", "replay", "texture", "test", "review", "diff", "bench",
     ] {
         refused_with(&[name], &[name]);
     }

@@ -53,7 +53,7 @@ fn benches() {
             (
                 "kind = \"emulated\"",
                 "kind = \"toy\"",
-                "f.toml:4: kind: expected `emulated`, found `toy`",
+                "f.toml:4: kind: expected `emulated` or `real`, found `toy`",
             ),
             (
                 "channel = 1\n",
@@ -287,7 +287,7 @@ fn files_that_do_not_fit_together() {
     );
     assert_eq!(
         join(("diameter_mm", "module = 2\ndiameter_mm"), same),
-        "s.toml:31: touches[0].module: expected a module of `uskin-4x4`, 0 to 0, found 2"
+        "s.toml:32: touches[0].module: expected a module of `uskin-4x4`, 0 to 0, found 2"
     );
     assert_eq!(
         join(("uskin-4x4", "thimble-8"), same),
