@@ -5,8 +5,9 @@ use core::fmt;
 use crate::schedule::Timing;
 use crate::units::Duration;
 
-/// Longest stimulus that a law asks for: the guard's longest burst.
-pub const LONGEST: Duration = Duration::from_millis(50);
+/// Longest stimulus that a law asks for: what the guard passes whole of its longest burst, 50 ms from the first
+/// edge to the last, less a pulse and the bus (0.2 ms and 1 ms).
+pub const LONGEST: Duration = Duration::from_micros(48_800);
 /// Duration where neither it nor an onset asynchrony is stated (thesis chapter 5).
 pub const USUAL: Duration = Duration::from_millis(35);
 

@@ -295,14 +295,14 @@ fn files_that_do_not_fit_together() {
     );
     assert_eq!(
         join(("uskin-4x4", "uskin"), same),
-        "s.toml:5: layout: expected a layout (allegro, scattered-12, tactile-brush-4x3, thimble-8, three-in-line, uskin-4x4, uskin-4x4-pair, uskin-4x6) or a file, found \"uskin\""
+        "s.toml:5: layout: expected a layout (allegro, digit, h1-body, icub-body, icub-forearm, million, scattered-12, tactile-brush-4x3, thimble-8, three-in-line, uskin-4x4, uskin-4x4-pair, uskin-4x6) or a file, found \"uskin\""
     );
     assert_eq!(
         join(
             ("[expect]", "[map]\ndisplay = \"three-in-line\"\n[expect]"),
             same
         ),
-        "s.toml:39: map.display: expected the bench's display, `thimble-8`, found \"three-in-line\""
+        "s.toml:40: map.display: expected the bench's display, `thimble-8`, found \"three-in-line\""
     );
     assert_eq!(
         join(same, ("thimble-8", "three-in-line")),
