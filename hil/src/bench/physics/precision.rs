@@ -150,8 +150,11 @@ fn one(case: &Case, findings: &mut Findings) -> Result<(), String> {
     Ok(())
 }
 
+/// A method with its largest and last error, K, and its median run time.
+type Point = ((Method, (f64, f64)), f64);
+
 /// How much faster the default is than diffsol where diffsol is as accurate as it, or as accurate as it gets.
-fn compare(case: &str, points: &[((Method, (f64, f64)), f64)]) -> Option<String> {
+fn compare(case: &str, points: &[Point]) -> Option<String> {
     let ours = points.iter().find(|p| p.0.0 == Method::Default)?;
     let peers = points
         .iter()
