@@ -413,7 +413,7 @@ impl Summary {
         }
         for (index, m) in self.margins.iter().enumerate() {
             let line = format!(
-                "{:<23}{:>8} of {:>7} {:<3} {:>4.0} % used{}",
+                "{:<27}{:>8} of {:>7} {:<3} {:>4.0} % used{}",
                 m.name,
                 short(m.worst),
                 short(m.limit),

@@ -212,7 +212,7 @@ pub(super) fn summary(page: &mut String, trace: &Trace, extras: &ReportExtras<'_
          Temperatures come from the model of wire and finger.</p></section></div>",
         match trace.header.limits.skin_milli_c {
             Some(_) => "Skin is modelled 0.1 mm deep.",
-            None => "Skin is modelled 0.1 mm deep; the guard has no limit on it yet.",
+            None => "Skin is modelled 0.1 mm deep; its limits stand below.",
         }
     );
 }
