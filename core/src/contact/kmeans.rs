@@ -1,7 +1,7 @@
 //! Weighted K-means in the plane: seeding (4.4), assignment (4.5, 4.6), update (4.7), stop (4.8).
 //!
 //! Coordinates lie in separate arrays. Distances are taken as differences first: expanded squares lose all
-//! digits in f32. Sums run in f64 in one fixed order ([`super::passes`]), so results are the same on every machine.
+//! digits in f32. Sums run in f64 in one fixed order (the module `passes`), so results are the same on every machine.
 //!
 //! Ties go to the lowest index. A cluster left empty is moved onto the point that adds most to the cost; if no
 //! point is off its centroid there is nothing to gain and it stays, so this ends on duplicates too.
