@@ -1,14 +1,13 @@
 //! can-utils and python-can, unchanged, on the interface that `hil emulate` serves.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
 
 use palpate_core::units::Instant;
 use palpate_core::wire::uskin::{IdProfile, Message, Place, Reading, decode, encode};
 use palpate_records::candump::{Logged, read, write_line};
 
 use super::emulator::Emulator;
-use super::tools::{here, in_lab, python, sh, text, try_sh, vcan};
+use super::tools::{here, in_lab, python, scratch, sh, text, try_sh, vcan};
 
 /// What candump hears in a while, in its own log format.
 fn heard(interface: &str, seconds: f64) -> Vec<Logged> {
@@ -91,7 +90,7 @@ fn canplayer_replays_a_log_that_we_wrote() {
         );
         frames.push(frame);
     }
-    let file = PathBuf::from("/tmp/ours.log");
+    let file = scratch("ours.log");
     std::fs::write(&file, &log).unwrap();
     let back = sh(&format!(
         "(sleep 1; canplayer -I {}) & exec timeout 60 candump -n 160 -L vcan1",

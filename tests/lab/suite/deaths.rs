@@ -18,7 +18,7 @@ use nix::unistd::Pid;
 use serde_json::Value;
 
 use super::emulator::Emulator;
-use super::tools::{here, in_lab, sh, try_sh};
+use super::tools::{here, in_lab, scratch, sh, try_sh};
 
 /// Time for whatever still wants to drive to show itself, after everything was off.
 const QUIET: Duration = Duration::from_millis(700);
@@ -173,10 +173,11 @@ fn no_death_leaves_an_output_on() {
         "others" => *death != DEATHS[0],
         _ => true,
     };
+    let file = scratch("death.log");
     for death in DEATHS.into_iter().filter(is_chosen) {
         let mut delays = Vec::new();
         for n in 0..count {
-            let mut run = run(&emulator, "--record /tmp/death.log");
+            let mut run = run(&emulator, &format!("--record {}", file.display()));
             wait_for_a_burst(&mut emulator, &mut moments);
             let guardian = guardian_of(&run);
             let struck = now_ns();
@@ -197,7 +198,7 @@ fn no_death_leaves_an_output_on() {
                 assert!(ended.success(), "{death:?}: {ended}");
             }
             // What was recorded until then is whole lines of a log.
-            let log = std::fs::read_to_string("/tmp/death.log").unwrap();
+            let log = std::fs::read_to_string(&file).unwrap();
             assert!(
                 log.lines().count() > 100 && log.ends_with('\n'),
                 "{death:?}"
@@ -288,14 +289,19 @@ fn silence_on_can_and_a_full_disk_end_in_outputs_off() {
         "the run survives the silence"
     );
 
-    sh("mkdir -p /tmp/small; mount -t tmpfs -o size=64k tmpfs /tmp/small");
-    let mut full = run(&emulator, "--record /tmp/small/a.log");
+    let small = scratch("small");
+    let disk = small.display();
+    sh(&format!(
+        "mkdir -p {disk}; mount -t tmpfs -o size=64k tmpfs {disk}"
+    ));
+    let file = small.join("a.log");
+    let mut full = run(&emulator, &format!("--record {}", file.display()));
     emulator.wait_for("driving");
     let ended = full.wait().unwrap();
     assert_eq!(ended.code(), Some(3));
     assert!(off_for_good(&mut emulator, 0).is_some(), "full disk");
-    let log = std::fs::read_to_string("/tmp/small/a.log").unwrap();
+    let log = std::fs::read_to_string(&file).unwrap();
     assert!(log.lines().count() > 100);
-    try_sh("umount /tmp/small");
+    try_sh(&format!("umount {disk}"));
     emulator.stop();
 }

@@ -54,6 +54,11 @@ pub fn python(script: &str, arguments: &str) -> String {
     sh(&format!("{python} {} {arguments}", script.display()))
 }
 
+/// A place of this run's own for a file.
+pub fn scratch(name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("palpate-lab-{}-{name}", std::process::id()))
+}
+
 /// This package's folder.
 pub fn here() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))

@@ -6,11 +6,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::read_to_string;
+use std::path::Path;
 
 use serde_json::Value;
 
 use super::emulator::Emulator;
-use super::tools::{in_lab, sh};
+use super::tools::{in_lab, scratch, sh};
 
 const SCENE: &str = "sphere-along";
 /// Share of contacts that must be those of the run in one process to the last digit.
@@ -23,7 +24,7 @@ const TICKS: i64 = 12;
 const SAME_STIMULI: f64 = 0.8;
 
 /// Contacts as `place, intensity, members`, with their times, microseconds.
-fn contacts(file: &str) -> Vec<(i64, String)> {
+fn contacts(file: &Path) -> Vec<(i64, String)> {
     let text = read_to_string(file).unwrap();
     let row = |line: &str| {
         let cells: Vec<&str> = line.split(',').collect();
@@ -34,7 +35,7 @@ fn contacts(file: &str) -> Vec<(i64, String)> {
 }
 
 /// Onset and width of every stimulus, by channel.
-fn stimuli(file: &str) -> BTreeMap<u64, Vec<(i64, i64)>> {
+fn stimuli(file: &Path) -> BTreeMap<u64, Vec<(i64, i64)>> {
     let mut by_channel: BTreeMap<u64, Vec<(i64, i64)>> = BTreeMap::new();
     for line in read_to_string(file).unwrap().lines().skip(1) {
         let entry: Value = serde_json::from_str(line).unwrap();
@@ -55,19 +56,25 @@ fn the_loop_through_device_nodes_is_the_loop_in_one_process() {
         return;
     }
     let hil = std::env::var("PALPATE_HIL").unwrap();
+    let [inside_csv, outside_csv] = ["in.csv", "out.csv"].map(scratch);
+    let [inside_plan, outside_plan] = ["in.jsonl", "out.jsonl"].map(scratch);
     sh(&format!(
-        "{hil} run {SCENE} --quiet --record /tmp/in.csv --schedule /tmp/in.jsonl"
+        "{hil} run {SCENE} --quiet --record {} --schedule {}",
+        inside_csv.display(),
+        inside_plan.display()
     ));
     let emulator = Emulator::start(&["--await-start", "--scene", SCENE]);
     let summary = sh(&format!(
-        "{hil} run {SCENE} --can vcan0 --i2c {} --json --record /tmp/out.csv --schedule /tmp/out.jsonl",
-        emulator.node
+        "{hil} run {SCENE} --can vcan0 --i2c {} --json --record {} --schedule {}",
+        emulator.node,
+        outside_csv.display(),
+        outside_plan.display()
     ));
     let record = emulator.stop();
     let summary: Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["source"], "real");
 
-    let (inside, outside) = (contacts("/tmp/in.csv"), contacts("/tmp/out.csv"));
+    let (inside, outside) = (contacts(&inside_csv), contacts(&outside_csv));
     let known: BTreeSet<&String> = inside.iter().map(|c| &c.1).collect();
     let same = outside.iter().filter(|c| known.contains(&c.1)).count();
     let share = |part: usize, of: usize| part as f64 / of.max(1) as f64;
@@ -87,7 +94,7 @@ fn the_loop_through_device_nodes_is_the_loop_in_one_process() {
     assert!(!shifts.is_empty(), "not one contact is the same");
     let shift = shifts[shifts.len() / 2];
 
-    let (wanted, found) = (stimuli("/tmp/in.jsonl"), stimuli("/tmp/out.jsonl"));
+    let (wanted, found) = (stimuli(&inside_plan), stimuli(&outside_plan));
     let (mut near, mut all) = (0, 0);
     for (channel, found) in &found {
         for (at, width) in found {
