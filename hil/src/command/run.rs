@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use palpate_core::illusion::Model;
 use palpate_records::contacts_csv::write_contacts;
+use palpate_records::golden::schedule_golden;
 use palpate_records::report::{ReportExtras, SummaryRow, Thermal, report_html};
 use palpate_records::schedule::write_schedule;
 
@@ -16,6 +17,7 @@ use crate::files::{
 use crate::output::{make_folder, note, print, write_file};
 use crate::plan;
 use crate::run::{self, Input, Keep, Outcome};
+use crate::trial::{Trial, Verdict, judge, junit};
 
 use crate::run::real::Kind as LiveKind;
 
@@ -32,6 +34,7 @@ enum Format {
     Contacts,
     Schedule,
     Can,
+    Golden,
     Report,
     Summary,
 }
@@ -42,8 +45,9 @@ impl Format {
             Some("csv") => Ok(Self::Contacts),
             Some("jsonl") => Ok(Self::Schedule),
             Some("log") => Ok(Self::Can),
+            Some("snap") => Ok(Self::Golden),
             _ => Err(Failure::Input(format!(
-                "--record {}: expected a name that ends in .csv (contacts), .jsonl (schedule) or .log (candump)",
+                "--record {}: expected a name that ends in .csv (contacts), .jsonl (schedule), .log (candump) or .snap (golden)",
                 path.display()
             ))),
         }
@@ -54,6 +58,7 @@ impl Format {
             Self::Contacts => write_contacts(&outcome.trace, out),
             Self::Schedule => write_schedule(&outcome.trace, out),
             Self::Can => write_can_log(&outcome.can, out),
+            Self::Golden => out.write_all(schedule_golden(&outcome.trace).as_bytes()),
             Self::Report => out.write_all(report(outcome).as_bytes()),
             Self::Summary => {
                 serde_json::to_writer_pretty(&mut *out, &outcome.summary)?;
@@ -101,6 +106,10 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
             ));
         }
     };
+    let checks = args
+        .junit
+        .as_ref()
+        .map(|path| (path, judge(&setup, &outcome)));
     let failure = outcome.failure.take();
     if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.quiet) {
         note(&format!("{hz} rows a second, from {}", meta.display()));
@@ -111,6 +120,16 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     }
     for (format, path) in &files {
         format.write(path, &outcome)?;
+    }
+    let mut failed = None;
+    if let Some((path, tried)) = checks {
+        let took = std::time::Duration::from_secs_f64(outcome.summary.wall_s);
+        let trial = Trial::of(&setup.scene.value.name, tried, took);
+        let text = junit(&setup.bench.value.name, std::slice::from_ref(&trial));
+        write_file(path, |out| out.write_all(text.as_bytes()))?;
+        if let Verdict::Failed(wrong) = trial.verdict {
+            failed = Some(Failure::Check(wrong.join("; ")));
+        }
     }
     if args.json {
         print(|out| {
@@ -130,7 +149,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.explain {
         explained(args, |out| explain::done(&outcome.effort, out))?;
     }
-    failure.map_or(Ok(()), Err)
+    failure.or(failed).map_or(Ok(()), Err)
 }
 
 /// The files that a real run writes while it runs, and those that come after it.
@@ -142,7 +161,7 @@ fn split(files: Vec<(Format, PathBuf)>) -> (Vec<(LiveKind, PathBuf)>, Vec<(Forma
             Format::Contacts => live.push((LiveKind::Contacts, path)),
             Format::Schedule => live.push((LiveKind::Schedule, path)),
             Format::Can => live.push((LiveKind::Can, path)),
-            Format::Report | Format::Summary => later.push((format, path)),
+            Format::Golden | Format::Report | Format::Summary => later.push((format, path)),
         }
     }
     (live, later)
