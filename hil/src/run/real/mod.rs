@@ -177,8 +177,21 @@ fn drive(
                 }
             }
         }
-        let banks = &mut live.banks;
-        supervisor.resume(now, &mut projector, banks, &mut recorder.events);
+        match projector.guard().latched() {
+            // The boards were started anew and read back: a transient fault of the bus is over.
+            Some(Cause::ActuatorError) => {
+                supervisor.resume(now, &mut projector, &mut live.banks, &mut recorder.events);
+            }
+            // Outputs stay off until a person has looked; the skin is still read and recorded.
+            Some(cause) if failure.is_none() => {
+                let cause = why(cause);
+                recorder.note(now, format!("stopped: {cause}"));
+                // A guardian that is gone ends the run at the next heartbeat.
+                let _ = live.watchman.guardian.stop(cause);
+                failure = Some(stopped(real, cause));
+            }
+            _ => {}
+        }
         let before = recorder.frames;
         let begun = clock::now();
         let polled = projector.poll(now, &mut can, &mut live.banks, &mut recorder);
@@ -269,6 +282,27 @@ fn take_priority() -> Result<(), Failure> {
             errno.desc()
         ))
     })
+}
+
+/// What the guard stopped a run for.
+const fn why(cause: Cause) -> &'static str {
+    match cause {
+        Cause::StaleInput => "stale-input: no sensor frame for 100 ms while a wire was driven",
+        Cause::LateTick => "late-tick: this computer was too late to end a stimulus in time",
+        other => other.word(),
+    }
+}
+
+/// A run whose outputs the guard has switched off for good, with the way back.
+fn stopped(real: &Real, cause: &str) -> Failure {
+    let buses = real
+        .i2c
+        .iter()
+        .map(|bus| format!(" --i2c {}", bus.display()));
+    Failure::Guard(format!(
+        "{cause}; outputs are off and stay off. Look at the bench, then clear the stop: hil off --unlatch{}",
+        buses.collect::<String>()
+    ))
 }
 
 /// Tells every board of the layout to send.
