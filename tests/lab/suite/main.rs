@@ -14,4 +14,5 @@ mod fuzz;
 mod i2c_clients;
 mod sja1000;
 mod tools;
+mod ward;
 mod whole_loop;

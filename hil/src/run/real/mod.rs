@@ -29,6 +29,7 @@ use super::{Outcome, Summary, TICK, boards, build, scene_levels};
 use crate::clock;
 use crate::failure::Failure;
 use crate::files::{Real, Setup};
+use crate::output::note;
 
 use bench::Live;
 use journal::{Journal, Tap};
@@ -73,6 +74,8 @@ pub fn run(setup: &Setup, seed: u64, files: &[(Kind, PathBuf)]) -> Result<Outcom
     };
     // An abort in the middle of a burst must be noticed at once; refused, it is noticed by the heartbeat.
     let _ = forbid_core_dumps();
+    // A backtrace takes its time, and outputs are on while it is made: the place has to do.
+    std::panic::set_hook(Box::new(|panic| note(&panic.to_string())));
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
     let levels = if scene.touches.is_empty() {
         Levels::Dynamic(u16::try_from(scene.compression.ki).unwrap_or(u16::MAX))
@@ -154,6 +157,10 @@ fn drive(
             recorder.note(now, format!("stopped by {signal}"));
             break;
         }
+        assert!(
+            !signals.wants_panic(),
+            "a drill, by PALPATE_DRILL and SIGUSR1"
+        );
         can.now = now;
         while let Some(note) = can.inner.note() {
             recorder.note(note.at, note.text);
