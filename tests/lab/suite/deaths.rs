@@ -17,7 +17,7 @@ use nix::sys::wait::{WaitPidFlag, WaitStatus, waitpid};
 use nix::unistd::Pid;
 use palpate_records::candump;
 
-use super::tools::{hil, in_lab, scene, scratch, sh, text, try_sh};
+use super::tools::{hil, in_lab, number_of, scene, scratch, sh, text, try_sh};
 use super::ward::{Fate, Moments, Run, Stalls, Ward, now_ns};
 
 /// Bursts come every 58.5 ms; a blow falls anywhere in the first four.
@@ -65,11 +65,6 @@ const DEATHS: [Death; 13] = [
     Death::LateTurn,
     Death::FullDisk,
 ];
-
-fn number_of(name: &str, default: u64) -> u64 {
-    let said = std::env::var(name).ok();
-    said.map_or(default, |n| n.parse().unwrap())
-}
 
 impl Death {
     /// Strikes; returns when.

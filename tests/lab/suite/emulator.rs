@@ -1,5 +1,8 @@
 //! `hil emulate` as a process, with what it says.
 
+// These tests live in the lab's own time.
+#![allow(clippy::disallowed_methods)]
+
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -18,6 +21,8 @@ pub struct Emulator {
     lines: Receiver<Value>,
     /// Events told so far.
     pub told: Vec<Value>,
+    /// Whether a chip drives, by what was told.
+    pub is_driving: bool,
     /// `/dev/i2c-N`.
     pub node: String,
     /// The GPIO chip whose line 0 is on the chips' OE pins, if it is.
@@ -51,6 +56,7 @@ impl Emulator {
             child,
             lines,
             told: Vec::new(),
+            is_driving: false,
             node: String::new(),
             oe: None,
         };
@@ -78,7 +84,7 @@ impl Emulator {
         loop {
             match self.lines.recv_timeout(ROUND) {
                 Ok(told) => {
-                    self.told.push(told.clone());
+                    self.note(told.clone());
                     silence = Duration::ZERO;
                     if told["event"] == event {
                         return told;
@@ -95,7 +101,6 @@ impl Emulator {
 
     /// Takes in what is told until nothing but the edges of a steady state has been for this long.
     #[track_caller]
-    #[allow(clippy::disallowed_methods)] // the lab's own time is what is measured here
     pub fn hear_until_quiet(&mut self, quiet: Duration) {
         let began = std::time::Instant::now();
         let mut changed = began;
@@ -105,9 +110,26 @@ impl Emulator {
                 if told["event"] != "edge" {
                     changed = std::time::Instant::now();
                 }
-                self.told.push(told);
+                self.note(told);
             }
         }
+    }
+
+    /// Takes in what is told within a time.
+    pub fn hear(&mut self, time: Duration) {
+        std::thread::sleep(time);
+        while let Ok(told) = self.lines.try_recv() {
+            self.note(told);
+        }
+    }
+
+    fn note(&mut self, told: Value) {
+        match told["event"].as_str() {
+            Some("driving") => self.is_driving = true,
+            Some("all_off") => self.is_driving = false,
+            _ => {}
+        }
+        self.told.push(told);
     }
 
     /// Whether it still runs.

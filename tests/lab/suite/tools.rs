@@ -73,6 +73,12 @@ pub fn scene(name: &str) -> String {
     file.display().to_string()
 }
 
+/// A number that the environment may say.
+pub fn number_of(name: &str, default: u64) -> u64 {
+    let said = std::env::var(name).ok();
+    said.map_or(default, |n| n.parse().unwrap())
+}
+
 /// A place of this run's own for a file.
 pub fn scratch(name: &str) -> PathBuf {
     std::env::temp_dir().join(format!("palpate-lab-{}-{name}", std::process::id()))

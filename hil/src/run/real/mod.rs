@@ -59,11 +59,16 @@ struct Done {
 }
 
 /// Runs a scene's length on a real bench: what touches the skin is up to the world. `files` grow while it
-/// runs.
+/// runs; unless `quiet`, what happens to the bench is told on standard error.
 ///
 /// # Errors
 /// [`Failure`] for input that fits no loop, or a bench that cannot be opened or started.
-pub fn run(setup: &Setup, seed: u64, files: &[(Kind, PathBuf)]) -> Result<Outcome, Failure> {
+pub fn run(
+    setup: &Setup,
+    seed: u64,
+    files: &[(Kind, PathBuf)],
+    quiet: bool,
+) -> Result<Outcome, Failure> {
     let started = clock::now();
     let (scene, bench) = (&setup.scene.value, &setup.bench.value);
     let Some(real) = &bench.real else {
@@ -83,7 +88,7 @@ pub fn run(setup: &Setup, seed: u64, files: &[(Kind, PathBuf)]) -> Result<Outcom
         scene_levels(setup, seed)?
     };
     let projector = build(setup, seed, levels)?;
-    let journal = Journal::start(files, &header(setup, seed, &projector)?)?;
+    let journal = Journal::start(files, &header(setup, seed, &projector)?, quiet)?;
     let keeps_can = files.iter().any(|(kind, _)| *kind == Kind::Can);
     let (live, can) = Live::open(bench, real, projector.layout())?;
     let length = Instant::from_micros((scene.length_s * 1e6).round() as u64);
