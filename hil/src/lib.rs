@@ -12,4 +12,6 @@ pub mod files;
 pub mod output;
 pub mod parallel;
 pub mod plan;
+pub mod record;
 pub mod run;
+pub mod watch;

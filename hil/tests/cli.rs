@@ -9,6 +9,8 @@ mod contacts;
 mod input;
 #[path = "cli/outputs.rs"]
 mod outputs;
+#[path = "cli/records.rs"]
+mod records;
 #[path = "cli/run.rs"]
 mod run;
 

@@ -10,6 +10,7 @@ pub mod page;
 pub mod physics;
 pub mod plot;
 pub mod projection;
+pub mod records;
 pub mod table;
 pub mod timing;
 
@@ -73,7 +74,7 @@ pub struct Family {
 }
 
 /// Every family, in the order of the pages.
-pub const FAMILIES: [Family; 4] = [
+pub const FAMILIES: [Family; 5] = [
     Family {
         name: "physics",
         measure: physics::measure,
@@ -89,6 +90,10 @@ pub const FAMILIES: [Family; 4] = [
     Family {
         name: "loop",
         measure: projection::measure,
+    },
+    Family {
+        name: "records",
+        measure: records::measure,
     },
 ];
 

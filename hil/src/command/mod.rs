@@ -9,6 +9,7 @@ mod explain;
 mod guardian;
 mod off;
 mod rate;
+mod record;
 mod run;
 
 pub use bench::bench;
@@ -17,4 +18,5 @@ pub use doctor::doctor;
 pub use emulate::emulate;
 pub use guardian::guardian;
 pub use off::off;
+pub use record::{record, replay};
 pub use run::run;

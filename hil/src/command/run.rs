@@ -5,19 +5,21 @@ use std::path::{Path, PathBuf};
 
 use palpate_core::illusion::Model;
 use palpate_records::contacts_csv::write_contacts;
+use palpate_records::mcap::{Traffic, write_mcap};
 use palpate_records::report::{ReportExtras, SummaryRow, Thermal, report_html};
 use palpate_records::schedule::write_schedule;
+use palpate_records::vcd::write_vcd;
 
 use crate::cli::{RunArgs, Switch};
 use crate::failure::Failure;
 use crate::files::{
     self, BenchKind, IllusionModel, Kind, Scene, Setup, load_layout, load_scene, write_can_log,
 };
-use crate::output::{make_folder, note, print, write_file};
+use crate::output::{make_folder, note, print, write_file, write_sidecar};
 use crate::plan;
 use crate::run::{self, Input, Keep, Outcome};
 
-use crate::run::real::Kind as LiveKind;
+use crate::record::Kind as LiveKind;
 
 use super::devices::bench;
 use super::explain;
@@ -32,6 +34,8 @@ enum Format {
     Contacts,
     Schedule,
     Can,
+    Mcap,
+    Vcd,
     Report,
     Summary,
 }
@@ -42,18 +46,31 @@ impl Format {
             Some("csv") => Ok(Self::Contacts),
             Some("jsonl") => Ok(Self::Schedule),
             Some("log") => Ok(Self::Can),
+            Some("mcap") => Ok(Self::Mcap),
+            Some("vcd") => Ok(Self::Vcd),
             _ => Err(Failure::Input(format!(
-                "--record {}: expected a name that ends in .csv (contacts), .jsonl (schedule) or .log (candump)",
+                "--record {}: expected a name that ends in .csv (contacts), .jsonl (schedule), .log (candump), .mcap (everything) or .vcd (pins, ticks, temperatures)",
                 path.display()
             ))),
         }
     }
 
-    fn write(self, path: &Path, outcome: &Outcome) -> Result<(), Failure> {
+    fn write(self, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
+        if self == Self::Contacts {
+            write_sidecar(path, Some(&outcome.trace.header))?;
+        }
         write_file(path, |out| match self {
             Self::Contacts => write_contacts(&outcome.trace, out),
+            Self::Mcap => {
+                let traffic = Traffic {
+                    can: &outcome.can,
+                    i2c: &outcome.i2c,
+                };
+                write_mcap(&outcome.trace, traffic, &run::attachments(setup), out)
+            }
+            Self::Vcd => write_vcd(&outcome.trace, out),
             Self::Schedule => write_schedule(&outcome.trace, out),
-            Self::Can => write_can_log(&outcome.can, out),
+            Self::Can => write_can_log(&outcome.can, &[], out),
             Self::Report => out.write_all(report(outcome).as_bytes()),
             Self::Summary => {
                 serde_json::to_writer_pretty(&mut *out, &outcome.summary)?;
@@ -81,8 +98,11 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.explain {
         explained(args, |out| explain::plan(&setup, out))?;
     }
+    let wants = |wanted| files.iter().any(|(format, _)| *format == wanted);
     let keep = Keep {
-        can: files.iter().any(|(format, _)| *format == Format::Can),
+        can: wants(Format::Can) || wants(Format::Mcap),
+        i2c: wants(Format::Mcap),
+        watch: args.watch,
     };
     let is_real = setup.bench.value.kind == BenchKind::Real;
     let mut outcome = match (is_real, args.replay.is_empty()) {
@@ -93,7 +113,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
             }
             let (live, later) = split(files);
             files = later;
-            run::real::run(&setup, args.seed, &live)?
+            run::real::run(&setup, args.seed, &live, args.watch)?
         }
         (true, false) => {
             return Err(Failure::Input(
@@ -102,6 +122,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         }
     };
     let failure = outcome.failure.take();
+    outcome.notes.iter().for_each(|text| note(text));
     if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.quiet) {
         note(&format!("{hz} rows a second, from {}", meta.display()));
     }
@@ -110,7 +131,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         make_folder(folder)?;
     }
     for (format, path) in &files {
-        format.write(path, &outcome)?;
+        format.write(path, &setup, &outcome)?;
     }
     if args.json {
         print(|out| {
@@ -142,6 +163,8 @@ fn split(files: Vec<(Format, PathBuf)>) -> (Vec<(LiveKind, PathBuf)>, Vec<(Forma
             Format::Contacts => live.push((LiveKind::Contacts, path)),
             Format::Schedule => live.push((LiveKind::Schedule, path)),
             Format::Can => live.push((LiveKind::Can, path)),
+            Format::Mcap => live.push((LiveKind::Mcap, path)),
+            Format::Vcd => live.push((LiveKind::Vcd, path)),
             Format::Report | Format::Summary => later.push((format, path)),
         }
     }

@@ -12,6 +12,7 @@ mod deaths;
 mod emulator;
 mod fuzz;
 mod i2c_clients;
+mod records;
 mod sja1000;
 mod tools;
 mod whole_loop;

@@ -10,13 +10,16 @@ use signal_hook::flag;
 
 /// The wish to end.
 #[derive(Debug)]
-pub(super) struct Signals {
+pub struct Signals {
     caught: Arc<AtomicUsize>,
 }
 
 impl Signals {
     /// Catches SIGINT, SIGTERM and SIGHUP from now on.
-    pub(super) fn catch() -> io::Result<Self> {
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn catch() -> io::Result<Self> {
         let caught = Arc::new(AtomicUsize::new(0));
         let again = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM, SIGHUP] {
@@ -29,7 +32,7 @@ impl Signals {
     }
 
     /// The signal that came, by name.
-    pub(super) fn caught(&self) -> Option<&'static str> {
+    pub fn caught(&self) -> Option<&'static str> {
         match self.caught.load(Ordering::Relaxed) as i32 {
             SIGINT => Some("SIGINT"),
             SIGTERM => Some("SIGTERM"),
