@@ -5,6 +5,7 @@
 //! machine. Only builds with the feature `bench` have this room: peers never reach the ordinary program.
 
 pub mod compression;
+pub mod emulators;
 pub mod illusion;
 pub mod page;
 pub mod physics;
@@ -78,6 +79,10 @@ pub const FAMILIES: [Family; 5] = [
     Family {
         name: "physics",
         measure: physics::measure,
+    },
+    Family {
+        name: "emulators",
+        measure: emulators::measure,
     },
     Family {
         name: "compression",
