@@ -75,7 +75,7 @@ pub struct Family {
 }
 
 /// Every family, in the order of the pages.
-pub const FAMILIES: [Family; 5] = [
+pub const FAMILIES: [Family; 6] = [
     Family {
         name: "physics",
         measure: physics::measure,
