@@ -265,6 +265,9 @@ pub struct EmulateArgs {
     /// The boards wait for a start command (20f#0700), and the scene begins with it.
     #[arg(long)]
     pub await_start: bool,
+    /// Pin 0 of the bridge is on the chips' OE pins, with a pull-up: a GPIO line that cuts every output.
+    #[arg(long)]
+    pub oe: bool,
     /// Seed of all randomness.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,

@@ -98,7 +98,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
             }
             let (live, later) = split(files);
             files = later;
-            run::real::run(&setup, args.seed, &live)?
+            run::real::run(&setup, args.seed, &live, args.quiet)?
         }
         (true, false) => {
             return Err(Failure::Input(

@@ -17,6 +17,7 @@ use palpate_records::trace::{Event, Header};
 
 use crate::failure::Failure;
 use crate::files::write_can_log;
+use crate::output::note;
 
 /// What a file of the journal holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,11 +46,15 @@ pub(super) struct Journal {
 }
 
 impl Journal {
-    /// Creates the files with their first lines.
+    /// Creates the files with their first lines. Unless `quiet`, notes are told to people as well.
     ///
     /// # Errors
     /// [`Failure::Write`] for the first that cannot be written.
-    pub(super) fn start(files: &[(Kind, PathBuf)], header: &Header) -> Result<Self, Failure> {
+    pub(super) fn start(
+        files: &[(Kind, PathBuf)],
+        header: &Header,
+        quiet: bool,
+    ) -> Result<Self, Failure> {
         let mut open = Vec::new();
         for (kind, path) in files {
             let mut first = Vec::new();
@@ -73,7 +78,7 @@ impl Journal {
         let thread = std::thread::Builder::new()
             .name("journal".into())
             .spawn(move || {
-                let result = keep(&mut open, &orders);
+                let result = keep(&mut open, &orders, quiet);
                 flag.store(result.is_err(), Ordering::Relaxed);
                 result
             })
@@ -126,9 +131,18 @@ fn failure(path: &std::path::Path, error: io::Error) -> Failure {
 }
 
 /// Writes pieces until there are no more.
-fn keep(files: &mut [(Kind, PathBuf, File)], pieces: &Receiver<Piece>) -> Result<(), Failure> {
+fn keep(
+    files: &mut [(Kind, PathBuf, File)],
+    pieces: &Receiver<Piece>,
+    quiet: bool,
+) -> Result<(), Failure> {
     let mut text = Vec::new();
     while let Ok(piece) = pieces.recv() {
+        for event in piece.events.iter().filter(|_| !quiet) {
+            if let Event::Note { t_us, text } = event {
+                note(&format!("{:.3} s: {text}", *t_us as f64 * 1e-6));
+            }
+        }
         for (kind, path, file) in &mut *files {
             text.clear();
             let rendered = match kind {
@@ -209,7 +223,7 @@ mod tests {
             (Kind::Contacts, folder.join("c.csv")),
             (Kind::Schedule, folder.join("s.jsonl")),
         ];
-        let mut journal = Journal::start(&files, &trace.header).unwrap();
+        let mut journal = Journal::start(&files, &trace.header, true).unwrap();
         for end in 0..=trace.events.len() {
             let whole = |i: usize| trace.events.get(i).map(Event::t_ns);
             if end == trace.events.len() || whole(end) != whole(end.wrapping_sub(1)) {
@@ -229,7 +243,7 @@ mod tests {
     fn a_full_disk_is_noticed() {
         let header = trace().header;
         let files = [(Kind::Contacts, PathBuf::from("/dev/full"))];
-        let refused = Journal::start(&files, &header).err().unwrap();
+        let refused = Journal::start(&files, &header, true).err().unwrap();
         assert_eq!(refused.status(), 3);
     }
 }
