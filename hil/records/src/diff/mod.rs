@@ -7,6 +7,7 @@ mod align;
 mod edges;
 mod golden;
 mod schedule;
+mod sections;
 mod story;
 mod tables;
 mod words;
