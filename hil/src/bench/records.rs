@@ -109,13 +109,21 @@ fn measured(folder: &Path) -> Result<Findings, Failure> {
     };
     let mut found = Findings::default();
     found.rows.push(row(CASE, "default", 0.0, "MB", alone));
-    let kept = row(CASE, "frames and transfers kept", 0.0, "MB", keeping - alone);
+    let kept = row(
+        CASE,
+        "frames and transfers kept",
+        0.0,
+        "MB",
+        keeping - alone,
+    );
     found.rows.push(kept);
     for ((kind, ending), samples) in KINDS.iter().zip(&samples[2..]) {
         write(*kind, &path(ending), &setup, &outcome)?;
         let bytes = fs::metadata(path(ending)).map_err(|e| device(&e))?.len();
         let size = bytes as f64 * 1e-6;
-        found.rows.push(row(CASE, ending, size, "MB", samples.median()));
+        found
+            .rows
+            .push(row(CASE, ending, size, "MB", samples.median()));
         let real = samples.median() / (LENGTH_S * 1e6) * 100.0;
         let computed = samples.median() / alone * 100.0;
         found.words.push(format!(
@@ -131,7 +139,13 @@ fn measured(folder: &Path) -> Result<Findings, Failure> {
         turn.samples.quantile(0.99)
     ));
     let case = "a turn of the loop, 24 frames";
-    found.rows.push(row(case, "default", share, "% of the loop", turn.samples.median()));
+    found.rows.push(row(
+        case,
+        "default",
+        share,
+        "% of the loop",
+        turn.samples.median(),
+    ));
     Ok(found)
 }
 
@@ -151,7 +165,11 @@ fn turns(setup: &Setup, outcome: &Outcome, path: &Path) -> Result<Turns, Failure
     while told < outcome.trace.events.len() || sent < outcome.can.len() {
         now = Duration::from_micros(now.as_micros() + 1000);
         let (begin, until) = (sent, now.as_micros());
-        while outcome.can.get(sent).is_some_and(|r| r.at.as_micros() < until) {
+        while outcome
+            .can
+            .get(sent)
+            .is_some_and(|r| r.at.as_micros() < until)
+        {
             sent += 1;
         }
         let past = |e: &Event| e.t_ns() < until * 1000;

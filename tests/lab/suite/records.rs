@@ -18,7 +18,8 @@ fn what_is_replayed_is_what_candump_hears_and_what_is_recorded() {
     vcan("vcan7");
     let hil = std::env::var("PALPATE_HIL").unwrap();
     let path = |name: &str| scratch(name).display().to_string();
-    let (run, log, recording, heard) = (path("a.log"), path("b.log"), path("b.mcap"), path("c.log"));
+    let (run, log, recording, heard) =
+        (path("a.log"), path("b.log"), path("b.mcap"), path("c.log"));
     sh(&format!("{hil} run idle --quiet --record {run}"));
     let played = sh(&format!(
         "{hil} record {log} {recording} --can vcan7 --quiet & recorder=$!
@@ -34,9 +35,17 @@ fn what_is_replayed_is_what_candump_hears_and_what_is_recorded() {
     let expected = frames(&read(&text(&run)).unwrap());
     assert!(expected.len() > 1000);
     assert_eq!(played["sent"], expected.len(), "{played}");
-    assert_eq!((&played["lost"], &played["left"]), (&0.into(), &0.into()), "{played}");
+    assert_eq!(
+        (&played["lost"], &played["left"]),
+        (&0.into(), &0.into()),
+        "{played}"
+    );
     assert_eq!(frames(&read(&text(&heard)).unwrap()), expected, "candump");
-    assert_eq!(frames(&read(&text(&log)).unwrap()), expected, "hil record, candump format");
+    assert_eq!(
+        frames(&read(&text(&log)).unwrap()),
+        expected,
+        "hil record, candump format"
+    );
     let recorded = mcap::read(&std::fs::read(&recording).unwrap()).unwrap();
     assert_eq!(recorded.damages, []);
     let recorded: Vec<_> = recorded.frames.iter().map(|r| r.frame).collect();
