@@ -351,6 +351,12 @@ impl Display {
         self.wires.get_mut(wire).map(|w| w.temperature(now))
     }
 
+    /// Temperature of the skin 0.1 mm deep under a wire now, degrees C; `None` if there is no such wire.
+    pub fn skin_c(&mut self, wire: usize) -> Option<f64> {
+        let now = self.now;
+        self.wires.get_mut(wire).map(|w| w.skin(now).0)
+    }
+
     /// What a person meets of the bursts that began at or after `since`: every wire that had one.
     pub fn vibrations(&self, since: Nanos) -> Vec<Vibration> {
         let met = |(wire, place): (&Wire, &Place)| {

@@ -107,6 +107,10 @@ pub enum Command {
     /// Serve the emulators to other programs, boards on CAN interfaces and the display behind a /dev/i2c-N,
     /// until stopped.
     Emulate(EmulateArgs),
+    /// Record live CAN interfaces, everything that crosses them, until stopped.
+    Record(RecordArgs),
+    /// Play a recording onto CAN interfaces, every frame at its time.
+    Replay(ReplayArgs),
     /// Run time against error, ours beside others': tables and plots (in builds with `--features bench`).
     Bench(BenchArgs),
     /// Two goldens, schedules or contact recordings, told in words; exit status 1 where a difference means something.
@@ -211,6 +215,42 @@ pub struct TestArgs {
     pub quiet: bool,
 }
 
+/// Options of `hil record`.
+#[derive(Debug, Args)]
+pub struct RecordArgs {
+    /// Files to write, .log (candump) or .mcap.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// A CAN interface; repeatable, the n-th is bus n.
+    #[arg(long, value_name = "IFACE", required = true)]
+    pub can: Vec<String>,
+    /// How long (default: until Ctrl-C).
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
+    pub seconds: Option<f64>,
+    /// Print the result as one JSON object.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+/// Options of `hil replay`.
+#[derive(Debug, Args)]
+pub struct ReplayArgs {
+    /// The recording, .log (candump) or .mcap.
+    pub file: PathBuf,
+    /// A CAN interface; repeatable, bus n of the recording plays on the n-th.
+    #[arg(long, value_name = "IFACE", required = true)]
+    pub can: Vec<String>,
+    /// Print the result as one JSON object.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
 /// Options of `hil doctor`.
 #[derive(Debug, Args)]
 pub struct DoctorArgs {
@@ -305,7 +345,8 @@ pub struct RunArgs {
     /// An I2C adapter (/dev/i2c-N), in place of the bench's; once a bus of the outputs.
     #[arg(long, value_name = "DEVICE")]
     pub i2c: Vec<PathBuf>,
-    /// Recorded taxels in place of the scene's touches: CSV, once a module of the layout, or one candump .log.
+    /// Recorded taxels in place of the scene's touches: CSV, once a module of the layout, or one
+    /// recording of its buses, a candump .log or an .mcap.
     #[arg(long, value_name = "FILE")]
     pub replay: Vec<PathBuf>,
     /// Sensor layout of the recording (default: the scene's).
@@ -329,14 +370,17 @@ pub struct RunArgs {
     /// Print the plan, and after the run what was done and what was left out.
     #[arg(long)]
     pub explain: bool,
+    /// Show the run as it goes, on a terminal; an emulated one is held to the wall clock.
+    #[arg(long)]
+    pub watch: bool,
     /// Write the schedule as JSON Lines.
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
     /// Write a report: one HTML page with plots.
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
-    /// Write a record; the ending names the format: .csv contacts, .jsonl schedule, .log candump, .snap golden.
-    /// Repeatable.
+    /// Write a record; the ending names the format: .csv contacts, .jsonl schedule, .log candump, .mcap
+    /// everything, .vcd pins, ticks and temperatures, .snap golden. Repeatable.
     #[arg(long, value_name = "FILE")]
     pub record: Vec<PathBuf>,
     /// Check what the scene expects and write the result as JUnit XML; exit status 1 where it does not hold.

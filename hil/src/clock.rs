@@ -1,9 +1,17 @@
 //! The one place that reads a clock.
 
-use std::time::Instant;
+use std::time::{Instant, SystemTime};
 
 /// The wall clock, for measuring how long something took.
 #[allow(clippy::disallowed_methods)]
 pub fn now() -> Instant {
     Instant::now()
+}
+
+/// Microseconds since 1970, for recordings that begin at a time of day; zero on a machine that thinks it is
+/// earlier.
+#[allow(clippy::disallowed_methods)]
+pub fn unix_us() -> u64 {
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+    since.map_or(0, |d| u64::try_from(d.as_micros()).unwrap_or(u64::MAX))
 }

@@ -18,6 +18,8 @@ fn main() -> ExitCode {
         Some(Command::Contacts(args)) => command::contacts(&args),
         Some(Command::Emulate(args)) => command::emulate(&args),
         Some(Command::Doctor(args)) => command::doctor(&args),
+        Some(Command::Record(args)) => command::record(&args),
+        Some(Command::Replay(args)) => command::replay(&args),
         Some(Command::Off(args)) => command::off(&args),
         Some(Command::Guardian(args)) => return ExitCode::from(command::guardian(args)),
         Some(Command::Bench(args)) => command::bench(&args),

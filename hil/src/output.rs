@@ -4,6 +4,9 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
+use palpate_records::table_schema::contacts_schema;
+use palpate_records::trace::Header;
+
 use crate::failure::Failure;
 
 /// Writes a file through a neighbour of it that is renamed at the end, so that an error or a full disk
@@ -59,11 +62,30 @@ pub fn write_file(
         })
 }
 
+/// Whether a path is or will be an ordinary file, which can have others beside it.
+fn is_ordinary(path: &Path) -> bool {
+    !is_stream(path) && fs::metadata(path).map_or(true, |there| there.is_file())
+}
+
 /// Whether a path names an open stream of this program, which may be a file elsewhere.
 fn is_stream(path: &Path) -> bool {
     ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc/self/fd"]
         .iter()
         .any(|stream| path.starts_with(stream))
+}
+
+/// Writes the schema of a contacts table beside it: `contacts.csv` has its types and units in
+/// `contacts.schema.json`. A table that goes down a pipe has nothing beside it.
+///
+/// # Errors
+/// As [`write_file`].
+pub fn write_sidecar(table: &Path, header: Option<&Header>) -> Result<(), Failure> {
+    if !is_ordinary(table) {
+        return Ok(());
+    }
+    write_file(&table.with_extension("schema.json"), |out| {
+        out.write_all(contacts_schema(header).as_bytes())
+    })
 }
 
 /// Makes a folder and those above it, where they are not there yet.

@@ -135,9 +135,14 @@ impl Segment {
         self
     }
 
+    /// From now on keeps the last `capacity` transactions for [`Segment::take_log`].
+    pub const fn keep_log(&mut self, capacity: usize) {
+        self.log_capacity = capacity;
+    }
+
     /// Keeps the last `capacity` transactions for [`Segment::take_log`].
     pub fn with_log(mut self, capacity: usize) -> Self {
-        self.log_capacity = capacity;
+        self.keep_log(capacity);
         self
     }
 

@@ -9,3 +9,4 @@ pub mod pacer;
 pub mod served;
 pub mod survey;
 pub mod sys;
+pub mod terminal;

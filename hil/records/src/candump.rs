@@ -26,6 +26,8 @@ pub struct Malformed {
     pub line: usize,
     /// What was expected.
     pub expected: &'static str,
+    /// Frames in the lines before it.
+    pub before: usize,
 }
 
 impl fmt::Display for Malformed {
@@ -44,6 +46,8 @@ pub struct Log {
     pub frames: Vec<Logged>,
     /// Lines passed over.
     pub other_kinds: usize,
+    /// The last line, where the log was cut in the middle of it; it is left out.
+    pub cut: Option<usize>,
 }
 
 /// Appends one line.
@@ -63,20 +67,28 @@ pub fn write_line(out: &mut String, at: Instant, interface: &str, frame: &CanFra
     out.push('\n');
 }
 
-/// Reads a whole log. Empty lines are passed over; a trailing direction (`R` or `T`) is accepted.
+/// Reads a whole log, or what a killed logger left of one. Empty lines are passed over; a trailing direction
+/// (`R` or `T`) is accepted.
 pub fn read(text: &str) -> Result<Log, Malformed> {
     let mut log = Log::default();
     for (n, line) in text.lines().enumerate() {
         if line.trim().is_empty() {
             continue;
         }
-        let malformed = |expected| Malformed {
-            line: n + 1,
-            expected,
-        };
-        match read_line(line).map_err(malformed)? {
-            Some(logged) => log.frames.push(logged),
-            None => log.other_kinds += 1,
+        let is_last = || text.ends_with(line);
+        match read_line(line) {
+            Ok(Some(logged)) => log.frames.push(logged),
+            Ok(None) => log.other_kinds += 1,
+            Err(_) if line.starts_with('(') && !log.frames.is_empty() && is_last() => {
+                log.cut = Some(n + 1);
+            }
+            Err(expected) => {
+                return Err(Malformed {
+                    line: n + 1,
+                    expected,
+                    before: log.frames.len(),
+                });
+            }
         }
     }
     Ok(log)
@@ -159,6 +171,21 @@ mod tests {
         let text = "(1.000000) can0 00000104#00 R\n\n(1.000000) can0 104#R\n(1.000000) can0 104##0AA\n(1.000000) can0 20000080#0000000000000000\n(1.000000) can0 104#00 T\n";
         let log = read(text).unwrap();
         assert_eq!((log.frames.len(), log.other_kinds), (1, 4));
+    }
+
+    #[test]
+    fn a_log_that_was_cut_is_read_up_to_the_cut() {
+        let text = "(1.000000) can0 104#00\n(1.000100) can0 104#000102\n";
+        for cut in 24..text.len() - 1 {
+            let log = read(&text[..cut]).unwrap();
+            // Whole bytes are a whole frame: a log cannot tell.
+            assert!(
+                log.frames.len() == 2 || log.cut == Some(2),
+                "{}",
+                &text[..cut]
+            );
+        }
+        assert_eq!(read("(1.0000").unwrap_err().line, 1, "nothing was saved");
     }
 
     #[test]

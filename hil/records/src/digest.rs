@@ -279,6 +279,16 @@ impl Sink {
                 self.u16(*wire);
                 self.i32(*milli_c);
             }
+            Event::Skin {
+                t_us,
+                wire,
+                milli_c,
+            } => {
+                self.u8(11);
+                self.u64(*t_us);
+                self.u16(*wire);
+                self.i32(*milli_c);
+            }
             Event::Note { t_us, text } => {
                 self.u8(10);
                 self.u64(*t_us);

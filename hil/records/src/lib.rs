@@ -12,10 +12,14 @@ pub mod digest;
 pub mod felt;
 mod fixed;
 pub mod golden;
+pub mod i2c;
+pub mod mcap;
 pub mod measure;
 pub mod report;
 pub mod schedule;
+pub mod table_schema;
 pub mod trace;
+pub mod vcd;
 pub mod words;
 
 #[cfg(test)]

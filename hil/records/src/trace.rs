@@ -6,7 +6,7 @@ use palpate_core::units::Prescale;
 use serde::Serialize;
 
 /// Version of the trace's meaning; grows when a field changes what it says.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// Whether hardware took part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -190,6 +190,15 @@ pub enum Event {
         /// Thousandths of a degree Celsius.
         milli_c: i32,
     },
+    /// Temperature of the skin under a wire, at the guard's depth of 0.1 mm.
+    Skin {
+        /// When.
+        t_us: u64,
+        /// Wire index in the display's layout.
+        wire: u16,
+        /// Thousandths of a degree Celsius.
+        milli_c: i32,
+    },
     /// Anything worth a line: a fault, a taxel left out, a degraded bus.
     Note {
         /// When.
@@ -212,6 +221,7 @@ impl Event {
             | Self::AllOff { t_us, .. }
             | Self::Felt { t_us, .. }
             | Self::Wire { t_us, .. }
+            | Self::Skin { t_us, .. }
             | Self::Note { t_us, .. } => t_us.saturating_mul(1000),
         }
     }

@@ -11,6 +11,7 @@ pub mod page;
 pub mod physics;
 pub mod plot;
 pub mod projection;
+pub mod records;
 pub mod table;
 pub mod timing;
 
@@ -74,7 +75,7 @@ pub struct Family {
 }
 
 /// Every family, in the order of the pages.
-pub const FAMILIES: [Family; 5] = [
+pub const FAMILIES: [Family; 6] = [
     Family {
         name: "physics",
         measure: physics::measure,
@@ -94,6 +95,10 @@ pub const FAMILIES: [Family; 5] = [
     Family {
         name: "loop",
         measure: projection::measure,
+    },
+    Family {
+        name: "records",
+        measure: records::measure,
     },
 ];
 

@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::files::{
     Columns, LayoutFile, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, load_layout, read_taxel_csv,
 };
-use crate::output::{make_folder, note, print, write_file};
+use crate::output::{make_folder, note, print, write_file, write_sidecar};
 use crate::plan;
 
 use super::rate::rate_of;
@@ -50,9 +50,9 @@ pub fn contacts(args: &ContactsArgs) -> Result<(), Failure> {
         None => print(|out| write_csv(&rows, level, out)),
         Some(folder) => {
             make_folder(folder)?;
-            write_file(&folder.join("contacts.csv"), |out| {
-                write_csv(&rows, level, out)
-            })
+            let table = folder.join("contacts.csv");
+            write_sidecar(&table, None)?;
+            write_file(&table, |out| write_csv(&rows, level, out))
         }
     }
 }

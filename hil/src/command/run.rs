@@ -6,20 +6,23 @@ use std::path::{Path, PathBuf};
 use palpate_core::illusion::Model;
 use palpate_records::contacts_csv::write_contacts;
 use palpate_records::golden::schedule_golden;
+use palpate_records::mcap::{Traffic, write_mcap};
 use palpate_records::report::{ReportExtras, SummaryRow, Thermal, report_html};
 use palpate_records::schedule::write_schedule;
+use palpate_records::vcd::write_vcd;
 
 use crate::cli::{RunArgs, Switch};
 use crate::failure::Failure;
 use crate::files::{
     self, BenchKind, IllusionModel, Kind, Scene, Setup, load_layout, load_scene, write_can_log,
 };
-use crate::output::{make_folder, note, print, write_file};
+use crate::output::{make_folder, note, print, write_file, write_sidecar};
 use crate::plan;
+use crate::run::real::Told;
 use crate::run::{self, Input, Keep, Outcome};
 use crate::trial::{Trial, Verdict, judge, junit};
 
-use crate::run::real::Kind as LiveKind;
+use crate::record::Kind as LiveKind;
 
 use super::devices::bench;
 use super::explain;
@@ -35,6 +38,8 @@ enum Format {
     Schedule,
     Can,
     Golden,
+    Mcap,
+    Vcd,
     Report,
     Summary,
 }
@@ -45,19 +50,32 @@ impl Format {
             Some("csv") => Ok(Self::Contacts),
             Some("jsonl") => Ok(Self::Schedule),
             Some("log") => Ok(Self::Can),
+            Some("mcap") => Ok(Self::Mcap),
+            Some("vcd") => Ok(Self::Vcd),
             Some("snap") => Ok(Self::Golden),
             _ => Err(Failure::Input(format!(
-                "--record {}: expected a name that ends in .csv (contacts), .jsonl (schedule), .log (candump) or .snap (golden)",
+                "--record {}: expected a name that ends in .csv (contacts), .jsonl (schedule), .log (candump), .mcap (everything), .vcd (pins, ticks, temperatures) or .snap (golden)",
                 path.display()
             ))),
         }
     }
 
-    fn write(self, path: &Path, outcome: &Outcome) -> Result<(), Failure> {
+    fn write(self, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
+        if self == Self::Contacts {
+            write_sidecar(path, Some(&outcome.trace.header))?;
+        }
         write_file(path, |out| match self {
             Self::Contacts => write_contacts(&outcome.trace, out),
+            Self::Mcap => {
+                let traffic = Traffic {
+                    can: &outcome.can,
+                    i2c: &outcome.i2c,
+                };
+                write_mcap(&outcome.trace, traffic, &run::attachments(setup), out)
+            }
+            Self::Vcd => write_vcd(&outcome.trace, out),
             Self::Schedule => write_schedule(&outcome.trace, out),
-            Self::Can => write_can_log(&outcome.can, out),
+            Self::Can => write_can_log(&outcome.can, &[], out),
             Self::Golden => out.write_all(schedule_golden(&outcome.trace).as_bytes()),
             Self::Report => out.write_all(report(outcome).as_bytes()),
             Self::Summary => {
@@ -86,8 +104,11 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.explain {
         explained(args, |out| explain::plan(&setup, out))?;
     }
+    let wants = |wanted| files.iter().any(|(format, _)| *format == wanted);
     let keep = Keep {
-        can: files.iter().any(|(format, _)| *format == Format::Can),
+        can: wants(Format::Can) || wants(Format::Mcap),
+        i2c: wants(Format::Mcap),
+        watch: args.watch,
     };
     let is_real = setup.bench.value.kind == BenchKind::Real;
     let mut outcome = match (is_real, args.replay.is_empty()) {
@@ -98,7 +119,11 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
             }
             let (live, later) = split(files);
             files = later;
-            run::real::run(&setup, args.seed, &live, args.quiet)?
+            let told = Told {
+                quiet: args.quiet,
+                watched: args.watch,
+            };
+            run::real::run(&setup, args.seed, &live, told)?
         }
         (true, false) => {
             return Err(Failure::Input(
@@ -111,6 +136,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         .as_ref()
         .map(|path| (path, judge(&setup, &outcome)));
     let failure = outcome.failure.take();
+    outcome.notes.iter().for_each(|text| note(text));
     if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.quiet) {
         note(&format!("{hz} rows a second, from {}", meta.display()));
     }
@@ -119,7 +145,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         make_folder(folder)?;
     }
     for (format, path) in &files {
-        format.write(path, &outcome)?;
+        format.write(path, &setup, &outcome)?;
     }
     let mut failed = None;
     if let Some((path, tried)) = checks {
@@ -161,6 +187,8 @@ fn split(files: Vec<(Format, PathBuf)>) -> (Vec<(LiveKind, PathBuf)>, Vec<(Forma
             Format::Contacts => live.push((LiveKind::Contacts, path)),
             Format::Schedule => live.push((LiveKind::Schedule, path)),
             Format::Can => live.push((LiveKind::Can, path)),
+            Format::Mcap => live.push((LiveKind::Mcap, path)),
+            Format::Vcd => live.push((LiveKind::Vcd, path)),
             Format::Golden | Format::Report | Format::Summary => later.push((format, path)),
         }
     }

@@ -28,7 +28,7 @@ mod schema;
 mod tests;
 
 pub use bench::{Amplifier, Bench, BenchKind, Drive, Output, OutputEnable, Real, Wire};
-pub use can_log::{is_can_log, read_can_log, write_can_log};
+pub use can_log::{CanRecording, is_can_recording, read_can_recording, write_can_log};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
 pub use illusion::{

@@ -1,7 +1,9 @@
 //! Rate and loss of every board and bus: what a run's summary says of its sensor end.
 
 use palpate_core::projector::Projector;
+use palpate_emulators::display::Display;
 use palpate_emulators::rig::SkinBus;
+use palpate_records::i2c::Transfer;
 use serde::Serialize;
 
 /// The slowest, median and fastest of several rates, Hz.
@@ -53,6 +55,20 @@ pub struct BusReport {
     pub overflows: u64,
 }
 
+impl BusReport {
+    /// In a line.
+    pub fn words(&self) -> String {
+        format!(
+            "bus {:<4} {:>5.1} % load, {:.0} frames/s, {} errors, {} overflows",
+            self.bus,
+            self.load * 100.0,
+            self.rate_hz,
+            self.errors.iter().sum::<u64>(),
+            self.overflows
+        )
+    }
+}
+
 /// Every board of the loop.
 pub fn boards(projector: &Projector) -> Vec<BoardReport> {
     let (layout, monitor) = (projector.layout(), projector.monitor());
@@ -102,4 +118,23 @@ pub fn buses(buses: &[SkinBus]) -> Vec<BusReport> {
         }
     };
     buses.iter().enumerate().map(report).collect()
+}
+
+/// What crossed a display's bus, if that was kept.
+pub fn transfers(display: &Display) -> Vec<Transfer> {
+    // Refused only from inside another look at the bus.
+    let log = display.bus().with(|bus| bus.take_log()).unwrap_or_default();
+    let messages = log.into_iter().flat_map(|record| {
+        let error = record.result.err().map(|e| e.to_string());
+        record.messages.into_iter().map(move |message| Transfer {
+            start_ns: record.start.0,
+            end_ns: record.end.0,
+            bus: 0,
+            address: message.address,
+            read: message.read,
+            data: message.bytes,
+            error: error.clone(),
+        })
+    });
+    messages.collect()
 }

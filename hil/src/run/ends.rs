@@ -9,11 +9,12 @@ use palpate_emulators::display::{Display, DisplayConfig, Place};
 use palpate_emulators::i2c::BusClock;
 use palpate_emulators::time::Nanos;
 use palpate_records::digest::short_digest;
+use palpate_records::mcap::Attachment;
 use palpate_records::trace::{self, Header, Limits, WireInfo};
 
 use super::recorder::um;
 use crate::failure::Failure;
-use crate::files::{BenchKind, Setup};
+use crate::files::{self, BenchKind, Setup};
 use crate::plan;
 
 /// The emulated display of a bench.
@@ -45,6 +46,27 @@ pub(crate) fn display(setup: &Setup, wires: &[Wire]) -> Result<Display, Failure>
         clock: BusClock::Fast,
     })
     .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))
+}
+
+/// The files that a run goes back to, as they were read.
+pub fn attachments(setup: &Setup) -> Vec<Attachment> {
+    let files = [
+        ("scene", &setup.scene.source),
+        ("sensor", &setup.sensor.source),
+        ("bench", &setup.bench.source),
+        ("display", &setup.display.source),
+        ("limits", &setup.limits.source),
+        ("wire", &setup.wire.source),
+        ("alloy", &setup.alloy.source),
+        ("perceiver", &setup.perceiver.source),
+    ];
+    let wearer = setup.wearer.as_ref().map(|w| ("wearer", &w.source));
+    let attached = |(name, source): (&str, &files::Source)| Attachment {
+        name: format!("{name}.toml"),
+        media_type: "application/toml",
+        text: source.text().into(),
+    };
+    files.into_iter().chain(wearer).map(attached).collect()
 }
 
 /// What was run, on what.

@@ -48,18 +48,27 @@ pub(super) fn feel(
     });
 }
 
-/// How warm every wire is now.
+/// How warm every wire is now, and the skin under it.
 pub(super) fn sample_wires(
     now: Instant,
     display: &mut Display,
     projector: &Projector,
     recorder: &mut Recorder,
 ) {
-    for wire in 0..projector.display().wires().len() {
-        if let Some(milli_c) = display.wire_c(wire).and_then(milli_c) {
+    let t_us = now.as_micros();
+    for index in 0..projector.display().wires().len() {
+        let wire = index as u16;
+        if let Some(milli_c) = display.wire_c(index).and_then(milli_c) {
             recorder.events.push(Event::Wire {
-                t_us: now.as_micros(),
-                wire: wire as u16,
+                t_us,
+                wire,
+                milli_c,
+            });
+        }
+        if let Some(milli_c) = display.skin_c(index).and_then(milli_c) {
+            recorder.events.push(Event::Skin {
+                t_us,
+                wire,
                 milli_c,
             });
         }

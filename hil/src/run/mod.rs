@@ -18,6 +18,7 @@ pub(crate) mod supervisor;
 mod tape;
 
 pub use boards::{BoardReport, BusReport, Spread};
+pub use ends::attachments;
 pub use recorder::um;
 pub use script::FaultReport;
 pub use summary::{IllTaxel, Summary, Taxels};
@@ -34,13 +35,16 @@ use palpate_core::units::{Duration, Instant};
 use palpate_emulators::can::faults::Faulty;
 use palpate_emulators::i2c::fault::{I2cFault, I2cFaults, Shared};
 use palpate_emulators::time::Nanos;
+use palpate_records::i2c::Transfer;
 use palpate_records::report::{SkinLimits, Warmth};
 use palpate_records::trace::{Event, Ledger, Trace};
 
 use crate::clock;
 use crate::failure::Failure;
 use crate::files::Setup;
+use crate::output::note;
 use crate::plan;
+use crate::watch::Watch;
 
 use effort::Effort;
 use ends::{display, header};
@@ -88,6 +92,10 @@ pub struct Outcome {
     pub failure: Option<Failure>,
     /// Frames on the sensor buses as the host saw them, if they were to be kept.
     pub can: Vec<Received>,
+    /// Messages on the actuator buses, if they were to be kept.
+    pub i2c: Vec<Transfer>,
+    /// Remarks for the user, such as a recording that ends too early.
+    pub notes: Vec<String>,
 }
 
 /// What a run keeps beside its trace.
@@ -95,10 +103,17 @@ pub struct Outcome {
 pub struct Keep {
     /// Every frame on the sensor buses: 24 bytes each, 1600 a second for a module of 16 taxels at 100 Hz.
     pub can: bool,
+    /// Every message on the actuator buses.
+    pub i2c: bool,
+    /// Nothing, but shows it all on a terminal while it comes; virtual time is held to the wall clock.
+    pub watch: bool,
 }
 
 /// The finger is looked at no less often than this, even where no stimulus comes.
 const LOOK: Duration = Duration::from_millis(250);
+
+/// Transfers kept of a run's actuator bus, the last ones: some hours of them.
+const I2C_LOG: usize = 1 << 20;
 
 /// Nobody listens: for a pass that only looks at contacts.
 struct Silence;
@@ -133,7 +148,7 @@ pub fn run_keeping(
     seed: u64,
     keep: Keep,
 ) -> Result<Outcome, Failure> {
-    let started = clock::now();
+    let started = (clock::now(), keep.watch);
     let layout = plan::layout(&setup.sensor.value)?;
     let scene = &setup.scene.value;
     match input {
@@ -145,7 +160,7 @@ pub fn run_keeping(
             let truth = || Some((scene.touches.clone(), scene.drives));
             if scene.faults.is_empty() && tape.is_exact() {
                 tape.rewind(end);
-                let mut tape = Tapped::new(tape, keep.can);
+                let mut tape = Tapped::new(tape, keep);
                 let levels = levels.clone();
                 let outcome = project(setup, seed, levels, &mut tape, truth(), end, started)?;
                 if tape.inner().is_exact() {
@@ -153,12 +168,13 @@ pub fn run_keeping(
                 }
             }
             let faulty = Faulty::new(skin()?, seed, "sensor bus");
-            let mut faulty = Tapped::new(faulty, keep.can);
+            let mut faulty = Tapped::new(faulty, keep);
             project(setup, seed, levels, &mut faulty, truth(), end, started)
         }
         Input::Replay { paths, rate_hz } => {
-            let open = || Replay::open(paths, &setup.sensor.value, &layout, *rate_hz);
-            let (mut first, mut second) = (open()?, Tapped::new(open()?, keep.can));
+            let mut first = Replay::open(paths, &setup.sensor.value, &layout, *rate_hz)?;
+            let mut second = Tapped::new(first.clone(), keep);
+            let notes = first.take_notes();
             if first.rows() <= scene.reference_frames as usize {
                 return Err(Failure::Input(format!(
                     "{}: expected more than the {} reference rows, found {}",
@@ -172,7 +188,9 @@ pub fn run_keeping(
             }
             let end = first.end() + Duration::from_millis(100);
             let levels = calibrate(setup, seed, &mut first, end)?;
-            project(setup, seed, levels, &mut second, None, end, started)
+            let mut outcome = project(setup, seed, levels, &mut second, None, end, started)?;
+            outcome.notes = notes;
+            Ok(outcome)
         }
     }
 }
@@ -221,7 +239,7 @@ fn build(setup: &Setup, seed: u64, levels: Levels) -> Result<Projector, Failure>
 }
 
 /// The pass that counts: the loop between the skin and the emulated display. The whole run began at
-/// `started`, by the wall clock.
+/// `started`, by the wall clock, and may be `watched`.
 fn project(
     setup: &Setup,
     seed: u64,
@@ -229,7 +247,7 @@ fn project(
     skin: &mut Tapped<impl Skin>,
     truth: Option<(Vec<crate::files::Touch>, usize)>,
     end: Instant,
-    started: std::time::Instant,
+    (started, watched): (std::time::Instant, bool),
 ) -> Result<Outcome, Failure> {
     let bench = &setup.bench.value;
     let prescale = plan::prescale(bench)?;
@@ -237,7 +255,16 @@ fn project(
     let mut projector = build(setup, seed, levels)?;
     let mut display = display(setup, projector.display().wires())?;
     display.keep_flows();
+    if skin.keeps().i2c {
+        let kept = display.bus().with(|bus| bus.keep_log(I2C_LOG));
+        kept.map_err(|e| Failure::Device(format!("actuator bus: {e}")))?;
+    }
     let mut recorder = Recorder::new(truth, projector.layout());
+    let mut watch = match watched {
+        true => open_watch(setup, seed, &projector, end, true)?,
+        false => None,
+    };
+    recorder.counts = watch.is_some().then(Vec::new);
     let i2c = Shared::new(I2cFault::new(
         display.bus(),
         I2cFaults::default(),
@@ -285,7 +312,7 @@ fn project(
     let mut look = Instant::ZERO;
     let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
     let mut pending: Option<Onset> = None;
-    let mut failure = None;
+    let (mut failure, mut stopped) = (None, false);
     let mut effort = Effort::default();
     while now < end {
         skin.advance_to(now);
@@ -347,11 +374,25 @@ fn project(
             look = now + LOOK;
         }
         supervisor.restart_boards(now, skin, &projector, &mut recorder.events);
+        if let Some(watch) = &mut watch {
+            let counts = recorder.counts.as_deref().unwrap_or_default();
+            let buses = || skin.buses().iter().map(BusReport::words).collect();
+            if watch.turn(now, &recorder.events, counts, buses) {
+                recorder.note(now, "ended by the person who watched".into());
+                stopped = true;
+                break;
+            }
+        }
         script.step(now, &mut hardware!(), &mut recorder.events);
         now = projector.next().min(now + TICK).min(script.next());
     }
+    drop(watch);
     feel(pending, &display, &projector, drive, &mut recorder);
-    let end = if failure.is_some() { now } else { end };
+    let end = if failure.is_some() || stopped {
+        now
+    } else {
+        end
+    };
     let off = projector.all_off(end, Cause::End, &mut bank, &mut recorder);
     if let Err(e) = off
         && failure.is_none()
@@ -369,6 +410,7 @@ fn project(
     recorder.tell_taxels();
 
     samples.extend(display.sample());
+    let i2c = boards::transfers(&display);
     let totals = display.totals();
     let mut events = std::mem::take(&mut recorder.events);
     events.sort_by_key(Event::t_ns);
@@ -419,7 +461,28 @@ fn project(
         effort,
         failure,
         can: skin.take(),
+        i2c,
+        notes: Vec::new(),
     })
+}
+
+/// A live view of a run that ends at `end`; without a terminal it says so, and the run goes on without.
+fn open_watch(
+    setup: &Setup,
+    seed: u64,
+    projector: &Projector,
+    end: Instant,
+    virtual_time: bool,
+) -> Result<Option<Watch>, Failure> {
+    let header = header(setup, seed, projector)?;
+    let opened = Watch::open(&header, projector.layout(), end, virtual_time);
+    let opened = opened.map_err(|e| Failure::Device(format!("the live view: {e}")))?;
+    if opened.is_none() {
+        note(
+            "--watch: standard input or output is no terminal; the run goes on without a live view",
+        );
+    }
+    Ok(opened)
 }
 
 fn edge(e: &palpate_emulators::display::OutputEdge) -> Event {

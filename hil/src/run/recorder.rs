@@ -71,6 +71,8 @@ pub struct Recorder {
     pub limiter_events: u32,
     /// Intensities of all contacts, raw counts: what static levels are found over.
     pub intensities: Vec<f32>,
+    /// The newest reading of every taxel, raw counts, NaN for one that is left out; kept for a live view.
+    pub counts: Option<Vec<f32>>,
     /// The newest onset.
     pub onset: Option<Onset>,
     /// Onsets projected, and those of them without a contact.
@@ -150,6 +152,12 @@ impl Observer for Recorder {
             in_contact: u16::try_from(in_contact).unwrap_or(u16::MAX),
             peak_counts: peak.round() as u32,
         });
+        if let Some(counts) = &mut self.counts {
+            let readings = report.relative.magnitude().iter();
+            let readings = readings.zip(report.relative.usable());
+            counts.clear();
+            counts.extend(readings.map(|(v, usable)| if *usable { *v } else { f32::NAN }));
+        }
         for contact in report.contacts {
             self.contacts += 1;
             self.intensities.push(contact.intensity);

@@ -1,4 +1,4 @@
-//! Recorded taxels as the sensor end of a run: rows of counts, or a log of a CAN bus.
+//! Recorded taxels as the sensor end of a run: rows of counts, or a recording of CAN buses.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::convert::Infallible;
@@ -12,21 +12,25 @@ use palpate_core::wire::can::CanFrame;
 use palpate_core::wire::uskin::{IdProfile, Reading, data_frame};
 
 use crate::failure::Failure;
-use crate::files::{Columns, SensorLayout, TaxelTable, is_can_log, read_can_log, read_taxel_csv};
+use crate::files::{
+    CanRecording, Columns, SensorLayout, TaxelTable, is_can_recording, read_can_recording,
+    read_taxel_csv,
+};
 
 use super::skin::unwired;
 
 /// Recorded rows as the frames their boards would have sent, in the codec's own bytes.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Replay {
     frames: VecDeque<Received>,
     now: Instant,
     end: Instant,
     rows: usize,
+    notes: Vec<String>,
 }
 
 impl Replay {
-    /// Reads one recording a module and lays its rows out as CAN frames, or a candump log of all buses.
+    /// Reads one recording a module and lays its rows out as CAN frames, or a recording of all buses.
     ///
     /// # Errors
     /// [`Failure::Input`] with file, line and column.
@@ -36,11 +40,11 @@ impl Replay {
         layout: &Layout,
         rate_hz: Option<f64>,
     ) -> Result<Self, Failure> {
-        if let Some(log) = paths.iter().find(|path| is_can_log(path)) {
+        if let Some(log) = paths.iter().find(|path| is_can_recording(path)) {
             return match paths {
                 [log] => Self::of_log(log, layout),
                 _ => Err(Failure::Input(format!(
-                    "--replay {}: expected one log of all buses and nothing beside it, found {} files",
+                    "--replay {}: expected one recording of all buses and nothing beside it, found {} files",
                     log.display(),
                     paths.len()
                 ))),
@@ -69,13 +73,15 @@ impl Replay {
     fn of_log(path: &Path, layout: &Layout) -> Result<Self, Failure> {
         let addresses = layout.modules().iter().filter_map(Module::address);
         let buses = addresses.map(|a| usize::from(a.bus) + 1).max();
-        let frames = read_can_log(path, buses.unwrap_or(0))?;
+        let CanRecording { frames, notes, .. } = read_can_recording(path, buses.unwrap_or(0))?;
         let mut rows = BTreeMap::new();
         for received in &frames {
             *rows.entry((received.bus, received.frame.id())).or_insert(0) += 1;
         }
         let rows = rows.into_values().max().unwrap_or(0);
-        Ok(Self::new(frames, rows))
+        let mut replay = Self::new(frames, rows);
+        replay.notes = notes;
+        Ok(replay)
     }
 
     fn new(mut frames: Vec<Received>, rows: usize) -> Self {
@@ -87,7 +93,13 @@ impl Replay {
             now: Instant::ZERO,
             end,
             rows,
+            notes: Vec::new(),
         }
+    }
+
+    /// What is to be said of the files.
+    pub fn take_notes(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.notes)
     }
 
     /// Lets frames up to `now` be received.

@@ -7,6 +7,7 @@ use palpate_emulators::can::faults::Faulty;
 use palpate_emulators::rig::Handle;
 use palpate_emulators::time::Nanos;
 
+use super::Keep;
 use super::boards::{self, BusReport};
 use super::replay::Replay;
 
@@ -51,17 +52,24 @@ impl Skin for Replay {
 pub struct Tapped<S> {
     inner: S,
     now: Instant,
+    keep: Keep,
     kept: Option<Vec<Received>>,
 }
 
 impl<S> Tapped<S> {
-    /// A tap on `inner`; one that does not `keep` costs nothing.
-    pub fn new(inner: S, keep: bool) -> Self {
+    /// A tap on `inner`; one that keeps no frames costs nothing.
+    pub fn new(inner: S, keep: Keep) -> Self {
         Self {
             inner,
             now: Instant::ZERO,
-            kept: keep.then(Vec::new),
+            keep,
+            kept: keep.can.then(Vec::new),
         }
+    }
+
+    /// What the run is to keep.
+    pub const fn keeps(&self) -> Keep {
+        self.keep
     }
 
     /// What crossed the bus.

@@ -164,6 +164,8 @@ pub struct Summary {
     pub pacing: Option<Pacing>,
     /// The CAN interfaces of a real run.
     pub can: Vec<CanReport>,
+    /// Frames that a record lacks because the disk did not follow.
+    pub frames_not_recorded: u64,
     pub sim_s: f64,
     pub wall_s: f64,
 }
@@ -290,6 +292,7 @@ impl Summary {
             margins: Vec::new(),
             pacing: None,
             can: Vec::new(),
+            frames_not_recorded: 0,
             sim_s: ledger.length_us as f64 * 1e-6,
             wall_s: wall.as_secs_f64(),
         }
@@ -404,6 +407,13 @@ impl Summary {
         }
         for can in &self.can {
             row(&can.interface, can.words())?;
+        }
+        if self.frames_not_recorded > 0 {
+            let lost = format!(
+                "{} frames not recorded, the disk was too slow",
+                self.frames_not_recorded
+            );
+            row("records", lost)?;
         }
         if let Some(pacing) = &self.pacing {
             row("pacing", pacing.words())?;

@@ -97,11 +97,11 @@ pub fn after_real(bench: &Bench, outcome: &Outcome) -> Vec<String> {
 
 /// The signal that ended a run before its time, if one did.
 pub fn stopped_by(outcome: &Outcome) -> Option<&str> {
-    let notes = outcome.trace.events.iter().filter_map(|e| match e {
+    let mut notes = outcome.trace.events.iter().filter_map(|e| match e {
         Event::Note { text, .. } => text.strip_prefix("stopped by "),
         _ => None,
     });
-    notes.last()
+    notes.next_back()
 }
 
 #[cfg(test)]

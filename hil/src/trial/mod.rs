@@ -152,7 +152,7 @@ pub fn decide(
 pub fn attempt(setup: &Setup, seed: u64) -> Result<Try, Failure> {
     let is_real = setup.bench.value.kind == BenchKind::Real;
     let done = if is_real {
-        run::real::run(setup, seed, &[], true)
+        run::real::run(setup, seed, &[], run::real::Told::default())
     } else {
         run::run(setup, &Input::Scene, seed)
     };

@@ -101,6 +101,7 @@ fn a_folder_gets_every_record_and_a_second_run_replaces_them() {
             names,
             [
                 "contacts.csv",
+                "contacts.schema.json",
                 "report.html",
                 "schedule.jsonl",
                 "summary.json"
@@ -125,7 +126,10 @@ fn a_record_is_what_its_ending_says() {
         "--schedule",
         &path("t.jsonl"),
     ]);
-    assert_eq!(folder.names(), ["c.csv", "s.jsonl", "t.jsonl"]);
+    assert_eq!(
+        folder.names(),
+        ["c.csv", "c.schema.json", "s.jsonl", "t.jsonl"]
+    );
     assert_eq!(folder.text("s.jsonl"), folder.text("t.jsonl"));
     let contacts = folder.text("c.csv");
     assert!(
@@ -137,7 +141,10 @@ fn a_record_is_what_its_ending_says() {
             &["--record", name, "expected", ".csv", ".jsonl"],
         );
     }
-    assert_eq!(folder.names(), ["c.csv", "s.jsonl", "t.jsonl"]);
+    assert_eq!(
+        folder.names(),
+        ["c.csv", "c.schema.json", "s.jsonl", "t.jsonl"]
+    );
 }
 
 #[test]
@@ -289,7 +296,7 @@ fn a_can_log_replays_to_the_same_contacts_and_the_same_log() {
     assert_eq!(folder.text("b.csv"), folder.text("a.csv"));
     assert_eq!(folder.text("b.log"), text);
     let two = ["run", "--replay", &log, "--replay", &again];
-    refused_with(&two, &["expected one log of all buses"]);
+    refused_with(&two, &["expected one recording of all buses"]);
     folder.write(
         "broken.log",
         "(0.000001) can0 004#00\n(0.000002) can0 004#0\n",

@@ -14,6 +14,7 @@ mod emulator;
 mod fuzz;
 mod i2c_clients;
 mod interfaces;
+mod records;
 mod sja1000;
 mod tools;
 mod ward;

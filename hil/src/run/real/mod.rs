@@ -1,15 +1,13 @@
 //! A run on a real bench: the same loop, held to the wall clock, between SocketCAN and Linux I2C adapters.
 
 mod bench;
-mod journal;
 mod report;
 mod signals;
 
 pub use bench::watch;
-pub use journal::Kind;
 pub use report::{CanReport, Pacing};
-
-use std::path::PathBuf;
+pub use signals::Signals;
+pub use std::path::PathBuf;
 
 use palpate_buses::can::CanBuses;
 use palpate_buses::pacer::{Lateness, Pacer};
@@ -22,18 +20,18 @@ use palpate_core::wire::uskin::Command;
 use palpate_records::trace::{Event, Ledger, Trace};
 
 use super::effort::Effort;
-use super::ends::header;
+use super::ends::{attachments, header};
 use super::recorder::Recorder;
 use super::supervisor::Supervisor;
-use super::{Outcome, Summary, TICK, boards, build, scene_levels};
+use super::{Outcome, Summary, TICK, boards, build, open_watch, scene_levels};
 use crate::clock;
 use crate::failure::Failure;
 use crate::files::{Real, Setup};
 use crate::output::note;
+use crate::record::{About, Journal, Kind, Sink, Tap};
+use crate::watch::Watch;
 
 use bench::Live;
-use journal::{Journal, Tap};
-use signals::Signals;
 
 /// Real-time priority of the loop, below the guardian's.
 const PRIORITY: u8 = 50;
@@ -54,8 +52,18 @@ struct Done {
     lateness: Lateness,
     realtime: bool,
     can: Vec<CanReport>,
+    not_recorded: u64,
     end: Instant,
     failure: Option<Failure>,
+}
+
+/// Who is told about a run while it goes on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Told {
+    /// Nobody, but of errors.
+    pub quiet: bool,
+    /// Somebody in front of a live view, which notes would tear.
+    pub watched: bool,
 }
 
 /// Runs a scene's length on a real bench: what touches the skin is up to the world. `files` grow while it
@@ -67,7 +75,7 @@ pub fn run(
     setup: &Setup,
     seed: u64,
     files: &[(Kind, PathBuf)],
-    quiet: bool,
+    told: Told,
 ) -> Result<Outcome, Failure> {
     let started = clock::now();
     let (scene, bench) = (&setup.scene.value, &setup.bench.value);
@@ -88,12 +96,19 @@ pub fn run(
         scene_levels(setup, seed)?
     };
     let projector = build(setup, seed, levels)?;
-    let journal = Journal::start(files, &header(setup, seed, &projector)?, quiet)?;
-    let keeps_can = files.iter().any(|(kind, _)| *kind == Kind::Can);
+    let (header, attached) = (header(setup, seed, &projector)?, attachments(setup));
+    let sinks = Sink::create_all(files, &About::Run(&header, &attached))?;
+    let journal = Journal::start(sinks, !told.quiet && !told.watched)?;
+    let keeps_can = |kind: Kind| matches!(kind, Kind::Can | Kind::Mcap);
+    let keeps_can = files.iter().any(|(kind, _)| keeps_can(*kind));
     let (live, can) = Live::open(bench, real, projector.layout())?;
     let length = Instant::from_micros((scene.length_s * 1e6).round() as u64);
+    let watch = match told.watched {
+        true => open_watch(setup, seed, &projector, length, false)?,
+        false => None,
+    };
     let done = std::thread::scope(|scope| {
-        let records = (journal, keeps_can);
+        let records = (journal, keeps_can, watch);
         let turns = || drive(live, can, projector, real, &signals, length, records);
         let thread = std::thread::Builder::new()
             .name("loop".into())
@@ -115,9 +130,10 @@ fn drive(
     real: &Real,
     signals: &Signals,
     length: Instant,
-    (mut journal, keeps_can): (Journal, bool),
+    (mut journal, keeps_can, mut watch): (Journal, bool, Option<Watch>),
 ) -> Result<Done, Failure> {
     let mut recorder = Recorder::new(None, projector.layout());
+    recorder.counts = watch.is_some().then(Vec::new);
     let realtime = match real.realtime {
         Some(false) => false,
         None => take_priority().is_ok(),
@@ -243,13 +259,27 @@ fn drive(
             spent = std::time::Duration::ZERO;
         }
         supervisor.restart_boards(now, &mut can, &projector, &mut recorder.events);
+        if let Some(watch) = &mut watch {
+            let counts = recorder.counts.as_deref().unwrap_or_default();
+            let buses = || {
+                reports(real, &can.inner)
+                    .iter()
+                    .map(CanReport::words)
+                    .collect()
+            };
+            if watch.turn(now, &recorder.events, counts, buses) {
+                recorder.note(now, "ended by the person who watched".into());
+                break;
+            }
+        }
         let next = projector.next().min(Pacer::next(now, TICK));
         now = pacer.wait(next);
     }
     let end = live.clock.now();
+    // The screen may take its time; the outputs do not wait for it.
     let off = projector.all_off(end, Cause::End, &mut live.banks, &mut recorder);
     let off = off.map_err(|error| live.explain(&error));
-    let tallies = can.inner.tallies();
+    let reported = reports(real, &can.inner);
     let parted = match (off, failure.is_some()) {
         (Ok(()), false) => live.watchman.guardian.end(),
         (Ok(()), true) => live.watchman.guardian.end().or(Ok(())), // the first failure is the one to tell
@@ -266,10 +296,11 @@ fn drive(
     recorder.tell(&mut effort, projector.display().wires().len());
     effort.traffic = live.banks.traffic();
     journal.tell(&recorder.events, can.take());
+    let not_recorded = journal.dropped();
     if let Err(error) = journal.finish() {
         failure.get_or_insert(error);
     }
-    let can = real.can.iter().zip(&tallies);
+    drop(watch);
     Ok(Done {
         projector,
         recorder,
@@ -277,12 +308,20 @@ fn drive(
         effort,
         lateness: pacer.lateness().clone(),
         realtime,
-        can: can
-            .map(|(name, tally)| CanReport::new(name, tally))
-            .collect(),
+        can: reported,
+        not_recorded,
         end,
         failure,
     })
+}
+
+/// What every interface has been through.
+fn reports(real: &Real, can: &CanBuses) -> Vec<CanReport> {
+    let tallies = can.tallies();
+    let named = real.can.iter().zip(&tallies);
+    named
+        .map(|(name, tally)| CanReport::new(name, tally))
+        .collect()
 }
 
 /// Real-time priority for this thread, memory that is never paged out for the program.
@@ -362,6 +401,7 @@ fn outcome(
     summary.taxels.list(&done.projector, done.end);
     summary.pacing = Some(Pacing::new(&done.lateness, done.realtime));
     summary.can = done.can;
+    summary.frames_not_recorded = done.not_recorded;
     Ok(Outcome {
         // Nothing measures a real finger.
         warmth: Vec::new(),
@@ -371,6 +411,8 @@ fn outcome(
         frame_us: done.frame_us,
         effort: done.effort,
         can: Vec::new(),
+        i2c: Vec::new(),
+        notes: Vec::new(),
         failure: done.failure,
     })
 }

@@ -63,7 +63,8 @@ pub struct CanReport {
 }
 
 impl CanReport {
-    pub(super) fn new(interface: &str, tally: &Tally) -> Self {
+    /// Of an interface and what has happened on it.
+    pub fn new(interface: &str, tally: &Tally) -> Self {
         Self {
             interface: interface.into(),
             frames: tally.frames,
@@ -75,7 +76,8 @@ impl CanReport {
         }
     }
 
-    pub(in crate::run) fn words(&self) -> String {
+    /// In a line.
+    pub fn words(&self) -> String {
         format!(
             "{} frames, {} lost, {} errors, bus-off {} times, times by the {}",
             self.frames,

@@ -10,14 +10,17 @@ use signal_hook::flag;
 
 /// The wish to end.
 #[derive(Debug)]
-pub(super) struct Signals {
+pub struct Signals {
     caught: Arc<AtomicUsize>,
     drill: Arc<AtomicBool>,
 }
 
 impl Signals {
     /// Catches SIGINT, SIGTERM and SIGHUP from now on.
-    pub(super) fn catch() -> io::Result<Self> {
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn catch() -> io::Result<Self> {
         let caught = Arc::new(AtomicUsize::new(0));
         let again = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM, SIGHUP] {
@@ -40,7 +43,7 @@ impl Signals {
     }
 
     /// The signal that came, by name.
-    pub(super) fn caught(&self) -> Option<&'static str> {
+    pub fn caught(&self) -> Option<&'static str> {
         match self.caught.load(Ordering::Relaxed) as i32 {
             SIGINT => Some("SIGINT"),
             SIGTERM => Some("SIGTERM"),

@@ -1,0 +1,20 @@
+//! What crossed an actuator bus.
+
+/// One message of an I2C transfer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Transfer {
+    /// START of the transfer that it is part of, nanoseconds since the start of the run.
+    pub start_ns: u64,
+    /// End of that transfer's STOP.
+    pub end_ns: u64,
+    /// Zero-based actuator bus.
+    pub bus: u8,
+    /// 7-bit address.
+    pub address: u8,
+    /// From the chip.
+    pub read: bool,
+    /// Bytes after the address.
+    pub data: Vec<u8>,
+    /// What went wrong with the transfer.
+    pub error: Option<String>,
+}

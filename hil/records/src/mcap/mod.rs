@@ -1,0 +1,427 @@
+//! A run, or a bus, as an [MCAP](https://mcap.dev) file: what happened and the raw frames behind it, each
+//! message with its schema, so that Foxglove, PlotJuggler and rerun need nothing from us.
+//!
+//! Times are nanoseconds since the start of the run (of a recorded bus: since 1970). Topics of a wire carry
+//! its number, and fields are scalars: a plot of one of them is one curve.
+
+mod container;
+mod proto;
+mod read;
+mod schema;
+
+pub use container::Attachment;
+pub use read::{Damage, Read, Unreadable, read};
+pub use schema::{ALL, Kind, LOG, PACKAGE, Schema};
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+use palpate_core::bus::Received;
+
+use crate::i2c::Transfer;
+use crate::trace::{self, Event, Header, PlaceUm, Source, Trace};
+use container::Container;
+use proto::Message;
+use schema::Level;
+
+/// Version of the topics and what they say; grows when one changes its meaning.
+pub const VERSION: u32 = 1;
+
+/// The profile in the file's header, and the name of the metadata record with the versions.
+pub const PROFILE: &str = "palpate";
+
+/// What crossed the buses of a run, in the order of time.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Traffic<'a> {
+    /// Frames on the sensor buses, as the host saw them.
+    pub can: &'a [Received],
+    /// Messages on the actuator buses.
+    pub i2c: &'a [Transfer],
+}
+
+/// Writes a whole run.
+///
+/// # Errors
+/// Whatever the writer says.
+pub fn write_mcap(
+    trace: &Trace,
+    traffic: Traffic<'_>,
+    attachments: &[Attachment],
+    out: impl Write,
+) -> io::Result<()> {
+    let mut recording = Recording::of_run(&trace.header, attachments, out)?;
+    recording.piece(&trace.events, traffic)?;
+    recording.finish().map(drop)
+}
+
+/// Topics of a wire.
+#[derive(Clone, Copy, Debug)]
+struct WireTopics {
+    schedule: u16,
+    pin: u16,
+    wire: u16,
+    skin: u16,
+}
+
+/// Topics of a run.
+#[derive(Debug)]
+struct RunTopics {
+    frames: u16,
+    contacts: u16,
+    truth: u16,
+    boards: u16,
+    felt: u16,
+    i2c: u16,
+    log: u16,
+    wires: Vec<WireTopics>,
+    /// Board and channel of each wire.
+    outputs: Vec<(u8, u8)>,
+}
+
+/// A recording that grows.
+#[derive(Debug)]
+pub struct Recording<W> {
+    container: Container<W>,
+    can: u16,
+    run: Option<RunTopics>,
+    /// The message in the making: the same memory for all.
+    message: Message,
+}
+
+/// What `source` says in the metadata.
+const fn word(source: Source) -> &'static str {
+    match source {
+        Source::Emulated => "emulated",
+        Source::Real => "real",
+    }
+}
+
+impl<W: Write> Recording<W> {
+    /// Begins a recording of a run: versions and digests, the files it goes back to, schemas and topics.
+    ///
+    /// # Errors
+    /// Whatever the writer says.
+    pub fn of_run(header: &Header, attachments: &[Attachment], out: W) -> io::Result<Self> {
+        let facts = [
+            ("trace_version", trace::VERSION.to_string()),
+            ("source", word(header.source).into()),
+            ("scene", header.scene.clone()),
+            ("bench", header.bench.clone()),
+            ("seed", header.seed.to_string()),
+            ("scene_digest", header.scene_digest.clone()),
+            ("limits_digest", header.limits_digest.clone()),
+            ("illusion", header.illusion.clone()),
+            ("pre_scale", header.pre_scale.get().to_string()),
+            ("period_ns", header.pre_scale.period_ns().to_string()),
+            ("tau_d_us", header.tau_d_us.to_string()),
+            ("soa_us", header.soa_us.to_string()),
+        ];
+        let mut recording = Self::begin(&facts, attachments, out)?;
+        let container = &mut recording.container;
+        let mut schemas = BTreeMap::new();
+        for schema in ALL.iter().filter(|s| s.name != schema::CAN.name) {
+            let id = container.schema(&schema.full_name(), &schema.descriptor())?;
+            schemas.insert(schema.name, id);
+        }
+        let log = container.schema(LOG, &schema::log_descriptor())?;
+        let mut topic =
+            |schema: &Schema, topic: &str| container.channel(schemas[schema.name], topic);
+        let mut run = RunTopics {
+            frames: topic(&schema::FRAME, "/frames")?,
+            contacts: topic(&schema::CONTACT, "/contacts")?,
+            truth: topic(&schema::TRUTH, "/truth")?,
+            boards: topic(&schema::BOARD, "/boards")?,
+            felt: topic(&schema::FELT, "/felt")?,
+            i2c: topic(&schema::I2C, "/i2c")?,
+            log: 0,
+            wires: Vec::new(),
+            outputs: header.wires.iter().map(|w| (w.board, w.channel)).collect(),
+        };
+        for wire in 0..header.wires.len() {
+            run.wires.push(WireTopics {
+                schedule: topic(&schema::SCHEDULE, &format!("/wire/{wire}/schedule"))?,
+                pin: topic(&schema::PIN, &format!("/wire/{wire}/pin"))?,
+                wire: topic(&schema::TEMPERATURE, &format!("/wire/{wire}/temperature"))?,
+                skin: topic(&schema::TEMPERATURE, &format!("/wire/{wire}/skin"))?,
+            });
+        }
+        run.log = container.channel(log, "/events")?;
+        recording.run = Some(run);
+        Ok(recording)
+    }
+
+    /// Begins a recording of sensor buses alone: bus n is the n-th of these interfaces.
+    ///
+    /// # Errors
+    /// Whatever the writer says.
+    pub fn of_buses(interfaces: &[String], out: W) -> io::Result<Self> {
+        let facts = [
+            ("source", "real".into()),
+            ("interfaces", interfaces.join(",")),
+        ];
+        Self::begin(&facts, &[], out)
+    }
+
+    fn begin(facts: &[(&str, String)], attachments: &[Attachment], out: W) -> io::Result<Self> {
+        let library = concat!("palpate ", env!("CARGO_PKG_VERSION"));
+        let mut container = Container::begin(out, PROFILE, library)?;
+        let mut metadata = BTreeMap::from([("version".to_owned(), VERSION.to_string())]);
+        metadata.extend(facts.iter().map(|(k, v)| ((*k).to_owned(), v.clone())));
+        container.metadata(PROFILE, &metadata)?;
+        attachments.iter().try_for_each(|a| container.attach(a))?;
+        let frame = container.schema(&schema::CAN.full_name(), &schema::CAN.descriptor())?;
+        let can = container.channel(frame, "/can")?;
+        Ok(Self {
+            container,
+            can,
+            run: None,
+            message: Message::default(),
+        })
+    }
+
+    /// Appends what happened since the last piece, merged by time.
+    ///
+    /// # Errors
+    /// Whatever the writer says.
+    pub fn piece(&mut self, events: &[Event], traffic: Traffic<'_>) -> io::Result<()> {
+        let (mut can, mut i2c) = (traffic.can.iter().peekable(), traffic.i2c.iter().peekable());
+        let at = |r: &Received| r.at.as_micros().saturating_mul(1000);
+        for event in events {
+            let now = event.t_ns();
+            while let Some(received) = can.next_if(|r| at(r) <= now) {
+                self.frame(received)?;
+            }
+            while let Some(transfer) = i2c.next_if(|t| t.start_ns <= now) {
+                self.transfer(transfer)?;
+            }
+            self.event(event)?;
+        }
+        for received in can {
+            while let Some(transfer) = i2c.next_if(|t| t.start_ns <= at(received)) {
+                self.transfer(transfer)?;
+            }
+            self.frame(received)?;
+        }
+        i2c.try_for_each(|transfer| self.transfer(transfer))
+    }
+
+    /// Hands over what is there: whatever comes, a reader finds it.
+    ///
+    /// # Errors
+    /// Whatever the writer says.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.container.flush()
+    }
+
+    /// What it is written to.
+    pub const fn get_mut(&mut self) -> &mut W {
+        self.container.get_mut()
+    }
+
+    /// Closes the file with its summary.
+    ///
+    /// # Errors
+    /// Whatever the writer says.
+    pub fn finish(self) -> io::Result<W> {
+        self.container.finish()
+    }
+
+    /// Writes the message in the making.
+    fn send(&mut self, channel: u16, t_ns: u64) -> io::Result<()> {
+        self.container.message(channel, t_ns, self.message.bytes())
+    }
+
+    fn fresh(&mut self) -> &mut Message {
+        self.message.clear();
+        &mut self.message
+    }
+
+    fn frame(&mut self, received: &Received) -> io::Result<()> {
+        self.fresh()
+            .uint(1, received.bus)
+            .uint(2, received.frame.id())
+            .data(3, received.frame.data());
+        let t_ns = received.at.as_micros().saturating_mul(1000);
+        self.send(self.can, t_ns)
+    }
+
+    fn transfer(&mut self, transfer: &Transfer) -> io::Result<()> {
+        let Some(channel) = self.run.as_ref().map(|r| r.i2c) else {
+            return Ok(());
+        };
+        self.fresh()
+            .uint(1, transfer.bus)
+            .uint(2, transfer.address)
+            .uint(3, transfer.read)
+            .data(4, &transfer.data)
+            .uint(5, transfer.end_ns)
+            .text(6, transfer.error.as_deref().unwrap_or_default());
+        self.send(channel, transfer.start_ns)
+    }
+
+    fn log(&mut self, t_ns: u64, level: Level, name: &str, text: &str) -> io::Result<()> {
+        let Some(channel) = self.run.as_ref().map(|r| r.log) else {
+            return Ok(());
+        };
+        let mut stamp = Message::default();
+        stamp
+            .uint(1, t_ns / 1_000_000_000)
+            .uint(2, t_ns % 1_000_000_000);
+        self.fresh()
+            .inner(1, &stamp)
+            .uint(2, level as u64)
+            .text(3, text)
+            .text(4, name);
+        self.send(channel, t_ns)
+    }
+
+    fn event(&mut self, event: &Event) -> io::Result<()> {
+        let Some(run) = &self.run else {
+            return Ok(());
+        };
+        let t_ns = event.t_ns();
+        let of_output = |board: u8, channel: u8| {
+            let wire = run.outputs.iter().position(|o| *o == (board, channel));
+            wire.map(|w| run.wires[w])
+        };
+        let of_wire = |wire: u16| run.wires.get(usize::from(wire)).copied();
+        let mm = |um: i32| f64::from(um) / 1e3;
+        let message = &mut self.message;
+        message.clear();
+        let channel = match event {
+            Event::Frame {
+                frame,
+                in_contact,
+                peak_counts,
+                ..
+            } => {
+                message
+                    .uint(1, *frame)
+                    .uint(2, *in_contact)
+                    .uint(3, *peak_counts);
+                Some(run.frames)
+            }
+            Event::Contact {
+                frame,
+                module,
+                contact,
+                place,
+                intensity_milli,
+                level,
+                members,
+                ..
+            } => {
+                message
+                    .uint(1, *frame)
+                    .uint(2, *module)
+                    .uint(3, *contact)
+                    .double(4, mm(place.x))
+                    .double(5, mm(place.y))
+                    .double(6, f64::from(*intensity_milli) / 1e3)
+                    .uint(7, *level)
+                    .uint(8, *members);
+                Some(run.contacts)
+            }
+            Event::Truth {
+                place, force_mn, ..
+            } => {
+                message
+                    .double(1, mm(place.x))
+                    .double(2, mm(place.y))
+                    .double(3, f64::from(*force_mn) / 1e3);
+                Some(run.truth)
+            }
+            Event::Schedule(entry) => {
+                message
+                    .uint(1, entry.board.0)
+                    .uint(2, entry.channel.0)
+                    .uint(3, entry.requested.get())
+                    .uint(4, entry.width().get())
+                    .uint(5, entry.on)
+                    .uint(6, entry.off)
+                    .uint(7, entry.until.as_micros())
+                    .text(8, entry.reason.map_or("", |r| r.word()));
+                of_output(entry.board.0, entry.channel.0).map(|w| w.schedule)
+            }
+            Event::PreScale {
+                board, pre_scale, ..
+            } => {
+                message.uint(1, *board).uint(2, *pre_scale);
+                Some(run.boards)
+            }
+            Event::AllOff { board, cause, .. } => {
+                message.uint(1, *board).text(3, cause);
+                Some(run.boards)
+            }
+            Event::Edge {
+                board,
+                channel,
+                high,
+                ..
+            } => {
+                message.uint(1, *high);
+                of_output(*board, *channel).map(|w| w.pin)
+            }
+            Event::Felt {
+                target,
+                inside,
+                felt,
+                energy_permille,
+                ..
+            } => {
+                let place =
+                    |p: Option<PlaceUm>| p.map_or((f64::NAN, f64::NAN), |p| (mm(p.x), mm(p.y)));
+                let energy = place(felt.map(|f| f.energy));
+                let amplitude = place(felt.map(|f| f.amplitude));
+                message
+                    .double(1, mm(target.x))
+                    .double(2, mm(target.y))
+                    .uint(3, *inside)
+                    .uint(4, felt.is_some())
+                    .double(5, energy.0)
+                    .double(6, energy.1)
+                    .double(7, amplitude.0)
+                    .double(8, amplitude.1)
+                    .uint(9, *energy_permille);
+                Some(run.felt)
+            }
+            Event::Wire { wire, milli_c, .. } => {
+                message.double(1, f64::from(*milli_c) / 1e3);
+                of_wire(*wire).map(|w| w.wire)
+            }
+            Event::Skin { wire, milli_c, .. } => {
+                message.double(1, f64::from(*milli_c) / 1e3);
+                of_wire(*wire).map(|w| w.skin)
+            }
+            Event::Note { .. } => None,
+        };
+        if let Some(channel) = channel {
+            self.send(channel, t_ns)?;
+        }
+        match event {
+            Event::Note { text, .. } => self.log(t_ns, Level::Info, "note", text),
+            Event::AllOff { board, cause, .. } => {
+                let text = format!("board {board}: all off: {cause}");
+                self.log(t_ns, Level::Info, "boards", &text)
+            }
+            Event::Schedule(entry) => match entry.reason {
+                Some(reason) => {
+                    let text = format!(
+                        "board {} channel {}: {} of {} ticks: {}",
+                        entry.board.0,
+                        entry.channel.0,
+                        entry.width().get(),
+                        entry.requested.get(),
+                        reason.word()
+                    );
+                    self.log(t_ns, Level::Warning, "limiter", &text)
+                }
+                None => Ok(()),
+            },
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

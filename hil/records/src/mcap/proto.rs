@@ -1,0 +1,189 @@
+//! Protocol buffers on the wire (proto3): the few kinds of field that the messages use, out and in.
+
+/// A message that is being written. Fields at their default (0, empty) are left out, as proto3 does.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Message(Vec<u8>);
+
+impl Message {
+    /// Starts anew in the same memory.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    pub fn bytes(&self) -> &[u8] {
+        &self.0
+    }
+
+    fn varint(&mut self, mut value: u64) {
+        while value >= 0x80 {
+            self.0.push(value as u8 | 0x80);
+            value >>= 7;
+        }
+        self.0.push(value as u8);
+    }
+
+    /// `uint32`, `uint64`, `bool` or an enumeration.
+    pub fn uint(&mut self, field: u32, value: impl Into<u64>) -> &mut Self {
+        let value = value.into();
+        if value != 0 {
+            self.varint(u64::from(field) << 3);
+            self.varint(value);
+        }
+        self
+    }
+
+    /// `double`.
+    pub fn double(&mut self, field: u32, value: f64) -> &mut Self {
+        // Negative zero is no default.
+        if value.to_bits() != 0 {
+            self.varint(u64::from(field) << 3 | 1);
+            self.0.extend(value.to_le_bytes());
+        }
+        self
+    }
+
+    /// `bytes`.
+    pub fn data(&mut self, field: u32, value: &[u8]) -> &mut Self {
+        if !value.is_empty() {
+            self.varint(u64::from(field) << 3 | 2);
+            self.varint(value.len() as u64);
+            self.0.extend(value);
+        }
+        self
+    }
+
+    /// `string`.
+    pub fn text(&mut self, field: u32, value: &str) -> &mut Self {
+        self.data(field, value.as_bytes())
+    }
+
+    /// A message inside, also an empty one.
+    pub fn inner(&mut self, field: u32, message: &Self) -> &mut Self {
+        self.varint(u64::from(field) << 3 | 2);
+        self.varint(message.0.len() as u64);
+        self.0.extend(&message.0);
+        self
+    }
+}
+
+/// A field of a message that is read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Value<'a> {
+    /// Numbers and booleans.
+    Number(u64),
+    /// Eight bytes, such as a `double`.
+    Fixed64(u64),
+    /// Text, bytes and messages.
+    Data(&'a [u8]),
+    /// Four bytes.
+    Fixed32(u32),
+}
+
+/// The fields of a message in their order; `None` in place of the first that is damaged, and then no more.
+pub(super) struct Fields<'a>(&'a [u8]);
+
+impl<'a> Fields<'a> {
+    pub const fn new(bytes: &'a [u8]) -> Self {
+        Self(bytes)
+    }
+
+    fn varint(&mut self) -> Option<u64> {
+        let mut value = 0_u64;
+        for shift in (0..64).step_by(7) {
+            let (&byte, rest) = self.0.split_first()?;
+            self.0 = rest;
+            let part = u64::from(byte & 0x7f);
+            if shift == 63 && part > 1 {
+                return None;
+            }
+            value |= part << shift;
+            if byte < 0x80 {
+                return Some(value);
+            }
+        }
+        None
+    }
+
+    fn field(&mut self) -> Option<(u32, Value<'a>)> {
+        let key = self.varint()?;
+        let field = u32::try_from(key >> 3).ok().filter(|f| *f > 0)?;
+        let value = match key & 7 {
+            0 => Value::Number(self.varint()?),
+            1 => {
+                let (bytes, rest) = self.0.split_first_chunk()?;
+                self.0 = rest;
+                Value::Fixed64(u64::from_le_bytes(*bytes))
+            }
+            2 => {
+                let length = usize::try_from(self.varint()?).ok()?;
+                let (bytes, rest) = self.0.split_at_checked(length)?;
+                self.0 = rest;
+                Value::Data(bytes)
+            }
+            5 => {
+                let (bytes, rest) = self.0.split_first_chunk()?;
+                self.0 = rest;
+                Value::Fixed32(u32::from_le_bytes(*bytes))
+            }
+            _ => return None,
+        };
+        Some((field, value))
+    }
+}
+
+impl<'a> Iterator for Fields<'a> {
+    type Item = Option<(u32, Value<'a>)>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.0.is_empty() {
+            return None;
+        }
+        let field = self.field();
+        if field.is_none() {
+            self.0 = &[];
+        }
+        Some(field)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_written_is_read_and_defaults_take_no_room() {
+        let mut message = Message::default();
+        message
+            .uint(1, 300_u32)
+            .uint(2, 0_u32)
+            .double(3, -1.5)
+            .text(4, "ä")
+            .uint(200, u64::MAX);
+        assert_eq!(&message.bytes()[..3], [0x08, 0xac, 0x02]); // the encoding guide's own example
+        let fields: Option<Vec<_>> = Fields::new(message.bytes()).collect();
+        assert_eq!(
+            fields.unwrap(),
+            [
+                (1, Value::Number(300)),
+                (3, Value::Fixed64((-1.5_f64).to_bits())),
+                (4, Value::Data("ä".as_bytes())),
+                (200, Value::Number(u64::MAX)),
+            ]
+        );
+    }
+
+    #[test]
+    fn damaged_messages_end() {
+        for bytes in [
+            &[0x08][..],
+            &[0x08, 0x80],
+            &[0x0a, 5, 1],
+            &[0x0b, 0],
+            &[0x00, 1],
+            &[0x08, 255, 255, 255, 255, 255, 255, 255, 255, 255, 2],
+        ] {
+            let last = Fields::new(bytes).last().unwrap();
+            assert_eq!(last, None, "{bytes:?}");
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! The messages of a recording: one table, from which both the descriptors in the file and the documentation
+//! follow. A field's number is its place in the table; new fields come at the end.
+
+use super::proto::Message;
+
+/// Kinds of field, by their number in `descriptor.proto`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// 64-bit floating point.
+    Double = 1,
+    /// 64-bit whole number.
+    Uint64 = 4,
+    /// True or false.
+    Bool = 8,
+    /// Text.
+    String = 9,
+    /// Bytes.
+    Bytes = 12,
+    /// 32-bit whole number.
+    Uint32 = 13,
+}
+
+/// A message: its full name and its fields.
+#[derive(Clone, Copy, Debug)]
+pub struct Schema {
+    /// Name within the package `palpate`.
+    pub name: &'static str,
+    /// Names and kinds of the fields, numbered from 1.
+    pub fields: &'static [(&'static str, Kind)],
+}
+
+/// The package of all messages but the log's.
+pub const PACKAGE: &str = "palpate";
+
+use Kind::{Bool, Bytes, Double, String, Uint32, Uint64};
+
+/// A frame on a sensor bus.
+pub const CAN: Schema = Schema {
+    name: "CanFrame",
+    fields: &[("bus", Uint32), ("id", Uint32), ("data", Bytes)],
+};
+/// A complete scan that went through the core.
+pub const FRAME: Schema = Schema {
+    name: "Frame",
+    fields: &[
+        ("frame", Uint32),
+        ("in_contact", Uint32),
+        ("peak_counts", Uint32),
+    ],
+};
+/// A contact that the compression found in a frame.
+pub const CONTACT: Schema = Schema {
+    name: "Contact",
+    fields: &[
+        ("frame", Uint32),
+        ("module", Uint32),
+        ("contact", Uint32),
+        ("x_mm", Double),
+        ("y_mm", Double),
+        ("intensity", Double),
+        ("level", Uint32),
+        ("members", Uint32),
+    ],
+};
+/// Where an emulated skin was truly touched.
+pub const TRUTH: Schema = Schema {
+    name: "Truth",
+    fields: &[("x_mm", Double), ("y_mm", Double), ("force_n", Double)],
+};
+/// What a wire's channel was told, beside what had been asked; ticks of 4096.
+pub const SCHEDULE: Schema = Schema {
+    name: "Schedule",
+    fields: &[
+        ("board", Uint32),
+        ("channel", Uint32),
+        ("requested", Uint32),
+        ("applied", Uint32),
+        ("on", Uint32),
+        ("off", Uint32),
+        ("until_us", Uint64),
+        ("reason", String),
+    ],
+};
+/// A board's PRE_SCALE was set, or all of its outputs went off at once.
+pub const BOARD: Schema = Schema {
+    name: "Board",
+    fields: &[
+        ("board", Uint32),
+        ("pre_scale", Uint32),
+        ("all_off", String),
+    ],
+};
+/// An output changed.
+pub const PIN: Schema = Schema {
+    name: "Pin",
+    fields: &[("high", Bool)],
+};
+/// A temperature.
+pub const TEMPERATURE: Schema = Schema {
+    name: "Temperature",
+    fields: &[("celsius", Double)],
+};
+/// What a person would feel of an onset; NaN for nothing.
+pub const FELT: Schema = Schema {
+    name: "Felt",
+    fields: &[
+        ("target_x_mm", Double),
+        ("target_y_mm", Double),
+        ("inside", Bool),
+        ("felt", Bool),
+        ("energy_x_mm", Double),
+        ("energy_y_mm", Double),
+        ("amplitude_x_mm", Double),
+        ("amplitude_y_mm", Double),
+        ("energy_permille", Uint32),
+    ],
+};
+/// One message of an I2C transfer.
+pub const I2C: Schema = Schema {
+    name: "I2c",
+    fields: &[
+        ("bus", Uint32),
+        ("address", Uint32),
+        ("read", Bool),
+        ("data", Bytes),
+        ("end_ns", Uint64),
+        ("error", String),
+    ],
+};
+
+/// All of the package.
+pub const ALL: [Schema; 10] = [
+    CAN,
+    FRAME,
+    CONTACT,
+    TRUTH,
+    SCHEDULE,
+    BOARD,
+    PIN,
+    TEMPERATURE,
+    FELT,
+    I2C,
+];
+
+/// Full name of the messages that log panels show.
+pub const LOG: &str = "foxglove.Log";
+
+/// Levels of [`LOG`].
+#[derive(Clone, Copy, Debug)]
+pub enum Level {
+    /// Worth a line.
+    Info = 2,
+    /// The guard changed something, or something was left out.
+    Warning = 3,
+}
+
+/// Label of a field that may be left out.
+const OPTIONAL: u32 = 1;
+
+fn field(name: &str, number: u32, kind: u32, type_name: Option<&str>) -> Message {
+    let mut field = Message::default();
+    field
+        .text(1, name)
+        .uint(3, number)
+        .uint(4, OPTIONAL)
+        .uint(5, kind);
+    field.text(6, type_name.unwrap_or_default());
+    field
+}
+
+fn file(name: &str, package: &str, dependency: &str, message: &Message) -> Message {
+    let mut file = Message::default();
+    file.text(1, name)
+        .text(2, package)
+        .text(3, dependency)
+        .inner(4, message)
+        .text(12, "proto3");
+    file
+}
+
+impl Schema {
+    /// The full name, as the file's schema has it.
+    pub fn full_name(&self) -> std::string::String {
+        format!("{PACKAGE}.{}", self.name)
+    }
+
+    /// A `google.protobuf.FileDescriptorSet` of this message alone.
+    pub fn descriptor(&self) -> Vec<u8> {
+        let mut message = Message::default();
+        message.text(1, self.name);
+        for (number, (name, kind)) in (1..).zip(self.fields) {
+            message.inner(2, &field(name, number, *kind as u32, None));
+        }
+        let mut set = Message::default();
+        set.inner(
+            1,
+            &file(
+                &format!("{PACKAGE}/{}.proto", self.name),
+                PACKAGE,
+                "",
+                &message,
+            ),
+        );
+        set.bytes().to_vec()
+    }
+}
+
+/// The descriptors of [`LOG`], as Foxglove publishes it (`foxglove/Log.proto`).
+pub fn log_descriptor() -> Vec<u8> {
+    const INT32: u32 = 5;
+    const INT64: u32 = 3;
+    const FIXED32: u32 = 7;
+    const MESSAGE: u32 = 11;
+    const ENUM: u32 = 14;
+    const STRING: u32 = String as u32;
+    let mut timestamp = Message::default();
+    timestamp
+        .text(1, "Timestamp")
+        .inner(2, &field("seconds", 1, INT64, None))
+        .inner(2, &field("nanos", 2, INT32, None));
+    let mut level = Message::default();
+    level.text(1, "Level");
+    let names = ["UNKNOWN", "DEBUG", "INFO", "WARNING", "ERROR", "FATAL"];
+    for (number, name) in (0_u32..).zip(names) {
+        let mut value = Message::default();
+        value.text(1, name).uint(2, number);
+        level.inner(2, &value);
+    }
+    let mut log = Message::default();
+    log.text(1, "Log")
+        .inner(
+            2,
+            &field("timestamp", 1, MESSAGE, Some(".google.protobuf.Timestamp")),
+        )
+        .inner(2, &field("level", 2, ENUM, Some(".foxglove.Log.Level")))
+        .inner(2, &field("message", 3, STRING, None))
+        .inner(2, &field("name", 4, STRING, None))
+        .inner(2, &field("file", 5, STRING, None))
+        .inner(2, &field("line", 6, FIXED32, None))
+        .inner(4, &level);
+    let timestamp_file = "google/protobuf/timestamp.proto";
+    let mut set = Message::default();
+    set.inner(1, &file(timestamp_file, "google.protobuf", "", &timestamp))
+        .inner(
+            1,
+            &file("foxglove/Log.proto", "foxglove", timestamp_file, &log),
+        );
+    set.bytes().to_vec()
+}

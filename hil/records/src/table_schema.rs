@@ -1,0 +1,136 @@
+//! What the columns of a CSV mean: types, units and words as a Frictionless Table Schema, a file beside the
+//! table, so that no reader has to guess.
+
+use serde::Serialize;
+
+use crate::contacts_csv;
+use crate::trace::Header;
+
+/// Version of the columns' meaning; grows when one changes what it says.
+pub const VERSION: u32 = 1;
+
+/// A column: name, type (integer or number), unit (UCUM; 1 for a count) and what it says.
+type Column = (&'static str, &'static str, &'static str, &'static str);
+
+/// The columns of the contacts, in their order.
+const CONTACTS: [Column; 9] = [
+    (
+        "frame",
+        "integer",
+        "1",
+        "Zero-based number of the driving module's scan",
+    ),
+    (
+        "time_us",
+        "integer",
+        "us",
+        "End of the scan since the start of the run",
+    ),
+    ("module", "integer", "1", "Zero-based module of the layout"),
+    (
+        "contact",
+        "integer",
+        "1",
+        "Identity that stays with a contact from frame to frame",
+    ),
+    (
+        "x_mm",
+        "number",
+        "mm",
+        "Place to the right of the module's centre",
+    ),
+    ("y_mm", "number", "mm", "Place above the module's centre"),
+    (
+        "intensity",
+        "number",
+        "1",
+        "Interpolated relative reading, raw counts",
+    ),
+    ("level", "integer", "1", "Intensity level from 1 to K_I"),
+    ("members", "integer", "1", "Taxels in the contact's cluster"),
+];
+
+#[derive(Serialize)]
+struct Field {
+    name: &'static str,
+    r#type: &'static str,
+    unit: &'static str,
+    description: &'static str,
+    constraints: Constraints,
+}
+
+#[derive(Serialize)]
+struct Constraints {
+    required: bool,
+}
+
+#[derive(Serialize)]
+struct Schema<'a> {
+    #[serde(rename = "$schema")]
+    standard: &'static str,
+    version: u32,
+    #[serde(flatten)]
+    run: Option<Run<'a>>,
+    fields: Vec<Field>,
+}
+
+/// Where the table comes from; a table of `hil contacts` has no run.
+#[derive(Serialize)]
+struct Run<'a> {
+    source: crate::trace::Source,
+    scene: &'a str,
+    bench: &'a str,
+    seed: u64,
+    scene_digest: &'a str,
+    limits_digest: &'a str,
+}
+
+/// The schema of a contacts CSV, as JSON.
+pub fn contacts_schema(header: Option<&Header>) -> String {
+    debug_assert!(
+        contacts_csv::HEADER
+            .split(',')
+            .eq(CONTACTS.iter().map(|c| c.0))
+    );
+    let schema = Schema {
+        standard: "https://datapackage.org/profiles/2.0/tableschema.json",
+        version: VERSION,
+        run: header.map(|h| Run {
+            source: h.source,
+            scene: &h.scene,
+            bench: &h.bench,
+            seed: h.seed,
+            scene_digest: &h.scene_digest,
+            limits_digest: &h.limits_digest,
+        }),
+        fields: CONTACTS
+            .iter()
+            .map(|&(name, r#type, unit, description)| Field {
+                name,
+                r#type,
+                unit,
+                description,
+                constraints: Constraints { required: true },
+            })
+            .collect(),
+    };
+    // Plain structs of strings and integers: there is nothing that JSON could refuse.
+    serde_json::to_string_pretty(&schema).unwrap_or_default() + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_schema_names_the_columns_of_the_table() {
+        let header = crate::synthetic::circle(1).header;
+        let schema: serde_json::Value =
+            serde_json::from_str(&contacts_schema(Some(&header))).unwrap();
+        let names = schema["fields"].as_array().unwrap().iter();
+        let names: Vec<_> = names.map(|f| f["name"].as_str().unwrap()).collect();
+        assert_eq!(names.join(","), contacts_csv::HEADER);
+        assert_eq!(schema["source"], "emulated");
+        assert!(!contacts_schema(None).contains("seed"));
+    }
+}

@@ -1,0 +1,303 @@
+//! The display side as a Value Change Dump (IEEE 1364-2005, 18.2), for GTKWave, Surfer and PulseView: pins,
+//! commanded ticks, wire and skin temperature.
+//!
+//! Times are nanoseconds since the start of the run, and there is no date: the same run gives the same bytes.
+
+use std::io::{self, Write};
+
+use crate::fixed::milli;
+use crate::trace::{Event, Header, Source, Trace, VERSION};
+
+/// Variables of a wire, in the order of their declaration.
+const PIN: usize = 0;
+const ON: usize = 1;
+const OFF: usize = 2;
+const WIRE_C: usize = 3;
+const SKIN_C: usize = 4;
+const KINDS: usize = 5;
+
+/// Writes a whole run.
+///
+/// # Errors
+/// Whatever the writer says.
+pub fn write_vcd(trace: &Trace, out: impl Write) -> io::Result<()> {
+    let mut vcd = Vcd::begin(&trace.header, out)?;
+    vcd.events(&trace.events)?;
+    vcd.finish(trace.ledger.length_us.saturating_mul(1000))
+}
+
+/// A dump that grows.
+///
+/// A run on a real bench knows neither its pins nor its temperatures: there only the commanded ticks are
+/// declared. Nobody can mistake them for a measurement.
+#[derive(Debug)]
+pub struct Vcd<W> {
+    out: W,
+    /// Board and channel of each wire.
+    outputs: Vec<(u8, u8)>,
+    emulated: bool,
+    now_ns: Option<u64>,
+}
+
+impl<W: Write> Vcd<W> {
+    /// Writes the declarations and the state before the start: pins low, ticks 0, temperatures unknown.
+    ///
+    /// # Errors
+    /// Whatever the writer says.
+    pub fn begin(header: &Header, mut out: W) -> io::Result<Self> {
+        let emulated = header.source == Source::Emulated;
+        let source = if emulated { "emulated" } else { "real" };
+        let plain = |text: &str| text.replace(char::is_whitespace, " ").replace('$', "_");
+        writeln!(out, "$version palpate {} $end", env!("CARGO_PKG_VERSION"))?;
+        writeln!(
+            out,
+            "$comment trace version {VERSION}, {source}; scene {} {}, bench {}, limits {}, seed {} $end",
+            plain(&header.scene),
+            header.scene_digest,
+            plain(&header.bench),
+            header.limits_digest,
+            header.seed
+        )?;
+        writeln!(out, "$timescale 1 ns $end\n$scope module {source} $end")?;
+        for (wire, info) in header.wires.iter().enumerate() {
+            let (board, channel) = (info.board, info.channel);
+            writeln!(out, "$scope module wire{wire} $end")?;
+            if emulated {
+                let id = Code::of(wire, PIN);
+                writeln!(out, "$var wire 1 {id} pin_b{board}_ch{channel} $end")?;
+            }
+            for (kind, name) in [(ON, "on_ticks"), (OFF, "off_ticks")] {
+                writeln!(
+                    out,
+                    "$var reg 13 {} {name} [12:0] $end",
+                    Code::of(wire, kind)
+                )?;
+            }
+            if emulated {
+                for (kind, name) in [(WIRE_C, "wire_celsius"), (SKIN_C, "skin_celsius")] {
+                    writeln!(out, "$var real 64 {} {name} $end", Code::of(wire, kind))?;
+                }
+            }
+            writeln!(out, "$upscope $end")?;
+        }
+        writeln!(out, "$upscope $end\n$enddefinitions $end\n#0\n$dumpvars")?;
+        for wire in 0..header.wires.len() {
+            if emulated {
+                writeln!(out, "0{}", Code::of(wire, PIN))?;
+            }
+            for kind in [ON, OFF] {
+                writeln!(out, "b0 {}", Code::of(wire, kind))?;
+            }
+        }
+        writeln!(out, "$end")?;
+        let outputs = header.wires.iter().map(|w| (w.board, w.channel));
+        Ok(Self {
+            outputs: outputs.collect(),
+            out,
+            emulated,
+            now_ns: Some(0),
+        })
+    }
+
+    /// Appends events in the order of time. One that comes late keeps its value and loses its place: a dump
+    /// cannot go back.
+    ///
+    /// # Errors
+    /// Whatever the writer says.
+    pub fn events(&mut self, events: &[Event]) -> io::Result<()> {
+        for event in events {
+            let t_ns = event.t_ns();
+            match *event {
+                Event::Edge {
+                    board,
+                    channel,
+                    high,
+                    ..
+                } => {
+                    if let Some(wire) = self.wire(board, channel).filter(|_| self.emulated) {
+                        self.time(t_ns)?;
+                        writeln!(self.out, "{}{}", u8::from(high), Code::of(wire, PIN))?;
+                    }
+                }
+                Event::Schedule(ref entry) => {
+                    if let Some(wire) = self.wire(entry.board.0, entry.channel.0) {
+                        self.ticks(t_ns, wire, entry.on, entry.off)?;
+                    }
+                }
+                Event::AllOff { board, .. } => {
+                    for wire in 0..self.outputs.len() {
+                        if self.outputs[wire].0 == board {
+                            self.ticks(t_ns, wire, 0, 0)?;
+                        }
+                    }
+                }
+                Event::Wire { wire, milli_c, .. } => self.celsius(t_ns, wire, WIRE_C, milli_c)?,
+                Event::Skin { wire, milli_c, .. } => self.celsius(t_ns, wire, SKIN_C, milli_c)?,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Says how long the run was.
+    ///
+    /// # Errors
+    /// Whatever the writer says.
+    pub fn finish(mut self, end_ns: u64) -> io::Result<()> {
+        self.time(end_ns)?;
+        self.out.flush()
+    }
+
+    /// What it is written to.
+    pub const fn get_mut(&mut self) -> &mut W {
+        &mut self.out
+    }
+
+    fn wire(&self, board: u8, channel: u8) -> Option<usize> {
+        self.outputs.iter().position(|o| *o == (board, channel))
+    }
+
+    fn ticks(&mut self, t_ns: u64, wire: usize, on: u16, off: u16) -> io::Result<()> {
+        self.time(t_ns)?;
+        writeln!(self.out, "b{on:b} {}", Code::of(wire, ON))?;
+        writeln!(self.out, "b{off:b} {}", Code::of(wire, OFF))
+    }
+
+    fn celsius(&mut self, t_ns: u64, wire: u16, kind: usize, milli_c: i32) -> io::Result<()> {
+        if !self.emulated || usize::from(wire) >= self.outputs.len() {
+            return Ok(());
+        }
+        self.time(t_ns)?;
+        let id = Code::of(usize::from(wire), kind);
+        writeln!(self.out, "r{} {id}", milli(milli_c.into()))
+    }
+
+    fn time(&mut self, t_ns: u64) -> io::Result<()> {
+        if self.now_ns.is_none_or(|now| t_ns > now) {
+            self.now_ns = Some(t_ns);
+            writeln!(self.out, "#{t_ns}")?;
+        }
+        Ok(())
+    }
+}
+
+/// The identifier code of a variable: a number in base 94, printable characters from `!`.
+struct Code(usize);
+
+impl Code {
+    const fn of(wire: usize, kind: usize) -> Self {
+        Self(wire * KINDS + kind)
+    }
+}
+
+impl std::fmt::Display for Code {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        use std::fmt::Write;
+        let mut rest = self.0;
+        loop {
+            f.write_char(char::from(b'!' + (rest % 94) as u8))?;
+            rest /= 94;
+            if rest == 0 {
+                return Ok(());
+            }
+            rest -= 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::synthetic;
+    use palpate_core::schedule::Entry;
+    use palpate_core::units::{Board, Channel, Instant, Ticks};
+
+    fn dump(trace: &Trace) -> String {
+        let mut out = Vec::new();
+        write_vcd(trace, &mut out).unwrap();
+        String::from_utf8(out).unwrap()
+    }
+
+    #[test]
+    fn a_parser_of_others_reads_every_change() {
+        let trace = synthetic::circle(2);
+        let text = dump(&trace);
+        let mut parser = vcd::Parser::new(text.as_bytes());
+        let header = parser.parse_header().unwrap();
+        assert_eq!(header.timescale, Some((1, vcd::TimescaleUnit::NS)));
+        assert_eq!(header.date, None);
+        let of = |path: &[&str]| header.find_var(path).unwrap().code;
+        let wire = of(&["emulated", "wire2", "wire_celsius"]);
+        let on = of(&["emulated", "wire2", "on_ticks"]);
+        of(&["emulated", "wire0", "pin_b0_ch0"]);
+        let (mut hottest, mut changes, mut last) = (0.0_f64, 0, 0);
+        for command in parser {
+            match command.unwrap() {
+                vcd::Command::Timestamp(t) => {
+                    assert!(t >= last);
+                    last = t;
+                }
+                vcd::Command::ChangeReal(id, value) if id == wire => hottest = hottest.max(value),
+                vcd::Command::ChangeVector(id, _) if id == on => changes += 1,
+                _ => {}
+            }
+        }
+        let expected = trace.events.iter().filter_map(|e| match e {
+            Event::Wire {
+                wire: 2, milli_c, ..
+            } => Some(*milli_c),
+            _ => None,
+        });
+        assert_eq!((hottest * 1e3).round() as i32, expected.max().unwrap());
+        let entries = trace.events.iter().filter(
+            |e| matches!(e, Event::Schedule(e) if (e.board, e.channel) == (Board(0), Channel(2))),
+        );
+        assert!(changes > entries.count());
+        assert!(last >= trace.ledger.length_us * 1000);
+    }
+
+    #[test]
+    fn a_real_run_declares_only_what_was_commanded_and_late_events_do_not_turn_time_back() {
+        let mut trace = synthetic::empty();
+        trace.header.source = Source::Real;
+        trace.header.wires = synthetic::circle(1).header.wires;
+        let entry = |t_us, off| {
+            Event::Schedule(Entry {
+                at: Instant::from_micros(t_us),
+                board: Board(0),
+                channel: Channel(0),
+                on: 0,
+                off,
+                until: Instant::from_micros(t_us),
+                requested: Ticks::new(off),
+                reason: None,
+            })
+        };
+        trace.events = vec![entry(20, 100), entry(10, 4096)];
+        trace.ledger.length_us = 30;
+        let text = dump(&trace);
+        assert!(
+            !text.contains("pin_") && !text.contains("celsius"),
+            "{text}"
+        );
+        let tail = text.split_once("$dumpvars").unwrap().1;
+        let tail = tail.split_once("$end\n").unwrap().1;
+        assert_eq!(
+            tail,
+            "#20000\nb0 \"\nb1100100 #\nb0 \"\nb1000000000000 #\n#30000\n"
+        );
+    }
+
+    #[test]
+    fn codes_are_printable_and_never_the_same() {
+        let codes: BTreeSet<_> = (0..20_000).map(|n| Code(n).to_string()).collect();
+        assert_eq!(codes.len(), 20_000);
+        assert!(
+            codes
+                .iter()
+                .all(|c| c.bytes().all(|b| (33..=126).contains(&b)))
+        );
+    }
+}

@@ -1,0 +1,95 @@
+//! `hil record` and `hil replay`: live buses to a recording, a recording onto buses.
+
+use std::path::PathBuf;
+
+use palpate_core::units::Duration;
+
+use crate::cli::{RecordArgs, ReplayArgs};
+use crate::failure::Failure;
+use crate::files::{is_can_recording, read_can_recording};
+use crate::output::{note, print};
+use crate::record::{self, Kind, kind_of};
+
+/// Records interfaces until stopped.
+///
+/// # Errors
+/// [`Failure`] with its exit status.
+pub fn record(args: &RecordArgs) -> Result<(), Failure> {
+    let kind = |path: &PathBuf| match kind_of(path) {
+        Some(kind @ (Kind::Can | Kind::Mcap)) => Ok((kind, path.clone())),
+        _ => Err(Failure::Input(format!(
+            "{}: expected a name that ends in .log (candump) or .mcap",
+            path.display()
+        ))),
+    };
+    let files: Vec<_> = args.files.iter().map(kind).collect::<Result<_, _>>()?;
+    let length = args
+        .seconds
+        .map(|s| Duration::from_micros((s * 1e6).round() as u64));
+    if !args.quiet {
+        note(&format!("recording {}; Ctrl-C stops", args.can.join(", ")));
+    }
+    let recorded = record::record(&args.can, &files, length)?;
+    if args.json {
+        return print(|out| {
+            serde_json::to_writer(&mut *out, &recorded)?;
+            writeln!(out)
+        });
+    }
+    if args.quiet {
+        return Ok(());
+    }
+    recorded.notes.iter().for_each(|text| note(text));
+    print(|out| {
+        writeln!(
+            out,
+            "{} frames in {:.3} s (real), {} not recorded",
+            recorded.frames,
+            recorded.length_ms as f64 * 1e-3,
+            recorded.frames_not_recorded
+        )?;
+        for can in &recorded.can {
+            writeln!(out, "  {:<16}{}", can.interface, can.words())?;
+        }
+        files
+            .iter()
+            .try_for_each(|(_, path)| writeln!(out, "  wrote           {}", path.display()))
+    })
+}
+
+/// Plays a recording onto interfaces.
+///
+/// # Errors
+/// [`Failure`] with its exit status.
+pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
+    if !is_can_recording(&args.file) {
+        return Err(Failure::Input(format!(
+            "{}: expected a recording of buses, .log (candump) or .mcap",
+            args.file.display()
+        )));
+    }
+    let recording = read_can_recording(&args.file, args.can.len())?;
+    recording.notes.iter().for_each(|text| note(text));
+    let played = record::play(&recording, &args.can)?;
+    if args.json {
+        return print(|out| {
+            serde_json::to_writer(&mut *out, &played)?;
+            writeln!(out)
+        });
+    }
+    if args.quiet {
+        return Ok(());
+    }
+    print(|out| {
+        writeln!(
+            out,
+            "{} frames sent in {:.3} s, {} lost, {} left; late by {} us median, {} us at most",
+            played.sent,
+            played.length_ms as f64 * 1e-3,
+            played.lost,
+            played.left,
+            played.late_median_us,
+            played.late_worst_us
+        )
+    })
+}

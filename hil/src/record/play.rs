@@ -1,0 +1,71 @@
+//! A recording onto buses: every frame again, at its time.
+
+use palpate_buses::pacer::{Lateness, RunClock};
+use palpate_buses::served::can::Interface;
+use palpate_core::units::{Duration, Instant};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::files::CanRecording;
+use crate::run::real::Signals;
+
+/// A signal is noticed within this time.
+const TURN: Duration = Duration::from_millis(50);
+
+/// What a playing came to.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Played {
+    /// Frames that the interfaces took.
+    pub sent: u64,
+    /// Frames that they did not: queue full, interface down.
+    pub lost: u64,
+    /// Frames that were left when a signal came.
+    pub left: u64,
+    /// Half of the frames left at most so much late, microseconds.
+    pub late_median_us: u64,
+    /// The latest, microseconds.
+    pub late_worst_us: u64,
+    /// Length, milliseconds.
+    pub length_ms: u64,
+}
+
+/// Plays a recording, bus n onto the n-th interface, the first frame at once.
+///
+/// # Errors
+/// [`Failure::Device`] for an interface that is not there or goes away.
+pub fn play(recording: &CanRecording, interfaces: &[String]) -> Result<Played, Failure> {
+    let gone = |name: &str, e: std::io::Error| Failure::Device(format!("{name}: {e}"));
+    let open = |name: &String| Interface::open(name).map_err(|e| gone(name, e));
+    let mut open: Vec<Interface> = interfaces.iter().map(open).collect::<Result<_, _>>()?;
+    let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
+    let (clock, mut lateness) = (RunClock::start(), Lateness::default());
+    let mut frames = recording.frames.clone();
+    frames.sort_by_key(|r| r.at);
+    let first = frames.first().map_or(Instant::ZERO, |r| r.at);
+    let mut played = 0;
+    for received in &frames {
+        let due = Instant::ZERO + received.at.since(first);
+        let mut now = clock.now();
+        while now < due && signals.caught().is_none() {
+            clock.sleep_until(due.min(now + TURN));
+            now = clock.now();
+        }
+        if signals.caught().is_some() {
+            break;
+        }
+        lateness.note(due, now);
+        if let Some(interface) = open.get_mut(usize::from(received.bus)) {
+            let sent = interface.send(&received.frame);
+            sent.map_err(|e| gone(interface.name(), e))?;
+        }
+        played += 1;
+    }
+    Ok(Played {
+        sent: open.iter().map(|i| i.counts().sent).sum(),
+        lost: open.iter().map(|i| i.counts().lost).sum(),
+        left: frames.len() as u64 - played,
+        late_median_us: lateness.quantile_us(0.5),
+        late_worst_us: lateness.worst_us(),
+        length_ms: clock.now().as_micros() / 1000,
+    })
+}

@@ -1,0 +1,203 @@
+//! A record that grows, in any of the formats.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use palpate_records::mcap::{Attachment, Recording, Traffic};
+use palpate_records::trace::Header;
+use palpate_records::vcd::Vcd;
+use palpate_records::{contacts_csv, schedule};
+
+use super::journal::Piece;
+use crate::failure::Failure;
+use crate::files::write_can_log;
+use crate::output::write_sidecar;
+
+/// What a file holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Contacts, CSV.
+    Contacts,
+    /// The schedule, JSON Lines.
+    Schedule,
+    /// The CAN side, as candump logs it.
+    Can,
+    /// Everything, MCAP.
+    Mcap,
+    /// Commanded ticks, VCD.
+    Vcd,
+}
+
+/// What is recorded.
+#[derive(Clone, Copy, Debug)]
+pub enum About<'a> {
+    /// A run, with the files it goes back to.
+    Run(&'a Header, &'a [Attachment]),
+    /// Sensor buses alone: bus n is the n-th of these interfaces.
+    Buses(&'a [String]),
+}
+
+/// So much may be lost when the program is killed, microseconds of the recording's time.
+const FLUSH_US: u64 = 500_000;
+
+enum Form {
+    /// Whole lines, each piece in one write: a death in between leaves no half of one.
+    Lines(Kind, Vec<String>, File),
+    Mcap(Box<Recording<BufWriter<File>>>),
+    Vcd(Box<Vcd<BufWriter<File>>>),
+}
+
+/// A file that grows.
+pub struct Sink {
+    path: PathBuf,
+    form: Form,
+    /// Time of the newest event, and at the last flush.
+    now_us: u64,
+    flushed_us: u64,
+}
+
+impl std::fmt::Debug for Sink {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Sink")
+            .field("path", &self.path)
+            .finish_non_exhaustive()
+    }
+}
+
+fn failure(path: &Path, error: io::Error) -> Failure {
+    Failure::Write {
+        path: path.display().to_string(),
+        error,
+    }
+}
+
+impl Sink {
+    /// Creates files with what comes first in them.
+    ///
+    /// # Errors
+    /// [`Failure::Write`] for the first that cannot be written, [`Failure::Input`] for a format that buses
+    /// alone do not fill.
+    pub fn create_all(files: &[(Kind, PathBuf)], about: &About<'_>) -> Result<Vec<Self>, Failure> {
+        let create = |(kind, path): &(Kind, PathBuf)| Self::create(*kind, path, about);
+        files.iter().map(create).collect()
+    }
+
+    fn create(kind: Kind, path: &Path, about: &About<'_>) -> Result<Self, Failure> {
+        let told = |error| failure(path, error);
+        let file = File::create(path).map_err(told)?;
+        let form = match (kind, about) {
+            (Kind::Mcap, _) => {
+                let out = BufWriter::with_capacity(1 << 16, file);
+                let recording = match about {
+                    About::Run(header, attachments) => Recording::of_run(header, attachments, out),
+                    About::Buses(interfaces) => Recording::of_buses(interfaces, out),
+                };
+                let mut recording = recording.map_err(told)?;
+                recording.flush().map_err(told)?;
+                Form::Mcap(Box::new(recording))
+            }
+            (Kind::Vcd, About::Run(header, _)) => {
+                let mut vcd = Vcd::begin(header, BufWriter::new(file)).map_err(told)?;
+                vcd.get_mut().flush().map_err(told)?;
+                Form::Vcd(Box::new(vcd))
+            }
+            (_, About::Run(header, _)) => {
+                let mut first = Vec::new();
+                let rendered = match kind {
+                    Kind::Contacts => {
+                        write_sidecar(path, Some(header))?;
+                        writeln!(first, "{}", contacts_csv::HEADER)
+                    }
+                    Kind::Schedule => schedule::write_header(header, &mut first),
+                    _ => Ok(()),
+                };
+                let mut file = file;
+                rendered
+                    .and_then(|()| file.write_all(&first))
+                    .map_err(told)?;
+                Form::Lines(kind, Vec::new(), file)
+            }
+            (Kind::Can, About::Buses(interfaces)) => Form::Lines(kind, interfaces.to_vec(), file),
+            (_, About::Buses(_)) => {
+                return Err(Failure::Input(format!(
+                    "{}: expected .log or .mcap for a recording of buses",
+                    path.display()
+                )));
+            }
+        };
+        Ok(Self {
+            path: path.into(),
+            form,
+            now_us: 0,
+            flushed_us: 0,
+        })
+    }
+
+    /// Appends a piece.
+    ///
+    /// # Errors
+    /// [`Failure::Write`] with the file and what the system said.
+    pub fn piece(&mut self, piece: &Piece) -> Result<(), Failure> {
+        self.append(piece)
+            .map_err(|error| failure(&self.path, error))
+    }
+
+    fn append(&mut self, piece: &Piece) -> io::Result<()> {
+        let event = piece.events.last().map(|e| e.t_ns() / 1000);
+        let frame = piece.frames.last().map(|f| f.at.as_micros());
+        self.now_us = self.now_us.max(event.max(frame).unwrap_or(0));
+        let due = self.now_us >= self.flushed_us.saturating_add(FLUSH_US);
+        if due {
+            self.flushed_us = self.now_us;
+        }
+        match &mut self.form {
+            Form::Lines(kind, interfaces, file) => {
+                let mut text = Vec::new();
+                match kind {
+                    Kind::Contacts => contacts_csv::write_rows(&piece.events, &mut text)?,
+                    Kind::Schedule => schedule::write_records(&piece.events, &mut text)?,
+                    _ => write_can_log(&piece.frames, interfaces, &mut text)?,
+                }
+                file.write_all(&text)
+            }
+            Form::Mcap(recording) => {
+                let traffic = Traffic {
+                    can: &piece.frames,
+                    i2c: &[],
+                };
+                recording.piece(&piece.events, traffic)?;
+                if due { recording.flush() } else { Ok(()) }
+            }
+            Form::Vcd(vcd) => {
+                vcd.events(&piece.events)?;
+                if due { vcd.get_mut().flush() } else { Ok(()) }
+            }
+        }
+    }
+
+    /// Closes the file with what comes last in it.
+    ///
+    /// # Errors
+    /// [`Failure::Write`] with the file and what the system said.
+    pub fn finish(self) -> Result<(), Failure> {
+        let closed = match self.form {
+            Form::Lines(..) => Ok(()),
+            Form::Mcap(recording) => recording.finish().map(drop),
+            Form::Vcd(vcd) => vcd.finish(self.now_us.saturating_mul(1000)),
+        };
+        closed.map_err(|error| failure(&self.path, error))
+    }
+}
+
+/// The kind of a record by the ending of its name.
+pub fn kind_of(path: &Path) -> Option<Kind> {
+    match path.extension()?.to_str()? {
+        "csv" => Some(Kind::Contacts),
+        "jsonl" => Some(Kind::Schedule),
+        "log" => Some(Kind::Can),
+        "mcap" => Some(Kind::Mcap),
+        "vcd" => Some(Kind::Vcd),
+        _ => None,
+    }
+}

@@ -1,0 +1,107 @@
+//! Records that others open: written whole, read again, and opened up to the place where they were cut.
+
+use super::*;
+
+/// The records of a run of the default scene, one of each ending, and the contacts beside them.
+fn recorded(folder: &Folder, endings: &[&str]) {
+    let mut args = vec!["run".to_owned(), "sphere-along".into(), "--quiet".into()];
+    for ending in endings {
+        args.push("--record".into());
+        args.push(folder.path(&format!("a.{ending}")).display().to_string());
+    }
+    good(&args);
+}
+
+/// A replay of a file, with contacts beside it.
+fn replayed(folder: &Folder, name: &str) -> Said {
+    let (from, to) = (folder.path(name), folder.path("again.csv"));
+    let (from, to) = (from.display().to_string(), to.display().to_string());
+    let args = [
+        "run",
+        "sphere-along",
+        "--replay",
+        &from,
+        "--record",
+        &to,
+        "--quiet",
+    ];
+    hil(&args)
+}
+
+#[test]
+fn an_mcap_file_replays_to_the_contacts_of_its_run() {
+    let folder = Folder::new("mcap");
+    recorded(&folder, &["mcap", "csv"]);
+    let said = replayed(&folder, "a.mcap");
+    assert_eq!((said.status, said.err.as_str()), (Some(0), ""));
+    assert_eq!(folder.text("again.csv"), folder.text("a.csv"));
+}
+
+#[test]
+fn the_same_run_gives_the_same_bytes_without_dates() {
+    let (one, two) = (Folder::new("same-1"), Folder::new("same-2"));
+    for folder in [&one, &two] {
+        recorded(folder, &["mcap", "vcd"]);
+    }
+    for name in ["a.mcap", "a.vcd"] {
+        let read = |folder: &Folder| fs::read(folder.path(name)).unwrap();
+        assert!(read(&one) == read(&two), "{name}");
+    }
+    let vcd = one.text("a.vcd");
+    assert!(!vcd.contains("$date"));
+    for word in [
+        "emulated",
+        "pin_b0_ch0",
+        "on_ticks",
+        "wire_celsius",
+        "skin_celsius",
+    ] {
+        assert!(vcd.contains(word), "{word}");
+    }
+}
+
+#[test]
+fn a_recording_that_was_cut_is_replayed_up_to_the_cut_and_says_so() {
+    let folder = Folder::new("cut");
+    recorded(&folder, &["mcap", "log"]);
+    for (name, words) in [
+        ("a.mcap", ["byte ", "cut short", "CAN frames"]),
+        ("a.log", [":9", "cut short", "frames before it"]),
+    ] {
+        let bytes = fs::read(folder.path(name)).unwrap();
+        // In the middle of a line: one that ends where the file does is no cut.
+        let about = bytes.len() * 3 / 5;
+        let line = bytes[about..].iter().position(|b| *b == b'\n').unwrap();
+        fs::write(folder.path(name), &bytes[..about + line + 9]).unwrap();
+        let said = replayed(&folder, name);
+        assert_eq!(said.status, Some(0), "{}", said.err);
+        for word in words {
+            assert!(said.err.contains(word), "no `{word}` in: {}", said.err);
+        }
+        assert!(folder.text("again.csv").lines().count() > 100);
+    }
+}
+
+#[test]
+fn what_is_no_recording_of_ours_is_refused_by_name() {
+    let folder = Folder::new("foreign");
+    for (name, text, words) in [
+        ("a.mcap", "hello", ["a.mcap", "an MCAP file", "byte 0"]),
+        ("b.mcap", "", ["b.mcap", "an MCAP file", "byte 0"]),
+        (
+            "c.mcap",
+            "\u{89}MCAP0\r\n",
+            ["c.mcap", "an MCAP file", "byte 0"],
+        ),
+        ("a.log", "", ["a.log", "11-bit identifiers", "none"]),
+    ] {
+        let path = folder.write(name, text).display().to_string();
+        refused_with(&["run", "--replay", &path], &words);
+    }
+    fs::write(folder.path("d.mcap"), b"\x89MCAP0\r\n").unwrap();
+    let path = folder.path("d.mcap").display().to_string();
+    refused_with(
+        &["run", "--replay", &path],
+        &["cut short", "byte 8", "/can"],
+    );
+}
