@@ -2,6 +2,7 @@
 
 #[cfg(feature = "bench")]
 pub mod bench;
+pub mod capture;
 pub mod cli;
 pub mod clock;
 pub mod command;

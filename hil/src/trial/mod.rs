@@ -152,7 +152,11 @@ pub fn decide(
 pub fn attempt(setup: &Setup, seed: u64) -> Result<Try, Failure> {
     let is_real = setup.bench.value.kind == BenchKind::Real;
     let done = if is_real {
-        run::real::run(setup, seed, &[], run::real::Told::default())
+        let told = run::real::Told {
+            quiet: true,
+            watched: false,
+        };
+        run::real::run(setup, seed, &[], told)
     } else {
         run::run(setup, &Input::Scene, seed)
     };

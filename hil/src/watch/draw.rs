@@ -125,12 +125,12 @@ fn skin(view: &View, raster: &Raster, buffer: &mut Buffer) {
 }
 
 fn contacts(view: &View, buffer: &mut Buffer) {
-    let title = "contact  module     x mm     y mm  counts lvl";
+    let title = "contact module    x mm    y mm  counts lvl";
     line(buffer, RIGHT, 3, title, dim());
     for (y, contact) in (4..).zip(view.contacts.iter().take(CONTACTS)) {
         let mm = |um: i32| f64::from(um) / 1e3;
         let text = format!(
-            "{:>7}  {:>6}  {:>7.2}  {:>7.2}  {:>6} {:>3}",
+            "{:>7} {:>6} {:>7.2} {:>7.2}  {:>6} {:>3}",
             contact.id,
             contact.module,
             mm(contact.place.x),

@@ -4,7 +4,7 @@ use palpate_records::trace::PlaceUm;
 use ratatui_core::style::Color;
 
 /// Shades from nothing to the strongest; a terminal without colours shows them too.
-const SHADES: [char; 10] = [' ', '.', ':', '-', '=', '+', '*', '#', '%', '@'];
+const SHADES: [char; 10] = ['.', ',', ':', '-', '=', '+', '*', '#', '%', '@'];
 /// Their colours in the palette of 256, blue to red.
 const COLORS: [u8; 10] = [236, 24, 31, 37, 36, 70, 142, 178, 208, 196];
 /// Up to so many taxels a cell shows the nearest one; beyond, every taxel has its cell and the largest counts.

@@ -1,0 +1,129 @@
+//! Signals as their edges, and how a VCD becomes them.
+
+use std::collections::BTreeMap;
+
+use vcd::{Command, IdCode, Parser, ScopeItem, TimescaleUnit, Value, VarType};
+
+use crate::files::FileError;
+
+/// A digital signal.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Signal {
+    /// As the file calls it.
+    pub name: String,
+    /// Its changes, in the order of time: nanoseconds since the start of the capture, and the level after it.
+    pub edges: Vec<(u64, bool)>,
+}
+
+/// What an analyser saw.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Capture {
+    /// Its digital signals.
+    pub signals: Vec<Signal>,
+    /// How finely it tells times apart, nanoseconds.
+    pub resolution_ns: u64,
+    /// Its length, nanoseconds.
+    pub end_ns: u64,
+    /// What is wrong with the file, with its line, and what was had of it.
+    pub notes: Vec<String>,
+}
+
+impl Signal {
+    /// Sets the level at a time; the same level again is no edge.
+    pub(super) fn set(&mut self, t_ns: u64, high: bool) {
+        let now = self.edges.last().map(|e| e.1);
+        if now != Some(high) && (now.is_some() || high || t_ns == 0) {
+            self.edges.push((t_ns, high));
+        }
+    }
+
+    /// Whole pulses: rise and width, nanoseconds. A pulse that begins or ends outside of the capture is none.
+    pub fn pulses(&self) -> Vec<(u64, u64)> {
+        let pairs = self.edges.windows(2);
+        let whole = pairs.filter_map(|pair| match *pair {
+            [(rise, true), (fall, false)] if rise > 0 => Some((rise, fall - rise)),
+            _ => None,
+        });
+        whole.collect()
+    }
+}
+
+/// Scalar variables of a scope, with their full names where a plain one is not enough.
+fn scalars(items: &[ScopeItem], found: &mut Vec<(IdCode, String)>) {
+    for item in items {
+        match item {
+            ScopeItem::Scope(scope) => scalars(&scope.items, found),
+            ScopeItem::Var(var) if var.size == 1 && var.var_type != VarType::Real => {
+                found.push((var.code, var.reference.clone()));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Length of a tick: numerator and denominator of nanoseconds.
+fn tick(count: u32, unit: TimescaleUnit) -> (u64, u64) {
+    let count = u64::from(count);
+    match unit {
+        TimescaleUnit::S => (count * 1_000_000_000, 1),
+        TimescaleUnit::MS => (count * 1_000_000, 1),
+        TimescaleUnit::US => (count * 1000, 1),
+        TimescaleUnit::NS => (count, 1),
+        TimescaleUnit::PS => (count, 1000),
+        TimescaleUnit::FS => (count, 1_000_000),
+    }
+}
+
+pub(super) fn read_vcd(label: &str, bytes: &[u8]) -> Result<Capture, FileError> {
+    let mut parser = Parser::new(bytes);
+    let header = match parser.parse_header() {
+        Ok(header) => header,
+        Err(error) => {
+            let mut told = FileError::whole(label, "a value change dump (VCD)", error.to_string());
+            told.line = usize::try_from(parser.line()).ok();
+            return Err(told);
+        }
+    };
+    let mut names = Vec::new();
+    scalars(&header.items, &mut names);
+    let (count, unit) = header.timescale.unwrap_or((1, TimescaleUnit::NS));
+    let (up, down) = tick(count, unit);
+    let mut capture = Capture {
+        resolution_ns: (up / down).max(1),
+        ..Capture::default()
+    };
+    let mut places = BTreeMap::new();
+    for (code, name) in names {
+        places.entry(code).or_insert_with(|| {
+            capture.signals.push(Signal {
+                name,
+                edges: Vec::new(),
+            });
+            capture.signals.len() - 1
+        });
+    }
+    let mut now = 0;
+    while let Some(command) = parser.next() {
+        match command {
+            Ok(Command::Timestamp(t)) => now = (t.saturating_mul(up) / down).max(now),
+            Ok(Command::ChangeScalar(code, value)) => {
+                if let Some(&place) = places.get(&code) {
+                    // Unknown and floating are not driven.
+                    capture.signals[place].set(now, value == Value::V1);
+                }
+            }
+            Ok(_) => {}
+            Err(error) => {
+                let line = parser.line();
+                let edges: usize = capture.signals.iter().map(|s| s.edges.len()).sum();
+                capture.notes.push(format!(
+                    "{label}:{line}: {error}; {edges} changes until {:.6} s were read",
+                    now as f64 * 1e-9
+                ));
+                break;
+            }
+        }
+    }
+    capture.end_ns = now;
+    Ok(capture)
+}

@@ -1,0 +1,249 @@
+//! Captures of emulated pins, whole and spoilt: what was done to them is what is measured.
+
+use std::fmt::Write;
+
+use palpate_core::units::Instant;
+use palpate_records::trace::{Event, Trace};
+use palpate_records::vcd::write_vcd;
+
+use super::*;
+use crate::failure::Failure;
+use crate::files::Setup;
+use crate::run::{Input, run};
+
+fn trace() -> Trace {
+    let setup = Setup::load("sphere-circle", "emulated").unwrap();
+    run(&setup, &Input::Scene, 1).unwrap().trace
+}
+
+/// The pins as a VCD reader sees them.
+fn capture(trace: &Trace) -> Capture {
+    let mut out = Vec::new();
+    write_vcd(trace, &mut out).unwrap();
+    edges::read_vcd("a.vcd", &out).unwrap()
+}
+
+/// Starts a capture later, on a clock with its own zero.
+fn shifted(mut capture: Capture, by_ns: u64) -> Capture {
+    for signal in &mut capture.signals {
+        signal.edges.retain(|e| e.0 >= by_ns);
+        signal.edges.iter_mut().for_each(|e| e.0 -= by_ns);
+        if signal.edges.first().is_some_and(|e| !e.1) {
+            signal.edges.remove(0);
+        }
+    }
+    capture.end_ns -= by_ns;
+    capture
+}
+
+fn bad(comparison: &Comparison) -> Vec<String> {
+    let bad = comparison.measurements.iter().filter(|m| !m.good());
+    bad.map(|m| format!("{} = {:?}", m.name, m.value)).collect()
+}
+
+/// Drops or changes pulses of a signal in the middle of the capture.
+fn spoil(
+    capture: &mut Capture,
+    signal: usize,
+    change: impl Fn(usize, u64, u64) -> Option<(u64, u64)>,
+) {
+    let signal = &mut capture.signals[signal];
+    let pulses = signal.pulses();
+    signal.edges.clear();
+    for (n, (rise, width)) in pulses.into_iter().enumerate() {
+        if let Some((rise, width)) = change(n, rise, width) {
+            signal.edges.push((rise, true));
+            signal.edges.push((rise + width, false));
+        }
+    }
+}
+
+#[test]
+fn pins_as_scheduled_are_good_wherever_the_capture_begins() {
+    let trace = trace();
+    for begin in [0, 1_234_567_890] {
+        let seen = shifted(capture(&trace), begin);
+        let found = compare(&trace, &seen, &[]).unwrap();
+        assert_eq!(bad(&found), [""; 0]);
+        assert!(found.bursts > 100 && found.pulses > 1000, "{found:?}");
+        // Within a period: the chip's own clock decides when a burst begins.
+        let error = found.offset_s - begin as f64 * 1e-9;
+        assert!(error.abs() < 0.006, "{error}");
+        let hz = &found.measurements[0];
+        assert!((hz.value.unwrap() - 196.888).abs() < 0.01, "{hz:?}");
+    }
+}
+
+#[test]
+fn what_was_spoilt_is_what_is_measured() {
+    let trace = trace();
+    let whole = capture(&trace);
+    let busy = (0..8)
+        .max_by_key(|s| whole.signals[*s].edges.len())
+        .unwrap();
+    type Change = fn(usize, u64, u64) -> Option<(u64, u64)>;
+    let cases: [(&str, Change); 4] = [
+        ("pulse width off by", |n, t, w| {
+            Some((t, if n == 40 { w + 20_000 } else { w }))
+        }),
+        ("phase off by", |n, t, w| {
+            Some((if n % 7 == 3 { t + 30_000 } else { t }, w))
+        }),
+        ("blank periods", |n, t, w| (n % 50 != 3).then_some((t, w))),
+        ("missing pulses", |n, t, w| {
+            (!(30..40).contains(&n)).then_some((t, w))
+        }),
+    ];
+    for (expected, change) in cases {
+        let mut seen = whole.clone();
+        spoil(&mut seen, busy, change);
+        let found = bad(&compare(&trace, &seen, &[]).unwrap());
+        let channel = format!("channel {}", trace.header.wires[busy].channel);
+        assert!(
+            found
+                .iter()
+                .any(|f| f.starts_with(expected) && f.contains(&channel)),
+            "{expected}: {found:?}"
+        );
+        assert!(
+            found.iter().all(|f| f.contains(&channel)),
+            "{expected}: {found:?}"
+        );
+    }
+    // A pulse where nothing is scheduled.
+    let mut seen = whole.clone();
+    seen.signals[busy].edges.insert(0, (1_000, true));
+    seen.signals[busy].edges.insert(1, (125_000, false));
+    let found = bad(&compare(&trace, &seen, &[]).unwrap());
+    assert!(
+        matches!(found.as_slice(), [one] if one.starts_with("stray pulses")),
+        "{found:?}"
+    );
+    // Another oscillator: 26 MHz is within what chips do, 30 MHz is not.
+    for (mhz, good) in [(26, true), (30, false)] {
+        let mut seen = whole.clone();
+        for edge in seen.signals.iter_mut().flat_map(|s| &mut s.edges) {
+            edge.0 = edge.0 * 25 / mhz;
+        }
+        let found = compare(&trace, &seen, &[]).unwrap();
+        assert_eq!(found.measurements[0].good(), good, "{mhz} MHz");
+    }
+}
+
+#[test]
+fn exports_of_sigrok_and_saleae_read_like_the_vcd() {
+    let trace = trace();
+    let whole = shifted(capture(&trace), 900_000_000);
+    let until = 150_000_000;
+    // Levels of all signals at times that only grow.
+    let rows = |times: &mut dyn Iterator<Item = u64>, text: &mut String, stamped: bool| {
+        let mut next = vec![0; whole.signals.len()];
+        for t in times {
+            if stamped {
+                write!(text, "{}.{:09},", t / 1_000_000_000, t % 1_000_000_000).unwrap();
+            }
+            for (n, signal) in whole.signals.iter().enumerate() {
+                while signal.edges.get(next[n]).is_some_and(|e| e.0 <= t) {
+                    next[n] += 1;
+                }
+                let high = next[n] > 0 && signal.edges[next[n] - 1].1;
+                write!(text, "{}{}", if n > 0 { "," } else { "" }, u8::from(high)).unwrap();
+            }
+            text.push('\n');
+        }
+    };
+    let names: Vec<_> = (0..8).map(|n| format!("D{n}")).collect();
+    let mut sigrok = format!(
+        "; CSV generated by libsigrok\n; Channels (8/8): {}\n; Samplerate: 2 MHz\nlogic,logic,logic,logic,logic,logic,logic,logic\n",
+        names.join(", ")
+    );
+    rows(&mut (0..until).step_by(500), &mut sigrok, false);
+    let mut saleae = format!("Time [s],{}\n", names.join(","));
+    let mut times: Vec<u64> = whole
+        .signals
+        .iter()
+        .flat_map(|s| s.edges.iter().map(|e| e.0))
+        .collect();
+    times.push(0);
+    times.sort_unstable();
+    times.dedup();
+    rows(
+        &mut times.into_iter().filter(|t| *t < until),
+        &mut saleae,
+        true,
+    );
+    for (name, text, resolution) in [("sigrok", &sigrok, 500), ("saleae", &saleae, 1000)] {
+        let seen = csv::read("a.csv", text.as_bytes()).unwrap();
+        assert_eq!(seen.signals[3].name, "D3", "{name}");
+        assert!(
+            seen.resolution_ns <= resolution,
+            "{name}: {}",
+            seen.resolution_ns
+        );
+        let found = compare(&trace, &seen, &[]).unwrap();
+        assert_eq!(bad(&found), [""; 0], "{name}");
+        assert_eq!(found.notes, [""; 0], "{name}");
+        assert!(found.bursts > 5, "{name}: {}", found.bursts);
+    }
+}
+
+#[test]
+fn damaged_captures_give_what_came_before_and_name_the_line() {
+    let trace = trace();
+    let mut text = Vec::new();
+    write_vcd(&trace, &mut text).unwrap();
+    let lines = text.len() / 2
+        + text[text.len() / 2..]
+            .iter()
+            .position(|b| *b == b'\n')
+            .unwrap();
+    let mut torn = text[..lines].to_vec();
+    torn.extend(b"\n#12z\n");
+    let seen = edges::read_vcd("a.vcd", &torn).unwrap();
+    assert!(
+        seen.notes[0].starts_with("a.vcd:") && seen.notes[0].contains("were read"),
+        "{:?}",
+        seen.notes
+    );
+    assert!(seen.end_ns > 1_000_000_000);
+    let seen = csv::read("a.csv", b"Time [s],D0\n0.0,0\n0.1,1\n0.2,x\n").unwrap();
+    assert!(seen.notes[0].starts_with("a.csv:4:"), "{:?}", seen.notes);
+    assert_eq!(seen.signals[0].edges.len(), 2);
+    for (text, line) in [("D0,D1\n0,1\n", 1), ("Time [s],D0\n0.0,5\n", 2), (",\n", 1)] {
+        let told = csv::read("a.csv", text.as_bytes()).unwrap_err();
+        assert_eq!(told.line, Some(line), "{told}");
+    }
+    assert!(edges::read_vcd("a.vcd", b"hello").is_err());
+}
+
+#[test]
+fn pins_are_said_or_guessed_and_wrong_ones_refused() {
+    let trace = trace();
+    let mut seen = capture(&trace);
+    seen.signals
+        .iter_mut()
+        .enumerate()
+        .for_each(|(n, s)| s.name = format!("D{n}"));
+    assert_eq!(bad(&compare(&trace, &seen, &[]).unwrap()), [""; 0]);
+    let swapped = [("D0".to_owned(), (0, 1)), ("D1".to_owned(), (0, 0))];
+    assert!(!bad(&compare(&trace, &seen, &swapped).unwrap()).is_empty());
+    let nowhere = compare(&trace, &seen, &[("D9".to_owned(), (0, 1))]).unwrap_err();
+    assert!(
+        matches!(nowhere, Failure::Input(told) if told.contains("D9=0:1") && told.contains("D7"))
+    );
+    let silent = Capture {
+        signals: vec![Signal::default()],
+        ..seen
+    };
+    assert!(compare(&trace, &silent, &[]).is_err());
+}
+
+/// The schedule alone decides: a trace without edges is enough.
+#[test]
+fn a_schedule_without_pins_is_enough() {
+    let mut trace = trace();
+    let seen = capture(&trace);
+    trace.events.retain(|e| !matches!(e, Event::Edge { .. }));
+    trace.ledger.length_us = Instant::ZERO.as_micros();
+    assert_eq!(bad(&compare(&trace, &seen, &[]).unwrap()), [""; 0]);
+}
