@@ -34,6 +34,34 @@ impl Kind {
     }
 }
 
+/// Computing time of a run's frames.
+#[derive(Debug, Default)]
+pub(super) struct FrameTimes {
+    /// Since the last frame that was complete.
+    spent: std::time::Duration,
+    /// Of each frame, microseconds.
+    pub us: Vec<f32>,
+}
+
+impl FrameTimes {
+    /// A call of the loop that began then and completed so many frames: they share the time since the last one.
+    pub fn add(
+        &mut self,
+        begun: std::time::Instant,
+        frames: u32,
+        work: &Work,
+        effort: &mut Effort,
+    ) {
+        self.spent += begun.elapsed();
+        if frames > 0 {
+            let each = self.spent.as_secs_f32() * 1e6 / frames as f32;
+            self.us.extend(std::iter::repeat_n(each, frames as usize));
+            effort.note(work, frames, each);
+            self.spent = std::time::Duration::ZERO;
+        }
+    }
+}
+
 /// The work of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Effort {
@@ -59,7 +87,7 @@ pub struct Effort {
 
 impl Effort {
     /// Notes the time of `frames` frames since the work stood at the last call's.
-    pub(super) fn note(&mut self, work: &Work, frames: u32, each_us: f32) {
+    fn note(&mut self, work: &Work, frames: u32, each_us: f32) {
         let kind = Kind::between(&self.compression, work);
         self.times[kind as usize].extend(std::iter::repeat_n(each_us, frames as usize));
         self.compression = *work;

@@ -7,8 +7,7 @@ use palpate_emulators::display::Display;
 use palpate_emulators::time::Nanos;
 use palpate_records::trace::{Event, FeltAt};
 
-use super::milli_c;
-use super::recorder::{Onset, Recorder, um};
+use super::recorder::{Onset, Recorder, milli_c, um};
 
 /// A contact this close to the display's hull counts as inside it, mm.
 const HULL_MARGIN: f32 = 1e-3;

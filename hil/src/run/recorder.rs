@@ -11,6 +11,11 @@ use palpate_records::trace::{Event, PlaceUm};
 use super::effort::Effort;
 use crate::files::Touch;
 
+/// Thousandths of a degree; `None` for a display without wires.
+pub(super) fn milli_c(celsius: f64) -> Option<i32> {
+    celsius.is_finite().then(|| (celsius * 1e3).round() as i32)
+}
+
 /// Micrometres of a place in millimetres, rounded.
 pub fn um(p: Point) -> PlaceUm {
     let um = |mm: f32| (f64::from(mm) * 1e3).round() as i32;

@@ -19,7 +19,7 @@ use palpate_core::units::{Duration, Instant};
 use palpate_core::wire::uskin::Command;
 use palpate_records::trace::{Event, Ledger, Trace};
 
-use super::effort::Effort;
+use super::effort::{Effort, FrameTimes};
 use super::ends::{attachments, header};
 use super::recorder::Recorder;
 use super::supervisor::Supervisor;
@@ -161,7 +161,7 @@ fn drive(
     start_boards(&mut can, &projector);
     let mut supervisor = Supervisor::patient(GIVE_UP);
     let mut pacer = Pacer::new(live.clock);
-    let (mut frame_us, mut spent) = (Vec::new(), std::time::Duration::ZERO);
+    let mut times = FrameTimes::default();
     let mut effort = Effort::default();
     let mut failure = None;
     let mut next_look = Instant::ZERO;
@@ -223,7 +223,8 @@ fn drive(
         let before = recorder.frames;
         let begun = clock::now();
         let polled = projector.poll(now, &mut can, &mut live.banks, &mut recorder);
-        spent += begun.elapsed();
+        let frames = recorder.frames - before;
+        times.add(begun, frames, &projector.work(), &mut effort);
         let polled = match polled {
             // A chip that fell back to reset values answers, but sleeps, and nothing on the bus says so. Asked
             // between two bursts, so that a slow answer delays no end of one.
@@ -250,13 +251,6 @@ fn drive(
         if let Err(error) = polled {
             let error = live.explain(&error);
             supervisor.lose(now, &error, &live.watchman, &mut recorder.events);
-        }
-        if recorder.frames > before {
-            let frames = recorder.frames - before;
-            let each = spent.as_secs_f32() * 1e6 / frames as f32;
-            frame_us.extend(std::iter::repeat_n(each, frames as usize));
-            effort.note(&projector.work(), frames, each);
-            spent = std::time::Duration::ZERO;
         }
         supervisor.restart_boards(now, &mut can, &projector, &mut recorder.events);
         if let Some(watch) = &mut watch {
@@ -304,7 +298,7 @@ fn drive(
     Ok(Done {
         projector,
         recorder,
-        frame_us,
+        frame_us: times.us,
         effort,
         lateness: pacer.lateness().clone(),
         realtime,
