@@ -135,7 +135,8 @@ fn keep(files: &mut [Sink], pieces: &Receiver<Piece>, tells: bool) -> Result<(),
     Ok(())
 }
 
-/// A sensor bus that keeps what crosses it until somebody takes it away.
+/// A sensor bus that keeps what crosses it, in either direction, until somebody takes it away: as the host saw
+/// it, so that what a fault layer swallowed is not there, and what it garbled is garbled.
 #[derive(Debug)]
 pub struct Tap<S> {
     /// The bus.
