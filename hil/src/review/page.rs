@@ -120,7 +120,9 @@ fn first_difference(old: &Story, new: &Story) -> Option<u64> {
 
 fn drawings(out: &mut String, old: &Story, new: &Story) {
     let ends = |s: &Story| s.bursts.values().flatten().map(|b| b.to_us).max();
-    let end = ends(old).max(ends(new)).unwrap_or(0);
+    let listed = [old.listed_until_us(), new.listed_until_us()];
+    let listed = listed.into_iter().flatten().min().unwrap_or(u64::MAX);
+    let end = ends(old).max(ends(new)).unwrap_or(0).min(listed);
     if end == 0 {
         return;
     }
@@ -144,7 +146,9 @@ fn drawings(out: &mut String, old: &Story, new: &Story) {
     }
     out.push_str(&overlay(old, new, start, end));
     if old.untold.max(new.untold) > 0 {
-        out.push_str("<p class=\"sub\">The golden does not list every burst: the last ones are not drawn.</p>\n");
+        out.push_str(
+            "<p class=\"sub\">One of the goldens does not list every burst: what comes later is not drawn.</p>\n",
+        );
     }
 }
 

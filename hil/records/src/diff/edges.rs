@@ -99,11 +99,8 @@ fn difference(later: u64, earlier: u64) -> i64 {
 
 /// Until when both list their bursts; `None` where both list all.
 pub(super) fn known_until(a: &Story, b: &Story) -> Option<u64> {
-    let last = |s: &Story| {
-        let all = s.bursts.values().flatten();
-        (s.untold > 0).then(|| all.map(|b| b.from_us).max().unwrap_or(0))
-    };
-    [last(a), last(b)].into_iter().flatten().min()
+    let ends = [a.listed_until_us(), b.listed_until_us()];
+    ends.into_iter().flatten().min()
 }
 
 /// The delay of the whole of `b` behind `a`: that of their first bursts, if with it more bursts agree than

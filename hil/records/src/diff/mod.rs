@@ -130,6 +130,15 @@ pub fn compare(a: &Story, b: &Story, tolerance: Tolerance) -> Vec<Difference> {
         // Told with wires and times.
         all.retain(|d| !(d.grade == Grade::Figure && d.text.starts_with("limiter events ")));
     }
+    if let Some(us) = edges::known_until(a, b)
+        && !all.is_empty()
+    {
+        let text = format!(
+            "bursts compared up to {}: a golden lists no more",
+            words::at(us)
+        );
+        all.push(Difference::new(Grade::Setting, false, -1, text));
+    }
     moments(a, b, &mut all);
     rows(a, b, tolerance, &mut all);
     digests(a, b, tolerance, &mut all);

@@ -167,6 +167,12 @@ fn moment_of(happening: &Happening) -> Option<Moment> {
 }
 
 impl Story {
+    /// The start of the last burst that it lists, microseconds, where it does not list all.
+    pub fn listed_until_us(&self) -> Option<u64> {
+        let starts = self.bursts.values().flatten().map(|b| b.from_us);
+        (self.untold > 0).then(|| starts.max().unwrap_or(0))
+    }
+
     /// Of a run in memory.
     ///
     /// # Errors
