@@ -7,6 +7,8 @@ use crate::files::FileError;
 /// Why a command failed; the kinds are the exit statuses of the command line.
 #[derive(Debug)]
 pub enum Failure {
+    /// A check failed: exit 1. Empty where the command has said everything already.
+    Check(String),
     /// Usage or bad input: exit 2.
     Input(String),
     /// A bus or device failed: exit 3.
@@ -26,6 +28,7 @@ impl Failure {
     /// The exit status.
     pub const fn status(&self) -> u8 {
         match self {
+            Self::Check(_) => 1,
             Self::Input(_) => 2,
             Self::Device(_) | Self::Write { .. } => 3,
             Self::Guard(_) => 4,
@@ -36,9 +39,10 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Input(message) | Self::Device(message) | Self::Guard(message) => {
-                f.write_str(message)
-            }
+            Self::Check(message)
+            | Self::Input(message)
+            | Self::Device(message)
+            | Self::Guard(message) => f.write_str(message),
             Self::Write { path, error } => write!(f, "{path}: cannot be written: {error}"),
         }
     }

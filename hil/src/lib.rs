@@ -14,5 +14,7 @@ pub mod output;
 pub mod parallel;
 pub mod plan;
 pub mod record;
+pub mod review;
 pub mod run;
+pub mod trial;
 pub mod watch;

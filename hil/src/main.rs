@@ -23,12 +23,17 @@ fn main() -> ExitCode {
         Some(Command::Off(args)) => command::off(&args),
         Some(Command::Guardian(args)) => return ExitCode::from(command::guardian(args)),
         Some(Command::Bench(args)) => command::bench(&args),
+        Some(Command::Diff(args)) => command::diff(&args),
+        Some(Command::Test(args)) => command::test(&args),
+        Some(Command::Review(args)) => command::review(&args, cli.color),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             // Nobody may be reading standard error either.
-            let _ = writeln!(std::io::stderr(), "{} {failure}", prefix(cli.color));
+            if !failure.to_string().is_empty() {
+                let _ = writeln!(std::io::stderr(), "{} {failure}", prefix(cli.color));
+            }
             ExitCode::from(failure.status())
         }
     }

@@ -5,14 +5,22 @@
 
 #[path = "cli/contacts.rs"]
 mod contacts;
+#[path = "cli/diff.rs"]
+mod diff;
+#[path = "cli/docs.rs"]
+mod docs;
 #[path = "cli/input.rs"]
 mod input;
 #[path = "cli/outputs.rs"]
 mod outputs;
 #[path = "cli/records.rs"]
 mod records;
+#[path = "cli/review.rs"]
+mod review;
 #[path = "cli/run.rs"]
 mod run;
+#[path = "cli/test.rs"]
+mod test;
 
 use std::ffi::OsStr;
 use std::fs;

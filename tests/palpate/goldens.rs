@@ -1,60 +1,104 @@
-//! Goldens a person can read: contact paths and schedules of every scene with a sphere, in
-//! `fixtures/goldens`. They change only with a reason in the commit message.
+//! Goldens a person can read: contact paths, schedules and margins of every scene, and a surface over force and
+//! speed, in `fixtures/goldens`. They change only with a reason in the commit message.
+
+use std::collections::BTreeSet;
 
 use insta::Settings;
 use palpate_hil::files::Setup;
 use palpate_hil::run::{Input, Outcome, run};
-use palpate_records::golden::{COLUMNS, contacts_golden, schedule_golden};
+use palpate_records::golden::{
+    COLUMNS, LINES, SurfacePoint, contacts_golden, margins_golden, schedule_golden, surface_golden,
+};
 
 /// A shipped scene on the default bench with the default seed.
 pub fn shipped(scene: &str) -> Outcome {
     run(&Setup::load(scene, "emulated").unwrap(), &Input::Scene, 1).unwrap()
 }
 
-fn check(scene: &str) {
-    let trace = shipped(scene).trace;
+fn keep(name: &str, kind: &str, text: &str) {
+    assert!(text.is_ascii(), "{name} {kind}: goldens are ASCII");
+    assert!(text.lines().count() <= LINES && text.lines().all(|l| l.len() <= COLUMNS));
     let mut settings = Settings::clone_current();
     settings.set_snapshot_path("../../fixtures/goldens");
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
-    settings.bind(|| {
-        for (kind, text) in [
-            ("contacts", contacts_golden(&trace)),
-            ("schedule", schedule_golden(&trace)),
-        ] {
-            assert!(text.is_ascii(), "{scene} {kind}: goldens are ASCII");
-            assert!(text.lines().count() <= 200 && text.lines().all(|l| l.len() <= COLUMNS));
-            insta::assert_snapshot!(format!("{scene}.{kind}"), text);
+    settings.bind(|| insta::assert_snapshot!(format!("{name}.{kind}"), text));
+}
+
+fn check(scene: &str) {
+    let outcome = shipped(scene);
+    let trace = &outcome.trace;
+    keep(scene, "contacts", &contacts_golden(trace));
+    keep(scene, "schedule", &schedule_golden(trace));
+    keep(
+        scene,
+        "margins",
+        &margins_golden(trace, &outcome.summary.margins),
+    );
+}
+
+/// A test a scene, so that they run side by side.
+macro_rules! scenes {
+    ($($test:ident $name:literal),+ $(,)?) => {
+        $(#[test]
+        fn $test() {
+            check($name);
+        })+
+
+        #[test]
+        fn every_scene_has_its_goldens() {
+            let here: BTreeSet<&str> = [$($name),+].into();
+            assert_eq!(here, palpate_fixtures::scene_names().collect());
         }
-    });
+    };
 }
 
-#[test]
-fn sphere_along() {
-    check("sphere-along");
+scenes! {
+    allegro_four_buses "allegro-four-buses",
+    allegro_one_bus "allegro-one-bus",
+    allegro_one_bus_overwrite "allegro-one-bus-overwrite",
+    brush_strokes "brush-strokes",
+    idle "idle",
+    sphere_across "sphere-across",
+    sphere_along "sphere-along",
+    sphere_circle "sphere-circle",
+    sphere_diagonal "sphere-diagonal",
+    stuck_amplifier "stuck-amplifier",
+    two_finger_press "two-finger-press",
 }
 
-#[test]
-fn sphere_across() {
-    check("sphere-across");
-}
+/// One way across the pad, mm.
+const TRAVERSE_MM: f64 = 14.1;
 
 #[test]
-fn sphere_diagonal() {
-    check("sphere-diagonal");
-}
-
-#[test]
-fn sphere_circle() {
-    check("sphere-circle");
-}
-
-#[test]
-fn two_finger_press() {
-    check("two-finger-press");
-}
-
-#[test]
-fn idle() {
-    check("idle");
+fn a_surface_over_force_and_speed() {
+    let base = Setup::load("sphere-along", "emulated").unwrap();
+    let mut points = Vec::new();
+    let mut last = None;
+    for force_n in [0.1, 0.2, 0.4, 0.8, 1.6] {
+        for speed_mm_s in [2.0, 7.05, 28.2, 112.8] {
+            let mut setup = base.clone();
+            let touch = &mut setup.scene.value.touches[0];
+            touch.force_n.mean = force_n;
+            touch.force_n.amplitude = 0.0;
+            touch.path.period_s = Some(2.0 * TRAVERSE_MM / speed_mm_s);
+            let outcome = run(&setup, &Input::Scene, 1).unwrap();
+            let widest = palpate_records::measure::ledger_rows(&outcome.trace);
+            let duty = widest.iter().find(|r| r.name == "largest duty");
+            points.push(SurfacePoint {
+                force_n,
+                speed_mm_s,
+                duty_percent: duty.and_then(|r| r.value).unwrap_or(0) as f64 * 1e-3,
+                energy_mj: outcome.trace.ledger.energy_uj as f64 * 1e-3,
+                felt_mm: outcome.summary.felt_error_mm.rmse,
+                limited: outcome.summary.limiter_events,
+            });
+            last = Some(outcome.trace);
+        }
+    }
+    keep(
+        "sphere-along",
+        "surface",
+        &surface_golden(&last.unwrap(), &points),
+    );
 }

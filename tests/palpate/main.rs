@@ -7,6 +7,7 @@ mod allegro;
 mod allocation;
 mod compression;
 mod dbc;
+mod diff;
 mod driver;
 mod edges;
 mod faults;

@@ -51,6 +51,20 @@ pub enum Reason {
 }
 
 impl Reason {
+    /// Every reason.
+    pub const ALL: [Self; 10] = [
+        Self::PulseWidth,
+        Self::Burst,
+        Self::SupplyCurrent,
+        Self::WirePower,
+        Self::FingertipPower,
+        Self::SkinPeak,
+        Self::SkinMean,
+        Self::SkinDeep,
+        Self::Dose,
+        Self::Latched,
+    ];
+
     /// The word that stands in a schedule file.
     pub const fn word(self) -> &'static str {
         match self {

@@ -1,8 +1,11 @@
-//! One program a bus: an advisory lock on the device node itself, which ends with its holder.
+//! One program a bus: an advisory lock on a file beside the system's other locks, which ends with its holder.
+//!
+//! Not on the device node: the kernel keeps an adapter that was unplugged for as long as anybody has its node
+//! open, and a lock is held for a whole run.
 
 use std::fs::{self, File, OpenOptions};
-use std::os::unix::fs::MetadataExt;
-use std::path::Path;
+use std::os::unix::fs::{MetadataExt, PermissionsExt};
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use nix::errno::Errno;
@@ -30,10 +33,10 @@ pub enum LockError {
         /// The holder.
         pid: Option<u32>,
     },
-    /// It cannot be opened.
-    #[error("{path}: {error}")]
+    /// The lock's file cannot be opened.
+    #[error("{path}: {error}; it says which program has a bus")]
     Open {
-        /// The device node.
+        /// The file.
         path: String,
         /// What the system said.
         error: std::io::Error,
@@ -48,16 +51,44 @@ fn who(pid: Option<u32>) -> String {
     format!("process {pid} ({})", name.trim())
 }
 
+/// The file that stands for a bus, whatever name it goes by.
+fn file_of(folder: &Path, bus: &Path) -> PathBuf {
+    let bus = fs::canonicalize(bus).unwrap_or_else(|_| bus.to_owned());
+    let name = bus.display().to_string().replace('/', "-");
+    folder.join(format!("palpate{name}.lock"))
+}
+
+/// Opens the file, which may be another user's, or makes it, for all users.
+fn open(path: &Path) -> std::io::Result<File> {
+    if let Ok(there) = File::open(path) {
+        return Ok(there);
+    }
+    let mut options = OpenOptions::new();
+    let file = options.read(true).append(true).create(true).open(path)?;
+    // Somebody else's is as good as it is.
+    let _ = file.set_permissions(fs::Permissions::from_mode(0o666));
+    Ok(file)
+}
+
 impl BusLock {
     /// Locks a bus.
     ///
     /// # Errors
     /// [`LockError`]; a held lock names its holder.
     pub fn take(path: &Path) -> Result<Self, LockError> {
+        let system = Path::new("/run/lock");
+        if system.is_dir() {
+            Self::within(system, path)
+        } else {
+            Self::within(&std::env::temp_dir(), path)
+        }
+    }
+
+    fn within(folder: &Path, path: &Path) -> Result<Self, LockError> {
         let name = || path.display().to_string();
-        let opened = OpenOptions::new().read(true).write(true).open(path);
-        let file = opened.map_err(|error| LockError::Open {
-            path: name(),
+        let lock = file_of(folder, path);
+        let file = open(&lock).map_err(|error| LockError::Open {
+            path: lock.display().to_string(),
             error,
         })?;
         match Flock::lock(file, FlockArg::LockExclusiveNonblock) {
@@ -127,18 +158,25 @@ mod tests {
 
     #[test]
     fn a_second_program_is_refused_and_told_who_has_the_bus() {
-        let path = std::env::temp_dir().join(format!("palpate-lock-{}", std::process::id()));
-        fs::write(&path, "").unwrap();
-        let first = BusLock::take(&path).unwrap();
-        let refused = BusLock::take(&path).unwrap_err();
+        let folder = std::env::temp_dir().join(format!("palpate-lock-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let path = Path::new("/dev/null");
+        let first = BusLock::within(&folder, path).unwrap();
+        let refused = BusLock::within(&folder, path).unwrap_err();
         let LockError::Held { pid, .. } = &refused else {
             panic!("{refused}");
         };
         // Inside a container the system may keep the number to itself.
         assert!(pid.is_none_or(|p| p == std::process::id()), "{refused}");
+        // Another name of the same bus is the same bus; another bus is not.
+        let link = folder.join("link");
+        std::os::unix::fs::symlink(path, &link).unwrap();
+        BusLock::within(&folder, &link).unwrap_err();
+        BusLock::within(&folder, Path::new("/dev/zero")).unwrap();
         drop(first);
-        BusLock::take(&path).unwrap();
-        fs::remove_file(&path).unwrap();
-        assert!(matches!(BusLock::take(&path), Err(LockError::Open { .. })));
+        BusLock::within(&folder, path).unwrap();
+        fs::remove_dir_all(&folder).unwrap();
+        let nowhere = BusLock::within(&folder, path);
+        assert!(matches!(nowhere, Err(LockError::Open { .. })));
     }
 }

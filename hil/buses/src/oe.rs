@@ -3,7 +3,7 @@
 //! What the line does when its holder dies is up to the GPIO controller: a pull-up on OE is the hardware
 //! that makes a line nobody drives cut.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use gpiocdev::Request;
 use gpiocdev::line::Value;
@@ -11,8 +11,30 @@ use gpiocdev::line::Value;
 /// A line that is held high (cut) or low (released).
 #[derive(Debug)]
 pub struct OeLine {
-    request: Request,
+    chip: PathBuf,
     line: u32,
+    /// None while the GPIO chip is gone.
+    request: Option<Request>,
+}
+
+/// Takes a line, high or low from the first moment on.
+fn request(chip: &Path, line: u32, cut: bool) -> Result<Request, String> {
+    let request = Request::builder()
+        .on_chip(chip)
+        .with_consumer("palpate OE")
+        .with_line(line)
+        .as_output(level(cut))
+        .request();
+    request.map_err(|error| {
+        format!(
+            "{} line {line}: {error}; `gpioinfo` lists lines and their users",
+            chip.display()
+        )
+    })
+}
+
+const fn level(cut: bool) -> Value {
+    if cut { Value::Active } else { Value::Inactive }
 }
 
 impl OeLine {
@@ -21,32 +43,24 @@ impl OeLine {
     /// # Errors
     /// In words: the chip's device, the line, what the system said.
     pub fn cut(chip: &Path, line: u32) -> Result<Self, String> {
-        let request = Request::builder()
-            .on_chip(chip)
-            .with_consumer("palpate OE")
-            .with_line(line)
-            .as_output(Value::Active)
-            .request();
-        let named = |error| {
-            format!(
-                "{} line {line}: {error}; `gpioinfo` lists lines and their users",
-                chip.display()
-            )
-        };
         Ok(Self {
-            request: request.map_err(named)?,
+            chip: chip.to_owned(),
             line,
+            request: Some(request(chip, line, true)?),
         })
     }
 
-    /// Cuts (`true`) or releases.
+    /// Cuts (`true`) or releases. A chip that was unplugged may be there again: its line is taken anew.
     ///
     /// # Errors
     /// In words.
-    pub fn set(&self, cut: bool) -> Result<(), String> {
-        let value = if cut { Value::Active } else { Value::Inactive };
-        let set = self.request.set_value(self.line, value);
-        set.map(drop)
-            .map_err(|e| format!("OE line {}: {e}", self.line))
+    pub fn set(&mut self, cut: bool) -> Result<(), String> {
+        let held = self.request.take();
+        let set = held.filter(|held| held.set_value(self.line, level(cut)).is_ok());
+        self.request = match set {
+            Some(held) => Some(held),
+            None => Some(request(&self.chip, self.line, cut)?),
+        };
+        Ok(())
     }
 }

@@ -7,6 +7,7 @@
 pub mod bursts;
 pub mod candump;
 pub mod contacts_csv;
+pub mod diff;
 pub mod digest;
 pub mod felt;
 mod fixed;

@@ -108,6 +108,14 @@ impl Plot {
             if series.mark != Mark::Line {
                 svg.path(&dots, &dots_class(series.mark, i));
             }
+            // Colours repeat: a method without a course has its name beside it.
+            if let [point] = series.points.as_slice()
+                && self.can_show(*point)
+            {
+                let (x, y) = frame.at(*point);
+                let down = if i % 4 < 2 { 4.0 } else { -6.0 }; // neighbours are often alike
+                svg.text((x + 7.0, y + down), "label", &series.name);
+            }
         }
         svg.finish()
     }

@@ -26,6 +26,7 @@ pub fn emulate(args: &EmulateArgs) -> Result<(), Failure> {
         &Options {
             can: args.can.clone(),
             await_start: args.await_start,
+            oe: args.oe,
             seed: args.seed,
             telling,
         },

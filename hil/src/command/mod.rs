@@ -3,20 +3,27 @@
 mod bench;
 mod contacts;
 mod devices;
+mod diff;
 mod doctor;
 mod emulate;
 mod explain;
 mod guardian;
 mod off;
+mod pins;
 mod rate;
 mod record;
+mod review;
 mod run;
+mod test;
 
 pub use bench::bench;
 pub use contacts::contacts;
+pub use diff::diff;
 pub use doctor::doctor;
 pub use emulate::emulate;
 pub use guardian::guardian;
 pub use off::off;
 pub use record::{record, replay};
+pub use review::review;
 pub use run::run;
+pub use test::test;

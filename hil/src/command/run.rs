@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use palpate_core::illusion::Model;
 use palpate_records::contacts_csv::write_contacts;
+use palpate_records::golden::schedule_golden;
 use palpate_records::mcap::{Traffic, write_mcap};
 use palpate_records::report::{ReportExtras, SummaryRow, Thermal, report_html};
 use palpate_records::schedule::write_schedule;
@@ -18,6 +19,7 @@ use crate::files::{
 use crate::output::{make_folder, note, print, write_file, write_sidecar};
 use crate::plan;
 use crate::run::{self, Input, Keep, Outcome};
+use crate::trial::{Trial, Verdict, judge, junit};
 
 use crate::record::Kind as LiveKind;
 
@@ -36,6 +38,7 @@ enum Format {
     Can,
     Mcap,
     Vcd,
+    Golden,
     Report,
     Summary,
 }
@@ -48,8 +51,9 @@ impl Format {
             Some("log") => Ok(Self::Can),
             Some("mcap") => Ok(Self::Mcap),
             Some("vcd") => Ok(Self::Vcd),
+            Some("snap") => Ok(Self::Golden),
             _ => Err(Failure::Input(format!(
-                "--record {}: expected a name that ends in .csv (contacts), .jsonl (schedule), .log (candump), .mcap (everything) or .vcd (pins, ticks, temperatures)",
+                "--record {}: expected a name that ends in .csv (contacts), .jsonl (schedule), .log (candump), .mcap (everything), .vcd (pins, ticks, temperatures) or .snap (golden)",
                 path.display()
             ))),
         }
@@ -71,6 +75,7 @@ impl Format {
             Self::Vcd => write_vcd(&outcome.trace, out),
             Self::Schedule => write_schedule(&outcome.trace, out),
             Self::Can => write_can_log(&outcome.can, &[], out),
+            Self::Golden => out.write_all(schedule_golden(&outcome.trace).as_bytes()),
             Self::Report => out.write_all(report(outcome).as_bytes()),
             Self::Summary => {
                 serde_json::to_writer_pretty(&mut *out, &outcome.summary)?;
@@ -113,7 +118,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
             }
             let (live, later) = split(files);
             files = later;
-            run::real::run(&setup, args.seed, &live, args.watch)?
+            run::real::run(&setup, args.seed, &live, (args.watch, args.quiet))?
         }
         (true, false) => {
             return Err(Failure::Input(
@@ -121,6 +126,10 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
             ));
         }
     };
+    let checks = args
+        .junit
+        .as_ref()
+        .map(|path| (path, judge(&setup, &outcome)));
     let failure = outcome.failure.take();
     outcome.notes.iter().for_each(|text| note(text));
     if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.quiet) {
@@ -132,6 +141,16 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     }
     for (format, path) in &files {
         format.write(path, &setup, &outcome)?;
+    }
+    let mut failed = None;
+    if let Some((path, tried)) = checks {
+        let took = std::time::Duration::from_secs_f64(outcome.summary.wall_s);
+        let trial = Trial::of(&setup.scene.value.name, tried, took);
+        let text = junit(&setup.bench.value.name, std::slice::from_ref(&trial));
+        write_file(path, |out| out.write_all(text.as_bytes()))?;
+        if let Verdict::Failed(wrong) = trial.verdict {
+            failed = Some(Failure::Check(wrong.join("; ")));
+        }
     }
     if args.json {
         print(|out| {
@@ -151,7 +170,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.explain {
         explained(args, |out| explain::done(&outcome.effort, out))?;
     }
-    failure.map_or(Ok(()), Err)
+    failure.or(failed).map_or(Ok(()), Err)
 }
 
 /// The files that a real run writes while it runs, and those that come after it.
@@ -165,7 +184,7 @@ fn split(files: Vec<(Format, PathBuf)>) -> (Vec<(LiveKind, PathBuf)>, Vec<(Forma
             Format::Can => live.push((LiveKind::Can, path)),
             Format::Mcap => live.push((LiveKind::Mcap, path)),
             Format::Vcd => live.push((LiveKind::Vcd, path)),
-            Format::Report | Format::Summary => later.push((format, path)),
+            Format::Golden | Format::Report | Format::Summary => later.push((format, path)),
         }
     }
     (live, later)

@@ -21,6 +21,7 @@ use crate::failure::Failure;
 use crate::files::Setup;
 use crate::plan;
 use crate::run::script::{Bench, Script};
+use crate::run::supervisor::OutputEnable;
 use crate::run::{ends, skin};
 
 /// Frames of other programs that may wait for the emulated wire, a bus.
@@ -38,6 +39,8 @@ pub(super) struct Hardware<'a> {
     /// The actuator side, for whoever reads what it came to.
     pub(super) display: Display,
     i2c: Shared<I2cHandle>,
+    /// Whether the line on the chips' OE pins is high.
+    cut: bool,
 }
 
 impl<'a> Hardware<'a> {
@@ -59,6 +62,7 @@ impl<'a> Hardware<'a> {
             seed,
             display,
             i2c,
+            cut: false,
         })
     }
 
@@ -144,6 +148,12 @@ impl<'a> Hardware<'a> {
         self.display.bus().with(look).unwrap_or_default()
     }
 
+    /// The level of the line on the chips' OE pins from `now` on; high cuts.
+    pub fn set_output_enable(&mut self, now: Instant, cut: bool) {
+        OutputEnable::set_enabled(&self.display, now, !cut);
+        self.cut = cut;
+    }
+
     /// Hazardous things done to the chips so far.
     pub fn hazards(&self) -> u64 {
         let sum = |s: &mut Segment| s.chips().iter().map(Pca9685::hazard_count).sum();
@@ -152,7 +162,7 @@ impl<'a> Hardware<'a> {
 
     /// Of each chip: its address, and whether it drives or is going to drive an output.
     pub fn driving(&self) -> Vec<(u8, bool)> {
-        let state = |chip: &Pca9685| (chip.config().address, drives(chip));
+        let state = |chip: &Pca9685| (chip.config().address, drives(chip, self.cut));
         let look = |s: &mut Segment| s.chips().iter().map(state).collect();
         self.display.bus().with(look).unwrap_or_default()
     }
@@ -163,10 +173,12 @@ pub(super) fn starts(frame: &CanFrame) -> bool {
     matches!(decode(IdProfile::Current, frame), Ok(Message::Command(c)) if c.start)
 }
 
-/// Whether an output is high, or a running chip has a channel without the full-off bit and with a pulse.
-fn drives(chip: &Pca9685) -> bool {
+/// Whether an output is high, or a running chip that is not cut has a channel without the full-off bit and with
+/// a pulse.
+fn drives(chip: &Pca9685, cut: bool) -> bool {
     let high = chip.pins().contains(&Pin::High);
-    high || chip.is_running()
+    high || !cut
+        && chip.is_running()
         && (0..16).any(|channel| {
             let [on_l, on_h, off_l, off_h] =
                 [0, 1, 2, 3].map(|byte| chip.register(LED0_ON_L + 4 * channel + byte));

@@ -14,6 +14,7 @@ use palpate_buses::served::can::Interface;
 use palpate_buses::served::mcp2221::{Mcp2221, REPORT};
 use palpate_buses::served::uhid::{Request, Uhid};
 use palpate_buses::served::wait::{Signals, monotonic_ns, wait};
+use palpate_core::units::Instant;
 use palpate_emulators::time::Nanos;
 
 use crate::failure::Failure;
@@ -31,6 +32,8 @@ const TURN_NS: u64 = 500_000;
 const IDLE_NS: u64 = 10_000_000;
 /// The kernel has so long to make a node of the bridge.
 const NODE_NS: u64 = 60_000_000_000;
+/// The bridge's pin that an OE line hangs on.
+const OE_PIN: usize = 0;
 
 /// What to serve, and how to speak of it.
 #[derive(Clone, Debug)]
@@ -39,6 +42,9 @@ pub struct Options {
     pub can: Vec<String>,
     /// The scene begins with a start command.
     pub await_start: bool,
+    /// Pin 0 of the bridge, a GPIO line, is on the chips' OE pins, with a pull-up: cut until somebody drives it
+    /// low.
+    pub oe: bool,
     /// Seed of all randomness.
     pub seed: u64,
     /// How to speak.
@@ -60,6 +66,9 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
         ))
     })?;
     let epoch = monotonic_ns();
+    if options.oe {
+        hardware.set_output_enable(Instant::ZERO, true);
+    }
     if !options.await_start {
         hardware.begin_scene(Nanos::ZERO)?;
     }
@@ -74,6 +83,7 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
     Server {
         setup,
         await_start: options.await_start,
+        oe: options.oe.then_some(true),
         driving: hardware.driving(),
         hardware,
         can,
@@ -129,6 +139,8 @@ fn open(names: &[String], buses: usize) -> Result<Vec<Interface>, Failure> {
 struct Server<'a> {
     setup: &'a Setup,
     await_start: bool,
+    /// The level of the line on the OE pins, if there is one.
+    oe: Option<bool>,
     hardware: Hardware<'a>,
     can: Vec<Interface>,
     uhid: Uhid,
@@ -260,12 +272,29 @@ impl Server<'_> {
                     let (_, before) = self.hardware.i2c_time();
                     let answer = self.bridge.answer(report, &mut self.hardware.i2c());
                     let (end, after) = self.hardware.i2c_time();
+                    self.follow_oe()?;
                     // What needed no bus is answered at once.
                     let due = if after > before { end } else { Nanos::ZERO };
                     self.answers.extend(answer.map(|a| (due, a)));
                 }
                 _ => self.uhid.refuse(&request).map_err(broken)?,
             }
+        }
+        Ok(())
+    }
+
+    /// Passes the bridge's pin on to the chips; one that nobody drives is pulled up.
+    fn follow_oe(&mut self) -> Result<(), Failure> {
+        let high = self.bridge.pin(OE_PIN).unwrap_or(true);
+        if self.oe.is_some_and(|level| level != high) {
+            self.oe = Some(high);
+            let now = self.now();
+            self.advance()?;
+            let at = Instant::from_micros(now.as_micros());
+            self.hardware.set_output_enable(at, high);
+            self.last_edge = now;
+            let t_ns = self.epoch + now.0;
+            self.teller.tell(&Told::Oe { t_ns, high })?;
         }
         Ok(())
     }
@@ -303,7 +332,13 @@ impl Server<'_> {
             return Ok(());
         }
         let t_ns = monotonic_ns();
-        if let Some(node) = self.uhid.node() {
+        // The driver makes the GPIO chip after the adapter.
+        let gpio = self.uhid.gpio().map(|chip| chip.display().to_string());
+        let nodes = self
+            .uhid
+            .node()
+            .filter(|_| self.oe.is_none() || gpio.is_some());
+        if let Some(node) = nodes {
             let node = node.display().to_string();
             self.teller.tell(&Told::Serving {
                 t_ns,
@@ -311,6 +346,7 @@ impl Server<'_> {
                 can: self.can.iter().map(Interface::name).collect(),
                 i2c: &node,
                 chips: plan::boards(&self.setup.bench.value),
+                oe: gpio.as_deref().filter(|_| self.oe.is_some()),
             })?;
             self.record.i2c.clone_from(&node);
             self.node = Some(node);

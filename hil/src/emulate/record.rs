@@ -35,6 +35,15 @@ pub enum Told<'a> {
         i2c: &'a str,
         /// 7-bit addresses of the chips behind it.
         chips: Vec<u8>,
+        /// The GPIO chip whose line 0 is on the chips' OE pins, if it is.
+        oe: Option<&'a str>,
+    },
+    /// The line on the chips' OE pins changed.
+    Oe {
+        /// When.
+        t_ns: u64,
+        /// High: every output is cut.
+        high: bool,
     },
     /// A start command began the scene.
     Started {
@@ -251,6 +260,7 @@ impl Teller {
                     can,
                     i2c,
                     chips,
+                    oe,
                     ..
                 },
             ) => {
@@ -259,7 +269,9 @@ impl Teller {
                     .try_for_each(|name| writeln!(out, "  {name:<14} uSkin boards"))?;
                 write!(out, "  {i2c:<14} PCA9685 at")?;
                 chips.iter().try_for_each(|c| write!(out, " {c:#04x}"))?;
-                writeln!(out)
+                writeln!(out)?;
+                let line = |oe| writeln!(out, "  {oe:<14} line 0 on the chips' OE pins, pulled up");
+                oe.map_or(Ok(()), line)
             }
             (_, Told::Fault { text, .. }) => writeln!(out, "  {text}"),
             (_, Told::Record(record)) => record.words(out),

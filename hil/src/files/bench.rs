@@ -56,6 +56,9 @@ pub struct Real {
     pub i2c: Vec<PathBuf>,
     /// The line that cuts all outputs, if one is wired.
     pub oe: Option<OutputEnable>,
+    /// Somebody or something touches the skin as the scenes say: `hil test` then runs scenes with touches.
+    #[serde(default)]
+    pub touch: bool,
     /// Real-time priority and locked memory: true insists, false does without. Left out: where allowed.
     pub realtime: Option<bool>,
     /// The guardian switches off when it has not heard from the loop for this long.
@@ -93,6 +96,7 @@ impl Real {
             can,
             i2c,
             oe: None,
+            touch: false,
             realtime: None,
             heartbeat_ms: heartbeat_ms(),
             transfer_ms: transfer_ms(),

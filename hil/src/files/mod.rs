@@ -12,6 +12,7 @@ mod fault;
 mod illusion;
 mod layout;
 mod limits;
+mod quarantine;
 mod resolve;
 mod scene;
 mod setup;
@@ -39,12 +40,15 @@ pub use layout::{
 pub use limits::{
     Burst, Dose, FingertipPower, HARD_LIMITS, Limits, Pulse, Skin, Watchdog, WirePower,
 };
+pub use quarantine::{Quarantine, Quarantined};
 pub use resolve::{Kind, resolve, resolve_from};
 pub use scene::{
     Axes, Boards, Compression, DRIFT_S, Expect, Generation, Map, Norm, Overload, Scene, Scope,
     THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdRule,
 };
-pub use setup::{Loaded, Setup, load_bench, load_layout, load_limits, load_perceiver, load_scene};
+pub use setup::{
+    Loaded, Setup, load_bench, load_layout, load_limits, load_perceiver, load_scene, sensor_of,
+};
 pub use source::Source;
 pub use taxel_csv::{Columns, TaxelTable, read_taxel_csv};
 pub use touch::{Force, Path, PathKind, Touch, TouchPoint};

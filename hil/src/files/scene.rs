@@ -167,6 +167,9 @@ pub struct Expect {
     pub contacts_max: Option<u32>,
     /// Most events of the limiter.
     pub limiter_events_max: Option<u32>,
+    /// The emulated hardware passes a limit, as after a fault that no software can end; left out: it may pass none.
+    #[serde(default)]
+    pub over_limit: bool,
 }
 
 impl Scene {

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use super::{AlloyFile, Bench, LayoutFile, Limits, PerceiverFile, Scene, Wearer, WireFile};
+use super::{
+    AlloyFile, Bench, LayoutFile, Limits, PerceiverFile, Quarantine, Scene, Wearer, WireFile,
+};
 
 #[test]
 fn shipped_schemas_are_current() {
@@ -12,6 +14,7 @@ fn shipped_schemas_are_current() {
         ("layout", schemars::schema_for!(LayoutFile)),
         ("limits", schemars::schema_for!(Limits)),
         ("perceiver", schemars::schema_for!(PerceiverFile)),
+        ("quarantine", schemars::schema_for!(Quarantine)),
         ("scene", schemars::schema_for!(Scene)),
         ("wearer", schemars::schema_for!(Wearer)),
         ("wire", schemars::schema_for!(WireFile)),

@@ -174,7 +174,11 @@ fn person_of(scene: &Loaded<Scene>) -> Result<Person, FileError> {
     Ok((perceiver, wearer))
 }
 
-fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileError> {
+/// The skin of a scene.
+///
+/// # Errors
+/// What cannot be in its layout, or does not fit the scene.
+pub fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileError> {
     let source = resolve_from(Kind::Layout, &scene.value.layout, &scene.source, "layout")?;
     let LayoutFile::Sensor(mut sensor) = LayoutFile::read(&source)? else {
         return Err(scene.source.bad_found(

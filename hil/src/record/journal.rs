@@ -14,6 +14,7 @@ use palpate_records::trace::Event;
 
 use super::sink::Sink;
 use crate::failure::Failure;
+use crate::output::note;
 
 /// Pieces that wait for the disk, one a turn of the loop.
 const QUEUE: usize = 1 << 10;
@@ -43,18 +44,18 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Takes files that have their first lines.
+    /// Takes files that have their first lines. Unless `quiet`, notes are told to people as well.
     ///
     /// # Errors
     /// [`Failure::Device`] when the system gives no thread.
-    pub fn start(mut files: Vec<Sink>) -> Result<Self, Failure> {
+    pub fn start(mut files: Vec<Sink>, quiet: bool) -> Result<Self, Failure> {
         let (pieces, orders) = sync_channel(QUEUE);
         let failed = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&failed);
         let thread = std::thread::Builder::new()
             .name("journal".into())
             .spawn(move || {
-                let result = keep(&mut files, &orders);
+                let result = keep(&mut files, &orders, quiet);
                 let result = result.and_then(|()| files.into_iter().try_for_each(Sink::finish));
                 flag.store(result.is_err(), Ordering::Relaxed);
                 result
@@ -122,8 +123,13 @@ impl Journal {
 }
 
 /// Writes pieces until there are no more.
-fn keep(files: &mut [Sink], pieces: &Receiver<Piece>) -> Result<(), Failure> {
+fn keep(files: &mut [Sink], pieces: &Receiver<Piece>, quiet: bool) -> Result<(), Failure> {
     while let Ok(piece) = pieces.recv() {
+        for event in piece.events.iter().filter(|_| !quiet) {
+            if let Event::Note { t_us, text } = event {
+                note(&format!("{:.3} s: {text}", *t_us as f64 * 1e-6));
+            }
+        }
         files.iter_mut().try_for_each(|file| file.piece(&piece))?;
     }
     Ok(())
@@ -213,7 +219,7 @@ mod tests {
             (Kind::Mcap, path("m.mcap")),
         ];
         let about = About::Run(&trace.header, &[]);
-        let mut journal = Journal::start(Sink::create_all(&files, &about).unwrap()).unwrap();
+        let mut journal = Journal::start(Sink::create_all(&files, &about).unwrap(), true).unwrap();
         let mut sent = 0;
         for end in 0..=trace.events.len() {
             let at = |i: usize| trace.events.get(i).map(Event::t_ns);

@@ -14,7 +14,7 @@ pub(crate) mod script;
 mod sensor;
 pub(crate) mod skin;
 mod summary;
-mod supervisor;
+pub(crate) mod supervisor;
 mod tape;
 
 pub use boards::{BoardReport, BusReport, Spread};

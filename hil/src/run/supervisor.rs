@@ -151,7 +151,7 @@ impl Supervisor {
     }
 
     /// Tells of a stop of the guard, and ends it once its cause is gone: frames come again, turns are on time,
-    /// boards answer and are off. What the guardian stops on a real bench is left to a person.
+    /// boards answer and are off. On a real bench only a failed transfer may end so: the rest is a person's.
     pub fn resume(
         &mut self,
         now: Instant,

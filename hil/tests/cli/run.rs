@@ -162,7 +162,7 @@ fn illusion_options_change_the_run_and_are_checked() {
 
 #[test]
 fn what_is_not_built_is_refused_and_not_ignored() {
-    for option in ["--watch", "--junit", "--limits", "--seeds"] {
+    for option in ["--junit", "--limits", "--seeds"] {
         refused_with(&["run", option], &[option]);
     }
     for name in [

@@ -6,13 +6,16 @@
 // A failed expectation in a test is its message.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
+mod bench_faults;
 mod can_clients;
 mod can_flood;
 mod deaths;
 mod emulator;
 mod fuzz;
 mod i2c_clients;
+mod interfaces;
 mod records;
 mod sja1000;
 mod tools;
+mod ward;
 mod whole_loop;

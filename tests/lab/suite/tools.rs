@@ -1,7 +1,8 @@
 //! Running other people's programs.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::OnceLock;
 
 /// `true` in the lab; else says what is skipped.
 pub fn in_lab(test: &str) -> bool {
@@ -52,6 +53,30 @@ pub fn python(script: &str, arguments: &str) -> String {
     let python = std::env::var("PALPATE_LAB_PYTHON").unwrap();
     let script = here().join("suite/clients").join(script);
     sh(&format!("{python} {} {arguments}", script.display()))
+}
+
+/// `hil`, in memory: a program that is read over the lab's file system takes a second to start.
+pub fn hil() -> &'static Path {
+    static HIL: OnceLock<PathBuf> = OnceLock::new();
+    HIL.get_or_init(|| {
+        let folder = scratch("bin");
+        std::fs::create_dir_all(&folder).unwrap();
+        let copy = folder.join("hil");
+        std::fs::copy(std::env::var("PALPATE_HIL").unwrap(), &copy).unwrap();
+        copy
+    })
+}
+
+/// A scene or bench of the suite.
+pub fn scene(name: &str) -> String {
+    let file = here().join("suite/scenes").join(name);
+    file.display().to_string()
+}
+
+/// A number that the environment may say.
+pub fn number_of(name: &str, default: u64) -> u64 {
+    let said = std::env::var(name).ok();
+    said.map_or(default, |n| n.parse().unwrap())
 }
 
 /// A place of this run's own for a file.

@@ -298,7 +298,7 @@ fn a_missing_chip_is_told_and_then_forgotten() {
     // The driver sets the speed before the next transfer; an old failure must not spoil that.
     let speed = asked.ask(&[STATUS, 0, 0, 0x20, 27]);
     assert_eq!((speed[8], speed[20]), (0, 0));
-    asked.ask(&[0x91, 1, 0, 0x41 << 1]);
+    assert_eq!(asked.ask(&[0x91, 1, 0, 0x41 << 1])[1..3], [1, 0x25]);
     let answer = asked.ask(&[GET_DATA]);
     assert_eq!((answer[2], answer[3]), (0x25, 127));
     // hidraw puts a report number in front.

@@ -11,7 +11,7 @@ use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::socket::{AddressFamily, MsgFlags, SockFlag, SockType, recv, send, socketpair};
 use palpate_core::units::{Duration, Instant};
 
-use super::{PACKET, Watch, word};
+use super::{PACKET, Watch, packet, word};
 
 /// How long a guardian may take to look at every board and switch it off.
 const START_MS: u16 = 20_000;
@@ -156,6 +156,15 @@ impl Guardian {
         self.send(&[if released { word::RELEASE } else { word::CUT }])
     }
 
+    /// The guard has stopped this run: the guardian cuts OE, switches everything off as well, and latches the
+    /// cause. Run and guardian live on; nothing may be driven any more.
+    ///
+    /// # Errors
+    /// [`Lost`].
+    pub fn stop(&self, cause: &str) -> Result<(), Lost> {
+        self.send(&packet(word::STOP, cause))
+    }
+
     /// Takes leave: the guardian switches everything off once more, reads back, and ends.
     ///
     /// # Errors
@@ -175,10 +184,7 @@ impl Guardian {
     /// Hands over: this run cannot switch off itself, for this cause. The guardian latches it and goes on
     /// trying after this program's end. Returns whether everything is off already.
     pub fn hand_over(mut self, cause: &str) -> bool {
-        let mut packet = vec![word::TRIP];
-        packet.extend_from_slice(cause.as_bytes());
-        packet.truncate(PACKET);
-        if self.send(&packet).is_err() {
+        if self.send(&packet(word::TRIP, cause)).is_err() {
             return false;
         }
         matches!(self.answer(END_MS / 10), Some((word::READY, _)))

@@ -82,6 +82,8 @@ mod word {
     pub const RELEASE: u8 = b'e';
     /// Run to guardian: cut the OE line.
     pub const CUT: u8 = b'c';
+    /// Run to guardian: outputs are off and stay off until a person clears that; the cause follows.
+    pub const STOP: u8 = b's';
     /// Run to guardian: everything is off, good-bye.
     pub const BYE: u8 = b'q';
     /// Run to guardian: I cannot switch off any more; the cause follows.
@@ -94,6 +96,14 @@ mod word {
 
 /// The longest packet: a report of 16 boards.
 const PACKET: usize = 4096;
+
+/// A packet: a word and what follows it.
+fn packet(word: u8, text: &str) -> Vec<u8> {
+    let mut packet = vec![word];
+    packet.extend_from_slice(text.as_bytes());
+    packet.truncate(PACKET);
+    packet
+}
 
 #[cfg(test)]
 mod tests;

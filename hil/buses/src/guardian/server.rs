@@ -14,7 +14,7 @@ use nix::unistd::{Pid, getppid, setsid};
 use palpate_core::units::Duration;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
-use super::{Latch, PACKET, Sweeper, Watch, word};
+use super::{Latch, PACKET, Sweeper, Watch, packet, word};
 use crate::lock::BusLock;
 use crate::oe::OeLine;
 use crate::pacer::RunClock;
@@ -90,12 +90,9 @@ pub fn serve(watch: &Watch) -> u8 {
 
 /// A packet to the run; one that is gone needs none.
 fn say(word: u8, text: &str) {
-    let mut packet = vec![word];
-    packet.extend_from_slice(text.as_bytes());
-    packet.truncate(PACKET);
     let stdin = io::stdin();
     let flags = MsgFlags::MSG_DONTWAIT | MsgFlags::MSG_NOSIGNAL;
-    let _ = send(stdin.as_raw_fd(), &packet, flags);
+    let _ = send(stdin.as_raw_fd(), &packet(word, text), flags);
 }
 
 /// A line for people, if anybody reads them.
@@ -184,6 +181,14 @@ impl<'a> Post<'a> {
                 }
                 Some((&word::RELEASE, _)) => self.set_oe(false),
                 Some((&word::CUT, _)) => self.set_oe(true),
+                Some((&word::STOP, cause)) => {
+                    let cause = Cause::Asked(String::from_utf8_lossy(cause).into_owned());
+                    self.set_oe(true);
+                    if self.sweeper.off().is_err() {
+                        return self.act(&cause);
+                    }
+                    self.latch(&cause, true);
+                }
                 Some((&word::BYE, _)) => {
                     self.set_oe(true);
                     return match self.sweeper.off() {
@@ -206,8 +211,8 @@ impl<'a> Post<'a> {
         }
     }
 
-    fn set_oe(&self, cut: bool) {
-        if let Some(Err(reason)) = self.oe.as_ref().map(|line| line.set(cut)) {
+    fn set_oe(&mut self, cut: bool) {
+        if let Some(Err(reason)) = self.oe.as_mut().map(|line| line.set(cut)) {
             tell(&reason);
         }
     }

@@ -9,7 +9,7 @@ use palpate_core::bus::Actuators;
 use palpate_core::driver::{Pca9685Bank, Seen};
 use palpate_core::units::Prescale;
 
-use crate::i2c::{Line, LinuxAdapter, OpenError};
+use crate::i2c::{Blocking, LinuxAdapter, OpenError};
 use crate::pacer::RunClock;
 
 /// Between two tries of a bus that does not answer.
@@ -57,7 +57,7 @@ impl fmt::Display for BoardFound {
 /// The boards of a bench with a bus each for the way out.
 #[derive(Debug)]
 pub struct Sweeper {
-    banks: Vec<(PathBuf, Vec<u8>, Pca9685Bank<Line>)>,
+    banks: Vec<(PathBuf, Vec<u8>, Pca9685Bank<Blocking>)>,
 }
 
 impl Sweeper {
@@ -68,7 +68,7 @@ impl Sweeper {
     pub fn open(buses: &[(PathBuf, Vec<u8>)], limit: Duration) -> Result<Self, OpenError> {
         let open = |(path, addresses): &(PathBuf, Vec<u8>)| {
             let adapter = LinuxAdapter::open(path, addresses)?;
-            let line = Line::new(adapter, limit).map_err(|e| OpenError {
+            let line = Blocking::new(adapter, limit).map_err(|e| OpenError {
                 path: path.display().to_string(),
                 reason: e.to_string(),
             })?;
@@ -82,9 +82,9 @@ impl Sweeper {
     }
 
     /// Over lines that are open already.
-    pub fn over(lines: Vec<(PathBuf, Vec<u8>, Line)>) -> Self {
+    pub fn over(lines: Vec<(PathBuf, Vec<u8>, Blocking)>) -> Self {
         // Switching off and reading back need no PRE_SCALE.
-        let bank = |(path, addresses, line): (PathBuf, Vec<u8>, Line)| {
+        let bank = |(path, addresses, line): (PathBuf, Vec<u8>, Blocking)| {
             let bank = Pca9685Bank::new(line, &addresses, Prescale::MIN);
             (path, addresses, bank)
         };
@@ -134,7 +134,7 @@ impl Sweeper {
     /// # Errors
     /// In words, why.
     pub fn off(&mut self) -> Result<(), String> {
-        let one = |(path, _, bank): &mut (PathBuf, Vec<u8>, Pca9685Bank<Line>)| {
+        let one = |(path, _, bank): &mut (PathBuf, Vec<u8>, Pca9685Bank<Blocking>)| {
             bank.all_off().map_err(|error| {
                 let fault = bank.bus().last_fault();
                 fault.map_or_else(|| error.to_string(), ToString::to_string)

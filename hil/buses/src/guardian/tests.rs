@@ -8,7 +8,7 @@ use palpate_emulators::i2c::{BusClock, Segment};
 use palpate_emulators::pca9685::{Config, Pca9685};
 
 use super::{Sweeper, Watch, parse_bus, parse_line};
-use crate::i2c::{Adapter, FaultKind, Line};
+use crate::i2c::{Adapter, Blocking, FaultKind};
 
 /// An emulated bus as an adapter, which may be held.
 struct Emulated {
@@ -36,7 +36,7 @@ impl Adapter for Emulated {
 }
 
 /// A bus with a chip at 0x40 whose channels 3 and 5 were left driving, and nobody at 0x41.
-fn bus(addresses: &[u8]) -> ((std::path::PathBuf, Vec<u8>, Line), Arc<Mutex<()>>) {
+fn bus(addresses: &[u8]) -> ((std::path::PathBuf, Vec<u8>, Blocking), Arc<Mutex<()>>) {
     let mut segment = Segment::new(BusClock::Fast, vec![Pca9685::new(Config::new(0x40))]);
     let mut write = |bytes: &[u8]| {
         let sent = segment.transaction(0x40, &mut [Operation::Write(bytes)]);
@@ -50,7 +50,7 @@ fn bus(addresses: &[u8]) -> ((std::path::PathBuf, Vec<u8>, Line), Arc<Mutex<()>>
         segment,
         hold: Arc::clone(&hold),
     };
-    let line = Line::new(adapter, Duration::from_millis(50)).unwrap();
+    let line = Blocking::new(adapter, Duration::from_millis(50)).unwrap();
     (("/dev/emulated".into(), addresses.to_vec(), line), hold)
 }
 

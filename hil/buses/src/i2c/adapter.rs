@@ -3,7 +3,7 @@
 
 use std::fs::{self, File, OpenOptions};
 use std::os::fd::{AsFd, AsRawFd};
-use std::os::unix::fs::OpenOptionsExt;
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
 use i2cdev::core::{I2CMessage, I2CTransfer};
@@ -35,6 +35,8 @@ pub struct OpenError {
 pub struct LinuxAdapter {
     path: PathBuf,
     bus: Option<LinuxI2CBus>,
+    /// Which device the path led to when it was opened.
+    device: u64,
 }
 
 /// Why a node cannot be opened, with the way out.
@@ -66,6 +68,7 @@ impl LinuxAdapter {
         let mut adapter = Self {
             path: path.to_owned(),
             bus: None,
+            device: 0,
         };
         adapter.reopen().map_err(|e| unopened(path, e))?;
         // The address is a property of the descriptor: claims are made on one of their own.
@@ -93,6 +96,7 @@ impl LinuxAdapter {
     /// Opens the node again: after an adapter came back.
     fn reopen(&mut self) -> Result<(), Errno> {
         self.bus = None;
+        self.device = device(&self.path);
         let bus = LinuxI2CBus::new(&self.path).map_err(|e| errno(&e))?;
         if let Ok(node) = nix::unistd::dup(borrowed(&bus)) {
             // Neither is known to every adapter; our own limit stands in any case.
@@ -102,6 +106,11 @@ impl LinuxAdapter {
         self.bus = Some(bus);
         Ok(())
     }
+}
+
+/// The device that a path leads to; zero for none.
+fn device(path: &Path) -> u64 {
+    fs::metadata(path).map_or(0, |about| about.rdev())
 }
 
 /// The bus's descriptor, which i2cdev lends only as a number.
@@ -138,7 +147,16 @@ impl Adapter for LinuxAdapter {
         self.path.display().to_string()
     }
 
+    /// Closes a node that is no longer there. The kernel keeps an adapter that was unplugged, and its number, for
+    /// as long as anybody has it open: held on to, it would never come back.
+    fn rest(&mut self) {
+        if self.bus.is_some() && device(&self.path) != self.device {
+            self.bus = None;
+        }
+    }
+
     fn transfer(&mut self, address: u8, write: &[u8], read: &mut [u8]) -> Result<(), FaultKind> {
+        self.rest();
         if self.bus.is_none() {
             self.reopen().map_err(|e| match e {
                 // The node lies there without an adapter behind it, or is not there.
@@ -161,7 +179,6 @@ impl Adapter for LinuxAdapter {
         result.map(drop).map_err(|error| {
             let kind = FaultKind::from(errno(&error));
             if kind == FaultKind::Gone {
-                // The kernel keeps a removed adapter's number for as long as anybody holds it open.
                 self.bus = None;
             }
             kind

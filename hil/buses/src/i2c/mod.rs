@@ -1,5 +1,8 @@
 //! Linux I2C buses for the core's driver: a thread a bus, because a transfer may take as long as the
 //! adapter likes, and the loop may not.
+//!
+//! Linux has no I2C transfer that does not block, so the thread stands behind an async face ([`Line`]), and a
+//! face that waits in it ([`Blocking`]) for the core's driver, which knows no executor.
 
 mod adapter;
 mod fault;
@@ -7,13 +10,15 @@ mod fault;
 pub use adapter::{LinuxAdapter, OpenError, number};
 pub use fault::{Fault, FaultKind};
 
-use std::sync::mpsc::{
-    Receiver, RecvTimeoutError, Sender, SyncSender, TryRecvError, channel, sync_channel,
-};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use embedded_hal::i2c::{ErrorType, I2c, Operation};
+use embedded_hal::i2c::{ErrorType, I2c as BlockingI2c, Operation};
+use embedded_hal_async::i2c::I2c as AsyncI2c;
+use tokio::runtime::Runtime;
+use tokio::sync::oneshot::{self, error::TryRecvError};
+use tokio::time::{Instant, MissedTickBehavior, interval_at, sleep};
 
 use crate::guardian::Pulse;
 
@@ -27,10 +32,15 @@ pub trait Adapter: Send {
     /// # Errors
     /// What the adapter said.
     fn transfer(&mut self, address: u8, write: &[u8], read: &mut [u8]) -> Result<(), FaultKind>;
+
+    /// Called now and then while nothing is to be transferred.
+    fn rest(&mut self) {}
 }
 
 /// How often a waiting loop says that it is alive.
 const BEAT: Duration = Duration::from_millis(10);
+/// How often an adapter that has nothing to do is looked at.
+const REST: Duration = Duration::from_millis(100);
 
 /// What came of a transaction: the bytes read.
 type Answer = Result<Vec<u8>, FaultKind>;
@@ -40,17 +50,17 @@ struct Request {
     address: u8,
     write: Vec<u8>,
     read: usize,
-    answer: SyncSender<Answer>,
+    answer: oneshot::Sender<Answer>,
 }
 
-/// The loop's end of a bus. Waits for each transaction, but no longer than its limit.
+/// A bus: transactions are awaited, but no longer than their limit.
 #[derive(Debug)]
 pub struct Line {
     name: String,
     requests: Option<Sender<Request>>,
     /// The answer of a transaction that took too long. While it is out, nothing else is sent: a queue
     /// would carry out orders that nobody wants any more.
-    overdue: Option<Receiver<Answer>>,
+    overdue: Option<oneshot::Receiver<Answer>>,
     limit: Duration,
     /// Told while the loop waits.
     pulse: Option<Pulse>,
@@ -58,24 +68,33 @@ pub struct Line {
     thread: Option<JoinHandle<()>>,
 }
 
+/// What the thread of a bus does until nobody can ask any more.
+fn serve(mut adapter: impl Adapter, orders: &std::sync::mpsc::Receiver<Request>) {
+    loop {
+        match orders.recv_timeout(REST) {
+            Ok(order) => {
+                let mut read = vec![0; order.read];
+                let result = adapter.transfer(order.address, &order.write, &mut read);
+                // The answer to one who has stopped waiting is for nobody.
+                let _ = order.answer.send(result.map(|()| read));
+            }
+            Err(RecvTimeoutError::Timeout) => adapter.rest(),
+            Err(RecvTimeoutError::Disconnected) => return,
+        }
+    }
+}
+
 impl Line {
     /// Puts an adapter on a thread; transactions that take longer than `limit` fail.
     ///
     /// # Errors
     /// When the system gives no thread.
-    pub fn new(mut adapter: impl Adapter + 'static, limit: Duration) -> std::io::Result<Self> {
+    pub fn new(adapter: impl Adapter + 'static, limit: Duration) -> std::io::Result<Self> {
         let name = adapter.name();
-        let (requests, orders) = channel::<Request>();
+        let (requests, orders) = channel();
         let thread = std::thread::Builder::new()
             .name("i2c".into())
-            .spawn(move || {
-                while let Ok(order) = orders.recv() {
-                    let mut read = vec![0; order.read];
-                    let result = adapter.transfer(order.address, &order.write, &mut read);
-                    // The answer to one who has stopped waiting is for nobody.
-                    let _ = order.answer.send(result.map(|()| read));
-                }
-            })?;
+            .spawn(move || serve(adapter, &orders))?;
         Ok(Self {
             name,
             requests: Some(requests),
@@ -93,36 +112,25 @@ impl Line {
         self.pulse = Some(pulse);
     }
 
-    /// Waits for an answer, no longer than the limit.
-    fn wait(&self, answer: &Receiver<Answer>) -> Result<Answer, RecvTimeoutError> {
-        let mut left = self.limit;
-        while left > BEAT {
-            match answer.recv_timeout(BEAT) {
-                Err(RecvTimeoutError::Timeout) => {}
-                other => return other,
-            }
-            left -= BEAT;
-            if let Some(pulse) = &self.pulse {
-                pulse.beat();
-            }
-        }
-        answer.recv_timeout(left)
-    }
-
     /// The last transaction that failed, in full: the driver's own error keeps only its kind.
     pub const fn last_fault(&self) -> Option<&Fault> {
         self.last.as_ref()
     }
 
-    fn exchange(&mut self, address: u8, write: &[u8], read: &mut [u8]) -> Result<(), FaultKind> {
-        if let Some(overdue) = self.overdue.take() {
+    async fn exchange(
+        &mut self,
+        address: u8,
+        write: &[u8],
+        read: &mut [u8],
+    ) -> Result<(), FaultKind> {
+        if let Some(mut overdue) = self.overdue.take() {
             // What it says came too late for whoever asked.
-            if let Err(TryRecvError::Empty) = overdue.try_recv() {
+            if overdue.try_recv() == Err(TryRecvError::Empty) {
                 self.overdue = Some(overdue);
                 return Err(FaultKind::Stuck);
             }
         }
-        let (answer, answered) = sync_channel(1);
+        let (answer, mut answered) = oneshot::channel();
         let request = Request {
             address,
             write: write.to_vec(),
@@ -133,18 +141,27 @@ impl Line {
         let Some(Ok(())) = sent else {
             return Err(FaultKind::Gone);
         };
-        match self.wait(&answered) {
-            Ok(Ok(bytes)) => {
-                read.copy_from_slice(&bytes);
-                Ok(())
+        let limit = sleep(self.limit);
+        tokio::pin!(limit);
+        let mut beat = interval_at(Instant::now() + BEAT, BEAT);
+        beat.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        let answer = loop {
+            tokio::select! {
+                biased;
+                answer = &mut answered => break answer,
+                () = &mut limit => {
+                    self.overdue = Some(answered);
+                    return Err(FaultKind::Stuck);
+                }
+                _ = beat.tick() => if let Some(pulse) = &self.pulse {
+                    pulse.beat();
+                },
             }
-            Ok(Err(kind)) => Err(kind),
-            Err(RecvTimeoutError::Timeout) => {
-                self.overdue = Some(answered);
-                Err(FaultKind::Stuck)
-            }
-            Err(RecvTimeoutError::Disconnected) => Err(FaultKind::Gone),
-        }
+        };
+        // No answer: the thread has ended.
+        let bytes = answer.map_err(|_| FaultKind::Gone)??;
+        read.copy_from_slice(&bytes);
+        Ok(())
     }
 }
 
@@ -152,10 +169,14 @@ impl ErrorType for Line {
     type Error = Fault;
 }
 
-impl I2c for Line {
+impl AsyncI2c for Line {
     /// Writes, then reads: what the driver uses. Adjacent writes become one message, since adapters that
     /// can chain messages without a START are rare.
-    fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), Fault> {
+    async fn transaction(
+        &mut self,
+        address: u8,
+        operations: &mut [Operation<'_>],
+    ) -> Result<(), Fault> {
         let mut write = Vec::new();
         let mut lengths = 0;
         let mut ordered = true;
@@ -170,7 +191,7 @@ impl I2c for Line {
         }
         let mut read = vec![0; lengths];
         let result = if ordered {
-            self.exchange(address, &write, &mut read)
+            self.exchange(address, &write, &mut read).await
         } else {
             Err(FaultKind::Unsupported)
         };
@@ -204,6 +225,50 @@ impl Drop for Line {
         {
             let _ = thread.join();
         }
+    }
+}
+
+/// A bus for those who wait: the core's driver, the guardian.
+#[derive(Debug)]
+pub struct Blocking {
+    line: Line,
+    /// Where the waiting is done: a timer and nothing else.
+    waiter: Runtime,
+}
+
+impl Blocking {
+    /// [`Line::new`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn new(adapter: impl Adapter + 'static, limit: Duration) -> std::io::Result<Self> {
+        Ok(Self {
+            line: Line::new(adapter, limit)?,
+            waiter: tokio::runtime::Builder::new_current_thread()
+                .enable_time()
+                .build()?,
+        })
+    }
+
+    /// [`Line::set_pulse`].
+    pub fn set_pulse(&mut self, pulse: Pulse) {
+        self.line.set_pulse(pulse);
+    }
+
+    /// [`Line::last_fault`].
+    pub const fn last_fault(&self) -> Option<&Fault> {
+        self.line.last_fault()
+    }
+}
+
+impl ErrorType for Blocking {
+    type Error = Fault;
+}
+
+impl BlockingI2c for Blocking {
+    fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), Fault> {
+        let transaction = AsyncI2c::transaction(&mut self.line, address, operations);
+        self.waiter.block_on(transaction)
     }
 }
 

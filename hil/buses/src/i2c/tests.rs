@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
+use embedded_hal::i2c::I2c as _;
 use palpate_core::driver::Pca9685Bank;
 use palpate_core::units::{Instant, Prescale};
 
@@ -17,7 +18,7 @@ struct Double {
     fault: Option<FaultKind>,
 }
 
-type Seen = (Line, Writes, Arc<Mutex<()>>);
+type Seen = (Blocking, Writes, Arc<Mutex<()>>);
 
 fn line(fault: Option<FaultKind>) -> Seen {
     let (writes, hold) = (Arc::default(), Arc::default());
@@ -26,7 +27,7 @@ fn line(fault: Option<FaultKind>) -> Seen {
         hold: Arc::clone(&hold),
         fault,
     };
-    let line = Line::new(double, Duration::from_millis(20)).unwrap();
+    let line = Blocking::new(double, Duration::from_millis(20)).unwrap();
     (line, writes, hold)
 }
 

@@ -1,8 +1,7 @@
 //! A Microchip MCP2221 USB-to-I2C bridge in its 64-byte reports (data sheet DS20005565, chapter 3).
 //!
 //! Pure: a report in, a report out, and behind it any embedded-hal bus. Linux drives it with its own
-//! `hid-mcp2221`; what that driver asks is answered in full, the pins and the flash only as far as its
-//! start needs them.
+//! `hid-mcp2221`; what that driver asks is answered in full, the flash only as far as its start needs it.
 //!
 //! The bridge moves bytes when it has a transfer's last chunk, so a transfer is never torn by a slow
 //! client. A write without STOP waits for what is read after it; if anything else comes, it goes out alone.
@@ -56,6 +55,13 @@ const NACK_BIT: u8 = 0x40;
 /// In place of a length: the read has failed.
 const FAILED: u8 = 127;
 
+/// A general purpose pin, 3.1.11: the kernel has a GPIO line of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct GpPin {
+    is_output: bool,
+    high: bool,
+}
+
 /// A write of which not all chunks are there yet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Incoming {
@@ -80,6 +86,7 @@ pub struct Mcp2221 {
     data: Vec<u8>,
     fetched: usize,
     reading: bool,
+    pins: [GpPin; 4],
 }
 
 impl Default for Mcp2221 {
@@ -95,11 +102,18 @@ impl Default for Mcp2221 {
             data: Vec::new(),
             fetched: 0,
             reading: false,
+            pins: [GpPin::default(); 4],
         }
     }
 }
 
 impl Mcp2221 {
+    /// Whether a pin (0 to 3) is driven high; `None` for one that is an input, and floats.
+    pub fn pin(&self, number: usize) -> Option<bool> {
+        let pin = self.pins.get(number).filter(|pin| pin.is_output);
+        pin.map(|pin| pin.high)
+    }
+
     /// Takes a report and returns the answer; `None` where the bridge has none (a reset, no bytes at all).
     ///
     /// Short reports count as filled up with zeros. A leading zero before 64 bytes is hidraw's report
@@ -125,6 +139,10 @@ impl Mcp2221 {
             command::READ | command::READ_REPEATED => {
                 self.read(&asked, bus);
                 self.tell_at_once(&mut answer);
+                // Older drivers (6.1) fetch without a status, and take any number in a fetch for EIO.
+                if self.state == engine::ADDRESS_NACK {
+                    (answer[1], answer[2]) = (1, self.state);
+                }
             }
             command::GET_DATA => {
                 self.read_block(bus);
@@ -138,12 +156,23 @@ impl Mcp2221 {
                 self.status(&asked, &mut answer);
             }
             command::GET_PINS => {
-                // Every pin serves something else than general input and output.
-                for pin in answer[2..10].chunks_exact_mut(2) {
-                    pin.copy_from_slice(&[0xEE, 0xEF]);
+                for (pin, told) in self.pins.iter().zip(answer[2..10].chunks_exact_mut(2)) {
+                    told.copy_from_slice(&[u8::from(pin.high), u8::from(!pin.is_output)]);
                 }
             }
-            command::SET_PINS | command::SET_SRAM | command::GET_SRAM | command::READ_FLASH => {}
+            command::SET_PINS => {
+                // Change the value? To what? The direction? To what?
+                for (pin, wish) in self.pins.iter_mut().zip(asked[2..18].chunks_exact(4)) {
+                    if wish[0] != 0 {
+                        pin.high = wish[1] != 0;
+                    }
+                    if wish[2] != 0 {
+                        pin.is_output = wish[3] == 0;
+                    }
+                }
+                answer[2..18].copy_from_slice(&asked[2..18]);
+            }
+            command::SET_SRAM | command::GET_SRAM | command::READ_FLASH => {}
             command::RESET => {
                 *self = Self::default();
                 return None;

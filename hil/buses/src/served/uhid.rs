@@ -178,6 +178,16 @@ impl Uhid {
 
     /// The node of the adapter that the kernel made of this bridge; `None` as long as there is none.
     pub fn node(&self) -> Option<PathBuf> {
+        self.made("i2c-")
+    }
+
+    /// The node of the GPIO chip that the kernel made of this bridge's pins.
+    pub fn gpio(&self) -> Option<PathBuf> {
+        self.made("gpiochip")
+    }
+
+    /// What the kernel made of this bridge, by the beginning of its name.
+    fn made(&self, prefix: &str) -> Option<PathBuf> {
         let devices = std::fs::read_dir("/sys/devices/virtual/misc/uhid").ok()?;
         let ours = format!("HID_UNIQ={}", self.unique);
         let device = devices.flatten().map(|d| d.path()).find(|path| {
@@ -186,8 +196,8 @@ impl Uhid {
         })?;
         let entries = std::fs::read_dir(device).ok()?.flatten();
         let names = entries.map(|e| e.file_name().to_string_lossy().into_owned());
-        let adapter = names.into_iter().find(|n| n.starts_with("i2c-"))?;
-        let node = Path::new("/dev").join(adapter);
+        let name = names.into_iter().find(|n| n.starts_with(prefix))?;
+        let node = Path::new("/dev").join(name);
         node.exists().then_some(node)
     }
 }

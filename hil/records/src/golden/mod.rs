@@ -1,13 +1,18 @@
 //! Goldens a person can read: header, strip chart, events in words, ledger, digest. ASCII, under 100
 //! columns and 200 lines, built from integers only.
 //!
-//! Two of them, so that a change shows where it belongs: one of the contact path, one of the schedule.
+//! Three of a scene, so that a change shows where it belongs: the contact path, the schedule, the margins; and one
+//! of a surface over many runs.
 //! The chart's quantum follows from the run's length alone; nothing random and no name of a file
 //! enters.
 
+mod exact;
 mod lists;
+mod margins;
 mod pad;
 mod strip;
+
+pub use margins::{SurfacePoint, margins_golden, surface_golden};
 
 use crate::digest;
 use crate::felt::{energy_permille, felt_scores};
@@ -19,6 +24,8 @@ use std::fmt::Write;
 
 /// Most characters on a line.
 pub const COLUMNS: usize = 99;
+/// Most lines of a golden.
+pub const LINES: usize = 199;
 /// Most happenings told one by one.
 const STORY: usize = 40;
 
@@ -197,6 +204,10 @@ pub fn schedule_golden(trace: &Trace) -> String {
     ledger(&mut out, &measure::ledger_rows(trace));
     out.push('\n');
     lists::wires(&mut out, trace);
+    out.push('\n');
+    // Heading, digests and the line that counts the rest.
+    let left = LINES.saturating_sub(out.lines().count() + 4);
+    exact::list(&mut out, trace, left.max(1));
     put(
         &mut out,
         &format!("digest of schedule {}", digest::schedule_digest(trace)),

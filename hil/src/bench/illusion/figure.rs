@@ -43,25 +43,33 @@ pub(super) fn five_five(perceiver: Perceiver, drive: Milliamps) -> Result<Figure
         .collect();
     let mut laws = [worn(Model::Phantom)?, worn(Model::default())?];
     let mut svg = Svg::new(4.0 * COLUMN, 4.0 * ROW, "Figure 5.5 for four paths");
-    let mut breaks = [0usize; 2];
+    let (mut breaks, mut outside) = ([0usize; 2], [0usize; 2]);
     for (column, scene) in (0u8..).zip(PATHS) {
         let left = f64::from(column) * COLUMN;
         let setup = Setup::load(scene, "emulated")?;
         let outcome = run(&setup, &Input::Scene, 1)?;
         let trace = &outcome.trace;
-        svg.text((left + 46.0, 14.0), "label", scene);
+        svg.text((left + 100.0, 11.0), "wire-name", scene);
         contact_path(&mut svg, left, trace);
         counts(&mut svg, left, trace, &outcome.frame_us);
         let path = contacts_at_onsets(&setup, trace)?;
         for (row, law) in (2u8..).zip(&mut laws) {
             let felt = trials(law, &path, wires.len());
-            let broken = felt.iter().flat_map(|t| &t.onsets);
-            breaks[usize::from(row) - 2] += broken.filter(|o| o.inside && o.felt.is_none()).count();
+            let unfelt = felt.iter().flat_map(|t| &t.onsets);
+            for onset in unfelt.filter(|o| o.felt.is_none()) {
+                let counted = if onset.inside {
+                    &mut breaks
+                } else {
+                    &mut outside
+                };
+                counted[usize::from(row) - 2] += 1;
+            }
             felt_path(&mut svg, left, ROW * f64::from(row), &wires, &path, &felt);
         }
     }
-    for (row, name) in (0u8..).zip(["A", "B", "C (5.2)", "D default"]) {
-        svg.text((2.0, ROW * f64::from(row) + 34.0), "wire-name", name);
+    for (row, name) in (0u8..).zip(["A", "B", "C  (5.2)", "D  default"]) {
+        let beside = if row == 0 { 80.0 } else { 140.0 };
+        svg.text((beside, ROW * f64::from(row) + 11.0), "wire-name", name);
     }
     Ok(Figure {
         name: "figure-5-5".into(),
@@ -70,11 +78,14 @@ pub(super) fn five_five(perceiver: Perceiver, drive: Milliamps) -> Result<Figure
             "Columns: {}. A: contacts found (dots) on the path (grey). B: taxels in contact, and time per frame on \
              this machine against the 10 ms of a scan (dashed). C, D: felt place at each onset in {TRIALS} trials of \
              {PEOPLE} emulated users (a colour each) by the energy centroid, at the published drive without intensity; \
-             red crosses are breaks: {} by (5.2) with s = 1, {} by the default. Breaks come from the law; what \
-             scatters comes from the skin's uneven contact, whose size is assumed.",
+             red crosses stand where nothing was felt: breaks inside the wires, {} by (5.2) with s = 1 and {} by \
+             the default, and past the outermost wires, {} and {}. Breaks come from the law; what scatters comes from \
+             the skin's uneven contact, whose size is assumed.",
             PATHS.join(", "),
             breaks[0],
-            breaks[1]
+            breaks[1],
+            outside[0],
+            outside[1]
         ),
         svg: svg.finish(),
     })
@@ -102,9 +113,9 @@ fn contacts_at_onsets(setup: &Setup, trace: &Trace) -> Result<Vec<Point>, Failur
 
 fn panel(left: f64, top: f64) -> Frame {
     Frame {
-        left: left + 40.0,
+        left: left + 48.0,
         top: top + 24.0,
-        width: COLUMN - 52.0,
+        width: COLUMN - 60.0,
         height: ROW - 74.0,
         x: Scale::exact(0.0, 1.0),
         y: Scale::exact(0.0, 1.0),
@@ -202,7 +213,7 @@ fn felt_path(
             for onset in &trial.onsets {
                 match onset.felt {
                     Some(felt) => dot(&mut dots, plot.at(mm(felt.energy))),
-                    None if onset.inside => {
+                    None => {
                         let (x, y) = plot.at(mm(onset.target));
                         let _ = write!(
                             crosses,
@@ -213,7 +224,6 @@ fn felt_path(
                             y + 3.0
                         );
                     }
-                    None => {}
                 }
             }
         }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use palpate_buses::can::CanBuses;
 use palpate_buses::guardian::{Guardian, Latch, Watch};
-use palpate_buses::i2c::{Line, LinuxAdapter};
+use palpate_buses::i2c::{Blocking, LinuxAdapter};
 use palpate_buses::pacer::RunClock;
 use palpate_core::driver::{Banks, DriverError};
 use palpate_core::skin::Layout;
@@ -54,7 +54,7 @@ pub(super) struct Watchman {
 /// The actuators' end of the loop, its clock, and the guardian.
 pub(super) struct Live {
     pub(super) clock: RunClock,
-    pub(super) banks: Banks<Line>,
+    pub(super) banks: Banks<Blocking>,
     pub(super) watchman: Watchman,
     /// What the guardian found driving before it switched everything off.
     pub(super) found: String,
@@ -76,7 +76,7 @@ impl Live {
         let mut lines = Vec::new();
         for (path, addresses) in &watch.buses {
             let adapter = LinuxAdapter::open(path, addresses).map_err(|e| device(&e))?;
-            lines.push(Line::new(adapter, watch.transfer).map_err(|e| device(&e))?);
+            lines.push(Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?);
         }
         let program = std::env::current_exe().map_err(|e| device(&e))?;
         let (guardian, found) = Guardian::start(&program, &watch).map_err(|e| device(&e))?;
@@ -107,7 +107,7 @@ impl Live {
     /// A driver's error in full: with the errno the adapter gave.
     pub(super) fn explain(&self, error: &DriverError) -> String {
         let fault = match error {
-            DriverError::Bus(board, _) => self.banks.bus_of(*board).and_then(Line::last_fault),
+            DriverError::Bus(board, _) => self.banks.bus_of(*board).and_then(Blocking::last_fault),
             _ => None,
         };
         fault.map_or_else(|| error.to_string(), ToString::to_string)

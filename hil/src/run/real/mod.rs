@@ -27,6 +27,7 @@ use super::{Outcome, Summary, TICK, boards, build, open_watch, scene_levels};
 use crate::clock;
 use crate::failure::Failure;
 use crate::files::{Real, Setup};
+use crate::output::note;
 use crate::record::{About, Journal, Kind, Sink, Tap};
 use crate::watch::Watch;
 
@@ -57,7 +58,7 @@ struct Done {
 }
 
 /// Runs a scene's length on a real bench: what touches the skin is up to the world. `files` grow while it
-/// runs.
+/// runs; unless `quiet`, what happens to the bench is told on standard error.
 ///
 /// # Errors
 /// [`Failure`] for input that fits no loop, or a bench that cannot be opened or started.
@@ -65,7 +66,7 @@ pub fn run(
     setup: &Setup,
     seed: u64,
     files: &[(Kind, PathBuf)],
-    watched: bool,
+    (watched, quiet): (bool, bool),
 ) -> Result<Outcome, Failure> {
     let started = clock::now();
     let (scene, bench) = (&setup.scene.value, &setup.bench.value);
@@ -77,6 +78,8 @@ pub fn run(
     };
     // An abort in the middle of a burst must be noticed at once; refused, it is noticed by the heartbeat.
     let _ = forbid_core_dumps();
+    // A backtrace takes its time, and outputs are on while it is made: the place has to do.
+    std::panic::set_hook(Box::new(|panic| note(&panic.to_string())));
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
     let levels = if scene.touches.is_empty() {
         Levels::Dynamic(u16::try_from(scene.compression.ki).unwrap_or(u16::MAX))
@@ -85,7 +88,9 @@ pub fn run(
     };
     let projector = build(setup, seed, levels)?;
     let (header, attached) = (header(setup, seed, &projector)?, attachments(setup));
-    let journal = Journal::start(Sink::create_all(files, &About::Run(&header, &attached))?)?;
+    let sinks = Sink::create_all(files, &About::Run(&header, &attached))?;
+    // Notes stand in the live view; beside it they would write over it.
+    let journal = Journal::start(sinks, quiet || watched)?;
     let keeps_can = |kind: Kind| matches!(kind, Kind::Can | Kind::Mcap);
     let keeps_can = files.iter().any(|(kind, _)| keeps_can(*kind));
     let (live, can) = Live::open(bench, real, projector.layout())?;
@@ -165,6 +170,10 @@ fn drive(
             recorder.note(now, format!("stopped by {signal}"));
             break;
         }
+        assert!(
+            !signals.wants_panic(),
+            "a drill, by PALPATE_DRILL and SIGUSR1"
+        );
         can.now = now;
         while let Some(note) = can.inner.note() {
             recorder.note(note.at, note.text);
@@ -188,8 +197,21 @@ fn drive(
                 }
             }
         }
-        let banks = &mut live.banks;
-        supervisor.resume(now, &mut projector, banks, &mut recorder.events);
+        match projector.guard().latched() {
+            // The boards were started anew and read back: a transient fault of the bus is over.
+            Some(Cause::ActuatorError) => {
+                supervisor.resume(now, &mut projector, &mut live.banks, &mut recorder.events);
+            }
+            // Outputs stay off until a person has looked; the skin is still read and recorded.
+            Some(cause) if failure.is_none() => {
+                let cause = why(cause);
+                recorder.note(now, format!("stopped: {cause}"));
+                // A guardian that is gone ends the run at the next heartbeat.
+                let _ = live.watchman.guardian.stop(cause);
+                failure = Some(stopped(real, cause));
+            }
+            _ => {}
+        }
         let before = recorder.frames;
         let begun = clock::now();
         let polled = projector.poll(now, &mut can, &mut live.banks, &mut recorder);
@@ -303,6 +325,27 @@ fn take_priority() -> Result<(), Failure> {
             errno.desc()
         ))
     })
+}
+
+/// What the guard stopped a run for.
+const fn why(cause: Cause) -> &'static str {
+    match cause {
+        Cause::StaleInput => "stale-input: no sensor frame for 100 ms while a wire was driven",
+        Cause::LateTick => "late-tick: this computer was too late to end a stimulus in time",
+        other => other.word(),
+    }
+}
+
+/// A run whose outputs the guard has switched off for good, with the way back.
+fn stopped(real: &Real, cause: &str) -> Failure {
+    let buses = real
+        .i2c
+        .iter()
+        .map(|bus| format!(" --i2c {}", bus.display()));
+    Failure::Guard(format!(
+        "{cause}; outputs are off and stay off. Look at the bench, then clear the stop: hil off --unlatch{}",
+        buses.collect::<String>()
+    ))
 }
 
 /// Tells every board of the layout to send.

@@ -5,13 +5,14 @@ use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::flag;
 
 /// The wish to end.
 #[derive(Debug)]
 pub struct Signals {
     caught: Arc<AtomicUsize>,
+    drill: Arc<AtomicBool>,
 }
 
 impl Signals {
@@ -28,7 +29,17 @@ impl Signals {
             flag::register(signal, Arc::clone(&again))?;
             flag::register_usize(signal, Arc::clone(&caught), signal as usize)?;
         }
-        Ok(Self { caught })
+        let drill = Arc::new(AtomicBool::new(false));
+        if std::env::var_os("PALPATE_DRILL").is_some() {
+            flag::register(SIGUSR1, Arc::clone(&drill))?;
+        }
+        Ok(Self { caught, drill })
+    }
+
+    /// A drill: with `PALPATE_DRILL` in the environment SIGUSR1 asks for a panic of the loop, so that it can be
+    /// seen what becomes of the outputs.
+    pub(super) fn wants_panic(&self) -> bool {
+        self.drill.load(Ordering::Relaxed)
     }
 
     /// The signal that came, by name.

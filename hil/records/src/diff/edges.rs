@@ -1,0 +1,349 @@
+//! Differences of bursts, in words: what is new, gone, earlier, later, longer, wider, limited.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::align::align;
+use super::story::{Output, Stay, Story};
+use super::words::{at, count, list, ms};
+use super::{Difference, Grade, Tolerance};
+
+/// Most wires told one by one for one thing.
+const EACH: usize = 3;
+
+/// Which edges of a burst moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Move {
+    Rise,
+    Fall,
+    Whole,
+}
+
+impl Move {
+    const fn verb(self, many: bool) -> &'static str {
+        match (self, many) {
+            (Self::Rise, false) => "rises",
+            (Self::Rise, true) => "rise",
+            (Self::Fall, false) => "falls",
+            (Self::Fall, true) => "fall",
+            (Self::Whole, false) => "comes",
+            (Self::Whole, true) => "come",
+        }
+    }
+
+    fn words(self, many: bool, by: i64) -> String {
+        format!("{} {}", self.verb(many), lateness(by))
+    }
+}
+
+/// `5 ms later`.
+fn lateness(by: i64) -> String {
+    let later = if by < 0 { "earlier" } else { "later" };
+    format!("{} {later}", ms(by.unsigned_abs()))
+}
+
+/// Where something of one kind was found: how often on each output, and when first.
+#[derive(Default)]
+struct Tally(BTreeMap<Output, (usize, u64)>);
+
+impl Tally {
+    fn add(&mut self, output: Output, t_us: u64) {
+        let entry = self.0.entry(output).or_insert((0, t_us));
+        entry.0 += 1;
+        entry.1 = entry.1.min(t_us);
+    }
+
+    fn total(&self) -> usize {
+        self.0.values().map(|v| v.0).sum()
+    }
+
+    fn first_us(&self) -> u64 {
+        self.0.values().map(|v| v.1).min().unwrap_or(0)
+    }
+
+    /// `wire 3`, `wire 1 and wire 2`, `8 wires`.
+    fn who(&self) -> String {
+        if self.0.len() > EACH {
+            return format!("{} wires", self.0.len());
+        }
+        let names: Vec<String> = self.0.keys().map(ToString::to_string).collect();
+        list(&names)
+    }
+
+    /// `at 1.2 s`, or `12 times from 1.2 s on`.
+    fn when(&self) -> String {
+        match self.total() {
+            1 => format!("at {}", at(self.first_us())),
+            n => format!("{n} times from {} on", at(self.first_us())),
+        }
+    }
+}
+
+/// Everything found between two sets of bursts.
+#[derive(Default)]
+struct Found {
+    paired: usize,
+    new: Tally,
+    gone: Tally,
+    moves: BTreeMap<(Move, i64), Tally>,
+    within: usize,
+    wider: Tally,
+    widths: (i64, i64),
+    limited: BTreeMap<String, Tally>,
+    freed: BTreeMap<String, Tally>,
+}
+
+fn difference(later: u64, earlier: u64) -> i64 {
+    let size = i64::try_from(later.abs_diff(earlier)).unwrap_or(i64::MAX);
+    if later >= earlier { size } else { -size }
+}
+
+/// Until when both list their bursts; `None` where both list all.
+pub(super) fn known_until(a: &Story, b: &Story) -> Option<u64> {
+    let last = |s: &Story| {
+        let all = s.bursts.values().flatten();
+        (s.untold > 0).then(|| all.map(|b| b.from_us).max().unwrap_or(0))
+    };
+    [last(a), last(b)].into_iter().flatten().min()
+}
+
+/// The delay of the whole of `b` behind `a`: that of their first bursts, if with it more bursts agree than
+/// without, and more than half of them.
+fn delay(a: &BTreeMap<Output, Vec<Stay>>, b: &BTreeMap<Output, Vec<Stay>>) -> i64 {
+    let first = |s: &BTreeMap<Output, Vec<Stay>>| s.values().flatten().map(|s| s.from_us).min();
+    let (Some(from), Some(to)) = (first(a), first(b)) else {
+        return 0;
+    };
+    let by = difference(to, from);
+    let starts: BTreeSet<(Output, u64)> = b
+        .iter()
+        .flat_map(|(output, stays)| stays.iter().map(|s| (*output, s.from_us)))
+        .collect();
+    let agree = |by: i64| {
+        let all = a
+            .iter()
+            .flat_map(|(o, stays)| stays.iter().map(|s| (*o, s.from_us)));
+        all.filter(|(o, t)| {
+            t.checked_add_signed(by)
+                .is_some_and(|t| starts.contains(&(*o, t)))
+        })
+        .count()
+    };
+    let total: usize = a.values().map(Vec::len).sum();
+    let with = agree(by);
+    if by != 0 && with > agree(0) && with * 2 > total {
+        by
+    } else {
+        0
+    }
+}
+
+/// Tells what the bursts of two stories differ by; onsets lie `soa_us` apart, a tick takes `tick_ns`.
+pub(super) fn tell(
+    a: &Story,
+    b: &Story,
+    soa_us: u64,
+    tick_ns: u64,
+    tolerance: Tolerance,
+    out: &mut Vec<Difference>,
+) {
+    let until = known_until(a, b).unwrap_or(u64::MAX);
+    let cut = |s: &Story| -> BTreeMap<Output, Vec<Stay>> {
+        let told = |stays: &Vec<Stay>| {
+            let inside = stays.iter().filter(|s| s.from_us < until);
+            inside.cloned().collect()
+        };
+        s.bursts
+            .iter()
+            .map(|(o, stays)| (*o, told(stays)))
+            .collect()
+    };
+    let (mut first, second) = (cut(a), cut(b));
+    let by = delay(&first, &second);
+    if by != 0 {
+        for stay in first.values_mut().flatten() {
+            stay.from_us = stay.from_us.saturating_add_signed(by);
+            stay.to_us = stay.to_us.saturating_add_signed(by);
+        }
+        let words = Move::Whole.words(false, by);
+        let all = by.unsigned_abs() > tolerance.edge_us;
+        out.push(Difference::new(
+            Grade::Edge,
+            all,
+            i64::MAX,
+            format!("everything {words}"),
+        ));
+    }
+    let outputs: BTreeSet<Output> = first.keys().chain(second.keys()).copied().collect();
+    let mut found = Found::default();
+    for output in outputs {
+        let none = Vec::new();
+        let x = first.get(&output).unwrap_or(&none);
+        let y = second.get(&output).unwrap_or(&none);
+        compare(output, x, y, soa_us, tolerance, &mut found);
+    }
+    words(&found, tick_ns, tolerance, out);
+}
+
+fn compare(
+    output: Output,
+    a: &[Stay],
+    b: &[Stay],
+    soa_us: u64,
+    tolerance: Tolerance,
+    found: &mut Found,
+) {
+    // A burst that moved to the next onset is another one.
+    let alignment = align(a, b, soa_us - soa_us / 4);
+    let mut limit = |reason: &Option<String>, new: bool, t_us: u64| {
+        if let Some(reason) = reason {
+            let side = if new {
+                &mut found.limited
+            } else {
+                &mut found.freed
+            };
+            side.entry(reason.clone()).or_default().add(output, t_us);
+        }
+    };
+    for (i, j) in &alignment.pairs {
+        let (x, y) = (&a[*i], &b[*j]);
+        if x.reason != y.reason {
+            limit(&x.reason, false, x.from_us);
+            limit(&y.reason, true, y.from_us);
+        }
+    }
+    for i in &alignment.gone {
+        limit(&a[*i].reason, false, a[*i].from_us);
+        found.gone.add(output, a[*i].from_us);
+    }
+    for j in &alignment.new {
+        limit(&b[*j].reason, true, b[*j].from_us);
+        found.new.add(output, b[*j].from_us);
+    }
+    for (i, j) in alignment.pairs {
+        let (x, y) = (&a[i], &b[j]);
+        found.paired += 1;
+        let rise = difference(y.from_us, x.from_us);
+        let fall = difference(y.to_us, x.to_us);
+        let edges = match (rise, fall) {
+            (r, f) if r == f => [Some((Move::Whole, r)), None],
+            (r, f) => [Some((Move::Rise, r)), Some((Move::Fall, f))],
+        };
+        for (kind, by) in edges.into_iter().flatten().filter(|(_, by)| *by != 0) {
+            if by.unsigned_abs() <= tolerance.edge_us {
+                found.within += 1;
+            } else {
+                found
+                    .moves
+                    .entry((kind, by))
+                    .or_default()
+                    .add(output, x.from_us);
+            }
+        }
+        // A width that the limiter changed is told by the limiter's event.
+        if x.width != y.width && x.reason == y.reason {
+            let by = i64::from(y.width) - i64::from(x.width);
+            found.wider.add(output, x.from_us);
+            found.widths = match found.widths {
+                (0, 0) => (by, by),
+                (low, high) => (low.min(by), high.max(by)),
+            };
+        }
+    }
+}
+
+fn words(found: &Found, tick_ns: u64, tolerance: Tolerance, out: &mut Vec<Difference>) {
+    if found.within > 0 {
+        let edges = count(found.within, "edge");
+        let by = ms(tolerance.edge_us);
+        let text = format!("{edges} elsewhere by no more than {by}");
+        out.push(Difference::new(Grade::Cosmetic, false, 0, text));
+    }
+    let mut push = |grade, weight: usize, text: String| {
+        let weight = i64::try_from(weight).unwrap_or(i64::MAX);
+        out.push(Difference::new(grade, true, weight, text));
+    };
+    for (sign, side) in [("new", &found.limited), ("gone", &found.freed)] {
+        for (reason, tally) in side {
+            let n = tally.total();
+            let what = if sign == "new" {
+                format!("{} ({reason})", count(n, "new limiter event"))
+            } else {
+                format!("{} gone ({reason})", count(n, "limiter event"))
+            };
+            let from = if n == 1 { "at" } else { "from" };
+            let text = format!("{what}: {}, {from} {}", tally.who(), at(tally.first_us()));
+            push(Grade::Limiter, n, text);
+        }
+    }
+    for (sign, tally) in [("new", &found.new), ("gone", &found.gone)] {
+        match tally.total() {
+            0 => {}
+            n => {
+                let what = if sign == "new" {
+                    count(n, "new burst")
+                } else {
+                    format!("{} gone", count(n, "burst"))
+                };
+                let from = if n == 1 { "at" } else { "from" };
+                let text = format!("{what}: {}, {from} {}", tally.who(), at(tally.first_us()));
+                push(Grade::Burst, n, text);
+            }
+        }
+    }
+    // Many different distances of one kind are told as a range.
+    for kind in [Move::Rise, Move::Fall, Move::Whole] {
+        let of_kind: Vec<_> = found
+            .moves
+            .iter()
+            .filter(|((k, _), _)| *k == kind)
+            .collect();
+        if of_kind.len() <= EACH {
+            for ((_, by), tally) in of_kind {
+                let n = tally.total();
+                let text = if n == found.paired && n > 1 {
+                    let words = kind.words(false, *by);
+                    format!("every burst {words}: {n} on {}", tally.who())
+                } else {
+                    let words = kind.words(tally.0.len() > 1, *by);
+                    format!("{} {words}, {}", tally.who(), tally.when())
+                };
+                push(Grade::Edge, n, text);
+            }
+            continue;
+        }
+        let mut all = Tally::default();
+        for (_, tally) in &of_kind {
+            for (output, (n, t_us)) in &tally.0 {
+                let entry = all.0.entry(*output).or_insert((0, *t_us));
+                *entry = (entry.0 + n, entry.1.min(*t_us));
+            }
+        }
+        let by = |f: fn(i64, i64) -> i64| of_kind.iter().map(|((_, by), _)| *by).reduce(f);
+        let (low, high) = (by(i64::min).unwrap_or(0), by(i64::max).unwrap_or(0));
+        let verb = kind.verb(all.0.len() > 1);
+        let range = format!("{} to {}", lateness(low), lateness(high));
+        push(
+            Grade::Edge,
+            all.total(),
+            format!("{} {verb} {range}, {}", all.who(), all.when()),
+        );
+    }
+    if found.wider.total() > 0 {
+        let (low, high) = found.widths;
+        let us = |ticks: i64| {
+            super::words::signed(ticks.saturating_mul(i64::try_from(tick_ns).unwrap_or(0)))
+        };
+        let by = if low == high {
+            format!("by {low:+} ticks ({} us)", us(low))
+        } else {
+            format!(
+                "by {low:+} to {high:+} ticks ({} to {} us)",
+                us(low),
+                us(high)
+            )
+        };
+        let who = found.wider.who();
+        let text = format!("pulses of {who} change {by}, {}", found.wider.when());
+        push(Grade::Width, found.wider.total(), text);
+    }
+}

@@ -1,0 +1,152 @@
+//! `hil diff`: two goldens, schedules or recorded contact paths, told in words; a schedule and a capture of its
+//! pins go to `pins`.
+
+use std::path::Path;
+
+use palpate_records::diff::{Damage, Story, Tolerance, compare, tell};
+use palpate_records::trace::{PlaceUm, WireInfo};
+use serde::Serialize;
+
+use super::pins::{is_capture, pins};
+use crate::cli::DiffArgs;
+use crate::failure::Failure;
+use crate::files::{FileError, LayoutFile, load_bench, load_layout};
+use crate::output::print;
+
+/// Compares two files.
+///
+/// # Errors
+/// [`Failure::Input`] for a file that is none of ours, [`Failure::Check`] where a difference means something.
+pub fn diff(args: &DiffArgs) -> Result<(), Failure> {
+    if is_capture(&args.b) {
+        return pins(args);
+    }
+    let (a, b) = (read(&args.a)?, read(&args.b)?);
+    if a.kind != b.kind {
+        return Err(Failure::Input(format!(
+            "{}: expected a {} like {}, found a {}",
+            args.b.display(),
+            a.kind.title(),
+            args.a.display(),
+            b.kind.title()
+        )));
+    }
+    let mut tolerance = Tolerance::between(&a, &b);
+    if let Some(ms) = args.tolerance_ms {
+        tolerance.edge_us = (ms * 1e3).round() as u64;
+    }
+    let found = compare(&a, &b, tolerance);
+    let means = found.iter().any(|d| d.meaning);
+    if args.json {
+        #[derive(Serialize)]
+        struct Line<'a> {
+            text: &'a str,
+            meaning: bool,
+        }
+        let lines: Vec<Line<'_>> = found
+            .iter()
+            .map(|d| Line {
+                text: &d.text,
+                meaning: d.meaning,
+            })
+            .collect();
+        print(|out| {
+            serde_json::to_writer(&mut *out, &lines)?;
+            writeln!(out)
+        })?;
+    } else if !args.quiet {
+        let cosmetic = if means || found.is_empty() {
+            ""
+        } else {
+            ", nothing that could be felt or measured"
+        };
+        print(|out| {
+            match found.len() {
+                0 => writeln!(out, "{}: no difference", b.scene)?,
+                1 => writeln!(out, "{}: 1 difference{cosmetic}", b.scene)?,
+                n => writeln!(out, "{}: {n} differences{cosmetic}", b.scene)?,
+            }
+            let lines = tell(&found);
+            lines.iter().try_for_each(|line| writeln!(out, "  {line}"))
+        })?;
+    }
+    if means {
+        Err(Failure::Check(String::new()))
+    } else {
+        Ok(())
+    }
+}
+
+/// Reads a golden, or a schedule by its first character.
+fn read(path: &Path) -> Result<Story, Failure> {
+    let label = path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|e| {
+        FileError::whole(
+            &label,
+            "a golden (.snap) or a schedule (.jsonl)",
+            e.to_string(),
+        )
+    })?;
+    let text = String::from_utf8(bytes).map_err(|e| {
+        let good = e.utf8_error().valid_up_to();
+        let before = e.as_bytes().get(..good).unwrap_or_default();
+        let line = 1 + before.iter().filter(|b| **b == b'\n').count();
+        damaged(
+            &label,
+            Damage {
+                line,
+                expected: "UTF-8 text".to_owned(),
+                found: "other bytes".to_owned(),
+            },
+        )
+    })?;
+    let story = if text.starts_with('{') {
+        Story::of_schedule(&text, wires)
+    } else {
+        Story::of_golden(&text)
+    };
+    Ok(story.map_err(|damage| damaged(&label, damage))?)
+}
+
+/// What is wrong with a golden or a schedule, as of any other file.
+pub(super) fn damaged(label: &str, damage: Damage) -> FileError {
+    FileError {
+        path: label.to_owned(),
+        line: Some(damage.line),
+        key: None,
+        expected: damage.expected,
+        found: damage.found,
+    }
+}
+
+/// The wires of a built-in bench; none of another one, whose outputs are then told by board and channel.
+pub(super) fn wires(bench: &str) -> Vec<WireInfo> {
+    if !palpate_fixtures::bench_names().any(|name| name == bench) {
+        return Vec::new();
+    }
+    let Ok(bench) = load_bench(bench) else {
+        return Vec::new();
+    };
+    let bench = bench.value;
+    let places = match load_layout(&bench.display).map(|l| l.value) {
+        Ok(LayoutFile::Display(display)) => display.wires_mm,
+        _ => Vec::new(),
+    };
+    let boards = crate::plan::boards(&bench);
+    let um = |mm: f64| (mm * 1e3).round() as i32;
+    let wires = bench.outputs.iter().enumerate().map(|(index, output)| {
+        let board = boards.iter().position(|b| *b == output.board).unwrap_or(0);
+        let place = places
+            .get(index)
+            .map_or_else(PlaceUm::default, |p| PlaceUm {
+                x: um(p[0]),
+                y: um(p[1]),
+            });
+        WireInfo {
+            place,
+            board: board as u8, // at most 16
+            channel: output.channel,
+        }
+    });
+    wires.collect()
+}

@@ -1,0 +1,103 @@
+//! Two strip charts one above the other: every row that differs as it was and, below it, as it is.
+
+use palpate_records::diff::Story;
+
+/// Stretches of a chart shown unless all are asked for.
+pub const BLOCKS: usize = 2;
+
+/// A stretch of time: its ruler and its rows.
+type Block<'a> = Vec<&'a str>;
+
+/// Heading and stretches of a chart.
+fn blocks(chart: &[String]) -> (Vec<&str>, Vec<Block<'_>>) {
+    let is_ruler = |line: &str| {
+        line.trim_start().starts_with(|c: char| c.is_ascii_digit()) && line.contains('|')
+    };
+    let mut lines = chart.iter().map(String::as_str).peekable();
+    let mut heading = Vec::new();
+    while let Some(line) = lines.next_if(|l| !is_ruler(l)) {
+        heading.push(line);
+    }
+    let mut all: Vec<Block<'_>> = Vec::new();
+    for line in lines {
+        if is_ruler(line) {
+            all.push(vec![line]);
+        } else if let (Some(block), false) = (all.last_mut(), line.is_empty()) {
+            block.push(line);
+        }
+    }
+    (heading, all)
+}
+
+/// The stretches that differ, at most `most`: a ruler, then each row; one that changed stands there twice, `-` as
+/// it was and `+` as it is.
+pub fn stacked(old: &Story, new: &Story, most: usize) -> Vec<String> {
+    let ((heading_a, a), (heading_b, b)) = (blocks(&old.chart), blocks(&new.chart));
+    let mut out = Vec::new();
+    let mut differing = 0;
+    for index in 0..a.len().max(b.len()) {
+        let none = Vec::new();
+        let (x, y) = (a.get(index).unwrap_or(&none), b.get(index).unwrap_or(&none));
+        if x == y && heading_a == heading_b {
+            continue;
+        }
+        differing += 1;
+        if differing > most {
+            continue;
+        }
+        if differing == 1 {
+            if heading_a == heading_b {
+                out.extend(heading_b.iter().map(|l| format!("  {}", l.trim_start())));
+            } else {
+                out.extend(heading_a.iter().map(|l| format!("- {}", l.trim_start())));
+                out.extend(heading_b.iter().map(|l| format!("+ {}", l.trim_start())));
+            }
+        }
+        if differing > 1 {
+            out.push(String::new());
+        }
+        for row in 0..x.len().max(y.len()) {
+            let (was, is) = (x.get(row), y.get(row));
+            if was == is {
+                out.extend(is.map(|l| format!("  {l}")));
+            } else {
+                out.extend(was.map(|l| format!("- {l}")));
+                out.extend(is.map(|l| format!("+ {l}")));
+            }
+        }
+    }
+    if differing > most {
+        out.push(format!("  .. and {} stretches more", differing - most));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_that_differ_stand_one_above_the_other() {
+        let text = include_str!("../../../fixtures/goldens/sphere-along.schedule.snap");
+        let old = Story::of_golden(text).unwrap();
+        assert_eq!(stacked(&old, &old, BLOCKS), Vec::<String>::new());
+        let mut new = old.clone();
+        let line = new.chart.iter().position(|l| l.contains("wire 2")).unwrap();
+        new.chart[line] = new.chart[line].replacen('.', "7", 1);
+        let shown = stacked(&old, &new, BLOCKS);
+        let at = shown.iter().position(|l| l.starts_with('-')).unwrap();
+        assert!(shown[at].starts_with("-       wire 2 ...."), "{shown:#?}");
+        assert!(
+            shown[at + 1].starts_with("+       wire 2 7..."),
+            "{shown:#?}"
+        );
+        assert_eq!(shown.iter().filter(|l| l.contains('|')).count(), 1);
+        new.chart[0].push_str(" other");
+        assert!(
+            stacked(&old, &new, 1)
+                .last()
+                .unwrap()
+                .contains("stretches more")
+        );
+    }
+}

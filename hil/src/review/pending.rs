@@ -1,0 +1,179 @@
+//! Snapshots that insta left behind because they changed (`NAME.snap.new` beside `NAME.snap`), and what becomes of
+//! them. Anybody's `cargo insta` sees and decides the same files.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::failure::Failure;
+use crate::files::FileError;
+use crate::output::write_file;
+
+/// Where goldens lie, from the root of the project.
+const FOLDER: &str = "fixtures/goldens";
+/// What insta appends to the name of a snapshot that waits.
+const WAITS: &str = ".snap.new";
+
+/// A snapshot that waits for a decision.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pending {
+    /// Its name without an ending: `sphere-along.schedule`.
+    pub name: String,
+    /// The file that waits.
+    pub path: PathBuf,
+    /// The text that was accepted before, if there was one.
+    pub old: Option<String>,
+    /// The text that waits.
+    pub new: String,
+}
+
+/// The folder of goldens: here or above.
+///
+/// # Errors
+/// Where there is none.
+pub fn folder(named: Option<&Path>) -> Result<PathBuf, Failure> {
+    if let Some(named) = named {
+        if named.is_dir() {
+            return Ok(named.to_path_buf());
+        }
+        return Err(Failure::Input(format!(
+            "--goldens {}: expected a folder",
+            named.display()
+        )));
+    }
+    let here = std::env::current_dir().unwrap_or_default();
+    let found = here
+        .ancestors()
+        .map(|a| a.join(FOLDER))
+        .find(|f| f.is_dir());
+    found.ok_or_else(|| {
+        Failure::Input(format!(
+            "expected {FOLDER} here or above {}; name another folder with --goldens",
+            here.display()
+        ))
+    })
+}
+
+/// Everything that waits in a folder, by name.
+///
+/// # Errors
+/// A folder or file that cannot be read.
+pub fn pending(folder: &Path) -> Result<Vec<Pending>, Failure> {
+    let label = folder.display().to_string();
+    let unreadable =
+        |e: std::io::Error| FileError::whole(&label, "a readable folder", e.to_string());
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        let file = path.file_name().map(|n| n.to_string_lossy().into_owned());
+        let Some(name) = file.as_deref().and_then(|f| f.strip_suffix(WAITS)) else {
+            continue;
+        };
+        let before = accepted(&path);
+        found.push(Pending {
+            name: name.to_owned(),
+            new: read(&path)?,
+            old: if before.exists() {
+                Some(read(&before)?)
+            } else {
+                None
+            },
+            path,
+        });
+    }
+    found.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(found)
+}
+
+fn accepted(path: &Path) -> PathBuf {
+    path.with_extension("")
+}
+
+fn read(path: &Path) -> Result<String, Failure> {
+    let label = path.display().to_string();
+    let bytes =
+        fs::read(path).map_err(|e| FileError::whole(&label, "a readable golden", e.to_string()))?;
+    let text = String::from_utf8(bytes).map_err(|e| {
+        let good = e.as_bytes().get(..e.utf8_error().valid_up_to());
+        let lines = good.unwrap_or_default().iter().filter(|b| **b == b'\n');
+        FileError {
+            path: label,
+            line: Some(1 + lines.count()),
+            key: None,
+            expected: "UTF-8 text".into(),
+            found: "other bytes".into(),
+        }
+    })?;
+    Ok(text)
+}
+
+impl Pending {
+    /// The scene or whatever else it is of: its name up to the first dot.
+    pub fn subject(&self) -> &str {
+        self.name.split('.').next().unwrap_or(&self.name)
+    }
+
+    /// Takes it, with a reason if there is one.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn accept(&self, why: Option<&str>) -> Result<(), Failure> {
+        let text = settled(&self.new, why);
+        write_file(&accepted(&self.path), |out| out.write_all(text.as_bytes()))?;
+        self.reject()
+    }
+
+    /// Lets it go; the accepted one stays.
+    ///
+    /// # Errors
+    /// A file that cannot be removed.
+    pub fn reject(&self) -> Result<(), Failure> {
+        fs::remove_file(&self.path).map_err(|error| Failure::Write {
+            path: self.path.display().to_string(),
+            error,
+        })
+    }
+}
+
+/// A snapshot as insta would keep it: without the line of the assertion; with the reason as its description, which
+/// `cargo insta review` shows too.
+fn settled(text: &str, why: Option<&str>) -> String {
+    let Some((head, body)) = text
+        .strip_prefix("---\n")
+        .and_then(|rest| rest.split_once("\n---\n"))
+    else {
+        return text.to_owned();
+    };
+    let mut lines: Vec<String> = head
+        .lines()
+        .filter(|l| !l.starts_with("assertion_line:"))
+        .filter(|l| why.is_none() || !l.starts_with("description:"))
+        .map(str::to_owned)
+        .collect();
+    if let Some(why) = why {
+        // A JSON string is a YAML string.
+        let quoted = serde_json::Value::from(why.trim()).to_string();
+        lines.push(format!("description: {quoted}"));
+    }
+    format!("---\n{}\n---\n{body}", lines.join("\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reason_stays_with_the_golden_and_the_line_does_not() {
+        let text = "---\nsource: a.rs\nassertion_line: 31\n---\nbody\n---\nmore\n";
+        assert_eq!(
+            settled(text, None),
+            "---\nsource: a.rs\n---\nbody\n---\nmore\n"
+        );
+        assert_eq!(
+            settled(text, Some(" one \"period\"\nlonger ")),
+            "---\nsource: a.rs\ndescription: \"one \\\"period\\\"\\nlonger\"\n---\nbody\n---\nmore\n"
+        );
+        let again = settled(&settled(text, Some("first")), Some("second"));
+        assert!(again.contains("second") && !again.contains("first"));
+        assert_eq!(settled("no heading", Some("x")), "no heading");
+    }
+}

@@ -1,0 +1,166 @@
+//! What changed in one scene: its goldens that wait, each compared with the accepted one.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use palpate_records::diff::{Difference, Grade, Kind, Story, Tolerance, compare};
+
+use super::pending::Pending;
+use crate::failure::Failure;
+use crate::files::FileError;
+
+/// One golden that waits.
+#[derive(Clone, Debug)]
+pub struct Change {
+    /// The files.
+    pub pending: Pending,
+    /// What was accepted; `None` for a new golden or a text that is none of ours.
+    pub old: Option<Story>,
+    /// What waits; `None` for a text that is none of ours.
+    pub new: Option<Story>,
+    /// What they differ by.
+    pub differences: Vec<Difference>,
+}
+
+/// Everything that waits of one scene.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Its name.
+    pub name: String,
+    /// Its goldens, margins first.
+    pub changes: Vec<Change>,
+}
+
+/// What waits, by scene; the scene that lost most of a margin comes first.
+///
+/// # Errors
+/// A golden of ours that cannot be read, with its line.
+pub fn scenes(pending: Vec<Pending>) -> Result<Vec<Scene>, Failure> {
+    let mut by_name: BTreeMap<String, Vec<Change>> = BTreeMap::new();
+    for one in pending {
+        let name = one.subject().to_owned();
+        by_name.entry(name).or_default().push(change(one)?);
+    }
+    let mut all: Vec<Scene> = by_name
+        .into_iter()
+        .map(|(name, mut changes)| {
+            changes.sort_by_key(|c| c.new.as_ref().map(|s| s.kind));
+            Scene { name, changes }
+        })
+        .collect();
+    // What differs most comes before what differs least, where no margin tells.
+    all.sort_by_cached_key(|s| {
+        let weight = std::cmp::Reverse((s.lost(), s.words().len()));
+        (weight, s.name.clone())
+    });
+    Ok(all)
+}
+
+/// The text of a snapshot without insta's heading.
+fn body(text: &str) -> &str {
+    let rest = text.strip_prefix("---\n");
+    let body = rest.and_then(|rest| rest.split_once("\n---\n"));
+    body.map_or(text, |(_, body)| body)
+}
+
+fn change(pending: Pending) -> Result<Change, Failure> {
+    let read = |text: &str, path: String| -> Result<Option<Story>, Failure> {
+        if !body(text).starts_with("palpate ") {
+            return Ok(None);
+        }
+        let story = Story::of_golden(text).map_err(|damage| FileError {
+            path,
+            line: Some(damage.line),
+            key: None,
+            expected: damage.expected,
+            found: damage.found,
+        })?;
+        Ok(Some(story))
+    };
+    let path = pending.path.display().to_string();
+    let new = read(&pending.new, path)?;
+    let old = match &pending.old {
+        Some(text) => {
+            let path = pending.path.with_extension("");
+            read(text, path.display().to_string())?
+        }
+        None => None,
+    };
+    let differences = match (&old, &new) {
+        (Some(a), Some(b)) if a.kind == b.kind => compare(a, b, Tolerance::between(a, b)),
+        _ => Vec::new(),
+    };
+    Ok(Change {
+        pending,
+        old,
+        new,
+        differences,
+    })
+}
+
+impl Change {
+    /// What it is, in a word.
+    pub fn what(&self) -> &'static str {
+        self.new.as_ref().map_or("another text", |s| s.kind.title())
+    }
+
+    /// For what cannot be compared: what there is to say.
+    fn remark(&self) -> Option<String> {
+        let name = &self.pending.name;
+        match (&self.pending.old, &self.old, &self.new) {
+            (None, _, _) => Some(format!("{name} is new")),
+            (Some(_), Some(a), Some(b)) if a.kind == b.kind => None,
+            (Some(old), _, _) => {
+                let (old, new) = (body(old), body(&self.pending.new));
+                let lines = old.lines().zip(new.lines()).filter(|(a, b)| a != b).count();
+                let more = old.lines().count().abs_diff(new.lines().count());
+                Some(format!("{name}: {} lines differ", lines + more))
+            }
+        }
+    }
+}
+
+impl Scene {
+    /// The largest share of a limit that was left and is no more, thousandths of a percent.
+    pub fn lost(&self) -> i64 {
+        let all = self.changes.iter().flat_map(|c| &c.differences);
+        let margins = all.filter(|d| d.grade == Grade::Margin);
+        margins.map(|d| d.weight).max().unwrap_or(0)
+    }
+
+    /// Everything that differs in words, margins that shrank first, nothing twice.
+    pub fn words(&self) -> Vec<Difference> {
+        let has_margins = self
+            .changes
+            .iter()
+            .any(|c| c.new.as_ref().is_some_and(|s| s.kind == Kind::Margins));
+        let mut seen = BTreeSet::new();
+        let mut all: Vec<Difference> = Vec::new();
+        for change in &self.changes {
+            let of_margins = change.new.as_ref().map(|s| s.kind) == Some(Kind::Margins);
+            for d in &change.differences {
+                // The ledger has a few of the margins too.
+                let twice = has_margins && !of_margins && d.grade == Grade::Margin;
+                if !twice && seen.insert(d.text.clone()) {
+                    all.push(d.clone());
+                }
+            }
+        }
+        all.sort_by_key(|d| (d.grade != Grade::Margin, d.grade, -d.weight));
+        let remarks = self.changes.iter().filter_map(Change::remark);
+        all.extend(remarks.map(|text| Difference {
+            grade: Grade::Moment,
+            meaning: true,
+            weight: 0,
+            text,
+        }));
+        all
+    }
+
+    /// The golden of a kind that waits, with what it replaces.
+    pub fn of(&self, kind: Kind) -> Option<(&Story, &Story)> {
+        self.changes.iter().find_map(|change| {
+            let (old, new) = (change.old.as_ref()?, change.new.as_ref()?);
+            (old.kind == kind && new.kind == kind).then_some((old, new))
+        })
+    }
+}

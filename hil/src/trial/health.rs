@@ -1,0 +1,137 @@
+//! What a bench must be like after a trial, so that the next one begins on a bench that works.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use palpate_buses::guardian::{Latch, Sweeper};
+use palpate_records::trace::Event;
+
+use crate::files::{Bench, Overload, Scene};
+use crate::run::Outcome;
+use crate::run::real::watch;
+
+/// What one transfer may take when nothing waits for it.
+const TRANSFER: Duration = Duration::from_secs(1);
+
+/// Complaints about an emulated bench: outputs that stayed on; errors and ill taxels that no fault explains.
+pub fn after_emulated(scene: &Scene, outcome: &Outcome) -> Vec<String> {
+    let mut wrong = Vec::new();
+    let mut pins: BTreeMap<(u8, u8), bool> = BTreeMap::new();
+    for event in &outcome.trace.events {
+        if let Event::Edge {
+            board,
+            channel,
+            high,
+            ..
+        } = event
+        {
+            pins.insert((*board, *channel), *high);
+        }
+    }
+    for ((board, channel), _) in pins.iter().filter(|(_, high)| **high) {
+        wrong.push(format!("output {board}:{channel} is still on"));
+    }
+    let disturbed = !scene.faults.is_empty() || scene.boards.overload == Some(Overload::Overwrite);
+    if disturbed {
+        return wrong;
+    }
+    wrong.extend(taxels(outcome));
+    for bus in &outcome.summary.buses {
+        let errors: u64 = bus.errors.iter().sum();
+        if errors > 0 {
+            wrong.push(format!("bus {}: {errors} error frames", bus.bus));
+        }
+        if bus.overflows > 0 {
+            wrong.push(format!(
+                "bus {}: {} frames not taken in time",
+                bus.bus, bus.overflows
+            ));
+        }
+    }
+    wrong
+}
+
+fn taxels(outcome: &Outcome) -> Vec<String> {
+    let t = &outcome.summary.taxels;
+    let kinds = [
+        (t.dead, "dead"),
+        (t.frozen, "frozen"),
+        (t.saturated, "saturated"),
+        (t.jumping, "jumping"),
+    ];
+    let some = kinds.into_iter().filter(|(n, _)| *n > 0);
+    some.map(|(n, word)| format!("{n} taxels {word}")).collect()
+}
+
+/// Complaints about a real bench: a latched stop, a board that does not answer or drives, lost frames, ill taxels.
+pub fn after_real(bench: &Bench, outcome: &Outcome) -> Vec<String> {
+    let Some(real) = &bench.real else {
+        return vec!["it is not real".to_owned()];
+    };
+    let mut wrong = Vec::new();
+    let watch = watch(bench, real);
+    for (path, _) in &watch.buses {
+        if let Some(held) = Latch::of(path).read() {
+            wrong.push(format!("{}: stopped: {}", path.display(), held.cause));
+        }
+    }
+    match Sweeper::open(&watch.buses, watch.transfer.max(TRANSFER)) {
+        Ok(mut sweeper) => {
+            let found = sweeper.look();
+            let bad = found.iter().filter(|b| b.was_driving() || b.seen.is_err());
+            wrong.extend(bad.map(ToString::to_string));
+        }
+        Err(error) => wrong.push(error.to_string()),
+    }
+    for can in &outcome.summary.can {
+        if can.lost + can.overruns + can.bus_off > 0 {
+            wrong.push(format!(
+                "{}: {} frames lost, {} overruns, bus-off {} times",
+                can.interface, can.lost, can.overruns, can.bus_off
+            ));
+        }
+    }
+    wrong.extend(taxels(outcome));
+    wrong
+}
+
+/// The signal that ended a run before its time, if one did.
+pub fn stopped_by(outcome: &Outcome) -> Option<&str> {
+    let mut notes = outcome.trace.events.iter().filter_map(|e| match e {
+        Event::Note { text, .. } => text.strip_prefix("stopped by "),
+        _ => None,
+    });
+    notes.next_back()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::Setup;
+    use crate::run::{Input, run};
+
+    #[test]
+    fn every_shipped_scene_leaves_a_healthy_bench() {
+        for name in palpate_fixtures::scene_names() {
+            let setup = Setup::load(name, "emulated").unwrap();
+            let outcome = run(&setup, &Input::Scene, 1).unwrap();
+            let wrong = after_emulated(&setup.scene.value, &outcome);
+            assert_eq!(wrong, Vec::<String>::new(), "{name}");
+        }
+    }
+
+    #[test]
+    fn an_output_that_stays_on_and_a_dead_taxel_are_told() {
+        let setup = Setup::load("idle", "emulated").unwrap();
+        let mut outcome = run(&setup, &Input::Scene, 1).unwrap();
+        outcome.trace.events.push(Event::Edge {
+            t_ns: u64::MAX,
+            board: 0,
+            channel: 3,
+            high: true,
+        });
+        outcome.summary.taxels.dead = 2;
+        let wrong = after_emulated(&setup.scene.value, &outcome);
+        assert_eq!(wrong, ["output 0:3 is still on", "2 taxels dead"]);
+    }
+}

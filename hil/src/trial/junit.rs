@@ -1,0 +1,121 @@
+//! Trials as JUnit XML: measurements as properties with unit and limit, tries that failed before one passed as
+//! `flakyFailure`, as Maven's Surefire writes them and Jenkins and GitLab read them.
+
+use std::fmt::Write;
+
+use palpate_records::report::svg::escape;
+
+use super::{Trial, Verdict};
+
+/// The trials of one bench as a document.
+pub fn junit(bench: &str, trials: &[Trial]) -> String {
+    let count = |f: fn(&Verdict) -> bool| trials.iter().filter(|t| f(&t.verdict)).count();
+    let failures = count(|v| matches!(v, Verdict::Failed(_)));
+    let skipped = count(|v| matches!(v, Verdict::Skipped(_) | Verdict::Quarantined(..)));
+    let seconds: f64 = trials.iter().map(|t| t.took.as_secs_f64()).sum();
+    let bench = escape(bench);
+    let mut out = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
+    let totals = format!(
+        "tests=\"{}\" failures=\"{failures}\" errors=\"0\" skipped=\"{skipped}\" time=\"{seconds:.3}\"",
+        trials.len()
+    );
+    let _ = writeln!(out, "<testsuites name=\"hil\" {totals}>");
+    let _ = writeln!(out, "<testsuite name=\"{bench}\" {totals}>");
+    for trial in trials {
+        case(&mut out, &bench, trial);
+    }
+    out.push_str("</testsuite>\n</testsuites>\n");
+    out
+}
+
+fn case(out: &mut String, bench: &str, trial: &Trial) {
+    let _ = writeln!(
+        out,
+        "<testcase classname=\"{bench}\" name=\"{}\" time=\"{:.3}\">",
+        escape(&trial.scene),
+        trial.took.as_secs_f64()
+    );
+    if !trial.measures.is_empty() {
+        out.push_str("<properties>\n");
+        for m in &trial.measures {
+            let mut property = |name: &str, value: &str| {
+                let (name, value) = (escape(name), escape(value));
+                let _ = writeln!(out, "<property name=\"{name}\" value=\"{value}\"/>");
+            };
+            let value = match (m.lacking, m.value) {
+                (Some(lacking), _) => format!("bench lacks {lacking}"),
+                (None, Some(value)) => value.to_string(),
+                (None, None) => "nothing measured".to_owned(),
+            };
+            property(&m.name, &value);
+            if !m.unit.is_empty() {
+                property(&format!("{} unit", m.name), m.unit);
+            }
+            if let Some(bound) = m.bound_text() {
+                property(&format!("{} limit", m.name), &bound);
+            }
+        }
+        out.push_str("</properties>\n");
+    }
+    let mut told = |tag: &str, why: &str| {
+        let why = escape(why);
+        let _ = writeln!(out, "<{tag} message=\"{why}\"/>");
+    };
+    match &trial.verdict {
+        Verdict::Passed => {}
+        Verdict::Unstable(before) => before.iter().for_each(|w| told("flakyFailure", w)),
+        Verdict::Failed(wrong) => told("failure", &wrong.join("; ")),
+        Verdict::Quarantined(wrong, reason) => {
+            let wrong = wrong.join("; ");
+            told(
+                "skipped",
+                &format!("quarantined: {reason}; failed: {wrong}"),
+            );
+        }
+        Verdict::Skipped(why) => told("skipped", why),
+    }
+    if let Some(remark) = &trial.remark {
+        let _ = writeln!(out, "<system-out>{}</system-out>", escape(remark));
+    }
+    out.push_str("</testcase>\n");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn every_verdict_has_its_element_and_text_is_escaped() {
+        let trial = |scene: &str, verdict| Trial {
+            verdict,
+            took: Duration::from_millis(1500),
+            ..Trial::skipped(scene, String::new())
+        };
+        let text = junit(
+            "a<b>",
+            &[
+                trial("one", Verdict::Passed),
+                trial("two", Verdict::Unstable(vec!["a \"b\" & c".to_owned()])),
+                trial("three", Verdict::Failed(vec!["x".into(), "y".into()])),
+                trial(
+                    "four",
+                    Verdict::Quarantined(vec!["x".into()], "known".into()),
+                ),
+                trial("five", Verdict::Skipped("bench lacks touch".to_owned())),
+            ],
+        );
+        assert!(
+            text.contains("tests=\"5\" failures=\"1\" errors=\"0\" skipped=\"2\" time=\"7.500\"")
+        );
+        assert!(text.contains("classname=\"a&lt;b&gt;\" name=\"one\" time=\"1.500\""));
+        assert!(text.contains("<flakyFailure message=\"a &quot;b&quot; &amp; c\"/>"));
+        assert!(text.contains("<failure message=\"x; y\"/>"));
+        assert!(text.contains("<skipped message=\"quarantined: known; failed: x\"/>"));
+        assert!(text.contains("<skipped message=\"bench lacks touch\"/>"));
+        assert_eq!(
+            text.matches("<testcase").count(),
+            text.matches("</testcase>").count()
+        );
+    }
+}

@@ -1,0 +1,229 @@
+//! What a trial measures: each value with its unit and, where the scene or the limit table has one, its limit.
+
+use palpate_records::trace::{Event, Trace};
+
+use crate::files::{BenchKind, Expect, Setup};
+use crate::run::Outcome;
+
+/// What a value is held against.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bound {
+    /// It may be no larger.
+    AtMost(f64),
+    /// It may be no smaller.
+    AtLeast(f64),
+}
+
+/// One measured value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measure {
+    /// What it is.
+    pub name: String,
+    /// How much; `None` where the bench does not measure it, or there was nothing to measure.
+    pub value: Option<f64>,
+    /// Its unit; empty for a count.
+    pub unit: &'static str,
+    /// What it is held against.
+    pub bound: Option<Bound>,
+    /// What this bench lacks for it.
+    pub lacking: Option<&'static str>,
+}
+
+impl Measure {
+    fn new(name: &str, value: Option<f64>, unit: &'static str, most: Option<f64>) -> Self {
+        Self {
+            name: name.to_owned(),
+            value,
+            unit,
+            bound: most.map(Bound::AtMost),
+            lacking: None,
+        }
+    }
+
+    /// Whether it counts as good: within its bound, or without one, or not measurable on this bench.
+    pub fn good(&self) -> bool {
+        if self.lacking.is_some() {
+            return true;
+        }
+        match (self.bound, self.value) {
+            (None, _) => true,
+            (Some(_), None) => false,
+            // NaN is within no bound.
+            (Some(Bound::AtMost(most)), Some(value)) => value <= most,
+            (Some(Bound::AtLeast(least)), Some(value)) => value >= least,
+        }
+    }
+
+    /// Number and unit.
+    fn with_unit(&self, value: f64) -> String {
+        let number = if self.unit.is_empty() {
+            format!("{value:.0}")
+        } else {
+            format!("{value:.3}")
+        };
+        format!("{number} {}", self.unit).trim_end().to_owned()
+    }
+
+    /// `<= 0.500 mm`.
+    pub fn bound_text(&self) -> Option<String> {
+        Some(match self.bound? {
+            Bound::AtMost(most) => format!("<= {}", self.with_unit(most)),
+            Bound::AtLeast(least) => format!(">= {}", self.with_unit(least)),
+        })
+    }
+
+    /// `path error 0.194 mm <= 0.500 mm`.
+    pub fn words(&self) -> String {
+        let value = match (self.value, self.lacking) {
+            (_, Some(lacking)) => return format!("{}: bench lacks {lacking}", self.name),
+            (Some(value), None) => self.with_unit(value),
+            (None, None) => "nothing measured".to_owned(),
+        };
+        match self.bound_text() {
+            Some(bound) => format!("{} {value} {bound}", self.name),
+            None => format!("{} {value}", self.name),
+        }
+    }
+
+    /// What is wrong with it, if anything is.
+    pub fn wrong(&self) -> Option<String> {
+        let bound = self.bound_text()?;
+        if self.good() {
+            return None;
+        }
+        let found = match self.value {
+            Some(value) => self.with_unit(value),
+            None => "nothing measured".to_owned(),
+        };
+        Some(format!("{}: expected {bound}, found {found}", self.name))
+    }
+}
+
+/// Whether a scene expects anything.
+pub fn expects_anything(expect: &Expect) -> bool {
+    *expect != Expect::default()
+}
+
+/// Most contacts of any frame.
+fn contacts_max(trace: &Trace) -> u32 {
+    let (mut most, mut count, mut now) = (0, 0, None);
+    for event in &trace.events {
+        if let Event::Contact { frame, .. } = event {
+            count = if now == Some(*frame) { count + 1 } else { 1 };
+            now = Some(*frame);
+            most = most.max(count);
+        }
+    }
+    most
+}
+
+/// Everything a finished run measured, what the scene expects first.
+pub fn measures(setup: &Setup, outcome: &Outcome) -> Vec<Measure> {
+    let expect = &setup.scene.value.expect;
+    let summary = &outcome.summary;
+    let is_real = setup.bench.value.kind == BenchKind::Real;
+    let path = summary.path_error_mm;
+    let felt = summary.felt_error_mm.rmse;
+    let mut all = vec![
+        Measure::new(
+            "path error RMSE",
+            path.map(|p| p.rmse),
+            "mm",
+            expect.path_rmse_mm,
+        ),
+        Measure::new(
+            "path error at most",
+            path.map(|p| p.max),
+            "mm",
+            expect.path_max_mm,
+        ),
+        Measure::new("felt error RMSE", felt, "mm", expect.felt_rmse_mm),
+    ];
+    if is_real {
+        for measure in &mut all {
+            measure.lacking = measure.bound.map(|_| "a known path");
+        }
+    }
+    // What is neither expected nor measured says nothing.
+    all.retain(|m| m.bound.is_some() || m.value.is_some());
+    let count = |n: u32| Some(f64::from(n));
+    all.push(Measure::new(
+        "contacts in a frame",
+        count(contacts_max(&outcome.trace)),
+        "",
+        expect.contacts_max.map(f64::from),
+    ));
+    all.push(Measure::new(
+        "limiter events",
+        count(summary.limiter_events),
+        "",
+        expect.limiter_events_max.map(f64::from),
+    ));
+    let over = summary.margins.iter().filter(|m| m.over()).count();
+    if expect.over_limit {
+        let mut passed = Measure::new("limits passed", Some(over as f64), "", None);
+        passed.bound = Some(Bound::AtLeast(1.0));
+        if is_real {
+            passed.lacking = Some("a measured finger");
+        }
+        all.push(passed);
+    }
+    for margin in &summary.margins {
+        let limit = (!expect.over_limit).then_some(margin.limit);
+        // The one without a unit is the damage integral of Henriques and Moritz, which is written so.
+        let unit = if margin.unit.is_empty() {
+            "Omega"
+        } else {
+            margin.unit
+        };
+        all.push(Measure::new(margin.name, Some(margin.worst), unit, limit));
+    }
+    all.extend(
+        [
+            ("energy", summary.energy_mj, "mJ"),
+            ("hottest wire", summary.hottest_wire_c, "C"),
+            ("stimuli", Some(summary.stimuli as f64), ""),
+        ]
+        .into_iter()
+        .filter(|(_, value, _)| value.is_some())
+        .map(|(name, value, unit)| Measure::new(name, value, unit, None)),
+    );
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::{Input, run};
+
+    #[test]
+    fn a_bound_without_a_value_is_wrong_and_nan_is_within_none() {
+        let m = |value| Measure::new("x", value, "mm", Some(1.0));
+        assert!(m(Some(1.0)).good() && !m(Some(1.001)).good());
+        assert!(!m(Some(f64::NAN)).good());
+        assert_eq!(
+            m(None).wrong().unwrap(),
+            "x: expected <= 1.000 mm, found nothing measured"
+        );
+        assert_eq!(m(Some(0.5)).words(), "x 0.500 mm <= 1.000 mm");
+    }
+
+    #[test]
+    fn a_run_is_measured_against_its_scene_and_the_limits() {
+        let mut setup = Setup::load("sphere-along", "emulated").unwrap();
+        let outcome = run(&setup, &Input::Scene, 1).unwrap();
+        let all = measures(&setup, &outcome);
+        assert!(all.iter().all(Measure::good), "{all:#?}");
+        let bound = |name: &str| all.iter().find(|m| m.name == name).unwrap().bound;
+        assert_eq!(bound("contacts in a frame"), Some(Bound::AtMost(1.0)));
+        assert_eq!(bound("skin at 0.1 mm"), Some(Bound::AtMost(43.0)));
+        assert_eq!(bound("energy"), None);
+        setup.scene.value.expect.path_rmse_mm = Some(0.001);
+        let wrong: Vec<String> = measures(&setup, &outcome)
+            .iter()
+            .filter_map(Measure::wrong)
+            .collect();
+        assert!(wrong[0].starts_with("path error RMSE: expected <= 0.001 mm, found 0.1"));
+        assert_eq!(wrong.len(), 1);
+    }
+}

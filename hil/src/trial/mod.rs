@@ -1,0 +1,219 @@
+//! Scenes as trials on a bench: what is measured against what a scene expects, what a bench lacks, how healthy it
+//! is afterwards, and what a test server reads of it.
+
+mod capability;
+mod health;
+mod junit;
+mod measure;
+
+use std::time::Duration;
+
+use crate::clock;
+use crate::failure::Failure;
+use crate::files::{BenchKind, Setup};
+use crate::run::{self, Input, Outcome};
+
+pub use capability::lacks;
+use health::{after_emulated, after_real, stopped_by};
+pub use junit::junit;
+pub use measure::{Bound, Measure, expects_anything, measures};
+
+/// How a trial ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Everything within its limits, at once.
+    Passed,
+    /// Within its limits only after the tries that are listed.
+    Unstable(Vec<String>),
+    /// Out of its limits, or the run failed; why.
+    Failed(Vec<String>),
+    /// Failed, but known to: why it failed, and the reason in the quarantine file.
+    Quarantined(Vec<String>, String),
+    /// Not run, and why.
+    Skipped(String),
+}
+
+impl Verdict {
+    /// The word a list begins with.
+    pub const fn word(&self) -> &'static str {
+        match self {
+            Self::Passed => "pass",
+            Self::Unstable(_) => "unstable",
+            Self::Failed(_) => "FAIL",
+            Self::Quarantined(..) => "quarantined",
+            Self::Skipped(_) => "skip",
+        }
+    }
+}
+
+/// A trial that was decided.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// The scene.
+    pub scene: String,
+    /// How it ended.
+    pub verdict: Verdict,
+    /// What was measured in the last try.
+    pub measures: Vec<Measure>,
+    /// How long all tries took.
+    pub took: Duration,
+    /// A line beside the verdict: what somebody should know.
+    pub remark: Option<String>,
+}
+
+impl Trial {
+    /// One that was run once.
+    pub fn of(scene: &str, tried: Try, took: Duration) -> Self {
+        Self {
+            scene: scene.to_owned(),
+            verdict: match tried.wrong.is_empty() {
+                true => Verdict::Passed,
+                false => Verdict::Failed(tried.wrong),
+            },
+            measures: tried.measures,
+            took,
+            remark: None,
+        }
+    }
+
+    /// One that was not run.
+    pub fn skipped(scene: &str, why: String) -> Self {
+        Self {
+            scene: scene.to_owned(),
+            verdict: Verdict::Skipped(why),
+            measures: Vec::new(),
+            took: Duration::ZERO,
+            remark: None,
+        }
+    }
+}
+
+/// One try: what was measured, and what is wrong.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Try {
+    /// What was measured.
+    pub measures: Vec<Measure>,
+    /// Why it failed; empty where it passed.
+    pub wrong: Vec<String>,
+    /// The bench cannot be used any further: why.
+    pub broken: Option<String>,
+}
+
+/// Runs a scene up to `1 + retries` times until it passes; a bench that broke is not tried again. Returns why the
+/// bench is broken, too, if it is.
+pub fn decide(
+    scene: &str,
+    retries: u32,
+    mut attempt: impl FnMut() -> Try,
+) -> (Trial, Option<String>) {
+    let started = clock::now();
+    let mut before = Vec::new();
+    let mut left = retries;
+    loop {
+        let tried = attempt();
+        let retry = left > 0 && tried.broken.is_none();
+        if !tried.wrong.is_empty() && retry {
+            left -= 1;
+            before.push(tried.wrong.join("; "));
+            continue;
+        }
+        let broken = tried.broken.clone();
+        let mut trial = Trial::of(scene, tried, started.elapsed());
+        if trial.verdict == Verdict::Passed && !before.is_empty() {
+            trial.verdict = Verdict::Unstable(before);
+        }
+        return (trial, broken);
+    }
+}
+
+/// Runs a scene once on its bench and looks at what it left behind.
+///
+/// # Errors
+/// [`Failure::Input`] for a scene or bench that cannot be run at all.
+pub fn attempt(setup: &Setup, seed: u64) -> Result<Try, Failure> {
+    let is_real = setup.bench.value.kind == BenchKind::Real;
+    let done = if is_real {
+        run::real::run(setup, seed, &[], (false, true))
+    } else {
+        run::run(setup, &Input::Scene, seed)
+    };
+    match done {
+        Ok(outcome) => Ok(judge(setup, &outcome)),
+        Err(Failure::Input(message)) => Err(Failure::Input(message)),
+        Err(failure) => Ok(Try {
+            wrong: vec![failure.to_string()],
+            broken: is_real.then(|| failure.to_string()),
+            ..Try::default()
+        }),
+    }
+}
+
+/// A finished run against its scene's expectations, and the bench it left behind.
+pub fn judge(setup: &Setup, outcome: &Outcome) -> Try {
+    let bench = &setup.bench.value;
+    let is_real = bench.kind == BenchKind::Real;
+    let health = if is_real {
+        after_real(bench, outcome)
+    } else {
+        after_emulated(&setup.scene.value, outcome)
+    };
+    let measures = measures(setup, outcome);
+    let mut wrong: Vec<String> = measures.iter().filter_map(Measure::wrong).collect();
+    wrong.extend(outcome.failure.iter().map(ToString::to_string));
+    let stopped = stopped_by(outcome).map(|signal| format!("stopped by {signal}"));
+    wrong.extend(stopped.clone());
+    let unwell = (is_real && !health.is_empty()).then(|| health.join("; "));
+    wrong.extend(health.into_iter().map(|h| format!("bench: {h}")));
+    Try {
+        measures,
+        wrong,
+        // After a signal nothing more is started either.
+        broken: unwell.or(stopped),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tries(all: &[&str]) -> (Trial, Option<String>) {
+        let mut next = all.iter();
+        decide("a-scene", 1, || Try {
+            wrong: next
+                .next()
+                .filter(|w| !w.is_empty())
+                .map(|w| (*w).to_owned())
+                .into_iter()
+                .collect(),
+            ..Try::default()
+        })
+    }
+
+    #[test]
+    fn a_pass_after_a_failure_is_unstable_and_two_failures_are_one() {
+        assert_eq!(tries(&[""]).0.verdict, Verdict::Passed);
+        assert_eq!(
+            tries(&["late", ""]).0.verdict,
+            Verdict::Unstable(vec!["late".to_owned()])
+        );
+        assert_eq!(
+            tries(&["late", "later"]).0.verdict,
+            Verdict::Failed(vec!["later".to_owned()])
+        );
+    }
+
+    #[test]
+    fn a_broken_bench_is_not_tried_again() {
+        let mut runs = 0;
+        let (trial, broken) = decide("a-scene", 5, || {
+            runs += 1;
+            Try {
+                wrong: vec!["bus gone".to_owned()],
+                broken: Some("bus gone".to_owned()),
+                ..Try::default()
+            }
+        });
+        assert_eq!((runs, trial.verdict.word()), (1, "FAIL"));
+        assert_eq!(broken.as_deref(), Some("bus gone"));
+    }
+}

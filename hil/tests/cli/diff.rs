@@ -1,0 +1,141 @@
+//! `hil diff`: words on standard output, and an exit status that tells cosmetic from meant.
+
+use super::*;
+
+const GOLDEN: &str = include_str!("../../../fixtures/goldens/sphere-along.schedule.snap");
+
+/// A schedule of sphere-along with these options, in the folder.
+fn schedule(folder: &Folder, name: &str, options: &[&str]) -> String {
+    let path = folder.path(name).display().to_string();
+    let mut args = vec!["run", "sphere-along", "--quiet", "--schedule", &path];
+    args.extend(options);
+    good(&args);
+    path
+}
+
+fn diff(a: &str, b: &str) -> Said {
+    hil(&["diff", a, b])
+}
+
+#[test]
+fn a_file_does_not_differ_from_itself() {
+    let folder = Folder::new("diff-same");
+    let golden = folder.write("a.snap", GOLDEN).display().to_string();
+    let said = diff(&golden, &golden);
+    assert_eq!(
+        (said.status, said.out.as_str()),
+        (Some(0), "sphere-along: no difference\n")
+    );
+    let run = schedule(&folder, "a.jsonl", &[]);
+    assert_eq!(diff(&run, &run).status, Some(0));
+    // A schedule says less than a golden of the same run, and nothing else.
+    let said = diff(&run, &golden);
+    assert_eq!(
+        (said.status, said.out.as_str()),
+        (Some(0), "sphere-along: no difference\n")
+    );
+}
+
+#[test]
+fn a_shorter_stimulus_is_told_in_words_with_exit_1() {
+    let folder = Folder::new("diff-tau");
+    let a = schedule(&folder, "a.jsonl", &[]);
+    let b = schedule(
+        &folder,
+        "b.jsonl",
+        &["--tau-d-ms", "30", "--soa-ms", "58.5"],
+    );
+    let said = diff(&a, &b);
+    assert_eq!((said.status, said.err.as_str()), (Some(1), ""));
+    for line in [
+        "  tau_d 35.000 -> 30.000 ms\n",
+        "  every burst falls 5 ms earlier: 496 on 8 wires\n",
+        "  longest burst -5 ms (35.000 -> 30.000)\n",
+    ] {
+        assert!(said.out.contains(line), "{line}{}", said.out);
+    }
+    assert!(said.out.lines().count() <= 12);
+    let quiet = hil(&["diff", "--quiet", &a, &b]);
+    assert_eq!(
+        (quiet.status, quiet.out.as_str(), quiet.err.as_str()),
+        (Some(1), "", "")
+    );
+    let json = hil(&["diff", "--json", &a, &b]);
+    let lines: serde_json::Value = serde_json::from_str(&json.out).unwrap();
+    assert_eq!(lines[0]["text"], "tau_d 35.000 -> 30.000 ms");
+    assert_eq!(lines[0]["meaning"], true);
+    let near = hil(&["diff", "--tolerance-ms", "5", &a, &b]);
+    assert!(
+        near.out
+            .contains("496 edges elsewhere by no more than 5 ms"),
+        "{}",
+        near.out
+    );
+}
+
+#[test]
+fn a_comment_in_the_scene_is_cosmetic() {
+    let folder = Folder::new("diff-cosmetic");
+    let scene = palpate_fixtures::scene("sphere-along").unwrap();
+    let file = folder.write("commented.toml", &format!("{scene}\n# said otherwise\n"));
+    let a = schedule(&folder, "a.jsonl", &[]);
+    let b = folder.path("b.jsonl").display().to_string();
+    good(&[
+        "run",
+        &file.display().to_string(),
+        "--quiet",
+        "--schedule",
+        &b,
+    ]);
+    let said = diff(&a, &b);
+    assert_eq!(said.status, Some(0));
+    assert!(
+        said.out.contains("nothing that could be felt or measured"),
+        "{}",
+        said.out
+    );
+}
+
+#[test]
+fn what_is_damaged_is_named_with_its_line() {
+    let folder = Folder::new("diff-damage");
+    let good = folder.write("good.snap", GOLDEN).display().to_string();
+    let lines: Vec<&str> = GOLDEN.lines().collect();
+    let ledger = lines.iter().position(|l| l.starts_with("ledger")).unwrap();
+    let mut cut = lines.clone();
+    cut[ledger + 1] = "  stimuli                         many";
+    let bad = folder
+        .write("bad.snap", &cut.join("\n"))
+        .display()
+        .to_string();
+    refused_with(
+        &["diff", &good, &bad],
+        &["bad.snap", &format!(":{}:", ledger + 2), "many"],
+    );
+    let short = folder.write("short.snap", &lines[..50].join("\n"));
+    refused_with(
+        &["diff", &good, &short.display().to_string()],
+        &["short.snap:51:"],
+    );
+    let noise = folder.path("noise.snap");
+    fs::write(&noise, b"palpate\n\xff\xfe").unwrap();
+    refused_with(
+        &["diff", &good, &noise.display().to_string()],
+        &["noise.snap:2:", "UTF-8"],
+    );
+    let json = folder.write("bad.jsonl", "{\"version\":1}\n");
+    refused_with(
+        &["diff", &good, &json.display().to_string()],
+        &["bad.jsonl:1:", "header"],
+    );
+    refused_with(
+        &["diff", &good, "/no/such/file"],
+        &["/no/such/file", "golden"],
+    );
+    let margins = include_str!("../../../fixtures/goldens/sphere-along.margins.snap");
+    let margins = folder.write("m.snap", margins).display().to_string();
+    refused_with(
+        &["diff", &good, &margins],
+        &["expected a schedule", "found a margins"],
+    );
+}

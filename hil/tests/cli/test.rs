@@ -1,0 +1,138 @@
+//! `hil test`: trials, what a bench lacks, quarantine, JUnit.
+
+use super::*;
+
+#[test]
+fn every_shipped_scene_passes_on_the_emulated_bench() {
+    let out = good(&["test"]);
+    let lines: Vec<&str> = out.lines().collect();
+    let scenes = palpate_fixtures::scene_names().count();
+    assert_eq!(
+        lines[0],
+        format!("{scenes} trials on emulated (emulated), seed 1")
+    );
+    assert_eq!(lines.last().unwrap(), &format!("{scenes} passed, 0 failed"));
+    let along = lines.iter().find(|l| l.contains("sphere-along ")).unwrap();
+    assert!(
+        along.contains("path error RMSE 0.194 mm <= 0.500 mm, contacts in a frame 1 <= 1"),
+        "{along}"
+    );
+}
+
+/// sphere-along with a path error that nothing reaches.
+fn failing(folder: &Folder) -> String {
+    let scene = palpate_fixtures::scene("sphere-along").unwrap();
+    let strict = scene.replace("path_rmse_mm = 0.5", "path_rmse_mm = 0.001");
+    assert_ne!(strict, scene);
+    folder.write("strict.toml", &strict).display().to_string()
+}
+
+#[test]
+fn a_failed_trial_says_what_was_expected_with_exit_1() {
+    let folder = Folder::new("test-fails");
+    let junit = folder.path("r.xml").display().to_string();
+    let said = hil(&["test", &failing(&folder), "--junit", &junit]);
+    assert_eq!(said.status, Some(1));
+    let told = "path error RMSE: expected <= 0.001 mm, found 0.194 mm";
+    assert!(said.out.contains(told), "{}", said.out);
+    assert!(said.err.contains("0 passed, 1 failed"), "{}", said.err);
+    let xml = folder.text("r.xml");
+    assert!(
+        xml.contains("<testsuite name=\"emulated\" tests=\"1\" failures=\"1\""),
+        "{xml}"
+    );
+    assert!(
+        xml.contains("<property name=\"path error RMSE limit\" value=\"&lt;= 0.001 mm\"/>"),
+        "{xml}"
+    );
+    assert!(xml.contains("<property name=\"path error RMSE unit\" value=\"mm\"/>"));
+    assert!(xml.contains("<property name=\"skin at 0.1 mm limit\" value=\"&lt;= 43.000 C\"/>"));
+    assert!(xml.contains("<failure message=\"path error RMSE: expected &lt;= 0.001 mm"));
+}
+
+#[test]
+fn a_quarantined_trial_may_fail_and_needs_a_reason() {
+    let folder = Folder::new("test-quarantine");
+    let scene = failing(&folder);
+    let list = |text: &str| folder.write("q.toml", text).display().to_string();
+    let known = list("[[quarantine]]\ntrial = \"sphere-along\"\nreason = \"issue 31\"\n");
+    let said = hil(&["test", &scene, "--quarantine", &known]);
+    assert_eq!(said.status, Some(0));
+    assert!(
+        said.out.contains("quarantined sphere-along"),
+        "{}",
+        said.out
+    );
+    assert!(said.out.contains("issue 31") && said.out.contains("0 failed, 1 quarantined"));
+    // One that passes should be taken out; one on another bench is none.
+    let said = hil(&["test", "sphere-along", "--quarantine", &known]);
+    assert!(said.out.contains("take it out"), "{}", said.out);
+    let elsewhere =
+        list("[[quarantine]]\ntrial = \"sphere-along\"\nbench = \"x\"\nreason = \"y\"\n");
+    assert_eq!(
+        hil(&["test", &scene, "--quarantine", &elsewhere]).status,
+        Some(1)
+    );
+    let none = list("[[quarantine]]\ntrial = \"sphere-along\"\nreason = \" \"\n");
+    refused_with(&["test", "--quarantine", &none], &["q.toml:3", "reason"]);
+    let unknown = list("[[quarantine]]\n\ntrial = \"tea\"\nreason = \"x\"\n");
+    refused_with(
+        &["test", "--quarantine", &unknown],
+        &["q.toml:3", "tea", "sphere-along"],
+    );
+}
+
+#[test]
+fn what_a_bench_lacks_is_named() {
+    let folder = Folder::new("test-lacks");
+    let scene = palpate_fixtures::scene("idle").unwrap();
+    let other = format!("{scene}\n[map]\ndisplay = \"tactile-brush-4x3\"\n");
+    let path = folder.write("other.toml", &other).display().to_string();
+    let out = good(&["test", &path]);
+    assert!(
+        out.contains("skip        idle")
+            && out.contains("the bench lacks display tactile-brush-4x3"),
+        "{out}"
+    );
+    let free = scene.split("[expect]").next().unwrap();
+    let path = folder.write("free.toml", free).display().to_string();
+    assert!(good(&["test", &path]).contains("no [expect] in the scene"));
+    refused_with(
+        &["test", "no-such-scene"],
+        &["no-such-scene", "sphere-along"],
+    );
+}
+
+#[test]
+fn the_object_has_every_measurement_with_its_limit() {
+    let out = good(&["test", "two-finger", "--json"]);
+    let all: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(
+        (&all["bench"], &all["source"]),
+        (&"emulated".into(), &"emulated".into())
+    );
+    let trial = &all["trials"][0];
+    assert_eq!(
+        (&trial["trial"], &trial["verdict"]),
+        (&"two-finger-press".into(), &"pass".into())
+    );
+    let measures = trial["measures"].as_array().unwrap();
+    let contacts = measures
+        .iter()
+        .find(|m| m["name"] == "contacts in a frame")
+        .unwrap();
+    assert_eq!(
+        (&contacts["value"], &contacts["limit"]),
+        (&2.0.into(), &"<= 2".into())
+    );
+    let skin = measures
+        .iter()
+        .find(|m| m["name"] == "skin at 0.1 mm")
+        .unwrap();
+    assert_eq!(
+        (&skin["unit"], &skin["limit"]),
+        (&"C".into(), &"<= 43.000 C".into())
+    );
+    let quiet = hil(&["test", "two-finger", "--quiet"]);
+    assert_eq!((quiet.status, quiet.out.as_str()), (Some(0), ""));
+}
