@@ -94,7 +94,7 @@ fn pin(text: &str) -> Result<(String, (u8, u8)), String> {
 fn tolerance(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(v) if (0.0..=10_000.0).contains(&v) => Ok(v),
-        _ => Err("expected 0 to 10000 ms".into()),
+        _ => Err("expected 0 to 10000".into()),
     }
 }
 
@@ -125,7 +125,7 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Run time against error, ours beside others': tables and plots (in builds with `--features bench`).
     Bench(BenchArgs),
-    /// Two goldens or schedules, told in words; exit status 1 where a difference means something.
+    /// Two goldens, schedules or contact recordings, told in words; exit status 1 where a difference means something.
     Diff(DiffArgs),
     /// Changed goldens, one scene after another, in words and charts: accept, reject or skip.
     Review(ReviewArgs),
@@ -140,46 +140,10 @@ pub enum Command {
     Guardian(GuardianArgs),
 }
 
-/// Options of `hil record`.
-#[derive(Debug, Args)]
-pub struct RecordArgs {
-    /// Files to write, .log (candump) or .mcap.
-    #[arg(required = true, value_name = "FILE")]
-    pub files: Vec<PathBuf>,
-    /// A CAN interface; repeatable, the n-th is bus n.
-    #[arg(long, value_name = "IFACE", required = true)]
-    pub can: Vec<String>,
-    /// How long (default: until Ctrl-C).
-    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
-    pub seconds: Option<f64>,
-    /// Print the result as one JSON object.
-    #[arg(long)]
-    pub json: bool,
-    /// Print nothing but errors.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
-}
-
-/// Options of `hil replay`.
-#[derive(Debug, Args)]
-pub struct ReplayArgs {
-    /// The recording, .log (candump) or .mcap.
-    pub file: PathBuf,
-    /// A CAN interface; repeatable, bus n of the recording plays on the n-th.
-    #[arg(long, value_name = "IFACE", required = true)]
-    pub can: Vec<String>,
-    /// Print the result as one JSON object.
-    #[arg(long)]
-    pub json: bool,
-    /// Print nothing but errors.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
-}
-
 /// Options of `hil diff`.
 #[derive(Debug, Args)]
 pub struct DiffArgs {
-    /// A golden (.snap) or a schedule (.jsonl).
+    /// A golden (.snap), a schedule (.jsonl) or recorded contacts (.csv).
     pub a: PathBuf,
     /// Another one of the same kind; of a schedule, also a logic analyser's capture of its pins (.vcd, .csv).
     pub b: PathBuf,
@@ -190,6 +154,9 @@ pub struct DiffArgs {
     /// Edges so far apart are in the same place (default: 0, and 2 where one of the two is of real hardware).
     #[arg(long, value_name = "MS", value_parser = tolerance, allow_hyphen_values = true)]
     pub tolerance_ms: Option<f64>,
+    /// Recorded contacts so far apart are in the same place (default: 0).
+    #[arg(long, value_name = "MM", value_parser = tolerance, allow_hyphen_values = true)]
+    pub tolerance_mm: Option<f64>,
     /// Print every difference as a JSON array of {text, meaning}.
     #[arg(long)]
     pub json: bool,
@@ -257,6 +224,42 @@ pub struct TestArgs {
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
     /// Print the results as one JSON object.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+/// Options of `hil record`.
+#[derive(Debug, Args)]
+pub struct RecordArgs {
+    /// Files to write, .log (candump) or .mcap.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// A CAN interface; repeatable, the n-th is bus n.
+    #[arg(long, value_name = "IFACE", required = true)]
+    pub can: Vec<String>,
+    /// How long (default: until Ctrl-C).
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
+    pub seconds: Option<f64>,
+    /// Print the result as one JSON object.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+/// Options of `hil replay`.
+#[derive(Debug, Args)]
+pub struct ReplayArgs {
+    /// The recording, .log (candump) or .mcap.
+    pub file: PathBuf,
+    /// A CAN interface; repeatable, bus n of the recording plays on the n-th.
+    #[arg(long, value_name = "IFACE", required = true)]
+    pub can: Vec<String>,
+    /// Print the result as one JSON object.
     #[arg(long)]
     pub json: bool,
     /// Print nothing but errors.

@@ -114,7 +114,7 @@ fn measured(folder: &Path) -> Result<Findings, Failure> {
         "frames and transfers kept",
         0.0,
         "MB",
-        keeping - alone,
+        (keeping - alone).max(0.0),
     );
     found.rows.push(kept);
     for ((kind, ending), samples) in KINDS.iter().zip(&samples[2..]) {
@@ -159,7 +159,7 @@ fn turns(setup: &Setup, outcome: &Outcome, path: &Path) -> Result<Turns, Failure
     let files = [(Kind::Mcap, PathBuf::from(path))];
     let attached = attachments(setup);
     let sinks = Sink::create_all(&files, &About::Run(&outcome.trace.header, &attached))?;
-    let mut journal = Journal::start(sinks, true)?;
+    let mut journal = Journal::start(sinks, false)?;
     let (mut samples, mut sum_us) = (Samples::default(), 0.0);
     let (mut told, mut sent, mut now) = (0, 0, Duration::from_millis(0));
     while told < outcome.trace.events.len() || sent < outcome.can.len() {

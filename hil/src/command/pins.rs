@@ -11,9 +11,11 @@ use crate::failure::Failure;
 use crate::files::FileError;
 use crate::output::{note, print};
 
-/// Whether a file is a capture, by its name.
-pub(super) fn is_capture(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e == "vcd" || e == "csv")
+/// Whether the second of two files is a capture, by their names: beside anything but a schedule a CSV is one of
+/// contacts.
+pub(super) fn is_capture(a: &Path, b: &Path) -> bool {
+    let ends = |path: &Path, ending: &str| path.extension().is_some_and(|e| e == ending);
+    ends(b, "vcd") || (ends(b, "csv") && ends(a, "jsonl"))
 }
 
 /// Compares; `args.b` is the capture.

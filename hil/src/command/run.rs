@@ -18,6 +18,7 @@ use crate::files::{
 };
 use crate::output::{make_folder, note, print, write_file, write_sidecar};
 use crate::plan;
+use crate::run::real::Told;
 use crate::run::{self, Input, Keep, Outcome};
 use crate::trial::{Trial, Verdict, judge, junit};
 
@@ -36,9 +37,9 @@ enum Format {
     Contacts,
     Schedule,
     Can,
+    Golden,
     Mcap,
     Vcd,
-    Golden,
     Report,
     Summary,
 }
@@ -118,7 +119,11 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
             }
             let (live, later) = split(files);
             files = later;
-            run::real::run(&setup, args.seed, &live, (args.watch, args.quiet))?
+            let told = Told {
+                quiet: args.quiet,
+                watched: args.watch,
+            };
+            run::real::run(&setup, args.seed, &live, told)?
         }
         (true, false) => {
             return Err(Failure::Input(

@@ -9,7 +9,7 @@ use crate::files::{
     Bench, BenchKind, FileError, Loaded, Quarantine, Scene, Setup, Source, load_scene, sensor_of,
 };
 use crate::output::{print, write_file};
-use crate::trial::{Trial, Verdict, attempt, decide, expects_anything, junit, lacks};
+use crate::trial::{Halt, Trial, Verdict, attempt, decide, expects_anything, junit, lacks};
 
 use super::devices::bench;
 
@@ -19,7 +19,7 @@ const SHOWN: usize = 3;
 /// Runs the trials and says how they ended.
 ///
 /// # Errors
-/// [`Failure::Check`] where one failed; [`Failure::Input`] for a filter that fits none, or a file that cannot be.
+/// [`Failure::Check`] where one failed; [`Failure::Device`] where the bench is not well; [`Failure::Input`] for a filter that fits none, or a file that cannot be.
 pub fn test(args: &TestArgs) -> Result<(), Failure> {
     let bench = bench(args.bench.as_deref(), &args.can, &args.i2c)?;
     let scenes = chosen(args.filter.as_deref())?;
@@ -32,22 +32,19 @@ pub fn test(args: &TestArgs) -> Result<(), Failure> {
     let told = !args.quiet && !args.json;
     if told {
         print(|out| {
-            writeln!(
-                out,
-                "{} trials on {name} ({kind}), seed {}",
-                scenes.len(),
-                args.seed
-            )
+            let (n, seed) = (scenes.len(), args.seed);
+            let s = if n == 1 { "" } else { "s" };
+            writeln!(out, "{n} trial{s} on {name} ({kind}), seed {seed}")
         })?;
     }
     let mut trials = Vec::new();
-    let mut broken: Option<String> = None;
+    let mut halt: Option<Halt> = None;
     for scene in scenes {
-        let mut trial = match &broken {
-            Some(why) => Trial::skipped(&scene.value.name, format!("the bench is not well: {why}")),
+        let mut trial = match &halt {
+            Some(why) => Trial::skipped(&scene.value.name, why.to_string()),
             None => {
                 let (trial, found) = one(scene, &bench, args)?;
-                broken = found;
+                halt = found;
                 trial
             }
         };
@@ -72,9 +69,11 @@ pub fn test(args: &TestArgs) -> Result<(), Failure> {
     let failed = trials
         .iter()
         .any(|t| matches!(t.verdict, Verdict::Failed(_)));
-    match failed {
-        true => Err(Failure::Check(counts)),
-        false => Ok(()),
+    match (halt, failed) {
+        (Some(halt @ Halt::Unwell(_)), _) => Err(Failure::Device(halt.to_string())),
+        (Some(halt @ Halt::Stopped(_)), _) => Err(Failure::Check(halt.to_string())),
+        (None, true) => Err(Failure::Check(counts)),
+        (None, false) => Ok(()),
     }
 }
 
@@ -115,7 +114,7 @@ fn one(
     scene: Loaded<Scene>,
     bench: &Loaded<Bench>,
     args: &TestArgs,
-) -> Result<(Trial, Option<String>), Failure> {
+) -> Result<(Trial, Option<Halt>), Failure> {
     let name = scene.value.name.clone();
     if !expects_anything(&scene.value.expect) {
         return Ok((
@@ -137,7 +136,7 @@ fn one(
         Err(failure) => {
             input.get_or_insert(failure);
             crate::trial::Try {
-                broken: Some("cannot be run".into()),
+                halt: Some(Halt::Unwell("it cannot be run on".into())),
                 ..Default::default()
             }
         }

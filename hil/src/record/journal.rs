@@ -44,18 +44,18 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Takes files that have their first lines. Unless `quiet`, notes are told to people as well.
+    /// Takes files that have their first lines. If it `tells`, notes go to people as well.
     ///
     /// # Errors
     /// [`Failure::Device`] when the system gives no thread.
-    pub fn start(mut files: Vec<Sink>, quiet: bool) -> Result<Self, Failure> {
+    pub fn start(mut files: Vec<Sink>, tells: bool) -> Result<Self, Failure> {
         let (pieces, orders) = sync_channel(QUEUE);
         let failed = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&failed);
         let thread = std::thread::Builder::new()
             .name("journal".into())
             .spawn(move || {
-                let result = keep(&mut files, &orders, quiet);
+                let result = keep(&mut files, &orders, tells);
                 let result = result.and_then(|()| files.into_iter().try_for_each(Sink::finish));
                 flag.store(result.is_err(), Ordering::Relaxed);
                 result
@@ -123,9 +123,9 @@ impl Journal {
 }
 
 /// Writes pieces until there are no more.
-fn keep(files: &mut [Sink], pieces: &Receiver<Piece>, quiet: bool) -> Result<(), Failure> {
+fn keep(files: &mut [Sink], pieces: &Receiver<Piece>, tells: bool) -> Result<(), Failure> {
     while let Ok(piece) = pieces.recv() {
-        for event in piece.events.iter().filter(|_| !quiet) {
+        for event in piece.events.iter().filter(|_| tells) {
             if let Event::Note { t_us, text } = event {
                 note(&format!("{:.3} s: {text}", *t_us as f64 * 1e-6));
             }
@@ -135,7 +135,8 @@ fn keep(files: &mut [Sink], pieces: &Receiver<Piece>, quiet: bool) -> Result<(),
     Ok(())
 }
 
-/// A sensor bus that keeps what crosses it until somebody takes it away.
+/// A sensor bus that keeps what crosses it, in either direction, until somebody takes it away: as the host saw
+/// it, so that what a fault layer swallowed is not there, and what it garbled is garbled.
 #[derive(Debug)]
 pub struct Tap<S> {
     /// The bus.
@@ -219,7 +220,7 @@ mod tests {
             (Kind::Mcap, path("m.mcap")),
         ];
         let about = About::Run(&trace.header, &[]);
-        let mut journal = Journal::start(Sink::create_all(&files, &about).unwrap(), true).unwrap();
+        let mut journal = Journal::start(Sink::create_all(&files, &about).unwrap(), false).unwrap();
         let mut sent = 0;
         for end in 0..=trace.events.len() {
             let at = |i: usize| trace.events.get(i).map(Event::t_ns);

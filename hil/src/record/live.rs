@@ -47,7 +47,7 @@ pub fn record(
     let (clock, epoch_us) = (RunClock::start(), clock::unix_us());
     let can = CanBuses::open(&all.collect::<Vec<_>>(), clock)
         .map_err(|e| Failure::Device(e.to_string()))?;
-    let journal = Journal::start(Sink::create_all(files, &About::Buses(interfaces))?, true)?;
+    let journal = Journal::start(Sink::create_all(files, &About::Buses(interfaces))?, false)?;
     let stop = |now: Instant| {
         signals.caught().is_some() || length.is_some_and(|l| now >= Instant::ZERO + l)
     };
@@ -134,7 +134,7 @@ mod tests {
         ];
         let names = ["test0".to_owned()];
         let sinks = Sink::create_all(&files, &About::Buses(&names)).unwrap();
-        let journal = Journal::start(sinks, true).unwrap();
+        let journal = Journal::start(sinks, false).unwrap();
         for n in 0..100_u8 {
             let mut raw = [0; 16];
             raw[..4].copy_from_slice(&4_u32.to_ne_bytes());

@@ -10,6 +10,7 @@ use palpate_emulators::time::Nanos;
 use super::Keep;
 use super::boards::{self, BusReport};
 use super::replay::Replay;
+use crate::record::Tap;
 
 /// A sensor end whose virtual time the run moves.
 pub trait Skin: SensorBus {
@@ -47,23 +48,18 @@ impl Skin for Replay {
     }
 }
 
-/// A sensor end of which every frame is kept, in either direction, as the host saw it: what a fault layer
-/// swallowed is not there, what it garbled is garbled.
+/// A [`Tap`] on a sensor end, with what the run is to keep beside its frames.
 pub struct Tapped<S> {
-    inner: S,
-    now: Instant,
+    tap: Tap<S>,
     keep: Keep,
-    kept: Option<Vec<Received>>,
 }
 
 impl<S> Tapped<S> {
     /// A tap on `inner`; one that keeps no frames costs nothing.
     pub fn new(inner: S, keep: Keep) -> Self {
         Self {
-            inner,
-            now: Instant::ZERO,
+            tap: Tap::new(inner, keep.can),
             keep,
-            kept: keep.can.then(Vec::new),
         }
     }
 
@@ -72,29 +68,29 @@ impl<S> Tapped<S> {
         self.keep
     }
 
-    /// What crossed the bus.
+    /// What crossed the bus since the last time.
     pub fn take(&mut self) -> Vec<Received> {
-        self.kept.take().unwrap_or_default()
+        self.tap.take()
     }
 
     /// The bus behind the tap.
     pub const fn inner(&self) -> &S {
-        &self.inner
+        &self.tap.inner
     }
 }
 
 impl<S: Skin> Skin for Tapped<S> {
     fn advance_to(&mut self, now: Instant) {
-        self.now = self.now.max(now);
-        self.inner.advance_to(now);
+        self.tap.now = self.tap.now.max(now);
+        self.tap.inner.advance_to(now);
     }
 
     fn emulated(&mut self) -> Option<&mut Faulty<Handle>> {
-        self.inner.emulated()
+        self.tap.inner.emulated()
     }
 
     fn buses(&self) -> Vec<BusReport> {
-        self.inner.buses()
+        self.tap.inner.buses()
     }
 }
 
@@ -102,22 +98,10 @@ impl<S: SensorBus> SensorBus for Tapped<S> {
     type Error = S::Error;
 
     fn receive(&mut self) -> Result<Option<Received>, S::Error> {
-        let received = self.inner.receive()?;
-        if let Some(kept) = &mut self.kept {
-            kept.extend(received);
-        }
-        Ok(received)
+        self.tap.receive()
     }
 
     fn transmit(&mut self, bus: u8, frame: &CanFrame) -> Result<(), S::Error> {
-        self.inner.transmit(bus, frame)?;
-        if let Some(kept) = &mut self.kept {
-            kept.push(Received {
-                at: self.now,
-                bus,
-                frame: *frame,
-            });
-        }
-        Ok(())
+        self.tap.transmit(bus, frame)
     }
 }

@@ -6,6 +6,7 @@ mod health;
 mod junit;
 mod measure;
 
+use std::fmt;
 use std::time::Duration;
 
 use crate::clock;
@@ -95,34 +96,52 @@ pub struct Try {
     pub measures: Vec<Measure>,
     /// Why it failed; empty where it passed.
     pub wrong: Vec<String>,
-    /// The bench cannot be used any further: why.
-    pub broken: Option<String>,
+    /// Why no further trial can be run.
+    pub halt: Option<Halt>,
 }
 
-/// Runs a scene up to `1 + retries` times until it passes; a bench that broke is not tried again. Returns why the
-/// bench is broken, too, if it is.
+/// Why the trials end before all were run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Halt {
+    /// Somebody asked for it: the signal.
+    Stopped(String),
+    /// The bench is not well: what is wrong with it.
+    Unwell(String),
+}
+
+impl fmt::Display for Halt {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stopped(signal) => write!(out, "stopped by {signal}"),
+            Self::Unwell(why) => write!(out, "the bench is not well: {why}"),
+        }
+    }
+}
+
+/// Runs a scene up to `1 + retries` times until it passes; a bench that is not well is not tried again. Returns why
+/// nothing more can be run, too, if so.
 pub fn decide(
     scene: &str,
     retries: u32,
     mut attempt: impl FnMut() -> Try,
-) -> (Trial, Option<String>) {
+) -> (Trial, Option<Halt>) {
     let started = clock::now();
     let mut before = Vec::new();
     let mut left = retries;
     loop {
         let tried = attempt();
-        let retry = left > 0 && tried.broken.is_none();
+        let retry = left > 0 && tried.halt.is_none();
         if !tried.wrong.is_empty() && retry {
             left -= 1;
             before.push(tried.wrong.join("; "));
             continue;
         }
-        let broken = tried.broken.clone();
+        let halt = tried.halt.clone();
         let mut trial = Trial::of(scene, tried, started.elapsed());
         if trial.verdict == Verdict::Passed && !before.is_empty() {
             trial.verdict = Verdict::Unstable(before);
         }
-        return (trial, broken);
+        return (trial, halt);
     }
 }
 
@@ -133,7 +152,11 @@ pub fn decide(
 pub fn attempt(setup: &Setup, seed: u64) -> Result<Try, Failure> {
     let is_real = setup.bench.value.kind == BenchKind::Real;
     let done = if is_real {
-        run::real::run(setup, seed, &[], (false, true))
+        let told = run::real::Told {
+            quiet: true,
+            watched: false,
+        };
+        run::real::run(setup, seed, &[], told)
     } else {
         run::run(setup, &Input::Scene, seed)
     };
@@ -142,7 +165,7 @@ pub fn attempt(setup: &Setup, seed: u64) -> Result<Try, Failure> {
         Err(Failure::Input(message)) => Err(Failure::Input(message)),
         Err(failure) => Ok(Try {
             wrong: vec![failure.to_string()],
-            broken: is_real.then(|| failure.to_string()),
+            halt: is_real.then(|| Halt::Unwell(failure.to_string())),
             ..Try::default()
         }),
     }
@@ -160,15 +183,14 @@ pub fn judge(setup: &Setup, outcome: &Outcome) -> Try {
     let measures = measures(setup, outcome);
     let mut wrong: Vec<String> = measures.iter().filter_map(Measure::wrong).collect();
     wrong.extend(outcome.failure.iter().map(ToString::to_string));
-    let stopped = stopped_by(outcome).map(|signal| format!("stopped by {signal}"));
-    wrong.extend(stopped.clone());
-    let unwell = (is_real && !health.is_empty()).then(|| health.join("; "));
+    let stopped = stopped_by(outcome).map(|signal| Halt::Stopped(signal.to_owned()));
+    wrong.extend(stopped.as_ref().map(ToString::to_string));
+    let unwell = (is_real && !health.is_empty()).then(|| Halt::Unwell(health.join("; ")));
     wrong.extend(health.into_iter().map(|h| format!("bench: {h}")));
     Try {
         measures,
         wrong,
-        // After a signal nothing more is started either.
-        broken: unwell.or(stopped),
+        halt: unwell.or(stopped),
     }
 }
 
@@ -176,7 +198,7 @@ pub fn judge(setup: &Setup, outcome: &Outcome) -> Try {
 mod tests {
     use super::*;
 
-    fn tries(all: &[&str]) -> (Trial, Option<String>) {
+    fn tries(all: &[&str]) -> (Trial, Option<Halt>) {
         let mut next = all.iter();
         decide("a-scene", 1, || Try {
             wrong: next
@@ -203,17 +225,17 @@ mod tests {
     }
 
     #[test]
-    fn a_broken_bench_is_not_tried_again() {
+    fn a_bench_that_is_not_well_is_not_tried_again() {
         let mut runs = 0;
-        let (trial, broken) = decide("a-scene", 5, || {
+        let (trial, halt) = decide("a-scene", 5, || {
             runs += 1;
             Try {
                 wrong: vec!["bus gone".to_owned()],
-                broken: Some("bus gone".to_owned()),
+                halt: Some(Halt::Unwell("bus gone".to_owned())),
                 ..Try::default()
             }
         });
         assert_eq!((runs, trial.verdict.word()), (1, "FAIL"));
-        assert_eq!(broken.as_deref(), Some("bus gone"));
+        assert_eq!(halt, Some(Halt::Unwell("bus gone".to_owned())));
     }
 }

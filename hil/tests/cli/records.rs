@@ -69,7 +69,10 @@ fn a_recording_that_was_cut_is_replayed_up_to_the_cut_and_says_so() {
         ("a.log", [":9", "cut short", "frames before it"]),
     ] {
         let bytes = fs::read(folder.path(name)).unwrap();
-        fs::write(folder.path(name), &bytes[..bytes.len() * 3 / 5 - 6]).unwrap();
+        // In the middle of a line: one that ends where the file does is no cut.
+        let about = bytes.len() * 3 / 5;
+        let line = bytes[about..].iter().position(|b| *b == b'\n').unwrap();
+        fs::write(folder.path(name), &bytes[..about + line + 9]).unwrap();
         let said = replayed(&folder, name);
         assert_eq!(said.status, Some(0), "{}", said.err);
         for word in words {

@@ -136,3 +136,52 @@ fn the_object_has_every_measurement_with_its_limit() {
     let quiet = hil(&["test", "two-finger", "--quiet"]);
     assert_eq!((quiet.status, quiet.out.as_str()), (Some(0), ""));
 }
+
+#[test]
+fn a_single_run_is_checked_and_kept_as_a_golden_too() {
+    let folder = Folder::new("run-junit");
+    let path = |name: &str| folder.path(name).display().to_string();
+    let (xml, snap) = (path("r.xml"), path("r.snap"));
+    good(&["run", "idle", "--quiet", "--junit", &xml, "--record", &snap]);
+    assert!(
+        folder
+            .text("r.xml")
+            .contains("classname=\"emulated\" name=\"idle\"")
+    );
+    let shipped = include_str!("../../../fixtures/goldens/idle.schedule.snap");
+    assert!(shipped.ends_with(&folder.text("r.snap")));
+    let said = hil(&["run", &failing(&folder), "--quiet", "--junit", &xml]);
+    assert_eq!(said.status, Some(1));
+    assert!(
+        said.err.contains("path error RMSE: expected <= 0.001 mm"),
+        "{}",
+        said.err
+    );
+    assert!(folder.text("r.xml").contains("failures=\"1\""));
+}
+
+#[test]
+fn a_bench_that_is_not_there_ends_the_trials_with_exit_3() {
+    let folder = Folder::new("test-no-bench");
+    let xml = folder.path("r.xml").display().to_string();
+    let said = hil(&[
+        "test",
+        "s",
+        "--can",
+        "nope0",
+        "--i2c",
+        "/dev/i2c-250",
+        "--junit",
+        &xml,
+        "--retries",
+        "3",
+    ]);
+    assert_eq!(said.status, Some(3), "{}{}", said.out, said.err);
+    assert!(said.err.contains("the bench is not well: "), "{}", said.err);
+    assert!(
+        said.out.contains("the bench lacks touch (`real.touch`)"),
+        "{}",
+        said.out
+    );
+    assert!(folder.text("r.xml").contains("failures=\"1\""));
+}

@@ -57,6 +57,15 @@ struct Done {
     failure: Option<Failure>,
 }
 
+/// Who is told about a run while it goes on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Told {
+    /// Nobody, but of errors.
+    pub quiet: bool,
+    /// Somebody in front of a live view, which notes would tear.
+    pub watched: bool,
+}
+
 /// Runs a scene's length on a real bench: what touches the skin is up to the world. `files` grow while it
 /// runs; unless `quiet`, what happens to the bench is told on standard error.
 ///
@@ -66,7 +75,7 @@ pub fn run(
     setup: &Setup,
     seed: u64,
     files: &[(Kind, PathBuf)],
-    (watched, quiet): (bool, bool),
+    told: Told,
 ) -> Result<Outcome, Failure> {
     let started = clock::now();
     let (scene, bench) = (&setup.scene.value, &setup.bench.value);
@@ -89,13 +98,12 @@ pub fn run(
     let projector = build(setup, seed, levels)?;
     let (header, attached) = (header(setup, seed, &projector)?, attachments(setup));
     let sinks = Sink::create_all(files, &About::Run(&header, &attached))?;
-    // Notes stand in the live view; beside it they would write over it.
-    let journal = Journal::start(sinks, quiet || watched)?;
+    let journal = Journal::start(sinks, !told.quiet && !told.watched)?;
     let keeps_can = |kind: Kind| matches!(kind, Kind::Can | Kind::Mcap);
     let keeps_can = files.iter().any(|(kind, _)| keeps_can(*kind));
     let (live, can) = Live::open(bench, real, projector.layout())?;
     let length = Instant::from_micros((scene.length_s * 1e6).round() as u64);
-    let watch = match watched {
+    let watch = match told.watched {
         true => open_watch(setup, seed, &projector, length, false)?,
         false => None,
     };
