@@ -114,7 +114,7 @@ fn measured(folder: &Path) -> Result<Findings, Failure> {
         "frames and transfers kept",
         0.0,
         "MB",
-        keeping - alone,
+        (keeping - alone).max(0.0),
     );
     found.rows.push(kept);
     for ((kind, ending), samples) in KINDS.iter().zip(&samples[2..]) {

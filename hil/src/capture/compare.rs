@@ -172,17 +172,18 @@ fn period(pulses: &[&Pulses], nominal: f64) -> Option<f64> {
     Some(sum / count)
 }
 
-/// The time of the capture's start on the schedule's clock: the one that puts most trains on bursts. A train
-/// begins up to a period after its burst, so the earliest of all is taken to begin with it.
+/// The time of the capture's start on the schedule's clock: the one that puts most trains on bursts of their
+/// width, since bursts come on a grid and a short capture fits many places of it. A train begins up to a period
+/// after its burst, so the earliest of all is taken to begin with it.
 fn offset(
-    trains: &BTreeMap<Output, Vec<f64>>,
+    trains: &BTreeMap<Output, Pulses>,
     plan: &BTreeMap<Output, Vec<Burst>>,
     period: f64,
 ) -> Option<f64> {
     let late = 1.5 * period;
     let first = trains
         .iter()
-        .filter_map(|(o, starts)| Some((o, *starts.first()?)));
+        .filter_map(|(o, starts)| Some((o, starts.first()?.0)));
     // The output whose trains tell most apart.
     let (output, start) = first.min_by_key(|(o, _)| plan.get(*o).map_or(usize::MAX, Vec::len))?;
     let mut best: Option<(usize, f64)> = None;
@@ -192,11 +193,14 @@ fn offset(
             let Some(bursts) = plan.get(output) else {
                 continue;
             };
-            for start in starts {
+            for (start, width) in starts {
                 let at = start + candidate;
                 let next = bursts.partition_point(|b| b.from_ns <= at + late);
-                let hit = next.checked_sub(1).map(|i| bursts[i].from_ns);
-                hits += usize::from(hit.is_some_and(|from| (at - from).abs() <= late));
+                let burst = next.checked_sub(1).map(|i| &bursts[i]);
+                if let Some(burst) = burst.filter(|b| (at - b.from_ns).abs() <= late) {
+                    let same = (width - burst.width * period / 4096.0).abs() <= 0.1 * width;
+                    hits += 1 + 2 * usize::from(same);
+                }
             }
         }
         if best.is_none_or(|(most, _)| hits > most) {
@@ -207,8 +211,8 @@ fn offset(
     let mut earliest = f64::INFINITY;
     for (output, starts) in trains {
         for burst in plan.get(output).into_iter().flatten() {
-            let near = starts.partition_point(|s| s + candidate < burst.from_ns - late);
-            if let Some(start) = starts.get(near) {
+            let near = starts.partition_point(|s| s.0 + candidate < burst.from_ns - late);
+            if let Some((start, _)) = starts.get(near) {
                 let lag = start + candidate - burst.from_ns;
                 if lag.abs() <= late {
                     earliest = earliest.min(lag);
@@ -219,13 +223,13 @@ fn offset(
     Some(candidate - if earliest.is_finite() { earliest } else { 0.0 })
 }
 
-/// Starts of pulse trains: pulses with more than a period and a half of silence before them.
-fn starts(pulses: &Pulses, period: f64) -> Vec<f64> {
+/// First pulses of trains: those with more than a period and a half of silence before them.
+fn starts(pulses: &Pulses, period: f64) -> Pulses {
     let mut found = Vec::new();
     let mut last = f64::NEG_INFINITY;
-    for &(rise, _) in pulses {
+    for &(rise, width) in pulses {
         if rise - last > 1.5 * period {
-            found.push(rise);
+            found.push((rise, width));
         }
         last = rise;
     }
@@ -271,7 +275,7 @@ pub fn compare(trace: &Trace, capture: &Capture, pins: &Pins) -> Result<Comparis
         .map(|(board, pulses)| (*board, period(pulses, nominal)))
         .collect();
     let period_of = |output: &Output| periods.get(&output.0).copied().flatten().unwrap_or(nominal);
-    let trains: BTreeMap<Output, Vec<f64>> = seen
+    let trains: BTreeMap<Output, Pulses> = seen
         .iter()
         .map(|(output, pulses)| (*output, starts(pulses, period_of(output))))
         .collect();

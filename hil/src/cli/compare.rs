@@ -6,6 +6,18 @@ use clap::{Args, Subcommand};
 
 use super::whole;
 
+/// A signal's name and the output it was clipped to.
+fn pin(text: &str) -> Result<(String, (u8, u8)), String> {
+    let parsed = text.rsplit_once('=').and_then(|(name, output)| {
+        let (board, channel) = output.split_once(':')?;
+        Some((
+            name.to_owned(),
+            (board.parse().ok()?, channel.parse().ok()?),
+        ))
+    });
+    parsed.ok_or_else(|| "expected a name, board and channel, such as D0=0:3".into())
+}
+
 /// A band for edges.
 fn tolerance(text: &str) -> Result<f64, String> {
     match text.parse() {
@@ -19,8 +31,12 @@ fn tolerance(text: &str) -> Result<f64, String> {
 pub struct DiffArgs {
     /// A golden (.snap), a schedule (.jsonl) or recorded contacts (.csv).
     pub a: PathBuf,
-    /// Another one of the same kind.
+    /// Another one of the same kind; of a schedule, also a logic analyser's capture of its pins (.vcd, .csv).
     pub b: PathBuf,
+    /// Which output a signal of the capture is (default: by names like b0_ch3, else in the order of the wires).
+    /// Repeatable.
+    #[arg(long, value_name = "NAME=BOARD:CHANNEL", value_parser = pin)]
+    pub pin: Vec<(String, (u8, u8))>,
     /// Edges so far apart are in the same place (default: 0, and 2 where one of the two is of real hardware).
     #[arg(long, value_name = "MS", value_parser = tolerance, allow_hyphen_values = true)]
     pub tolerance_ms: Option<f64>,

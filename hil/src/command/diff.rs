@@ -1,4 +1,5 @@
-//! `hil diff`: two goldens, schedules or recorded contact paths, told in words.
+//! `hil diff`: two goldens, schedules or recorded contact paths, told in words; a schedule and a capture of its
+//! pins go to `pins`.
 
 use std::path::Path;
 
@@ -8,6 +9,7 @@ use palpate_records::diff::{
 use palpate_records::trace::{PlaceUm, WireInfo};
 use serde::Serialize;
 
+use super::pins::{is_capture, pins};
 use crate::cli::DiffArgs;
 use crate::failure::Failure;
 use crate::files::{FileError, LayoutFile, load_bench, load_layout};
@@ -18,6 +20,9 @@ use crate::output::print;
 /// # Errors
 /// [`Failure::Input`] for a file that is none of ours, [`Failure::Check`] where a difference means something.
 pub fn diff(args: &DiffArgs) -> Result<(), Failure> {
+    if is_capture(&args.a, &args.b) {
+        return pins(args);
+    }
     let (name, found) = match (read(&args.a)?, read(&args.b)?) {
         (File::Story(a), File::Story(b)) if a.kind == b.kind => {
             let mut tolerance = Tolerance::between(&a, &b);
@@ -133,7 +138,7 @@ fn read(path: &Path) -> Result<File, Failure> {
 }
 
 /// What is wrong with a golden or a schedule, as of any other file.
-fn damaged(label: &str, damage: Damage) -> FileError {
+pub(super) fn damaged(label: &str, damage: Damage) -> FileError {
     FileError {
         path: label.to_owned(),
         line: Some(damage.line),
@@ -144,7 +149,7 @@ fn damaged(label: &str, damage: Damage) -> FileError {
 }
 
 /// The wires of a built-in bench; none of another one, whose outputs are then told by board and channel.
-fn wires(bench: &str) -> Vec<WireInfo> {
+pub(super) fn wires(bench: &str) -> Vec<WireInfo> {
     if !palpate_fixtures::bench_names().any(|name| name == bench) {
         return Vec::new();
     }

@@ -9,6 +9,7 @@ mod emulate;
 mod explain;
 mod guardian;
 mod off;
+mod pins;
 mod rate;
 mod record;
 mod review;

@@ -174,14 +174,22 @@ pub fn write_can_log(
     interfaces: &[String],
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    let mut line = String::new();
+    let highest = frames.iter().map(|r| usize::from(r.bus) + 1).max();
+    let named = |bus: usize| {
+        let name = interfaces.get(bus).cloned();
+        name.unwrap_or_else(|| format!("can{bus}"))
+    };
+    let names: Vec<String> = (0..highest.unwrap_or(0)).map(named).collect();
+    let mut lines = String::new();
     for received in frames {
-        line.clear();
-        let named = interfaces.get(usize::from(received.bus));
-        let interface = named.map_or_else(|| format!("can{}", received.bus), String::clone);
-        candump::write_line(&mut line, received.at, &interface, &received.frame);
-        out.write_all(line.as_bytes())?;
+        let interface = &names[usize::from(received.bus)];
+        candump::write_line(&mut lines, received.at, interface, &received.frame);
+        if lines.len() > 1 << 16 {
+            out.write_all(lines.as_bytes())?;
+            lines.clear();
+        }
     }
+    out.write_all(lines.as_bytes())?;
     Ok(())
 }
 

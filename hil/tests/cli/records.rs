@@ -105,3 +105,45 @@ fn what_is_no_recording_of_ours_is_refused_by_name() {
         &["cut short", "byte 8", "/can"],
     );
 }
+
+#[test]
+fn a_capture_of_the_pins_is_held_against_the_schedule() {
+    let folder = Folder::new("capture");
+    recorded(&folder, &["jsonl", "vcd"]);
+    let (plan, capture) = (folder.path("a.jsonl"), folder.path("a.vcd"));
+    let (plan, capture) = (plan.display().to_string(), capture.display().to_string());
+    let told = good(&["diff", &plan, &capture]);
+    assert!(
+        told.contains("0 of") && told.contains("PWM frequency, board 0"),
+        "{told}"
+    );
+    // A wire that never comes on.
+    let pin = "pin_b0_ch2";
+    let spoilt = folder.text("a.vcd").replace(pin, "pin_b0_ch12");
+    let spoilt = folder.write("b.vcd", &spoilt).display().to_string();
+    let said = hil(&["diff", &plan, &spoilt, "--json"]);
+    assert_eq!(said.status, Some(1), "{}", said.err);
+    let found: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    let stray = |m: &&serde_json::Value| m["name"] == "stray pulses, board 0 channel 12";
+    let stray = found["measurements"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(stray)
+        .unwrap();
+    assert!(
+        stray["value"].as_f64().unwrap() > 10.0 && stray["high"] == 0.0,
+        "{stray}"
+    );
+    refused_with(&["diff", &plan, &capture, "--pin", "D0=3"], &["D0=0:3"]);
+    refused_with(&["diff", &capture, &plan], &["a.vcd"]);
+}
+
+#[test]
+fn a_live_view_needs_a_terminal_and_the_run_goes_on_without() {
+    let said = hil(&["run", "idle", "--watch"]);
+    assert_eq!(said.status, Some(0), "{}", said.err);
+    assert!(said.err.contains("no terminal"), "{}", said.err);
+    assert!(said.out.contains("idle on emulated"), "{}", said.out);
+    assert!(!said.out.contains('\u{1b}'));
+}

@@ -17,6 +17,7 @@ use crate::trace::Source;
 pub use align::{Alignment, align};
 use golden::thousandths;
 pub use recording::{Recording, compare_recordings};
+pub use schedule::read_schedule;
 pub use story::{Damage, Figure, Item, Kind, Moment, Output, Stay, Story};
 use tables::{digests, figures, heads, moments, rows};
 

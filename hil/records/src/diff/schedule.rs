@@ -72,7 +72,10 @@ fn shown(text: &str) -> String {
 }
 
 /// Reads a schedule; `wires` finds the wires of a bench by its name.
-pub(super) fn read_schedule(
+///
+/// # Errors
+/// The first line that no schedule has there.
+pub fn read_schedule(
     text: &str,
     wires: impl FnOnce(&str) -> Vec<WireInfo>,
 ) -> Result<Trace, Damage> {
