@@ -82,7 +82,7 @@ fn positive(text: &str) -> Result<f64, String> {
 fn tolerance(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(v) if (0.0..=10_000.0).contains(&v) => Ok(v),
-        _ => Err("expected 0 to 10000 ms".into()),
+        _ => Err("expected 0 to 10000".into()),
     }
 }
 
@@ -113,7 +113,7 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Run time against error, ours beside others': tables and plots (in builds with `--features bench`).
     Bench(BenchArgs),
-    /// Two goldens or schedules, told in words; exit status 1 where a difference means something.
+    /// Two goldens, schedules or contact recordings, told in words; exit status 1 where a difference means something.
     Diff(DiffArgs),
     /// Changed goldens, one scene after another, in words and charts: accept, reject or skip.
     Review(ReviewArgs),
@@ -131,13 +131,16 @@ pub enum Command {
 /// Options of `hil diff`.
 #[derive(Debug, Args)]
 pub struct DiffArgs {
-    /// A golden (.snap) or a schedule (.jsonl).
+    /// A golden (.snap), a schedule (.jsonl) or recorded contacts (.csv).
     pub a: PathBuf,
     /// Another one of the same kind.
     pub b: PathBuf,
     /// Edges so far apart are in the same place (default: 0, and 2 where one of the two is of real hardware).
     #[arg(long, value_name = "MS", value_parser = tolerance, allow_hyphen_values = true)]
     pub tolerance_ms: Option<f64>,
+    /// Recorded contacts so far apart are in the same place (default: 0).
+    #[arg(long, value_name = "MM", value_parser = tolerance, allow_hyphen_values = true)]
+    pub tolerance_mm: Option<f64>,
     /// Print every difference as a JSON array of {text, meaning}.
     #[arg(long)]
     pub json: bool,

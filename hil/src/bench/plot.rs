@@ -83,7 +83,7 @@ impl Plot {
         let frame = Frame {
             left: 64.0,
             top: 30.0,
-            width: width - 84.0,
+            width: width - 104.0,
             height: height - 80.0,
             x: self.scale(&self.x, |p| p.0),
             y: self.scale(&self.y, |p| p.1),

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use palpate_records::diff::{Damage, Story, Tolerance, compare, tell};
+use palpate_records::diff::{
+    Damage, Recording, Story, Tolerance, compare, compare_recordings, tell,
+};
 use palpate_records::trace::{PlaceUm, WireInfo};
 use serde::Serialize;
 
@@ -16,21 +18,31 @@ use crate::output::print;
 /// # Errors
 /// [`Failure::Input`] for a file that is none of ours, [`Failure::Check`] where a difference means something.
 pub fn diff(args: &DiffArgs) -> Result<(), Failure> {
-    let (a, b) = (read(&args.a)?, read(&args.b)?);
-    if a.kind != b.kind {
-        return Err(Failure::Input(format!(
-            "{}: expected a {} like {}, found a {}",
-            args.b.display(),
-            a.kind.title(),
-            args.a.display(),
-            b.kind.title()
-        )));
-    }
-    let mut tolerance = Tolerance::between(&a, &b);
-    if let Some(ms) = args.tolerance_ms {
-        tolerance.edge_us = (ms * 1e3).round() as u64;
-    }
-    let found = compare(&a, &b, tolerance);
+    let (name, found) = match (read(&args.a)?, read(&args.b)?) {
+        (File::Story(a), File::Story(b)) if a.kind == b.kind => {
+            let mut tolerance = Tolerance::between(&a, &b);
+            if let Some(ms) = args.tolerance_ms {
+                tolerance.edge_us = (ms * 1e3).round() as u64;
+            }
+            (b.scene.clone(), compare(&a, &b, tolerance))
+        }
+        (File::Contacts(a), File::Contacts(b)) => {
+            let tolerance = Tolerance {
+                place_um: args.tolerance_mm.map_or(0, |mm| (mm * 1e3).round() as u64),
+                ..Tolerance::default()
+            };
+            ("contacts".to_owned(), compare_recordings(&a, &b, tolerance))
+        }
+        (a, b) => {
+            return Err(Failure::Input(format!(
+                "{}: expected a {} like {}, found a {}",
+                args.b.display(),
+                a.what(),
+                args.a.display(),
+                b.what()
+            )));
+        }
+    };
     let means = found.iter().any(|d| d.meaning);
     if args.json {
         #[derive(Serialize)]
@@ -57,9 +69,9 @@ pub fn diff(args: &DiffArgs) -> Result<(), Failure> {
         };
         print(|out| {
             match found.len() {
-                0 => writeln!(out, "{}: no difference", b.scene)?,
-                1 => writeln!(out, "{}: 1 difference{cosmetic}", b.scene)?,
-                n => writeln!(out, "{}: {n} differences{cosmetic}", b.scene)?,
+                0 => writeln!(out, "{name}: no difference")?,
+                1 => writeln!(out, "{name}: 1 difference{cosmetic}")?,
+                n => writeln!(out, "{name}: {n} differences{cosmetic}")?,
             }
             let lines = tell(&found);
             lines.iter().try_for_each(|line| writeln!(out, "  {line}"))
@@ -72,13 +84,28 @@ pub fn diff(args: &DiffArgs) -> Result<(), Failure> {
     }
 }
 
-/// Reads a golden, or a schedule by its first character.
-fn read(path: &Path) -> Result<Story, Failure> {
+/// What was read.
+enum File {
+    Story(Story),
+    Contacts(Recording),
+}
+
+impl File {
+    fn what(&self) -> &'static str {
+        match self {
+            Self::Story(story) => story.kind.title(),
+            Self::Contacts(_) => "contact recording",
+        }
+    }
+}
+
+/// Reads a golden, or by its first characters a schedule or recorded contacts.
+fn read(path: &Path) -> Result<File, Failure> {
     let label = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|e| {
         FileError::whole(
             &label,
-            "a golden (.snap) or a schedule (.jsonl)",
+            "a golden (.snap), a schedule (.jsonl) or contacts (.csv)",
             e.to_string(),
         )
     })?;
@@ -95,16 +122,18 @@ fn read(path: &Path) -> Result<Story, Failure> {
             },
         )
     })?;
-    let story = if text.starts_with('{') {
-        Story::of_schedule(&text, wires)
+    let read = if text.starts_with('{') {
+        Story::of_schedule(&text, wires).map(File::Story)
+    } else if Recording::is_one(&text) {
+        Recording::read(&text).map(File::Contacts)
     } else {
-        Story::of_golden(&text)
+        Story::of_golden(&text).map(File::Story)
     };
-    Ok(story.map_err(|damage| damaged(&label, damage))?)
+    Ok(read.map_err(|damage| damaged(&label, damage))?)
 }
 
 /// What is wrong with a golden or a schedule, as of any other file.
-pub(super) fn damaged(label: &str, damage: Damage) -> FileError {
+fn damaged(label: &str, damage: Damage) -> FileError {
     FileError {
         path: label.to_owned(),
         line: Some(damage.line),

@@ -139,3 +139,38 @@ fn what_is_damaged_is_named_with_its_line() {
         &["expected a schedule", "found a margins"],
     );
 }
+
+#[test]
+fn recorded_contacts_are_compared_by_place_and_time() {
+    let folder = Folder::new("diff-contacts");
+    let path = |name: &str| folder.path(name).display().to_string();
+    let (a, b) = (path("a.csv"), path("b.csv"));
+    good(&["run", "sphere-along", "--quiet", "--record", &a]);
+    assert_eq!(hil(&["diff", &a, &a]).out, "contacts: no difference\n");
+    good(&[
+        "run",
+        "sphere-along",
+        "--quiet",
+        "--seed",
+        "2",
+        "--record",
+        &b,
+    ]);
+    let said = hil(&["diff", &a, &b]);
+    assert_eq!(said.status, Some(1));
+    assert!(
+        said.out.contains("contact 0/1 elsewhere in "),
+        "{}",
+        said.out
+    );
+    let snap = folder.write("a.snap", GOLDEN).display().to_string();
+    refused_with(
+        &["diff", &a, &snap],
+        &["expected a contact recording", "found a schedule"],
+    );
+    let cut = folder.write("cut.csv", &folder.text("a.csv")[..200]);
+    refused_with(
+        &["diff", &a, &cut.display().to_string()],
+        &["cut.csv:", ": expected a contact"],
+    );
+}

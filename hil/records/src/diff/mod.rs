@@ -6,6 +6,7 @@
 mod align;
 mod edges;
 mod golden;
+mod recording;
 mod schedule;
 mod sections;
 mod story;
@@ -15,6 +16,7 @@ mod words;
 use crate::trace::Source;
 pub use align::{Alignment, align};
 use golden::thousandths;
+pub use recording::{Recording, compare_recordings};
 pub use story::{Damage, Figure, Item, Kind, Moment, Output, Stay, Story};
 use tables::{digests, figures, heads, moments, rows};
 
@@ -75,14 +77,17 @@ impl Difference {
 pub struct Tolerance {
     /// Edges this far apart are in the same place, microseconds.
     pub edge_us: u64,
+    /// Contacts this far apart are in the same place, micrometres.
+    pub place_um: u64,
     /// Measured values this far apart, in thousandths of the larger, are the same.
     pub permille: u16,
 }
 
 impl Tolerance {
-    /// The bands for hardware: two turns of the loop, 5 %.
+    /// The bands for hardware: two turns of the loop, half a millimetre, 5 %.
     pub const HARDWARE: Self = Self {
         edge_us: 2_000,
+        place_um: 500,
         permille: 50,
     };
 

@@ -36,7 +36,7 @@ fn methods() -> Vec<Method> {
         all.push(Method::Dop853(10_f64.powi(-exponent)));
     }
     for kind in [Kind::Bdf, Kind::Tsit45] {
-        for exponent in [3, 5, 7, 9] {
+        for exponent in [3, 5, 7, 9, 11] {
             all.push(Method::Diffsol(kind, 10_f64.powi(-exponent)));
         }
     }
