@@ -83,6 +83,12 @@ fn an_interface_goes_down_comes_up_is_renamed_and_unplugged() {
     reader.hears("vcan9");
     sh("ip link del vcan9");
     reader.told("vcan9: gone (unplugged?); waiting for it to come back");
+    reader.notes.clear();
+    vcan("vcan9");
+    reader.told("vcan9: up again");
+    reader.hears("vcan9");
+    sh("ip link del vcan9");
+    reader.told("vcan9: gone (unplugged?); waiting for it to come back");
     vcan("vcan9");
     reader.until("it comes back", |r| {
         r.notes.iter().filter(|n| n.contains("up again")).count() >= 2
