@@ -8,6 +8,7 @@ use std::fmt::Write;
 use std::time::Duration;
 
 use nix::sys::signal::{Signal, kill};
+use palpate_buses::guardian::Latch;
 use serde_json::Value;
 
 use super::emulator::Emulator;
@@ -149,7 +150,7 @@ fn unplug() -> Result<(), TooSlow> {
     let driver = "/sys/bus/hid/drivers/mcp2221";
     let device = sh(&format!("ls {driver} | grep -m1 04D8"));
     let mut delays = Vec::new();
-    let count = number_of("PALPATE_DEATHS", 20);
+    let (count, mut ends) = (number_of("PALPATE_DEATHS", 20), 0);
     for n in 0..count {
         ward.wait_for_outputs(true)?;
         std::thread::sleep(moments.below(Duration::from_millis(234)));
@@ -165,19 +166,28 @@ fn unplug() -> Result<(), TooSlow> {
             let off = ward.emulator.told[from..].last().map_or(0, at);
             delays.push(off.saturating_sub(back) as f64 * 1e-6);
         }
-        assert!(
-            run.child.try_wait().unwrap().is_none(),
-            "{n}: {}",
-            ward.said()
-        );
+        // A transfer that was under way hangs in the kernel's driver for 4 s; a run gives up after 3 s without
+        // its bus, and the guardian switches off.
+        if run.child.try_wait().unwrap().is_some() {
+            let (ended, said) = (run.end(), ward.said());
+            assert!(
+                ended.code() == Some(3) && said.contains("no answer from the adapter in time"),
+                "{n}: {ended}: {said}"
+            );
+            assert!(matches!(ward.fate(0), Fate::Off(_)), "{n}: {said}");
+            ward.latch().clear().unwrap();
+            ends += 1;
+            run = ward.run(&press, &[]);
+        }
     }
+    assert!(2 * ends <= count, "{ends} of {count} ended the run");
     kill(run.pid(), Signal::SIGINT).unwrap();
     let ended = run.end();
     assert!(ended.success(), "{ended}: {}", ward.said());
     assert!(matches!(ward.fate(0), Fate::Off(_)));
     delays.sort_by(f64::total_cmp);
     println!(
-        "unplugged: {count} times, {} with an output on; off {:.1} ms after it came back (median), {:.1} ms at worst",
+        "unplugged: {count} times, {} with an output on; off {:.1} ms after it came back (median), {:.1} ms at worst; {ends} in a transfer, which ended the run",
         delays.len(),
         delays.get(delays.len() / 2).unwrap_or(&f64::NAN),
         delays.last().unwrap_or(&f64::NAN)
@@ -268,6 +278,7 @@ fn two_adapters() -> Result<(), TooSlow> {
     let press = scene("press.toml");
     vcan("vcan1");
     let mut other = Emulator::start(&["--await-start", "--scene", &press, "--can", "vcan1"]);
+    Latch::of(other.node.as_ref()).clear().unwrap();
     let mut ward = Ward::open(&press, &[]);
     let bench = std::fs::read_to_string(ward.bench()).unwrap();
     let node = format!("\"{}\"", ward.emulator.node);
@@ -284,9 +295,7 @@ fn two_adapters() -> Result<(), TooSlow> {
     assert!(matches!(ward.fate(0), Fate::Off(_)), "first bus");
     assert!(matches!(fate(&mut other, 0), Fate::Off(_)), "second bus");
     ward.latch().clear().unwrap();
-    palpate_buses::guardian::Latch::of(other.node.as_ref())
-        .clear()
-        .unwrap();
+    Latch::of(other.node.as_ref()).clear().unwrap();
     let pulses = |record: &Value| {
         let wires = record["wires"].as_array().unwrap();
         wires
