@@ -6,6 +6,7 @@
 
 pub mod compression;
 pub mod emulators;
+pub mod guard;
 pub mod illusion;
 pub mod page;
 mod peers;

@@ -220,6 +220,7 @@ fn on_the_wire(board: u8, counts: &[[u16; 3]]) -> Option<Vec<CanFrame>> {
 pub fn measure() -> Result<Findings, Failure> {
     let mut findings = Findings::default();
     frames(&mut findings)?;
+    super::guard::measure(&mut findings)?;
     felt(&mut findings)?;
     Ok(findings)
 }
