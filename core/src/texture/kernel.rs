@@ -1,7 +1,7 @@
 //! The loops that take the time: projections of inputs and steps of states, for a few columns at once.
 //!
-//! A column is a window (or a sample of one). A vector holds units of a block; a tile is one block for up to four
-//! columns, twelve sums in registers. Every sum is one chain: bias, then the inputs in order, then the state's
+//! A column is a window (or a sample of one). A vector holds units of a block; a tile is one block for up to three
+//! columns, nine sums in registers (with four, compilers run out of them). Every sum is one chain: bias, then the inputs in order, then the state's
 //! units in order, each a fused multiply-add. So a column's result does not depend on its neighbours.
 
 use pulp::{Simd, as_arrays};
@@ -115,7 +115,7 @@ pub(super) fn project<S: Simd>(
             }
             match columns - first {
                 1 => tile!(1),
-                2 => tile!(2),
+                2 | 4 => tile!(2),
                 _ => tile!(3),
             }
         }
@@ -182,7 +182,7 @@ pub(super) fn step<S: Simd>(
             }
             match columns - first {
                 1 => tile!(1),
-                2 => tile!(2),
+                2 | 4 => tile!(2),
                 _ => tile!(3),
             }
         }

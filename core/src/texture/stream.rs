@@ -51,7 +51,7 @@ impl Ends {
 }
 
 /// Columns that go through all layers together: their states stay in the nearest caches.
-const GROUP: usize = 52;
+const GROUP: usize = 51;
 
 /// Windows in flight of one or more modules that are sampled together.
 #[derive(Clone, Debug)]
