@@ -42,10 +42,28 @@ pub enum About<'a> {
 const FLUSH_US: u64 = 500_000;
 
 enum Form {
-    /// Whole lines, each piece in one write: a death in between leaves no half of one.
-    Lines(Kind, Vec<String>, File),
+    Lines(Kind, Vec<String>, Lines),
     Mcap(Box<Recording<BufWriter<File>>>),
     Vcd(Box<Vcd<BufWriter<File>>>),
+}
+
+/// Whole lines, each piece in one write: a death in between leaves no half of one, and neither does a full disk.
+struct Lines {
+    file: File,
+    /// Bytes in whole pieces.
+    length: u64,
+}
+
+impl Lines {
+    fn append(&mut self, text: &[u8]) -> io::Result<()> {
+        let written = self.file.write_all(text);
+        match written {
+            Ok(()) => self.length += text.len() as u64,
+            // What of this piece still fitted goes again; a pipe has no length, and no disk.
+            Err(_) => drop(self.file.set_len(self.length)),
+        }
+        written
+    }
 }
 
 /// A file that grows.
@@ -112,13 +130,13 @@ impl Sink {
                     Kind::Schedule => schedule::write_header(header, &mut first),
                     _ => Ok(()),
                 };
-                let mut file = file;
-                rendered
-                    .and_then(|()| file.write_all(&first))
-                    .map_err(told)?;
-                Form::Lines(kind, Vec::new(), file)
+                let mut lines = Lines { file, length: 0 };
+                rendered.and_then(|()| lines.append(&first)).map_err(told)?;
+                Form::Lines(kind, Vec::new(), lines)
             }
-            (Kind::Can, About::Buses(interfaces)) => Form::Lines(kind, interfaces.to_vec(), file),
+            (Kind::Can, About::Buses(interfaces)) => {
+                Form::Lines(kind, interfaces.to_vec(), Lines { file, length: 0 })
+            }
             (_, About::Buses(_)) => {
                 return Err(Failure::Input(format!(
                     "{}: expected .log or .mcap for a recording of buses",
@@ -152,14 +170,14 @@ impl Sink {
             self.flushed_us = self.now_us;
         }
         match &mut self.form {
-            Form::Lines(kind, interfaces, file) => {
+            Form::Lines(kind, interfaces, lines) => {
                 let mut text = Vec::new();
                 match kind {
                     Kind::Contacts => contacts_csv::write_rows(&piece.events, &mut text)?,
                     Kind::Schedule => schedule::write_records(&piece.events, &mut text)?,
                     _ => write_can_log(&piece.frames, interfaces, &mut text)?,
                 }
-                file.write_all(&text)
+                lines.append(&text)
             }
             Form::Mcap(recording) => {
                 let traffic = Traffic {

@@ -8,11 +8,12 @@ use std::fmt::Write;
 use std::time::Duration;
 
 use nix::sys::signal::{Signal, kill};
+use palpate_buses::guardian::Latch;
 use serde_json::Value;
 
 use super::emulator::Emulator;
 use super::tools::{hil, in_lab, number_of, scene, scratch, sh, text, try_sh, vcan};
-use super::ward::{Fate, Moments, Stalls, TooSlow, Ward, fate, now_ns, patiently};
+use super::ward::{Fate, Moments, TooSlow, Ward, fate, now_ns, patiently};
 
 /// Outputs are cut within this from the first transfer that fails; bursts come every 58.5 ms and last 35 ms.
 const LIMIT_NS: u64 = 100_000_000;
@@ -68,7 +69,6 @@ fn a_bus_that_fails_has_its_outputs_cut_by_oe_and_comes_back() {
 fn bus_fails() -> Result<(), TooSlow> {
     let count = number_of("PALPATE_DEATHS", 20);
     let faults = scene_with_faults(count, &mut Moments(3));
-    let stalls = Stalls::watch();
     let mut ward = Ward::open(&faults, &["--oe"]);
     let mut run = ward.run(&scene("press.toml"), &[]);
     let started = now_ns();
@@ -104,9 +104,8 @@ fn bus_fails() -> Result<(), TooSlow> {
         let within = |t: &&Value| at(t) > at(fault) && at(t) < over;
         let last = told.iter().filter(within).filter(is_high).map(at).max();
         let delay = last.map_or(0, |last| last - at(fault));
-        let stall = stalls.between(at(fault), at(fault) + delay);
         assert!(
-            delay - stall <= LIMIT_NS,
+            delay <= LIMIT_NS,
             "{fault}: driven {} ms later",
             delay / 1_000_000
         );
@@ -151,7 +150,7 @@ fn unplug() -> Result<(), TooSlow> {
     let driver = "/sys/bus/hid/drivers/mcp2221";
     let device = sh(&format!("ls {driver} | grep -m1 04D8"));
     let mut delays = Vec::new();
-    let count = number_of("PALPATE_DEATHS", 20);
+    let (count, mut ends) = (number_of("PALPATE_DEATHS", 20), 0);
     for n in 0..count {
         ward.wait_for_outputs(true)?;
         std::thread::sleep(moments.below(Duration::from_millis(234)));
@@ -167,19 +166,28 @@ fn unplug() -> Result<(), TooSlow> {
             let off = ward.emulator.told[from..].last().map_or(0, at);
             delays.push(off.saturating_sub(back) as f64 * 1e-6);
         }
-        assert!(
-            run.child.try_wait().unwrap().is_none(),
-            "{n}: {}",
-            ward.said()
-        );
+        // A transfer that was under way hangs in the kernel's driver for 4 s; a run gives up after 3 s without
+        // its bus, and the guardian switches off.
+        if run.child.try_wait().unwrap().is_some() {
+            let (ended, said) = (run.end(), ward.said());
+            assert!(
+                ended.code() == Some(3) && said.contains("no answer from the adapter in time"),
+                "{n}: {ended}: {said}"
+            );
+            assert!(matches!(ward.fate(0), Fate::Off(_)), "{n}: {said}");
+            ward.latch().clear().unwrap();
+            ends += 1;
+            run = ward.run(&press, &[]);
+        }
     }
+    assert!(2 * ends <= count, "{ends} of {count} ended the run");
     kill(run.pid(), Signal::SIGINT).unwrap();
     let ended = run.end();
     assert!(ended.success(), "{ended}: {}", ward.said());
     assert!(matches!(ward.fate(0), Fate::Off(_)));
     delays.sort_by(f64::total_cmp);
     println!(
-        "unplugged: {count} times, {} with an output on; off {:.1} ms after it came back (median), {:.1} ms at worst",
+        "unplugged: {count} times, {} with an output on; off {:.1} ms after it came back (median), {:.1} ms at worst; {ends} in a transfer, which ended the run",
         delays.len(),
         delays.get(delays.len() / 2).unwrap_or(&f64::NAN),
         delays.last().unwrap_or(&f64::NAN)
@@ -270,6 +278,7 @@ fn two_adapters() -> Result<(), TooSlow> {
     let press = scene("press.toml");
     vcan("vcan1");
     let mut other = Emulator::start(&["--await-start", "--scene", &press, "--can", "vcan1"]);
+    Latch::of(other.node.as_ref()).clear().unwrap();
     let mut ward = Ward::open(&press, &[]);
     let bench = std::fs::read_to_string(ward.bench()).unwrap();
     let node = format!("\"{}\"", ward.emulator.node);
@@ -286,9 +295,7 @@ fn two_adapters() -> Result<(), TooSlow> {
     assert!(matches!(ward.fate(0), Fate::Off(_)), "first bus");
     assert!(matches!(fate(&mut other, 0), Fate::Off(_)), "second bus");
     ward.latch().clear().unwrap();
-    palpate_buses::guardian::Latch::of(other.node.as_ref())
-        .clear()
-        .unwrap();
+    Latch::of(other.node.as_ref()).clear().unwrap();
     let pulses = |record: &Value| {
         let wires = record["wires"].as_array().unwrap();
         wires

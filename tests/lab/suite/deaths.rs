@@ -1,7 +1,7 @@
 //! Runs that die while wires are driven, and what the emulated chip says of it: nothing may stay on.
 //!
 //! Every death falls at a random moment. The delay is the emulator's: from the moment before the blow to its
-//! `all_off`, in the lab's own time. `PALPATE_DEATHS` says how many of each kind (default 20), `PALPATE_DEATH`
+//! `all_off`, in the lab's own time, which does not pass while its host does something else. `PALPATE_DEATHS` says how many of each kind (default 20), `PALPATE_DEATH`
 //! chooses one kind or `others` than SIGKILL, `PALPATE_SEED` moves the moments.
 
 // These tests live in the lab's own time.
@@ -18,16 +18,16 @@ use nix::unistd::Pid;
 use palpate_records::candump;
 
 use super::tools::{hil, in_lab, number_of, scene, scratch, sh, text, try_sh};
-use super::ward::{Fate, Moments, Run, Stalls, Ward, now_ns};
+use super::ward::{Fate, HEARTBEAT_MS, Moments, Run, Ward, now_ns};
 
 /// Bursts come every 58.5 ms; a blow falls anywhere in the first four.
 const WITHIN: Duration = Duration::from_millis(234);
 /// Off within this from the death on.
 const LIMIT_MS: f64 = 100.0;
-/// What the lab's bench gives a loop that says nothing; a real one gives it 60 ms.
-const HEARTBEAT_MS: f64 = 400.0;
-/// Longer than a late turn may be, shorter than the heartbeat's limit.
+/// Longer than a late turn may be.
 const LATE: Duration = Duration::from_millis(200);
+/// What a guardian waits for in that test, so that the guard itself gets its turn; else as any bench's.
+const PATIENT_MS: u64 = 400;
 
 /// A way to die.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,7 +84,7 @@ impl Death {
                 kill(run.pid(), Signal::SIGSTOP).unwrap();
                 std::thread::sleep(LATE);
                 kill(run.pid(), Signal::SIGCONT).unwrap();
-                // Until then nobody could have done anything but the guardian, who is told to be patient here.
+                // Until then nobody could have done anything but the guardian, who is patient here.
                 return now_ns();
             }
             Self::FullDisk => {
@@ -102,8 +102,7 @@ impl Death {
     /// Milliseconds until everything has to be off.
     fn limit_ms(self) -> f64 {
         match self {
-            Self::By(Signal::SIGSTOP) | Self::Hang => HEARTBEAT_MS + LIMIT_MS,
-            // The watchdog's own 100 ms include the switching; a full disk is found by the next write.
+            // A full disk is found by the next write.
             Self::FullDisk => 3.0 * LIMIT_MS,
             _ => LIMIT_MS,
         }
@@ -136,7 +135,9 @@ impl Death {
                 assert_eq!(cause, Some("the run died without a word"), "{self:?}");
             }
             // Between two bursts there is nothing to stop.
-            Self::LateTurn if cause.is_none() => assert_eq!(code, Some(0), "{self:?}: {fate:?}"),
+            Self::Silence | Self::LateTurn if cause.is_none() => {
+                assert_eq!(code, Some(0), "{self:?}: {fate:?}");
+            }
             Self::Silence | Self::LateTurn => {
                 assert_eq!(code, Some(4), "{self:?}");
                 let cause = cause.unwrap();
@@ -193,7 +194,6 @@ fn no_death_leaves_an_output_on() {
         number_of("PALPATE_SEED", 1),
     );
     let mut moments = Moments(seed);
-    let stalls = Stalls::watch();
     let press = scene("press.toml");
     let mut ward = Ward::open(&press, &[]);
     let disk = scratch("disk");
@@ -207,8 +207,12 @@ fn no_death_leaves_an_output_on() {
     for death in chosen() {
         let began = now_ns();
         let mut delays = Vec::new();
-        let mut worst_stall = 0.0_f64;
-        let (mut n, mut void) = (0, 0);
+        let (mut n, mut void, mut latched) = (0, 0, 0);
+        ward.set_heartbeat(if death == Death::LateTurn {
+            PATIENT_MS
+        } else {
+            HEARTBEAT_MS
+        });
         while n < count {
             let mut run = ward.run(&press, &["--record", &file.display().to_string()]);
             std::thread::sleep(moments.below(WITHIN));
@@ -227,8 +231,10 @@ fn no_death_leaves_an_output_on() {
             }
             // A guard that had stopped the run before the blow, for a machine too slow: no death to count.
             let held = ward.latch().read();
-            let early = held.filter(|held| held.cause.starts_with("late-tick"));
-            if stopped.is_some() || !death.lives() && early.is_some() {
+            let is_late = held
+                .as_ref()
+                .is_some_and(|h| h.cause.starts_with("late-tick"));
+            if stopped.is_some() || !death.lives() && is_late {
                 ward.latch().clear().unwrap();
                 void += 1;
                 assert!(
@@ -238,27 +244,35 @@ fn no_death_leaves_an_output_on() {
                 continue;
             }
             n += 1;
-            if let Fate::Off(Some(ns)) = fate {
+            // A run that went on after a late turn between two bursts ends its next ones in its own time.
+            let went_on = death == Death::LateTurn && held.is_none();
+            if let Fate::Off(Some(ns)) = fate
+                && !went_on
+            {
                 let ms = ns as f64 * 1e-6;
-                let stall = stalls.between(struck, struck + ns) as f64 * 1e-6;
-                worst_stall = worst_stall.max(stall);
-                if ms - stall > death.limit_ms() {
-                    late.push(format!(
-                        "{death:?}: {ms:.1} ms, {stall:.1} ms of it stood still"
-                    ));
+                if ms > death.limit_ms() {
+                    late.push(format!("{death:?}: {ms:.1} ms"));
                 }
                 delays.push(ms);
             }
             death.check(&ward, ended.code(), ended.signal(), fate);
+            latched += u64::from(held.is_some());
             ward.latch().clear().unwrap();
             // What was recorded until then opens.
             let log = std::fs::read_to_string(&file).unwrap();
             let frames = candump::read(&log).unwrap().frames;
-            assert!(frames.len() > 100 && log.ends_with('\n'), "{death:?}");
+            assert!(
+                frames.len() > 100 && log.ends_with('\n'),
+                "{death:?}: {} frames, {} bytes",
+                frames.len(),
+                log.len()
+            );
         }
+        // Some blows fall into a burst, and those stop the run.
+        assert!(!death.lives() || count < 10 || latched > 0, "{death:?}");
         delays.sort_by(f64::total_cmp);
         println!(
-            "{death:?}: {count} deaths, {} with an output on: off {:.1} ms after (median), {:.1} ms at worst (of which a processor stood still for {worst_stall:.1} ms at most); {void} void, {:.1} s each",
+            "{death:?}: {count} deaths, {} with an output on: off {:.1} ms after (median), {:.1} ms at worst; {void} void, {:.1} s each",
             delays.len(),
             delays.get(delays.len() / 2).unwrap_or(&f64::NAN),
             delays.last().unwrap_or(&f64::NAN),

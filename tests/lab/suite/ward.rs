@@ -6,17 +6,14 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use embedded_hal::i2c::I2c;
 use linux_embedded_hal::I2cdev;
-use nix::sched::{CpuSet, sched_setaffinity};
 use nix::time::{ClockId, clock_gettime};
 use nix::unistd::Pid;
 use palpate_buses::can::Endpoint;
 use palpate_buses::guardian::Latch;
-use palpate_buses::sys::set_fifo_priority;
 use palpate_core::wire::can::CanFrame;
 
 use super::emulator::Emulator;
@@ -24,6 +21,9 @@ use super::tools::{hil, scene, scratch};
 
 /// Time in which whatever is still driven shows itself: two periods of the chip and a turn of the emulator.
 const QUIET: Duration = Duration::from_millis(60);
+
+/// The heartbeat's limit of the suite's bench, and of every bench that does not say it.
+pub const HEARTBEAT_MS: u64 = 60;
 
 /// The clock of the emulator's events.
 pub fn now_ns() -> u64 {
@@ -42,48 +42,6 @@ impl Moments {
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1);
         Duration::from_micros((self.0 >> 33) % limit.as_micros() as u64)
-    }
-}
-
-/// Times at which a processor of this machine did not get to run, by the word of a thread on each that wants to
-/// every 2 ms and before all others: an emulated one stands still while its host has something else to do.
-pub struct Stalls(Arc<Mutex<Vec<(u64, u64)>>>);
-
-impl Stalls {
-    pub fn watch() -> Self {
-        let seen: Arc<Mutex<Vec<(u64, u64)>>> = Arc::default();
-        let processors = std::thread::available_parallelism().unwrap().get();
-        for processor in 0..processors {
-            let noted = Arc::downgrade(&seen);
-            std::thread::spawn(move || {
-                let mut only = CpuSet::new();
-                only.set(processor).unwrap();
-                sched_setaffinity(Pid::from_raw(0), &only).unwrap();
-                let _ = set_fifo_priority(80);
-                while let Some(seen) = noted.upgrade() {
-                    let before = now_ns();
-                    std::thread::sleep(Duration::from_millis(2));
-                    let after = now_ns();
-                    if after - before > 5_000_000 {
-                        seen.lock().unwrap().push((before + 2_000_000, after));
-                    }
-                }
-            });
-        }
-        Self(seen)
-    }
-
-    /// Nanoseconds between two times in which a processor stood still.
-    pub fn between(&self, from: u64, to: u64) -> u64 {
-        let mut stalls = self.0.lock().unwrap().clone();
-        stalls.sort_unstable();
-        let (mut sum, mut counted) = (0, from);
-        for (begin, end) in stalls {
-            let (begin, end) = (begin.max(counted), end.min(to));
-            sum += end.saturating_sub(begin);
-            counted = counted.max(end);
-        }
-        sum
     }
 }
 
@@ -150,6 +108,15 @@ impl Ward {
         this.latch().clear().unwrap();
         this.stop_boards();
         this
+    }
+
+    /// Has the guardian of the next run wait so long for a heartbeat.
+    pub fn set_heartbeat(&self, ms: u64) {
+        let text = std::fs::read_to_string(&self.bench).unwrap();
+        let says = |line: &str| line.starts_with("heartbeat_ms");
+        let line = format!("heartbeat_ms = {ms}");
+        let lines = text.lines().map(|l| if says(l) { &line } else { l });
+        std::fs::write(&self.bench, lines.collect::<Vec<_>>().join("\n")).unwrap();
     }
 
     pub fn latch(&self) -> Latch {

@@ -150,7 +150,7 @@ impl Interface {
                     self.send(fd.get_ref());
                 }
                 _ = tokio::time::sleep(RETRY), if !self.outbox.is_empty() => self.send(fd.get_ref()),
-                _ = round.tick() => self.look(),
+                _ = round.tick() => if !self.look() { return Some(()) },
             }
         }
     }
@@ -249,14 +249,18 @@ impl Interface {
         }
     }
 
-    /// Looks at the interface: down, up, renamed, gone, or bus-off with nobody to restart it.
-    fn look(&mut self) {
+    /// Looks at the interface: down, up, renamed, gone (`false`), or bus-off with nobody to restart it.
+    fn look(&mut self) -> bool {
         let Some(index) = self.index else {
-            return;
+            return true;
         };
-        let name = if_indextoname(index).ok();
-        let Some(name) = name.and_then(|n| n.into_string().ok()) else {
-            return; // gone: the socket says so itself
+        let name = if_indextoname(index)
+            .ok()
+            .and_then(|n| n.into_string().ok());
+        // One that is being taken away may have lost its name already, and its socket says nothing any more.
+        let Some(name) = name.filter(|name| !name.is_empty()) else {
+            self.set_link(Link::Gone);
+            return false;
         };
         if name != self.name {
             self.note(format!("renamed to {name}, goes on"));
@@ -271,6 +275,7 @@ impl Interface {
         if self.bus_off && link == Link::Up {
             self.restart();
         }
+        true
     }
 
     /// Restarts a controller that the kernel will not restart by itself.

@@ -6,6 +6,8 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock, Weak};
+use std::time::Duration;
 
 use nix::libc;
 
@@ -14,6 +16,8 @@ use super::mcp2221::REPORT;
 /// Size of `struct uhid_event`.
 const EVENT: usize = 4380;
 const DATA_MAX: usize = 4096;
+/// Pause between two looks for the kernel's own account of the bridge.
+const LOOK: Duration = Duration::from_millis(5);
 
 const DESTROY: u32 = 1;
 const OUTPUT: u32 = 6;
@@ -111,7 +115,8 @@ fn create(unique: &str) -> Vec<u8> {
 #[derive(Debug)]
 pub struct Uhid {
     file: File,
-    unique: String,
+    /// The bridge in sysfs, once the driver has taken it.
+    device: Arc<OnceLock<PathBuf>>,
     buffer: Vec<u8>,
 }
 
@@ -129,11 +134,16 @@ impl Uhid {
         let unique = format!("palpate-{}", std::process::id());
         let mut this = Self {
             file,
-            unique,
+            device: Arc::default(),
             buffer: vec![0; EVENT],
         };
-        let create = create(&this.unique);
-        this.file.write_all(&create)?;
+        this.file.write_all(&create(&unique))?;
+        // A thread of its own: sysfs tells whose device it is only when the driver is done with it, and the driver
+        // waits for this bridge's answers.
+        let found = Arc::downgrade(&this.device);
+        std::thread::Builder::new()
+            .name("bridge".into())
+            .spawn(move || search(&unique, &found))?;
         Ok(this)
     }
 
@@ -188,17 +198,29 @@ impl Uhid {
 
     /// What the kernel made of this bridge, by the beginning of its name.
     fn made(&self, prefix: &str) -> Option<PathBuf> {
-        let devices = std::fs::read_dir("/sys/devices/virtual/misc/uhid").ok()?;
-        let ours = format!("HID_UNIQ={}", self.unique);
-        let device = devices.flatten().map(|d| d.path()).find(|path| {
-            let about = std::fs::read_to_string(path.join("uevent"));
-            about.is_ok_and(|text| text.lines().any(|line| line == ours))
-        })?;
-        let entries = std::fs::read_dir(device).ok()?.flatten();
+        let entries = std::fs::read_dir(self.device.get()?).ok()?.flatten();
         let names = entries.map(|e| e.file_name().to_string_lossy().into_owned());
         let name = names.into_iter().find(|n| n.starts_with(prefix))?;
         let node = Path::new("/dev").join(name);
         node.exists().then_some(node)
+    }
+}
+
+/// Looks for the bridge of this name until it is there or nobody wants to know any more.
+fn search(unique: &str, found: &Weak<OnceLock<PathBuf>>) {
+    let ours = format!("HID_UNIQ={unique}");
+    let is_ours = |device: &PathBuf| {
+        let about = std::fs::read_to_string(device.join("uevent"));
+        about.is_ok_and(|text| text.lines().any(|line| line == ours))
+    };
+    while let Some(found) = found.upgrade() {
+        let devices = std::fs::read_dir("/sys/devices/virtual/misc/uhid");
+        let mut devices = devices.into_iter().flatten().flatten().map(|d| d.path());
+        if let Some(device) = devices.find(is_ours) {
+            let _ = found.set(device);
+            return;
+        }
+        std::thread::sleep(LOOK);
     }
 }
 
