@@ -22,6 +22,7 @@ pub mod projector;
 pub mod random;
 pub mod schedule;
 pub mod skin;
+pub mod texture;
 pub mod units;
 pub mod vector;
 pub mod wire;

@@ -27,6 +27,12 @@ impl Vectors {
         self.0.dispatch(work)
     }
 
+    /// Runs a kernel that is written for vectors of any width. Order and rounding are the kernel's own affair.
+    #[inline(always)]
+    pub(crate) fn dispatch<W: WithSimd>(self, kernel: W) -> W::Output {
+        self.0.dispatch(kernel)
+    }
+
     /// Square roots in place. They are exact by IEEE 754, so every width gives the same; `libm`'s would come one
     /// at a time.
     pub fn sqrt(self, values: &mut [f32]) {

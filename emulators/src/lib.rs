@@ -17,6 +17,7 @@ pub mod perceiver;
 pub mod rig;
 pub mod skin;
 pub mod solver;
+pub mod surface;
 pub mod time;
 pub mod touching;
 pub mod wire;

@@ -1,12 +1,14 @@
 //! The command line.
 
 mod compare;
+mod texture;
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use compare::{DiffArgs, ReviewAction, ReviewArgs, TestArgs};
 use palpate_buses::guardian::{parse_bus, parse_line};
+pub use texture::{EncodeArgs, ExportArgs, TextureAction, WeightsArg};
 
 /// Tactile feedback, hardware in the loop: from touched skin to heated wires.
 #[derive(Debug, Parser)]
@@ -114,6 +116,9 @@ pub enum Command {
     Review(ReviewArgs),
     /// Every scene with expectations as a trial on a bench (default: emulated); exit status 1 where one fails.
     Test(TestArgs),
+    /// The texture encoder: latent vectors of recordings, and the model for other programs.
+    #[command(subcommand)]
+    Texture(TextureAction),
     /// What this machine can do, what is missing, and what to type to get it.
     Doctor(DoctorArgs),
     /// Switch everything off on a bench, from any state, and say what was seen.

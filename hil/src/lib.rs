@@ -16,5 +16,6 @@ pub mod plan;
 pub mod record;
 pub mod review;
 pub mod run;
+pub mod texture;
 pub mod trial;
 pub mod watch;

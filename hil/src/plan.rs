@@ -319,6 +319,10 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
                 exponent: scene.compression.weight_exponent as f32,
                 levels,
                 seed,
+                max_iterations: scene
+                    .compression
+                    .iterations
+                    .unwrap_or(Settings::default().max_iterations),
                 ..Settings::default()
             },
             health: HealthSettings::default(),

@@ -21,6 +21,8 @@ mod review;
 mod run;
 #[path = "cli/test.rs"]
 mod test;
+#[path = "cli/texture.rs"]
+mod texture;
 
 use std::ffi::OsStr;
 use std::fs;

@@ -1,6 +1,6 @@
 //! The PCA9685 driver's bytes on the wire, against embedded-hal's own mock.
 
-use embedded_hal::i2c::{ErrorKind, NoAcknowledgeSource};
+use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, NoAcknowledgeSource, Operation};
 use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
 use palpate_core::bus::Actuators;
 use palpate_core::driver::{DriverError, Pca9685Bank};
@@ -8,6 +8,7 @@ use palpate_core::guard::{Guard, HARD, Plant};
 use palpate_core::illusion::Wire;
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Channel, Instant, Milliamps, Point, Prescale, Ticks};
+use proptest::prelude::*;
 
 const PRE: Prescale = Prescale::new(30);
 
@@ -33,6 +34,101 @@ fn stimulus(wire: u16, width: u16, at_us: u64) -> Stimulus {
         peak: Milliamps(1970),
         at: Instant::from_micros(at_us),
         until: Instant::from_micros(at_us + 35_000),
+    }
+}
+
+/// The registers of one chip that counts addresses up within a write, and says no to some writes half way.
+struct Registers {
+    bytes: [u8; 256],
+    refuse: u32,
+    writes: u32,
+}
+
+impl ErrorType for Registers {
+    type Error = ErrorKind;
+}
+
+impl I2c for Registers {
+    fn transaction(
+        &mut self,
+        _address: u8,
+        operations: &mut [Operation<'_>],
+    ) -> Result<(), ErrorKind> {
+        for operation in operations {
+            let Operation::Write([register, data @ ..]) = operation else {
+                continue;
+            };
+            self.writes += 1;
+            let refused = self.refuse > 0 && self.writes % self.refuse == 0;
+            let taken = if refused { data.len() / 2 } else { data.len() };
+            for (n, byte) in data[..taken].iter().enumerate() {
+                let register = usize::from(*register) + n;
+                self.bytes[register] = *byte;
+                if register == 0xFD {
+                    (0..16).for_each(|c| self.bytes[9 + 4 * c] = *byte);
+                }
+            }
+            if refused {
+                return Err(ErrorKind::NoAcknowledge(NoAcknowledgeSource::Data));
+            }
+        }
+        Ok(())
+    }
+}
+
+proptest! {
+    /// What is left out because a register holds it already is not missed: after every update that arrived, the
+    /// chip does what writing every channel of every update would have it do.
+    #[test]
+    fn registers_left_out_hold_what_they_should(
+        ops in prop::collection::vec((0..80_000u64, 0..8u8, prop::collection::vec(0..160u16, 4)), 1..60),
+        refuse in prop::option::of(2..9u32),
+    ) {
+        let outputs = [(0, 0), (0, 3), (0, 4), (0, 15)];
+        let mut guard = guard(&outputs);
+        let mut bus = Registers { bytes: [0; 256], refuse: 0, writes: 0 };
+        (0..16).for_each(|c| bus.bytes[9 + 4 * c] = 0x10);
+        bus.refuse = refuse.unwrap_or(0);
+        let mut bank = Pca9685Bank::new(&mut bus, &[0x40], PRE);
+        // ON and OFF of every channel, `None` for off, and whether the last write arrived.
+        let mut wanted: [Option<(u16, u16)>; 16] = [None; 16];
+        let (mut at, mut known) = (0, [true; 16]);
+        for (dt, kind, widths) in ops {
+            at += dt;
+            let now = Instant::from_micros(at);
+            guard.hear(now);
+            let update = match kind {
+                0 => guard.release(now, Board(0)),
+                1 | 2 => guard.expire(now, Board(0)),
+                3 => {
+                    guard.all_off(now);
+                    if bank.all_off().is_ok() {
+                        (wanted, known) = ([None; 16], [true; 16]);
+                    } else {
+                        known = [false; 16];
+                    }
+                    continue;
+                }
+                _ => {
+                    let stimuli: Vec<_> = (0..4).map(|w| stimulus(w, widths[usize::from(w)] / 2, at)).collect();
+                    guard.admit(now, Board(0), &stimuli, |_| ())
+                }
+            };
+            let arrived = bank.apply(&update).is_ok();
+            for (channel, setting) in update.channels().iter().enumerate() {
+                if let Some(s) = setting {
+                    wanted[channel] = (s.off > s.on).then_some((s.on, s.off));
+                    // A torn write leaves what it was about unknown until it is asked for again.
+                    known[channel] = arrived;
+                }
+            }
+            for channel in (0..16).filter(|c| known[*c]) {
+                let bytes: [u8; 4] = bank.bus().bytes[6 + 4 * channel..][..4].try_into().unwrap();
+                let [on, off] = [[bytes[0], bytes[1]], [bytes[2], bytes[3]]].map(u16::from_le_bytes);
+                let does = (off & 0x1000 == 0).then_some((on, off));
+                prop_assert_eq!(does, wanted[channel], "channel {} at {} us", channel, at);
+            }
+        }
     }
 }
 

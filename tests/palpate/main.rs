@@ -20,4 +20,5 @@ mod pca9685;
 mod recordings;
 mod rules;
 mod scans;
+mod texture;
 mod tidy;

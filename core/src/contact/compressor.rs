@@ -81,6 +81,8 @@ pub struct Compressor {
     solver: LevelSolver,
     intensities: Vec<f32>,
     contacts: Vec<Contact>,
+    /// Whether every group would find the same once more.
+    settled: bool,
     work: Work,
 }
 
@@ -121,6 +123,7 @@ impl Compressor {
             solver: LevelSolver::new(if dynamic > 0 { k } else { 0 }, dynamic),
             intensities: Vec::with_capacity(k),
             contacts: Vec::with_capacity(all),
+            settled: groups.iter().all(|g| g.settled),
             work: Work::default(),
             groups,
             shared: Shared {
@@ -158,6 +161,7 @@ impl Compressor {
         }
         let shared = &self.shared;
         spread(&mut self.groups, &|group| group.locate(shared, frame));
+        self.settled = self.groups.iter().all(|g| g.settled);
         self.work.frames += 1;
         self.contacts.clear();
         for g in 0..self.groups.len() {
@@ -177,9 +181,8 @@ impl Compressor {
     /// Says that the frame compressed last has come again. Where that would give the same contacts once more, it
     /// is counted and `true`; else, because iteration stopped short of a fixed point, it has to be compressed.
     pub fn repeat(&mut self) -> bool {
-        let settled = self.groups.iter().all(|g| g.settled);
-        self.work.repeats += u64::from(settled);
-        settled
+        self.work.repeats += u64::from(self.settled);
+        self.settled
     }
 
     /// Identities of a scope's new places. `moved_freely`: their order says nothing about who they were.
@@ -232,6 +235,7 @@ impl Compressor {
     /// Forgets all contacts; identities go on.
     pub fn reset(&mut self) {
         self.groups.iter_mut().for_each(Group::forget);
+        self.settled = self.groups.iter().all(|g| g.settled);
         self.contacts.clear();
     }
 

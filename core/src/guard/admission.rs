@@ -1,7 +1,7 @@
 //! What the limits leave of one stimulus: pulse width, burst, supply, energy and heat, in this order.
 
 use crate::schedule::{Reason, Stimulus, stagger};
-use crate::units::{Board, Channel, Duration, Instant, Ticks};
+use crate::units::{Channel, Duration, Instant, Ticks};
 
 use super::limits::BURST_GAP;
 use super::plant::SWITCHING;
@@ -117,7 +117,7 @@ impl Guard {
         let off = until + self.plant.surplus();
         let wire = &mut self.wires[index];
         let booking = wire.skin.booking(at, off, latency);
-        let (joules, cause) = wire.skin.room(&self.budget, booking);
+        let (joules, cause) = wire.skin.room(&mut self.budget, booking);
         // The cast saturates: nothing left is zero.
         let heat_nj = (joules * 1e9) as u64;
         let rows = [
@@ -145,7 +145,7 @@ impl Guard {
         let booking = wire.skin.booking(at, off, latency);
         let predicted = wire
             .skin
-            .heat(&self.budget, booking, energy_nj as f64 * 1e-9);
+            .heat(&mut self.budget, booking, energy_nj as f64 * 1e-9);
         self.predicted.raise(&predicted);
     }
 
@@ -179,19 +179,22 @@ impl Guard {
                 self.wires[i].now.map(|now| now.setting)
             }
         };
-        let most_on = |board: Board| {
-            let on_board =
-                || (0..self.wires.len()).filter(move |&i| self.wires[i].place.0 == board);
-            let on_at = |tick: u16| {
-                let settings = on_board().filter_map(running);
-                settings.filter(|s| s.on <= tick && tick < s.off).count()
+        // By board, and boards are 0 ..= 15 by construction of a display.
+        let mut most = [0; 16];
+        for (i, wire) in self.wires.iter().enumerate() {
+            let Some(starts) = running(i) else {
+                continue;
             };
             // The number only grows where a pulse starts.
-            let starts = on_board().filter_map(running).map(|s| on_at(s.on));
-            starts.max().unwrap_or(0)
-        };
-        // Boards are 0 ..= 15 by construction of a display.
-        let most: usize = (0..16).map(|b| most_on(Board(b))).sum();
+            let board = wire.place.0;
+            let on_board = (0..self.wires.len()).filter(|&j| self.wires[j].place.0 == board);
+            let on = |s: &Setting| s.on <= starts.on && starts.on < s.off;
+            let count = on_board.filter_map(running).filter(on).count();
+            if let Some(most) = most.get_mut(usize::from(board.0)) {
+                *most = count.max(*most);
+            }
+        }
+        let most: usize = most.iter().sum();
         most as u64 * u64::from(self.plant.peak.0)
     }
 }

@@ -89,8 +89,18 @@ impl Plant {
         let on_us = n
             .saturating_mul(slowest)
             .max(span.saturating_add(span.div_ceil(n)));
-        let nanowatt = u128::from(self.peak.0).pow(2) * u128::from(self.wire_milliohm);
-        let nj = (nanowatt * u128::from(on_us) * u128::from(width)).div_ceil(4096 * 1_000_000);
+        const PER_NJ: u64 = 4096 * 1_000_000;
+        let current = u64::from(self.peak.0);
+        // At most 1e16 for a plausible plant; the rest overflows only beyond minutes.
+        let nanowatt = current * current * u64::from(self.wire_milliohm);
+        let short = nanowatt
+            .checked_mul(on_us)
+            .and_then(|x| x.checked_mul(u64::from(width)));
+        if let Some(short) = short {
+            return short.div_ceil(PER_NJ);
+        }
+        let long = u128::from(nanowatt) * u128::from(on_us) * u128::from(width);
+        let nj = long.div_ceil(u128::from(PER_NJ));
         nj.min(u128::from(u64::MAX / 4)) as u64
     }
 }

@@ -48,6 +48,8 @@ pub(super) struct Budget {
     dose: DoseLimits,
     /// Time integral of each decay of the shallow response until each of [`AHEAD`], K s/J.
     ahead: [Decays; AHEAD.len()],
+    stretches: Stretches,
+    response: Response,
 }
 
 /// What the guard knows of the skin under one wire.
@@ -107,7 +109,9 @@ impl Predicted {
 }
 
 /// What a stretch of time does to the decays.
+#[derive(Clone, Copy, Debug)]
 struct Stretch {
+    span: Duration,
     seconds: f64,
     /// Of energy from before: what is left of it.
     left: Decays,
@@ -130,6 +134,7 @@ impl Stretch {
             }
         }
         Self {
+            span,
             seconds,
             left,
             kept,
@@ -151,6 +156,56 @@ impl Stretch {
     }
 }
 
+/// The last few stretches: wires share them, and a steady cadence comes back to them.
+#[derive(Clone, Copy, Debug)]
+struct Stretches {
+    last: [Stretch; 4],
+    oldest: usize,
+}
+
+impl Stretches {
+    fn new() -> Self {
+        Self {
+            last: [Stretch::new(Duration::ZERO); 4],
+            oldest: 0,
+        }
+    }
+
+    fn of(&mut self, span: Duration) -> &Stretch {
+        let known = self.last.iter().position(|s| s.span == span);
+        let place = known.unwrap_or_else(|| {
+            let place = self.oldest;
+            self.oldest = (place + 1) % self.last.len();
+            self.last[place] = Stretch::new(span);
+            place
+        });
+        &self.last[place]
+    }
+}
+
+/// What a joule spread over a burst comes to, in the shapes that [`Skin::room`] asks for.
+#[derive(Clone, Copy, Debug)]
+struct Response {
+    stretch: Stretch,
+    /// At 0.1 mm and at 0.4 mm at its end, K/J.
+    shallow: f64,
+    deep: f64,
+    /// Time integral at 0.1 mm from its start until each of [`AHEAD`], K s/J.
+    integrals: [f64; AHEAD.len()],
+}
+
+impl Response {
+    fn new(stretch: &Stretch, ahead: &[Decays; AHEAD.len()]) -> Self {
+        let burst = stretch.integral(&[0.0; DECAYS], 1.0);
+        Self {
+            stretch: *stretch,
+            shallow: dot(&SHALLOW, &stretch.kept),
+            deep: dot(&DEEP, &stretch.kept),
+            integrals: core::array::from_fn(|n| burst + dot(&ahead[n], &stretch.kept)),
+        }
+    }
+}
+
 fn dot(a: &Decays, b: &Decays) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
@@ -162,6 +217,7 @@ impl Budget {
             let seconds = (bins * BIN_US) as f64 * 1e-6;
             core::array::from_fn(|k| SHALLOW[k] / RATES[k] * (1.0 - libm::exp(-RATES[k] * seconds)))
         };
+        let (mut stretches, ahead) = (Stretches::new(), AHEAD.map(integral));
         Self {
             peak_k: kelvin(limits.skin_peak_mc, LATENT_K[0]),
             mean_k: kelvin(limits.skin_mean_mc, LATENT_K[1]),
@@ -170,7 +226,9 @@ impl Budget {
                 omega: limits.dose_omega_ppm as f64 * 1e-6,
                 cem43_min: limits.dose_cem43_ms as f64 / 60_000.0,
             },
-            ahead: AHEAD.map(integral),
+            response: Response::new(stretches.of(Duration::ZERO), &ahead),
+            ahead,
+            stretches,
         }
     }
 }
@@ -199,44 +257,45 @@ impl Skin {
 
     /// Electrical energy, J, that a booking may bring until a limit is met, and which: not more than zero if
     /// one is met without it.
-    pub(super) fn room(&mut self, budget: &Budget, booking: Booking) -> (f64, Reason) {
-        self.relax(booking.from);
-        let stretch = Stretch::new(booking.until.since(booking.from));
-        let old = stretch.end(&self.energy, 0.0);
+    pub(super) fn room(&mut self, budget: &mut Budget, booking: Booking) -> (f64, Reason) {
+        self.relax(&mut budget.stretches, booking.from);
+        let span = booking.until.since(booking.from);
+        if budget.response.stretch.span != span {
+            budget.response = Response::new(budget.stretches.of(span), &budget.ahead);
+        }
+        let each = &budget.response;
+        let old = each.stretch.end(&self.energy, 0.0);
         let ceiling_k = self.dose.ceiling_c(&budget.dose) - REST_C - LATENT_K[0];
-        let (shallow, each) = (dot(&SHALLOW, &old), dot(&SHALLOW, &stretch.kept));
-        let mut room = ((budget.peak_k - shallow) / each, Reason::SkinPeak);
+        let shallow = dot(&SHALLOW, &old);
+        let mut room = ((budget.peak_k - shallow) / each.shallow, Reason::SkinPeak);
         let mut offer = |joules: f64, reason: Reason| {
             if joules < room.0 {
                 room = (joules, reason);
             }
         };
-        offer((ceiling_k - shallow) / each, Reason::Dose);
+        offer((ceiling_k - shallow) / each.shallow, Reason::Dose);
         let deep_room = budget.deep_k - dot(&DEEP, &old);
-        offer(deep_room / dot(&DEEP, &stretch.kept), Reason::SkinDeep);
+        offer(deep_room / each.deep, Reason::SkinDeep);
         let window_s = WINDOW.as_secs_f64();
-        let (so_far, burst) = (
-            stretch.integral(&self.energy, 0.0),
-            stretch.integral(&[0.0; DECAYS], 1.0),
-        );
-        for (past, ahead) in self.pasts(booking.until).zip(&budget.ahead) {
+        let so_far = each.stretch.integral(&self.energy, 0.0);
+        let pasts = self.pasts(booking.until);
+        for ((past, ahead), more) in pasts.iter().zip(&budget.ahead).zip(&each.integrals) {
             let spent = past + so_far + dot(ahead, &old);
-            let more = burst + dot(ahead, &stretch.kept);
             offer((budget.mean_k * window_s - spent) / more, Reason::SkinMean);
         }
         room
     }
 
     /// Books energy, J, and returns the most that is predicted from now on if nothing more comes.
-    pub(super) fn heat(&mut self, budget: &Budget, booking: Booking, joules: f64) -> Predicted {
-        self.relax(booking.from);
+    pub(super) fn heat(&mut self, budget: &mut Budget, booking: Booking, joules: f64) -> Predicted {
+        self.relax(&mut budget.stretches, booking.from);
         let all = booking.until.since(booking.from).as_secs_f64();
         while self.at < booking.until {
             let until = booking.until.min(self.bin_end());
             let part = until.since(self.at).as_secs_f64() / all;
-            self.step(until, joules * part);
+            self.step(&mut budget.stretches, until, joules * part);
         }
-        let means = self.pasts(self.at).zip(&budget.ahead);
+        let means = self.pasts(self.at).into_iter().zip(&budget.ahead);
         let most = means.map(|(past, ahead)| past + dot(ahead, &self.energy));
         let mean_k = most.fold(0.0, f64::max) / WINDOW.as_secs_f64();
         Predicted {
@@ -250,7 +309,7 @@ impl Skin {
 
     /// Lets time pass until `to` without heat. Before the last window nothing but energy and dose matters:
     /// there the steps grow.
-    fn relax(&mut self, to: Instant) {
+    fn relax(&mut self, stretches: &mut Stretches, to: Instant) {
         let recent = to - WINDOW - Duration::from_micros(BIN_US);
         let mut stride = BIN_US;
         if self.at < recent {
@@ -263,19 +322,19 @@ impl Skin {
             stride = stride.saturating_mul(2);
         }
         while self.at < to {
-            self.step(to.min(self.bin_end()), 0.0);
+            self.step(stretches, to.min(self.bin_end()), 0.0);
         }
     }
 
     /// A stretch within one bin.
-    fn step(&mut self, until: Instant, joules: f64) {
-        let stretch = Stretch::new(until.since(self.at));
+    fn step(&mut self, stretches: &mut Stretches, until: Instant, joules: f64) {
+        let stretch = stretches.of(until.since(self.at));
         let bin = self.at.as_micros() / BIN_US;
         if self.at.as_micros() == bin * BIN_US {
             self.bins[slot(bin)] = 0.0;
         }
         self.bins[slot(bin)] += stretch.integral(&self.energy, joules);
-        self.pass(&stretch, until, joules);
+        self.pass(stretch, until, joules);
     }
 
     fn pass(&mut self, stretch: &Stretch, until: Instant, joules: f64) {
@@ -295,15 +354,22 @@ impl Skin {
     }
 
     /// What bins hold of the windows that end between `until` and the first, the first and the second and so on
-    /// of [`AHEAD`] after it, K s.
-    fn pasts(&self, until: Instant) -> impl Iterator<Item = f64> {
-        let starts = [0].into_iter().chain(AHEAD);
-        starts.map(move |ahead| {
+    /// of [`AHEAD`] after it, K s. The later windows hold the fewer bins, and each is the start of the one before.
+    fn pasts(&self, until: Instant) -> [f64; AHEAD.len()] {
+        let mut pasts = [0.0; AHEAD.len()];
+        let mut bin = self.at.as_micros().div_ceil(BIN_US);
+        let mut sum = 0.0;
+        for (n, past) in pasts.iter_mut().enumerate().rev() {
+            let ahead = if n == 0 { 0 } else { AHEAD[n - 1] };
             let end = until + Duration::from_micros(ahead * BIN_US);
             let first = (end - WINDOW).as_micros() / BIN_US;
-            let begun = self.at.as_micros().div_ceil(BIN_US);
-            (first..begun).map(|bin| self.bins[slot(bin)]).sum()
-        })
+            while bin > first {
+                bin -= 1;
+                sum += self.bins[slot(bin)];
+            }
+            *past = sum;
+        }
+        pasts
     }
 }
 

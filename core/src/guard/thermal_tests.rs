@@ -68,7 +68,7 @@ fn booking(from: u64, until: u64) -> Booking {
 
 #[test]
 fn predictions_are_sums_over_history() {
-    let budget = Budget::new(&HARD);
+    let mut budget = Budget::new(&HARD);
     let (mut skin, mut history, mut at) = (Skin::new(), History::default(), 0);
     let mut s = Stream::new(1, "bookings");
     for round in 0..300 {
@@ -82,7 +82,7 @@ fn predictions_are_sums_over_history() {
         let until = from + 1 + s.next_u64() % 300_000;
         let joules = 1e-3 * s.uniform();
         history.0.push((from, until, joules));
-        let predicted = skin.heat(&budget, booking(from, until), joules);
+        let predicted = skin.heat(&mut budget, booking(from, until), joules);
         at = until;
         close(
             predicted.peak_c,
@@ -97,7 +97,7 @@ fn predictions_are_sums_over_history() {
 
 #[test]
 fn the_mean_is_the_windows_and_what_is_to_come() {
-    let budget = Budget::new(&HARD);
+    let mut budget = Budget::new(&HARD);
     for (bursts, pause) in [
         (1, 0),
         (3, 2_000_000),
@@ -111,7 +111,7 @@ fn the_mean_is_the_windows_and_what_is_to_come() {
             let from = at + pause;
             let until = from + 50_000;
             history.0.push((from, until, 5e-3));
-            predicted = skin.heat(&budget, booking(from, until), 5e-3);
+            predicted = skin.heat(&mut budget, booking(from, until), 5e-3);
             at = until;
         }
         // Windows end up to 10 s from now; between two looks the heat is the later one's, the past the earlier's.
@@ -161,7 +161,7 @@ fn the_room_leads_exactly_to_the_limit() {
         ),
     ];
     for (limits, reason) in cases {
-        let budget = Budget::new(&limits);
+        let mut budget = Budget::new(&limits);
         let mut skin = Skin::new();
         for (from, until) in [
             (10_000, 52_000),
@@ -169,20 +169,20 @@ fn the_room_leads_exactly_to_the_limit() {
             (9_000_000, 9_050_000),
             (40_000_000, 40_050_000),
         ] {
-            let (room, cause) = skin.room(&budget, booking(from, until));
+            let (room, cause) = skin.room(&mut budget, booking(from, until));
             assert!(cause == reason && room > 0.0, "{cause:?} {room}");
-            let reached = skin.clone().heat(&budget, booking(from, until), room);
+            let reached = skin.clone().heat(&mut budget, booking(from, until), room);
             let limit = |mc: u64| mc as f64 * 1e-3;
             match reason {
                 Reason::SkinPeak => close(reached.peak_c, limit(limits.skin_peak_mc)),
                 Reason::SkinDeep => close(reached.deep_c, limit(limits.skin_deep_mc)),
                 _ => close(reached.mean_c, limit(limits.skin_mean_mc)),
             }
-            skin.heat(&budget, booking(from, until), 0.6 * room);
+            skin.heat(&mut budget, booking(from, until), 0.6 * room);
         }
-        let (first, _) = skin.room(&budget, booking(40_060_000, 40_100_000));
-        skin.heat(&budget, booking(40_060_000, 40_100_000), 2.0 * first);
-        assert!(skin.room(&budget, booking(40_100_000, 40_142_000)).0 < 0.0);
+        let (first, _) = skin.room(&mut budget, booking(40_060_000, 40_100_000));
+        skin.heat(&mut budget, booking(40_060_000, 40_100_000), 2.0 * first);
+        assert!(skin.room(&mut budget, booking(40_100_000, 40_142_000)).0 < 0.0);
     }
 }
 
@@ -193,11 +193,11 @@ fn a_spent_dose_lowers_the_ceiling() {
         dose_cem43_ms: 10,
         ..HARD
     };
-    let budget = Budget::new(&limits);
+    let mut budget = Budget::new(&limits);
     let mut skin = Skin::new();
-    let (room, cause) = skin.room(&budget, booking(0, 42_000));
+    let (room, cause) = skin.room(&mut budget, booking(0, 42_000));
     assert_eq!(cause, Reason::Dose);
-    let reached = skin.heat(&budget, booking(0, 42_000), room);
+    let reached = skin.heat(&mut budget, booking(0, 42_000), room);
     // 10 ms in 60 s: 43 C less log4 of 6000.
     close(reached.peak_c, 43.0 - libm::log2(6000.0) / 2.0);
     assert!(reached.cem43_min > 0.0 && reached.omega > 0.0);
@@ -205,24 +205,26 @@ fn a_spent_dose_lowers_the_ceiling() {
         dose_omega_ppm: 1,
         ..HARD
     };
-    let budget = Budget::new(&omega);
+    let mut budget = Budget::new(&omega);
     let mut skin = Skin::new();
-    assert_eq!(skin.room(&budget, booking(0, 42_000)).1, Reason::Dose);
+    assert_eq!(skin.room(&mut budget, booking(0, 42_000)).1, Reason::Dose);
 }
 
 #[test]
 fn dose_adds_up_while_skin_cools() {
-    let budget = Budget::new(&HARD);
+    let mut budget = Budget::new(&HARD);
     let mut skin = Skin::new();
-    skin.heat(&budget, booking(0, 42_000), 15e-3);
-    let short = skin.clone().heat(&budget, booking(100_000, 100_001), 0.0);
+    skin.heat(&mut budget, booking(0, 42_000), 15e-3);
+    let short = skin
+        .clone()
+        .heat(&mut budget, booking(100_000, 100_001), 0.0);
     let long = skin
         .clone()
-        .heat(&budget, booking(60_000_000, 60_000_001), 0.0);
+        .heat(&mut budget, booking(60_000_000, 60_000_001), 0.0);
     assert!(long.omega > short.omega && long.cem43_min > short.cem43_min);
     // Rest alone: 2^-20 of a minute a minute, and a little for the latent allowance.
     let mut rest = Skin::new();
-    let hour = rest.heat(&budget, booking(3_600_000_000, 3_600_000_001), 0.0);
+    let hour = rest.heat(&mut budget, booking(3_600_000_000, 3_600_000_001), 0.0);
     let expected = 60.0 * libm::exp2(2.0 * (table::REST_C + table::LATENT_K[0] - 43.0));
     assert!(
         (hour.cem43_min / expected - 1.0).abs() < 1e-6,
@@ -233,14 +235,14 @@ fn dose_adds_up_while_skin_cools() {
 
 #[test]
 fn heat_is_booked_late_and_never_before_what_is_booked() {
-    let budget = Budget::new(&HARD);
+    let mut budget = Budget::new(&HARD);
     let latency = Duration::from_micros(12_000);
     let mut skin = Skin::new();
     assert_eq!(
         skin.booking(us(1_000), us(42_000), latency),
         booking(13_000, 54_000)
     );
-    skin.heat(&budget, booking(13_000, 54_000), 1e-3);
+    skin.heat(&mut budget, booking(13_000, 54_000), 1e-3);
     assert_eq!(
         skin.booking(us(50_000), us(60_000), latency),
         booking(62_000, 72_000)
@@ -280,13 +282,13 @@ fn the_most_of_two_predictions_is_taken_row_by_row() {
 
 #[test]
 fn the_end_of_time_is_no_trap() {
-    let budget = Budget::new(&HARD);
+    let mut budget = Budget::new(&HARD);
     let mut skin = Skin::new();
     let end = skin.booking(
         Instant::FAR_FUTURE,
         Instant::FAR_FUTURE,
         Duration::from_millis(12),
     );
-    assert!(skin.room(&budget, end).0.is_finite());
-    assert!(skin.heat(&budget, end, 1e-3).peak_c.is_finite());
+    assert!(skin.room(&mut budget, end).0.is_finite());
+    assert!(skin.heat(&mut budget, end, 1e-3).peak_c.is_finite());
 }

@@ -17,8 +17,8 @@ pub(super) struct Baseline {
     vectors: Vectors,
     /// The reference, split into whole counts and the rest: at 49,000 counts one `f32` is good to 0.002 counts
     /// only, while a difference of whole counts is exact.
-    whole: [Vec<f32>; 3],
-    rest: [Vec<f32>; 3],
+    whole: Vec<[f32; 3]>,
+    rest: Vec<[f32; 3]>,
     sums: Vec<[u64; 3]>,
     seen: Vec<u32>,
     last: Vec<[u16; 3]>,
@@ -28,7 +28,7 @@ pub(super) struct Baseline {
 
 impl Baseline {
     pub(super) fn new(taxels: usize, axes: [bool; 3]) -> Self {
-        let zeros = || core::array::from_fn(|_| alloc::vec![0.0; taxels]);
+        let zeros = || alloc::vec![[0.0; 3]; taxels];
         Self {
             axes,
             vectors: Vectors::widest(),
@@ -84,8 +84,8 @@ impl Baseline {
             for axis in 0..3 {
                 let mean = self.sums[i][axis] as f64 / f64::from(self.seen[i].max(1));
                 let whole = libm::floor(mean);
-                self.whole[axis][i] = whole as f32;
-                self.rest[axis][i] = (mean - whole) as f32;
+                self.whole[i][axis] = whole as f32;
+                self.rest[i][axis] = (mean - whole) as f32;
             }
         }
     }
@@ -111,31 +111,28 @@ impl Baseline {
     /// The reference of a taxel along an axis, counts.
     pub(super) fn reference(&self, axis: usize, taxel: usize) -> Option<f64> {
         let (whole, rest) = (
-            self.whole.get(axis)?.get(taxel)?,
-            self.rest.get(axis)?.get(taxel)?,
+            self.whole.get(taxel)?.get(axis)?,
+            self.rest.get(taxel)?.get(axis)?,
         );
         Some(f64::from(*whole) + f64::from(*rest))
     }
 
     /// |G - Gref| of one value, as [`Baseline::measure`] computes it.
     pub(super) fn difference(&self, axis: usize, taxel: usize, counts: u16) -> f32 {
-        libm::fabsf(f32::from(counts) - self.whole[axis][taxel] - self.rest[axis][taxel])
+        libm::fabsf(f32::from(counts) - self.whole[taxel][axis] - self.rest[taxel][axis])
     }
 
-    /// (4.2) for all taxels: writes the axes chosen and leaves the others.
-    pub(super) fn measure(&self, counts: &[[u16; 3]], axes: &mut [Vec<f32>; 3]) {
-        for (axis, out) in axes.iter_mut().enumerate() {
-            if !self.axes[axis] {
-                continue;
+    /// (4.2) for all taxels and axes.
+    pub(super) fn measure(&self, counts: &[[u16; 3]], measured: &mut [[f32; 3]]) {
+        let counts = counts.as_flattened();
+        let (whole, rest) = (self.whole.as_flattened(), self.rest.as_flattened());
+        let measured = measured.as_flattened_mut();
+        self.vectors.run(|| {
+            let reference = whole.iter().zip(rest);
+            for ((out, (whole, rest)), counts) in measured.iter_mut().zip(reference).zip(counts) {
+                *out = libm::fabsf(f32::from(*counts) - whole - rest);
             }
-            let (whole, rest) = (&self.whole[axis][..], &self.rest[axis][..]);
-            self.vectors.run(|| {
-                let reference = whole.iter().zip(rest);
-                for ((out, (whole, rest)), counts) in out.iter_mut().zip(reference).zip(counts) {
-                    *out = libm::fabsf(f32::from(counts[axis]) - whole - rest);
-                }
-            });
-        }
+        });
     }
 
     /// Moves the reference of every usable taxel not in contact by `share` (0 to 1) of its way to the readings the
@@ -148,7 +145,7 @@ impl Baseline {
             }
             for axis in 0..3 {
                 if self.axes[axis] {
-                    let (whole, rest) = (&mut self.whole[axis][i], &mut self.rest[axis][i]);
+                    let (whole, rest) = (&mut self.whole[i][axis], &mut self.rest[i][axis]);
                     let away = f32::from(frame.counts[i][axis]) - *whole - *rest;
                     *rest += share * away;
                     let carry = libm::floorf(*rest);

@@ -314,17 +314,19 @@ impl Initialiser {
         if self.missing.iter().any(|n| *n > 0) && scan.counts().len() == self.baseline.taxels() {
             self.collect_again(scan);
         }
-        if let Some(constant) = self.settings.drift
-            && self.phase == Phase::Ready
-            && frame.made
-            && frame.magnitude().len() == self.baseline.taxels()
-            && frame.counts != scan.counts()
-        {
-            let since = scan.at().since(frame.at).as_secs_f64() as f32;
-            let share = since / (since + constant.as_secs_f64() as f32);
-            self.baseline.follow(frame, &self.thresholds, share);
+        let n = self.baseline.taxels();
+        let fits = scan.counts().len() == n && frame.magnitude().len() == n;
+        if fits && self.phase == Phase::Ready && frame.made {
+            if frame.is_of(scan) {
+                return Ok(false);
+            }
+            if let Some(constant) = self.settings.drift {
+                let since = scan.at().since(frame.at).as_secs_f64() as f32;
+                let share = since / (since + constant.as_secs_f64() as f32);
+                self.baseline.follow(frame, &self.thresholds, share);
+            }
         }
-        self.relative(scan, frame)
+        self.measure(scan, frame)
     }
 
     /// As [`Initialiser::advance`] with the reference as it is.
@@ -332,6 +334,13 @@ impl Initialiser {
     /// # Errors
     /// A scan or frame of another layout.
     pub fn relative(&self, scan: &Scan, frame: &mut RelativeFrame) -> Result<bool, FrameError> {
+        if self.phase == Phase::Ready && frame.made && frame.is_of(scan) {
+            return Ok(false);
+        }
+        self.measure(scan, frame)
+    }
+
+    fn measure(&self, scan: &Scan, frame: &mut RelativeFrame) -> Result<bool, FrameError> {
         let n = self.baseline.taxels();
         for got in [scan.counts().len(), frame.magnitude().len()] {
             if got != n {
@@ -342,16 +351,11 @@ impl Initialiser {
             frame.clear();
             return Ok(true);
         }
-        if frame.made && frame.counts == scan.counts() {
-            return Ok(false);
-        }
-        if !frame.made {
-            frame.axes.iter_mut().for_each(|axis| axis.fill(0.0));
-        }
         frame.counts.copy_from_slice(scan.counts());
         (frame.at, frame.made) = (scan.at(), true);
-        self.baseline.measure(&frame.counts, &mut frame.axes);
-        frame.find_contacts(|i| self.thresholds[i]);
+        self.baseline.measure(&frame.counts, &mut frame.measured);
+        frame.spread(self.settings.axes);
+        frame.find_contacts(self.thresholds.iter().copied());
         Ok(true)
     }
 

@@ -3,7 +3,9 @@
 //! Always finite: the only ways in check their input and name the place of what they refuse.
 
 use alloc::vec::Vec;
+use core::array::from_fn;
 use core::fmt;
+use core::iter::repeat;
 use core::ops::Range;
 
 use super::layout::Layout;
@@ -89,6 +91,8 @@ pub struct RelativeFrame {
     pub(super) at: Instant,
     /// Whether it was made from those counts with the taxels now left out.
     pub(super) made: bool,
+    /// What was measured, taxel by taxel: |difference| along every axis.
+    pub(super) measured: Vec<[f32; 3]>,
     vectors: Vectors,
     magnitude: Vec<f32>,
     usable: Vec<bool>,
@@ -103,10 +107,11 @@ impl RelativeFrame {
         let active = layout.modules().iter().flat_map(|m| m.active());
         Self {
             starts: layout.starts().to_vec(),
-            axes: core::array::from_fn(|_| alloc::vec![0.0; n]),
+            axes: from_fn(|_| alloc::vec![0.0; n]),
             counts: alloc::vec![[0; 3]; n],
             at: Instant::ZERO,
             made: false,
+            measured: alloc::vec![[0.0; 3]; n],
             vectors: Vectors::widest(),
             magnitude: alloc::vec![0.0; n],
             usable: active.copied().collect(),
@@ -142,17 +147,13 @@ impl RelativeFrame {
                 return Err(FrameError::NotFinite { taxel, axis });
             }
         }
-        for (axis, values) in self.axes.iter_mut().enumerate() {
-            for (v, d) in values.iter_mut().zip(differences) {
-                *v = if flags[axis] {
-                    libm::fabsf(d[axis])
-                } else {
-                    0.0
-                };
-            }
+        for (measured, d) in self.measured.iter_mut().zip(differences) {
+            // What is not chosen may be no number.
+            *measured = from_fn(|a| if flags[a] { libm::fabsf(d[a]) } else { 0.0 });
         }
         self.made = false;
-        self.find_contacts(|_| threshold);
+        self.spread(axes);
+        self.find_contacts(repeat(threshold));
         Ok(())
     }
 
@@ -160,26 +161,51 @@ impl RelativeFrame {
     pub(super) fn clear(&mut self) {
         self.made = false;
         self.axes.iter_mut().for_each(|axis| axis.fill(0.0));
-        self.find_contacts(|_| 0.0);
+        self.magnitude.fill(0.0);
+        self.find_contacts(repeat(0.0));
     }
 
-    /// Magnitudes, then the list of taxels strictly above their thresholds.
-    pub(super) fn find_contacts(&mut self, threshold: impl Fn(usize) -> f32) {
-        let n = self.magnitude.len();
-        let [x, y, z] = &self.axes;
-        let (x, y, z) = (&x[..n], &y[..n], &z[..n]);
-        let magnitude = &mut self.magnitude[..];
+    /// Whether it has the counts of this scan.
+    pub(super) fn is_of(&self, scan: &super::Scan) -> bool {
+        self.counts.as_flattened() == scan.counts().as_flattened()
+    }
+
+    /// What was measured, by axis, and its magnitude; the axes not chosen count as 0.
+    pub(super) fn spread(&mut self, axes: Axes) {
+        let n = self.measured.len();
+        let [x, y, z] = &mut self.axes;
+        let (x, y, z) = (&mut x[..n], &mut y[..n], &mut z[..n]);
+        let (measured, magnitude) = (&self.measured[..], &mut self.magnitude[..n]);
+        // Measured values are finite: a factor of 0 makes 0.
+        let factor = axes.flags().map(|chosen| if chosen { 1.0 } else { 0.0 });
         self.vectors.run(|| {
             for i in 0..n {
+                let [a, b, c] = measured[i];
+                (x[i], y[i], z[i]) = (a * factor[0], b * factor[1], c * factor[2]);
                 magnitude[i] = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
             }
         });
         self.vectors.sqrt(&mut self.magnitude);
+    }
+
+    /// The list of taxels strictly above their thresholds.
+    pub(super) fn find_contacts(&mut self, thresholds: impl Iterator<Item = f32> + Clone) {
         self.contacts.clear();
+        let magnitude = &self.magnitude[..];
+        // Most skin is not touched most of the time: one look at all of it, without a branch.
+        let touched = self.vectors.run(|| {
+            let above = magnitude.iter().zip(thresholds.clone());
+            above.fold(false, |any, (m, t)| any | (*m > t))
+        });
+        if !touched {
+            self.contact_starts.fill(0);
+            return;
+        }
+        let mut taxels = magnitude.iter().zip(thresholds).zip(&self.usable);
         for (module, pair) in self.starts.windows(2).enumerate() {
-            for i in pair[0]..pair[1] {
-                let at = i as usize;
-                if self.magnitude[at] > threshold(at) && self.usable[at] {
+            let of_module = taxels.by_ref().take((pair[1] - pair[0]) as usize);
+            for (i, ((magnitude, threshold), usable)) in (pair[0]..).zip(of_module) {
+                if *magnitude > threshold && *usable {
                     self.contacts.push(i); // its capacity is all taxels
                 }
             }

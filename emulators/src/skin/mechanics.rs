@@ -24,6 +24,12 @@ pub struct Touch {
 pub trait Touches {
     /// Appends the touches at `now` to `out`.
     fn touches(&self, now: Nanos, out: &mut Vec<Touch>);
+
+    /// Friction at `now`: shear counts (x, y) for every normal count. Spheres that are pressed and not dragged have
+    /// none.
+    fn drag(&self, _now: Nanos) -> [f64; 2] {
+        [0.0; 2]
+    }
 }
 
 impl<F: Fn(Nanos, &mut Vec<Touch>)> Touches for F {
@@ -103,12 +109,12 @@ impl Mechanics {
 }
 
 impl Dent {
-    /// Counts (x, y, z) added at a taxel.
-    pub(super) fn at(&self, taxel: Point) -> [f64; 3] {
+    /// Counts (x, y, z) added at a taxel; `drag` is what [`Touches::drag`] says.
+    pub(super) fn at(&self, taxel: Point, drag: [f64; 2]) -> [f64; 3] {
         let dx = f64::from(taxel.x) - f64::from(self.at.x);
         let dy = f64::from(taxel.y) - f64::from(self.at.y);
         let z = self.peak * libm::exp(-0.5 * (dx * dx + dy * dy) * self.inverse_variance);
         let push = z * self.shear_per_mm;
-        [push * dx, push * dy, z]
+        [push * dx + drag[0] * z, push * dy + drag[1] * z, z]
     }
 }

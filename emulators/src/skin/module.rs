@@ -186,10 +186,11 @@ impl Module {
             self.sampled_at = Some(now);
             return; // nothing presses and nothing is left of earlier presses: all stays zero
         }
+        let drag = self.touches.drag(now);
         for (taxel, direct) in self.taxels.iter().zip(&mut self.direct) {
             *direct = [0.0; 3];
             for dent in &self.dents {
-                let counts = dent.at(taxel.at);
+                let counts = dent.at(taxel.at, drag);
                 (0..3).for_each(|axis| direct[axis] += counts[axis]);
             }
         }

@@ -6,13 +6,16 @@
 
 pub mod compression;
 pub mod emulators;
+pub mod guard;
 pub mod illusion;
 pub mod page;
+mod peers;
 pub mod physics;
 pub mod plot;
 pub mod projection;
 pub mod records;
 pub mod table;
+pub mod texture;
 pub mod timing;
 
 use serde::Serialize;
@@ -75,7 +78,7 @@ pub struct Family {
 }
 
 /// Every family, in the order of the pages.
-pub const FAMILIES: [Family; 6] = [
+pub const FAMILIES: [Family; 7] = [
     Family {
         name: "physics",
         measure: physics::measure,
@@ -87,6 +90,10 @@ pub const FAMILIES: [Family; 6] = [
     Family {
         name: "compression",
         measure: compression::measure,
+    },
+    Family {
+        name: "texture",
+        measure: texture::measure,
     },
     Family {
         name: "illusion",

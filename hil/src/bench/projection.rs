@@ -220,6 +220,7 @@ fn on_the_wire(board: u8, counts: &[[u16; 3]]) -> Option<Vec<CanFrame>> {
 pub fn measure() -> Result<Findings, Failure> {
     let mut findings = Findings::default();
     frames(&mut findings)?;
+    super::guard::measure(&mut findings)?;
     felt(&mut findings)?;
     Ok(findings)
 }
@@ -288,7 +289,8 @@ fn frames(findings: &mut Findings) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Felt error against the time of a frame, over K_C, cadence, the weights' exponent and the rate of the sensor.
+/// Felt error against the time of a frame, over K_C, the solver's iterations, cadence, the weights' exponent and the
+/// frames left out.
 fn felt(findings: &mut Findings) -> Result<(), Failure> {
     type Change = Box<dyn Fn(&mut crate::files::Scene)>;
     let mut sweeps: Vec<(&str, Vec<(String, Change)>)> =
@@ -298,6 +300,14 @@ fn felt(findings: &mut Findings) -> Result<(), Failure> {
         (format!("K={kc}"), change)
     });
     sweeps.push(("K_C", clusters.into()));
+    let solvers = [(4, 1), (4, 2), (16, 1), (16, 2)].map(|(kc, most)| {
+        let change: Change = Box::new(move |s| {
+            s.compression.kc = kc;
+            s.compression.iterations = Some(most);
+        });
+        (format!("K={kc}, iterations {most}"), change)
+    });
+    sweeps.push(("solver stopped early", solvers.into()));
     let cadence = [40.0, 80.0, 105.0, 125.0].map(|ms| {
         let change: Change = Box::new(move |s| s.illusion.soa_ms = Some(ms));
         (format!("SOA {ms} ms"), change)
@@ -330,7 +340,6 @@ fn felt(findings: &mut Findings) -> Result<(), Failure> {
             let summary = &outcome.summary;
             let each = summary.frame_us.map_or(f64::NAN, |t| t.median);
             let spent = each * f64::from(summary.frames) / seconds;
-            // Of several contacts no single place is felt; then there is no error to tell.
             let error = summary.felt_error_mm.rmse.unwrap_or(f64::NAN);
             findings.rows.push(row(
                 "felt sphere-circle, a second",

@@ -179,6 +179,8 @@ fn offset(
     trains: &BTreeMap<Output, Pulses>,
     plan: &BTreeMap<Output, Vec<Burst>>,
     period: f64,
+    period_of: &impl Fn(&Output) -> f64,
+    resolution: f64,
 ) -> Option<f64> {
     let late = 1.5 * period;
     let first = trains
@@ -193,12 +195,13 @@ fn offset(
             let Some(bursts) = plan.get(output) else {
                 continue;
             };
+            let tick = period_of(output) / 4096.0;
             for (start, width) in starts {
                 let at = start + candidate;
                 let next = bursts.partition_point(|b| b.from_ns <= at + late);
                 let burst = next.checked_sub(1).map(|i| &bursts[i]);
                 if let Some(burst) = burst.filter(|b| (at - b.from_ns).abs() <= late) {
-                    let same = (width - burst.width * period / 4096.0).abs() <= 0.1 * width;
+                    let same = (width - burst.width * tick).abs() <= 0.6 * tick + resolution;
                     hits += 1 + 2 * usize::from(same);
                 }
             }
@@ -223,10 +226,10 @@ fn offset(
     Some(candidate - if earliest.is_finite() { earliest } else { 0.0 })
 }
 
-/// First pulses of trains: those with more than a period and a half of silence before them.
-fn starts(pulses: &Pulses, period: f64) -> Pulses {
+/// First pulses of trains: those with more than a period and a half of silence before them, that is after `last`,
+/// the time of the last pulse before all these.
+fn starts(pulses: &Pulses, period: f64, mut last: f64) -> Pulses {
     let mut found = Vec::new();
-    let mut last = f64::NEG_INFINITY;
     for &(rise, width) in pulses {
         if rise - last > 1.5 * period {
             found.push((rise, width));
@@ -275,15 +278,28 @@ pub fn compare(trace: &Trace, capture: &Capture, pins: &Pins) -> Result<Comparis
         .map(|(board, pulses)| (*board, period(pulses, nominal)))
         .collect();
     let period_of = |output: &Output| periods.get(&output.0).copied().flatten().unwrap_or(nominal);
-    let trains: BTreeMap<Output, Pulses> = seen
-        .iter()
-        .map(|(output, pulses)| (*output, starts(pulses, period_of(output))))
-        .collect();
-    let offset = offset(&trains, &plan, nominal).ok_or_else(|| {
+    let trains = |last: f64| -> BTreeMap<Output, Pulses> {
+        let starts = |(output, pulses): (&Output, &Pulses)| {
+            (*output, starts(pulses, period_of(output), last))
+        };
+        seen.iter().map(starts).collect()
+    };
+    let resolution = capture.resolution_ns as f64;
+    // A train that the capture cuts has no start to go by; but a capture may be triggered by its only train.
+    let found = offset(&trains(0.0), &plan, nominal, &period_of, resolution);
+    let found = found.or_else(|| {
+        offset(
+            &trains(f64::NEG_INFINITY),
+            &plan,
+            nominal,
+            &period_of,
+            resolution,
+        )
+    });
+    let offset = found.ok_or_else(|| {
         input("expected pulses on an output that the schedule drives, found none; `--pin NAME=BOARD:CHANNEL` says which signal is which")
     })?;
 
-    let resolution = capture.resolution_ns as f64;
     let mut tallies: BTreeMap<Output, Tally> = BTreeMap::new();
     // The first pulse's distance from its place in the period, for each board and burst.
     let mut grids: BTreeMap<(u8, u64), f64> = BTreeMap::new();

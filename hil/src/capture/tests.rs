@@ -75,6 +75,24 @@ fn pins_as_scheduled_are_good_wherever_the_capture_begins() {
 }
 
 #[test]
+fn a_short_capture_finds_its_place() {
+    let trace = trace();
+    for n in 0..20 {
+        let begin = 900_000_000 + n * 417_000_000;
+        let mut seen = shifted(capture(&trace), begin);
+        seen.end_ns = 200_000_000;
+        let end = seen.end_ns;
+        for signal in &mut seen.signals {
+            signal.edges.retain(|e| e.0 < end);
+        }
+        let found = compare(&trace, &seen, &[]).unwrap();
+        assert_eq!(bad(&found), [""; 0], "from {begin} ns");
+        let error = found.offset_s - begin as f64 * 1e-9;
+        assert!(error.abs() < 0.006, "from {begin} ns: {error}");
+    }
+}
+
+#[test]
 fn what_was_spoilt_is_what_is_measured() {
     let trace = trace();
     let whole = capture(&trace);
@@ -134,7 +152,7 @@ fn what_was_spoilt_is_what_is_measured() {
 fn exports_of_sigrok_and_saleae_read_like_the_vcd() {
     let trace = trace();
     let whole = shifted(capture(&trace), 900_000_000);
-    let until = 150_000_000;
+    let until = 300_000_000;
     // Levels of all signals at times that only grow.
     let rows = |times: &mut dyn Iterator<Item = u64>, text: &mut String, stamped: bool| {
         let mut next = vec![0; whole.signals.len()];

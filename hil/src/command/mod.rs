@@ -15,6 +15,7 @@ mod record;
 mod review;
 mod run;
 mod test;
+mod texture;
 
 pub use bench::bench;
 pub use contacts::contacts;
@@ -27,3 +28,4 @@ pub use record::{record, replay};
 pub use review::review;
 pub use run::run;
 pub use test::test;
+pub use texture::texture;

@@ -128,6 +128,8 @@ pub struct Compression {
     pub axes: Axes,
     /// Where `kc` and `ki` apply.
     pub scope: Scope,
+    /// Most iterations of K-means a frame; left out: 32.
+    pub iterations: Option<u32>,
 }
 
 /// The linear map from skin to display.
@@ -206,6 +208,9 @@ impl Scene {
             0.0..=16.0,
             "",
         )?;
+        if let Some(most) = scene.compression.iterations {
+            source.range("compression.iterations", most, 1..=1000, "")?;
+        }
         scene.illusion.check(source)?;
         scene.check_map(source)?;
         let quiet_s = f64::from(scene.reference_frames + 1) / scene.rate_hz;

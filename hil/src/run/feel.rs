@@ -12,8 +12,8 @@ use super::recorder::{Onset, Recorder, milli_c, um};
 /// A contact this close to the display's hull counts as inside it, mm.
 const HULL_MARGIN: f32 = 1e-3;
 
-/// What a person felt of an onset that is over. Onsets with several contacts are not scored: one felt
-/// place cannot be held against two.
+/// What a person felt of an onset that is over. One felt place can be held against one touch only: an onset with
+/// several contacts is scored where they are known to come from a single one.
 pub(super) fn feel(
     onset: Option<Onset>,
     display: &Display,
@@ -23,7 +23,7 @@ pub(super) fn feel(
 ) {
     let Some(Onset {
         at,
-        target: Some(seen),
+        targets,
         squares,
     }) = onset
     else {
@@ -32,12 +32,19 @@ pub(super) fn feel(
     let true_place = recorder
         .truth_at(at)
         .map(|(place, _)| projector.map().apply(place));
+    let strongest = targets.iter().max_by(|a, b| a.weight.total_cmp(&b.weight));
+    let Some(seen) = strongest.filter(|_| targets.len() == 1 || true_place.is_some()) else {
+        return;
+    };
     let place = |(x, y): (f64, f64)| um(Point::new(x as f32, y as f32));
     let felt = display.feel(Nanos::from(at)).map(|felt| FeltAt {
         energy: place(felt.energy_mm),
         amplitude: place(felt.amplitude_mm),
     });
-    let full = u64::from(drive.width(seen.weight).get()).pow(2).max(1);
+    let full = targets
+        .iter()
+        .map(|t| u64::from(drive.width(t.weight).get()).pow(2));
+    let full = full.sum::<u64>().max(1);
     recorder.events.push(Event::Felt {
         t_us: at.as_micros(),
         target: um(true_place.unwrap_or(seen.place)),

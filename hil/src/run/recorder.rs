@@ -51,12 +51,12 @@ pub const fn word(condition: Condition) -> &'static str {
 }
 
 /// An onset whose sensation is not known yet.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Onset {
     /// When.
     pub at: Instant,
-    /// The only contact on the display; `None` for none or several.
-    pub target: Option<Target>,
+    /// The contacts on the display.
+    pub targets: Vec<Target>,
     /// Sum of the squared pulse widths that were asked for, ticks.
     pub squares: u64,
 }
@@ -198,15 +198,11 @@ impl Observer for Recorder {
     fn onset(&mut self, at: Instant, targets: &[Target]) {
         self.onsets.0 += 1;
         self.onsets.1 += u64::from(targets.is_empty());
-        let target = if let [only] = targets {
-            Some(*only)
-        } else {
-            None
-        };
+        let targets = targets.to_vec();
         let squares = std::mem::take(&mut self.squares);
         self.onset = Some(Onset {
             at,
-            target,
+            targets,
             squares,
         });
     }

@@ -5,7 +5,7 @@
 //! its number, and fields are scalars: a plot of one of them is one curve.
 
 mod container;
-mod proto;
+pub mod proto;
 mod read;
 mod schema;
 

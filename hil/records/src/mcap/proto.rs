@@ -2,7 +2,7 @@
 
 /// A message that is being written. Fields at their default (0, empty) are left out, as proto3 does.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Message(Vec<u8>);
+pub struct Message(Vec<u8>);
 
 impl Message {
     /// Starts anew in the same memory.
@@ -10,6 +10,7 @@ impl Message {
         self.0.clear();
     }
 
+    /// The message as it stands on the wire.
     pub fn bytes(&self) -> &[u8] {
         &self.0
     }
@@ -57,6 +58,13 @@ impl Message {
         self.data(field, value.as_bytes())
     }
 
+    /// Bytes as they are, for a message that is no message but text: an empty one of those can be written with
+    /// [`Message::inner`].
+    pub fn raw(&mut self, bytes: &[u8]) -> &mut Self {
+        self.0.extend(bytes);
+        self
+    }
+
     /// A message inside, also an empty one.
     pub fn inner(&mut self, field: u32, message: &Self) -> &mut Self {
         self.varint(u64::from(field) << 3 | 2);
@@ -68,7 +76,7 @@ impl Message {
 
 /// A field of a message that is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Value<'a> {
+pub enum Value<'a> {
     /// Numbers and booleans.
     Number(u64),
     /// Eight bytes, such as a `double`.
@@ -80,9 +88,11 @@ pub(super) enum Value<'a> {
 }
 
 /// The fields of a message in their order; `None` in place of the first that is damaged, and then no more.
-pub(super) struct Fields<'a>(&'a [u8]);
+#[derive(Clone, Debug)]
+pub struct Fields<'a>(&'a [u8]);
 
 impl<'a> Fields<'a> {
+    /// Over the bytes of a message.
     pub const fn new(bytes: &'a [u8]) -> Self {
         Self(bytes)
     }

@@ -1,6 +1,7 @@
 //! The thesis's figures 4.5 to 4.7 over again, from emulated scenes and from real recordings: where contacts are
 //! found for K_C of 1 to 16, and how fast, beside the sensor's rate.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use palpate_records::trace::Event;
@@ -19,12 +20,13 @@ const CLUSTERS: [u32; 5] = [1, 2, 4, 8, 16];
 /// Rows a second of the recordings, about.
 const RECORDED_HZ: f64 = 40.0;
 
-/// Things to grasp: name, diameter where a finger meets it, mm, and force, N (hard things press harder).
+/// Things to grasp: name, diameter where a finger meets it, mm, and force a module, N (hard things press harder).
+/// Between them 75 to 125 taxels are in contact, as in the thesis.
 const OBJECTS: [(&str, f64, f64); 4] = [
-    ("soft ball", 40.0, 0.6),
-    ("hard ball", 40.0, 2.0),
-    ("soft bottle", 70.0, 0.8),
-    ("hard bottle", 70.0, 3.0),
+    ("soft ball", 30.0, 0.35),
+    ("hard ball", 30.0, 0.5),
+    ("soft bottle", 60.0, 0.35),
+    ("hard bottle", 60.0, 0.48),
 ];
 
 /// All figures.
@@ -70,6 +72,20 @@ fn places(
         _ => None,
     };
     outcome.trace.events.iter().filter_map(place).collect()
+}
+
+/// Fewest and most taxels in contact in a frame within `span`, microseconds.
+fn held(outcome: &Outcome, span: std::ops::Range<u64>) -> (u32, u32) {
+    let mut frames = BTreeMap::new();
+    for event in &outcome.trace.events {
+        if let Event::Contact { t_us, members, .. } = event
+            && span.contains(t_us)
+        {
+            *frames.entry(*t_us).or_insert(0) += u32::from(*members);
+        }
+    }
+    let counts = || frames.values().copied();
+    (counts().min().unwrap_or(0), counts().max().unwrap_or(0))
 }
 
 /// Frames a second that the loop could have done.
@@ -227,6 +243,12 @@ fn hand(findings: &mut Findings) -> Result<(), Failure> {
             ));
             speeds.push((f64::from(kc), speed(&outcome)));
             row(findings, &format!("figure 4.7 {object}"), kc, &outcome);
+            if kc == 1 {
+                let (least, most) = held(&outcome, 1_200_000..2_600_000);
+                findings.words.push(format!(
+                    "figure 4.7, {object}: {least} to {most} taxels in contact while it is held (thesis: 75 to 125)"
+                ));
+            }
         }
         // The finest first, so that the coarser ones lie over it.
         found.reverse();

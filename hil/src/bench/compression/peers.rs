@@ -1,14 +1,11 @@
-//! Other people's clustering from PyPI, measured in the same run: `ci/peers/run` installs them and names their
-//! Python in `PALPATE_PEERS`. It gets the very same frames and warm starts and answers with times and centroids.
-
-use std::io::Write;
-use std::process::{Command, Stdio};
+//! Other people's clustering from PyPI, on the very same frames and warm starts.
 
 use serde::Deserialize;
 use serde_json::json;
 
 use super::clouds::Cloud;
 use super::kernels::{Errors, Measured};
+use crate::bench::peers::ask;
 use crate::failure::Failure;
 
 /// The script that measures them.
@@ -32,37 +29,12 @@ pub(super) fn measure(
     starts: &[Vec<(f64, f64)>],
     best: &[f64],
 ) -> Result<Vec<Measured>, Failure> {
-    let Some(python) = std::env::var_os("PALPATE_PEERS") else {
-        return Ok(Vec::new());
-    };
-    let failed = |what: String| Failure::Input(format!("PALPATE_PEERS: {what}"));
     let frames: Vec<_> = round
         .iter()
         .zip(starts)
         .map(|(c, start)| json!({"x": c.x, "y": c.y, "w": c.w, "start": start}))
         .collect();
-    let mut child = Command::new(&python)
-        .args(["-c", SCRIPT])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .map_err(|e| failed(format!("{}: {e}", python.display())))?;
-    if let Some(mut stdin) = child.stdin.take() {
-        serde_json::to_writer(&mut stdin, &frames)
-            .map_err(|e| failed(e.to_string()))
-            .and_then(|()| stdin.flush().map_err(|e| failed(e.to_string())))?;
-    }
-    let output = child
-        .wait_with_output()
-        .map_err(|e| failed(e.to_string()))?;
-    if !output.status.success() {
-        return Err(failed(format!(
-            "the peers' script ended with {}",
-            output.status
-        )));
-    }
-    let answers: Vec<Answer> =
-        serde_json::from_slice(&output.stdout).map_err(|e| failed(e.to_string()))?;
+    let answers: Vec<Answer> = ask(SCRIPT, &frames)?.unwrap_or_default();
     let measured = |answer: Answer| {
         let mut errors = Errors::default();
         for ((centroids, cloud), best) in answer.centroids.iter().zip(round).zip(best) {

@@ -1,0 +1,22 @@
+//! Texture: from a second of raw taxels to a place in a small latent space.
+//!
+//! The encoder is the first half of the GRU autoencoder of thesis Table 3.1 (features -> 96 -> 96 -> 96 -> 3, the
+//! last state of the last layer is z), run exactly: every window of 100 samples starts from a state of zero and is
+//! taken less its own first sample. [`Encoder`] is the network, [`Encoder::encode`] one window, [`Stream`] windows
+//! one sample apart. [`Stateful`] is an approximation and says so.
+//!
+//! Results are the same bits with wide vectors and without: every sum is one chain of fused multiply-adds in the
+//! order of its inputs, whatever is computed beside it.
+
+mod encoder;
+mod gates;
+mod kernel;
+mod model;
+mod pack;
+mod stateful;
+mod stream;
+
+pub use encoder::{Encoder, Room};
+pub use model::{Gru, Model, ModelError, Place, SampleError, Weights};
+pub use stateful::Stateful;
+pub use stream::{Ends, Stream};

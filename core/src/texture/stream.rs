@@ -1,0 +1,278 @@
+//! Windows one sample apart: every window in flight is a column, one step a sample.
+//!
+//! The first layer's projection of a sample is made once and kept for as long as a window that began with it is in
+//! flight. Only windows that somebody asked for are computed; what is computed does not depend on what is left out.
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use pulp::{Simd, WithSimd};
+
+use super::encoder::{Encoder, Room, layers, offset};
+use super::kernel::{self, Input, Rows};
+use super::model::SampleError;
+use super::pack::{Aligned, Layer};
+use crate::units::Duration;
+
+/// Which windows are asked for, by the samples that they end with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ends {
+    /// Every one.
+    Every,
+    /// The newest at each onset of a grid from t = 0; sample n is taken at n times `sample`.
+    Onsets {
+        /// From sample to sample.
+        sample: Duration,
+        /// From onset to onset (the SOA).
+        every: Duration,
+    },
+}
+
+impl Ends {
+    /// Whether the window that ends with sample `n` is asked for.
+    pub const fn asked(self, n: u64) -> bool {
+        match self {
+            Self::Every => true,
+            Self::Onsets { sample, every } => {
+                let (sample, every) = (sample.as_micros(), every.as_micros());
+                if every <= sample {
+                    return true; // at least one onset a sample
+                }
+                let next = n.saturating_mul(sample).div_ceil(every);
+                next.saturating_mul(every) < n.saturating_add(1).saturating_mul(sample)
+            }
+        }
+    }
+
+    /// Whether a window of `window` samples that begins with sample `n` is asked for.
+    pub const fn begins(self, n: u64, window: usize) -> bool {
+        self.asked(n.saturating_add(window as u64 - 1))
+    }
+}
+
+/// Columns that go through all layers together: their states stay in the nearest caches.
+const GROUP: usize = 51;
+
+/// Windows in flight of one or more modules that are sampled together.
+#[derive(Clone, Debug)]
+pub struct Stream {
+    encoder: Arc<Encoder>,
+    modules: usize,
+    seen: u64,
+    /// [module][feature].
+    scaled: Vec<f32>,
+    /// The last samples' projections by the first layer, [sample, a ring][module][block][gate][lane].
+    ring: Aligned,
+    /// Which samples of the ring began a window.
+    begun: Vec<bool>,
+    /// The windows that are being stepped: the place in the ring of the sample they began with.
+    slots: Vec<usize>,
+    /// A layer's states, [slot][module][unit, padded], before and after this sample.
+    now: Vec<Aligned>,
+    next: Vec<Aligned>,
+    sums: Aligned,
+    latents: Vec<f32>,
+}
+
+impl Stream {
+    /// For `modules` modules; nothing is in flight.
+    pub fn new(encoder: Arc<Encoder>, modules: usize) -> Self {
+        let (window, stride) = (encoder.window(), encoder.first_stride());
+        let state = |layer: &Layer| Aligned::zeros(encoder.steps() * modules * layer.width());
+        Self {
+            modules,
+            seen: 0,
+            scaled: alloc::vec![0.0; modules * encoder.features()],
+            ring: Aligned::zeros(window * modules * stride),
+            begun: alloc::vec![false; window],
+            slots: Vec::with_capacity(encoder.steps()),
+            now: encoder.layers.iter().map(state).collect(),
+            next: encoder.layers.iter().map(state).collect(),
+            sums: Aligned::zeros(GROUP * stride),
+            latents: alloc::vec![0.0; modules * encoder.latents()],
+            encoder,
+        }
+    }
+
+    /// Samples taken since the start.
+    pub const fn seen(&self) -> u64 {
+        self.seen
+    }
+
+    /// Windows being stepped.
+    pub const fn in_flight(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// Takes a sample of every module, [module][feature], raw counts. With `begin` a window starts with it. Returns
+    /// the latent vectors [module][latent] of the window that ended with it, if one did.
+    ///
+    /// # Errors
+    /// A wrong length or a value that is not finite; the stream is as before, the sample not taken.
+    pub fn push(&mut self, sample: &[f32], begin: bool) -> Result<Option<&[f32]>, SampleError> {
+        let features = self.encoder.features();
+        if sample.len() != self.scaled.len() {
+            return Err(SampleError::Length {
+                expected: self.scaled.len(),
+                found: sample.len(),
+            });
+        }
+        for (m, sample) in sample.chunks_exact(features).enumerate() {
+            let out = &mut self.scaled[m * features..][..features];
+            self.encoder.scale(sample, m * features, out)?;
+        }
+        let window = self.encoder.window();
+        let at = (self.seen % window as u64) as usize;
+        self.begun[at] = begin;
+        // With fewer steps than samples a window is stepped only from its later samples on.
+        let skipped = window - self.encoder.steps();
+        if self.seen >= skipped as u64 {
+            let start = (at + window - skipped) % window;
+            if self.begun[start] {
+                self.open(start);
+            }
+        }
+        let encoder = Arc::clone(&self.encoder);
+        encoder.vectors.dispatch(Hop { stream: self, at });
+        core::mem::swap(&mut self.now, &mut self.next);
+        self.seen += 1;
+        let ends = (at + 1) % window;
+        let ended = self.slots.iter().position(|&start| start == ends);
+        Ok(ended
+            .filter(|_| self.seen >= window as u64)
+            .map(|slot| self.close(slot)))
+    }
+
+    /// The latent vectors [module][latent] of the window that ends with the newest sample, computed at once from the
+    /// projections that are kept; none before there are enough samples. The same bits as from [`Stream::push`].
+    pub fn newest<'r>(&self, room: &'r mut Room) -> Option<&'r [f32]> {
+        let window = self.encoder.window();
+        if self.seen < window as u64 || room.windows < self.modules {
+            return None;
+        }
+        let first = (self.seen % window as u64) as usize;
+        self.encoder.vectors.dispatch(Newest {
+            stream: self,
+            room,
+            first,
+        });
+        Some(&room.latents[..self.latents.len()])
+    }
+
+    /// A slot of zero states.
+    fn open(&mut self, start: usize) {
+        let slot = self.slots.len();
+        for (layer, states) in self.encoder.layers.iter().zip(&mut self.now) {
+            let length = self.modules * layer.width();
+            states.all_mut()[slot * length..][..length].fill(0.0);
+        }
+        self.slots.push(start); // within capacity: a window leaves before as many others have come
+    }
+
+    /// Takes a slot's latents and gives its place to the last one.
+    fn close(&mut self, slot: usize) -> &[f32] {
+        let last = self.slots.len() - 1;
+        let latents = self.encoder.latents();
+        if let (Some(layer), Some(states)) = (self.encoder.layers.last(), self.now.last()) {
+            let width = layer.width();
+            let ended = states.all()[slot * self.modules * width..].chunks_exact(width);
+            for (out, state) in self.latents.chunks_exact_mut(latents).zip(ended) {
+                out.copy_from_slice(&state[..latents]);
+            }
+        }
+        for (layer, states) in self.encoder.layers.iter().zip(&mut self.now) {
+            let length = self.modules * layer.width();
+            let states = states.all_mut();
+            states.copy_within(last * length..(last + 1) * length, slot * length);
+        }
+        self.slots.swap_remove(slot);
+        &self.latents
+    }
+}
+
+/// One sample through everything in flight.
+struct Hop<'a> {
+    stream: &'a mut Stream,
+    at: usize,
+}
+
+impl WithSimd for Hop<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let stream = self.stream;
+        let encoder = &*stream.encoder;
+        let (modules, stride) = (stream.modules, encoder.first_stride());
+        let first = &encoder.layers[0];
+        let newest = self.at * modules * stride;
+        let inputs = Rows {
+            values: &stream.scaled,
+            stride: encoder.features(),
+        };
+        let ring = stream.ring.all_mut();
+        kernel::project(simd, first, false, inputs, modules, &mut ring[newest..]);
+        let columns = stream.slots.len() * modules;
+        let mut begin = 0;
+        while begin < columns {
+            let group = (columns - begin).min(GROUP);
+            for (c, sums) in stream.sums.all_mut()[..group * stride]
+                .chunks_exact_mut(stride)
+                .enumerate()
+            {
+                let (slot, module) = ((begin + c) / modules, (begin + c) % modules);
+                let sample = &ring[newest + module * stride..][..stride];
+                let start = &ring[(stream.slots[slot] * modules + module) * stride..][..stride];
+                offset(sample, start, first.bias.all(), sums);
+            }
+            let mut input = Input::Summed(Rows {
+                values: stream.sums.all(),
+                stride,
+            });
+            let states = stream.now.iter().zip(&mut stream.next);
+            for (layer, (now, next)) in encoder.layers.iter().zip(states) {
+                let place = begin * layer.width();
+                let next = &mut next.all_mut()[place..];
+                kernel::step(simd, layer, input, &now.all()[place..], next, group);
+                input = Input::Raw(Rows {
+                    values: next,
+                    stride: layer.width(),
+                });
+            }
+            begin += group;
+        }
+    }
+}
+
+/// The newest window of every module, layer after layer.
+struct Newest<'a> {
+    stream: &'a Stream,
+    room: &'a mut Room,
+    /// The place in the ring of the window's first sample.
+    first: usize,
+}
+
+impl WithSimd for Newest<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            stream,
+            room,
+            first,
+        } = self;
+        let encoder = &*stream.encoder;
+        let (modules, stride) = (stream.modules, encoder.first_stride());
+        let (ring, bias) = (stream.ring.all(), encoder.layers[0].bias.all());
+        let skipped = encoder.window() - encoder.steps();
+        for t in 0..encoder.steps() {
+            let place = (first + skipped + t) % encoder.window();
+            for module in 0..modules {
+                let sample = &ring[(place * modules + module) * stride..][..stride];
+                let start = &ring[(first * modules + module) * stride..][..stride];
+                let out = &mut room.sums.all_mut()[(t * modules + module) * stride..][..stride];
+                offset(sample, start, bias, out);
+            }
+        }
+        layers(simd, encoder, room, modules);
+    }
+}

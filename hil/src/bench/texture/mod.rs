@@ -1,0 +1,379 @@
+//! The texture encoder: exact windows one by one, a sample apart, on demand and for fifteen modules, approximations
+//! beside them, and ONNX Runtime on the exported model.
+
+mod peers;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use palpate_core::texture::{Encoder, Ends, Stateful, Stream, Weights};
+use palpate_core::units;
+
+use crate::failure::Failure;
+use crate::texture::seeded::{Seeded, stroke};
+use crate::texture::{TextureModel, reference};
+
+use super::plot::{Mark, Plot, Series};
+use super::timing::{Race, Samples};
+use super::{Findings, Row};
+
+const FAMILY: &str = "texture";
+const ERROR: &str = "largest |dz|";
+/// Windows that errors are taken over, and that are timed in turn.
+const WINDOWS: usize = 24;
+/// Samples from one of them to the next.
+const APART: usize = 37;
+/// Modules of the hand.
+const MODULES: usize = 15;
+/// Nominal sample rate and onset asynchrony.
+const SAMPLE: units::Duration = units::Duration::from_micros(10_000);
+const SOA: units::Duration = units::Duration::from_micros(58_500);
+/// Samples of a second.
+const SECOND: usize = 100;
+const COUNT: usize = 100;
+/// Calls of a sample: a method finds its weights in the caches, as a program that does nothing else would, and as
+/// the peer in its own process does.
+const CALLS: usize = 8;
+const BUDGET: Duration = Duration::from_secs(4);
+
+/// What is measured on: a model, a recording, the windows of it and their latents in f64.
+struct Ground {
+    model: TextureModel,
+    values: Vec<f32>,
+    windows: Vec<Vec<f32>>,
+    expected: Vec<Vec<f64>>,
+}
+
+impl Ground {
+    fn new() -> Result<Self, Failure> {
+        let model = match palpate_fixtures::model("default") {
+            Some(bytes) => TextureModel::parse("default", bytes)?,
+            None => {
+                let file = Seeded::thesis(1).file().unwrap_or_default();
+                TextureModel::parse("seeded", &file)?
+            }
+        };
+        let features = model.features();
+        let rows = model.window() + APART * WINDOWS;
+        let values = stroke(1, rows, features);
+        let windows: Vec<Vec<f32>> = values
+            .windows(model.window() * features)
+            .step_by(APART * features)
+            .take(WINDOWS)
+            .map(<[f32]>::to_vec)
+            .collect();
+        let expected = model.with(|m| windows.iter().map(|w| reference::encode(m, w)).collect());
+        Ok(Self {
+            model,
+            values,
+            windows,
+            expected,
+        })
+    }
+
+    /// How far latents are off, over all windows.
+    fn off(&self, found: &[Vec<f32>]) -> f64 {
+        let pairs = found.iter().zip(&self.expected);
+        pairs
+            .flat_map(|(found, expected)| found.iter().zip(expected))
+            .map(|(found, expected)| (f64::from(*found) - expected).abs())
+            .fold(0.0, f64::max)
+    }
+
+    /// The same for an encoder, window by window.
+    fn off_by(&self, encoder: &Encoder) -> f64 {
+        let mut room = encoder.room(1);
+        let found: Vec<Vec<f32>> = self
+            .windows
+            .iter()
+            .map(|w| {
+                encoder
+                    .encode(&mut room, w)
+                    .map(<[f32]>::to_vec)
+                    .unwrap_or_default()
+            })
+            .collect();
+        self.off(&found)
+    }
+
+    /// The same for a state that is never begun anew, where the windows end.
+    fn off_stateful(&self, encoder: &Arc<Encoder>) -> f64 {
+        let mut state = Stateful::new(encoder.clone());
+        let rows = self.values.chunks_exact(self.model.features());
+        let after: Vec<Vec<f32>> = rows
+            .map(|row| state.push(row).map(<[f32]>::to_vec).unwrap_or_default())
+            .collect();
+        let ends = after
+            .into_iter()
+            .skip(self.model.window() - 1)
+            .step_by(APART);
+        self.off(&ends.take(WINDOWS).collect::<Vec<_>>())
+    }
+}
+
+/// An encoder with what is told of it.
+struct Method {
+    name: String,
+    encoder: Arc<Encoder>,
+    error: f64,
+}
+
+fn methods(ground: &Ground) -> Result<Vec<Method>, Failure> {
+    let exact = ground.model.encoder(Weights::Exact)?;
+    let half = ground.model.encoder(Weights::Half)?;
+    let mut methods = vec![
+        ("exact".to_owned(), exact.clone()),
+        ("half weights".to_owned(), half),
+    ];
+    for steps in [75, 50, 25] {
+        methods.push((
+            format!("last {steps} samples"),
+            exact.clone().with_steps(steps),
+        ));
+    }
+    let method = |(name, encoder): (String, Encoder)| Method {
+        name,
+        error: ground.off_by(&encoder),
+        encoder: Arc::new(encoder),
+    };
+    Ok(methods.into_iter().map(method).collect())
+}
+
+/// Measures everything.
+///
+/// # Errors
+/// A model that is refused; peers that are named and fail.
+pub fn measure() -> Result<Findings, Failure> {
+    let ground = Ground::new()?;
+    let methods = methods(&ground)?;
+    let mut rows = Vec::new();
+    let mut add = |case: &str, method: &str, error: f64, samples: &Samples, per: f64| {
+        rows.push(Row {
+            family: FAMILY,
+            case: case.into(),
+            method: method.into(),
+            error,
+            error_unit: ERROR,
+            median_us: samples.median() / per,
+            peer: false,
+        });
+    };
+
+    let windows = whole_windows(&ground, &methods);
+    for (method, samples) in methods.iter().zip(&windows) {
+        add("window", &method.name, method.error, samples, CALLS as f64);
+    }
+    let exact = &methods[0];
+    let stateful = ground.off_stateful(&exact.encoder);
+    let hops = hops(&ground, &methods);
+    for (method, samples) in methods.iter().zip(&hops) {
+        add("hop", &method.name, method.error, samples, CALLS as f64);
+    }
+    if let Some(samples) = hops.last() {
+        add("hop", "stateful", stateful, samples, CALLS as f64);
+    }
+    let [demand, at_once, every] = seconds(&ground, exact);
+    let second = "a second, z at every onset (58.5 ms)";
+    add(second, "exact", exact.error, &demand, 1.0);
+    add(second, "exact, at once", exact.error, &at_once, 1.0);
+    add(second, "exact, every hop", exact.error, &every, 1.0);
+    let together = fifteen(&ground, exact);
+    add(
+        "hop, 15 modules, for each",
+        "exact",
+        exact.error,
+        &together,
+        MODULES as f64,
+    );
+
+    let peers = peers::measure(&ground)?;
+    let mut words = words(&rows);
+    if let Some([single, batch]) = peers {
+        for case in ["window", "hop"] {
+            words.extend(against(&rows, case, &single));
+        }
+        for (case, peer) in [("window", &single), ("window", &batch), ("hop", &single)] {
+            rows.push(Row {
+                family: FAMILY,
+                case: case.into(),
+                error_unit: ERROR,
+                peer: true,
+                ..peer.clone()
+            });
+        }
+    }
+    let plots = ["window", "hop"].map(|case| plot(case, &rows)).to_vec();
+    Ok(Findings {
+        rows,
+        plots,
+        figures: Vec::new(),
+        words,
+    })
+}
+
+fn whole_windows(ground: &Ground, methods: &[Method]) -> Vec<Samples> {
+    let mut race = Race::default();
+    for method in methods {
+        let (mut room, mut turn) = (method.encoder.room(1), 0);
+        race.enter(move || {
+            for _ in 0..CALLS {
+                turn += 1;
+                let window = &ground.windows[turn % WINDOWS];
+                std::hint::black_box(method.encoder.encode(&mut room, window).map(<[f32]>::len))
+                    .ok();
+            }
+        });
+    }
+    race.run(COUNT, BUDGET)
+}
+
+/// A stream that has all its windows in flight, and what pushes the next sample.
+fn running<'a>(
+    values: &'a [f32],
+    encoder: &Arc<Encoder>,
+    modules: usize,
+    ends: Ends,
+) -> impl FnMut() -> usize + 'a {
+    let (row, window) = (encoder.features() * modules, encoder.window());
+    let mut stream = Stream::new(encoder.clone(), modules);
+    let rows = values.len() / row;
+    let mut n = 0;
+    let mut push = move || {
+        let sample = &values[(n % rows) * row..][..row];
+        let begin = ends.begins(n as u64, window);
+        n += 1;
+        stream
+            .push(sample, begin)
+            .map_or(0, |z| z.map_or(0, <[f32]>::len))
+    };
+    for _ in 0..window {
+        push();
+    }
+    push
+}
+
+/// Every method, and a state that is never begun anew.
+fn hops(ground: &Ground, methods: &[Method]) -> Vec<Samples> {
+    let mut race = Race::default();
+    for method in methods {
+        let mut hop = running(&ground.values, &method.encoder, 1, Ends::Every);
+        race.enter(move || (0..CALLS).map(|_| hop()).sum::<usize>());
+    }
+    let mut state = Stateful::new(methods[0].encoder.clone());
+    let row = ground.model.features();
+    let mut step = move || state.push(&ground.values[..row]).map_or(0, <[f32]>::len);
+    race.enter(move || (0..CALLS).map(|_| step()).sum::<usize>());
+    race.run(COUNT, BUDGET)
+}
+
+/// A second of signal: on demand, at once where asked, and with every hop.
+fn seconds(ground: &Ground, exact: &Method) -> [Samples; 3] {
+    let mut race = Race::default();
+    let onsets = Ends::Onsets {
+        sample: SAMPLE,
+        every: SOA,
+    };
+    let values = &ground.values;
+    let mut demand = running(values, &exact.encoder, 1, onsets);
+    race.enter(move || (0..SECOND).map(|_| demand()).sum::<usize>());
+    let mut stream = Stream::new(exact.encoder.clone(), 1);
+    let (mut room, row) = (exact.encoder.room(1), exact.encoder.features());
+    let (rows, mut n) = (values.len() / row, 0);
+    let mut at_once = move || {
+        let taken = stream
+            .push(&values[(n % rows) * row..][..row], false)
+            .is_ok();
+        n += 1;
+        let asked = onsets.asked(n as u64 - 1);
+        usize::from(taken)
+            + if asked {
+                stream.newest(&mut room).map_or(0, <[f32]>::len)
+            } else {
+                0
+            }
+    };
+    race.enter(move || (0..SECOND).map(|_| at_once()).sum::<usize>());
+    let mut every = running(values, &exact.encoder, 1, Ends::Every);
+    race.enter(move || (0..SECOND).map(|_| every()).sum::<usize>());
+    let mut samples = race.run(COUNT / 4, BUDGET).into_iter();
+    [(); 3].map(|()| samples.next().unwrap_or_default())
+}
+
+/// One hop of fifteen modules.
+fn fifteen(ground: &Ground, exact: &Method) -> Samples {
+    let values = stroke(2, 128, ground.model.features() * MODULES);
+    let mut race = Race::default();
+    race.enter(running(&values, &exact.encoder, MODULES, Ends::Every));
+    race.run(COUNT / 4, BUDGET)
+        .into_iter()
+        .next()
+        .unwrap_or_default()
+}
+
+fn time(rows: &[Row], case: &str, method: &str) -> Option<f64> {
+    let mut all = rows.iter();
+    all.find(|r| r.case.starts_with(case) && r.method == method)
+        .map(|r| r.median_us)
+}
+
+/// The targets that need no peer.
+fn words(rows: &[Row]) -> Vec<String> {
+    let of = |case, method| time(rows, case, method).unwrap_or(f64::NAN);
+    let (demand, every) = (of("a second", "exact"), of("a second", "exact, every hop"));
+    let met = |yes| if yes { "met" } else { "missed" };
+    let hop = of("hop", "exact");
+    let each = of("hop, 15 modules", "exact");
+    vec![
+        format!(
+            "A hop in at most 480 \u{b5}s: {hop:.0} \u{b5}s, {}.",
+            met(hop <= 480.0)
+        ),
+        format!(
+            "At every onset at least 4 times less than with every hop: {:.1} times, {}.",
+            every / demand,
+            met(every >= 4.0 * demand)
+        ),
+        format!(
+            "Fifteen modules at 100 Hz on one core (below 667 \u{b5}s a hop each): {each:.0} \u{b5}s, {}.",
+            met(each < 667.0)
+        ),
+    ]
+}
+
+/// The targets against a peer.
+fn against(rows: &[Row], case: &str, peer: &Row) -> Option<String> {
+    let (aim, ours) = (
+        if case == "window" { 1.3 } else { 2.0 },
+        time(rows, case, "exact")?,
+    );
+    let times = peer.median_us / ours;
+    let met = if times >= aim { "met" } else { "missed" };
+    Some(format!(
+        "A {case} at least {aim} times faster than {}: {times:.2} times, {met}.",
+        peer.method
+    ))
+}
+
+fn plot(case: &str, rows: &[Row]) -> Plot {
+    let of_case = rows.iter().filter(|r| r.case == case);
+    let series = |row: &Row| Series {
+        name: row.method.clone(),
+        points: vec![(row.median_us, row.error)],
+        mark: if row.peer { Mark::Scatter } else { Mark::Ours },
+    };
+    let title = match case {
+        "window" => "Texture encoder: one window",
+        _ => "Texture encoder: z of every window, a sample apart",
+    };
+    let mut plot = Plot::work_precision(
+        case,
+        title,
+        "largest error of z",
+        of_case.map(series).collect(),
+    );
+    if case == "hop" {
+        plot.words
+            .push_str(" ONNX Runtime computes a whole window at each hop.");
+    }
+    plot
+}

@@ -1,0 +1,61 @@
+//! Options of `hil texture`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum};
+
+use super::{positive, rate};
+
+/// What to do with the texture model.
+#[derive(Debug, Subcommand)]
+pub enum TextureAction {
+    /// Latent vectors of a recording, as CSV on standard output: one line for each window, named by its last row.
+    Encode(EncodeArgs),
+    /// The encoder as an ONNX model: raw counts in, latent vectors out, scaling inside.
+    Export(ExportArgs),
+}
+
+/// Options of `hil texture encode`.
+#[derive(Debug, Args)]
+pub struct EncodeArgs {
+    /// `default` or a model file (.safetensors).
+    #[arg(value_name = "MODEL|default")]
+    pub model: String,
+    /// Raw rows (CSV). With a header, columns are taken by the model's names for its features; without, or where
+    /// the model has none, there must be as many as features.
+    pub file: PathBuf,
+    /// Only the windows that are newest at each onset, this far apart from the first row on (default: every one).
+    #[arg(long, value_name = "T", value_parser = positive, requires = "rate", allow_hyphen_values = true)]
+    pub soa_ms: Option<f64>,
+    /// Rows a second, for --soa-ms.
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
+    pub rate: Option<f64>,
+    /// How weights are kept; half is an approximation.
+    #[arg(long, value_enum, default_value_t = WeightsArg::Exact)]
+    pub weights: WeightsArg,
+    /// An approximation: only the last N samples of each window go through the network.
+    #[arg(long, value_name = "N", value_parser = super::whole::<usize, 1, 1000>, allow_hyphen_values = true)]
+    pub steps: Option<usize>,
+    /// Print a JSON array in place of CSV.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How weights are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum WeightsArg {
+    /// As they are in the file.
+    Exact,
+    /// Rounded to half precision.
+    Half,
+}
+
+/// Options of `hil texture export`.
+#[derive(Debug, Args)]
+pub struct ExportArgs {
+    /// `default` or a model file (.safetensors).
+    #[arg(value_name = "MODEL|default")]
+    pub model: String,
+    /// Where to write it (.onnx).
+    pub out: PathBuf,
+}

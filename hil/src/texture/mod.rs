@@ -1,0 +1,10 @@
+//! The texture model as a file, recordings as its input, and the way out to other programs.
+
+mod model;
+pub mod onnx;
+pub mod reference;
+mod rows;
+pub mod seeded;
+
+pub use model::TextureModel;
+pub use rows::Rows;

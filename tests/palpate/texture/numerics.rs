@@ -1,0 +1,192 @@
+//! Constant, saturated, extreme, denormal and impossible numbers; a million steps.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use palpate_core::texture::{Encoder, ModelError, SampleError, Stateful, Stream};
+
+use palpate_hil::texture::reference;
+use palpate_hil::texture::seeded::{Seeded, stroke};
+
+fn build(model: &Seeded) -> Encoder {
+    model.with(|m| Encoder::new(m)).unwrap()
+}
+
+#[test]
+fn a_value_that_is_no_number_is_named_with_its_place_and_changes_nothing() {
+    let model = Seeded::thesis(1);
+    let encoder = Arc::new(build(&model));
+    let good = stroke(1, 130, 45);
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX] {
+        let mut window = good[..4500].to_vec();
+        window[37 * 45 + 12] = bad;
+        let error = encoder.encode(&mut encoder.room(1), &window).unwrap_err();
+        let SampleError::Value { index, feature, .. } = error else {
+            panic!("{error}");
+        };
+        assert_eq!((index, feature), (37 * 45 + 12, 12));
+        assert!(error.to_string().contains("feature 12"), "{error}");
+
+        let (mut one, mut other) = (
+            Stream::new(encoder.clone(), 1),
+            Stream::new(encoder.clone(), 1),
+        );
+        for (n, sample) in good.chunks_exact(45).enumerate() {
+            let mut spoiled = sample.to_vec();
+            spoiled[n % 45] = bad;
+            assert!(one.push(&spoiled, true).is_err());
+            let (one, other) = (one.push(sample, true), other.push(sample, true));
+            assert_eq!(one.unwrap(), other.unwrap());
+        }
+    }
+    let mut room = encoder.room(1);
+    let short = encoder.encode(&mut room, &good[..4499]);
+    assert_eq!(
+        short.unwrap_err(),
+        SampleError::Length {
+            expected: 4500,
+            found: 4499
+        }
+    );
+}
+
+#[test]
+fn a_constant_input_is_a_window_of_zeros_whatever_its_level() {
+    let model = Seeded::thesis(2);
+    let encoder = build(&model);
+    let mut room = encoder.room(1);
+    let zero = encoder
+        .encode(&mut room, &[24_000.0; 4500])
+        .unwrap()
+        .to_vec();
+    for level in [0.0, 31_234.0, 65_535.0, 1e-40] {
+        let found = encoder.encode(&mut room, &[level; 4500]).unwrap();
+        assert_eq!(found, zero);
+    }
+}
+
+#[test]
+fn saturated_and_wild_strokes_stay_in_range_and_near_f64() {
+    let model = Seeded::thesis(3);
+    let encoder = build(&model);
+    let mut room = encoder.room(1);
+    for (name, high) in [("saturated", 65_535.0f32), ("far out", 1e7)] {
+        let window: Vec<f32> = (0..4500)
+            .map(|i| if (i / 45 + i) % 3 == 0 { high } else { 0.0 })
+            .collect();
+        let expected = model.with(|m| reference::encode(m, &window));
+        let found = encoder.encode(&mut room, &window).unwrap();
+        for (found, expected) in found.iter().zip(expected) {
+            assert!(found.abs() <= 1.0);
+            assert!(
+                (f64::from(*found) - expected).abs() <= 1e-5,
+                "{name}: {found} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn extreme_weights_give_numbers_and_impossible_ones_are_refused() {
+    for size in [1e-30, 1e-6, 100.0, 1e6] {
+        let model = Seeded::new(4, &[45, 96, 3], 100, size);
+        let encoder = build(&model);
+        let z = encoder
+            .encode(&mut encoder.room(1), &stroke(4, 100, 45))
+            .unwrap()
+            .to_vec();
+        assert!(z.iter().all(|z| z.abs() <= 1.0), "{size}: {z:?}");
+    }
+    for bad in [f32::NAN, f32::INFINITY, 1.1e6] {
+        let mut model = Seeded::thesis(4);
+        model.layers[2].weight_hh[77] = bad;
+        let error = model.with(|m| Encoder::new(m)).unwrap_err();
+        assert!(
+            matches!(error, ModelError::Value { index: 77, .. }),
+            "{error}"
+        );
+        assert!(
+            error
+                .to_string()
+                .starts_with("encoder.2.weight_hh[77]: expected"),
+            "{error}"
+        );
+    }
+    let mut model = Seeded::thesis(4);
+    model.layers[1].bias_hh.pop();
+    let error = model.with(|m| Encoder::new(m)).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "encoder.1.bias_hh: expected 288 numbers, found 287"
+    );
+    let mut model = Seeded::thesis(4);
+    model.scale_max[3] = model.scale_min[3] - 1.0;
+    assert_eq!(
+        model.with(|m| Encoder::new(m)).unwrap_err(),
+        ModelError::Range { feature: 3 }
+    );
+}
+
+#[test]
+fn a_feature_that_was_constant_in_training_carries_nothing() {
+    let mut model = Seeded::thesis(5);
+    model.scale_max[9] = model.scale_min[9];
+    let encoder = build(&model);
+    let window = stroke(5, 100, 45);
+    let mut other = window.clone();
+    other
+        .iter_mut()
+        .skip(9)
+        .step_by(45)
+        .for_each(|v| *v += 900.0);
+    let mut room = encoder.room(1);
+    let z = encoder.encode(&mut room, &window).unwrap().to_vec();
+    assert_eq!(encoder.encode(&mut room, &other).unwrap(), z);
+}
+
+/// A million steps: the state repeats with the input, so nothing drifts; and the last steps, after long rest, are no
+/// slower than the first.
+#[test]
+fn a_million_stateful_steps_neither_drift_nor_slow_down() {
+    let model = Seeded::new(6, &[8, 16, 3], 100, 1.0);
+    let encoder = Arc::new(build(&model));
+    let cycle = stroke(6, 100, 8);
+    let mut state = Stateful::new(encoder.clone());
+    let mut around = |times: usize| {
+        let begun = Instant::now();
+        let mut last = Vec::new();
+        for _ in 0..times {
+            for sample in cycle.chunks_exact(8) {
+                last = state.push(sample).unwrap().to_vec();
+            }
+        }
+        (begun.elapsed(), last)
+    };
+    let (_, early) = around(100);
+    let (_, late) = around(9900);
+    for (a, b) in early.iter().zip(&late) {
+        assert!((a - b).abs() < 1e-6, "{early:?} {late:?}");
+    }
+    // Without biases a resting input lets every state die: into zero, not into denormal numbers.
+    let mut dying = Seeded::new(6, &[8, 16, 3], 100, 0.5);
+    for layer in &mut dying.layers {
+        layer.bias_ih.fill(0.0);
+        layer.bias_hh.fill(0.0);
+    }
+    let mut state = Stateful::new(Arc::new(build(&dying)));
+    for sample in cycle.chunks_exact(8) {
+        state.push(sample).unwrap();
+    }
+    let mut rest = |steps: usize| {
+        let begun = Instant::now();
+        for _ in 0..steps {
+            state.push(&cycle[..8]).unwrap();
+        }
+        begun.elapsed()
+    };
+    let lively = rest(50);
+    rest(100_000);
+    let dead = rest(50);
+    assert!(dead < lively * 10, "{dead:?} after {lively:?}");
+    assert_eq!(state.push(&cycle[..8]).unwrap(), [0.0; 3]);
+}
