@@ -37,13 +37,11 @@ impl Encoder {
         model.check()?;
         let lanes = vectors.dispatch(Lanes);
         let pack = |gru| Layer::new(gru, lanes, weights);
-        let scale = model.scale_min.iter().zip(model.scale_max);
+        let scale = model.scale_min.iter().copied().zip(model.factors());
         Ok(Self {
             vectors,
             layers: model.layers.iter().map(pack).collect(),
-            scale: scale
-                .map(|(&low, &high)| (low, factor(low, high)))
-                .collect(),
+            scale: scale.collect(),
             window: model.window,
             steps: model.window,
         })
@@ -153,13 +151,6 @@ impl Encoder {
     pub(super) fn first_stride(&self) -> usize {
         3 * self.layers[0].width()
     }
-}
-
-/// One over the range; a feature that was constant in training carries nothing.
-fn factor(low: f32, high: f32) -> f32 {
-    let range = f64::from(high) - f64::from(low);
-    let factor = (1.0 / range) as f32;
-    if factor.is_finite() { factor } else { 0.0 }
 }
 
 /// Memory for whole windows, made once.

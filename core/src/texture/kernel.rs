@@ -4,6 +4,9 @@
 //! columns, nine sums in registers (with four, compilers run out of them). Every sum is one chain: bias, then the inputs in order, then the state's
 //! units in order, each a fused multiply-add. So a column's result does not depend on its neighbours.
 
+// Indices name registers here: a tile's columns, a block's gates.
+#![allow(clippy::needless_range_loop)]
+
 use pulp::{Simd, as_arrays};
 
 use super::gates;

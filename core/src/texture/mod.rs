@@ -5,18 +5,24 @@
 //! taken less its own first sample. [`Encoder`] is the network, [`Encoder::encode`] one window, [`Stream`] windows
 //! one sample apart. [`Stateful`] is an approximation and says so.
 //!
-//! Results are the same bits with wide vectors and without: every sum is one chain of fused multiply-adds in the
+//! [`ControlMap`] makes control parameters of z, (3.2); [`Pulses`] pulses of those, (3.1).
+//!
+//! z is the same bits with wide vectors and without: every sum is one chain of fused multiply-adds in the
 //! order of its inputs, whatever is computed beside it.
 
+mod control;
 mod encoder;
 mod gates;
 mod kernel;
 mod model;
 mod pack;
+mod pulses;
 mod stateful;
 mod stream;
 
+pub use control::{Control, ControlError, ControlMap, Driver, Span};
 pub use encoder::{Encoder, Room};
 pub use model::{Gru, Model, ModelError, Place, SampleError, Weights};
+pub use pulses::{Activation, ActivationError, Draw, Pulses, along};
 pub use stateful::Stateful;
 pub use stream::{Ends, Stream};

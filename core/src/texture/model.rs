@@ -44,7 +44,8 @@ pub enum Weights {
     /// As they are.
     #[default]
     Exact,
-    /// An approximation: rounded to half precision (11 bits), half the memory to read.
+    /// An approximation: rounded to 11 significant bits, what half precision keeps. It costs the same time and
+    /// memory here; it says what a model stored so would be worth.
     Half,
 }
 
@@ -190,6 +191,15 @@ impl fmt::Display for SampleError {
 impl core::error::Error for SampleError {}
 
 impl Model<'_> {
+    /// What each feature's distance from its smallest value is multiplied by: one over its range, 0 without a range.
+    pub fn factors(&self) -> impl Iterator<Item = f32> {
+        let ranges = self.scale_min.iter().zip(self.scale_max);
+        ranges.map(|(&low, &high)| {
+            let factor = (1.0 / (f64::from(high) - f64::from(low))) as f32;
+            if factor.is_finite() { factor } else { 0.0 }
+        })
+    }
+
     /// Whether everything fits and nothing can overflow.
     ///
     /// # Errors

@@ -11,6 +11,8 @@ use super::{positive, rate};
 pub enum TextureAction {
     /// Latent vectors of a recording, as CSV on standard output: one line for each window, named by its last row.
     Encode(EncodeArgs),
+    /// What a recording would ask of the wires: each window's roughness as pulses, (3.1) and (3.2), before any guard.
+    Pulses(PulsesArgs),
     /// The encoder as an ONNX model: raw counts in, latent vectors out, scaling inside.
     Export(ExportArgs),
 }
@@ -39,6 +41,43 @@ pub struct EncodeArgs {
     /// Print a JSON array in place of CSV.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Options of `hil texture pulses`.
+#[derive(Debug, Args)]
+pub struct PulsesArgs {
+    /// `default` or a model file (.safetensors).
+    #[arg(value_name = "MODEL|default")]
+    pub model: String,
+    /// Raw rows (CSV), as for `encode`.
+    pub file: PathBuf,
+    /// Rows a second.
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
+    pub rate: f64,
+    /// A display layout: a built-in name or a file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "three-in-line")]
+    pub display: String,
+    /// Constants and limits: a built-in name or a file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "assumed")]
+    pub activation: String,
+    /// From one latent vector to the next.
+    #[arg(long, value_name = "T", value_parser = positive, default_value_t = 58.5, allow_hyphen_values = true)]
+    pub soa_ms: f64,
+    /// How pulses are drawn: each period by itself, or with the smallest error of the density.
+    #[arg(long, value_enum, default_value_t = DrawArg::Bernoulli)]
+    pub draw: DrawArg,
+    /// Seed of the draws.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
+    pub seed: u64,
+}
+
+/// How pulses are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DrawArg {
+    /// Each period by itself.
+    Bernoulli,
+    /// Error diffusion.
+    Diffusion,
 }
 
 /// How weights are kept.

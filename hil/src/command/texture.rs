@@ -1,15 +1,19 @@
 //! `hil texture`.
 
 use std::io::{self, Write};
+use std::path::Path;
 use std::sync::Arc;
 
-use palpate_core::texture::{Ends, Stream, Weights};
-use palpate_core::units::Duration;
+use palpate_core::illusion::Display;
+use palpate_core::texture::{Draw, Encoder, Ends, Pulses, Stream, Weights, along};
+use palpate_core::units::{Board, Channel, Duration, Instant, Point, Prescale};
 use serde_json::json;
 
-use crate::cli::{EncodeArgs, ExportArgs, TextureAction, WeightsArg};
+use crate::cli::{DrawArg, EncodeArgs, ExportArgs, PulsesArgs, TextureAction, WeightsArg};
 use crate::failure::Failure;
+use crate::files::{LayoutFile, load_activation, load_layout};
 use crate::output::{note, print, write_file};
+use crate::plan;
 use crate::texture::{Rows, TextureModel, onnx};
 
 /// Does what was asked with the texture model.
@@ -19,6 +23,7 @@ use crate::texture::{Rows, TextureModel, onnx};
 pub fn texture(action: &TextureAction) -> Result<(), Failure> {
     match action {
         TextureAction::Encode(args) => encode(args),
+        TextureAction::Pulses(args) => pulses(args),
         TextureAction::Export(args) => export(args),
     }
 }
@@ -26,22 +31,25 @@ pub fn texture(action: &TextureAction) -> Result<(), Failure> {
 /// The row a window ended with, and its latent vector.
 type Latent = (usize, Vec<f32>);
 
+fn micros(us: f64) -> Duration {
+    Duration::from_micros(us.round() as u64)
+}
+
+/// The windows that are newest at each onset.
+fn onsets(rate_hz: f64, soa_ms: f64) -> Ends {
+    Ends::Onsets {
+        sample: micros(1e6 / rate_hz),
+        every: micros(soa_ms * 1e3),
+    }
+}
+
 fn encode(args: &EncodeArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
-    let rows = Rows::read(&args.file, model.features(), model.feature_names())?;
     let weights = match args.weights {
         WeightsArg::Exact => Weights::Exact,
         WeightsArg::Half => Weights::Half,
     };
-    let window = model.window();
-    if rows.count() < window {
-        let found = format!("{} rows", rows.count());
-        return Err(Failure::Input(format!(
-            "{}: expected at least {window} rows, one window, found {found}",
-            args.file.display()
-        )));
-    }
-    let encoder = model.encoder(weights)?;
+    let (encoder, window) = (model.encoder(weights)?, model.window());
     let encoder = match args.steps {
         Some(steps) if steps > window => {
             return Err(Failure::Input(format!(
@@ -51,26 +59,11 @@ fn encode(args: &EncodeArgs) -> Result<(), Failure> {
         Some(steps) => encoder.with_steps(steps),
         None => encoder,
     };
-    let micros = |us: f64| Duration::from_micros(us.round() as u64);
     let ends = match (args.soa_ms, args.rate) {
-        (Some(soa), Some(hz)) => Ends::Onsets {
-            sample: micros(1e6 / hz),
-            every: micros(soa * 1e3),
-        },
+        (Some(soa_ms), Some(hz)) => onsets(hz, soa_ms),
         _ => Ends::Every,
     };
-    let mut stream = Stream::new(Arc::new(encoder), 1);
-    let mut found: Vec<Latent> = Vec::new();
-    for (row, values) in rows.iter().enumerate() {
-        let begin = ends.begins(row as u64, window);
-        let latents = stream.push(values, begin).map_err(|e| {
-            let (line, file) = (rows.line(row), args.file.display());
-            Failure::Input(format!("{file}:{line}: {e}"))
-        })?;
-        if let Some(latents) = latents {
-            found.push((row, latents.to_vec()));
-        }
-    }
+    let found = latents(&model, encoder, &args.file, ends)?;
     print(|out| {
         if args.json {
             write_json(&found, out)
@@ -78,6 +71,103 @@ fn encode(args: &EncodeArgs) -> Result<(), Failure> {
             write_csv(&found, out)
         }
     })
+}
+
+/// Latent vectors of a recording's windows.
+fn latents(
+    model: &TextureModel,
+    encoder: Encoder,
+    file: &Path,
+    ends: Ends,
+) -> Result<Vec<Latent>, Failure> {
+    let rows = Rows::read(file, model.features(), model.feature_names())?;
+    let window = model.window();
+    if rows.count() < window {
+        return Err(Failure::Input(format!(
+            "{}: expected at least {window} rows, one window, found {} rows",
+            file.display(),
+            rows.count()
+        )));
+    }
+    let mut stream = Stream::new(Arc::new(encoder), 1);
+    let mut found: Vec<Latent> = Vec::new();
+    for (row, values) in rows.iter().enumerate() {
+        let begin = ends.begins(row as u64, window);
+        let latents = stream.push(values, begin).map_err(|e| {
+            let (line, file) = (rows.line(row), file.display());
+            Failure::Input(format!("{file}:{line}: {e}"))
+        })?;
+        if let Some(latents) = latents {
+            found.push((row, latents.to_vec()));
+        }
+    }
+    Ok(found)
+}
+
+/// Nominal carrier: PRE_SCALE 30, 196.89 Hz.
+const CARRIER: Prescale = Prescale::new(30);
+
+fn pulses(args: &PulsesArgs) -> Result<(), Failure> {
+    let model = TextureModel::open(&args.model)?;
+    let loaded = load_activation(&args.activation)?;
+    let bad = |what: String| Failure::Input(loaded.source.bad("beta", what).to_string());
+    let activation = loaded
+        .value
+        .activation()
+        .ok_or_else(|| bad("a sum below 1".into()))?;
+    let map = loaded
+        .value
+        .map(model.driver()?)
+        .map_err(|e| Failure::Input(format!("{}: metadata.latent: expected {e}", args.model)))?;
+    let display = display(&args.display)?;
+    let places: Vec<Point> = display.wires().iter().map(|w| w.place).collect();
+    let draw = match args.draw {
+        DrawArg::Bernoulli => Draw::Bernoulli,
+        DrawArg::Diffusion => Draw::Diffusion,
+    };
+    let gaps = along(&places, display.gap());
+    let mut pulses = Pulses::new(activation, draw, CARRIER, &gaps, args.seed);
+    let ends = onsets(args.rate, args.soa_ms);
+    let found = latents(&model, model.encoder(Weights::Exact)?, &args.file, ends)?;
+    let at = |(row, _): &Latent| Instant::ZERO + micros(*row as f64 * 1e6 / args.rate);
+    print(|out| {
+        writeln!(out, "period,time_us,wire")?;
+        let Some(first) = found.first().map(at) else {
+            return Ok(());
+        };
+        let mut period = 0_u64;
+        for (n, latent) in found.iter().enumerate() {
+            let control = map.control(&latent.1);
+            // The last one stands for one onset.
+            let soa = micros(args.soa_ms * 1e3);
+            let until = found.get(n + 1).map_or(at(latent) + soa, at).since(first);
+            while pulses.at().since(Instant::ZERO) < until {
+                let time = first + pulses.at().since(Instant::ZERO);
+                for (wire, _) in pulses
+                    .next(&control)
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, fired)| **fired)
+                {
+                    writeln!(out, "{period},{},{wire}", time.as_micros())?;
+                }
+                period += 1;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// A display by itself, its wires on the outputs of as many boards as it takes.
+fn display(name: &str) -> Result<Display, Failure> {
+    match load_layout(name)?.value {
+        LayoutFile::Display(file) => plan::display_of(&file, |wire| {
+            (Board((wire / 16) as u8), Channel((wire % 16) as u8))
+        }),
+        LayoutFile::Sensor(_) => Err(Failure::Input(format!(
+            "--display: {name}: expected a layout of kind \"display\", found a skin"
+        ))),
+    }
 }
 
 /// Six decimals: what differs between machines, if anything, lies below.

@@ -5,6 +5,7 @@
 //! the core's own types where a run is set up.
 #![forbid(unsafe_code)]
 
+mod activation;
 mod bench;
 mod can_log;
 mod error;
@@ -27,6 +28,7 @@ mod schema;
 #[cfg(test)]
 mod tests;
 
+pub use activation::{ActivationFile, Both};
 pub use bench::{Amplifier, Bench, BenchKind, Drive, Output, OutputEnable, Real, Wire};
 pub use can_log::{CanRecording, is_can_recording, read_can_recording, write_can_log};
 pub use error::FileError;
@@ -47,7 +49,8 @@ pub use scene::{
     THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdRule,
 };
 pub use setup::{
-    Loaded, Setup, load_bench, load_layout, load_limits, load_perceiver, load_scene, sensor_of,
+    Loaded, Setup, load_activation, load_bench, load_layout, load_limits, load_perceiver,
+    load_scene, sensor_of,
 };
 pub use source::Source;
 pub use taxel_csv::{Columns, TaxelTable, read_taxel_csv};

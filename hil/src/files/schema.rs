@@ -3,12 +3,14 @@
 use std::path::Path;
 
 use super::{
-    AlloyFile, Bench, LayoutFile, Limits, PerceiverFile, Quarantine, Scene, Wearer, WireFile,
+    ActivationFile, AlloyFile, Bench, LayoutFile, Limits, PerceiverFile, Quarantine, Scene, Wearer,
+    WireFile,
 };
 
 #[test]
 fn shipped_schemas_are_current() {
     let schemas = [
+        ("activation", schemars::schema_for!(ActivationFile)),
         ("alloy", schemars::schema_for!(AlloyFile)),
         ("bench", schemars::schema_for!(Bench)),
         ("layout", schemars::schema_for!(LayoutFile)),

@@ -2,8 +2,8 @@
 
 use super::resolve::{Kind, resolve, resolve_from};
 use super::{
-    AlloyFile, Bench, DisplayLayout, FileError, LayoutFile, Limits, PerceiverFile, Scene,
-    SensorLayout, Source, Wearer, WireFile,
+    ActivationFile, AlloyFile, Bench, DisplayLayout, FileError, LayoutFile, Limits, PerceiverFile,
+    Scene, SensorLayout, Source, Wearer, WireFile,
 };
 
 /// What was read, beside its text: later checks name a line with [`Source::bad`].
@@ -61,6 +61,14 @@ pub fn load_limits(name: &str) -> Result<Loaded<Limits>, FileError> {
 /// An unknown name, or what cannot be in the file.
 pub fn load_perceiver(name: &str) -> Result<Loaded<PerceiverFile>, FileError> {
     load(resolve(Kind::Perceiver, name)?, PerceiverFile::read)
+}
+
+/// Reads an activation: a built-in name or a file.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_activation(name: &str) -> Result<Loaded<ActivationFile>, FileError> {
+    load(resolve(Kind::Activation, name)?, ActivationFile::read)
 }
 
 /// A scene on a bench, with everything they name.

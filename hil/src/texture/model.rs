@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use palpate_core::texture::{Encoder, Gru, Model, Weights};
+use palpate_core::texture::{Driver, Encoder, Gru, Model, Weights};
 use palpate_core::vector::Vectors;
 use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
+use serde::Deserialize;
 
 use crate::files::FileError;
 
@@ -189,8 +190,8 @@ impl TextureModel {
         })?;
         let off = |(a, b): (&f32, &f32)| (f64::from(*a) - f64::from(*b)).abs();
         for (i, pair) in found.iter().zip(&latent.values).enumerate() {
-            // Written so that a NaN is off too.
-            if !(off(pair) <= GOLDEN) {
+            let near = off(pair) <= GOLDEN; // no NaN is
+            if !near {
                 return Err(wrong(
                     &format!("golden.latent[{i}]"),
                     format!(
@@ -235,14 +236,45 @@ impl TextureModel {
             .map_err(|e| FileError::whole(&self.label, "a model that fits together", e.to_string()))
     }
 
+    /// The latent coordinate that stands for roughness, as the file's `latent` says.
+    ///
+    /// # Errors
+    /// A model that was trained without ratings says nothing of it.
+    pub fn driver(&self) -> Result<Driver, FileError> {
+        #[derive(Deserialize)]
+        struct Roughness {
+            coordinate: usize,
+            sign: i32,
+            z_lo: f32,
+            z_hi: f32,
+        }
+        #[derive(Deserialize)]
+        struct Latent {
+            roughness: Option<Roughness>,
+        }
+        let text = self.metadata.get("latent").map_or("", String::as_str);
+        let found: Option<Latent> = serde_json::from_str(text).ok();
+        match found.and_then(|latent| latent.roughness) {
+            Some(driver) if driver.coordinate < self.latents() => Ok(Driver {
+                coordinate: driver.coordinate,
+                falls: driver.sign < 0,
+                low: driver.z_lo,
+                high: driver.z_hi,
+            }),
+            _ => Err(FileError {
+                key: Some("metadata.latent".into()),
+                ..FileError::whole(
+                    &self.label,
+                    "roughness {coordinate, sign, z_lo, z_hi}, as a training with ratings writes it",
+                    if text.is_empty() { "nothing" } else { text },
+                )
+            }),
+        }
+    }
+
     /// The encoder's layers.
     pub fn layers(&self) -> &[Layer] {
         &self.layers
-    }
-
-    /// Smallest and largest raw value of each feature in training.
-    pub fn scale(&self) -> (&[f32], &[f32]) {
-        (&self.scale_min, &self.scale_max)
     }
 
     /// Values of a sample.

@@ -50,12 +50,7 @@ pub fn encoder(model: &TextureModel) -> Vec<u8> {
     }
     graph.text(2, "palpate texture encoder");
     graph.inner(5, &whole("zero", 0)).inner(5, &whole("one", 1));
-    let (low, high) = model.scale();
-    let factors: Vec<f32> = low
-        .iter()
-        .zip(high)
-        .map(|(&low, &high)| factor(low, high))
-        .collect();
+    let factors: Vec<f32> = model.with(|m| m.factors().collect());
     graph.inner(5, &floats("factor", &[factors.len()], &factors));
     for (l, layer) in model.layers().iter().enumerate() {
         let (units, inputs) = (layer.units(), layer.inputs());
@@ -99,12 +94,6 @@ pub fn encoder(model: &TextureModel) -> Vec<u8> {
         file.inner(14, &property);
     }
     file.bytes().to_vec()
-}
-
-/// One over the range, as the encoder has it.
-fn factor(low: f32, high: f32) -> f32 {
-    let factor = (1.0 / (f64::from(high) - f64::from(low))) as f32;
-    if factor.is_finite() { factor } else { 0.0 }
 }
 
 /// A tensor's rows from r, z, n to z, r, h.

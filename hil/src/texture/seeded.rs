@@ -101,7 +101,7 @@ impl Seeded {
 
     /// As a model file whose golden vector is what the encoder gives; none where the model does not fit together.
     pub fn file(&self) -> Option<Vec<u8>> {
-        let encoder = self.with(|model| Encoder::new(model)).ok()?;
+        let encoder = self.with(Encoder::new).ok()?;
         let window = stroke(1, self.window, self.scale_min.len());
         let mut room = encoder.room(1);
         let latent = encoder.encode(&mut room, &window).ok()?.to_vec();
@@ -134,7 +134,12 @@ impl Seeded {
             tensors.push((name("bias_ih"), vec![rows], &layer.bias_ih));
             tensors.push((name("bias_hh"), vec![rows], &layer.bias_hh));
         }
-        super::model::file(&tensors, &[("window", self.window.to_string())])
+        let latent = r#"{"roughness":{"coordinate":0,"sign":1,"z_lo":-0.5,"z_hi":0.5}}"#;
+        let about = [
+            ("window", self.window.to_string()),
+            ("latent", latent.to_owned()),
+        ];
+        super::model::file(&tensors, &about)
     }
 }
 

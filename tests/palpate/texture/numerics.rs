@@ -9,7 +9,7 @@ use palpate_hil::texture::reference;
 use palpate_hil::texture::seeded::{Seeded, stroke};
 
 fn build(model: &Seeded) -> Encoder {
-    model.with(|m| Encoder::new(m)).unwrap()
+    model.with(Encoder::new).unwrap()
 }
 
 #[test]
@@ -100,7 +100,7 @@ fn extreme_weights_give_numbers_and_impossible_ones_are_refused() {
     for bad in [f32::NAN, f32::INFINITY, 1.1e6] {
         let mut model = Seeded::thesis(4);
         model.layers[2].weight_hh[77] = bad;
-        let error = model.with(|m| Encoder::new(m)).unwrap_err();
+        let error = model.with(Encoder::new).unwrap_err();
         assert!(
             matches!(error, ModelError::Value { index: 77, .. }),
             "{error}"
@@ -114,7 +114,7 @@ fn extreme_weights_give_numbers_and_impossible_ones_are_refused() {
     }
     let mut model = Seeded::thesis(4);
     model.layers[1].bias_hh.pop();
-    let error = model.with(|m| Encoder::new(m)).unwrap_err();
+    let error = model.with(Encoder::new).unwrap_err();
     assert_eq!(
         error.to_string(),
         "encoder.1.bias_hh: expected 288 numbers, found 287"
@@ -122,7 +122,7 @@ fn extreme_weights_give_numbers_and_impossible_ones_are_refused() {
     let mut model = Seeded::thesis(4);
     model.scale_max[3] = model.scale_min[3] - 1.0;
     assert_eq!(
-        model.with(|m| Encoder::new(m)).unwrap_err(),
+        model.with(Encoder::new).unwrap_err(),
         ModelError::Range { feature: 3 }
     );
 }

@@ -2,6 +2,7 @@
 //! beside them, and ONNX Runtime on the exported model.
 
 mod peers;
+mod pulses;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -77,6 +78,7 @@ impl Ground {
         pairs
             .flat_map(|(found, expected)| found.iter().zip(expected))
             .map(|(found, expected)| (f64::from(*found) - expected).abs())
+            .map(|off| if off.is_nan() { f64::INFINITY } else { off })
             .fold(0.0, f64::max)
     }
 
@@ -186,6 +188,7 @@ pub fn measure() -> Result<Findings, Failure> {
         MODULES as f64,
     );
 
+    rows.extend(pulses::measure()?);
     let peers = peers::measure(&ground)?;
     let mut words = words(&rows);
     if let Some([single, batch]) = peers {
@@ -323,6 +326,7 @@ fn words(rows: &[Row]) -> Vec<String> {
     let met = |yes| if yes { "met" } else { "missed" };
     let hop = of("hop", "exact");
     let each = of("hop, 15 modules", "exact");
+    let period = of(pulses::CASE, "Bernoulli");
     vec![
         format!(
             "A hop in at most 480 \u{b5}s: {hop:.0} \u{b5}s, {}.",
@@ -336,6 +340,10 @@ fn words(rows: &[Row]) -> Vec<String> {
         format!(
             "Fifteen modules at 100 Hz on one core (below 667 \u{b5}s a hop each): {each:.0} \u{b5}s, {}.",
             met(each < 667.0)
+        ),
+        format!(
+            "Pulses in at most 2 \u{b5}s a PWM period: {period:.2} \u{b5}s, {}.",
+            met(period <= 2.0)
         ),
     ]
 }

@@ -42,7 +42,7 @@ pub(super) fn measure(ground: &Ground) -> Result<Option<[Row; 2]>, Failure> {
         return Ok(None);
     };
     let error = ground.off(&answer.latents);
-    if !(error <= AGREES) {
+    if error > AGREES {
         return Err(Failure::Check(format!(
             "ONNX Runtime {} on the exported model is {error:e} off, expected at most {AGREES:e}",
             answer.version

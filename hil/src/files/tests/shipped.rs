@@ -10,6 +10,9 @@ fn every_shipped_file_reads_and_is_named_after_its_file() {
     for name in Kind::Bench.names() {
         assert_eq!(load_bench(name).unwrap().value.name, name);
     }
+    for name in Kind::Activation.names() {
+        assert_eq!(load_activation(name).unwrap().value.name, name);
+    }
     for name in Kind::Limits.names() {
         assert_eq!(load_limits(name).unwrap().value.name, name);
     }

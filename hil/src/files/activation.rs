@@ -1,0 +1,99 @@
+//! Activation files: what a texture's roughness becomes on the wires, (3.1) and (3.2).
+
+use palpate_core::texture::{Activation, ControlMap, Driver, Span};
+use palpate_core::units::Duration;
+use serde::Deserialize;
+
+use super::{FileError, Source};
+
+/// A control parameter at both ends of roughness.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Both {
+    /// For the smoothest texture.
+    pub smooth: f64,
+    /// For the roughest.
+    pub rough: f64,
+}
+
+/// Constants of (3.1) and limits of (3.2).
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ActivationFile {
+    /// Lower case with hyphens.
+    pub name: String,
+    /// What it is, in a sentence.
+    pub description: String,
+    /// What of it nobody has published or measured.
+    pub assumed: Option<String>,
+    /// Offset alpha, a probability per PWM period.
+    pub alpha: f64,
+    /// Gain beta; alpha + beta < 1.
+    pub beta: f64,
+    /// The interval T of a stroke, ms.
+    pub interval_ms: f64,
+    /// The mean mu of the first wire, ms.
+    pub lead_ms: f64,
+    /// From one wire's mean to the next one's, ms.
+    pub delta_mu_ms: Both,
+    /// Spread sigma, ms.
+    pub sigma_ms: Both,
+    /// f_PWM, Hz.
+    pub rate_hz: Both,
+}
+
+impl ActivationFile {
+    /// Reads and checks a file.
+    ///
+    /// # Errors
+    /// Names the line and key of what cannot be.
+    pub fn read(source: &Source) -> Result<Self, FileError> {
+        let file: Self = source.read()?;
+        source.heading(&file.name, &file.description)?;
+        source.range("alpha", file.alpha, 0.0..=1.0, "")?;
+        source.range("beta", file.beta, 0.0..=1.0, "")?;
+        source.range("interval_ms", file.interval_ms, 1.0..=1e5, "ms")?;
+        source.range("lead_ms", file.lead_ms, 0.0..=1e5, "ms")?;
+        for (key, both, range, unit) in [
+            ("delta_mu_ms", file.delta_mu_ms, 0.0..=1e4, "ms"),
+            ("sigma_ms", file.sigma_ms, 0.1..=1e4, "ms"),
+            ("rate_hz", file.rate_hz, 0.1..=1500.0, "Hz"),
+        ] {
+            source.range(&format!("{key}.smooth"), both.smooth, range.clone(), unit)?;
+            source.range(&format!("{key}.rough"), both.rough, range, unit)?;
+        }
+        let [lead, interval] = [file.lead_ms, file.interval_ms].map(millis);
+        Activation::new(file.alpha, file.beta, lead, interval)
+            .map_err(|e| source.bad("beta", e.to_string()))?;
+        Ok(file)
+    }
+
+    /// (3.1) with these constants; none only of a file that was not read by [`Self::read`].
+    pub fn activation(&self) -> Option<Activation> {
+        let [lead, interval] = [self.lead_ms, self.interval_ms].map(millis);
+        Activation::new(self.alpha, self.beta, lead, interval).ok()
+    }
+
+    /// (3.2) with these limits, for a model's driving coordinate.
+    ///
+    /// # Errors
+    /// A driver without a range.
+    pub fn map(&self, driver: Driver) -> Result<ControlMap, palpate_core::texture::ControlError> {
+        let time = |both: Both| Span {
+            smooth: millis(both.smooth),
+            rough: millis(both.rough),
+        };
+        let rate = |hz: f64| (hz * 1e3).round() as u32;
+        let rates = Span {
+            smooth: rate(self.rate_hz.smooth),
+            rough: rate(self.rate_hz.rough),
+        };
+        ControlMap::new(driver, time(self.delta_mu_ms), time(self.sigma_ms), rates)
+    }
+}
+
+fn millis(ms: f64) -> Duration {
+    Duration::from_micros((ms * 1e3).round() as u64)
+}
