@@ -59,7 +59,7 @@ impl I2c for Registers {
                 continue;
             };
             self.writes += 1;
-            let refused = self.refuse > 0 && self.writes % self.refuse == 0;
+            let refused = self.refuse > 0 && self.writes.is_multiple_of(self.refuse);
             let taken = if refused { data.len() / 2 } else { data.len() };
             for (n, byte) in data[..taken].iter().enumerate() {
                 let register = usize::from(*register) + n;

@@ -1,7 +1,6 @@
 //! Constant, saturated, extreme, denormal and impossible numbers; a million steps.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use palpate_core::texture::{Encoder, ModelError, SampleError, Stateful, Stream};
 
@@ -144,8 +143,8 @@ fn a_feature_that_was_constant_in_training_carries_nothing() {
     assert_eq!(encoder.encode(&mut room, &other).unwrap(), z);
 }
 
-/// A million steps: the state repeats with the input, so nothing drifts; and the last steps, after long rest, are no
-/// slower than the first.
+/// A million steps: the state repeats with the input, so nothing drifts; and what dies, dies into zero: denormal
+/// numbers are what would make late steps slow.
 #[test]
 fn a_million_stateful_steps_neither_drift_nor_slow_down() {
     let model = Seeded::new(6, &[8, 16, 3], 100, 1.0);
@@ -153,17 +152,16 @@ fn a_million_stateful_steps_neither_drift_nor_slow_down() {
     let cycle = stroke(6, 100, 8);
     let mut state = Stateful::new(encoder.clone());
     let mut around = |times: usize| {
-        let begun = Instant::now();
         let mut last = Vec::new();
         for _ in 0..times {
             for sample in cycle.chunks_exact(8) {
                 last = state.push(sample).unwrap().to_vec();
             }
         }
-        (begun.elapsed(), last)
+        last
     };
-    let (_, early) = around(100);
-    let (_, late) = around(9900);
+    let early = around(100);
+    let late = around(9900);
     for (a, b) in early.iter().zip(&late) {
         assert!((a - b).abs() < 1e-6, "{early:?} {late:?}");
     }
@@ -177,16 +175,9 @@ fn a_million_stateful_steps_neither_drift_nor_slow_down() {
     for sample in cycle.chunks_exact(8) {
         state.push(sample).unwrap();
     }
-    let mut rest = |steps: usize| {
-        let begun = Instant::now();
-        for _ in 0..steps {
-            state.push(&cycle[..8]).unwrap();
-        }
-        begun.elapsed()
-    };
-    let lively = rest(50);
-    rest(100_000);
-    let dead = rest(50);
-    assert!(dead < lively * 10, "{dead:?} after {lively:?}");
+    for _ in 0..100_000 {
+        let z = state.push(&cycle[..8]).unwrap();
+        assert!(!z.iter().any(|v| v.is_subnormal()), "{z:?}");
+    }
     assert_eq!(state.push(&cycle[..8]).unwrap(), [0.0; 3]);
 }

@@ -81,7 +81,7 @@ fn held(outcome: &Outcome, span: std::ops::Range<u64>) -> (u32, u32) {
         if let Event::Contact { t_us, members, .. } = event
             && span.contains(t_us)
         {
-            *frames.entry(*t_us).or_insert(0) += u32::from(*members);
+            *frames.entry(*t_us).or_insert(0) += *members;
         }
     }
     let counts = || frames.values().copied();
