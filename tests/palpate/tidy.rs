@@ -65,6 +65,7 @@ fn dependencies_run_one_way() {
     let allowed: &[(&str, &[&str])] = &[
         ("core", &[]),
         ("core/nostd", &["core"]),
+        ("core/train", &["core"]),
         ("emulators", &["core"]),
         ("fixtures", &[]),
         ("hil/records", &["core"]),

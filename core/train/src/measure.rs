@@ -1,0 +1,201 @@
+//! What a trained model is held against: a mean, principal components, nearest neighbours, rank correlation.
+
+use ndarray::{Array1, Array2, ArrayView1, Axis};
+use palpate_core::random::Stream;
+
+use crate::windows::{Place, Windows};
+
+/// Windows as the network sees them, one a row, `[places, length * features]`.
+pub fn matrix(windows: &Windows, places: &[Place]) -> Array2<f32> {
+    let features = windows.recordings.columns.len();
+    let span: Vec<f32> = windows
+        .scale
+        .max
+        .iter()
+        .zip(&windows.scale.min)
+        .map(|(max, min)| max - min)
+        .collect();
+    let mut values = Vec::with_capacity(places.len() * windows.length * features);
+    for &place in places {
+        let raw = windows.raw(place);
+        for row in raw.chunks_exact(features) {
+            values.extend(
+                row.iter()
+                    .zip(raw)
+                    .zip(&span)
+                    .map(|((now, first), span)| (now - first) / span),
+            );
+        }
+    }
+    Array2::from_shape_vec((places.len(), windows.length * features), values)
+        .expect("rows of one length")
+}
+
+/// The mean and the leading principal components of some rows.
+pub struct Components {
+    mean: Array1<f32>,
+    /// Orthonormal rows.
+    axes: Array2<f32>,
+}
+
+impl Components {
+    /// Subspace iteration from a seeded start; forty rounds settle components that differ by a tenth in variance.
+    pub fn fit(rows: &Array2<f32>, count: usize) -> Self {
+        let mean = rows
+            .mean_axis(Axis(0))
+            .unwrap_or_else(|| Array1::zeros(rows.ncols()));
+        let centred = rows - &mean;
+        let mut stream = Stream::new(1, "principal components");
+        let mut axes = Array2::from_shape_fn((count, rows.ncols()), |_| stream.normal() as f32);
+        for _ in 0..40 {
+            axes = centred.dot(&axes.t()).t().dot(&centred);
+            orthonormalise(&mut axes);
+        }
+        Self { mean, axes }
+    }
+
+    /// Coordinates of rows.
+    pub fn scores(&self, rows: &Array2<f32>) -> Array2<f32> {
+        (rows - &self.mean).dot(&self.axes.t())
+    }
+
+    /// Mean squared error of what the components keep of some rows.
+    pub fn error(&self, rows: &Array2<f32>) -> f64 {
+        mean_square(&(rows - &self.mean - self.scores(rows).dot(&self.axes)))
+    }
+
+    /// Mean squared error of the mean alone.
+    pub fn error_of_mean(&self, rows: &Array2<f32>) -> f64 {
+        mean_square(&(rows - &self.mean))
+    }
+}
+
+fn mean_square(values: &Array2<f32>) -> f64 {
+    values
+        .iter()
+        .map(|&v| f64::from(v) * f64::from(v))
+        .sum::<f64>()
+        / values.len().max(1) as f64
+}
+
+/// Gram and Schmidt, row by row.
+fn orthonormalise(rows: &mut Array2<f32>) {
+    for row in 0..rows.nrows() {
+        for earlier in 0..row {
+            let other = rows.row(earlier).to_owned();
+            let share = rows.row(row).dot(&other);
+            rows.row_mut(row).scaled_add(-share, &other);
+        }
+        let length = rows
+            .row(row)
+            .dot(&rows.row(row))
+            .sqrt()
+            .max(f32::MIN_POSITIVE);
+        rows.row_mut(row).mapv_inplace(|v| v / length);
+    }
+}
+
+/// Share of `asked` whose label the `k` nearest of `known` vote for; ties go to the nearest. Coordinates are first
+/// brought to the same spread over the known.
+pub fn neighbours(known: &[(Vec<f32>, usize)], asked: &[(Vec<f32>, usize)], k: usize) -> f64 {
+    let Some(width) = known.first().map(|(z, _)| z.len()) else {
+        return 0.0;
+    };
+    let spread: Vec<f32> = (0..width)
+        .map(|c| {
+            let column: Array1<f32> = known.iter().map(|(z, _)| z[c]).collect();
+            column.std(0.0).max(f32::MIN_POSITIVE)
+        })
+        .collect();
+    let distance = |a: &[f32], b: &[f32]| -> f32 {
+        a.iter()
+            .zip(b)
+            .zip(&spread)
+            .map(|((a, b), s)| ((a - b) / s).powi(2))
+            .sum()
+    };
+    let right = asked.iter().filter(|(z, label)| {
+        let mut near: Vec<(f32, usize)> = known
+            .iter()
+            .map(|(other, label)| (distance(z, other), *label))
+            .collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        near.truncate(k);
+        let votes = |label: usize| near.iter().filter(|n| n.1 == label).count();
+        let most = near.iter().map(|n| votes(n.1)).max().unwrap_or(0);
+        near.iter()
+            .find(|n| votes(n.1) == most)
+            .is_some_and(|n| n.1 == *label)
+    });
+    right.count() as f64 / asked.len().max(1) as f64
+}
+
+/// Spearman's rank correlation; equal values share their mean rank.
+pub fn spearman(a: &[f32], b: &[f32]) -> f64 {
+    let (a, b) = (ranks(a), ranks(b));
+    let centre = |v: &[f64]| {
+        let mean = v.iter().sum::<f64>() / v.len().max(1) as f64;
+        v.iter().map(|x| x - mean).collect::<Array1<f64>>()
+    };
+    let (a, b) = (centre(&a), centre(&b));
+    let length = |v: ArrayView1<'_, f64>| v.dot(&v).sqrt();
+    let product = length(a.view()) * length(b.view());
+    if product > 0.0 {
+        a.dot(&b) / product
+    } else {
+        0.0
+    }
+}
+
+fn ranks(values: &[f32]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let mut ranks = vec![0.0; values.len()];
+    for equal in order.chunk_by(|&a, &b| values[a].total_cmp(&values[b]).is_eq()) {
+        let first = order.iter().position(|o| *o == equal[0]).unwrap_or(0);
+        for &index in equal {
+            ranks[index] = first as f64 + (equal.len() - 1) as f64 / 2.0;
+        }
+    }
+    ranks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn components_find_a_plane() {
+        let mut stream = Stream::new(5, "plane");
+        let plane: Vec<f32> = (0..2 * 30).map(|_| stream.normal() as f32).collect();
+        let plane = Array2::from_shape_vec((2, 30), plane).unwrap();
+        let places =
+            Array2::from_shape_fn((200, 2), |(_, c)| stream.normal() as f32 * [3.0, 1.0][c]);
+        let rows = places.dot(&plane) + 5.0;
+        let two = Components::fit(&rows, 2);
+        assert!(two.error(&rows) < 1e-6 * two.error_of_mean(&rows));
+        let one = Components::fit(&rows, 1);
+        assert!(one.error(&rows) > 1e-2 * one.error_of_mean(&rows));
+        assert!(one.error(&rows) < 0.3 * one.error_of_mean(&rows));
+    }
+
+    #[test]
+    fn ranks_correlate_as_by_hand() {
+        assert!((spearman(&[1.0, 2.0, 3.0, 4.0], &[10.0, 20.0, 25.0, 90.0]) - 1.0).abs() < 1e-12);
+        assert!((spearman(&[1.0, 2.0, 3.0], &[3.0, 2.0, 1.0]) + 1.0).abs() < 1e-12);
+        // ranks 0, 1.5, 1.5, 3 against 0, 1, 2, 3: 4.5 / sqrt(4.5 * 5)
+        let tied = spearman(&[1.0, 2.0, 2.0, 3.0], &[1.0, 2.0, 3.0, 4.0]);
+        assert!((tied - 4.5 / (4.5f64 * 5.0).sqrt()).abs() < 1e-12);
+        assert_eq!(spearman(&[1.0, 1.0], &[1.0, 2.0]), 0.0);
+    }
+
+    #[test]
+    fn neighbours_vote_and_units_do_not_matter() {
+        let known: Vec<_> = (0..10)
+            .map(|i| (vec![(i % 2) as f32, 1000.0 * i as f32], i % 2))
+            .collect();
+        let asked = vec![(vec![0.1, 3000.0], 0), (vec![0.9, 4000.0], 1)];
+        assert_eq!(neighbours(&known, &asked, 3), 1.0);
+        assert_eq!(neighbours(&[], &asked, 3), 0.0);
+    }
+}

@@ -1,0 +1,165 @@
+//! One run from first epoch to figures: progress on stderr, the model file, and what the model is worth.
+
+use std::io::Write;
+use std::process::Command;
+use std::time::Instant;
+
+use serde_json::json;
+
+use crate::Arguments;
+use crate::failure::Failure;
+use crate::measure::{self, Components};
+use crate::model_file::{self, About};
+use crate::network::Network;
+use crate::recordings::Rating;
+use crate::training::{self, Plain, Progress, Settings};
+use crate::windows::{Split, Windows};
+
+/// Principal components to compare with: as many as the thesis's latent vector.
+const COMPONENTS: usize = 3;
+/// Neighbours that vote.
+const NEIGHBOURS: usize = 5;
+
+/// Trains, writes the model, measures it and says so.
+pub fn run(
+    arguments: &Arguments,
+    windows: &Windows,
+    split: &Split,
+    ratings: &[Rating],
+    settings: &Settings,
+) -> Result<(), Failure> {
+    #[allow(clippy::disallowed_methods)] // progress and --minutes; no result depends on it
+    let began = Instant::now();
+    let says = |progress: &Progress, _: &Network<Plain>| {
+        let minutes = began.elapsed().as_secs_f64() / 60.0;
+        let last = |errors: &[f64]| errors.last().copied().unwrap_or(f64::NAN);
+        eprintln!(
+            "epoch {}/{}: training {:.6}, validation {:.6} (best in epoch {}), {minutes:.1} min",
+            progress.epochs,
+            settings.epochs,
+            last(&progress.train),
+            last(&progress.validation),
+            progress.best_epoch,
+        );
+        Ok(arguments.minutes.is_none_or(|limit| minutes < limit))
+    };
+    let folder = arguments.checkpoint.as_deref();
+    let (network, progress) = training::train(windows, split, ratings, settings, folder, says)?;
+    let test = windows.of(&split.test, 1);
+    let test_error = training::reconstruction(&network, windows, &test);
+    let latent = model_file::drivers(&network, windows, &split.train, ratings);
+    let figures = json!({
+        "recordings": windows.recordings.all.len(),
+        "features": windows.recordings.columns.len(),
+        "epochs": progress.epochs,
+        "best_epoch": progress.best_epoch,
+        "minutes": began.elapsed().as_secs_f64() / 60.0,
+        "test": against_others(windows, split, test_error),
+        "unseen": (!split.unseen.is_empty()).then(|| {
+            let unseen = windows.of(&split.unseen, 4);
+            training::reconstruction(&network, windows, &unseen)
+        }),
+        "neighbours": by_neighbours(&network, windows, split),
+        "latent": latent,
+        "curve": progress,
+    });
+    let about = About {
+        windows,
+        split,
+        settings,
+        progress: &progress,
+        test_error,
+        latent,
+        command: command(),
+        revision: arguments.revision.clone().unwrap_or_else(revision),
+    };
+    model_file::write(&arguments.model, &network, &about)?;
+    let text = format!("{figures:#}\n");
+    if let Some(path) = &arguments.report {
+        std::fs::write(path, &text).map_err(|e| Failure::file(path, e))?;
+    }
+    // Nobody to tell is no reason to fail: the model is written.
+    let _closed = std::io::stdout().write_all(text.as_bytes());
+    Ok(())
+}
+
+/// Reconstruction of the test recordings beside that of a mean and of principal components.
+fn against_others(windows: &Windows, split: &Split, network: f64) -> serde_json::Value {
+    let known = measure::matrix(windows, &windows.of(&split.train, 4));
+    let components = Components::fit(&known, COMPONENTS);
+    let asked = measure::matrix(windows, &windows.of(&split.test, 1));
+    json!({
+        "network": network,
+        "mean": components.error_of_mean(&asked),
+        "pca3": components.error(&asked),
+    })
+}
+
+/// Labels of the test recordings by their neighbours among the others: the network's latent vectors, and principal
+/// components. A recording stands for itself by the mean over its windows.
+fn by_neighbours(network: &Network<Plain>, windows: &Windows, split: &Split) -> serde_json::Value {
+    let labels = windows.recordings.labels();
+    let components = Components::fit(
+        &measure::matrix(windows, &windows.of(&split.train, 4)),
+        COMPONENTS,
+    );
+    let points = |part: &[usize], pca: bool| -> Vec<(Vec<f32>, usize)> {
+        let point = |&recording: &usize| {
+            let places = windows.of(&[recording], 10);
+            let all = if pca {
+                let scores = components.scores(&measure::matrix(windows, &places));
+                scores.rows().into_iter().map(|row| row.to_vec()).collect()
+            } else {
+                training::latents(network, windows, &places)
+            };
+            let label = labels
+                .binary_search(&windows.recordings.all[recording].label)
+                .ok()?;
+            Some((mean(&all)?, label))
+        };
+        part.iter().filter_map(point).collect()
+    };
+    let known: Vec<usize> = split
+        .train
+        .iter()
+        .chain(&split.validation)
+        .copied()
+        .collect();
+    let share =
+        |pca| measure::neighbours(&points(&known, pca), &points(&split.test, pca), NEIGHBOURS);
+    json!({ "network": share(false), "pca3": share(true), "labels": labels.len() })
+}
+
+fn mean(all: &[Vec<f32>]) -> Option<Vec<f32>> {
+    let mut sum = vec![0.0; all.first()?.len()];
+    for one in all {
+        sum.iter_mut()
+            .zip(one)
+            .for_each(|(sum, value)| *sum += value / all.len() as f32);
+    }
+    Some(sum)
+}
+
+/// The command line, without the folders that only this machine has.
+fn command() -> String {
+    let short = |argument: String| {
+        let last = argument.rsplit('/').next().unwrap_or_default().to_owned();
+        if argument.starts_with('/') {
+            last
+        } else {
+            argument
+        }
+    };
+    std::env::args().map(short).collect::<Vec<_>>().join(" ")
+}
+
+fn revision() -> String {
+    let asked = Command::new("git")
+        .args(["describe", "--always", "--dirty"])
+        .output();
+    let text = asked
+        .ok()
+        .filter(|o| o.status.success())
+        .map(|o| String::from_utf8_lossy(&o.stdout).trim().to_owned());
+    text.unwrap_or_else(|| "unknown".into())
+}

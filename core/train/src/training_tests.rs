@@ -1,0 +1,224 @@
+//! A run that was interrupted ends where one ends that was not; a model file holds what its network does.
+
+use super::*;
+use crate::model_file::{self, About};
+use crate::recordings::{Recording, Recordings};
+use crate::windows::{Scale, Windows};
+use safetensors::SafeTensors;
+
+fn small() -> (Windows, Split, Vec<Rating>) {
+    let recording = |n: usize| {
+        let label = ["rough", "smooth"][n % 2];
+        let at = |row: usize, feature: usize| {
+            let buzz = if label == "rough" { 40.0 } else { 5.0 };
+            let wave = (row as f32 * (0.9 + 0.1 * n as f32) + feature as f32).sin();
+            1000.0 + 30.0 * row as f32 * (feature as f32 - 1.0) + buzz * wave
+        };
+        Recording {
+            name: format!("{label}_{n}"),
+            label: label.into(),
+            values: (0..30)
+                .flat_map(|row| (0..4).map(move |f| at(row, f)))
+                .collect(),
+        }
+    };
+    let recordings = Recordings {
+        columns: ["a", "b", "c", "d"].map(String::from).to_vec(),
+        all: (0..12).map(recording).collect(),
+    };
+    let rating = |(label, roughness): (&str, f32)| Rating {
+        label: label.into(),
+        trained: true,
+        hardness: 3.0,
+        roughness,
+        friction: roughness,
+    };
+    let split = Split::new(&recordings, |_| true, [60, 20, 20], 1);
+    let scale = Scale::new(&recordings, &split.train);
+    let ratings = [("rough", 5.0), ("smooth", 2.0)].map(rating).to_vec();
+    (
+        Windows {
+            recordings,
+            scale,
+            length: 12,
+        },
+        split,
+        ratings,
+    )
+}
+
+fn settings(epochs: usize) -> Settings {
+    Settings {
+        seed: 3,
+        latent: 3,
+        batch: 8,
+        rate: 2e-3,
+        last_rate: 1e-4,
+        epochs,
+        hop: 3,
+        patience: 100,
+        align: 0.1,
+    }
+}
+
+fn run(epochs: usize, folder: Option<&Path>, stop_after: usize) -> (Network<Plain>, Progress) {
+    let (windows, split, ratings) = small();
+    let go_on = |progress: &Progress, _: &Network<Plain>| Ok(progress.epochs < stop_after);
+    train(&windows, &split, &ratings, &settings(epochs), folder, go_on).unwrap()
+}
+
+fn weights(network: &Network<Plain>) -> Vec<f32> {
+    network.encoder[0]
+        .weight_ih
+        .val()
+        .into_data()
+        .into_vec()
+        .unwrap()
+}
+
+#[test]
+fn an_interrupted_run_ends_where_an_uninterrupted_one_does() {
+    let folder = std::env::temp_dir().join(format!("palpate-train-resume-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let (whole, progress) = run(4, None, 99);
+    let (_, half) = run(4, Some(&folder), 2);
+    assert_eq!(half.epochs, 2);
+    let (resumed, again) = run(4, Some(&folder), 99);
+    assert_eq!(progress, again);
+    assert_eq!(weights(&whole), weights(&resumed));
+    assert!(
+        progress.validation[3] < progress.validation[0],
+        "{progress:?}"
+    );
+
+    let (windows, split, ratings) = small();
+    let other = Settings {
+        rate: 1e-3,
+        ..settings(4)
+    };
+    let refused = train(&windows, &split, &ratings, &other, Some(&folder), |_, _| {
+        Ok(true)
+    });
+    assert!(refused.is_err_and(|e| e.to_string().contains("other settings")));
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// The encoder of a model file on its golden window, in f64 and from the equations alone.
+fn encode(file: &SafeTensors<'_>) -> Vec<f64> {
+    let get = |name: &str| -> Vec<f64> {
+        let bytes = file.tensor(name).unwrap().data().to_vec();
+        bytes
+            .chunks_exact(4)
+            .map(|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])))
+            .collect()
+    };
+    let (raw, min, max) = (get("golden.window"), get("scale.min"), get("scale.max"));
+    let features = min.len();
+    let mut rows: Vec<Vec<f64>> = raw
+        .chunks_exact(features)
+        .map(|row| {
+            (0..features)
+                .map(|f| (row[f] - raw[f]) / (max[f] - min[f]))
+                .collect()
+        })
+        .collect();
+    let sigmoid = |v: f64| 1.0 / (1.0 + (-v).exp());
+    for layer in 0..4 {
+        let part = |name: &str| get(&format!("encoder.{layer}.{name}"));
+        let (ih, hh, a, c) = (
+            part("weight_ih"),
+            part("weight_hh"),
+            part("bias_ih"),
+            part("bias_hh"),
+        );
+        let units = a.len() / 3;
+        let mut h = vec![0.0; units];
+        for row in &mut rows {
+            let dot = |m: &[f64], r: usize, v: &[f64]| -> f64 {
+                (0..v.len()).map(|i| m[r * v.len() + i] * v[i]).sum()
+            };
+            let x = |r: usize| dot(&ih, r, row) + a[r];
+            let y = |r: usize| dot(&hh, r, &h) + c[r];
+            let unit = |i: usize| {
+                let z = sigmoid(x(units + i) + y(units + i));
+                let n = (x(2 * units + i) + sigmoid(x(i) + y(i)) * y(2 * units + i)).tanh();
+                (1.0 - z) * n + z * h[i]
+            };
+            let next: Vec<f64> = (0..units).map(unit).collect();
+            h.clone_from(&next);
+            *row = next;
+        }
+    }
+    rows.pop().unwrap()
+}
+
+#[test]
+fn a_model_file_holds_the_network_and_its_golden_vector() {
+    let (windows, split, ratings) = small();
+    let (network, progress) = run(3, None, 99);
+    let path = std::env::temp_dir().join(format!(
+        "palpate-train-model-{}.safetensors",
+        std::process::id()
+    ));
+    let about = About {
+        windows: &windows,
+        split: &split,
+        settings: &settings(3),
+        progress: &progress,
+        test_error: 0.5,
+        latent: model_file::drivers(&network, &windows, &split.train, &ratings),
+        command: "palpate-train".into(),
+        revision: "test".into(),
+    };
+    model_file::write(&path, &network, &about).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    let file = SafeTensors::deserialize(&bytes).unwrap();
+    let golden = file.tensor("golden.latent").unwrap().data().to_vec();
+    let golden = golden
+        .chunks_exact(4)
+        .map(|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])));
+    let expected = encode(&file);
+    assert_eq!(expected.len(), 3);
+    for (golden, expected) in golden.zip(expected) {
+        assert!(
+            golden.abs() > 1e-4 && (golden - expected).abs() < 2e-6,
+            "{golden} {expected}"
+        );
+    }
+    let (_, header) = SafeTensors::read_metadata(&bytes).unwrap();
+    let about = header.metadata().clone().unwrap();
+    assert_eq!(about["format"], model_file::FORMAT);
+    let names: Vec<String> = serde_json::from_str(&about["features"]).unwrap();
+    assert_eq!(
+        (names, about["window"].as_str()),
+        (windows.recordings.columns.clone(), "12")
+    );
+    let latent: serde_json::Value = serde_json::from_str(&about["latent"]).unwrap();
+    let driver = &latent["roughness"];
+    assert!(driver["z_lo"].as_f64() < driver["z_hi"].as_f64());
+    // No other coordinate goes with the ratings better.
+    let places = windows.of(&split.train, 4);
+    let rated: Vec<f32> = places
+        .iter()
+        .map(|p| {
+            if windows.recording(*p).label == "rough" {
+                5.0
+            } else {
+                2.0
+            }
+        })
+        .collect();
+    let all = latents(&network, &windows, &places);
+    let found = driver["spearman"].as_f64().unwrap();
+    for coordinate in 0..3 {
+        let z: Vec<f32> = all.iter().map(|z| z[coordinate]).collect();
+        let here = crate::measure::spearman(&z, &rated);
+        assert!(here.abs() <= found.abs() + 1e-9);
+        if driver["coordinate"] == coordinate {
+            assert!(
+                (here - found).abs() < 1e-9 && driver["sign"] == if here < 0.0 { -1 } else { 1 }
+            );
+        }
+    }
+}
