@@ -207,7 +207,7 @@ impl Uhid {
 }
 
 /// Looks for the bridge of this name until it is there or nobody wants to know any more.
-#[allow(clippy::disallowed_methods)] // the kernel makes its device when it likes, and there is nothing to wait on
+#[allow(clippy::disallowed_methods)] // a thread of its own, and nothing depends on when it looks
 fn search(unique: &str, found: &Weak<OnceLock<PathBuf>>) {
     let ours = format!("HID_UNIQ={unique}");
     let is_ours = |device: &PathBuf| {
