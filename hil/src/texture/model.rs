@@ -30,13 +30,13 @@ pub struct Tensor {
 /// One GRU layer of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
-    /// [3H, I], gates r, z, n.
+    /// `[3H, I]`, gates r, z, n.
     pub weight_ih: Tensor,
-    /// [3H, H].
+    /// `[3H, H]`.
     pub weight_hh: Tensor,
-    /// [3H].
+    /// `[3H]`.
     pub bias_ih: Tensor,
-    /// [3H].
+    /// `[3H]`.
     pub bias_hh: Tensor,
 }
 

@@ -2,7 +2,7 @@
 
 use palpate_core::texture::{Gru, Model};
 
-/// z of one window [sample][feature] of raw counts. The model's shapes fit (an `Encoder` was made of it).
+/// z of one window `[sample][feature]` of raw counts. The model's shapes fit (an `Encoder` was made of it).
 pub fn encode(model: &Model<'_>, window: &[f32]) -> Vec<f64> {
     let features = model.scale_min.len();
     let range = |i: usize| f64::from(model.scale_max[i]) - f64::from(model.scale_min[i]);

@@ -24,13 +24,13 @@ pub struct Layer {
     pub inputs: usize,
     /// Units H.
     pub units: usize,
-    /// [3H, I].
+    /// `[3H, I]`.
     pub weight_ih: Vec<f32>,
-    /// [3H, H].
+    /// `[3H, H]`.
     pub weight_hh: Vec<f32>,
-    /// [3H].
+    /// `[3H]`.
     pub bias_ih: Vec<f32>,
-    /// [3H].
+    /// `[3H]`.
     pub bias_hh: Vec<f32>,
 }
 
@@ -143,7 +143,7 @@ impl Seeded {
     }
 }
 
-/// Raw counts [sample][feature] that look like a stroke: an offset, slow waves, noise.
+/// Raw counts `[sample][feature]` that look like a stroke: an offset, slow waves, noise.
 pub fn stroke(seed: u64, samples: usize, features: usize) -> Vec<f32> {
     let mut draw = Stream::new(seed, "stroke");
     let shape: Vec<[f64; 3]> = (0..features)
