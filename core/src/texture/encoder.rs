@@ -90,8 +90,8 @@ impl Encoder {
         }
     }
 
-    /// Latent vectors of as many windows as `samples` holds, [window][sample][feature], raw counts; returns
-    /// [window][latent], every value in -1..1.
+    /// Latent vectors of as many windows as `samples` holds, `[window][sample][feature]`, raw counts; returns
+    /// `[window][latent]`, every value in -1..1.
     ///
     /// # Errors
     /// A length that is no whole number of windows or more than the room holds; a value that is not finite.
@@ -157,16 +157,16 @@ impl Encoder {
 #[derive(Clone, Debug)]
 pub struct Room {
     pub(super) windows: usize,
-    /// [sample][window][feature].
+    /// `[sample][window][feature]`.
     scaled: Vec<f32>,
-    /// [step][window][block][gate][lane].
+    /// `[step][window][block][gate][lane]`.
     pub(super) sums: Aligned,
     /// The first samples' projections.
     base: Aligned,
-    /// [step][window][unit, padded].
+    /// `[step][window][unit, padded]`.
     states: Aligned,
     zeros: Aligned,
-    /// [window][latent].
+    /// `[window][latent]`.
     pub(super) latents: Vec<f32>,
 }
 
@@ -233,7 +233,7 @@ impl WithSimd for Whole<'_> {
     }
 }
 
-/// From the first layer's sums in `room` [step][window] through all layers, to `room.latents`.
+/// From the first layer's sums in `room` `[step][window]` through all layers, to `room.latents`.
 #[inline(always)]
 pub(super) fn layers<S: Simd>(simd: S, encoder: &Encoder, room: &mut Room, windows: usize) {
     let steps = encoder.steps;

@@ -35,7 +35,7 @@ impl<'a> Rows<'a> {
 pub(super) enum Input<'a> {
     /// Inputs of every column, still to be weighted.
     Raw(Rows<'a>),
-    /// The sums of bias and weighted inputs, [column][block][gate][lane].
+    /// The sums of bias and weighted inputs, `[column][block][gate][lane]`.
     Summed(Rows<'a>),
 }
 
@@ -81,7 +81,7 @@ fn three<S: Simd>(values: &[f32]) -> [S::f32s; 3] {
     [wide[0], wide[1], wide[2]]
 }
 
-/// Weighted inputs of `columns` columns, with the bias or without, to `out` [column][block][gate][lane].
+/// Weighted inputs of `columns` columns, with the bias or without, to `out` `[column][block][gate][lane]`.
 #[inline(always)]
 pub(super) fn project<S: Simd>(
     simd: S,
@@ -125,7 +125,7 @@ pub(super) fn project<S: Simd>(
     }
 }
 
-/// One step of a layer for `columns` columns: their states `now` to `next`, both [column][unit, padded].
+/// One step of a layer for `columns` columns: their states `now` to `next`, both `[column][unit, padded]`.
 #[inline(always)]
 pub(super) fn step<S: Simd>(
     simd: S,

@@ -15,13 +15,13 @@ pub struct Gru<'a> {
     pub inputs: usize,
     /// Units H.
     pub units: usize,
-    /// [3H, I], row by row.
+    /// `[3H, I]`, row by row.
     pub weight_ih: &'a [f32],
-    /// [3H, H], row by row.
+    /// `[3H, H]`, row by row.
     pub weight_hh: &'a [f32],
-    /// [3H].
+    /// `[3H]`.
     pub bias_ih: &'a [f32],
-    /// [3H].
+    /// `[3H]`.
     pub bias_hh: &'a [f32],
 }
 

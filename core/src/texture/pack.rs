@@ -55,13 +55,13 @@ pub(super) struct Layer {
     pub(super) units: usize,
     /// Units of a block: the width of a vector.
     pub(super) lanes: usize,
-    /// [block][input][gate][lane].
+    /// `[block][input][gate][lane]`.
     pub(super) input: Aligned,
-    /// [block][unit][gate][lane].
+    /// `[block][unit][gate][lane]`.
     pub(super) hidden: Aligned,
-    /// [block][gate][lane]: what sums start from; both biases for r and z, the input's for n.
+    /// `[block][gate][lane]`: what sums start from; both biases for r and z, the input's for n.
     pub(super) bias: Aligned,
-    /// [block][lane]: n's bias on the state's side of the reset gate.
+    /// `[block][lane]`: n's bias on the state's side of the reset gate.
     pub(super) bias_hidden: Aligned,
 }
 

@@ -59,15 +59,15 @@ pub struct Stream {
     encoder: Arc<Encoder>,
     modules: usize,
     seen: u64,
-    /// [module][feature].
+    /// `[module][feature]`.
     scaled: Vec<f32>,
-    /// The last samples' projections by the first layer, [sample, a ring][module][block][gate][lane].
+    /// The last samples' projections by the first layer, `[sample, a ring][module][block][gate][lane]`.
     ring: Aligned,
     /// Which samples of the ring began a window.
     begun: Vec<bool>,
     /// The windows that are being stepped: the place in the ring of the sample they began with.
     slots: Vec<usize>,
-    /// A layer's states, [slot][module][unit, padded], before and after this sample.
+    /// A layer's states, `[slot][module][unit, padded]`, before and after this sample.
     now: Vec<Aligned>,
     next: Vec<Aligned>,
     sums: Aligned,
@@ -104,8 +104,8 @@ impl Stream {
         self.slots.len()
     }
 
-    /// Takes a sample of every module, [module][feature], raw counts. With `begin` a window starts with it. Returns
-    /// the latent vectors [module][latent] of the window that ended with it, if one did.
+    /// Takes a sample of every module, `[module][feature]`, raw counts. With `begin` a window starts with it. Returns
+    /// the latent vectors `[module][latent]` of the window that ended with it, if one did.
     ///
     /// # Errors
     /// A wrong length or a value that is not finite; the stream is as before, the sample not taken.
@@ -143,7 +143,7 @@ impl Stream {
             .map(|slot| self.close(slot)))
     }
 
-    /// The latent vectors [module][latent] of the window that ends with the newest sample, computed at once from the
+    /// The latent vectors `[module][latent]` of the window that ends with the newest sample, computed at once from the
     /// projections that are kept; none before there are enough samples. The same bits as from [`Stream::push`].
     pub fn newest<'r>(&self, room: &'r mut Room) -> Option<&'r [f32]> {
         let window = self.encoder.window();

@@ -7,7 +7,7 @@ use palpate_core::vector::Vectors;
 
 use super::Size;
 
-/// A layer's weights as slices, row-major: `ih` [3H, I], `hh` [3H, H], biases [3H].
+/// A layer's weights as slices, row-major: `ih` `[3H, I]`, `hh` `[3H, H]`, biases `[3H]`.
 #[derive(Clone, Debug)]
 pub struct Flat {
     pub ih: Vec<f32>,
