@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::files::FileError;
+use palpate_files::FileError;
 
 /// Why a command failed; the kinds are the exit statuses of the command line.
 #[derive(Debug)]

@@ -13,9 +13,9 @@ use palpate_records::felt::{FeltOnset, FeltScore, scores};
 use palpate_records::trace::{FeltAt, PlaceUm};
 
 use crate::failure::Failure;
-use crate::files::{Setup, load_bench, load_perceiver};
 use crate::plan;
 use crate::run::um;
+use palpate_files::{Setup, load_bench, load_perceiver};
 
 /// The published drive: 100 of 4096 ticks at every level.
 const DRIVE: Drive = Drive {

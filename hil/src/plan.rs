@@ -19,7 +19,7 @@ use palpate_core::units::{Board, Channel, Duration, Milliamps, Point, Prescale};
 use palpate_core::wire::uskin::IdProfile;
 
 use crate::failure::Failure;
-use crate::files::{self, Setup};
+use palpate_files::Setup;
 
 /// Millimetres of a file as the core counts them.
 fn point([x, y]: [f64; 2]) -> Point {
@@ -28,7 +28,7 @@ fn point([x, y]: [f64; 2]) -> Point {
 
 /// One module of a sensor layout file. A module that several boards read is one here, under the first
 /// board's address.
-fn module(file: &files::Module, axes: u8) -> Result<Module, LayoutError> {
+fn module(file: &palpate_files::Module, axes: u8) -> Result<Module, LayoutError> {
     let limited = |n: usize| u16::try_from(n).unwrap_or(u16::MAX);
     let built = match (&file.grid, file.scattered()) {
         (Some(grid), _) => Module::grid(
@@ -60,7 +60,7 @@ fn module(file: &files::Module, axes: u8) -> Result<Module, LayoutError> {
 ///
 /// # Errors
 /// [`Failure::Input`] with the file's name and what no layout can be.
-pub fn layout(file: &files::SensorLayout) -> Result<Layout, Failure> {
+pub fn layout(file: &palpate_files::SensorLayout) -> Result<Layout, Failure> {
     let modules = file
         .modules
         .iter()
@@ -71,7 +71,7 @@ pub fn layout(file: &files::SensorLayout) -> Result<Layout, Failure> {
 }
 
 /// The I2C addresses on each of a bench's buses, ascending. Boards are numbered through in this order.
-pub fn buses(bench: &files::Bench) -> Vec<Vec<u8>> {
+pub fn buses(bench: &palpate_files::Bench) -> Vec<Vec<u8>> {
     let count = bench.outputs.iter().map(|o| usize::from(o.bus) + 1).max();
     let mut buses = vec![Vec::new(); count.unwrap_or(0)];
     for output in &bench.outputs {
@@ -85,12 +85,12 @@ pub fn buses(bench: &files::Bench) -> Vec<Vec<u8>> {
 }
 
 /// The I2C addresses of all boards: a board's number is its place here.
-pub fn boards(bench: &files::Bench) -> Vec<u8> {
+pub fn boards(bench: &palpate_files::Bench) -> Vec<u8> {
     buses(bench).concat()
 }
 
 /// The number of the board that carries an output.
-fn board(buses: &[Vec<u8>], output: &files::Output) -> Board {
+fn board(buses: &[Vec<u8>], output: &palpate_files::Output) -> Board {
     let bus = usize::from(output.bus);
     let before: usize = buses.iter().take(bus).map(Vec::len).sum();
     let place = buses
@@ -118,7 +118,7 @@ pub fn display(setup: &Setup) -> Result<Display, Failure> {
 /// # Errors
 /// [`Failure::Input`] with what no display can be.
 pub fn display_of(
-    file: &files::DisplayLayout,
+    file: &palpate_files::DisplayLayout,
     output: impl Fn(usize) -> (Board, Channel),
 ) -> Result<Display, Failure> {
     let wire = |(index, place): (usize, &[f64; 2])| {
@@ -144,7 +144,7 @@ pub fn display_of(
 ///
 /// # Errors
 /// [`Failure::Input`] for no frequency at all.
-pub fn prescale(bench: &files::Bench) -> Result<Prescale, Failure> {
+pub fn prescale(bench: &palpate_files::Bench) -> Result<Prescale, Failure> {
     Prescale::from_hz(bench.drive.pwm_hz).ok_or_else(|| {
         Failure::Input(format!(
             "bench `{}`: expected a PWM frequency above 0",
@@ -159,7 +159,7 @@ pub fn wire(setup: &Setup) -> WireParameters {
 }
 
 /// The guard's limits: a limit table with the bench's supply.
-pub fn limits(table: &files::Limits, supply: Milliamps) -> Limits {
+pub fn limits(table: &palpate_files::Limits, supply: Milliamps) -> Limits {
     let scaled = |value: f64, scale: f64| (value * scale).round() as u64;
     Limits {
         pulse_width_ns: scaled(table.pulse.width_us, 1e3),
@@ -186,37 +186,37 @@ pub fn milliamps(ma: f64) -> Milliamps {
 }
 
 /// Axes of a scene file.
-pub const fn axes(axes: files::Axes) -> Axes {
+pub const fn axes(axes: palpate_files::Axes) -> Axes {
     match axes {
-        files::Axes::Xyz => Axes::XYZ,
-        files::Axes::Z => Axes::Z,
+        palpate_files::Axes::Xyz => Axes::XYZ,
+        palpate_files::Axes::Z => Axes::Z,
     }
 }
 
 /// Norm of a scene file.
-pub const fn norm(norm: files::Norm) -> Norm {
+pub const fn norm(norm: palpate_files::Norm) -> Norm {
     match norm {
-        files::Norm::L1 => Norm::L1,
-        files::Norm::L2 => Norm::L2,
-        files::Norm::Linf => Norm::LInf,
+        palpate_files::Norm::L1 => Norm::L1,
+        palpate_files::Norm::L2 => Norm::L2,
+        palpate_files::Norm::Linf => Norm::LInf,
     }
 }
 
 /// Where K_C counts, of a scene file.
-pub const fn scope(scope: files::Scope) -> Scope {
+pub const fn scope(scope: palpate_files::Scope) -> Scope {
     match scope {
-        files::Scope::Module => Scope::Module,
-        files::Scope::Skin => Scope::Skin,
+        palpate_files::Scope::Module => Scope::Module,
+        palpate_files::Scope::Skin => Scope::Skin,
     }
 }
 
 /// The contact threshold of a scene.
-fn threshold(scene: &files::Scene) -> ThresholdRule {
+fn threshold(scene: &palpate_files::Scene) -> ThresholdRule {
     let margin = scene.threshold_margin as f32;
     match scene.threshold {
-        files::ThresholdRule::Maximum => ThresholdRule::Auto { margin },
-        files::ThresholdRule::PerTaxel => ThresholdRule::PerTaxel {
-            sigmas: files::THRESHOLD_SIGMAS as f32,
+        palpate_files::ThresholdRule::Maximum => ThresholdRule::Auto { margin },
+        palpate_files::ThresholdRule::PerTaxel => ThresholdRule::PerTaxel {
+            sigmas: palpate_files::THRESHOLD_SIGMAS as f32,
             floor: margin,
         },
     }
@@ -224,7 +224,7 @@ fn threshold(scene: &files::Scene) -> ThresholdRule {
 
 /// The silence that ends a scan. On a bus with room the frames of a scan come within milliseconds; on one
 /// that waiting boards overload they spread over the whole scan, and the next scan's follow a scan later.
-fn scan_gap(layout: &Layout, scene: &files::Scene) -> Duration {
+fn scan_gap(layout: &Layout, scene: &palpate_files::Scene) -> Duration {
     const FRAME_S: f64 = 117e-6;
     let period = 1.0 / scene.rate_hz;
     let taxels_on = |bus: u8| {
@@ -235,7 +235,7 @@ fn scan_gap(layout: &Layout, scene: &files::Scene) -> Duration {
     };
     let fullest = (0..=u8::MAX).map(taxels_on).max().unwrap_or(0);
     let busy = fullest as f64 * FRAME_S;
-    let waits = scene.boards.overload != Some(files::Overload::Overwrite);
+    let waits = scene.boards.overload != Some(palpate_files::Overload::Overwrite);
     if busy > period && waits {
         Duration::from_micros((0.75e6 * busy) as u64)
     } else {
@@ -343,6 +343,9 @@ mod tests {
     /// A limit file is checked against its own copy of the hard limits; the guard enforces core's.
     #[test]
     fn the_hard_limits_of_files_are_those_of_the_guard() {
-        assert_eq!(limits(&files::HARD_LIMITS, Milliamps(u32::MAX)), HARD);
+        assert_eq!(
+            limits(&palpate_files::HARD_LIMITS, Milliamps(u32::MAX)),
+            HARD
+        );
     }
 }

@@ -15,7 +15,7 @@ use palpate_core::units::Instant;
 use palpate_core::wire::can::CanFrame;
 use palpate_core::wire::uskin::Reading;
 use palpate_core::wire::uskin::{ALL_BOARDS, Command, IdProfile, Wiring, encode};
-use palpate_hil::files::Setup;
+use palpate_files::Setup;
 use palpate_hil::plan::plan;
 
 thread_local! {

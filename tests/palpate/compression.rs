@@ -5,7 +5,7 @@ use palpate_core::contact::kmeans::{KMeans, Points, Stop, weighted_mean};
 use palpate_core::contact::{Compressor, LevelTable, Settings};
 use palpate_core::random::Stream;
 use palpate_core::skin::{Axes, Layout, RelativeFrame};
-use palpate_hil::files::{LayoutFile, load_layout};
+use palpate_files::{LayoutFile, load_layout};
 use palpate_hil::{parallel, plan};
 
 const CASES: usize = 100_000;

@@ -209,7 +209,7 @@ proptest! {
 /// What is told of sphere-along when tau_d changes by a number of PWM periods and onsets stay where they are.
 fn told_of_tau_d(periods: f64) -> Vec<String> {
     let scene = "sphere-along";
-    let mut setup = palpate_hil::files::Setup::load(scene, "emulated").unwrap();
+    let mut setup = palpate_files::Setup::load(scene, "emulated").unwrap();
     let before = shipped(scene).trace;
     let period_ms = before.header.pre_scale.period_ns() as f64 * 1e-6;
     setup.scene.value.illusion.tau_d_ms = Some(35.0 + periods * period_ms);

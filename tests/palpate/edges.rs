@@ -1,7 +1,7 @@
 //! Every output edge of the emulated PCA9685 against the guarded schedule: period, width, phase, tau_d
 //! and SOA. The schedule is read from the trace, the edges come out of the chip's registers.
 
-use palpate_hil::files::{Loaded, Scene, Setup, Source, load_bench};
+use palpate_files::{Loaded, Scene, Setup, Source, load_bench};
 use palpate_hil::run::{Input, run};
 use palpate_records::trace::{Event, Trace};
 use proptest::prelude::*;

@@ -1,7 +1,7 @@
 //! What every single fault does to a run: it ends or degrades as `docs/faults.md` says, and the record
 //! names it.
 
-use palpate_hil::files::{FaultKind, Loaded, Scene, Setup, Source, load_bench};
+use palpate_files::{FaultKind, Loaded, Scene, Setup, Source, load_bench};
 use palpate_hil::run::{FaultReport, Input, Outcome, run};
 use palpate_records::trace::Event;
 

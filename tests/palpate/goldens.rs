@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use insta::Settings;
-use palpate_hil::files::Setup;
+use palpate_files::Setup;
 use palpate_hil::run::{Input, Outcome, run};
 use palpate_records::golden::{
     COLUMNS, LINES, SurfacePoint, contacts_golden, margins_golden, schedule_golden, surface_golden,

@@ -1,6 +1,6 @@
 //! An Allegro hand through the whole loop: what one CAN bus makes of it, and what four do.
 
-use palpate_hil::files::Setup;
+use palpate_files::Setup;
 use palpate_hil::run::{Input, Summary, run};
 
 fn summary(scene: &str) -> Summary {

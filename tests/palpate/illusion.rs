@@ -290,7 +290,7 @@ fn distances_through_space_follow_the_finger() {
 /// The default illusion at the published drive against (5.2) with s = 1, by both perceivers.
 #[test]
 fn the_default_holds_where_the_thesis_breaks() {
-    let bench = palpate_hil::files::Setup::load("sphere-along", "thesis").unwrap();
+    let bench = palpate_files::Setup::load("sphere-along", "thesis").unwrap();
     let thimble = palpate_hil::plan::display(&bench).unwrap();
     let worn = |model: Model| {
         let settings = ModelSettings {

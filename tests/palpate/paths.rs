@@ -1,6 +1,6 @@
 //! Contacts against the truth over random paths, speeds and forces, and under the pad's symmetries.
 
-use palpate_hil::files::{Force, Path, PathKind, Setup, Touch};
+use palpate_files::{Force, Path, PathKind, Setup, Touch};
 use palpate_hil::run::{Input, run};
 use palpate_records::trace::{Event, PlaceUm, Trace};
 use proptest::prelude::*;

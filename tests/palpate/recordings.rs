@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use palpate_files::{Setup, load_bench, load_scene};
 use palpate_hil::cli::{AxesArg, ContactsArgs, NormArg, ScopeArg, StaleArg, Threshold};
 use palpate_hil::command;
-use palpate_hil::files::{Setup, load_bench, load_scene};
 use palpate_hil::run::{Input, Outcome, run};
 use palpate_records::trace::Event;
 

@@ -9,11 +9,11 @@ use palpate_core::skin::{
     Initialiser, InitialiserSettings, Layout, Module, Phase, Scan, ThresholdRule,
 };
 use palpate_core::units::{Duration, Instant};
-use palpate_hil::cli::{AxesArg, ContactsArgs, NormArg, ScopeArg, StaleArg, Threshold};
-use palpate_hil::command;
-use palpate_hil::files::{
+use palpate_files::{
     Axes, DRIFT_S, Scope, Setup, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, load_bench, load_scene,
 };
+use palpate_hil::cli::{AxesArg, ContactsArgs, NormArg, ScopeArg, StaleArg, Threshold};
+use palpate_hil::command;
 use palpate_hil::run::{Input, run};
 
 use crate::recordings::{FINGERS, trials};

@@ -6,8 +6,8 @@ use std::time::Duration;
 use super::timing::Race;
 use super::{Findings, Row};
 use crate::failure::Failure;
-use crate::files::Setup;
 use crate::run::{Input, run};
+use palpate_files::Setup;
 
 /// Whole runs of each scene; the hand is to run at least a hundred times faster than real time on one core.
 const RUNS: usize = 15;

@@ -9,8 +9,8 @@ use palpate_core::units::{Board, Duration, Instant, Milliamps, Ticks};
 use super::timing::Samples;
 use super::{Findings, Row};
 use crate::failure::Failure;
-use crate::files::Setup;
 use crate::{clock, plan};
+use palpate_files::Setup;
 
 /// Onsets timed; the first tenth warms up.
 const ONSETS: u64 = 40_000;

@@ -21,9 +21,9 @@ use super::plot::{Mark, Plot, Series};
 use super::timing::Samples;
 use super::{Findings, Row};
 use crate::failure::Failure;
-use crate::files::{Setup, load_bench, load_scene};
 use crate::run::{Input, run as run_scene};
 use crate::{clock, plan};
+use palpate_files::{Setup, load_bench, load_scene};
 
 /// A bus that holds one scan.
 struct OneScan {
@@ -292,7 +292,7 @@ fn frames(findings: &mut Findings) -> Result<(), Failure> {
 /// Felt error against the time of a frame, over K_C, the solver's iterations, cadence, the weights' exponent and the
 /// frames left out.
 fn felt(findings: &mut Findings) -> Result<(), Failure> {
-    type Change = Box<dyn Fn(&mut crate::files::Scene)>;
+    type Change = Box<dyn Fn(&mut palpate_files::Scene)>;
     let mut sweeps: Vec<(&str, Vec<(String, Change)>)> =
         vec![("default", vec![("default".into(), Box::new(|_| ()))])];
     let clusters = [2, 4, 8, 16].map(|kc| {

@@ -16,10 +16,11 @@ use super::timing::{Race, Samples};
 use super::{Findings, Row};
 use crate::clock;
 use crate::failure::Failure;
-use crate::files::{Setup, write_can_log};
 use crate::output::write_file;
 use crate::record::{About, Journal, Kind, Sink};
+use crate::recording::write_can_log;
 use crate::run::{Input, Keep, Outcome, attachments, run_keeping};
+use palpate_files::Setup;
 
 /// Length of the run, seconds.
 const LENGTH_S: f64 = 60.0;

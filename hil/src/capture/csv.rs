@@ -2,7 +2,7 @@
 //! change with the time in seconds.
 
 use super::edges::{Capture, Signal};
-use crate::files::FileError;
+use palpate_files::FileError;
 
 /// What the comments and the heading say.
 #[derive(Debug, Default)]

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use vcd::{Command, IdCode, Parser, ScopeItem, TimescaleUnit, Value, VarType};
 
-use crate::files::FileError;
+use palpate_files::FileError;
 
 /// A digital signal.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

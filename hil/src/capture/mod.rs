@@ -12,7 +12,7 @@ pub use edges::{Capture, Signal};
 
 use std::path::Path;
 
-use crate::files::FileError;
+use palpate_files::FileError;
 
 /// Reads a capture: VCD, or CSV as sigrok or Saleae's Logic write it. One that is cut short or damaged gives
 /// what came before, with a note in [`Capture::notes`].

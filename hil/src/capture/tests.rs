@@ -8,8 +8,8 @@ use palpate_records::vcd::write_vcd;
 
 use super::*;
 use crate::failure::Failure;
-use crate::files::Setup;
 use crate::run::{Input, run};
+use palpate_files::Setup;
 
 fn trace() -> Trace {
     let setup = Setup::load("sphere-circle", "emulated").unwrap();

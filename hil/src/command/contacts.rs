@@ -12,11 +12,10 @@ use serde_json::json;
 
 use crate::cli::{AxesArg, ContactsArgs, NormArg, ScopeArg, StaleArg, Threshold};
 use crate::failure::Failure;
-use crate::files::{
-    Columns, LayoutFile, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, load_layout, read_taxel_csv,
-};
 use crate::output::{make_folder, note, print, write_file, write_sidecar};
 use crate::plan;
+use crate::recording::{Columns, read_taxel_csv};
+use palpate_files::{LayoutFile, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, load_layout};
 
 use super::rate::rate_of;
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::failure::Failure;
-use crate::files::{Bench, BenchKind, Loaded, Real, load_bench};
+use palpate_files::{Bench, BenchKind, Loaded, Real, load_bench};
 
 /// The bench of a command without one.
 pub(super) const DEFAULT_BENCH: &str = "emulated";

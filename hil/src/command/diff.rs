@@ -12,8 +12,8 @@ use serde::Serialize;
 use super::pins::{is_capture, pins};
 use crate::cli::DiffArgs;
 use crate::failure::Failure;
-use crate::files::{FileError, LayoutFile, load_bench, load_layout};
 use crate::output::print;
+use palpate_files::{FileError, LayoutFile, load_bench, load_layout};
 
 /// Compares two files.
 ///

@@ -3,7 +3,7 @@
 use crate::cli::EmulateArgs;
 use crate::emulate::{self, Options, Telling};
 use crate::failure::Failure;
-use crate::files::{Setup, load_bench, load_scene};
+use palpate_files::{Setup, load_bench, load_scene};
 
 use super::devices::DEFAULT_BENCH;
 use super::run::DEFAULT_SCENE;

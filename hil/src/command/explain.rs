@@ -3,8 +3,8 @@
 
 use std::io::{self, Write};
 
-use crate::files::{Scene, Scope, Setup, ThresholdRule};
 use crate::run::effort::{Effort, Kind};
+use palpate_files::{Scene, Scope, Setup, ThresholdRule};
 
 /// The plan: one line a stage.
 ///
@@ -59,7 +59,7 @@ fn threshold(scene: &Scene) -> String {
         }
         ThresholdRule::PerTaxel => format!(
             "each taxel's own: {} deviations of its noise, and {margin} counts",
-            crate::files::THRESHOLD_SIGMAS
+            palpate_files::THRESHOLD_SIGMAS
         ),
     }
 }

@@ -8,8 +8,8 @@ use super::diff::{damaged, wires};
 use crate::capture::{self, Measurement};
 use crate::cli::DiffArgs;
 use crate::failure::Failure;
-use crate::files::FileError;
 use crate::output::{note, print};
+use palpate_files::FileError;
 
 /// Whether the second of two files is a capture, by their names: beside anything but a schedule a CSV is one of
 /// contacts.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::rate as parse_rate;
 use crate::failure::Failure;
-use crate::files::FileError;
+use palpate_files::FileError;
 
 /// Stands beside the recordings of a trial and says how often their rows came.
 const META: &str = "meta_data.csv";

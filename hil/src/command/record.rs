@@ -6,9 +6,9 @@ use palpate_core::units::Duration;
 
 use crate::cli::{RecordArgs, ReplayArgs};
 use crate::failure::Failure;
-use crate::files::{is_can_recording, read_can_recording};
 use crate::output::{note, print};
 use crate::record::{self, Kind, kind_of};
+use crate::recording::{is_can_recording, read_can_recording};
 
 /// Records interfaces until stopped.
 ///

@@ -13,14 +13,13 @@ use palpate_records::vcd::write_vcd;
 
 use crate::cli::{RunArgs, Switch};
 use crate::failure::Failure;
-use crate::files::{
-    self, BenchKind, IllusionModel, Kind, Scene, Setup, load_layout, load_scene, write_can_log,
-};
 use crate::output::{make_folder, note, print, write_file, write_sidecar};
 use crate::plan;
+use crate::recording::write_can_log;
 use crate::run::real::Told;
 use crate::run::{self, Input, Keep, Outcome};
 use crate::trial::{Trial, Verdict, judge, junit};
+use palpate_files::{BenchKind, IllusionModel, Kind, Scene, Setup, load_layout, load_scene};
 
 use crate::record::Kind as LiveKind;
 
@@ -238,7 +237,7 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
     if let Some(name) = &args.layout {
         // The name is checked here so that the error speaks of the option.
         let found = load_layout(name)?;
-        if !matches!(found.value, files::LayoutFile::Sensor(_)) {
+        if !matches!(found.value, palpate_files::LayoutFile::Sensor(_)) {
             return Err(Failure::Input(format!(
                 "--layout {name}: expected a layout of kind \"sensor\", found a display"
             )));
@@ -253,9 +252,9 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
     if !args.replay.is_empty() {
         if args.scene.is_none() {
             // Real boards are noisy, drift, and differ: the scene's own rule is for emulated ones.
-            scene.value.threshold = files::ThresholdRule::PerTaxel;
-            scene.value.threshold_margin = files::THRESHOLD_FLOOR;
-            scene.value.drift_s = Some(files::DRIFT_S);
+            scene.value.threshold = palpate_files::ThresholdRule::PerTaxel;
+            scene.value.threshold_margin = palpate_files::THRESHOLD_FLOOR;
+            scene.value.drift_s = Some(palpate_files::DRIFT_S);
         }
         scene.value.touches.clear();
         scene.value.name = format!("replay of {}", args.replay[0].display());

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use crate::cli::TestArgs;
 use crate::failure::Failure;
-use crate::files::{
-    Bench, BenchKind, FileError, Loaded, Quarantine, Scene, Setup, Source, load_scene, sensor_of,
-};
 use crate::output::{print, write_file};
 use crate::trial::{Halt, Trial, Verdict, attempt, decide, expects_anything, junit, lacks};
+use palpate_files::{
+    Bench, BenchKind, FileError, Loaded, Quarantine, Scene, Setup, Source, load_scene, sensor_of,
+};
 
 use super::devices::bench;
 

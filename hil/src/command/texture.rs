@@ -11,10 +11,10 @@ use serde_json::json;
 
 use crate::cli::{DrawArg, EncodeArgs, ExportArgs, PulsesArgs, TextureAction, WeightsArg};
 use crate::failure::Failure;
-use crate::files::{LayoutFile, load_activation, load_layout};
 use crate::output::{note, print, write_file};
 use crate::plan;
 use crate::texture::{Rows, TextureModel, onnx};
+use palpate_files::{LayoutFile, load_activation, load_layout};
 
 /// Does what was asked with the texture model.
 ///

@@ -18,11 +18,11 @@ use palpate_emulators::time::Nanos;
 use palpate_records::trace::Event;
 
 use crate::failure::Failure;
-use crate::files::Setup;
 use crate::plan;
 use crate::run::script::{Bench, Script};
 use crate::run::supervisor::OutputEnable;
 use crate::run::{ends, skin};
+use palpate_files::Setup;
 
 /// Frames of other programs that may wait for the emulated wire, a bus.
 const WAITING: usize = 4096;

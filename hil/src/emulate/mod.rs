@@ -18,8 +18,8 @@ use palpate_core::units::Instant;
 use palpate_emulators::time::Nanos;
 
 use crate::failure::Failure;
-use crate::files::Setup;
 use crate::plan;
+use palpate_files::Setup;
 
 use hardware::{Hardware, starts};
 pub use record::{CanRecord, Record, Telling, WireRecord};

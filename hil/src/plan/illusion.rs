@@ -9,7 +9,7 @@ use palpate_core::units::{Duration, Instant, Milliamps};
 
 use super::point;
 use crate::failure::Failure;
-use crate::files::{self, IllusionModel, Setup};
+use palpate_files::{IllusionModel, Setup};
 
 /// The core's model of a scene file.
 pub const fn model(model: IllusionModel) -> Model {
@@ -25,7 +25,7 @@ pub const fn model(model: IllusionModel) -> Model {
     }
 }
 
-fn settings(illusion: &files::Illusion) -> ModelSettings {
+fn settings(illusion: &palpate_files::Illusion) -> ModelSettings {
     ModelSettings {
         model: model(illusion.model),
         shape: match illusion.shape {
@@ -34,9 +34,9 @@ fn settings(illusion: &files::Illusion) -> ModelSettings {
             None => ShapeChoice::Model,
         },
         distances: illusion.distances.map(|d| match d {
-            files::Distances::Axes => Distances::Axes,
-            files::Distances::Plane => Distances::Plane,
-            files::Distances::Space => Distances::Space,
+            palpate_files::Distances::Axes => Distances::Axes,
+            palpate_files::Distances::Plane => Distances::Plane,
+            palpate_files::Distances::Space => Distances::Space,
         }),
         margin: illusion.margin.map(|m| m as f32),
     }
@@ -53,7 +53,7 @@ const fn key(error: ModelError) -> &'static str {
 }
 
 /// Activation to duty.
-pub fn drive(illusion: &files::Illusion) -> Drive {
+pub fn drive(illusion: &palpate_files::Illusion) -> Drive {
     Drive {
         alpha: illusion.alpha as f32,
         beta: illusion.beta as f32,
@@ -73,7 +73,7 @@ pub fn drive(illusion: &files::Illusion) -> Drive {
 fn strokes(setup: &Setup, display: &Display) -> Result<Box<[Planned]>, Failure> {
     let scene = &setup.scene;
     let micros = |seconds: f64| (seconds * 1e6).round() as u64;
-    let plan = |(index, file): (usize, &files::Stroke)| {
+    let plan = |(index, file): (usize, &palpate_files::Stroke)| {
         let bad = |expected: String| {
             let key = format!("strokes[{index}].length_s");
             Failure::Input(scene.source.bad(&key, expected).to_string())
@@ -124,9 +124,9 @@ pub(super) fn output(
         timing,
         illusion: law,
         sharing: match illusion.sharing {
-            None | Some(files::Sharing::Strongest) => Sharing::Strongest,
-            Some(files::Sharing::Sum) => Sharing::Sum,
-            Some(files::Sharing::Slices) => Sharing::Slices,
+            None | Some(palpate_files::Sharing::Strongest) => Sharing::Strongest,
+            Some(palpate_files::Sharing::Sum) => Sharing::Sum,
+            Some(palpate_files::Sharing::Slices) => Sharing::Slices,
         },
         calibration,
         smallest_step: illusion.smallest_step as f32,

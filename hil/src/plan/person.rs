@@ -2,7 +2,7 @@
 
 use palpate_emulators::perceiver::PerceiverParameters;
 
-use crate::files::PerceiverFile;
+use palpate_files::PerceiverFile;
 
 /// Gain and threshold of a perceiver file.
 pub fn perceiver(file: &PerceiverFile) -> PerceiverParameters {

@@ -192,9 +192,9 @@ mod tests {
     use palpate_records::{contacts_csv, schedule, vcd};
 
     use super::*;
-    use crate::files::Setup;
     use crate::record::sink::{About, Kind};
     use crate::run::{Input, Keep, run_keeping};
+    use palpate_files::Setup;
 
     /// A run of an emulated bench; its pieces could have come from a real one.
     fn run() -> (Trace, Vec<Received>) {

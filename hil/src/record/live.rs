@@ -116,7 +116,7 @@ mod tests {
     use palpate_buses::can::Endpoint;
 
     use super::*;
-    use crate::files::read_can_recording;
+    use crate::recording::read_can_recording;
 
     /// What comes over a bus is in the files, with times of the wall clock, and can be read again.
     #[test]

@@ -6,7 +6,7 @@ use palpate_core::units::{Duration, Instant};
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::files::CanRecording;
+use crate::recording::CanRecording;
 use crate::run::real::Signals;
 
 /// A signal is noticed within this time.

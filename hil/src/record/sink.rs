@@ -11,8 +11,8 @@ use palpate_records::{contacts_csv, schedule};
 
 use super::journal::Piece;
 use crate::failure::Failure;
-use crate::files::write_can_log;
 use crate::output::write_sidecar;
+use crate::recording::write_can_log;
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

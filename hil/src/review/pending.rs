@@ -5,8 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
-use crate::files::FileError;
 use crate::output::write_file;
+use palpate_files::FileError;
 
 /// Where goldens lie, from the root of the project.
 const FOLDER: &str = "fixtures/goldens";

@@ -6,7 +6,7 @@ use palpate_records::diff::{Difference, Grade, Kind, Story, Tolerance, compare};
 
 use super::pending::Pending;
 use crate::failure::Failure;
-use crate::files::FileError;
+use palpate_files::FileError;
 
 /// One golden that waits.
 #[derive(Clone, Debug)]

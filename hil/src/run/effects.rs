@@ -9,7 +9,7 @@ use palpate_emulators::pca9685::Pca9685;
 use palpate_emulators::time::Nanos;
 
 use super::script::Bench;
-use crate::files::{Fault, FaultKind};
+use palpate_files::{Fault, FaultKind};
 
 /// What a fault does to identifiers.
 pub(super) fn rules(layout: &Layout, fault: &Fault) -> Vec<Rule> {

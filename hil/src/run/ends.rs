@@ -14,8 +14,8 @@ use palpate_records::trace::{self, Header, Limits, WireInfo};
 
 use super::recorder::um;
 use crate::failure::Failure;
-use crate::files::{self, BenchKind, Setup};
 use crate::plan;
+use palpate_files::{BenchKind, Setup};
 
 /// The emulated display of a bench.
 pub(crate) fn display(setup: &Setup, wires: &[Wire]) -> Result<Display, Failure> {
@@ -61,7 +61,7 @@ pub fn attachments(setup: &Setup) -> Vec<Attachment> {
         ("perceiver", &setup.perceiver.source),
     ];
     let wearer = setup.wearer.as_ref().map(|w| ("wearer", &w.source));
-    let attached = |(name, source): (&str, &files::Source)| Attachment {
+    let attached = |(name, source): (&str, &palpate_files::Source)| Attachment {
         name: format!("{name}.toml"),
         media_type: "application/toml",
         text: source.text().into(),

@@ -7,8 +7,6 @@ use palpate_emulators::display::{DisplayTotals, Flow, ThermalSample};
 use palpate_emulators::time::Nanos;
 use palpate_records::report::{Margin, SkinLimits, Warmth};
 
-use crate::files;
-
 /// What of a temperature limit is used up counts from here, degrees C.
 const REST_C: f64 = 33.0;
 
@@ -36,7 +34,7 @@ pub fn warmth(sample: &ThermalSample) -> Warmth {
 }
 
 /// The skin's limits of a table.
-pub const fn skin_limits(file: &files::Limits) -> SkinLimits {
+pub const fn skin_limits(file: &palpate_files::Limits) -> SkinLimits {
     SkinLimits {
         peak_c: file.skin.peak_c,
         mean_c: file.skin.mean_10s_c,
@@ -45,7 +43,7 @@ pub const fn skin_limits(file: &files::Limits) -> SkinLimits {
 }
 
 /// The ledger, most used up first.
-pub fn margins(course: &Course<'_>, limits: &Limits, file: &files::Limits) -> Vec<Margin> {
+pub fn margins(course: &Course<'_>, limits: &Limits, file: &palpate_files::Limits) -> Vec<Margin> {
     let rest = |name, worst, limit, unit| Margin::new(name, worst, limit, unit, 0.0);
     let warm = |name, worst, limit| Margin::new(name, worst, limit, "C", REST_C);
     let milli = |uw: u64| uw as f64 * 1e-3;

@@ -39,10 +39,10 @@ use palpate_records::trace::Trace;
 
 use crate::clock;
 use crate::failure::Failure;
-use crate::files::Setup;
 use crate::output::note;
 use crate::plan;
 use crate::watch::Watch;
+use palpate_files::Setup;
 
 use effort::Effort;
 use ends::header;

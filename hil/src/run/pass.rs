@@ -21,9 +21,9 @@ use super::supervisor::Supervisor;
 use super::{BusReport, Outcome, Summary, TICK, boards, build, margins, open_watch};
 use crate::clock;
 use crate::failure::Failure;
-use crate::files::{Setup, Touch};
 use crate::plan;
 use crate::watch::Watch;
+use palpate_files::{Setup, Touch};
 
 /// The finger is looked at no less often than this, even where no stimulus comes.
 const LOOK: Duration = Duration::from_millis(250);

@@ -9,7 +9,7 @@ use palpate_core::units::{Board, Instant, Point};
 use palpate_records::trace::{Event, PlaceUm};
 
 use super::effort::Effort;
-use crate::files::Touch;
+use palpate_files::Touch;
 
 /// Thousandths of a degree; `None` for a display without wires.
 pub(super) fn milli_c(celsius: f64) -> Option<i32> {

@@ -12,10 +12,10 @@ use palpate_core::wire::can::CanFrame;
 use palpate_core::wire::uskin::{IdProfile, Reading, data_frame};
 
 use crate::failure::Failure;
-use crate::files::{
-    CanRecording, Columns, SensorLayout, TaxelTable, is_can_recording, read_can_recording,
-    read_taxel_csv,
+use crate::recording::{
+    CanRecording, Columns, TaxelTable, is_can_recording, read_can_recording, read_taxel_csv,
 };
+use palpate_files::SensorLayout;
 
 use super::skin::unwired;
 

@@ -15,7 +15,7 @@ use palpate_records::trace::Event;
 use serde::Serialize;
 
 use super::effects::{counter, i2c_kind, on_chip, rules};
-use crate::files::{Fault, FaultKind};
+use palpate_files::{Fault, FaultKind};
 
 /// How long what happens for a moment lasts, where the scene does not say: a reboot, a bus-off host.
 const MOMENT: Duration = Duration::from_millis(100);

@@ -11,7 +11,7 @@ use palpate_emulators::skin::{Generation, Module, ModuleConfig, Touch as Press};
 use palpate_emulators::time::Nanos;
 
 use crate::failure::Failure;
-use crate::files::{self, Scene, SensorLayout};
+use palpate_files::{Scene, SensorLayout};
 
 /// CAN bit rate of the sensor boards.
 const BITRATE: u32 = 1_000_000;
@@ -53,9 +53,9 @@ pub fn boards(
                 .collect(),
             pitch_mm: f64::from(module.spacing()),
             generation: match scene.generation {
-                files::Generation::Y2019 => Generation::Y2019,
-                files::Generation::Y2021 => Generation::Y2021,
-                files::Generation::Current => Generation::Now,
+                palpate_files::Generation::Y2019 => Generation::Y2019,
+                palpate_files::Generation::Y2021 => Generation::Y2021,
+                palpate_files::Generation::Current => Generation::Now,
             },
             noise_lsb: scene.noise_lsb.into(),
             seed,
@@ -89,8 +89,8 @@ pub fn boards(
             wiring,
             scan_hz: scene.rate_hz,
             overload: match scene.boards.overload {
-                Some(files::Overload::Overwrite) => Overload::Overwrite,
-                Some(files::Overload::Wait) | None => Overload::Wait,
+                Some(palpate_files::Overload::Overwrite) => Overload::Overwrite,
+                Some(palpate_files::Overload::Wait) | None => Overload::Wait,
             },
             ..BoardConfig::default()
         };

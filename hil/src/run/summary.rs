@@ -16,7 +16,7 @@ use super::boards::{BoardReport, BusReport};
 use super::real::{CanReport, Pacing};
 use super::recorder::{Recorder, word};
 use super::script::FaultReport;
-use crate::files::Bench;
+use palpate_files::Bench;
 
 /// Root mean square and maximum of a distance, mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

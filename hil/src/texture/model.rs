@@ -9,7 +9,7 @@ use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
 use serde::Deserialize;
 
-use crate::files::FileError;
+use palpate_files::FileError;
 
 /// The `format` that this program reads.
 const FORMAT: &str = "palpate-texture 1";

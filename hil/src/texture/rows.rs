@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::files::FileError;
+use palpate_files::FileError;
 
 /// A recording: as many values a row as the model has features.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! What a scene needs and a bench may lack.
 
-use crate::files::{Bench, BenchKind, Overload, Scene, SensorLayout};
+use palpate_files::{Bench, BenchKind, Overload, Scene, SensorLayout};
 
 /// What a bench lacks for a scene, by name; nothing where it can run it.
 pub fn lacks(scene: &Scene, sensor: &SensorLayout, bench: &Bench) -> Vec<String> {
@@ -36,7 +36,7 @@ pub fn lacks(scene: &Scene, sensor: &SensorLayout, bench: &Bench) -> Vec<String>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::{Real, Setup};
+    use palpate_files::{Real, Setup};
 
     fn named(scene: &str, touch: bool) -> Vec<String> {
         let setup = Setup::load(scene, "emulated").unwrap();

@@ -6,9 +6,9 @@ use std::time::Duration;
 use palpate_buses::guardian::{Latch, Sweeper};
 use palpate_records::trace::Event;
 
-use crate::files::{Bench, Overload, Scene};
 use crate::run::Outcome;
 use crate::run::real::watch;
+use palpate_files::{Bench, Overload, Scene};
 
 /// What one transfer may take when nothing waits for it.
 const TRANSFER: Duration = Duration::from_secs(1);
@@ -107,8 +107,8 @@ pub fn stopped_by(outcome: &Outcome) -> Option<&str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::Setup;
     use crate::run::{Input, run};
+    use palpate_files::Setup;
 
     #[test]
     fn every_shipped_scene_leaves_a_healthy_bench() {

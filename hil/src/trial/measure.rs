@@ -2,8 +2,8 @@
 
 use palpate_records::trace::{Event, Trace};
 
-use crate::files::{BenchKind, Expect, Setup};
 use crate::run::Outcome;
+use palpate_files::{BenchKind, Expect, Setup};
 
 /// What a value is held against.
 #[derive(Clone, Copy, Debug, PartialEq)]

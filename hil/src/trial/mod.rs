@@ -11,8 +11,8 @@ use std::time::Duration;
 
 use crate::clock;
 use crate::failure::Failure;
-use crate::files::{BenchKind, Setup};
 use crate::run::{self, Input, Outcome};
+use palpate_files::{BenchKind, Setup};
 
 pub use capability::lacks;
 use health::{after_emulated, after_real, stopped_by};

@@ -110,7 +110,7 @@ fn every_command_parses_and_every_one_that_can_runs() {
                 Step::File(name, text) => {
                     let path = folder.write(&name, &text).display().to_string();
                     if name.contains("bench") {
-                        let read = palpate_hil::files::load_bench(&path);
+                        let read = palpate_files::load_bench(&path);
                         assert!(read.is_ok(), "{}: {}", page.display(), read.unwrap_err());
                     }
                     continue;

@@ -165,7 +165,7 @@ fn what_is_not_built_is_refused_and_not_ignored() {
     for option in ["--limits", "--seeds"] {
         refused_with(&["run", option], &[option]);
     }
-    for name in ["record", "replay", "texture", "bench"] {
+    for name in ["record", "replay", "bench"] {
         refused_with(&[name], &[name]);
     }
     refused(&["run", "--seed", "-1"]);

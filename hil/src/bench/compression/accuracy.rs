@@ -3,8 +3,8 @@
 use crate::bench::plot::{Axis, Mark, Plot, Series};
 use crate::bench::{Findings, Row};
 use crate::failure::Failure;
-use crate::files::{Norm, Scene, Setup, load_bench, load_scene};
 use crate::run::{Input, run};
+use palpate_files::{Norm, Scene, Setup, load_bench, load_scene};
 
 /// The shipped paths of the sphere.
 const PATHS: [&str; 4] = [

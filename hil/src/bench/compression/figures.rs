@@ -10,11 +10,11 @@ use super::frames::skin;
 use crate::bench::plot::{Axis, Mark, Plot, Series};
 use crate::bench::{Findings, Row};
 use crate::failure::Failure;
-use crate::files::{
+use crate::run::{Input, Outcome, run};
+use palpate_files::{
     DRIFT_S, Force, Path as TouchPath, PathKind, Scene, Setup, THRESHOLD_FLOOR, ThresholdRule,
     Touch, load_bench, load_scene,
 };
-use crate::run::{Input, Outcome, run};
 
 const CLUSTERS: [u32; 5] = [1, 2, 4, 8, 16];
 /// Rows a second of the recordings, about.

@@ -10,8 +10,8 @@ use crate::bench::plot::{Axis, Mark, Plot, Series};
 use crate::bench::timing::Race;
 use crate::bench::{Findings, Row};
 use crate::failure::Failure;
-use crate::files::{LayoutFile, load_layout};
 use crate::{parallel, plan};
+use palpate_files::{LayoutFile, load_layout};
 
 const SAMPLES: usize = 200;
 const BUDGET: Duration = Duration::from_millis(2000);

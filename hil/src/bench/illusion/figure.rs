@@ -15,9 +15,9 @@ use super::array;
 use super::users::{PEOPLE, TRIALS, Trial, trials};
 use crate::failure::Failure;
 use crate::felt::{PATHS, SOA_US, Worn};
-use crate::files::Setup;
 use crate::plan;
 use crate::run::{Input, run};
+use palpate_files::Setup;
 
 const COLUMN: f64 = 280.0;
 const ROW: f64 = 290.0;

@@ -15,8 +15,8 @@ use palpate_records::felt::FeltScore;
 
 use crate::failure::Failure;
 use crate::felt::{PATHS, PathScore, Worn, current, path_on, person};
-use crate::files::{LayoutFile, load_layout};
 use crate::plan;
+use palpate_files::{LayoutFile, load_layout};
 
 use super::plot::{Axis, Mark, Plot, Series};
 use super::timing::Race;

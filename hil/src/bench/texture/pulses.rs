@@ -7,7 +7,7 @@ use super::FAMILY;
 use crate::bench::Row;
 use crate::bench::timing::Race;
 use crate::failure::Failure;
-use crate::files::load_activation;
+use palpate_files::load_activation;
 
 pub(super) const CASE: &str = "a PWM period, 8 wires";
 /// The thimble's wires, in gaps along the finger.

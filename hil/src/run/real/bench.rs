@@ -11,9 +11,9 @@ use palpate_core::skin::Layout;
 use palpate_core::units::Instant;
 
 use crate::failure::Failure;
-use crate::files::{Bench, Real};
 use crate::plan;
 use crate::run::supervisor::OutputEnable;
+use palpate_files::{Bench, Real};
 
 /// The guardian's view of a bench.
 pub fn watch(bench: &Bench, real: &Real) -> Watch {

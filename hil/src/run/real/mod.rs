@@ -26,10 +26,10 @@ use super::supervisor::Supervisor;
 use super::{Outcome, Summary, TICK, boards, build, open_watch, scene_levels};
 use crate::clock;
 use crate::failure::Failure;
-use crate::files::{Real, Setup};
 use crate::output::note;
 use crate::record::{About, Journal, Kind, Sink, Tap};
 use crate::watch::Watch;
+use palpate_files::{Real, Setup};
 
 use bench::Live;
 

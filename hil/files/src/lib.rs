@@ -1,4 +1,4 @@
-//! Every file a user hands in: scenes, benches, layouts, limit tables, recorded taxels.
+//! Every settings file a user hands in: scenes, benches, layouts, limit tables, wires, persons.
 //!
 //! Text becomes plain, checked configuration here, or a [`FileError`] that names file, line, key, what was
 //! expected and what was found. Nothing here knows a bus, a clock or the loop; the structs are converted to
@@ -7,7 +7,6 @@
 
 mod activation;
 mod bench;
-mod can_log;
 mod error;
 mod fault;
 mod illusion;
@@ -18,7 +17,6 @@ mod resolve;
 mod scene;
 mod setup;
 mod source;
-mod taxel_csv;
 mod touch;
 mod wire;
 mod wording;
@@ -30,7 +28,6 @@ mod tests;
 
 pub use activation::{ActivationFile, Both};
 pub use bench::{Amplifier, Bench, BenchKind, Drive, Output, OutputEnable, Real, Wire};
-pub use can_log::{CanRecording, is_can_recording, read_can_recording, write_can_log};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
 pub use illusion::{
@@ -53,6 +50,5 @@ pub use setup::{
     load_scene, sensor_of,
 };
 pub use source::Source;
-pub use taxel_csv::{Columns, TaxelTable, read_taxel_csv};
 pub use touch::{Force, Path, PathKind, Touch, TouchPoint};
 pub use wire::{AlloyFile, Electrical, HysteresisLaw, Mechanical, ThermalValues, WireFile};

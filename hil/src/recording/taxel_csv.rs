@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{FileError, SensorLayout};
+use palpate_files::{FileError, SensorLayout};
 
 /// What a recording must hold: `taxels` times `axes` columns, `txl1_x,txl1_y,txl1_z,...` (`_z` alone for one axis).
 #[derive(Debug, Clone, PartialEq, Eq)]

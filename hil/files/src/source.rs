@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::ops::{Range, RangeInclusive};
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -106,7 +107,9 @@ impl Source {
         self.refuse_non_finite(&mut String::new(), table.get_ref())?;
         let deserializer =
             toml::Deserializer::parse(&self.text).map_err(|error| self.syntax(&error))?;
-        serde_path_to_error::deserialize(deserializer).map_err(|error| {
+        // Through the plain value: the parser's own deserialisers would each be compiled once more for every type.
+        let value = toml::Value::deserialize(deserializer).map_err(|error| self.syntax(&error))?;
+        serde_path_to_error::deserialize(value).map_err(|error| {
             let path = error.path().to_string();
             let path = if path == "." { "" } else { &path };
             let wrong = expectation(path, error.inner().message());

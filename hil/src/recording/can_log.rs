@@ -7,7 +7,7 @@ use palpate_core::bus::Received;
 use palpate_core::units::Instant;
 use palpate_records::{candump, mcap};
 
-use super::FileError;
+use palpate_files::FileError;
 
 /// Frames of a recorded bus.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -23,7 +23,7 @@ fn shipped_schemas_are_current() {
     ];
     for (name, schema) in schemas {
         let text = serde_json::to_string_pretty(&schema).unwrap() + "\n";
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/schemas");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/schemas");
         let path = folder.join(format!("{name}.json"));
         if std::env::var_os("PALPATE_WRITE_SCHEMAS").is_some() {
             std::fs::write(&path, &text).unwrap();

@@ -175,7 +175,7 @@ pub struct Expect {
 }
 
 impl Scene {
-    /// Reads and checks a scene by itself; [`super::Setup`] checks it against its layout and bench.
+    /// Reads and checks a scene by itself; [`crate::Setup`] checks it against its layout and bench.
     ///
     /// # Errors
     /// Names the line and key of what cannot be.

@@ -255,7 +255,7 @@ pub struct Wearer {
 }
 
 impl Wearer {
-    /// Reads and checks a calibration by itself; [`super::Setup`] checks it against the display.
+    /// Reads and checks a calibration by itself; [`crate::Setup`] checks it against the display.
     ///
     /// # Errors
     /// Names the line and key of what cannot be.

@@ -177,7 +177,7 @@ impl Real {
 }
 
 impl Bench {
-    /// Reads and checks a bench by itself; [`super::Setup`] checks it against its display.
+    /// Reads and checks a bench by itself; [`crate::Setup`] checks it against its display.
     ///
     /// # Errors
     /// Names the line and key of what cannot be.

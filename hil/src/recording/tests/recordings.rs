@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use palpate_files::{LayoutFile, load_layout};
+
 use super::super::*;
 
 fn folder() -> PathBuf {

@@ -1,0 +1,4 @@
+//! Good, bad and real recordings.
+
+mod bad_csv;
+mod recordings;
