@@ -12,7 +12,7 @@ mod tests;
 
 pub use explorer::{Explorer, Recording, SAMPLES};
 pub use relief::{Relief, Ripple};
-pub use stroke::{Habits, Stroke};
+pub use stroke::{Habits, Stroke, Strokes};
 
 /// What a surface is like, as far as a skin module can tell.
 #[derive(Clone, Debug, PartialEq)]

@@ -201,6 +201,29 @@ impl Stroke {
     }
 }
 
+/// Strokes one after another on one module.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Strokes(pub Vec<Stroke>);
+
+impl Strokes {
+    fn current(&self, now: Nanos) -> Option<&Stroke> {
+        self.0.iter().find(|stroke| stroke.time(now).is_some())
+    }
+}
+
+impl Touches for Strokes {
+    fn touches(&self, now: Nanos, out: &mut Vec<Touch>) {
+        if let Some(stroke) = self.current(now) {
+            stroke.touches(now, out);
+        }
+    }
+
+    fn drag(&self, now: Nanos) -> [f64; 2] {
+        self.current(now)
+            .map_or([0.0; 2], |stroke| stroke.drag(now))
+    }
+}
+
 impl Touches for Stroke {
     fn touches(&self, now: Nanos, out: &mut Vec<Touch>) {
         let force = self.force(now);

@@ -9,6 +9,7 @@ mod activation;
 mod bench;
 mod error;
 mod fault;
+mod felt;
 mod illusion;
 mod layout;
 mod limits;
@@ -17,6 +18,7 @@ mod resolve;
 mod scene;
 mod setup;
 mod source;
+mod texture;
 mod touch;
 mod wire;
 mod wording;
@@ -30,6 +32,7 @@ pub use activation::{ActivationFile, Both};
 pub use bench::{Amplifier, Bench, BenchKind, Drive, Output, OutputEnable, Real, Wire};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
+pub use felt::{Carrier, Draw, Felt};
 pub use illusion::{
     Distances, Illusion, IllusionModel, PerceiverFile, Sharing, Stroke, Timing, Wearer,
 };
@@ -46,9 +49,10 @@ pub use scene::{
     THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdRule,
 };
 pub use setup::{
-    Loaded, Setup, load_activation, load_bench, load_layout, load_limits, load_perceiver,
-    load_scene, sensor_of,
+    Loaded, Setup, Stroked, load_activation, load_bench, load_layout, load_limits, load_perceiver,
+    load_scene, load_textures, sensor_of,
 };
 pub use source::Source;
+pub use texture::{Rated, TextureEntry, TextureTable};
 pub use touch::{Force, Path, PathKind, Touch, TouchPoint};
 pub use wire::{AlloyFile, Electrical, HysteresisLaw, Mechanical, ThermalValues, WireFile};

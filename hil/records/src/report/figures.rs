@@ -16,7 +16,7 @@ fn key(out: &mut String, shape: &str, text: &str) {
     );
 }
 
-fn line_key(out: &mut String, class: &str, text: &str) {
+pub(super) fn line_key(out: &mut String, class: &str, text: &str) {
     key(
         out,
         &format!("<line class=\"{class}\" x1=\"1\" y1=\"6\" x2=\"25\" y2=\"6\"/>"),
