@@ -8,7 +8,9 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use compare::{DiffArgs, ReviewAction, ReviewArgs, TestArgs};
 use palpate_buses::guardian::{parse_bus, parse_line};
-pub use texture::{EncodeArgs, ExportArgs, TextureAction, WeightsArg};
+pub use texture::{
+    EncodeArgs, ExportArgs, MapArgs, StrokesArgs, TextureAction, TrainArgs, WeightsArg,
+};
 
 /// Tactile feedback, hardware in the loop: from touched skin to heated wires.
 #[derive(Debug, Parser)]

@@ -7,6 +7,7 @@ use palpate_core::texture::{Ends, Stream, Weights};
 use palpate_core::units::Duration;
 use serde_json::json;
 
+use super::texture_train;
 use crate::cli::{EncodeArgs, ExportArgs, TextureAction, WeightsArg};
 use crate::failure::Failure;
 use crate::output::{note, print, write_file};
@@ -18,8 +19,11 @@ use crate::texture::{Rows, TextureModel, onnx};
 /// [`Failure`] with its exit status.
 pub fn texture(action: &TextureAction) -> Result<(), Failure> {
     match action {
+        TextureAction::Strokes(args) => texture_train::strokes(args),
+        TextureAction::Train(args) => texture_train::train(args),
         TextureAction::Encode(args) => encode(args),
         TextureAction::Export(args) => export(args),
+        TextureAction::Map(args) => texture_train::map(args),
     }
 }
 

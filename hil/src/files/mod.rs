@@ -18,6 +18,7 @@ mod scene;
 mod setup;
 mod source;
 mod taxel_csv;
+mod texture;
 mod touch;
 mod wire;
 mod wording;
@@ -47,9 +48,11 @@ pub use scene::{
     THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdRule,
 };
 pub use setup::{
-    Loaded, Setup, load_bench, load_layout, load_limits, load_perceiver, load_scene, sensor_of,
+    Loaded, Setup, load_bench, load_layout, load_limits, load_perceiver, load_scene, load_textures,
+    sensor_of,
 };
 pub use source::Source;
 pub use taxel_csv::{Columns, TaxelTable, read_taxel_csv};
+pub use texture::{Rated, TextureEntry, TextureTable};
 pub use touch::{Force, Path, PathKind, Touch, TouchPoint};
 pub use wire::{AlloyFile, Electrical, HysteresisLaw, Mechanical, ThermalValues, WireFile};

@@ -23,6 +23,8 @@ pub enum Kind {
     Wire,
     /// What it is made of.
     Alloy,
+    /// A table of textures.
+    Textures,
 }
 
 impl Kind {
@@ -36,6 +38,7 @@ impl Kind {
             Self::Wearer => "wearers",
             Self::Wire => "wires",
             Self::Alloy => "alloys",
+            Self::Textures => "textures",
         }
     }
 
@@ -49,6 +52,7 @@ impl Kind {
             Self::Wearer => "a wearer",
             Self::Wire => "a wire",
             Self::Alloy => "an alloy",
+            Self::Textures => "a table of textures",
         }
     }
 
@@ -62,6 +66,7 @@ impl Kind {
             Self::Wearer => palpate_fixtures::wearer(name),
             Self::Wire => palpate_fixtures::wire(name),
             Self::Alloy => palpate_fixtures::alloy(name),
+            Self::Textures => palpate_fixtures::textures(name),
         }
     }
 
@@ -77,6 +82,7 @@ impl Kind {
             Self::Wearer => palpate_fixtures::wearer_names().collect(),
             Self::Wire => palpate_fixtures::wire_names().collect(),
             Self::Alloy => palpate_fixtures::alloy_names().collect(),
+            Self::Textures => palpate_fixtures::textures_names().collect(),
         }
     }
 

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::{
-    AlloyFile, Bench, LayoutFile, Limits, PerceiverFile, Quarantine, Scene, Wearer, WireFile,
+    AlloyFile, Bench, LayoutFile, Limits, PerceiverFile, Quarantine, Scene, TextureTable, Wearer,
+    WireFile,
 };
 
 #[test]
@@ -16,6 +17,7 @@ fn shipped_schemas_are_current() {
         ("perceiver", schemars::schema_for!(PerceiverFile)),
         ("quarantine", schemars::schema_for!(Quarantine)),
         ("scene", schemars::schema_for!(Scene)),
+        ("textures", schemars::schema_for!(TextureTable)),
         ("wearer", schemars::schema_for!(Wearer)),
         ("wire", schemars::schema_for!(WireFile)),
     ];

@@ -3,7 +3,7 @@
 use super::resolve::{Kind, resolve, resolve_from};
 use super::{
     AlloyFile, Bench, DisplayLayout, FileError, LayoutFile, Limits, PerceiverFile, Scene,
-    SensorLayout, Source, Wearer, WireFile,
+    SensorLayout, Source, TextureTable, Wearer, WireFile,
 };
 
 /// What was read, beside its text: later checks name a line with [`Source::bad`].
@@ -61,6 +61,14 @@ pub fn load_limits(name: &str) -> Result<Loaded<Limits>, FileError> {
 /// An unknown name, or what cannot be in the file.
 pub fn load_perceiver(name: &str) -> Result<Loaded<PerceiverFile>, FileError> {
     load(resolve(Kind::Perceiver, name)?, PerceiverFile::read)
+}
+
+/// A table of textures by name or path.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_textures(name: &str) -> Result<Loaded<TextureTable>, FileError> {
+    load(resolve(Kind::Textures, name)?, TextureTable::read)
 }
 
 /// A scene on a bench, with everything they name.
