@@ -17,6 +17,7 @@ mod resolve;
 mod scene;
 mod setup;
 mod source;
+mod texture;
 mod touch;
 mod wire;
 mod wording;
@@ -47,8 +48,9 @@ pub use scene::{
 };
 pub use setup::{
     Loaded, Setup, load_activation, load_bench, load_layout, load_limits, load_perceiver,
-    load_scene, sensor_of,
+    load_scene, load_textures, sensor_of,
 };
 pub use source::Source;
+pub use texture::{Rated, TextureEntry, TextureTable};
 pub use touch::{Force, Path, PathKind, Touch, TouchPoint};
 pub use wire::{AlloyFile, Electrical, HysteresisLaw, Mechanical, ThermalValues, WireFile};

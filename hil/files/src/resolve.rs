@@ -25,6 +25,8 @@ pub enum Kind {
     Alloy,
     /// From roughness to pulses.
     Activation,
+    /// A table of textures.
+    Textures,
 }
 
 impl Kind {
@@ -39,6 +41,7 @@ impl Kind {
             Self::Wire => "wires",
             Self::Alloy => "alloys",
             Self::Activation => "activations",
+            Self::Textures => "textures",
         }
     }
 
@@ -53,6 +56,7 @@ impl Kind {
             Self::Wire => "a wire",
             Self::Alloy => "an alloy",
             Self::Activation => "an activation",
+            Self::Textures => "a table of textures",
         }
     }
 
@@ -67,6 +71,7 @@ impl Kind {
             Self::Wire => palpate_fixtures::wire(name),
             Self::Alloy => palpate_fixtures::alloy(name),
             Self::Activation => palpate_fixtures::activation(name),
+            Self::Textures => palpate_fixtures::textures(name),
         }
     }
 
@@ -83,6 +88,7 @@ impl Kind {
             Self::Wire => palpate_fixtures::wire_names().collect(),
             Self::Alloy => palpate_fixtures::alloy_names().collect(),
             Self::Activation => palpate_fixtures::activation_names().collect(),
+            Self::Textures => palpate_fixtures::textures_names().collect(),
         }
     }
 

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::{
-    ActivationFile, AlloyFile, Bench, LayoutFile, Limits, PerceiverFile, Quarantine, Scene, Wearer,
-    WireFile,
+    ActivationFile, AlloyFile, Bench, LayoutFile, Limits, PerceiverFile, Quarantine, Scene,
+    TextureTable, Wearer, WireFile,
 };
 
 #[test]
@@ -18,6 +18,7 @@ fn shipped_schemas_are_current() {
         ("perceiver", schemars::schema_for!(PerceiverFile)),
         ("quarantine", schemars::schema_for!(Quarantine)),
         ("scene", schemars::schema_for!(Scene)),
+        ("textures", schemars::schema_for!(TextureTable)),
         ("wearer", schemars::schema_for!(Wearer)),
         ("wire", schemars::schema_for!(WireFile)),
     ];

@@ -3,7 +3,7 @@
 use super::resolve::{Kind, resolve, resolve_from};
 use super::{
     ActivationFile, AlloyFile, Bench, DisplayLayout, FileError, LayoutFile, Limits, PerceiverFile,
-    Scene, SensorLayout, Source, Wearer, WireFile,
+    Scene, SensorLayout, Source, TextureTable, Wearer, WireFile,
 };
 
 /// What was read, beside its text: later checks name a line with [`Source::bad`].
@@ -69,6 +69,14 @@ pub fn load_perceiver(name: &str) -> Result<Loaded<PerceiverFile>, FileError> {
 /// An unknown name, or what cannot be in the file.
 pub fn load_activation(name: &str) -> Result<Loaded<ActivationFile>, FileError> {
     load(resolve(Kind::Activation, name)?, ActivationFile::read)
+}
+
+/// A table of textures by name or path.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_textures(name: &str) -> Result<Loaded<TextureTable>, FileError> {
+    load(resolve(Kind::Textures, name)?, TextureTable::read)
 }
 
 /// A scene on a bench, with everything they name.

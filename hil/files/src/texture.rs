@@ -1,0 +1,105 @@
+//! Tables of textures: what surfaces are like, and what people say of them.
+
+use serde::Deserialize;
+
+use super::{FileError, Source};
+
+/// A table of textures.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct TextureTable {
+    /// Lower case with hyphens.
+    pub name: String,
+    /// What it is, in a sentence.
+    pub description: String,
+    /// Which values are assumed; reports flag it.
+    pub assumed: Option<String>,
+    /// The taxel that answers its rest value whatever happens, from 0; left out: none.
+    pub dead_taxel: Option<usize>,
+    /// The textures.
+    pub texture: Vec<TextureEntry>,
+}
+
+/// A texture.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct TextureEntry {
+    /// Lower case with hyphens.
+    pub name: String,
+    /// Whether a network may be trained on it.
+    pub trained: bool,
+    /// Force per depth under a module's whole face, N/mm.
+    pub stiffness_n_per_mm: f64,
+    /// Root mean square of the relief, micrometres.
+    pub relief_um: f64,
+    /// Middle of the relief's spectrum, mm.
+    pub wavelength_mm: f64,
+    /// Width of the spectrum, octaves.
+    pub octaves: f64,
+    /// Coefficient of friction against the gripping tape on a module.
+    pub friction: f64,
+    /// Coefficient of friction against a finger pad.
+    pub finger_friction: f64,
+    /// What people say with a bare finger.
+    pub rated: Rated,
+}
+
+/// Ratings from 1 to 6.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Rated {
+    /// Very soft to very hard.
+    pub hardness: f64,
+    /// Very smooth to very rough.
+    pub roughness: f64,
+    /// Very slippery to very sticky.
+    pub friction: f64,
+}
+
+impl TextureTable {
+    /// Reads and checks a table.
+    ///
+    /// # Errors
+    /// Names the line and key of what cannot be.
+    pub fn read(source: &Source) -> Result<Self, FileError> {
+        let file: Self = source.read()?;
+        source.heading(&file.name, &file.description)?;
+        if let Some(taxel) = file.dead_taxel {
+            source.range("dead_taxel", taxel, 0..=15, "")?;
+        }
+        for (i, texture) in file.texture.iter().enumerate() {
+            let at = |key: &str| format!("texture[{i}].{key}");
+            let word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+            let earlier = &file.texture[..i];
+            if texture.name.is_empty() || !texture.name.chars().all(word) {
+                return Err(source.bad(&at("name"), "lower case letters, digits and hyphens"));
+            }
+            if earlier.iter().any(|t| t.name == texture.name) {
+                return Err(source.bad(&at("name"), "a name that no other texture here has"));
+            }
+            let numbers = [
+                (
+                    "stiffness_n_per_mm",
+                    texture.stiffness_n_per_mm,
+                    0.01..=1e4,
+                    "N/mm",
+                ),
+                ("relief_um", texture.relief_um, 0.0..=5e3, "um"),
+                ("wavelength_mm", texture.wavelength_mm, 0.01..=100.0, "mm"),
+                ("octaves", texture.octaves, 0.0..=10.0, ""),
+                ("friction", texture.friction, 0.0..=10.0, ""),
+                ("finger_friction", texture.finger_friction, 0.0..=10.0, ""),
+                ("rated.hardness", texture.rated.hardness, 1.0..=6.0, ""),
+                ("rated.roughness", texture.rated.roughness, 1.0..=6.0, ""),
+                ("rated.friction", texture.rated.friction, 1.0..=6.0, ""),
+            ];
+            for (key, value, range, unit) in numbers {
+                source.range(&at(key), value, range, unit)?;
+            }
+        }
+        Ok(file)
+    }
+}
