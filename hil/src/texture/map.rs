@@ -151,7 +151,10 @@ pub fn draw(encoded: &[Encoded<'_>], view: View, title: &str) -> String {
             continue;
         };
         let mut line = String::new();
-        for (x, y) in spot.outline().into_iter().map(|p| plot.at(p)) {
+        let outline = spot.outline();
+        // each name at another place of its ring: the middles may all be one
+        let (x, y) = plot.at(outline[6 * (i % 8)]);
+        for (x, y) in outline.into_iter().map(|p| plot.at(p)) {
             let _ = write!(
                 line,
                 "{}{x:.1} {y:.1}",
@@ -160,7 +163,6 @@ pub fn draw(encoded: &[Encoded<'_>], view: View, title: &str) -> String {
         }
         let dashed = if entry.trained { "" } else { " unseen" };
         svg.path(&line, &format!("series ring{dashed} w{}", i % 8));
-        let (x, y) = plot.at(spot.mean);
         svg.text((x, y + 4.0), "label middle", &entry.name);
     }
     let style = format!(
@@ -193,7 +195,8 @@ pub fn figures(encoded: &[Encoded<'_>], view: View) -> Value {
             some.map(|(entry, spot)| (of(spot), with(entry))).unzip();
         round(spearman(&a, &b))
     };
-    let rows: [(&str, fn(&Spot) -> f64, fn(&TextureEntry) -> f64); 6] = [
+    type Row = (&'static str, fn(&Spot) -> f64, fn(&TextureEntry) -> f64);
+    let rows: [Row; 6] = [
         (
             "x with the surface's roughness",
             |s| s.mean.0,
