@@ -13,7 +13,7 @@ pub struct Stream(ChaCha8Rng);
 /// The generator has no copy of its own, so that keys are not multiplied by accident; ours guard no secret.
 impl Clone for Stream {
     fn clone(&self) -> Self {
-        let mut rng = ChaCha8Rng::from_seed(self.0.get_seed().into());
+        let mut rng = ChaCha8Rng::from_seed(self.0.get_seed());
         rng.set_stream(self.0.get_stream());
         rng.set_word_pos(self.0.get_word_pos());
         Self(rng)

@@ -29,50 +29,27 @@ pub(super) fn square(ax: f32, ay: f32, bx: f32, by: f32) -> f32 {
 #[inline(always)]
 pub(super) fn assign<const MARGIN: bool>(
     (x, y): (&[f32], &[f32]),
-    (cx, cy): (&[f32], &[f32]),
+    centroids: (&[f32], &[f32]),
     near: &mut [f32],
     assigned: &mut [u32],
 ) -> f32 {
     let mut margin = f32::INFINITY;
     let n = x.len().min(y.len()).min(near.len()).min(assigned.len());
-    let mut at = 0;
-    while at < n {
-        let count = LANES.min(n - at);
+    let (x, last_x) = x[..n].as_chunks();
+    let (y, last_y) = y[..n].as_chunks();
+    let (near, last_near) = near[..n].as_chunks_mut();
+    let (assigned, last_assigned) = assigned[..n].as_chunks_mut();
+    for ((x, y), (near, assigned)) in x.iter().zip(y).zip(near.iter_mut().zip(assigned)) {
+        (*near, *assigned) = group::<MARGIN>(x, y, centroids, &mut margin);
+    }
+    if let (Some(&end_x), Some(&end_y)) = (last_x.last(), last_y.last()) {
         // Lanes beyond the last point repeat it, so that they cannot narrow the margin.
-        let (mut bx, mut by) = ([x[at + count - 1]; LANES], [y[at + count - 1]; LANES]);
-        bx[..count].copy_from_slice(&x[at..at + count]);
-        by[..count].copy_from_slice(&y[at..at + count]);
-        let (mut best, mut arg) = ([f32::INFINITY; LANES], [0u32; LANES]);
-        let mut second = [f32::INFINITY; LANES];
-        for (k, (&kx, &ky)) in cx.iter().zip(cy).enumerate() {
-            for lane in 0..LANES {
-                let d = square(bx[lane], by[lane], kx, ky);
-                let closer = d < best[lane];
-                if MARGIN {
-                    let farther = if closer { best[lane] } else { d };
-                    second[lane] = if farther < second[lane] {
-                        farther
-                    } else {
-                        second[lane]
-                    };
-                }
-                best[lane] = if closer { d } else { best[lane] };
-                arg[lane] = if closer { k as u32 } else { arg[lane] };
-            }
-        }
-        if MARGIN {
-            // sqrt(s) - sqrt(b) is at least (s - b) / 2 sqrt(s), and nearly that where it is smallest: one root at
-            // the end in place of two a point.
-            for lane in 0..LANES {
-                let gap = second[lane] * (1.0 - ROUNDING) - best[lane] * (1.0 + ROUNDING);
-                let gap = if gap > 0.0 { gap } else { 0.0 };
-                let square = gap * gap / (second[lane] + f32::MIN_POSITIVE);
-                margin = if square < margin { square } else { margin };
-            }
-        }
-        near[at..at + count].copy_from_slice(&best[..count]);
-        assigned[at..at + count].copy_from_slice(&arg[..count]);
-        at += count;
+        let (mut x, mut y) = ([end_x; LANES], [end_y; LANES]);
+        x[..last_x.len()].copy_from_slice(last_x);
+        y[..last_y.len()].copy_from_slice(last_y);
+        let (near, assigned) = group::<MARGIN>(&x, &y, centroids, &mut margin);
+        last_near.copy_from_slice(&near[..last_near.len()]);
+        last_assigned.copy_from_slice(&assigned[..last_assigned.len()]);
     }
     if MARGIN {
         0.5 * libm::sqrtf(margin) * (1.0 - ROUNDING)
@@ -81,15 +58,58 @@ pub(super) fn assign<const MARGIN: bool>(
     }
 }
 
+/// Squared distances to the nearest centroids, and which they are; `margin` becomes the least square of a margin.
+#[inline(always)]
+fn group<const MARGIN: bool>(
+    x: &[f32; LANES],
+    y: &[f32; LANES],
+    (cx, cy): (&[f32], &[f32]),
+    margin: &mut f32,
+) -> ([f32; LANES], [u32; LANES]) {
+    let (mut best, mut arg) = ([f32::INFINITY; LANES], [0u32; LANES]);
+    let mut second = [f32::INFINITY; LANES];
+    for (k, (&kx, &ky)) in cx.iter().zip(cy).enumerate() {
+        for lane in 0..LANES {
+            let d = square(x[lane], y[lane], kx, ky);
+            let closer = d < best[lane];
+            if MARGIN {
+                let farther = if closer { best[lane] } else { d };
+                second[lane] = if farther < second[lane] {
+                    farther
+                } else {
+                    second[lane]
+                };
+            }
+            best[lane] = if closer { d } else { best[lane] };
+            arg[lane] = if closer { k as u32 } else { arg[lane] };
+        }
+    }
+    if MARGIN {
+        // sqrt(s) - sqrt(b) is at least (s - b) / 2 sqrt(s), and nearly that where it is smallest: one root at
+        // the end in place of two a point.
+        for lane in 0..LANES {
+            let gap = second[lane] * (1.0 - ROUNDING) - best[lane] * (1.0 + ROUNDING);
+            let gap = if gap > 0.0 { gap } else { 0.0 };
+            let square = gap * gap / (second[lane] + f32::MIN_POSITIVE);
+            *margin = if square < *margin { square } else { *margin };
+        }
+    }
+    (best, arg)
+}
+
 /// Adds a point to its cluster's sums.
 #[inline(always)]
 pub(super) fn add(sums: &mut [Sum], cluster: u32, (x, y, w): (f32, f32, f32)) {
     let (x, y, w) = (f64::from(x), f64::from(y), f64::from(w));
-    if let Some(sum) = sums.get_mut(cluster as usize) {
-        let point = [w, w * x, w * y, 1.0];
-        for (s, p) in sum.iter_mut().zip(point) {
-            *s += p;
-        }
+    add_sum(sums, cluster, [w, w * x, w * y, 1.0]);
+}
+
+/// An index beyond the last cluster means the last: a branch here would tear the vectors of [`sum`] apart.
+#[inline(always)]
+fn add_sum(sums: &mut [Sum], cluster: u32, point: Sum) {
+    let last = sums.len() - 1;
+    for (s, p) in sums[(cluster as usize).min(last)].iter_mut().zip(point) {
+        *s += p;
     }
 }
 
@@ -98,21 +118,28 @@ pub(super) fn add(sums: &mut [Sum], cluster: u32, (x, y, w): (f32, f32, f32)) {
 pub(super) fn sum(x: &[f32], y: &[f32], w: &[f32], assigned: &[u32], chains: &mut [Sum]) {
     chains.fill([0.0; 4]);
     let k = chains.len() / CHAINS;
+    if k == 0 {
+        return;
+    }
     let (front, back) = chains.split_at_mut(2 * k);
     let (c0, c1) = front.split_at_mut(k);
     let (c2, c3) = back.split_at_mut(k);
     let n = assigned.len().min(x.len()).min(y.len()).min(w.len());
     let (x, y, w, assigned) = (&x[..n], &y[..n], &w[..n], &assigned[..n]);
-    let mut at = 0;
-    while at + CHAINS <= n {
-        let point = |i: usize| (x[at + i], y[at + i], w[at + i]);
-        add(c0, assigned[at], point(0));
-        add(c1, assigned[at + 1], point(1));
-        add(c2, assigned[at + 2], point(2));
-        add(c3, assigned[at + 3], point(3));
-        at += CHAINS;
+    let groups = (x.as_chunks().0.iter().zip(y.as_chunks().0))
+        .zip(w.as_chunks().0.iter().zip(assigned.as_chunks().0));
+    for ((x, y), (w, a)) in groups {
+        let ([x, y, w], a): ([&[f32; CHAINS]; 3], &[u32; CHAINS]) = ([x, y, w], a);
+        // four points in one vector each for w, w x, w y
+        let w = w.map(f64::from);
+        let wx: [f64; CHAINS] = core::array::from_fn(|i| w[i] * f64::from(x[i]));
+        let wy: [f64; CHAINS] = core::array::from_fn(|i| w[i] * f64::from(y[i]));
+        add_sum(c0, a[0], [w[0], wx[0], wy[0], 1.0]);
+        add_sum(c1, a[1], [w[1], wx[1], wy[1], 1.0]);
+        add_sum(c2, a[2], [w[2], wx[2], wy[2], 1.0]);
+        add_sum(c3, a[3], [w[3], wx[3], wy[3], 1.0]);
     }
-    for (i, chain) in (at..n).zip([&mut *c0, &mut *c1, &mut *c2]) {
+    for (i, chain) in (n - n % CHAINS..n).zip([&mut *c0, &mut *c1, &mut *c2]) {
         add(chain, assigned[i], (x[i], y[i], w[i]));
     }
     for cluster in 0..k {

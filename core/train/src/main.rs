@@ -47,24 +47,33 @@ struct Arguments {
     /// Windows a step; the thesis took 1.
     #[arg(long, default_value_t = 16)]
     batch: usize,
-    /// Learning rate at the start; the thesis took 1e-5 throughout.
+    /// Learning rate after warming up; the thesis took 1e-5 throughout.
     #[arg(long, default_value_t = 2e-3)]
     rate: f64,
-    /// Learning rate in the last epoch.
-    #[arg(long, default_value_t = 5e-5)]
+    /// Learning rate at the end, where a half cosine takes it.
+    #[arg(long, default_value_t = 2e-5)]
     last_rate: f64,
+    /// Epochs over which the rate rises from nothing; the thesis had none.
+    #[arg(long, default_value_t = 2)]
+    warm_up: usize,
     /// Epochs; the thesis took 500.
-    #[arg(long, default_value_t = 100)]
+    #[arg(long, default_value_t = 300)]
     epochs: usize,
-    /// Rows from one training window to the next; the thesis took 1. Tests always take every window.
-    #[arg(long, default_value_t = 4)]
+    /// Rows from one training window to the next. Tests always take every window.
+    #[arg(long, default_value_t = 1)]
     hop: usize,
+    /// An epoch takes one in so many of the training windows, drawn anew each time; the thesis took all.
+    #[arg(long, default_value_t = 4)]
+    share: usize,
     /// Stops after so many epochs without a better validation error.
     #[arg(long, default_value_t = 40)]
     patience: usize,
     /// Weight of the term that ties z1 to rated roughness and friction and z2 to rated hardness.
     #[arg(long, default_value_t = 0.0)]
     align: f64,
+    /// Begins with the weights of this model file, trained on the same split, in place of drawn ones.
+    #[arg(long, value_name = "FILE")]
+    from: Option<PathBuf>,
     /// Shares of the recordings for training, test and validation, per cent.
     #[arg(long, value_delimiter = ',', default_values_t = [80, 15, 5])]
     split: Vec<u32>,
@@ -111,10 +120,13 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         batch: arguments.batch,
         rate: arguments.rate,
         last_rate: arguments.last_rate,
+        warm_up: arguments.warm_up,
         epochs: arguments.epochs,
         hop: arguments.hop,
+        share: arguments.share,
         patience: arguments.patience,
         align: arguments.align,
+        from: arguments.from.clone(),
     };
     let seen = |label: &str| {
         ratings

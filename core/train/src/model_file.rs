@@ -5,14 +5,15 @@ use std::path::Path;
 
 use burn::module::Param;
 use burn::prelude::*;
+use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView};
 use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::failure::Failure;
 use crate::network::Network;
 use crate::recordings::Rating;
-use crate::training::{Plain, Progress, Settings, latents};
+use crate::training::{Learning, Plain, Progress, Settings, latents};
 use crate::windows::{Place, Split, Windows};
 
 /// The `format` entry of a model file.
@@ -145,16 +146,7 @@ pub fn write(path: &Path, network: &Network<Plain>, about: &About<'_>) -> Result
     let latent = latents(network, windows, &[golden]).swap_remove(0);
     add("golden.latent".into(), vec![latent.len()], &latent);
 
-    let names = |part: &[usize]| -> Vec<&str> {
-        part.iter()
-            .map(|&r| windows.recordings.all[r].name.as_str())
-            .collect()
-    };
-    let split = json!({
-        "train": names(&about.split.train),
-        "test": names(&about.split.test),
-        "validation": names(&about.split.validation),
-    });
+    let split = parts(windows, about.split);
     let progress = about.progress;
     let at = |errors: &[f64]| errors.get(progress.best_epoch.saturating_sub(1)).copied();
     let losses = json!({
@@ -191,4 +183,81 @@ pub fn write(path: &Path, network: &Network<Plain>, about: &About<'_>) -> Result
     std::fs::write(&partial, bytes)
         .and_then(|()| std::fs::rename(&partial, path))
         .map_err(|e| Failure::file(path, e))
+}
+
+/// The recordings of a split by name, as a model file tells them.
+fn parts(windows: &Windows, split: &Split) -> Value {
+    let names = |part: &[usize]| -> Vec<&str> {
+        part.iter()
+            .map(|&r| windows.recordings.all[r].name.as_str())
+            .collect()
+    };
+    json!({
+        "train": names(&split.train),
+        "test": names(&split.test),
+        "validation": names(&split.validation),
+    })
+}
+
+/// Puts a model file's weights into a network of the same shape, to train on from there. The model must have been
+/// trained on the same part of the same recordings: else it would know what is to be held out.
+pub fn weights(
+    path: &Path,
+    mut network: Network<Learning>,
+    windows: &Windows,
+    split: &Split,
+) -> Result<Network<Learning>, Failure> {
+    let bad = |what: &dyn ToString| Failure::file(path, what.to_string());
+    let bytes = std::fs::read(path).map_err(|e| bad(&e))?;
+    let (_, header) = SafeTensors::read_metadata(&bytes).map_err(|e| bad(&e))?;
+    let file = SafeTensors::deserialize(&bytes).map_err(|e| bad(&e))?;
+    let told = header
+        .metadata()
+        .as_ref()
+        .and_then(|about| serde_json::from_str::<Value>(about.get("split")?).ok());
+    if told != Some(parts(windows, split)) {
+        return Err(bad(
+            &"expected a model trained on the same split of the same recordings: give its --seed, --split and folder",
+        ));
+    }
+    fn take<const D: usize>(
+        file: &SafeTensors<'_>,
+        name: &str,
+        param: &mut Param<Tensor<Learning, D>>,
+    ) -> Result<(), String> {
+        let dims = param.dims();
+        let found = file.tensor(name).map_err(|e| format!("{name}: {e}"))?;
+        if found.shape() != dims || found.dtype() != Dtype::F32 {
+            let (shape, kind) = (found.shape(), found.dtype());
+            return Err(format!(
+                "{name}: expected f32 {dims:?}, found {kind:?} {shape:?}"
+            ));
+        }
+        let value = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
+        let values: Vec<f32> = found.data().chunks_exact(4).map(value).collect();
+        if values.iter().any(|v| !v.is_finite()) {
+            return Err(format!("{name}: expected finite numbers"));
+        }
+        *param = Param::from_data(TensorData::new(values, dims), &param.device());
+        Ok(())
+    }
+    let take_all = |network: &mut Network<Learning>| -> Result<(), String> {
+        let stacks = [
+            ("encoder", &mut network.encoder),
+            ("decoder", &mut network.decoder),
+        ];
+        for (stack, layers) in stacks {
+            for (number, layer) in layers.iter_mut().enumerate() {
+                let name = |part: &str| format!("{stack}.{number}.{part}");
+                take(&file, &name("weight_ih"), &mut layer.weight_ih)?;
+                take(&file, &name("weight_hh"), &mut layer.weight_hh)?;
+                take(&file, &name("bias_ih"), &mut layer.bias_ih)?;
+                take(&file, &name("bias_hh"), &mut layer.bias_hh)?;
+            }
+        }
+        take(&file, "dense.weight", &mut network.dense_weight)?;
+        take(&file, "dense.bias", &mut network.dense_bias)
+    };
+    take_all(&mut network).map_err(|what| bad(&what))?;
+    Ok(network)
 }

@@ -2,9 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use burn::backend::Autodiff;
-#[cfg(not(feature = "gpu"))]
-use burn::backend::NdArray;
+use burn::backend::{Autodiff, NdArray};
 use burn::grad_clipping::GradientClippingConfig;
 use burn::module::AutodiffModule;
 use burn::optim::{AdamConfig, GradientsParams, Optimizer};
@@ -15,16 +13,16 @@ use serde::{Deserialize, Serialize};
 use crate::checkpoint;
 use crate::failure::Failure;
 use crate::gru::Recurrent;
+use crate::model_file;
 use crate::network::Network;
 use crate::recordings::Rating;
 use crate::windows::{Place, Split, Windows, shuffle};
 
+/// Rows between the beginnings of the windows that validation takes.
+const VALIDATION_HOP: usize = 4;
+
 /// Where training runs.
-#[cfg(not(feature = "gpu"))]
 pub type Plain = NdArray;
-/// Where training runs.
-#[cfg(feature = "gpu")]
-pub type Plain = burn::backend::Wgpu;
 /// The same with gradients.
 pub type Learning = Autodiff<Plain>;
 
@@ -34,16 +32,22 @@ pub struct Settings {
     pub seed: u64,
     pub latent: usize,
     pub batch: usize,
-    /// Learning rate of the first epoch; it falls along a half cosine to `last_rate` in the last.
+    /// Learning rate after warming up; from there it falls along a half cosine to `last_rate` at the end.
     pub rate: f64,
     pub last_rate: f64,
+    /// Epochs over which the rate rises from nothing.
+    pub warm_up: usize,
     pub epochs: usize,
-    /// Rows between the beginnings of training and validation windows. Testing always uses every window.
+    /// Rows between the beginnings of training windows. Testing always uses every window.
     pub hop: usize,
+    /// An epoch takes one in so many of the training windows, drawn anew each time: neighbours are near duplicates.
+    pub share: usize,
     /// Epochs without a better validation error after which training stops.
     pub patience: usize,
     /// Weight of the term that ties z1 to rated roughness and friction and z2 to rated hardness; 0: none.
     pub align: f64,
+    /// The model file whose weights it begins with; none: drawn ones.
+    pub from: Option<PathBuf>,
 }
 
 /// What has been reached after some epochs.
@@ -84,6 +88,9 @@ pub fn train(
         settings.seed,
         &device,
     );
+    if let Some(from) = &settings.from {
+        network = model_file::weights(from, network, windows, split)?;
+    }
     let mut adam = AdamConfig::new().init::<Learning, Network<Learning>>();
     adam = adam.with_grad_clipping(GradientClippingConfig::Norm(1.0).init());
     let mut progress = Progress::default();
@@ -94,7 +101,7 @@ pub fn train(
             checkpoint::read(path, settings, network, adam, best, &device)?;
     }
     let places = windows.of(&split.train, settings.hop);
-    let validation = windows.of(&split.validation, settings.hop);
+    let validation = windows.of(&split.validation, VALIDATION_HOP);
     if places.is_empty() || validation.is_empty() {
         return Err(Failure::Usage(format!(
             "no window of {} rows in the training or validation recordings: shorten --window or change --split",
@@ -109,9 +116,12 @@ pub fn train(
             &mut order,
             &mut Stream::new(settings.seed, &format!("epoch {}", progress.epochs)),
         );
-        let rate = rate(settings, progress.epochs);
+        order.truncate(places.len().div_ceil(settings.share.max(1)));
+        let batches = order.chunks(settings.batch.max(1));
+        let steps = batches.len() as f64;
         let mut sum = 0.0;
-        for batch in order.chunks(settings.batch.max(1)) {
+        for (step, batch) in batches.enumerate() {
+            let rate = rate(settings, progress.epochs as f64 + (step + 1) as f64 / steps);
             let x = windows.batch::<Learning>(batch, &device);
             let z = network.encode(x.clone());
             let error = (network.decode(z.clone(), windows.length) - x)
@@ -144,9 +154,14 @@ pub fn train(
     Ok((best, progress))
 }
 
-fn rate(settings: &Settings, epoch: usize) -> f64 {
-    let share = epoch as f64 / settings.epochs.saturating_sub(1).max(1) as f64;
-    let fall = 0.5 + 0.5 * (core::f64::consts::PI * share).cos();
+/// Learning rate after so many epochs, whole and begun.
+fn rate(settings: &Settings, epochs: f64) -> f64 {
+    let warm_up = settings.warm_up as f64;
+    if epochs < warm_up {
+        return settings.rate * epochs / warm_up;
+    }
+    let share = (epochs - warm_up) / (settings.epochs as f64 - warm_up).max(1.0);
+    let fall = 0.5 + 0.5 * (core::f64::consts::PI * share.min(1.0)).cos();
     settings.last_rate + (settings.rate - settings.last_rate) * fall
 }
 

@@ -1,7 +1,7 @@
 //! A run that was interrupted ends where one ends that was not; a model file holds what its network does.
 
 use super::*;
-use crate::model_file::{self, About};
+use crate::model_file::About;
 use crate::recordings::{Recording, Recordings};
 use crate::windows::{Scale, Windows};
 use safetensors::SafeTensors;
@@ -54,10 +54,13 @@ fn settings(epochs: usize) -> Settings {
         batch: 8,
         rate: 2e-3,
         last_rate: 1e-4,
+        warm_up: 1,
         epochs,
-        hop: 3,
+        hop: 1,
+        share: 3,
         patience: 100,
         align: 0.1,
+        from: None,
     }
 }
 
@@ -172,6 +175,18 @@ fn a_model_file_holds_the_network_and_its_golden_vector() {
     };
     model_file::write(&path, &network, &about).unwrap();
     let bytes = std::fs::read(&path).unwrap();
+
+    // What begins with it has its weights; another split or another shape is refused.
+    let drawn = |latent| Network::<Learning>::new(4, latent, 12, 9, &Default::default());
+    let begun = model_file::weights(&path, drawn(3), &windows, &split).unwrap();
+    assert_eq!(weights(&begun.valid()), weights(&network));
+    let refused = |latent, split: &Split| {
+        let found = model_file::weights(&path, drawn(latent), &windows, split);
+        found.map(|_| ()).unwrap_err().to_string()
+    };
+    assert!(refused(5, &split).contains("encoder.3.weight_ih: expected f32 [15, 96]"));
+    let other = Split::new(&windows.recordings, |_| true, [60, 20, 20], 2);
+    assert!(refused(3, &other).contains("same split"));
     std::fs::remove_file(&path).unwrap();
     let file = SafeTensors::deserialize(&bytes).unwrap();
     let golden = file.tensor("golden.latent").unwrap().data().to_vec();

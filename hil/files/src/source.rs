@@ -101,10 +101,10 @@ impl Source {
         }
     }
 
-    /// Deserialises the whole text.
+    /// Deserialises the whole text; numbers that no machine holds are refused first, since the plain value has no place for them.
     pub(super) fn read<T: DeserializeOwned>(&self) -> Result<T, FileError> {
         let table = self.parse()?;
-        self.refuse_non_finite(&mut String::new(), table.get_ref())?;
+        self.refuse_numbers(&mut String::new(), table.get_ref())?;
         let deserializer =
             toml::Deserializer::parse(&self.text).map_err(|error| self.syntax(&error))?;
         // Through the plain value: the parser's own deserialisers would each be compiled once more for every type.
@@ -173,31 +173,27 @@ impl Source {
         }
     }
 
-    fn refuse_non_finite(&self, path: &mut String, table: &DeTable<'_>) -> Result<(), FileError> {
+    fn refuse_numbers(&self, path: &mut String, table: &DeTable<'_>) -> Result<(), FileError> {
         for (key, value) in table {
             let length = path.len();
             if length > 0 {
                 path.push('.');
             }
             path.push_str(key.get_ref());
-            self.refuse_non_finite_value(path, value.get_ref())?;
+            self.refuse_value(path, value.get_ref())?;
             path.truncate(length);
         }
         Ok(())
     }
 
-    fn refuse_non_finite_value(
-        &self,
-        path: &mut String,
-        value: &DeValue<'_>,
-    ) -> Result<(), FileError> {
+    fn refuse_value(&self, path: &mut String, value: &DeValue<'_>) -> Result<(), FileError> {
         match value {
-            DeValue::Table(table) => self.refuse_non_finite(path, table),
+            DeValue::Table(table) => self.refuse_numbers(path, table),
             DeValue::Array(items) => {
                 for (index, item) in items.iter().enumerate() {
                     let length = path.len();
                     path.push_str(&format!("[{index}]"));
-                    self.refuse_non_finite_value(path, item.get_ref())?;
+                    self.refuse_value(path, item.get_ref())?;
                     path.truncate(length);
                 }
                 Ok(())
@@ -209,6 +205,11 @@ impl Source {
                     .is_ok_and(|number| number.is_finite()) =>
             {
                 Err(self.bad(path, "a finite number"))
+            }
+            DeValue::Integer(integer)
+                if i64::from_str_radix(integer.as_str(), integer.radix()).is_err() =>
+            {
+                Err(self.bad(path, "a whole number of at most 64 bits"))
             }
             _ => Ok(()),
         }

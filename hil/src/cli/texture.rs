@@ -9,12 +9,71 @@ use super::{positive, rate};
 /// What to do with the texture model.
 #[derive(Debug, Subcommand)]
 pub enum TextureAction {
+    /// Strokes over emulated textures, as recordings to train on.
+    Strokes(StrokesArgs),
+    /// Train a model: runs the training program, or says how to build it.
+    #[command(disable_help_flag = true)]
+    Train(TrainArgs),
     /// Latent vectors of a recording, as CSV on standard output: one line for each window, named by its last row.
     Encode(EncodeArgs),
     /// What a recording would ask of the wires: each window's roughness as pulses, (3.1) and (3.2), before any guard.
     Pulses(PulsesArgs),
     /// The encoder as an ONNX model: raw counts in, latent vectors out, scaling inside.
     Export(ExportArgs),
+    /// Where a model puts emulated textures, and how that goes with their roughness, friction and hardness.
+    Map(MapArgs),
+}
+
+/// Options of `hil texture strokes`.
+#[derive(Debug, Args)]
+pub struct StrokesArgs {
+    /// Folder to write to.
+    #[arg(value_name = "FOLDER")]
+    pub out: PathBuf,
+    /// A table of textures, by name or file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "thesis")]
+    pub textures: String,
+    /// Strokes over each texture.
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = super::whole::<u32, 1, 1000>, allow_hyphen_values = true)]
+    pub strokes: u32,
+    /// Seed of everything drawn.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
+    pub seed: u64,
+}
+
+/// Options of `hil texture train`.
+#[derive(Debug, Args)]
+pub struct TrainArgs {
+    /// Handed to the training program; `--help` lists its options.
+    #[arg(
+        trailing_var_arg = true,
+        allow_hyphen_values = true,
+        value_name = "OPTION"
+    )]
+    pub arguments: Vec<std::ffi::OsString>,
+}
+
+/// Options of `hil texture map`.
+#[derive(Debug, Args)]
+pub struct MapArgs {
+    /// `default` or a model file (.safetensors).
+    #[arg(value_name = "MODEL", default_value = "default")]
+    pub model: String,
+    /// A table of textures, by name or file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "thesis")]
+    pub textures: String,
+    /// Strokes over each texture.
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = super::whole::<u32, 1, 1000>, allow_hyphen_values = true)]
+    pub strokes: u32,
+    /// Seed of the strokes; the default model was trained on those of seed 1.
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
+    pub seed: u64,
+    /// Draw the map here (.svg).
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
+    /// Print JSON in place of a table.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Options of `hil texture encode`.

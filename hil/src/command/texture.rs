@@ -9,6 +9,7 @@ use palpate_core::texture::{Draw, Encoder, Ends, Pulses, Stream, Weights, along}
 use palpate_core::units::{Board, Channel, Duration, Instant, Point, Prescale};
 use serde_json::json;
 
+use super::texture_train;
 use crate::cli::{DrawArg, EncodeArgs, ExportArgs, PulsesArgs, TextureAction, WeightsArg};
 use crate::failure::Failure;
 use crate::output::{note, print, write_file};
@@ -22,9 +23,12 @@ use palpate_files::{LayoutFile, load_activation, load_layout};
 /// [`Failure`] with its exit status.
 pub fn texture(action: &TextureAction) -> Result<(), Failure> {
     match action {
+        TextureAction::Strokes(args) => texture_train::strokes(args),
+        TextureAction::Train(args) => texture_train::train(args),
         TextureAction::Encode(args) => encode(args),
         TextureAction::Pulses(args) => pulses(args),
         TextureAction::Export(args) => export(args),
+        TextureAction::Map(args) => texture_train::map(args),
     }
 }
 

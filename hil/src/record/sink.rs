@@ -39,7 +39,7 @@ pub enum About<'a> {
 }
 
 /// So much may be lost when the program is killed, microseconds of the recording's time.
-const FLUSH_US: u64 = 500_000;
+const FLUSH_US: u64 = 100_000;
 
 enum Form {
     Lines(Kind, Vec<String>, Lines),

@@ -1,5 +1,7 @@
 //! The texture model as a file, recordings as its input, and the way out to other programs.
 
+pub mod explore;
+pub mod map;
 mod model;
 pub mod onnx;
 pub mod reference;

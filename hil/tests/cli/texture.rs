@@ -157,3 +157,117 @@ fn the_export_is_an_onnx_file_with_its_names() {
         assert!(found, "no {name}");
     }
 }
+
+#[test]
+fn strokes_are_recordings_beside_their_ratings() {
+    let folder = Folder::new("texture-strokes");
+    let out = folder.path("strokes").display().to_string();
+    let said = hil(&["texture", "strokes", &out, "--strokes", "2"]);
+    assert_eq!(said.status, Some(0), "{}", said.err);
+    let strokes = Folder(folder.path("strokes"));
+    let names = strokes.names();
+    assert_eq!(names.len(), 8 * 2 + 1, "{names:?}");
+    let table = strokes.text("wood_01.csv");
+    let rows: Vec<Vec<u16>> = table
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|v| v.parse().unwrap()).collect())
+        .collect();
+    assert_eq!((rows.len(), rows[0].len()), (200, 48));
+    // the seventh taxel is dead, its neighbours are not
+    let changes = |column: usize| rows.iter().any(|row| row[column] != rows[0][column]);
+    assert!((18..21).all(|c| !changes(c)) && changes(17) && changes(21));
+    let ratings = strokes.text("ratings.csv");
+    assert!(ratings.starts_with("label,trained,hardness,roughness,friction\nsponge1,true,"));
+
+    let again = Folder::new("texture-strokes-again");
+    let (other, same) = (again.path("other"), again.path("same"));
+    for (path, seed) in [(&other, "2"), (&same, "1")] {
+        let path = path.display().to_string();
+        hil(&[
+            "texture",
+            "strokes",
+            &path,
+            "--strokes",
+            "2",
+            "--seed",
+            seed,
+        ]);
+    }
+    let read = |path: &Path| fs::read_to_string(path.join("wood_01.csv")).unwrap();
+    assert!(read(&same) == table && read(&other) != table);
+
+    refused_with(
+        &["texture", "strokes", &out, "--strokes", "0"],
+        &["--strokes", "1"],
+    );
+    let twice = folder.write(
+        "twice.toml",
+        &include_str!("../../../fixtures/textures/thesis.toml")
+            .replace("name = \"towel\"", "name = \"sponge1\""),
+    );
+    let twice = twice.display().to_string();
+    refused_with(
+        &["texture", "strokes", &out, "--textures", &twice],
+        &["twice.toml:", "texture[1].name", "no other texture"],
+    );
+    let file = folder.write("taken", "").display().to_string();
+    let said = hil(&["texture", "strokes", &file, "--strokes", "1"]);
+    assert_eq!(said.status, Some(3));
+    assert!(said.err.contains("taken"), "{}", said.err);
+}
+
+#[test]
+fn the_map_of_the_default_model_has_every_texture() {
+    let folder = Folder::new("texture-map");
+    let svg = folder.path("map.svg").display().to_string();
+    let table = good(&["texture", "map", "--strokes", "1", "--svg", &svg]);
+    assert!(table.contains("rank correlation") && table.contains("unseen"));
+    let drawing = folder.text("map.svg");
+    for name in ["sponge1", "cardboard", "sponge2", "shoe-sole"] {
+        assert!(table.contains(name) && drawing.contains(&format!(">{name}<")));
+    }
+    let json = good(&["texture", "map", "default", "--strokes", "1", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["textures"].as_array().unwrap().len(), 8);
+    for row in json["spearman"].as_array().unwrap() {
+        let value = row["all"].as_f64().unwrap();
+        assert!((-1.0..=1.0).contains(&value), "{row}");
+    }
+
+    let (_folder, model, _) = ground("texture-map-other");
+    refused_with(&["texture", "map", &model], &["txl1_x to txl16_z"]);
+}
+
+/// `hil` in a folder of its own, beside what a test puts there, with nothing on the PATH.
+#[cfg(unix)]
+#[test]
+fn training_is_the_training_programs_or_says_how_to_build_it() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::new("texture-train");
+    let hil = folder.path("hil");
+    fs::copy(env!("CARGO_BIN_EXE_hil"), &hil).unwrap();
+    let train = |arguments: &[&str]| -> Said {
+        let mut command = Command::new(&hil);
+        command.args(["texture", "train"]).args(arguments);
+        command.env("PATH", "").output().unwrap().into()
+    };
+    let said = train(&["strokes", "--model", "out.safetensors"]);
+    assert_eq!(said.status, Some(2));
+    let line = "cargo build --release -p palpate-train";
+    assert!(said.err.contains(line), "{}", said.err);
+
+    let script = "#!/bin/sh\nfor a in \"$@\"; do echo \"<$a>\"; done\nexit $2\n";
+    let program = folder.write("palpate-train", script);
+    fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+    let said = train(&["a b", "0", "--help", "--align", "0.1"]);
+    assert_eq!(
+        (said.status, said.out.as_str(), said.err.as_str()),
+        (Some(0), "<a b>\n<0>\n<--help>\n<--align>\n<0.1>\n", "")
+    );
+    // what it says of a failure is its own; its exit status stays
+    for (status, expected) in [("2", 2), ("1", 1)] {
+        let said = train(&["folder", status]);
+        assert_eq!((said.status, said.err.as_str()), (Some(expected), ""));
+    }
+}

@@ -15,7 +15,7 @@ use nix::sys::ptrace;
 use nix::sys::signal::{Signal, kill};
 use nix::sys::wait::{WaitPidFlag, WaitStatus, waitpid};
 use nix::unistd::Pid;
-use palpate_records::candump;
+use palpate_records::{candump, mcap};
 
 use super::tools::{hil, in_lab, number_of, scene, scratch, sh, text, try_sh};
 use super::ward::{Fate, HEARTBEAT_MS, Moments, Run, Ward, now_ns};
@@ -148,6 +148,39 @@ impl Death {
     }
 }
 
+/// What was recorded up to a death opens: `log`, which lies on a disk that may be full, and two files beside it.
+fn check_records(death: Death, log: &Path, [messages, pins]: [&Path; 2]) {
+    let text = std::fs::read_to_string(log).unwrap();
+    let frames = candump::read(&text).unwrap().frames;
+    assert!(
+        frames.len() > 100 && text.ends_with('\n'),
+        "{death:?}: {} frames, {} bytes",
+        frames.len(),
+        text.len()
+    );
+    let read = mcap::read(&std::fs::read(messages).unwrap()).unwrap();
+    let whole = read
+        .frames
+        .iter()
+        .zip(&frames)
+        .all(|(a, b)| a.frame == b.frame);
+    assert!(
+        whole && !read.frames.is_empty() && read.damages.len() <= 1,
+        "{death:?}: {} frames, {:?}",
+        read.frames.len(),
+        read.damages
+    );
+    // A VCD is written in blocks: its last line may be torn, nothing else.
+    let dump = std::fs::read_to_string(pins).unwrap();
+    let lines = &dump[..=dump.rfind('\n').unwrap()];
+    let mut parser = vcd::Parser::new(lines.as_bytes());
+    let header = parser.parse_header().unwrap();
+    assert!(!header.items.is_empty(), "{death:?}: no signals");
+    for command in parser {
+        assert!(command.is_ok(), "{death:?}: {command:?}");
+    }
+}
+
 /// Stops one thread of a process, by its name, until somebody kills the process.
 fn stop_thread(pid: Pid, name: &str) {
     let threads = std::fs::read_dir(format!("/proc/{pid}/task")).unwrap();
@@ -203,6 +236,9 @@ fn no_death_leaves_an_output_on() {
         disk.display()
     ));
     let file = disk.join("death.log");
+    let (messages, pins) = (scratch("death.mcap"), scratch("death.vcd"));
+    let records = [&file, &messages, &pins].map(|path| path.display().to_string());
+    let records: Vec<_> = records.iter().flat_map(|path| ["--record", path]).collect();
     let (mut left_on, mut late) = (Vec::new(), Vec::new());
     for death in chosen() {
         let began = now_ns();
@@ -214,7 +250,7 @@ fn no_death_leaves_an_output_on() {
             HEARTBEAT_MS
         });
         while n < count {
-            let mut run = ward.run(&press, &["--record", &file.display().to_string()]);
+            let mut run = ward.run(&press, &records);
             std::thread::sleep(moments.below(WITHIN));
             let stopped = ward.latch().read();
             let struck = death.strike(&ward, &run, &disk);
@@ -258,15 +294,7 @@ fn no_death_leaves_an_output_on() {
             death.check(&ward, ended.code(), ended.signal(), fate);
             latched += u64::from(held.is_some());
             ward.latch().clear().unwrap();
-            // What was recorded until then opens.
-            let log = std::fs::read_to_string(&file).unwrap();
-            let frames = candump::read(&log).unwrap().frames;
-            assert!(
-                frames.len() > 100 && log.ends_with('\n'),
-                "{death:?}: {} frames, {} bytes",
-                frames.len(),
-                log.len()
-            );
+            check_records(death, &file, [&messages, &pins]);
         }
         // Some blows fall into a burst, and those stop the run.
         assert!(!death.lives() || count < 10 || latched > 0, "{death:?}");

@@ -17,5 +17,6 @@ mod interfaces;
 mod records;
 mod sja1000;
 mod tools;
+mod trials;
 mod ward;
 mod whole_loop;

@@ -1,6 +1,6 @@
 //! The layer written with the framework's own operations: one product for the three gates of a step.
 //!
-//! What a graphics card runs, and what [`super::fused`] is held against: its gradient is the framework's.
+//! What [`super::fused`] is held against: its gradient is the framework's.
 
 use burn::prelude::*;
 use burn::tensor::activation::sigmoid;

@@ -6,6 +6,7 @@ use ndarray::{ArrayView2, ArrayViewMut2};
 use palpate_core::vector::Vectors;
 
 use super::Size;
+use super::panels::Panels;
 
 /// A layer's weights as slices, row-major: `ih` `[3H, I]`, `hh` `[3H, H]`, biases `[3H]`.
 #[derive(Clone, Debug)]
@@ -94,7 +95,7 @@ pub fn forward(x: &[f32], weights: &Flat, size: Size) -> Trace {
         1.0,
         &mut matrix_mut(&mut from_input, rows, gates),
     );
-    let hh = matrix(&weights.hh, gates, units);
+    let hh = Panels::transposed(&weights.hh, units);
     let biases: Vec<f32> = weights
         .bias_hh
         .iter()
@@ -115,8 +116,7 @@ pub fn forward(x: &[f32], weights: &Flat, size: Size) -> Trace {
             &past[(step - 1) * batch * units..]
         };
         from_hidden.copy_from_slice(&biases);
-        let product = &mut matrix_mut(&mut from_hidden, batch, gates);
-        general_mat_mul(1.0, &matrix(before, batch, units), &hh.t(), 1.0, product);
+        hh.add(before, &mut from_hidden, vectors);
         let from_input = &from_input[step * batch * gates..][..batch * gates];
         let trace = &mut trace[step * batch * 4 * units..][..batch * 4 * units];
         let after = &mut future[..batch * units];
@@ -182,7 +182,7 @@ pub fn backward(
         units,
     } = size;
     let (rows, gates) = (steps * batch, 3 * units);
-    let hh = matrix(&weights.hh, gates, units);
+    let hh = Panels::new(&weights.hh, units);
     let zero = vec![0.0; batch * units];
     // Gradients before the gates: through the input's product and through the hidden state's.
     let (mut by_input, mut by_hidden) = (vec![0.0; rows * gates], vec![0.0; rows * gates]);
@@ -213,14 +213,7 @@ pub fn backward(
                 )
             },
         );
-        let through = matrix(of_hidden, batch, gates);
-        general_mat_mul(
-            1.0,
-            &through,
-            &hh,
-            1.0,
-            &mut matrix_mut(&mut carried, batch, units),
-        );
+        hh.add(of_hidden, &mut carried, vectors);
     }
     let mut ih = vec![0.0; gates * inputs];
     let of_input = matrix(&by_input, rows, gates);

@@ -1,15 +1,16 @@
-//! A GRU layer over a whole sequence, for every backend: forward, backward, and the plain cell both are held against.
+//! A GRU layer over a whole sequence: forward, backward, and the plain cell both are held against.
 //!
 //! The cell is the one with two biases (`reset_after` in Keras, PyTorch's own; ONNX `linear_before_reset = 1`):
 //! `r, z = s(W x + b + U h + c)`, `n = tanh(W x + b + r (U h + c))`, `h' = (1 - z) n + z h`, gates in the order r, z, n.
 //! Sequences are time-major, `[steps, batch, features]`, so that a step is one piece of memory.
 
-#[cfg(any(test, feature = "gpu"))]
+#[cfg(test)]
 mod cell;
 mod fused;
 mod op;
+mod panels;
 
-#[cfg(any(test, feature = "gpu"))]
+#[cfg(test)]
 pub use cell::sequence as by_the_cell;
 pub use op::Recurrent;
 

@@ -19,20 +19,6 @@ pub trait Recurrent: Backend {
     fn layer(x: Tensor<Self, 3>, weights: Weights<Self>) -> Tensor<Self, 3>;
 }
 
-#[cfg(feature = "gpu")]
-impl Recurrent for burn::backend::Wgpu {
-    fn layer(x: Tensor<Self, 3>, weights: Weights<Self>) -> Tensor<Self, 3> {
-        super::by_the_cell(x, &weights)
-    }
-}
-
-#[cfg(feature = "gpu")]
-impl Recurrent for Autodiff<burn::backend::Wgpu> {
-    fn layer(x: Tensor<Self, 3>, weights: Weights<Self>) -> Tensor<Self, 3> {
-        super::by_the_cell(x, &weights)
-    }
-}
-
 type Inner = NdArray;
 type Primitive = <Inner as burn::tensor::backend::BackendTypes>::FloatTensorPrimitive;
 

@@ -29,7 +29,7 @@ const PATIENCE: Duration = Duration::from_millis(600_000);
 /// How often an awake guardian looks whether the run is silent.
 const SLICE_MS: u64 = 10;
 /// Pauses between those tries: the first and the longest.
-const PAUSE: (u64, u64) = (5, 250);
+const PAUSE: (u64, u64) = (5, 50);
 
 /// Why the guardian acts.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -58,7 +58,7 @@ fn scenes() {
             (
                 "kc = 1",
                 "kc = 99999999999999999999",
-                "f.toml:15: compression.kc: expected a whole number, 0 or more, found 99999999999999999999",
+                "f.toml:15: compression.kc: expected a whole number of at most 64 bits, found 99999999999999999999",
             ),
             (
                 "ki = 10",
