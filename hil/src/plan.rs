@@ -6,6 +6,7 @@ mod texture;
 
 pub use illusion::{drive, model};
 pub use person::perceiver;
+pub use texture::projection;
 
 use palpate_core::contact::{Levels, Norm, Scope, Settings};
 use palpate_core::guard::{Guard, Limits, Plant};

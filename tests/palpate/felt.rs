@@ -130,3 +130,53 @@ fn a_moving_contact_carries_its_texture() {
         }
     }
 }
+
+/// The same contact says where it is and what it is of: one module, its readings gathered for the network.
+fn rubbing(surface: &str, traverse_s: f64) -> Setup {
+    let mut setup = load("sphere-along-wood");
+    let table = palpate_files::load_textures("thesis").unwrap().value;
+    let entry = table.texture.into_iter().find(|t| t.name == surface);
+    setup.texture.as_mut().unwrap().surface = entry;
+    let scene = &mut setup.scene.value;
+    let felt = scene.texture.as_mut().unwrap();
+    felt.strokes_s.clear();
+    (felt.module, felt.rubs) = (None, true);
+    let touch = &mut scene.touches[0];
+    touch.path.period_s = Some(2.0 * traverse_s);
+    (touch.force_n.mean, touch.force_n.amplitude) = (3.0, 0.4);
+    setup
+}
+
+#[test]
+fn a_contact_that_rubs_carries_its_own_texture() {
+    let table = palpate_files::load_textures("thesis").unwrap().value;
+    let mut driven = Vec::new();
+    for traverse_s in [1.0, 0.25] {
+        for entry in &table.texture {
+            let mut plain = rubbing(&entry.name, traverse_s);
+            plain.texture.as_mut().unwrap().surface = None;
+            plain.scene.value.texture = None;
+            let plain = played(&plain).summary;
+            let outcome = played(&rubbing(&entry.name, traverse_s));
+            let texture = outcome.summary.texture.as_ref().unwrap();
+            let (path, felt) = (
+                outcome.summary.path_error_mm.unwrap().rmse,
+                outcome.summary.felt_error_mm.rmse.unwrap(),
+            );
+            println!(
+                "{:<13} {:.0} mm/s: {} windows, roughness {:.3}, {:.2} pulses a burst, path {path:.2} mm ({:.2} without), felt {felt:.2} mm ({:.2} without)",
+                entry.name,
+                14.1 / traverse_s,
+                texture.windows,
+                texture.roughness,
+                pulses_per_burst(&outcome),
+                plain.path_error_mm.unwrap().rmse,
+                plain.felt_error_mm.rmse.unwrap(),
+            );
+            driven.push((
+                texture.roughness,
+                palpate_hil::texture::explore::surface(entry).drag_roughness(),
+            ));
+        }
+    }
+}

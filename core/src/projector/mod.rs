@@ -8,7 +8,7 @@ mod texture;
 mod weave;
 
 pub use crate::illusion::Target;
-pub use output::OutputSettings;
+pub use output::{Output, OutputSettings};
 pub use texture::{Carrier, TextureError, TexturePlan, TextureReport};
 
 use alloc::boxed::Box;
@@ -27,7 +27,6 @@ use crate::skin::{
 use crate::units::{Board, Duration, Instant};
 use crate::wire::uskin::IdProfile;
 
-use output::Output;
 use sensing::Sensing;
 use texture::Sampler;
 

@@ -38,9 +38,9 @@ pub struct OutputSettings {
     pub peak: Milliamps,
 }
 
-/// The state of the output half.
+/// The output half by itself: for whoever has targets or textures from elsewhere than this loop's sensors.
 #[derive(Debug)]
-pub(super) struct Output {
+pub struct Output {
     display: Display,
     timing: Timing,
     drive: Drive,
@@ -60,7 +60,8 @@ pub(super) struct Output {
 }
 
 impl Output {
-    pub(super) fn new(display: Display, settings: OutputSettings, guard: Guard) -> Self {
+    /// Nothing is driven yet; the first onset is due at once.
+    pub fn new(display: Display, settings: OutputSettings, guard: Guard) -> Self {
         let n = display.wires().len();
         let blank = Stimulus {
             wire: 0,
@@ -88,7 +89,7 @@ impl Output {
     }
 
     /// With a texture on this carrier.
-    pub(super) fn carry(&mut self, carrier: Carrier) {
+    pub fn carry(&mut self, carrier: Carrier) {
         self.texture = Some(Texture::new(carrier, self.guard.prescale()));
     }
 
@@ -101,7 +102,8 @@ impl Output {
         &self.guard
     }
 
-    pub(super) const fn guard_mut(&mut self) -> &mut Guard {
+    /// The guard, to tell it what was heard.
+    pub const fn guard_mut(&mut self) -> &mut Guard {
         &mut self.guard
     }
 
@@ -123,7 +125,7 @@ impl Output {
     }
 
     /// When this half has something to do next.
-    pub(super) fn next(&self) -> Instant {
+    pub fn next(&self) -> Instant {
         let texture = self
             .texture
             .as_ref()
@@ -136,7 +138,10 @@ impl Output {
     /// onset that was missed by more than half an SOA is left out: the grid from t = 0 stands whatever happens.
     ///
     /// Returns whether an onset was projected.
-    pub(super) fn poll<A: Actuators>(
+    ///
+    /// # Errors
+    /// The actuators' error; nothing has been switched off for it.
+    pub fn poll<A: Actuators>(
         &mut self,
         now: Instant,
         targets: &[Target],

@@ -6,6 +6,7 @@
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 use core::fmt;
+use core::ops::Range;
 
 use crate::skin::{Layout, Scan};
 use crate::texture::{Control, ControlMap, Encoder, Ends, Pulses, Stream};
@@ -34,6 +35,9 @@ pub struct TexturePlan {
     pub module: u16,
     /// The network's features: taxel of that module, and axis (0 to 2).
     pub features: Box<[(u32, u8)]>,
+    /// Every feature gets its axis's mean over the module's taxels: a contact that moves over them, spread over the
+    /// whole face, which is what networks are trained on. Where it is says the contact itself.
+    pub gather: bool,
     /// From sample to sample.
     pub sample: Duration,
     /// (3.2).
@@ -78,6 +82,13 @@ pub struct TextureReport<'a> {
     pub control: Control,
 }
 
+/// Mean counts of some taxels, axis by axis.
+fn means(taxels: &[[u16; 3]]) -> [f32; 3] {
+    let sum = |axis: usize| taxels.iter().map(|t| u64::from(t[axis])).sum::<u64>();
+    let count = taxels.len().max(1) as f64;
+    [0, 1, 2].map(|axis| (sum(axis) as f64 / count) as f32)
+}
+
 /// From scans to control parameters.
 #[derive(Debug)]
 pub(super) struct Sampler {
@@ -85,6 +96,8 @@ pub(super) struct Sampler {
     /// Index among the layout's taxels, and axis.
     features: Box<[(usize, usize)]>,
     sample: Box<[f32]>,
+    /// The module's taxels, where features are gathered.
+    gathered: Option<Range<usize>>,
     stream: Stream,
     window: usize,
     ends: Ends,
@@ -122,6 +135,7 @@ impl Sampler {
             module: plan.module,
             features: features.collect::<Result<_, _>>()?,
             sample: alloc::vec![0.0; plan.features.len()].into(),
+            gathered: plan.gather.then_some(range),
             window: plan.encoder.window(),
             stream: Stream::new(plan.encoder, 1),
             ends: Ends::Onsets {
@@ -152,8 +166,13 @@ impl Sampler {
         if !touched {
             self.newest = None;
         }
+        let counts = scan.counts();
+        let means = self
+            .gathered
+            .as_ref()
+            .map(|range| means(&counts[range.clone()]));
         for (value, &(taxel, axis)) in self.sample.iter_mut().zip(&self.features) {
-            *value = f32::from(scan.counts()[taxel][axis]);
+            *value = means.map_or_else(|| f32::from(counts[taxel][axis]), |means| means[axis]);
         }
         // A window that begins before the touch would not count: it is not computed.
         let begin = touched && self.ends.begins(self.stream.seen(), self.window);

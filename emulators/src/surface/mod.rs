@@ -6,12 +6,14 @@
 
 mod explorer;
 mod relief;
+mod rub;
 mod stroke;
 #[cfg(test)]
 mod tests;
 
 pub use explorer::{Explorer, Recording, SAMPLES};
 pub use relief::{Relief, Ripple};
+pub use rub::Rub;
 pub use stroke::{Habits, Stroke, Strokes};
 
 /// What a surface is like, as far as a skin module can tell.

@@ -48,6 +48,10 @@ pub struct Felt {
     /// How long each is, seconds; left out: 2, as in the thesis.
     #[serde(default = "two")]
     pub stroke_s: f64,
+    /// The scene's touches of that module are of this surface themselves, and rub it over the skin; its readings are
+    /// gathered into one before the network sees them.
+    #[serde(default)]
+    pub rubs: bool,
     /// The texture model: a built-in name or a file.
     #[serde(default = "default_model")]
     pub model: String,
@@ -83,6 +87,9 @@ impl Felt {
                 ));
             }
             free_s = start_s + self.stroke_s;
+        }
+        if self.rubs && !(self.surface.is_some() && self.strokes_s.is_empty()) {
+            return Err(source.bad("texture.rubs", "a surface and no strokes beside it"));
         }
         if self.surface.is_none() && !self.strokes_s.is_empty() {
             return Err(source.bad("texture.strokes_s", "no strokes, or a surface to stroke"));

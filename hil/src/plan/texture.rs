@@ -5,12 +5,12 @@ use std::sync::Arc;
 use palpate_core::illusion::Display;
 use palpate_core::projector::{Carrier, TexturePlan};
 use palpate_core::skin::Layout;
-use palpate_core::texture::{Draw, Pulses, Weights, along};
+use palpate_core::texture::{ControlMap, Draw, Driver, Pulses, Weights, along};
 use palpate_core::units::{Duration, Point, Prescale};
 
 use crate::failure::Failure;
 use crate::texture::TextureModel;
-use palpate_files::{Felt, Setup};
+use palpate_files::Setup;
 
 /// The network's features as taxels of a module and axes: columns of a recording are called `txl1_x`. A model that
 /// names none takes every taxel in order.
@@ -42,7 +42,7 @@ pub(super) fn texture(
     seed: u64,
 ) -> Result<Option<TexturePlan>, Failure> {
     let scene = &setup.scene.value;
-    let (Some(felt), Some(stroked)) = (&scene.texture, &setup.texture) else {
+    let Some(felt) = &scene.texture else {
         return Ok(None);
     };
     let bad = |key: &str, expected: String| {
@@ -52,49 +52,48 @@ pub(super) fn texture(
     let module = felt.module.unwrap_or(scene.drives);
     let features = features(&model, layout.range(module).len())
         .map_err(|expected| bad("texture.model", expected))?;
-    let (driver, file) = (model.driver()?, &stroked.activation.value);
-    let on_contacts = felt.carrier == palpate_files::Carrier::Contacts;
-    let map = if on_contacts {
-        file.burst_map(driver)
-    } else {
-        file.map(driver)
-    };
-    let map = map.map_err(|e| bad("texture.model", e.to_string()))?;
-    let carrier = if on_contacts {
-        Carrier::Contacts
-    } else {
-        Carrier::Display(pulses(setup, felt, display, prescale, seed)?)
-    };
+    let (map, carrier) = projection(setup, model.driver()?, display, prescale, seed)?;
     Ok(Some(TexturePlan {
         encoder: Arc::new(model.encoder(Weights::Exact)?),
         module: u16::try_from(module).unwrap_or(u16::MAX),
         features,
+        gather: felt.rubs,
         sample: Duration::from_micros((1e6 / scene.rate_hz).round() as u64),
         map,
         carrier,
     }))
 }
 
-/// Pulses over the display's wires.
-fn pulses(
+/// From a latent vector to the display: what the scene's texture section makes of a model's driving coordinate.
+///
+/// # Errors
+/// [`Failure::Input`] for a scene without a texture, or with file and key of what does not fit together.
+pub fn projection(
     setup: &Setup,
-    felt: &Felt,
+    driver: Driver,
     display: &Display,
     prescale: Prescale,
     seed: u64,
-) -> Result<Pulses, Failure> {
-    let activation = setup
-        .texture
-        .as_ref()
-        .and_then(|t| t.activation.value.activation());
+) -> Result<(ControlMap, Carrier), Failure> {
+    let scene = &setup.scene;
+    let bad =
+        |key: &str, expected: String| Failure::Input(scene.source.bad(key, expected).to_string());
+    let (Some(felt), Some(stroked)) = (&scene.value.texture, &setup.texture) else {
+        return Err(bad("texture", "a scene with a texture".into()));
+    };
+    let file = &stroked.activation.value;
+    if felt.carrier == palpate_files::Carrier::Contacts {
+        let map = file.burst_map(driver);
+        let map = map.map_err(|e| bad("texture.model", e.to_string()))?;
+        return Ok((map, Carrier::Contacts));
+    }
+    let map = file.map(driver);
+    let map = map.map_err(|e| bad("texture.model", e.to_string()))?;
+    let activation = file.activation();
     let activation = activation.ok_or_else(|| {
-        let expected = "an activation with alpha + beta < 1";
-        Failure::Input(
-            setup
-                .scene
-                .source
-                .bad("texture.activation", expected)
-                .to_string(),
+        bad(
+            "texture.activation",
+            "an activation with alpha + beta < 1".into(),
         )
     })?;
     let draw = match felt.draw {
@@ -103,5 +102,6 @@ fn pulses(
     };
     let places: Vec<Point> = display.wires().iter().map(|w| w.place).collect();
     let gaps = along(&places, display.gap());
-    Ok(Pulses::new(activation, draw, prescale, &gaps, seed))
+    let pulses = Pulses::new(activation, draw, prescale, &gaps, seed);
+    Ok((map, Carrier::Display(pulses)))
 }

@@ -12,6 +12,7 @@ pub mod real;
 mod recorder;
 mod replay;
 pub(crate) mod script;
+mod scripted;
 mod sensor;
 pub(crate) mod skin;
 mod summary;

@@ -2,84 +2,19 @@
 
 use palpate_core::bus::SensorBus;
 use palpate_core::skin::Layout;
-use palpate_core::units::Point;
 use palpate_core::wire::uskin::{ALL_BOARDS, Command};
 use palpate_emulators::board::{BoardConfig, Overload};
 use palpate_emulators::can::NodeConfig;
 use palpate_emulators::rig::{Handle, SkinBus};
-use palpate_emulators::skin::{Generation, Module, ModuleConfig, Touch as Press, Touches};
-use palpate_emulators::surface::{Habits, Stroke, Strokes, Texture};
+use palpate_emulators::skin::{Generation, Module, ModuleConfig};
 use palpate_emulators::time::Nanos;
 
+use super::scripted::Scripted;
 use crate::failure::Failure;
-use palpate_files::{Setup, Touch};
+use palpate_files::Setup;
 
 /// CAN bit rate of the sensor boards.
 const BITRATE: u32 = 1_000_000;
-
-/// Scenes' strokes are others than those that models are trained on, which count from 0.
-const FIRST_STROKE: u32 = 1000;
-
-/// What a scene does to one module.
-struct Scripted {
-    touches: Vec<Touch>,
-    strokes: Strokes,
-    /// Everything begins anew after each such span.
-    repeat: Option<Nanos>,
-}
-
-impl Scripted {
-    fn at(&self, now: Nanos) -> Nanos {
-        self.repeat.map_or(now, |span| Nanos(now.0 % span.0.max(1)))
-    }
-}
-
-impl Touches for Scripted {
-    fn touches(&self, now: Nanos, out: &mut Vec<Press>) {
-        let now = self.at(now);
-        let touches = self.touches.iter();
-        out.extend(
-            touches
-                .filter_map(|t| t.at(now.as_secs_f64()))
-                .map(|t| Press {
-                    at: Point::new(t.x_mm as f32, t.y_mm as f32),
-                    force_n: t.force_n,
-                    diameter_mm: t.diameter_mm,
-                }),
-        );
-        self.strokes.touches(now, out);
-    }
-
-    fn drag(&self, now: Nanos) -> [f64; 2] {
-        self.strokes.drag(self.at(now))
-    }
-}
-
-/// The scene's strokes over its texture's surface, on that module.
-fn strokes(setup: &Setup, module: usize, seed: u64, lag_s: f64) -> Strokes {
-    let scene = &setup.scene.value;
-    let surface = setup.texture.as_ref().and_then(|t| t.surface.as_ref());
-    let (Some(felt), Some(surface)) = (&scene.texture, surface) else {
-        return Strokes::default();
-    };
-    if felt.module.unwrap_or(scene.drives) != module {
-        return Strokes::default();
-    }
-    let texture = Texture {
-        name: surface.name.clone(),
-        stiffness_n_per_mm: surface.stiffness_n_per_mm,
-        relief_mm: surface.relief_um / 1000.0,
-        wavelength_mm: surface.wavelength_mm,
-        octaves: surface.octaves,
-        friction: surface.friction,
-    };
-    let stroke = |(number, &start_s): (u32, &f64)| {
-        let span = (Nanos((start_s * 1e9).round() as u64), felt.stroke_s);
-        let number = FIRST_STROKE + number;
-        Stroke::new(&texture, &Habits::default(), (seed, number), span, lag_s)
-    };
-    Strokes((0..).zip(&felt.strokes_s).map(stroke).collect())
-}
 
 /// The refusal of a module that no board can carry.
 pub fn unwired(layout: &str, module: &str) -> Failure {
@@ -126,13 +61,8 @@ pub fn boards(
             seed,
             ..ModuleConfig::default()
         });
-        let touches = scene.touches.iter().filter(|t| t.module == number);
         let lag_s = skin.config().mechanics.lag_s;
-        skin.touch(Box::new(Scripted {
-            touches: touches.cloned().collect(),
-            strokes: strokes(setup, number, seed, lag_s),
-            repeat,
-        }));
+        skin.touch(Box::new(Scripted::new(setup, number, seed, lag_s, repeat)));
         let bus = usize::from(address.bus);
         buses.resize_with(buses.len().max(bus + 1), || {
             SkinBus::with_host(BITRATE, host)

@@ -271,3 +271,44 @@ fn training_is_the_training_programs_or_says_how_to_build_it() {
         assert_eq!((said.status, said.err.as_str()), (Some(expected), ""));
     }
 }
+
+/// One recording of five features a label: what a panel is shown of each, said to be simulated everywhere.
+#[test]
+fn a_panel_rates_recordings_and_says_that_it_is_simulated() {
+    let (folder, model, rows) = ground("texture-panel");
+    let recordings = folder.path("recordings");
+    fs::create_dir(&recordings).unwrap();
+    for name in ["felt_0.csv", "silk_0.csv"] {
+        fs::copy(&rows, recordings.join(name)).unwrap();
+    }
+    let recordings = recordings.display().to_string();
+    let args = ["texture", "panel", &model, "--recordings", &recordings];
+    let with = |more: &[&str]| good(&[&args[..], &["--rate", "100"], more].concat());
+    let table = with(&[]);
+    assert!(table.starts_with("SIMULATED"), "{table}");
+    assert!(table.contains("felt") && table.contains("silk") && table.contains("of 1 pairs"));
+    let svg = folder.path("panel.svg").display().to_string();
+    let json: serde_json::Value = serde_json::from_str(&with(&["--json", "--svg", &svg])).unwrap();
+    assert_eq!(json["textures"].as_array().unwrap().len(), 2);
+    assert!(json["source"].as_str().unwrap().starts_with("simulated"));
+    assert_eq!(
+        json,
+        serde_json::from_str::<serde_json::Value>(&with(&["--json"])).unwrap()
+    );
+    let drawing = fs::read_to_string(svg).unwrap();
+    assert!(drawing.contains("SIMULATED") && drawing.contains(">silk<"));
+    refused_with(&args, &["--rate"]);
+    let empty = folder.path("").display().to_string();
+    refused_with(
+        &[
+            "texture",
+            "panel",
+            &model,
+            "--recordings",
+            &empty,
+            "--rate",
+            "100",
+        ],
+        &["expected", "_"],
+    );
+}

@@ -100,8 +100,8 @@ fn felt_in_words(trace: &Trace) -> String {
     let text = match (scored, driven) {
         (0, false) => return String::new(),
         (0, true) => {
-            "Not drawn: every onset had several contacts at once, and one felt place cannot \
-                      be held against two. The wires were driven; see the schedule."
+            "Not drawn: every onset had several contacts at once, or a texture that has the display to \
+                      itself, and one felt place is held against one contact. The wires were driven; see the schedule."
                 .to_owned()
         }
         _ => {

@@ -49,7 +49,7 @@ pub(super) fn measure() -> Result<Vec<Row>, Failure> {
         });
     }
     let samples = race.run(200, std::time::Duration::from_secs(2));
-    let row = |((name, draw), samples): ((&str, Draw), &super::Samples)| {
+    let row = |((name, draw), samples): ((&str, Draw), &Samples)| {
         let mut pulses = make(draw);
         let (mut found, mut expected) = (0.0, 0.0);
         while pulses.at() < Instant::from_micros(60_000_000) {
