@@ -65,6 +65,7 @@ scenes! {
     sphere_circle "sphere-circle",
     sphere_circle_sponge1 "sphere-circle-sponge1",
     sphere_diagonal "sphere-diagonal",
+    sphere_rubs_sponge1 "sphere-rubs-sponge1",
     stuck_amplifier "stuck-amplifier",
     texture_cardboard "texture-cardboard",
     texture_catalogue "texture-catalogue",

@@ -16,6 +16,7 @@ mod goldens;
 mod guard;
 mod hand;
 mod illusion;
+mod panel;
 mod paths;
 mod pca9685;
 mod recordings;

@@ -13,7 +13,7 @@ use crate::units::{Board, Duration, Instant, Milliamps, Ticks};
 
 use super::strokes::Strokes;
 use super::texture::Carrier;
-use super::weave::{Texture, Weave};
+use super::weave::{Texture, Weave, gain};
 use super::{Cause, Observer};
 
 /// How stimuli are made.
@@ -213,7 +213,14 @@ impl Output {
         let mut due = None;
         if let Some(Texture::Train(train)) = &mut self.texture {
             if let Some((at, fired)) = train.due(now, texture) {
-                let width = |wire| self.drive.width(self.calibration.apply(wire, 1.0));
+                let period_ns = self.guard.prescale().period_ns();
+                let gain = texture.map_or(1.0, |c| gain(c.rate_mhz, period_ns));
+                let width = |wire| {
+                    let one = self.drive.width(self.calibration.apply(wire, 1.0));
+                    // Rounded down: the widest stays within the limit.
+                    let wide = (f32::from(one.get()) * gain) as u16;
+                    Ticks::new(wide.min(self.guard.widest().get()).max(one.get()))
+                };
                 for (wire, (out, fired)) in self.widths.iter_mut().zip(fired).enumerate() {
                     *out = if *fired { width(wire) } else { Ticks::ZERO };
                 }

@@ -2,7 +2,8 @@
 //!
 //! Two carriers. On the display, the pulses of (3.1) run by themselves. On contacts, f_PWM thins out each burst: its
 //! first period always pulses, later ones where f_PWM has one, for all wires alike, so that their ratios and with
-//! them the phantom's place stay; pulses get wider by the root of how many are left out, as far as the guard allows.
+//! them the phantom's place stay. On both, pulses get wider by the root of how many are left out, as far as the guard
+//! allows.
 
 use crate::texture::{Control, Pulses};
 use crate::units::{Duration, Instant, Prescale, Ticks};
@@ -105,6 +106,13 @@ impl Weave {
         }
         None
     }
+}
+
+/// By how much pulses at `rate_mhz` are wider than those of every period: what is felt grows with the width and with
+/// the root of the number of pulses, so rough textures get coarser, not weaker.
+pub(super) fn gain(rate_mhz: u32, period_ns: u64) -> f32 {
+    let part = (u64::from(rate_mhz) * period_ns).clamp(1, WHOLE) as f32;
+    libm::sqrtf(WHOLE as f32 / part)
 }
 
 /// Pulses of (3.1) that run by themselves.
@@ -248,6 +256,14 @@ mod tests {
             before = pulses;
         }
         assert_eq!(before, 7);
+    }
+
+    #[test]
+    fn fewer_pulses_are_wider_by_the_root() {
+        let of = |rate_hz: u32| gain(1000 * rate_hz, CARRIER.period_ns());
+        assert!((of(49) - 2.004_5).abs() < 1e-3, "{}", of(49));
+        assert!((of(197) - 1.0).abs() < 1e-6 && (of(1500) - 1.0).abs() < 1e-6);
+        assert!(of(0).is_finite());
     }
 
     #[test]
