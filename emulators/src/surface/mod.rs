@@ -6,13 +6,15 @@
 
 mod explorer;
 mod relief;
+mod rub;
 mod stroke;
 #[cfg(test)]
 mod tests;
 
 pub use explorer::{Explorer, Recording, SAMPLES};
 pub use relief::{Relief, Ripple};
-pub use stroke::{Habits, Stroke};
+pub use rub::Rub;
+pub use stroke::{Habits, Stroke, Strokes};
 
 /// What a surface is like, as far as a skin module can tell.
 #[derive(Clone, Debug, PartialEq)]

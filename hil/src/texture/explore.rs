@@ -103,14 +103,7 @@ pub fn encode<'a>(
     let length = encoder.window() * columns.len();
     let mut encoded = Vec::with_capacity(all.len());
     for &(entry, ref recording) in all {
-        let mut values = Vec::new();
-        for row in &recording.rows {
-            let reading = |&(taxel, axis): &(usize, usize)| {
-                row.get(taxel)
-                    .map_or(0.0, |r| f32::from([r.x, r.y, r.z][axis]))
-            };
-            values.extend(columns.iter().map(reading));
-        }
+        let values = values(recording, &columns);
         if values.len() < length {
             let found = format!("a model with windows of {}", encoder.window());
             let expected = format!("expected windows of at most {} rows", recording.rows.len());
@@ -130,8 +123,21 @@ pub fn encode<'a>(
     Ok(encoded)
 }
 
+/// A recording's readings as a model's features, row by row.
+pub(super) fn values(recording: &Recording, columns: &[(usize, usize)]) -> Vec<f32> {
+    let mut values = Vec::with_capacity(recording.rows.len() * columns.len());
+    for row in &recording.rows {
+        let reading = |&(taxel, axis): &(usize, usize)| {
+            row.get(taxel)
+                .map_or(0.0, |r| f32::from([r.x, r.y, r.z][axis]))
+        };
+        values.extend(columns.iter().map(reading));
+    }
+    values
+}
+
 /// Taxel and axis of each of the model's features.
-fn columns(model: &TextureModel) -> Result<Vec<(usize, usize)>, Failure> {
+pub(super) fn columns(model: &TextureModel) -> Result<Vec<(usize, usize)>, Failure> {
     let place = |name: &String| {
         let (taxel, axis) = name.strip_prefix("txl")?.split_once('_')?;
         let taxel = taxel

@@ -28,10 +28,11 @@ struct Tally {
     closest: [f64; 3],
 }
 
-fn one(case: u64, length_s: u64, tally: &mut Tally) {
+fn one(case: u64, length_s: u64, textured: bool, tally: &mut Tally) {
     let mut s = Stream::new(case, "hostile schedule");
     let parameters = Parameters::draw(&mut s);
     let kind = match s.next_u64() % 4 {
+        _ if textured => Kind::Textured,
         0 => Kind::Dwelling,
         1 => Kind::Moving,
         _ => Kind::Wild,
@@ -72,14 +73,14 @@ fn one(case: u64, length_s: u64, tally: &mut Tally) {
 }
 
 /// `count` cases of one length on two threads.
-fn play(first: u64, count: u64, length_s: u64) -> Tally {
+fn play(first: u64, count: u64, length_s: u64, textured: bool) -> Tally {
     let part = |lane: u64| {
         let mut tally = Tally {
             least_k: [f64::INFINITY; 3],
             ..Tally::default()
         };
         for case in (first..first + count).skip(lane as usize).step_by(2) {
-            one(case, length_s, &mut tally);
+            one(case, length_s, textured, &mut tally);
         }
         tally
     };
@@ -134,6 +135,7 @@ fn no_second_passes_a_limit() {
         setting("PALPATE_FIRST", 0),
         setting("PALPATE_SECONDS", 3_000),
         1,
+        false,
     ));
 }
 
@@ -143,5 +145,14 @@ fn no_two_minutes_pass_a_limit() {
         setting("PALPATE_FIRST", 0),
         setting("PALPATE_MINUTES", 20),
         120,
+        false,
     ));
+}
+
+/// Textures ask period by period: the guard sees hundreds of stimuli a second on every wire.
+#[test]
+fn no_texture_passes_a_limit() {
+    let first = setting("PALPATE_FIRST", 0);
+    judge(&play(first, setting("PALPATE_TEXTURED", 120), 3, true));
+    judge(&play(first, 4, 60, true));
 }
