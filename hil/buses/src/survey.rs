@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use nix::errno::Errno;
 use palpate_core::units::{Duration, Instant};
+use socketcan::nl::CanState;
 use socketcan::{CanInterface, CanSocket, Socket};
 
 use crate::can::is_up;
@@ -133,10 +134,21 @@ fn look_at_can(wanted: Option<&[String]>) -> Vec<Finding> {
                 format!("ip link set {name} up{kind}"),
             );
         }
-        let Some(bitrate) = bitrate.filter(|rate| *rate > 0) else {
-            return Finding::good(ABOUT, format!("{name}: up, virtual"));
-        };
         let state = can.as_ref().and_then(|can| can.state);
+        if state == Some(CanState::BusOff) {
+            return Finding::bad(
+                ABOUT,
+                format!("{name}: up, bus-off: short circuit, wrong bit rate or bad wiring"),
+                format!("ip link set {name} down; ip link set {name} up"),
+            );
+        }
+        let Some(bitrate) = bitrate.filter(|rate| *rate > 0) else {
+            let kind = match state {
+                Some(_) => "on a serial line whose bit rate the kernel does not know",
+                None => "virtual",
+            };
+            return Finding::good(ABOUT, format!("{name}: up, {kind}"));
+        };
         let restart = can.and_then(|can| can.restart_ms).unwrap_or(0);
         let says = format!(
             "{name}: up, {bitrate} bit/s, {}, restart-ms {restart}",

@@ -1,15 +1,19 @@
-//! What an interface can do to a run: down, up, renamed, unplugged, error frames. On the loop's own reader.
+//! What an interface can do to a run: down, up, renamed, unplugged, error frames, bus-off. On the loop's own reader.
 
 // These tests live in the lab's own time.
 #![allow(clippy::disallowed_methods)]
 
+use std::fs::File;
+use std::io::Write;
+use std::os::fd::OwnedFd;
 use std::time::Duration;
 
+use nix::pty::openpty;
 use palpate_buses::can::{CanBuses, Tally};
 use palpate_buses::pacer::RunClock;
 use palpate_core::bus::SensorBus;
 
-use super::tools::{in_lab, sh, try_sh, vcan};
+use super::tools::{hil, in_lab, sh, text, try_sh, vcan};
 
 /// A reader of one interface, with everything it has told.
 struct Reader {
@@ -108,7 +112,7 @@ fn bus_off_is_seen_and_survived_and_noise_is_counted() {
     sh("cansend vcan0 20000040#0000000000000000");
     reader.told("bus-off: short circuit, wrong bit rate or bad wiring");
     // Nobody restarts a virtual controller; the way out is told.
-    reader.told("stays bus-off: `ip link set vcan0 type can restart`");
+    reader.told("stays bus-off: `ip link set vcan0 down; ip link set vcan0 up`");
     sh("cansend vcan0 20000100#0000000000000000");
     reader.told("restarted, back on the bus");
     sh("cansend vcan0 20000004#0020000000000000");
@@ -147,4 +151,69 @@ fn a_controller_with_restart_ms_is_left_to_the_kernel() {
     let mut reader = Reader::on("can0");
     sh("cansend can0 20000040#0000000000000000");
     reader.told("stays bus-off: `ip link set can0 type can restart`");
+}
+
+/// A CAN adapter on a serial line: can-utils' slcand, the kernel's slcan, and this end of the line for the adapter.
+struct SerialAdapter {
+    line: File,
+    /// Held open: the line hangs up with its last holder.
+    _far_end: OwnedFd,
+}
+
+impl SerialAdapter {
+    fn start() -> Self {
+        let pair = openpty(None, None).unwrap();
+        let far_end = nix::unistd::ttyname(&pair.slave).unwrap();
+        sh(&format!("slcand -o -s8 {} slcan0", far_end.display()));
+        sh("timeout 20 sh -c 'until ip link set slcan0 up 2>/dev/null; do sleep 0.1; done'");
+        Self {
+            line: pair.master.into(),
+            _far_end: pair.slave,
+        }
+    }
+
+    /// What the adapter says, in LAWICEL's words and the state message of linux/drivers/net/can/slcan.
+    fn says(&mut self, word: &str) {
+        write!(self.line, "{word}\r").unwrap();
+    }
+
+    /// A frame of board 4 from the bus.
+    #[track_caller]
+    fn is_heard(&mut self, by: &mut Reader) {
+        let before = by.frames;
+        self.says("t104893C0903EA392530F");
+        by.until("a frame", |r| r.frames > before);
+    }
+}
+
+#[test]
+fn a_controller_that_the_kernel_has_taken_off_the_bus_comes_back() {
+    if !in_lab("bus-off by the kernel") {
+        return;
+    }
+    let mut adapter = SerialAdapter::start();
+    let mut reader = Reader::on("slcan0");
+    adapter.is_heard(&mut reader);
+    for round in 1..=3 {
+        reader.notes.clear();
+        // The state, then what its error counters of reception and transmission stand at.
+        adapter.says("sp000130");
+        reader.told("error passive");
+        adapter.says("sb000255");
+        reader.told("bus-off: short circuit, wrong bit rate or bad wiring");
+        reader.told("stays bus-off: `ip link set slcan0 down; ip link set slcan0 up`");
+        let about = sh("ip -details link show slcan0");
+        assert!(
+            about.contains("BUS-OFF") && about.contains("NO-CARRIER"),
+            "{about}"
+        );
+        let doctor = try_sh(&format!("{} doctor", hil().display()));
+        let doctor = text(&doctor.stdout);
+        assert!(doctor.contains("slcan0: up, bus-off"), "{doctor}");
+        sh("ip link set slcan0 down; ip link set slcan0 up");
+        adapter.is_heard(&mut reader);
+        assert_eq!(reader.tally().bus_off, round);
+        assert!(sh("ip -details link show slcan0").contains("ERROR-ACTIVE"));
+    }
+    sh("ip link set slcan0 down");
 }

@@ -4,6 +4,7 @@
 use std::collections::VecDeque;
 use std::fs;
 use std::io;
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -286,13 +287,25 @@ impl Interface {
         if interface.restart_ms().ok().flatten().unwrap_or(0) > 0 {
             return; // it restarts by itself, and says so by an error frame
         }
-        if interface.restart().is_err() {
-            self.bus_off = false; // said once; the next bus-off says it again
-            self.note(format!(
-                "stays bus-off: `ip link set {0} type can restart` (now), `ip link set {0} type can restart-ms 100` (always, while it is down)",
-                self.name
-            ));
+        // An adapter on a serial line has no device of its own and knows no restart; kernels that do not check
+        // for that crash when they are asked for one.
+        let knows_restart = Path::new("/sys/class/net")
+            .join(&self.name)
+            .join("device")
+            .exists();
+        if !knows_restart {
+            self.stays_off("`ip link set NAME down; ip link set NAME up`");
+        } else if interface.restart().is_err() {
+            self.stays_off("`ip link set NAME type can restart` (now), `ip link set NAME type can restart-ms 100` (always, while it is down)");
         }
+    }
+
+    /// Says once what has to be typed. The controller begins anew by then, and what it says next is news.
+    fn stays_off(&mut self, remedy: &str) {
+        self.bus_off = false;
+        self.passive = false;
+        let remedy = remedy.replace("NAME", &self.name);
+        self.note(format!("stays bus-off: {remedy}"));
     }
 
     fn set_link(&mut self, link: Link) {
