@@ -68,20 +68,20 @@ impl Guard {
         // Supply: the wires already on, and this one, at their worst instant. An update says nothing of the
         // current: whatever a stimulus asks, the amplifier gives what it is set to.
         let (on, off) = stagger(Channel(self.wires[index].place.1), Ticks::new(width));
-        if self.supply_peak(index, Setting { on, off }) > u64::from(self.limits.supply.0) {
+        if !self.supply_bears(index, Setting { on, off }) {
             return nothing(Some(Reason::SupplyCurrent));
         }
 
         // Energy: narrow the pulses to the least that is left anywhere.
         let span = until.since(at);
         let (left, cause) = self.energy_left(index, at, until, burst.spent_nj);
-        let wanted = self.plant.energy_nj(width, span);
-        if wanted > left {
-            let fits = u128::from(width) * u128::from(left) / u128::from(wanted);
-            (width, reason) = (fits as u16, Some(cause)); // less than `width`, since left < wanted
+        let mut energy = self.plant.energy_nj(width, span);
+        if energy > left {
+            let fits = u128::from(width) * u128::from(left) / u128::from(energy);
+            (width, reason) = (fits as u16, Some(cause)); // less than `width`, since left < energy
+            energy = self.plant.energy_nj(width, span);
         }
         if width > 0 {
-            let energy = self.plant.energy_nj(width, span);
             self.spend(index, at, until, energy);
             self.wires[index].burst = Some(Burst {
                 start: burst.start,
@@ -186,6 +186,21 @@ impl Guard {
     /// How much longer a burst may be, and its gap shorter, than asked: a pulse and the bus.
     fn burst_slack(&self) -> Duration {
         Duration::from_micros(self.limits.pulse_width_ns.div_ceil(1000)) + SWITCHING
+    }
+
+    /// Whether the supply bears wire `index` set as given beside all that is on.
+    ///
+    /// What is on has passed here, so the supply bears that. A pulse that overlaps none of its board leaves the
+    /// board's peak as it is, if any other pulse is on there.
+    pub(super) fn supply_bears(&self, index: usize, setting: Setting) -> bool {
+        let board = self.wires[index].place.0;
+        let on_board = self.wires.iter().filter(|w| w.place.0 == board);
+        let mut pulses = on_board.filter_map(|w| w.now).peekable();
+        let alone = pulses.peek().is_none();
+        if !alone && pulses.all(|now| now.setting.is_apart(&setting)) {
+            return true;
+        }
+        self.supply_peak(index, setting) <= u64::from(self.limits.supply.0)
     }
 
     /// Largest current, mA, at any instant of a period with wire `index` set as given and the others as

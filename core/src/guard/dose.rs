@@ -6,11 +6,25 @@ use crate::physics::{GAS_CONSTANT, HENRIQUES_A, HENRIQUES_EA, ZERO_CELSIUS_K};
 /// what cooling skin still adds to its dose after the last burst (a few seconds' worth) is well covered.
 const HORIZON_S: f64 = 60.0;
 
+/// Natural logarithm of [`HENRIQUES_A`].
+const LN_HENRIQUES_A: f64 = 226.78474122490758;
+
 /// Most dose of a session.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct DoseLimits {
     pub(super) omega: f64,
     pub(super) cem43_min: f64,
+}
+
+impl DoseLimits {
+    /// So much dose left lasts for [`HORIZON_S`] at `t` degrees C, and a thousandth more, which no rounding takes.
+    pub(super) fn ample(t: f64) -> Self {
+        let rates = Rates::at(t);
+        Self {
+            omega: 1.001 * HORIZON_S * rates.omega,
+            cem43_min: 1.001 * HORIZON_S * rates.cem43_min,
+        }
+    }
 }
 
 /// Dose so far, and its rates at the skin's present temperature.
@@ -68,13 +82,19 @@ impl Dose {
         self.rates = after;
     }
 
+    /// Whether more than `least` is left of both doses: [`Self::ceiling_c`] takes two logarithms to tell.
+    pub(super) fn leaves(&self, limits: &DoseLimits, least: &DoseLimits) -> bool {
+        limits.omega - self.omega > least.omega
+            && limits.cem43_min - self.cem43_min > least.cem43_min
+    }
+
     /// The temperature, degrees C, at which what is left of both doses lasts for [`HORIZON_S`]; far below
     /// any skin when nothing is left.
     pub(super) fn ceiling_c(&self, limits: &DoseLimits) -> f64 {
         let rate = |left: f64| left.max(f64::MIN_POSITIVE) / HORIZON_S;
         let omega = rate(limits.omega - self.omega);
-        let by_omega = HENRIQUES_EA / (GAS_CONSTANT * (libm::log(HENRIQUES_A) - libm::log(omega)))
-            - ZERO_CELSIUS_K;
+        let by_omega =
+            HENRIQUES_EA / (GAS_CONSTANT * (LN_HENRIQUES_A - libm::log(omega))) - ZERO_CELSIUS_K;
         let doublings = libm::log2(60.0 * rate(limits.cem43_min - self.cem43_min));
         let by_cem43 = if doublings < 0.0 {
             43.0 + doublings / 2.0
@@ -96,6 +116,11 @@ mod tests {
 
     fn close(a: f64, b: f64) {
         assert!((a - b).abs() <= 1e-9 * b.abs(), "{a} is not {b}");
+    }
+
+    #[test]
+    fn the_logarithm_is_that_of_the_constant() {
+        assert_eq!(LN_HENRIQUES_A.to_bits(), libm::log(HENRIQUES_A).to_bits());
     }
 
     #[test]
@@ -132,6 +157,31 @@ mod tests {
         dose.heat(41.0, 30.0);
         close(dose.cem43_min - before.cem43_min, 0.5);
         close(dose.omega - before.omega, 30.0 * Rates::at(43.0).omega);
+    }
+
+    #[test]
+    fn ample_dose_lasts_a_minute_at_that_temperature() {
+        let ample = DoseLimits::ample(43.0);
+        close(ample.cem43_min, 1.001);
+        close(ample.omega, 60.06 * Rates::at(43.0).omega);
+    }
+
+    #[test]
+    fn dose_is_left_while_more_than_that_of_both_is() {
+        let mut dose = Dose::new(33.0);
+        let both = |omega, cem43_min| DoseLimits { omega, cem43_min };
+        for (omega, cem43_min, more) in [
+            (0.0, 0.0, true),
+            (6.0, 1.0, false),
+            (5.999, 1.499, true),
+            (0.0, 1.5, false),
+            (9.0, 0.0, false),
+            (6.5, 1.6, false),
+        ] {
+            (dose.omega, dose.cem43_min) = (omega, cem43_min);
+            let leaves = dose.leaves(&both(8.0, 2.0), &both(2.0, 0.5));
+            assert_eq!(leaves, more, "{omega} {cem43_min}");
+        }
     }
 
     #[test]

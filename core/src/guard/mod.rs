@@ -5,6 +5,7 @@
 //! make one. Switching off needs no guard.
 
 mod admission;
+mod decays;
 mod dose;
 mod limits;
 mod plant;
@@ -36,6 +37,13 @@ pub struct Setting {
     pub on: u16,
     /// Tick at which it ends; equal to `on` for a channel that is off.
     pub off: u16,
+}
+
+impl Setting {
+    /// Whether the pulses of two channels of one board are never on together.
+    const fn is_apart(&self, other: &Self) -> bool {
+        self.off <= other.on || other.off <= self.on
+    }
 }
 
 /// An update of one board that the guard has passed. Only the guard can make one: its fields are
@@ -311,6 +319,8 @@ impl Guard {
     }
 }
 
+#[cfg(test)]
+mod plain_tests;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]

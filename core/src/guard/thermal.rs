@@ -11,22 +11,11 @@
 use crate::schedule::Reason;
 use crate::units::{Duration, Instant};
 
+use super::decays::{DECAYS, Decays, RATES, Stretch, Stretches, Sums, dot};
 use super::dose::{Dose, DoseLimits};
 use super::limits::Limits;
-use super::table::{DEEP, LATENT_K, REST_C, SHALLOW, SLOWEST};
+use super::table::{DEEP, LATENT_K, REST_C, SHALLOW};
 
-/// Decays a wire.
-const DECAYS: usize = SHALLOW.len();
-/// Their rates, 1/s.
-const RATES: Decays = {
-    let mut rates = [SLOWEST; DECAYS];
-    let mut k = 1;
-    while k < DECAYS {
-        rates[k] = 2.0 * rates[k - 1];
-        k += 1;
-    }
-    rates
-};
 /// Window of the mean.
 const WINDOW: Duration = Duration::from_millis(10_000);
 /// Length of a bin of the mean, microseconds.
@@ -35,9 +24,9 @@ const BIN_US: u64 = 250_000;
 const BINS: usize = (WINDOW.as_micros() / BIN_US) as usize + 1;
 /// Bins after the end of a burst at which the mean is looked at; between two of them it is taken to have the
 /// heat of the later and the past of the earlier one.
-const AHEAD: [u64; 8] = [1, 2, 4, 8, 14, 20, 30, 40];
-
-type Decays = [f64; DECAYS];
+const AHEAD: [u64; LOOKS] = [1, 2, 4, 8, 14, 20, 30, 40];
+/// So many looks.
+const LOOKS: usize = 8;
 
 /// The limits of the budget, as temperatures above rest of skin without latent heat, and what looks ahead.
 #[derive(Clone, Debug)]
@@ -46,10 +35,21 @@ pub(super) struct Budget {
     mean_k: f64,
     deep_k: f64,
     dose: DoseLimits,
-    /// Time integral of each decay of the shallow response until each of [`AHEAD`], K s/J.
-    ahead: [Decays; AHEAD.len()],
+    /// More dose left than this allows more than the peak does.
+    ample: DoseLimits,
+    felt: Sums<{ 2 + LOOKS }>,
     stretches: Stretches,
     response: Response,
+}
+
+/// What skin makes of energies that decay.
+#[derive(Clone, Copy, Debug)]
+struct Felt {
+    /// Temperature above rest at 0.1 mm and at 0.4 mm, K.
+    shallow: f64,
+    deep: f64,
+    /// Time integral of the shallow one from now until each of [`AHEAD`], K s.
+    ahead: [f64; LOOKS],
 }
 
 /// What the guard knows of the skin under one wire.
@@ -59,7 +59,7 @@ pub(super) struct Skin {
     at: Instant,
     /// Energy that each decay still feels, J.
     energy: Decays,
-    /// Time integral of the temperature above rest at 0.1 mm, K s, by bin of absolute time.
+    /// Time integral of the temperature above rest at 0.1 mm, K s, by bin of absolute time, the last one first.
     bins: [f64; BINS],
     dose: Dose,
 }
@@ -108,106 +108,37 @@ impl Predicted {
     }
 }
 
-/// What a stretch of time does to the decays.
-#[derive(Clone, Copy, Debug)]
-struct Stretch {
-    span: Duration,
-    seconds: f64,
-    /// Of energy from before: what is left of it.
-    left: Decays,
-    /// Of energy spread over the stretch: what is left of it at the end.
-    kept: Decays,
-}
-
-impl Stretch {
-    fn new(span: Duration) -> Self {
-        let seconds = span.as_secs_f64();
-        let mut left = [libm::exp(-SLOWEST * seconds); DECAYS];
-        for k in 1..DECAYS {
-            let slower = left[k - 1];
-            left[k] = slower * slower;
-        }
-        let mut kept = [1.0; DECAYS];
-        if span > Duration::ZERO {
-            for ((kept, left), rate) in kept.iter_mut().zip(&left).zip(&RATES) {
-                *kept = (1.0 - left) / (rate * seconds);
-            }
-        }
-        Self {
-            span,
-            seconds,
-            left,
-            kept,
-        }
-    }
-
-    /// Energies at the end.
-    fn end(&self, energy: &Decays, joules: f64) -> Decays {
-        core::array::from_fn(|k| energy[k] * self.left[k] + joules * self.kept[k])
-    }
-
-    /// Time integral over the stretch of what `SHALLOW` makes of the energies, K s.
-    fn integral(&self, energy: &Decays, joules: f64) -> f64 {
-        let term = |k: usize| {
-            let old = energy[k] * (1.0 - self.left[k]);
-            SHALLOW[k] / RATES[k] * (old + joules * (1.0 - self.kept[k]))
-        };
-        (0..DECAYS).map(term).sum()
-    }
-}
-
-/// The last few stretches: wires share them, and a steady cadence comes back to them.
-#[derive(Clone, Copy, Debug)]
-struct Stretches {
-    last: [Stretch; 4],
-    oldest: usize,
-}
-
-impl Stretches {
-    fn new() -> Self {
-        Self {
-            last: [Stretch::new(Duration::ZERO); 4],
-            oldest: 0,
-        }
-    }
-
-    fn of(&mut self, span: Duration) -> &Stretch {
-        let known = self.last.iter().position(|s| s.span == span);
-        let place = known.unwrap_or_else(|| {
-            let place = self.oldest;
-            self.oldest = (place + 1) % self.last.len();
-            self.last[place] = Stretch::new(span);
-            place
-        });
-        &self.last[place]
-    }
-}
-
 /// What a joule spread over a burst comes to, in the shapes that [`Skin::room`] asks for.
 #[derive(Clone, Copy, Debug)]
 struct Response {
     stretch: Stretch,
-    /// At 0.1 mm and at 0.4 mm at its end, K/J.
-    shallow: f64,
-    deep: f64,
+    /// At its end.
+    felt: Felt,
     /// Time integral at 0.1 mm from its start until each of [`AHEAD`], K s/J.
-    integrals: [f64; AHEAD.len()],
+    integrals: [f64; LOOKS],
 }
 
 impl Response {
-    fn new(stretch: &Stretch, ahead: &[Decays; AHEAD.len()]) -> Self {
-        let burst = stretch.integral(&[0.0; DECAYS], 1.0);
+    fn new(stretch: &Stretch, sums: &Sums<{ 2 + LOOKS }>) -> Self {
+        let burst = stretch.integral(&Decays::default(), 1.0);
+        let felt = Felt::new(sums, &stretch.kept);
         Self {
             stretch: *stretch,
-            shallow: dot(&SHALLOW, &stretch.kept),
-            deep: dot(&DEEP, &stretch.kept),
-            integrals: core::array::from_fn(|n| burst + dot(&ahead[n], &stretch.kept)),
+            integrals: felt.ahead.map(|ahead| burst + ahead),
+            felt,
         }
     }
 }
 
-fn dot(a: &Decays, b: &Decays) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+impl Felt {
+    fn new(sums: &Sums<{ 2 + LOOKS }>, energy: &Decays) -> Self {
+        let [shallow, deep, ahead @ ..] = sums.of(energy);
+        Self {
+            shallow,
+            deep,
+            ahead,
+        }
+    }
 }
 
 impl Budget {
@@ -217,7 +148,12 @@ impl Budget {
             let seconds = (bins * BIN_US) as f64 * 1e-6;
             core::array::from_fn(|k| SHALLOW[k] / RATES[k] * (1.0 - libm::exp(-RATES[k] * seconds)))
         };
-        let (mut stretches, ahead) = (Stretches::new(), AHEAD.map(integral));
+        let mut rows = [SHALLOW; 2 + LOOKS];
+        rows[1] = DEEP;
+        for (row, bins) in rows[2..].iter_mut().zip(AHEAD) {
+            *row = integral(bins);
+        }
+        let (mut stretches, felt) = (Stretches::new(), Sums::new(rows));
         Self {
             peak_k: kelvin(limits.skin_peak_mc, LATENT_K[0]),
             mean_k: kelvin(limits.skin_mean_mc, LATENT_K[1]),
@@ -226,8 +162,9 @@ impl Budget {
                 omega: limits.dose_omega_ppm as f64 * 1e-6,
                 cem43_min: limits.dose_cem43_ms as f64 / 60_000.0,
             },
-            response: Response::new(stretches.of(Duration::ZERO), &ahead),
-            ahead,
+            ample: DoseLimits::ample(limits.skin_peak_mc as f64 * 1e-3),
+            response: Response::new(stretches.of(Duration::ZERO), &felt),
+            felt,
             stretches,
         }
     }
@@ -261,26 +198,30 @@ impl Skin {
         self.relax(&mut budget.stretches, booking.from);
         let span = booking.until.since(booking.from);
         if budget.response.stretch.span != span {
-            budget.response = Response::new(budget.stretches.of(span), &budget.ahead);
+            budget.response = Response::new(budget.stretches.of(span), &budget.felt);
         }
         let each = &budget.response;
-        let old = each.stretch.end(&self.energy, 0.0);
-        let ceiling_k = self.dose.ceiling_c(&budget.dose) - REST_C - LATENT_K[0];
-        let shallow = dot(&SHALLOW, &old);
-        let mut room = ((budget.peak_k - shallow) / each.shallow, Reason::SkinPeak);
+        let old = Felt::new(&budget.felt, &each.stretch.end(&self.energy, 0.0));
+        let peak_room = (budget.peak_k - old.shallow) / each.felt.shallow;
+        let mut room = (peak_room, Reason::SkinPeak);
         let mut offer = |joules: f64, reason: Reason| {
             if joules < room.0 {
                 room = (joules, reason);
             }
         };
-        offer((ceiling_k - shallow) / each.shallow, Reason::Dose);
-        let deep_room = budget.deep_k - dot(&DEEP, &old);
-        offer(deep_room / each.deep, Reason::SkinDeep);
+        if !self.dose.leaves(&budget.dose, &budget.ample) {
+            let ceiling_k = self.dose.ceiling_c(&budget.dose) - REST_C - LATENT_K[0];
+            offer((ceiling_k - old.shallow) / each.felt.shallow, Reason::Dose);
+        }
+        offer(
+            (budget.deep_k - old.deep) / each.felt.deep,
+            Reason::SkinDeep,
+        );
         let window_s = WINDOW.as_secs_f64();
         let so_far = each.stretch.integral(&self.energy, 0.0);
         let pasts = self.pasts(booking.until);
-        for ((past, ahead), more) in pasts.iter().zip(&budget.ahead).zip(&each.integrals) {
-            let spent = past + so_far + dot(ahead, &old);
+        for ((past, ahead), more) in pasts.iter().zip(&old.ahead).zip(&each.integrals) {
+            let spent = past + so_far + ahead;
             offer((budget.mean_k * window_s - spent) / more, Reason::SkinMean);
         }
         room
@@ -295,13 +236,14 @@ impl Skin {
             let part = until.since(self.at).as_secs_f64() / all;
             self.step(&mut budget.stretches, until, joules * part);
         }
-        let means = self.pasts(self.at).into_iter().zip(&budget.ahead);
-        let most = means.map(|(past, ahead)| past + dot(ahead, &self.energy));
+        let felt = Felt::new(&budget.felt, &self.energy);
+        let means = self.pasts(self.at).into_iter().zip(felt.ahead);
+        let most = means.map(|(past, ahead)| past + ahead);
         let mean_k = most.fold(0.0, f64::max) / WINDOW.as_secs_f64();
         Predicted {
-            peak_c: REST_C + LATENT_K[0] + dot(&SHALLOW, &self.energy),
+            peak_c: REST_C + LATENT_K[0] + felt.shallow,
             mean_c: REST_C + LATENT_K[1] + mean_k,
-            deep_c: REST_C + LATENT_K[2] + dot(&DEEP, &self.energy),
+            deep_c: REST_C + LATENT_K[2] + felt.deep,
             omega: self.dose.omega,
             cem43_min: self.dose.cem43_min,
         }
@@ -329,11 +271,11 @@ impl Skin {
     /// A stretch within one bin.
     fn step(&mut self, stretches: &mut Stretches, until: Instant, joules: f64) {
         let stretch = stretches.of(until.since(self.at));
-        let bin = self.at.as_micros() / BIN_US;
-        if self.at.as_micros() == bin * BIN_US {
-            self.bins[slot(bin)] = 0.0;
+        if self.at.as_micros().is_multiple_of(BIN_US) {
+            self.bins.copy_within(..BINS - 1, 1);
+            self.bins[0] = 0.0;
         }
-        self.bins[slot(bin)] += stretch.integral(&self.energy, joules);
+        self.bins[0] += stretch.integral(&self.energy, joules);
         self.pass(stretch, until, joules);
     }
 
@@ -355,25 +297,17 @@ impl Skin {
 
     /// What bins hold of the windows that end between `until` and the first, the first and the second and so on
     /// of [`AHEAD`] after it, K s. The later windows hold the fewer bins, and each is the start of the one before.
-    fn pasts(&self, until: Instant) -> [f64; AHEAD.len()] {
-        let mut pasts = [0.0; AHEAD.len()];
-        let mut bin = self.at.as_micros().div_ceil(BIN_US);
-        let mut sum = 0.0;
-        for (n, past) in pasts.iter_mut().enumerate().rev() {
+    fn pasts(&self, until: Instant) -> [f64; LOOKS] {
+        let mut sums = [0.0; BINS + 1];
+        for (n, bin) in self.bins.iter().enumerate() {
+            sums[n + 1] = sums[n] + bin;
+        }
+        let next = self.at.as_micros().div_ceil(BIN_US);
+        core::array::from_fn(|n| {
             let ahead = if n == 0 { 0 } else { AHEAD[n - 1] };
             let end = until + Duration::from_micros(ahead * BIN_US);
             let first = (end - WINDOW).as_micros() / BIN_US;
-            while bin > first {
-                bin -= 1;
-                sum += self.bins[slot(bin)];
-            }
-            *past = sum;
-        }
-        pasts
+            sums[(next.saturating_sub(first) as usize).min(BINS)]
+        })
     }
-}
-
-/// Where a bin is kept.
-const fn slot(bin: u64) -> usize {
-    (bin % BINS as u64) as usize
 }

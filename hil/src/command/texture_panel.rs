@@ -9,10 +9,10 @@ use crate::cli::PanelArgs;
 use crate::failure::Failure;
 use crate::output::{print, write_file};
 use crate::texture::TextureModel;
-use crate::texture::map::spearman;
 use crate::texture::panel::draw::{SIGNIFICANT, draw};
 use crate::texture::panel::statistics::Box5;
 use crate::texture::panel::{self, Label, Rated, Study, Test};
+use palpate_emulators::surface::spearman;
 use palpate_files::{Setup, load_textures};
 
 /// The scene whose texture section says how latent vectors become pulses.

@@ -98,12 +98,11 @@ pub fn encode<'a>(
     all: &[(&'a TextureEntry, Recording)],
 ) -> Result<Vec<Encoded<'a>>, Failure> {
     let encoder = model.encoder(Weights::Exact)?;
-    let columns = columns(model)?;
     let mut room = encoder.room(1);
-    let length = encoder.window() * columns.len();
+    let length = encoder.window() * encoder.features();
     let mut encoded = Vec::with_capacity(all.len());
     for &(entry, ref recording) in all {
-        let values = values(recording, &columns);
+        let values = features(model, recording)?;
         if values.len() < length {
             let found = format!("a model with windows of {}", encoder.window());
             let expected = format!("expected windows of at most {} rows", recording.rows.len());
@@ -112,7 +111,7 @@ pub fn encode<'a>(
             )));
         }
         let mut latents = Vec::new();
-        for first in (0..=values.len() - length).step_by(HOP * columns.len()) {
+        for first in (0..=values.len() - length).step_by(HOP * encoder.features()) {
             let z = encoder
                 .encode(&mut room, &values[first..first + length])
                 .map_err(|e| Failure::Input(format!("{}: {e}", entry.name)))?;
@@ -123,8 +122,12 @@ pub fn encode<'a>(
     Ok(encoded)
 }
 
-/// A recording's readings as a model's features, row by row.
-pub(super) fn values(recording: &Recording, columns: &[(usize, usize)]) -> Vec<f32> {
+/// A stroke as a model takes it: the readings that are its features, row after row.
+///
+/// # Errors
+/// A model whose features are no columns of a flat module.
+pub fn features(model: &TextureModel, recording: &Recording) -> Result<Vec<f32>, Failure> {
+    let columns = columns(model)?;
     let mut values = Vec::with_capacity(recording.rows.len() * columns.len());
     for row in &recording.rows {
         let reading = |&(taxel, axis): &(usize, usize)| {
@@ -133,11 +136,11 @@ pub(super) fn values(recording: &Recording, columns: &[(usize, usize)]) -> Vec<f
         };
         values.extend(columns.iter().map(reading));
     }
-    values
+    Ok(values)
 }
 
 /// Taxel and axis of each of the model's features.
-pub(super) fn columns(model: &TextureModel) -> Result<Vec<(usize, usize)>, Failure> {
+fn columns(model: &TextureModel) -> Result<Vec<(usize, usize)>, Failure> {
     let place = |name: &String| {
         let (taxel, axis) = name.strip_prefix("txl")?.split_once('_')?;
         let taxel = taxel
@@ -156,7 +159,8 @@ pub(super) fn columns(model: &TextureModel) -> Result<Vec<(usize, usize)>, Failu
 
 #[cfg(test)]
 mod tests {
-    use super::super::map::{self, View};
+    use super::super::draw;
+    use super::super::map::{self, Axis, View};
     use super::*;
     use crate::texture::seeded::Seeded;
     use palpate_files::load_textures;
@@ -199,16 +203,22 @@ mod tests {
         let refused = encode(&model("proximity1,channel2", 2), &all);
         assert!(refused.is_err_and(|e| e.to_string().contains("txl1_x to txl16_z")));
 
+        let axis = |coordinate, sign| Axis {
+            coordinate,
+            sign,
+            stands_for: "",
+        };
         let view = View {
-            x: (0, 1),
-            y: (2, -1),
+            x: axis(0, 1),
+            y: axis(2, -1),
         };
         let figures = map::figures(&encoded, view);
         assert_eq!(figures["textures"].as_array().unwrap().len(), 8);
-        let drawing = map::draw(&encoded, view, "A map");
+        let drawing = draw::draw(&encoded, view, "A map");
         for name in ["sponge1", "shoe-sole"] {
             assert!(drawing.contains(&format!(">{name}<")));
         }
-        assert_eq!(drawing.matches("unseen w").count(), 4);
+        // dashed on the map and beside the name
+        assert_eq!(drawing.matches("unseen w").count(), 2 * 4);
     }
 }

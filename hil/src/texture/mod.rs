@@ -1,5 +1,6 @@
 //! The texture model as a file, recordings as its input, and the way out to other programs.
 
+pub mod draw;
 pub mod explore;
 pub mod map;
 mod model;

@@ -82,17 +82,18 @@ pub(super) fn strokes(
     count: u32,
     seed: u64,
 ) -> Result<Vec<Vec<Source>>, Failure> {
-    let columns = explore::columns(model)?;
     let mut explorer = Explorer::new(Habits::default(), table.dead_taxel, seed);
     let mut all = Vec::new();
     for entry in &table.texture {
         let surface = pairing(entry);
-        let stroke = |number: u32| Source {
-            values: explore::values(&explorer.stroke(&surface, number), &columns),
-            rate_hz: EMULATED_HZ,
-            what: entry.name.clone(),
+        let stroke = |number: u32| {
+            Ok(Source {
+                values: explore::features(model, &explorer.stroke(&surface, number))?,
+                rate_hz: EMULATED_HZ,
+                what: entry.name.clone(),
+            })
         };
-        all.push((0..count).map(stroke).collect());
+        all.push((0..count).map(stroke).collect::<Result<_, Failure>>()?);
     }
     Ok(all)
 }

@@ -1,0 +1,131 @@
+//! Energy that fades at fourteen rates at once: what a stretch of time does to it, and what a burst adds.
+//!
+//! Sums are taken in the order of the rates and never reordered, so that every machine predicts the same bits.
+
+use crate::units::Duration;
+
+use super::table::{SHALLOW, SLOWEST};
+
+/// Decays a wire.
+pub(super) const DECAYS: usize = SHALLOW.len();
+/// One number a decay.
+pub(super) type Decays = [f64; DECAYS];
+
+/// Their rates, 1/s.
+pub(super) const RATES: Decays = {
+    let mut rates = [SLOWEST; DECAYS];
+    let mut k = 1;
+    while k < DECAYS {
+        rates[k] = 2.0 * rates[k - 1];
+        k += 1;
+    }
+    rates
+};
+
+/// What a stretch of time does to the decays.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stretch {
+    pub(super) span: Duration,
+    pub(super) seconds: f64,
+    /// Of energy from before: what is left of it.
+    left: Decays,
+    /// Of energy spread over the stretch: what is left of it at the end.
+    pub(super) kept: Decays,
+}
+
+impl Stretch {
+    pub(super) fn new(span: Duration) -> Self {
+        let seconds = span.as_secs_f64();
+        let mut left = [libm::exp(-SLOWEST * seconds); DECAYS];
+        for k in 1..DECAYS {
+            let slower = left[k - 1];
+            left[k] = slower * slower;
+        }
+        let mut kept = [1.0; DECAYS];
+        if span > Duration::ZERO {
+            for ((kept, left), rate) in kept.iter_mut().zip(&left).zip(&RATES) {
+                *kept = (1.0 - left) / (rate * seconds);
+            }
+        }
+        Self {
+            span,
+            seconds,
+            left,
+            kept,
+        }
+    }
+
+    /// Energies at the end.
+    pub(super) fn end(&self, energy: &Decays, joules: f64) -> Decays {
+        core::array::from_fn(|k| energy[k] * self.left[k] + joules * self.kept[k])
+    }
+
+    /// Time integral over the stretch of what `SHALLOW` makes of the energies, K s.
+    pub(super) fn integral(&self, energy: &Decays, joules: f64) -> f64 {
+        let term = |k: usize| {
+            let old = energy[k] * (1.0 - self.left[k]);
+            SHALLOW[k] / RATES[k] * (old + joules * (1.0 - self.kept[k]))
+        };
+        (0..DECAYS).map(term).sum()
+    }
+}
+
+/// The last few stretches: wires share them, and a steady cadence comes back to them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stretches {
+    last: [Stretch; 4],
+    oldest: usize,
+}
+
+impl Stretches {
+    pub(super) fn new() -> Self {
+        Self {
+            last: [Stretch::new(Duration::ZERO); 4],
+            oldest: 0,
+        }
+    }
+
+    pub(super) fn of(&mut self, span: Duration) -> &Stretch {
+        let known = self.last.iter().position(|s| s.span == span);
+        let place = known.unwrap_or_else(|| {
+            let place = self.oldest;
+            self.oldest = (place + 1) % self.last.len();
+            self.last[place] = Stretch::new(span);
+            place
+        });
+        &self.last[place]
+    }
+}
+
+/// One sum over the decays.
+pub(super) fn dot(coefficients: &Decays, energy: &Decays) -> f64 {
+    coefficients.iter().zip(energy).map(|(a, b)| a * b).sum()
+}
+
+/// Several sums over the same decays, side by side: each is one chain of additions, and a machine does them in the
+/// time of one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sums<const N: usize> {
+    /// Coefficients by decay, then by sum.
+    columns: [[f64; N]; DECAYS],
+}
+
+impl<const N: usize> Sums<N> {
+    /// From the coefficients of each sum.
+    pub(super) fn new(rows: [Decays; N]) -> Self {
+        Self {
+            columns: core::array::from_fn(|k| rows.map(|row| row[k])),
+        }
+    }
+
+    /// What they make of `energy`.
+    pub(super) fn of(&self, energy: &Decays) -> [f64; N] {
+        let mut sums = [0.0; N];
+        for (column, energy) in self.columns.iter().zip(energy) {
+            for (sum, coefficient) in sums.iter_mut().zip(column) {
+                *sum += coefficient * energy;
+            }
+        }
+        sums
+    }
+}
