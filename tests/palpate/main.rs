@@ -11,6 +11,7 @@ mod diff;
 mod driver;
 mod edges;
 mod faults;
+mod felt;
 mod goldens;
 mod guard;
 mod hand;

@@ -65,7 +65,7 @@ fn dependencies_run_one_way() {
     let allowed: &[(&str, &[&str])] = &[
         ("core", &[]),
         ("core/nostd", &["core"]),
-        ("core/train", &["core"]),
+        ("core/train", &["core", "emulators"]),
         ("emulators", &["core"]),
         ("fixtures", &[]),
         ("hil/files", &["core", "fixtures"]),

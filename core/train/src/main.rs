@@ -3,6 +3,7 @@
 mod checkpoint;
 mod failure;
 mod gru;
+mod guide;
 mod measure;
 mod model_file;
 mod network;
@@ -71,6 +72,10 @@ struct Arguments {
     /// Weight of the term that ties z1 to rated roughness and friction and z2 to rated hardness.
     #[arg(long, default_value_t = 0.0)]
     align: f64,
+    /// Epochs at the beginning in which encoder and decoder learn apart from each other, with principal components
+    /// in the latent vector's place; the thesis had none.
+    #[arg(long, default_value_t = 0)]
+    guided: usize,
     /// Begins with the weights of this model file, trained on the same split, in place of drawn ones.
     #[arg(long, value_name = "FILE")]
     from: Option<PathBuf>,
@@ -126,6 +131,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         share: arguments.share,
         patience: arguments.patience,
         align: arguments.align,
+        guided: arguments.guided,
         from: arguments.from.clone(),
     };
     let seen = |label: &str| {

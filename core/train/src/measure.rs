@@ -1,6 +1,6 @@
-//! What a trained model is held against: a mean, principal components, nearest neighbours, rank correlation.
+//! What a trained model is held against: a mean, principal components, nearest neighbours.
 
-use ndarray::{Array1, Array2, ArrayView1, Axis};
+use ndarray::{Array1, Array2, Axis};
 use palpate_core::random::Stream;
 
 use crate::windows::{Place, Windows};
@@ -130,36 +130,6 @@ pub fn neighbours(known: &[(Vec<f32>, usize)], asked: &[(Vec<f32>, usize)], k: u
     right.count() as f64 / asked.len().max(1) as f64
 }
 
-/// Spearman's rank correlation; equal values share their mean rank.
-pub fn spearman(a: &[f32], b: &[f32]) -> f64 {
-    let (a, b) = (ranks(a), ranks(b));
-    let centre = |v: &[f64]| {
-        let mean = v.iter().sum::<f64>() / v.len().max(1) as f64;
-        v.iter().map(|x| x - mean).collect::<Array1<f64>>()
-    };
-    let (a, b) = (centre(&a), centre(&b));
-    let length = |v: ArrayView1<'_, f64>| v.dot(&v).sqrt();
-    let product = length(a.view()) * length(b.view());
-    if product > 0.0 {
-        a.dot(&b) / product
-    } else {
-        0.0
-    }
-}
-
-fn ranks(values: &[f32]) -> Vec<f64> {
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
-    let mut ranks = vec![0.0; values.len()];
-    for equal in order.chunk_by(|&a, &b| values[a].total_cmp(&values[b]).is_eq()) {
-        let first = order.iter().position(|o| *o == equal[0]).unwrap_or(0);
-        for &index in equal {
-            ranks[index] = first as f64 + (equal.len() - 1) as f64 / 2.0;
-        }
-    }
-    ranks
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -177,16 +147,6 @@ mod tests {
         let one = Components::fit(&rows, 1);
         assert!(one.error(&rows) > 1e-2 * one.error_of_mean(&rows));
         assert!(one.error(&rows) < 0.3 * one.error_of_mean(&rows));
-    }
-
-    #[test]
-    fn ranks_correlate_as_by_hand() {
-        assert!((spearman(&[1.0, 2.0, 3.0, 4.0], &[10.0, 20.0, 25.0, 90.0]) - 1.0).abs() < 1e-12);
-        assert!((spearman(&[1.0, 2.0, 3.0], &[3.0, 2.0, 1.0]) + 1.0).abs() < 1e-12);
-        // ranks 0, 1.5, 1.5, 3 against 0, 1, 2, 3: 4.5 / sqrt(4.5 * 5)
-        let tied = spearman(&[1.0, 2.0, 2.0, 3.0], &[1.0, 2.0, 3.0, 4.0]);
-        assert!((tied - 4.5 / (4.5f64 * 5.0).sqrt()).abs() < 1e-12);
-        assert_eq!(spearman(&[1.0, 1.0], &[1.0, 2.0]), 0.0);
     }
 
     #[test]

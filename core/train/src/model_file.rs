@@ -5,6 +5,7 @@ use std::path::Path;
 
 use burn::module::Param;
 use burn::prelude::*;
+use palpate_emulators::surface::spearman;
 use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView};
 use serde::Serialize;
@@ -46,13 +47,21 @@ pub struct Latent {
 pub struct Driver {
     pub coordinate: usize,
     pub sign: i32,
-    /// Spearman's rank correlation with the ratings.
+    /// What it was chosen by: [`RATINGS`] or [`BUZZ`].
+    pub with: &'static str,
+    /// Spearman's rank correlation with that.
     pub spearman: f64,
     pub z_lo: f32,
     pub z_hi: f32,
 }
 
-/// Finds what drives roughness (its mean with friction, as the thesis reads z1) and hardness.
+/// What people say of the labels.
+const RATINGS: &str = "ratings";
+/// Nobody rated these recordings: how much readings change from row to row, which is what rough surfaces do to them.
+const BUZZ: &str = "buzz";
+
+/// Finds what drives roughness (its mean with friction, as the thesis reads z1; the buzz where there are no ratings)
+/// and hardness.
 pub fn drivers(
     network: &Network<Plain>,
     windows: &Windows,
@@ -64,33 +73,50 @@ pub fn drivers(
     let Some(width) = latents.first().map(Vec::len) else {
         return Latent::default();
     };
-    let rated = |of: fn(&Rating) -> f32| -> Option<Vec<f32>> {
+    let rated = |of: fn(&Rating) -> f32| -> Option<Vec<f64>> {
         let rating = |place: &Place| {
             let label = &windows.recording(*place).label;
-            ratings.iter().find(|r| r.label == *label).map(of)
+            let rating = ratings.iter().find(|r| r.label == *label)?;
+            Some(f64::from(of(rating)))
         };
         places.iter().map(rating).collect()
     };
-    let driver = |of: fn(&Rating) -> f32| {
-        let rated = rated(of)?;
+    let driver = |(with, rated): (&'static str, Vec<f64>)| {
         let found = (0..width).map(|coordinate| {
-            let mut z: Vec<f32> = latents.iter().map(|z| z[coordinate]).collect();
-            let spearman = crate::measure::spearman(&z, &rated);
-            z.sort_by(f32::total_cmp);
+            let mut z: Vec<f64> = latents.iter().map(|z| f64::from(z[coordinate])).collect();
+            let spearman = spearman(&z, &rated);
+            z.sort_by(f64::total_cmp);
             Driver {
                 coordinate,
                 sign: if spearman < 0.0 { -1 } else { 1 },
+                with,
                 spearman,
-                z_lo: z[z.len() / 20],
-                z_hi: z[z.len() - 1 - z.len() / 20],
+                z_lo: z[z.len() / 20] as f32,
+                z_hi: z[z.len() - 1 - z.len() / 20] as f32,
             }
         });
         found.max_by(|a, b| a.spearman.abs().total_cmp(&b.spearman.abs()))
     };
+    let roughness = rated(|r| (r.roughness + r.friction) / 2.0).map(|rated| (RATINGS, rated));
+    let buzz = || (BUZZ, places.iter().map(|&p| buzz(windows, p)).collect());
     Latent {
-        roughness: driver(|r| (r.roughness + r.friction) / 2.0),
-        hardness: driver(|r| r.hardness),
+        roughness: driver(roughness.unwrap_or_else(buzz)),
+        hardness: rated(|r| r.hardness).and_then(|rated| driver((RATINGS, rated))),
     }
+}
+
+/// Mean change from row to row over a window, in shares of the features' ranges.
+fn buzz(windows: &Windows, place: Place) -> f64 {
+    let (raw, scale) = (windows.raw(place), &windows.scale);
+    let features = scale.min.len();
+    let changes = raw.iter().zip(&raw[features..]).enumerate();
+    let sum: f64 = changes
+        .map(|(i, (before, now))| {
+            let span = scale.max[i % features] - scale.min[i % features];
+            f64::from((now - before).abs() / span)
+        })
+        .sum();
+    sum / (raw.len() - features).max(1) as f64
 }
 
 /// Writes a model file, whole or not at all.

@@ -234,3 +234,7 @@ fn npy(path: &Path, kind: &str, width: usize) -> Result<Vec<u8>, Failure> {
         )),
     }
 }
+
+#[cfg(test)]
+#[path = "recordings_tests.rs"]
+mod tests;

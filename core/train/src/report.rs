@@ -4,7 +4,8 @@ use std::io::Write;
 use std::process::Command;
 use std::time::Instant;
 
-use serde_json::json;
+use ndarray::Array2;
+use serde_json::{Map, Value, json};
 
 use crate::Arguments;
 use crate::failure::Failure;
@@ -13,9 +14,9 @@ use crate::model_file::{self, About};
 use crate::network::Network;
 use crate::recordings::Rating;
 use crate::training::{self, Plain, Progress, Settings};
-use crate::windows::{Split, Windows};
+use crate::windows::{Place, Split, Windows};
 
-/// Principal components to compare with: as many as the thesis's latent vector.
+/// Width of the thesis's latent vector.
 const COMPONENTS: usize = 3;
 /// Neighbours that vote.
 const NEIGHBOURS: usize = 5;
@@ -30,6 +31,8 @@ pub fn run(
 ) -> Result<(), Failure> {
     #[allow(clippy::disallowed_methods)] // progress and --minutes; no result depends on it
     let began = Instant::now();
+    // of the tree as it is now: it may change while a training runs
+    let revision = arguments.revision.clone().unwrap_or_else(revision);
     let says = |progress: &Progress, _: &Network<Plain>| {
         let minutes = began.elapsed().as_secs_f64() / 60.0;
         let last = |errors: &[f64]| errors.last().copied().unwrap_or(f64::NAN);
@@ -48,18 +51,20 @@ pub fn run(
     let test = windows.of(&split.test, 1);
     let test_error = training::reconstruction(&network, windows, &test);
     let latent = model_file::drivers(&network, windows, &split.train, ratings);
+    let known = measure::matrix(windows, &windows.of(&split.train, 4));
+    let peers = peers(&known, settings.latent);
     let figures = json!({
         "recordings": windows.recordings.all.len(),
         "features": windows.recordings.columns.len(),
         "epochs": progress.epochs,
         "best_epoch": progress.best_epoch,
         "minutes": began.elapsed().as_secs_f64() / 60.0,
-        "test": against_others(windows, split, test_error),
+        "test": against_others(windows, split, test_error, &peers),
         "unseen": (!split.unseen.is_empty()).then(|| {
             let unseen = windows.of(&split.unseen, 4);
             training::reconstruction(&network, windows, &unseen)
         }),
-        "neighbours": by_neighbours(&network, windows, split),
+        "neighbours": by_neighbours(&network, windows, split, &peers),
         "latent": latent,
         "curve": progress,
     });
@@ -71,7 +76,7 @@ pub fn run(
         test_error,
         latent,
         command: command(),
-        revision: arguments.revision.clone().unwrap_or_else(revision),
+        revision,
     };
     model_file::write(&arguments.model, &network, &about)?;
     let text = format!("{figures:#}\n");
@@ -83,35 +88,43 @@ pub fn run(
     Ok(())
 }
 
+/// Principal components to compare with: as many as the thesis's latent vector has, and as this one's has.
+fn peers(known: &Array2<f32>, latent: usize) -> Vec<(String, Components)> {
+    let mut counts = vec![COMPONENTS, latent];
+    counts.dedup();
+    let fit = |&count: &usize| (format!("pca{count}"), Components::fit(known, count));
+    counts.iter().map(fit).collect()
+}
+
 /// Reconstruction of the test recordings beside that of a mean and of principal components.
-fn against_others(windows: &Windows, split: &Split, network: f64) -> serde_json::Value {
-    let known = measure::matrix(windows, &windows.of(&split.train, 4));
-    let components = Components::fit(&known, COMPONENTS);
+fn against_others(
+    windows: &Windows,
+    split: &Split,
+    network: f64,
+    peers: &[(String, Components)],
+) -> Value {
     let asked = measure::matrix(windows, &windows.of(&split.test, 1));
-    json!({
-        "network": network,
-        "mean": components.error_of_mean(&asked),
-        "pca3": components.error(&asked),
-    })
+    let mut errors = Map::from_iter([("network".to_owned(), json!(network))]);
+    for (name, components) in peers {
+        errors.insert("mean".to_owned(), json!(components.error_of_mean(&asked)));
+        errors.insert(name.clone(), json!(components.error(&asked)));
+    }
+    errors.into()
 }
 
 /// Labels of the test recordings by their neighbours among the others: the network's latent vectors, and principal
 /// components. A recording stands for itself by the mean over its windows.
-fn by_neighbours(network: &Network<Plain>, windows: &Windows, split: &Split) -> serde_json::Value {
+fn by_neighbours(
+    network: &Network<Plain>,
+    windows: &Windows,
+    split: &Split,
+    peers: &[(String, Components)],
+) -> Value {
+    type Codes<'a> = &'a dyn Fn(&[Place]) -> Vec<Vec<f32>>;
     let labels = windows.recordings.labels();
-    let components = Components::fit(
-        &measure::matrix(windows, &windows.of(&split.train, 4)),
-        COMPONENTS,
-    );
-    let points = |part: &[usize], pca: bool| -> Vec<(Vec<f32>, usize)> {
+    let points = |part: &[usize], codes: Codes<'_>| -> Vec<(Vec<f32>, usize)> {
         let point = |&recording: &usize| {
-            let places = windows.of(&[recording], 10);
-            let all = if pca {
-                let scores = components.scores(&measure::matrix(windows, &places));
-                scores.rows().into_iter().map(|row| row.to_vec()).collect()
-            } else {
-                training::latents(network, windows, &places)
-            };
+            let all = codes(&windows.of(&[recording], 10));
             let label = labels
                 .binary_search(&windows.recordings.all[recording].label)
                 .ok()?;
@@ -125,9 +138,26 @@ fn by_neighbours(network: &Network<Plain>, windows: &Windows, split: &Split) -> 
         .chain(&split.validation)
         .copied()
         .collect();
-    let share =
-        |pca| measure::neighbours(&points(&known, pca), &points(&split.test, pca), NEIGHBOURS);
-    json!({ "network": share(false), "pca3": share(true), "labels": labels.len() })
+    let share = |codes: Codes<'_>| {
+        measure::neighbours(
+            &points(&known, codes),
+            &points(&split.test, codes),
+            NEIGHBOURS,
+        )
+    };
+    let of_network = share(&|places| training::latents(network, windows, places));
+    let mut shares = Map::from_iter([
+        ("labels".to_owned(), json!(labels.len())),
+        ("network".to_owned(), json!(of_network)),
+    ]);
+    for (name, components) in peers {
+        let scores = |places: &[Place]| {
+            let scores = components.scores(&measure::matrix(windows, places));
+            scores.rows().into_iter().map(|row| row.to_vec()).collect()
+        };
+        shares.insert(name.clone(), json!(share(&scores)));
+    }
+    shares.into()
 }
 
 fn mean(all: &[Vec<f32>]) -> Option<Vec<f32>> {

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::checkpoint;
 use crate::failure::Failure;
 use crate::gru::Recurrent;
+use crate::guide::Guide;
 use crate::model_file;
 use crate::network::Network;
 use crate::recordings::Rating;
@@ -20,6 +21,10 @@ use crate::windows::{Place, Split, Windows, shuffle};
 
 /// Rows between the beginnings of the windows that validation takes.
 const VALIDATION_HOP: usize = 4;
+
+/// Added to the root of Adam's second moment: Keras's, and with it the thesis's. The framework's own 1e-5 is as large
+/// as the gradients are here, so that steps would shrink with the error.
+const EPSILON: f32 = 1e-7;
 
 /// Where training runs.
 pub type Plain = NdArray;
@@ -46,6 +51,8 @@ pub struct Settings {
     pub patience: usize,
     /// Weight of the term that ties z1 to rated roughness and friction and z2 to rated hardness; 0: none.
     pub align: f64,
+    /// Epochs at the beginning in which encoder and decoder learn apart, principal components between them.
+    pub guided: usize,
     /// The model file whose weights it begins with; none: drawn ones.
     pub from: Option<PathBuf>,
 }
@@ -91,7 +98,8 @@ pub fn train(
     if let Some(from) = &settings.from {
         network = model_file::weights(from, network, windows, split)?;
     }
-    let mut adam = AdamConfig::new().init::<Learning, Network<Learning>>();
+    let adam = AdamConfig::new().with_epsilon(EPSILON);
+    let mut adam = adam.init::<Learning, Network<Learning>>();
     adam = adam.with_grad_clipping(GradientClippingConfig::Norm(1.0).init());
     let mut progress = Progress::default();
     let mut best = network.valid();
@@ -108,6 +116,7 @@ pub fn train(
             windows.length
         )));
     }
+    let guide = Guide::new(windows, &split.train, settings.latent);
     while progress.epochs < settings.epochs
         && progress.epochs - progress.best_epoch < settings.patience
     {
@@ -124,9 +133,13 @@ pub fn train(
             let rate = rate(settings, progress.epochs as f64 + (step + 1) as f64 / steps);
             let x = windows.batch::<Learning>(batch, &device);
             let z = network.encode(x.clone());
-            let error = (network.decode(z.clone(), windows.length) - x)
-                .powi_scalar(2)
-                .mean();
+            let error = if progress.epochs < settings.guided {
+                let wanted = guide.latents(windows, batch, &device);
+                let miss = guide.miss(z.clone(), wanted.clone());
+                difference(network.decode(wanted, windows.length), x) + miss
+            } else {
+                difference(network.decode(z.clone(), windows.length), x)
+            };
             sum += f64::from(error.clone().into_scalar().elem::<f32>()) * batch.len() as f64;
             let loss = match targets(windows, batch, ratings) {
                 Some(targets) if settings.align > 0.0 => error + tie(z, targets) * settings.align,
@@ -165,6 +178,11 @@ fn rate(settings: &Settings, epochs: f64) -> f64 {
     settings.last_rate + (settings.rate - settings.last_rate) * fall
 }
 
+/// Mean square of a difference.
+fn difference<B: Backend>(a: Tensor<B, 3>, b: Tensor<B, 3>) -> Tensor<B, 1> {
+    (a - b).powi_scalar(2).mean()
+}
+
 /// Mean squared error over windows.
 pub fn reconstruction<B: Recurrent>(
     network: &Network<B>,
@@ -175,9 +193,7 @@ pub fn reconstruction<B: Recurrent>(
     let mut sum = 0.0;
     for some in places.chunks(256) {
         let x = windows.batch::<B>(some, &device);
-        let error = (network.decode(network.encode(x.clone()), windows.length) - x)
-            .powi_scalar(2)
-            .mean();
+        let error = difference(network.decode(network.encode(x.clone()), windows.length), x);
         sum += f64::from(error.into_scalar().elem::<f32>()) * some.len() as f64;
     }
     sum / places.len().max(1) as f64

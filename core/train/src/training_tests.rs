@@ -4,6 +4,7 @@ use super::*;
 use crate::model_file::About;
 use crate::recordings::{Recording, Recordings};
 use crate::windows::{Scale, Windows};
+use palpate_emulators::surface::spearman;
 use safetensors::SafeTensors;
 
 fn small() -> (Windows, Split, Vec<Rating>) {
@@ -60,7 +61,37 @@ fn settings(epochs: usize) -> Settings {
         share: 3,
         patience: 100,
         align: 0.1,
+        guided: 0,
         from: None,
+    }
+}
+
+/// How far, on average, z1 and z2 of the training windows are from where the ratings put them.
+fn misses(align: f64) -> [f32; 2] {
+    let (windows, split, ratings) = small();
+    let settings = Settings {
+        align,
+        share: 1,
+        ..settings(20)
+    };
+    let (network, _) = train(&windows, &split, &ratings, &settings, None, |_, _| Ok(true)).unwrap();
+    let places = windows.of(&split.train, 1);
+    let targets = targets(&windows, &places, &ratings).unwrap();
+    let z = latents(&network, &windows, &places);
+    [0, 1].map(|c| {
+        let miss = z
+            .iter()
+            .zip(targets.chunks_exact(2))
+            .map(|(z, t)| (z[c] - t[c]).abs());
+        miss.sum::<f32>() / z.len() as f32
+    })
+}
+
+#[test]
+fn alignment_moves_latents_to_where_the_ratings_put_them() {
+    let (with, without) = (misses(1.0), misses(0.0));
+    for c in 0..2 {
+        assert!(with[c] < 0.7 * without[c], "{with:?} {without:?}");
     }
 }
 
@@ -104,6 +135,62 @@ fn an_interrupted_run_ends_where_an_uninterrupted_one_does() {
     });
     assert!(refused.is_err_and(|e| e.to_string().contains("other settings")));
     std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn a_guided_latent_vector_goes_with_the_principal_components() {
+    let (windows, split, ratings) = small();
+    let places = windows.of(&split.train, 1);
+    let guide = Guide::new(&windows, &split.train, 3);
+    let wanted = guide.latents::<Plain>(&windows, &places, &Default::default());
+    let wanted: Vec<f32> = wanted.into_data().into_vec().unwrap();
+    assert!(wanted.iter().all(|w| w.abs() < 1.0) && wanted.iter().any(|w| w.abs() > 0.3));
+    let first = |guided| {
+        let settings = Settings {
+            align: 0.0,
+            guided,
+            ..settings(10)
+        };
+        let (network, _) =
+            train(&windows, &split, &ratings, &settings, None, |_, _| Ok(true)).unwrap();
+        let z = latents(&network, &windows, &places);
+        let pairs = z.iter().zip(wanted.chunks_exact(3));
+        let (a, b): (Vec<f64>, Vec<f64>) = pairs
+            .map(|(z, w)| (f64::from(z[0]), f64::from(w[0])))
+            .unzip();
+        spearman(&a, &b)
+    };
+    assert!(first(10) > 0.9, "{}", first(10));
+}
+
+#[test]
+fn without_ratings_roughness_is_what_buzzes() {
+    let (windows, split, ratings) = small();
+    let network = Network::<Plain>::new(4, 3, 12, 5, &Default::default());
+    let drivers =
+        |ratings: &[Rating]| model_file::drivers(&network, &windows, &split.train, ratings);
+    let (rated, unrated) = (drivers(&ratings), drivers(&[]));
+    assert!(rated.roughness.is_some_and(|d| d.with == "ratings"));
+    assert!(rated.hardness.is_some() && unrated.hardness.is_none());
+    let found = unrated.roughness.unwrap();
+    assert!(found.with == "buzz" && found.z_lo < found.z_hi);
+    // as the definition says: the mean step of each feature by its range
+    let places = windows.of(&split.train, 4);
+    let buzz: Vec<f64> = places
+        .iter()
+        .map(|&p| {
+            let raw = windows.raw(p);
+            (0..44)
+                .map(|i| {
+                    let span = windows.scale.max[i % 4] - windows.scale.min[i % 4];
+                    f64::from((raw[i + 4] - raw[i]).abs() / span) / 44.0
+                })
+                .sum()
+        })
+        .collect();
+    let z = latents(&network, &windows, &places);
+    let z: Vec<f64> = z.iter().map(|z| f64::from(z[found.coordinate])).collect();
+    assert!((spearman(&z, &buzz) - found.spearman).abs() < 1e-9);
 }
 
 /// The encoder of a model file on its golden window, in f64 and from the equations alone.
@@ -214,7 +301,7 @@ fn a_model_file_holds_the_network_and_its_golden_vector() {
     assert!(driver["z_lo"].as_f64() < driver["z_hi"].as_f64());
     // No other coordinate goes with the ratings better.
     let places = windows.of(&split.train, 4);
-    let rated: Vec<f32> = places
+    let rated: Vec<f64> = places
         .iter()
         .map(|p| {
             if windows.recording(*p).label == "rough" {
@@ -227,8 +314,8 @@ fn a_model_file_holds_the_network_and_its_golden_vector() {
     let all = latents(&network, &windows, &places);
     let found = driver["spearman"].as_f64().unwrap();
     for coordinate in 0..3 {
-        let z: Vec<f32> = all.iter().map(|z| z[coordinate]).collect();
-        let here = crate::measure::spearman(&z, &rated);
+        let z: Vec<f64> = all.iter().map(|z| f64::from(z[coordinate])).collect();
+        let here = spearman(&z, &rated);
         assert!(here.abs() <= found.abs() + 1e-9);
         if driver["coordinate"] == coordinate {
             assert!(

@@ -1,18 +1,23 @@
 //! Textured surfaces and strokes over them: what a skin module is pressed against in chapter 3 of the thesis.
 //!
 //! [`Texture`] says what a surface is like, [`Relief`] is one drawn piece of it, [`Stroke`] moves a module over it
-//! and is what touches the module; [`Explorer`] makes a recording of every stroke. The taxels, their noise and
+//! and is what touches the module; [`Explorer`] makes a recording of every stroke; [`spearman`] says whether what was learnt
+//! of surfaces goes with what they are like. The taxels, their noise and
 //! their silicone are those of [`crate::skin`]. Nothing of it is published but the names: all constants are assumed.
 
 mod explorer;
+mod rank;
 mod relief;
+mod rub;
 mod stroke;
 #[cfg(test)]
 mod tests;
 
 pub use explorer::{Explorer, Recording, SAMPLES};
+pub use rank::spearman;
 pub use relief::{Relief, Ripple};
-pub use stroke::{Habits, Stroke};
+pub use rub::Rub;
+pub use stroke::{Habits, Stroke, Strokes};
 
 /// What a surface is like, as far as a skin module can tell.
 #[derive(Clone, Debug, PartialEq)]

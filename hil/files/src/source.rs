@@ -105,8 +105,7 @@ impl Source {
     pub(super) fn read<T: DeserializeOwned>(&self) -> Result<T, FileError> {
         let table = self.parse()?;
         self.refuse_numbers(&mut String::new(), table.get_ref())?;
-        let deserializer =
-            toml::Deserializer::parse(&self.text).map_err(|error| self.syntax(&error))?;
+        let deserializer = toml::Deserializer::from(table);
         // Through the plain value: the parser's own deserialisers would each be compiled once more for every type.
         let value = toml::Value::deserialize(deserializer).map_err(|error| self.syntax(&error))?;
         serde_path_to_error::deserialize(value).map_err(|error| {

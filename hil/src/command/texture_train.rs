@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::cli::{MapArgs, StrokesArgs, TrainArgs};
 use crate::failure::Failure;
 use crate::output::{make_folder, note, print, write_file};
-use crate::texture::{TextureModel, explore, map};
+use crate::texture::{TextureModel, draw, explore, map};
 use palpate_files::load_textures;
 
 /// The training program: a workspace member that only those build who train.
@@ -69,13 +69,14 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
     if let Some(path) = &args.svg {
         let title = format!("Where {} puts {} textures", args.model, table.texture.len());
         write_file(path, |out| {
-            out.write_all(map::draw(&encoded, view, &title).as_bytes())
+            out.write_all(draw::draw(&encoded, view, &title).as_bytes())
         })?;
     }
     print(|out| {
         if args.json {
             return writeln!(out, "{figures}");
         }
+        writeln!(out, "x: {}, y: {}", view.x.label(), view.y.label())?;
         writeln!(
             out,
             "{:<14} {:>8} {:>8} {:>8} {:>8}",

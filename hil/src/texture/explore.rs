@@ -98,19 +98,11 @@ pub fn encode<'a>(
     all: &[(&'a TextureEntry, Recording)],
 ) -> Result<Vec<Encoded<'a>>, Failure> {
     let encoder = model.encoder(Weights::Exact)?;
-    let columns = columns(model)?;
     let mut room = encoder.room(1);
-    let length = encoder.window() * columns.len();
+    let length = encoder.window() * encoder.features();
     let mut encoded = Vec::with_capacity(all.len());
     for &(entry, ref recording) in all {
-        let mut values = Vec::new();
-        for row in &recording.rows {
-            let reading = |&(taxel, axis): &(usize, usize)| {
-                row.get(taxel)
-                    .map_or(0.0, |r| f32::from([r.x, r.y, r.z][axis]))
-            };
-            values.extend(columns.iter().map(reading));
-        }
+        let values = features(model, recording)?;
         if values.len() < length {
             let found = format!("a model with windows of {}", encoder.window());
             let expected = format!("expected windows of at most {} rows", recording.rows.len());
@@ -119,7 +111,7 @@ pub fn encode<'a>(
             )));
         }
         let mut latents = Vec::new();
-        for first in (0..=values.len() - length).step_by(HOP * columns.len()) {
+        for first in (0..=values.len() - length).step_by(HOP * encoder.features()) {
             let z = encoder
                 .encode(&mut room, &values[first..first + length])
                 .map_err(|e| Failure::Input(format!("{}: {e}", entry.name)))?;
@@ -128,6 +120,23 @@ pub fn encode<'a>(
         encoded.push(Encoded { entry, latents });
     }
     Ok(encoded)
+}
+
+/// A stroke as a model takes it: the readings that are its features, row after row.
+///
+/// # Errors
+/// A model whose features are no columns of a flat module.
+pub fn features(model: &TextureModel, recording: &Recording) -> Result<Vec<f32>, Failure> {
+    let columns = columns(model)?;
+    let mut values = Vec::with_capacity(recording.rows.len() * columns.len());
+    for row in &recording.rows {
+        let reading = |&(taxel, axis): &(usize, usize)| {
+            row.get(taxel)
+                .map_or(0.0, |r| f32::from([r.x, r.y, r.z][axis]))
+        };
+        values.extend(columns.iter().map(reading));
+    }
+    Ok(values)
 }
 
 /// Taxel and axis of each of the model's features.
@@ -150,7 +159,8 @@ fn columns(model: &TextureModel) -> Result<Vec<(usize, usize)>, Failure> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::map::{self, View};
+    use super::super::draw;
+    use super::super::map::{self, Axis, View};
     use super::*;
     use crate::texture::seeded::Seeded;
     use palpate_files::load_textures;
@@ -193,16 +203,22 @@ mod tests {
         let refused = encode(&model("proximity1,channel2", 2), &all);
         assert!(refused.is_err_and(|e| e.to_string().contains("txl1_x to txl16_z")));
 
+        let axis = |coordinate, sign| Axis {
+            coordinate,
+            sign,
+            stands_for: "",
+        };
         let view = View {
-            x: (0, 1),
-            y: (2, -1),
+            x: axis(0, 1),
+            y: axis(2, -1),
         };
         let figures = map::figures(&encoded, view);
         assert_eq!(figures["textures"].as_array().unwrap().len(), 8);
-        let drawing = map::draw(&encoded, view, "A map");
+        let drawing = draw::draw(&encoded, view, "A map");
         for name in ["sponge1", "shoe-sole"] {
             assert!(drawing.contains(&format!(">{name}<")));
         }
-        assert_eq!(drawing.matches("unseen w").count(), 4);
+        // dashed on the map and beside the name
+        assert_eq!(drawing.matches("unseen w").count(), 2 * 4);
     }
 }

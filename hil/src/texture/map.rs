@@ -1,54 +1,106 @@
 //! The latent map: where a model puts textures, and how that goes with what the surfaces are like (figure 3.5).
 
 use std::f64::consts::TAU;
-use std::fmt::Write;
 
-use palpate_records::report::STYLE;
-use palpate_records::report::scale::Scale;
-use palpate_records::report::svg::{Plot, Svg, dot};
 use serde_json::{Value, json};
 
 use super::TextureModel;
 use super::explore::{Encoded, surface};
+use palpate_emulators::surface::spearman;
 use palpate_files::TextureEntry;
+
+/// A coordinate of the latent space to look along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Axis {
+    /// Which, from 0.
+    pub coordinate: usize,
+    /// -1 turns it round.
+    pub sign: i8,
+    /// What the model's file says it stands for; empty where the file says nothing of it.
+    pub stands_for: &'static str,
+}
+
+impl Axis {
+    /// A coordinate of which nothing is known.
+    const fn plain(coordinate: usize) -> Self {
+        Self {
+            coordinate,
+            sign: 1,
+            stands_for: "",
+        }
+    }
+
+    /// As an axis is labelled, such as `-z2 (hardness)`.
+    pub fn label(&self) -> String {
+        let name = format!(
+            "{}z{}",
+            if self.sign < 0 { "-" } else { "" },
+            self.coordinate + 1
+        );
+        match self.stands_for {
+            "" => name,
+            what => format!("{name} ({what})"),
+        }
+    }
+}
 
 /// Two coordinates of the latent space to look along, each with its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct View {
     /// To the right: roughness and friction.
-    pub x: (usize, i8),
+    pub x: Axis,
     /// Upwards: hardness.
-    pub y: (usize, i8),
+    pub y: Axis,
 }
 
 impl View {
-    /// The coordinates that the model's file names for roughness and hardness; z1 and z2 where it names none. If both
-    /// are the same, hardness gets the next one.
+    /// The coordinates that the model's file names for roughness and for hardness. Where it names none, or the same
+    /// for both, an axis is another coordinate and stands for nothing.
     pub fn of(model: &TextureModel) -> Self {
-        let width = model.latents().max(1);
-        let latent: Value = model
-            .metadata()
-            .get("latent")
-            .and_then(|text| serde_json::from_str(text).ok())
-            .unwrap_or_default();
-        let named = |what: &str| {
+        let latent = model.metadata().get("latent").map_or("", String::as_str);
+        Self::named_by(latent, model.latents())
+    }
+
+    /// The same from the file's `latent` entry and the width of the latent vector.
+    fn named_by(latent: &str, width: usize) -> Self {
+        let latent: Value = serde_json::from_str(latent).unwrap_or_default();
+        let named = |what: &str, stands_for| {
             let coordinate = usize::try_from(latent[what]["coordinate"].as_u64()?)
                 .ok()
                 .filter(|c| *c < width)?;
-            Some((coordinate, if latent[what]["sign"] == -1 { -1 } else { 1 }))
+            let sign = if latent[what]["sign"] == -1 { -1 } else { 1 };
+            Some(Axis {
+                coordinate,
+                sign,
+                stands_for,
+            })
         };
-        let x = named("roughness").unwrap_or((0, 1));
-        let y = named("hardness").unwrap_or((1 % width, 1));
-        let y = if y.0 == x.0 {
-            ((x.0 + 1) % width, 1)
-        } else {
-            y
-        };
-        Self { x, y }
+        let rough = named("roughness", "roughness and friction");
+        let hard = named("hardness", "hardness");
+        let beside = |axis: Axis| Axis::plain((axis.coordinate + 1) % width.max(1));
+        match (rough, hard) {
+            (Some(rough), Some(hard)) if rough.coordinate == hard.coordinate => {
+                let stands_for = "roughness, friction and hardness";
+                let x = Axis {
+                    stands_for,
+                    ..rough
+                };
+                Self { x, y: beside(x) }
+            }
+            (Some(x), Some(y)) => Self { x, y },
+            (Some(x), None) => Self { x, y: beside(x) },
+            (None, Some(y)) => Self { x: beside(y), y },
+            (None, None) => {
+                let x = Axis::plain(0);
+                Self { x, y: beside(x) }
+            }
+        }
     }
 
     fn point(self, z: &[f32]) -> (f64, f64) {
-        let at = |(c, sign): (usize, i8)| f64::from(sign) * z.get(c).map_or(0.0, |z| f64::from(*z));
+        let at = |axis: Axis| {
+            f64::from(axis.sign) * z.get(axis.coordinate).map_or(0.0, |z| f64::from(*z))
+        };
         (at(self.x), at(self.y))
     }
 }
@@ -89,7 +141,8 @@ impl Spot {
         })
     }
 
-    fn outline(&self) -> Vec<(f64, f64)> {
+    /// The ellipse, point by point and closed.
+    pub(super) fn outline(&self) -> Vec<(f64, f64)> {
         let (c, s) = (self.turn.cos(), self.turn.sin());
         let at = |step: u32| {
             let angle = TAU * f64::from(step) / 48.0;
@@ -101,7 +154,10 @@ impl Spot {
 }
 
 /// The textures of some strokes, in their order, each with its points.
-fn by_texture<'a>(encoded: &[Encoded<'a>], view: View) -> Vec<(&'a TextureEntry, Vec<(f64, f64)>)> {
+pub(super) fn by_texture<'a>(
+    encoded: &[Encoded<'a>],
+    view: View,
+) -> Vec<(&'a TextureEntry, Vec<(f64, f64)>)> {
     let mut all: Vec<(&TextureEntry, Vec<(f64, f64)>)> = Vec::new();
     for stroke in encoded {
         let points = stroke.latents.iter().map(|z| view.point(z));
@@ -114,62 +170,6 @@ fn by_texture<'a>(encoded: &[Encoded<'a>], view: View) -> Vec<(&'a TextureEntry,
         }
     }
     all
-}
-
-/// A map drawn: SVG as a file of its own. Trained textures have whole ellipses, unseen ones dashed.
-pub fn draw(encoded: &[Encoded<'_>], view: View, title: &str) -> String {
-    let all = by_texture(encoded, view);
-    let places = || all.iter().flat_map(|(_, points)| points);
-    let range = |of: fn(&(f64, f64)) -> f64| {
-        let low = places().map(of).fold(f64::INFINITY, f64::min);
-        Scale::round(low, places().map(of).fold(f64::NEG_INFINITY, f64::max))
-    };
-    let (width, height) = (860.0, 560.0);
-    let mut svg = Svg::new(width, height, title);
-    let plot = Plot {
-        left: 64.0,
-        top: 30.0,
-        width: width - 104.0,
-        height: height - 80.0,
-        x: range(|p| p.0),
-        y: range(|p| p.1),
-    };
-    let name = |(c, sign): (usize, i8)| format!("{}z{}", if sign < 0 { "-" } else { "" }, c + 1);
-    plot.x_axis(
-        &mut svg,
-        &format!("{} (roughness and friction)", name(view.x)),
-    );
-    plot.y_axis(&mut svg, &format!("{} (hardness)", name(view.y)));
-    plot.frame(&mut svg);
-    for (i, (_, points)) in all.iter().enumerate() {
-        let mut dots = String::new();
-        points.iter().for_each(|p| dot(&mut dots, plot.at(*p)));
-        svg.path(&dots, &format!("dots faint w{}", i % 8));
-    }
-    for (i, (entry, points)) in all.iter().enumerate() {
-        let Some(spot) = Spot::of(points) else {
-            continue;
-        };
-        let mut line = String::new();
-        let outline = spot.outline();
-        // each name at another place of its ring: the middles may all be one
-        let (x, y) = plot.at(outline[6 * (i % 8)]);
-        for (x, y) in outline.into_iter().map(|p| plot.at(p)) {
-            let _ = write!(
-                line,
-                "{}{x:.1} {y:.1}",
-                if line.is_empty() { 'M' } else { 'L' }
-            );
-        }
-        let dashed = if entry.trained { "" } else { " unseen" };
-        svg.path(&line, &format!("series ring{dashed} w{}", i % 8));
-        svg.text((x, y + 4.0), "label middle", &entry.name);
-    }
-    let style = format!(
-        "<style>{STYLE}svg{{background:var(--card)}}.faint{{opacity:.3}}.ring{{stroke-width:2.4}}\
-         .unseen{{stroke-dasharray:7 4}}</style>\n<"
-    );
-    svg.finish().replacen("\n<", &format!("\n{style}"), 1)
 }
 
 /// Where the textures are, and how the two coordinates go with what the surfaces are like and how they are rated:
@@ -230,7 +230,7 @@ pub fn figures(encoded: &[Encoded<'_>], view: View) -> Value {
             json!({"what": what, "all": correlation(*of, *with, false), "unseen": correlation(*of, *with, true)})
         })
         .collect();
-    let axis = |(c, sign): (usize, i8)| json!({"coordinate": c + 1, "sign": sign});
+    let axis = |a: Axis| json!({"coordinate": a.coordinate + 1, "sign": a.sign, "stands_for": a.stands_for});
     json!({
         "x": axis(view.x),
         "y": axis(view.y),
@@ -244,38 +244,45 @@ fn round(value: f64) -> f64 {
     (value * 1e3).round() / 1e3 + 0.0
 }
 
-/// Spearman's rank correlation; equal values share their mean rank; 0 where one side does not vary.
-pub fn spearman(a: &[f64], b: &[f64]) -> f64 {
-    let ranks = |values: &[f64]| -> Vec<f64> {
-        let below = |v: f64| values.iter().filter(|o| **o < v).count() as f64;
-        let same = |v: f64| values.iter().filter(|o| o.total_cmp(&v).is_eq()).count() as f64;
-        let middle = (values.len() as f64 - 1.0) / 2.0;
-        values
-            .iter()
-            .map(|&v| below(v) + (same(v) - 1.0) / 2.0 - middle)
-            .collect()
-    };
-    let (a, b) = (ranks(a), ranks(b));
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let product = (dot(&a, &a) * dot(&b, &b)).sqrt();
-    if product > 0.0 {
-        dot(&a, &b) / product
-    } else {
-        0.0
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn ranks_correlate_as_by_hand() {
-        assert!((spearman(&[1.0, 2.0, 3.0, 4.0], &[10.0, 20.0, 25.0, 90.0]) - 1.0).abs() < 1e-12);
-        assert!((spearman(&[1.0, 2.0, 3.0], &[3.0, 2.0, 1.0]) + 1.0).abs() < 1e-12);
-        let tied = spearman(&[1.0, 2.0, 2.0, 3.0], &[1.0, 2.0, 3.0, 4.0]);
-        assert!((tied - 4.5 / (4.5f64 * 5.0).sqrt()).abs() < 1e-12);
-        assert!(spearman(&[1.0, 1.0], &[1.0, 2.0]).abs() < 1e-12);
+    fn an_axis_says_only_what_the_file_names() {
+        let labels = |latent: &str, width| {
+            let view = View::named_by(latent, width);
+            (view.x.label(), view.y.label())
+        };
+        let of = |rough: &str, hard: &str| format!("{{\"roughness\":{rough},\"hardness\":{hard}}}");
+        let (first, third) = (
+            r#"{"coordinate":0,"sign":1}"#,
+            r#"{"coordinate":2,"sign":-1}"#,
+        );
+        let says = |latent: &str| labels(latent, 3);
+        let pair = |x: &str, y: &str| (x.to_owned(), y.to_owned());
+        assert_eq!(
+            says(&of(first, third)),
+            pair("z1 (roughness and friction)", "-z3 (hardness)")
+        );
+        assert_eq!(
+            says(&of(third, third)),
+            pair("-z3 (roughness, friction and hardness)", "z1")
+        );
+        assert_eq!(says(&of("null", first)), pair("z2", "z1 (hardness)"));
+        assert_eq!(
+            says(&of(first, "null")),
+            pair("z1 (roughness and friction)", "z2")
+        );
+        for nothing in [
+            "",
+            "{}",
+            "[",
+            &of("{\"coordinate\":3}", "{\"coordinate\":-1}"),
+        ] {
+            assert_eq!(says(nothing), pair("z1", "z2"));
+        }
+        assert_eq!(labels("", 1), pair("z1", "z1"));
     }
 
     #[test]

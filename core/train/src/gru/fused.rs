@@ -71,6 +71,18 @@ fn tanh(x: f32) -> f32 {
     1.0 - 2.0 / (1.0 + exp(2.0 * x))
 }
 
+/// The gates that lie beside each other in a row, `units` each.
+#[inline(always)]
+fn parts<const N: usize>(row: &[f32], units: usize) -> [&[f32]; N] {
+    core::array::from_fn(|part| &row[part * units..][..units])
+}
+
+#[inline(always)]
+fn parts_mut<const N: usize>(row: &mut [f32], units: usize) -> [&mut [f32]; N] {
+    let mut parts = row.chunks_exact_mut(units);
+    core::array::from_fn(|_| parts.next().expect("a row has all its gates"))
+}
+
 /// Forward over the whole sequence.
 pub fn forward(x: &[f32], weights: &Flat, size: Size) -> Trace {
     let Size {
@@ -149,13 +161,8 @@ fn gate_all(
     for (((a, b), (before, after)), trace) in
         inputs.zip(states).zip(trace.chunks_exact_mut(4 * units))
     {
-        let (ar, a) = a.split_at(units);
-        let (az, an) = a.split_at(units);
-        let (br, b) = b.split_at(units);
-        let (bz, bn) = b.split_at(units);
-        let (r, trace) = trace.split_at_mut(units);
-        let (z, trace) = trace.split_at_mut(units);
-        let (n, q) = trace.split_at_mut(units);
+        let ([ar, az, an], [br, bz, bn]) = (parts(a, units), parts(b, units));
+        let [r, z, n, q] = parts_mut(trace, units);
         for i in 0..units {
             r[i] = sigmoid(ar[i] + br[i]);
             z[i] = sigmoid(az[i] + bz[i]);
@@ -279,13 +286,8 @@ fn ungate_all(
     for ((((before, above), carried), (a, b)), gate) in
         states.zip(outs).zip(gates.chunks_exact(4 * units))
     {
-        let (r, gate) = gate.split_at(units);
-        let (z, gate) = gate.split_at(units);
-        let (n, q) = gate.split_at(units);
-        let (ar, a) = a.split_at_mut(units);
-        let (az, an) = a.split_at_mut(units);
-        let (br, b) = b.split_at_mut(units);
-        let (bz, bn) = b.split_at_mut(units);
+        let [r, z, n, q] = parts(gate, units);
+        let ([ar, az, an], [br, bz, bn]) = (parts_mut(a, units), parts_mut(b, units));
         for i in 0..units {
             let d = carried[i] + above[i];
             let dn = d * (1.0 - z[i]) * (1.0 - n[i] * n[i]);

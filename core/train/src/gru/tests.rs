@@ -118,15 +118,13 @@ fn reference(x: &[f64], parts: &[Vec<f64>; 4]) -> Vec<f64> {
     out
 }
 
+fn wide(t: TensorData) -> Vec<f64> {
+    let values = t.into_vec::<f32>().unwrap();
+    values.into_iter().map(f64::from).collect()
+}
+
 #[test]
 fn forward_is_what_the_equations_say() {
-    let wide = |t: TensorData| {
-        t.into_vec::<f32>()
-            .unwrap()
-            .into_iter()
-            .map(f64::from)
-            .collect::<Vec<_>>()
-    };
     let (x, weights) = parts();
     let expected = reference(&wide(x), &weights.map(wide));
     let (out, _) = gradients(true);
@@ -140,13 +138,6 @@ fn forward_is_what_the_equations_say() {
 
 #[test]
 fn the_gradient_is_that_of_small_differences() {
-    let wide = |t: TensorData| {
-        t.into_vec::<f32>()
-            .unwrap()
-            .into_iter()
-            .map(f64::from)
-            .collect::<Vec<_>>()
-    };
     let (x, weights) = parts();
     let (x, weights) = (wide(x), weights.map(wide));
     let [steps, batch, _, units] = SIZE;

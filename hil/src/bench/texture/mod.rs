@@ -1,6 +1,7 @@
-//! The texture encoder: exact windows one by one, a sample apart, on demand and for fifteen modules, approximations
-//! beside them, and ONNX Runtime on the exported model.
+//! The texture encoder of the model that ships: exact windows one by one, a sample apart, on demand and for fifteen
+//! modules, approximations beside them, and ONNX Runtime on the exported model.
 
+mod ground;
 mod peers;
 mod pulses;
 
@@ -11,19 +12,15 @@ use palpate_core::texture::{Encoder, Ends, Stateful, Stream, Weights};
 use palpate_core::units;
 
 use crate::failure::Failure;
-use crate::texture::seeded::{Seeded, stroke};
-use crate::texture::{TextureModel, reference};
+use crate::texture::seeded::stroke;
 
 use super::plot::{Mark, Plot, Series};
 use super::timing::{Race, Samples};
 use super::{Findings, Row};
+use ground::Ground;
 
 const FAMILY: &str = "texture";
 const ERROR: &str = "largest |dz|";
-/// Windows that errors are taken over, and that are timed in turn.
-const WINDOWS: usize = 24;
-/// Samples from one of them to the next.
-const APART: usize = 37;
 /// Modules of the hand.
 const MODULES: usize = 15;
 /// Nominal sample rate and onset asynchrony.
@@ -36,82 +33,6 @@ const COUNT: usize = 100;
 /// the peer in its own process does.
 const CALLS: usize = 8;
 const BUDGET: Duration = Duration::from_secs(4);
-
-/// What is measured on: a model, a recording, the windows of it and their latents in f64.
-struct Ground {
-    model: TextureModel,
-    values: Vec<f32>,
-    windows: Vec<Vec<f32>>,
-    expected: Vec<Vec<f64>>,
-}
-
-impl Ground {
-    fn new() -> Result<Self, Failure> {
-        let model = match palpate_fixtures::model("default") {
-            Some(bytes) => TextureModel::parse("default", bytes)?,
-            None => {
-                let file = Seeded::thesis(1).file().unwrap_or_default();
-                TextureModel::parse("seeded", &file)?
-            }
-        };
-        let features = model.features();
-        let rows = model.window() + APART * WINDOWS;
-        let values = stroke(1, rows, features);
-        let windows: Vec<Vec<f32>> = values
-            .windows(model.window() * features)
-            .step_by(APART * features)
-            .take(WINDOWS)
-            .map(<[f32]>::to_vec)
-            .collect();
-        let expected = model.with(|m| windows.iter().map(|w| reference::encode(m, w)).collect());
-        Ok(Self {
-            model,
-            values,
-            windows,
-            expected,
-        })
-    }
-
-    /// How far latents are off, over all windows.
-    fn off(&self, found: &[Vec<f32>]) -> f64 {
-        let pairs = found.iter().zip(&self.expected);
-        pairs
-            .flat_map(|(found, expected)| found.iter().zip(expected))
-            .map(|(found, expected)| (f64::from(*found) - expected).abs())
-            .map(|off| if off.is_nan() { f64::INFINITY } else { off })
-            .fold(0.0, f64::max)
-    }
-
-    /// The same for an encoder, window by window.
-    fn off_by(&self, encoder: &Encoder) -> f64 {
-        let mut room = encoder.room(1);
-        let found: Vec<Vec<f32>> = self
-            .windows
-            .iter()
-            .map(|w| {
-                encoder
-                    .encode(&mut room, w)
-                    .map(<[f32]>::to_vec)
-                    .unwrap_or_default()
-            })
-            .collect();
-        self.off(&found)
-    }
-
-    /// The same for a state that is never begun anew, where the windows end.
-    fn off_stateful(&self, encoder: &Arc<Encoder>) -> f64 {
-        let mut state = Stateful::new(encoder.clone());
-        let rows = self.values.chunks_exact(self.model.features());
-        let after: Vec<Vec<f32>> = rows
-            .map(|row| state.push(row).map(<[f32]>::to_vec).unwrap_or_default())
-            .collect();
-        let ends = after
-            .into_iter()
-            .skip(self.model.window() - 1)
-            .step_by(APART);
-        self.off(&ends.take(WINDOWS).collect::<Vec<_>>())
-    }
-}
 
 /// An encoder with what is told of it.
 struct Method {
@@ -127,7 +48,7 @@ fn methods(ground: &Ground) -> Result<Vec<Method>, Failure> {
         ("exact".to_owned(), exact.clone()),
         ("half weights".to_owned(), half),
     ];
-    for steps in [75, 50, 25] {
+    for steps in [75, 50, 25, 10] {
         methods.push((
             format!("last {steps} samples"),
             exact.clone().with_steps(steps),
@@ -190,7 +111,12 @@ pub fn measure() -> Result<Findings, Failure> {
 
     rows.extend(pulses::measure()?);
     let peers = peers::measure(&ground)?;
-    let mut words = words(&rows);
+    let (low, high) = ground.range();
+    let mut words = vec![format!(
+        "Errors are over {} windows of emulated strokes that training never saw; their z run from {low:.2} to {high:.2}.",
+        ground.windows.len()
+    )];
+    words.extend(targets(&rows));
     if let Some([single, batch]) = peers {
         for case in ["window", "hop"] {
             words.extend(against(&rows, case, &single));
@@ -221,7 +147,7 @@ fn whole_windows(ground: &Ground, methods: &[Method]) -> Vec<Samples> {
         race.enter(move || {
             for _ in 0..CALLS {
                 turn += 1;
-                let window = &ground.windows[turn % WINDOWS];
+                let window = &ground.windows[turn % ground.windows.len()];
                 std::hint::black_box(method.encoder.encode(&mut room, window).map(<[f32]>::len))
                     .ok();
             }
@@ -320,7 +246,7 @@ fn time(rows: &[Row], case: &str, method: &str) -> Option<f64> {
 }
 
 /// The targets that need no peer.
-fn words(rows: &[Row]) -> Vec<String> {
+fn targets(rows: &[Row]) -> Vec<String> {
     let of = |case, method| time(rows, case, method).unwrap_or(f64::NAN);
     let (demand, every) = (of("a second", "exact"), of("a second", "exact, every hop"));
     let met = |yes| if yes { "met" } else { "missed" };

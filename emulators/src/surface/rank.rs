@@ -1,0 +1,68 @@
+//! Rank correlation: whether what was learnt of surfaces goes with what they are like.
+
+/// Spearman's rank correlation, -1 to 1: Pearson's of the ranks. Equal values share their mean rank; 0 where one side
+/// does not vary. What has no partner on the other side does not count. NaN ranks above every number (or, with a sign,
+/// below).
+#[must_use]
+pub fn spearman(a: &[f64], b: &[f64]) -> f64 {
+    let pairs = a.len().min(b.len());
+    let (a, b) = (ranks(&a[..pairs]), ranks(&b[..pairs]));
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let product = libm::sqrt(dot(&a, &a) * dot(&b, &b));
+    if product > 0.0 {
+        dot(&a, &b) / product
+    } else {
+        0.0
+    }
+}
+
+/// Ranks less their mean.
+fn ranks(values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    // no zero below another
+    let key = |i: usize| values[i] + 0.0;
+    order.sort_by(|&a, &b| key(a).total_cmp(&key(b)));
+    let middle = (values.len() as f64 - 1.0) / 2.0;
+    let mut ranks = vec![0.0; values.len()];
+    let mut first = 0;
+    for equal in order.chunk_by(|&a, &b| key(a).total_cmp(&key(b)).is_eq()) {
+        let rank = first as f64 + (equal.len() as f64 - 1.0) / 2.0 - middle;
+        equal.iter().for_each(|&index| ranks[index] = rank);
+        first += equal.len();
+    }
+    ranks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranks_correlate_as_by_hand() {
+        let near = |found: f64, expected: f64| (found - expected).abs() < 1e-12;
+        assert!(near(
+            spearman(&[1.0, 2.0, 3.0, 4.0], &[10.0, 20.0, 25.0, 90.0]),
+            1.0
+        ));
+        assert!(near(spearman(&[1.0, 2.0, 3.0], &[3.0, 2.0, 1.0]), -1.0));
+        // ranks 0, 1.5, 1.5, 3 against 0, 1, 2, 3: 4.5 / sqrt(4.5 * 5)
+        let tied = spearman(&[1.0, 2.0, 2.0, 3.0], &[1.0, 2.0, 3.0, 4.0]);
+        assert!(near(tied, 4.5 / (4.5f64 * 5.0).sqrt()));
+        // zeros are equal, whatever their sign
+        assert!(near(spearman(&[0.0, -0.0, 1.0], &[0.0, 0.0, 1.0]), 1.0));
+    }
+
+    #[test]
+    fn nothing_to_rank_is_no_correlation() {
+        assert!(near_zero(&[1.0, 1.0], &[1.0, 2.0]));
+        assert!(near_zero(&[], &[]) && near_zero(&[1.0], &[2.0]));
+        // the third of the first list has no partner
+        assert!((spearman(&[1.0, 2.0, 0.0], &[3.0, 4.0]) - 1.0).abs() < 1e-12);
+        let odd = [f64::NAN, f64::INFINITY, -1.0];
+        assert!(spearman(&odd, &odd) > 0.999);
+
+        fn near_zero(a: &[f64], b: &[f64]) -> bool {
+            spearman(a, b).abs() < 1e-12
+        }
+    }
+}
