@@ -96,7 +96,7 @@ fn real(set: &str, model: &str) -> Option<(PathBuf, TextureModel)> {
     }
     let Some(models) = std::env::var_os("PALPATE_MODELS") else {
         println!(
-            "skipped: no models of recordings; PALPATE_MODELS names their folder, docs/texture-panel.md trains them"
+            "skipped: no models of recordings; PALPATE_MODELS names their folder, docs/texture-training.md says how they are trained"
         );
         return None;
     };

@@ -9,7 +9,7 @@ use palpate_core::texture::{ControlMap, Draw, Driver, Pulses, Weights, along};
 use palpate_core::units::{Duration, Point, Prescale};
 
 use crate::failure::Failure;
-use crate::texture::TextureModel;
+use crate::texture::{TextureModel, taxel};
 use palpate_files::Setup;
 
 /// The network's features as taxels of a module and axes: columns of a recording are called `txl1_x`. A model that
@@ -20,10 +20,8 @@ fn features(model: &TextureModel, taxels: usize) -> Result<Box<[(u32, u8)]>, Str
         return Ok(every.collect());
     }
     let one = |name: &String| {
-        let (taxel, axis) = name.strip_prefix("txl")?.split_once('_')?;
-        let taxel = taxel.parse::<u32>().ok()?.checked_sub(1)?;
-        let axis = ["x", "y", "z"].iter().position(|a| *a == axis)?;
-        ((taxel as usize) < taxels).then_some((taxel, axis as u8))
+        let (taxel, axis) = taxel(name).filter(|(taxel, _)| *taxel < taxels)?;
+        Some((taxel as u32, axis as u8)) // a module has few
     };
     let expected = || format!("a model whose features are txl1_x to txl{taxels}_z");
     let all = model.feature_names().iter().map(one);

@@ -6,7 +6,7 @@ use std::path::Path;
 use palpate_core::texture::Weights;
 use palpate_emulators::surface::{Explorer, Habits, Recording, Texture};
 
-use super::TextureModel;
+use super::{TextureModel, taxel};
 use crate::failure::Failure;
 use crate::output::write_file;
 use palpate_files::{TextureEntry, TextureTable};
@@ -141,14 +141,7 @@ pub fn features(model: &TextureModel, recording: &Recording) -> Result<Vec<f32>,
 
 /// Taxel and axis of each of the model's features.
 fn columns(model: &TextureModel) -> Result<Vec<(usize, usize)>, Failure> {
-    let place = |name: &String| {
-        let (taxel, axis) = name.strip_prefix("txl")?.split_once('_')?;
-        let taxel = taxel
-            .parse::<usize>()
-            .ok()
-            .filter(|t| (1..=16).contains(t))?;
-        Some((taxel - 1, ["x", "y", "z"].iter().position(|a| *a == axis)?))
-    };
+    let place = |name: &String| taxel(name).filter(|(taxel, _)| *taxel < 16);
     let found: Option<Vec<_>> = model.feature_names().iter().map(place).collect();
     found.filter(|c| !c.is_empty()).ok_or_else(|| {
         let expected =

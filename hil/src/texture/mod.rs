@@ -12,3 +12,4 @@ pub mod seeded;
 
 pub use model::TextureModel;
 pub use rows::Rows;
+pub(crate) use rows::taxel;

@@ -15,6 +15,13 @@ pub struct Rows {
 /// Columns that say when, not what.
 const TIMES: [&str; 3] = ["time_us", "timestamp", "time"];
 
+/// Taxel, from 0, and axis of a column that is called `txl1_x`.
+pub(crate) fn taxel(column: &str) -> Option<(usize, usize)> {
+    let (taxel, axis) = column.strip_prefix("txl")?.split_once('_')?;
+    let taxel = taxel.parse::<usize>().ok()?.checked_sub(1)?;
+    Some((taxel, ["x", "y", "z"].iter().position(|a| *a == axis)?))
+}
+
 impl Rows {
     /// Reads a file. `names` are the columns to take; where it is empty, or the file has no header, all columns
     /// but times are taken, and there must be `features` of them.
