@@ -9,6 +9,7 @@ mod model_file;
 mod network;
 mod recordings;
 mod report;
+mod settle;
 mod training;
 mod windows;
 
