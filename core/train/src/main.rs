@@ -9,7 +9,6 @@ mod model_file;
 mod network;
 mod recordings;
 mod report;
-mod settle;
 mod training;
 mod windows;
 

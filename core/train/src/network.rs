@@ -153,25 +153,14 @@ impl<B: Recurrent> Network<B> {
 
     /// Windows [steps, batch, features] of latent vectors [batch, latent].
     pub fn decode(&self, latent: Tensor<B, 2>, steps: usize) -> Tensor<B, 3> {
-        self.dense(self.states(latent, steps))
-    }
-
-    /// The last GRU layer's states [steps, batch, width] that latent vectors [batch, latent] lead to.
-    pub fn states(&self, latent: Tensor<B, 2>, steps: usize) -> Tensor<B, 3> {
         let [batch, width] = latent.dims();
         let mut x = latent.unsqueeze_dim::<3>(0).expand([steps, batch, width]);
         for layer in &self.decoder {
             x = layer.forward(x);
         }
-        x
-    }
-
-    /// What the last layer makes of these states.
-    pub fn dense(&self, states: Tensor<B, 3>) -> Tensor<B, 3> {
-        let [steps, batch, _] = states.dims();
         let weight = self.dense_weight.val();
         let [features, width] = weight.dims();
-        let rows = states.reshape([steps * batch, width]);
+        let rows = x.reshape([steps * batch, width]);
         let out = rows.matmul(weight.transpose()) + self.dense_bias.val().unsqueeze::<2>();
         out.reshape([steps, batch, features])
     }

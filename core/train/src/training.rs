@@ -17,7 +17,6 @@ use crate::guide::Guide;
 use crate::model_file;
 use crate::network::Network;
 use crate::recordings::Rating;
-use crate::settle::settle;
 use crate::windows::{Place, Split, Windows, shuffle};
 
 /// Rows between the beginnings of the windows that validation takes.
@@ -77,8 +76,8 @@ impl Progress {
     }
 }
 
-/// Trains, from the checkpoint in `folder` if there is one for these settings, and solves the last layer at the end.
-/// `report` hears of every epoch and says whether to go on.
+/// Trains, from the checkpoint in `folder` if there is one for these settings. `report` hears of every epoch and
+/// says whether to go on.
 pub fn train(
     windows: &Windows,
     split: &Split,
@@ -121,7 +120,12 @@ pub fn train(
     while progress.epochs < settings.epochs
         && progress.epochs - progress.best_epoch < settings.patience
     {
-        let order = drawn(&places, settings, &format!("epoch {}", progress.epochs));
+        let mut order = places.clone();
+        shuffle(
+            &mut order,
+            &mut Stream::new(settings.seed, &format!("epoch {}", progress.epochs)),
+        );
+        order.truncate(places.len().div_ceil(settings.share.max(1)));
         let batches = order.chunks(settings.batch.max(1));
         let steps = batches.len() as f64;
         let mut sum = 0.0;
@@ -160,21 +164,7 @@ pub fn train(
             break;
         }
     }
-    let some = drawn(&places, settings, "last layer");
-    let settled = settle(&best, windows, &some);
-    let error = |network| reconstruction(network, windows, &validation);
-    if error(&settled) < error(&best) {
-        best = settled;
-    }
     Ok((best, progress))
-}
-
-/// The windows of an epoch: one in so many, in a drawn order.
-fn drawn(places: &[Place], settings: &Settings, stream: &str) -> Vec<Place> {
-    let mut order = places.to_vec();
-    shuffle(&mut order, &mut Stream::new(settings.seed, stream));
-    order.truncate(places.len().div_ceil(settings.share.max(1)));
-    order
 }
 
 /// Learning rate after so many epochs, whole and begun.
