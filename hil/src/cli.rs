@@ -9,8 +9,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use compare::{DiffArgs, ReviewAction, ReviewArgs, TestArgs};
 use palpate_buses::guardian::{parse_bus, parse_line};
 pub use texture::{
-    DrawArg, EncodeArgs, ExportArgs, MapArgs, PulsesArgs, StrokesArgs, TextureAction, TrainArgs,
-    WeightsArg,
+    DrawArg, EncodeArgs, ExportArgs, MapArgs, PanelArgs, PulsesArgs, StrokesArgs, TextureAction,
+    TrainArgs, WeightsArg,
 };
 
 /// Tactile feedback, hardware in the loop: from touched skin to heated wires.

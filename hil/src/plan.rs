@@ -2,9 +2,11 @@
 
 mod illusion;
 mod person;
+mod texture;
 
 pub use illusion::{drive, model};
 pub use person::perceiver;
+pub use texture::projection;
 
 use palpate_core::contact::{Levels, Norm, Scope, Settings};
 use palpate_core::guard::{Guard, Limits, Plant};
@@ -270,6 +272,18 @@ pub fn sensor_area(layout: &Layout, drives: usize, scope: Scope) -> Rect {
 /// # Errors
 /// [`Failure::Input`] with file and key of what does not fit together.
 pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
+    let mut plan = untextured(setup, seed, levels)?;
+    let prescale = prescale(&setup.bench.value)?;
+    let (layout, display) = (&plan.sensing.layout, &plan.display);
+    plan.texture = texture::texture(setup, layout, display, prescale, seed)?;
+    Ok(plan)
+}
+
+/// The same without the scene's texture: for a pass that looks at contacts only.
+///
+/// # Errors
+/// As [`plan`].
+pub fn untextured(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
     let (scene, bench) = (&setup.scene.value, &setup.bench.value);
     let bad = |key: &str, e: &dyn std::fmt::Display| {
         Failure::Input(setup.scene.source.bad(key, e.to_string()).to_string())
@@ -331,6 +345,7 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
         map,
         display,
         output,
+        texture: None,
         guard,
     })
 }

@@ -5,18 +5,21 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::convert::Infallible;
+use std::sync::Arc;
 
 use embedded_can::ErrorKind;
 use palpate_core::bus::{Actuators, Received, SensorBus};
 use palpate_core::contact::{LevelTable, Levels};
 use palpate_core::guard::Guarded;
-use palpate_core::projector::Projector;
-use palpate_core::units::Instant;
+use palpate_core::projector::{Observer, Projector, TextureReport};
+use palpate_core::texture::{Activation, Control, Draw, Encoder, Pulses, Stateful, Stream};
+use palpate_core::units::{Duration, Instant, Prescale};
 use palpate_core::wire::can::CanFrame;
 use palpate_core::wire::uskin::Reading;
 use palpate_core::wire::uskin::{ALL_BOARDS, Command, IdProfile, Wiring, encode};
-use palpate_files::Setup;
+use palpate_files::{Carrier, Setup};
 use palpate_hil::plan::plan;
+use palpate_hil::texture::seeded::{Seeded, stroke};
 
 thread_local! {
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
@@ -152,9 +155,7 @@ fn the_loop_allocates_nothing() {
         while now < Instant::from_micros(10_000_000) {
             tape.now = now;
             projector.poll(now, &mut tape, &mut count, &mut ()).unwrap();
-            now = projector
-                .next()
-                .min(now + palpate_core::units::Duration::from_millis(3));
+            now = projector.next().min(now + Duration::from_millis(3));
         }
         let spent = ALLOCATIONS.with(Cell::get) - before;
         assert!(
@@ -164,4 +165,70 @@ fn the_loop_allocates_nothing() {
         );
         assert_eq!(spent, 0, "{scene}, K_C = {kc}: allocations in the loop");
     }
+}
+
+/// A second of touch makes a window: from then on pulses run, or bursts are thinned out.
+#[test]
+fn the_loop_with_a_texture_allocates_nothing() {
+    for carrier in [Carrier::Display, Carrier::Contacts] {
+        let mut setup = Setup::load("texture-wood", "emulated").unwrap();
+        setup.scene.value.texture.as_mut().unwrap().carrier = carrier;
+        let mut projector = Projector::new(plan(&setup, 1, Levels::Off).unwrap()).unwrap();
+        let (mut tape, mut count, mut now) = (tape(), Count::default(), Instant::ZERO);
+        let mut seen = Windows(0);
+        let before = ALLOCATIONS.with(Cell::get);
+        while now < Instant::from_micros(10_000_000) {
+            tape.now = now;
+            projector
+                .poll(now, &mut tape, &mut count, &mut seen)
+                .unwrap();
+            now = projector.next().min(now + Duration::from_millis(3));
+        }
+        let spent = ALLOCATIONS.with(Cell::get) - before;
+        assert!(seen.0 > 100 && count.0 > 200, "{} {}", seen.0, count.0);
+        assert_eq!(spent, 0, "{carrier:?}");
+    }
+}
+
+/// Counts windows of texture.
+struct Windows(u32);
+
+impl Observer for Windows {
+    fn texture(&mut self, _: &TextureReport<'_>) {
+        self.0 += 1;
+    }
+}
+
+#[test]
+fn textures_allocate_nothing_once_made() {
+    let model = Seeded::thesis(1);
+    let encoder = Arc::new(model.with(Encoder::new).unwrap());
+    let values = stroke(1, 150, 45);
+    let (mut room, mut stream) = (encoder.room(1), Stream::new(encoder.clone(), 1));
+    let mut stateful = Stateful::new(encoder.clone());
+    let second = Duration::from_millis(1000);
+    let activation = Activation::new(0.1, 0.8, Duration::ZERO, second).unwrap();
+    let mut pulses = Pulses::new(
+        activation,
+        Draw::Bernoulli,
+        Prescale::new(30),
+        &[0.0, 1.0],
+        1,
+    );
+    let control = Control {
+        delta_mu: second,
+        sigma: second,
+        rate_mhz: 150_000,
+    };
+    let before = ALLOCATIONS.with(Cell::get);
+    let mut ended = 0;
+    for sample in values.chunks_exact(45) {
+        ended += usize::from(stream.push(sample, true).unwrap().is_some());
+        ended += usize::from(stream.newest(&mut room).is_some());
+        stateful.push(sample).unwrap();
+        pulses.next(&control);
+    }
+    encoder.encode(&mut room, &values[..4500]).unwrap();
+    let spent = ALLOCATIONS.with(Cell::get) - before;
+    assert_eq!((ended, spent), (2 * 51, 0));
 }

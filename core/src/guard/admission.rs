@@ -48,23 +48,15 @@ impl Guard {
         let mut reason = None;
         let mut width = s.width.get();
 
-        let widest = self.plant.widest(self.limits.pulse_width_ns);
+        let widest = self.widest().get();
         if width > widest {
             (width, reason) = (widest, Some(Reason::PulseWidth));
         }
 
         // A burst that goes on: what is left of its time. From its first edge to its last it may take
         // longer than asked by one pulse and the bus, and the gap before it may be as much shorter.
-        let slack = self.burst_slack();
-        let burst = self.wires[index]
-            .burst
-            .filter(|b| at < b.end + BURST_GAP + slack)
-            .unwrap_or(Burst {
-                start: at,
-                spent_nj: 0,
-                end: at,
-            });
-        let latest = (burst.start + self.limits.burst) - slack;
+        let burst = self.burst_at(index, at);
+        let latest = self.latest(&burst);
         let mut until = s.until;
         if until > latest {
             (until, reason) = (latest, Some(Reason::Burst));
@@ -102,6 +94,33 @@ impl Guard {
             until,
             reason,
         }
+    }
+
+    /// The burst that a stimulus at `at` would go on with, or begin.
+    fn burst_at(&self, index: usize, at: Instant) -> Burst {
+        let slack = self.burst_slack();
+        let goes_on = |b: &Burst| at < b.end + BURST_GAP + slack;
+        self.wires[index].burst.filter(goes_on).unwrap_or(Burst {
+            start: at,
+            spent_nj: 0,
+            end: at,
+        })
+    }
+
+    /// The latest end of a burst's stimuli.
+    fn latest(&self, burst: &Burst) -> Instant {
+        (burst.start + self.limits.burst) - self.burst_slack()
+    }
+
+    /// Whether the burst row passes a stimulus of this wire whole. Who asks first can let a wire rest that would
+    /// be cut off; what is driven in the end, [`Self::admit`] alone says.
+    pub fn has_time(&self, wire: usize, at: Instant, until: Instant) -> bool {
+        wire < self.wires.len() && until <= self.latest(&self.burst_at(wire, at))
+    }
+
+    /// The widest pulse that the pulse row passes.
+    pub fn widest(&self) -> Ticks {
+        Ticks::new(self.plant.widest(self.limits.pulse_width_ns))
     }
 
     /// Energy, nJ, that a stimulus may bring, and which limit says so. Of the budgets that fill again a burst

@@ -23,7 +23,7 @@ use alloc::boxed::Box;
 
 use crate::illusion::Wire;
 use crate::schedule::{Entry, Stimulus, stagger};
-use crate::units::{Board, Channel, Duration, Instant, Ticks};
+use crate::units::{Board, Channel, Duration, Instant, Prescale, Ticks};
 
 use admission::Burst;
 use power::{Bucket, Window};
@@ -155,6 +155,11 @@ impl Guard {
     /// The limits in force.
     pub const fn limits(&self) -> &Limits {
         &self.limits
+    }
+
+    /// PRE_SCALE of the boards that are guarded.
+    pub const fn prescale(&self) -> Prescale {
+        self.plant.prescale
     }
 
     /// The most that was predicted under any wire so far, for what has been passed.

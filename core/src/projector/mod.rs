@@ -4,9 +4,12 @@
 mod output;
 mod sensing;
 mod strokes;
+mod texture;
+mod weave;
 
 pub use crate::illusion::Target;
-pub use output::OutputSettings;
+pub use output::{Output, OutputSettings};
+pub use texture::{Carrier, TextureError, TexturePlan, TextureReport};
 
 use alloc::boxed::Box;
 use core::fmt;
@@ -24,8 +27,8 @@ use crate::skin::{
 use crate::units::{Board, Duration, Instant};
 use crate::wire::uskin::IdProfile;
 
-use output::Output;
 use sensing::Sensing;
+use texture::Sampler;
 
 /// A frame that went through compression.
 #[derive(Debug)]
@@ -57,6 +60,10 @@ pub trait Observer {
     /// A taxel's health changed; from now on an ill one is left out, a good one taken in again.
     fn taxel(&mut self, at: Instant, index: usize, condition: Condition) {
         let _ = (at, index, condition);
+    }
+    /// A window of texture ended.
+    fn texture(&mut self, report: &TextureReport<'_>) {
+        let _ = report;
     }
     /// A board was switched off whole.
     fn all_off(&mut self, at: Instant, board: Board, cause: Cause) {
@@ -97,6 +104,8 @@ pub struct Plan {
     pub display: Display,
     /// Stimuli.
     pub output: OutputSettings,
+    /// The texture that is felt, if any.
+    pub texture: Option<TexturePlan>,
     /// The guard.
     pub guard: Guard,
 }
@@ -112,6 +121,8 @@ pub enum PlanError {
     Compression(SettingsError),
     /// A calibration that is not of this display's wires.
     Calibration(CalibrationError),
+    /// A texture that does not fit the skin.
+    Texture(TextureError),
 }
 
 impl fmt::Display for PlanError {
@@ -121,6 +132,7 @@ impl fmt::Display for PlanError {
             Self::Initialiser(e) => e.fmt(f),
             Self::Compression(e) => e.fmt(f),
             Self::Calibration(e) => write!(f, "expected {e}"),
+            Self::Texture(e) => e.fmt(f),
         }
     }
 }
@@ -130,6 +142,12 @@ impl core::error::Error for PlanError {}
 impl From<SettingsError> for PlanError {
     fn from(e: SettingsError) -> Self {
         Self::Compression(e)
+    }
+}
+
+impl From<TextureError> for PlanError {
+    fn from(e: TextureError) -> Self {
+        Self::Texture(e)
     }
 }
 
@@ -182,11 +200,17 @@ impl Projector {
             part if part > 0.0 => part * plan.display.gap(),
             _ => 0.0,
         };
-        let (sensing, layout) = Sensing::new(plan.sensing, plan.drives)?;
+        let (mut sensing, layout) = Sensing::new(plan.sensing, plan.drives)?;
+        let mut output = Output::new(plan.display, plan.output, plan.guard);
+        if let Some(texture) = plan.texture {
+            let (sampler, carrier) = Sampler::new(texture, &layout, output.timing().soa)?;
+            sensing.sample(sampler);
+            output.carry(carrier);
+        }
         Ok(Self {
             layout,
             sensing,
-            output: Output::new(plan.display, plan.output, plan.guard),
+            output,
             map: plan.map,
             drives: plan.drives,
             targets: alloc::vec![Target::default(); most].into(),
@@ -237,9 +261,11 @@ impl Projector {
         self.track();
         let due = self.output.is_due(now) && !stale;
         let count = if due { self.aim(now) } else { 0 };
+        let texture = self.sensing.texture(now).filter(|_| !stale);
+        let targets = &self.targets[..count];
         match self
             .output
-            .poll(now, &self.targets[..count], actuators, observer)
+            .poll(now, targets, texture.as_ref(), actuators, observer)
         {
             Ok(onset) => Ok(onset),
             Err(e) => {
@@ -356,6 +382,11 @@ impl Projector {
     /// Reference, threshold and faulty taxels.
     pub const fn initialiser(&self) -> &Initialiser {
         self.sensing.initialiser()
+    }
+
+    /// Pulses of a texture that were left out for a wire to rest: dense ones meet the guard's burst row.
+    pub fn rested_pulses(&self) -> u64 {
+        self.output.rested()
     }
 
     /// What compression did and could leave out.

@@ -8,9 +8,12 @@ use crate::bus::Actuators;
 use crate::guard::Guard;
 use crate::illusion::{Calibration, Display, Drive, Illusion, Mixer, Planned, Sharing, Target};
 use crate::schedule::{Stimulus, Timing};
+use crate::texture::Control;
 use crate::units::{Board, Duration, Instant, Milliamps, Ticks};
 
 use super::strokes::Strokes;
+use super::texture::Carrier;
+use super::weave::{Texture, Weave, gain};
 use super::{Cause, Observer};
 
 /// How stimuli are made.
@@ -35,9 +38,9 @@ pub struct OutputSettings {
     pub peak: Milliamps,
 }
 
-/// The state of the output half.
+/// The output half by itself: for whoever has targets or textures from elsewhere than this loop's sensors.
 #[derive(Debug)]
-pub(super) struct Output {
+pub struct Output {
     display: Display,
     timing: Timing,
     drive: Drive,
@@ -45,6 +48,7 @@ pub(super) struct Output {
     calibration: Calibration,
     mixer: Mixer,
     strokes: Strokes,
+    texture: Option<Texture>,
     guard: Guard,
     /// Pulse width by wire; the same memory for every onset.
     widths: Box<[Ticks]>,
@@ -56,7 +60,8 @@ pub(super) struct Output {
 }
 
 impl Output {
-    pub(super) fn new(display: Display, settings: OutputSettings, guard: Guard) -> Self {
+    /// Nothing is driven yet; the first onset is due at once.
+    pub fn new(display: Display, settings: OutputSettings, guard: Guard) -> Self {
         let n = display.wires().len();
         let blank = Stimulus {
             wire: 0,
@@ -73,6 +78,7 @@ impl Output {
             calibration: settings.calibration,
             mixer: Mixer::new(settings.illusion, settings.sharing, n),
             strokes: Strokes::new(&settings.strokes),
+            texture: None,
             guard,
             widths: vec![Ticks::ZERO; n].into(),
             stimuli: vec![blank; n].into(),
@@ -82,11 +88,22 @@ impl Output {
         }
     }
 
+    /// With a texture on this carrier.
+    pub fn carry(&mut self, carrier: Carrier) {
+        self.texture = Some(Texture::new(carrier, self.guard.prescale()));
+    }
+
+    /// Pulses of a texture that were left out for a wire to rest.
+    pub(super) fn rested(&self) -> u64 {
+        self.texture.as_ref().map_or(0, Texture::rested)
+    }
+
     pub(super) const fn guard(&self) -> &Guard {
         &self.guard
     }
 
-    pub(super) const fn guard_mut(&mut self) -> &mut Guard {
+    /// The guard, to tell it what was heard.
+    pub const fn guard_mut(&mut self) -> &mut Guard {
         &mut self.guard
     }
 
@@ -108,19 +125,27 @@ impl Output {
     }
 
     /// When this half has something to do next.
-    pub(super) fn next(&self) -> Instant {
-        let onset = self.next_onset.min(self.strokes.next());
+    pub fn next(&self) -> Instant {
+        let texture = self
+            .texture
+            .as_ref()
+            .map_or(Instant::FAR_FUTURE, Texture::next);
+        let onset = self.next_onset.min(self.strokes.next()).min(texture);
         self.guard.next_expiry().map_or(onset, |end| end.min(onset))
     }
 
-    /// Ends what has ended and, when an onset is due, projects `targets`. An onset that was missed by
-    /// more than half an SOA is left out: the grid from t = 0 stands whatever happens.
+    /// Ends what has ended and, when an onset is due, projects `targets` with the `texture` that is felt now. An
+    /// onset that was missed by more than half an SOA is left out: the grid from t = 0 stands whatever happens.
     ///
     /// Returns whether an onset was projected.
-    pub(super) fn poll<A: Actuators>(
+    ///
+    /// # Errors
+    /// The actuators' error; nothing has been switched off for it.
+    pub fn poll<A: Actuators>(
         &mut self,
         now: Instant,
         targets: &[Target],
+        texture: Option<&Control>,
         actuators: &mut A,
         observer: &mut impl Observer,
     ) -> Result<bool, A::Error> {
@@ -132,39 +157,118 @@ impl Output {
                 place: dab.place,
                 weight: 1.0,
             };
-            self.render(onset, dab.duration, &[target], actuators, observer)?;
+            if let Some(Texture::Contacts(weave)) = &mut self.texture {
+                *weave = None; // the widths are the stroke's now
+            }
+            self.activate(&[target]);
+            self.render(onset, onset + dab.duration, actuators, observer)?;
+            observer.onset(onset, &[target]);
             return Ok(true);
         }
+        if self.texture.as_ref().is_some_and(Texture::is_alone) {
+            return self.run(now, texture, actuators, observer);
+        }
         if !self.is_due(now) {
-            if self.guard.next_expiry().is_some_and(|end| end <= now) {
-                for board in 0..=self.boards {
-                    let update = self.guard.expire(now, Board(board));
-                    if update.channels().iter().any(Option::is_some) {
-                        actuators.apply(&update)?;
-                    }
-                }
+            if let Some(Texture::Contacts(Some(weave))) = &mut self.texture
+                && let Some((at, until)) = weave.due(now)
+            {
+                self.render(at, until, actuators, observer)?;
+            } else {
+                self.expire(now, actuators)?;
             }
             return Ok(false);
         }
         let onset = self.advance_grid(now);
         let turn = onset.as_micros() / self.timing.soa.as_micros();
         let targets = self.mixer.rendered(targets, turn);
-        self.render(onset, self.timing.duration, targets, actuators, observer)?;
+        self.activate(targets);
+        let until = onset + self.timing.duration;
+        let until = self.weave(onset, texture).unwrap_or(until);
+        self.render(onset, until, actuators, observer)?;
+        observer.onset(onset, targets);
         Ok(true)
     }
 
-    /// One onset: the stimuli of these targets through the guard and out.
+    /// Thins out the burst of an onset; returns when its first pulses end.
+    fn weave(&mut self, onset: Instant, texture: Option<&Control>) -> Option<Instant> {
+        let Some(Texture::Contacts(weave)) = &mut self.texture else {
+            return None;
+        };
+        let prescale = self.guard.prescale();
+        *weave = texture.map(|c| Weave::new(onset, self.timing.duration, prescale, c));
+        let weave = weave.as_mut()?;
+        weave.widen(&mut self.widths, self.guard.widest());
+        weave.due(onset).map(|(_, until)| until)
+    }
+
+    /// A texture that has the display to itself: its next period, and an onset without a contact where one is due.
+    fn run<A: Actuators>(
+        &mut self,
+        now: Instant,
+        texture: Option<&Control>,
+        actuators: &mut A,
+        observer: &mut impl Observer,
+    ) -> Result<bool, A::Error> {
+        let onset = self.is_due(now).then(|| self.advance_grid(now));
+        let mut due = None;
+        if let Some(Texture::Train(train)) = &mut self.texture {
+            if let Some((at, fired)) = train.due(now, texture) {
+                let period_ns = self.guard.prescale().period_ns();
+                let gain = texture.map_or(1.0, |c| gain(c.rate_mhz, period_ns));
+                let width = |wire| {
+                    let one = self.drive.width(self.calibration.apply(wire, 1.0));
+                    // Rounded down: the widest stays within the limit.
+                    let wide = (f32::from(one.get()) * gain) as u16;
+                    Ticks::new(wide.min(self.guard.widest().get()).max(one.get()))
+                };
+                for (wire, (out, fired)) in self.widths.iter_mut().zip(fired).enumerate() {
+                    *out = if *fired { width(wire) } else { Ticks::ZERO };
+                }
+                due = Some((at, train.next()));
+            }
+            if let Some((at, until)) = due {
+                for (wire, width) in self.widths.iter_mut().enumerate() {
+                    if *width > Ticks::ZERO && !self.guard.has_time(wire, at, until) {
+                        *width = Ticks::ZERO;
+                        train.rest();
+                    }
+                }
+            }
+        }
+        if let Some((at, until)) = due {
+            self.render(at, until, actuators, observer)?;
+        } else {
+            self.expire(now, actuators)?;
+        }
+        if let Some(onset) = onset {
+            observer.onset(onset, &[]);
+        }
+        Ok(onset.is_some())
+    }
+
+    /// Switches off what has ended.
+    fn expire<A: Actuators>(&mut self, now: Instant, actuators: &mut A) -> Result<(), A::Error> {
+        if self.guard.next_expiry().is_some_and(|end| end <= now) {
+            for board in 0..=self.boards {
+                let update = self.guard.expire(now, Board(board));
+                if update.channels().iter().any(Option::is_some) {
+                    actuators.apply(&update)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The wires' stimuli, from an onset to an end, through the guard and out.
     fn render<A: Actuators>(
         &mut self,
         onset: Instant,
-        duration: Duration,
-        targets: &[Target],
+        until: Instant,
         actuators: &mut A,
         observer: &mut impl Observer,
     ) -> Result<(), A::Error> {
-        self.activate(targets);
         for board in 0..=self.boards {
-            let count = self.collect(Board(board), onset, duration);
+            let count = self.collect(Board(board), onset, until);
             let update = self
                 .guard
                 .admit(onset, Board(board), &self.stimuli[..count], |entry| {
@@ -174,7 +278,6 @@ impl Output {
                 actuators.apply(&update)?;
             }
         }
-        observer.onset(onset, targets);
         Ok(())
     }
 
@@ -225,7 +328,7 @@ impl Output {
     }
 
     /// Stimuli of the active wires of one board; returns how many.
-    fn collect(&mut self, board: Board, onset: Instant, duration: Duration) -> usize {
+    fn collect(&mut self, board: Board, onset: Instant, until: Instant) -> usize {
         let mut count = 0;
         for (index, (wire, &width)) in self.display.wires().iter().zip(&self.widths).enumerate() {
             if wire.board != board || width.get() == 0 {
@@ -236,7 +339,7 @@ impl Output {
                 width,
                 peak: self.peak,
                 at: onset,
-                until: onset + duration,
+                until,
             };
             count += 1;
         }

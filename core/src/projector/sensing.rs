@@ -11,9 +11,11 @@ use crate::skin::{
     Address, Condition, FrameError, Initialiser, Layout, Monitor, Phase, Reading, RelativeFrame,
     Scan, ScanAssembler,
 };
+use crate::texture::Control;
 use crate::units::{Duration, Instant};
 use crate::wire::uskin::{IdProfile, Message, Wiring, decode};
 
+use super::texture::Sampler;
 use super::{FrameReport, Observer, PlanError, SensingPlan};
 
 /// How often taxels are looked at of which nothing comes.
@@ -26,6 +28,7 @@ struct Pipeline {
     relative: RelativeFrame,
     compressor: Compressor,
     monitor: Monitor,
+    texture: Option<Sampler>,
     /// Whether `relative` leaves out what the initialiser found faulty.
     masked: bool,
     /// Each taxel's condition as it was last reported.
@@ -91,6 +94,11 @@ impl Pipeline {
         self.monitor
             .observe_range(scan, layout.range(usize::from(module)));
         self.examine(scan.at(), usize::from(module), layout, observer);
+        if let Some(texture) = &mut self.texture {
+            // As the last frame has it: a scan's own touch is known one frame later.
+            let touched = !self.relative.contacts_of(usize::from(module)).is_empty();
+            texture.scan(scan, module, touched, observer);
+        }
         if module != self.drives {
             return;
         }
@@ -202,6 +210,7 @@ impl Sensing {
                 relative: RelativeFrame::new(&layout),
                 compressor: Compressor::new(&layout, plan.compression)?,
                 monitor: Monitor::new(&layout, plan.health),
+                texture: None,
                 initialiser,
                 masked: false,
                 conditions: layout
@@ -227,6 +236,16 @@ impl Sensing {
             foreign: 0,
         };
         Ok((sensing, layout))
+    }
+
+    /// With a texture.
+    pub(super) fn sample(&mut self, sampler: Sampler) {
+        self.pipeline.texture = Some(sampler);
+    }
+
+    /// The texture that is felt at `now`.
+    pub(super) fn texture(&self, now: Instant) -> Option<Control> {
+        self.pipeline.texture.as_ref()?.control(now)
     }
 
     pub(super) const fn compressor(&self) -> &Compressor {

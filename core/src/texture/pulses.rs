@@ -164,6 +164,12 @@ impl Pulses {
         Instant::from_micros(self.periods * self.period_ns / 1000)
     }
 
+    /// Begins a stroke anew. The random streams go on.
+    pub fn restart(&mut self) {
+        (self.periods, self.phase) = (0, 0);
+        self.wires.iter_mut().for_each(|wire| wire.owed = ONE / 2);
+    }
+
     /// The next period: which wires pulse in it.
     pub fn next(&mut self, control: &Control) -> &[bool] {
         const WHOLE: u64 = 1_000_000_000_000; // 1e12: nanoseconds times millihertz

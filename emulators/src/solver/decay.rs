@@ -26,6 +26,7 @@ const SERIES: [f64; 13] = {
 };
 
 /// exp(-lambda t), and 1 - exp(-lambda t) without cancellation, for every rate.
+#[inline(always)]
 pub fn decays(lambda: &[f64; NODES], t: f64) -> ([f64; NODES], [f64; NODES]) {
     let (mut decay, mut fallen) = ([0.0; NODES], [0.0; NODES]);
     for k in 0..NODES {

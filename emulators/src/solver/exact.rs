@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::maxima::Maxima;
 use super::modal::{Mode, ModeKey, Propagator, dot};
 use super::{Drive, Solver};
 use crate::finger::dose::Dose;
@@ -37,10 +38,11 @@ pub struct Exact {
     pub(super) z: [f64; NODES],
     pub(super) now: Nanos,
     pub(super) drive: Drive,
-    /// Running maxima since the start.
-    pub peaks: Peaks,
-    /// Maxima since [`Exact::open_window`].
-    pub window: Peaks,
+    /// Hottest the wire has been: since the start, and since a window was opened.
+    pub(super) hottest: (f64, f64),
+    /// The skin at 0.1 and 0.4 mm.
+    pub(super) shallow: Maxima,
+    pub(super) deep: Maxima,
     pub(super) energy: Energy,
     /// Burn integrals of the skin at 0.1 mm, where they are wanted.
     pub dose: Option<Dose>,
@@ -76,11 +78,6 @@ impl Exact {
             },
         );
         let z = resting.project(&[start_c - network.body_c; NODES]);
-        let peaks = Peaks {
-            wire_c: start_c,
-            shallow_c: start_c,
-            deep_c: start_c,
-        };
         let mut solver = Self {
             wire: Arc::new(*wire),
             network: Arc::new(network),
@@ -93,8 +90,9 @@ impl Exact {
             z,
             now: Nanos::ZERO,
             drive: Drive::Off,
-            peaks,
-            window: peaks,
+            hottest: (start_c, start_c),
+            shallow: Maxima::new(start_c),
+            deep: Maxima::new(start_c),
             energy: Energy::default(),
             dose: None,
         };
@@ -127,6 +125,11 @@ impl Exact {
         self.network.body_c + dot(&self.modes[self.mode].gain, &self.z)
     }
 
+    /// Martensite fraction at `wire_c`, the wire's temperature at the time computed up to.
+    pub(crate) fn fraction_at(&self, wire_c: f64) -> f64 {
+        self.phase.fraction(wire_c)
+    }
+
     /// The skin at 0.1 and 0.4 mm at the time computed up to, degrees C.
     pub fn skin_c(&self) -> (f64, f64) {
         let m = &self.modes[self.mode];
@@ -136,14 +139,27 @@ impl Exact {
         )
     }
 
-    /// Starts a new window of maxima at the time computed up to.
-    pub fn open_window(&mut self) {
-        let (shallow_c, deep_c) = self.skin_c();
-        self.window = Peaks {
-            wire_c: self.wire_c(),
-            shallow_c,
-            deep_c,
+    /// Maxima over continuous time since the start.
+    pub fn peaks(&mut self) -> Peaks {
+        Peaks {
+            wire_c: self.hottest.0,
+            shallow_c: self.shallow.settle().0,
+            deep_c: self.deep.settle().0,
+        }
+    }
+
+    /// Maxima since the last call of this, or the start; begins a new window at the time computed up to.
+    pub fn window_peaks(&mut self) -> Peaks {
+        let peaks = Peaks {
+            wire_c: self.hottest.1,
+            shallow_c: self.shallow.settle().1,
+            deep_c: self.deep.settle().1,
         };
+        let (shallow_c, deep_c) = self.skin_c();
+        self.hottest.1 = self.wire_c();
+        self.shallow.open(shallow_c);
+        self.deep.open(deep_c);
+        peaks
     }
 
     /// Energy delivered so far: between the terminals, and into the wire, J.
@@ -305,10 +321,10 @@ impl Solver for Exact {
     }
 
     fn fraction(&self) -> f64 {
-        self.phase.fraction(self.wire_c())
+        self.fraction_at(self.wire_c())
     }
 
     fn wire_peak(&self) -> f64 {
-        self.peaks.wire_c
+        self.hottest.0
     }
 }

@@ -6,11 +6,11 @@
 //! nothing.
 
 use super::modal::dot;
-use super::sum::Sum;
+use super::sum::{Sum, signs};
 use crate::finger::NODES;
 
 /// A ceiling this little higher counts as no higher, K: far under the promised 1e-9.
-const ENOUGH_K: f64 = 1e-11;
+pub const ENOUGH_K: f64 = 1e-11;
 /// Halvings of a span after which what is left is shorter than any clock tells.
 const DEEPEST: u32 = 60;
 
@@ -32,12 +32,44 @@ pub fn highest(sum: &Sum<'_>, from: &Point, to: &Point, known: f64) -> f64 {
     within(sum, from, to, known.max(from.value).max(to.value), DEEPEST)
 }
 
+/// What a sum with these decay rates cannot pass between two instants of it; looks no closer than is `enough`.
+pub fn ceiling_between(lambda: &[f64; NODES], from: &Point, to: &Point, enough: f64) -> f64 {
+    let (ends, span) = ((from.value, to.value), to.t - from.t);
+    let slopes = spread((from.slope, to.slope), (&from.terms, &to.terms));
+    let rough = ceiling(ends, slopes, span);
+    if rough <= enough {
+        return rough;
+    }
+    if peaks(from, to) == Some(0) {
+        return max(from.value, to.value);
+    }
+    ceiling(ends, by_parts(&from.terms, lambda[0] < 0.0, slopes), span)
+}
+
+/// How many peaks there are between two instants, where the signs of the partial sums tell.
+fn peaks(from: &Point, to: &Point) -> Option<usize> {
+    let (turns, first) = signs(&from.terms);
+    match turns {
+        0 => Some(0),
+        // One turn: a dip or a peak, if it comes before the end.
+        1 if first < 0.0 || to.slope >= 0.0 => Some(0),
+        1 if from.slope > 0.0 => Some(1),
+        _ => None,
+    }
+}
+
 fn within(sum: &Sum<'_>, from: &Point, to: &Point, known: f64, depth: u32) -> f64 {
     let span = to.t - from.t;
     let enough = known + ENOUGH_K;
     let slopes = spread((from.slope, to.slope), (&from.terms, &to.terms));
     if ceiling((from.value, to.value), slopes, span) <= enough || depth == 0 {
         return known;
+    }
+    let peak = || sum.value(sum.turn_between(from.t, to.t));
+    match peaks(from, to) {
+        Some(0) => return known,
+        Some(_) => return max(known, peak()),
+        None => (),
     }
     let grows = sum.lambda[0] < 0.0;
     let slopes = by_parts(&from.terms, grows, slopes);
@@ -54,8 +86,7 @@ fn within(sum: &Sum<'_>, from: &Point, to: &Point, known: f64, depth: u32) -> f6
     }
     if bends.1 <= 0.0 {
         let turns = from.slope > 0.0 && to.slope < 0.0;
-        let top = turns.then(|| sum.value(sum.turn_between(from.t, to.t)));
-        return top.map_or(known, |top| max(known, top));
+        return if turns { max(known, peak()) } else { known };
     }
     let falling = (-from.slope, -to.slope);
     let slopes = (
@@ -72,8 +103,15 @@ fn within(sum: &Sum<'_>, from: &Point, to: &Point, known: f64, depth: u32) -> f6
         to.t / 8.0
     };
     let middle = sum.point(cut);
-    let known = within(sum, from, &middle, max(known, middle.value), depth - 1);
-    within(sum, &middle, to, known, depth - 1)
+    let known = max(known, middle.value);
+    // The half with the peak first: the other may then be settled by it.
+    if middle.slope > 0.0 {
+        let known = within(sum, &middle, to, known, depth - 1);
+        within(sum, from, &middle, known, depth - 1)
+    } else {
+        let known = within(sum, from, &middle, known, depth - 1);
+        within(sum, &middle, to, known, depth - 1)
+    }
 }
 
 /// The least and the most that terms can have added up to between two instants, from their sums then and there:

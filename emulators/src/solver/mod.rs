@@ -6,6 +6,7 @@
 mod decay;
 pub mod exact;
 mod highest;
+mod maxima;
 pub mod modal;
 mod periodic;
 mod step;

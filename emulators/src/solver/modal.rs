@@ -8,6 +8,7 @@ use super::decay::decays;
 use super::sum::Sum;
 use crate::finger::{NODES, Network};
 use nalgebra::{SMatrix, SymmetricEigen};
+use palpate_core::vector::Vectors;
 
 /// What makes a mode differ from another: all else in a network is constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +36,7 @@ pub struct Mode {
     pub shallow: [f64; NODES],
     /// Skin at 0.4 mm from coordinates.
     pub deep: [f64; NODES],
+    pub(super) vectors: Vectors,
 }
 
 impl Mode {
@@ -67,6 +69,7 @@ impl Mode {
             capacity,
             shallow: [0.0; NODES],
             deep: [0.0; NODES],
+            vectors: Vectors::widest(),
         };
         for (k, &column) in order.iter().enumerate() {
             // Only electrical runaway brings a rate near zero; keep it off the singular point.
@@ -107,7 +110,16 @@ impl Mode {
 
     /// Node temperatures above the body's.
     pub fn nodes(&self, z: &[f64; NODES]) -> [f64; NODES] {
-        core::array::from_fn(|i| dot(&self.shape[i], z))
+        self.vectors.run(|| self.plain_nodes(z))
+    }
+
+    #[inline(always)]
+    fn plain_nodes(&self, z: &[f64; NODES]) -> [f64; NODES] {
+        let mut nodes = [0.0; NODES];
+        for (node, row) in nodes.iter_mut().zip(&self.shape) {
+            *node = dot(row, z);
+        }
+        nodes
     }
 
     /// Temperatures of the wire and of the first shell above the body's.
@@ -121,6 +133,7 @@ impl Mode {
     }
 
     /// Rate of change of the coordinates, 1/s of theirs.
+    #[inline(always)]
     pub fn rate(&self, z: &[f64; NODES], power: f64) -> [f64; NODES] {
         let mut d = [0.0; NODES];
         for k in 0..NODES {
@@ -135,6 +148,7 @@ impl Mode {
             lambda: &self.lambda,
             slopes,
             start,
+            vectors: self.vectors,
         }
     }
 }
@@ -153,27 +167,29 @@ pub struct Propagator {
 impl Propagator {
     /// Over `t` seconds.
     pub fn new(mode: &Mode, t: f64) -> Self {
-        let (decay, fallen) = decays(&mode.lambda, t);
-        let mut p = Self {
-            decay,
-            rise: fallen,
-            ramp: [0.0; NODES],
-        };
+        mode.vectors.run(|| Self::plain(mode, t))
+    }
+
+    #[inline(always)]
+    fn plain(mode: &Mode, t: f64) -> Self {
+        let (decay, mut rise) = decays(&mode.lambda, t);
+        let mut ramp = [0.0; NODES];
         for k in 0..NODES {
             let x = mode.lambda[k] * t;
-            p.rise[k] /= mode.lambda[k];
+            rise[k] /= mode.lambda[k];
             // Where t and the rise are nearly equal their difference has no digits left.
-            p.ramp[k] = if x.abs() < 1e-3 {
+            ramp[k] = if x.abs() < 1e-3 {
                 let inner = 1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0));
                 t * t / 2.0 * (1.0 - x / 3.0 * inner)
             } else {
-                (t - p.rise[k]) / mode.lambda[k]
+                (t - rise[k]) / mode.lambda[k]
             };
         }
-        p
+        Self { decay, rise, ramp }
     }
 
     /// Coordinates after the span under constant `power`.
+    #[inline(always)]
     pub fn step(&self, mode: &Mode, z: &[f64; NODES], power: f64) -> [f64; NODES] {
         let mut out = [0.0; NODES];
         for k in 0..NODES {
@@ -183,6 +199,7 @@ impl Propagator {
     }
 
     /// Time integral of the coordinates over the span, for the energy ledger.
+    #[inline(always)]
     pub fn integral(&self, mode: &Mode, z: &[f64; NODES], power: f64) -> [f64; NODES] {
         let mut out = [0.0; NODES];
         for k in 0..NODES {
@@ -193,6 +210,7 @@ impl Propagator {
 }
 
 /// Sum of products in four interleaved lanes: one fixed order on every machine, and short chains of additions.
+#[inline(always)]
 pub fn dot(a: &[f64; NODES], b: &[f64; NODES]) -> f64 {
     let mut lane = [0.0; 4];
     for (a, b) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0) {

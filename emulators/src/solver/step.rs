@@ -2,13 +2,12 @@
 
 use super::Drive;
 use super::exact::{Exact, Heat};
-use super::highest::{Point, highest};
-use super::modal::{Propagator, dot};
-use super::sum::{LEVEL_TOLERANCE, Sum, changes};
+use super::highest::Point;
+use super::modal::{Mode, Propagator, dot};
+use super::sum::{LEVEL_TOLERANCE, changes};
 use crate::finger::NODES;
 use crate::time::Nanos;
 use crate::wire::phase::{Heading, Segment};
-use crate::wire::record::Peaks;
 
 /// Events in one stretch after which the rest is taken in the regime reached. A bound on the work,
 /// far beyond what a wire can do: each event needs a threshold passed or a turn of the temperature.
@@ -54,14 +53,17 @@ impl Exact {
             } else {
                 Box::new(Propagator::new(&self.modes[self.mode], stretch))
             };
-            let end = propagator.step(&self.modes[self.mode], &self.z, power);
+            let mode = &self.modes[self.mode];
+            let begin = || Start::new(mode, &self.z, t, heat, power);
+            let start = mode.vectors.run(begin);
+            let end = propagator.step(mode, &self.z, power);
             let event = if round < EVENTS {
-                self.first_event(&segment, power, &end, stretch)
+                self.first_event(&segment, &start, &end, stretch)
             } else {
                 None
             };
             if event.is_none() {
-                self.accept(&propagator, &end, &heat, power, stretch);
+                self.accept(&propagator, &start, &end, stretch);
             }
             if whole {
                 self.give_back(span.0, propagator);
@@ -75,7 +77,7 @@ impl Exact {
             };
             let propagator = Propagator::new(&self.modes[self.mode], after);
             let end = propagator.step(&self.modes[self.mode], &self.z, power);
-            self.accept(&propagator, &end, &heat, power, after);
+            self.accept(&propagator, &start, &end, after);
             if let Event::Threshold(threshold, _) = event {
                 at = Some(threshold);
             }
@@ -107,13 +109,13 @@ impl Exact {
     fn first_event(
         &self,
         segment: &Segment,
-        power: f64,
+        start: &Start,
         end: &[f64; NODES],
         span: f64,
     ) -> Option<(f64, Event)> {
         let mode = &self.modes[self.mode];
         let base = self.network.body_c;
-        let (first, last) = (self.wire_c(), base + dot(&mode.gain, end));
+        let (first, last) = (start.wire_c, base + dot(&mode.gain, end));
         let (low, high) = (
             segment.low - LEVEL_TOLERANCE,
             segment.high + LEVEL_TOLERANCE,
@@ -122,12 +124,14 @@ impl Exact {
             Heading::Up => to < from - LEVEL_TOLERANCE,
             Heading::Down => to > from + LEVEL_TOLERANCE,
         };
-        let slopes = product(&mode.gain, &mode.rate(&self.z, power));
-        let monotone = changes(&slopes) == 0;
-        if monotone && last >= low && last <= high && !(segment.one_way && backward(first, last)) {
+        if start.turns == 0
+            && last >= low
+            && last <= high
+            && !(segment.one_way && backward(first, last))
+        {
             return None;
         }
-        let sum = mode.sum(slopes, first);
+        let sum = mode.sum(start.slopes, first);
         let (mut from, mut before) = (0.0, first);
         loop {
             let turn = sum.next_turn(from, span);
@@ -153,42 +157,24 @@ impl Exact {
     }
 
     /// Moves the state to `end`, `span` seconds on, and keeps the books.
-    fn accept(
-        &mut self,
-        propagator: &Propagator,
-        end: &[f64; NODES],
-        heat: &Heat,
-        power: f64,
-        span: f64,
-    ) {
+    fn accept(&mut self, propagator: &Propagator, start: &Start, end: &[f64; NODES], span: f64) {
         let mode = &self.modes[self.mode];
-        let integral = propagator.integral(mode, &self.z, power);
-        let wire = dot(&mode.gain, &integral);
-        let outer = dot(mode.last(), &integral);
-        let rate = (mode.rate(&self.z, power), mode.rate(end, power));
-        let shallow = self.course(&mode.shallow, &rate, end, span);
-        let deep = self.course(&mode.deep, &rate, end, span);
-        let known = (
-            self.peaks.shallow_c.min(self.window.shallow_c),
-            self.peaks.deep_c.min(self.window.deep_c),
-        );
-        let seen = Peaks {
-            wire_c: self.wire_peak_within(&rate, end, span),
-            shallow_c: shallow.highest(known.0),
-            deep_c: deep.highest(known.1),
-        };
-        let mut dose = self.dose;
-        if let Some(dose) = &mut dose {
-            let (first, last) = (shallow.from.value, shallow.to.value);
-            dose.add(span, first, last, |t| shallow.sum.value(t));
-            dose.celsius_s += dot(&mode.shallow, &integral) + self.network.body_c * span;
+        let base = self.network.body_c;
+        let course = || Course::new(mode, base, propagator, start, (&self.z, end), span);
+        let course = mode.vectors.run(course);
+        let hottest = self.wire_peak_within(start, end, &course.rate, span);
+        self.hottest = (self.hottest.0.max(hottest), self.hottest.1.max(hottest));
+        self.deep.pass(&mode.lambda, &course.deep);
+        self.shallow.pass(&mode.lambda, &course.shallow);
+        if let Some(dose) = &mut self.dose {
+            let [from, to] = &course.shallow;
+            let sum = mode.sum(from.terms, from.value);
+            dose.add(span, from.value, to.value, |t| sum.value(t));
+            dose.celsius_s += course.skin + base * span;
         }
-        self.dose = dose;
-        self.peaks.raise(&seen);
-        self.window.raise(&seen);
 
         let n = &*self.network;
-        let into_wire = heat.power * span + heat.feedback * wire;
+        let into_wire = start.heat.power * span + start.heat.feedback * course.wire;
         let e = &mut self.energy;
         e.wire_j += into_wire;
         e.electrical_j += match self.drive {
@@ -199,29 +185,25 @@ impl Exact {
                 into_wire + amps * amps * series * span
             }
         };
-        e.air_j += n.air * (wire + (n.body_c - n.air_c) * span);
-        e.ends_j += n.ends * (wire + (n.body_c - n.ends_c) * span);
-        e.body_j += n.chain[NODES - 1] * outer;
+        e.air_j += n.air * (course.wire + (n.body_c - n.air_c) * span);
+        e.ends_j += n.ends * (course.wire + (n.body_c - n.ends_c) * span);
+        e.body_j += n.chain[NODES - 1] * course.outer;
         self.z = *end;
     }
 
-    /// The wire's maximum over a step, both ends and all turns between.
+    /// The wire's maximum over a step that ends with the coordinates at `rate`: both ends and all turns between.
     fn wire_peak_within(
         &self,
-        rate: &([f64; NODES], [f64; NODES]),
+        start: &Start,
         end: &[f64; NODES],
+        rate: &[f64; NODES],
         span: f64,
     ) -> f64 {
         let mode = &self.modes[self.mode];
-        let base = self.network.body_c;
-        let start = base + dot(&mode.gain, &self.z);
-        let mut top = start.max(base + dot(&mode.gain, end));
-        let slopes = product(&mode.gain, &rate.0);
-        let turns = changes(&slopes);
-        if turns > 1
-            || (turns == 1 && slopes.iter().sum::<f64>() > 0.0 && dot(&mode.gain, &rate.1) < 0.0)
-        {
-            let sum = mode.sum(slopes, start);
+        let mut top = start.wire_c.max(self.network.body_c + dot(&mode.gain, end));
+        let rises = start.slopes.iter().sum::<f64>() > 0.0;
+        if start.turns > 1 || (start.turns == 1 && rises && dot(&mode.gain, rate) < 0.0) {
+            let sum = mode.sum(start.slopes, start.wire_c);
             let mut from = 0.0;
             while let Some(turn) = sum.next_turn(from, span) {
                 top = top.max(sum.value(turn));
@@ -230,41 +212,87 @@ impl Exact {
         }
         top
     }
+}
 
-    /// The course of the temperature at a depth over a step.
-    fn course<'a>(
-        &'a self,
-        row: &[f64; NODES],
-        rate: &([f64; NODES], [f64; NODES]),
-        end: &[f64; NODES],
+/// How a step begins.
+struct Start {
+    wire_c: f64,
+    heat: Heat,
+    /// Into the wire at the body's temperature, W.
+    power: f64,
+    /// Rate of change of the coordinates, 1/s of theirs.
+    rate: [f64; NODES],
+    /// Terms of the slope of the wire's temperature, K/s.
+    slopes: [f64; NODES],
+    /// How often that slope can change its sign from now on, at most.
+    turns: usize,
+}
+
+impl Start {
+    #[inline(always)]
+    fn new(mode: &Mode, z: &[f64; NODES], wire_c: f64, heat: Heat, power: f64) -> Self {
+        let rate = mode.rate(z, power);
+        let slopes = product(&mode.gain, &rate);
+        Self {
+            wire_c,
+            heat,
+            power,
+            turns: changes(&slopes),
+            rate,
+            slopes,
+        }
+    }
+}
+
+/// What a step comes to.
+struct Course {
+    /// Time integrals of the temperatures of wire, outermost shell and skin at 0.1 mm above the body's, K s.
+    wire: f64,
+    outer: f64,
+    skin: f64,
+    /// Rate of change of the coordinates at the end.
+    rate: [f64; NODES],
+    /// The skin at 0.1 and at 0.4 mm, at both ends.
+    shallow: [Point; 2],
+    deep: [Point; 2],
+}
+
+impl Course {
+    /// Of a step of `span` seconds between two states.
+    #[inline(always)]
+    fn new(
+        mode: &Mode,
+        base: f64,
+        propagator: &Propagator,
+        start: &Start,
+        (z, end): (&[f64; NODES], &[f64; NODES]),
         span: f64,
-    ) -> Course<'a> {
-        let at = |t: f64, z: &[f64; NODES], rate: &[f64; NODES]| Point {
+    ) -> Self {
+        let integral = propagator.integral(mode, z, start.power);
+        let rate = mode.rate(end, start.power);
+        let at = |t: f64, row, z, rate| Point {
             t,
-            value: self.network.body_c + dot(row, z),
+            value: base + dot(row, z),
             slope: dot(row, rate),
             terms: product(row, rate),
         };
-        let (from, to) = (at(0.0, &self.z, &rate.0), at(span, end, &rate.1));
-        let sum = self.modes[self.mode].sum(from.terms, from.value);
-        Course { sum, from, to }
+        let ends = |row| [at(0.0, row, z, &start.rate), at(span, row, end, &rate)];
+        Self {
+            wire: dot(&mode.gain, &integral),
+            outer: dot(mode.last(), &integral),
+            skin: dot(&mode.shallow, &integral),
+            rate,
+            shallow: ends(&mode.shallow),
+            deep: ends(&mode.deep),
+        }
     }
 }
 
-/// A temperature over a step: the whole of it, and its ends.
-struct Course<'a> {
-    sum: Sum<'a>,
-    from: Point,
-    to: Point,
-}
-
-impl Course<'_> {
-    /// Its maximum, or `known` if that is higher.
-    fn highest(&self, known: f64) -> f64 {
-        highest(&self.sum, &self.from, &self.to, known)
-    }
-}
-
+#[inline(always)]
 fn product(a: &[f64; NODES], b: &[f64; NODES]) -> [f64; NODES] {
-    core::array::from_fn(|k| a[k] * b[k])
+    let mut out = *a;
+    for (out, b) in out.iter_mut().zip(b) {
+        *out *= b;
+    }
+    out
 }

@@ -8,7 +8,9 @@
 
 use super::decay::decays;
 use super::highest::Point;
+use super::modal::dot;
 use crate::finger::NODES;
+use palpate_core::vector::Vectors;
 
 /// Levels are crossed when passed by more than this, K: well under the promised 1e-9.
 pub const LEVEL_TOLERANCE: f64 = 1e-11;
@@ -26,6 +28,8 @@ pub struct Sum<'a> {
     pub slopes: [f64; NODES],
     /// Value at the start, K.
     pub start: f64,
+    /// What it is computed with.
+    pub vectors: Vectors,
 }
 
 impl Sum<'_> {
@@ -36,17 +40,20 @@ impl Sum<'_> {
 
     /// Value and terms of the derivative at `t`.
     pub(super) fn point(&self, t: f64) -> Point {
-        let (decay, fallen) = decays(self.lambda, t);
-        let mut value = 0.0;
-        let mut terms = decay;
+        self.vectors.run(|| self.plain_point(t))
+    }
+
+    #[inline(always)]
+    fn plain_point(&self, t: f64) -> Point {
+        let (mut terms, mut fallen) = decays(self.lambda, t);
         for k in 0..NODES {
-            value += self.slopes[k] * fallen[k] / self.lambda[k];
             terms[k] *= self.slopes[k];
+            fallen[k] /= self.lambda[k];
         }
         Point {
             t,
-            value: self.start + value,
-            slope: terms.iter().sum(),
+            value: self.start + dot(&self.slopes, &fallen),
+            slope: dot(&terms, &[1.0; NODES]),
             terms,
         }
     }
@@ -56,11 +63,7 @@ impl Sum<'_> {
         if t <= 0.0 {
             return self.slopes;
         }
-        let mut terms = decays(self.lambda, t).0;
-        for (term, d) in terms.iter_mut().zip(&self.slopes) {
-            *term *= d;
-        }
-        terms
+        self.vectors.run(|| self.plain_point(t).terms)
     }
 
     /// The first time in (from, to] at which the derivative changes sign.
@@ -112,12 +115,8 @@ impl Sum<'_> {
 
     /// Derivative and second derivative at `t`.
     fn slope_and_bend(&self, t: f64) -> (f64, f64) {
-        let (mut slope, mut bend) = (0.0, 0.0);
-        for (rate, term) in self.lambda.iter().zip(self.slope_terms(t)) {
-            slope += term;
-            bend -= rate * term;
-        }
-        (slope, bend)
+        let point = self.point(t);
+        (point.slope, -dot(self.lambda, &point.terms))
     }
 
     /// The turn between two times at which the derivative has opposite signs.
@@ -192,6 +191,11 @@ fn root(
 
 /// Sign changes of the partial sums, rounding noise left out.
 pub(super) fn changes(b: &[f64; NODES]) -> usize {
+    signs(b).0
+}
+
+/// Sign changes of the partial sums, and the last sign: that of the sum from here on, until its first zero.
+pub(super) fn signs(b: &[f64; NODES]) -> (usize, f64) {
     let mut partial = 0.0;
     let mut size = 0.0;
     let mut sign = 0.0;
@@ -207,7 +211,7 @@ pub(super) fn changes(b: &[f64; NODES]) -> usize {
             sign = s;
         }
     }
-    count
+    (count, sign)
 }
 
 /// Whether the sums of the two are of opposite sign, beyond rounding noise.

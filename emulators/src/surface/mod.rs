@@ -8,6 +8,7 @@
 mod explorer;
 mod rank;
 mod relief;
+mod rub;
 mod stroke;
 #[cfg(test)]
 mod tests;
@@ -15,7 +16,8 @@ mod tests;
 pub use explorer::{Explorer, Recording, SAMPLES};
 pub use rank::spearman;
 pub use relief::{Relief, Ripple};
-pub use stroke::{Habits, Stroke};
+pub use rub::Rub;
+pub use stroke::{Habits, Stroke, Strokes};
 
 /// What a surface is like, as far as a skin module can tell.
 #[derive(Clone, Debug, PartialEq)]

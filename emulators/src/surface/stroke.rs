@@ -54,8 +54,17 @@ const START_S: f64 = 0.12;
 /// Sliding that loads the pad's shear up to friction, mm.
 const SHEAR_MM: f64 = 1.5;
 /// Sliding from one slip to the next, mm, and the share of a friction above 0.5 that each lets go.
-const SLIP_MM: f64 = 9.0;
+pub(super) const SLIP_MM: f64 = 9.0;
 const SLIP: f64 = 0.35;
+
+/// Coefficient of friction after `travel` mm: built up with the first of it, and where it is high let go and gripped
+/// again every few millimetres.
+pub(super) fn held(friction: f64, slip_at: f64, travel: f64) -> f64 {
+    let cycle = (travel + slip_at) / SLIP_MM;
+    let grip = cycle - libm::floor(cycle) - 0.5;
+    let held = friction + SLIP * (friction - 0.5).max(0.0) * grip;
+    (1.0 - libm::exp(-travel / SHEAR_MM)) * held
+}
 
 /// A sum of three slow sines: root mean square 1 before scaling.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -201,6 +210,29 @@ impl Stroke {
     }
 }
 
+/// Strokes one after another on one module.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Strokes(pub Vec<Stroke>);
+
+impl Strokes {
+    fn current(&self, now: Nanos) -> Option<&Stroke> {
+        self.0.iter().find(|stroke| stroke.time(now).is_some())
+    }
+}
+
+impl Touches for Strokes {
+    fn touches(&self, now: Nanos, out: &mut Vec<Touch>) {
+        if let Some(stroke) = self.current(now) {
+            stroke.touches(now, out);
+        }
+    }
+
+    fn drag(&self, now: Nanos) -> [f64; 2] {
+        self.current(now)
+            .map_or([0.0; 2], |stroke| stroke.drag(now))
+    }
+}
+
 impl Touches for Stroke {
     fn touches(&self, now: Nanos, out: &mut Vec<Touch>) {
         let force = self.force(now);
@@ -232,11 +264,7 @@ impl Touches for Stroke {
         if self.time(now).is_none() || travel <= 0.0 {
             return [0.0; 2];
         }
-        let cycle = (travel + self.slip_at) / SLIP_MM;
-        let grip = cycle - libm::floor(cycle) - 0.5;
-        let held = self.friction + SLIP * (self.friction - 0.5).max(0.0) * grip;
-        let built = 1.0 - libm::exp(-travel / SHEAR_MM);
-        let drag = -(built * held + self.relief.slope(travel, speed));
+        let drag = -(held(self.friction, self.slip_at, travel) + self.relief.slope(travel, speed));
         self.heading.map(|part| part * drag)
     }
 }

@@ -107,7 +107,7 @@ fn transforming_periods_are_not_jumped() {
     for (a, b) in long.nodes().iter().zip(jump.nodes()) {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
     }
-    assert!((long.peaks.wire_c - jump.peaks.wire_c).abs() < 1e-9);
+    assert!((long.wire_peak() - jump.wire_peak()).abs() < 1e-9);
 }
 
 #[test]

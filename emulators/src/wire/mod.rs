@@ -104,10 +104,11 @@ impl Wire {
     }
 
     fn rise(&mut self) {
+        let (wire_c, strain) = self.strain_now();
         self.pulse = Some(Pulse {
             start: self.now(),
-            wire_c: self.solver.wire_c(),
-            strain: self.strain_now(),
+            wire_c,
+            strain,
             energy: self.solver.delivered(),
         });
     }
@@ -117,7 +118,7 @@ impl Wire {
             return;
         };
         let (energy, now) = (self.solver.delivered(), self.now());
-        let (hot, strain) = (self.solver.wire_c(), self.strain_now());
+        let (hot, strain) = self.strain_now();
         if let Some(b) = self.burst
             && pulse.start.since(b.end) >= BURST_GAP
         {
@@ -148,12 +149,12 @@ impl Wire {
         b.strain += ((strain.total() - pulse.strain.total()).abs() - b.strain) * part;
     }
 
-    fn strain_now(&self) -> Strain {
-        Strain::of(
-            self.solver.wire(),
-            self.solver.wire_c(),
-            self.solver.fraction(),
-        )
+    /// The wire's temperature, degrees C, and its strain.
+    fn strain_now(&self) -> (f64, Strain) {
+        let solver = &self.solver;
+        let wire_c = solver.wire_c();
+        let strain = Strain::of(solver.wire(), wire_c, solver.fraction_at(wire_c));
+        (wire_c, strain)
     }
 
     /// Computes up to `to`; nothing if that is past. Questions do this themselves.
@@ -187,7 +188,7 @@ impl Wire {
     /// Strain at `at`, by parts.
     pub fn strain(&mut self, at: Nanos) -> Strain {
         self.advance(at);
-        self.strain_now()
+        self.strain_now().1
     }
 
     /// Sag at `at` between ends at which the wire is taut when all austenite and at rest, m.
@@ -195,21 +196,22 @@ impl Wire {
         self.advance(at);
         let w = self.solver.wire();
         let taut = Strain::of(w, w.mechanics.rest_c, 0.0).total();
-        sag_m(w.length_m, (self.strain_now().total() - taut) * w.length_m)
+        sag_m(
+            w.length_m,
+            (self.strain_now().1.total() - taut) * w.length_m,
+        )
     }
 
     /// Maxima over continuous time from the start to `at`.
     pub fn peaks(&mut self, at: Nanos) -> Peaks {
         self.advance(at);
-        self.solver.peaks
+        self.solver.peaks()
     }
 
     /// Maxima over continuous time since the last call of this (or the start), up to `at`; starts anew.
     pub fn window_peaks(&mut self, at: Nanos) -> Peaks {
         self.advance(at);
-        let peaks = self.solver.window;
-        self.solver.open_window();
-        peaks
+        self.solver.window_peaks()
     }
 
     /// The energy ledger up to `at`.

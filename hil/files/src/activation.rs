@@ -1,6 +1,6 @@
 //! Activation files: what a texture's roughness becomes on the wires, (3.1) and (3.2).
 
-use palpate_core::texture::{Activation, ControlMap, Driver, Span};
+use palpate_core::texture::{Activation, ControlError, ControlMap, Driver, Span};
 use palpate_core::units::Duration;
 use serde::Deserialize;
 
@@ -42,6 +42,8 @@ pub struct ActivationFile {
     pub sigma_ms: Both,
     /// f_PWM, Hz.
     pub rate_hz: Both,
+    /// f_PWM within the bursts of a moving contact, Hz.
+    pub burst_rate_hz: Both,
 }
 
 impl ActivationFile {
@@ -60,6 +62,8 @@ impl ActivationFile {
             ("delta_mu_ms", file.delta_mu_ms, 0.0..=1e4, "ms"),
             ("sigma_ms", file.sigma_ms, 0.1..=1e4, "ms"),
             ("rate_hz", file.rate_hz, 0.1..=1500.0, "Hz"),
+            // Pulses further apart than 20 ms are bursts of their own.
+            ("burst_rate_hz", file.burst_rate_hz, 55.0..=1500.0, "Hz"),
         ] {
             source.range(&format!("{key}.smooth"), both.smooth, range.clone(), unit)?;
             source.range(&format!("{key}.rough"), both.rough, range, unit)?;
@@ -80,15 +84,27 @@ impl ActivationFile {
     ///
     /// # Errors
     /// A driver without a range.
-    pub fn map(&self, driver: Driver) -> Result<ControlMap, palpate_core::texture::ControlError> {
+    pub fn map(&self, driver: Driver) -> Result<ControlMap, ControlError> {
+        self.with_rate(driver, self.rate_hz)
+    }
+
+    /// The same for the bursts of a moving contact.
+    ///
+    /// # Errors
+    /// A driver without a range.
+    pub fn burst_map(&self, driver: Driver) -> Result<ControlMap, ControlError> {
+        self.with_rate(driver, self.burst_rate_hz)
+    }
+
+    fn with_rate(&self, driver: Driver, rate_hz: Both) -> Result<ControlMap, ControlError> {
         let time = |both: Both| Span {
             smooth: millis(both.smooth),
             rough: millis(both.rough),
         };
         let rate = |hz: f64| (hz * 1e3).round() as u32;
         let rates = Span {
-            smooth: rate(self.rate_hz.smooth),
-            rough: rate(self.rate_hz.rough),
+            smooth: rate(rate_hz.smooth),
+            rough: rate(rate_hz.rough),
         };
         ControlMap::new(driver, time(self.delta_mu_ms), time(self.sigma_ms), rates)
     }

@@ -9,6 +9,7 @@ mod activation;
 mod bench;
 mod error;
 mod fault;
+mod felt;
 mod illusion;
 mod layout;
 mod limits;
@@ -31,6 +32,7 @@ pub use activation::{ActivationFile, Both};
 pub use bench::{Amplifier, Bench, BenchKind, Drive, Output, OutputEnable, Real, Wire};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
+pub use felt::{Carrier, Draw, Felt};
 pub use illusion::{
     Distances, Illusion, IllusionModel, PerceiverFile, Sharing, Stroke, Timing, Wearer,
 };
@@ -47,7 +49,7 @@ pub use scene::{
     THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdRule,
 };
 pub use setup::{
-    Loaded, Setup, load_activation, load_bench, load_layout, load_limits, load_perceiver,
+    Loaded, Setup, Stroked, load_activation, load_bench, load_layout, load_limits, load_perceiver,
     load_scene, load_textures, sensor_of,
 };
 pub use source::Source;

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{Fault, FileError, Illusion, Source, Stroke, Touch};
+use super::{Fault, Felt, FileError, Illusion, Source, Stroke, Touch};
 
 /// A closed list of words.
 macro_rules! choice {
@@ -103,6 +103,8 @@ pub struct Scene {
     /// Strokes over the display that are known beforehand; none if left out.
     #[serde(default)]
     pub strokes: Vec<Stroke>,
+    /// The texture that is felt; none if left out.
+    pub texture: Option<Felt>,
     /// What goes wrong on an emulated bench; nothing if left out.
     #[serde(default)]
     pub faults: Vec<Fault>,
@@ -223,6 +225,9 @@ impl Scene {
                 );
                 return Err(source.bad(&format!("{key}.start_s"), expected));
             }
+        }
+        if let Some(texture) = &scene.texture {
+            texture.check(source, quiet_s, scene.length_s)?;
         }
         let mut free_s = 0.0;
         for (index, stroke) in scene.strokes.iter().enumerate() {

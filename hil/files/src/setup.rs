@@ -3,7 +3,7 @@
 use super::resolve::{Kind, resolve, resolve_from};
 use super::{
     ActivationFile, AlloyFile, Bench, DisplayLayout, FileError, LayoutFile, Limits, PerceiverFile,
-    Scene, SensorLayout, Source, TextureTable, Wearer, WireFile,
+    Scene, SensorLayout, Source, TextureEntry, TextureTable, Wearer, WireFile,
 };
 
 /// What was read, beside its text: later checks name a line with [`Source::bad`].
@@ -79,6 +79,15 @@ pub fn load_textures(name: &str) -> Result<Loaded<TextureTable>, FileError> {
     load(resolve(Kind::Textures, name)?, TextureTable::read)
 }
 
+/// What a scene's texture names.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stroked {
+    /// The surface, if one is stroked.
+    pub surface: Option<TextureEntry>,
+    /// From roughness to pulses.
+    pub activation: Loaded<ActivationFile>,
+}
+
 /// A scene on a bench, with everything they name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setup {
@@ -100,6 +109,8 @@ pub struct Setup {
     pub perceiver: Loaded<PerceiverFile>,
     /// The wearer's calibration, if there is one.
     pub wearer: Option<Loaded<Wearer>>,
+    /// The texture, if the scene has one.
+    pub texture: Option<Stroked>,
 }
 
 impl Setup {
@@ -136,6 +147,7 @@ impl Setup {
         let alloy = &bench.value.wire.alloy;
         let alloy = resolve_from(Kind::Alloy, alloy, &bench.source, "wire.alloy")?;
         let alloy = load(alloy, AlloyFile::read)?;
+        let texture = texture_of(&scene, sensor.value.modules.len())?;
         let (perceiver, wearer) = person_of(&scene)?;
         let wires = display.value.wires_mm.len();
         if let Some(wearer) = &wearer {
@@ -163,8 +175,33 @@ impl Setup {
             alloy,
             perceiver,
             wearer,
+            texture,
         })
     }
+}
+
+/// What a scene's texture names, on a skin of so many modules.
+fn texture_of(scene: &Loaded<Scene>, modules: usize) -> Result<Option<Stroked>, FileError> {
+    let Some(felt) = &scene.value.texture else {
+        return Ok(None);
+    };
+    if felt.module.is_some_and(|module| module >= modules) {
+        let expected = format!("a module of the layout, 0 to {}", modules - 1);
+        return Err(scene.source.bad("texture.module", expected));
+    }
+    let from = |kind, name, key| resolve_from(kind, name, &scene.source, key);
+    let activation = from(Kind::Activation, &felt.activation, "texture.activation")?;
+    let table = TextureTable::read(&from(Kind::Textures, &felt.table, "texture.table")?)?;
+    let names: Vec<String> = table.texture.iter().map(|t| t.name.clone()).collect();
+    let surface = felt.surface.as_ref().map(|name| {
+        let found = table.texture.into_iter().find(|t| t.name == *name);
+        let expected = || format!("a texture of `{}`: {}", table.name, names.join(", "));
+        found.ok_or_else(|| scene.source.bad("texture.surface", expected()))
+    });
+    Ok(Some(Stroked {
+        surface: surface.transpose()?,
+        activation: load(activation, ActivationFile::read)?,
+    }))
 }
 
 /// The emulated person of a scene, and the calibration if it names one.

@@ -289,6 +289,19 @@ impl Sink {
                 self.u16(*wire);
                 self.i32(*milli_c);
             }
+            Event::Latent {
+                t_us,
+                z_milli,
+                rough_permille,
+                rate_mhz,
+            } => {
+                self.u8(12);
+                self.u64(*t_us);
+                self.u64(z_milli.len() as u64);
+                z_milli.iter().for_each(|z| self.i32(*z));
+                self.u16(*rough_permille);
+                self.u32(*rate_mhz);
+            }
             Event::Note { t_us, text } => {
                 self.u8(10);
                 self.u64(*t_us);

@@ -199,6 +199,17 @@ pub enum Event {
         /// Thousandths of a degree Celsius.
         milli_c: i32,
     },
+    /// A window of texture ended: where it lies in the latent space, and what that asks of the wires.
+    Latent {
+        /// End of the window.
+        t_us: u64,
+        /// The latent vector z, thousandths.
+        z_milli: Vec<i32>,
+        /// How rough that is, thousandths.
+        rough_permille: u16,
+        /// f_PWM of (3.2), millihertz.
+        rate_mhz: u32,
+    },
     /// Anything worth a line: a fault, a taxel left out, a degraded bus.
     Note {
         /// When.
@@ -222,6 +233,7 @@ impl Event {
             | Self::Felt { t_us, .. }
             | Self::Wire { t_us, .. }
             | Self::Skin { t_us, .. }
+            | Self::Latent { t_us, .. }
             | Self::Note { t_us, .. } => t_us.saturating_mul(1000),
         }
     }

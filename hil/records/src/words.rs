@@ -1,7 +1,7 @@
 //! What happened, told in words: one line each, neighbours of a kind folded into one.
 
 use crate::bursts::bursts;
-use crate::fixed::{place, seconds};
+use crate::fixed::{milli, milli_u, place, seconds};
 use crate::trace::{Event, Trace};
 
 /// Kind of a happening.
@@ -88,6 +88,23 @@ pub fn happenings(trace: &Trace) -> Vec<Happening> {
     }
     list.sort_by_key(|h| (h.t_us, h.kind));
     list
+}
+
+/// A window of texture in words; none of another event.
+pub fn texture(event: &Event) -> Option<String> {
+    let Event::Latent {
+        z_milli,
+        rough_permille,
+        rate_mhz,
+        ..
+    } = event
+    else {
+        return None;
+    };
+    let z: Vec<String> = z_milli.iter().map(|z| milli(i64::from(*z))).collect();
+    let rough = milli_u(u64::from(*rough_permille));
+    let rate = rate_mhz / 1000;
+    Some(format!("z {}, roughness {rough}, {rate} Hz", z.join(" ")))
 }
 
 fn limiter(trace: &Trace, gap_us: u64) -> Vec<Happening> {

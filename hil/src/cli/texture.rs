@@ -22,6 +22,8 @@ pub enum TextureAction {
     Export(ExportArgs),
     /// Where a model puts emulated textures, and how that goes with their roughness, friction and hardness.
     Map(MapArgs),
+    /// What a simulated panel says of textures, with the bare finger and on the emulated display.
+    Panel(PanelArgs),
 }
 
 /// Options of `hil texture strokes`.
@@ -69,6 +71,40 @@ pub struct MapArgs {
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
     /// Draw the map here (.svg).
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
+    /// Print JSON in place of a table.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `hil texture panel`.
+#[derive(Debug, Args)]
+pub struct PanelArgs {
+    /// `default` or a model file (.safetensors).
+    #[arg(value_name = "MODEL", default_value = "default")]
+    pub model: String,
+    /// A table of textures, by name or file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "thesis")]
+    pub textures: String,
+    /// Recordings in place of emulated strokes: a folder of NAME_NUMBER.csv, columns as for `encode`.
+    #[arg(
+        long,
+        value_name = "FOLDER",
+        requires = "rate",
+        conflicts_with = "textures"
+    )]
+    pub recordings: Option<PathBuf>,
+    /// Rows a second of the recordings.
+    #[arg(long, value_name = "HZ", value_parser = rate, requires = "recordings", allow_hyphen_values = true)]
+    pub rate: Option<f64>,
+    /// An emulated bench: a built-in name or a file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "emulated")]
+    pub bench: String,
+    /// Seed of the people, the strokes and the draws; the default model was trained on strokes of seed 1.
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
+    pub seed: u64,
+    /// Draw the ratings here (.svg).
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
     /// Print JSON in place of a table.

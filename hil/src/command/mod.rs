@@ -16,6 +16,7 @@ mod review;
 mod run;
 mod test;
 mod texture;
+mod texture_panel;
 mod texture_train;
 
 pub use bench::bench;

@@ -9,7 +9,7 @@ use palpate_core::texture::{Draw, Encoder, Ends, Pulses, Stream, Weights, along}
 use palpate_core::units::{Board, Channel, Duration, Instant, Point, Prescale};
 use serde_json::json;
 
-use super::texture_train;
+use super::{texture_panel, texture_train};
 use crate::cli::{DrawArg, EncodeArgs, ExportArgs, PulsesArgs, TextureAction, WeightsArg};
 use crate::failure::Failure;
 use crate::output::{note, print, write_file};
@@ -29,6 +29,7 @@ pub fn texture(action: &TextureAction) -> Result<(), Failure> {
         TextureAction::Pulses(args) => pulses(args),
         TextureAction::Export(args) => export(args),
         TextureAction::Map(args) => texture_train::map(args),
+        TextureAction::Panel(args) => texture_panel::panel(args),
     }
 }
 

@@ -194,6 +194,6 @@ fn boards(setup: &Setup, layout: &Layout, seed: u64) -> Result<Faulty<Handle>, F
         transmit_limit: WAITING,
         ..NodeConfig::default()
     };
-    let handle = skin::boards(scene, &setup.sensor.value, layout, seed, Some(span), host)?;
+    let handle = skin::boards(setup, layout, seed, Some(span), host)?;
     Ok(Faulty::new(handle, seed, "sensor bus"))
 }

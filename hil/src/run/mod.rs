@@ -12,6 +12,7 @@ pub mod real;
 mod recorder;
 mod replay;
 pub(crate) mod script;
+mod scripted;
 mod sensor;
 pub(crate) mod skin;
 mod summary;
@@ -30,7 +31,7 @@ use std::path::PathBuf;
 use palpate_core::bus::{Actuators, Received};
 use palpate_core::contact::{LevelTable, Levels};
 use palpate_core::guard::Guarded;
-use palpate_core::projector::{LoopError, Projector};
+use palpate_core::projector::{LoopError, Plan, Projector};
 use palpate_core::units::{Duration, Instant};
 use palpate_emulators::can::faults::Faulty;
 use palpate_records::i2c::Transfer;
@@ -144,7 +145,7 @@ pub fn run_keeping(
     match input {
         Input::Scene => {
             let end = Instant::from_micros((scene.length_s * 1e6).round() as u64);
-            let skin = || skin::emulated(scene, &setup.sensor.value, &layout, seed);
+            let skin = || skin::emulated(setup, &layout, seed);
             let mut tape = Tape::new(skin()?);
             let levels = calibrate(setup, seed, &mut tape, end)?;
             let truth = || Some((scene.touches.clone(), scene.drives));
@@ -191,7 +192,7 @@ fn scene_levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
     let scene = &setup.scene.value;
     let layout = plan::layout(&setup.sensor.value)?;
     let end = Instant::from_micros((scene.length_s * 1e6).round() as u64);
-    let mut skin = Tape::new(skin::emulated(scene, &setup.sensor.value, &layout, seed)?);
+    let mut skin = Tape::new(skin::emulated(setup, &layout, seed)?);
     calibrate(setup, seed, &mut skin, end)
 }
 
@@ -206,7 +207,7 @@ fn calibrate(
     if k <= 1 {
         return Ok(Levels::Off); // every contact has the one level there is
     }
-    let mut projector = build(setup, seed, Levels::Off)?;
+    let mut projector = made(setup, plan::untextured(setup, seed, Levels::Off)?)?;
     let mut recorder = Recorder::default();
     let mut now = Instant::ZERO;
     while now < end {
@@ -224,7 +225,10 @@ fn calibrate(
 }
 
 fn build(setup: &Setup, seed: u64, levels: Levels) -> Result<Projector, Failure> {
-    let plan = plan::plan(setup, seed, levels)?;
+    made(setup, plan::plan(setup, seed, levels)?)
+}
+
+fn made(setup: &Setup, plan: Plan) -> Result<Projector, Failure> {
     Projector::new(plan).map_err(|e| Failure::Input(format!("{}: {e}", setup.scene.source.label())))
 }
 

@@ -17,6 +17,7 @@ use super::feel::{feel, sample_wires};
 use super::recorder::{Onset, Recorder, milli_c};
 use super::script::{Bench, Script};
 use super::sensor::{Skin, Tapped};
+use super::summary::TextureSummary;
 use super::supervisor::Supervisor;
 use super::{BusReport, Outcome, Summary, TICK, boards, build, margins, open_watch};
 use crate::clock;
@@ -385,6 +386,7 @@ impl<'a, S: Skin> Pass<'a, S> {
             &setup.bench.value,
             started.elapsed(),
         );
+        summary.texture = TextureSummary::of(&self.recorder, projector);
         summary.boards = boards::boards(projector);
         summary.buses = self.skin.buses();
         summary.faults = self.script.report();

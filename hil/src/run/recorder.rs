@@ -2,14 +2,18 @@
 
 use std::collections::BTreeSet;
 
-use palpate_core::projector::{Cause, FrameReport, Observer, Target};
+use palpate_core::projector::{Cause, FrameReport, Observer, Target, TextureReport};
 use palpate_core::schedule::Entry;
 use palpate_core::skin::{Condition, Layout};
-use palpate_core::units::{Board, Instant, Point};
+use palpate_core::units::{Board, Duration, Instant, Point};
 use palpate_records::trace::{Event, PlaceUm};
+use palpate_records::words::texture;
 
 use super::effort::Effort;
 use palpate_files::Touch;
+
+/// Windows of texture further apart are of different touches.
+const APART: Duration = Duration::from_millis(500);
 
 /// Thousandths of a degree; `None` for a display without wires.
 pub(super) fn milli_c(celsius: f64) -> Option<i32> {
@@ -86,6 +90,12 @@ pub struct Recorder {
     warmed: BTreeSet<(u8, u8)>,
     /// Squared widths of the stimuli since.
     squares: u64,
+    /// When the newest of those stimuli began.
+    asked: Option<Instant>,
+    /// End of the newest window of texture.
+    window: Option<Instant>,
+    /// Windows of texture, and the sum of their roughness, thousandths.
+    pub windows: (u32, u64),
     /// The scene's touches and the driving module, where an emulated skin knows the truth.
     truth: Option<(Vec<Touch>, usize)>,
     /// The skin, for naming its taxels.
@@ -191,6 +201,10 @@ impl Observer for Recorder {
         self.stimuli += u64::from(entry.width().get() > 0);
         self.warmed.insert((entry.board.0, entry.channel.0));
         self.limiter_events += u32::from(entry.reason.is_some());
+        // A burst may come in parts, all alike: the first one counts.
+        if self.asked != Some(entry.at) {
+            (self.asked, self.squares) = (Some(entry.at), 0);
+        }
         self.squares += u64::from(entry.requested.get()).pow(2);
         self.events.push(Event::Schedule(*entry));
     }
@@ -200,11 +214,33 @@ impl Observer for Recorder {
         self.onsets.1 += u64::from(targets.is_empty());
         let targets = targets.to_vec();
         let squares = std::mem::take(&mut self.squares);
+        let squares = if self.asked == Some(at) { squares } else { 0 };
         self.onset = Some(Onset {
             at,
             targets,
             squares,
         });
+    }
+
+    fn texture(&mut self, report: &TextureReport<'_>) {
+        let milli = |v: f64| (v * 1e3).round() as i32;
+        let rough_permille = milli(report.roughness) as u16; // 0 to 1
+        let latent = Event::Latent {
+            t_us: report.at.as_micros(),
+            z_milli: report.latent.iter().map(|z| milli(f64::from(*z))).collect(),
+            rough_permille,
+            rate_mhz: report.control.rate_mhz,
+        };
+        let goes_on = |last: Instant| report.at.since(last) < APART;
+        if !self.window.is_some_and(goes_on)
+            && let Some(text) = texture(&latent)
+        {
+            self.note(report.at, format!("texture felt: {text}"));
+        }
+        self.window = Some(report.at);
+        self.windows.0 += 1;
+        self.windows.1 += u64::from(rough_permille);
+        self.events.push(latent);
     }
 
     fn taxel(&mut self, at: Instant, index: usize, condition: Condition) {

@@ -2,16 +2,16 @@
 
 use palpate_core::bus::SensorBus;
 use palpate_core::skin::Layout;
-use palpate_core::units::Point;
 use palpate_core::wire::uskin::{ALL_BOARDS, Command};
 use palpate_emulators::board::{BoardConfig, Overload};
 use palpate_emulators::can::NodeConfig;
 use palpate_emulators::rig::{Handle, SkinBus};
-use palpate_emulators::skin::{Generation, Module, ModuleConfig, Touch as Press};
+use palpate_emulators::skin::{Generation, Module, ModuleConfig};
 use palpate_emulators::time::Nanos;
 
+use super::scripted::Scripted;
 use crate::failure::Failure;
-use palpate_files::{Scene, SensorLayout};
+use palpate_files::Setup;
 
 /// CAN bit rate of the sensor boards.
 const BITRATE: u32 = 1_000_000;
@@ -30,13 +30,13 @@ pub fn unwired(layout: &str, module: &str) -> Failure {
 /// # Errors
 /// [`Failure::Input`] for a layout whose modules no board can carry.
 pub fn boards(
-    scene: &Scene,
-    file: &SensorLayout,
+    setup: &Setup,
     layout: &Layout,
     seed: u64,
     repeat: Option<Nanos>,
     host: NodeConfig,
 ) -> Result<Handle, Failure> {
+    let (scene, file) = (&setup.scene.value, &setup.sensor.value);
     let mut buses: Vec<SkinBus> = Vec::new();
     for (number, module) in layout.modules().iter().enumerate() {
         let refuse = || unwired(&file.name, module.name());
@@ -61,25 +61,8 @@ pub fn boards(
             seed,
             ..ModuleConfig::default()
         });
-        let touches: Vec<_> = scene
-            .touches
-            .iter()
-            .filter(|t| t.module == number)
-            .cloned()
-            .collect();
-        skin.touch(Box::new(move |now: Nanos, out: &mut Vec<Press>| {
-            let now = repeat.map_or(now, |span| Nanos(now.0 % span.0.max(1)));
-            out.extend(
-                touches
-                    .iter()
-                    .filter_map(|t| t.at(now.as_secs_f64()))
-                    .map(|t| Press {
-                        at: Point::new(t.x_mm as f32, t.y_mm as f32),
-                        force_n: t.force_n,
-                        diameter_mm: t.diameter_mm,
-                    }),
-            );
-        }));
+        let lag_s = skin.config().mechanics.lag_s;
+        skin.touch(Box::new(Scripted::new(setup, number, seed, lag_s, repeat)));
         let bus = usize::from(address.bus);
         buses.resize_with(buses.len().max(bus + 1), || {
             SkinBus::with_host(BITRATE, host)
@@ -109,13 +92,8 @@ pub fn boards(
 ///
 /// # Errors
 /// As [`boards`].
-pub fn emulated(
-    scene: &Scene,
-    file: &SensorLayout,
-    layout: &Layout,
-    seed: u64,
-) -> Result<Handle, Failure> {
-    let mut handle = boards(scene, file, layout, seed, None, NodeConfig::default())?;
+pub fn emulated(setup: &Setup, layout: &Layout, seed: u64) -> Result<Handle, Failure> {
+    let mut handle = boards(setup, layout, seed, None, NodeConfig::default())?;
     start(&mut handle)?;
     Ok(handle)
 }

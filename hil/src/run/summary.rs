@@ -131,6 +131,17 @@ pub struct FrameTime {
     pub p99: f64,
 }
 
+/// What was felt of a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct TextureSummary {
+    /// Windows that went through the network and were felt.
+    pub windows: u32,
+    /// Mean roughness, 0 to 1.
+    pub roughness: f64,
+    /// Pulses that were left out for a wire to rest.
+    pub rested_pulses: u64,
+}
+
 /// The object that `hil run --json` prints; `interface.md` names its keys.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[allow(missing_docs)] // the keys say what they are, with their units
@@ -154,6 +165,8 @@ pub struct Summary {
     pub hottest_skin_c: Option<f64>,
     pub pwm_hz: f64,
     pub limiter_events: u32,
+    /// Null where no texture was felt.
+    pub texture: Option<TextureSummary>,
     pub frame_us: Option<FrameTime>,
     pub taxels: Taxels,
     pub boards: Vec<BoardReport>,
@@ -182,6 +195,18 @@ fn short(v: f64) -> String {
 
 fn mm(um: u64) -> f64 {
     um as f64 * 1e-3
+}
+
+impl TextureSummary {
+    /// Of the windows that a recorder saw.
+    pub(super) fn of(recorder: &Recorder, projector: &Projector) -> Option<Self> {
+        let (windows, rough_permille) = recorder.windows;
+        (windows > 0).then(|| Self {
+            windows,
+            roughness: rough_permille as f64 * 1e-3 / f64::from(windows),
+            rested_pulses: projector.rested_pulses(),
+        })
+    }
 }
 
 impl FeltError {
@@ -271,6 +296,7 @@ impl Summary {
             hottest_skin_c: ledger.hottest_skin_milli_c.map(|t| f64::from(t) * 1e-3),
             pwm_hz: trace.header.pre_scale.hz() * bench.drive.oscillator,
             limiter_events: ledger.limiter_events,
+            texture: None,
             frame_us: FrameTime::of(frame_us),
             taxels: Taxels {
                 refresh_hz: Refresh {
@@ -365,6 +391,19 @@ impl Summary {
                 celsius(self.hottest_skin_c)
             ),
         )?;
+        if let Some(t) = &self.texture {
+            let rested = match t.rested_pulses {
+                0 => String::new(),
+                n => format!("; {n} pulses left out, wires rest after 48 ms"),
+            };
+            row(
+                "texture",
+                format!(
+                    "{} windows, roughness {:.2} (mean){rested}",
+                    t.windows, t.roughness
+                ),
+            )?;
+        }
         row("limiter events", self.limiter_events.to_string())?;
         row(
             "time per frame",

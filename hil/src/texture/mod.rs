@@ -5,6 +5,7 @@ pub mod explore;
 pub mod map;
 mod model;
 pub mod onnx;
+pub mod panel;
 pub mod reference;
 mod rows;
 pub mod seeded;

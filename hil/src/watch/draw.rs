@@ -80,6 +80,10 @@ fn head(view: &View, buffer: &mut Buffer) {
         view.stimuli
     );
     line(buffer, 0, 1, &counts, Style::new());
+    if !view.texture.is_empty() {
+        let text = format!("texture {}", view.texture);
+        line(buffer, 0, 2, &text, Style::new());
+    }
     let style = match view.limited {
         0 => Style::new(),
         _ => Style::new().fg(Color::Yellow),

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use palpate_core::skin::Layout;
 use palpate_records::trace::{Event, Header, PlaceUm, Source};
+use palpate_records::words::texture;
 
 use crate::run::um;
 
@@ -75,6 +76,8 @@ pub struct View {
     pub limited: u64,
     /// What happened, the newest last.
     pub story: VecDeque<(u64, String)>,
+    /// The newest window of texture in words; empty without one.
+    pub texture: String,
     /// A line a sensor bus.
     pub buses: Vec<String>,
 }
@@ -175,6 +178,7 @@ impl View {
                         wire.skin_mc = Some(*milli_c);
                     }
                 }
+                Event::Latent { .. } => self.texture = texture(event).unwrap_or_default(),
                 Event::Note { t_us, text } => self.tell(*t_us, text.clone()),
                 _ => {}
             }

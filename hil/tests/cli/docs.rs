@@ -68,6 +68,8 @@ fn needs(command: &str) -> Option<&'static str> {
         Some("devices")
     } else if command.contains("my-bench.toml") || has("FILE") {
         Some("a bench of one's own")
+    } else if has("--recordings") {
+        Some("recordings of real sensors")
     } else if has("emulate") || has("off") || has("record") || has("replay") {
         Some("device nodes")
     } else if words.get(1) == Some(&"bench") {

@@ -101,6 +101,50 @@ fn a_model_that_misses_its_golden_vector_is_refused() {
 }
 
 #[test]
+fn pulses_are_seeded_and_of_the_displays_wires() {
+    let (_folder, model, rows) = ground("texture-pulses");
+    let of = |more: &[&str]| {
+        let args = [
+            &[
+                "texture",
+                "pulses",
+                model.as_str(),
+                rows.as_str(),
+                "--rate",
+                "100",
+            ],
+            more,
+        ]
+        .concat();
+        let text = good(&args);
+        let mut lines = text.lines().map(str::to_owned);
+        assert_eq!(lines.next().unwrap(), "period,time_us,wire");
+        lines.collect::<Vec<_>>()
+    };
+    let line = of(&[]);
+    assert_eq!(line, of(&["--seed", "1"]));
+    assert_ne!(line, of(&["--seed", "2"]));
+    assert_ne!(line, of(&["--draw", "diffusion"]));
+    let wires = |lines: &[String], count: usize| {
+        lines
+            .iter()
+            .all(|l| l.rsplit(',').next().unwrap().parse::<usize>().unwrap() < count)
+    };
+    assert!(!line.is_empty() && wires(&line, 3));
+    let thimble = of(&["--display", "thimble-8"]);
+    assert!(thimble.len() > line.len() / 2 && wires(&thimble, 8) && !wires(&thimble, 3));
+    let args = ["texture", "pulses", &model, &rows, "--rate", "100"];
+    refused_with(
+        &[&args[..], &["--display", "uskin-4x4"]].concat(),
+        &["--display", "\"display\""],
+    );
+    refused_with(
+        &[&args[..], &["--activation", "none-such"]].concat(),
+        &["assumed", "or a file"],
+    );
+}
+
+#[test]
 fn the_export_is_an_onnx_file_with_its_names() {
     let (folder, model, _) = ground("texture-export");
     let out = folder.path("encoder.onnx").display().to_string();
@@ -226,4 +270,45 @@ fn training_is_the_training_programs_or_says_how_to_build_it() {
         let said = train(&["folder", status]);
         assert_eq!((said.status, said.err.as_str()), (Some(expected), ""));
     }
+}
+
+/// One recording of five features a label: what a panel is shown of each, said to be simulated everywhere.
+#[test]
+fn a_panel_rates_recordings_and_says_that_it_is_simulated() {
+    let (folder, model, rows) = ground("texture-panel");
+    let recordings = folder.path("recordings");
+    fs::create_dir(&recordings).unwrap();
+    for name in ["felt_0.csv", "silk_0.csv"] {
+        fs::copy(&rows, recordings.join(name)).unwrap();
+    }
+    let recordings = recordings.display().to_string();
+    let args = ["texture", "panel", &model, "--recordings", &recordings];
+    let with = |more: &[&str]| good(&[&args[..], &["--rate", "100"], more].concat());
+    let table = with(&[]);
+    assert!(table.starts_with("SIMULATED"), "{table}");
+    assert!(table.contains("felt") && table.contains("silk") && table.contains("of 1 pairs"));
+    let svg = folder.path("panel.svg").display().to_string();
+    let json: serde_json::Value = serde_json::from_str(&with(&["--json", "--svg", &svg])).unwrap();
+    assert_eq!(json["textures"].as_array().unwrap().len(), 2);
+    assert!(json["source"].as_str().unwrap().starts_with("simulated"));
+    assert_eq!(
+        json,
+        serde_json::from_str::<serde_json::Value>(&with(&["--json"])).unwrap()
+    );
+    let drawing = fs::read_to_string(svg).unwrap();
+    assert!(drawing.contains("SIMULATED") && drawing.contains(">silk<"));
+    refused_with(&args, &["--rate"]);
+    let empty = folder.path("").display().to_string();
+    refused_with(
+        &[
+            "texture",
+            "panel",
+            &model,
+            "--recordings",
+            &empty,
+            "--rate",
+            "100",
+        ],
+        &["expected", "_"],
+    );
 }

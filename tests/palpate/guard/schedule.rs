@@ -7,10 +7,11 @@ use palpate_core::guard::{Guard, Plant};
 use palpate_core::illusion::Wire;
 use palpate_core::random::Stream;
 use palpate_core::schedule::Stimulus;
-use palpate_core::units::{Board, Instant, Milliamps, Point, Prescale, Ticks};
+use palpate_core::texture::{Activation, Control, Draw, Pulses};
+use palpate_core::units::{Board, Duration, Instant, Milliamps, Point, Prescale, Ticks};
 use palpate_core::wire::pca9685::{self as regs, mode1, mode2};
 
-use super::rig::{ADDRESS, Rig, WIRES};
+use super::rig::{ADDRESS, Rig, WIRES, pick};
 
 /// What somebody wants of the wires.
 #[derive(Clone, Debug)]
@@ -49,6 +50,8 @@ pub enum Kind {
     Dwelling,
     /// A contact that moves on, with pauses.
     Moving,
+    /// A texture's pulses, period by period, at any density there is.
+    Textured,
 }
 
 fn near(s: &mut Stream, values: &[u64], spread: u64) -> u64 {
@@ -93,14 +96,51 @@ fn wires(s: &mut Stream) -> u8 {
     }
 }
 
+/// A texture that nobody would want on a finger: any density up to every period, any stroke.
+fn texture(s: &mut Stream) -> (Pulses, Control) {
+    let beta = pick(s, 0.0, 0.999);
+    let alpha = pick(s, 0.0, 0.9999 - beta);
+    let lead = Duration::from_micros(s.next_u64() % 500_000);
+    let interval = Duration::from_micros(1 + s.next_u64() % 2_000_000);
+    let activation = Activation::new(alpha, beta, lead, interval).unwrap();
+    let draw = if s.next_u64().is_multiple_of(2) {
+        Draw::Bernoulli
+    } else {
+        Draw::Diffusion
+    };
+    let control = Control {
+        delta_mu: Duration::from_micros(s.next_u64() % 500_000),
+        sigma: Duration::from_micros(1 + s.next_u64() % 2_000_000),
+        rate_mhz: pick(s, 1_000.0, 400_000.0) as u32,
+    };
+    let gaps: Vec<f32> = (0..WIRES).map(|n| (n % 4) as f32).collect();
+    let carrier = Prescale::new(regs::PRE_SCALE_RESET);
+    let pulses = Pulses::new(activation, draw, carrier, &gaps, s.next_u64());
+    (pulses, control)
+}
+
 /// A schedule of `length_s` seconds.
 pub fn draw(s: &mut Stream, kind: Kind, length_s: u64) -> Schedule {
     let mut schedule = Schedule::new();
     let mut at = 1_000;
     let mut place = s.next_u64() % 8;
     let fixed = (width(s), wires(s).max(1));
+    let mut texture = (kind == Kind::Textured).then(|| texture(s));
     while at < length_s * 1_000_000 {
         let (wish, pause) = match kind {
+            Kind::Textured => {
+                let fired = texture.as_mut().map_or(0, |(pulses, control)| {
+                    let fired = pulses.next(control).iter().enumerate();
+                    fired.fold(0, |mask, (wire, on)| mask | u8::from(*on) << wire)
+                });
+                const PERIOD_US: u64 = 5_079;
+                let wish = Wish::Pulses {
+                    wires: fired,
+                    width: fixed.0,
+                    until_us: at + PERIOD_US,
+                };
+                (wish, PERIOD_US)
+            }
             Kind::Wild => {
                 let until_us = at + length_us(s);
                 let (wires, width) = (wires(s), width(s));

@@ -14,6 +14,7 @@ mod conformance;
 mod faults;
 mod outputs;
 mod pins;
+mod prescale;
 mod reference;
 mod registers;
 mod served;

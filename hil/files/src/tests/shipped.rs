@@ -90,7 +90,7 @@ fn onsets_follow_the_stimulus_length() {
 fn unknown_names_list_what_exists() {
     assert_eq!(
         load_bench("no-bench").unwrap_err().to_string(),
-        "no-bench: expected a bench (emulated, thesis) or a file, found neither of that name"
+        "no-bench: expected a bench (emulated, thesis, three-in-line) or a file, found neither of that name"
     );
 }
 

@@ -393,13 +393,17 @@ impl<W: Write> Recording<W> {
                 message.double(1, f64::from(*milli_c) / 1e3);
                 of_wire(*wire).map(|w| w.skin)
             }
-            Event::Note { .. } => None,
+            Event::Latent { .. } | Event::Note { .. } => None,
         };
         if let Some(channel) = channel {
             self.send(channel, t_ns)?;
         }
         match event {
             Event::Note { text, .. } => self.log(t_ns, Level::Info, "note", text),
+            Event::Latent { .. } => match crate::words::texture(event) {
+                Some(text) => self.log(t_ns, Level::Info, "texture", &text),
+                None => Ok(()),
+            },
             Event::AllOff { board, cause, .. } => {
                 let text = format!("board {board}: all off: {cause}");
                 self.log(t_ns, Level::Info, "boards", &text)

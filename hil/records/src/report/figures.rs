@@ -16,7 +16,7 @@ fn key(out: &mut String, shape: &str, text: &str) {
     );
 }
 
-fn line_key(out: &mut String, class: &str, text: &str) {
+pub(super) fn line_key(out: &mut String, class: &str, text: &str) {
     key(
         out,
         &format!("<line class=\"{class}\" x1=\"1\" y1=\"6\" x2=\"25\" y2=\"6\"/>"),
@@ -100,8 +100,8 @@ fn felt_in_words(trace: &Trace) -> String {
     let text = match (scored, driven) {
         (0, false) => return String::new(),
         (0, true) => {
-            "Not drawn: every onset had several contacts at once, and one felt place cannot \
-                      be held against two. The wires were driven; see the schedule."
+            "Not drawn: every onset had several contacts at once, or a texture that has the display to \
+                      itself, and one felt place is held against one contact. The wires were driven; see the schedule."
                 .to_owned()
         }
         _ => {

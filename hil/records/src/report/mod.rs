@@ -10,6 +10,7 @@ mod series;
 mod strip;
 pub mod svg;
 mod tables;
+mod texture;
 mod thermal;
 
 use crate::digest::trace_digest;
@@ -67,6 +68,7 @@ pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
     }
     figures::planes(&mut page, trace);
     figures::frames(&mut page, trace, extras);
+    texture::section(&mut page, trace);
     figures::temperatures(&mut page, trace);
     figures::schedule(&mut page, trace);
     tables::events(&mut page, trace);

@@ -1,13 +1,18 @@
 //! Pulses of eight wires: what a PWM period costs, and how far a minute's density is from (3.1).
 
-use palpate_core::texture::{Control, Draw, Pulses};
-use palpate_core::units::{Duration, Instant, Prescale};
+use std::hint::black_box;
 
-use super::FAMILY;
+use palpate_core::contact::Levels;
+use palpate_core::schedule::Stimulus;
+use palpate_core::texture::{Control, Draw, Pulses};
+use palpate_core::units::{Board, Duration, Instant, Milliamps, Prescale, Ticks};
+
+use super::{FAMILY, Samples};
 use crate::bench::Row;
 use crate::bench::timing::Race;
 use crate::failure::Failure;
-use palpate_files::load_activation;
+use crate::{clock, plan};
+use palpate_files::{Setup, load_activation};
 
 pub(super) const CASE: &str = "a PWM period, 8 wires";
 /// The thimble's wires, in gaps along the finger.
@@ -44,7 +49,7 @@ pub(super) fn measure() -> Result<Vec<Row>, Failure> {
         });
     }
     let samples = race.run(200, std::time::Duration::from_secs(2));
-    let row = |((name, draw), samples): ((&str, Draw), &super::Samples)| {
+    let row = |((name, draw), samples): ((&str, Draw), &Samples)| {
         let mut pulses = make(draw);
         let (mut found, mut expected) = (0.0, 0.0);
         while pulses.at() < Instant::from_micros(60_000_000) {
@@ -66,5 +71,51 @@ pub(super) fn measure() -> Result<Vec<Row>, Failure> {
             peer: false,
         }
     };
-    Ok(draws.into_iter().zip(&samples).map(row).collect())
+    let mut rows: Vec<Row> = draws.into_iter().zip(&samples).map(row).collect();
+    rows.push(guarded(make(Draw::Bernoulli), &control)?);
+    Ok(rows)
+}
+
+/// A period of a texture through the guard: whether wires have time, and the stimuli of those that do.
+fn guarded(mut pulses: Pulses, control: &Control) -> Result<Row, Failure> {
+    let plan = plan::untextured(&Setup::load("texture-wood", "emulated")?, 1, Levels::Off)?;
+    let mut guard = plan.guard;
+    let mut samples = Samples::default();
+    let mut stimuli = Vec::with_capacity(GAPS.len());
+    let mut begun = clock::now();
+    for period in 1..=50 * PERIODS {
+        let at = pulses.at();
+        let fired = pulses.next(control);
+        stimuli.clear();
+        let until = at + Duration::from_micros(5_079);
+        let wires = fired.iter().zip(0..).filter(|(fired, _)| **fired);
+        stimuli.extend(
+            wires
+                .filter(|(_, wire)| guard.has_time(usize::from(*wire), at, until))
+                .map(|(_, wire)| Stimulus {
+                    wire,
+                    width: Ticks::new(60),
+                    peak: Milliamps(990),
+                    at,
+                    until,
+                }),
+        );
+        guard.hear(at);
+        black_box(guard.admit(at, Board(0), &stimuli, |entry| {
+            black_box(entry);
+        }));
+        if period.is_multiple_of(PERIODS) {
+            samples.push(begun.elapsed().as_secs_f64() * 1e6 / PERIODS as f64);
+            begun = clock::now();
+        }
+    }
+    Ok(Row {
+        family: FAMILY,
+        case: CASE.into(),
+        method: "Bernoulli, and the guard".into(),
+        error: f64::NAN,
+        error_unit: "",
+        median_us: samples.median(),
+        peer: false,
+    })
 }

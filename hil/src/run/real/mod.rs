@@ -22,6 +22,7 @@ use palpate_records::trace::{Event, Ledger, Trace};
 use super::effort::{Effort, FrameTimes};
 use super::ends::{attachments, header};
 use super::recorder::Recorder;
+use super::summary::TextureSummary;
 use super::supervisor::Supervisor;
 use super::{Outcome, Summary, TICK, boards, build, open_watch, scene_levels};
 use crate::clock;
@@ -391,6 +392,7 @@ fn outcome(
     let health = done.projector.health(done.end);
     let wall = started.elapsed();
     let mut summary = Summary::new(&trace, &done.recorder, &done.frame_us, &health, bench, wall);
+    summary.texture = TextureSummary::of(&done.recorder, &done.projector);
     summary.boards = boards::boards(&done.projector);
     summary.taxels.list(&done.projector, done.end);
     summary.pacing = Some(Pacing::new(&done.lateness, done.realtime));

@@ -1,0 +1,198 @@
+//! The texture in the loop: a module's scans become windows, windows latent vectors, those control parameters.
+//!
+//! A window counts once all its samples were touched. Nothing is felt before the first one, and nothing once the
+//! module is no longer touched, or silent.
+
+use alloc::boxed::Box;
+use alloc::sync::Arc;
+use core::fmt;
+use core::ops::Range;
+
+use crate::skin::{Layout, Scan};
+use crate::texture::{Control, ControlMap, Encoder, Ends, Pulses, Stream};
+use crate::units::{Duration, Instant};
+
+use super::Observer;
+
+/// A texture whose last sample is older than this is no longer felt.
+const SILENCE: Duration = Duration::from_millis(100);
+
+/// What carries a texture to the finger.
+#[derive(Clone, Debug)]
+pub enum Carrier {
+    /// The whole display: pulses of (3.1) move over its wires, contacts do not show.
+    Display(Pulses),
+    /// The contacts: f_PWM thins out their bursts.
+    Contacts,
+}
+
+/// What a texture needs.
+#[derive(Debug)]
+pub struct TexturePlan {
+    /// The network.
+    pub encoder: Arc<Encoder>,
+    /// The module that is stroked.
+    pub module: u16,
+    /// The network's features: taxel of that module, and axis (0 to 2).
+    pub features: Box<[(u32, u8)]>,
+    /// Every feature gets its axis's mean over the module's taxels: a contact that moves over them, spread over the
+    /// whole face, which is what networks are trained on. Where it is says the contact itself.
+    pub gather: bool,
+    /// From sample to sample.
+    pub sample: Duration,
+    /// (3.2).
+    pub map: ControlMap,
+    /// What carries it.
+    pub carrier: Carrier,
+}
+
+/// Why a texture does not fit its skin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TextureError {
+    /// The stroked module does not exist; how many there are.
+    NoSuchModule(usize),
+    /// The network has so many features, the plan names another number.
+    Features(usize),
+    /// This feature's taxel or axis does not exist.
+    NoSuchTaxel(usize),
+}
+
+impl fmt::Display for TextureError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSuchModule(n) => write!(f, "expected a stroked module below {n}"),
+            Self::Features(n) => write!(f, "expected a taxel and axis for each of {n} features"),
+            Self::NoSuchTaxel(i) => write!(f, "feature {i}: expected a taxel and axis of the skin"),
+        }
+    }
+}
+
+impl core::error::Error for TextureError {}
+
+/// The newest texture, as observers see it.
+#[derive(Clone, Copy, Debug)]
+pub struct TextureReport<'a> {
+    /// The end of its window.
+    pub at: Instant,
+    /// The latent vector z.
+    pub latent: &'a [f32],
+    /// How rough that is, 0 to 1.
+    pub roughness: f64,
+    /// What (3.2) makes of it.
+    pub control: Control,
+}
+
+/// Mean counts of some taxels, axis by axis.
+fn means(taxels: &[[u16; 3]]) -> [f32; 3] {
+    let sum = |axis: usize| taxels.iter().map(|t| u64::from(t[axis])).sum::<u64>();
+    let count = taxels.len().max(1) as f64;
+    [0, 1, 2].map(|axis| (sum(axis) as f64 / count) as f32)
+}
+
+/// From scans to control parameters.
+#[derive(Debug)]
+pub(super) struct Sampler {
+    module: u16,
+    /// Index among the layout's taxels, and axis.
+    features: Box<[(usize, usize)]>,
+    sample: Box<[f32]>,
+    /// The module's taxels, where features are gathered.
+    gathered: Option<Range<usize>>,
+    stream: Stream,
+    window: usize,
+    ends: Ends,
+    map: ControlMap,
+    /// Samples that were touched since the last one that was not.
+    touched: usize,
+    newest: Option<Control>,
+    last: Instant,
+}
+
+impl Sampler {
+    /// Windows end with the onsets of the grid, `every` apart.
+    pub(super) fn new(
+        plan: TexturePlan,
+        layout: &Layout,
+        every: Duration,
+    ) -> Result<(Self, Carrier), TextureError> {
+        let modules = layout.modules().len();
+        if usize::from(plan.module) >= modules {
+            return Err(TextureError::NoSuchModule(modules));
+        }
+        if plan.features.len() != plan.encoder.features() {
+            return Err(TextureError::Features(plan.encoder.features()));
+        }
+        let range = layout.range(usize::from(plan.module));
+        let place = |(i, &(taxel, axis)): (usize, &(u32, u8))| {
+            let (taxel, axis) = (taxel as usize, usize::from(axis));
+            let exists = taxel < range.len() && axis < 3;
+            exists
+                .then_some((range.start + taxel, axis))
+                .ok_or(TextureError::NoSuchTaxel(i))
+        };
+        let features = plan.features.iter().enumerate().map(place);
+        let sampler = Self {
+            module: plan.module,
+            features: features.collect::<Result<_, _>>()?,
+            sample: alloc::vec![0.0; plan.features.len()].into(),
+            gathered: plan.gather.then_some(range),
+            window: plan.encoder.window(),
+            stream: Stream::new(plan.encoder, 1),
+            ends: Ends::Onsets {
+                sample: plan.sample,
+                every,
+            },
+            map: plan.map,
+            touched: 0,
+            newest: None,
+            last: Instant::ZERO,
+        };
+        Ok((sampler, plan.carrier))
+    }
+
+    /// A scan of `module`, which is touched or not.
+    pub(super) fn scan(
+        &mut self,
+        scan: &Scan,
+        module: u16,
+        touched: bool,
+        observer: &mut impl Observer,
+    ) {
+        if module != self.module {
+            return;
+        }
+        self.last = scan.at();
+        self.touched = if touched { self.touched + 1 } else { 0 };
+        if !touched {
+            self.newest = None;
+        }
+        let counts = scan.counts();
+        let means = self
+            .gathered
+            .as_ref()
+            .map(|range| means(&counts[range.clone()]));
+        for (value, &(taxel, axis)) in self.sample.iter_mut().zip(&self.features) {
+            *value = means.map_or_else(|| f32::from(counts[taxel][axis]), |means| means[axis]);
+        }
+        // A window that begins before the touch would not count: it is not computed.
+        let begin = touched && self.ends.begins(self.stream.seen(), self.window);
+        // Counts are finite and as many as features, so no sample is refused.
+        if let Ok(Some(latent)) = self.stream.push(&self.sample, begin)
+            && self.touched >= self.window
+        {
+            let control = self.map.control(latent);
+            self.newest = Some(control);
+            observer.texture(&TextureReport {
+                at: scan.at(),
+                latent,
+                roughness: self.map.roughness(latent),
+                control,
+            });
+        }
+    }
+
+    /// What is felt at `now`.
+    pub(super) fn control(&self, now: Instant) -> Option<Control> {
+        self.newest.filter(|_| now.since(self.last) <= SILENCE)
+    }
+}

@@ -1,0 +1,99 @@
+//! The texture of a scene: what is stroked, with which network, and what carries it to the finger.
+
+use serde::Deserialize;
+
+use super::scene::choice;
+use super::{FileError, Source};
+
+choice! { /** What carries a texture. */ Carrier {
+    /** The whole display: the pulses of (3.1) move over its wires, contacts do not show. */ Display = "display",
+    /** The contacts: their bursts are thinned out. */ Contacts = "contacts",
+}}
+choice! { /** How pulses are drawn. */ Draw {
+    /** Each period by itself, seeded. */ Bernoulli = "bernoulli",
+    /** Error diffusion: the same density, never more than one pulse from it. */ Diffusion = "diffusion",
+}}
+
+fn default_model() -> String {
+    "default".into()
+}
+
+fn thesis() -> String {
+    "thesis".into()
+}
+
+fn assumed() -> String {
+    "assumed".into()
+}
+
+const fn two() -> f64 {
+    2.0
+}
+
+/// A texture that is felt.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Felt {
+    /// The surface that is stroked, by its name in the table; left out: none, as where recordings are replayed.
+    pub surface: Option<String>,
+    /// The table of textures: a built-in name or a file.
+    #[serde(default = "thesis")]
+    pub table: String,
+    /// The stroked module, counted from zero; left out: the one that drives the display.
+    pub module: Option<usize>,
+    /// When strokes begin, seconds.
+    #[serde(default)]
+    pub strokes_s: Vec<f64>,
+    /// How long each is, seconds; left out: 2, as in the thesis.
+    #[serde(default = "two")]
+    pub stroke_s: f64,
+    /// The scene's touches of that module are of this surface themselves, and rub it over the skin; its readings are
+    /// gathered into one before the network sees them.
+    #[serde(default)]
+    pub rubs: bool,
+    /// The texture model: a built-in name or a file.
+    #[serde(default = "default_model")]
+    pub model: String,
+    /// From roughness to pulses: a built-in name or a file.
+    #[serde(default = "assumed")]
+    pub activation: String,
+    /// What carries it.
+    pub carrier: Carrier,
+    /// How pulses are drawn; left out: bernoulli. A carrier of contacts draws nothing.
+    pub draw: Option<Draw>,
+}
+
+impl Felt {
+    /// Checks the section by itself: the skin is free of contact for `quiet_s`.
+    pub(super) fn check(
+        &self,
+        source: &Source,
+        quiet_s: f64,
+        length_s: f64,
+    ) -> Result<(), FileError> {
+        source.range("texture.stroke_s", self.stroke_s, 0.1..=3600.0, "s")?;
+        let mut free_s = quiet_s;
+        for (i, &start_s) in self.strokes_s.iter().enumerate() {
+            let key = format!("texture.strokes_s[{i}]");
+            let unit =
+                "s (after reference and threshold frames and the stroke before, within the scene)";
+            let last = length_s - self.stroke_s;
+            source.range(&key, start_s, free_s..=last.max(free_s), unit)?;
+            if start_s > last {
+                return Err(source.bad(
+                    &key,
+                    format!("at most {last} s: a stroke ends within the scene"),
+                ));
+            }
+            free_s = start_s + self.stroke_s;
+        }
+        if self.rubs && !(self.surface.is_some() && self.strokes_s.is_empty()) {
+            return Err(source.bad("texture.rubs", "a surface and no strokes beside it"));
+        }
+        if self.surface.is_none() && !self.strokes_s.is_empty() {
+            return Err(source.bad("texture.strokes_s", "no strokes, or a surface to stroke"));
+        }
+        Ok(())
+    }
+}
