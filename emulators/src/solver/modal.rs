@@ -36,7 +36,7 @@ pub struct Mode {
     pub shallow: [f64; NODES],
     /// Skin at 0.4 mm from coordinates.
     pub deep: [f64; NODES],
-    pub(super) vectors: Vectors,
+    vectors: Vectors,
 }
 
 impl Mode {
@@ -133,7 +133,6 @@ impl Mode {
     }
 
     /// Rate of change of the coordinates, 1/s of theirs.
-    #[inline(always)]
     pub fn rate(&self, z: &[f64; NODES], power: f64) -> [f64; NODES] {
         let mut d = [0.0; NODES];
         for k in 0..NODES {
@@ -189,7 +188,6 @@ impl Propagator {
     }
 
     /// Coordinates after the span under constant `power`.
-    #[inline(always)]
     pub fn step(&self, mode: &Mode, z: &[f64; NODES], power: f64) -> [f64; NODES] {
         let mut out = [0.0; NODES];
         for k in 0..NODES {
@@ -199,7 +197,6 @@ impl Propagator {
     }
 
     /// Time integral of the coordinates over the span, for the energy ledger.
-    #[inline(always)]
     pub fn integral(&self, mode: &Mode, z: &[f64; NODES], power: f64) -> [f64; NODES] {
         let mut out = [0.0; NODES];
         for k in 0..NODES {
@@ -219,4 +216,38 @@ pub fn dot(a: &[f64; NODES], b: &[f64; NODES]) -> f64 {
         }
     }
     (lane[0] + lane[1]) + (lane[2] + lane[3]) + a[NODES - 1] * b[NODES - 1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_core::physics::{SkinParameters, WireParameters};
+
+    #[test]
+    fn wide_vectors_give_the_same_bits() {
+        let network = Network::new(&WireParameters::FINAL, &SkinParameters::DEFAULT).unwrap();
+        for phase_slope in [0.0, 0.1] {
+            let key = ModeKey {
+                phase_slope,
+                feedback: 0.0,
+            };
+            let wide = Mode::new(&network, 1e-6, key);
+            let plain = Mode {
+                vectors: Vectors::plain(),
+                ..wide.clone()
+            };
+            let z = wide.project(&core::array::from_fn(|i| 30.0 / (1.0 + i as f64)));
+            let bits = |v: &[f64; NODES]| v.map(f64::to_bits);
+            assert_eq!(bits(&wide.nodes(&z)), bits(&plain.nodes(&z)));
+            for span in [1e-9, 124e-6, 5e-3, 1.0, 1e6] {
+                let both = [&wide, &plain].map(|mode| {
+                    let p = Propagator::new(mode, span);
+                    let point = mode.sum(mode.rate(&z, 0.1), 33.0).point(span);
+                    let rows = [p.decay, p.rise, p.ramp, point.terms].map(|row| bits(&row));
+                    (rows, point.value.to_bits(), point.slope.to_bits())
+                });
+                assert_eq!(both[0], both[1], "{span} s");
+            }
+        }
+    }
 }

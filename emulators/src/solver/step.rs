@@ -54,8 +54,7 @@ impl Exact {
                 Box::new(Propagator::new(&self.modes[self.mode], stretch))
             };
             let mode = &self.modes[self.mode];
-            let begin = || Start::new(mode, &self.z, t, heat, power);
-            let start = mode.vectors.run(begin);
+            let start = Start::new(mode, &self.z, t, heat, power);
             let end = propagator.step(mode, &self.z, power);
             let event = if round < EVENTS {
                 self.first_event(&segment, &start, &end, stretch)
@@ -160,8 +159,7 @@ impl Exact {
     fn accept(&mut self, propagator: &Propagator, start: &Start, end: &[f64; NODES], span: f64) {
         let mode = &self.modes[self.mode];
         let base = self.network.body_c;
-        let course = || Course::new(mode, base, propagator, start, (&self.z, end), span);
-        let course = mode.vectors.run(course);
+        let course = Course::new(mode, base, propagator, start, (&self.z, end), span);
         let hottest = self.wire_peak_within(start, end, &course.rate, span);
         self.hottest = (self.hottest.0.max(hottest), self.hottest.1.max(hottest));
         self.deep.pass(&mode.lambda, &course.deep);
@@ -229,7 +227,6 @@ struct Start {
 }
 
 impl Start {
-    #[inline(always)]
     fn new(mode: &Mode, z: &[f64; NODES], wire_c: f64, heat: Heat, power: f64) -> Self {
         let rate = mode.rate(z, power);
         let slopes = product(&mode.gain, &rate);
@@ -259,7 +256,6 @@ struct Course {
 
 impl Course {
     /// Of a step of `span` seconds between two states.
-    #[inline(always)]
     fn new(
         mode: &Mode,
         base: f64,
@@ -270,29 +266,33 @@ impl Course {
     ) -> Self {
         let integral = propagator.integral(mode, z, start.power);
         let rate = mode.rate(end, start.power);
-        let at = |t: f64, row, z, rate| Point {
-            t,
-            value: base + dot(row, z),
-            slope: dot(row, rate),
-            terms: product(row, rate),
-        };
-        let ends = |row| [at(0.0, row, z, &start.rate), at(span, row, end, &rate)];
         Self {
             wire: dot(&mode.gain, &integral),
             outer: dot(mode.last(), &integral),
             skin: dot(&mode.shallow, &integral),
             rate,
-            shallow: ends(&mode.shallow),
-            deep: ends(&mode.deep),
+            shallow: [
+                point(base, &mode.shallow, 0.0, z, &start.rate),
+                point(base, &mode.shallow, span, end, &rate),
+            ],
+            deep: [
+                point(base, &mode.deep, 0.0, z, &start.rate),
+                point(base, &mode.deep, span, end, &rate),
+            ],
         }
     }
 }
 
-#[inline(always)]
-fn product(a: &[f64; NODES], b: &[f64; NODES]) -> [f64; NODES] {
-    let mut out = *a;
-    for (out, b) in out.iter_mut().zip(b) {
-        *out *= b;
+/// The temperature that `row` gives at `t`.
+fn point(base: f64, row: &[f64; NODES], t: f64, z: &[f64; NODES], rate: &[f64; NODES]) -> Point {
+    Point {
+        t,
+        value: base + dot(row, z),
+        slope: dot(row, rate),
+        terms: product(row, rate),
     }
-    out
+}
+
+fn product(a: &[f64; NODES], b: &[f64; NODES]) -> [f64; NODES] {
+    core::array::from_fn(|k| a[k] * b[k])
 }

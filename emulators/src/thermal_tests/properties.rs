@@ -96,6 +96,26 @@ proptest! {
         prop_assert!((a.deep_c - b.deep_c).abs() < 1e-9, "{a:?} {b:?}");
     }
 
+    /// Maxima are the same, asked for at every edge or once.
+    #[test]
+    fn asking_changes_nothing(p in wires(), s in skins(), drive in drives()) {
+        let mut once = Wire::new(&p, &s, 33.0).unwrap();
+        let mut often = once.clone();
+        let end = run(&mut once, &drive, &[]);
+        let (mut t, mut windows) = (Nanos::ZERO, often.peaks(Nanos::ZERO));
+        for &(span, amps) in &drive {
+            often.set_current(t, amps);
+            t = t + Nanos(span);
+            windows.raise(&often.window_peaks(t));
+        }
+        let all = once.peaks(end);
+        for other in [often.peaks(end), windows] {
+            prop_assert!((all.wire_c - other.wire_c).abs() < 1e-9);
+            prop_assert!((all.shallow_c - other.shallow_c).abs() < 1e-9, "{all:?} {other:?}");
+            prop_assert!((all.deep_c - other.deep_c).abs() < 1e-9, "{all:?} {other:?}");
+        }
+    }
+
     /// Every joule into the wire is in the wire, in the skin or gone by a named way.
     #[test]
     fn energy_balances(p in wires(), s in skins(), start in 0.0..110.0_f64, drive in drives()) {
