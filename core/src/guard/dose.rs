@@ -17,9 +17,10 @@ pub(super) struct DoseLimits {
 }
 
 impl DoseLimits {
-    /// So much dose left lasts for [`HORIZON_S`] at `t` degrees C, and a thousandth more, which no rounding takes.
-    pub(super) fn ample(t: f64) -> Self {
-        let rates = Rates::at(t);
+    /// So much dose left lasts for [`HORIZON_S`] at `mc` millidegrees C, and a thousandth more, which no rounding
+    /// takes.
+    pub(super) fn ample(mc: u64) -> Self {
+        let rates = Rates::at(mc as f64 * 1e-3);
         Self {
             omega: 1.001 * HORIZON_S * rates.omega,
             cem43_min: 1.001 * HORIZON_S * rates.cem43_min,
@@ -161,7 +162,7 @@ mod tests {
 
     #[test]
     fn ample_dose_lasts_a_minute_at_that_temperature() {
-        let ample = DoseLimits::ample(43.0);
+        let ample = DoseLimits::ample(43_000);
         close(ample.cem43_min, 1.001);
         close(ample.omega, 60.06 * Rates::at(43.0).omega);
     }

@@ -162,7 +162,7 @@ impl Budget {
                 omega: limits.dose_omega_ppm as f64 * 1e-6,
                 cem43_min: limits.dose_cem43_ms as f64 / 60_000.0,
             },
-            ample: DoseLimits::ample(limits.skin_peak_mc as f64 * 1e-3),
+            ample: DoseLimits::ample(limits.skin_peak_mc),
             response: Response::new(stretches.of(Duration::ZERO), &felt),
             felt,
             stretches,
