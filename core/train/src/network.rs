@@ -148,7 +148,7 @@ impl<B: Recurrent> Network<B> {
             x = layer.forward(x);
         }
         let [steps, batch, latent] = x.dims();
-        x.slice([steps - 1..steps]).reshape([batch, latent])
+        x.narrow(0, steps - 1, 1).reshape([batch, latent])
     }
 
     /// Windows [steps, batch, features] of latent vectors [batch, latent].

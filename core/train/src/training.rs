@@ -22,8 +22,7 @@ use crate::windows::{Place, Split, Windows, shuffle};
 /// Rows between the beginnings of the windows that validation takes.
 const VALIDATION_HOP: usize = 4;
 
-/// Added to the root of Adam's second moment: Keras's, and with it the thesis's. The framework's own 1e-5 is as large
-/// as the gradients are here, so that steps would shrink with the error.
+/// Added to the root of Adam's second moment: Keras's, and with it the thesis's. The framework's own is 1e-5.
 const EPSILON: f32 = 1e-7;
 
 /// Where training runs.

@@ -21,10 +21,7 @@ pub fn sequence<B: Backend>(x: Tensor<B, 3>, weights: &Weights<B>) -> Tensor<B, 
     let mut hidden = Tensor::<B, 2>::zeros([batch, units], &device);
     let mut all = Vec::with_capacity(steps);
     for step in 0..steps {
-        let from_input = inputs
-            .clone()
-            .slice([step..step + 1])
-            .reshape([batch, gates]);
+        let from_input = inputs.clone().narrow(0, step, 1).reshape([batch, gates]);
         let from_hidden = hidden.clone().matmul(recurrent.clone()) + bias_hh.clone();
         let part = |t: &Tensor<B, 2>, gate: usize| {
             t.clone()
