@@ -116,7 +116,7 @@ pub fn draw(study: &Study, title: &str) -> String {
     let mut style = String::new();
     let _ = write!(
         style,
-        "<style>{STYLE}svg{{background:var(--card)}}.box{{fill-opacity:.15}}.box.w0{{fill:var(--w0)}}\
+        "<style>{STYLE}svg{{background:var(--card);font-family:system-ui,sans-serif}}.box{{fill-opacity:.15}}.box.w0{{fill:var(--w0)}}\
          .box.w1{{fill:var(--w1)}}.bold{{stroke-width:3.2}}</style>\n<"
     );
     svg.finish().replacen("\n<", &format!("\n{style}"), 1)
