@@ -4,16 +4,17 @@
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use crate::bus::Received;
 use crate::contact::{Compressor, Scope};
 use crate::skin::{
-    Address, Condition, FrameError, Initialiser, Layout, Monitor, Phase, Reading, RelativeFrame,
-    Scan, ScanAssembler,
+    self, Address, Condition, FrameError, Initialiser, Layout, Monitor, Phase, RelativeFrame, Scan,
+    ScanAssembler,
 };
 use crate::texture::Control;
 use crate::units::{Duration, Instant};
-use crate::wire::uskin::{IdProfile, Message, Wiring, decode};
+use crate::wire::uskin::{IdProfile, Raw, Reading, Wiring};
 
 use super::texture::Sampler;
 use super::{FrameReport, Observer, PlanError, SensingPlan};
@@ -41,42 +42,52 @@ struct Pipeline {
     refused: Option<FrameError>,
 }
 
-/// Who sends under which number: modules by bus and board.
-#[derive(Debug, Default)]
-struct Senders {
-    /// Index and wiring of a bus's modules by board; the last place is the first module of the bus, for
-    /// identifiers that name no board.
-    buses: Vec<[Option<(u16, Wiring)>; BOARDS + 1]>,
+/// The taxel that an identifier is about.
+#[derive(Clone, Copy, Debug)]
+struct Route {
+    module: u16,
+    taxel: u16,
+    order: u16,
 }
 
-/// Boards that a bus can have.
-const BOARDS: usize = 16;
+/// What every identifier means on every bus, worked out beforehand.
+#[derive(Debug)]
+struct Routes(Vec<Box<[Option<Route>]>>);
 
-impl Senders {
-    fn add(&mut self, index: usize, address: Address, wiring: Wiring) {
-        let bus = usize::from(address.bus);
-        if self.buses.len() <= bus {
-            self.buses.resize(bus + 1, [None; BOARDS + 1]);
-        }
-        let sender = (index as u16, wiring); // a bus has at most 16 boards
-        for place in [usize::from(address.board), BOARDS] {
-            if let Some(slot) = self.buses[bus].get_mut(place) {
-                slot.get_or_insert(sender);
-            }
-        }
+/// Identifiers of a bus: 11 bits.
+const IDENTIFIERS: u16 = 1 << 11;
+
+impl Routes {
+    /// For modules by index, address and wiring. Of several under one board's number the first counts, and under a
+    /// profile whose identifiers name no board the first of the bus.
+    fn new(profile: IdProfile, modules: &[(u16, Address, Wiring)]) -> Self {
+        let buses = modules.iter().map(|(_, address, _)| address.bus).max();
+        let of_bus = |bus: u8| {
+            let modules = || modules.iter().filter(move |m| m.1.bus == bus);
+            let route = |id: u16| {
+                let (board, place) = profile.place(id)?;
+                let sender = modules().find(|m| board.is_none_or(|b| b == m.1.board));
+                let (module, _, wiring) = *sender?;
+                Some(Route {
+                    module,
+                    taxel: wiring.taxel(place)?.1 as u16, // a board has at most 64 taxels a module
+                    order: wiring.order(place)? as u16,
+                })
+            };
+            (0..IDENTIFIERS).map(route).collect()
+        };
+        Self(buses.map_or_else(Vec::new, |last| (0..=last).map(of_bus).collect()))
     }
 
-    fn find(&self, bus: u8, board: Option<u8>) -> Option<(u16, Wiring)> {
-        let place = board.map_or(BOARDS, usize::from);
-        *self.buses.get(usize::from(bus))?.get(place)?
+    fn find(&self, bus: u8, id: u16) -> Option<Route> {
+        *self.0.get(usize::from(bus))?.get(usize::from(id))?
     }
 }
 
 /// The state of the sensor half.
 #[derive(Debug)]
 pub(super) struct Sensing {
-    profile: IdProfile,
-    senders: Senders,
+    routes: Routes,
     assembler: ScanAssembler,
     pipeline: Pipeline,
     /// Whether every module drives the display, or one.
@@ -91,9 +102,11 @@ pub(super) struct Sensing {
 impl Pipeline {
     fn frame(&mut self, scan: &Scan, module: u16, layout: &Layout, observer: &mut impl Observer) {
         self.watch_for_new_board(usize::from(module), layout);
-        self.monitor
-            .observe_range(scan, layout.range(usize::from(module)));
-        self.examine(scan.at(), usize::from(module), layout, observer);
+        let range = layout.range(usize::from(module));
+        let well = self.monitor.observe_range(scan, range.clone());
+        if !(well && self.is_used_whole(range)) {
+            self.examine(scan.at(), usize::from(module), layout, observer);
+        }
         if let Some(texture) = &mut self.texture {
             // As the last frame has it: a scan's own touch is known one frame later.
             let touched = !self.relative.contacts_of(usize::from(module)).is_empty();
@@ -147,6 +160,16 @@ impl Pipeline {
         }
     }
 
+    /// Whether nothing is left to do for taxels that are well: they were, and are left out only where the
+    /// initialiser says so.
+    fn is_used_whole(&self, range: Range<usize>) -> bool {
+        let conditions = self.conditions[range.clone()].iter();
+        let well = |c: &Condition| (*c == Condition::Good) | (*c == Condition::Inactive);
+        let (used, usable) = (self.relative.usable(), self.initialiser.usable());
+        conditions.fold(true, |all, c| all & well(c))
+            && (!self.masked || used[range.clone()] == usable[range])
+    }
+
     /// Looks at the taxels of a module: reports those whose health changed, and leaves the ill ones out.
     /// Where a whole module stands still it may be a skin without noise, so it is only reported.
     fn examine(
@@ -189,7 +212,7 @@ impl Sensing {
         let layout = plan.layout;
         let whole = plan.compression.scope == Scope::Skin;
         let mut assembler = ScanAssembler::new(&layout, plan.gap);
-        let mut senders = Senders::default();
+        let mut senders = Vec::new();
         for (index, module) in layout.modules().iter().enumerate() {
             let wiring = module.wiring();
             let active = (0..module.points().len()).filter(|&i| module.active()[i]);
@@ -198,13 +221,12 @@ impl Sensing {
                 assembler.set_last_order(index, last as u32); // a board has at most 64 taxels
             }
             if let Some((address, wiring)) = module.address().zip(wiring) {
-                senders.add(index, address, wiring);
+                senders.push((index as u16, address, wiring)); // at most 4096 modules
             }
         }
         let initialiser = Initialiser::new(&layout, plan.initialiser)?;
         let sensing = Self {
-            profile: plan.profile,
-            senders,
+            routes: Routes::new(plan.profile, &senders),
             assembler,
             pipeline: Pipeline {
                 relative: RelativeFrame::new(&layout),
@@ -307,17 +329,14 @@ impl Sensing {
         layout: &Layout,
         observer: &mut impl Observer,
     ) -> Option<()> {
-        let Ok(Message::Data(data)) = decode(self.profile, &received.frame) else {
-            return None;
-        };
-        let (module, wiring) = self.senders.find(received.bus, data.board)?;
-        let (_, taxel) = wiring.taxel(data.place)?;
-        let order = wiring.order(data.place)?;
-        let reading = Reading {
-            module,
-            taxel: taxel as u32,
-            order: order as u32,
-            counts: [data.reading.x, data.reading.y, data.reading.z],
+        // Commands are shorter than data; nothing else tells them apart.
+        let Reading { x, y, z } = Raw::new(received.frame.data())?.reading();
+        let route = self.routes.find(received.bus, received.frame.id())?;
+        let reading = skin::Reading {
+            module: route.module,
+            taxel: u32::from(route.taxel),
+            order: u32::from(route.order),
+            counts: [x, y, z],
             at: received.at,
         };
         let pipeline = &mut self.pipeline;
@@ -325,7 +344,7 @@ impl Sensing {
             pipeline.frame(scan, m, layout, observer)
         });
         push.ok()?;
-        if self.whole || module == self.pipeline.drives {
+        if self.whole || route.module == self.pipeline.drives {
             self.last_received = Some(received.at);
         }
         Some(())

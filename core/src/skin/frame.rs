@@ -125,6 +125,9 @@ impl Scan {
 /// The state of one module's unfinished scan.
 #[derive(Clone, Copy, Debug)]
 struct Pending {
+    /// Running index of its first taxel, and how many it has.
+    from: u32,
+    taxels: u32,
     /// Order of its newest reading, `None` when there is no unfinished scan.
     order: Option<u32>,
     at: Instant,
@@ -140,10 +143,12 @@ struct Pending {
 /// Makes scans of readings, module by module.
 #[derive(Clone, Debug)]
 pub struct ScanAssembler {
-    starts: Vec<u32>,
     gap: Duration,
     pending: Vec<Pending>,
-    staged: Vec<Option<([u16; 3], Instant)>>,
+    /// What the unfinished scans have so far: counts, times, and of which taxels.
+    counts: Vec<[u16; 3]>,
+    received: Vec<Instant>,
+    staged: Vec<bool>,
     scan: Scan,
     scans: u64,
     lost: u64,
@@ -155,9 +160,12 @@ impl ScanAssembler {
 
     /// An assembler for all modules of a layout. A module's order is taken to run over its active taxels.
     pub fn new(layout: &Layout, gap: Duration) -> Self {
-        let pending = layout.modules().iter().map(|m| {
+        let modules = layout.modules().iter().zip(layout.starts());
+        let pending = modules.map(|(m, from)| {
             let expected = m.active().iter().filter(|a| **a).count() as u32;
             Pending {
+                from: *from,
+                taxels: m.active().len() as u32, // a skin has at most 2^22
                 order: None,
                 at: Instant::ZERO,
                 last: expected.saturating_sub(1),
@@ -166,11 +174,13 @@ impl ScanAssembler {
                 lost: 0,
             }
         });
+        let n = layout.taxels();
         Self {
-            starts: layout.starts().to_vec(),
             gap,
             pending: pending.collect(),
-            staged: alloc::vec![None; layout.taxels()],
+            counts: alloc::vec![[0; 3]; n],
+            received: alloc::vec![Instant::ZERO; n],
+            staged: alloc::vec![false; n],
             scan: Scan::new(layout),
             scans: 0,
             lost: 0,
@@ -189,35 +199,33 @@ impl ScanAssembler {
     ///
     /// # Errors
     /// A taxel that the layout does not have; nothing has changed then.
+    #[inline]
     pub fn push(
         &mut self,
         reading: &Reading,
         mut done: impl FnMut(&Scan, u16),
     ) -> Result<(), UnknownTaxel> {
         let module = usize::from(reading.module);
-        let unknown = UnknownTaxel {
-            module: reading.module,
-            taxel: reading.taxel,
+        let place = self.pending.get(module);
+        let Some(open) = place.filter(|p| reading.taxel < p.taxels) else {
+            return Err(UnknownTaxel {
+                module: reading.module,
+                taxel: reading.taxel,
+            });
         };
-        let (Some(&from), Some(&to)) = (self.starts.get(module), self.starts.get(module + 1))
-        else {
-            return Err(unknown);
-        };
-        if reading.taxel >= to - from {
-            return Err(unknown);
+        let taxel = (open.from + reading.taxel) as usize;
+        if let Some(order) = open.order {
+            let twice = order == reading.order && self.staged[taxel];
+            if twice && self.counts[taxel] == reading.counts {
+                return Ok(()); // the same frame twice
+            }
+            if reading.order <= order || reading.at.since(open.at) > self.gap {
+                self.end(module, &mut done);
+            }
         }
-        let open = self.pending[module];
-        let staged = self.staged[(from + reading.taxel) as usize];
-        if open.order == Some(reading.order) && staged.is_some_and(|s| s.0 == reading.counts) {
-            return Ok(()); // the same frame twice
-        }
-        if open
-            .order
-            .is_some_and(|o| reading.order <= o || reading.at.since(open.at) > self.gap)
-        {
-            self.end(module, &mut done);
-        }
-        self.staged[(from + reading.taxel) as usize] = Some((reading.counts, reading.at));
+        self.counts[taxel] = reading.counts;
+        self.received[taxel] = reading.at;
+        self.staged[taxel] = true;
         let p = &mut self.pending[module];
         p.order = Some(reading.order);
         p.at = reading.at;
@@ -247,25 +255,40 @@ impl ScanAssembler {
         }
     }
 
+    /// Apart from [`ScanAssembler::push`], most calls of which do not come here.
+    #[inline(never)]
     fn end(&mut self, module: usize, done: &mut impl FnMut(&Scan, u16)) {
-        for i in self.starts[module] as usize..self.starts[module + 1] as usize {
-            let staged = self.staged[i].take();
-            self.scan.fresh[i] = staged.is_some();
-            if let Some((counts, at)) = staged {
-                self.scan.counts[i] = counts;
-                self.scan.received[i] = at;
-                self.scan.seen[i] = true;
+        self.close(module);
+        done(&self.scan, module as u16);
+    }
+
+    /// Takes what a module has sent into the scan.
+    fn close(&mut self, module: usize) {
+        let p = &mut self.pending[module];
+        let range = p.from as usize..(p.from + p.taxels) as usize;
+        let staged = &mut self.staged[range.clone()];
+        let (counts, received) = (&self.counts[range.clone()], &self.received[range.clone()]);
+        let scan = &mut self.scan;
+        scan.fresh[range.clone()].copy_from_slice(staged);
+        if staged.iter().fold(true, |all, staged| all & staged) {
+            scan.counts[range.clone()].copy_from_slice(counts);
+            scan.received[range.clone()].copy_from_slice(received);
+            scan.seen[range].fill(true);
+        } else {
+            for (i, taxel) in range.enumerate().filter(|(i, _)| staged[*i]) {
+                scan.counts[taxel] = counts[i];
+                scan.received[taxel] = received[i];
+                scan.seen[taxel] = true;
             }
         }
-        let p = &mut self.pending[module];
+        staged.fill(false);
         p.order = None;
-        self.scan.at = self.scan.at.max(p.at);
+        scan.at = scan.at.max(p.at);
         self.scans += 1;
         let lost = u64::from(p.expected.saturating_sub(p.readings));
         self.lost += lost;
         p.lost += lost;
         p.readings = 0;
-        done(&self.scan, module as u16);
     }
 
     /// The skin as of the newest complete scans.

@@ -8,6 +8,7 @@ use alloc::vec::Vec;
 use super::frame::Scan;
 use super::layout::Layout;
 use crate::units::{Duration, Instant};
+use crate::vector::Vectors;
 
 /// Limits of the monitor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,9 +49,11 @@ pub enum Condition {
     Good,
 }
 
+/// From three jumps in short order on.
+const JUMPING: u16 = 40;
+
 #[derive(Clone, Copy, Debug, Default)]
 struct Taxel {
-    counts: [u16; 3],
     received: u32,
     changed: u32,
     first_at: Instant,
@@ -91,7 +94,10 @@ pub struct Monitor {
     settings: HealthSettings,
     active: Vec<bool>,
     single_axis: Vec<bool>,
+    /// The newest reading of every taxel; 0 before the first.
+    counts: Vec<[u16; 3]>,
     taxels: Vec<Taxel>,
+    vectors: Vectors,
     started: Option<Instant>,
     frames: u64,
     repeated: u64,
@@ -108,7 +114,9 @@ impl Monitor {
             single_axis: modules()
                 .flat_map(|m| m.points().iter().map(move |_| m.axes() == 1))
                 .collect(),
+            counts: alloc::vec![[0; 3]; layout.taxels()],
             taxels: alloc::vec![Taxel::default(); layout.taxels()],
+            vectors: Vectors::widest(),
             started: None,
             frames: 0,
             repeated: 0,
@@ -121,29 +129,48 @@ impl Monitor {
         if scan.counts().len() != self.taxels.len() {
             return false;
         }
-        self.observe_range(scan, 0..self.taxels.len())
+        let repeated = self.repeated;
+        self.observe_range(scan, 0..self.taxels.len());
+        self.repeated == repeated
     }
 
-    /// Takes one module's scan, `range` being [`Layout::range`].
+    /// Takes one module's scan, `range` being [`Layout::range`]. Where it returns true, every active taxel of the
+    /// module is in it, is [`Condition::Good`] at the time of the scan, and has not jumped; false says nothing.
     pub fn observe_range(&mut self, scan: &Scan, range: core::ops::Range<usize>) -> bool {
         let at = scan.at();
-        let jump = self.settings.jump_counts;
         self.started.get_or_insert(at);
         let end = range.end.min(self.taxels.len()).min(scan.counts().len());
-        let mut any = false;
-        for i in range.start..end {
-            if !(self.active[i] && scan.fresh()[i]) {
+        let range = range.start.min(end)..end;
+        let (jump, frozen_after) = (self.settings.jump_counts, self.settings.frozen_after);
+        let (old, new) = (
+            &mut self.counts[range.clone()],
+            &scan.counts()[range.clone()],
+        );
+        let (before, now) = (old.as_flattened(), new.as_flattened());
+        // One look at all of it, without a branch: mostly no value jumps and none is at an end of its range.
+        let steady = self.vectors.run(|| {
+            let values = before.iter().zip(now);
+            values.fold(true, |all, (a, b)| {
+                all & (a.abs_diff(*b) <= jump) & (b.wrapping_add(1) > 1)
+            })
+        });
+        let (mut well, mut any) = (steady, false);
+        let listening = self.active[range.clone()].iter();
+        let listening = listening.zip(&scan.fresh()[range.clone()]);
+        let taxels = self.taxels[range].iter_mut().zip(old).zip(new);
+        for (((t, old), new), (active, fresh)) in taxels.zip(listening) {
+            if !(*active && *fresh) {
+                well &= !active;
                 continue;
             }
-            let (t, new) = (&mut self.taxels[i], scan.counts()[i]);
             if t.received == 0 {
                 (t.first_at, t.changed_at) = (at, at);
                 any = true;
-            } else if new != t.counts {
+            } else if new != old {
                 t.changed = t.changed.saturating_add(1);
                 t.changed_at = at;
                 any = true;
-                t.jumped = new.iter().zip(t.counts).any(|(a, b)| a.abs_diff(b) > jump);
+                t.jumped = !steady && new.iter().zip(*old).any(|(a, b)| a.abs_diff(b) > jump);
                 t.jumps = if t.jumped {
                     t.jumps.saturating_add(16).min(64)
                 } else {
@@ -152,13 +179,14 @@ impl Monitor {
             } else {
                 t.jumped = false;
             }
-            t.counts = new;
+            *old = *new;
             t.last_at = at;
             t.received = t.received.saturating_add(1);
+            well &= (t.jumps < JUMPING) & (at.since(t.changed_at) <= frozen_after);
         }
         self.frames += 1;
         self.repeated += u64::from(!any);
-        any
+        well
     }
 
     /// What is wrong with a taxel at `now`; the worst of several.
@@ -176,9 +204,13 @@ impl Monitor {
             Condition::Dead
         } else if t.received > 0 && t.last_at.since(t.changed_at) > self.settings.frozen_after {
             Condition::Frozen
-        } else if t.received > 0 && t.counts[used].iter().any(|c| *c == 0 || *c == u16::MAX) {
+        } else if t.received > 0
+            && self.counts[index][used]
+                .iter()
+                .any(|c| *c == 0 || *c == u16::MAX)
+        {
             Condition::Saturated
-        } else if t.jumps >= 40 {
+        } else if t.jumps >= JUMPING {
             Condition::Jumping
         } else {
             Condition::Good

@@ -31,6 +31,7 @@ impl CanFrame {
     }
 
     /// The data bytes, as many as the data length code says.
+    #[inline]
     pub fn data(&self) -> &[u8] {
         &self.data[..usize::from(self.dlc)]
     }

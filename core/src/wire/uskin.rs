@@ -35,22 +35,21 @@ pub struct Raw<'a>(&'a [u8]);
 
 impl<'a> Raw<'a> {
     /// The view, if there are eight bytes, or seven as some boards send.
+    #[inline]
     pub fn new(data: &'a [u8]) -> Option<Self> {
         matches!(data.len(), 7 | 8).then_some(Self(data))
     }
 
-    /// The axis whose first byte is `first`, most significant byte first.
-    fn axis(self, first: usize) -> u16 {
-        let byte = |i| self.0.get(i).copied().unwrap_or(0);
-        u16::from_be_bytes([byte(first), byte(first + 1)])
-    }
-
-    /// The three axes: bytes 1 to 6.
+    /// The three axes: bytes 1 to 6, most significant byte first.
+    #[inline]
     pub fn reading(self) -> Reading {
+        let [_, xh, xl, yh, yl, zh, zl, ..] = *self.0 else {
+            return Reading::default(); // `new` refused anything shorter
+        };
         Reading {
-            x: self.axis(1),
-            y: self.axis(3),
-            z: self.axis(5),
+            x: u16::from_be_bytes([xh, xl]),
+            y: u16::from_be_bytes([yh, yl]),
+            z: u16::from_be_bytes([zh, zl]),
         }
     }
 }
