@@ -172,19 +172,12 @@ impl RelativeFrame {
 
     /// What was measured, by axis, and its magnitude; the axes not chosen count as 0.
     pub(super) fn spread(&mut self, axes: Axes) {
-        let n = self.measured.len();
         let [x, y, z] = &mut self.axes;
-        let (x, y, z) = (&mut x[..n], &mut y[..n], &mut z[..n]);
-        let (measured, magnitude) = (&self.measured[..], &mut self.magnitude[..n]);
+        let (measured, magnitude) = (&self.measured[..], &mut self.magnitude[..]);
         // Measured values are finite: a factor of 0 makes 0.
         let factor = axes.flags().map(|chosen| if chosen { 1.0 } else { 0.0 });
-        self.vectors.run(|| {
-            for i in 0..n {
-                let [a, b, c] = measured[i];
-                (x[i], y[i], z[i]) = (a * factor[0], b * factor[1], c * factor[2]);
-                magnitude[i] = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
-            }
-        });
+        self.vectors
+            .run(|| spread(measured, factor, [x, y, z], magnitude));
         self.vectors.sqrt(&mut self.magnitude);
     }
 
@@ -259,6 +252,50 @@ impl RelativeFrame {
     /// As [`Layout::starts`].
     pub fn starts(&self) -> &[u32] {
         &self.starts
+    }
+}
+
+/// Axes of their own, and squared magnitudes; slices of one length.
+#[inline(always)]
+fn spread(
+    measured: &[[f32; 3]],
+    factor: [f32; 3],
+    [x, y, z]: [&mut [f32]; 3],
+    squares: &mut [f32],
+) {
+    // A loop over any number is made for many: a module's few taxels would come one at a time.
+    const FEW: usize = 8;
+    if measured.len() > 4 * FEW {
+        return several(measured, factor, [x, y, z], squares);
+    }
+    let (measured, rest) = measured.as_chunks::<FEW>();
+    let (x, last_x) = x.as_chunks_mut::<FEW>();
+    let (y, last_y) = y.as_chunks_mut::<FEW>();
+    let (z, last_z) = z.as_chunks_mut::<FEW>();
+    let (squares, last_squares) = squares.as_chunks_mut::<FEW>();
+    let axes = x.iter_mut().zip(y).zip(z);
+    for ((measured, ((x, y), z)), squares) in measured.iter().zip(axes).zip(squares) {
+        several(measured, factor, [x, y, z], squares);
+    }
+    several(rest, factor, [last_x, last_y, last_z], last_squares);
+}
+
+/// As [`spread`].
+#[inline(always)]
+fn several(
+    measured: &[[f32; 3]],
+    factor: [f32; 3],
+    [x, y, z]: [&mut [f32]; 3],
+    squares: &mut [f32],
+) {
+    let axes = x.iter_mut().zip(y).zip(z);
+    for ((measured, ((x, y), z)), square) in measured.iter().zip(axes).zip(squares) {
+        (*x, *y, *z) = (
+            measured[0] * factor[0],
+            measured[1] * factor[1],
+            measured[2] * factor[2],
+        );
+        *square = *x * *x + *y * *y + *z * *z;
     }
 }
 
