@@ -2,6 +2,7 @@
 //! calls it, at the latest when [`Projector::next`] says so; it never waits and never asks for the time.
 
 mod output;
+mod routes;
 mod sensing;
 mod strokes;
 mod texture;

@@ -9,13 +9,14 @@ use core::ops::Range;
 use crate::bus::Received;
 use crate::contact::{Compressor, Scope};
 use crate::skin::{
-    self, Address, Condition, FrameError, Initialiser, Layout, Monitor, Phase, RelativeFrame, Scan,
+    self, Condition, FrameError, Initialiser, Layout, Monitor, Phase, RelativeFrame, Scan,
     ScanAssembler,
 };
 use crate::texture::Control;
 use crate::units::{Duration, Instant};
-use crate::wire::uskin::{IdProfile, Raw, Reading, Wiring};
+use crate::wire::uskin::{Raw, Reading};
 
+use super::routes::Routes;
 use super::texture::Sampler;
 use super::{FrameReport, Observer, PlanError, SensingPlan};
 
@@ -40,48 +41,6 @@ struct Pipeline {
     newest: Option<Instant>,
     /// Frames that could not be compressed; the layout makes that impossible, so it is counted, not hidden.
     refused: Option<FrameError>,
-}
-
-/// The taxel that an identifier is about.
-#[derive(Clone, Copy, Debug)]
-struct Route {
-    module: u16,
-    taxel: u16,
-    order: u16,
-}
-
-/// What every identifier means on every bus, worked out beforehand.
-#[derive(Debug)]
-struct Routes(Vec<Box<[Option<Route>]>>);
-
-/// Identifiers of a bus: 11 bits.
-const IDENTIFIERS: u16 = 1 << 11;
-
-impl Routes {
-    /// For modules by index, address and wiring. Of several under one board's number the first counts, and under a
-    /// profile whose identifiers name no board the first of the bus.
-    fn new(profile: IdProfile, modules: &[(u16, Address, Wiring)]) -> Self {
-        let buses = modules.iter().map(|(_, address, _)| address.bus).max();
-        let of_bus = |bus: u8| {
-            let modules = || modules.iter().filter(move |m| m.1.bus == bus);
-            let route = |id: u16| {
-                let (board, place) = profile.place(id)?;
-                let sender = modules().find(|m| board.is_none_or(|b| b == m.1.board));
-                let (module, _, wiring) = *sender?;
-                Some(Route {
-                    module,
-                    taxel: wiring.taxel(place)?.1 as u16, // a board has at most 64 taxels a module
-                    order: wiring.order(place)? as u16,
-                })
-            };
-            (0..IDENTIFIERS).map(route).collect()
-        };
-        Self(buses.map_or_else(Vec::new, |last| (0..=last).map(of_bus).collect()))
-    }
-
-    fn find(&self, bus: u8, id: u16) -> Option<Route> {
-        *self.0.get(usize::from(bus))?.get(usize::from(id))?
-    }
 }
 
 /// The state of the sensor half.

@@ -335,4 +335,23 @@ mod tests {
         assert!(f.load(&[[0.0; 3]; 2], Axes::Z, 1.0).is_err());
         assert!(f.load(&[[0.0; 3]; 3], Axes::Z, f32::NAN).is_err());
     }
+
+    /// Few taxels and many go different ways.
+    #[test]
+    fn magnitudes_are_the_same_for_any_number_of_taxels() {
+        for n in 1..80 {
+            let pad = Module::grid("pad", 1, n, 1.0).unwrap();
+            let mut f = RelativeFrame::new(&Layout::single(pad).unwrap());
+            let d: Vec<[f32; 3]> = (0..n)
+                .map(|i| [0.3, 1.7, -0.9].map(|c| c * f32::from(i * i + 1)))
+                .collect();
+            f.load(&d, Axes::XYZ, 1.0).unwrap();
+            for (i, [x, y, z]) in d.iter().map(|d| d.map(libm::fabsf)).enumerate() {
+                let axes = [0, 1, 2].map(|a| f.axis(a)[i].to_bits());
+                assert_eq!(axes, [x, y, z].map(f32::to_bits), "{n} {i}");
+                let want = libm::sqrtf(x * x + y * y + z * z);
+                assert_eq!(f.magnitude()[i].to_bits(), want.to_bits(), "{n} {i}");
+            }
+        }
+    }
 }
