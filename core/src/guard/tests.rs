@@ -142,6 +142,48 @@ fn burst_energy_stays_under_its_limit() {
 }
 
 #[test]
+fn a_burst_that_takes_just_what_is_left_is_not_limited() {
+    let asked = THESIS.energy_nj(100, Duration::from_micros(35_000));
+    for (left, width, reason) in [
+        (asked, 100, None),
+        (asked - 1, 99, Some(Reason::Burst)),
+        (asked / 101, 0, Some(Reason::Burst)),
+    ] {
+        let limits = Limits {
+            burst_energy_nj: left,
+            ..HARD
+        };
+        let mut guard = guard(limits, THESIS);
+        let (_, entries) = admit(&mut guard, &[stimulus(0, 100, 0, 35_000)]);
+        assert_eq!(
+            (entries[0].width().get(), entries[0].reason),
+            (width, reason)
+        );
+        // What was refused has begun no burst and warmed nothing.
+        let rested = guard.predicted().peak_c == 33.0;
+        assert_eq!(rested, width == 0);
+        let long = Instant::from_micros(40_000 + 48_800);
+        assert_eq!(
+            guard.has_time(0, Instant::from_micros(40_000), long),
+            width == 0
+        );
+    }
+}
+
+#[test]
+fn of_rows_that_leave_the_same_the_first_is_the_reason() {
+    // With next to nothing in a second, neither longer window matters: wire and fingertip have the same left.
+    let limits = Limits {
+        wire_1s_uw: 1000,
+        fingertip_1s_uw: 1000,
+        ..HARD
+    };
+    let mut guard = guard(limits, THESIS);
+    let (_, entries) = admit(&mut guard, &[stimulus(0, 100, 0, 35_000)]);
+    assert_eq!(entries[0].reason, Some(Reason::WirePower));
+}
+
+#[test]
 fn a_dwelling_wire_is_held_to_45_mw_over_1_s_and_20_mw_over_10_s() {
     let mut guard = guard(HARD, THESIS);
     let mut spent: Vec<(u64, f64)> = Vec::new();
