@@ -38,8 +38,11 @@ fn stimulus(wire: u16, width: u16, at_us: u64, length_us: u64) -> Stimulus {
 fn admit(guard: &mut Guard, stimuli: &[Stimulus]) -> (Guarded, Vec<Entry>) {
     let mut entries = Vec::new();
     let at = stimuli[0].at;
-    while let Some(end) = guard.next_expiry().filter(|end| *end <= at) {
-        guard.expire(end, Board(0));
+    // Each wire ends once; a guard that forgets to end one shall fail, not hang.
+    for _ in 0..guard.wires.len() {
+        if let Some(end) = guard.next_expiry().filter(|end| *end <= at) {
+            guard.expire(end, Board(0));
+        }
     }
     let update = guard.admit(at, Board(0), stimuli, |e| entries.push(e));
     (update, entries)
