@@ -79,6 +79,8 @@ pub struct KMeans {
     most_points: usize,
     most_clusters: usize,
     vectors: Vectors,
+    /// 0, 1, 2, ...: a vector of one of them is quicker loaded than made of a counter.
+    index: Vec<u32>,
     cx: Vec<f32>,
     cy: Vec<f32>,
     sums: Vec<Sum>,
@@ -95,6 +97,7 @@ impl KMeans {
             most_points: points,
             most_clusters: clusters,
             vectors: Vectors::widest(),
+            index: (0..clusters as u32).collect(),
             cx: Vec::with_capacity(clusters),
             cy: Vec::with_capacity(clusters),
             sums: Vec::with_capacity(chained(clusters)),
@@ -230,7 +233,10 @@ impl KMeans {
     /// (4.5), (4.6).
     fn assign<const MARGIN: bool>(&mut self, points: Points<'_>, n: usize) {
         let (near, assigned) = (&mut self.nearest[..n], &mut self.assigned[..n]);
-        let (places, centroids) = ((&points.x[..n], &points.y[..n]), (&*self.cx, &*self.cy));
+        let (places, centroids) = (
+            (&points.x[..n], &points.y[..n]),
+            (&*self.cx, &*self.cy, &*self.index),
+        );
         let margin = self
             .vectors
             .run(|| passes::assign::<MARGIN>(places, centroids, near, assigned));
