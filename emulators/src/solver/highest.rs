@@ -33,6 +33,7 @@ pub fn highest(sum: &Sum<'_>, from: &Point, to: &Point, known: f64) -> f64 {
 }
 
 /// What a sum with these decay rates cannot pass between two instants of it; looks no closer than is `enough`.
+#[inline(always)]
 pub fn ceiling_between(lambda: &[f64; NODES], from: &Point, to: &Point, enough: f64) -> f64 {
     let (ends, span) = ((from.value, to.value), to.t - from.t);
     let slopes = spread((from.slope, to.slope), (&from.terms, &to.terms));
@@ -47,6 +48,7 @@ pub fn ceiling_between(lambda: &[f64; NODES], from: &Point, to: &Point, enough: 
 }
 
 /// How many peaks there are between two instants, where the signs of the partial sums tell.
+#[inline(always)]
 fn peaks(from: &Point, to: &Point) -> Option<usize> {
     let (turns, first) = signs(&from.terms);
     match turns {
@@ -116,6 +118,7 @@ fn within(sum: &Sum<'_>, from: &Point, to: &Point, known: f64, depth: u32) -> f6
 
 /// The least and the most that terms can have added up to between two instants, from their sums then and there:
 /// every term goes one way, so that the sum lies between those of the smaller and of the larger ones.
+#[inline(always)]
 fn spread((a, b): (f64, f64), (then, there): (&[f64; NODES], &[f64; NODES])) -> (f64, f64) {
     let mut apart = [0.0; 4];
     let pairs = then.as_chunks::<4>().0.iter().zip(there.as_chunks::<4>().0);
@@ -131,6 +134,7 @@ fn spread((a, b): (f64, f64), (then, there): (&[f64; NODES], &[f64; NODES])) -> 
 
 /// Narrows such bounds: written by parts, slowest first, the sum is a weighted mean of the partial sums and zero,
 /// unless a term grows.
+#[inline(always)]
 fn by_parts(then: &[f64; NODES], grows: bool, (least, most): (f64, f64)) -> (f64, f64) {
     if grows {
         return (least, most);
@@ -145,6 +149,7 @@ fn by_parts(then: &[f64; NODES], grows: bool, (least, most): (f64, f64)) -> (f64
 }
 
 /// What cannot be passed on the way from one value to another with slopes between these.
+#[inline(always)]
 fn ceiling((from, to): (f64, f64), (least, most): (f64, f64), span: f64) -> f64 {
     if most <= 0.0 || least >= 0.0 {
         return max(from, to);
@@ -155,10 +160,12 @@ fn ceiling((from, to): (f64, f64), (least, most): (f64, f64), span: f64) -> f64 
 }
 
 /// One instruction, where `f64::max` takes care of NaN.
+#[inline(always)]
 fn max(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
+#[inline(always)]
 fn min(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }

@@ -13,7 +13,7 @@ use crate::finger::NODES;
 use palpate_core::vector::Vectors;
 
 /// Stretches that may wait.
-const MOST: usize = 8;
+const MOST: usize = 32;
 
 /// The maximum since the start and the one since a window was opened, degrees C.
 #[derive(Clone, Debug)]
@@ -45,6 +45,7 @@ impl Maxima {
     }
 
     /// Takes a stretch between two instants of a sum with these decay rates.
+    #[inline(always)]
     pub fn pass(&mut self, lambda: &[f64; NODES], ends: &[Point; 2]) {
         let [from, to] = ends;
         self.raise(from.value.max(to.value));
@@ -83,6 +84,7 @@ impl Maxima {
         self.window = now;
     }
 
+    #[inline(always)]
     fn raise(&mut self, to: f64) {
         self.whole = self.whole.max(to);
         self.window = self.window.max(to);

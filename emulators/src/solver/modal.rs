@@ -99,6 +99,11 @@ impl Mode {
 
     /// Coordinates of node temperatures above the body's.
     pub fn project(&self, u: &[f64; NODES]) -> [f64; NODES] {
+        self.vectors.run(|| self.plain_project(u))
+    }
+
+    #[inline(always)]
+    fn plain_project(&self, u: &[f64; NODES]) -> [f64; NODES] {
         let mut z = [0.0; NODES];
         for ((u, capacity), shape) in u.iter().zip(&self.capacity).zip(&self.shape) {
             for (z, s) in z.iter_mut().zip(shape) {
@@ -122,9 +127,9 @@ impl Mode {
         nodes
     }
 
-    /// Temperatures of the wire and of the first shell above the body's.
-    pub fn first(&self, z: &[f64; NODES]) -> (f64, f64) {
-        (dot(&self.shape[0], z), dot(&self.shape[1], z))
+    /// Temperature of the first shell above the body's.
+    pub fn first_shell(&self, z: &[f64; NODES]) -> f64 {
+        dot(&self.shape[1], z)
     }
 
     /// Row that gives the outermost shell.
@@ -133,6 +138,7 @@ impl Mode {
     }
 
     /// Rate of change of the coordinates, 1/s of theirs.
+    #[inline(always)]
     pub fn rate(&self, z: &[f64; NODES], power: f64) -> [f64; NODES] {
         let mut d = [0.0; NODES];
         for k in 0..NODES {
@@ -188,6 +194,7 @@ impl Propagator {
     }
 
     /// Coordinates after the span under constant `power`.
+    #[inline(always)]
     pub fn step(&self, mode: &Mode, z: &[f64; NODES], power: f64) -> [f64; NODES] {
         let mut out = [0.0; NODES];
         for k in 0..NODES {
@@ -197,6 +204,7 @@ impl Propagator {
     }
 
     /// Time integral of the coordinates over the span, for the energy ledger.
+    #[inline(always)]
     pub fn integral(&self, mode: &Mode, z: &[f64; NODES], power: f64) -> [f64; NODES] {
         let mut out = [0.0; NODES];
         for k in 0..NODES {

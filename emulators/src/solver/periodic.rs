@@ -91,6 +91,7 @@ impl Exact {
         e.ends_j += network.ends * (wire + (network.body_c - network.ends_c) * seconds * n);
         e.body_j += network.chain[NODES - 1] * outer;
         self.z = last;
+        self.watch();
         self.now = Nanos(self.now.0.saturating_add(period.0.saturating_mul(count)));
         self.face();
         true

@@ -190,11 +190,13 @@ fn root(
 }
 
 /// Sign changes of the partial sums, rounding noise left out.
+#[inline(always)]
 pub(super) fn changes(b: &[f64; NODES]) -> usize {
     signs(b).0
 }
 
 /// Sign changes of the partial sums, and the last sign: that of the sum from here on, until its first zero.
+#[inline(always)]
 pub(super) fn signs(b: &[f64; NODES]) -> (usize, f64) {
     let mut partial = 0.0;
     let mut size = 0.0;
