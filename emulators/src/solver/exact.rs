@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::maxima::Maxima;
 use super::modal::{Mode, ModeKey, Propagator, dot};
+use super::step::Run;
 use super::{Drive, Solver};
 use crate::finger::dose::Dose;
 use crate::finger::{NODES, Network};
@@ -11,7 +12,7 @@ use crate::time::Nanos;
 use crate::wire::phase::{Heading, Phase, Segment};
 use crate::wire::record::{Energy, Peaks};
 use palpate_core::physics::{ParameterError, SkinParameters, WireParameters};
-use palpate_core::vector::Vectors;
+use palpate_core::vector::{Scalar, Vectors};
 
 /// Propagators kept per wire: a pulse train needs two, its bursts and pauses a few more.
 const SLOTS: usize = 16;
@@ -118,6 +119,15 @@ impl Exact {
         Ok(solver)
     }
 
+    /// The same, stepped with these vectors.
+    #[cfg(test)]
+    pub(super) fn with_vectors(&self, vectors: Vectors) -> Self {
+        Self {
+            vectors,
+            ..self.clone()
+        }
+    }
+
     /// The time computed up to.
     pub const fn now(&self) -> Nanos {
         self.now
@@ -147,9 +157,9 @@ impl Exact {
     pub(super) fn watch(&mut self) {
         let mode = &self.modes[self.mode];
         self.watched = Watched {
-            wire: dot(&mode.gain, &self.z),
-            shallow: dot(&mode.shallow, &self.z),
-            deep: dot(&mode.deep, &self.z),
+            wire: dot(Scalar, &mode.gain, &self.z),
+            shallow: dot(Scalar, &mode.shallow, &self.z),
+            deep: dot(Scalar, &mode.deep, &self.z),
         };
     }
 
@@ -338,7 +348,7 @@ impl Solver for Exact {
     fn advance(&mut self, to: Nanos) {
         if to > self.now {
             let span = to.since(self.now);
-            self.vectors.run(|| self.run(span));
+            self.vectors.dispatch(Run(self, span));
             self.now = to;
         }
     }

@@ -10,10 +10,10 @@ use std::collections::VecDeque;
 use super::highest::{ENOUGH_K, Point, ceiling_between, highest};
 use super::sum::Sum;
 use crate::finger::NODES;
-use palpate_core::vector::Vectors;
+use palpate_core::vector::{Simd, Vectors};
 
 /// Stretches that may wait.
-const MOST: usize = 32;
+const MOST: usize = 24;
 
 /// The maximum since the start and the one since a window was opened, degrees C.
 #[derive(Clone, Debug)]
@@ -46,12 +46,12 @@ impl Maxima {
 
     /// Takes a stretch between two instants of a sum with these decay rates.
     #[inline(always)]
-    pub fn pass(&mut self, lambda: &[f64; NODES], ends: &[Point; 2]) {
+    pub fn pass<S: Simd>(&mut self, simd: S, lambda: &[f64; NODES], ends: &[Point; 2]) {
         let [from, to] = ends;
         self.raise(from.value.max(to.value));
         let known = self.window + ENOUGH_K;
         self.waiting.retain(|stretch| stretch.ceiling > known);
-        let ceiling = ceiling_between(lambda, from, to, known);
+        let ceiling = ceiling_between(simd, lambda, from, to, known);
         if ceiling <= known {
             return;
         }

@@ -8,7 +8,7 @@ use super::decay::decays;
 use super::sum::Sum;
 use crate::finger::{NODES, Network};
 use nalgebra::{SMatrix, SymmetricEigen};
-use palpate_core::vector::Vectors;
+use palpate_core::vector::{Scalar, Simd, Vectors};
 
 /// What makes a mode differ from another: all else in a network is constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,14 +122,14 @@ impl Mode {
     fn plain_nodes(&self, z: &[f64; NODES]) -> [f64; NODES] {
         let mut nodes = [0.0; NODES];
         for (node, row) in nodes.iter_mut().zip(&self.shape) {
-            *node = dot(row, z);
+            *node = dot(Scalar, row, z);
         }
         nodes
     }
 
     /// Temperature of the first shell above the body's.
     pub fn first_shell(&self, z: &[f64; NODES]) -> f64 {
-        dot(&self.shape[1], z)
+        dot(Scalar, &self.shape[1], z)
     }
 
     /// Row that gives the outermost shell.
@@ -216,14 +216,41 @@ impl Propagator {
 
 /// Sum of products in four interleaved lanes: one fixed order on every machine, and short chains of additions.
 #[inline(always)]
-pub fn dot(a: &[f64; NODES], b: &[f64; NODES]) -> f64 {
+pub fn dot<S: Simd>(simd: S, a: &[f64; NODES], b: &[f64; NODES]) -> f64 {
+    lanes(
+        simd,
+        (a, b),
+        #[inline(always)]
+        |a, b| simd.mul_f64s(a, b),
+        #[inline(always)]
+        |a, b| a * b,
+    )
+}
+
+/// Sum of what `wide` or `one` makes of every pair, four at a time where vectors hold four: compilers left to
+/// themselves take such a sum apart when much else stands around it.
+#[inline(always)]
+pub fn lanes<S: Simd>(
+    simd: S,
+    (a, b): (&[f64; NODES], &[f64; NODES]),
+    wide: impl Fn(S::f64s, S::f64s) -> S::f64s,
+    one: impl Fn(f64, f64) -> f64,
+) -> f64 {
     let mut lane = [0.0; 4];
-    for (a, b) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0) {
-        for l in 0..4 {
-            lane[l] += a[l] * b[l];
+    if S::F64_LANES == lane.len() {
+        let mut sum = simd.splat_f64s(0.0);
+        for (a, b) in S::as_simd_f64s(a).0.iter().zip(S::as_simd_f64s(b).0) {
+            sum = simd.add_f64s(sum, wide(*a, *b));
+        }
+        S::as_mut_simd_f64s(&mut lane).0[0] = sum;
+    } else {
+        for (a, b) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0) {
+            for l in 0..4 {
+                lane[l] += one(a[l], b[l]);
+            }
         }
     }
-    (lane[0] + lane[1]) + (lane[2] + lane[3]) + a[NODES - 1] * b[NODES - 1]
+    (lane[0] + lane[1]) + (lane[2] + lane[3]) + one(a[NODES - 1], b[NODES - 1])
 }
 
 #[cfg(test)]

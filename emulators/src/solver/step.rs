@@ -8,6 +8,7 @@ use super::sum::{LEVEL_TOLERANCE, changes};
 use crate::finger::NODES;
 use crate::time::Nanos;
 use crate::wire::phase::{Heading, Segment};
+use palpate_core::vector::{Simd, WithSimd};
 
 /// Events in one stretch after which the rest is taken in the regime reached. A bound on the work,
 /// far beyond what a wire can do: each event needs a threshold passed or a turn of the temperature.
@@ -24,10 +25,22 @@ enum Event {
     Turn,
 }
 
-impl Exact {
-    /// Computes `span` with the drive as it is. For wide vectors: runs where they are switched on.
+/// A stretch of time to compute with the drive as it is.
+pub(super) struct Run<'a>(pub(super) &'a mut Exact, pub(super) Nanos);
+
+impl WithSimd for Run<'_> {
+    type Output = ();
+
     #[inline(always)]
-    pub(super) fn run(&mut self, span: Nanos) {
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.0.run(simd, self.1);
+    }
+}
+
+impl Exact {
+    /// Computes `span` with the drive as it is.
+    #[inline(always)]
+    fn run<S: Simd>(&mut self, simd: S, span: Nanos) {
         let mut left = span.as_secs_f64();
         let mut whole = true;
         // After an event the threshold itself is the temperature, whatever rounding made of it.
@@ -62,7 +75,7 @@ impl Exact {
             };
             let start = Start::new(mode, &self.z, t, heat, power);
             let mut end = propagator.step(mode, &self.z, power);
-            let mut wire = dot(&mode.gain, &end);
+            let mut wire = dot(simd, &mode.gain, &end);
             let event = if round < EVENTS {
                 self.first_event(&segment, &start, self.network.body_c + wire, stretch)
             } else {
@@ -73,11 +86,11 @@ impl Exact {
                 part = Propagator::new(mode, after);
                 propagator = &part;
                 end = propagator.step(mode, &self.z, power);
-                wire = dot(&mode.gain, &end);
+                wire = dot(simd, &mode.gain, &end);
                 passed = after;
             }
-            let course = self.course(propagator, &start, (&end, wire), passed);
-            self.accept(&start, &course, passed);
+            let course = self.course(simd, propagator, &start, (&end, wire), passed);
+            self.accept(simd, &start, &course, passed);
             self.z = end;
             left -= passed;
             if let Some((_, event)) = event {
@@ -163,8 +176,9 @@ impl Exact {
 
     /// Takes the time of a step that goes to the coordinates `end`, where the wire is `wire` K above the body.
     #[inline(always)]
-    fn course(
+    fn course<S: Simd>(
         &self,
+        simd: S,
         propagator: &Propagator,
         start: &Start,
         (end, wire): (&[f64; NODES], f64),
@@ -173,36 +187,42 @@ impl Exact {
         let (mode, base) = (&self.modes[self.mode], self.network.body_c);
         let integral = propagator.integral(mode, &self.z, start.power);
         let rate = mode.rate(end, start.power);
+        let before = &self.watched;
         let after = Watched {
             wire,
-            shallow: dot(&mode.shallow, end),
-            deep: dot(&mode.deep, end),
-        };
-        let ends = |row: &[f64; NODES], from: f64, to: f64| {
-            [
-                point(0.0, base + from, row, &start.rate),
-                point(span, base + to, row, &rate),
-            ]
+            shallow: dot(simd, &mode.shallow, end),
+            deep: dot(simd, &mode.deep, end),
         };
         Course {
-            wire: dot(&mode.gain, &integral),
-            outer: dot(mode.last(), &integral),
-            skin: dot(&mode.shallow, &integral),
-            shallow: ends(&mode.shallow, self.watched.shallow, after.shallow),
-            deep: ends(&mode.deep, self.watched.deep, after.deep),
-            hottest: self.hottest_within(start, base + wire, &rate, span),
+            wire: dot(simd, &mode.gain, &integral),
+            outer: dot(simd, mode.last(), &integral),
+            skin: dot(simd, &mode.shallow, &integral),
+            shallow: [
+                point(
+                    simd,
+                    (0.0, base + before.shallow),
+                    &mode.shallow,
+                    &start.rate,
+                ),
+                point(simd, (span, base + after.shallow), &mode.shallow, &rate),
+            ],
+            deep: [
+                point(simd, (0.0, base + before.deep), &mode.deep, &start.rate),
+                point(simd, (span, base + after.deep), &mode.deep, &rate),
+            ],
+            hottest: self.hottest_within(simd, start, base + wire, &rate, span),
             after,
         }
     }
 
     /// Keeps the books of a step of `span` seconds.
     #[inline(always)]
-    fn accept(&mut self, start: &Start, course: &Course, span: f64) {
+    fn accept<S: Simd>(&mut self, simd: S, start: &Start, course: &Course, span: f64) {
         let mode = &self.modes[self.mode];
         let top = course.hottest;
         self.hottest = (self.hottest.0.max(top), self.hottest.1.max(top));
-        self.deep.pass(&mode.lambda, &course.deep);
-        self.shallow.pass(&mode.lambda, &course.shallow);
+        self.deep.pass(simd, &mode.lambda, &course.deep);
+        self.shallow.pass(simd, &mode.lambda, &course.shallow);
         let n = &*self.network;
         if let Some(dose) = &mut self.dose {
             let [from, to] = &course.shallow;
@@ -230,10 +250,17 @@ impl Exact {
     /// The wire's maximum over a step that ends at `last` with the coordinates at `rate`: both ends and all turns
     /// between.
     #[inline(always)]
-    fn hottest_within(&self, start: &Start, last: f64, rate: &[f64; NODES], span: f64) -> f64 {
+    fn hottest_within<S: Simd>(
+        &self,
+        simd: S,
+        start: &Start,
+        last: f64,
+        rate: &[f64; NODES],
+        span: f64,
+    ) -> f64 {
         let mode = &self.modes[self.mode];
         let mut top = start.wire_c.max(last);
-        let peak = || start.slopes.iter().sum::<f64>() > 0.0 && dot(&mode.gain, rate) < 0.0;
+        let peak = || start.slopes.iter().sum::<f64>() > 0.0 && dot(simd, &mode.gain, rate) < 0.0;
         if start.turns > 1 || (start.turns == 1 && peak()) {
             let sum = mode.sum(start.slopes, start.wire_c);
             let mut from = 0.0;
@@ -293,11 +320,16 @@ struct Course {
 
 /// An instant of the temperature that `row` gives, `value` then.
 #[inline(always)]
-fn point(t: f64, value: f64, row: &[f64; NODES], rate: &[f64; NODES]) -> Point {
+fn point<S: Simd>(
+    simd: S,
+    (t, value): (f64, f64),
+    row: &[f64; NODES],
+    rate: &[f64; NODES],
+) -> Point {
     Point {
         t,
         value,
-        slope: dot(row, rate),
+        slope: dot(simd, row, rate),
         terms: product(row, rate),
     }
 }
@@ -305,4 +337,40 @@ fn point(t: f64, value: f64, row: &[f64; NODES], rate: &[f64; NODES]) -> Point {
 #[inline(always)]
 fn product(a: &[f64; NODES], b: &[f64; NODES]) -> [f64; NODES] {
     core::array::from_fn(|k| a[k] * b[k])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::Solver;
+    use palpate_core::physics::{SkinParameters, WireParameters};
+    use palpate_core::vector::Vectors;
+
+    #[test]
+    fn wide_vectors_give_the_same_bits() {
+        let wide = Exact::new(&WireParameters::FINAL, &SkinParameters::DEFAULT, 33.0).unwrap();
+        let plain = wide.with_vectors(Vectors::plain());
+        // Bursts and pauses: the wire transforms both ways.
+        let [wide, plain] = [wide, plain].map(|mut solver| {
+            for pulse in 0..40 {
+                let start = Nanos(pulse * 5_000_000 + pulse / 8 * 200_000_000);
+                solver.drive(start, Drive::Current(1.97));
+                solver.drive(start + Nanos(124_000), Drive::Off);
+            }
+            solver.advance(Nanos(2_000_000_000));
+            let (peaks, energy) = (solver.peaks(), solver.energy());
+            assert!(solver.modes.len() > 1, "it never transformed");
+            let mut bits = solver.nodes().map(f64::to_bits).to_vec();
+            let all = [
+                peaks.wire_c,
+                peaks.shallow_c,
+                peaks.deep_c,
+                energy.wire_j,
+                energy.body_j,
+            ];
+            bits.extend(all.map(f64::to_bits));
+            bits
+        });
+        assert_eq!(wide, plain);
+    }
 }
