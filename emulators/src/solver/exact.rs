@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use super::maxima::Maxima;
-use super::modal::{Mode, ModeKey, Propagator, dot};
+use super::modal::{Mode, ModeKey, dot};
+use super::propagators::Propagators;
 use super::step::Run;
 use super::{Drive, Solver};
 use crate::finger::dose::Dose;
@@ -14,17 +15,8 @@ use crate::wire::record::{Energy, Peaks};
 use palpate_core::physics::{ParameterError, SkinParameters, WireParameters};
 use palpate_core::vector::{Scalar, Vectors};
 
-/// Propagators kept per wire: a pulse train needs two, its bursts and pauses a few more.
-const SLOTS: usize = 16;
 /// Regimes kept per wire beyond the three of plain play; the oldest is dropped.
 const MODES: usize = 96;
-
-#[derive(Clone, Debug)]
-struct Slot {
-    mode: usize,
-    nanos: u64,
-    propagator: Box<Propagator>,
-}
 
 /// The exact solver. Cloning one copies its state and caches.
 #[derive(Clone, Debug)]
@@ -36,8 +28,7 @@ pub struct Exact {
     pub(super) modes: Vec<Mode>,
     pub(super) mode: usize,
     oldest: usize,
-    /// The last used first.
-    slots: Vec<Slot>,
+    pub(super) propagators: Propagators,
     pub(super) z: [f64; NODES],
     /// What `z` is at the places that are looked at.
     pub(super) watched: Watched,
@@ -102,7 +93,7 @@ impl Exact {
             modes: vec![resting],
             mode: 0,
             oldest: 1,
-            slots: Vec::new(),
+            propagators: Propagators::default(),
             z,
             watched: Watched::default(),
             vectors: Vectors::widest(),
@@ -121,7 +112,7 @@ impl Exact {
 
     /// The same, stepped with these vectors.
     #[cfg(test)]
-    pub(super) fn with_vectors(&self, vectors: Vectors) -> Self {
+    pub(crate) fn with_vectors(&self, vectors: Vectors) -> Self {
         Self {
             vectors,
             ..self.clone()
@@ -299,39 +290,11 @@ impl Exact {
             let place = self.oldest;
             self.oldest = if place + 1 < MODES { place + 1 } else { 1 };
             self.modes[place] = mode;
-            self.slots.retain(|slot| slot.mode != place);
+            self.propagators.forget(place);
             place
         });
         self.z = self.modes[self.mode].project(&nodes);
         self.watch();
-    }
-
-    /// Sees to it that this mode's propagator over `nanos` is the first of those kept.
-    pub(super) fn prepare(&mut self, nanos: u64) {
-        let wanted = |s: &Slot| s.mode == self.mode && s.nanos == nanos;
-        match self.slots.iter().position(wanted) {
-            Some(0) => (),
-            Some(i) => self.slots[..=i].rotate_right(1),
-            None => {
-                let span = Nanos(nanos).as_secs_f64();
-                let propagator = Box::new(Propagator::new(&self.modes[self.mode], span));
-                self.slots.truncate(SLOTS - 1);
-                let mode = self.mode;
-                self.slots.insert(
-                    0,
-                    Slot {
-                        mode,
-                        nanos,
-                        propagator,
-                    },
-                );
-            }
-        }
-    }
-
-    /// The propagator that was prepared.
-    pub(super) fn prepared(&self) -> &Propagator {
-        &self.slots[0].propagator
     }
 }
 

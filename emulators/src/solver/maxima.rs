@@ -20,8 +20,10 @@ const MOST: usize = 24;
 pub struct Maxima {
     whole: f64,
     window: f64,
-    /// The oldest first.
-    waiting: VecDeque<Stretch>,
+    /// With their ceilings, degrees C; the oldest first.
+    waiting: VecDeque<(f64, Box<Stretch>)>,
+    /// The lowest of the ceilings.
+    lowest: f64,
     vectors: Vectors,
 }
 
@@ -30,7 +32,6 @@ pub struct Maxima {
 struct Stretch {
     lambda: [f64; NODES],
     ends: [Point; 2],
-    ceiling: f64,
 }
 
 impl Maxima {
@@ -40,6 +41,7 @@ impl Maxima {
             whole: now,
             window: now,
             waiting: VecDeque::new(),
+            lowest: f64::INFINITY,
             vectors: Vectors::widest(),
         }
     }
@@ -50,18 +52,21 @@ impl Maxima {
         let [from, to] = ends;
         self.raise(from.value.max(to.value));
         let known = self.window + ENOUGH_K;
-        self.waiting.retain(|stretch| stretch.ceiling > known);
+        if self.lowest <= known {
+            self.waiting.retain(|(ceiling, _)| *ceiling > known);
+            let ceilings = self.waiting.iter().map(|(ceiling, _)| *ceiling);
+            self.lowest = ceilings.fold(f64::INFINITY, f64::min);
+        }
         let ceiling = ceiling_between(simd, lambda, from, to, known);
         if ceiling <= known {
             return;
         }
-        self.waiting.push_back(Stretch {
-            lambda: *lambda,
-            ends: *ends,
-            ceiling,
-        });
+        let (lambda, ends) = (*lambda, *ends);
+        let stretch = Box::new(Stretch { lambda, ends });
+        self.lowest = self.lowest.min(ceiling);
+        self.waiting.push_back((ceiling, stretch));
         if self.waiting.len() > MOST
-            && let Some(oldest) = self.waiting.pop_front()
+            && let Some((_, oldest)) = self.waiting.pop_front()
         {
             self.raise(oldest.highest(self.window, self.vectors));
         }
@@ -70,11 +75,12 @@ impl Maxima {
     /// Searches what waits, and returns both maxima: since the start, and since the window was opened.
     pub fn settle(&mut self) -> (f64, f64) {
         // The last ones are the likeliest to settle the others.
-        while let Some(stretch) = self.waiting.pop_back() {
-            if stretch.ceiling > self.window + ENOUGH_K {
+        while let Some((ceiling, stretch)) = self.waiting.pop_back() {
+            if ceiling > self.window + ENOUGH_K {
                 self.raise(stretch.highest(self.window, self.vectors));
             }
         }
+        self.lowest = f64::INFINITY;
         (self.whole, self.window)
     }
 

@@ -63,12 +63,13 @@ impl Exact {
             };
             whole &= stretch >= left;
             if whole {
-                self.prepare(span.0);
+                self.propagators
+                    .prepare(self.mode, &self.modes[self.mode], span.0);
             }
             let mode = &self.modes[self.mode];
             let mut part;
             let mut propagator = if whole {
-                self.prepared()
+                self.propagators.first()
             } else {
                 part = Propagator::new(mode, stretch);
                 &part
@@ -337,40 +338,4 @@ fn point<S: Simd>(
 #[inline(always)]
 fn product(a: &[f64; NODES], b: &[f64; NODES]) -> [f64; NODES] {
     core::array::from_fn(|k| a[k] * b[k])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::solver::Solver;
-    use palpate_core::physics::{SkinParameters, WireParameters};
-    use palpate_core::vector::Vectors;
-
-    #[test]
-    fn wide_vectors_give_the_same_bits() {
-        let wide = Exact::new(&WireParameters::FINAL, &SkinParameters::DEFAULT, 33.0).unwrap();
-        let plain = wide.with_vectors(Vectors::plain());
-        // Bursts and pauses: the wire transforms both ways.
-        let [wide, plain] = [wide, plain].map(|mut solver| {
-            for pulse in 0..40 {
-                let start = Nanos(pulse * 5_000_000 + pulse / 8 * 200_000_000);
-                solver.drive(start, Drive::Current(1.97));
-                solver.drive(start + Nanos(124_000), Drive::Off);
-            }
-            solver.advance(Nanos(2_000_000_000));
-            let (peaks, energy) = (solver.peaks(), solver.energy());
-            assert!(solver.modes.len() > 1, "it never transformed");
-            let mut bits = solver.nodes().map(f64::to_bits).to_vec();
-            let all = [
-                peaks.wire_c,
-                peaks.shallow_c,
-                peaks.deep_c,
-                energy.wire_j,
-                energy.body_j,
-            ];
-            bits.extend(all.map(f64::to_bits));
-            bits
-        });
-        assert_eq!(wide, plain);
-    }
 }
