@@ -48,7 +48,8 @@ impl Rates {
     /// convex then, and a millionth a minute at rest.
     fn at(t: f64) -> Self {
         let exponent = HENRIQUES_EA / (GAS_CONSTANT * (t + ZERO_CELSIUS_K));
-        let doublings = if t < 43.0 { 2.0 * (t - 43.0) } else { t - 43.0 };
+        let above = t - 43.0; // below 43 C a degree halves the rate twice
+        let doublings = above.min(2.0 * above);
         Self {
             omega: HENRIQUES_A * libm::exp(-exponent),
             cem43_min: libm::exp2(doublings) / 60.0,
@@ -97,11 +98,7 @@ impl Dose {
         let by_omega =
             HENRIQUES_EA / (GAS_CONSTANT * (LN_HENRIQUES_A - libm::log(omega))) - ZERO_CELSIUS_K;
         let doublings = libm::log2(60.0 * rate(limits.cem43_min - self.cem43_min));
-        let by_cem43 = if doublings < 0.0 {
-            43.0 + doublings / 2.0
-        } else {
-            43.0 + doublings
-        };
+        let by_cem43 = 43.0 + doublings.max(doublings / 2.0);
         by_omega.min(by_cem43)
     }
 }

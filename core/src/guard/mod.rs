@@ -325,3 +325,5 @@ mod plain_tests;
 mod tests;
 #[cfg(test)]
 mod thermal_tests;
+#[cfg(test)]
+mod whole_tests;

@@ -20,16 +20,16 @@ const AHEAD: [u64; 8] = [1, 2, 4, 8, 14, 20, 30, 40];
 
 /// Skin under one wire: bins by absolute time in a ring, every stretch computed anew, one sum after the other,
 /// and the dose's ceiling every time.
-struct Plain {
+pub(super) struct Plain {
     limits: Limits,
-    at: u64,
+    pub(super) at: u64,
     energy: Decays,
     bins: [f64; 41],
     dose: Dose,
 }
 
 impl Plain {
-    fn new(limits: &Limits) -> Self {
+    pub(super) fn new(limits: &Limits) -> Self {
         Self {
             limits: *limits,
             at: 0,
@@ -39,7 +39,7 @@ impl Plain {
         }
     }
 
-    fn room(&mut self, booking: Booking) -> (f64, Reason) {
+    pub(super) fn room(&mut self, booking: Booking) -> (f64, Reason) {
         self.relax(booking.from.as_micros());
         let stretch = Stretch::new(booking.until.since(booking.from));
         let old = stretch.end(&self.energy, 0.0);
@@ -78,7 +78,7 @@ impl Plain {
         rows.into_iter().reduce(least).unwrap()
     }
 
-    fn heat(&mut self, booking: Booking, joules: f64) -> Predicted {
+    pub(super) fn heat(&mut self, booking: Booking, joules: f64) -> Predicted {
         self.relax(booking.from.as_micros());
         let until = booking.until.as_micros();
         let all = booking.until.since(booking.from).as_secs_f64();

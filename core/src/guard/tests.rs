@@ -38,8 +38,11 @@ fn stimulus(wire: u16, width: u16, at_us: u64, length_us: u64) -> Stimulus {
 fn admit(guard: &mut Guard, stimuli: &[Stimulus]) -> (Guarded, Vec<Entry>) {
     let mut entries = Vec::new();
     let at = stimuli[0].at;
-    while let Some(end) = guard.next_expiry().filter(|end| *end <= at) {
-        guard.expire(end, Board(0));
+    // Each wire ends once; a guard that forgets to end one shall fail, not hang.
+    for _ in 0..guard.wires.len() {
+        if let Some(end) = guard.next_expiry().filter(|end| *end <= at) {
+            guard.expire(end, Board(0));
+        }
     }
     let update = guard.admit(at, Board(0), stimuli, |e| entries.push(e));
     (update, entries)
@@ -139,6 +142,48 @@ fn burst_energy_stays_under_its_limit() {
         energy(width) <= 10_000_000 && energy(width + 1) > 10_000_000,
         "{width} ticks"
     );
+}
+
+#[test]
+fn a_burst_that_takes_just_what_is_left_is_not_limited() {
+    let asked = THESIS.energy_nj(100, Duration::from_micros(35_000));
+    for (left, width, reason) in [
+        (asked, 100, None),
+        (asked - 1, 99, Some(Reason::Burst)),
+        (asked / 101, 0, Some(Reason::Burst)),
+    ] {
+        let limits = Limits {
+            burst_energy_nj: left,
+            ..HARD
+        };
+        let mut guard = guard(limits, THESIS);
+        let (_, entries) = admit(&mut guard, &[stimulus(0, 100, 0, 35_000)]);
+        assert_eq!(
+            (entries[0].width().get(), entries[0].reason),
+            (width, reason)
+        );
+        // What was refused has begun no burst and warmed nothing.
+        let rested = guard.predicted().peak_c == 33.0;
+        assert_eq!(rested, width == 0);
+        let long = Instant::from_micros(40_000 + 48_800);
+        assert_eq!(
+            guard.has_time(0, Instant::from_micros(40_000), long),
+            width == 0
+        );
+    }
+}
+
+#[test]
+fn of_rows_that_leave_the_same_the_first_is_the_reason() {
+    // With next to nothing in a second, neither longer window matters: wire and fingertip have the same left.
+    let limits = Limits {
+        wire_1s_uw: 1000,
+        fingertip_1s_uw: 1000,
+        ..HARD
+    };
+    let mut guard = guard(limits, THESIS);
+    let (_, entries) = admit(&mut guard, &[stimulus(0, 100, 0, 35_000)]);
+    assert_eq!(entries[0].reason, Some(Reason::WirePower));
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::process::Command;
 use std::time::Instant;
 
-use ndarray::Array2;
+use ndarray::{Array2, Axis};
 use serde_json::{Map, Value, json};
 
 use crate::Arguments;
@@ -113,7 +113,8 @@ fn against_others(
 }
 
 /// Labels of the test recordings by their neighbours among the others: the network's latent vectors, and principal
-/// components. A recording stands for itself by the mean over its windows.
+/// components. A recording stands for itself by the mean over its windows, and under `with_spread` by mean and standard
+/// deviation: how much a latent vector moves is texture too.
 fn by_neighbours(
     network: &Network<Plain>,
     windows: &Windows,
@@ -124,11 +125,11 @@ fn by_neighbours(
     let labels = windows.recordings.labels();
     let points = |part: &[usize], codes: Codes<'_>| -> Vec<(Vec<f32>, usize)> {
         let point = |&recording: &usize| {
-            let all = codes(&windows.of(&[recording], 10));
+            let all = codes(&windows.of(&[recording], 5));
             let label = labels
                 .binary_search(&windows.recordings.all[recording].label)
                 .ok()?;
-            Some((mean(&all)?, label))
+            Some((moments(&all)?, label))
         };
         part.iter().filter_map(point).collect()
     };
@@ -138,36 +139,38 @@ fn by_neighbours(
         .chain(&split.validation)
         .copied()
         .collect();
-    let share = |codes: Codes<'_>| {
-        measure::neighbours(
-            &points(&known, codes),
-            &points(&split.test, codes),
-            NEIGHBOURS,
-        )
+    let (mut means, mut both) = (Map::new(), Map::new());
+    let mut add = |name: &str, codes: Codes<'_>| {
+        let (mut known, mut asked) = (points(&known, codes), points(&split.test, codes));
+        let share = measure::neighbours(&known, &asked, NEIGHBOURS);
+        both.insert(name.to_owned(), json!(share));
+        for (point, _) in known.iter_mut().chain(&mut asked) {
+            point.truncate(point.len() / 2);
+        }
+        let share = measure::neighbours(&known, &asked, NEIGHBOURS);
+        means.insert(name.to_owned(), json!(share));
     };
-    let of_network = share(&|places| training::latents(network, windows, places));
-    let mut shares = Map::from_iter([
-        ("labels".to_owned(), json!(labels.len())),
-        ("network".to_owned(), json!(of_network)),
-    ]);
+    add("network", &|places| {
+        training::latents(network, windows, places)
+    });
     for (name, components) in peers {
-        let scores = |places: &[Place]| {
+        add(name, &|places| {
             let scores = components.scores(&measure::matrix(windows, places));
             scores.rows().into_iter().map(|row| row.to_vec()).collect()
-        };
-        shares.insert(name.clone(), json!(share(&scores)));
+        });
     }
-    shares.into()
+    means.insert("labels".to_owned(), json!(labels.len()));
+    means.insert("with_spread".to_owned(), both.into());
+    means.into()
 }
 
-fn mean(all: &[Vec<f32>]) -> Option<Vec<f32>> {
-    let mut sum = vec![0.0; all.first()?.len()];
-    for one in all {
-        sum.iter_mut()
-            .zip(one)
-            .for_each(|(sum, value)| *sum += value / all.len() as f32);
-    }
-    Some(sum)
+/// The mean of each coordinate, then the standard deviation of each.
+fn moments(all: &[Vec<f32>]) -> Option<Vec<f32>> {
+    let width = all.first()?.len();
+    let all = Array2::from_shape_fn((all.len(), width), |(n, c)| all[n][c]);
+    let mut moments = all.mean_axis(Axis(0))?.to_vec();
+    moments.extend(all.std_axis(Axis(0), 0.0));
+    Some(moments)
 }
 
 /// The command line, without the folders that only this machine has.

@@ -91,6 +91,7 @@ impl Plot {
         frame.x_axis(&mut svg, &self.x.label);
         frame.y_axis(&mut svg, &self.y.label);
         frame.frame(&mut svg);
+        let mut names = Names::default();
         for (i, series) in self.series.iter().enumerate() {
             let (mut line, mut dots) = (String::new(), String::new());
             for &point in series.points.iter().filter(|p| self.can_show(**p)) {
@@ -112,9 +113,8 @@ impl Plot {
             if let [point] = series.points.as_slice()
                 && self.can_show(*point)
             {
-                let (x, y) = frame.at(*point);
-                let down = if i % 4 < 2 { 4.0 } else { -6.0 }; // neighbours are often alike
-                svg.text((x + 7.0, y + down), "label", &series.name);
+                let at = names.place(frame.at(*point), &series.name);
+                svg.text(at, "label", &series.name);
             }
         }
         svg.finish()
@@ -164,6 +164,35 @@ impl Plot {
     }
 }
 
+/// Names beside their dots: left ends, widths and baselines, pixels.
+#[derive(Default)]
+struct Names(Vec<(f64, f64, f64)>);
+
+impl Names {
+    /// Where the name of a dot stands: to its right, and as far below or above as it covers no other name.
+    fn place(&mut self, (x, y): (f64, f64), name: &str) -> (f64, f64) {
+        const LINE: f64 = 14.0;
+        let (left, width) = (x + 7.0, 7.0 * name.chars().count() as f64);
+        let free = |base: &f64| {
+            let covers = |&(l, w, b): &(f64, f64, f64)| {
+                l < left + width && left < l + w && (b - base).abs() < LINE
+            };
+            !self.0.iter().any(covers)
+        };
+        let nearby = [
+            4.0,
+            4.0 + LINE,
+            4.0 - LINE,
+            4.0 + 2.0 * LINE,
+            4.0 - 2.0 * LINE,
+        ];
+        let base = nearby.map(|down| y + down).into_iter().find(free);
+        let base = base.unwrap_or(y + 4.0);
+        self.0.push((left, width, base));
+        (left, base)
+    }
+}
+
 /// A drawing with the page's colours inside, to stand as a file of its own.
 pub fn styled(svg: &str) -> String {
     let style = format!("<style>{STYLE}svg{{background:var(--card)}}</style>\n<");
@@ -187,6 +216,15 @@ fn dots_class(mark: Mark, i: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_do_not_cover_each_other() {
+        let mut names = Names::default();
+        assert_eq!(names.place((100.0, 50.0), "last 10"), (107.0, 54.0));
+        assert_eq!(names.place((120.0, 52.0), "last 25"), (127.0, 70.0));
+        assert_eq!(names.place((125.0, 52.0), "last 50"), (132.0, 84.0));
+        assert_eq!(names.place((300.0, 52.0), "exact"), (307.0, 56.0));
+    }
 
     #[test]
     fn whatever_was_measured_can_be_drawn() {

@@ -149,7 +149,8 @@ pub fn run_keeping(
             let mut tape = Tape::new(skin()?);
             let levels = calibrate(setup, seed, &mut tape, end)?;
             let truth = || Some((scene.touches.clone(), scene.drives));
-            if scene.faults.is_empty() && tape.is_exact() {
+            // What is watched is played once, also where a tape turns out to be of no use.
+            if scene.faults.is_empty() && tape.is_exact() && !keep.watch {
                 tape.rewind(end);
                 let mut tape = Tapped::new(tape, keep);
                 let levels = levels.clone();

@@ -47,9 +47,9 @@ impl Tape {
         (self.next, self.now) = (Some(0), Nanos::ZERO);
     }
 
-    /// Whether what was played is what emulated boards would have sent.
+    /// Whether something was recorded, and what was played is what emulated boards would have sent.
     pub const fn is_exact(&self) -> bool {
-        self.exact
+        self.exact && !self.frames.is_empty()
     }
 }
 
@@ -90,5 +90,25 @@ impl SensorBus for Tape {
     fn transmit(&mut self, _bus: u8, _frame: &CanFrame) -> Result<(), HostError> {
         self.exact = false;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_files::Setup;
+
+    use crate::plan;
+    use crate::run::skin;
+
+    #[test]
+    fn a_tape_that_recorded_nothing_is_not_played() {
+        let setup = Setup::load("sphere-along", "emulated").unwrap();
+        let layout = plan::layout(&setup.sensor.value).unwrap();
+        let mut tape = Tape::new(skin::emulated(&setup, &layout, 1).unwrap());
+        assert!(!tape.is_exact());
+        tape.advance_to(Instant::from_micros(50_000));
+        while tape.receive().unwrap().is_some() {}
+        assert!(tape.is_exact());
     }
 }
