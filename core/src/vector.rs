@@ -4,7 +4,8 @@
 //! elements at a time. No sum is reordered and nothing is contracted to a fused multiply-add, so every machine
 //! gets the same bits, with wide vectors or without.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
+pub use pulp::{Scalar, Simd, WithSimd};
 
 /// The vectors of this machine.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +30,7 @@ impl Vectors {
 
     /// Runs a kernel that is written for vectors of any width. Order and rounding are the kernel's own affair.
     #[inline(always)]
-    pub(crate) fn dispatch<W: WithSimd>(self, kernel: W) -> W::Output {
+    pub fn dispatch<W: WithSimd>(self, kernel: W) -> W::Output {
         self.0.dispatch(kernel)
     }
 

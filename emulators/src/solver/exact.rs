@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::maxima::Maxima;
-use super::modal::{Mode, ModeKey, Propagator, dot};
+use super::modal::{Mode, ModeKey, dot};
+use super::propagators::Propagators;
+use super::step::Run;
 use super::{Drive, Solver};
 use crate::finger::dose::Dose;
 use crate::finger::{NODES, Network};
@@ -11,18 +13,10 @@ use crate::time::Nanos;
 use crate::wire::phase::{Heading, Phase, Segment};
 use crate::wire::record::{Energy, Peaks};
 use palpate_core::physics::{ParameterError, SkinParameters, WireParameters};
+use palpate_core::vector::{Scalar, Vectors};
 
-/// Propagators kept per wire: a pulse train needs two, its bursts and pauses a few more.
-const SLOTS: usize = 16;
 /// Regimes kept per wire beyond the three of plain play; the oldest is dropped.
 const MODES: usize = 96;
-
-#[derive(Clone, Debug)]
-struct Slot {
-    mode: usize,
-    nanos: u64,
-    propagator: Box<Propagator>,
-}
 
 /// The exact solver. Cloning one copies its state and caches.
 #[derive(Clone, Debug)]
@@ -34,8 +28,11 @@ pub struct Exact {
     pub(super) modes: Vec<Mode>,
     pub(super) mode: usize,
     oldest: usize,
-    slots: Vec<Slot>,
+    pub(super) propagators: Propagators,
     pub(super) z: [f64; NODES],
+    /// What `z` is at the places that are looked at.
+    pub(super) watched: Watched,
+    vectors: Vectors,
     pub(super) now: Nanos,
     pub(super) drive: Drive,
     /// Hottest the wire has been: since the start, and since a window was opened.
@@ -46,6 +43,16 @@ pub struct Exact {
     pub(super) energy: Energy,
     /// Burn integrals of the skin at 0.1 mm, where they are wanted.
     pub dose: Option<Dose>,
+}
+
+/// Temperatures above the body's at the time computed up to, K.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Watched {
+    pub(super) wire: f64,
+    /// The skin at 0.1 mm.
+    pub(super) shallow: f64,
+    /// The skin at 0.4 mm.
+    pub(super) deep: f64,
 }
 
 /// Heat into the wire as a function of its temperature above the body's: `power + feedback u`.
@@ -86,8 +93,10 @@ impl Exact {
             modes: vec![resting],
             mode: 0,
             oldest: 1,
-            slots: Vec::new(),
+            propagators: Propagators::default(),
             z,
+            watched: Watched::default(),
+            vectors: Vectors::widest(),
             now: Nanos::ZERO,
             drive: Drive::Off,
             hottest: (start_c, start_c),
@@ -96,8 +105,18 @@ impl Exact {
             energy: Energy::default(),
             dose: None,
         };
+        solver.watch();
         solver.face();
         Ok(solver)
+    }
+
+    /// The same, stepped with these vectors.
+    #[cfg(test)]
+    pub(crate) fn with_vectors(&self, vectors: Vectors) -> Self {
+        Self {
+            vectors,
+            ..self.clone()
+        }
     }
 
     /// The time computed up to.
@@ -122,7 +141,17 @@ impl Exact {
 
     /// The wire's temperature at the time computed up to, degrees C.
     pub fn wire_c(&self) -> f64 {
-        self.network.body_c + dot(&self.modes[self.mode].gain, &self.z)
+        self.network.body_c + self.watched.wire
+    }
+
+    /// Looks at the coordinates anew, after a change of them or of what they mean.
+    pub(super) fn watch(&mut self) {
+        let mode = &self.modes[self.mode];
+        self.watched = Watched {
+            wire: dot(Scalar, &mode.gain, &self.z),
+            shallow: dot(Scalar, &mode.shallow, &self.z),
+            deep: dot(Scalar, &mode.deep, &self.z),
+        };
     }
 
     /// Martensite fraction at `wire_c`, the wire's temperature at the time computed up to.
@@ -132,11 +161,8 @@ impl Exact {
 
     /// The skin at 0.1 and 0.4 mm at the time computed up to, degrees C.
     pub fn skin_c(&self) -> (f64, f64) {
-        let m = &self.modes[self.mode];
-        (
-            self.network.body_c + dot(&m.shallow, &self.z),
-            self.network.body_c + dot(&m.deep, &self.z),
-        )
+        let base = self.network.body_c;
+        (base + self.watched.shallow, base + self.watched.deep)
     }
 
     /// Maxima over continuous time since the start.
@@ -216,8 +242,9 @@ impl Exact {
 
     /// Heat that flows into the wire now from drive and surroundings, W: its sign is the heading.
     fn inflow(&self) -> f64 {
-        let u = self.modes[self.mode].first(&self.z);
-        let t = self.network.body_c + u.0;
+        let u = self.watched.wire;
+        let shell = self.modes[self.mode].first_shell(&self.z);
+        let t = self.wire_c();
         let frozen = Segment {
             slope: 0.0,
             low: t,
@@ -226,8 +253,8 @@ impl Exact {
         };
         let heat = self.heat(t, &frozen);
         let n = &*self.network;
-        let out = (n.air + n.ends) * u.0 + n.chain[0] * (u.0 - u.1);
-        heat.power + heat.feedback * u.0 + n.rest_inflow() - out
+        let out = (n.air + n.ends) * u + n.chain[0] * (u - shell);
+        heat.power + heat.feedback * u + n.rest_inflow() - out
     }
 
     /// Turns to where the wire's temperature is going after an edge.
@@ -263,37 +290,11 @@ impl Exact {
             let place = self.oldest;
             self.oldest = if place + 1 < MODES { place + 1 } else { 1 };
             self.modes[place] = mode;
-            self.slots.retain(|slot| slot.mode != place);
+            self.propagators.forget(place);
             place
         });
         self.z = self.modes[self.mode].project(&nodes);
-    }
-
-    /// Takes this mode's propagator over `nanos` out of the cache, computed unless it is there.
-    pub(super) fn borrow(&mut self, nanos: u64) -> Box<Propagator> {
-        let found = self
-            .slots
-            .iter()
-            .position(|s| s.mode == self.mode && s.nanos == nanos);
-        match found {
-            Some(i) => self.slots.swap_remove(i).propagator,
-            None => {
-                let span = Nanos(nanos).as_secs_f64();
-                Box::new(Propagator::new(&self.modes[self.mode], span))
-            }
-        }
-    }
-
-    /// Gives a borrowed propagator back.
-    pub(super) fn give_back(&mut self, nanos: u64, propagator: Box<Propagator>) {
-        if self.slots.len() >= SLOTS {
-            self.slots.swap_remove(0);
-        }
-        self.slots.push(Slot {
-            mode: self.mode,
-            nanos,
-            propagator,
-        });
+        self.watch();
     }
 }
 
@@ -309,7 +310,8 @@ impl Solver for Exact {
 
     fn advance(&mut self, to: Nanos) {
         if to > self.now {
-            self.run(to.since(self.now));
+            let span = to.since(self.now);
+            self.vectors.dispatch(Run(self, span));
             self.now = to;
         }
     }

@@ -5,9 +5,10 @@
 //! arrives after the pulse, so that a skin may cool at both ends of a span with a peak between: ends alone tell
 //! nothing.
 
-use super::modal::dot;
+use super::modal::{dot, lanes};
 use super::sum::{Sum, signs};
 use crate::finger::NODES;
+use palpate_core::vector::{Scalar, Simd};
 
 /// A ceiling this little higher counts as no higher, K: far under the promised 1e-9.
 pub const ENOUGH_K: f64 = 1e-11;
@@ -33,9 +34,16 @@ pub fn highest(sum: &Sum<'_>, from: &Point, to: &Point, known: f64) -> f64 {
 }
 
 /// What a sum with these decay rates cannot pass between two instants of it; looks no closer than is `enough`.
-pub fn ceiling_between(lambda: &[f64; NODES], from: &Point, to: &Point, enough: f64) -> f64 {
+#[inline(always)]
+pub fn ceiling_between<S: Simd>(
+    simd: S,
+    lambda: &[f64; NODES],
+    from: &Point,
+    to: &Point,
+    enough: f64,
+) -> f64 {
     let (ends, span) = ((from.value, to.value), to.t - from.t);
-    let slopes = spread((from.slope, to.slope), (&from.terms, &to.terms));
+    let slopes = spread(simd, (from.slope, to.slope), (&from.terms, &to.terms));
     let rough = ceiling(ends, slopes, span);
     if rough <= enough {
         return rough;
@@ -47,6 +55,7 @@ pub fn ceiling_between(lambda: &[f64; NODES], from: &Point, to: &Point, enough: 
 }
 
 /// How many peaks there are between two instants, where the signs of the partial sums tell.
+#[inline(always)]
 fn peaks(from: &Point, to: &Point) -> Option<usize> {
     let (turns, first) = signs(&from.terms);
     match turns {
@@ -61,7 +70,7 @@ fn peaks(from: &Point, to: &Point) -> Option<usize> {
 fn within(sum: &Sum<'_>, from: &Point, to: &Point, known: f64, depth: u32) -> f64 {
     let span = to.t - from.t;
     let enough = known + ENOUGH_K;
-    let slopes = spread((from.slope, to.slope), (&from.terms, &to.terms));
+    let slopes = spread(Scalar, (from.slope, to.slope), (&from.terms, &to.terms));
     if ceiling((from.value, to.value), slopes, span) <= enough || depth == 0 {
         return known;
     }
@@ -79,8 +88,11 @@ fn within(sum: &Sum<'_>, from: &Point, to: &Point, known: f64, depth: u32) -> f6
     let bend =
         |p: &Point| -> [f64; NODES] { core::array::from_fn(|k| -sum.lambda[k] * p.terms[k]) };
     let (then, there) = (bend(from), bend(to));
-    let ends = (-dot(sum.lambda, &from.terms), -dot(sum.lambda, &to.terms));
-    let bends = by_parts(&then, grows, spread(ends, (&then, &there)));
+    let ends = (
+        -dot(Scalar, sum.lambda, &from.terms),
+        -dot(Scalar, sum.lambda, &to.terms),
+    );
+    let bends = by_parts(&then, grows, spread(Scalar, ends, (&then, &there)));
     if bends.0 >= 0.0 {
         return known; // highest at an end
     }
@@ -116,21 +128,26 @@ fn within(sum: &Sum<'_>, from: &Point, to: &Point, known: f64, depth: u32) -> f6
 
 /// The least and the most that terms can have added up to between two instants, from their sums then and there:
 /// every term goes one way, so that the sum lies between those of the smaller and of the larger ones.
-fn spread((a, b): (f64, f64), (then, there): (&[f64; NODES], &[f64; NODES])) -> (f64, f64) {
-    let mut apart = [0.0; 4];
-    let pairs = then.as_chunks::<4>().0.iter().zip(there.as_chunks::<4>().0);
-    for (a, b) in pairs {
-        for l in 0..4 {
-            apart[l] += (a[l] - b[l]).abs();
-        }
-    }
-    let last = (then[NODES - 1] - there[NODES - 1]).abs();
-    let apart = (apart[0] + apart[1]) + (apart[2] + apart[3]) + last;
+#[inline(always)]
+fn spread<S: Simd>(
+    simd: S,
+    (a, b): (f64, f64),
+    (then, there): (&[f64; NODES], &[f64; NODES]),
+) -> (f64, f64) {
+    let apart = lanes(
+        simd,
+        (then, there),
+        #[inline(always)]
+        |a, b| simd.abs_f64s(simd.sub_f64s(a, b)),
+        #[inline(always)]
+        |a, b| (a - b).abs(),
+    );
     ((a + b - apart) / 2.0, (a + b + apart) / 2.0)
 }
 
 /// Narrows such bounds: written by parts, slowest first, the sum is a weighted mean of the partial sums and zero,
 /// unless a term grows.
+#[inline(always)]
 fn by_parts(then: &[f64; NODES], grows: bool, (least, most): (f64, f64)) -> (f64, f64) {
     if grows {
         return (least, most);
@@ -145,6 +162,7 @@ fn by_parts(then: &[f64; NODES], grows: bool, (least, most): (f64, f64)) -> (f64
 }
 
 /// What cannot be passed on the way from one value to another with slopes between these.
+#[inline(always)]
 fn ceiling((from, to): (f64, f64), (least, most): (f64, f64), span: f64) -> f64 {
     if most <= 0.0 || least >= 0.0 {
         return max(from, to);
@@ -155,10 +173,12 @@ fn ceiling((from, to): (f64, f64), (least, most): (f64, f64), span: f64) -> f64 
 }
 
 /// One instruction, where `f64::max` takes care of NaN.
+#[inline(always)]
 fn max(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
+#[inline(always)]
 fn min(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }

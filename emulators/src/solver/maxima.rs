@@ -10,18 +10,20 @@ use std::collections::VecDeque;
 use super::highest::{ENOUGH_K, Point, ceiling_between, highest};
 use super::sum::Sum;
 use crate::finger::NODES;
-use palpate_core::vector::Vectors;
+use palpate_core::vector::{Simd, Vectors};
 
 /// Stretches that may wait.
-const MOST: usize = 8;
+const MOST: usize = 24;
 
 /// The maximum since the start and the one since a window was opened, degrees C.
 #[derive(Clone, Debug)]
 pub struct Maxima {
     whole: f64,
     window: f64,
-    /// The oldest first.
-    waiting: VecDeque<Stretch>,
+    /// With their ceilings, degrees C; the oldest first.
+    waiting: VecDeque<(f64, Box<Stretch>)>,
+    /// The lowest of the ceilings.
+    lowest: f64,
     vectors: Vectors,
 }
 
@@ -30,7 +32,6 @@ pub struct Maxima {
 struct Stretch {
     lambda: [f64; NODES],
     ends: [Point; 2],
-    ceiling: f64,
 }
 
 impl Maxima {
@@ -40,27 +41,32 @@ impl Maxima {
             whole: now,
             window: now,
             waiting: VecDeque::new(),
+            lowest: f64::INFINITY,
             vectors: Vectors::widest(),
         }
     }
 
     /// Takes a stretch between two instants of a sum with these decay rates.
-    pub fn pass(&mut self, lambda: &[f64; NODES], ends: &[Point; 2]) {
+    #[inline(always)]
+    pub fn pass<S: Simd>(&mut self, simd: S, lambda: &[f64; NODES], ends: &[Point; 2]) {
         let [from, to] = ends;
         self.raise(from.value.max(to.value));
         let known = self.window + ENOUGH_K;
-        self.waiting.retain(|stretch| stretch.ceiling > known);
-        let ceiling = ceiling_between(lambda, from, to, known);
+        if self.lowest <= known {
+            self.waiting.retain(|(ceiling, _)| *ceiling > known);
+            let ceilings = self.waiting.iter().map(|(ceiling, _)| *ceiling);
+            self.lowest = ceilings.fold(f64::INFINITY, f64::min);
+        }
+        let ceiling = ceiling_between(simd, lambda, from, to, known);
         if ceiling <= known {
             return;
         }
-        self.waiting.push_back(Stretch {
-            lambda: *lambda,
-            ends: *ends,
-            ceiling,
-        });
+        let (lambda, ends) = (*lambda, *ends);
+        let stretch = Box::new(Stretch { lambda, ends });
+        self.lowest = self.lowest.min(ceiling);
+        self.waiting.push_back((ceiling, stretch));
         if self.waiting.len() > MOST
-            && let Some(oldest) = self.waiting.pop_front()
+            && let Some((_, oldest)) = self.waiting.pop_front()
         {
             self.raise(oldest.highest(self.window, self.vectors));
         }
@@ -69,11 +75,12 @@ impl Maxima {
     /// Searches what waits, and returns both maxima: since the start, and since the window was opened.
     pub fn settle(&mut self) -> (f64, f64) {
         // The last ones are the likeliest to settle the others.
-        while let Some(stretch) = self.waiting.pop_back() {
-            if stretch.ceiling > self.window + ENOUGH_K {
+        while let Some((ceiling, stretch)) = self.waiting.pop_back() {
+            if ceiling > self.window + ENOUGH_K {
                 self.raise(stretch.highest(self.window, self.vectors));
             }
         }
+        self.lowest = f64::INFINITY;
         (self.whole, self.window)
     }
 
@@ -83,6 +90,7 @@ impl Maxima {
         self.window = now;
     }
 
+    #[inline(always)]
     fn raise(&mut self, to: f64) {
         self.whole = self.whole.max(to);
         self.window = self.window.max(to);

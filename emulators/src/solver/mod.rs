@@ -9,6 +9,7 @@ mod highest;
 mod maxima;
 pub mod modal;
 mod periodic;
+mod propagators;
 mod step;
 pub mod stepped;
 pub mod sum;

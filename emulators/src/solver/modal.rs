@@ -8,7 +8,7 @@ use super::decay::decays;
 use super::sum::Sum;
 use crate::finger::{NODES, Network};
 use nalgebra::{SMatrix, SymmetricEigen};
-use palpate_core::vector::Vectors;
+use palpate_core::vector::{Scalar, Simd, Vectors};
 
 /// What makes a mode differ from another: all else in a network is constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,6 +99,11 @@ impl Mode {
 
     /// Coordinates of node temperatures above the body's.
     pub fn project(&self, u: &[f64; NODES]) -> [f64; NODES] {
+        self.vectors.run(|| self.plain_project(u))
+    }
+
+    #[inline(always)]
+    fn plain_project(&self, u: &[f64; NODES]) -> [f64; NODES] {
         let mut z = [0.0; NODES];
         for ((u, capacity), shape) in u.iter().zip(&self.capacity).zip(&self.shape) {
             for (z, s) in z.iter_mut().zip(shape) {
@@ -117,14 +122,14 @@ impl Mode {
     fn plain_nodes(&self, z: &[f64; NODES]) -> [f64; NODES] {
         let mut nodes = [0.0; NODES];
         for (node, row) in nodes.iter_mut().zip(&self.shape) {
-            *node = dot(row, z);
+            *node = dot(Scalar, row, z);
         }
         nodes
     }
 
-    /// Temperatures of the wire and of the first shell above the body's.
-    pub fn first(&self, z: &[f64; NODES]) -> (f64, f64) {
-        (dot(&self.shape[0], z), dot(&self.shape[1], z))
+    /// Temperature of the first shell above the body's.
+    pub fn first_shell(&self, z: &[f64; NODES]) -> f64 {
+        dot(Scalar, &self.shape[1], z)
     }
 
     /// Row that gives the outermost shell.
@@ -133,6 +138,7 @@ impl Mode {
     }
 
     /// Rate of change of the coordinates, 1/s of theirs.
+    #[inline(always)]
     pub fn rate(&self, z: &[f64; NODES], power: f64) -> [f64; NODES] {
         let mut d = [0.0; NODES];
         for k in 0..NODES {
@@ -188,6 +194,7 @@ impl Propagator {
     }
 
     /// Coordinates after the span under constant `power`.
+    #[inline(always)]
     pub fn step(&self, mode: &Mode, z: &[f64; NODES], power: f64) -> [f64; NODES] {
         let mut out = [0.0; NODES];
         for k in 0..NODES {
@@ -197,6 +204,7 @@ impl Propagator {
     }
 
     /// Time integral of the coordinates over the span, for the energy ledger.
+    #[inline(always)]
     pub fn integral(&self, mode: &Mode, z: &[f64; NODES], power: f64) -> [f64; NODES] {
         let mut out = [0.0; NODES];
         for k in 0..NODES {
@@ -208,14 +216,41 @@ impl Propagator {
 
 /// Sum of products in four interleaved lanes: one fixed order on every machine, and short chains of additions.
 #[inline(always)]
-pub fn dot(a: &[f64; NODES], b: &[f64; NODES]) -> f64 {
+pub fn dot<S: Simd>(simd: S, a: &[f64; NODES], b: &[f64; NODES]) -> f64 {
+    lanes(
+        simd,
+        (a, b),
+        #[inline(always)]
+        |a, b| simd.mul_f64s(a, b),
+        #[inline(always)]
+        |a, b| a * b,
+    )
+}
+
+/// Sum of what `wide` or `one` makes of every pair, four at a time where vectors hold four: compilers left to
+/// themselves take such a sum apart when much else stands around it.
+#[inline(always)]
+pub fn lanes<S: Simd>(
+    simd: S,
+    (a, b): (&[f64; NODES], &[f64; NODES]),
+    wide: impl Fn(S::f64s, S::f64s) -> S::f64s,
+    one: impl Fn(f64, f64) -> f64,
+) -> f64 {
     let mut lane = [0.0; 4];
-    for (a, b) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0) {
-        for l in 0..4 {
-            lane[l] += a[l] * b[l];
+    if S::F64_LANES == lane.len() {
+        let mut sum = simd.splat_f64s(0.0);
+        for (a, b) in S::as_simd_f64s(a).0.iter().zip(S::as_simd_f64s(b).0) {
+            sum = simd.add_f64s(sum, wide(*a, *b));
+        }
+        S::as_mut_simd_f64s(&mut lane).0[0] = sum;
+    } else {
+        for (a, b) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0) {
+            for l in 0..4 {
+                lane[l] += one(a[l], b[l]);
+            }
         }
     }
-    (lane[0] + lane[1]) + (lane[2] + lane[3]) + a[NODES - 1] * b[NODES - 1]
+    (lane[0] + lane[1]) + (lane[2] + lane[3]) + one(a[NODES - 1], b[NODES - 1])
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use super::modal::dot;
 use super::{Drive, Solver};
 use crate::finger::NODES;
 use crate::time::Nanos;
+use palpate_core::vector::Scalar;
 
 /// Fewer periods than this are run one by one.
 const WORTH: u64 = 4;
@@ -68,8 +69,8 @@ impl Exact {
             bottom[k] = first.bottom[k].min(then.bottom[k]);
         }
         let base = self.network.body_c;
-        let highest = base + dot(&mode.gain, &top);
-        let lowest = base + dot(&mode.gain, &bottom);
+        let highest = base + dot(Scalar, &mode.gain, &top);
+        let lowest = base + dot(Scalar, &mode.gain, &bottom);
         if highest > segment.high || lowest < segment.low {
             return false;
         }
@@ -81,8 +82,8 @@ impl Exact {
             let given = mode.gain[k] * (first.wire_j + rest) * n;
             integral[k] = (given + self.z[k] - last[k]) / mode.lambda[k];
         }
-        let wire = dot(&mode.gain, &integral);
-        let outer = dot(mode.last(), &integral);
+        let wire = dot(Scalar, &mode.gain, &integral);
+        let outer = dot(Scalar, mode.last(), &integral);
         let network = &*self.network;
         let e = &mut self.energy;
         e.wire_j += first.wire_j * n;
@@ -91,6 +92,7 @@ impl Exact {
         e.ends_j += network.ends * (wire + (network.body_c - network.ends_c) * seconds * n);
         e.body_j += network.chain[NODES - 1] * outer;
         self.z = last;
+        self.watch();
         self.now = Nanos(self.now.0.saturating_add(period.0.saturating_mul(count)));
         self.face();
         true

@@ -1,13 +1,14 @@
 //! One stretch of constant drive, from event to event.
 
 use super::Drive;
-use super::exact::{Exact, Heat};
+use super::exact::{Exact, Heat, Watched};
 use super::highest::Point;
 use super::modal::{Mode, Propagator, dot};
 use super::sum::{LEVEL_TOLERANCE, changes};
 use crate::finger::NODES;
 use crate::time::Nanos;
 use crate::wire::phase::{Heading, Segment};
+use palpate_core::vector::{Simd, WithSimd};
 
 /// Events in one stretch after which the rest is taken in the regime reached. A bound on the work,
 /// far beyond what a wire can do: each event needs a threshold passed or a turn of the temperature.
@@ -24,9 +25,22 @@ enum Event {
     Turn,
 }
 
+/// A stretch of time to compute with the drive as it is.
+pub(super) struct Run<'a>(pub(super) &'a mut Exact, pub(super) Nanos);
+
+impl WithSimd for Run<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.0.run(simd, self.1);
+    }
+}
+
 impl Exact {
     /// Computes `span` with the drive as it is.
-    pub(super) fn run(&mut self, span: Nanos) {
+    #[inline(always)]
+    fn run<S: Simd>(&mut self, simd: S, span: Nanos) {
         let mut left = span.as_secs_f64();
         let mut whole = true;
         // After an event the threshold itself is the temperature, whatever rounding made of it.
@@ -48,41 +62,45 @@ impl Exact {
                 left
             };
             whole &= stretch >= left;
-            let propagator = if whole {
-                self.borrow(span.0)
-            } else {
-                Box::new(Propagator::new(&self.modes[self.mode], stretch))
-            };
+            if whole {
+                self.propagators
+                    .prepare(self.mode, &self.modes[self.mode], span.0);
+            }
             let mode = &self.modes[self.mode];
+            let mut part;
+            let mut propagator = if whole {
+                self.propagators.first()
+            } else {
+                part = Propagator::new(mode, stretch);
+                &part
+            };
             let start = Start::new(mode, &self.z, t, heat, power);
-            let end = propagator.step(mode, &self.z, power);
+            let mut end = propagator.step(mode, &self.z, power);
+            let mut wire = dot(simd, &mode.gain, &end);
             let event = if round < EVENTS {
-                self.first_event(&segment, &start, &end, stretch)
+                self.first_event(&segment, &start, self.network.body_c + wire, stretch)
             } else {
                 None
             };
-            if event.is_none() {
-                self.accept(&propagator, &start, &end, stretch);
+            let mut passed = stretch;
+            if let Some((after, _)) = event {
+                part = Propagator::new(mode, after);
+                propagator = &part;
+                end = propagator.step(mode, &self.z, power);
+                wire = dot(simd, &mode.gain, &end);
+                passed = after;
             }
-            if whole {
-                self.give_back(span.0, propagator);
-            }
-            let Some((after, event)) = event else {
-                left -= stretch;
-                if left > 0.0 {
-                    continue;
+            let course = self.course(simd, propagator, &start, (&end, wire), passed);
+            self.accept(simd, &start, &course, passed);
+            self.z = end;
+            left -= passed;
+            if let Some((_, event)) = event {
+                if let Event::Threshold(threshold, _) = event {
+                    at = Some(threshold);
                 }
-                return;
-            };
-            let propagator = Propagator::new(&self.modes[self.mode], after);
-            let end = propagator.step(&self.modes[self.mode], &self.z, power);
-            self.accept(&propagator, &start, &end, after);
-            if let Event::Threshold(threshold, _) = event {
-                at = Some(threshold);
+                self.take(&event);
+                whole = false;
             }
-            self.take(&event);
-            left -= after;
-            whole = false;
             if left <= 0.0 {
                 return;
             }
@@ -104,17 +122,16 @@ impl Exact {
         }
     }
 
-    /// The first event within `span` seconds, if any; `end` is the state then if there is none.
+    /// The first event within `span` seconds, if any; `last` is the wire's temperature then if there is none.
+    #[inline(always)]
     fn first_event(
         &self,
         segment: &Segment,
         start: &Start,
-        end: &[f64; NODES],
+        last: f64,
         span: f64,
     ) -> Option<(f64, Event)> {
-        let mode = &self.modes[self.mode];
-        let base = self.network.body_c;
-        let (first, last) = (start.wire_c, base + dot(&mode.gain, end));
+        let first = start.wire_c;
         let (low, high) = (
             segment.low - LEVEL_TOLERANCE,
             segment.high + LEVEL_TOLERANCE,
@@ -130,10 +147,13 @@ impl Exact {
         {
             return None;
         }
-        let sum = mode.sum(start.slopes, first);
+        let sum = self.modes[self.mode].sum(start.slopes, first);
         let (mut from, mut before) = (0.0, first);
         loop {
-            let turn = sum.next_turn(from, span);
+            let turn = match start.turns {
+                0 => None,
+                _ => sum.next_turn(from, span),
+            };
             let to = turn.unwrap_or(span);
             let value = if turn.is_some() { sum.value(to) } else { last };
             if segment.one_way && backward(before, value) {
@@ -155,23 +175,62 @@ impl Exact {
         }
     }
 
-    /// Moves the state to `end`, `span` seconds on, and keeps the books.
-    fn accept(&mut self, propagator: &Propagator, start: &Start, end: &[f64; NODES], span: f64) {
+    /// Takes the time of a step that goes to the coordinates `end`, where the wire is `wire` K above the body.
+    #[inline(always)]
+    fn course<S: Simd>(
+        &self,
+        simd: S,
+        propagator: &Propagator,
+        start: &Start,
+        (end, wire): (&[f64; NODES], f64),
+        span: f64,
+    ) -> Course {
+        let (mode, base) = (&self.modes[self.mode], self.network.body_c);
+        let integral = propagator.integral(mode, &self.z, start.power);
+        let rate = mode.rate(end, start.power);
+        let before = &self.watched;
+        let after = Watched {
+            wire,
+            shallow: dot(simd, &mode.shallow, end),
+            deep: dot(simd, &mode.deep, end),
+        };
+        Course {
+            wire: dot(simd, &mode.gain, &integral),
+            outer: dot(simd, mode.last(), &integral),
+            skin: dot(simd, &mode.shallow, &integral),
+            shallow: [
+                point(
+                    simd,
+                    (0.0, base + before.shallow),
+                    &mode.shallow,
+                    &start.rate,
+                ),
+                point(simd, (span, base + after.shallow), &mode.shallow, &rate),
+            ],
+            deep: [
+                point(simd, (0.0, base + before.deep), &mode.deep, &start.rate),
+                point(simd, (span, base + after.deep), &mode.deep, &rate),
+            ],
+            hottest: self.hottest_within(simd, start, base + wire, &rate, span),
+            after,
+        }
+    }
+
+    /// Keeps the books of a step of `span` seconds.
+    #[inline(always)]
+    fn accept<S: Simd>(&mut self, simd: S, start: &Start, course: &Course, span: f64) {
         let mode = &self.modes[self.mode];
-        let base = self.network.body_c;
-        let course = Course::new(mode, base, propagator, start, (&self.z, end), span);
-        let hottest = self.wire_peak_within(start, end, &course.rate, span);
-        self.hottest = (self.hottest.0.max(hottest), self.hottest.1.max(hottest));
-        self.deep.pass(&mode.lambda, &course.deep);
-        self.shallow.pass(&mode.lambda, &course.shallow);
+        let top = course.hottest;
+        self.hottest = (self.hottest.0.max(top), self.hottest.1.max(top));
+        self.deep.pass(simd, &mode.lambda, &course.deep);
+        self.shallow.pass(simd, &mode.lambda, &course.shallow);
+        let n = &*self.network;
         if let Some(dose) = &mut self.dose {
             let [from, to] = &course.shallow;
             let sum = mode.sum(from.terms, from.value);
             dose.add(span, from.value, to.value, |t| sum.value(t));
-            dose.celsius_s += course.skin + base * span;
+            dose.celsius_s += course.skin + n.body_c * span;
         }
-
-        let n = &*self.network;
         let into_wire = start.heat.power * span + start.heat.feedback * course.wire;
         let e = &mut self.energy;
         e.wire_j += into_wire;
@@ -186,21 +245,24 @@ impl Exact {
         e.air_j += n.air * (course.wire + (n.body_c - n.air_c) * span);
         e.ends_j += n.ends * (course.wire + (n.body_c - n.ends_c) * span);
         e.body_j += n.chain[NODES - 1] * course.outer;
-        self.z = *end;
+        self.watched = course.after;
     }
 
-    /// The wire's maximum over a step that ends with the coordinates at `rate`: both ends and all turns between.
-    fn wire_peak_within(
+    /// The wire's maximum over a step that ends at `last` with the coordinates at `rate`: both ends and all turns
+    /// between.
+    #[inline(always)]
+    fn hottest_within<S: Simd>(
         &self,
+        simd: S,
         start: &Start,
-        end: &[f64; NODES],
+        last: f64,
         rate: &[f64; NODES],
         span: f64,
     ) -> f64 {
         let mode = &self.modes[self.mode];
-        let mut top = start.wire_c.max(self.network.body_c + dot(&mode.gain, end));
-        let rises = start.slopes.iter().sum::<f64>() > 0.0;
-        if start.turns > 1 || (start.turns == 1 && rises && dot(&mode.gain, rate) < 0.0) {
+        let mut top = start.wire_c.max(last);
+        let peak = || start.slopes.iter().sum::<f64>() > 0.0 && dot(simd, &mode.gain, rate) < 0.0;
+        if start.turns > 1 || (start.turns == 1 && peak()) {
             let sum = mode.sum(start.slopes, start.wire_c);
             let mut from = 0.0;
             while let Some(turn) = sum.next_turn(from, span) {
@@ -227,6 +289,7 @@ struct Start {
 }
 
 impl Start {
+    #[inline(always)]
     fn new(mode: &Mode, z: &[f64; NODES], wire_c: f64, heat: Heat, power: f64) -> Self {
         let rate = mode.rate(z, power);
         let slopes = product(&mode.gain, &rate);
@@ -247,52 +310,32 @@ struct Course {
     wire: f64,
     outer: f64,
     skin: f64,
-    /// Rate of change of the coordinates at the end.
-    rate: [f64; NODES],
     /// The skin at 0.1 and at 0.4 mm, at both ends.
     shallow: [Point; 2],
     deep: [Point; 2],
+    /// Hottest the wire was, degrees C.
+    hottest: f64,
+    /// At its end.
+    after: Watched,
 }
 
-impl Course {
-    /// Of a step of `span` seconds between two states.
-    fn new(
-        mode: &Mode,
-        base: f64,
-        propagator: &Propagator,
-        start: &Start,
-        (z, end): (&[f64; NODES], &[f64; NODES]),
-        span: f64,
-    ) -> Self {
-        let integral = propagator.integral(mode, z, start.power);
-        let rate = mode.rate(end, start.power);
-        Self {
-            wire: dot(&mode.gain, &integral),
-            outer: dot(mode.last(), &integral),
-            skin: dot(&mode.shallow, &integral),
-            rate,
-            shallow: [
-                point(base, &mode.shallow, 0.0, z, &start.rate),
-                point(base, &mode.shallow, span, end, &rate),
-            ],
-            deep: [
-                point(base, &mode.deep, 0.0, z, &start.rate),
-                point(base, &mode.deep, span, end, &rate),
-            ],
-        }
-    }
-}
-
-/// The temperature that `row` gives at `t`.
-fn point(base: f64, row: &[f64; NODES], t: f64, z: &[f64; NODES], rate: &[f64; NODES]) -> Point {
+/// An instant of the temperature that `row` gives, `value` then.
+#[inline(always)]
+fn point<S: Simd>(
+    simd: S,
+    (t, value): (f64, f64),
+    row: &[f64; NODES],
+    rate: &[f64; NODES],
+) -> Point {
     Point {
         t,
-        value: base + dot(row, z),
-        slope: dot(row, rate),
+        value,
+        slope: dot(simd, row, rate),
         terms: product(row, rate),
     }
 }
 
+#[inline(always)]
 fn product(a: &[f64; NODES], b: &[f64; NODES]) -> [f64; NODES] {
     core::array::from_fn(|k| a[k] * b[k])
 }

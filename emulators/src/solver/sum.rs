@@ -10,12 +10,14 @@ use super::decay::decays;
 use super::highest::Point;
 use super::modal::dot;
 use crate::finger::NODES;
-use palpate_core::vector::Vectors;
+use palpate_core::vector::{Scalar, Vectors};
 
 /// Levels are crossed when passed by more than this, K: well under the promised 1e-9.
 pub const LEVEL_TOLERANCE: f64 = 1e-11;
 /// A turn that changes the value by less than this, K, is none.
 const NEGLIGIBLE_K: f64 = 1e-12;
+/// A step of this part of a time is the last one towards a root.
+const SMALL_STEP: f64 = 1e-6;
 /// Relative size under which a derivative counts as zero.
 const FLAT: f64 = 1e-13;
 
@@ -35,7 +37,7 @@ pub struct Sum<'a> {
 impl Sum<'_> {
     /// Value at `t` seconds.
     pub fn value(&self, t: f64) -> f64 {
-        self.value_and_slope(t).0
+        self.point(t).value
     }
 
     /// Value and terms of the derivative at `t`.
@@ -52,8 +54,8 @@ impl Sum<'_> {
         }
         Point {
             t,
-            value: self.start + dot(&self.slopes, &fallen),
-            slope: dot(&terms, &[1.0; NODES]),
+            value: self.start + dot(Scalar, &self.slopes, &fallen),
+            slope: dot(Scalar, &terms, &[1.0; NODES]),
             terms,
         }
     }
@@ -107,94 +109,103 @@ impl Sum<'_> {
         bounded_away(&s, &e)
     }
 
-    /// Value and derivative at `t`.
-    fn value_and_slope(&self, t: f64) -> (f64, f64) {
-        let point = self.point(t);
-        (point.value, point.slope)
-    }
-
-    /// Derivative and second derivative at `t`.
-    fn slope_and_bend(&self, t: f64) -> (f64, f64) {
-        let point = self.point(t);
-        (point.slope, -dot(self.lambda, &point.terms))
+    /// Value at `t` and the first three derivatives.
+    fn derivatives(&self, t: f64) -> [f64; 4] {
+        self.vectors.run(
+            #[inline(always)]
+            || {
+                let point = self.plain_point(t);
+                let mut bends = point.terms;
+                for (bend, rate) in bends.iter_mut().zip(self.lambda) {
+                    *bend *= -rate;
+                }
+                let bend = dot(Scalar, &bends, &[1.0; NODES]);
+                let third = -dot(Scalar, self.lambda, &bends);
+                [point.value, point.slope, bend, third]
+            },
+        )
     }
 
     /// The turn between two times at which the derivative has opposite signs.
     pub fn turn_between(&self, from: f64, to: f64) -> f64 {
-        let start = self.slope_and_bend(from);
-        root((from, to), start, start.0 < 0.0, |t| self.slope_and_bend(t))
+        let slope = |t: f64| {
+            let [_, slope, bend, third] = self.derivatives(t);
+            [slope, bend, third]
+        };
+        let start = slope(from);
+        root((from, to), start, start[0] < 0.0, slope)
     }
 
     /// The time in [from, to] at which the sum, monotone there, rises or falls past `level`.
     pub fn crossing(&self, level: f64, from: f64, to: f64, rises: bool) -> f64 {
-        let over = |(v, d): (f64, f64)| (v - level, d);
-        let start = if from > 0.0 {
-            self.value_and_slope(from)
-        } else {
-            (self.start, self.slopes.iter().sum())
+        let over = |t: f64| {
+            let [value, slope, bend, _] = self.derivatives(t);
+            [value - level, slope, bend]
         };
-        root((from, to), over(start), rises, |t| {
-            over(self.value_and_slope(t))
-        })
+        let start = if from > 0.0 {
+            over(from)
+        } else {
+            let (slope, bend) = (
+                self.slopes.iter().sum(),
+                -dot(Scalar, self.lambda, &self.slopes),
+            );
+            [self.start - level, slope, bend]
+        };
+        root((from, to), start, rises, over)
     }
 }
 
-/// Root of a function that `rises` or falls through zero between two times, given with its derivative (at the earlier
-/// one too): Newton's steps inside a shrinking bracket, bisection whenever one would leave it or the last did
-/// not halve it.
+/// Root of a function that `rises` or falls through zero between two times, given with two derivatives (at the earlier
+/// one too): Halley's steps inside a shrinking bracket, which is halved instead where a step would leave it or the last
+/// one has not halved the function.
 fn root(
     (mut low, mut high): (f64, f64),
-    (start, mut slope): (f64, f64),
+    start: [f64; 3],
     rises: bool,
-    f: impl Fn(f64) -> (f64, f64),
+    f: impl Fn(f64) -> [f64; 3],
 ) -> f64 {
     let sign = if rises { 1.0 } else { -1.0 };
-    if start * sign >= 0.0 {
+    if start[0] * sign >= 0.0 {
         return low;
     }
-    let (mut t, mut v) = (low, start * sign);
+    let (mut t, mut at, mut crawls) = (low, start, false);
     for _ in 0..240 {
-        let newton = t - v / (slope * sign);
-        let (width, inside) = (high - low, newton > low && newton < high);
-        let next = if inside { newton } else { low + width / 2.0 };
-        let step = (next - t).abs();
-        let (value, d) = f(next);
-        (t, v, slope) = (next, value * sign, d);
-        if v < 0.0 {
+        let [value, slope, bend] = at;
+        let newton = value / slope;
+        let halley = t - newton / (1.0 - newton * bend / (2.0 * slope));
+        let inside = !crawls && halley > low && halley < high;
+        let next = if inside {
+            halley
+        } else {
+            low + (high - low) / 2.0
+        };
+        // Halley trebles the digits: after a step this small the rest is rounding. Where the function is flat but bent
+        // his step is small as well, far from the root; Newton's is not.
+        let step = newton.abs().max((next - t).abs());
+        if (inside && step <= (t * SMALL_STEP).max(1e-19)) || high - low <= high * 2e-16 {
+            return next;
+        }
+        (t, at) = (next, f(next));
+        if at[0] * sign < 0.0 {
             low = t;
-        } else if v > 0.0 {
+        } else if at[0] * sign > 0.0 {
             high = t;
         } else {
-            break;
+            return t;
         }
-        // Newton doubles the digits: after a step this small the rest is rounding.
-        if (inside && step <= t * 3e-8) || step <= 1e-19 || high - low <= high * 2e-16 {
-            break;
-        }
-        // Far from the root Newton may crawl along one side: halve the other.
-        if inside && high - low > width * 0.5 && step > width * 1e-3 {
-            let middle = low + (high - low) / 2.0;
-            let value = f(middle).0 * sign;
-            if value < 0.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
-            if t < low || t > high {
-                (t, (v, slope)) = (middle, f(middle));
-                v *= sign;
-            }
-        }
+        crawls = inside && at[0].abs() > value.abs() / 2.0;
     }
     t
 }
 
 /// Sign changes of the partial sums, rounding noise left out.
+#[inline(always)]
 pub(super) fn changes(b: &[f64; NODES]) -> usize {
     signs(b).0
 }
 
 /// Sign changes of the partial sums, and the last sign: that of the sum from here on, until its first zero.
+#[inline(always)]
 pub(super) fn signs(b: &[f64; NODES]) -> (usize, f64) {
     let mut partial = 0.0;
     let mut size = 0.0;

@@ -7,6 +7,7 @@ use crate::solver::exact::Exact;
 use crate::solver::stepped::{Method, Stepped};
 use crate::solver::{Drive, Solver};
 use palpate_core::physics::{SkinParameters, WireParameters};
+use palpate_core::vector::Vectors;
 
 const MS: u64 = 1_000_000;
 
@@ -218,4 +219,34 @@ fn the_phantom_is_where_the_energy_is() {
     assert_eq!(felt.wires, 2);
     assert!((felt.place(Centroid::Energy).0 - 1.0).abs() < 1e-12);
     assert!((felt.place(Centroid::Amplitude).0 - 5.0 / 3.0).abs() < 1e-12);
+}
+
+#[test]
+fn wide_vectors_give_the_same_bits() {
+    let wide = Exact::new(&WireParameters::FINAL, &SkinParameters::DEFAULT, 33.0).unwrap();
+    let plain = wide.with_vectors(Vectors::plain());
+    // Bursts and pauses: the wire transforms both ways.
+    let [wide, plain] = [wide, plain].map(|mut solver| {
+        let mut least = 1.0_f64;
+        for pulse in 0..40 {
+            let start = Nanos(pulse * 5_000_000 + pulse / 8 * 200_000_000);
+            solver.drive(start, Drive::Power(7.4));
+            solver.drive(start + Nanos(124_000), Drive::Off);
+            least = least.min(solver.fraction());
+        }
+        solver.advance(Nanos(2_000_000_000));
+        assert!(least < 1.0 && solver.fraction() > least);
+        let (peaks, energy) = (solver.peaks(), solver.energy());
+        let mut bits = solver.nodes().map(f64::to_bits).to_vec();
+        let all = [
+            peaks.wire_c,
+            peaks.shallow_c,
+            peaks.deep_c,
+            energy.wire_j,
+            energy.body_j,
+        ];
+        bits.extend(all.map(f64::to_bits));
+        bits
+    });
+    assert_eq!(wide, plain);
 }
