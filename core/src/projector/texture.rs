@@ -36,7 +36,8 @@ pub struct TexturePlan {
     /// The network's features: taxel of that module, and axis (0 to 2).
     pub features: Box<[(u32, u8)]>,
     /// Every feature gets its axis's mean over the module's taxels: a contact that moves over them, spread over the
-    /// whole face, which is what networks are trained on. Where it is says the contact itself.
+    /// whole face, which is what networks are trained on. Shear is turned to the module's -x, where a stroke along +x
+    /// drags the skin. Where the contact is and which way it goes says the contact itself.
     pub gather: bool,
     /// From sample to sample.
     pub sample: Duration,
@@ -89,6 +90,12 @@ fn means(taxels: &[[u16; 3]]) -> [f32; 3] {
     [0, 1, 2].map(|axis| (sum(axis) as f64 / count) as f32)
 }
 
+/// `means` with their shear above `rest` turned to -x.
+fn turned(means: [f32; 3], rest: [f32; 3]) -> [f32; 3] {
+    let shear = libm::hypotf(means[0] - rest[0], means[1] - rest[1]);
+    [rest[0] - shear, rest[1], means[2]]
+}
+
 /// From scans to control parameters.
 #[derive(Debug)]
 pub(super) struct Sampler {
@@ -98,6 +105,8 @@ pub(super) struct Sampler {
     sample: Box<[f32]>,
     /// The module's taxels, where features are gathered.
     gathered: Option<Range<usize>>,
+    /// Their means while nothing touched them last.
+    rest: [f32; 3],
     stream: Stream,
     window: usize,
     ends: Ends,
@@ -136,6 +145,7 @@ impl Sampler {
             features: features.collect::<Result<_, _>>()?,
             sample: alloc::vec![0.0; plan.features.len()].into(),
             gathered: plan.gather.then_some(range),
+            rest: [0.0; 3],
             window: plan.encoder.window(),
             stream: Stream::new(plan.encoder, 1),
             ends: Ends::Onsets {
@@ -171,6 +181,10 @@ impl Sampler {
             .gathered
             .as_ref()
             .map(|range| means(&counts[range.clone()]));
+        if let Some(means) = means.filter(|_| !touched) {
+            self.rest = means;
+        }
+        let means = means.map(|means| turned(means, self.rest));
         for (value, &(taxel, axis)) in self.sample.iter_mut().zip(&self.features) {
             *value = means.map_or_else(|| f32::from(counts[taxel][axis]), |means| means[axis]);
         }

@@ -35,7 +35,7 @@ impl Rub {
         self.spring * self.relief.height(travel, 0.0, speed)
     }
 
-    /// Coefficient of friction against the motion, relief and all.
+    /// Coefficient of friction, relief and all: the skin is dragged along with the contact.
     pub fn drag(&self, travel: f64, speed: f64) -> f64 {
         held(self.friction, self.slip_at, travel) + self.relief.slope(travel, speed)
     }

@@ -124,7 +124,7 @@ impl Touches for Scripted {
         self.strokes.touches(now, out);
     }
 
-    /// Of the first contact that rubs, else of the stroke.
+    /// Of the first contact that rubs, which takes the skin along, else of the stroke.
     fn drag(&self, now: Nanos) -> [f64; 2] {
         let now = self.at(now);
         let t_s = now.as_secs_f64();
@@ -136,7 +136,7 @@ impl Touches for Scripted {
             let (travel, speed) = rubbing.progress(t_s);
             // At rest the skin stays as it was dragged, which nobody has measured: nothing.
             let drag = if way > 0.0 {
-                -rubbing.rub.drag(travel, speed) / way
+                rubbing.rub.drag(travel, speed) / way
             } else {
                 0.0
             };
