@@ -14,6 +14,8 @@ use crate::vector::Vectors;
 pub struct Encoder {
     pub(super) vectors: Vectors,
     pub(super) layers: Vec<Layer>,
+    /// The first layer's input weights once more, for [`kernel::project_wide`].
+    pub(super) first: Vec<f64>,
     /// Smallest raw value and factor of every feature.
     scale: Vec<(f32, f32)>,
     window: usize,
@@ -38,9 +40,12 @@ impl Encoder {
         let lanes = vectors.dispatch(Lanes);
         let pack = |gru| Layer::new(gru, lanes, weights);
         let scale = model.scale_min.iter().copied().zip(model.factors());
+        let layers: Vec<Layer> = model.layers.iter().map(pack).collect();
+        let first = layers.first().map_or(&[][..], |layer| layer.input.all());
         Ok(Self {
             vectors,
-            layers: model.layers.iter().map(pack).collect(),
+            first: first.iter().copied().map(f64::from).collect(),
+            layers,
             scale: scale.collect(),
             window: model.window,
             steps: model.window,
@@ -83,7 +88,7 @@ impl Encoder {
             windows,
             scaled: alloc::vec![0.0; columns * self.features()],
             sums: Aligned::zeros(columns * 3 * widest),
-            base: Aligned::zeros(windows * self.first_stride()),
+            base: alloc::vec![0.0; windows * self.first_stride()],
             states: Aligned::zeros(columns * widest),
             zeros: Aligned::zeros(windows * widest),
             latents: alloc::vec![0.0; windows * self.latents()],
@@ -162,7 +167,7 @@ pub struct Room {
     /// `[step][window][block][gate][lane]`.
     pub(super) sums: Aligned,
     /// The first samples' projections.
-    base: Aligned,
+    base: Vec<f64>,
     /// `[step][window][unit, padded]`.
     states: Aligned,
     zeros: Aligned,
@@ -173,9 +178,9 @@ pub struct Room {
 /// Out of a projection of a sample, one of the window's first sample and the bias: what the first layer's sums
 /// start from. W (x - x0) = W x - W x0, so one projection of a sample serves every window that holds it.
 #[inline(always)]
-pub(super) fn offset(sample: &[f32], first: &[f32], bias: &[f32], out: &mut [f32]) {
+pub(super) fn offset(sample: &[f64], first: &[f64], bias: &[f32], out: &mut [f32]) {
     for (((out, s), f), b) in out.iter_mut().zip(sample).zip(first).zip(bias) {
-        *out = (s - f) + b;
+        *out = ((s - f) + f64::from(*b)) as f32;
     }
 }
 
@@ -213,22 +218,21 @@ impl WithSimd for Whole<'_> {
             values: &room.scaled,
             stride: features,
         };
-        kernel::project(simd, first, false, scaled, windows, room.base.all_mut());
+        let (weights, base) = (&*encoder.first, &mut *room.base);
+        kernel::project_wide(simd, first, weights, scaled, windows, |column, at, sums| {
+            base[column * stride + at..][..sums.len()].copy_from_slice(sums);
+        });
         let taken = Rows {
             values: &room.scaled[skipped * windows * features..],
             stride: features,
         };
         let columns = encoder.steps * windows;
-        kernel::project(simd, first, false, taken, columns, room.sums.all_mut());
-        for (column, sums) in room.sums.all_mut()[..columns * stride]
-            .chunks_exact_mut(stride)
-            .enumerate()
-        {
-            let base = &room.base.all()[(column % windows) * stride..][..stride];
-            for ((sum, f), b) in sums.iter_mut().zip(base).zip(first.bias.all()) {
-                *sum = (*sum - f) + b;
-            }
-        }
+        let (bias, out) = (first.bias.all(), room.sums.all_mut());
+        kernel::project_wide(simd, first, weights, taken, columns, |column, at, sums| {
+            let base = &base[(column % windows) * stride + at..];
+            let out = &mut out[column * stride + at..][..sums.len()];
+            offset(sums, base, &bias[at..], out);
+        });
         layers(simd, encoder, room, windows);
     }
 }
@@ -245,7 +249,7 @@ pub(super) fn layers<S: Simd>(simd: S, encoder: &Encoder, room: &mut Room, windo
                 stride: width,
             };
             let columns = steps * windows;
-            kernel::project(simd, layer, true, inputs, columns, room.sums.all_mut());
+            kernel::project(simd, layer, inputs, columns, room.sums.all_mut());
         }
         width = layer.width();
         let (row, sums_of) = (windows * width, windows * 3 * width);

@@ -81,12 +81,11 @@ fn three<S: Simd>(values: &[f32]) -> [S::f32s; 3] {
     [wide[0], wide[1], wide[2]]
 }
 
-/// Weighted inputs of `columns` columns, with the bias or without, to `out` `[column][block][gate][lane]`.
+/// Bias and weighted inputs of `columns` columns to `out` `[column][block][gate][lane]`.
 #[inline(always)]
 pub(super) fn project<S: Simd>(
     simd: S,
     layer: &Layer,
-    bias: bool,
     inputs: Rows<'_>,
     columns: usize,
     out: &mut [f32],
@@ -96,11 +95,7 @@ pub(super) fn project<S: Simd>(
     for block in 0..layer.blocks() {
         let weights =
             &layer.input.all()[block * layer.inputs * sums_of..][..layer.inputs * sums_of];
-        let start = if bias {
-            three::<S>(&layer.bias.all()[block * sums_of..][..sums_of])
-        } else {
-            [simd.splat_f32s(0.0); 3]
-        };
+        let start = three::<S>(&layer.bias.all()[block * sums_of..][..sums_of]);
         let mut first = 0;
         while first < columns {
             macro_rules! tile {
@@ -120,6 +115,61 @@ pub(super) fn project<S: Simd>(
                 1 => tile!(1),
                 2 | 4 => tile!(2),
                 _ => tile!(3),
+            }
+        }
+    }
+}
+
+/// Numbers of three f64 vectors, at most.
+const THREE: usize = 24;
+
+/// Weighted inputs of `columns` columns without the bias, in f64: two of them are subtracted from each other, and what
+/// is left must not have lost its digits. A product of two f32 is exact there. `weights` are the layer's own, `put` is
+/// told column, place in `[block][gate][lane]` and sums, some at a time.
+#[inline(always)]
+pub(super) fn project_wide<S: Simd>(
+    simd: S,
+    layer: &Layer,
+    weights: &[f64],
+    inputs: Rows<'_>,
+    columns: usize,
+    mut put: impl FnMut(usize, usize, &[f64]),
+) {
+    let sums_of = 3 * layer.lanes;
+    let (some, parts) = (3 * S::F64_LANES, layer.lanes / S::F64_LANES);
+    for block in 0..layer.blocks() {
+        let weights = &weights[block * layer.inputs * sums_of..][..layer.inputs * sums_of];
+        let weights = as_arrays::<3, _>(S::as_simd_f64s(weights).0).0;
+        for part in 0..parts {
+            let place = block * sums_of + part * some;
+            let mut first = 0;
+            while first < columns {
+                macro_rules! tile {
+                    ($c:literal) => {{
+                        let rows = inputs.tile::<$c>(first, 0, layer.inputs);
+                        let mut sums = [[simd.splat_f64s(0.0); 3]; $c];
+                        for (i, weights) in weights.iter().skip(part).step_by(parts).enumerate() {
+                            for c in 0..$c {
+                                let value = simd.splat_f64s(f64::from(rows[c][i]));
+                                for v in 0..3 {
+                                    sums[c][v] = simd.mul_add_f64s(weights[v], value, sums[c][v]);
+                                }
+                            }
+                        }
+                        for c in 0..$c {
+                            let mut numbers = [0.0; THREE];
+                            let wide = S::as_mut_simd_f64s(&mut numbers[..some]).0;
+                            wide.copy_from_slice(&sums[c]);
+                            put(first + c, place, &numbers[..some]);
+                        }
+                        first += $c;
+                    }};
+                }
+                match columns - first {
+                    1 => tile!(1),
+                    2 | 4 => tile!(2),
+                    _ => tile!(3),
+                }
             }
         }
     }

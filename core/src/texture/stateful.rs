@@ -20,8 +20,8 @@ pub struct Stateful {
     encoder: Arc<Encoder>,
     fresh: bool,
     scaled: Vec<f32>,
-    sample: Aligned,
-    reference: Aligned,
+    sample: Vec<f64>,
+    reference: Vec<f64>,
     sums: Aligned,
     now: Vec<Aligned>,
     next: Vec<Aligned>,
@@ -35,8 +35,8 @@ impl Stateful {
         Self {
             fresh: true,
             scaled: alloc::vec![0.0; encoder.features()],
-            sample: Aligned::zeros(stride),
-            reference: Aligned::zeros(stride),
+            sample: alloc::vec![0.0; stride],
+            reference: alloc::vec![0.0; stride],
             sums: Aligned::zeros(stride),
             now: encoder.layers.iter().map(state).collect(),
             next: encoder.layers.iter().map(state).collect(),
@@ -84,15 +84,16 @@ impl WithSimd for Step<'_> {
             values: &state.scaled,
             stride: state.scaled.len(),
         };
-        kernel::project(simd, &layers[0], false, inputs, 1, state.sample.all_mut());
+        let (weights, sample) = (&*state.encoder.first, &mut *state.sample);
+        kernel::project_wide(simd, &layers[0], weights, inputs, 1, |_, at, sums| {
+            sample[at..][..sums.len()].copy_from_slice(sums);
+        });
         if state.fresh {
-            let sample = state.sample.all();
-            state.reference.all_mut().copy_from_slice(sample);
+            state.reference.copy_from_slice(&state.sample);
             state.fresh = false;
         }
         let bias = layers[0].bias.all();
-        let (sample, reference) = (state.sample.all(), state.reference.all());
-        offset(sample, reference, bias, state.sums.all_mut());
+        offset(&state.sample, &state.reference, bias, state.sums.all_mut());
         let mut input = Input::Summed(Rows {
             values: state.sums.all(),
             stride: state.sums.all().len(),

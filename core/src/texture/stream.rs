@@ -62,7 +62,7 @@ pub struct Stream {
     /// `[module][feature]`.
     scaled: Vec<f32>,
     /// The last samples' projections by the first layer, `[sample, a ring][module][block][gate][lane]`.
-    ring: Aligned,
+    ring: Vec<f64>,
     /// Which samples of the ring began a window.
     begun: Vec<bool>,
     /// The windows that are being stepped: the place in the ring of the sample they began with.
@@ -83,7 +83,7 @@ impl Stream {
             modules,
             seen: 0,
             scaled: alloc::vec![0.0; modules * encoder.features()],
-            ring: Aligned::zeros(window * modules * stride),
+            ring: alloc::vec![0.0; window * modules * stride],
             begun: alloc::vec![false; window],
             slots: Vec::with_capacity(encoder.steps()),
             now: encoder.layers.iter().map(state).collect(),
@@ -209,8 +209,18 @@ impl WithSimd for Hop<'_> {
             values: &stream.scaled,
             stride: encoder.features(),
         };
-        let ring = stream.ring.all_mut();
-        kernel::project(simd, first, false, inputs, modules, &mut ring[newest..]);
+        let ring = &mut *stream.ring;
+        let samples = &mut ring[newest..];
+        kernel::project_wide(
+            simd,
+            first,
+            &encoder.first,
+            inputs,
+            modules,
+            |module, at, sums| {
+                samples[module * stride + at..][..sums.len()].copy_from_slice(sums);
+            },
+        );
         let columns = stream.slots.len() * modules;
         let mut begin = 0;
         while begin < columns {
@@ -262,7 +272,7 @@ impl WithSimd for Newest<'_> {
         } = self;
         let encoder = &*stream.encoder;
         let (modules, stride) = (stream.modules, encoder.first_stride());
-        let (ring, bias) = (stream.ring.all(), encoder.layers[0].bias.all());
+        let (ring, bias) = (&*stream.ring, encoder.layers[0].bias.all());
         let skipped = encoder.window() - encoder.steps();
         for t in 0..encoder.steps() {
             let place = (first + skipped + t) % encoder.window();

@@ -7,8 +7,9 @@ use palpate_core::units::Duration;
 use palpate_core::vector::Vectors;
 use proptest::prelude::*;
 
-use palpate_hil::texture::reference;
+use palpate_files::load_textures;
 use palpate_hil::texture::seeded::{Seeded, stroke};
+use palpate_hil::texture::{TextureModel, explore, reference};
 
 fn encoder(model: &Seeded, vectors: Vectors) -> Encoder {
     model
@@ -46,6 +47,26 @@ fn streamed(
         }
     }
     found
+}
+
+/// What a network has learnt decides how much it makes of the last digits.
+#[test]
+fn the_model_that_ships_agrees_with_f64_over_whole_strokes() {
+    let model = TextureModel::open("default").unwrap();
+    let encoder = model.encoder(Weights::Exact).unwrap();
+    let (mut room, row) = (encoder.room(1), encoder.features());
+    let table = load_textures("thesis").unwrap().value;
+    for (entry, recording) in explore::explore(&table, 2, 5) {
+        let values = explore::features(&model, &recording).unwrap();
+        for window in values.windows(encoder.window() * row).step_by(13 * row) {
+            let found = encoder.encode(&mut room, window).unwrap();
+            let expected = model.with(|m| reference::encode(m, window));
+            for (found, expected) in found.iter().zip(expected) {
+                let error = (f64::from(*found) - expected).abs();
+                assert!(error <= 1e-5, "{}: {error:e}", entry.name);
+            }
+        }
+    }
 }
 
 #[test]
