@@ -158,6 +158,9 @@ mod tests {
             );
         }
         assert_eq!(PLANT.energy_nj(0, Duration::from_millis(35)), 0);
+        // Full on for a quarter of an hour: beyond what one multiplication holds.
+        let long = PLANT.energy_nj(4096, Duration::from_micros(1_000_000_000)) as f64;
+        assert!((long / 7_373.71e9 - 1.0).abs() < 1e-4, "{long}");
         assert_eq!(
             PLANT.energy_nj(4096, Duration::from_micros(u64::MAX)),
             u64::MAX / 4

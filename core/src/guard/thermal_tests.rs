@@ -2,6 +2,7 @@
 
 use alloc::vec::Vec;
 
+use super::decays::{RATES, dot};
 use super::limits::{HARD, Limits};
 use super::table;
 use super::thermal::{Booking, Budget, Predicted, Skin};
@@ -291,4 +292,49 @@ fn the_end_of_time_is_no_trap() {
     );
     assert!(skin.room(&mut budget, end).0.is_finite());
     assert!(skin.heat(&mut budget, end, 1e-3).peak_c.is_finite());
+}
+
+/// What is booked late is booked hot only if a joule's warmth never rises again; and skin so deep holds it for a while
+/// (tau = depth squared over diffusivity: 0.1 s at 0.1 mm, seconds at 0.4 mm).
+#[test]
+fn a_joules_warmth_never_rises_and_hardly_falls_at_first() {
+    for (row, early_s) in [(table::SHALLOW, 0.1), (table::DEEP, 1.0)] {
+        let warmth = |seconds: f64| {
+            let left = RATES.map(|rate| libm::exp(-rate * seconds));
+            dot(&row, &left)
+        };
+        let (start, early) = (warmth(0.0), warmth(early_s));
+        assert!(early < start && start < 1.2 * early, "{start} {early}");
+        let mut before = start;
+        for n in 1..600 {
+            let now = warmth(1e-3 * libm::exp(0.02 * f64::from(n)));
+            // the table has six digits
+            assert!(
+                0.0 < now && now <= before * 1.000_001,
+                "{n}: {before} {now}"
+            );
+            before = now;
+        }
+    }
+}
+
+#[test]
+fn of_limits_that_leave_the_same_the_first_is_the_reason() {
+    // A minute at 43 C is left for the 60 s it has to last: the dose's ceiling is the peak's.
+    let limits = Limits {
+        dose_cem43_ms: 60_000,
+        ..HARD
+    };
+    let booking = Booking {
+        from: us(0),
+        until: us(35_000),
+    };
+    let (_, reason) = Skin::new().room(&mut Budget::new(&limits), booking);
+    assert_eq!(reason, Reason::SkinPeak);
+    let limits = Limits {
+        dose_cem43_ms: 59_999,
+        ..HARD
+    };
+    let (_, reason) = Skin::new().room(&mut Budget::new(&limits), booking);
+    assert_eq!(reason, Reason::Dose);
 }
