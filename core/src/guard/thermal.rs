@@ -250,13 +250,10 @@ impl Skin {
     }
 
     /// Lets time pass until `to` without heat. Before the last window nothing but energy and dose matters:
-    /// there the steps grow.
+    /// there the steps grow. What bins held then is shifted out by as many bins as are kept.
     fn relax(&mut self, stretches: &mut Stretches, to: Instant) {
         let recent = to - WINDOW - Duration::from_micros(BIN_US);
         let mut stride = BIN_US;
-        if self.at < recent {
-            self.bins = [0.0; BINS];
-        }
         while self.at < recent {
             let until = recent.min(self.at + Duration::from_micros(stride));
             let stretch = Stretch::new(until.since(self.at));
