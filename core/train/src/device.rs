@@ -92,27 +92,36 @@ pub mod tests {
         true
     }
 
+    /// Two epochs, interrupted after the first.
     #[cfg(feature = "gpu")]
     #[test]
     fn training_on_a_card_goes_as_on_the_processor() {
-        use crate::training::{Settings, tests, train};
+        use crate::training::{Progress, Settings, tests, train};
         if !has_card() {
             return;
         }
         let (windows, split, ratings) = tests::small();
-        let errors = |device| {
+        let name = format!("palpate-train-card-{}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&folder).unwrap();
+        let run = |device, folder: Option<&std::path::Path>, more: fn(&Progress) -> bool| {
             let settings = Settings {
                 device,
                 share: 9,
                 ..tests::settings(2)
             };
-            let trained = train(&windows, &split, &ratings, &settings, None, |_| true);
-            let (_, progress) = trained.unwrap();
-            [progress.train, progress.validation].concat()
+            train(&windows, &split, &ratings, &settings, folder, more).map(|(_, progress)| progress)
         };
-        let (cpu, gpu) = (errors(Device::Cpu), errors(Device::Gpu));
+        run(Device::Gpu, Some(&folder), |_| false).unwrap();
+        let other = run(Device::Cpu, Some(&folder), |_| true).unwrap_err();
+        assert!(other.to_string().contains("other settings"), "{other}");
+        let gpu = run(Device::Gpu, Some(&folder), |_| true).unwrap();
+        std::fs::remove_dir_all(folder).unwrap();
+        let cpu = run(Device::Cpu, None, |_| true).unwrap();
+        let errors = |of: &Progress| [of.train.clone(), of.validation.clone()].concat();
+        let (cpu, gpu) = (errors(&cpu), errors(&gpu));
         println!("{cpu:?} {gpu:?}");
-        assert_eq!(cpu.len(), 4);
+        assert_eq!((cpu.len(), gpu.len()), (4, 4));
         for (cpu, gpu) in cpu.iter().zip(&gpu) {
             assert!((cpu - gpu).abs() < 1e-4 * cpu, "{cpu} {gpu}");
         }
