@@ -29,7 +29,7 @@ const EPSILON: f32 = 1e-7;
 /// Where trained networks are measured, whatever they were trained on: it is what the engine of `core` agrees with.
 pub type Plain = NdArray;
 
-/// What one training run is. The same settings and recordings give the same model.
+/// What one training run is. The same settings and recordings give the same model, on the processor bit by bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     pub seed: u64,
