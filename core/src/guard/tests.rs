@@ -82,6 +82,26 @@ fn pulse_width_is_clamped_at_the_slowest_oscillator() {
 }
 
 #[test]
+fn ticks_are_those_of_the_boards_that_are_guarded() {
+    for (prescale, most) in [(30, 148), (60, 75), (121, 37)] {
+        let prescale = Prescale::new(prescale);
+        let mut guard = guard(
+            HARD,
+            Plant {
+                prescale,
+                peak: Milliamps(500),
+                ..THESIS
+            },
+        );
+        assert_eq!(guard.prescale(), prescale);
+        let mut asked = stimulus(0, 4095, 0, 35_000);
+        asked.peak = Milliamps(500);
+        let (_, entries) = admit(&mut guard, &[asked]);
+        assert_eq!(entries[0].width().get(), most, "{prescale:?}");
+    }
+}
+
+#[test]
 fn a_burst_is_cut_at_50_ms() {
     // From its first edge to its last it may be longer by a pulse and the bus, 1.2 ms.
     for (length, kept) in [

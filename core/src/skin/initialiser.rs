@@ -117,6 +117,8 @@ pub struct Initialiser {
     baseline: Baseline,
     /// Frames each module still takes for a new reference; 0 once it has one.
     missing: Vec<u32>,
+    /// Whether a module is starting over.
+    restarting: bool,
     active: Vec<bool>,
     usable: Vec<bool>,
     faulty: Vec<bool>,
@@ -160,6 +162,7 @@ impl Initialiser {
             starts: layout.starts().to_vec(),
             baseline: Baseline::new(n, settings.axes.flags()),
             missing: alloc::vec![0; layout.modules().len()],
+            restarting: false,
             usable: active.clone(),
             active,
             faulty: alloc::vec![false; n],
@@ -218,6 +221,7 @@ impl Initialiser {
             return;
         }
         self.missing[module] = self.settings.reference_frames;
+        self.restarting = true;
         self.baseline.restart(range.clone());
         self.usable[range].fill(false);
     }
@@ -250,6 +254,7 @@ impl Initialiser {
                 }
             }
         }
+        self.restarting = self.missing.iter().any(|n| *n > 0);
     }
 
     fn mark_faulty(&mut self, scan: &Scan) {
@@ -311,7 +316,7 @@ impl Initialiser {
     /// # Errors
     /// A scan or frame of another layout.
     pub fn advance(&mut self, scan: &Scan, frame: &mut RelativeFrame) -> Result<bool, FrameError> {
-        if self.missing.iter().any(|n| *n > 0) && scan.counts().len() == self.baseline.taxels() {
+        if self.restarting && scan.counts().len() == self.baseline.taxels() {
             self.collect_again(scan);
         }
         let n = self.baseline.taxels();

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use crate::clock;
 
-/// Calls shorter than this are timed several at once, so that the clock's own cost does not count.
-const SHORT: Duration = Duration::from_micros(20);
+/// A sample lasts at least this long, several calls of a short method, so that the clock's own cost does not count.
+const SHORT: Duration = Duration::from_millis(1);
 
 /// One contestant: what it does, and the calls that make one sample.
 struct Runner<'a> {
@@ -16,12 +16,27 @@ struct Runner<'a> {
 }
 
 /// Methods timed against each other: one sample of each, again and again, in one run.
-#[derive(Default)]
 pub struct Race<'a> {
     runners: Vec<Runner<'a>>,
+    shortest: Duration,
+}
+
+impl Default for Race<'_> {
+    fn default() -> Self {
+        Self::of_samples(SHORT)
+    }
 }
 
 impl<'a> Race<'a> {
+    /// With samples that last at least `shortest`. Where the others take many milliseconds a call, a method of microseconds
+    /// would alone pay in every sample for filling the caches after them.
+    pub const fn of_samples(shortest: Duration) -> Self {
+        Self {
+            runners: Vec::new(),
+            shortest,
+        }
+    }
+
     /// Enters a method; the results come back in the order of entry.
     pub fn enter<T>(&mut self, mut work: impl FnMut() -> T + 'a) {
         self.runners.push(Runner {
@@ -39,7 +54,7 @@ impl<'a> Race<'a> {
         let mut calls = Vec::new();
         for runner in &mut self.runners {
             let once = time(1, &mut runner.work);
-            calls.push((SHORT.as_secs_f64() / once.as_secs_f64().max(1e-9)).ceil() as u32);
+            calls.push((self.shortest.as_secs_f64() / once.as_secs_f64().max(1e-9)).ceil() as u32);
         }
         let mut going = true;
         while going {
