@@ -61,11 +61,12 @@ fn card() -> Result<String, Failure> {
         ..RequestAdapterOptions::default()
     });
     // outside a browser the answer is there at once
-    let adapter = burn::tensor::read_sync(asked).map_err(|e| {
-        Failure::Usage(format!(
-            "--device gpu: expected a graphics card with a Vulkan driver, found none ({e}): install its driver, \
-             which `vulkaninfo` should then list, or train with --device cpu"
-        ))
+    let adapter = burn::tensor::read_sync(asked).map_err(|_| {
+        Failure::Usage(
+            "--device gpu: expected a graphics card with a Vulkan driver, found none: install its driver, which \
+             `vulkaninfo` should then list, or train with --device cpu"
+                .into(),
+        )
     })?;
     let about = adapter.get_info();
     let kind = match about.device_type {
