@@ -4,6 +4,7 @@
 //! calls: the drive changes at integer times, and nothing is computed until somebody asks.
 
 mod decay;
+mod eigen;
 pub mod exact;
 mod highest;
 mod maxima;

@@ -5,9 +5,9 @@
 //! is seventeen multiply-adds and has no truncation error.
 
 use super::decay::decays;
+use super::eigen::Eigen;
 use super::sum::Sum;
 use crate::finger::{NODES, Network};
-use nalgebra::{SMatrix, SymmetricEigen};
 use palpate_core::vector::{Scalar, Simd, Vectors};
 
 /// What makes a mode differ from another: all else in a network is constant.
@@ -44,23 +44,21 @@ impl Mode {
     pub fn new(network: &Network, latent: f64, key: ModeKey) -> Self {
         let mut capacity = network.capacity;
         capacity[0] += latent * key.phase_slope;
-        let mut s = SMatrix::<f64, NODES, NODES>::zeros();
+        let (mut diagonal, mut beside) = ([0.0; NODES], [0.0; NODES]);
         for i in 0..NODES {
             let mut out = network.chain[i];
             out += match i {
                 0 => network.air + network.ends - key.feedback,
                 _ => network.chain[i - 1],
             };
-            s[(i, i)] = out / capacity[i];
+            diagonal[i] = out / capacity[i];
             if i + 1 < NODES {
-                let between = -network.chain[i] / libm::sqrt(capacity[i] * capacity[i + 1]);
-                s[(i, i + 1)] = between;
-                s[(i + 1, i)] = between;
+                beside[i] = -network.chain[i] / libm::sqrt(capacity[i] * capacity[i + 1]);
             }
         }
-        let eigen = SymmetricEigen::new(s);
+        let eigen = Eigen::new(diagonal, beside);
         let mut order: [usize; NODES] = core::array::from_fn(|i| i);
-        order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
+        order.sort_unstable_by(|a, b| eigen.values[*a].total_cmp(&eigen.values[*b]));
         let mut mode = Self {
             key,
             lambda: [0.0; NODES],
@@ -71,11 +69,11 @@ impl Mode {
             deep: [0.0; NODES],
             vectors: Vectors::widest(),
         };
-        for (k, &column) in order.iter().enumerate() {
+        for (k, &place) in order.iter().enumerate() {
             // Only electrical runaway brings a rate near zero; keep it off the singular point.
-            let rate: f64 = eigen.eigenvalues[column];
+            let rate = eigen.values[place];
             mode.lambda[k] = if rate.abs() < 1e-9 { 1e-9 } else { rate };
-            let vector = eigen.eigenvectors.column(column);
+            let vector = &eigen.vectors[place];
             let sign = if vector[0] < 0.0 { -1.0 } else { 1.0 };
             for i in 0..NODES {
                 mode.shape[i][k] = sign * vector[i] / libm::sqrt(capacity[i]);
