@@ -6,13 +6,14 @@ use std::path::Path;
 use burn::module::Module;
 use burn::optim::Optimizer;
 use burn::record::{BinBytesRecorder, FullPrecisionSettings, Record, Recorder};
-use burn::tensor::backend::{Backend, BackendTypes};
+use burn::tensor::backend::Backend;
 use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView};
 
+use crate::device::Learning;
 use crate::failure::Failure;
 use crate::network::Network;
-use crate::training::{Learning, Plain, Progress, Settings};
+use crate::training::{Progress, Settings};
 
 type Bytes = BinBytesRecorder<FullPrecisionSettings>;
 
@@ -30,21 +31,24 @@ fn unpack<B: Backend, R: Record<B>>(
 }
 
 /// Writes a checkpoint, whole or not at all.
-pub fn write<O: Optimizer<Network<Learning>, Learning>>(
+pub fn write<L: Learning, O: Optimizer<Network<L>, L>>(
     path: &Path,
     settings: &Settings,
-    network: &Network<Learning>,
+    network: &Network<L>,
     adam: &O,
-    best: &Network<Plain>,
+    best: &Network<L::InnerBackend>,
     progress: &Progress,
 ) -> Result<(), Failure> {
     let parts = [
         (
             "network",
-            pack::<Learning, _>(network.clone().into_record(), path)?,
+            pack::<L, _>(network.clone().into_record(), path)?,
         ),
-        ("adam", pack::<Learning, _>(adam.to_record(), path)?),
-        ("best", pack::<Plain, _>(best.clone().into_record(), path)?),
+        ("adam", pack::<L, _>(adam.to_record(), path)?),
+        (
+            "best",
+            pack::<L::InnerBackend, _>(best.clone().into_record(), path)?,
+        ),
     ];
     let mut views = Vec::new();
     for (name, bytes) in &parts {
@@ -72,14 +76,14 @@ pub fn write<O: Optimizer<Network<Learning>, Learning>>(
 
 /// What [`write`] wrote.
 #[allow(clippy::type_complexity)] // the four things a run consists of, used once
-pub fn read<O: Optimizer<Network<Learning>, Learning>>(
+pub fn read<L: Learning, O: Optimizer<Network<L>, L>>(
     path: &Path,
     settings: &Settings,
-    network: Network<Learning>,
+    network: Network<L>,
     adam: O,
-    best: Network<Plain>,
-    device: &<Plain as BackendTypes>::Device,
-) -> Result<(Network<Learning>, O, Network<Plain>, Progress), Failure> {
+    best: Network<L::InnerBackend>,
+    device: &L::Device,
+) -> Result<(Network<L>, O, Network<L::InnerBackend>, Progress), Failure> {
     let bad = |what: &dyn ToString| Failure::file(path, what.to_string());
     let bytes = std::fs::read(path).map_err(|e| bad(&e))?;
     let (_, header) = SafeTensors::read_metadata(&bytes).map_err(|e| bad(&e))?;
@@ -104,8 +108,8 @@ pub fn read<O: Optimizer<Network<Learning>, Learning>>(
             .map(|t| t.data().to_vec())
             .map_err(|e| bad(&e))
     };
-    let network = network.load_record(unpack::<Learning, _>(&part("network")?, device, path)?);
-    let adam = adam.load_record(unpack::<Learning, _>(&part("adam")?, device, path)?);
-    let best = best.load_record(unpack::<Plain, _>(&part("best")?, device, path)?);
+    let network = network.load_record(unpack::<L, _>(&part("network")?, device, path)?);
+    let adam = adam.load_record(unpack::<L, _>(&part("adam")?, device, path)?);
+    let best = best.load_record(unpack::<L::InnerBackend, _>(&part("best")?, device, path)?);
     Ok((network, adam, best, progress))
 }

@@ -1,6 +1,7 @@
 //! Trains the texture autoencoder of chapter 3 of the thesis, and measures what it has learnt.
 
 mod checkpoint;
+mod device;
 mod failure;
 mod gru;
 mod guide;
@@ -17,6 +18,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use device::Device;
 use failure::Failure;
 use recordings::Recordings;
 use training::Settings;
@@ -85,6 +87,9 @@ struct Arguments {
     /// Seed of split, first weights and order.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// What to train on.
+    #[arg(long, value_enum, default_value_t = Device::Cpu)]
+    device: Device,
     /// Keeps a checkpoint here after every epoch, and goes on from one.
     #[arg(long, value_name = "FOLDER")]
     checkpoint: Option<PathBuf>,
@@ -110,6 +115,7 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
+    eprintln!("training on {}", arguments.device.name()?);
     let recordings = Recordings::read(&arguments.data, &arguments.columns, &arguments.without)?;
     let ratings = recordings::ratings(&arguments.data)?;
     let shares = <[u32; 3]>::try_from(arguments.split.as_slice())
@@ -133,6 +139,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         align: arguments.align,
         guided: arguments.guided,
         from: arguments.from.clone(),
+        device: arguments.device,
     };
     let seen = |label: &str| {
         ratings

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use crate::failure::Failure;
 use crate::network::Network;
 use crate::recordings::Rating;
-use crate::training::{Learning, Plain, Progress, Settings, latents};
+use crate::training::{Plain, Progress, Settings, latents};
 use crate::windows::{Place, Split, Windows};
 
 /// The `format` entry of a model file.
@@ -227,12 +227,12 @@ fn parts(windows: &Windows, split: &Split) -> Value {
 
 /// Puts a model file's weights into a network of the same shape, to train on from there. The model must have been
 /// trained on the same part of the same recordings: else it would know what is to be held out.
-pub fn weights(
+pub fn weights<B: Backend>(
     path: &Path,
-    mut network: Network<Learning>,
+    mut network: Network<B>,
     windows: &Windows,
     split: &Split,
-) -> Result<Network<Learning>, Failure> {
+) -> Result<Network<B>, Failure> {
     let bad = |what: &dyn ToString| Failure::file(path, what.to_string());
     let bytes = std::fs::read(path).map_err(|e| bad(&e))?;
     let (_, header) = SafeTensors::read_metadata(&bytes).map_err(|e| bad(&e))?;
@@ -246,10 +246,10 @@ pub fn weights(
             &"expected a model trained on the same split of the same recordings: give its --seed, --split and folder",
         ));
     }
-    fn take<const D: usize>(
+    fn take<B: Backend, const D: usize>(
         file: &SafeTensors<'_>,
         name: &str,
-        param: &mut Param<Tensor<Learning, D>>,
+        param: &mut Param<Tensor<B, D>>,
     ) -> Result<(), String> {
         let dims = param.dims();
         let found = file.tensor(name).map_err(|e| format!("{name}: {e}"))?;
@@ -267,7 +267,7 @@ pub fn weights(
         *param = Param::from_data(TensorData::new(values, dims), &param.device());
         Ok(())
     }
-    let take_all = |network: &mut Network<Learning>| -> Result<(), String> {
+    let take_all = |network: &mut Network<B>| -> Result<(), String> {
         let stacks = [
             ("encoder", &mut network.encoder),
             ("decoder", &mut network.decoder),

@@ -128,6 +128,32 @@ impl<B: Backend> Network<B> {
     }
 }
 
+/// A parameter on another backend.
+fn carried<A: Backend, B: Backend, const D: usize>(
+    param: &Param<Tensor<A, D>>,
+    device: &B::Device,
+) -> Param<Tensor<B, D>> {
+    Param::from_data(param.val().into_data(), device)
+}
+
+impl<A: Backend> Network<A> {
+    /// The same network on another backend.
+    pub fn carried<B: Backend>(&self, device: &B::Device) -> Network<B> {
+        let layer = |layer: &Gru<A>| Gru {
+            weight_ih: carried(&layer.weight_ih, device),
+            weight_hh: carried(&layer.weight_hh, device),
+            bias_ih: carried(&layer.bias_ih, device),
+            bias_hh: carried(&layer.bias_hh, device),
+        };
+        Network {
+            encoder: self.encoder.iter().map(layer).collect(),
+            decoder: self.decoder.iter().map(layer).collect(),
+            dense_weight: carried(&self.dense_weight, device),
+            dense_bias: carried(&self.dense_bias, device),
+        }
+    }
+}
+
 impl<B: Recurrent> Gru<B> {
     fn forward(&self, x: Tensor<B, 3>) -> Tensor<B, 3> {
         let weights = Weights {

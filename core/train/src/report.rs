@@ -33,7 +33,7 @@ pub fn run(
     let began = Instant::now();
     // of the tree as it is now: it may change while a training runs
     let revision = arguments.revision.clone().unwrap_or_else(revision);
-    let says = |progress: &Progress, _: &Network<Plain>| {
+    let says = |progress: &Progress| {
         let minutes = began.elapsed().as_secs_f64() / 60.0;
         let last = |errors: &[f64]| errors.last().copied().unwrap_or(f64::NAN);
         eprintln!(
@@ -44,7 +44,7 @@ pub fn run(
             last(&progress.validation),
             progress.best_epoch,
         );
-        Ok(arguments.minutes.is_none_or(|limit| minutes < limit))
+        arguments.minutes.is_none_or(|limit| minutes < limit)
     };
     let folder = arguments.checkpoint.as_deref();
     let (network, progress) = training::train(windows, split, ratings, settings, folder, says)?;
@@ -56,6 +56,7 @@ pub fn run(
     let figures = json!({
         "recordings": windows.recordings.all.len(),
         "features": windows.recordings.columns.len(),
+        "device": settings.device,
         "epochs": progress.epochs,
         "best_epoch": progress.best_epoch,
         "minutes": began.elapsed().as_secs_f64() / 60.0,

@@ -11,6 +11,7 @@ use palpate_core::random::Stream;
 use serde::{Deserialize, Serialize};
 
 use crate::checkpoint;
+use crate::device::{Device, Learning};
 use crate::failure::Failure;
 use crate::gru::Recurrent;
 use crate::guide::Guide;
@@ -25,12 +26,10 @@ const VALIDATION_HOP: usize = 4;
 /// Added to the root of Adam's second moment: Keras's, and with it the thesis's. The framework's own is 1e-5.
 const EPSILON: f32 = 1e-7;
 
-/// Where training runs.
+/// Where trained networks are measured, whatever they were trained on: it is what the engine of `core` agrees with.
 pub type Plain = NdArray;
-/// The same with gradients.
-pub type Learning = Autodiff<Plain>;
 
-/// What one training run is. The same settings and recordings give the same model.
+/// What one training run is. The same settings and recordings give the same model, on the processor bit by bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     pub seed: u64,
@@ -54,6 +53,9 @@ pub struct Settings {
     pub guided: usize,
     /// The model file whose weights it begins with; none: drawn ones.
     pub from: Option<PathBuf>,
+    /// What it runs on; models and checkpoints from before there was a choice ran on the processor.
+    #[serde(default)]
+    pub device: Device,
 }
 
 /// What has been reached after some epochs.
@@ -83,11 +85,32 @@ pub fn train(
     ratings: &[Rating],
     settings: &Settings,
     folder: Option<&Path>,
-    mut report: impl FnMut(&Progress, &Network<Plain>) -> Result<bool, Failure>,
+    report: impl FnMut(&Progress) -> bool,
+) -> Result<(Network<Plain>, Progress), Failure> {
+    match settings.device {
+        Device::Cpu => {
+            train_on::<Autodiff<NdArray>>(windows, split, ratings, settings, folder, report)
+        }
+        #[cfg(feature = "gpu")]
+        Device::Gpu => {
+            train_on::<Autodiff<burn_wgpu::Wgpu>>(windows, split, ratings, settings, folder, report)
+        }
+        #[cfg(not(feature = "gpu"))]
+        Device::Gpu => Err(Device::not_built()),
+    }
+}
+
+fn train_on<L: Learning>(
+    windows: &Windows,
+    split: &Split,
+    ratings: &[Rating],
+    settings: &Settings,
+    folder: Option<&Path>,
+    mut report: impl FnMut(&Progress) -> bool,
 ) -> Result<(Network<Plain>, Progress), Failure> {
     let device = Default::default();
     let features = windows.recordings.columns.len();
-    let mut network = Network::<Learning>::new(
+    let mut network = Network::<L>::new(
         features,
         settings.latent,
         windows.length,
@@ -98,7 +121,7 @@ pub fn train(
         network = model_file::weights(from, network, windows, split)?;
     }
     let adam = AdamConfig::new().with_epsilon(EPSILON);
-    let mut adam = adam.init::<Learning, Network<Learning>>();
+    let mut adam = adam.init::<L, Network<L>>();
     adam = adam.with_grad_clipping(GradientClippingConfig::Norm(1.0).init());
     let mut progress = Progress::default();
     let mut best = network.valid();
@@ -130,7 +153,7 @@ pub fn train(
         let mut sum = 0.0;
         for (step, batch) in batches.enumerate() {
             let rate = rate(settings, progress.epochs as f64 + (step + 1) as f64 / steps);
-            let x = windows.batch::<Learning>(batch, &device);
+            let x = windows.batch::<L>(batch, &device);
             let z = network.encode(x.clone());
             let error = if progress.epochs < settings.guided {
                 let wanted = guide.latents(windows, batch, &device);
@@ -159,11 +182,11 @@ pub fn train(
         if let Some(path) = &path {
             checkpoint::write(path, settings, &network, &adam, &best, &progress)?;
         }
-        if !report(&progress, &best)? {
+        if !report(&progress) {
             break;
         }
     }
-    Ok((best, progress))
+    Ok((best.carried(&Default::default()), progress))
 }
 
 /// Learning rate after so many epochs, whole and begun.
@@ -238,4 +261,4 @@ fn tie<B: Backend>(z: Tensor<B, 2>, targets: Vec<f32>) -> Tensor<B, 1> {
 
 #[cfg(test)]
 #[path = "training_tests.rs"]
-mod tests;
+pub mod tests;

@@ -7,7 +7,7 @@ use crate::windows::{Scale, Windows};
 use palpate_emulators::surface::spearman;
 use safetensors::SafeTensors;
 
-fn small() -> (Windows, Split, Vec<Rating>) {
+pub fn small() -> (Windows, Split, Vec<Rating>) {
     let recording = |n: usize| {
         let label = ["rough", "smooth"][n % 2];
         let at = |row: usize, feature: usize| {
@@ -48,7 +48,7 @@ fn small() -> (Windows, Split, Vec<Rating>) {
     )
 }
 
-fn settings(epochs: usize) -> Settings {
+pub fn settings(epochs: usize) -> Settings {
     Settings {
         seed: 3,
         latent: 3,
@@ -63,6 +63,7 @@ fn settings(epochs: usize) -> Settings {
         align: 0.1,
         guided: 0,
         from: None,
+        device: Device::Cpu,
     }
 }
 
@@ -74,7 +75,7 @@ fn misses(align: f64) -> [f32; 2] {
         share: 1,
         ..settings(20)
     };
-    let (network, _) = train(&windows, &split, &ratings, &settings, None, |_, _| Ok(true)).unwrap();
+    let (network, _) = train(&windows, &split, &ratings, &settings, None, |_| true).unwrap();
     let places = windows.of(&split.train, 1);
     let targets = targets(&windows, &places, &ratings).unwrap();
     let z = latents(&network, &windows, &places);
@@ -97,7 +98,7 @@ fn alignment_moves_latents_to_where_the_ratings_put_them() {
 
 fn run(epochs: usize, folder: Option<&Path>, stop_after: usize) -> (Network<Plain>, Progress) {
     let (windows, split, ratings) = small();
-    let go_on = |progress: &Progress, _: &Network<Plain>| Ok(progress.epochs < stop_after);
+    let go_on = |progress: &Progress| progress.epochs < stop_after;
     train(&windows, &split, &ratings, &settings(epochs), folder, go_on).unwrap()
 }
 
@@ -130,9 +131,7 @@ fn an_interrupted_run_ends_where_an_uninterrupted_one_does() {
         rate: 1e-3,
         ..settings(4)
     };
-    let refused = train(&windows, &split, &ratings, &other, Some(&folder), |_, _| {
-        Ok(true)
-    });
+    let refused = train(&windows, &split, &ratings, &other, Some(&folder), |_| true);
     assert!(refused.is_err_and(|e| e.to_string().contains("other settings")));
     std::fs::remove_dir_all(folder).unwrap();
 }
@@ -151,8 +150,7 @@ fn a_guided_latent_vector_goes_with_the_principal_components() {
             guided,
             ..settings(10)
         };
-        let (network, _) =
-            train(&windows, &split, &ratings, &settings, None, |_, _| Ok(true)).unwrap();
+        let (network, _) = train(&windows, &split, &ratings, &settings, None, |_| true).unwrap();
         let z = latents(&network, &windows, &places);
         let pairs = z.iter().zip(wanted.chunks_exact(3));
         let (a, b): (Vec<f64>, Vec<f64>) = pairs
@@ -264,7 +262,7 @@ fn a_model_file_holds_the_network_and_its_golden_vector() {
     let bytes = std::fs::read(&path).unwrap();
 
     // What begins with it has its weights; another split or another shape is refused.
-    let drawn = |latent| Network::<Learning>::new(4, latent, 12, 9, &Default::default());
+    let drawn = |latent| Network::<Autodiff<Plain>>::new(4, latent, 12, 9, &Default::default());
     let begun = model_file::weights(&path, drawn(3), &windows, &split).unwrap();
     assert_eq!(weights(&begun.valid()), weights(&network));
     let refused = |latent, split: &Split| {

@@ -1,11 +1,27 @@
 //! The layer written with the framework's own operations: one product for the three gates of a step.
 //!
-//! What [`super::fused`] is held against: its gradient is the framework's.
+//! What graphics cards run, and what [`super::fused`] is held against: its gradient is the framework's.
 
 use burn::prelude::*;
 use burn::tensor::activation::sigmoid;
 
+#[cfg(feature = "gpu")]
+use super::Recurrent;
 use super::Weights;
+
+#[cfg(feature = "gpu")]
+impl Recurrent for burn_wgpu::Wgpu {
+    fn layer(x: Tensor<Self, 3>, weights: Weights<Self>) -> Tensor<Self, 3> {
+        sequence(x, &weights)
+    }
+}
+
+#[cfg(feature = "gpu")]
+impl Recurrent for burn::backend::Autodiff<burn_wgpu::Wgpu> {
+    fn layer(x: Tensor<Self, 3>, weights: Weights<Self>) -> Tensor<Self, 3> {
+        sequence(x, &weights)
+    }
+}
 
 /// All hidden states [steps, batch, H] of `x` [steps, batch, I], from a hidden state of zero.
 pub fn sequence<B: Backend>(x: Tensor<B, 3>, weights: &Weights<B>) -> Tensor<B, 3> {

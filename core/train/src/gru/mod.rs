@@ -4,7 +4,7 @@
 //! `r, z = s(W x + b + U h + c)`, `n = tanh(W x + b + r (U h + c))`, `h' = (1 - z) n + z h`, gates in the order r, z, n.
 //! Sequences are time-major, `[steps, batch, features]`, so that a step is one piece of memory.
 
-#[cfg(test)]
+#[cfg(any(test, feature = "gpu"))]
 mod cell;
 mod fused;
 mod op;
