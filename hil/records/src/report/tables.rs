@@ -185,7 +185,7 @@ pub(super) fn summary(page: &mut String, trace: &Trace, extras: &ReportExtras<'_
     for r in measure::ledger_rows(trace) {
         let used = r.percent().map_or_else(String::new, |percent| {
             let bar = percent.clamp(0, 100);
-            format!("<span class=\"meter\"><i style=\"width:{bar}%\"></i></span>{percent} %")
+            format!("<span class=\"meter\"><i style=\"width:{bar}%\"></i></span>{percent}\u{a0}%")
         });
         let unit = match r.unit {
             "us" => "\u{b5}s",

@@ -93,7 +93,7 @@ pub(super) fn section(page: &mut String, thermal: &Thermal<'_>) {
         let _ = writeln!(
             page,
             "<tr{}><td>{}</td><td class=\"num\">{} {unit}</td><td class=\"num\">{} {unit}</td>\
-             <td class=\"num\">{} {}</td><td><span class=\"meter\"><i style=\"width:{:.0}%\"></i></span>{percent:.0} %</td></tr>",
+             <td class=\"num\">{} {}</td><td><span class=\"meter\"><i style=\"width:{:.0}%\"></i></span>{percent:.0}\u{a0}%</td></tr>",
             if m.over() { " class=\"over\"" } else { "" },
             escape(m.name),
             number(m.worst),

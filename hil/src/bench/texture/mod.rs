@@ -255,7 +255,7 @@ fn targets(rows: &[Row]) -> Vec<String> {
     let period = of(pulses::CASE, "Bernoulli");
     vec![
         format!(
-            "A hop in at most 480 \u{b5}s: {hop:.0} \u{b5}s, {}.",
+            "A hop in at most 480 us: {hop:.0} us, {}.",
             met(hop <= 480.0)
         ),
         format!(
@@ -264,11 +264,11 @@ fn targets(rows: &[Row]) -> Vec<String> {
             met(every >= 4.0 * demand)
         ),
         format!(
-            "Fifteen modules at 100 Hz on one core (below 667 \u{b5}s a hop each): {each:.0} \u{b5}s, {}.",
+            "Fifteen modules at 100 Hz on one core (below 667 us a hop each): {each:.0} us, {}.",
             met(each < 667.0)
         ),
         format!(
-            "Pulses in at most 2 \u{b5}s a PWM period: {period:.2} \u{b5}s, {}.",
+            "Pulses in at most 2 us a PWM period: {period:.2} us, {}.",
             met(period <= 2.0)
         ),
     ]
