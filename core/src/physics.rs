@@ -11,6 +11,8 @@ pub const ZERO_CELSIUS_K: f64 = 273.15;
 pub const GAS_CONSTANT: f64 = 8.314_462_618;
 /// Frequency factor of the Henriques burn integral, 1/s.
 pub const HENRIQUES_A: f64 = 3.1e98;
+/// Natural logarithm of [`HENRIQUES_A`].
+pub const LN_HENRIQUES_A: f64 = 226.78474122490758;
 /// Activation energy of the Henriques burn integral, J/mol.
 pub const HENRIQUES_EA: f64 = 6.27e5;
 /// Depth under the skin's surface at which the plateau limits of the epidermis hold, metres.

@@ -1,13 +1,10 @@
 //! Burn integrals of the skin 0.1 mm under one wire over a session, from above: Henriques' Omega and CEM43.
 
-use crate::physics::{GAS_CONSTANT, HENRIQUES_A, HENRIQUES_EA, ZERO_CELSIUS_K};
+use crate::physics::{GAS_CONSTANT, HENRIQUES_A, HENRIQUES_EA, LN_HENRIQUES_A, ZERO_CELSIUS_K};
 
 /// The dose left is never spent faster than in this time, s: a wire near its dose limit fades with it, and
 /// what cooling skin still adds to its dose after the last burst (a few seconds' worth) is well covered.
 const HORIZON_S: f64 = 60.0;
-
-/// Natural logarithm of [`HENRIQUES_A`].
-const LN_HENRIQUES_A: f64 = 226.78474122490758;
 
 /// Most dose of a session.
 #[derive(Clone, Copy, Debug, PartialEq)]

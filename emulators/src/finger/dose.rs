@@ -3,7 +3,7 @@
 //! Engineering measures, not a certificate. Henriques' constants are optimistic under 50 C, and CEM43 is
 //! useless for millisecond contacts above 60 C; the plateau limits stand beside them.
 
-use palpate_core::physics::{GAS_CONSTANT, HENRIQUES_A, HENRIQUES_EA, ZERO_CELSIUS_K};
+use palpate_core::physics::{GAS_CONSTANT, HENRIQUES_EA, LN_HENRIQUES_A, ZERO_CELSIUS_K};
 
 /// Longest first step of the quadrature after an edge, s: a PWM period and its ripple are one.
 const STEP_S: f64 = 6e-3;
@@ -56,7 +56,7 @@ impl Dose {
 /// Rate of Henriques' integral at `t` degrees C, 1/s.
 pub fn omega_rate(t: f64) -> f64 {
     let exponent = HENRIQUES_EA / (GAS_CONSTANT * (t + ZERO_CELSIUS_K));
-    libm::exp(libm::log(HENRIQUES_A) - exponent)
+    libm::exp(LN_HENRIQUES_A - exponent)
 }
 
 /// Equivalent minutes at 43 C per second at `t` degrees C.
