@@ -12,7 +12,7 @@ import time
 import numpy as np
 import onnxruntime
 
-ROUNDS = 300
+ROUNDS = 200
 
 
 def main():
