@@ -327,7 +327,7 @@ fn plot(case: &str, rows: &[Row]) -> Plot {
     let series = |row: &Row| Series {
         name: row.method.clone(),
         points: vec![(row.median_us, row.error)],
-        mark: if row.peer { Mark::Scatter } else { Mark::Ours },
+        mark: if row.peer { Mark::Swept } else { Mark::Ours },
     };
     let title = match case {
         "window" => "Texture encoder: one window",
