@@ -247,10 +247,10 @@ fn beside_peers(ground: &Ground, exact: &[Method]) -> Result<Option<Peer>, Failu
     let (mut rows, mut medians) = (None, [(); 2].map(|()| Samples::default()));
     let mut times = [(); 2].map(|()| Samples::default());
     for _ in 0..TURNS {
-        let ours = [whole_windows(ground, exact), hops(ground, exact)];
         let Some(peers) = peers::measure(ground)? else {
             return Ok(None);
         };
+        let ours = [whole_windows(ground, exact), hops(ground, exact)];
         for (times, ours) in times.iter_mut().zip(&ours) {
             times.push(peers[0].median_us * CALLS as f64 / ours[0].median());
         }
