@@ -11,7 +11,10 @@ type Row = [f64; FEW];
 /// Where each of `k` clusters of `n` sorted values starts, from prefix sums of values and squares over the first
 /// i values; of equal splits the lowest. n is 1 to [`FEW`], k 1 to n.
 pub(super) fn starts(vectors: Vectors, sum: &[f64], square: &[f64], k: usize) -> [usize; FEW] {
-    vectors.run(|| solve(sum, square, k))
+    vectors.run(
+        #[inline(always)]
+        || solve(sum, square, k),
+    )
 }
 
 #[inline(always)]

@@ -237,9 +237,10 @@ impl KMeans {
             (&points.x[..n], &points.y[..n]),
             (&*self.cx, &*self.cy, &*self.index),
         );
-        let margin = self
-            .vectors
-            .run(|| passes::assign::<MARGIN>(places, centroids, near, assigned));
+        let margin = self.vectors.run(
+            #[inline(always)]
+            || passes::assign::<MARGIN>(places, centroids, near, assigned),
+        );
         self.known = Some(Known { margin, moved: 0.0 });
     }
 
@@ -248,8 +249,10 @@ impl KMeans {
         let clusters = self.cx.len();
         self.sums.resize(chained(clusters), [0.0; 4]); // within capacity
         let (assigned, sums) = (&self.assigned[..n], &mut self.sums[..]);
-        self.vectors
-            .run(|| passes::sum(points.x, points.y, points.w, assigned, sums));
+        self.vectors.run(
+            #[inline(always)]
+            || passes::sum(points.x, points.y, points.w, assigned, sums),
+        );
         for k in 0..clusters {
             if self.sums[k][3] < 1.0 {
                 self.refill(points, n, k);

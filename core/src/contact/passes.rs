@@ -122,10 +122,16 @@ fn add_several<const N: usize>(
     assigned: &[u32; N],
     [c0, c1, c2, c3]: [&mut [Sum]; CHAINS],
 ) {
-    // All products first: only so they are made in vectors.
-    let w = w.map(f64::from);
-    let wx: [f64; N] = core::array::from_fn(|i| w[i] * f64::from(x[i]));
-    let wy: [f64; N] = core::array::from_fn(|i| w[i] * f64::from(y[i]));
+    // All products first: only so they are made in vectors. In plain loops: closures of `map` and `from_fn` are compiled
+    // without the vectors.
+    let mut points = [[0.0; N]; 3];
+    for i in 0..N {
+        let weight = f64::from(w[i]);
+        points[0][i] = weight;
+        points[1][i] = weight * f64::from(x[i]);
+        points[2][i] = weight * f64::from(y[i]);
+    }
+    let [w, wx, wy] = points;
     let point = |i: usize| [w[i], wx[i], wy[i], 1.0];
     for i in (0..N).step_by(CHAINS) {
         add_sum(c0, assigned[i], point(i));
@@ -206,7 +212,10 @@ mod tests {
             for vectors in [Vectors::plain(), Vectors::widest()] {
                 let mut got = [[0.5; 4]; CHAINS * 7];
                 let got = &mut got[..chained(k)];
-                vectors.run(|| sum(&x[..n], &y, &w, &assigned, got));
+                vectors.run(
+                    #[inline(always)]
+                    || sum(&x[..n], &y, &w, &assigned, got),
+                );
                 for (got, [a, b, c, d]) in got.iter().zip(&chains[..k]) {
                     let want: Sum = core::array::from_fn(|i| (a[i] + b[i]) + (c[i] + d[i]));
                     assert_eq!(got.map(f64::to_bits), want.map(f64::to_bits), "{n} points");

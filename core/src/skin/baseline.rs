@@ -127,12 +127,16 @@ impl Baseline {
         let counts = counts.as_flattened();
         let (whole, rest) = (self.whole.as_flattened(), self.rest.as_flattened());
         let measured = measured.as_flattened_mut();
-        self.vectors.run(|| {
-            let reference = whole.iter().zip(rest);
-            for ((out, (whole, rest)), counts) in measured.iter_mut().zip(reference).zip(counts) {
-                *out = libm::fabsf(f32::from(*counts) - whole - rest);
-            }
-        });
+        self.vectors.run(
+            #[inline(always)]
+            || {
+                let reference = whole.iter().zip(rest);
+                for ((out, (whole, rest)), counts) in measured.iter_mut().zip(reference).zip(counts)
+                {
+                    *out = libm::fabsf(f32::from(*counts) - whole - rest);
+                }
+            },
+        );
     }
 
     /// Moves the reference of every usable taxel not in contact by `share` (0 to 1) of its way to the readings the

@@ -148,12 +148,15 @@ impl Monitor {
         );
         let (before, now) = (old.as_flattened(), new.as_flattened());
         // One look at all of it, without a branch: mostly no value jumps and none is at an end of its range.
-        let steady = self.vectors.run(|| {
-            let values = before.iter().zip(now);
-            values.fold(true, |all, (a, b)| {
-                all & (a.abs_diff(*b) <= jump) & (b.wrapping_add(1) > 1)
-            })
-        });
+        let steady = self.vectors.run(
+            #[inline(always)]
+            || {
+                let values = before.iter().zip(now);
+                values.fold(true, |all, (a, b)| {
+                    all & (a.abs_diff(*b) <= jump) & (b.wrapping_add(1) > 1)
+                })
+            },
+        );
         let (mut well, mut any) = (steady, false);
         let listening = self.active[range.clone()].iter();
         let listening = listening.zip(&scan.fresh()[range.clone()]);

@@ -176,8 +176,10 @@ impl RelativeFrame {
         let (measured, magnitude) = (&self.measured[..], &mut self.magnitude[..]);
         // Measured values are finite: a factor of 0 makes 0.
         let factor = axes.flags().map(|chosen| if chosen { 1.0 } else { 0.0 });
-        self.vectors
-            .run(|| spread(measured, factor, [x, y, z], magnitude));
+        self.vectors.run(
+            #[inline(always)]
+            || spread(measured, factor, [x, y, z], magnitude),
+        );
         self.vectors.sqrt(&mut self.magnitude);
     }
 
@@ -186,10 +188,13 @@ impl RelativeFrame {
         self.contacts.clear();
         let magnitude = &self.magnitude[..];
         // Most skin is not touched most of the time: one look at all of it, without a branch.
-        let touched = self.vectors.run(|| {
-            let above = magnitude.iter().zip(thresholds.clone());
-            above.fold(false, |any, (m, t)| any | (*m > t))
-        });
+        let touched = self.vectors.run(
+            #[inline(always)]
+            || {
+                let above = magnitude.iter().zip(thresholds.clone());
+                above.fold(false, |any, (m, t)| any | (*m > t))
+            },
+        );
         if !touched {
             self.contact_starts.fill(0);
             return;

@@ -37,7 +37,7 @@ impl Encoder {
     /// What of the model does not fit.
     pub fn with(model: &Model<'_>, weights: Weights, vectors: Vectors) -> Result<Self, ModelError> {
         model.check()?;
-        let lanes = vectors.dispatch(Lanes);
+        let lanes = vectors.dispatch_widest(Lanes);
         let pack = |gru| Layer::new(gru, lanes, weights);
         let scale = model.scale_min.iter().copied().zip(model.factors());
         let layers: Vec<Layer> = model.layers.iter().map(pack).collect();
@@ -119,7 +119,7 @@ impl Encoder {
             let out = &mut room.scaled[column * features..][..features];
             self.scale(sample, i * features, out)?;
         }
-        self.vectors.dispatch(Whole {
+        self.vectors.dispatch_widest(Whole {
             encoder: self,
             room,
             windows,

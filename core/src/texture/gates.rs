@@ -103,13 +103,18 @@ mod tests {
             [v, -v]
         }));
         arguments.extend([0.0, -0.0, 1e-40, -1e-40, 1e30, -1e30, f32::MAX, f32::MIN]);
-        let (mut t, mut s) = (arguments.clone(), arguments.clone());
-        Vectors::widest().dispatch(Both(&mut t, &mut s));
-        let (mut plain_t, mut plain_s) = (arguments.clone(), arguments.clone());
-        Vectors::plain().dispatch(Both(&mut plain_t, &mut plain_s));
+        arguments.resize(arguments.len().next_multiple_of(16), 1.0); // whole vectors of any width
+        let [(t, s), (middle_t, middle_s), (plain_t, plain_s)] =
+            [Vectors::widest(), Vectors::of_256_bits(), Vectors::plain()].map(|vectors| {
+                let (mut t, mut s) = (arguments.clone(), arguments.clone());
+                vectors.dispatch_widest(Both(&mut t, &mut s));
+                (t, s)
+            });
         for (i, &x) in arguments.iter().enumerate() {
             assert_eq!(t[i].to_bits(), plain_t[i].to_bits(), "tanh {x}");
             assert_eq!(s[i].to_bits(), plain_s[i].to_bits(), "logistic {x}");
+            assert_eq!(t[i].to_bits(), middle_t[i].to_bits(), "tanh {x}");
+            assert_eq!(s[i].to_bits(), middle_s[i].to_bits(), "logistic {x}");
             let x = f64::from(x);
             let (tanh, logistic) = (libm::tanh(x), 1.0 / (1.0 + libm::exp(-x)));
             assert!(

@@ -1,7 +1,8 @@
 //! The loops that take the time: projections of inputs and steps of states, for a few columns at once.
 //!
 //! A column is a window (or a sample of one). A vector holds units of a block; a tile is one block for up to three
-//! columns, nine sums in registers (with four, compilers run out of them). Every sum is one chain: bias, then the inputs in order, then the state's
+//! columns, nine sums in registers (with four, compilers run out of them), or for six where there are twice as many
+//! registers. Every sum is one chain: bias, then the inputs in order, then the state's
 //! units in order, each a fused multiply-add. So a column's result does not depend on its neighbours.
 
 // Indices name registers here: a tile's columns, a block's gates.
@@ -38,6 +39,9 @@ pub(super) enum Input<'a> {
     /// The sums of bias and weighted inputs, `[column][block][gate][lane]`.
     Summed(Rows<'a>),
 }
+
+/// Registers with which a tile of six columns has room.
+const MANY: usize = 32;
 
 #[inline(always)]
 fn wide<S: Simd>(values: &[f32]) -> &[S::f32s] {
@@ -114,6 +118,7 @@ pub(super) fn project<S: Simd>(
             match columns - first {
                 1 => tile!(1),
                 2 | 4 => tile!(2),
+                n if S::REGISTER_COUNT >= MANY && n >= 6 => tile!(6),
                 _ => tile!(3),
             }
         }
@@ -168,6 +173,7 @@ pub(super) fn project_wide<S: Simd>(
                 match columns - first {
                     1 => tile!(1),
                     2 | 4 => tile!(2),
+                    n if S::REGISTER_COUNT >= MANY && n >= 6 => tile!(6),
                     _ => tile!(3),
                 }
             }
@@ -236,6 +242,7 @@ pub(super) fn step<S: Simd>(
             match columns - first {
                 1 => tile!(1),
                 2 | 4 => tile!(2),
+                n if S::REGISTER_COUNT >= MANY && n >= 6 => tile!(6),
                 _ => tile!(3),
             }
         }
@@ -243,7 +250,7 @@ pub(super) fn step<S: Simd>(
 }
 
 /// Blocks side by side for a single column: one chain a gate would leave the multipliers waiting.
-const BESIDE: usize = 2;
+const BESIDE: usize = 3;
 
 /// As [`step`] for one column. `backwards` takes the blocks from last to first: weights that the step before read
 /// last are still near.

@@ -65,7 +65,7 @@ impl Stateful {
         }
         self.encoder.scale(sample, 0, &mut self.scaled)?;
         let encoder = Arc::clone(&self.encoder);
-        encoder.vectors.dispatch(Step(self));
+        encoder.vectors.dispatch_widest(Step(self));
         core::mem::swap(&mut self.now, &mut self.next);
         let latents = encoder.latents();
         Ok(self.now.last().map_or(&[], |s| &s.all()[..latents]))

@@ -133,7 +133,7 @@ impl Stream {
             }
         }
         let encoder = Arc::clone(&self.encoder);
-        encoder.vectors.dispatch(Hop { stream: self, at });
+        encoder.vectors.dispatch_widest(Hop { stream: self, at });
         core::mem::swap(&mut self.now, &mut self.next);
         self.seen += 1;
         let ends = (at + 1) % window;
@@ -151,7 +151,7 @@ impl Stream {
             return None;
         }
         let first = (self.seen % window as u64) as usize;
-        self.encoder.vectors.dispatch(Newest {
+        self.encoder.vectors.dispatch_widest(Newest {
             stream: self,
             room,
             first,

@@ -232,7 +232,15 @@ impl TextureModel {
     /// # Errors
     /// Shapes that do not fit each other, numbers out of bounds.
     pub fn encoder(&self, weights: Weights) -> Result<Encoder, FileError> {
-        self.with(|model| Encoder::with(model, weights, Vectors::widest()))
+        self.encoder_on(Vectors::widest(), weights)
+    }
+
+    /// The encoder on vectors of choice, which change its speed and no bit.
+    ///
+    /// # Errors
+    /// As [`TextureModel::encoder`].
+    pub fn encoder_on(&self, vectors: Vectors, weights: Weights) -> Result<Encoder, FileError> {
+        self.with(|model| Encoder::with(model, weights, vectors))
             .map_err(|e| FileError::whole(&self.label, "a model that fits together", e.to_string()))
     }
 

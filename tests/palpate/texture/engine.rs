@@ -168,7 +168,10 @@ fn plain_vectors_give_the_bits_of_wide_ones() {
     let model = Seeded::thesis(8);
     let window = stroke(8, 100, 45);
     let of = |vectors| one_by_one(&encoder(&model, vectors), &window);
-    assert_eq!(of(Vectors::plain()), of(Vectors::widest()));
+    let plain = of(Vectors::plain());
+    println!("widest: {}", Vectors::widest().name());
+    assert_eq!(plain, of(Vectors::widest()));
+    assert_eq!(plain, of(Vectors::of_256_bits()));
 }
 
 #[test]
@@ -230,10 +233,12 @@ proptest! {
         let sizes: Vec<usize> = std::iter::once(features).chain(units).collect();
         let model = Seeded::new(seed, &sizes, window, 2.0);
         let encoder = Arc::new(encoder(&model, Vectors::widest()));
-        let plain = self::encoder(&model, Vectors::plain());
+        let [plain, middle] =
+            [Vectors::plain(), Vectors::of_256_bits()].map(|v| self::encoder(&model, v));
         let values = stroke(seed, 30, features);
         let expected = one_by_one(&encoder, &values);
         prop_assert_eq!(&expected, &one_by_one(&plain, &values));
+        prop_assert_eq!(&expected, &one_by_one(&middle, &values));
         let mut stream = Stream::new(encoder, 1);
         for (n, sample) in values.chunks_exact(features).enumerate() {
             let found = stream.push(sample, asked[n]).unwrap().map(bits);
