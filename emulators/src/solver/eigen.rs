@@ -5,6 +5,7 @@
 //! Computations, 8.3; EISPACK's imtql2): the same products and sums in a fixed order on every machine.
 
 use crate::finger::NODES;
+use palpate_core::vector::Vectors;
 
 /// Steps towards one eigenvalue after which it is taken as it is. Two or three do; what is no number never ends.
 const STEPS: usize = 60;
@@ -19,6 +20,14 @@ pub struct Eigen {
 impl Eigen {
     /// Of the matrix with this diagonal, and with `beside[i]` between i and i + 1; the last of these is not looked at.
     pub fn new(diagonal: [f64; NODES], beside: [f64; NODES]) -> Self {
+        Vectors::widest().run(
+            #[inline(always)]
+            || Self::plain(diagonal, beside),
+        )
+    }
+
+    #[inline(always)]
+    fn plain(diagonal: [f64; NODES], beside: [f64; NODES]) -> Self {
         let (mut d, mut e) = (diagonal, beside);
         let mut vectors = [[0.0; NODES]; NODES];
         for (k, row) in vectors.iter_mut().enumerate() {
@@ -42,6 +51,7 @@ impl Eigen {
 }
 
 /// One QL step on the block from `low` to `high`: chases the shift's bulge up from the bottom.
+#[inline(always)]
 fn step(
     d: &mut [f64; NODES],
     e: &mut [f64; NODES],
@@ -70,8 +80,9 @@ fn step(
         d[i + 1] = g + p;
         g = cosine * r - b;
         let (front, back) = vectors.split_at_mut(i + 1);
-        for (a, b) in front[i].iter_mut().zip(&mut back[0]) {
-            (*a, *b) = (cosine * *a - sine * *b, sine * *a + cosine * *b);
+        let (a, b) = (&mut front[i], &mut back[0]);
+        for k in 0..NODES {
+            (a[k], b[k]) = (cosine * a[k] - sine * b[k], sine * a[k] + cosine * b[k]);
         }
     }
     d[low] -= p;

@@ -293,8 +293,8 @@ impl Exact {
             self.propagators.forget(place);
             place
         });
+        // What is watched stays what it is.
         self.z = self.modes[self.mode].project(&nodes);
-        self.watch();
     }
 }
 

@@ -134,11 +134,12 @@ fn spread<S: Simd>(
     (a, b): (f64, f64),
     (then, there): (&[f64; NODES], &[f64; NODES]),
 ) -> (f64, f64) {
+    // The greater of both differences in place of a magnitude: pulp's `abs` is not inlined.
     let apart = lanes(
         simd,
         (then, there),
         #[inline(always)]
-        |a, b| simd.abs_f64s(simd.sub_f64s(a, b)),
+        |a, b| simd.max_f64s(simd.sub_f64s(a, b), simd.sub_f64s(b, a)),
         #[inline(always)]
         |a, b| (a - b).abs(),
     );

@@ -5,8 +5,6 @@
 //! waits, with a ceiling, and is forgotten once an end passes that. It is searched when maxima are asked for, or when
 //! too many wait.
 
-use std::collections::VecDeque;
-
 use super::highest::{ENOUGH_K, Point, ceiling_between, highest};
 use super::sum::Sum;
 use crate::finger::NODES;
@@ -20,8 +18,8 @@ const MOST: usize = 24;
 pub struct Maxima {
     whole: f64,
     window: f64,
-    /// With their ceilings, degrees C; the oldest first.
-    waiting: VecDeque<(f64, Box<Stretch>)>,
+    /// The oldest first.
+    waiting: Vec<Stretch>,
     /// The lowest of the ceilings.
     lowest: f64,
     vectors: Vectors,
@@ -30,6 +28,8 @@ pub struct Maxima {
 /// A stretch that may be warmer inside than anything known.
 #[derive(Clone, Debug)]
 struct Stretch {
+    /// What it cannot have passed, degrees C.
+    ceiling: f64,
     lambda: [f64; NODES],
     ends: [Point; 2],
 }
@@ -40,7 +40,7 @@ impl Maxima {
         Self {
             whole: now,
             window: now,
-            waiting: VecDeque::new(),
+            waiting: Vec::new(),
             lowest: f64::INFINITY,
             vectors: Vectors::widest(),
         }
@@ -53,30 +53,31 @@ impl Maxima {
         self.raise(from.value.max(to.value));
         let known = self.window + ENOUGH_K;
         if self.lowest <= known {
-            self.waiting.retain(|(ceiling, _)| *ceiling > known);
-            let ceilings = self.waiting.iter().map(|(ceiling, _)| *ceiling);
+            self.waiting.retain(|stretch| stretch.ceiling > known);
+            let ceilings = self.waiting.iter().map(|stretch| stretch.ceiling);
             self.lowest = ceilings.fold(f64::INFINITY, f64::min);
         }
         let ceiling = ceiling_between(simd, lambda, from, to, known);
         if ceiling <= known {
             return;
         }
-        let (lambda, ends) = (*lambda, *ends);
-        let stretch = Box::new(Stretch { lambda, ends });
         self.lowest = self.lowest.min(ceiling);
-        self.waiting.push_back((ceiling, stretch));
-        if self.waiting.len() > MOST
-            && let Some((_, oldest)) = self.waiting.pop_front()
-        {
+        if self.waiting.len() == MOST {
+            let oldest = self.waiting.remove(0);
             self.raise(oldest.highest(self.window, self.vectors));
         }
+        self.waiting.push(Stretch {
+            ceiling,
+            lambda: *lambda,
+            ends: *ends,
+        });
     }
 
     /// Searches what waits, and returns both maxima: since the start, and since the window was opened.
     pub fn settle(&mut self) -> (f64, f64) {
         // The last ones are the likeliest to settle the others.
-        while let Some((ceiling, stretch)) = self.waiting.pop_back() {
-            if ceiling > self.window + ENOUGH_K {
+        while let Some(stretch) = self.waiting.pop() {
+            if stretch.ceiling > self.window + ENOUGH_K {
                 self.raise(stretch.highest(self.window, self.vectors));
             }
         }
@@ -101,12 +102,7 @@ impl Stretch {
     /// Its maximum, or `known` if that is higher.
     fn highest(&self, known: f64, vectors: Vectors) -> f64 {
         let [from, to] = &self.ends;
-        let sum = Sum {
-            lambda: &self.lambda,
-            slopes: from.terms,
-            start: from.value,
-            vectors,
-        };
+        let sum = Sum::new(&self.lambda, from.terms, from.value, vectors);
         highest(&sum, from, to, known)
     }
 }

@@ -4,6 +4,9 @@
 //! coordinates z = V^T C^1/2 u every node decays on its own: z' = -lambda z + g p, so that a step of any length
 //! is seventeen multiply-adds and has no truncation error.
 
+// Indices name nodes and modes, several arrays of them at once.
+#![allow(clippy::needless_range_loop)]
+
 use super::decay::decays;
 use super::eigen::Eigen;
 use super::sum::Sum;
@@ -26,6 +29,8 @@ pub struct Mode {
     pub key: ModeKey,
     /// Decay rates, rising, 1/s.
     pub lambda: [f64; NODES],
+    /// Time constants 1 / lambda, s.
+    times: [f64; NODES],
     /// Gain from heat into the wire to each coordinate; not negative.
     pub gain: [f64; NODES],
     /// Node temperatures from coordinates: `shape[node][k]`.
@@ -44,6 +49,7 @@ impl Mode {
     pub fn new(network: &Network, latent: f64, key: ModeKey) -> Self {
         let mut capacity = network.capacity;
         capacity[0] += latent * key.phase_slope;
+        // Slowest first, the wire last: QL converges sooner and loses fewer digits where small entries come first.
         let (mut diagonal, mut beside) = ([0.0; NODES], [0.0; NODES]);
         for i in 0..NODES {
             let mut out = network.chain[i];
@@ -51,17 +57,20 @@ impl Mode {
                 0 => network.air + network.ends - key.feedback,
                 _ => network.chain[i - 1],
             };
-            diagonal[i] = out / capacity[i];
+            diagonal[NODES - 1 - i] = out / capacity[i];
             if i + 1 < NODES {
-                beside[i] = -network.chain[i] / libm::sqrt(capacity[i] * capacity[i + 1]);
+                let root = libm::sqrt(capacity[i] * capacity[i + 1]);
+                beside[NODES - 2 - i] = -network.chain[i] / root;
             }
         }
         let eigen = Eigen::new(diagonal, beside);
+        let roots = capacity.map(libm::sqrt);
         let mut order: [usize; NODES] = core::array::from_fn(|i| i);
         order.sort_unstable_by(|a, b| eigen.values[*a].total_cmp(&eigen.values[*b]));
         let mut mode = Self {
             key,
             lambda: [0.0; NODES],
+            times: [0.0; NODES],
             gain: [0.0; NODES],
             shape: [[0.0; NODES]; NODES],
             capacity,
@@ -73,10 +82,11 @@ impl Mode {
             // Only electrical runaway brings a rate near zero; keep it off the singular point.
             let rate = eigen.values[place];
             mode.lambda[k] = if rate.abs() < 1e-9 { 1e-9 } else { rate };
+            mode.times[k] = 1.0 / mode.lambda[k];
             let vector = &eigen.vectors[place];
-            let sign = if vector[0] < 0.0 { -1.0 } else { 1.0 };
+            let sign = if vector[NODES - 1] < 0.0 { -1.0 } else { 1.0 };
             for i in 0..NODES {
-                mode.shape[i][k] = sign * vector[i] / libm::sqrt(capacity[i]);
+                mode.shape[i][k] = sign * vector[NODES - 1 - i] / roots[i];
             }
             mode.gain[k] = mode.shape[0][k];
         }
@@ -97,15 +107,19 @@ impl Mode {
 
     /// Coordinates of node temperatures above the body's.
     pub fn project(&self, u: &[f64; NODES]) -> [f64; NODES] {
-        self.vectors.run(|| self.plain_project(u))
+        self.vectors.run(
+            #[inline(always)]
+            || self.plain_project(u),
+        )
     }
 
     #[inline(always)]
     fn plain_project(&self, u: &[f64; NODES]) -> [f64; NODES] {
         let mut z = [0.0; NODES];
-        for ((u, capacity), shape) in u.iter().zip(&self.capacity).zip(&self.shape) {
-            for (z, s) in z.iter_mut().zip(shape) {
-                *z += s * (u * capacity);
+        for i in 0..NODES {
+            let heat = u[i] * self.capacity[i];
+            for k in 0..NODES {
+                z[k] += self.shape[i][k] * heat;
             }
         }
         z
@@ -113,14 +127,17 @@ impl Mode {
 
     /// Node temperatures above the body's.
     pub fn nodes(&self, z: &[f64; NODES]) -> [f64; NODES] {
-        self.vectors.run(|| self.plain_nodes(z))
+        self.vectors.run(
+            #[inline(always)]
+            || self.plain_nodes(z),
+        )
     }
 
     #[inline(always)]
     fn plain_nodes(&self, z: &[f64; NODES]) -> [f64; NODES] {
         let mut nodes = [0.0; NODES];
-        for (node, row) in nodes.iter_mut().zip(&self.shape) {
-            *node = dot(Scalar, row, z);
+        for i in 0..NODES {
+            nodes[i] = dot(Scalar, &self.shape[i], z);
         }
         nodes
     }
@@ -147,48 +164,40 @@ impl Mode {
 
     /// A watched temperature as a function of time: from `start` (K), with these terms of its slope.
     pub fn sum(&self, slopes: [f64; NODES], start: f64) -> Sum<'_> {
-        Sum {
-            lambda: &self.lambda,
-            slopes,
-            start,
-            vectors: self.vectors,
-        }
+        Sum::new(&self.lambda, slopes, start, self.vectors)
     }
 }
 
 /// What a span of time does to the coordinates of a mode.
 #[derive(Clone, Debug)]
 pub struct Propagator {
+    seconds: f64,
     /// exp(-lambda t).
     decay: [f64; NODES],
     /// (1 - exp(-lambda t)) / lambda, s.
     rise: [f64; NODES],
-    /// (t - rise) / lambda, s2.
-    ramp: [f64; NODES],
 }
 
 impl Propagator {
     /// Over `t` seconds.
     pub fn new(mode: &Mode, t: f64) -> Self {
-        mode.vectors.run(|| Self::plain(mode, t))
+        mode.vectors.run(
+            #[inline(always)]
+            || Self::plain(mode, t),
+        )
     }
 
     #[inline(always)]
     fn plain(mode: &Mode, t: f64) -> Self {
         let (decay, mut rise) = decays(&mode.lambda, t);
-        let mut ramp = [0.0; NODES];
         for k in 0..NODES {
-            let x = mode.lambda[k] * t;
-            rise[k] /= mode.lambda[k];
-            // Where t and the rise are nearly equal their difference has no digits left.
-            ramp[k] = if x.abs() < 1e-3 {
-                let inner = 1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0));
-                t * t / 2.0 * (1.0 - x / 3.0 * inner)
-            } else {
-                (t - rise[k]) / mode.lambda[k]
-            };
+            rise[k] *= mode.times[k];
         }
-        Self { decay, rise, ramp }
+        Self {
+            seconds: t,
+            decay,
+            rise,
+        }
     }
 
     /// Coordinates after the span under constant `power`.
@@ -201,12 +210,36 @@ impl Propagator {
         out
     }
 
+    /// (t - rise) / lambda, s2: what a step that turns out to be taken also needs.
+    #[inline(always)]
+    pub fn ramp(&self, mode: &Mode) -> [f64; NODES] {
+        let t = self.seconds;
+        let mut ramp = [0.0; NODES];
+        for k in 0..NODES {
+            let x = mode.lambda[k] * t;
+            // Where t and the rise are nearly equal their difference has no digits left.
+            ramp[k] = if x.abs() < 1e-3 {
+                let inner = 1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0));
+                t * t / 2.0 * (1.0 - x / 3.0 * inner)
+            } else {
+                (t - self.rise[k]) * mode.times[k]
+            };
+        }
+        ramp
+    }
+
     /// Time integral of the coordinates over the span, for the energy ledger.
     #[inline(always)]
-    pub fn integral(&self, mode: &Mode, z: &[f64; NODES], power: f64) -> [f64; NODES] {
+    pub fn integral(
+        &self,
+        mode: &Mode,
+        ramp: &[f64; NODES],
+        z: &[f64; NODES],
+        power: f64,
+    ) -> [f64; NODES] {
         let mut out = [0.0; NODES];
         for k in 0..NODES {
-            out[k] = self.rise[k] * z[k] + self.ramp[k] * mode.gain[k] * power;
+            out[k] = self.rise[k] * z[k] + ramp[k] * mode.gain[k] * power;
         }
         out
     }
@@ -225,8 +258,11 @@ pub fn dot<S: Simd>(simd: S, a: &[f64; NODES], b: &[f64; NODES]) -> f64 {
     )
 }
 
-/// Sum of what `wide` or `one` makes of every pair, four at a time where vectors hold four: compilers left to
-/// themselves take such a sum apart when much else stands around it.
+/// Vectors of this many numbers are taken by hand.
+const QUARTER: usize = 4;
+
+/// Sum of what `wide` or `one` makes of every pair, vector by vector: compilers left to themselves take such a sum
+/// apart when much else stands around it.
 #[inline(always)]
 pub fn lanes<S: Simd>(
     simd: S,
@@ -234,18 +270,18 @@ pub fn lanes<S: Simd>(
     wide: impl Fn(S::f64s, S::f64s) -> S::f64s,
     one: impl Fn(f64, f64) -> f64,
 ) -> f64 {
-    let mut lane = [0.0; 4];
-    if S::F64_LANES == lane.len() {
-        let mut sum = simd.splat_f64s(0.0);
-        for (a, b) in S::as_simd_f64s(a).0.iter().zip(S::as_simd_f64s(b).0) {
-            sum = simd.add_f64s(sum, wide(*a, *b));
-        }
-        S::as_mut_simd_f64s(&mut lane).0[0] = sum;
+    let mut lane = [0.0; QUARTER];
+    let (x, y) = (S::as_simd_f64s(a).0, S::as_simd_f64s(b).0);
+    if S::F64_LANES == QUARTER
+        && let ([x0, x1, x2, x3], [y0, y1, y2, y3]) = (x, y)
+    {
+        let even = simd.add_f64s(wide(*x0, *y0), wide(*x2, *y2));
+        let odd = simd.add_f64s(wide(*x1, *y1), wide(*x3, *y3));
+        S::as_mut_simd_f64s(&mut lane).0[0] = simd.add_f64s(even, odd);
     } else {
-        for (a, b) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0) {
-            for l in 0..4 {
-                lane[l] += one(a[l], b[l]);
-            }
+        for l in 0..QUARTER {
+            let at = |vector: usize| one(a[vector * QUARTER + l], b[vector * QUARTER + l]);
+            lane[l] = (at(0) + at(2)) + (at(1) + at(3));
         }
     }
     (lane[0] + lane[1]) + (lane[2] + lane[3]) + one(a[NODES - 1], b[NODES - 1])
@@ -276,7 +312,7 @@ mod tests {
                 let both = [&wide, &plain].map(|mode| {
                     let p = Propagator::new(mode, span);
                     let point = mode.sum(mode.rate(&z, 0.1), 33.0).point(span);
-                    let rows = [p.decay, p.rise, p.ramp, point.terms].map(|row| bits(&row));
+                    let rows = [p.decay, p.rise, p.ramp(mode), point.terms].map(|row| bits(&row));
                     (rows, point.value.to_bits(), point.slope.to_bits())
                 });
                 assert_eq!(both[0], both[1], "{span} s");

@@ -1,6 +1,7 @@
 //! Propagators of recurring intervals.
 
 use super::modal::{Mode, Propagator};
+use crate::finger::NODES;
 use crate::time::Nanos;
 
 /// Kept per wire: a pulse train needs two, its bursts and pauses a few more.
@@ -18,7 +19,14 @@ struct Kept {
     /// Place of the mode it belongs to.
     mode: usize,
     nanos: u64,
-    propagator: Box<Propagator>,
+    whole: Box<Whole>,
+}
+
+/// All that a whole interval needs.
+#[derive(Clone, Debug)]
+pub(super) struct Whole {
+    pub(super) propagator: Propagator,
+    pub(super) ramp: [f64; NODES],
 }
 
 impl Propagators {
@@ -30,18 +38,22 @@ impl Propagators {
             return;
         }
         let span = Nanos(nanos).as_secs_f64();
+        let propagator = Propagator::new(mode, span);
         self.kept.truncate(MOST - 1);
         let new = Kept {
             mode: place,
             nanos,
-            propagator: Box::new(Propagator::new(mode, span)),
+            whole: Box::new(Whole {
+                ramp: propagator.ramp(mode),
+                propagator,
+            }),
         };
         self.kept.insert(0, new);
     }
 
     /// The one that was prepared last.
-    pub(super) fn first(&self) -> &Propagator {
-        &self.kept[0].propagator
+    pub(super) fn first(&self) -> &Whole {
+        &self.kept[0].whole
     }
 
     /// Drops those of the mode at `place`, where another will stand.

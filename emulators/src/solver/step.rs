@@ -67,9 +67,10 @@ impl Exact {
                     .prepare(self.mode, &self.modes[self.mode], span.0);
             }
             let mode = &self.modes[self.mode];
+            let kept = whole.then(|| self.propagators.first());
             let mut part;
-            let mut propagator = if whole {
-                self.propagators.first()
+            let mut propagator = if let Some(kept) = kept {
+                &kept.propagator
             } else {
                 part = Propagator::new(mode, stretch);
                 &part
@@ -90,7 +91,12 @@ impl Exact {
                 wire = dot(simd, &mode.gain, &end);
                 passed = after;
             }
-            let course = self.course(simd, propagator, &start, (&end, wire), passed);
+            let ramp = match (kept, &event) {
+                (Some(kept), None) => kept.ramp,
+                _ => propagator.ramp(mode),
+            };
+            let integral = propagator.integral(mode, &ramp, &self.z, power);
+            let course = self.course(simd, &integral, &start, (&end, wire), passed);
             self.accept(simd, &start, &course, passed);
             self.z = end;
             left -= passed;
@@ -175,18 +181,17 @@ impl Exact {
         }
     }
 
-    /// Takes the time of a step that goes to the coordinates `end`, where the wire is `wire` K above the body.
+    /// The course of a step with this time integral of its coordinates, which goes to the coordinates `end`, where the wire is `wire` K above the body.
     #[inline(always)]
     fn course<S: Simd>(
         &self,
         simd: S,
-        propagator: &Propagator,
+        integral: &[f64; NODES],
         start: &Start,
         (end, wire): (&[f64; NODES], f64),
         span: f64,
     ) -> Course {
         let (mode, base) = (&self.modes[self.mode], self.network.body_c);
-        let integral = propagator.integral(mode, &self.z, start.power);
         let rate = mode.rate(end, start.power);
         let before = &self.watched;
         let after = Watched {
@@ -195,9 +200,9 @@ impl Exact {
             deep: dot(simd, &mode.deep, end),
         };
         Course {
-            wire: dot(simd, &mode.gain, &integral),
-            outer: dot(simd, mode.last(), &integral),
-            skin: dot(simd, &mode.shallow, &integral),
+            wire: dot(simd, &mode.gain, integral),
+            outer: dot(simd, mode.last(), integral),
+            skin: dot(simd, &mode.shallow, integral),
             shallow: [
                 point(
                     simd,
@@ -337,5 +342,9 @@ fn point<S: Simd>(
 
 #[inline(always)]
 fn product(a: &[f64; NODES], b: &[f64; NODES]) -> [f64; NODES] {
-    core::array::from_fn(|k| a[k] * b[k])
+    let mut out = [0.0; NODES];
+    for k in 0..NODES {
+        out[k] = a[k] * b[k];
+    }
+    out
 }

@@ -17,7 +17,7 @@ pub const LEVEL_TOLERANCE: f64 = 1e-11;
 /// A turn that changes the value by less than this, K, is none.
 const NEGLIGIBLE_K: f64 = 1e-12;
 /// A step of this part of a time is the last one towards a root.
-const SMALL_STEP: f64 = 1e-6;
+const SMALL_STEP: f64 = 1e-5;
 /// Relative size under which a derivative counts as zero.
 const FLAT: f64 = 1e-13;
 
@@ -28,13 +28,35 @@ pub struct Sum<'a> {
     pub lambda: &'a [f64; NODES],
     /// Terms of the derivative at the start, K/s.
     pub slopes: [f64; NODES],
+    /// What each term comes to in the end, K.
+    ends: [f64; NODES],
     /// Value at the start, K.
     pub start: f64,
-    /// What it is computed with.
-    pub vectors: Vectors,
+    vectors: Vectors,
 }
 
-impl Sum<'_> {
+impl<'a> Sum<'a> {
+    /// From its parts: decay rates (rising, 1/s; none zero), terms of the slope (K/s) and value (K) at the start; computed
+    /// with `vectors`.
+    pub fn new(
+        lambda: &'a [f64; NODES],
+        slopes: [f64; NODES],
+        start: f64,
+        vectors: Vectors,
+    ) -> Self {
+        let mut ends = slopes;
+        for (end, rate) in ends.iter_mut().zip(lambda) {
+            *end /= rate;
+        }
+        Self {
+            lambda,
+            slopes,
+            ends,
+            start,
+            vectors,
+        }
+    }
+
     /// Value at `t` seconds.
     pub fn value(&self, t: f64) -> f64 {
         self.point(t).value
@@ -42,19 +64,21 @@ impl Sum<'_> {
 
     /// Value and terms of the derivative at `t`.
     pub(super) fn point(&self, t: f64) -> Point {
-        self.vectors.run(|| self.plain_point(t))
+        self.vectors.run(
+            #[inline(always)]
+            || self.plain_point(t),
+        )
     }
 
     #[inline(always)]
     fn plain_point(&self, t: f64) -> Point {
-        let (mut terms, mut fallen) = decays(self.lambda, t);
-        for k in 0..NODES {
-            terms[k] *= self.slopes[k];
-            fallen[k] /= self.lambda[k];
+        let (mut terms, fallen) = decays(self.lambda, t);
+        for (term, slope) in terms.iter_mut().zip(&self.slopes) {
+            *term *= slope;
         }
         Point {
             t,
-            value: self.start + dot(Scalar, &self.slopes, &fallen),
+            value: self.start + dot(Scalar, &self.ends, &fallen),
             slope: dot(Scalar, &terms, &[1.0; NODES]),
             terms,
         }
@@ -65,7 +89,10 @@ impl Sum<'_> {
         if t <= 0.0 {
             return self.slopes;
         }
-        self.vectors.run(|| self.plain_point(t).terms)
+        self.vectors.run(
+            #[inline(always)]
+            || self.plain_point(t).terms,
+        )
     }
 
     /// The first time in (from, to] at which the derivative changes sign.
@@ -207,15 +234,29 @@ pub(super) fn changes(b: &[f64; NODES]) -> usize {
 /// Sign changes of the partial sums, and the last sign: that of the sum from here on, until its first zero.
 #[inline(always)]
 pub(super) fn signs(b: &[f64; NODES]) -> (usize, f64) {
-    let mut partial = 0.0;
-    let mut size = 0.0;
-    let mut sign = 0.0;
-    let mut count = 0;
-    for v in b {
-        partial += v;
-        size += v.abs();
-        if partial.abs() > FLAT * size {
-            let s = if partial > 0.0 { 1.0 } else { -1.0 };
+    let (mut partials, mut noise) = ([0.0; NODES], [0.0; NODES]);
+    let (mut partial, mut size) = (0.0, 0.0);
+    for k in 0..NODES {
+        partial += b[k];
+        size += b[k].abs();
+        (partials[k], noise[k]) = (partial, FLAT * size);
+    }
+    // Mostly they are all of one sign: one look at all of them, without a branch.
+    let (mut rises, mut falls) = (false, false);
+    for k in 0..NODES {
+        rises |= partials[k] > noise[k];
+        falls |= partials[k] < -noise[k];
+    }
+    match (rises, falls) {
+        (true, false) => return (0, 1.0),
+        (false, true) => return (0, -1.0),
+        (false, false) => return (0, 0.0),
+        (true, true) => (),
+    }
+    let (mut sign, mut count) = (0.0, 0);
+    for k in 0..NODES {
+        if partials[k].abs() > noise[k] {
+            let s = if partials[k] > 0.0 { 1.0 } else { -1.0 };
             if sign * s < 0.0 {
                 count += 1;
             }
