@@ -163,7 +163,9 @@ mod tests {
             });
             let eigen = Eigen::new(diagonal, beside);
             let (residual, angle) = missed(&diagonal, &beside, &eigen);
-            prop_assert!(residual < 2e-15 && angle < 1e-14, "{} {}", residual, angle);
+            // Backwards stable: off by a few n units of rounding (Golub and Van Loan, 8.3.5).
+            let bound = NODES as f64 * f64::EPSILON;
+            prop_assert!(residual < bound && angle < 1e-14, "{} {}", residual, angle);
         }
     }
 }

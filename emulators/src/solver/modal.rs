@@ -35,6 +35,8 @@ pub struct Mode {
     pub gain: [f64; NODES],
     /// Node temperatures from coordinates: `shape[node][k]`.
     shape: [[f64; NODES]; NODES],
+    /// The same, `columns[k][node]`.
+    columns: [[f64; NODES]; NODES],
     /// Heat capacity of each node, J/K, latent heat included.
     capacity: [f64; NODES],
     /// Skin at 0.1 mm from coordinates.
@@ -73,6 +75,7 @@ impl Mode {
             times: [0.0; NODES],
             gain: [0.0; NODES],
             shape: [[0.0; NODES]; NODES],
+            columns: [[0.0; NODES]; NODES],
             capacity,
             shallow: [0.0; NODES],
             deep: [0.0; NODES],
@@ -86,7 +89,8 @@ impl Mode {
             let vector = &eigen.vectors[place];
             let sign = if vector[NODES - 1] < 0.0 { -1.0 } else { 1.0 };
             for i in 0..NODES {
-                mode.shape[i][k] = sign * vector[NODES - 1 - i] / roots[i];
+                let entry = sign * vector[NODES - 1 - i] / roots[i];
+                (mode.shape[i][k], mode.columns[k][i]) = (entry, entry);
             }
             mode.gain[k] = mode.shape[0][k];
         }
@@ -136,8 +140,10 @@ impl Mode {
     #[inline(always)]
     fn plain_nodes(&self, z: &[f64; NODES]) -> [f64; NODES] {
         let mut nodes = [0.0; NODES];
-        for i in 0..NODES {
-            nodes[i] = dot(Scalar, &self.shape[i], z);
+        for k in 0..NODES {
+            for i in 0..NODES {
+                nodes[i] += self.columns[k][i] * z[k];
+            }
         }
         nodes
     }
