@@ -267,10 +267,10 @@ pub(super) fn step_one<S: Simd>(
     for group in 0..groups {
         let group = if backwards { groups - 1 - group } else { group };
         let first = group * BESIDE;
-        if first + BESIDE <= layer.blocks() {
-            beside::<S, BESIDE>(simd, layer, sums, now, next, first);
-        } else {
-            beside::<S, 1>(simd, layer, sums, now, next, first);
+        match layer.blocks() - first {
+            1 => beside::<S, 1>(simd, layer, sums, now, next, first),
+            2 => beside::<S, 2>(simd, layer, sums, now, next, first),
+            _ => beside::<S, BESIDE>(simd, layer, sums, now, next, first),
         }
     }
 }

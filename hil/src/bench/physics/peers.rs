@@ -2,8 +2,13 @@
 //! edge, `ode_solvers` with sparse output (its dense output is wrong at the ends of short segments), diffsol with
 //! a derivative that is computed anew after the restart.
 //!
+//! Their first unknown is the wire's heat content, not its temperature: T + L/c (1 - xi), K. In the temperature the heat
+//! capacity jumps where a transformation begins, and a band narrower than a step is stepped over whatever the tolerance
+//! (14 K off in phase-cycling, by every explicit method). In the heat content there is nothing to step over: the rate
+//! has kinks, left to the peers' error control.
+//!
 //! Between two edges the wire's temperature goes one way, so the memory of the hysteresis is that of the
-//! segment's start. Kinks of the heat capacity inside a segment are left to the peers' error control.
+//! segment's start.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -51,55 +56,62 @@ impl Balance {
         })
     }
 
-    /// Bounds of the fraction at `t` from heating and cooling, and their slopes.
-    fn branches(&self, t: f64) -> [(f64, f64); 2] {
-        let a = &self.wire.alloy;
-        let line = |t: f64, from: f64, to: f64| {
-            let x = (to - t) / (to - from);
-            let slope = if (0.0..1.0).contains(&x) {
-                -1.0 / (to - from)
-            } else {
-                0.0
-            };
-            (x.clamp(0.0, 1.0), slope)
-        };
-        [
-            line(t, a.austenite_start_c, a.austenite_finish_c),
-            line(t, a.martensite_finish_c, a.martensite_start_c),
-        ]
+    /// What all of the latent heat counts for, K.
+    fn latent(&self) -> f64 {
+        self.wire.latent_heat / self.wire.specific_heat
     }
 
-    /// Generalised play: the fraction, and its slope while it follows a branch.
-    fn fraction(&self, t: f64) -> (f64, f64) {
-        let [heating, cooling] = self.branches(t);
-        if self.memory > heating.0 {
-            heating
-        } else if self.memory < cooling.0 {
-            cooling
+    /// Generalised play: temperature and fraction at a heat content, and the temperature's change with it.
+    fn wire_at(&self, content: f64) -> (f64, f64, f64) {
+        let a = &self.wire.alloy;
+        let (latent, memory) = (self.latent(), self.memory);
+        let resting = content - latent * (1.0 - memory);
+        // Heating from this memory transforms from here on, cooling below there.
+        let upper = a.austenite_finish_c - memory * (a.austenite_finish_c - a.austenite_start_c);
+        let lower = a.martensite_start_c - memory * (a.martensite_start_c - a.martensite_finish_c);
+        let branch = if memory > 0.0 && resting > upper {
+            (upper, a.austenite_finish_c, memory)
+        } else if memory < 1.0 && resting < lower {
+            (lower, a.martensite_finish_c, memory - 1.0)
         } else {
-            (self.memory, 0.0)
+            return (resting, memory, 1.0);
+        };
+        // From `begin` to `end` the fraction falls by `change` (or rises), and the heat content is linear.
+        let (begin, end, change) = branch;
+        let per_kelvin = change / (end - begin);
+        let slope = 1.0 / (1.0 + latent * per_kelvin);
+        let t = begin + (resting - begin) * slope;
+        if (end - begin) * (end - t) > 0.0 {
+            (t, memory - per_kelvin * (t - begin), slope)
+        } else {
+            (resting - latent * change, memory - change, 1.0)
         }
     }
 
-    fn capacity(&self, t: f64) -> f64 {
-        let w = &self.wire;
-        w.mass() * (w.specific_heat - w.latent_heat * self.fraction(t).1)
+    /// The temperatures of a state.
+    fn temperatures(&self, state: &Nodes) -> Nodes {
+        let mut nodes = *state;
+        nodes[0] = self.wire_at(state[0]).0;
+        nodes
     }
 
-    fn rate(&self, nodes: &Nodes) -> Nodes {
+    fn rate(&self, state: &Nodes) -> Nodes {
+        let capacity = self.wire.heat_capacity();
         self.network
-            .rate(nodes, self.watts, self.capacity(nodes[0]))
+            .rate(&self.temperatures(state), self.watts, capacity)
     }
 
-    /// The rate's derivative along `v`: linear but for the kinks of the heat capacity.
-    fn along(&self, nodes: &Nodes, v: &Nodes) -> Nodes {
-        self.still.rate(v, 0.0, self.capacity(nodes[0]))
+    /// The rate's derivative along `v`: linear but for the kinks.
+    fn along(&self, state: &Nodes, v: &Nodes) -> Nodes {
+        let mut v = *v;
+        v[0] *= self.wire_at(state[0]).2;
+        self.still.rate(&v, 0.0, self.wire.heat_capacity())
     }
 }
 
 /// A peer that solves one segment after another.
 pub trait Segments {
-    /// Solves for `seconds` with the power as it is, from and to `nodes`.
+    /// Solves for `seconds` with the power as it is, from and to `nodes`, heat content first.
     fn solve(&mut self, balance: &Balance, seconds: f64, nodes: &mut Nodes) -> Result<(), String>;
 }
 
@@ -110,16 +122,17 @@ pub fn along(
     mut seen: Option<&mut Vec<Nodes>>,
 ) -> Result<(), String> {
     let mut balance = Balance::new(case)?;
-    let (mut nodes, mut now) = ([START_C; NODES], Nanos::ZERO);
+    // All martensite: no latent heat in it.
+    let (mut state, mut now) = ([START_C; NODES], Nanos::ZERO);
     for &(at, watts) in case.edges.iter().chain([&(case.end, 0.0)]) {
         if at > now {
-            peer.solve(&balance, at.since(now).as_secs_f64(), &mut nodes)?;
-            balance.memory = balance.fraction(nodes[0]).0;
+            peer.solve(&balance, at.since(now).as_secs_f64(), &mut state)?;
+            balance.memory = balance.wire_at(state[0]).1;
             now = at;
         }
         balance.watts = watts * case.wire.wire_share;
         if let Some(seen) = seen.as_deref_mut() {
-            seen.push(nodes);
+            seen.push(balance.temperatures(&state));
         }
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! Error against run time, tolerances swept, as work-precision diagrams show it.
 //!
-//! The reference is DOP853 at a relative tolerance of 1e-13: another method from another library. (At 1e-12 the
-//! default and diffsol's best are all 1.2e-8 K from it, which is its own error.) Errors are over all seventeen nodes;
+//! The reference is DOP853 at a relative tolerance of 1e-14: another method from another library. (In round-robin the
+//! default and diffsol's best are all 1.8e-9 K from it, which is its own error.) Errors are over all seventeen nodes;
 //! the largest over all edges and the one at the end are told apart.
 
 use std::time::Duration;
@@ -17,7 +17,7 @@ use crate::bench::timing::Race;
 use crate::bench::{Findings, Row};
 
 /// Tolerance of the reference.
-const REFERENCE: f64 = 1e-13;
+const REFERENCE: f64 = 1e-14;
 /// Samples of a method, and the time after which a slow one has enough of them.
 const SAMPLES: usize = 31;
 const BUDGET: Duration = Duration::from_millis(1500);
@@ -25,6 +25,8 @@ const BUDGET: Duration = Duration::from_millis(1500);
 const SAMPLE: Duration = Duration::from_millis(20);
 /// Errors this many times the default's count as equal to it.
 const EQUAL: f64 = 3.0;
+/// Times faster at equal error that the default is to be.
+const AIM: f64 = 100.0;
 
 fn methods() -> Vec<Method> {
     let mut all = vec![Method::Default];
@@ -39,7 +41,7 @@ fn methods() -> Vec<Method> {
         all.push(Method::Dop853(10_f64.powi(-exponent)));
     }
     for kind in [Kind::Bdf, Kind::Tsit45] {
-        for exponent in [3, 5, 7, 9, 11, 12, 13] {
+        for exponent in [3, 5, 7, 9, 11, 12, 13, 14] {
             all.push(Method::Diffsol(kind, 10_f64.powi(-exponent)));
         }
     }
@@ -74,7 +76,8 @@ fn errors(a: &[Nodes], b: &[Nodes]) -> (f64, f64) {
 /// # Errors
 /// A reference that cannot be computed.
 pub fn measure(findings: &mut Findings) -> Result<(), String> {
-    for case in [Case::round_robin(), Case::phase_cycling()] {
+    let cycling = Case::phase_cycling().map_err(|e| e.to_string())?;
+    for case in [Case::round_robin(), cycling] {
         one(&case, findings)?;
     }
     Ok(())
@@ -166,15 +169,22 @@ fn compare(case: &str, points: &[Point]) -> Vec<String> {
             .iter()
             .filter(|p| matches!(p.0.0, Method::Diffsol(k, _) if k == kind && p.0.1.0.is_finite()));
         let equal = peers.clone().filter(|p| p.0.1.0 <= ours.0.1.0 * EQUAL);
-        let fastest = equal.min_by(|a, b| a.1.total_cmp(&b.1));
-        let peer = fastest.or(peers.min_by(|a, b| a.0.1.0.total_cmp(&b.0.1.0)))?;
-        Some(format!(
-            "{case}: default {:.1e} K; {} {:.1e} K in {:.0} times the run time (target: 100 times at equal error).",
-            ours.0.1.0,
-            peer.0.0.name(),
-            peer.0.1.0,
-            peer.1 / ours.1
-        ))
+        let words = |peer: &Point, verdict: &str| {
+            format!(
+                "{case}: default {:.1e} K; {} {:.1e} K in {:.0} times the run time ({verdict}).",
+                ours.0.1.0,
+                peer.0.0.name(),
+                peer.0.1.0,
+                peer.1 / ours.1
+            )
+        };
+        match equal.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some(peer) if peer.1 >= AIM * ours.1 => Some(words(peer, "aim 100: met")),
+            Some(peer) => Some(words(peer, "aim 100: missed")),
+            None => peers
+                .min_by(|a, b| a.0.1.0.total_cmp(&b.0.1.0))
+                .map(|peer| words(peer, "its most accurate, never equal")),
+        }
     };
     [Kind::Bdf, Kind::Tsit45]
         .into_iter()

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use palpate_core::physics::{Hysteresis, SkinParameters, WireParameters};
+use palpate_core::physics::{Hysteresis, ParameterError, SkinParameters, WireParameters};
 use palpate_emulators::time::Nanos;
 use palpate_emulators::wire::Wire;
 
-use super::train::{Bursts, NARROW, START_C, ms};
+use super::train::{Bursts, Case, START_C, ms};
 use crate::bench::timing::Race;
 use crate::bench::{Findings, Row, table};
 
@@ -16,60 +16,86 @@ const SECONDS: u64 = 10;
 /// Burst after burst, this long from one to the next.
 const SOA: Nanos = Nanos(58_500_000);
 
-/// Eight wires driven for so long, in turn or all of them in every burst.
+/// Power from a time on, W, by wire.
+type Edges = Vec<(Nanos, usize, f64)>;
+
+/// Eight equal wires and what drives them.
 struct Load {
     name: &'static str,
     wire: WireParameters,
-    all: bool,
+    edges: Edges,
     dose: bool,
     target_us: Option<f64>,
 }
 
-fn loads() -> Vec<Load> {
+fn loads() -> Result<Vec<Load>, ParameterError> {
     let play = WireParameters::FINAL;
-    let cycling = WireParameters {
-        alloy: NARROW,
-        ..play
+    let five = Hysteresis::Plays {
+        count: 5,
+        narrowest: 0.2,
     };
     let plays = WireParameters {
-        hysteresis: Hysteresis::Plays {
-            count: 5,
-            narrowest: 0.2,
-        },
+        hysteresis: five,
         ..play
     };
-    let load = |name, wire, all, dose, target_us| Load {
+    let load = |name, wire, edges: &Edges, target_us| Load {
         name,
         wire,
-        all,
-        dose,
+        edges: edges.clone(),
+        dose: false,
         target_us,
     };
-    vec![
-        load("8 wires, 1 s, round-robin", play, false, false, Some(300.0)),
+    let (turns, together) = (bursts(false), bursts(true));
+    let end = ms(1000 * SECONDS);
+    let (held, held_plays) = (Case::held(Hysteresis::Play, end)?, Case::held(five, end)?);
+    let all = |case: &Case| -> Edges {
+        let each = |&(at, watts): &(Nanos, f64)| (0..WIRES).map(move |wire| (at, wire, watts));
+        case.edges.iter().flat_map(each).collect()
+    };
+    let dosed = load("8 wires, 1 s, round-robin, with dose", play, &turns, None);
+    Ok(vec![
+        load("8 wires, 1 s, round-robin", play, &turns, Some(300.0)),
+        Load {
+            dose: true,
+            ..dosed
+        },
+        load("8 wires, 1 s, round-robin, five plays", plays, &turns, None),
+        load("8 wires, 1 s, all in every burst", play, &together, None),
         load(
-            "8 wires, 1 s, round-robin, with dose",
-            play,
-            false,
-            true,
-            None,
-        ),
-        load(
-            "8 wires, 1 s, round-robin, five plays",
-            plays,
-            false,
-            false,
-            None,
-        ),
-        load("8 wires, 1 s, all in every burst", play, true, false, None),
-        load(
-            "8 wires, 1 s, phase-cycling, all in every burst",
-            cycling,
-            true,
-            false,
+            "8 wires, 1 s, phase-cycling at every pulse",
+            held.wire,
+            &all(&held),
             Some(3000.0),
         ),
-    ]
+        load(
+            "8 wires, 1 s, phase-cycling at every pulse, five plays",
+            held_plays.wire,
+            &all(&held_plays),
+            None,
+        ),
+    ])
+}
+
+/// Burst after burst in the order of time: on one wire after another, or on all of them each time.
+fn bursts(all: bool) -> Edges {
+    let end = ms(1000 * SECONDS);
+    let one = Bursts {
+        burst: ms(35),
+        cycle: end,
+        end: ms(35),
+    };
+    let one = one.edges();
+    let mut out = Vec::new();
+    let (mut start, mut turn) = (Nanos::ZERO, 0);
+    while start < end {
+        let driven = (0..WIRES).filter(|w| all || *w == turn % WIRES);
+        let driven: Vec<usize> = driven.collect();
+        for &(at, watts) in &one {
+            out.extend(driven.iter().map(|&wire| (start + at, wire, watts)));
+        }
+        (start, turn) = (start + SOA, turn + 1);
+    }
+    out
 }
 
 impl Load {
@@ -79,31 +105,9 @@ impl Load {
         wires.collect::<Result<_, _>>().map_err(|e| e.to_string())
     }
 
-    /// Edges of every wire in the order of time.
-    fn edges(&self) -> Vec<(Nanos, usize, f64)> {
-        let end = ms(1000 * SECONDS);
-        let one = Bursts {
-            burst: ms(35),
-            cycle: end,
-            end: ms(35),
-        };
-        let one = one.edges();
-        let mut out = Vec::new();
-        let (mut start, mut turn) = (Nanos::ZERO, 0);
-        while start < end {
-            let driven = (0..WIRES).filter(|w| self.all || *w == turn % WIRES);
-            let driven: Vec<usize> = driven.collect();
-            for &(at, watts) in &one {
-                out.extend(driven.iter().map(|&wire| (start + at, wire, watts)));
-            }
-            (start, turn) = (start + SOA, turn + 1);
-        }
-        out
-    }
-
-    fn run(&self, edges: &[(Nanos, usize, f64)]) -> Result<Vec<Wire>, String> {
+    fn run(&self) -> Result<Vec<Wire>, String> {
         let mut wires = self.wires()?;
-        for &(at, wire, watts) in edges {
+        for &(at, wire, watts) in &self.edges {
             wires[wire].set_power(at, watts);
         }
         for wire in &mut wires {
@@ -125,15 +129,14 @@ fn missing(wire: &mut Wire) -> f64 {
 /// # Errors
 /// A wire that cannot be computed.
 pub fn measure(findings: &mut Findings) -> Result<(), String> {
-    let loads = loads();
+    let loads = loads().map_err(|e| e.to_string())?;
     let mut errors = Vec::new();
     let mut race = Race::default();
     for load in &loads {
-        let edges = load.edges();
         // At the start everything is at 33 C, where neither store counts anything: martensite, no latent heat.
-        let mut wires = load.run(&edges)?;
+        let mut wires = load.run()?;
         errors.push(wires.iter_mut().map(missing).fold(0.0, f64::max));
-        race.enter(move || load.run(&edges).map(|w| w.len()));
+        race.enter(move || load.run().map(|w| w.len()));
     }
     let idle = loads[0].wires()?;
     race.enter(move || {

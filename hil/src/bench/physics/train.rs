@@ -1,8 +1,9 @@
 //! What is computed: a wire on a finger, and the edges of the power that heats it.
 
-use palpate_core::physics::{Alloy, SkinParameters, WireParameters};
+use palpate_core::physics::{Alloy, Hysteresis, ParameterError, SkinParameters, WireParameters};
 use palpate_core::units::Prescale;
 use palpate_emulators::time::Nanos;
+use palpate_emulators::wire::Wire;
 
 /// Duty of the published full drive, ticks of 4096.
 const TICKS: u64 = 100;
@@ -99,28 +100,65 @@ impl Case {
         }
     }
 
-    /// A second of dwelling on an invented alloy of 5 K hysteresis where the ripple is: every pulse transforms
-    /// it both ways.
-    pub fn phase_cycling() -> Self {
-        let end = ms(1000);
-        Self {
+    /// A second of holding a wire half transformed: from 60 ms on every pulse transforms it and every pause back, past
+    /// two kinks of the heat capacity in between.
+    ///
+    /// # Errors
+    /// A parameter that cannot be computed with.
+    pub fn phase_cycling() -> Result<Self, ParameterError> {
+        Self::held(Hysteresis::Play, ms(1000))
+    }
+
+    /// The same by a law of hysteresis, for so long.
+    ///
+    /// # Errors
+    /// A parameter that cannot be computed with.
+    pub fn held(hysteresis: Hysteresis, end: Nanos) -> Result<Self, ParameterError> {
+        let skin = SkinParameters::DEFAULT;
+        let wire = WireParameters {
+            alloy: NARROW,
+            hysteresis,
+            ..WireParameters::FINAL
+        };
+        Ok(Self {
             name: "phase-cycling",
-            wire: WireParameters {
-                alloy: NARROW,
-                ..WireParameters::FINAL
-            },
-            skin: SkinParameters::DEFAULT,
-            edges: Bursts::dwelling(end).edges(),
+            edges: hold(&wire, &skin, end)?,
+            wire,
+            skin,
             end,
-        }
+        })
     }
 }
 
-/// Austenite 56 to 60 C, martensite 55 to 51 C: no wire that is sold, the worst there is for a solver.
-pub const NARROW: Alloy = Alloy {
-    austenite_start_c: 56.0,
-    austenite_finish_c: 60.0,
-    martensite_start_c: 55.0,
-    martensite_finish_c: 51.0,
+/// Duties that heat a wire held in [`NARROW`]'s band further and let it cool, ticks of 4096.
+const HOLD_TICKS: [u64; 2] = [100, 40];
+
+/// A pulse every period: a long one while more than half is martensite, a short one otherwise.
+fn hold(
+    wire: &WireParameters,
+    skin: &SkinParameters,
+    end: Nanos,
+) -> Result<Vec<(Nanos, f64)>, ParameterError> {
+    let mut held = Wire::new(wire, skin, START_C)?;
+    let period = pwm().0;
+    let (mut edges, mut t) = (Vec::new(), Nanos::ZERO);
+    while t < end {
+        let ticks = HOLD_TICKS[usize::from(held.fraction(t) <= 0.5)];
+        for edge in [(t, PULSE_W), (t + Nanos(period.0 / 4096 * ticks), 0.0)] {
+            held.set_power(edge.0, edge.1);
+            edges.push(edge);
+        }
+        t = t + period;
+    }
+    Ok(edges)
+}
+
+/// Austenite 90 to 91 C, martensite 89.5 to 88.5 C: no wire that is sold. Ripple crosses it both ways at every pulse, and
+/// the latent heat keeps the temperature there.
+const NARROW: Alloy = Alloy {
+    austenite_start_c: 90.0,
+    austenite_finish_c: 91.0,
+    martensite_start_c: 89.5,
+    martensite_finish_c: 88.5,
     ..Alloy::LOW
 };
