@@ -6,6 +6,8 @@ use palpate_records::report::svg::{Plot as Frame, Svg, dot, escape};
 use std::fmt::Write;
 
 const SIZE: (f64, f64) = (860.0, 430.0);
+/// What decades reach beyond the outermost points at least.
+const MARGIN: f64 = 2.0;
 /// Colours of the style sheet.
 const COLOURS: usize = 8;
 
@@ -91,7 +93,9 @@ impl Plot {
         frame.x_axis(&mut svg, &self.x.label);
         frame.y_axis(&mut svg, &self.y.label);
         frame.frame(&mut svg);
-        let mut names = Names::default();
+        let shown = self.series.iter().flat_map(|s| &s.points);
+        let shown = shown.filter(|p| self.can_show(**p)).map(|p| frame.at(*p));
+        let mut names = Names::new(&frame, shown.collect());
         for (i, series) in self.series.iter().enumerate() {
             let (mut line, mut dots) = (String::new(), String::new());
             for &point in series.points.iter().filter(|p| self.can_show(**p)) {
@@ -107,13 +111,13 @@ impl Plot {
                 svg.path(&line, &format!("series {}", colour(i)));
             }
             if series.mark != Mark::Line {
-                svg.path(&dots, &dots_class(series.mark, i));
+                svg.path(&dots, &dots_class(series, i));
             }
-            // Colours repeat: a method without a course has its name beside it.
+            // Colours repeat: a method without a course has its name beside it, where there is room.
             if let [point] = series.points.as_slice()
                 && self.can_show(*point)
+                && let Some(at) = names.place(frame.at(*point), &series.name)
             {
-                let at = names.place(frame.at(*point), &series.name);
                 svg.text(at, "label", &series.name);
             }
         }
@@ -131,7 +135,7 @@ impl Plot {
         for (i, series) in self.series.iter().enumerate() {
             let dots = match series.mark {
                 Mark::Line => String::new(),
-                mark => format!("<path class=\"{}\" d=\"M13 6h0\"/>", dots_class(mark, i)),
+                _ => format!("<path class=\"{}\" d=\"M13 6h0\"/>", dots_class(series, i)),
             };
             let _ = write!(
                 out,
@@ -157,39 +161,78 @@ impl Plot {
             (low.min(v), high.max(v))
         });
         match (low <= high, axis.log) {
-            (true, true) => Scale::decades(low, high),
+            // Room for names above and below.
+            (true, true) => Scale::decades(low / MARGIN, high * MARGIN),
             (true, false) => Scale::round(low, high),
             (false, _) => Scale::exact(0.0, 1.0),
         }
     }
 }
 
-/// Names beside their dots: left ends, widths and baselines, pixels.
-#[derive(Default)]
-struct Names(Vec<(f64, f64, f64)>);
+/// Names beside their dots. All in pixels.
+struct Names {
+    /// Left, right, top and bottom of the frame.
+    frame: [f64; 4],
+    dots: Vec<(f64, f64)>,
+    /// Left, right, top and bottom of the names that stand.
+    taken: Vec<[f64; 4]>,
+}
 
 impl Names {
-    /// Where the name of a dot stands: to its right, and as far below or above as it covers no other name.
-    fn place(&mut self, (x, y): (f64, f64), name: &str) -> (f64, f64) {
+    fn new(frame: &Frame, dots: Vec<(f64, f64)>) -> Self {
+        let (left, top) = (frame.left, frame.top);
+        Self {
+            frame: [left, left + frame.width, top, top + frame.height],
+            dots,
+            taken: Vec::new(),
+        }
+    }
+
+    /// Left end and baseline of the name of a dot: right or left of it, or a line or two above or below, where it covers no
+    /// name, no dot and no side of the frame; nothing where there is no such place.
+    fn place(&mut self, (x, y): (f64, f64), name: &str) -> Option<(f64, f64)> {
         const LINE: f64 = 14.0;
-        let (left, width) = (x + 7.0, 7.0 * name.chars().count() as f64);
-        let free = |base: &f64| {
-            let covers = |&(l, w, b): &(f64, f64, f64)| {
-                l < left + width && left < l + w && (b - base).abs() < LINE
-            };
-            !self.0.iter().any(covers)
-        };
+        const ASCENT: f64 = 11.0;
+        const DESCENT: f64 = 3.0;
+        const ASIDE: f64 = 7.0;
+        let width = 7.5 * name.chars().count() as f64;
+        let (right, left) = (x + ASIDE, x - ASIDE - width);
+        let middle = x - width / 2.0;
         let nearby = [
-            4.0,
-            4.0 + LINE,
-            4.0 - LINE,
-            4.0 + 2.0 * LINE,
-            4.0 - 2.0 * LINE,
+            (right, 0.0),
+            (left, 0.0),
+            (middle, -LINE),
+            (middle, LINE),
+            (right, -LINE),
+            (right, LINE),
+            (left, -LINE),
+            (left, LINE),
+            (middle, -2.0 * LINE),
+            (middle, 2.0 * LINE),
+            (right, -2.0 * LINE),
+            (right, 2.0 * LINE),
+            (left, -2.0 * LINE),
+            (left, 2.0 * LINE),
         ];
-        let base = nearby.map(|down| y + down).into_iter().find(free);
-        let base = base.unwrap_or(y + 4.0);
-        self.0.push((left, width, base));
-        (left, base)
+        let corners = |(from, down): (f64, f64)| {
+            let base = y + 4.0 + down;
+            ([from, from + width, base - ASCENT, base + DESCENT], base)
+        };
+        let (found, base) = nearby
+            .map(corners)
+            .into_iter()
+            .find(|(c, _)| self.free(c))?;
+        self.taken.push(found);
+        Some((found[0], base))
+    }
+
+    fn free(&self, &[left, right, top, bottom]: &[f64; 4]) -> bool {
+        const DOT: f64 = 4.0;
+        let [l, r, t, b] = self.frame;
+        let inside = left > l && right < r && top > t && bottom < b;
+        let apart = |&[l, r, t, b]: &[f64; 4]| left > r || l > right || top > b || t > bottom;
+        let clear = |&(x, y): &(f64, f64)| apart(&[x - DOT, x + DOT, y - DOT, y + DOT]);
+        inside && self.taken.iter().all(apart) && self.dots.iter().all(clear)
     }
 }
 
@@ -204,8 +247,9 @@ fn colour(i: usize) -> String {
     format!("w{}", i % COLOURS)
 }
 
-fn dots_class(mark: Mark, i: usize) -> String {
-    let size = if mark == Mark::Ours {
+/// What the program uses, and what would be lost as a single small dot, stand out.
+fn dots_class(series: &Series, i: usize) -> String {
+    let size = if series.mark == Mark::Ours || series.points.len() == 1 {
         "dots big"
     } else {
         "dots"
@@ -218,12 +262,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_do_not_cover_each_other() {
-        let mut names = Names::default();
-        assert_eq!(names.place((100.0, 50.0), "last 10"), (107.0, 54.0));
-        assert_eq!(names.place((120.0, 52.0), "last 25"), (127.0, 70.0));
-        assert_eq!(names.place((125.0, 52.0), "last 50"), (132.0, 84.0));
-        assert_eq!(names.place((300.0, 52.0), "exact"), (307.0, 56.0));
+    fn names_cover_neither_each_other_nor_dots_nor_the_frame() {
+        let dots = vec![(100.0, 50.0), (120.0, 52.0), (380.0, 50.0), (200.0, 195.0)];
+        let mut names = Names {
+            frame: [0.0, 400.0, 0.0, 200.0],
+            dots: dots.clone(),
+            taken: Vec::new(),
+        };
+        // A dot to the right: its name goes to the left; the frame's side to the right: the same.
+        assert_eq!(names.place(dots[0], "first"), Some((55.5, 54.0)));
+        assert_eq!(names.place(dots[1], "second"), Some((127.0, 56.0)));
+        assert_eq!(names.place(dots[2], "third"), Some((335.5, 54.0)));
+        // At the bottom, above.
+        let (_, base) = names.place(dots[3], "bottom").unwrap();
+        assert!(base < 195.0);
+        // A name longer than the frame has no place.
+        assert_eq!(names.place(dots[0], &"x".repeat(60)), None);
     }
 
     #[test]
