@@ -181,7 +181,8 @@ impl Exact {
         }
     }
 
-    /// The course of a step with this time integral of its coordinates, which goes to the coordinates `end`, where the wire is `wire` K above the body.
+    /// The course of a step with this time integral of its coordinates, which goes to the coordinates `end`, where the
+    /// wire is `wire` K above the body.
     #[inline(always)]
     fn course<S: Simd>(
         &self,
@@ -340,6 +341,7 @@ fn point<S: Simd>(
     }
 }
 
+/// In a plain loop: closures of `from_fn` are compiled without the vectors.
 #[inline(always)]
 fn product(a: &[f64; NODES], b: &[f64; NODES]) -> [f64; NODES] {
     let mut out = [0.0; NODES];
