@@ -1,4 +1,4 @@
-"""Warm clustering by other people's libraries, one thread, on frames from standard input.
+"""Warm clustering by libraries from PyPI, one thread, on frames from standard input.
 
 In: a JSON list of frames {x, y, w, start}; start is the last frame's centroids. Out: a JSON list of
 {method, median_us, centroids of every frame}. Two iterations where a library lets us say so, weights where it takes

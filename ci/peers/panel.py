@@ -1,6 +1,6 @@
 """Mann-Whitney U by scipy (pinned in requirements.txt): what `hil texture panel` is held against.
 
-    python panel.py oracle > hil/src/texture/panel/oracle.json    samples with many ties and few, and what scipy says
+    python panel.py oracle > hil/texture/src/panel/oracle.json    samples with many ties and few, and what scipy says
     hil texture panel --json | python panel.py check              every U and p of a panel computed again, to 1e-9
 """
 

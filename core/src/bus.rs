@@ -1,24 +1,23 @@
-//! The traits the projection talks to. Real buses and emulators implement the same two.
+//! The bus that carries a skin's frames, as the projection sees it. Real interfaces and emulators implement it alike.
 
 use embedded_can::Error as CanError;
 
-use crate::guard::Guarded;
+use crate::codec::can::CanFrame;
 use crate::units::Instant;
-use crate::wire::can::CanFrame;
 
-/// A frame as it came off a sensor bus.
+/// A frame as it came off a bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Received {
-    /// When it was received: the end of the frame on the wire.
+    /// When it was received: the end of the frame on the bus.
     pub at: Instant,
-    /// Which of the bench's sensor buses it came from, zero-based.
+    /// Which of the bench's buses it came from, zero-based.
     pub bus: u8,
     /// The frame.
     pub frame: CanFrame,
 }
 
-/// The CAN segment(s) the skin hangs on.
-pub trait SensorBus {
+/// One or several CAN segments.
+pub trait CanBus {
     /// What can go wrong, in embedded-can's terms.
     type Error: CanError;
 
@@ -29,14 +28,14 @@ pub trait SensorBus {
     fn transmit(&mut self, bus: u8, frame: &CanFrame) -> Result<(), Self::Error>;
 }
 
-/// The driver unit that feeds the wires: accepts only what the guard has passed.
-pub trait Actuators {
-    /// What can go wrong on the actuator bus.
-    type Error: core::fmt::Debug;
+impl<B: CanBus + ?Sized> CanBus for &mut B {
+    type Error = B::Error;
 
-    /// Puts a guarded update on the outputs of one board, all its channels together.
-    fn apply(&mut self, update: &Guarded) -> Result<(), Self::Error>;
+    fn receive(&mut self) -> Result<Option<Received>, B::Error> {
+        (**self).receive()
+    }
 
-    /// Switches every output of every board off. Needs no guard.
-    fn all_off(&mut self) -> Result<(), Self::Error>;
+    fn transmit(&mut self, bus: u8, frame: &CanFrame) -> Result<(), B::Error> {
+        (**self).transmit(bus, frame)
+    }
 }

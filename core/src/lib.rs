@@ -1,10 +1,7 @@
-//! The projection: from touched skin to felt skin.
+//! The projection: from touched skin to felt skin. What belongs here is everything between a taxel reading and a
+//! driver's registers, without a clock, I/O, or a file or text format: those are `palpate-hil`'s.
 //!
-//! `taxels -> frames -> relative frame -> contacts -> illusion -> schedule -> guard -> driver`
-//!
-//! This crate is `no_std`, forbids `unsafe`, performs no I/O and never reads a clock: time comes in as
-//! an argument ([`units::Instant`]) and whoever owns time calls the loop. Memory is allocated when
-//! things are built and never in the loop. It knows no file or text format; those live in `palpate-hil`.
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 // Tests compare floats exactly where exactness is the claim.
@@ -13,6 +10,7 @@
 extern crate alloc;
 
 pub mod bus;
+pub mod codec;
 pub mod contact;
 pub mod driver;
 pub mod guard;
@@ -25,4 +23,3 @@ pub mod skin;
 pub mod texture;
 pub mod units;
 pub mod vector;
-pub mod wire;

@@ -19,8 +19,6 @@ pub const HENRIQUES_EA: f64 = 6.27e5;
 pub const DEPTH_SHALLOW_M: f64 = 0.1e-3;
 /// Depth of the dermis at which the second plateau limit holds, metres.
 pub const DEPTH_DEEP_M: f64 = 0.4e-3;
-/// Electrical power of one wire at the thesis's full drive, averaged over a period, W.
-pub const FULL_DRIVE_W: f64 = 0.18;
 /// Duty of the thesis's full drive: 100 of 4096 ticks (2.44 %).
 pub const FULL_DRIVE_DUTY: f64 = 100.0 / 4096.0;
 
@@ -66,12 +64,6 @@ impl Alloy {
 pub enum Hysteresis {
     /// Generalised play: xi = min(max(xi, xi_c(T)), xi_h(T)), both branches straight. The default.
     Play,
-    /// Liang and Rogers' cosine law. Each half cosine is drawn with this many straight pieces, so that
-    /// it stays exactly solvable; the error falls with the square of the number.
-    Cosine {
-        /// Straight pieces of one branch, 2 to 64.
-        pieces: u8,
-    },
     /// A weighted sum of equal plays whose branches are drawn apart: closed minor loops.
     Plays {
         /// Number of plays, 1 to 16.
@@ -201,7 +193,7 @@ impl WireParameters {
         12.0 * self.conductivity * section / self.length_m
     }
 
-    /// Whether every value is one the model can compute with. The stated ranges of `physics.md` lie
+    /// Whether every value is one the model can compute with. The ranges stated at the fields lie
     /// well inside.
     ///
     /// # Errors
@@ -245,7 +237,6 @@ impl WireParameters {
         }
         match self.hysteresis {
             Hysteresis::Play => Ok(()),
-            Hysteresis::Cosine { pieces } if (2..=64).contains(&pieces) => Ok(()),
             Hysteresis::Plays { count, narrowest }
                 if (1..=16).contains(&count) && narrowest > 0.0 && narrowest <= 1.0 =>
             {
@@ -264,7 +255,7 @@ impl Default for WireParameters {
 
 /// The finger under one wire, and the contact between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SkinParameters {
+pub struct TissueParameters {
     /// Heat transfer of the contact, W/(m2 K) \[A\]; stated range 1000 to 10 000.
     pub contact_h: f64,
     /// Part of the wire's circumference that touches, 1 \[A\]; stated range 0.1 to 0.5, 0 is free in air.
@@ -285,8 +276,8 @@ pub struct SkinParameters {
     pub air_c: f64,
 }
 
-impl SkinParameters {
-    /// `physics.md`: contact 2000 W/m2K over half the circumference, 0.25 / 0.45 W/mK, 8 mm, 33 C.
+impl TissueParameters {
+    /// Contact 2000 W/m2K over half the circumference, 0.25 / 0.45 W/mK, 8 mm, 33 C.
     pub const DEFAULT: Self = Self {
         contact_h: 2000.0,
         contact_fraction: 0.5,
@@ -322,7 +313,7 @@ impl SkinParameters {
     }
 }
 
-impl Default for SkinParameters {
+impl Default for TissueParameters {
     fn default() -> Self {
         Self::DEFAULT
     }

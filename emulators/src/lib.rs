@@ -5,24 +5,25 @@
 //! Every device has a bus face (what a driver sees), a physical face (what a test does to it and reads
 //! from it) and room for a fault layer in front.
 #![forbid(unsafe_code)]
+#![cfg_attr(doctest, doc = include_str!("../README.md"))]
 
-pub mod amplifier;
-pub mod board;
-pub mod can;
 pub mod display;
-pub mod finger;
-pub mod i2c;
-pub mod panel;
-pub mod pca9685;
-pub mod perceiver;
-pub mod receptors;
-pub mod rig;
-pub mod skin;
-pub mod solver;
-pub mod surface;
+pub mod person;
+pub mod sensor;
 pub mod time;
-pub mod touching;
-pub mod wire;
+pub mod worn;
 
-#[cfg(test)]
-mod thermal_tests;
+/// What a bench is made of crosses to another thread: checked when this crate is compiled.
+const _: () = {
+    const fn crosses<T: Send>() {}
+    crosses::<worn::Display>();
+    crosses::<display::i2c::I2cHandle>();
+    crosses::<display::i2c::fault::Shared<display::i2c::I2cHandle>>();
+    crosses::<sensor::port::HostPort>();
+    crosses::<sensor::can::faults::Faulty<sensor::rig::Handle>>();
+    crosses::<sensor::Module>();
+    crosses::<Box<dyn sensor::Touches>>();
+    crosses::<sensor::surface::Explorer>();
+    crosses::<sensor::surface::SurfaceStrokes>();
+    crosses::<person::panel::Panel>();
+};

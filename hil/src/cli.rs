@@ -8,19 +8,21 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use compare::{DiffArgs, ReviewAction, ReviewArgs, TestArgs};
 use palpate_buses::guardian::{parse_bus, parse_line};
+use palpate_core::contact::{Norm, Scope};
+use palpate_core::skin::Axes;
 pub use texture::{
     DrawArg, EncodeArgs, ExportArgs, MapArgs, PanelArgs, PulsesArgs, StrokesArgs, TextureAction,
-    TrainArgs, WeightsArg,
+    TrainArgs,
 };
 
-/// Tactile feedback, hardware in the loop: from touched skin to heated wires.
+/// Tactile feedback with hardware in the loop: from a robot's touched skin to heated wires on a finger.
 #[derive(Debug, Parser)]
-#[command(name = "hil", version, about, disable_help_subcommand = true)]
+#[command(name = "hil", version, disable_help_subcommand = true)]
 pub struct Cli {
     /// What to do; without a command, `hil run` of the default scene.
     #[command(subcommand)]
     pub command: Option<Command>,
-    /// Colour of error messages: auto is on a terminal, unless NO_COLOR is set.
+    /// When error messages are coloured. `auto`: on a terminal, unless NO_COLOR is set.
     #[arg(long, global = true, value_enum, value_name = "WHEN", default_value_t = Color::Auto)]
     pub color: Color,
 }
@@ -30,7 +32,7 @@ pub struct Cli {
 pub enum Color {
     /// On a terminal.
     Auto,
-    /// Also in a pipe.
+    /// On a terminal and in a pipe.
     Always,
     /// Never.
     Never,
@@ -40,7 +42,7 @@ pub enum Color {
 /// microsecond of their own.
 const RATES: std::ops::RangeInclusive<f64> = 0.1..=1e6;
 
-/// Rows a second: zero and NaN are refused here, whatever the file says about its times.
+/// Rows per second: zero and NaN are refused here, whatever the file says about its times.
 pub(crate) fn rate(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(hz) if RATES.contains(&hz) => Ok(hz),
@@ -100,33 +102,33 @@ pub enum Threshold {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Run a scene (default: a rolling sphere) or a recording on a bench and print a summary.
+    /// Run a scene (default: a rolling sphere) or a recording on a bench, and print a summary.
     Run(Box<RunArgs>),
-    /// Only the compression: contacts per frame of a recording, as CSV on standard output.
+    /// Find the contacts in each frame of a recording, and print them as CSV.
     Contacts(ContactsArgs),
-    /// Serve the emulators to other programs, boards on CAN interfaces and the display behind a /dev/i2c-N,
-    /// until stopped.
+    /// Serve the emulators to other programs until stopped: boards on CAN interfaces, the display behind
+    /// a /dev/i2c-N.
     Emulate(EmulateArgs),
-    /// Record live CAN interfaces, everything that crosses them, until stopped.
+    /// Record every frame on live CAN interfaces until stopped.
     Record(RecordArgs),
-    /// Play a recording onto CAN interfaces, every frame at its time.
+    /// Send a recording onto CAN interfaces, each frame at its time.
     Replay(ReplayArgs),
-    /// Run time against error, ours beside others': tables and plots (in builds with `--features bench`).
-    Bench(BenchArgs),
-    /// Two goldens, schedules or contact recordings, told in words; exit status 1 where a difference means something.
+    /// Say in words how two goldens, schedules or contact recordings differ. Exits with 1 if a difference
+    /// could be felt or measured.
     Diff(DiffArgs),
-    /// Changed goldens, one scene after another, in words and charts: accept, reject or skip.
+    /// Show changed goldens scene by scene, in words and charts, to accept, reject or skip.
     Review(ReviewArgs),
-    /// Every scene with expectations as a trial on a bench (default: emulated); exit status 1 where one fails.
+    /// Run every scene with expectations as a trial on a bench (default: emulated). Exits with 1 if one
+    /// fails.
     Test(TestArgs),
-    /// The texture encoder: latent vectors of recordings, and the model for other programs.
+    /// Work with the texture model: strokes, training, latent vectors, pulses, export, map, panel.
     #[command(subcommand)]
     Texture(TextureAction),
-    /// What this machine can do, what is missing, and what to type to get it.
+    /// Say what this machine has, what it lacks, and which commands add it.
     Doctor(DoctorArgs),
-    /// Switch everything off on a bench, from any state, and say what was seen.
+    /// Switch everything off on a bench, from any state, and report what was found.
     Off(OffArgs),
-    /// The process that switches off when a run dies; `hil run` starts it.
+    /// The process that switches off when a run dies (internal; `hil run` starts it).
     #[command(hide = true)]
     Guardian(GuardianArgs),
 }
@@ -140,7 +142,7 @@ pub struct RecordArgs {
     /// A CAN interface; repeatable, the n-th is bus n.
     #[arg(long, value_name = "IFACE", required = true)]
     pub can: Vec<String>,
-    /// How long (default: until Ctrl-C).
+    /// Length of the recording in seconds (default: until Ctrl-C).
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub seconds: Option<f64>,
     /// Print the result as one JSON object.
@@ -170,7 +172,7 @@ pub struct ReplayArgs {
 /// Options of `hil doctor`.
 #[derive(Debug, Args)]
 pub struct DoctorArgs {
-    /// A bench whose buses to look at (default: all there are).
+    /// Check only the buses of this bench (default: all buses of the machine).
     #[arg(long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
     /// Print one JSON object.
@@ -184,10 +186,10 @@ pub struct OffArgs {
     /// A bench of real buses: a file.
     #[arg(long, value_name = "NAME|FILE", required_unless_present = "i2c")]
     pub bench: Option<String>,
-    /// An I2C adapter in place of a bench; every address where a chip answers is switched off. Repeatable.
+    /// An I2C adapter in place of a bench; repeatable. Every chip that answers there is switched off.
     #[arg(long, value_name = "DEVICE", conflicts_with = "bench")]
     pub i2c: Vec<PathBuf>,
-    /// Also clear a latched stop: the way back, once somebody has looked at the bench.
+    /// Also clear a latched stop. Look at the bench first.
     #[arg(long)]
     pub unlatch: bool,
 }
@@ -215,16 +217,17 @@ pub struct EmulateArgs {
     /// A built-in bench or a file (default: emulated).
     #[arg(long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
-    /// What touches the boards, over and over: a built-in scene or a file (default: sphere-along).
+    /// The scene that touches the boards, over and over: a built-in name or a file (default: sphere-along).
     #[arg(long, value_name = "NAME|FILE")]
     pub scene: Option<String>,
-    /// A CAN interface that is up; once a sensor bus of the scene's layout (default: vcan0, vcan1, ...).
+    /// A CAN interface that is up; give it once per sensor bus of the scene's layout (default: vcan0,
+    /// vcan1, ...).
     #[arg(long, value_name = "IFACE")]
     pub can: Vec<String>,
-    /// The boards wait for a start command (20f#0700), and the scene begins with it.
+    /// Let the boards wait for a start command (20f#0700). The scene begins with it.
     #[arg(long)]
     pub await_start: bool,
-    /// Pin 0 of the bridge is on the chips' OE pins, with a pull-up: a GPIO line that cuts every output.
+    /// Connect pin 0 of the bridge, a GPIO line with a pull-up, to the chips' OE pins. It cuts every output.
     #[arg(long)]
     pub oe: bool,
     /// Seed of all randomness.
@@ -255,25 +258,30 @@ pub struct RunArgs {
     /// A built-in bench or a file (default: emulated).
     #[arg(long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
-    /// A CAN interface, in place of the bench's; once a bus of the layout. The run is real then.
+    /// A CAN interface in place of the bench's; give it once per bus of the layout. Makes the run real.
     #[arg(long, value_name = "IFACE")]
     pub can: Vec<String>,
-    /// An I2C adapter (/dev/i2c-N), in place of the bench's; once a bus of the outputs.
+    /// An I2C adapter (/dev/i2c-N) in place of the bench's; give it once per bus of the outputs.
     #[arg(long, value_name = "DEVICE")]
     pub i2c: Vec<PathBuf>,
-    /// Recorded taxels in place of the scene's touches: CSV, once a module of the layout, or one
-    /// recording of its buses, a candump .log or an .mcap.
+    /// Recorded taxels in place of the scene's touches: one CSV per module of the layout, or one recording
+    /// of all buses (candump .log or .mcap).
     #[arg(long, value_name = "FILE")]
     pub replay: Vec<PathBuf>,
     /// Sensor layout of the recording (default: the scene's).
     #[arg(long, value_name = "NAME|FILE", requires = "replay")]
     pub layout: Option<String>,
-    /// Rows a second of a recording without a time_us column (default: frequency_hz of meta_data.csv beside it).
+    /// Rows per second of a recording without a time_us column (default: frequency_hz of meta_data.csv
+    /// beside it).
     #[arg(long, value_name = "HZ", requires = "replay", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
     /// Seed of all randomness.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
+    /// A value in place of the scene's (`illusion.weber=0.1`) or the bench's (`bench.drive.current_ma=900`): any key of
+    /// the files, checked as if the file said so. Repeatable.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
     /// Write summary.json, schedule.jsonl, contacts.csv and report.html into this folder.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -283,10 +291,10 @@ pub struct RunArgs {
     /// Print nothing but errors.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
-    /// Print the plan, and after the run what was done and what was left out.
+    /// Print the plan before the run, and the work done and left out after it.
     #[arg(long)]
     pub explain: bool,
-    /// Show the run as it goes, on a terminal; an emulated one is held to the wall clock.
+    /// Show the run on a terminal as it goes. An emulated run then keeps to the wall clock.
     #[arg(long)]
     pub watch: bool,
     /// Write the schedule as JSON Lines.
@@ -299,16 +307,16 @@ pub struct RunArgs {
     /// everything, .vcd pins, ticks and temperatures, .snap golden. Repeatable.
     #[arg(long, value_name = "FILE")]
     pub record: Vec<PathBuf>,
-    /// Check what the scene expects and write the result as JUnit XML; exit status 1 where it does not hold.
+    /// Check the scene's expectations and write the result as JUnit XML. Exits with 1 if one fails.
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
-    /// Whether intensity levels change the drive.
+    /// Let intensity levels change the drive.
     #[arg(long, value_name = "on|off")]
     pub intensity: Option<Switch>,
     /// Illusion model: phantom, energy, linear, square, balanced, three-nearest, gaussian or nearest.
     #[arg(long, value_name = "NAME")]
     pub illusion: Option<String>,
-    /// Shape: s of phantom, exponent of balanced, width of gaussian.
+    /// Shape of the illusion: s of phantom, exponent of balanced, width of gaussian.
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     pub shape: Option<f64>,
     /// Duty offset alpha, a fraction of a period.
@@ -323,51 +331,6 @@ pub struct RunArgs {
     /// Stimulus onset asynchrony, ms (default: 0.32 tau_d + 47.3).
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     pub soa_ms: Option<f64>,
-}
-
-/// Options of `hil bench`.
-#[derive(Debug, Args)]
-pub struct BenchArgs {
-    /// What to measure (default: everything).
-    pub family: Option<String>,
-    /// Write bench.html, bench.json and the plots (SVG) into this folder.
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Print the rows as a JSON array.
-    #[arg(long)]
-    pub json: bool,
-    /// Print nothing but errors.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
-}
-
-/// Norms of the weights.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum NormArg {
-    /// Sum of absolute values.
-    L1,
-    /// Euclidean.
-    L2,
-    /// Largest.
-    Linf,
-}
-
-/// Axes that count.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum AxesArg {
-    /// All three.
-    Xyz,
-    /// The normal one.
-    Z,
-}
-
-/// What K_C and K_I count for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ScopeArg {
-    /// Every module.
-    Module,
-    /// The whole skin in one plane.
-    Skin,
 }
 
 /// What to do with rows that repeat the one before.
@@ -387,38 +350,39 @@ pub struct ContactsArgs {
     /// Sensor layout: a built-in name or a file.
     #[arg(long, value_name = "NAME|FILE")]
     pub layout: String,
-    /// Most contacts K_C of a module.
+    /// Largest number of contacts K_C per module.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u16, 1, 1024>, allow_hyphen_values = true)]
     pub kc: u16,
     /// Static intensity levels K_I, found over the whole recording.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u16, 1, 256>, allow_hyphen_values = true)]
     pub ki: u16,
-    /// Contact-free rows at the start that make the reference.
+    /// Number of contact-free rows at the start that make the reference.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = whole::<u32, 1, 100_000>, allow_hyphen_values = true)]
     pub reference_frames: u32,
     /// Contact threshold: auto (the largest value of the first row after the reference), per-taxel (from every taxel's
     /// own noise) or raw counts.
     #[arg(long, default_value = "auto", value_name = "auto|per-taxel|COUNTS", value_parser = threshold, allow_hyphen_values = true)]
     pub threshold: Threshold,
-    /// Let the reference follow taxels not in contact with this time constant (default: it stays).
+    /// Let the reference follow taxels not in contact, with this time constant (default: it stays fixed).
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     pub drift_s: Option<f64>,
     /// Leave out taxels this many deviations from their axis's mean in the first row (default: none).
     #[arg(long, value_name = "K", value_parser = positive, allow_hyphen_values = true)]
     pub faulty_deviations: Option<f64>,
-    /// Where K_C and K_I count.
-    #[arg(long, value_enum, default_value_t = ScopeArg::Module)]
-    pub scope: ScopeArg,
+    /// What K_C and K_I count for: each module, or the whole skin.
+    #[arg(long, value_name = "module|skin", default_value = "module", value_parser = palpate_files::scope)]
+    pub scope: Scope,
     /// Exponent p of the weights ||s||^p.
     #[arg(long, value_name = "P", default_value = "1", value_parser = exponent, allow_hyphen_values = true)]
     pub weight_exponent: f64,
-    /// Norm l of the weights.
-    #[arg(long, value_enum, default_value_t = NormArg::L2)]
-    pub norm: NormArg,
-    /// Axes that count.
-    #[arg(long, value_enum, default_value_t = AxesArg::Xyz)]
-    pub axes: AxesArg,
-    /// Rows a second of a recording without a time_us column (default: frequency_hz of meta_data.csv beside it).
+    /// Norm l of the weights: sum of absolute values, Euclidean, or largest.
+    #[arg(long, value_name = "l1|l2|linf", default_value = "l2", value_parser = palpate_files::norm)]
+    pub norm: Norm,
+    /// Axes to use: all three, or the normal one.
+    #[arg(long, value_name = "xyz|z", default_value = "xyz", value_parser = palpate_files::axes_named)]
+    pub axes: Axes,
+    /// Rows per second of a recording without a time_us column (default: frequency_hz of meta_data.csv
+    /// beside it).
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
     /// Seed of the k-means++ draws.
@@ -430,7 +394,7 @@ pub struct ContactsArgs {
     /// Write contacts.csv into this folder in place of standard output.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Print an array of objects, keys as the CSV's columns.
+    /// Print a JSON array of objects; the keys are the CSV's columns.
     #[arg(long, conflicts_with = "out")]
     pub json: bool,
     /// Print no notes, only the contacts and errors.

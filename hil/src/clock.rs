@@ -1,11 +1,18 @@
 //! The one place that reads a clock.
 
-use std::time::{Instant, SystemTime};
+use std::sync::OnceLock;
+use std::time::{Duration, Instant, SystemTime};
 
 /// The wall clock, for measuring how long something took.
 #[allow(clippy::disallowed_methods)]
 pub fn now() -> Instant {
     Instant::now()
+}
+
+/// The time since the first call: a stopwatch for rooms without a clock.
+pub fn elapsed() -> Duration {
+    static START: OnceLock<Instant> = OnceLock::new();
+    START.get_or_init(now).elapsed()
 }
 
 /// Microseconds since 1970, for recordings that begin at a time of day; zero on a machine that thinks it is

@@ -23,7 +23,6 @@ fn main() -> ExitCode {
         Some(Command::Off(args)) => command::off(&args),
         Some(Command::Guardian(args)) => return ExitCode::from(command::guardian(args)),
         Some(Command::Texture(action)) => command::texture(&action),
-        Some(Command::Bench(args)) => command::bench(&args),
         Some(Command::Diff(args)) => command::diff(&args),
         Some(Command::Test(args)) => command::test(&args),
         Some(Command::Review(args)) => command::review(&args, cli.color),

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use palpate_core::bus::SensorBus;
+use palpate_core::bus::CanBus;
+use palpate_core::codec::uskin::{ALL_BOARDS, Command};
 use palpate_core::units::Point;
-use palpate_core::wire::uskin::{ALL_BOARDS, Command};
-use palpate_emulators::board::{BoardConfig, Overload};
-use palpate_emulators::rig::{Handle, SkinBus};
-use palpate_emulators::skin::{Module, ModuleConfig, Touch};
+use palpate_emulators::sensor::board::{BoardConfig, Overload};
+use palpate_emulators::sensor::rig::{Handle, SkinBus};
+use palpate_emulators::sensor::{Module, ModuleConfig, Press};
 use palpate_emulators::time::Nanos;
 
 /// The hand's boards spread over `buses`, each pressed by a sphere, started by one command a bus.
@@ -19,9 +19,9 @@ fn hand(buses: usize, overload: Overload, phase_us: impl Fn(u8) -> u64) -> Handl
             seed: 1,
             ..ModuleConfig::default()
         });
-        module.touch(Box::new(|now: Nanos, out: &mut Vec<Touch>| {
+        module.touch(Box::new(|now: Nanos, out: &mut Vec<Press>| {
             let x = 5.0 * libm::sin(now.as_secs_f64()) as f32;
-            out.push(Touch {
+            out.push(Press {
                 at: Point::new(x, 0.0),
                 force_n: 1.0,
                 diameter_mm: 19.45,

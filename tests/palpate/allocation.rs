@@ -8,18 +8,20 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 use embedded_can::ErrorKind;
-use palpate_core::bus::{Actuators, Received, SensorBus};
+use palpate_core::bus::{CanBus, Received};
+use palpate_core::codec::can::CanFrame;
+use palpate_core::codec::uskin::Reading;
+use palpate_core::codec::uskin::{ALL_BOARDS, Command, Wiring, encode};
 use palpate_core::contact::{LevelTable, Levels};
+use palpate_core::driver::Actuators;
 use palpate_core::guard::Guarded;
 use palpate_core::projector::{Observer, Projector, TextureReport};
-use palpate_core::texture::{Activation, Control, Draw, Encoder, Pulses, Stateful, Stream};
+use palpate_core::skin::UskinCan;
+use palpate_core::texture::{Activation, Control, Draw, Encoder, Pulses, Stream};
 use palpate_core::units::{Duration, Instant, Prescale};
-use palpate_core::wire::can::CanFrame;
-use palpate_core::wire::uskin::Reading;
-use palpate_core::wire::uskin::{ALL_BOARDS, Command, IdProfile, Wiring, encode};
-use palpate_files::{Carrier, Setup};
-use palpate_hil::plan::plan;
-use palpate_hil::texture::seeded::{Seeded, stroke};
+use palpate_files::{FeltBy, Setup};
+use palpate_run::plan::plan;
+use palpate_tests::seeded::{Seeded, stroke};
 
 thread_local! {
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
@@ -59,7 +61,7 @@ struct Tape {
     now: Instant,
 }
 
-impl SensorBus for Tape {
+impl CanBus for Tape {
     type Error = Never;
 
     fn receive(&mut self) -> Result<Option<Received>, Never> {
@@ -118,7 +120,7 @@ fn tape() -> Tape {
             };
             let at = Instant::from_micros(scan * 10_000 + (k + 1) * 116);
             if (scan * 16 + k) % 97 != 0 {
-                let frame = encode(IdProfile::Current, 4, place, reading).unwrap();
+                let frame = encode(4, place, reading).unwrap();
                 frames.push(Received { at, bus: 0, frame });
             }
             if scan % 100 == 50 && k == 7 {
@@ -150,11 +152,12 @@ fn the_loop_allocates_nothing() {
         setup.scene.value.compression.kc = kc;
         let table = LevelTable::from_intensities(&[10.0, 100.0, 200.0, 300.0, 400.0], 4).unwrap();
         let mut projector = Projector::new(plan(&setup, 1, Levels::Table(table)).unwrap()).unwrap();
-        let (mut tape, mut count, mut now) = (tape(), Count::default(), Instant::ZERO);
+        let mut skin = UskinCan::new(projector.layout(), tape());
+        let (mut count, mut now) = (Count::default(), Instant::ZERO);
         let before = ALLOCATIONS.with(Cell::get);
         while now < Instant::from_micros(10_000_000) {
-            tape.now = now;
-            projector.poll(now, &mut tape, &mut count, &mut ()).unwrap();
+            skin.bus_mut().now = now;
+            projector.poll(now, &mut skin, &mut count, &mut ()).unwrap();
             now = projector.next().min(now + Duration::from_millis(3));
         }
         let spent = ALLOCATIONS.with(Cell::get) - before;
@@ -170,17 +173,18 @@ fn the_loop_allocates_nothing() {
 /// A second of touch makes a window: from then on pulses run, or bursts are thinned out.
 #[test]
 fn the_loop_with_a_texture_allocates_nothing() {
-    for carrier in [Carrier::Display, Carrier::Contacts] {
+    for carrier in [FeltBy::Display, FeltBy::Contacts] {
         let mut setup = Setup::load("texture-wood", "emulated").unwrap();
         setup.scene.value.texture.as_mut().unwrap().carrier = carrier;
         let mut projector = Projector::new(plan(&setup, 1, Levels::Off).unwrap()).unwrap();
-        let (mut tape, mut count, mut now) = (tape(), Count::default(), Instant::ZERO);
+        let mut skin = UskinCan::new(projector.layout(), tape());
+        let (mut count, mut now) = (Count::default(), Instant::ZERO);
         let mut seen = Windows(0);
         let before = ALLOCATIONS.with(Cell::get);
         while now < Instant::from_micros(10_000_000) {
-            tape.now = now;
+            skin.bus_mut().now = now;
             projector
-                .poll(now, &mut tape, &mut count, &mut seen)
+                .poll(now, &mut skin, &mut count, &mut seen)
                 .unwrap();
             now = projector.next().min(now + Duration::from_millis(3));
         }
@@ -205,7 +209,6 @@ fn textures_allocate_nothing_once_made() {
     let encoder = Arc::new(model.with(Encoder::new).unwrap());
     let values = stroke(1, 150, 45);
     let (mut room, mut stream) = (encoder.room(1), Stream::new(encoder.clone(), 1));
-    let mut stateful = Stateful::new(encoder.clone());
     let second = Duration::from_millis(1000);
     let activation = Activation::new(0.1, 0.8, Duration::ZERO, second).unwrap();
     let mut pulses = Pulses::new(
@@ -225,7 +228,6 @@ fn textures_allocate_nothing_once_made() {
     for sample in values.chunks_exact(45) {
         ended += usize::from(stream.push(sample, true).unwrap().is_some());
         ended += usize::from(stream.newest(&mut room).is_some());
-        stateful.push(sample).unwrap();
         pulses.next(&control);
     }
     encoder.encode(&mut room, &values[..4500]).unwrap();

@@ -6,7 +6,8 @@ use palpate_core::contact::{Compressor, LevelTable, Settings};
 use palpate_core::random::Stream;
 use palpate_core::skin::{Axes, Layout, RelativeFrame};
 use palpate_files::{LayoutFile, load_layout};
-use palpate_hil::{parallel, plan};
+use palpate_hil::parallel;
+use palpate_run::plan;
 
 const CASES: usize = 100_000;
 

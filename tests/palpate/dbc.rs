@@ -1,8 +1,8 @@
 //! The DBC file and the codec say the same about every taxel of every board.
 
 use can_dbc::{ByteOrder, Dbc, MessageId, Signal};
-use palpate_core::wire::can::CanFrame;
-use palpate_core::wire::uskin::{self, IdProfile, Message, Reading, Wiring};
+use palpate_core::codec::can::CanFrame;
+use palpate_core::codec::uskin::{self, Message, Reading, Wiring};
 
 const DBC: &str = include_str!("../../fixtures/dbc/uskin.dbc");
 
@@ -29,11 +29,11 @@ fn every_taxel_reads_alike_through_the_dbc_and_the_codec() {
             panic!("{:?}", message.id)
         };
         let frame = uskin::data_frame(id, reading).unwrap();
-        let Ok(Message::Data(data)) = uskin::decode(IdProfile::Current, &frame) else {
+        let Ok(Message::Data(data)) = uskin::decode(&frame) else {
             panic!("{id:03x}")
         };
         let (_, taxel) = Wiring::FLAT.taxel(data.place).unwrap();
-        let board = data.board.unwrap();
+        let board = data.board;
         assert_eq!(message.name, format!("Board{board}_Taxel{taxel}"));
         assert_eq!(message.size, 8);
         for (signal, value) in message

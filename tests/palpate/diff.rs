@@ -3,10 +3,11 @@
 
 use palpate_core::schedule::Entry;
 use palpate_core::units::{Board, Channel, Instant, Ticks};
-use palpate_records::diff::{Grade, Stay, Story, Tolerance, align, compare, tell};
-use palpate_records::golden::{LINES, schedule_golden};
+use palpate_records::bursts::{Burst, Output};
+use palpate_records::diff::{Grade, Tolerance, align, compare, tell};
 use palpate_records::schedule::write_schedule;
-use palpate_records::trace::{Event, Trace};
+use palpate_records::story::{LINES, Story};
+use palpate_records::trace::{Driven, Event, Trace};
 use proptest::prelude::*;
 
 use crate::goldens::shipped;
@@ -27,16 +28,17 @@ fn schedule_file(trace: &Trace) -> String {
 
 fn read_schedule(trace: &Trace) -> Story {
     let wires = trace.header.wires.clone();
-    Story::of_schedule(&schedule_file(trace), |_| wires).unwrap()
+    Story::of_schedule_file(&schedule_file(trace), |_| wires).unwrap()
 }
 
 /// The bursts of one wire after another, as a trace of entries.
 fn trace_of(trains: &[Vec<(u64, u64, u16)>], like: &Trace) -> Trace {
     let mut events = Vec::new();
+    let mut driven = Driven::default();
     for (wire, train) in trains.iter().enumerate() {
         let info = &like.header.wires[wire];
         for &(from, to, width) in train {
-            events.push(Event::Schedule(Entry {
+            let entry = Entry {
                 at: Instant::from_micros(from),
                 board: Board(info.board),
                 channel: Channel(info.channel),
@@ -45,7 +47,9 @@ fn trace_of(trains: &[Vec<(u64, u64, u16)>], like: &Trace) -> Trace {
                 until: Instant::from_micros(to),
                 requested: Ticks::new(width),
                 reason: None,
-            }));
+            };
+            driven.add(&entry);
+            events.push(Event::Schedule(entry));
         }
     }
     events.sort_by_key(Event::t_ns);
@@ -53,6 +57,7 @@ fn trace_of(trains: &[Vec<(u64, u64, u16)>], like: &Trace) -> Trace {
     trace.header.tau_d_us = 35_000;
     trace.header.soa_us = SOA_US;
     trace.events = events;
+    trace.ledger.driven = driven;
     trace
 }
 
@@ -82,11 +87,12 @@ proptest! {
     #[test]
     fn a_run_does_not_differ_from_itself(trains in trains()) {
         let trace = trace_of(&trains, &like());
-        let story = Story::of_trace(&trace).unwrap();
+        let story = Story::schedule(&trace);
         prop_assert_eq!(words(&story, &story), Vec::<String>::new());
         // Neither does what was written and read again.
-        let golden = Story::of_golden(&schedule_golden(&trace)).unwrap();
+        let golden = Story::read(&story.text()).unwrap();
         prop_assert_eq!(words(&story, &golden), Vec::<String>::new());
+        prop_assert_eq!(&golden, &story);
         let file = read_schedule(&trace);
         prop_assert_eq!(words(&file, &story), Vec::<String>::new());
     }
@@ -119,7 +125,7 @@ proptest! {
             burst.1 = to.saturating_add_signed(by);
         }
         let (a, b) = (trace_of(&trains, &like), trace_of(&moved, &like));
-        let (a, b) = (Story::of_trace(&a).unwrap(), Story::of_trace(&b).unwrap());
+        let (a, b) = (Story::schedule(&a), Story::schedule(&b));
         let found = compare(&a, &b, Tolerance::default());
         let edges: Vec<&str> = found
             .iter()
@@ -152,7 +158,7 @@ proptest! {
         let mut fewer = trains.clone();
         let (from, ..) = fewer[wire].remove(index);
         let (a, b) = (trace_of(&trains, &like), trace_of(&fewer, &like));
-        let (a, b) = (Story::of_trace(&a).unwrap(), Story::of_trace(&b).unwrap());
+        let (a, b) = (Story::schedule(&a), Story::schedule(&b));
         let at = format!("{}.{:03}", from / 1_000_000, from / 1000 % 1000);
         let gone = format!("1 burst gone: wire {wire}, at {at} s");
         prop_assert!(words(&a, &b).contains(&gone));
@@ -167,14 +173,15 @@ proptest! {
         gap in 0u64..100_000,
     ) {
         let stays = |list: &[(u64, u64, u16)]| {
-            let stay = |&(from_us, length, width): &(u64, u64, u16)| Stay {
+            let stay = |&(from_us, length, width): &(u64, u64, u16)| Burst {
+                output: Output::Wire(0),
                 from_us,
                 to_us: from_us + length,
                 width,
                 requested: width,
                 reason: None,
             };
-            let mut all: Vec<Stay> = list.iter().map(stay).collect();
+            let mut all: Vec<Burst> = list.iter().map(stay).collect();
             all.sort_by_key(|s| (s.from_us, s.to_us));
             all
         };
@@ -200,7 +207,7 @@ proptest! {
         let index = line.index(lines.len());
         let place = at.index(lines[index].len() + 1);
         lines[index].replace_range(place.., &with);
-        if let Err(damage) = Story::of_golden(&lines.join("\n")) {
+        if let Err(damage) = Story::read(&lines.join("\n")) {
             prop_assert!(damage.line >= 1 && damage.line <= lines.len() + 4);
         }
     }
@@ -214,12 +221,9 @@ fn told_of_tau_d(periods: f64) -> Vec<String> {
     let period_ms = before.header.pre_scale.period_ns() as f64 * 1e-6;
     setup.scene.value.illusion.tau_d_ms = Some(35.0 + periods * period_ms);
     setup.scene.value.illusion.soa_ms = Some(58.5);
-    let input = palpate_hil::run::Input::Scene;
-    let after = palpate_hil::run::run(&setup, &input, 1).unwrap().trace;
-    let (a, b) = (
-        Story::of_trace(&before).unwrap(),
-        Story::of_trace(&after).unwrap(),
-    );
+    let input = palpate_run::Input::Scene;
+    let after = palpate_run::run(&setup, &input, 1).unwrap().trace;
+    let (a, b) = (Story::schedule(&before), Story::schedule(&after));
     let lines = tell(&compare(&a, &b, Tolerance::default()));
     assert!(lines.len() <= 11);
     lines
@@ -267,7 +271,7 @@ fn limiter_events_are_told_by_wire_and_reason() {
             entry.reason = Some(palpate_core::schedule::Reason::WirePower);
         }
     }
-    let (a, b) = (Story::of_trace(&a).unwrap(), Story::of_trace(&b).unwrap());
+    let (a, b) = (Story::schedule(&a), Story::schedule(&b));
     let told = words(&a, &b);
     let expected = "1 new limiter event (wire-power): wire 0, at 0.058 s";
     assert!(told.contains(&expected.to_owned()), "{told:#?}");
@@ -283,65 +287,11 @@ fn shipped_goldens_read_back_and_are_no_longer_than_they_may() {
             continue;
         }
         let text = std::fs::read_to_string(&path).unwrap();
-        let story = Story::of_golden(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        let story = Story::read(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         assert_eq!(compare(&story, &story, Tolerance::default()), []);
         // What is read again has every line of insta's heading in front.
         assert!(text.lines().count() <= LINES + 3, "{}", path.display());
         seen += 1;
     }
-    assert_eq!(seen, palpate_fixtures::scene_names().count() * 3 + 1);
-}
-
-#[test]
-fn damage_is_named_by_its_line() {
-    let text = include_str!("../../fixtures/goldens/sphere-along.schedule.snap");
-    let lines: Vec<&str> = text.lines().collect();
-    let line_of = |start: &str| lines.iter().position(|l| l.starts_with(start)).unwrap() + 1;
-    let without = |n: usize| {
-        let mut left = lines.clone();
-        left.remove(n - 1);
-        left.join("\n")
-    };
-    let first = line_of("palpate schedule of");
-    for (text, line, word) in [
-        (String::new(), 1, "the end of the file"),
-        ("---\nsource: x".to_owned(), 3, "the end of the file"),
-        (without(first), first, "palpate schedule of"),
-        (without(line_of("events:")), lines.len(), "events:"),
-        (without(line_of("ledger")), line_of("ledger"), "ledger"),
-        (lines[..40].join("\n"), 41, "strip chart"),
-        (without(lines.len()), lines.len(), "digest of trace"),
-        (
-            format!("{text}\nmore"),
-            lines.len() + 2,
-            "the end of the file",
-        ),
-        (
-            text.replace("bursts: ", "bursts: 1"),
-            line_of("digest of schedule"),
-            "bursts above",
-        ),
-    ] {
-        let damage = Story::of_golden(&text).unwrap_err();
-        assert_eq!(damage.line, line, "{damage}");
-        assert!(damage.to_string().contains(word), "{word}: {damage}");
-    }
-    let schedule = schedule_file(&shipped("idle").trace);
-    for (text, line) in [
-        ("{}".to_owned(), 1),
-        (schedule.replace("\"version\":1", "\"version\":9"), 1),
-        (
-            schedule.replace("\"all_off\":\"start\"", "\"all_off\":\"tea\""),
-            2,
-        ),
-        (
-            format!("{schedule}{{\"t_us\":0,\"board\":0,\"pre_scale\":3}}"),
-            5,
-        ),
-        (format!("{schedule}\n"), 5),
-        (format!("{schedule}{{\"t_us\":-1}}"), 5),
-    ] {
-        let damage = Story::of_schedule(&text, |_| Vec::new()).unwrap_err();
-        assert_eq!(damage.line, line, "{damage}");
-    }
+    assert_eq!(seen, palpate_fixtures::scene_names().count() * 2 + 1);
 }

@@ -2,7 +2,7 @@
 
 use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, NoAcknowledgeSource, Operation};
 use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
-use palpate_core::bus::Actuators;
+use palpate_core::driver::Actuators;
 use palpate_core::driver::{DriverError, Pca9685Bank};
 use palpate_core::guard::{Guard, HARD, Plant};
 use palpate_core::illusion::Wire;

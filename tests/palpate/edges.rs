@@ -1,9 +1,9 @@
 //! Every output edge of the emulated PCA9685 against the guarded schedule: period, width, phase, tau_d
 //! and SOA. The schedule is read from the trace, the edges come out of the chip's registers.
 
-use palpate_files::{Loaded, Scene, Setup, Source, load_bench};
-use palpate_hil::run::{Input, run};
+use palpate_files::{Overrides, Setup, load_bench, load_scene};
 use palpate_records::trace::{Event, Trace};
+use palpate_run::{Input, run};
 use proptest::prelude::*;
 
 /// One high phase of an output, nanoseconds.
@@ -168,11 +168,11 @@ proptest! {
         current in 300.0f64..2300.0,
         seed in 0u64..1000,
     ) {
-        let scene = palpate_fixtures::scene("sphere-circle").unwrap();
-        let scene = scene.replace("tau_d_ms = 35.0", &format!("tau_d_ms = {tau:.3}"));
-        let scene = scene.replace("length_s = 10.0", "length_s = 3.0").replace("end_s = 10.0", "end_s = 3.0");
-        let source = Source::new("scene", scene);
-        let scene = Loaded { value: Scene::read(&source).unwrap(), source };
+        let mut shorter = Overrides::default();
+        shorter.scene("test", "illusion.tau_d_ms", format!("{tau:.3}"));
+        shorter.scene("test", "length_s", 3.0);
+        shorter.scene("test", "touches[0].end_s", 3.0);
+        let scene = load_scene("sphere-circle").unwrap().with(&shorter).unwrap();
         let mut bench = load_bench("emulated").unwrap();
         bench.value.drive.pwm_hz = hz;
         bench.value.drive.oscillator = oscillator;

@@ -1,8 +1,8 @@
 //! Textures on the wires, the whole way: emulated strokes through network, loop, guard and chip.
 
 use palpate_files::Setup;
-use palpate_hil::run::{Input, Outcome, run};
 use palpate_records::trace::Event;
+use palpate_run::{Input, Outcome, run};
 
 fn played(setup: &Setup) -> Outcome {
     run(setup, &Input::Scene, 1).unwrap()
@@ -139,7 +139,7 @@ fn rubbing(surface: &str, traverse_s: f64) -> Setup {
     setup.texture.as_mut().unwrap().surface = entry;
     let scene = &mut setup.scene.value;
     // Friction drags the shear along: where the contact is, only the normal axis says.
-    scene.compression.axes = palpate_files::Axes::Z;
+    scene.compression.axes = palpate_core::skin::Axes::Z;
     let felt = scene.texture.as_mut().unwrap();
     felt.strokes_s.clear();
     (felt.module, felt.rubs) = (None, true);

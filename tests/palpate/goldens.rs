@@ -1,21 +1,34 @@
-//! Goldens a person can read: contact paths, schedules and margins of every scene, and a surface over force and
-//! speed, in `fixtures/goldens`. They change only with a reason in the commit message.
+//! Goldens a person can read: contact path and schedule of every scene, and a surface over force and speed, in
+//! `fixtures/goldens`. They change only with a reason in the commit message.
 
 use std::collections::BTreeSet;
 
 use insta::Settings;
 use palpate_files::Setup;
-use palpate_hil::run::{Input, Outcome, run};
-use palpate_records::golden::{
-    COLUMNS, LINES, SurfacePoint, contacts_golden, margins_golden, schedule_golden, surface_golden,
-};
+use palpate_records::diff::{Tolerance, compare};
+use palpate_records::story::{COLUMNS, LINES, Story, SurfacePoint};
+use palpate_records::trace::{Driven, Event};
+use palpate_run::{Input, Outcome, run};
 
 /// A shipped scene on the default bench with the default seed.
 pub fn shipped(scene: &str) -> Outcome {
     run(&Setup::load(scene, "emulated").unwrap(), &Input::Scene, 1).unwrap()
 }
 
-fn keep(name: &str, kind: &str, text: &str) {
+fn keep(name: &str, kind: &str, story: &Story) {
+    let text = story.text();
+    let read = Story::read(&text).unwrap();
+    assert_eq!(
+        read.text(),
+        text,
+        "{name} {kind}: a text is read as it is written"
+    );
+    assert_eq!(
+        compare(story, &read, Tolerance::default())
+            .iter()
+            .find(|d| d.meaning),
+        None
+    );
     assert!(text.is_ascii(), "{name} {kind}: goldens are ASCII");
     assert!(text.lines().count() <= LINES && text.lines().all(|l| l.len() <= COLUMNS));
     let mut settings = Settings::clone_current();
@@ -26,15 +39,17 @@ fn keep(name: &str, kind: &str, text: &str) {
 }
 
 fn check(scene: &str) {
-    let outcome = shipped(scene);
-    let trace = &outcome.trace;
-    keep(scene, "contacts", &contacts_golden(trace));
-    keep(scene, "schedule", &schedule_golden(trace));
-    keep(
-        scene,
-        "margins",
-        &margins_golden(trace, &outcome.summary.margins),
-    );
+    let trace = shipped(scene).trace;
+    keep(scene, "contacts", &Story::contacts(&trace));
+    keep(scene, "schedule", &Story::schedule(&trace));
+    // What is printed of the ledger is what the events come to.
+    let mut driven = Driven::default();
+    for event in &trace.events {
+        if let Event::Schedule(entry) = event {
+            driven.add(entry);
+        }
+    }
+    assert_eq!(trace.ledger.driven, driven, "{scene}");
 }
 
 /// A test a scene, so that they run side by side.
@@ -94,13 +109,13 @@ fn a_surface_over_force_and_speed() {
             touch.force_n.amplitude = 0.0;
             touch.path.period_s = Some(2.0 * TRAVERSE_MM / speed_mm_s);
             let outcome = run(&setup, &Input::Scene, 1).unwrap();
-            let widest = palpate_records::measure::ledger_rows(&outcome.trace);
-            let duty = widest.iter().find(|r| r.name == "largest duty");
+            let figures = palpate_records::figures::figures(&outcome.trace);
+            let duty = figures.iter().find(|f| f.name == "largest duty");
             points.push(SurfacePoint {
                 force_n,
                 speed_mm_s,
-                duty_percent: duty.and_then(|r| r.value).unwrap_or(0) as f64 * 1e-3,
-                energy_mj: outcome.trace.ledger.energy_uj as f64 * 1e-3,
+                duty_milli_percent: duty.and_then(|f| f.value).unwrap(),
+                energy_uj: outcome.trace.ledger.energy_uj,
                 felt_mm: outcome.summary.felt_error_mm.rmse,
                 limited: outcome.summary.limiter_events,
             });
@@ -110,6 +125,6 @@ fn a_surface_over_force_and_speed() {
     keep(
         "sphere-along",
         "surface",
-        &surface_golden(&last.unwrap(), &points),
+        &Story::surface(&last.unwrap(), &points),
     );
 }

@@ -1,7 +1,7 @@
 //! An Allegro hand through the whole loop: what one CAN bus makes of it, and what four do.
 
 use palpate_files::Setup;
-use palpate_hil::run::{Input, Summary, run};
+use palpate_run::{Input, Summary, run};
 
 fn summary(scene: &str) -> Summary {
     let setup = Setup::load(scene, "emulated").unwrap();

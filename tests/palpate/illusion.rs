@@ -5,8 +5,8 @@ use palpate_core::illusion::{
     Sharing, Surface, Target, Wire, build,
 };
 use palpate_core::units::{Board, Channel, Point};
-use palpate_hil::felt::{PATHS, Worn, current, path_on, person};
 use palpate_records::trace::Event;
+use palpate_tests::felt::{PATHS, Worn, current, path_on, person};
 use proptest::prelude::*;
 
 /// Wires at these places, on as many boards as they need.
@@ -291,7 +291,7 @@ fn distances_through_space_follow_the_finger() {
 #[test]
 fn the_default_holds_where_the_thesis_breaks() {
     let bench = palpate_files::Setup::load("sphere-along", "thesis").unwrap();
-    let thimble = palpate_hil::plan::display(&bench).unwrap();
+    let thimble = palpate_run::plan::display(&bench).unwrap();
     let worn = |model: Model| {
         let settings = ModelSettings {
             model,

@@ -5,6 +5,7 @@
 
 mod allegro;
 mod allocation;
+mod circles;
 mod compression;
 mod dbc;
 mod diff;
@@ -19,6 +20,7 @@ mod illusion;
 mod panel;
 mod paths;
 mod pca9685;
+mod policy;
 mod recordings;
 mod rules;
 mod scans;

@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_files::{Setup, TextureTable, load_textures};
-use palpate_hil::texture::TextureModel;
-use palpate_hil::texture::panel::{Label, Study, bare, emulated, recorded, taped};
+use palpate_files::{Setup, TextureModel, TextureTable, load_textures};
+use palpate_texture::panel::{Label, Study, bare, emulated, recorded, taped};
 
 const BENCHES: [&str; 2] = ["emulated", "three-in-line"];
 

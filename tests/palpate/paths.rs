@@ -1,8 +1,8 @@
 //! Contacts against the truth over random paths, speeds and forces, and under the pad's symmetries.
 
 use palpate_files::{Force, Path, PathKind, Setup, Touch};
-use palpate_hil::run::{Input, run};
 use palpate_records::trace::{Event, PlaceUm, Trace};
+use palpate_run::{Input, run};
 use proptest::prelude::*;
 
 /// One sphere from corner to corner of `points`, `length_s` long, on a pad with this noise.

@@ -2,11 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use palpate_core::contact::{Norm, Scope};
+use palpate_core::skin::Axes;
 use palpate_files::{Setup, load_bench, load_scene};
-use palpate_hil::cli::{AxesArg, ContactsArgs, NormArg, ScopeArg, StaleArg, Threshold};
+use palpate_hil::cli::{ContactsArgs, StaleArg, Threshold};
 use palpate_hil::command;
-use palpate_hil::run::{Input, Outcome, run};
+use palpate_hil::recording::recorded;
 use palpate_records::trace::Event;
+use palpate_run::{Outcome, run};
 
 pub const FINGERS: [&str; 2] = ["xela_sensor1.csv", "xela_sensor2.csv"];
 
@@ -45,10 +48,8 @@ fn replay(trial: &Path, files: &[&str], layout: &str) -> Outcome {
     scene.value.layout = layout.into();
     scene.value.touches.clear();
     let setup = Setup::join(scene, load_bench("emulated").unwrap()).unwrap();
-    let input = Input::Replay {
-        paths: files.iter().map(|f| trial.join(f)).collect(),
-        rate_hz: Some(rate(trial)),
-    };
+    let paths: Vec<_> = files.iter().map(|f| trial.join(f)).collect();
+    let (input, _) = recorded(&paths, &setup.sensor.value, Some(rate(trial))).unwrap();
     run(&setup, &input, 1).unwrap()
 }
 
@@ -214,10 +215,10 @@ fn contacts_of_a_recording_are_those_of_the_formulas() {
             threshold: Threshold::Auto,
             drift_s: None,
             faulty_deviations: None,
-            scope: ScopeArg::Module,
+            scope: Scope::Module,
             weight_exponent: exponent,
-            norm: NormArg::L2,
-            axes: AxesArg::Xyz,
+            norm: Norm::L2,
+            axes: Axes::XYZ,
             rate: Some(rate(&trial)),
             seed: 1,
             replay_stale: StaleArg::Keep,

@@ -4,17 +4,16 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use palpate_core::contact::{Compressor, Settings};
+use palpate_core::contact::{Compressor, Norm, Scope, Settings};
 use palpate_core::skin::{
-    Initialiser, InitialiserSettings, Layout, Module, Phase, Scan, ThresholdRule,
+    Axes, Baseline, BaselineSettings, Layout, Module, Phase, Scan, ThresholdRule,
 };
 use palpate_core::units::{Duration, Instant};
-use palpate_files::{
-    Axes, DRIFT_S, Scope, Setup, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, load_bench, load_scene,
-};
-use palpate_hil::cli::{AxesArg, ContactsArgs, NormArg, ScopeArg, StaleArg, Threshold};
+use palpate_files::{DRIFT_S, Setup, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, load_bench, load_scene};
+use palpate_hil::cli::{ContactsArgs, StaleArg, Threshold};
 use palpate_hil::command;
-use palpate_hil::run::{Input, run};
+use palpate_hil::recording::recorded;
+use palpate_run::run;
 
 use crate::recordings::{FINGERS, trials};
 
@@ -35,23 +34,23 @@ fn rows(file: &Path) -> Vec<[[u16; 3]; 16]> {
     text.lines().skip(1).map(row).collect()
 }
 
-fn per_taxel() -> InitialiserSettings {
-    InitialiserSettings {
+fn per_taxel() -> BaselineSettings {
+    BaselineSettings {
         threshold: ThresholdRule::PerTaxel {
             sigmas: THRESHOLD_SIGMAS as f32,
             floor: THRESHOLD_FLOOR as f32,
         },
         drift: Some(Duration::from_micros((DRIFT_S * 1e6) as u64)),
-        ..InitialiserSettings::default()
+        ..BaselineSettings::default()
     }
 }
 
 /// Of the fresh frames after the reference: the share with all taxels in contact, the share with none, and the mean
 /// number in contact over the last tenth.
-fn shares(file: &Path, settings: InitialiserSettings) -> [f64; 3] {
+fn shares(file: &Path, settings: BaselineSettings) -> [f64; 3] {
     let layout = pad();
-    let mut initialiser = Initialiser::new(&layout, settings).unwrap();
-    let mut frame = initialiser.frame(&layout);
+    let mut baseline = Baseline::new(&layout, settings).unwrap();
+    let mut frame = baseline.frame(&layout);
     let mut scan = Scan::new(&layout);
     let (mut last, mut counts) = (None, Vec::new());
     for (k, row) in rows(file).into_iter().enumerate() {
@@ -59,11 +58,11 @@ fn shares(file: &Path, settings: InitialiserSettings) -> [f64; 3] {
         last = Some(row);
         scan.load(Instant::from_micros(k as u64 * 25_000), &row)
             .unwrap();
-        if initialiser.phase() != Phase::Ready {
-            initialiser.feed(&scan);
+        if baseline.phase() != Phase::Ready {
+            baseline.feed(&scan);
             continue;
         }
-        initialiser.advance(&scan, &mut frame).unwrap();
+        baseline.advance(&scan, &mut frame).unwrap();
         if fresh {
             counts.push(frame.contacts().len());
         }
@@ -84,7 +83,7 @@ fn a_threshold_of_its_own_tells_touch_from_a_board_that_has_drifted() {
     for trial in trials() {
         for finger in FINGERS {
             let file = trial.join(finger);
-            let found = [InitialiserSettings::default(), per_taxel()].map(|s| shares(&file, s));
+            let found = [BaselineSettings::default(), per_taxel()].map(|s| shares(&file, s));
             for (sum, found) in sums.iter_mut().zip(&found) {
                 sum.iter_mut().zip(found).for_each(|(s, f)| *s += f);
             }
@@ -126,23 +125,23 @@ fn recorded_frames_that_repeat_are_left_out_exactly() {
             exponent: 2.0,
             ..Settings::default()
         };
-        let mut initialiser = Initialiser::new(&layout, per_taxel()).unwrap();
+        let mut baseline = Baseline::new(&layout, per_taxel()).unwrap();
         let mut short = Compressor::new(&layout, settings.clone()).unwrap();
         let mut long = Compressor::new(&layout, settings).unwrap();
-        let mut frame = initialiser.frame(&layout);
+        let mut frame = baseline.frame(&layout);
         let mut scan = Scan::new(&layout);
         for (k, row) in rows(&file).into_iter().enumerate() {
             scan.load(Instant::from_micros(k as u64 * 25_000), &row)
                 .unwrap();
-            if initialiser.feed(&scan) != Phase::Ready {
+            if baseline.feed(&scan) != Phase::Ready {
                 continue;
             }
-            let news = initialiser.advance(&scan, &mut frame).unwrap();
+            let news = baseline.advance(&scan, &mut frame).unwrap();
             if news || !short.repeat() {
                 short.compress(&frame).unwrap();
             }
-            let mut anew = initialiser.frame(&layout);
-            initialiser.relative(&scan, &mut anew).unwrap();
+            let mut anew = baseline.frame(&layout);
+            baseline.relative(&scan, &mut anew).unwrap();
             assert_eq!(anew.magnitude(), frame.magnitude());
             assert_eq!(
                 long.compress(&anew).unwrap(),
@@ -208,10 +207,10 @@ fn a_recorded_forearm_goes_the_same_way() {
         threshold: Threshold::Counts(5.0),
         drift_s: None,
         faulty_deviations: None,
-        scope: ScopeArg::Skin,
+        scope: Scope::Skin,
         weight_exponent: 1.0,
-        norm: NormArg::L2,
-        axes: AxesArg::Z,
+        norm: Norm::L2,
+        axes: Axes::Z,
         rate: Some(50.0),
         seed: 1,
         replay_stale: StaleArg::Keep,
@@ -231,10 +230,7 @@ fn a_recorded_forearm_goes_the_same_way() {
     scene.value.compression.scope = Scope::Skin;
     scene.value.compression.axes = Axes::Z;
     let setup = Setup::join(scene, load_bench("emulated").unwrap()).unwrap();
-    let input = Input::Replay {
-        paths: halves,
-        rate_hz: Some(50.0),
-    };
+    let (input, _) = recorded(&halves, &setup.sensor.value, Some(50.0)).unwrap();
     let summary = run(&setup, &input, 1).unwrap().summary;
     assert!(summary.contacts > 75 && summary.stimuli > 0, "{summary:?}");
     let _ = std::fs::remove_dir_all(folder);

@@ -1,22 +1,24 @@
 //! A scan is never merged from two: what boards truly send, with frames lost in any pattern, against
-//! what the assembler makes of it.
+//! what the skin makes of it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
+use std::convert::Infallible;
 use std::sync::LazyLock;
 
-use palpate_core::bus::SensorBus;
-use palpate_core::skin::{Layout, Module as Pad, Reading, ScanAssembler};
-use palpate_core::units::Duration;
-use palpate_core::wire::uskin::{IdProfile, Message, Wiring, decode};
-use palpate_emulators::board::BoardConfig;
-use palpate_emulators::rig::{Handle, SkinBus};
-use palpate_emulators::skin::{Module, ModuleConfig};
+use palpate_core::bus::{CanBus, Received};
+use palpate_core::codec::can::CanFrame;
+use palpate_core::codec::uskin::{Message, Reading, data_frame, decode};
+use palpate_core::skin::{Address, Layout, Module as Pad, ModuleScan, SkinSource, UskinCan};
+use palpate_core::units::{Duration, Instant};
+use palpate_emulators::sensor::board::BoardConfig;
+use palpate_emulators::sensor::rig::{Handle, SkinBus};
+use palpate_emulators::sensor::{Module, ModuleConfig};
 use palpate_emulators::time::Nanos;
 use proptest::prelude::*;
 
-/// The readings of `boards` on one bus, in order of arrival; x says which scan of its board each is from.
+/// The frames of `boards` on one bus, in order of arrival; x says which scan of its board each is from.
 /// Boards tick together, or 0.6 ms apart.
-fn sent(boards: u8, apart_us: u64) -> Vec<Reading> {
+fn sent(boards: u8, apart_us: u64) -> Vec<Received> {
     let mut bus = SkinBus::new(1_000_000);
     for n in 0..boards {
         let module = Module::new(ModuleConfig {
@@ -34,65 +36,74 @@ fn sent(boards: u8, apart_us: u64) -> Vec<Reading> {
     let mut bus = Handle::new(vec![bus]);
     bus.advance(Nanos::from_micros(450_000));
     let mut scans: BTreeMap<u16, u16> = BTreeMap::new();
-    let mut readings = Vec::new();
+    let mut frames = Vec::new();
     while let Some(received) = bus.receive().unwrap() {
-        let Ok(Message::Data(data)) = decode(IdProfile::Current, &received.frame) else {
+        let Ok(Message::Data(data)) = decode(&received.frame) else {
             continue;
         };
-        let scan = scans.entry(received.frame.id()).or_default();
+        let id = received.frame.id();
+        let scan = scans.entry(id).or_default();
         *scan += 1;
-        readings.push(Reading {
-            module: u16::from(data.board.unwrap()),
-            taxel: Wiring::FLAT.taxel(data.place).unwrap().1 as u32,
-            order: Wiring::FLAT.order(data.place).unwrap() as u32,
-            counts: [*scan, data.reading.y, data.reading.z],
-            at: received.at,
-        });
+        let numbered = Reading {
+            x: *scan,
+            ..data.reading
+        };
+        let frame = data_frame(id, numbered).unwrap();
+        frames.push(Received { frame, ..received });
     }
-    readings
+    frames
 }
 
-fn skin(boards: u8) -> Layout {
-    let pad = |n| Pad::grid(&format!("pad-{n}"), 4, 4, 4.7).unwrap();
-    Layout::new((0..boards).map(pad).collect()).unwrap()
+/// What is left of the frames.
+struct Left(VecDeque<Received>);
+
+impl CanBus for Left {
+    type Error = Infallible;
+
+    fn receive(&mut self) -> Result<Option<Received>, Infallible> {
+        Ok(self.0.pop_front())
+    }
+
+    fn transmit(&mut self, _bus: u8, _frame: &CanFrame) -> Result<(), Infallible> {
+        Ok(())
+    }
 }
 
-/// Assembles what is left after losing and doubling frames; returns the scans that hold readings of two.
-fn merged(
-    readings: &[Reading],
-    boards: u8,
-    gap_us: u64,
-    pattern: &[(usize, usize, bool)],
-) -> usize {
-    let layout = skin(boards);
-    let mut assembler = ScanAssembler::new(&layout, Duration::from_micros(gap_us));
-    let mut wrong = 0;
-    let mut at = 0;
+fn skin(boards: u8, gap_us: u64, left: VecDeque<Received>) -> UskinCan<Left> {
+    let pad = |board| {
+        let pad = Pad::grid(&format!("pad-{board}"), 4, 4, 4.7).unwrap();
+        pad.with_address(Address { bus: 0, board }).unwrap()
+    };
+    let layout = Layout::new((0..boards).map(pad).collect()).unwrap();
+    UskinCan::new(&layout, Left(left)).with_gap(Duration::from_micros(gap_us))
+}
+
+/// Makes scans of what is left after losing and doubling frames; returns those that hold readings of two.
+fn merged(frames: &[Received], boards: u8, gap_us: u64, pattern: &[(usize, usize, bool)]) -> usize {
+    let (mut left, mut at) = (VecDeque::new(), 0);
     for &(kept, lost, twice) in pattern.iter().cycle() {
-        let run = readings.iter().skip(at).take(kept);
-        for reading in run {
-            for _ in 0..=usize::from(twice) {
-                let done = |scan: &palpate_core::skin::Scan, module: u16| {
-                    let fresh = layout
-                        .range(usize::from(module))
-                        .filter(|&i| scan.fresh()[i]);
-                    let mut numbers: Vec<u16> = fresh.map(|i| scan.counts()[i][0]).collect();
-                    numbers.dedup();
-                    wrong += usize::from(numbers.len() > 1);
-                };
-                assembler.push(reading, done).unwrap();
-            }
+        for frame in frames.iter().skip(at).take(kept) {
+            left.extend(std::iter::repeat_n(*frame, 1 + usize::from(twice)));
         }
         at += kept + lost;
-        if at >= readings.len() {
+        if at >= frames.len() {
             break;
         }
     }
+    let mut wrong = 0;
+    let mut take = |scan: &ModuleScan<'_>| {
+        let taxels = scan.counts.iter().zip(scan.fresh.unwrap());
+        let mut numbers: Vec<u16> = taxels.filter(|t| *t.1).map(|t| t.0[0]).collect();
+        numbers.dedup();
+        wrong += usize::from(numbers.len() > 1);
+    };
+    let mut skin = skin(boards, gap_us, left);
+    skin.scans(Instant::FAR_FUTURE, &mut take).unwrap();
     wrong
 }
 
 /// Boards, the gap that a run gives them, what they send.
-static SENT: LazyLock<Vec<(u8, u64, Vec<Reading>)>> = LazyLock::new(|| {
+static SENT: LazyLock<Vec<(u8, u64, Vec<Received>)>> = LazyLock::new(|| {
     vec![
         (1, 4_000, sent(1, 0)),
         (4, 4_000, sent(4, 0)),
@@ -108,8 +119,8 @@ proptest! {
         bus in 0usize..4,
         pattern in prop::collection::vec((1usize..40, 0usize..80, prop::bool::weighted(0.1)), 1..60),
     ) {
-        let (boards, gap_us, readings) = &SENT[bus];
-        prop_assert_eq!(merged(readings, *boards, *gap_us, &pattern), 0);
+        let (boards, gap_us, frames) = &SENT[bus];
+        prop_assert_eq!(merged(frames, *boards, *gap_us, &pattern), 0);
     }
 
     #[test]
@@ -118,20 +129,19 @@ proptest! {
         pattern in prop::collection::vec((0usize..3, 0usize..3, Just(false)), 60..200),
     ) {
         prop_assume!(pattern.iter().any(|p| p.0 + p.1 > 0));
-        let (boards, gap_us, readings) = &SENT[bus];
-        prop_assert_eq!(merged(readings, *boards, *gap_us, &pattern), 0);
+        let (boards, gap_us, frames) = &SENT[bus];
+        prop_assert_eq!(merged(frames, *boards, *gap_us, &pattern), 0);
     }
 }
 
 #[test]
 fn without_loss_every_scan_is_whole() {
-    for (boards, gap_us, readings) in SENT.iter() {
-        let layout = skin(*boards);
-        let mut assembler = ScanAssembler::new(&layout, Duration::from_micros(*gap_us));
-        for reading in readings {
-            assembler.push(reading, |_, _| {}).unwrap();
-        }
-        assert_eq!(assembler.lost(), 0, "{boards} boards");
-        assert!(assembler.scans() >= u64::from(*boards) * 14);
+    for (boards, gap_us, frames) in SENT.iter() {
+        let mut skin = skin(*boards, *gap_us, frames.iter().copied().collect());
+        let mut scans = 0;
+        // No time passes after the last frame: what it leaves unfinished stays so.
+        skin.scans(Instant::ZERO, &mut |_| scans += 1).unwrap();
+        assert_eq!((skin.lost(), skin.foreign()), (0, 0), "{boards} boards");
+        assert!(scans >= u64::from(*boards) * 14);
     }
 }

@@ -65,15 +65,32 @@ fn dependencies_run_one_way() {
     let allowed: &[(&str, &[&str])] = &[
         ("core", &[]),
         ("core/nostd", &["core"]),
-        ("core/train", &["core", "emulators"]),
         ("emulators", &["core"]),
         ("fixtures", &[]),
         ("hil/files", &["core", "fixtures"]),
         ("hil/records", &["core"]),
         ("hil/buses", &["core", "emulators"]),
+        ("hil/run", &["core", "emulators", "files", "records"]),
+        (
+            "hil/texture",
+            &["core", "emulators", "files", "records", "run"],
+        ),
+        (
+            "hil/texture/train",
+            &["core", "emulators", "files", "texture"],
+        ),
         (
             "hil",
-            &["buses", "core", "emulators", "files", "fixtures", "records"],
+            &[
+                "buses",
+                "core",
+                "emulators",
+                "files",
+                "fixtures",
+                "records",
+                "run",
+                "texture",
+            ],
         ),
     ];
     let mut offences = Vec::new();
@@ -92,10 +109,22 @@ fn dependencies_run_one_way() {
         }
     }
     complain(
-        "dependencies run core <- emulators <- hil, and never sideways",
+        "dependencies run core <- emulators <- run <- hil, and never sideways",
         offences,
     );
 }
+
+/// What makes a room impure. A length of time is no clock.
+const RUN_BANNED: [&str; 8] = [
+    "Instant::now",
+    "SystemTime",
+    "std::thread",
+    "std::fs",
+    "std::net",
+    "std::env",
+    "std::process",
+    "std::io::std",
+];
 
 #[test]
 fn only_hil_knows_the_time_the_files_and_the_net() {
@@ -109,6 +138,7 @@ fn only_hil_knows_the_time_the_files_and_the_net() {
     ];
     let mut offences = lines_with("emulators/src", &banned);
     offences.extend(lines_with("hil/records/src", &banned[..4]));
+    offences.extend(lines_with("hil/run/src", &RUN_BANNED));
     offences.extend(lines_with("core/src", &["std::", "println!"]));
     offences.retain(|line| !in_tests(line));
     complain(
@@ -123,9 +153,11 @@ fn core_and_emulators_use_the_same_mathematics_everywhere() {
     // rounding are exact by IEEE 754 and stay allowed.
     let platform = [
         ".sin()", ".cos()", ".tan()", ".exp()", ".ln()", ".log2()", ".powf(", ".powi(", ".log10()",
+        ".hypot(",
     ];
     let mut offences = lines_with("core/src", &platform);
     offences.extend(lines_with("emulators/src", &platform));
+    offences.extend(lines_with("hil/run/src", &platform));
     offences.retain(|line| !in_tests(line));
     complain("libm instead of the platform's math", offences);
 }
@@ -162,6 +194,78 @@ fn files_can_be_held_in_ones_head_and_say_what_they_are() {
         }
     }
     complain("house rules for files", offences);
+}
+
+/// Rust files that ship: no test in their path. Benchmarks count, wherever they lie.
+fn production() -> Vec<PathBuf> {
+    let ships = |path: &PathBuf| {
+        let path = path.strip_prefix(root()).unwrap().to_string_lossy();
+        !path.contains("test") || (path.starts_with("tests/bench/") && !path[6..].contains("test"))
+    };
+    files(&root(), &[".rs"]).into_iter().filter(ships).collect()
+}
+
+#[test]
+fn long_functions_stay_few() {
+    let mut long = Vec::new();
+    for path in production() {
+        let text = fs::read_to_string(&path).unwrap();
+        let mut open: Option<(usize, String)> = None;
+        for (number, line) in text.lines().enumerate() {
+            let indent = line.len() - line.trim_start().len();
+            let starts = |word: &str| line.trim_start().starts_with(word);
+            let is_fn = [
+                "fn ",
+                "pub fn ",
+                "pub(crate) fn ",
+                "pub(super) fn ",
+                "const fn ",
+            ]
+            .iter()
+            .any(|w| starts(w))
+                || starts("pub const fn ");
+            if is_fn && open.is_none() {
+                open = Some((number, " ".repeat(indent) + "}"));
+            } else if let Some((from, end)) = &open
+                && line == end
+            {
+                if number - from + 1 > 80 {
+                    long.push(format!("{}:{}", path.display(), from + 1));
+                }
+                open = None;
+            }
+        }
+    }
+    let most = 10;
+    assert!(
+        long.len() <= most,
+        "functions over 80 lines, at most {most}:\n  {}",
+        long.join("\n  ")
+    );
+}
+
+#[test]
+fn documents_that_rust_names_are_in_the_tree() {
+    let documents = files(&root(), &[".md"]);
+    let names: Vec<String> = documents
+        .iter()
+        .map(|p| p.file_name().unwrap().to_string_lossy().into_owned())
+        .collect();
+    let mut offences = Vec::new();
+    for path in files(&root(), &[".rs"]) {
+        for (number, line) in fs::read_to_string(&path).unwrap().lines().enumerate() {
+            let comment = line.split_once("//").map_or("", |l| l.1);
+            let is_name = |c: char| c.is_alphanumeric() || "._-".contains(c);
+            for word in comment.split(|c| !is_name(c)) {
+                let word = word.trim_end_matches('.');
+                let named = word.strip_suffix(".md").is_some_and(|w| !w.is_empty());
+                if named && !names.iter().any(|n| n == word) {
+                    offences.push(format!("{}:{}: {word}", path.display(), number + 1));
+                }
+            }
+        }
+    }
+    complain("documents that are not here", offences);
 }
 
 #[test]

@@ -1,6 +1,7 @@
-//! Nothing to use: this package holds the integration tests in `palpate/`.
+//! What integration tests and benchmarks share; the tests themselves are in `palpate/`.
+#![forbid(unsafe_code)]
 
-/// The example of the page on compression is compiled and run.
-#[cfg(doctest)]
-#[doc = include_str!("../../docs/compression.md")]
-pub struct CompressionPage;
+pub mod felt;
+
+pub mod reference;
+pub mod seeded;

@@ -8,6 +8,7 @@
 
 use alloc::vec::Vec;
 
+use super::found::{Contact, Work};
 use super::group::{Group, Shared, Step};
 use super::identity::{Matcher, born};
 use super::levels::LevelSolver;
@@ -15,61 +16,6 @@ use super::settings::{Levels, Scope, Settings, SettingsError};
 use crate::skin::layout::Layout;
 use crate::skin::relative::{FrameError, RelativeFrame};
 use crate::units::Point;
-
-/// A contact: one place where the skin is touched.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
-    /// Identity, from 1; the same as long as the contact lasts, never given twice.
-    pub id: u32,
-    /// Module, zero-based; with [`Scope::Skin`] that of the member taxel nearest to the place.
-    pub module: u16,
-    /// Where, mm: module coordinates, with [`Scope::Skin`] the skin's.
-    pub place: Point,
-    /// Magnitude of the relative frame there (4.9), raw counts; finite, never negative.
-    pub intensity: f32,
-    /// Intensity level, 1 ..= K_I; 1 without levels.
-    pub level: u16,
-    /// Taxels in the cluster.
-    pub members: u32,
-}
-
-/// What the compressor did so far: its work, and what it could leave out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Work {
-    /// Frames compressed.
-    pub frames: u64,
-    /// Frames that came once more, with nothing to do ([`Compressor::repeat`]).
-    pub repeats: u64,
-    /// Scopes without contact.
-    pub untouched: u64,
-    /// Scopes whose taxels repeated the frame before, with nothing to do.
-    pub repeated: u64,
-    /// Scopes passed through (N_C <= K_C).
-    pub passed: u64,
-    /// Scopes solved by the weighted mean (K_C = 1).
-    pub means: u64,
-    /// K-means solves.
-    pub solves: u64,
-    /// Of these, seeded by k-means++.
-    pub seeded: u64,
-    /// Assignments of all solves.
-    pub iterations: u64,
-    /// Passes over the points made for them; the others were known to change nothing.
-    pub passes: u64,
-}
-
-impl Work {
-    fn add(&mut self, other: &Self) {
-        self.untouched += other.untouched;
-        self.repeated += other.repeated;
-        self.passed += other.passed;
-        self.means += other.means;
-        self.solves += other.solves;
-        self.seeded += other.seeded;
-        self.iterations += other.iterations;
-        self.passes += other.passes;
-    }
-}
 
 /// The compressor of one skin.
 #[derive(Clone, Debug)]

@@ -8,7 +8,7 @@
 use alloc::format;
 use alloc::vec::Vec;
 
-use super::compressor::{Contact, Work};
+use super::found::{Contact, Work};
 use super::interpolate::intensity;
 use super::kmeans::{KMeans, Points, Stop, weighted_mean};
 use super::settings::{Norm, Scope, Settings};

@@ -20,6 +20,7 @@
 
 pub mod compressor;
 mod few;
+mod found;
 mod group;
 pub mod identity;
 pub mod interpolate;
@@ -29,7 +30,8 @@ mod passes;
 pub mod settings;
 pub mod weights;
 
-pub use compressor::{Compressor, Contact, Work};
+pub use compressor::Compressor;
+pub use found::{Contact, Work};
 pub use group::Group;
 pub use kmeans::{KMeans, Points, Stop};
 pub use levels::{LevelError, LevelSolver, LevelTable};

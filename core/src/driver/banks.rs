@@ -4,8 +4,8 @@ use alloc::boxed::Box;
 
 use embedded_hal::i2c::I2c;
 
+use super::Actuators;
 use super::{DriverError, Pca9685Bank, Traffic};
-use crate::bus::Actuators;
 use crate::guard::Guarded;
 use crate::units::{Board, Instant, Prescale};
 
@@ -69,9 +69,9 @@ impl<I: I2c> Banks<I> {
         })
     }
 
-    /// The banks, to look at their boards one by one.
-    pub fn banks_mut(&mut self) -> &mut [Pca9685Bank<I>] {
-        &mut self.banks
+    /// Every board, in the order of their numbers.
+    pub fn boards(&self) -> impl Iterator<Item = Board> + '_ {
+        self.banks.iter().flat_map(Pca9685Bank::numbers)
     }
 
     /// The bus that carries a board.

@@ -1,9 +1,11 @@
 //! Drivers: guarded updates in, bytes out.
 
+mod actuators;
 mod banks;
 mod look;
 mod pca9685;
 
+pub use actuators::Actuators;
 pub use banks::Banks;
 pub use look::Seen;
 pub use pca9685::{DriverError, Pca9685Bank, Traffic};

@@ -9,10 +9,10 @@ use core::fmt;
 
 use embedded_hal::i2c::{Error as I2cError, ErrorKind, I2c, NoAcknowledgeSource};
 
-use crate::bus::Actuators;
+use super::Actuators;
+use crate::codec::pca9685::{self as regs, mode1, mode2};
 use crate::guard::{Guarded, Setting};
 use crate::units::{Board, Duration, Instant, Prescale};
-use crate::wire::pca9685::{self as regs, mode1, mode2};
 
 /// What went wrong, on which board, and whether trying again makes sense.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -135,8 +135,8 @@ impl Guard {
         let latency = self.plant.latency();
         let off = until + self.plant.surplus();
         let wire = &mut self.wires[index];
-        let booking = wire.skin.booking(at, off, latency);
-        let (joules, cause) = wire.skin.room(&mut self.budget, booking);
+        let booking = wire.tissue.booking(at, off, latency);
+        let (joules, cause) = wire.tissue.room(&mut self.budget, booking);
         // The cast saturates: nothing left is zero.
         let heat_nj = (joules * 1e9) as u64;
         let rows = [
@@ -161,9 +161,9 @@ impl Guard {
         let wire = &mut self.wires[index];
         wire.power.spend(energy_nj);
         self.fingertip.spend(energy_nj);
-        let booking = wire.skin.booking(at, off, latency);
+        let booking = wire.tissue.booking(at, off, latency);
         let predicted = wire
-            .skin
+            .tissue
             .heat(&mut self.budget, booking, energy_nj as f64 * 1e-9);
         self.predicted.raise(&predicted);
     }

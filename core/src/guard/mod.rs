@@ -27,7 +27,7 @@ use crate::units::{Board, Channel, Duration, Instant, Prescale, Ticks};
 
 use admission::Burst;
 use power::{Bucket, Window};
-use thermal::{Budget, Skin};
+use thermal::{Budget, Tissue};
 use watchdog::Watchdog;
 
 /// What one channel shall do from now on.
@@ -89,7 +89,7 @@ impl Guarded {
 struct WireState {
     place: (Board, u8),
     power: Bucket,
-    skin: Skin,
+    tissue: Tissue,
     burst: Option<Burst>,
     /// What the channel does now.
     now: Option<Running>,
@@ -137,7 +137,7 @@ impl Guard {
         let state = |w: &Wire| WireState {
             place: (w.board, w.channel.0),
             power: bucket((1, limits.wire_1s_uw), (10, limits.wire_10s_uw)),
-            skin: Skin::new(),
+            tissue: Tissue::new(),
             burst: None,
             now: None,
         };

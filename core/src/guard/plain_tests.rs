@@ -8,7 +8,7 @@ use super::decays::{Decays, RATES, Stretch, dot};
 use super::dose::{Dose, DoseLimits};
 use super::limits::{HARD, Limits};
 use super::table::{DEEP, LATENT_K, REST_C, SHALLOW};
-use super::thermal::{Booking, Budget, Predicted, Skin};
+use super::thermal::{Booking, Budget, Predicted, Tissue};
 use super::{Guard, Plant, Running, Setting};
 use crate::illusion::Wire;
 use crate::schedule::{Reason, stagger};
@@ -180,18 +180,18 @@ proptest! {
             dose_cem43_ms: cem43,
             ..HARD
         };
-        let (mut budget, mut skin, mut plain) = (Budget::new(&limits), Skin::new(), Plain::new(&limits));
+        let (mut budget, mut tissue, mut plain) = (Budget::new(&limits), Tissue::new(), Plain::new(&limits));
         let mut at = 0;
         for (pause, length, part) in bursts {
             let from = at + pause;
             at = from + length;
             let booking = Booking { from: Instant::from_micros(from), until: Instant::from_micros(at) };
-            let (room, reason) = skin.room(&mut budget, booking);
+            let (room, reason) = tissue.room(&mut budget, booking);
             let (plain_room, plain_reason) = plain.room(booking);
             prop_assert_eq!((room.to_bits(), reason), (plain_room.to_bits(), plain_reason));
             let joules = (part * room).clamp(0.0, 0.02);
             let bits = |p: Predicted| [p.peak_c, p.mean_c, p.deep_c, p.omega, p.cem43_min].map(f64::to_bits);
-            prop_assert_eq!(bits(skin.heat(&mut budget, booking, joules)), bits(plain.heat(booking, joules)));
+            prop_assert_eq!(bits(tissue.heat(&mut budget, booking, joules)), bits(plain.heat(booking, joules)));
         }
     }
 

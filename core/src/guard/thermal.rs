@@ -54,7 +54,7 @@ struct Felt {
 
 /// What the guard knows of the skin under one wire.
 #[derive(Clone, Debug)]
-pub(super) struct Skin {
+pub(super) struct Tissue {
     /// Booked until here.
     at: Instant,
     /// Energy that each decay still feels, J.
@@ -108,7 +108,7 @@ impl Predicted {
     }
 }
 
-/// What a joule spread over a burst comes to, in the shapes that [`Skin::room`] asks for.
+/// What a joule spread over a burst comes to, in the shapes that [`Tissue::room`] asks for.
 #[derive(Clone, Copy, Debug)]
 struct Response {
     stretch: Stretch,
@@ -170,7 +170,7 @@ impl Budget {
     }
 }
 
-impl Skin {
+impl Tissue {
     /// Skin at rest at the start of the run.
     pub(super) fn new() -> Self {
         Self {

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use super::decays::{RATES, dot};
 use super::limits::{HARD, Limits};
 use super::table;
-use super::thermal::{Booking, Budget, Predicted, Skin};
+use super::thermal::{Booking, Budget, Predicted, Tissue};
 use crate::random::Stream;
 use crate::schedule::Reason;
 use crate::units::{Duration, Instant};
@@ -70,7 +70,7 @@ fn booking(from: u64, until: u64) -> Booking {
 #[test]
 fn predictions_are_sums_over_history() {
     let mut budget = Budget::new(&HARD);
-    let (mut skin, mut history, mut at) = (Skin::new(), History::default(), 0);
+    let (mut tissue, mut history, mut at) = (Tissue::new(), History::default(), 0);
     let mut s = Stream::new(1, "bookings");
     for round in 0..300 {
         // Pauses within a bin, over bins, over the window; ends on bins' edges too.
@@ -83,7 +83,7 @@ fn predictions_are_sums_over_history() {
         let until = from + 1 + s.next_u64() % 300_000;
         let joules = 1e-3 * s.uniform();
         history.0.push((from, until, joules));
-        let predicted = skin.heat(&mut budget, booking(from, until), joules);
+        let predicted = tissue.heat(&mut budget, booking(from, until), joules);
         at = until;
         close(
             predicted.peak_c,
@@ -106,13 +106,13 @@ fn the_mean_is_the_windows_and_what_is_to_come() {
         (12, 4_000_000),
         (3, 40_000_000),
     ] {
-        let (mut skin, mut history) = (Skin::new(), History::default());
+        let (mut tissue, mut history) = (Tissue::new(), History::default());
         let (mut at, mut predicted) = (0, Predicted::REST);
         for _ in 0..bursts {
             let from = at + pause;
             let until = from + 50_000;
             history.0.push((from, until, 5e-3));
-            predicted = skin.heat(&mut budget, booking(from, until), 5e-3);
+            predicted = tissue.heat(&mut budget, booking(from, until), 5e-3);
             at = until;
         }
         // Windows end up to 10 s from now; between two looks the heat is the later one's, the past the earlier's.
@@ -163,27 +163,27 @@ fn the_room_leads_exactly_to_the_limit() {
     ];
     for (limits, reason) in cases {
         let mut budget = Budget::new(&limits);
-        let mut skin = Skin::new();
+        let mut tissue = Tissue::new();
         for (from, until) in [
             (10_000, 52_000),
             (300_000, 342_000),
             (9_000_000, 9_050_000),
             (40_000_000, 40_050_000),
         ] {
-            let (room, cause) = skin.room(&mut budget, booking(from, until));
+            let (room, cause) = tissue.room(&mut budget, booking(from, until));
             assert!(cause == reason && room > 0.0, "{cause:?} {room}");
-            let reached = skin.clone().heat(&mut budget, booking(from, until), room);
+            let reached = tissue.clone().heat(&mut budget, booking(from, until), room);
             let limit = |mc: u64| mc as f64 * 1e-3;
             match reason {
                 Reason::SkinPeak => close(reached.peak_c, limit(limits.skin_peak_mc)),
                 Reason::SkinDeep => close(reached.deep_c, limit(limits.skin_deep_mc)),
                 _ => close(reached.mean_c, limit(limits.skin_mean_mc)),
             }
-            skin.heat(&mut budget, booking(from, until), 0.6 * room);
+            tissue.heat(&mut budget, booking(from, until), 0.6 * room);
         }
-        let (first, _) = skin.room(&mut budget, booking(40_060_000, 40_100_000));
-        skin.heat(&mut budget, booking(40_060_000, 40_100_000), 2.0 * first);
-        assert!(skin.room(&mut budget, booking(40_100_000, 40_142_000)).0 < 0.0);
+        let (first, _) = tissue.room(&mut budget, booking(40_060_000, 40_100_000));
+        tissue.heat(&mut budget, booking(40_060_000, 40_100_000), 2.0 * first);
+        assert!(tissue.room(&mut budget, booking(40_100_000, 40_142_000)).0 < 0.0);
     }
 }
 
@@ -195,10 +195,10 @@ fn a_spent_dose_lowers_the_ceiling() {
         ..HARD
     };
     let mut budget = Budget::new(&limits);
-    let mut skin = Skin::new();
-    let (room, cause) = skin.room(&mut budget, booking(0, 42_000));
+    let mut tissue = Tissue::new();
+    let (room, cause) = tissue.room(&mut budget, booking(0, 42_000));
     assert_eq!(cause, Reason::Dose);
-    let reached = skin.heat(&mut budget, booking(0, 42_000), room);
+    let reached = tissue.heat(&mut budget, booking(0, 42_000), room);
     // 10 ms in 60 s: 43 C less log4 of 6000.
     close(reached.peak_c, 43.0 - libm::log2(6000.0) / 2.0);
     assert!(reached.cem43_min > 0.0 && reached.omega > 0.0);
@@ -207,24 +207,24 @@ fn a_spent_dose_lowers_the_ceiling() {
         ..HARD
     };
     let mut budget = Budget::new(&omega);
-    let mut skin = Skin::new();
-    assert_eq!(skin.room(&mut budget, booking(0, 42_000)).1, Reason::Dose);
+    let mut tissue = Tissue::new();
+    assert_eq!(tissue.room(&mut budget, booking(0, 42_000)).1, Reason::Dose);
 }
 
 #[test]
 fn dose_adds_up_while_skin_cools() {
     let mut budget = Budget::new(&HARD);
-    let mut skin = Skin::new();
-    skin.heat(&mut budget, booking(0, 42_000), 15e-3);
-    let short = skin
+    let mut tissue = Tissue::new();
+    tissue.heat(&mut budget, booking(0, 42_000), 15e-3);
+    let short = tissue
         .clone()
         .heat(&mut budget, booking(100_000, 100_001), 0.0);
-    let long = skin
+    let long = tissue
         .clone()
         .heat(&mut budget, booking(60_000_000, 60_000_001), 0.0);
     assert!(long.omega > short.omega && long.cem43_min > short.cem43_min);
     // Rest alone: 2^-20 of a minute a minute, and a little for the latent allowance.
-    let mut rest = Skin::new();
+    let mut rest = Tissue::new();
     let hour = rest.heat(&mut budget, booking(3_600_000_000, 3_600_000_001), 0.0);
     let expected = 60.0 * libm::exp2(2.0 * (table::REST_C + table::LATENT_K[0] - 43.0));
     assert!(
@@ -238,22 +238,22 @@ fn dose_adds_up_while_skin_cools() {
 fn heat_is_booked_late_and_never_before_what_is_booked() {
     let mut budget = Budget::new(&HARD);
     let latency = Duration::from_micros(12_000);
-    let mut skin = Skin::new();
+    let mut tissue = Tissue::new();
     assert_eq!(
-        skin.booking(us(1_000), us(42_000), latency),
+        tissue.booking(us(1_000), us(42_000), latency),
         booking(13_000, 54_000)
     );
-    skin.heat(&mut budget, booking(13_000, 54_000), 1e-3);
+    tissue.heat(&mut budget, booking(13_000, 54_000), 1e-3);
     assert_eq!(
-        skin.booking(us(50_000), us(60_000), latency),
+        tissue.booking(us(50_000), us(60_000), latency),
         booking(62_000, 72_000)
     );
     assert_eq!(
-        skin.booking(us(30_000), us(60_000), latency),
+        tissue.booking(us(30_000), us(60_000), latency),
         booking(54_000, 72_000)
     );
     assert_eq!(
-        skin.booking(us(30_000), us(40_000), latency),
+        tissue.booking(us(30_000), us(40_000), latency),
         booking(54_000, 54_001)
     );
 }
@@ -284,14 +284,14 @@ fn the_most_of_two_predictions_is_taken_row_by_row() {
 #[test]
 fn the_end_of_time_is_no_trap() {
     let mut budget = Budget::new(&HARD);
-    let mut skin = Skin::new();
-    let end = skin.booking(
+    let mut tissue = Tissue::new();
+    let end = tissue.booking(
         Instant::FAR_FUTURE,
         Instant::FAR_FUTURE,
         Duration::from_millis(12),
     );
-    assert!(skin.room(&mut budget, end).0.is_finite());
-    assert!(skin.heat(&mut budget, end, 1e-3).peak_c.is_finite());
+    assert!(tissue.room(&mut budget, end).0.is_finite());
+    assert!(tissue.heat(&mut budget, end, 1e-3).peak_c.is_finite());
 }
 
 /// What is booked late is booked hot only if a joule's warmth never rises again; and skin so deep holds it for a while
@@ -329,12 +329,12 @@ fn of_limits_that_leave_the_same_the_first_is_the_reason() {
         from: us(0),
         until: us(35_000),
     };
-    let (_, reason) = Skin::new().room(&mut Budget::new(&limits), booking);
+    let (_, reason) = Tissue::new().room(&mut Budget::new(&limits), booking);
     assert_eq!(reason, Reason::SkinPeak);
     let limits = Limits {
         dose_cem43_ms: 59_999,
         ..HARD
     };
-    let (_, reason) = Skin::new().room(&mut Budget::new(&limits), booking);
+    let (_, reason) = Tissue::new().room(&mut Budget::new(&limits), booking);
     assert_eq!(reason, Reason::Dose);
 }

@@ -22,7 +22,7 @@ const SURPLUS_US: u64 = 5521 + 1000;
 struct PlainWire {
     burst: Option<Burst>,
     power: Bucket,
-    skin: Plain,
+    tissue: Plain,
     on: Option<(u16, u64)>,
 }
 
@@ -58,7 +58,7 @@ impl PlainGuard {
         let wire = |_| PlainWire {
             burst: None,
             power: bucket(limits.wire_1s_uw, 10, limits.wire_10s_uw),
-            skin: Plain::new(&limits),
+            tissue: Plain::new(&limits),
             on: None,
         };
         Self {
@@ -102,7 +102,7 @@ impl PlainGuard {
     }
 
     fn booking(&self, wire: usize, at: u64, until: u64) -> Booking {
-        let from = self.wires[wire].skin.at.max(at + LATENCY_US);
+        let from = self.wires[wire].tissue.at.max(at + LATENCY_US);
         let until = (from + 1).max(until + SURPLUS_US + LATENCY_US);
         Booking {
             from: Instant::from_micros(from),
@@ -115,7 +115,7 @@ impl PlainGuard {
         let state = &mut self.wires[wire];
         state.power.spend(nj);
         self.fingertip.spend(nj);
-        let felt = state.skin.heat(booking, nj as f64 * 1e-9);
+        let felt = state.tissue.heat(booking, nj as f64 * 1e-9);
         self.predicted.raise(&felt);
     }
 
@@ -156,7 +156,7 @@ impl PlainGuard {
         }
         let booking = self.booking(wire, at, until);
         let now = Instant::from_micros(at);
-        let (heat, cause) = self.wires[wire].skin.room(booking);
+        let (heat, cause) = self.wires[wire].tissue.room(booking);
         // Of what fills again a burst takes three quarters.
         let faded = |left: u64| left - left.div_ceil(4);
         let rows = [
@@ -253,7 +253,7 @@ fn act() -> impl Strategy<Value = Act> {
 }
 
 fn limits() -> impl Strategy<Value = Limits> {
-    let skin = (33_200..=43_000u64, 33_200..=41_000u64, 33_200..=41_000u64);
+    let tissue = (33_200..=43_000u64, 33_200..=41_000u64, 33_200..=41_000u64);
     let power = (
         1_000..=45_000u64,
         500..=20_000u64,
@@ -265,10 +265,10 @@ fn limits() -> impl Strategy<Value = Limits> {
         5_000..=50_000u64,
         300_000..=10_000_000u64,
     );
-    let tight = (skin, power, burst).prop_map(|(skin, power, burst)| Limits {
-        skin_peak_mc: skin.0,
-        skin_mean_mc: skin.1,
-        skin_deep_mc: skin.2,
+    let tight = (tissue, power, burst).prop_map(|(tissue, power, burst)| Limits {
+        skin_peak_mc: tissue.0,
+        skin_mean_mc: tissue.1,
+        skin_deep_mc: tissue.2,
         wire_1s_uw: power.0,
         wire_10s_uw: power.1,
         fingertip_1s_uw: power.2,

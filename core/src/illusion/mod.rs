@@ -4,6 +4,8 @@
 mod cells;
 mod display;
 mod drive;
+mod geometry;
+mod law;
 mod map;
 mod mix;
 mod model;
@@ -17,10 +19,11 @@ mod track;
 
 pub use cells::Cells;
 pub use display::{Display, DisplayError, Wire};
-pub use drive::{Calibration, CalibrationError, Drive, Steps, noticeable_levels};
+pub use drive::{Calibration, CalibrationError, Drive, Steps};
+pub use law::{Illusion, ModelError};
 pub use map::{Map, MapError, Rect};
 pub use mix::{Mixer, Sharing, Target};
-pub use model::{Distances, Illusion, Model, ModelError, ModelSettings, ShapeChoice, build};
+pub use model::{Distances, Model, ModelSettings, ShapeChoice, build};
 pub use phantom::{LogPhantom, RadialPhantom, Shape};
 pub use stroke::{Dab, FELT_STEP, Planned, Stroke, StrokeError};
 pub use surface::Surface;

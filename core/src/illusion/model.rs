@@ -1,25 +1,14 @@
 //! The choice of an illusion: its name and settings to one trait behind which every law stands.
 
 use alloc::boxed::Box;
-use core::fmt;
-
-use crate::units::Point;
 
 use super::cells::Cells;
 use super::display::Display;
+use super::law::{Illusion, ModelError};
 use super::phantom::{LogPhantom, RadialPhantom, Shape};
 use super::reach::{Gaussian, Metric, Nearest, ThreeNearest};
 use super::shares::{AxisShares, CellShares, Power};
 use super::surface::Surface;
-
-/// A law that makes one touch felt between wires.
-///
-/// Every law gives activations in [0, 1], 1 on a wire and 0 to wires out of its reach, whatever the order
-/// of the wires. A place that is no number activates nothing.
-pub trait Illusion: fmt::Debug + Send + Sync {
-    /// Writes the activation of every wire, by its index, for a contact at `at` (display mm).
-    fn activate(&self, at: Point, out: &mut [f32]);
-}
 
 /// The laws by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -130,39 +119,6 @@ pub struct ModelSettings {
     /// gap between wires; half a gap if not stated.
     pub margin: Option<f32>,
 }
-
-/// Why a law does not fit a display, or its settings a law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ModelError {
-    /// Nothing lies between one wire.
-    OneWire,
-    /// Three nearest need wires that are not in one line.
-    InLine,
-    /// The shape is no positive number, or the model has none.
-    Shape,
-    /// The model knows no such distances.
-    Distances,
-    /// The margin is no positive number.
-    Margin,
-}
-
-impl fmt::Display for ModelError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::OneWire => "two wires or more: with one there is no place between (`nearest` takes one)",
-            Self::InLine => "wires that are not in one line: three-nearest needs triangles",
-            Self::Shape => {
-                "a shape above 0 for phantom, balanced or gaussian, `flat` for phantom only, and none for the others"
-            }
-            Self::Distances => {
-                "`axes` for phantom, energy, linear or square, `plane` for any, `space` for phantom, three-nearest, gaussian or nearest"
-            }
-            Self::Margin => "a margin above 0",
-        })
-    }
-}
-
-impl core::error::Error for ModelError {}
 
 /// Builds a law for a display; the last time it allocates.
 ///

@@ -1,32 +1,32 @@
-//! The loop: `poll(now, sensor bus, actuators)` in the manner of smoltcp's interface. Whoever owns time
+//! The loop: `poll(now, skin, actuators)` in the manner of smoltcp's interface. Whoever owns time
 //! calls it, at the latest when [`Projector::next`] says so; it never waits and never asks for the time.
 
+mod builder;
 mod output;
-mod routes;
 mod sensing;
 mod strokes;
 mod texture;
 mod weave;
 
 pub use crate::illusion::Target;
+pub use builder::{Builder, OutputBuilder, sensor_area};
 pub use output::{Output, OutputSettings};
 pub use texture::{Carrier, TextureError, TexturePlan, TextureReport};
 
 use alloc::boxed::Box;
 use core::fmt;
 
-use crate::bus::{Actuators, SensorBus};
 use crate::contact::{Contact, Levels, Scope, Settings, SettingsError, Work};
+use crate::driver::Actuators;
 pub use crate::guard::Cause;
-use crate::guard::Guard;
-use crate::illusion::{CalibrationError, Display, Map, Tracks};
+use crate::guard::{Guard, PlantError};
+use crate::illusion::{CalibrationError, Display, Map, MapError, ModelError, TimingError, Tracks};
 use crate::schedule::{Entry, Timing};
 use crate::skin::{
-    Condition, FrameError, HealthSettings, HealthSummary, Initialiser, InitialiserError,
-    InitialiserSettings, Layout, Monitor, RelativeFrame,
+    Baseline, BaselineError, BaselineSettings, Condition, HealthSettings, HealthSummary, Layout,
+    ModuleScan, Monitor, RelativeFrame, ScanError, SkinSource,
 };
-use crate::units::{Board, Duration, Instant};
-use crate::wire::uskin::IdProfile;
+use crate::units::{Board, Instant};
 
 use sensing::Sensing;
 use texture::Sampler;
@@ -80,12 +80,8 @@ impl Observer for () {}
 pub struct SensingPlan {
     /// The skin.
     pub layout: Layout,
-    /// Silence that ends a scan: longer than between two frames of one, shorter than between two scans.
-    pub gap: Duration,
-    /// How its boards number their frames.
-    pub profile: IdProfile,
     /// Reference, threshold, faulty taxels.
-    pub initialiser: InitialiserSettings,
+    pub baseline: BaselineSettings,
     /// Compression.
     pub compression: Settings,
     /// When a taxel counts as ill.
@@ -116,29 +112,65 @@ pub struct Plan {
 pub enum PlanError {
     /// The module that shall drive the display does not exist; how many there are.
     NoSuchModule(usize),
-    /// The initialiser's settings.
-    Initialiser(InitialiserError),
+    /// The baseline's settings.
+    Baseline(BaselineError),
     /// The compression settings.
     Compression(SettingsError),
     /// A calibration that is not of this display's wires.
     Calibration(CalibrationError),
     /// A texture that does not fit the skin.
     Texture(TextureError),
+    /// A part of the skin that cannot be laid over the display.
+    Map(MapError),
+    /// A law that cannot be laid over the display.
+    Illusion(ModelError),
+    /// A stimulus that cannot be.
+    Timing(TimingError),
+    /// Hardware that the guard cannot protect.
+    Plant(PlantError),
 }
 
 impl fmt::Display for PlanError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoSuchModule(n) => write!(f, "expected a driving module below {n}"),
-            Self::Initialiser(e) => e.fmt(f),
+            Self::Baseline(e) => e.fmt(f),
             Self::Compression(e) => e.fmt(f),
             Self::Calibration(e) => write!(f, "expected {e}"),
             Self::Texture(e) => e.fmt(f),
+            Self::Map(e) => e.fmt(f),
+            Self::Illusion(e) => write!(f, "expected {e}"),
+            Self::Timing(e) => write!(f, "expected {e}"),
+            Self::Plant(e) => e.fmt(f),
         }
     }
 }
 
 impl core::error::Error for PlanError {}
+
+impl From<MapError> for PlanError {
+    fn from(e: MapError) -> Self {
+        Self::Map(e)
+    }
+}
+
+impl From<ModelError> for PlanError {
+    fn from(e: ModelError) -> Self {
+        Self::Illusion(e)
+    }
+}
+
+impl From<TimingError> for PlanError {
+    fn from(e: TimingError) -> Self {
+        Self::Timing(e)
+    }
+}
+
+impl From<PlantError> for PlanError {
+    fn from(e: PlantError) -> Self {
+        Self::Plant(e)
+    }
+}
 
 impl From<SettingsError> for PlanError {
     fn from(e: SettingsError) -> Self {
@@ -152,18 +184,20 @@ impl From<TextureError> for PlanError {
     }
 }
 
-impl From<InitialiserError> for PlanError {
-    fn from(e: InitialiserError) -> Self {
-        Self::Initialiser(e)
+impl From<BaselineError> for PlanError {
+    fn from(e: BaselineError) -> Self {
+        Self::Baseline(e)
     }
 }
 
-/// An error of one of the buses; the outputs have been switched off, as far as the bus let us.
+/// An error of one of the two ends; the outputs have been switched off, as far as the driver let us.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LoopError<S, A> {
-    /// The sensor bus.
+    /// The skin.
     Sensor(S),
-    /// The actuator bus.
+    /// The skin handed on a scan that is not of the loop's layout.
+    Scan(ScanError),
+    /// The driver.
     Actuator(A),
 }
 
@@ -182,7 +216,7 @@ pub struct Projector {
 }
 
 impl Projector {
-    /// Builds the loop; the last time that it allocates.
+    /// Builds the loop from everything there is to state; the last time that it allocates.
     ///
     /// # Errors
     /// [`PlanError`] for a plan that fits no hardware.
@@ -222,59 +256,72 @@ impl Projector {
 
     /// When the loop has to be called next, whatever comes in; earlier calls do no harm.
     pub fn next(&self) -> Instant {
-        let output = self.output.next();
-        let deadline = self.output.guard().deadline();
-        deadline.map_or(output, |deadline| deadline.min(output))
+        self.output.next()
     }
 
-    /// Does all that is due at `now`: takes every frame that has come, ends what has ended, projects the
-    /// newest contacts when an onset is due. Returns whether an onset was.
+    /// Does all that is due at `now`: takes every scan that has come, projects the newest contacts when an onset is
+    /// due, ends what has ended. Returns whether an onset was.
     ///
     /// # Errors
-    /// The first error of a bus, after switching everything off.
-    pub fn poll<S: SensorBus, A: Actuators>(
+    /// The first error of an end, after switching everything off.
+    pub fn poll<S: SkinSource, A: Actuators>(
         &mut self,
         now: Instant,
-        sensors: &mut S,
+        skin: &mut S,
         actuators: &mut A,
         observer: &mut impl Observer,
     ) -> Result<bool, LoopError<S::Error, A::Error>> {
-        loop {
-            match sensors.receive() {
-                Ok(Some(received)) => self.sensing.take(&received, &self.layout, observer),
-                Ok(None) => break,
-                Err(e) => {
-                    let off = self.all_off(now, Cause::SensorError, actuators, observer);
-                    return Err(off.map_or_else(LoopError::Actuator, |()| LoopError::Sensor(e)));
-                }
+        let mut taken = Ok(());
+        let read = skin.scans(now, &mut |scan| {
+            if taken.is_ok() {
+                taken = self.push(scan, observer);
             }
+        });
+        let read = read.map_err(LoopError::Sensor);
+        if let Err(error) = read.and(taken.map_err(LoopError::Scan)) {
+            let off = self.all_off(now, Cause::SensorError, actuators, observer);
+            return Err(off.map_or_else(LoopError::Actuator, |()| error));
         }
-        self.sensing.flush(now, &self.layout, observer);
-        let guard = self.output.guard_mut();
+        self.turn(now, actuators, observer)
+            .map_err(LoopError::Actuator)
+    }
+
+    /// Takes one module's scan, from wherever it comes. [`Self::turn`] then does what it makes due.
+    ///
+    /// # Errors
+    /// A scan that is not of the loop's layout; nothing has changed then.
+    pub fn push(
+        &mut self,
+        scan: &ModuleScan<'_>,
+        observer: &mut impl Observer,
+    ) -> Result<(), ScanError> {
+        self.sensing.take(scan, &self.layout, observer)
+    }
+
+    /// What is due at `now` once the scans that have come are pushed: projects the newest contacts when an onset is
+    /// due, ends what has ended. Returns whether an onset was.
+    ///
+    /// # Errors
+    /// The driver's first error, after switching everything off.
+    pub fn turn<A: Actuators>(
+        &mut self,
+        now: Instant,
+        actuators: &mut A,
+        observer: &mut impl Observer,
+    ) -> Result<bool, A::Error> {
+        self.sensing.look_round(now, &self.layout, observer);
         if let Some(at) = self.sensing.last_received() {
-            guard.hear(at);
-        }
-        let stale = guard.is_stale(now);
-        if let Some(cause) = guard.watch(now) {
-            self.all_off(now, cause, actuators, observer)
-                .map_err(LoopError::Actuator)?;
+            self.output.hear(at);
         }
         self.track();
-        let due = self.output.is_due(now) && !stale;
-        let count = if due { self.aim(now) } else { 0 };
-        let texture = self.sensing.texture(now).filter(|_| !stale);
+        let count = match self.output.takes_targets(now) {
+            true => self.aim(now),
+            false => 0,
+        };
+        let texture = self.sensing.texture(now);
         let targets = &self.targets[..count];
-        match self
-            .output
+        self.output
             .poll(now, targets, texture.as_ref(), actuators, observer)
-        {
-            Ok(onset) => Ok(onset),
-            Err(e) => {
-                // The first error is the one to tell; what the way out adds cannot be told apart.
-                let _ = self.all_off(now, Cause::ActuatorError, actuators, observer);
-                Err(LoopError::Actuator(e))
-            }
-        }
     }
 
     /// Everything off, now, and kept off until [`Self::reset`].
@@ -381,8 +428,8 @@ impl Projector {
     }
 
     /// Reference, threshold and faulty taxels.
-    pub const fn initialiser(&self) -> &Initialiser {
-        self.sensing.initialiser()
+    pub const fn baseline(&self) -> &Baseline {
+        self.sensing.baseline()
     }
 
     /// Pulses of a texture that were left out for a wire to rest: dense ones meet the guard's burst row.
@@ -393,25 +440,5 @@ impl Projector {
     /// What compression did and could leave out.
     pub fn work(&self) -> Work {
         self.sensing.compressor().work()
-    }
-
-    /// Frames that were no sensor data of this layout.
-    pub const fn foreign_frames(&self) -> u64 {
-        self.sensing.foreign()
-    }
-
-    /// Readings missing from the scans so far.
-    pub fn lost_readings(&self) -> u64 {
-        self.sensing.lost()
-    }
-
-    /// Readings missing from one module's scans so far.
-    pub fn lost_readings_of(&self, module: usize) -> u64 {
-        self.sensing.lost_of(module)
-    }
-
-    /// The last frame that compression refused, if any.
-    pub const fn refused_frame(&self) -> Option<&FrameError> {
-        self.sensing.refused()
     }
 }

@@ -4,7 +4,7 @@
 use alloc::boxed::Box;
 use alloc::vec;
 
-use crate::bus::Actuators;
+use crate::driver::Actuators;
 use crate::guard::Guard;
 use crate::illusion::{Calibration, Display, Drive, Illusion, Mixer, Planned, Sharing, Target};
 use crate::schedule::{Stimulus, Timing};
@@ -38,7 +38,51 @@ pub struct OutputSettings {
     pub peak: Milliamps,
 }
 
-/// The output half by itself: for whoever has targets or textures from elsewhere than this loop's sensors.
+/// The output half, alone or in the loop: targets on the display become stimuli, which pass the guard.
+///
+/// Alone, it takes targets from code. [`Self::hear`] says that they are alive: without it for 100 ms everything goes
+/// off and stays off until [`Self::reset`].
+///
+/// ```
+/// use palpate_core::driver::Actuators;
+/// use palpate_core::guard::Guarded;
+/// use palpate_core::illusion::{Display, Target, Wire};
+/// use palpate_core::projector::{Cause, Output};
+/// use palpate_core::units::{Board, Channel, Instant, Point};
+///
+/// /// A driver that counts the updates of its only board.
+/// struct Count(u32);
+///
+/// impl Actuators for Count {
+///     type Error = core::convert::Infallible;
+///
+///     fn apply(&mut self, _update: &Guarded) -> Result<(), Self::Error> {
+///         self.0 += 1;
+///         Ok(())
+///     }
+///
+///     fn all_off(&mut self) -> Result<(), Self::Error> {
+///         Ok(())
+///     }
+/// }
+///
+/// let wire = |n: u8| Wire {
+///     place: Point::new(10.0 * f32::from(n), 0.0),
+///     board: Board(0),
+///     channel: Channel(n),
+/// };
+/// let display = Display::new(&[wire(0), wire(1)]).unwrap();
+/// let mut output = Output::builder(display).build().unwrap();
+/// let between = Target { place: Point::new(5.0, 0.0), weight: 1.0 };
+/// let (mut board, mut now) = (Count(0), Instant::ZERO);
+/// while now < Instant::from_micros(585_000) {
+///     output.hear(now);
+///     output.poll(now, &[between], None, &mut board, &mut ()).unwrap();
+///     now = output.next();
+/// }
+/// assert_eq!(board.0, 20); // ten onsets, ten ends
+/// output.all_off(now, Cause::End, &mut board, &mut ()).unwrap();
+/// ```
 #[derive(Debug)]
 pub struct Output {
     display: Display,
@@ -98,20 +142,18 @@ impl Output {
         self.texture.as_ref().map_or(0, Texture::rested)
     }
 
-    pub(super) const fn guard(&self) -> &Guard {
+    /// The guard.
+    pub const fn guard(&self) -> &Guard {
         &self.guard
     }
 
-    /// The guard, to tell it what was heard.
-    pub const fn guard_mut(&mut self) -> &mut Guard {
-        &mut self.guard
-    }
-
-    pub(super) const fn display(&self) -> &Display {
+    /// The display.
+    pub const fn display(&self) -> &Display {
         &self.display
     }
 
-    pub(super) const fn timing(&self) -> Timing {
+    /// Stimulus duration and onset asynchrony in force.
+    pub const fn timing(&self) -> Timing {
         self.timing
     }
 
@@ -119,29 +161,62 @@ impl Output {
         self.drive
     }
 
-    /// Whether an onset is due.
-    pub(super) fn is_due(&self, now: Instant) -> bool {
+    /// Tells the watchdog that where targets come from was alive at `at`.
+    pub fn hear(&mut self, at: Instant) {
+        self.guard.hear(at);
+    }
+
+    fn is_due(&self, now: Instant) -> bool {
         now >= self.next_onset
     }
 
-    /// When this half has something to do next.
+    /// Whether targets handed in now can be rendered: an onset is due, and they are not from a dead source.
+    pub fn takes_targets(&self, now: Instant) -> bool {
+        self.is_due(now) && !self.guard.is_stale(now)
+    }
+
+    /// When this half has to be called next, whatever comes in; earlier calls do no harm.
     pub fn next(&self) -> Instant {
         let texture = self
             .texture
             .as_ref()
             .map_or(Instant::FAR_FUTURE, Texture::next);
         let onset = self.next_onset.min(self.strokes.next()).min(texture);
-        self.guard.next_expiry().map_or(onset, |end| end.min(onset))
+        let guarded = [self.guard.next_expiry(), self.guard.deadline()];
+        guarded.into_iter().flatten().fold(onset, Instant::min)
     }
 
     /// Ends what has ended and, when an onset is due, projects `targets` with the `texture` that is felt now. An
-    /// onset that was missed by more than half an SOA is left out: the grid from t = 0 stands whatever happens.
+    /// onset that was missed by more than half an SOA is left out: the grid from t = 0 stands whatever happens. What a
+    /// dead source wants is not projected.
     ///
-    /// Returns whether an onset was projected.
+    /// Returns whether an onset was.
     ///
     /// # Errors
-    /// The actuators' error; nothing has been switched off for it.
+    /// The driver's first error, after switching everything off.
     pub fn poll<A: Actuators>(
+        &mut self,
+        now: Instant,
+        targets: &[Target],
+        texture: Option<&Control>,
+        actuators: &mut A,
+        observer: &mut impl Observer,
+    ) -> Result<bool, A::Error> {
+        if let Some(cause) = self.guard.watch(now) {
+            self.all_off(now, cause, actuators, observer)?;
+        }
+        let (targets, texture) = match self.guard.is_stale(now) {
+            true => (&[][..], None),
+            false => (targets, texture),
+        };
+        let projected = self.project(now, targets, texture, actuators, observer);
+        projected.inspect_err(|_| {
+            // The first error is the one to tell; what the way out adds cannot be told apart.
+            let _ = self.all_off(now, Cause::ActuatorError, actuators, observer);
+        })
+    }
+
+    fn project<A: Actuators>(
         &mut self,
         now: Instant,
         targets: &[Target],
@@ -281,20 +356,23 @@ impl Output {
         Ok(())
     }
 
-    /// Opens the guard's latch if nothing is wrong any more.
-    pub(super) fn reset<A: Actuators>(
-        &mut self,
-        now: Instant,
-        actuators: &mut A,
-    ) -> Result<(), Cause> {
+    /// The way back from a stop: nothing is driven after [`Self::all_off`], whatever its cause, until this has been
+    /// called once the cause is gone. The source is alive, the calls were on time, and all outputs take an all-off.
+    ///
+    /// # Errors
+    /// What is still wrong; everything stays off.
+    pub fn reset<A: Actuators>(&mut self, now: Instant, actuators: &mut A) -> Result<(), Cause> {
         // The outputs last: while another cause stands there is no need to trouble their bus.
         self.guard.ready(now)?;
         actuators.all_off().map_err(|_| Cause::ActuatorError)?;
         self.guard.reset(now)
     }
 
-    /// Everything off, now, and the guard latched.
-    pub(super) fn all_off<A: Actuators>(
+    /// Everything off, now, and kept off until [`Self::reset`].
+    ///
+    /// # Errors
+    /// The first board that did not answer.
+    pub fn all_off<A: Actuators>(
         &mut self,
         now: Instant,
         cause: Cause,

@@ -1,37 +1,32 @@
-//! The sensor's half of the loop: frames off the bus become scans, scans become contacts.
+//! The sensor's half of the loop: scans of modules become frames of the skin, frames become contacts.
 //!
 //! A frame is a scan of the driving module; the other modules contribute their newest readings.
 
 use alloc::boxed::Box;
-use alloc::vec::Vec;
 use core::ops::Range;
 
-use crate::bus::Received;
 use crate::contact::{Compressor, Scope};
 use crate::skin::{
-    self, Condition, FrameError, Initialiser, Layout, Monitor, Phase, RelativeFrame, Scan,
-    ScanAssembler,
+    Baseline, Condition, Layout, ModuleScan, Monitor, Phase, RelativeFrame, Scan, ScanError,
 };
 use crate::texture::Control;
 use crate::units::{Duration, Instant};
-use crate::wire::uskin::{Raw, Reading};
 
-use super::routes::Routes;
 use super::texture::Sampler;
 use super::{FrameReport, Observer, PlanError, SensingPlan};
 
 /// How often taxels are looked at of which nothing comes.
 const ROUND: Duration = Duration::from_millis(100);
 
-/// Everything behind the assembler, so that a finished scan can be handed on while it is borrowed.
+/// Everything behind the scan, so that it can be handed on while it is borrowed.
 #[derive(Debug)]
 struct Pipeline {
-    initialiser: Initialiser,
+    baseline: Baseline,
     relative: RelativeFrame,
     compressor: Compressor,
     monitor: Monitor,
     texture: Option<Sampler>,
-    /// Whether `relative` leaves out what the initialiser found faulty.
+    /// Whether `relative` leaves out what the baseline found faulty.
     masked: bool,
     /// Each taxel's condition as it was last reported.
     conditions: Box<[Condition]>,
@@ -39,15 +34,12 @@ struct Pipeline {
     frames: u32,
     /// Time of the newest frame that was compressed.
     newest: Option<Instant>,
-    /// Frames that could not be compressed; the layout makes that impossible, so it is counted, not hidden.
-    refused: Option<FrameError>,
 }
 
 /// The state of the sensor half.
 #[derive(Debug)]
 pub(super) struct Sensing {
-    routes: Routes,
-    assembler: ScanAssembler,
+    scan: Scan,
     pipeline: Pipeline,
     /// Whether every module drives the display, or one.
     whole: bool,
@@ -55,7 +47,6 @@ pub(super) struct Sensing {
     last_received: Option<Instant>,
     /// When to look for taxels of which nothing comes.
     next_round: Instant,
-    foreign: u64,
 }
 
 impl Pipeline {
@@ -76,31 +67,29 @@ impl Pipeline {
         }
         let number = self.frames;
         self.frames = self.frames.saturating_add(1);
-        if self.initialiser.phase() != Phase::Ready && self.initialiser.feed(scan) != Phase::Ready {
+        if self.baseline.phase() != Phase::Ready && self.baseline.feed(scan) != Phase::Ready {
             return;
         }
         if !self.masked {
-            self.initialiser.mask(&mut self.relative);
+            self.baseline.mask(&mut self.relative);
             self.masked = true;
         }
-        let advanced = self.initialiser.advance(scan, &mut self.relative);
+        let advanced = self.baseline.advance(scan, &mut self.relative);
         let compressed = advanced.and_then(|news| {
             if news || !self.compressor.repeat() {
                 self.compressor.compress(&self.relative)?;
             }
             Ok(())
         });
-        match compressed {
-            Ok(()) => {
-                self.newest = Some(scan.at());
-                observer.frame(&FrameReport {
-                    at: scan.at(),
-                    number,
-                    relative: &self.relative,
-                    contacts: self.compressor.contacts(),
-                });
-            }
-            Err(error) => self.refused = Some(error),
+        // Only a frame of another layout is refused, and all of these are the loop's own.
+        if compressed.is_ok() {
+            self.newest = Some(scan.at());
+            observer.frame(&FrameReport {
+                at: scan.at(),
+                number,
+                relative: &self.relative,
+                contacts: self.compressor.contacts(),
+            });
         }
     }
 }
@@ -111,20 +100,20 @@ impl Pipeline {
     fn watch_for_new_board(&mut self, module: usize, layout: &Layout) {
         let conditions = &self.conditions[layout.range(module)];
         let silent = |c: &Condition| matches!(c, Condition::Dead | Condition::Inactive);
-        if self.initialiser.follows_drift()
+        if self.baseline.follows_drift()
             && conditions.iter().all(silent)
             && conditions.contains(&Condition::Dead)
         {
-            self.initialiser.restart(module);
+            self.baseline.restart(module);
         }
     }
 
     /// Whether nothing is left to do for taxels that are well: they were, and are left out only where the
-    /// initialiser says so.
+    /// baseline says so.
     fn is_used_whole(&self, range: Range<usize>) -> bool {
         let conditions = self.conditions[range.clone()].iter();
         let well = |c: &Condition| (*c == Condition::Good) | (*c == Condition::Inactive);
-        let (used, usable) = (self.relative.usable(), self.initialiser.usable());
+        let (used, usable) = (self.relative.usable(), self.baseline.usable());
         conditions.fold(true, |all, c| all & well(c))
             && (!self.masked || used[range.clone()] == usable[range])
     }
@@ -161,7 +150,7 @@ impl Pipeline {
                 _ => false,
             };
             self.relative
-                .set_usable(i, sound && self.initialiser.usable()[i]);
+                .set_usable(i, sound && self.baseline.usable()[i]);
         }
     }
 }
@@ -170,29 +159,15 @@ impl Sensing {
     pub(super) fn new(plan: SensingPlan, drives: u16) -> Result<(Self, Layout), PlanError> {
         let layout = plan.layout;
         let whole = plan.compression.scope == Scope::Skin;
-        let mut assembler = ScanAssembler::new(&layout, plan.gap);
-        let mut senders = Vec::new();
-        for (index, module) in layout.modules().iter().enumerate() {
-            let wiring = module.wiring();
-            let active = (0..module.points().len()).filter(|&i| module.active()[i]);
-            let order = |i| wiring.and_then(|w| w.order(w.place(0, i)?));
-            if let Some(last) = active.filter_map(order).max() {
-                assembler.set_last_order(index, last as u32); // a board has at most 64 taxels
-            }
-            if let Some((address, wiring)) = module.address().zip(wiring) {
-                senders.push((index as u16, address, wiring)); // at most 4096 modules
-            }
-        }
-        let initialiser = Initialiser::new(&layout, plan.initialiser)?;
+        let baseline = Baseline::new(&layout, plan.baseline)?;
         let sensing = Self {
-            routes: Routes::new(plan.profile, &senders),
-            assembler,
+            scan: Scan::new(&layout),
             pipeline: Pipeline {
                 relative: RelativeFrame::new(&layout),
                 compressor: Compressor::new(&layout, plan.compression)?,
                 monitor: Monitor::new(&layout, plan.health),
                 texture: None,
-                initialiser,
+                baseline,
                 masked: false,
                 conditions: layout
                     .modules()
@@ -209,12 +184,10 @@ impl Sensing {
                 drives,
                 frames: 0,
                 newest: None,
-                refused: None,
             },
             whole,
             last_received: None,
             next_round: Instant::ZERO,
-            foreign: 0,
         };
         Ok((sensing, layout))
     }
@@ -233,8 +206,8 @@ impl Sensing {
         &self.pipeline.compressor
     }
 
-    pub(super) const fn initialiser(&self) -> &Initialiser {
-        &self.pipeline.initialiser
+    pub(super) const fn baseline(&self) -> &Baseline {
+        &self.pipeline.baseline
     }
 
     pub(super) const fn monitor(&self) -> &Monitor {
@@ -243,10 +216,6 @@ impl Sensing {
 
     pub(super) const fn monitor_mut(&mut self) -> &mut Monitor {
         &mut self.pipeline.monitor
-    }
-
-    pub(super) const fn refused(&self) -> Option<&FrameError> {
-        self.pipeline.refused.as_ref()
     }
 
     /// Time of the newest frame that was compressed.
@@ -258,66 +227,33 @@ impl Sensing {
         self.last_received
     }
 
-    pub(super) const fn foreign(&self) -> u64 {
-        self.foreign
-    }
-
-    pub(super) fn lost(&self) -> u64 {
-        self.assembler.lost()
-    }
-
-    pub(super) fn lost_of(&self, module: usize) -> u64 {
-        self.assembler.lost_of(module)
-    }
-
-    /// Takes one frame off a bus. What is no sensor data of this layout is counted and left.
+    /// Takes one module's scan.
     pub(super) fn take(
         &mut self,
-        received: &Received,
+        scan: &ModuleScan<'_>,
+        layout: &Layout,
+        observer: &mut impl Observer,
+    ) -> Result<(), ScanError> {
+        self.scan.merge(layout, scan)?;
+        let module = scan.module;
+        if self.whole || module == self.pipeline.drives {
+            self.last_received = self.last_received.max(Some(scan.at));
+        }
+        self.pipeline.frame(&self.scan, module, layout, observer);
+        Ok(())
+    }
+
+    /// Looks for taxels of which nothing comes.
+    pub(super) fn look_round(
+        &mut self,
+        now: Instant,
         layout: &Layout,
         observer: &mut impl Observer,
     ) {
-        if self.reading(received, layout, observer).is_none() {
-            self.foreign = self.foreign.saturating_add(1);
-        }
-    }
-
-    fn reading(
-        &mut self,
-        received: &Received,
-        layout: &Layout,
-        observer: &mut impl Observer,
-    ) -> Option<()> {
-        // Commands are shorter than data; nothing else tells them apart.
-        let Reading { x, y, z } = Raw::new(received.frame.data())?.reading();
-        let route = self.routes.find(received.bus, received.frame.id())?;
-        let reading = skin::Reading {
-            module: route.module,
-            taxel: u32::from(route.taxel),
-            order: u32::from(route.order),
-            counts: [x, y, z],
-            at: received.at,
-        };
-        let pipeline = &mut self.pipeline;
-        let push = self.assembler.push(&reading, |scan, m| {
-            pipeline.frame(scan, m, layout, observer)
-        });
-        push.ok()?;
-        if self.whole || route.module == self.pipeline.drives {
-            self.last_received = Some(received.at);
-        }
-        Some(())
-    }
-
-    /// Ends scans whose remaining readings did not come in time.
-    pub(super) fn flush(&mut self, now: Instant, layout: &Layout, observer: &mut impl Observer) {
-        let pipeline = &mut self.pipeline;
-        self.assembler
-            .flush(now, |scan, m| pipeline.frame(scan, m, layout, observer));
         if now >= self.next_round {
             self.next_round = now + ROUND;
             for module in 0..layout.modules().len() {
-                pipeline.examine(now, module, layout, observer);
+                self.pipeline.examine(now, module, layout, observer);
             }
         }
     }

@@ -24,8 +24,7 @@ pub struct Stimulus {
     pub until: Instant,
 }
 
-/// Why what was applied differs from what was requested. The list is closed; `interface.md` calls it
-/// `reason`.
+/// Why what was applied differs from what was requested. The list is closed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Reason {
     /// The pulse would have been longer than the limit.

@@ -1,162 +1,411 @@
-//! The reference frame of (4.1), taxel by taxel: how it is collected, how noisy a taxel is at rest, and how the
-//! reference follows slow drift afterwards.
+//! The baseline: faulty taxels, the reference frame and the contact threshold, frame by frame.
+//!
+//! Frame 0 tells faulty taxels, frames 0 ..= T-1 make the reference (the mean), frame T the threshold (4.3);
+//! from frame T on relative frames (4.2) are made. The skin must be untouched until then.
+//!
+//! Beyond the thesis, for boards as they are: a threshold for every taxel from its own noise, a reference that
+//! follows slow drift, and a module that starts over after its board was changed.
 
 use alloc::vec::Vec;
+use core::fmt;
 
-use super::frame::Scan;
-use super::relative::RelativeFrame;
-use crate::vector::Vectors;
+use super::layout::Layout;
+use super::reference::Reference;
+use super::relative::{Axes, FrameError, RelativeFrame};
+use super::scan::Scan;
+use crate::units::Duration;
 
-/// A taxel noisier than this many times the median was touched or is ill; it counts as this noisy.
-const NOISIEST: f32 = 4.0;
+/// How the contact threshold is found, raw counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ThresholdRule {
+    /// The largest |difference| of any chosen axis of any taxel in the first frame after the reference (4.3),
+    /// plus a margin.
+    Auto {
+        /// Added to it, counts.
+        margin: f32,
+    },
+    /// Every taxel its own: `floor` and so many times its noise at rest, measured while the reference is made and
+    /// without the rows that merely repeat. One frame with an outlier cannot raise it for all.
+    PerTaxel {
+        /// Standard deviations (Euclidean over the chosen axes).
+        sigmas: f32,
+        /// Added to them, counts: what is too faint to matter.
+        floor: f32,
+    },
+    /// As given.
+    Fixed {
+        /// The threshold, counts.
+        counts: f32,
+    },
+}
 
-/// Reference and noise of every taxel. The axes are those chosen; the others stay 0.
+/// Settings of the baseline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BaselineSettings {
+    /// T: frames in the reference, at least 1.
+    pub reference_frames: u32,
+    /// A taxel is faulty when an axis is further than this many standard deviations (over all taxels, population
+    /// form) from that axis's mean on the initial frame; `None` keeps all. Over n taxels no value can be further
+    /// than sqrt(n - 1) deviations: 3.87 for n = 16.
+    pub fault_sigmas: Option<f32>,
+    /// The contact threshold.
+    pub threshold: ThresholdRule,
+    /// The axes that count for threshold, contact and intensity.
+    pub axes: Axes,
+    /// Time constant with which the reference of a taxel follows its readings while it is not in contact; `None`
+    /// keeps it as it was found.
+    pub drift: Option<Duration>,
+}
+
+impl Default for BaselineSettings {
+    /// 10 frames, no taxel faulty, the threshold of (4.3) without margin, all axes, no drift following: the thesis.
+    fn default() -> Self {
+        Self {
+            reference_frames: 10,
+            fault_sigmas: None,
+            threshold: ThresholdRule::Auto { margin: 0.0 },
+            axes: Axes::XYZ,
+            drift: None,
+        }
+    }
+}
+
+/// Why settings are refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BaselineError {
+    /// T = 0.
+    NoReference,
+    /// A number of deviations that is not positive and finite.
+    BadSigmas,
+    /// A margin, threshold or number of deviations that is NaN, infinite or negative.
+    BadThreshold,
+    /// A time constant of zero.
+    BadDrift,
+}
+
+impl fmt::Display for BaselineError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NoReference => "the reference needs at least one frame",
+            Self::BadSigmas => "the number of standard deviations must be positive and finite",
+            Self::BadThreshold => "threshold and margin must be finite and not negative",
+            Self::BadDrift => "the time constant of drift must be longer than 0",
+        })
+    }
+}
+
+impl core::error::Error for BaselineError {}
+
+/// Where the baseline stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Still taking reference frames: no relative frame yet.
+    Collecting,
+    /// The reference is complete; the next frame finds the threshold.
+    Referenced,
+    /// Relative frames can be made.
+    Ready,
+}
+
+/// Finds faulty taxels, reference and threshold, then makes relative frames.
 #[derive(Clone, Debug)]
-pub(super) struct Baseline {
-    axes: [bool; 3],
-    vectors: Vectors,
-    /// The reference, split into whole counts and the rest: at 49,000 counts one `f32` is good to 0.002 counts
-    /// only, while a difference of whole counts is exact.
-    whole: Vec<[f32; 3]>,
-    rest: Vec<[f32; 3]>,
-    sums: Vec<[u64; 3]>,
-    seen: Vec<u32>,
-    last: Vec<[u16; 3]>,
-    /// Squared steps from one distinct reading to the next, all chosen axes, and how many.
-    steps: Vec<(u64, u32)>,
+pub struct Baseline {
+    settings: BaselineSettings,
+    phase: Phase,
+    frames: u32,
+    starts: Vec<u32>,
+    reference: Reference,
+    /// Frames each module still takes for a new reference; 0 once it has one.
+    missing: Vec<u32>,
+    /// Whether a module is starting over.
+    restarting: bool,
+    active: Vec<bool>,
+    usable: Vec<bool>,
+    faulty: Vec<bool>,
+    single_axis: Vec<bool>,
+    thresholds: Vec<f32>,
 }
 
 impl Baseline {
-    pub(super) fn new(taxels: usize, axes: [bool; 3]) -> Self {
-        let zeros = || alloc::vec![[0.0; 3]; taxels];
-        Self {
-            axes,
-            vectors: Vectors::widest(),
-            whole: zeros(),
-            rest: zeros(),
-            sums: alloc::vec![[0; 3]; taxels],
-            seen: alloc::vec![0; taxels],
-            last: alloc::vec![[0; 3]; taxels],
-            steps: alloc::vec![(0, 0); taxels],
+    /// A baseline that has seen nothing yet.
+    pub fn new(layout: &Layout, settings: BaselineSettings) -> Result<Self, BaselineError> {
+        if settings.reference_frames == 0 {
+            return Err(BaselineError::NoReference);
         }
-    }
-
-    pub(super) fn taxels(&self) -> usize {
-        self.sums.len()
-    }
-
-    /// Starts over with these taxels.
-    pub(super) fn restart(&mut self, range: core::ops::Range<usize>) {
-        for i in range {
-            self.sums[i] = [0; 3];
-            self.seen[i] = 0;
-            self.steps[i] = (0, 0);
+        if settings
+            .fault_sigmas
+            .is_some_and(|k| !(k > 0.0 && k.is_finite()))
+        {
+            return Err(BaselineError::BadSigmas);
         }
-    }
-
-    /// Takes a contact-free reading of these taxels; those never received are left out.
-    pub(super) fn collect(&mut self, scan: &Scan, range: core::ops::Range<usize>) {
-        for i in range {
-            if !scan.seen()[i] {
-                continue;
-            }
-            let counts = scan.counts()[i];
-            if self.seen[i] > 0 && counts != self.last[i] {
-                // Half the mean squared step is the variance, whatever slow drift there is (von Neumann 1941).
-                // Rows that merely repeat say nothing about noise.
-                let axes = counts.iter().zip(self.last[i]).zip(self.axes);
-                let chosen = axes.filter(|(_, chosen)| *chosen);
-                let square = chosen.map(|((a, b), _)| u64::from(a.abs_diff(b)).pow(2));
-                self.steps[i].0 += square.sum::<u64>();
-                self.steps[i].1 += 1;
-            }
-            self.last[i] = counts;
-            self.seen[i] += 1;
-            for (sum, c) in self.sums[i].iter_mut().zip(counts) {
-                *sum += u64::from(c);
-            }
-        }
-    }
-
-    /// Makes the reference of these taxels: the mean of what was collected.
-    pub(super) fn finish(&mut self, range: core::ops::Range<usize>) {
-        for i in range {
-            for axis in 0..3 {
-                let mean = self.sums[i][axis] as f64 / f64::from(self.seen[i].max(1));
-                let whole = libm::floor(mean);
-                self.whole[i][axis] = whole as f32;
-                self.rest[i][axis] = (mean - whole) as f32;
-            }
-        }
-    }
-
-    /// Whether a taxel was received while the reference was collected.
-    pub(super) fn knows(&self, taxel: usize) -> bool {
-        self.seen[taxel] > 0
-    }
-
-    /// Noise of every taxel at rest, counts (Euclidean over the chosen axes), robust: a taxel that never changed
-    /// counts as the median one, and none as more than four times that.
-    pub(super) fn noise(&self) -> Vec<f32> {
-        let own = |&(square, n): &(u64, u32)| {
-            (n > 0).then(|| libm::sqrt(0.5 * square as f64 / f64::from(n)) as f32)
+        let (counts, sigmas) = match settings.threshold {
+            ThresholdRule::Auto { margin } => (margin, 0.0),
+            ThresholdRule::Fixed { counts } => (counts, 0.0),
+            ThresholdRule::PerTaxel { sigmas, floor } => (floor, sigmas),
         };
-        let mut sorted: Vec<f32> = self.steps.iter().filter_map(own).collect();
-        sorted.sort_unstable_by(f32::total_cmp);
-        let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-        let robust = |s| own(s).unwrap_or(median).min(NOISIEST * median);
-        self.steps.iter().map(robust).collect()
+        if [counts, sigmas]
+            .iter()
+            .any(|v| !(*v >= 0.0 && v.is_finite()))
+        {
+            return Err(BaselineError::BadThreshold);
+        }
+        if settings.drift == Some(Duration::ZERO) {
+            return Err(BaselineError::BadDrift);
+        }
+        let n = layout.taxels();
+        let modules = || layout.modules().iter();
+        let active: Vec<bool> = modules().flat_map(|m| m.active()).copied().collect();
+        Ok(Self {
+            settings,
+            phase: Phase::Collecting,
+            frames: 0,
+            starts: layout.starts().to_vec(),
+            reference: Reference::new(n, settings.axes.flags()),
+            missing: alloc::vec![0; layout.modules().len()],
+            restarting: false,
+            usable: active.clone(),
+            active,
+            faulty: alloc::vec![false; n],
+            single_axis: modules()
+                .flat_map(|m| m.points().iter().map(move |_| m.axes() == 1))
+                .collect(),
+            thresholds: alloc::vec![counts; n],
+        })
     }
 
-    /// The reference of a taxel along an axis, counts.
-    pub(super) fn reference(&self, axis: usize, taxel: usize) -> Option<f64> {
-        let (whole, rest) = (
-            self.whole.get(taxel)?.get(axis)?,
-            self.rest.get(taxel)?.get(axis)?,
-        );
-        Some(f64::from(*whole) + f64::from(*rest))
-    }
-
-    /// |G - Gref| of one value, as [`Baseline::measure`] computes it.
-    pub(super) fn difference(&self, axis: usize, taxel: usize, counts: u16) -> f32 {
-        libm::fabsf(f32::from(counts) - self.whole[taxel][axis] - self.rest[taxel][axis])
-    }
-
-    /// (4.2) for all taxels and axes.
-    pub(super) fn measure(&self, counts: &[[u16; 3]], measured: &mut [[f32; 3]]) {
-        let counts = counts.as_flattened();
-        let (whole, rest) = (self.whole.as_flattened(), self.rest.as_flattened());
-        let measured = measured.as_flattened_mut();
-        self.vectors.run(
-            #[inline(always)]
-            || {
-                let reference = whole.iter().zip(rest);
-                for ((out, (whole, rest)), counts) in measured.iter_mut().zip(reference).zip(counts)
-                {
-                    *out = libm::fabsf(f32::from(*counts) - whole - rest);
+    /// Takes the next frame of the whole skin. Taxels not yet seen are left out of the reference, and of the run
+    /// if they stay unseen until it is complete. Does nothing once ready; a scan of another layout is ignored.
+    pub fn feed(&mut self, scan: &Scan) -> Phase {
+        let n = self.reference.taxels();
+        if self.phase == Phase::Ready || scan.counts().len() != n {
+            return self.phase;
+        }
+        if self.phase == Phase::Referenced {
+            match self.settings.threshold {
+                ThresholdRule::Auto { margin } => {
+                    let threshold = self.largest_difference(scan) + margin;
+                    self.thresholds.fill(threshold);
                 }
-            },
-        );
+                ThresholdRule::PerTaxel { sigmas, floor } => {
+                    for (threshold, noise) in self.thresholds.iter_mut().zip(self.reference.noise())
+                    {
+                        *threshold = floor + sigmas * noise;
+                    }
+                }
+                ThresholdRule::Fixed { .. } => {}
+            }
+            self.phase = Phase::Ready;
+            return self.phase;
+        }
+        if self.frames == 0 {
+            self.mark_faulty(scan);
+        }
+        self.reference.collect(scan, 0..n);
+        self.frames += 1;
+        if self.frames == self.settings.reference_frames {
+            self.reference.finish(0..n);
+            for (i, usable) in self.usable.iter_mut().enumerate() {
+                *usable &= self.reference.knows(i);
+            }
+            self.phase = Phase::Referenced;
+        }
+        // The caller has no relative frame either way; `Referenced` is visible through `phase`.
+        self.phase
     }
 
-    /// Moves the reference of every usable taxel not in contact by `share` (0 to 1) of its way to the readings the
-    /// frame was made from.
-    pub(super) fn follow(&mut self, frame: &RelativeFrame, thresholds: &[f32], share: f32) {
-        let limits = thresholds.iter().take(self.taxels());
-        for (i, &threshold) in limits.enumerate() {
-            if !frame.usable()[i] || frame.magnitude()[i] > threshold {
+    /// Starts over with one module, whose board was changed or comes back after a silence: its taxels are left out
+    /// until [`Baseline::advance`] has seen as many frames of it as the first reference had. Thresholds stay.
+    pub fn restart(&mut self, module: usize) {
+        let range = self.range(module);
+        if self.phase != Phase::Ready || range.is_empty() {
+            return;
+        }
+        self.missing[module] = self.settings.reference_frames;
+        self.restarting = true;
+        self.reference.restart(range.clone());
+        self.usable[range].fill(false);
+    }
+
+    fn range(&self, module: usize) -> core::ops::Range<usize> {
+        match (self.starts.get(module), self.starts.get(module + 1)) {
+            (Some(&from), Some(&to)) => from as usize..to as usize,
+            _ => 0..0,
+        }
+    }
+
+    /// Takes a frame for the modules that start over.
+    fn collect_again(&mut self, scan: &Scan) {
+        for module in 0..self.missing.len() {
+            let range = self.range(module);
+            if self.missing[module] == 0 || !scan.fresh()[range.clone()].contains(&true) {
                 continue;
             }
-            for axis in 0..3 {
-                if self.axes[axis] {
-                    let (whole, rest) = (&mut self.whole[i][axis], &mut self.rest[i][axis]);
-                    let away = f32::from(frame.counts[i][axis]) - *whole - *rest;
-                    *rest += share * away;
-                    let carry = libm::floorf(*rest);
-                    *whole += carry;
-                    *rest -= carry;
+            self.reference.collect(scan, range.clone());
+            self.missing[module] -= 1;
+            if self.missing[module] == 0 {
+                self.reference.finish(range.clone());
+                for i in range {
+                    self.usable[i] = self.active[i] && !self.faulty[i] && self.reference.knows(i);
                 }
             }
         }
+        self.restarting = self.missing.iter().any(|n| *n > 0);
+    }
+
+    fn mark_faulty(&mut self, scan: &Scan) {
+        let Some(k) = self.settings.fault_sigmas else {
+            return;
+        };
+        for axis in 0..3 {
+            let takes = |s: &Self, i: usize| {
+                s.usable[i] && scan.seen()[i] && (axis == 2 || !s.single_axis[i])
+            };
+            let values = |s: &Self| {
+                let all = scan.counts().iter().enumerate();
+                all.filter(|(i, _)| takes(s, *i))
+                    .map(|(_, c)| f64::from(c[axis]))
+                    .fold((0.0, 0.0), |(n, sum), v| (n + 1.0, sum + v))
+            };
+            let (n, sum) = values(self);
+            if n < 1.0 {
+                continue;
+            }
+            let mean = sum / n;
+            let mut squares = 0.0;
+            for (i, c) in scan.counts().iter().enumerate() {
+                if takes(self, i) {
+                    let d = f64::from(c[axis]) - mean;
+                    squares += d * d;
+                }
+            }
+            let limit = f64::from(k) * libm::sqrt(squares / n);
+            for (i, c) in scan.counts().iter().enumerate() {
+                if takes(self, i) && libm::fabs(f64::from(c[axis]) - mean) > limit {
+                    self.faulty[i] = true;
+                }
+            }
+        }
+        for (usable, faulty) in self.usable.iter_mut().zip(&self.faulty) {
+            *usable &= !faulty;
+        }
+    }
+
+    fn largest_difference(&self, scan: &Scan) -> f32 {
+        let mut largest = 0.0f32;
+        for (i, counts) in scan.counts().iter().enumerate() {
+            for (axis, chosen) in self.settings.axes.flags().into_iter().enumerate() {
+                if chosen && self.usable[i] {
+                    largest = largest.max(self.reference.difference(axis, i, counts[axis]));
+                }
+            }
+        }
+        largest
+    }
+
+    /// The relative frame (4.2) of the next scan and its taxels in contact, after the reference has followed drift
+    /// up to the scan before. Returns whether anything in the frame may be other than before: the same counts with
+    /// the same taxels left out are the same frame, and neither drift nor time changes that.
+    ///
+    /// Before [`Phase::Ready`] nothing is in contact. Taxels left out through `frame` stay left out.
+    ///
+    /// # Errors
+    /// A scan or frame of another layout.
+    pub fn advance(&mut self, scan: &Scan, frame: &mut RelativeFrame) -> Result<bool, FrameError> {
+        if self.restarting && scan.counts().len() == self.reference.taxels() {
+            self.collect_again(scan);
+        }
+        let n = self.reference.taxels();
+        let fits = scan.counts().len() == n && frame.magnitude().len() == n;
+        if fits && self.phase == Phase::Ready && frame.made {
+            if frame.is_of(scan) {
+                return Ok(false);
+            }
+            if let Some(constant) = self.settings.drift {
+                let since = scan.at().since(frame.at).as_secs_f64() as f32;
+                let share = since / (since + constant.as_secs_f64() as f32);
+                self.reference.follow(frame, &self.thresholds, share);
+            }
+        }
+        self.measure(scan, frame)
+    }
+
+    /// As [`Baseline::advance`] with the reference as it is.
+    ///
+    /// # Errors
+    /// A scan or frame of another layout.
+    pub fn relative(&self, scan: &Scan, frame: &mut RelativeFrame) -> Result<bool, FrameError> {
+        if self.phase == Phase::Ready && frame.made && frame.is_of(scan) {
+            return Ok(false);
+        }
+        self.measure(scan, frame)
+    }
+
+    fn measure(&self, scan: &Scan, frame: &mut RelativeFrame) -> Result<bool, FrameError> {
+        let n = self.reference.taxels();
+        for got in [scan.counts().len(), frame.magnitude().len()] {
+            if got != n {
+                return Err(FrameError::OtherLayout { got, expected: n });
+            }
+        }
+        if self.phase != Phase::Ready {
+            frame.clear();
+            return Ok(true);
+        }
+        frame.counts.copy_from_slice(scan.counts());
+        (frame.at, frame.made) = (scan.at(), true);
+        self.reference.measure(&frame.counts, &mut frame.measured);
+        frame.spread(self.settings.axes);
+        frame.find_contacts(self.thresholds.iter().copied());
+        Ok(true)
+    }
+
+    /// A relative frame for this skin, with the taxels found unusable left out. Make it once ready.
+    pub fn frame(&self, layout: &Layout) -> RelativeFrame {
+        let mut frame = RelativeFrame::new(layout);
+        self.mask(&mut frame);
+        frame
+    }
+
+    /// Leaves the taxels found unusable out of `frame`.
+    pub fn mask(&self, frame: &mut RelativeFrame) {
+        for (i, usable) in self.usable.iter().enumerate() {
+            if !usable {
+                frame.set_usable(i, false);
+            }
+        }
+    }
+
+    /// Whether the reference follows drift.
+    pub fn follows_drift(&self) -> bool {
+        self.settings.drift.is_some()
+    }
+    /// Where it stands.
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+    /// The contact threshold, counts, of the taxel with the largest one; final once ready.
+    pub fn threshold(&self) -> f32 {
+        self.thresholds.iter().copied().fold(0.0, f32::max)
+    }
+    /// The contact threshold of every taxel, counts; final once ready.
+    pub fn thresholds(&self) -> &[f32] {
+        &self.thresholds
+    }
+    /// Faulty taxels (4.3.3).
+    pub fn faulty(&self) -> &[bool] {
+        &self.faulty
+    }
+    /// Active, not faulty, and seen while the reference was made.
+    pub fn usable(&self) -> &[bool] {
+        &self.usable
+    }
+    /// The reference of a taxel along x, y, z, counts; `None` if there is no such taxel.
+    pub fn reference(&self, index: usize) -> Option<[f64; 3]> {
+        let along = |axis| self.reference.at(axis, index);
+        Some([along(0)?, along(1)?, along(2)?])
     }
 }
+
+#[cfg(test)]
+#[path = "baseline_tests.rs"]
+mod tests;

@@ -5,8 +5,8 @@
 
 use alloc::vec::Vec;
 
-use super::frame::Scan;
 use super::layout::Layout;
+use super::scan::Scan;
 use crate::units::{Duration, Instant};
 use crate::vector::Vectors;
 

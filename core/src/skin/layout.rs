@@ -8,8 +8,9 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 pub use super::layout_error::LayoutError;
+use super::layout_error::{MOST_MODULES, MOST_TAXELS};
+use crate::codec::uskin::Wiring;
 use crate::units::Point;
-use crate::wire::uskin::Wiring;
 
 /// A regular grid: index = row * cols + col, row 0 on top, centred on the module's origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -305,16 +306,10 @@ impl Layout {
         let module = module.checked_sub(1)?;
         (index < self.taxels()).then(|| (module, index - self.starts[module] as usize))
     }
-    /// The module that a board sends.
-    pub fn module_at(&self, address: Address) -> Option<usize> {
-        self.modules.iter().position(|m| m.address == Some(address))
-    }
 }
 
 /// Largest distance from an origin, mm: squares stay far from overflow.
 const LARGEST_MM: f32 = 1e6;
-pub(super) const MOST_TAXELS: usize = 1 << 22;
-pub(super) const MOST_MODULES: usize = 4096;
 
 /// The median distance to the nearest neighbour; refuses duplicates. Sweeps the points sorted by x.
 fn spacing(points: &[Point]) -> Result<f32, LayoutError> {

@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-use super::layout::{MOST_MODULES, MOST_TAXELS};
+pub(super) const MOST_TAXELS: usize = 1 << 22;
+pub(super) const MOST_MODULES: usize = 4096;
 
 /// Why a layout is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]

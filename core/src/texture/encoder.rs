@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use pulp::{Simd, WithSimd};
 
 use super::kernel::{self, Input, Rows};
-use super::model::{LARGEST, Model, ModelError, SampleError, Weights};
+use super::model::{LARGEST, Model, ModelError, SampleError};
 use super::pack::{Aligned, Layer};
 use crate::vector::Vectors;
 
@@ -19,7 +19,6 @@ pub struct Encoder {
     /// Smallest raw value and factor of every feature.
     scale: Vec<(f32, f32)>,
     window: usize,
-    steps: usize,
 }
 
 impl Encoder {
@@ -28,17 +27,17 @@ impl Encoder {
     /// # Errors
     /// What of the model does not fit.
     pub fn new(model: &Model<'_>) -> Result<Self, ModelError> {
-        Self::with(model, Weights::Exact, Vectors::widest())
+        Self::with(model, Vectors::widest())
     }
 
-    /// The same with weights kept otherwise, or with the vectors of choice; the vectors change no bit.
+    /// The same with the vectors of choice, which change no bit.
     ///
     /// # Errors
     /// What of the model does not fit.
-    pub fn with(model: &Model<'_>, weights: Weights, vectors: Vectors) -> Result<Self, ModelError> {
+    pub fn with(model: &Model<'_>, vectors: Vectors) -> Result<Self, ModelError> {
         model.check()?;
         let lanes = vectors.dispatch_widest(Lanes);
-        let pack = |gru| Layer::new(gru, lanes, weights);
+        let pack = |gru| Layer::new(gru, lanes);
         let scale = model.scale_min.iter().copied().zip(model.factors());
         let layers: Vec<Layer> = model.layers.iter().map(pack).collect();
         let first = layers.first().map_or(&[][..], |layer| layer.input.all());
@@ -48,16 +47,7 @@ impl Encoder {
             layers,
             scale: scale.collect(),
             window: model.window,
-            steps: model.window,
         })
-    }
-
-    /// An approximation: only the last `steps` samples of a window go through the network, still less the window's
-    /// first sample. Clamped to 1 and the window.
-    #[must_use]
-    pub fn with_steps(mut self, steps: usize) -> Self {
-        self.steps = steps.clamp(1, self.window);
-        self
     }
 
     /// Values of a sample.
@@ -73,11 +63,6 @@ impl Encoder {
     /// Samples of a window.
     pub const fn window(&self) -> usize {
         self.window
-    }
-
-    /// Samples of a window that go through the network.
-    pub const fn steps(&self) -> usize {
-        self.steps
     }
 
     /// Memory to encode up to `windows` windows at once.
@@ -213,7 +198,6 @@ impl WithSimd for Whole<'_> {
         } = self;
         let first = &encoder.layers[0];
         let (stride, features) = (encoder.first_stride(), encoder.features());
-        let skipped = encoder.window - encoder.steps;
         let scaled = Rows {
             values: &room.scaled,
             stride: features,
@@ -222,13 +206,9 @@ impl WithSimd for Whole<'_> {
         kernel::project_wide(simd, first, weights, scaled, windows, |column, at, sums| {
             base[column * stride + at..][..sums.len()].copy_from_slice(sums);
         });
-        let taken = Rows {
-            values: &room.scaled[skipped * windows * features..],
-            stride: features,
-        };
-        let columns = encoder.steps * windows;
+        let columns = encoder.window * windows;
         let (bias, out) = (first.bias.all(), room.sums.all_mut());
-        kernel::project_wide(simd, first, weights, taken, columns, |column, at, sums| {
+        kernel::project_wide(simd, first, weights, scaled, columns, |column, at, sums| {
             let base = &base[(column % windows) * stride + at..];
             let out = &mut out[column * stride + at..][..sums.len()];
             offset(sums, base, &bias[at..], out);
@@ -240,7 +220,7 @@ impl WithSimd for Whole<'_> {
 /// From the first layer's sums in `room` `[step][window]` through all layers, to `room.latents`.
 #[inline(always)]
 pub(super) fn layers<S: Simd>(simd: S, encoder: &Encoder, room: &mut Room, windows: usize) {
-    let steps = encoder.steps;
+    let steps = encoder.window;
     let mut width = 0;
     for (l, layer) in encoder.layers.iter().enumerate() {
         if l > 0 {

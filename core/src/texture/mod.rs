@@ -3,7 +3,7 @@
 //! The encoder is the first half of the GRU autoencoder of thesis Table 3.1 (features -> 96 -> 96 -> 96 -> 3, the
 //! last state of the last layer is z), run exactly: every window of 100 samples starts from a state of zero and is
 //! taken less its own first sample. [`Encoder`] is the network, [`Encoder::encode`] one window, [`Stream`] windows
-//! one sample apart. [`Stateful`] is an approximation and says so.
+//! one sample apart.
 //!
 //! [`ControlMap`] makes control parameters of z, (3.2); [`Pulses`] pulses of those, (3.1).
 //!
@@ -17,12 +17,10 @@ mod kernel;
 mod model;
 mod pack;
 mod pulses;
-mod stateful;
 mod stream;
 
 pub use control::{Control, ControlError, ControlMap, Driver, Span};
 pub use encoder::{Encoder, Room};
-pub use model::{Gru, Model, ModelError, Place, SampleError, Weights};
+pub use model::{Gru, Model, ModelError, SampleError, TensorPlace};
 pub use pulses::{Activation, ActivationError, Draw, Pulses, along};
-pub use stateful::Stateful;
 pub use stream::{Ends, Stream};

@@ -38,27 +38,16 @@ pub struct Model<'a> {
     pub window: usize,
 }
 
-/// How weights are kept.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Weights {
-    /// As they are.
-    #[default]
-    Exact,
-    /// An approximation: rounded to 11 significant bits, what half precision keeps. It costs the same time and
-    /// memory here; it says what a model stored so would be worth.
-    Half,
-}
-
 /// A tensor of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct TensorPlace {
     /// The layer; none for the scaling.
     pub layer: Option<usize>,
     /// The tensor's name.
     pub tensor: &'static str,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for TensorPlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.layer {
             Some(layer) => write!(f, "encoder.{layer}.{}", self.tensor),
@@ -73,7 +62,7 @@ pub enum ModelError {
     /// A tensor has another length than the shapes ask for.
     Length {
         /// Which.
-        place: Place,
+        place: TensorPlace,
         /// Numbers expected.
         expected: usize,
         /// Numbers found.
@@ -100,7 +89,7 @@ pub enum ModelError {
     /// A number that is not finite or larger than a million.
     Value {
         /// Which tensor.
-        place: Place,
+        place: TensorPlace,
         /// Which of its numbers.
         index: usize,
         /// The number.
@@ -209,7 +198,7 @@ impl Model<'_> {
         count("features", MOST[0], features)?;
         count("layers", MOST[2], self.layers.len())?;
         count("samples of a window", MOST[3], self.window)?;
-        let scale = |tensor| Place {
+        let scale = |tensor| TensorPlace {
             layer: None,
             tensor,
         };
@@ -246,7 +235,7 @@ impl Model<'_> {
                 ("bias_ih", layer.bias_ih, rows),
                 ("bias_hh", layer.bias_hh, rows),
             ] {
-                let place = Place {
+                let place = TensorPlace {
                     layer: Some(l),
                     tensor,
                 };
@@ -273,7 +262,7 @@ fn count(what: &'static str, most: usize, found: usize) -> Result<(), ModelError
     Err(ModelError::Count { what, most, found })
 }
 
-fn length(place: Place, expected: usize, found: usize) -> Result<(), ModelError> {
+fn length(place: TensorPlace, expected: usize, found: usize) -> Result<(), ModelError> {
     if expected == found {
         return Ok(());
     }

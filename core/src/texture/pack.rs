@@ -5,7 +5,7 @@
 
 use alloc::vec::Vec;
 
-use super::model::{Gru, Weights};
+use super::model::Gru;
 
 /// Numbers that start on a cache line, so that no vector straddles two.
 #[derive(Debug)]
@@ -66,7 +66,7 @@ pub(super) struct Layer {
 }
 
 impl Layer {
-    pub(super) fn new(gru: &Gru<'_>, lanes: usize, weights: Weights) -> Self {
+    pub(super) fn new(gru: &Gru<'_>, lanes: usize) -> Self {
         let Gru { inputs, units, .. } = *gru;
         let blocks = units.div_ceil(lanes);
         let packed = |rows: &[f32], columns: usize| {
@@ -77,7 +77,7 @@ impl Layer {
                     for (gate, lane) in places(lanes) {
                         let unit = block * lanes + lane;
                         if let (Some(out), true) = (out.next(), unit < units) {
-                            *out = kept(rows[(gate * units + unit) * columns + column], weights);
+                            *out = kept(rows[(gate * units + unit) * columns + column]);
                         }
                     }
                 }
@@ -125,14 +125,6 @@ fn places(lanes: usize) -> impl Iterator<Item = (usize, usize)> {
 }
 
 /// A weight as it is kept. Numbers so small that products with them would be denormal are zero.
-fn kept(weight: f32, weights: Weights) -> f32 {
-    let weight = match weights {
-        Weights::Exact => weight,
-        // Rounded to 11 significant bits (Dekker's split), to even.
-        Weights::Half => {
-            let spread = weight * 8193.0;
-            spread - (spread - weight)
-        }
-    };
+fn kept(weight: f32) -> f32 {
     if weight.abs() < 1e-18 { 0.0 } else { weight }
 }

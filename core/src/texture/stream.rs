@@ -63,8 +63,6 @@ pub struct Stream {
     scaled: Vec<f32>,
     /// The last samples' projections by the first layer, `[sample, a ring][module][block][gate][lane]`.
     ring: Vec<f64>,
-    /// Which samples of the ring began a window.
-    begun: Vec<bool>,
     /// The windows that are being stepped: the place in the ring of the sample they began with.
     slots: Vec<usize>,
     /// A layer's states, `[slot][module][unit, padded]`, before and after this sample.
@@ -78,14 +76,13 @@ impl Stream {
     /// For `modules` modules; nothing is in flight.
     pub fn new(encoder: Arc<Encoder>, modules: usize) -> Self {
         let (window, stride) = (encoder.window(), encoder.first_stride());
-        let state = |layer: &Layer| Aligned::zeros(encoder.steps() * modules * layer.width());
+        let state = |layer: &Layer| Aligned::zeros(window * modules * layer.width());
         Self {
             modules,
             seen: 0,
             scaled: alloc::vec![0.0; modules * encoder.features()],
             ring: alloc::vec![0.0; window * modules * stride],
-            begun: alloc::vec![false; window],
-            slots: Vec::with_capacity(encoder.steps()),
+            slots: Vec::with_capacity(window),
             now: encoder.layers.iter().map(state).collect(),
             next: encoder.layers.iter().map(state).collect(),
             sums: Aligned::zeros(GROUP * stride),
@@ -123,14 +120,8 @@ impl Stream {
         }
         let window = self.encoder.window();
         let at = (self.seen % window as u64) as usize;
-        self.begun[at] = begin;
-        // With fewer steps than samples a window is stepped only from its later samples on.
-        let skipped = window - self.encoder.steps();
-        if self.seen >= skipped as u64 {
-            let start = (at + window - skipped) % window;
-            if self.begun[start] {
-                self.open(start);
-            }
+        if begin {
+            self.open(at);
         }
         let encoder = Arc::clone(&self.encoder);
         encoder.vectors.dispatch_widest(Hop { stream: self, at });
@@ -273,9 +264,8 @@ impl WithSimd for Newest<'_> {
         let encoder = &*stream.encoder;
         let (modules, stride) = (stream.modules, encoder.first_stride());
         let (ring, bias) = (&*stream.ring, encoder.layers[0].bias.all());
-        let skipped = encoder.window() - encoder.steps();
-        for t in 0..encoder.steps() {
-            let place = (first + skipped + t) % encoder.window();
+        for t in 0..encoder.window() {
+            let place = (first + t) % encoder.window();
             for module in 0..modules {
                 let sample = &ring[(place * modules + module) * stride..][..stride];
                 let start = &ring[(first * modules + module) * stride..][..stride];

@@ -4,7 +4,8 @@ use palpate_core::texture::{Activation, ControlError, ControlMap, Driver, Span};
 use palpate_core::units::Duration;
 use serde::Deserialize;
 
-use super::{FileError, Source};
+use super::error::FileError;
+use super::source::Source;
 
 /// A control parameter at both ends of roughness.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]

@@ -4,12 +4,15 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 
-use super::{FileError, Source};
+use super::error::FileError;
+use super::layout::DisplayLayout;
+use super::source::Source;
 
-/// A bench.
+/// A bench. A file states what differs from [`Bench::default`], and its name and description.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[cfg_attr(test, schemars(extend("required" = ["name", "description"])))]
+#[serde(default, deny_unknown_fields)]
 pub struct Bench {
     /// Lower case with hyphens.
     pub name: String,
@@ -19,24 +22,53 @@ pub struct Bench {
     pub kind: BenchKind,
     /// The buses of a real bench.
     pub real: Option<Real>,
-    /// A display layout: a built-in name or a file.
+    /// A display layout: a built-in name or a file. A real bench states it.
     pub display: String,
-    /// A limit table: a built-in name or a file. Left out: the hard limits.
-    pub limits: Option<String>,
-    /// The display's wires.
-    pub wire: Wire,
+    /// A limit table: a built-in name or a file; `default` has the hard limits.
+    pub limits: String,
+    /// The display's wires. A real bench states them.
+    pub wire: BenchWire,
     /// What drives them.
     pub drive: Drive,
     /// What turns the chip's pulses into current; left out: instant, without loss, and never short of voltage.
-    #[serde(default)]
     pub amplifier: Amplifier,
-    /// One entry a wire, in the display's order.
+    /// One entry per wire, in the display's order; left out: the outputs of one chip after the other, from 0x40 on.
+    /// A real bench states them.
     pub outputs: Vec<Output>,
 }
 
+impl Default for Bench {
+    /// The emulated thimble, without a name. Its current is below the published drive, so that a contact that keeps
+    /// moving meets no limit.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            description: String::new(),
+            kind: BenchKind::Emulated,
+            real: None,
+            display: "thimble-8".into(),
+            limits: "default".into(),
+            wire: BenchWire::default(),
+            drive: Drive::default(),
+            amplifier: Amplifier::default(),
+            outputs: Vec::new(),
+        }
+    }
+}
+
+/// What of a real bench is its hardware's to say: assumed values would make the guard's model of it wrong.
+const HARDWARE: [&str; 6] = [
+    "display",
+    "wire.kind",
+    "wire.alloy",
+    "drive.current_ma",
+    "drive.supply_limit_ma",
+    "outputs",
+];
+
 /// What stands behind the buses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(test, derive(schemars::JsonSchema, serde::Serialize))]
 #[serde(rename_all = "kebab-case")]
 pub enum BenchKind {
     /// Emulated boards, chips, wires and finger. Such a bench never opens a device.
@@ -56,7 +88,7 @@ pub struct Real {
     pub i2c: Vec<PathBuf>,
     /// The line that cuts all outputs, if one is wired.
     pub oe: Option<OutputEnable>,
-    /// Somebody or something touches the skin as the scenes say: `hil test` then runs scenes with touches.
+    /// A person or a machine touches the skin as the scenes say: `hil test` then runs scenes with touches.
     #[serde(default)]
     pub touch: bool,
     /// Real-time priority and locked memory: true insists, false does without. Left out: where allowed.
@@ -107,44 +139,61 @@ impl Real {
 /// A wire and what it is made of.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct Wire {
+#[serde(default, deny_unknown_fields)]
+pub struct BenchWire {
     /// A wire: a built-in name or a file.
     pub kind: String,
     /// An alloy: a built-in name or a file.
     pub alloy: String,
 }
 
+impl Default for BenchWire {
+    fn default() -> Self {
+        Self {
+            kind: "final-75um".into(),
+            alloy: "low".into(),
+        }
+    }
+}
+
 /// Current, supply and PWM.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct Drive {
-    /// Current through a wire that is on.
+    /// Current through a wire that is on. A real bench states it.
     pub current_ma: f64,
-    /// Most current the supply gives at any instant.
+    /// Most current the supply gives at any instant. A real bench states it.
     pub supply_limit_ma: f64,
-    /// Frequency asked for; the chip's divider makes the nearest it can.
+    /// Frequency asked for; the chip's divider makes the nearest it can, 196.89 Hz for 200.
     pub pwm_hz: f64,
     /// The chip's oscillator over its nominal 25 MHz.
     pub oscillator: f64,
 }
 
+impl Default for Drive {
+    fn default() -> Self {
+        Self {
+            current_ma: 990.0,
+            supply_limit_ma: 4000.0, // at the published 1.97 A two wires may overlap, three may not
+            pwm_hz: 200.0,
+            oscillator: 1.0,
+        }
+    }
+}
+
 /// The amplifiers and the supply that feeds them all.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct Amplifier {
     /// From no current to all of it and back, microseconds.
-    #[serde(default)]
     pub rise_us: f64,
     /// Resistance of a transistor that is on, Ohm.
-    #[serde(default)]
     pub on_ohm: f64,
     /// The supply's voltage without load; left out: it always suffices.
     pub supply_v: Option<f64>,
     /// Resistance of supply and leads: how far the voltage sags, Ohm.
-    #[serde(default)]
     pub supply_ohm: f64,
 }
 
@@ -160,6 +209,43 @@ pub struct Output {
     pub board: u8,
     /// The chip's output, 0 to 15.
     pub channel: u8,
+}
+
+impl Output {
+    /// Where wire `index` is connected if the file does not say: chips of sixteen outputs, one after the other.
+    const fn nth(index: usize) -> Self {
+        Self {
+            bus: 0,
+            board: 0x40 + (index / 16) as u8, // a display has at most 256 wires
+            channel: (index % 16) as u8,
+        }
+    }
+}
+
+impl Amplifier {
+    fn check(&self, source: &Source) -> Result<(), FileError> {
+        source.range("amplifier.rise_us", self.rise_us, 0.0..=100.0, "us")?;
+        source.range("amplifier.on_ohm", self.on_ohm, 0.0..=100.0, "Ohm")?;
+        if let Some(volts) = self.supply_v {
+            source.range("amplifier.supply_v", volts, 0.1..=60.0, "V")?;
+        }
+        source.range("amplifier.supply_ohm", self.supply_ohm, 0.0..=100.0, "Ohm")
+    }
+}
+
+impl Drive {
+    fn check(&self, source: &Source) -> Result<(), FileError> {
+        source.range("drive.current_ma", self.current_ma, 1.0..=5000.0, "mA")?;
+        let supply = self.supply_limit_ma;
+        source.range("drive.supply_limit_ma", supply, 1.0..=1e5, "mA")?;
+        if supply < self.current_ma {
+            let expected = format!("at least the current of one wire, {} mA", self.current_ma);
+            return Err(source.bad("drive.supply_limit_ma", expected));
+        }
+        // What dividers 3 to 255 make of 25 MHz.
+        source.range("drive.pwm_hz", self.pwm_hz, 24.0..=1526.0, "Hz")?;
+        source.range("drive.oscillator", self.oscillator, 0.8..=1.2, "")
+    }
 }
 
 impl Real {
@@ -182,59 +268,47 @@ impl Bench {
     /// # Errors
     /// Names the line and key of what cannot be.
     pub fn read(source: &Source) -> Result<Self, FileError> {
-        let bench: Self = source.read()?;
+        let mut bench: Self = source.read()?;
         source.heading(&bench.name, &bench.description)?;
-        let drive = &bench.drive;
-        source.range("drive.current_ma", drive.current_ma, 1.0..=5000.0, "mA")?;
-        source.range(
-            "drive.supply_limit_ma",
-            drive.supply_limit_ma,
-            1.0..=1e5,
-            "mA",
-        )?;
-        if drive.supply_limit_ma < drive.current_ma {
-            let expected = format!("at least the current of one wire, {} mA", drive.current_ma);
-            return Err(source.bad("drive.supply_limit_ma", expected));
-        }
-        // What dividers 3 to 255 make of 25 MHz.
-        source.range("drive.pwm_hz", drive.pwm_hz, 24.0..=1526.0, "Hz")?;
-        source.range("drive.oscillator", drive.oscillator, 0.8..=1.2, "")?;
-        let adapters = match (bench.kind, &bench.real) {
-            (BenchKind::Emulated, None) => 1,
-            (BenchKind::Emulated, Some(_)) => {
-                return Err(source.bad("real", "nothing: this bench is of kind \"emulated\""));
-            }
-            (BenchKind::Real, None) => {
-                return Err(source.bad("kind", "a [real] table that names the buses"));
-            }
-            (BenchKind::Real, Some(real)) => real.check(source)?,
-        };
-        let amplifier = &bench.amplifier;
-        source.range("amplifier.rise_us", amplifier.rise_us, 0.0..=100.0, "us")?;
-        source.range("amplifier.on_ohm", amplifier.on_ohm, 0.0..=100.0, "Ohm")?;
-        if let Some(volts) = amplifier.supply_v {
-            source.range("amplifier.supply_v", volts, 0.1..=60.0, "V")?;
-        }
-        let ohm = amplifier.supply_ohm;
-        source.range("amplifier.supply_ohm", ohm, 0.0..=100.0, "Ohm")?;
-        for (index, output) in bench.outputs.iter().enumerate() {
-            let key = format!("outputs[{index}]");
-            let last = adapters - 1;
-            source.range(&format!("{key}.bus"), output.bus, 0..=last, "")?;
-            source.range(
-                &format!("{key}.board"),
-                output.board,
-                0x40..=0x7F,
-                "(0x40 to 0x7F)",
-            )?;
-            source.range(&format!("{key}.channel"), output.channel, 0..=15, "")?;
-            if bench.outputs[..index].contains(output) {
-                return Err(source.bad(
-                    &format!("{key}.channel"),
-                    "an output of its own for every wire",
-                ));
-            }
+        bench.drive.check(source)?;
+        let adapters = bench.adapters(source)?;
+        bench.amplifier.check(source)?;
+        bench.check_outputs(source, adapters)?;
+        if bench.outputs.is_empty() {
+            let (display, _) = DisplayLayout::named(&bench.display, source, "display")?;
+            bench.outputs = (0..display.wires_mm.len()).map(Output::nth).collect();
         }
         Ok(bench)
+    }
+
+    /// How many I2C adapters there are, and whether the kind of bench has what it needs.
+    fn adapters(&self, source: &Source) -> Result<u8, FileError> {
+        match (self.kind, &self.real) {
+            (BenchKind::Emulated, None) => Ok(1),
+            (BenchKind::Emulated, Some(_)) => {
+                Err(source.bad("real", "nothing: this bench is of kind \"emulated\""))
+            }
+            (BenchKind::Real, None) => {
+                Err(source.bad("kind", "a [real] table that names the buses"))
+            }
+            (BenchKind::Real, Some(real)) => {
+                let missing = HARDWARE.into_iter().find(|key| !source.states(key));
+                let expected = "a value: no default stands for a real bench's hardware";
+                missing.map_or_else(|| real.check(source), |key| Err(source.bad(key, expected)))
+            }
+        }
+    }
+
+    fn check_outputs(&self, source: &Source, adapters: u8) -> Result<(), FileError> {
+        for (index, output) in self.outputs.iter().enumerate() {
+            let at = |key: &str| format!("outputs[{index}].{key}");
+            source.range(&at("bus"), output.bus, 0..=adapters - 1, "")?;
+            source.range(&at("board"), output.board, 0x40..=0x7F, "(0x40 to 0x7F)")?;
+            source.range(&at("channel"), output.channel, 0..=15, "")?;
+            if self.outputs[..index].contains(output) {
+                return Err(source.bad(&at("channel"), "an output of its own for every wire"));
+            }
+        }
+        Ok(())
     }
 }

@@ -2,7 +2,8 @@
 
 use serde::Deserialize;
 
-use super::{FileError, Source};
+use super::error::FileError;
+use super::source::Source;
 
 macro_rules! kinds {
     ($($(#[$doc:meta])* $variant:ident = $text:literal [$($key:literal)*] [$($optional:literal)*]),+ $(,)?) => {

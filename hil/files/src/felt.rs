@@ -1,67 +1,62 @@
 //! The texture of a scene: what is stroked, with which network, and what carries it to the finger.
 
+use palpate_core::texture::Draw;
 use serde::Deserialize;
 
-use super::scene::choice;
-use super::{FileError, Source};
+use super::error::FileError;
+use super::source::Source;
+use super::words::{self, choice};
 
-choice! { /** What carries a texture. */ Carrier {
+choice! { /** What carries a texture. */ FeltBy {
     /** The whole display: the pulses of (3.1) move over its wires, contacts do not show. */ Display = "display",
     /** The contacts: their bursts are thinned out. */ Contacts = "contacts",
 }}
-choice! { /** How pulses are drawn. */ Draw {
-    /** Each period by itself, seeded. */ Bernoulli = "bernoulli",
-    /** Error diffusion: the same density, never more than one pulse from it. */ Diffusion = "diffusion",
-}}
-
-fn default_model() -> String {
-    "default".into()
-}
-
-fn thesis() -> String {
-    "thesis".into()
-}
-
-fn assumed() -> String {
-    "assumed".into()
-}
-
-const fn two() -> f64 {
-    2.0
-}
 
 /// A texture that is felt.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct Felt {
     /// The surface that is stroked, by its name in the table; left out: none, as where recordings are replayed.
     pub surface: Option<String>,
     /// The table of textures: a built-in name or a file.
-    #[serde(default = "thesis")]
     pub table: String,
     /// The stroked module, counted from zero; left out: the one that drives the display.
     pub module: Option<usize>,
     /// When strokes begin, seconds.
-    #[serde(default)]
     pub strokes_s: Vec<f64>,
-    /// How long each is, seconds; left out: 2, as in the thesis.
-    #[serde(default = "two")]
+    /// How long each is, seconds; 2 is the thesis's.
     pub stroke_s: f64,
     /// The scene's touches of that module are of this surface themselves, and rub it over the skin; its readings are
     /// gathered into one before the network sees them.
-    #[serde(default)]
     pub rubs: bool,
     /// The texture model: a built-in name or a file.
-    #[serde(default = "default_model")]
     pub model: String,
     /// From roughness to pulses: a built-in name or a file.
-    #[serde(default = "assumed")]
     pub activation: String,
     /// What carries it.
-    pub carrier: Carrier,
-    /// How pulses are drawn; left out: bernoulli. A carrier of contacts draws nothing.
-    pub draw: Option<Draw>,
+    pub carrier: FeltBy,
+    /// How pulses are drawn. A carrier of contacts draws nothing.
+    #[serde(with = "words::Draw")]
+    pub draw: Draw,
+}
+
+impl Default for Felt {
+    /// Pulses over the whole display, nothing stroked.
+    fn default() -> Self {
+        Self {
+            surface: None,
+            table: "thesis".into(),
+            module: None,
+            strokes_s: Vec::new(),
+            stroke_s: 2.0,
+            rubs: false,
+            model: "default".into(),
+            activation: "assumed".into(),
+            carrier: FeltBy::Display,
+            draw: Draw::Bernoulli,
+        }
+    }
 }
 
 impl Felt {

@@ -1,80 +1,48 @@
 //! A scene's illusion: which law, how contacts share wires, how strong, when; and the two files about the
 //! person: the perceiver of the emulation, the calibration of a wearer.
 
-use palpate_core::illusion::TimingLaw;
+use palpate_core::illusion::{Distances, Model, Sharing, TimingLaw};
 use palpate_core::units::Duration;
 use serde::Deserialize;
-use serde::de::IntoDeserializer;
 
-use super::scene::choice;
-use super::{FileError, Source};
-
-choice! { /** How a place between wires becomes activations. */ IllusionModel {
-    /** The logarithmic phantom sensation of the thesis's (5.2). */ Phantom = "phantom",
-    /** Square roots of shares. */ Energy = "energy",
-    /** Shares. */ Linear = "linear",
-    /** Squares of shares. */ Square = "square",
-    /** Shares to a power between those of energy and linear, at one energy everywhere. */ Balanced = "balanced",
-    /** Three nearest wires by inverse distance (Park 2016). */ ThreeNearest = "three-nearest",
-    /** A bell around each wire. */ Gaussian = "gaussian",
-    /** The nearest wire alone. */ Nearest = "nearest",
-}}
-choice! { /** How far a contact is from a wire. */ Distances {
-    /** Each axis on its own. */ Axes = "axes",
-    /** In the unrolled plane. */ Plane = "plane",
-    /** Straight through space, on the display's surface. */ Space = "space",
-}}
-choice! { /** How several contacts share wires. */ Sharing {
-    /** A wire follows the contact that asks most of it. */ Strongest = "strongest",
-    /** Energies add up, to full drive at most. */ Sum = "sum",
-    /** One contact after the other, onset by onset. */ Slices = "slices",
-}}
-choice! { /** What the missing one of duration and onset asynchrony follows. */ Timing {
-    /** 0.32 `tau_d` + 47.3 ms. */ TactileBrush = "tactile-brush",
-    /** 115 ms between onsets. */ Fingerpad = "fingerpad",
-}}
-
-impl IllusionModel {
-    /// The model of this name.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        let word: serde::de::value::StrDeserializer<'_, serde::de::value::Error> =
-            name.into_deserializer();
-        Self::deserialize(word).ok()
-    }
-}
+use super::error::FileError;
+use super::source::Source;
+use super::words;
 
 /// Phantom sensation and its timing.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct Illusion {
     /// The model.
-    pub model: IllusionModel,
+    #[serde(with = "words::Model")]
+    pub model: Model,
     /// The model's shape: s of `phantom`, the exponent of `balanced`, the width of `gaussian` as a share of
     /// the gap. Left out: the model's own (1, 0.65, 0.6).
     pub shape: Option<f64>,
     /// `phantom` with the shape that makes midpoints flat, found from the spacings.
-    #[serde(default)]
     pub flat: bool,
     /// Distances; left out: `axes` for `phantom`, else `plane`.
+    #[serde(with = "words::distances")]
+    #[cfg_attr(test, schemars(with = "Option<words::Distances>"))]
     pub distances: Option<Distances>,
     /// How far outside the wires a contact is still rendered, as a share of the smallest gap; left out: 0.5.
     pub margin: Option<f64>,
-    /// How several contacts share wires; left out: the strongest rules.
-    pub sharing: Option<Sharing>,
-    /// Smallest step that is rendered, as a share of the smallest gap (0.2 is what can be felt); left out: any.
-    #[serde(default)]
+    /// How several contacts share wires.
+    #[serde(with = "words::Sharing")]
+    pub sharing: Sharing,
+    /// Smallest step that is rendered, as a share of the smallest gap (0.2 is what can be felt).
     pub smallest_step: f64,
     /// Duty of a wire that is barely active, a share of the period.
     pub alpha: f64,
     /// Duty added at full activation, a share of the period.
     pub beta: f64,
-    /// The timing law; left out: `tactile-brush`.
-    pub timing: Option<Timing>,
+    /// The timing law.
+    #[serde(with = "words::Timing")]
+    pub timing: TimingLaw,
     /// Length of a stimulus in milliseconds; left out: by the law from `soa_ms`, 50 at most.
     pub tau_d_ms: Option<f64>,
-    /// Between onsets in milliseconds; left out: by the law from `tau_d_ms`.
+    /// Between onsets in milliseconds; left out: by the law from `tau_d_ms`, which is 35 if that is left out too.
     pub soa_ms: Option<f64>,
     /// Whether a contact's level reaches the wires.
     pub intensity: bool,
@@ -82,22 +50,37 @@ pub struct Illusion {
     pub intensity_floor: f64,
     /// Weber fraction by which levels differ, from the top down to the floor; left out: evenly spaced.
     pub weber: Option<f64>,
-    /// The emulated person, a built-in name or a file; left out: `fitted`.
-    pub perceiver: Option<String>,
+    /// The emulated person, a built-in name or a file.
+    pub perceiver: String,
     /// The wearer's calibration, a built-in name or a file; left out: every wire as it comes.
     pub wearer: Option<String>,
 }
 
-impl Illusion {
-    /// The timing law.
-    #[must_use]
-    pub fn law(&self) -> TimingLaw {
-        match self.timing {
-            None | Some(Timing::TactileBrush) => TimingLaw::TactileBrush,
-            Some(Timing::Fingerpad) => TimingLaw::Fingerpad,
+impl Default for Illusion {
+    fn default() -> Self {
+        Self {
+            model: Model::Balanced,
+            shape: None,
+            flat: false,
+            distances: None,
+            margin: None,
+            sharing: Sharing::Strongest,
+            smallest_step: 0.0,
+            alpha: 0.0,
+            beta: 100.0 / 4096.0, // of the chip's ticks
+            timing: TimingLaw::TactileBrush,
+            tau_d_ms: None,
+            soa_ms: None,
+            intensity: true,
+            intensity_floor: 0.85,
+            weber: None,
+            perceiver: "fitted".into(),
+            wearer: None,
         }
     }
+}
 
+impl Illusion {
     /// The stated duration and onset asynchrony in the core's unit.
     #[must_use]
     pub fn stated(&self) -> (Option<Duration>, Option<Duration>) {
@@ -110,7 +93,7 @@ impl Illusion {
     pub fn onset_ms(&self) -> f64 {
         let (_, soa) = self.stated();
         let usual = self.tau_d_ms.unwrap_or(35.0);
-        match (soa, self.law()) {
+        match (soa, self.timing) {
             (Some(soa), _) => soa.as_micros() as f64 * 1e-3,
             (None, TimingLaw::TactileBrush) => 0.32 * usual + 47.3,
             (None, TimingLaw::Fingerpad) => 115.0,
@@ -145,7 +128,7 @@ impl Illusion {
             return Err(source.bad("illusion.tau_d_ms", expected));
         }
         let (duration, soa) = self.stated();
-        self.law()
+        self.timing
             .timing(duration, soa)
             .map_err(|e| source.bad("illusion.soa_ms", e.to_string()))?;
         let floor = self.intensity_floor;
@@ -161,7 +144,7 @@ impl Illusion {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct Stroke {
+pub struct SceneStroke {
     /// First onset.
     pub start_s: f64,
     /// How long it takes from end to end.
@@ -172,7 +155,7 @@ pub struct Stroke {
     pub to_mm: [f64; 2],
 }
 
-impl Stroke {
+impl SceneStroke {
     pub(super) fn check(
         &self,
         source: &Source,

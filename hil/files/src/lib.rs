@@ -1,27 +1,34 @@
-//! Every settings file a user hands in: scenes, benches, layouts, limit tables, wires, persons.
+//! Every settings file of a user: scenes, benches, layouts, limit tables, wires, persons.
 //!
 //! Text becomes plain, checked configuration here, or a [`FileError`] that names file, line, key, what was
-//! expected and what was found. Nothing here knows a bus, a clock or the loop; the structs are converted to
-//! the core's own types where a run is set up.
+//! expected and what was found. What the core has a type for is of that type. Nothing here knows a bus, a clock or
+//! the loop.
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
 mod activation;
 mod bench;
+mod change;
 mod error;
 mod fault;
 mod felt;
 mod illusion;
 mod layout;
 mod limits;
+mod loaded;
+mod module;
+mod overrides;
 mod quarantine;
 mod resolve;
 mod scene;
 mod setup;
 mod source;
 mod texture;
+mod texture_model;
 mod touch;
 mod wire;
 mod wording;
+mod words;
 
 #[cfg(test)]
 mod schema;
@@ -29,30 +36,29 @@ mod schema;
 mod tests;
 
 pub use activation::{ActivationFile, Both};
-pub use bench::{Amplifier, Bench, BenchKind, Drive, Output, OutputEnable, Real, Wire};
+pub use bench::{Amplifier, Bench, BenchKind, BenchWire, Drive, Output, OutputEnable, Real};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
-pub use felt::{Carrier, Draw, Felt};
-pub use illusion::{
-    Distances, Illusion, IllusionModel, PerceiverFile, Sharing, Stroke, Timing, Wearer,
+pub use felt::{Felt, FeltBy};
+pub use illusion::{Illusion, PerceiverFile, SceneStroke, Wearer};
+pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
+pub use limits::LimitTable;
+pub use loaded::{
+    Loaded, load_activation, load_bench, load_layout, load_limits, load_perceiver, load_scene,
+    load_textures,
 };
-pub use layout::{
-    DisplayLayout, Grid, ImageCell, ImageSize, LayoutFile, Module, SensorLayout, Surface, Taxel,
-};
-pub use limits::{
-    Burst, Dose, FingertipPower, HARD_LIMITS, Limits, Pulse, Skin, Watchdog, WirePower,
-};
+pub use module::{Grid, ImageCell, Repeat, SkinModule, Taxel};
+pub use overrides::Overrides;
 pub use quarantine::{Quarantine, Quarantined};
-pub use resolve::{Kind, resolve, resolve_from};
+pub use resolve::{FileKind, resolve, resolve_from};
 pub use scene::{
-    Axes, Boards, Compression, DRIFT_S, Expect, Generation, Map, Norm, Overload, Scene, Scope,
-    THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdRule,
+    Boards, Compression, DRIFT_S, Expect, Generation, Map, Overload, Scene, THRESHOLD_FLOOR,
+    THRESHOLD_SIGMAS, ThresholdFrom,
 };
-pub use setup::{
-    Loaded, Setup, Stroked, load_activation, load_bench, load_layout, load_limits, load_perceiver,
-    load_scene, load_textures, sensor_of,
-};
+pub use setup::{Setup, Stroked, sensor_of};
 pub use source::Source;
 pub use texture::{Rated, TextureEntry, TextureTable};
+pub use texture_model::{Layer, Tensor, TextureModel, model_file, taxel};
 pub use touch::{Force, Path, PathKind, Touch, TouchPoint};
-pub use wire::{AlloyFile, Electrical, HysteresisLaw, Mechanical, ThermalValues, WireFile};
+pub use wire::{AlloyFile, Electrical, Mechanical, ThermalValues, WireFile};
+pub use words::{axes_named, norm, scope};

@@ -1,128 +1,91 @@
 //! Limit tables: rows that may tighten what the guard enforces, and never loosen it.
 
+use palpate_core::guard::{HARD, Limits};
+use palpate_core::units::Duration;
 use serde::Deserialize;
 
-use super::{FileError, Source};
-
-/// The hard limits. A file's row must be at or below its number here; a row left out keeps it.
-pub const HARD_LIMITS: Limits = Limits {
-    name: String::new(),
-    description: String::new(),
-    pulse: Pulse { width_us: 200.0 },
-    burst: Burst {
-        length_ms: 50.0,
-        energy_mj: 10.0,
-    },
-    wire_power: WirePower {
-        over_1s_mw: 45.0,
-        over_10s_mw: 20.0,
-    },
-    fingertip_power: FingertipPower {
-        over_1s_mw: 110.0,
-        over_60s_mw: 60.0,
-    },
-    skin: Skin {
-        mean_10s_c: 41.0,
-        peak_c: 43.0,
-        deep_c: 41.0,
-    },
-    dose: Dose {
-        henriques_omega: 0.01,
-        cem43_min: 2.0,
-    },
-    watchdog: Watchdog {
-        off_within_ms: 100.0,
-    },
-};
+use super::error::FileError;
+use super::source::Source;
 
 macro_rules! section {
-    ($(#[$doc:meta])* $name:ident, $field:ident: $($(#[$row:meta])* $key:ident),+) => {
+    ($(#[$doc:meta])* $name:ident: $($(#[$row:meta])* $key:ident = $hard:expr),+) => {
         $(#[$doc])*
-        #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+        #[derive(Deserialize)]
         #[cfg_attr(test, derive(schemars::JsonSchema))]
         #[serde(deny_unknown_fields, default)]
-        pub struct $name { $($(#[$row])* pub $key: f64),+ }
+        struct $name { $($(#[$row])* $key: f64),+ }
 
         impl Default for $name {
-            fn default() -> Self { HARD_LIMITS.$field }
+            /// The hard limits in the file's units.
+            fn default() -> Self {
+                Self { $($key: $hard),+ }
+            }
         }
     };
 }
 
-section! { /** One pulse; full-on is refused whatever stands here. */ Pulse, pulse:
-/** Longest pulse in microseconds. */ width_us }
-section! { /** One burst on one wire. */ Burst, burst:
-/** Longest burst in milliseconds. */ length_ms,
-/** Most electrical energy in millijoules. */ energy_mj }
-section! { /** Mean electrical power of one wire. */ WirePower, wire_power:
-/** Milliwatts over one second. */ over_1s_mw,
-/** Milliwatts over ten seconds. */ over_10s_mw }
-section! { /** Mean electrical power of all wires of a fingertip. */ FingertipPower, fingertip_power:
-/** Milliwatts over one second. */ over_1s_mw,
-/** Milliwatts over sixty seconds. */ over_60s_mw }
-section! { /** Modelled skin temperature. */ Skin, skin:
-/** Ten-second mean at 0.1 mm in degrees Celsius. */ mean_10s_c,
-/** At any time at 0.1 mm in degrees Celsius. */ peak_c,
-/** At any time at 0.4 mm in degrees Celsius. */ deep_c }
-section! { /** Dose over a session. */ Dose, dose:
-/** Henriques' damage integral, kept below this. */ henriques_omega,
-/** Cumulative equivalent minutes at 43 degrees Celsius, kept below this. */ cem43_min }
-section! { /** Outputs off on stale input, a late tick or a lost link. */ Watchdog, watchdog:
-/** Within this many milliseconds. */ off_within_ms }
+section! { /** One pulse; full-on is refused whatever stands here. */ Pulse:
+/** Longest pulse in microseconds. */ width_us = HARD.pulse_width_ns as f64 / 1e3 }
+section! { /** One burst on one wire. */ Burst:
+/** Longest burst in milliseconds. */ length_ms = HARD.burst.as_micros() as f64 / 1e3,
+/** Most electrical energy in millijoules. */ energy_mj = HARD.burst_energy_nj as f64 / 1e6 }
+section! { /** Mean electrical power of one wire. */ WirePower:
+/** Milliwatts over one second. */ over_1s_mw = HARD.wire_1s_uw as f64 / 1e3,
+/** Milliwatts over ten seconds. */ over_10s_mw = HARD.wire_10s_uw as f64 / 1e3 }
+section! { /** Mean electrical power of all wires of a fingertip. */ FingertipPower:
+/** Milliwatts over one second. */ over_1s_mw = HARD.fingertip_1s_uw as f64 / 1e3,
+/** Milliwatts over sixty seconds. */ over_60s_mw = HARD.fingertip_60s_uw as f64 / 1e3 }
+section! { /** Modelled skin temperature. */ Skin:
+/** Ten-second mean at 0.1 mm in degrees Celsius. */ mean_10s_c = HARD.skin_mean_mc as f64 / 1e3,
+/** At any time at 0.1 mm in degrees Celsius. */ peak_c = HARD.skin_peak_mc as f64 / 1e3,
+/** At any time at 0.4 mm in degrees Celsius. */ deep_c = HARD.skin_deep_mc as f64 / 1e3 }
+section! { /** Dose over a session. */ Dose:
+/** Henriques' damage integral, kept below this. */ henriques_omega = HARD.dose_omega_ppm as f64 / 1e6,
+/** Cumulative equivalent minutes at 43 degrees Celsius, kept below this. */
+cem43_min = HARD.dose_cem43_ms as f64 / 60e3 }
+section! { /** Outputs off on stale input, a late tick or a lost link. */ Watchdog:
+/** Within this many milliseconds. */ off_within_ms = HARD.stale.as_micros() as f64 / 1e3 }
 
 /// A limit table, in the units its keys name.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Default, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
+#[cfg_attr(test, schemars(extend("required" = ["name", "description"])))]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct Limiting {
     /// Lower case with hyphens.
-    pub name: String,
+    name: String,
     /// What it is for, in a sentence.
-    pub description: String,
+    description: String,
     /// One pulse.
-    #[serde(default)]
-    pub pulse: Pulse,
+    pulse: Pulse,
     /// One burst on one wire.
-    #[serde(default)]
-    pub burst: Burst,
+    burst: Burst,
     /// Mean power of one wire.
-    #[serde(default)]
-    pub wire_power: WirePower,
+    wire_power: WirePower,
     /// Mean power of a fingertip.
-    #[serde(default)]
-    pub fingertip_power: FingertipPower,
+    fingertip_power: FingertipPower,
     /// Modelled skin temperature.
-    #[serde(default)]
-    pub skin: Skin,
+    skin: Skin,
     /// Dose over a session.
-    #[serde(default)]
-    pub dose: Dose,
+    dose: Dose,
     /// Time to outputs off.
-    #[serde(default)]
-    pub watchdog: Watchdog,
+    watchdog: Watchdog,
 }
 
-impl Limits {
-    /// Every row: its key, its value, and the least value that makes sense.
+impl Limiting {
+    /// Every row: its key, its value, and what the value has to be above.
     fn rows(&self) -> [(&'static str, f64, f64); 13] {
         // A skin limit at or below the 33 C of resting skin could never be met.
         const REST: f64 = 33.0;
+        let (wire, finger) = (&self.wire_power, &self.fingertip_power);
         [
             ("pulse.width_us", self.pulse.width_us, 0.0),
             ("burst.length_ms", self.burst.length_ms, 0.0),
             ("burst.energy_mj", self.burst.energy_mj, 0.0),
-            ("wire_power.over_1s_mw", self.wire_power.over_1s_mw, 0.0),
-            ("wire_power.over_10s_mw", self.wire_power.over_10s_mw, 0.0),
-            (
-                "fingertip_power.over_1s_mw",
-                self.fingertip_power.over_1s_mw,
-                0.0,
-            ),
-            (
-                "fingertip_power.over_60s_mw",
-                self.fingertip_power.over_60s_mw,
-                0.0,
-            ),
+            ("wire_power.over_1s_mw", wire.over_1s_mw, 0.0),
+            ("wire_power.over_10s_mw", wire.over_10s_mw, 0.0),
+            ("fingertip_power.over_1s_mw", finger.over_1s_mw, 0.0),
+            ("fingertip_power.over_60s_mw", finger.over_60s_mw, 0.0),
             ("skin.mean_10s_c", self.skin.mean_10s_c, REST),
             ("skin.peak_c", self.skin.peak_c, REST),
             ("skin.deep_c", self.skin.deep_c, REST),
@@ -132,15 +95,50 @@ impl Limits {
         ]
     }
 
+    /// The same in the guard's integers. The supply's limit is a bench's to state.
+    fn limits(&self) -> Limits {
+        let scaled = |value: f64, scale: f64| (value * scale).round() as u64;
+        Limits {
+            pulse_width_ns: scaled(self.pulse.width_us, 1e3),
+            burst: Duration::from_micros(scaled(self.burst.length_ms, 1e3)),
+            burst_energy_nj: scaled(self.burst.energy_mj, 1e6),
+            wire_1s_uw: scaled(self.wire_power.over_1s_mw, 1e3),
+            wire_10s_uw: scaled(self.wire_power.over_10s_mw, 1e3),
+            fingertip_1s_uw: scaled(self.fingertip_power.over_1s_mw, 1e3),
+            fingertip_60s_uw: scaled(self.fingertip_power.over_60s_mw, 1e3),
+            skin_mean_mc: scaled(self.skin.mean_10s_c, 1e3),
+            skin_peak_mc: scaled(self.skin.peak_c, 1e3),
+            skin_deep_mc: scaled(self.skin.deep_c, 1e3),
+            dose_omega_ppm: scaled(self.dose.henriques_omega, 1e6),
+            dose_cem43_ms: scaled(self.dose.cem43_min, 60e3),
+            stale: Duration::from_micros(scaled(self.watchdog.off_within_ms, 1e3)),
+            supply: HARD.supply,
+        }
+        .tightened()
+    }
+}
+
+/// A limit table that was read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LimitTable {
+    /// Lower case with hyphens.
+    pub name: String,
+    /// What it is for, in a sentence.
+    pub description: String,
+    /// Its rows; the supply's is a bench's to state.
+    pub limits: Limits,
+}
+
+impl LimitTable {
     /// Reads and checks a limit table.
     ///
     /// # Errors
     /// A row above its hard limit, or one that nothing could meet, with its line.
     pub fn read(source: &Source) -> Result<Self, FileError> {
-        let limits: Self = source.read()?;
-        source.heading(&limits.name, &limits.description)?;
-        for ((key, value, floor), (_, hard, _)) in limits.rows().into_iter().zip(HARD_LIMITS.rows())
-        {
+        let file: Limiting = source.read()?;
+        source.heading(&file.name, &file.description)?;
+        let hard = Limiting::default().rows();
+        for ((key, value, floor), (_, hard, _)) in file.rows().into_iter().zip(hard) {
             if value > hard {
                 let expected = format!("at most the hard limit {hard} (a file may only tighten)");
                 return Err(source.bad(key, expected));
@@ -149,6 +147,10 @@ impl Limits {
                 return Err(source.bad(key, format!("more than {floor}")));
             }
         }
-        Ok(limits)
+        Ok(Self {
+            limits: file.limits(),
+            name: file.name,
+            description: file.description,
+        })
     }
 }

@@ -2,7 +2,8 @@
 
 use serde::Deserialize;
 
-use super::{FileError, Source};
+use super::error::FileError;
+use super::source::Source;
 
 /// A list of trials that may fail.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]

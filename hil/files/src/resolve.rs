@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{FileError, Source};
+use super::error::FileError;
+use super::source::Source;
 
-/// The kinds of TOML file; each has its own shelf of built-in names.
+/// The kinds of settings file; each has its own shelf of built-in names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum FileKind {
     /// What touches the skin, and how it is projected.
     Scene,
     /// Where taxels or wires are.
@@ -29,7 +30,7 @@ pub enum Kind {
     Textures,
 }
 
-impl Kind {
+impl FileKind {
     fn folder(self) -> &'static str {
         match self {
             Self::Scene => "scenes",
@@ -101,7 +102,7 @@ impl Kind {
 ///
 /// # Errors
 /// An unknown name lists what exists; a file says why it cannot be read.
-pub fn resolve(kind: Kind, name: &str) -> Result<Source, FileError> {
+pub fn resolve(kind: FileKind, name: &str) -> Result<Source, FileError> {
     look_up(kind, name, None)?.ok_or_else(|| {
         FileError::whole(
             if name.is_empty() { "\"\"" } else { name },
@@ -116,15 +117,15 @@ pub fn resolve(kind: Kind, name: &str) -> Result<Source, FileError> {
 /// # Errors
 /// As [`resolve`]; an unknown name is reported at its line in `referrer`.
 pub fn resolve_from(
-    kind: Kind,
+    kind: FileKind,
     name: &str,
     referrer: &Source,
     key: &str,
 ) -> Result<Source, FileError> {
-    look_up(kind, name, referrer.folder())?.ok_or_else(|| referrer.bad(key, kind.choices()))
+    look_up(kind, name, referrer.folder_of(key))?.ok_or_else(|| referrer.bad(key, kind.choices()))
 }
 
-fn look_up(kind: Kind, name: &str, folder: Option<&Path>) -> Result<Option<Source>, FileError> {
+fn look_up(kind: FileKind, name: &str, folder: Option<&Path>) -> Result<Option<Source>, FileError> {
     if let Some(text) = kind.built_in(name) {
         let label = format!("fixtures/{}/{name}.toml", kind.folder());
         return Ok(Some(Source::new(label, text)));

@@ -1,43 +1,26 @@
 //! Scenes: what touches which skin, and how it is compressed and projected.
 
+use palpate_core::contact::{Norm, Scope};
+use palpate_core::skin::{Axes, ThresholdRule};
 use serde::Deserialize;
 
-use super::{Fault, Felt, FileError, Illusion, Source, Stroke, Touch};
-
-/// A closed list of words.
-macro_rules! choice {
-    ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $text:literal),+ $(,)? }) => {
-        $(#[$doc])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-        #[cfg_attr(test, derive(schemars::JsonSchema))]
-        pub enum $name { $($(#[$variant_doc])* #[serde(rename = $text)] $variant),+ }
-    };
-}
-
-pub(super) use choice;
+use super::error::FileError;
+use super::fault::Fault;
+use super::felt::Felt;
+use super::illusion::{Illusion, SceneStroke};
+use super::source::Source;
+use super::touch::Touch;
+use super::words::{self, choice};
 
 choice! { /** A sensor generation: its values at rest. */ Generation {
     /** X and Y near 16.4k, Z 32k to 36k. */ Y2019 = "2019",
     /** X near 48.9k, Y 16.4k, Z 37.4k. */ Y2021 = "2021",
     /** X and Y near 32.8k, Z 37.4k. */ Current = "current",
 }}
-choice! { /** How a taxel's axes make one weight. */ Norm {
-    /** Sum of absolute values. */ L1 = "l1",
-    /** Euclidean. */ L2 = "l2",
-    /** Largest absolute value. */ Linf = "linf",
-}}
-choice! { /** The axes that count. */ Axes {
-    /** All three. */ Xyz = "xyz",
-    /** The normal one. */ Z = "z",
-}}
-choice! { /** Where the contact threshold comes from. */ ThresholdRule {
+choice! { /** What the contact threshold is found from. */ ThresholdFrom {
     /** The largest value of the first frame after the reference, for all taxels: the thesis's (4.3). */
     Maximum = "maximum",
     /** Six standard deviations of every taxel's own noise. */ PerTaxel = "per-taxel",
-}}
-choice! { /** Where `kc` and `ki` apply. */ Scope {
-    /** To each module. */ Module = "module",
-    /** To the whole skin in one plane. */ Skin = "skin",
 }}
 choice! { /** What a board does when a scan is due and frames of the last one have not left. */ Overload {
     /** The next scan starts at the first tick after the last frame left. */ Wait = "wait",
@@ -51,14 +34,11 @@ pub const THRESHOLD_FLOOR: f64 = 20.0;
 /// Time constant of drift following on recordings, seconds: boards drift by about 1000 counts in minutes.
 pub const DRIFT_S: f64 = 5.0;
 
-const fn per_taxel() -> ThresholdRule {
-    ThresholdRule::PerTaxel
-}
-
-/// A scene.
+/// A scene. A file states what differs from [`Scene::default`], and its name and description.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[cfg_attr(test, schemars(extend("required" = ["name", "description"])))]
+#[serde(default, deny_unknown_fields)]
 pub struct Scene {
     /// Lower case with hyphens.
     pub name: String,
@@ -70,15 +50,14 @@ pub struct Scene {
     pub layout: String,
     /// The sensor generation.
     pub generation: Generation,
-    /// Frames a second.
+    /// Frames per second.
     pub rate_hz: f64,
     /// Range from which each taxel draws its noise's standard deviation, in counts.
     pub noise_lsb: [f64; 2],
     /// Contact-free frames that make the reference; the next one makes the threshold.
     pub reference_frames: u32,
-    /// Where the contact threshold comes from; left out: every taxel's own noise.
-    #[serde(default = "per_taxel")]
-    pub threshold: ThresholdRule,
+    /// What the contact threshold is found from.
+    pub threshold: ThresholdFrom,
     /// Counts added to the threshold.
     pub threshold_margin: f64,
     /// Time constant in seconds with which the reference follows a taxel not in contact; left out: it stays.
@@ -92,52 +71,94 @@ pub struct Scene {
     /// Activations and timing.
     pub illusion: Illusion,
     /// From skin to display.
-    #[serde(default)]
     pub map: Map,
     /// The sensor boards on their buses.
-    #[serde(default)]
     pub boards: Boards,
     /// What touches the skin; nothing if left out.
-    #[serde(default)]
     pub touches: Vec<Touch>,
     /// Strokes over the display that are known beforehand; none if left out.
-    #[serde(default)]
-    pub strokes: Vec<Stroke>,
+    pub strokes: Vec<SceneStroke>,
     /// The texture that is felt; none if left out.
     pub texture: Option<Felt>,
     /// What goes wrong on an emulated bench; nothing if left out.
-    #[serde(default)]
     pub faults: Vec<Fault>,
     /// What a test of this scene checks.
-    #[serde(default)]
     pub expect: Expect,
+}
+
+impl Default for Scene {
+    /// Ten seconds of a flat module that nothing touches, without a name.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            description: String::new(),
+            length_s: 10.0,
+            layout: "uskin-4x4".into(),
+            generation: Generation::Current,
+            rate_hz: 100.0,
+            noise_lsb: [1.0, 2.3],
+            reference_frames: 50,
+            threshold: ThresholdFrom::PerTaxel,
+            threshold_margin: 10.0,
+            drift_s: None,
+            faulty_deviations: None,
+            drives: 0,
+            compression: Compression::default(),
+            illusion: Illusion::default(),
+            map: Map::default(),
+            boards: Boards::default(),
+            touches: Vec::new(),
+            strokes: Vec::new(),
+            texture: None,
+            faults: Vec::new(),
+            expect: Expect::default(),
+        }
+    }
 }
 
 /// Contact compression.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct Compression {
-    /// Most contacts a frame.
+    /// Most contacts per frame.
     pub kc: u32,
     /// Intensity levels.
     pub ki: u32,
     /// Weight = norm to this power.
     pub weight_exponent: f64,
     /// The weight's norm.
+    #[serde(with = "words::Norm")]
     pub norm: Norm,
     /// The axes that count.
+    #[serde(with = "words::axes")]
+    #[cfg_attr(test, schemars(with = "words::Axes"))]
     pub axes: Axes,
     /// Where `kc` and `ki` apply.
+    #[serde(with = "words::Scope")]
     pub scope: Scope,
-    /// Most iterations of K-means a frame; left out: 32.
-    pub iterations: Option<u32>,
+    /// Most iterations of K-means per frame.
+    pub iterations: u32,
+}
+
+impl Default for Compression {
+    fn default() -> Self {
+        Self {
+            kc: 1,
+            ki: 10,
+            weight_exponent: 2.0,
+            norm: Norm::L2,
+            axes: Axes::XYZ,
+            scope: Scope::Module,
+            iterations: 32,
+        }
+    }
 }
 
 /// The linear map from skin to display.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct Map {
     /// Sensor rectangle (left, bottom, right, top) that fills the display; left out: the taxels' hull.
     pub sensor_mm: Option<[f64; 4]>,
@@ -148,7 +169,7 @@ pub struct Map {
 /// The sensor boards of an emulated skin.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct Boards {
     /// Puts every board on this bus; left out: as the layout says.
     pub bus: Option<u8>,
@@ -159,7 +180,7 @@ pub struct Boards {
 /// Bounds that a test of this scene checks; those left out are not checked.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct Expect {
     /// Largest root mean square error of the contact path.
     pub path_rmse_mm: Option<f64>,
@@ -172,7 +193,6 @@ pub struct Expect {
     /// Most events of the limiter.
     pub limiter_events_max: Option<u32>,
     /// The emulated hardware passes a limit, as after a fault that no software can end; left out: it may pass none.
-    #[serde(default)]
     pub over_limit: bool,
 }
 
@@ -182,43 +202,57 @@ impl Scene {
     /// # Errors
     /// Names the line and key of what cannot be.
     pub fn read(source: &Source) -> Result<Self, FileError> {
-        let scene: Self = source.read()?;
+        let mut scene: Self = source.read()?;
         source.heading(&scene.name, &scene.description)?;
         source.range("length_s", scene.length_s, 0.01..=86_400.0, "s")?;
-        source.range("rate_hz", scene.rate_hz, 0.1..=10_000.0, "Hz")?;
-        let [low, high] = scene.noise_lsb;
-        source.range("noise_lsb", low, 0.0..=1000.0, "counts")?;
-        source.range("noise_lsb", high, low..=1000.0, "counts (the lower end)")?;
-        source.range("reference_frames", scene.reference_frames, 1..=100_000, "")?;
-        source.range(
-            "threshold_margin",
-            scene.threshold_margin,
-            0.0..=65_535.0,
-            "counts",
-        )?;
-        if let Some(constant) = scene.drift_s {
-            source.range("drift_s", constant, 0.01..=86_400.0, "s")?;
+        for touch in &mut scene.touches {
+            touch.last(scene.length_s);
         }
-        if let Some(k) = scene.faulty_deviations {
-            source.range("faulty_deviations", k, 0.1..=1000.0, "")?;
-        }
-        source.range("compression.kc", scene.compression.kc, 1..=1024, "")?;
-        source.range("compression.ki", scene.compression.ki, 1..=256, "")?;
-        source.range(
-            "compression.weight_exponent",
-            scene.compression.weight_exponent,
-            0.0..=16.0,
-            "",
-        )?;
-        if let Some(most) = scene.compression.iterations {
-            source.range("compression.iterations", most, 1..=1000, "")?;
-        }
+        scene.check_skin(source)?;
+        scene.compression.check(source)?;
         scene.illusion.check(source)?;
         scene.check_map(source)?;
-        let quiet_s = f64::from(scene.reference_frames + 1) / scene.rate_hz;
-        for (index, touch) in scene.touches.iter().enumerate() {
+        scene.check_events(source)?;
+        scene.expect.check(source)?;
+        Ok(scene)
+    }
+
+    /// The contact threshold as the core takes it.
+    #[must_use]
+    pub fn threshold_rule(&self) -> ThresholdRule {
+        let margin = self.threshold_margin as f32;
+        match self.threshold {
+            ThresholdFrom::Maximum => ThresholdRule::Auto { margin },
+            ThresholdFrom::PerTaxel => ThresholdRule::PerTaxel {
+                sigmas: THRESHOLD_SIGMAS as f32,
+                floor: margin,
+            },
+        }
+    }
+
+    fn check_skin(&self, source: &Source) -> Result<(), FileError> {
+        source.range("rate_hz", self.rate_hz, 0.1..=10_000.0, "Hz")?;
+        let [low, high] = self.noise_lsb;
+        source.range("noise_lsb", low, 0.0..=1000.0, "counts")?;
+        source.range("noise_lsb", high, low..=1000.0, "counts (the lower end)")?;
+        source.range("reference_frames", self.reference_frames, 1..=100_000, "")?;
+        let margin = self.threshold_margin;
+        source.range("threshold_margin", margin, 0.0..=65_535.0, "counts")?;
+        if let Some(constant) = self.drift_s {
+            source.range("drift_s", constant, 0.01..=86_400.0, "s")?;
+        }
+        if let Some(k) = self.faulty_deviations {
+            source.range("faulty_deviations", k, 0.1..=1000.0, "")?;
+        }
+        Ok(())
+    }
+
+    /// What happens: touches, textures, strokes, faults.
+    fn check_events(&self, source: &Source) -> Result<(), FileError> {
+        let quiet_s = f64::from(self.reference_frames + 1) / self.rate_hz;
+        for (index, touch) in self.touches.iter().enumerate() {
             let key = format!("touches[{index}]");
-            touch.check(source, &key, scene.length_s)?;
+            touch.check(source, &key, self.length_s)?;
             if touch.start_s < quiet_s {
                 let expected = format!(
                     "at least {quiet_s} s: reference and threshold frames are contact-free"
@@ -226,19 +260,18 @@ impl Scene {
                 return Err(source.bad(&format!("{key}.start_s"), expected));
             }
         }
-        if let Some(texture) = &scene.texture {
-            texture.check(source, quiet_s, scene.length_s)?;
+        if let Some(texture) = &self.texture {
+            texture.check(source, quiet_s, self.length_s)?;
         }
         let mut free_s = 0.0;
-        for (index, stroke) in scene.strokes.iter().enumerate() {
-            stroke.check(source, &format!("strokes[{index}]"), free_s, scene.length_s)?;
+        for (index, stroke) in self.strokes.iter().enumerate() {
+            stroke.check(source, &format!("strokes[{index}]"), free_s, self.length_s)?;
             free_s = stroke.start_s + stroke.length_s;
         }
-        for (index, fault) in scene.faults.iter().enumerate() {
-            fault.check(source, &format!("faults[{index}]"), scene.length_s)?;
+        for (index, fault) in self.faults.iter().enumerate() {
+            fault.check(source, &format!("faults[{index}]"), self.length_s)?;
         }
-        scene.expect.check(source)?;
-        Ok(scene)
+        Ok(())
     }
 
     fn check_map(&self, source: &Source) -> Result<(), FileError> {
@@ -252,6 +285,16 @@ impl Scene {
             return Err(source.bad("map.sensor_mm", "[left, bottom, right, top] with an area"));
         }
         Ok(())
+    }
+}
+
+impl Compression {
+    fn check(&self, source: &Source) -> Result<(), FileError> {
+        source.range("compression.kc", self.kc, 1..=1024, "")?;
+        source.range("compression.ki", self.ki, 1..=256, "")?;
+        let exponent = self.weight_exponent;
+        source.range("compression.weight_exponent", exponent, 0.0..=16.0, "")?;
+        source.range("compression.iterations", self.iterations, 1..=1000, "")
     }
 }
 

@@ -1,83 +1,18 @@
 //! What a run needs, read together and checked against one another.
 
-use super::resolve::{Kind, resolve, resolve_from};
-use super::{
-    ActivationFile, AlloyFile, Bench, DisplayLayout, FileError, LayoutFile, Limits, PerceiverFile,
-    Scene, SensorLayout, Source, TextureEntry, TextureTable, Wearer, WireFile,
-};
+use std::collections::BTreeSet;
 
-/// What was read, beside its text: later checks name a line with [`Source::bad`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct Loaded<T> {
-    /// What the file says.
-    pub value: T,
-    /// Where it says so.
-    pub source: Source,
-}
-
-fn load<T>(
-    source: Source,
-    read: fn(&Source) -> Result<T, FileError>,
-) -> Result<Loaded<T>, FileError> {
-    let value = read(&source)?;
-    Ok(Loaded { value, source })
-}
-
-/// A scene by name or path.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_scene(name: &str) -> Result<Loaded<Scene>, FileError> {
-    load(resolve(Kind::Scene, name)?, Scene::read)
-}
-
-/// A layout of either kind by name or path.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_layout(name: &str) -> Result<Loaded<LayoutFile>, FileError> {
-    load(resolve(Kind::Layout, name)?, LayoutFile::read)
-}
-
-/// A bench by name or path.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_bench(name: &str) -> Result<Loaded<Bench>, FileError> {
-    load(resolve(Kind::Bench, name)?, Bench::read)
-}
-
-/// A limit table by name or path.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_limits(name: &str) -> Result<Loaded<Limits>, FileError> {
-    load(resolve(Kind::Limits, name)?, Limits::read)
-}
-
-/// A perceiver by name or path.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_perceiver(name: &str) -> Result<Loaded<PerceiverFile>, FileError> {
-    load(resolve(Kind::Perceiver, name)?, PerceiverFile::read)
-}
-
-/// Reads an activation: a built-in name or a file.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_activation(name: &str) -> Result<Loaded<ActivationFile>, FileError> {
-    load(resolve(Kind::Activation, name)?, ActivationFile::read)
-}
-
-/// A table of textures by name or path.
-///
-/// # Errors
-/// An unknown name, or what cannot be in the file.
-pub fn load_textures(name: &str) -> Result<Loaded<TextureTable>, FileError> {
-    load(resolve(Kind::Textures, name)?, TextureTable::read)
-}
+use super::activation::ActivationFile;
+use super::bench::Bench;
+use super::error::FileError;
+use super::illusion::{PerceiverFile, Wearer};
+use super::layout::{DisplayLayout, LayoutFile, SensorLayout};
+use super::limits::LimitTable;
+use super::loaded::{Loaded, load_bench, load_scene};
+use super::resolve::FileKind;
+use super::scene::Scene;
+use super::texture::{TextureEntry, TextureTable};
+use super::wire::{AlloyFile, WireFile};
 
 /// What a scene's texture names.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,7 +35,7 @@ pub struct Setup {
     /// The bench's display.
     pub display: Loaded<DisplayLayout>,
     /// The bench's limit table.
-    pub limits: Loaded<Limits>,
+    pub limits: Loaded<LimitTable>,
     /// The bench's wires.
     pub wire: Loaded<WireFile>,
     /// What they are made of.
@@ -130,36 +65,25 @@ impl Setup {
         let sensor = sensor_of(&scene)?;
         let display = display_of(&bench)?;
         check_faults(&scene, &sensor.value, &bench.value)?;
-        let limits = match &bench.value.limits {
-            Some(name) => {
-                let source = resolve_from(Kind::Limits, name, &bench.source, "limits")?;
-                load(source, Limits::read)?
-            }
-            None => load_limits("default")?,
-        };
-        let wire = resolve_from(
-            Kind::Wire,
-            &bench.value.wire.kind,
-            &bench.source,
-            "wire.kind",
-        )?;
-        let wire = load(wire, WireFile::read)?;
-        let alloy = &bench.value.wire.alloy;
-        let alloy = resolve_from(Kind::Alloy, alloy, &bench.source, "wire.alloy")?;
-        let alloy = load(alloy, AlloyFile::read)?;
+        let hardware = &bench.value;
+        let table = &hardware.limits;
+        let limits = bench.refer(FileKind::Limits, LimitTable::read, table, "limits")?;
+        let wire = &hardware.wire;
+        let alloy = bench.refer(FileKind::Alloy, AlloyFile::read, &wire.alloy, "wire.alloy")?;
+        let wire = bench.refer(FileKind::Wire, WireFile::read, &wire.kind, "wire.kind")?;
         let texture = texture_of(&scene, sensor.value.modules.len())?;
         let (perceiver, wearer) = person_of(&scene)?;
         let wires = display.value.wires_mm.len();
         if let Some(wearer) = &wearer {
             wearer.value.fits(&wearer.source, wires)?;
         }
-        if bench.value.outputs.len() != wires {
-            let expected = format!("{wires} outputs, one a wire of `{}`", display.value.name);
-            let found = format!("{}", bench.value.outputs.len());
+        if hardware.outputs.len() != wires {
+            let expected = format!("{wires} outputs, one per wire of `{}`", display.value.name);
+            let found = hardware.outputs.len().to_string();
             return Err(bench.source.bad_found("outputs", expected, found));
         }
         if let Some(needed) = &scene.value.map.display
-            && *needed != bench.value.display
+            && *needed != hardware.display
             && *needed != display.value.name
         {
             let expected = format!("the bench's display, `{}`", display.value.name);
@@ -189,9 +113,12 @@ fn texture_of(scene: &Loaded<Scene>, modules: usize) -> Result<Option<Stroked>, 
         let expected = format!("a module of the layout, 0 to {}", modules - 1);
         return Err(scene.source.bad("texture.module", expected));
     }
-    let from = |kind, name, key| resolve_from(kind, name, &scene.source, key);
-    let activation = from(Kind::Activation, &felt.activation, "texture.activation")?;
-    let table = TextureTable::read(&from(Kind::Textures, &felt.table, "texture.table")?)?;
+    let key = "texture.activation";
+    let read = ActivationFile::read;
+    let activation = scene.refer(FileKind::Activation, read, &felt.activation, key)?;
+    let read = TextureTable::read;
+    let table = scene.refer(FileKind::Textures, read, &felt.table, "texture.table")?;
+    let table = table.value;
     let names: Vec<String> = table.texture.iter().map(|t| t.name.clone()).collect();
     let surface = felt.surface.as_ref().map(|name| {
         let found = table.texture.into_iter().find(|t| t.name == *name);
@@ -200,7 +127,7 @@ fn texture_of(scene: &Loaded<Scene>, modules: usize) -> Result<Option<Stroked>, 
     });
     Ok(Some(Stroked {
         surface: surface.transpose()?,
-        activation: load(activation, ActivationFile::read)?,
+        activation,
     }))
 }
 
@@ -209,22 +136,12 @@ type Person = (Loaded<PerceiverFile>, Option<Loaded<Wearer>>);
 
 fn person_of(scene: &Loaded<Scene>) -> Result<Person, FileError> {
     let illusion = &scene.value.illusion;
-    let perceiver = match &illusion.perceiver {
-        Some(name) => {
-            let key = "illusion.perceiver";
-            let source = resolve_from(Kind::Perceiver, name, &scene.source, key)?;
-            load(source, PerceiverFile::read)?
-        }
-        None => load_perceiver("fitted")?,
-    };
-    let wearer = match &illusion.wearer {
-        Some(name) => {
-            let source = resolve_from(Kind::Wearer, name, &scene.source, "illusion.wearer")?;
-            Some(load(source, Wearer::read)?)
-        }
-        None => None,
-    };
-    Ok((perceiver, wearer))
+    let (read, key) = (PerceiverFile::read, "illusion.perceiver");
+    let perceiver = scene.refer(FileKind::Perceiver, read, &illusion.perceiver, key)?;
+    let wearer = illusion.wearer.as_ref();
+    let wearer =
+        wearer.map(|name| scene.refer(FileKind::Wearer, Wearer::read, name, "illusion.wearer"));
+    Ok((perceiver, wearer.transpose()?))
 }
 
 /// The skin of a scene.
@@ -232,13 +149,13 @@ fn person_of(scene: &Loaded<Scene>) -> Result<Person, FileError> {
 /// # Errors
 /// What cannot be in its layout, or does not fit the scene.
 pub fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileError> {
-    let source = resolve_from(Kind::Layout, &scene.value.layout, &scene.source, "layout")?;
-    let LayoutFile::Sensor(mut sensor) = LayoutFile::read(&source)? else {
-        return Err(scene.source.bad_found(
-            "layout",
-            "a layout of kind \"sensor\"",
-            format!("the display `{}`", scene.value.layout),
-        ));
+    let name = &scene.value.layout;
+    let Loaded { value, source } =
+        scene.refer(FileKind::Layout, LayoutFile::read, name, "layout")?;
+    let LayoutFile::Sensor(mut sensor) = value else {
+        let expected = "a layout of kind \"sensor\"";
+        let found = format!("the display `{name}`");
+        return Err(scene.source.bad_found("layout", expected, found));
     };
     if let Some(bus) = scene.value.boards.bus {
         let wired = sensor.modules.iter_mut().filter_map(|m| m.bus.as_mut());
@@ -267,7 +184,7 @@ fn check_faults(
     sensor: &SensorLayout,
     bench: &Bench,
 ) -> Result<(), FileError> {
-    let chips: std::collections::BTreeSet<u8> = bench.outputs.iter().map(|o| o.board).collect();
+    let chips: BTreeSet<u8> = bench.outputs.iter().map(|o| o.board).collect();
     let chips = chips.len();
     let buses = sensor.modules.iter().filter_map(|m| m.bus);
     let buses = buses.max().map_or(0, |last| usize::from(last) + 1);
@@ -292,16 +209,7 @@ fn check_faults(
 }
 
 fn display_of(bench: &Loaded<Bench>) -> Result<Loaded<DisplayLayout>, FileError> {
-    let source = resolve_from(Kind::Layout, &bench.value.display, &bench.source, "display")?;
-    let LayoutFile::Display(display) = LayoutFile::read(&source)? else {
-        return Err(bench.source.bad_found(
-            "display",
-            "a layout of kind \"display\"",
-            format!("the sensor `{}`", bench.value.display),
-        ));
-    };
-    Ok(Loaded {
-        value: display,
-        source,
-    })
+    let name = &bench.value.display;
+    let (value, source) = DisplayLayout::named(name, &bench.source, "display")?;
+    Ok(Loaded { value, source })
 }

@@ -9,7 +9,8 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::FileError;
+use super::change::{Change, Step, refuse_numbers, steps};
+use super::error::FileError;
 use super::wording::expectation;
 
 /// A file's text and where it came from. Kept beside what was read, so that later checks can name a line.
@@ -18,6 +19,7 @@ pub struct Source {
     label: String,
     text: String,
     folder: Option<PathBuf>,
+    changes: Vec<Change>,
 }
 
 impl Source {
@@ -28,6 +30,7 @@ impl Source {
             label: label.into(),
             text: text.into(),
             folder: None,
+            changes: Vec::new(),
         }
     }
 
@@ -56,6 +59,7 @@ impl Source {
             label,
             text,
             folder: path.parent().map(Path::to_path_buf),
+            changes: Vec::new(),
         })
     }
 
@@ -77,6 +81,32 @@ impl Source {
         self.folder.as_deref()
     }
 
+    /// The same file with these values in place of its own.
+    pub(super) fn with(&self, changes: Vec<Change>) -> Self {
+        Self {
+            changes,
+            ..self.clone()
+        }
+    }
+
+    /// The change that decides what stands at `key`; the last one counts.
+    fn change(&self, key: &str) -> Option<&Change> {
+        self.changes.iter().rfind(|change| change.covers(key))
+    }
+
+    /// Whether a value stands at `key`.
+    pub(super) fn states(&self, key: &str) -> bool {
+        match self.change(key) {
+            Some(change) => change.value.is_some(),
+            None => self.spans(key).is_some_and(|(_, value)| value.is_some()),
+        }
+    }
+
+    /// The folder that a relative name at `key` starts from; none where it was not the file that stated it.
+    pub(super) fn folder_of(&self, key: &str) -> Option<&Path> {
+        self.folder().filter(|_| self.change(key).is_none())
+    }
+
     /// An error at `key`; what was found is read back from the text.
     #[must_use]
     pub fn bad(&self, key: &str, expected: impl Into<String>) -> FileError {
@@ -92,9 +122,10 @@ impl Source {
         expected: impl Into<String>,
         found: impl Into<String>,
     ) -> FileError {
+        let change = self.change(key);
         FileError {
-            path: self.label.clone(),
-            line: Some(self.line_of(key)),
+            path: change.map_or(&self.label, |change| &change.by).clone(),
+            line: change.is_none().then(|| self.line_of(key)),
             key: Some(key.into()),
             expected: expected.into(),
             found: found.into(),
@@ -104,10 +135,16 @@ impl Source {
     /// Deserialises the whole text; numbers that no machine holds are refused first, since the plain value has no place for them.
     pub(super) fn read<T: DeserializeOwned>(&self) -> Result<T, FileError> {
         let table = self.parse()?;
-        self.refuse_numbers(&mut String::new(), table.get_ref())?;
+        refuse_numbers(&mut String::new(), table.get_ref())
+            .map_err(|(key, expected)| self.bad(&key, expected))?;
         let deserializer = toml::Deserializer::from(table);
         // Through the plain value: the parser's own deserialisers would each be compiled once more for every type.
-        let value = toml::Value::deserialize(deserializer).map_err(|error| self.syntax(&error))?;
+        let mut value =
+            toml::Value::deserialize(deserializer).map_err(|error| self.syntax(&error))?;
+        for change in &self.changes {
+            let applied = change.apply(&mut value);
+            applied.map_err(|expected| self.bad(&change.key, expected))?;
+        }
         serde_path_to_error::deserialize(value).map_err(|error| {
             let path = error.path().to_string();
             let path = if path == "." { "" } else { &path };
@@ -172,48 +209,6 @@ impl Source {
         }
     }
 
-    fn refuse_numbers(&self, path: &mut String, table: &DeTable<'_>) -> Result<(), FileError> {
-        for (key, value) in table {
-            let length = path.len();
-            if length > 0 {
-                path.push('.');
-            }
-            path.push_str(key.get_ref());
-            self.refuse_value(path, value.get_ref())?;
-            path.truncate(length);
-        }
-        Ok(())
-    }
-
-    fn refuse_value(&self, path: &mut String, value: &DeValue<'_>) -> Result<(), FileError> {
-        match value {
-            DeValue::Table(table) => self.refuse_numbers(path, table),
-            DeValue::Array(items) => {
-                for (index, item) in items.iter().enumerate() {
-                    let length = path.len();
-                    path.push_str(&format!("[{index}]"));
-                    self.refuse_value(path, item.get_ref())?;
-                    path.truncate(length);
-                }
-                Ok(())
-            }
-            DeValue::Float(float)
-                if !float
-                    .as_str()
-                    .parse::<f64>()
-                    .is_ok_and(|number| number.is_finite()) =>
-            {
-                Err(self.bad(path, "a finite number"))
-            }
-            DeValue::Integer(integer)
-                if i64::from_str_radix(integer.as_str(), integer.radix()).is_err() =>
-            {
-                Err(self.bad(path, "a whole number of at most 64 bits"))
-            }
-            _ => Ok(()),
-        }
-    }
-
     /// The line of `key`, or of the nearest table around it that is there.
     fn line_of(&self, key: &str) -> usize {
         self.spans(key)
@@ -221,6 +216,9 @@ impl Source {
     }
 
     fn value_text(&self, key: &str) -> Option<String> {
+        if let Some(change) = self.change(key) {
+            return change.value.clone();
+        }
         let (_, value) = self.spans(key)?;
         let text = self.text.get(value?)?;
         let line = text.lines().next().unwrap_or_default();
@@ -265,16 +263,4 @@ fn entry<'i>(table: &DeTable<'i>, name: &str) -> Option<(Range<usize>, Spanned<D
 
 fn newlines(bytes: &[u8]) -> usize {
     bytes.iter().filter(|byte| **byte == b'\n').count()
-}
-
-enum Step<'k> {
-    Key(&'k str),
-    Index(usize),
-}
-
-/// `touches[0].force_n` as steps; an index may follow a key directly or stand after a dot.
-fn steps(key: &str) -> impl Iterator<Item = Step<'_>> {
-    key.split(['.', '[', ']'])
-        .filter(|part| !part.is_empty())
-        .map(|part| part.parse().map_or(Step::Key(part), Step::Index))
 }

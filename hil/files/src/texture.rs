@@ -2,7 +2,8 @@
 
 use serde::Deserialize;
 
-use super::{FileError, Source};
+use super::error::FileError;
+use super::source::Source;
 
 /// A table of textures.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

@@ -4,7 +4,8 @@ use core::f64::consts::TAU;
 
 use serde::Deserialize;
 
-use super::{FileError, Source};
+use super::error::FileError;
+use super::source::Source;
 
 /// One sphere on one module.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -15,17 +16,38 @@ pub struct Touch {
     #[serde(default)]
     pub module: usize,
     /// The sphere's diameter in millimetres.
+    #[serde(default = "sphere_mm")]
     pub diameter_mm: f64,
     /// First contact in seconds.
     pub start_s: f64,
-    /// Last contact in seconds.
+    /// Last contact in seconds; left out: with the scene.
+    #[serde(default = "with_the_scene")]
     pub end_s: f64,
     /// The force rises and falls smoothly over this many seconds at either end.
+    #[serde(default = "ramp_s")]
     pub ramp_s: f64,
     /// Where.
     pub path: Path,
     /// How hard.
     pub force_n: Force,
+}
+
+/// The sphere of the published measurements.
+const fn sphere_mm() -> f64 {
+    19.45
+}
+
+/// No file states this: [`Touch::last`] puts the scene's length in its place.
+const fn with_the_scene() -> f64 {
+    f64::INFINITY
+}
+
+const fn ramp_s() -> f64 {
+    0.2
+}
+
+const fn wave_s() -> f64 {
+    1.0
 }
 
 /// Where a touch is, in the module's millimetres.
@@ -38,7 +60,7 @@ pub struct Path {
     /// hold: one point; line: two; polyline: two or more.
     #[serde(default)]
     pub points_mm: Vec<[f64; 2]>,
-    /// circle: its centre.
+    /// circle: its centre; left out: the module's.
     pub centre_mm: Option<[f64; 2]>,
     /// circle: its radius.
     pub radius_mm: Option<f64>,
@@ -69,8 +91,10 @@ pub struct Force {
     /// Newtons.
     pub mean: f64,
     /// Newtons, at most the mean.
+    #[serde(default)]
     pub amplitude: f64,
     /// Seconds.
+    #[serde(default = "wave_s")]
     pub period_s: f64,
 }
 
@@ -104,6 +128,13 @@ impl Touch {
             force_n: ramp * (self.force_n.mean + self.force_n.amplitude * wave),
             diameter_mm: self.diameter_mm,
         })
+    }
+
+    /// Ends with the scene where the file states no end.
+    pub(super) const fn last(&mut self, length_s: f64) {
+        if self.end_s.is_infinite() {
+            self.end_s = length_s;
+        }
     }
 
     /// Checks the touch that stands under `key`.
@@ -194,17 +225,15 @@ impl Path {
         if self.points_mm.len() > 1 && !moves {
             return Err(source.bad(&at("points_mm"), "points apart from one another"));
         }
+        if circle && self.radius_mm.is_none() {
+            return Err(source.bad(&at("radius_mm"), "a value for a circle"));
+        }
         for (name, given) in [
             ("centre_mm", self.centre_mm.is_some()),
             ("radius_mm", self.radius_mm.is_some()),
         ] {
-            if given != circle {
-                let expected = if circle {
-                    "a value for a circle"
-                } else {
-                    "this key for circles only"
-                };
-                return Err(source.bad(&at(name), expected));
+            if given && !circle {
+                return Err(source.bad(&at(name), "this key for circles only"));
             }
         }
         for (axis, value) in self.centre_mm.iter().flatten().enumerate() {

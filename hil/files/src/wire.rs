@@ -3,7 +3,8 @@
 use palpate_core::physics::{Alloy, Hysteresis, Mechanics, WireParameters};
 use serde::Deserialize;
 
-use super::{FileError, Source};
+use super::error::FileError;
+use super::source::Source;
 
 /// A wire, its alloy left open.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -23,8 +24,8 @@ pub struct WireFile {
     /// Where the heat goes.
     pub thermal: ThermalValues,
     /// How the phase follows the temperature; left out: generalised play.
-    #[serde(default)]
-    pub hysteresis: HysteresisLaw,
+    #[serde(default = "play", with = "HysteresisLaw")]
+    pub hysteresis: Hysteresis,
     /// Strain and sag.
     pub mechanical: Mechanical,
 }
@@ -82,19 +83,22 @@ pub struct Mechanical {
     pub expansion_martensite_per_k: f64,
 }
 
-/// A law of hysteresis.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum HysteresisLaw {
+const fn play() -> Hysteresis {
+    Hysteresis::Play
+}
+
+/// How a file writes a law of hysteresis.
+#[derive(Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema, serde::Serialize))]
+#[serde(
+    remote = "Hysteresis",
+    tag = "law",
+    rename_all = "kebab-case",
+    deny_unknown_fields
+)]
+enum HysteresisLaw {
     /// Generalised play.
-    #[default]
     Play,
-    /// Liang and Rogers' cosine in straight pieces.
-    Cosine {
-        /// Pieces of a branch, 2 to 64.
-        pieces: u8,
-    },
     /// A weighted sum of plays.
     Plays {
         /// How many, 1 to 16.
@@ -176,6 +180,125 @@ impl AlloyFile {
     }
 }
 
+/// Numbers under one table of the file: each with its key and what it may be.
+fn ranges(source: &Source, rows: &[(&str, f64, [f64; 2], &str)]) -> Result<(), FileError> {
+    for &(key, value, [low, high], unit) in rows {
+        source.range(key, value, low..=high, unit)?;
+    }
+    Ok(())
+}
+
+impl Electrical {
+    fn check(&self, source: &Source) -> Result<(), FileError> {
+        ranges(
+            source,
+            &[
+                (
+                    "electrical.resistance_ohm",
+                    self.resistance_ohm,
+                    [0.01, 1000.0],
+                    "Ohm",
+                ),
+                ("electrical.wire_share", self.wire_share, [0.0, 1.0], ""),
+                (
+                    "electrical.austenite_ratio",
+                    self.austenite_ratio,
+                    [0.2, 5.0],
+                    "",
+                ),
+                (
+                    "electrical.per_kelvin",
+                    self.per_kelvin,
+                    [-0.01, 0.01],
+                    "1/K",
+                ),
+            ],
+        )
+    }
+}
+
+impl ThermalValues {
+    fn check(&self, source: &Source) -> Result<(), FileError> {
+        ranges(
+            source,
+            &[
+                (
+                    "thermal.density_kg_m3",
+                    self.density_kg_m3,
+                    [1000.0, 20_000.0],
+                    "kg/m3",
+                ),
+                (
+                    "thermal.specific_heat_j_kgk",
+                    self.specific_heat_j_kgk,
+                    [100.0, 2000.0],
+                    "J/kgK",
+                ),
+                (
+                    "thermal.latent_heat_j_kg",
+                    self.latent_heat_j_kg,
+                    [0.0, 1e5],
+                    "J/kg",
+                ),
+                (
+                    "thermal.conductivity_w_mk",
+                    self.conductivity_w_mk,
+                    [0.0, 500.0],
+                    "W/mK",
+                ),
+                ("thermal.air_w_m2k", self.air_w_m2k, [0.0, 2000.0], "W/m2K"),
+                ("thermal.mount_w_k", self.mount_w_k, [0.0, 1.0], "W/K"),
+            ],
+        )
+    }
+}
+
+impl Mechanical {
+    fn check(&self, source: &Source) -> Result<(), FileError> {
+        ranges(
+            source,
+            &[
+                (
+                    "mechanical.bias_stress_mpa",
+                    self.bias_stress_mpa,
+                    [0.0, 1000.0],
+                    "MPa",
+                ),
+                (
+                    "mechanical.modulus_austenite_gpa",
+                    self.modulus_austenite_gpa,
+                    [1.0, 500.0],
+                    "GPa",
+                ),
+                (
+                    "mechanical.modulus_martensite_gpa",
+                    self.modulus_martensite_gpa,
+                    [1.0, 500.0],
+                    "GPa",
+                ),
+                (
+                    "mechanical.transformation_strain",
+                    self.transformation_strain,
+                    [0.0, 0.2],
+                    "",
+                ),
+                (
+                    "mechanical.expansion_austenite_per_k",
+                    self.expansion_austenite_per_k,
+                    [0.0, 1e-4],
+                    "1/K",
+                ),
+                (
+                    "mechanical.expansion_martensite_per_k",
+                    self.expansion_martensite_per_k,
+                    [0.0, 1e-4],
+                    "1/K",
+                ),
+            ],
+        )
+    }
+}
+
 impl WireFile {
     /// Reads a wire.
     ///
@@ -184,107 +307,14 @@ impl WireFile {
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let wire: Self = source.read()?;
         source.heading(&wire.name, &wire.description)?;
-        let (e, t, m) = (&wire.electrical, &wire.thermal, &wire.mechanical);
-        for (key, value, low, high, unit) in [
-            ("diameter_um", wire.diameter_um, 10.0, 1000.0, "um"),
-            ("length_mm", wire.length_mm, 0.5, 100.0, "mm"),
-            (
-                "electrical.resistance_ohm",
-                e.resistance_ohm,
-                0.01,
-                1000.0,
-                "Ohm",
-            ),
-            ("electrical.wire_share", e.wire_share, 0.0, 1.0, ""),
-            (
-                "electrical.austenite_ratio",
-                e.austenite_ratio,
-                0.2,
-                5.0,
-                "",
-            ),
-            ("electrical.per_kelvin", e.per_kelvin, -0.01, 0.01, "1/K"),
-            (
-                "thermal.density_kg_m3",
-                t.density_kg_m3,
-                1000.0,
-                20_000.0,
-                "kg/m3",
-            ),
-            (
-                "thermal.specific_heat_j_kgk",
-                t.specific_heat_j_kgk,
-                100.0,
-                2000.0,
-                "J/kgK",
-            ),
-            (
-                "thermal.latent_heat_j_kg",
-                t.latent_heat_j_kg,
-                0.0,
-                1e5,
-                "J/kg",
-            ),
-            (
-                "thermal.conductivity_w_mk",
-                t.conductivity_w_mk,
-                0.0,
-                500.0,
-                "W/mK",
-            ),
-            ("thermal.air_w_m2k", t.air_w_m2k, 0.0, 2000.0, "W/m2K"),
-            ("thermal.mount_w_k", t.mount_w_k, 0.0, 1.0, "W/K"),
-            (
-                "mechanical.bias_stress_mpa",
-                m.bias_stress_mpa,
-                0.0,
-                1000.0,
-                "MPa",
-            ),
-            (
-                "mechanical.modulus_austenite_gpa",
-                m.modulus_austenite_gpa,
-                1.0,
-                500.0,
-                "GPa",
-            ),
-            (
-                "mechanical.modulus_martensite_gpa",
-                m.modulus_martensite_gpa,
-                1.0,
-                500.0,
-                "GPa",
-            ),
-            (
-                "mechanical.transformation_strain",
-                m.transformation_strain,
-                0.0,
-                0.2,
-                "",
-            ),
-            (
-                "mechanical.expansion_austenite_per_k",
-                m.expansion_austenite_per_k,
-                0.0,
-                1e-4,
-                "1/K",
-            ),
-            (
-                "mechanical.expansion_martensite_per_k",
-                m.expansion_martensite_per_k,
-                0.0,
-                1e-4,
-                "1/K",
-            ),
-        ] {
-            source.range(key, value, low..=high, unit)?;
-        }
+        source.range("diameter_um", wire.diameter_um, 10.0..=1000.0, "um")?;
+        source.range("length_mm", wire.length_mm, 0.5..=100.0, "mm")?;
+        wire.electrical.check(source)?;
+        wire.thermal.check(source)?;
+        wire.mechanical.check(source)?;
         match wire.hysteresis {
-            HysteresisLaw::Play => {}
-            HysteresisLaw::Cosine { pieces } => {
-                source.range("hysteresis.pieces", pieces, 2..=64, "")?;
-            }
-            HysteresisLaw::Plays { count, narrowest } => {
+            Hysteresis::Play => {}
+            Hysteresis::Plays { count, narrowest } => {
                 source.range("hysteresis.count", count, 1..=16, "")?;
                 source.range("hysteresis.narrowest", narrowest, 0.01..=1.0, "")?;
             }
@@ -319,11 +349,7 @@ impl WireFile {
                 stress_per_kelvin: alloy.stress_mpa_k * 1e6,
                 reference_stress_pa: alloy.reference_stress_mpa * 1e6,
             },
-            hysteresis: match self.hysteresis {
-                HysteresisLaw::Play => Hysteresis::Play,
-                HysteresisLaw::Cosine { pieces } => Hysteresis::Cosine { pieces },
-                HysteresisLaw::Plays { count, narrowest } => Hysteresis::Plays { count, narrowest },
-            },
+            hysteresis: self.hysteresis,
             mechanics: Mechanics {
                 modulus_austenite_pa: m.modulus_austenite_gpa * 1e9,
                 modulus_martensite_pa: m.modulus_martensite_gpa * 1e9,
@@ -338,48 +364,5 @@ impl WireFile {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn wire(name: &str) -> WireFile {
-        WireFile::read(&Source::new(name, palpate_fixtures::wire(name).unwrap())).unwrap()
-    }
-
-    fn alloy(name: &str) -> AlloyFile {
-        AlloyFile::read(&Source::new(name, palpate_fixtures::alloy(name).unwrap())).unwrap()
-    }
-
-    #[test]
-    fn the_shipped_files_are_the_programs_own_constants() {
-        let (final_wire, first) = (wire("final-75um"), wire("first-100um"));
-        assert_eq!(final_wire.parameters(&alloy("low")), WireParameters::FINAL);
-        assert_eq!(first.parameters(&alloy("low")), WireParameters::FIRST);
-        let high = final_wire.parameters(&alloy("high"));
-        assert_eq!(high.alloy, Alloy::HIGH);
-        assert!(high.check().is_ok());
-    }
-
-    #[test]
-    fn laws_are_chosen_and_nonsense_is_named() {
-        let text = palpate_fixtures::wire("final-75um").unwrap();
-        let read = |text: String| WireFile::read(&Source::new("w.toml", text));
-        let plays = format!("{text}\n[hysteresis]\nlaw = \"plays\"\ncount = 5\nnarrowest = 0.2\n");
-        let law = read(plays).unwrap().hysteresis;
-        assert!(matches!(law, HysteresisLaw::Plays { count: 5, .. }));
-        let cosine = format!("{text}\n[hysteresis]\nlaw = \"cosine\"\npieces = 1\n");
-        assert!(
-            read(cosine)
-                .unwrap_err()
-                .to_string()
-                .contains("hysteresis.pieces")
-        );
-        let thick = text.replace("diameter_um = 75.0", "diameter_um = 7500.0");
-        let error = read(thick).unwrap_err().to_string();
-        assert!(error.contains("w.toml:4: diameter_um: expected"), "{error}");
-        let low = palpate_fixtures::alloy("low")
-            .unwrap()
-            .replace("= 78.0", "= 60.0");
-        let error = AlloyFile::read(&Source::new("a.toml", low)).unwrap_err();
-        assert!(error.to_string().contains("Mf < Ms < As < Af"), "{error}");
-    }
-}
+#[path = "wire_tests.rs"]
+mod tests;

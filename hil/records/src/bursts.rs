@@ -1,16 +1,33 @@
 //! Which wire was on from when to when: the schedule's entries put back together into bursts.
 
-use crate::trace::{Event, Header, Trace};
+use crate::trace::{Event, Header, Trace, WireInfo};
 use palpate_core::schedule::{Entry, Reason};
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
 
-/// One stay of a wire: on at a width, or held off although something was asked for.
+/// What is driven: a wire of the display, or an output that drives none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Output {
+    /// By its index in the display's layout.
+    Wire(u16),
+    /// By board and channel.
+    Pin(u8, u8),
+}
+
+impl fmt::Display for Output {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Wire(wire) => write!(out, "wire {wire}"),
+            Self::Pin(board, channel) => write!(out, "output {board}:{channel}"),
+        }
+    }
+}
+
+/// One stay of an output: on at a width, or held off although something was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Burst {
-    /// Wire index in the display's layout; `None` when the output drives no wire of it.
-    pub wire: Option<u16>,
-    /// Board and channel of the output.
-    pub output: (u8, u8),
+    /// What is driven.
+    pub output: Output,
     /// Start, microseconds.
     pub from_us: u64,
     /// End, microseconds: the end asked for, the next entry of the channel or an all-off.
@@ -23,16 +40,27 @@ pub struct Burst {
     pub reason: Option<Reason>,
 }
 
-/// Wire that an output drives.
-pub fn wire_of(header: &Header, board: u8, channel: u8) -> Option<u16> {
-    let index = header
-        .wires
-        .iter()
-        .position(|w| w.board == board && w.channel == channel)?;
-    u16::try_from(index).ok()
+impl Burst {
+    /// The wire that is driven, if one is.
+    pub const fn wire(&self) -> Option<u16> {
+        match self.output {
+            Output::Wire(wire) => Some(wire),
+            Output::Pin(..) => None,
+        }
+    }
 }
 
-/// Every burst of a run, sorted by start, board and channel. Entries that only switch an output off
+/// What a channel of a board drives.
+fn output(header: &Header, board: u8, channel: u8) -> Output {
+    let drives = |w: &WireInfo| w.board == board && w.channel == channel;
+    let index = header.wires.iter().position(drives);
+    match index.map(u16::try_from) {
+        Some(Ok(wire)) => Output::Wire(wire),
+        _ => Output::Pin(board, channel),
+    }
+}
+
+/// Every burst of a run, sorted by start and output. Entries that only switch an output off
 /// end a burst and are none themselves.
 pub fn bursts(trace: &Trace) -> Vec<Burst> {
     let mut open: BTreeMap<(u8, u8), Burst> = BTreeMap::new();
@@ -66,8 +94,7 @@ pub fn bursts(trace: &Trace) -> Vec<Burst> {
 
 fn start(header: &Header, entry: &Entry) -> Burst {
     Burst {
-        wire: wire_of(header, entry.board.0, entry.channel.0),
-        output: (entry.board.0, entry.channel.0),
+        output: output(header, entry.board.0, entry.channel.0),
         from_us: entry.at.as_micros(),
         to_us: entry.until.as_micros().max(entry.at.as_micros()),
         width: entry.width().get(),
@@ -87,56 +114,10 @@ pub fn shown_wires(trace: &Trace, all: &[Burst], most: usize) -> Vec<u16> {
     if usize::from(count) <= most {
         return (0..count).collect();
     }
-    let driven: BTreeSet<u16> = all.iter().filter_map(|b| b.wire).collect();
+    let driven: BTreeSet<u16> = all.iter().filter_map(Burst::wire).collect();
     driven.into_iter().take(most).collect()
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::synthetic;
-    use palpate_core::units::{Board, Channel, Instant, Ticks};
-
-    fn entry(at: u64, until: u64, width: u16) -> Event {
-        Event::Schedule(Entry {
-            at: Instant::from_micros(at),
-            board: Board(0),
-            channel: Channel(1),
-            on: 256,
-            off: 256 + width,
-            until: Instant::from_micros(until),
-            requested: Ticks::new(width),
-            reason: None,
-        })
-    }
-
-    #[test]
-    fn a_burst_ends_at_the_first_of_until_next_entry_and_all_off() {
-        let mut trace = synthetic::empty();
-        trace.events = vec![
-            entry(0, 35_000, 100),
-            entry(35_000, 35_000, 0),
-            entry(58_500, 93_500, 90),
-            entry(60_000, 95_000, 80),
-            Event::AllOff {
-                t_us: 70_000,
-                board: 0,
-                cause: "stale-input",
-            },
-            entry(200_000, 235_000, 70),
-        ];
-        let ends: Vec<_> = bursts(&trace)
-            .iter()
-            .map(|b| (b.from_us, b.to_us, b.width))
-            .collect();
-        assert_eq!(
-            ends,
-            [
-                (0, 35_000, 100),
-                (58_500, 60_000, 90),
-                (60_000, 70_000, 80),
-                (200_000, 235_000, 70)
-            ]
-        );
-    }
-}
+#[path = "bursts_tests.rs"]
+mod tests;

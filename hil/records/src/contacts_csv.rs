@@ -1,19 +1,19 @@
 //! Contacts as CSV: `frame,time_us,module,contact,x_mm,y_mm,intensity,level,members`.
 
 use crate::fixed::{milli, milli_u};
-use crate::trace::{Event, Trace};
+use crate::trace::Event;
 use std::io::{self, Write};
 
 /// First line of the file.
 pub const HEADER: &str = "frame,time_us,module,contact,x_mm,y_mm,intensity,level,members";
 
-/// Writes every contact of the trace, in its order; millimetres and raw counts with three decimals.
+/// Writes every contact among the events, in their order; millimetres and raw counts with three decimals.
 ///
 /// # Errors
 /// Whatever the writer says.
-pub fn write_contacts(trace: &Trace, mut out: impl Write) -> io::Result<()> {
+pub fn write_table(events: &[Event], mut out: impl Write) -> io::Result<()> {
     writeln!(out, "{HEADER}")?;
-    write_rows(&trace.events, out)
+    write_rows(events, out)
 }
 
 /// Writes the rows of events alone.
@@ -46,29 +46,5 @@ pub fn write_rows(events: &[Event], mut out: impl Write) -> io::Result<()> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::synthetic;
-
-    #[test]
-    fn every_row_has_the_columns_of_the_header() {
-        let trace = synthetic::circle(1);
-        let mut out = Vec::new();
-        write_contacts(&trace, &mut out).unwrap();
-        let text = String::from_utf8(out).unwrap();
-        let mut lines = text.lines();
-        assert_eq!(lines.next(), Some(HEADER));
-        let mut rows = 0;
-        for line in lines {
-            let fields: Vec<_> = line.split(',').collect();
-            assert_eq!(fields.len(), 9, "{line}");
-            assert!(fields[4].parse::<f64>().unwrap().abs() < 10.0);
-            rows += 1;
-        }
-        let contacts = trace
-            .events
-            .iter()
-            .filter(|e| matches!(e, Event::Contact { .. }));
-        assert_eq!(rows, contacts.count());
-    }
-}
+#[path = "contacts_csv_tests.rs"]
+mod tests;

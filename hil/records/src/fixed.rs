@@ -19,12 +19,29 @@ pub(crate) fn seconds(t_us: u64) -> String {
     milli_u(t_us / 1000)
 }
 
+/// A decimal with three places, or a whole number, in thousandths: [`milli`] read back.
+pub(crate) fn thousandths(text: &str) -> Option<i64> {
+    let (sign, digits) = match text.strip_prefix('-') {
+        Some(digits) => (-1, digits),
+        None => (1, text),
+    };
+    let plain = |t: &str| !t.is_empty() && t.bytes().all(|b| b.is_ascii_digit());
+    let (whole, part) = match digits.split_once('.') {
+        Some((whole, part)) if part.len() == 3 && plain(part) => (whole, part.parse::<i64>().ok()?),
+        Some(_) => return None,
+        None => (digits, 0),
+    };
+    let whole: i64 = plain(whole).then(|| whole.parse().ok())??;
+    Some(sign * whole.checked_mul(1000)?.checked_add(part)?)
+}
+
 /// A place in millimetres, rounded to hundredths: a golden that shows micrometres is all noise.
 pub(crate) fn place(p: PlaceUm) -> String {
     format!("({}, {}) mm", hundredths(p.x), hundredths(p.y))
 }
 
-fn hundredths(um: i32) -> String {
+/// Micrometres in millimetres, rounded to hundredths, with their sign.
+pub(crate) fn hundredths(um: i32) -> String {
     let um = i64::from(um);
     let value = (um.abs() + 5) / 10;
     let sign = if um < 0 && value > 0 { '-' } else { '+' };
@@ -39,27 +56,5 @@ pub(crate) fn distance2_um(a: PlaceUm, b: PlaceUm) -> u64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn fractions_keep_their_sign_below_one() {
-        assert_eq!(milli(-50), "-0.050");
-        assert_eq!(milli(i64::MIN), "-9223372036854775.808");
-        assert_eq!(milli_u(12_345), "12.345");
-        assert_eq!(place(PlaceUm { x: -7_050, y: 4 }), "(-7.05, +0.00) mm");
-    }
-
-    #[test]
-    fn distance_survives_the_extremes() {
-        let a = PlaceUm {
-            x: i32::MIN,
-            y: i32::MIN,
-        };
-        let b = PlaceUm {
-            x: i32::MAX,
-            y: i32::MAX,
-        };
-        assert_eq!(distance2_um(a, b), u64::MAX);
-    }
-}
+#[path = "fixed_tests.rs"]
+mod tests;

@@ -1,7 +1,8 @@
 //! Traces for tests: plausible in every number, made without the loop.
 #![allow(clippy::cast_possible_truncation)]
 
-use crate::trace::{Event, FeltAt, Header, Ledger, Limits, PlaceUm, Source, Trace, WireInfo};
+use crate::margin::{Limited, Margin};
+use crate::trace::{Event, FeltAt, Header, Ledger, PlaceUm, Source, Trace, WireInfo};
 use palpate_core::schedule::{Entry, Reason};
 use palpate_core::units::{Board, Channel, Instant, Prescale, Ticks};
 
@@ -51,13 +52,6 @@ pub(crate) fn empty() -> Trace {
             seed: 7,
             scene_digest: "0123456789abcdef".to_owned(),
             limits_digest: "fedcba9876543210".to_owned(),
-            limits: Limits {
-                pulse_ns: Some(200_000),
-                burst_us: Some(50_000),
-                supply_ma: Some(2_500),
-                fingertip_uw: Some(60_000),
-                skin_milli_c: Some(43_000),
-            },
             pre_scale: Prescale::new(30),
             tau_d_us: TAU_US,
             soa_us: SOA_US,
@@ -97,16 +91,8 @@ fn activation(d: (f64, f64)) -> Vec<f64> {
         .collect()
 }
 
-/// A sphere rolled in a circle for `seconds`, with a limiter event now and then, breaks and notes.
-pub(crate) fn circle(seconds: u64) -> Trace {
-    let mut trace = empty();
-    let events = &mut trace.events;
-    events.push(Event::PreScale {
-        t_us: 0,
-        board: 0,
-        pre_scale: 30,
-    });
-    let end = seconds * 1_000_000;
+/// The scans: truth and what was found of it.
+fn frames(events: &mut Vec<Event>, seconds: u64) {
     for frame in 0..seconds * 100 {
         let t_us = (frame + 1) * 10_000;
         let touched = truth(t_us as f64 * 1e-6);
@@ -137,40 +123,85 @@ pub(crate) fn circle(seconds: u64) -> Trace {
             });
         }
     }
+}
+
+/// What is felt of an onset; the activation of each wire.
+fn felt(events: &mut Vec<Event>, t_us: u64) -> Vec<f64> {
+    let mut drive = vec![0.0; 8];
+    if let Some((x, y, _)) = truth(t_us as f64 * 1e-6) {
+        let d = (x * 0.86 * 11.0 / 7.05, y * 0.86 * 14.25 / 7.05);
+        drive = activation(d);
+        let total: f64 = drive.iter().map(|a| a * a).sum();
+        let strongest = drive.iter().copied().fold(0.0, f64::max);
+        let felt = (strongest > 0.17).then(|| {
+            let mean = |pick: fn(&(f64, f64)) -> f64| {
+                WIRES
+                    .iter()
+                    .zip(&drive)
+                    .map(|(w, a)| pick(w) * a * a)
+                    .sum::<f64>()
+                    / total
+            };
+            let at = um(mean(|w| w.0), mean(|w| w.1));
+            FeltAt {
+                energy: at,
+                amplitude: at,
+            }
+        });
+        let inside = d.0.abs() / 11.0 + d.1.abs() / 28.0 < 1.0;
+        events.push(Event::Felt {
+            t_us,
+            target: um(d.0, d.1),
+            inside,
+            felt,
+            energy_permille: (total * 1e3) as u32,
+        });
+    }
+    drive
+}
+
+/// What a wire is told at an onset.
+fn entry(wire: usize, t_us: u64, requested: u16, width: u16) -> Entry {
+    let on = 256 * wire as u16;
+    Entry {
+        at: Instant::from_micros(t_us),
+        board: Board(0),
+        channel: Channel(wire as u8),
+        on,
+        off: on + width,
+        until: Instant::from_micros(t_us + TAU_US),
+        requested: Ticks::new(requested),
+        reason: (width != requested).then_some(Reason::WirePower),
+    }
+}
+
+fn margins() -> Vec<Margin> {
+    vec![
+        Margin::new(Limited::SupplyCurrent, 1.97, 2.5),
+        Margin::new(Limited::Burst, 30.596, 50.0),
+        Margin::new(Limited::SkinPeak, 36.48, 43.0),
+        Margin::new(Limited::SkinMean, 34.1, 41.0),
+        Margin::new(Limited::SkinDeep, 33.5, 41.0),
+        Margin::new(Limited::Henriques, 1e-7, 0.01),
+    ]
+}
+
+/// A sphere rolled in a circle for `seconds`, with a limiter event now and then, breaks and notes.
+pub(crate) fn circle(seconds: u64) -> Trace {
+    let mut trace = empty();
+    let events = &mut trace.events;
+    events.push(Event::PreScale {
+        t_us: 0,
+        board: 0,
+        pre_scale: 30,
+    });
+    let end = seconds * 1_000_000;
+    frames(events, seconds);
     let mut heat = [33.0f64; 8];
     let mut hottest = (0, 0);
     for onset in 0..=(end - 1) / SOA_US {
         let t_us = onset * SOA_US;
-        let mut drive = vec![0.0; 8];
-        if let Some((x, y, _)) = truth(t_us as f64 * 1e-6) {
-            let d = (x * 0.86 * 11.0 / 7.05, y * 0.86 * 14.25 / 7.05);
-            drive = activation(d);
-            let total: f64 = drive.iter().map(|a| a * a).sum();
-            let strongest = drive.iter().copied().fold(0.0, f64::max);
-            let felt = (strongest > 0.17).then(|| {
-                let mean = |pick: fn(&(f64, f64)) -> f64| {
-                    WIRES
-                        .iter()
-                        .zip(&drive)
-                        .map(|(w, a)| pick(w) * a * a)
-                        .sum::<f64>()
-                        / total
-                };
-                let at = um(mean(|w| w.0), mean(|w| w.1));
-                FeltAt {
-                    energy: at,
-                    amplitude: at,
-                }
-            });
-            let inside = d.0.abs() / 11.0 + d.1.abs() / 28.0 < 1.0;
-            events.push(Event::Felt {
-                t_us,
-                target: um(d.0, d.1),
-                inside,
-                felt,
-                energy_permille: (total * 1e3) as u32,
-            });
-        }
+        let drive = felt(events, t_us);
         for (wire, a) in drive.iter().enumerate() {
             let requested = Ticks::from_duty((a * 0.0244) as f32).get();
             let limited = wire == 2 && onset % 40 == 17;
@@ -180,31 +211,18 @@ pub(crate) fn circle(seconds: u64) -> Trace {
                 (true, _) => requested / 2,
                 _ => requested,
             };
-            let on = 256 * wire as u16;
-            let reason = (width != requested).then_some(Reason::WirePower);
             if requested > 0 {
-                trace.ledger.limiter_events += u32::from(reason.is_some());
                 trace.ledger.energy_uj += u64::from(width) * 64;
-                events.push(Event::Schedule(Entry {
-                    at: Instant::from_micros(t_us),
-                    board: Board(0),
-                    channel: Channel(wire as u8),
-                    on,
-                    off: on + width,
-                    until: Instant::from_micros(t_us + TAU_US),
-                    requested: Ticks::new(requested),
-                    reason,
-                }));
+                let entry = entry(wire, t_us, requested, width);
+                trace.ledger.driven.add(&entry);
+                events.push(Event::Schedule(entry));
                 if width > 0 {
                     events.push(Event::Schedule(Entry {
-                        at: Instant::from_micros(t_us + TAU_US),
-                        board: Board(0),
-                        channel: Channel(wire as u8),
-                        on,
-                        off: on,
-                        until: Instant::from_micros(t_us + TAU_US),
+                        at: entry.until,
+                        off: entry.on,
                         requested: Ticks::new(0),
                         reason: None,
+                        ..entry
                     }));
                 }
             }
@@ -240,8 +258,7 @@ pub(crate) fn circle(seconds: u64) -> Trace {
     });
     events.sort_by_key(Event::t_ns);
     trace.ledger.hottest_wire = Some(hottest);
-    trace.ledger.hottest_skin_milli_c = Some(36_480);
-    trace.ledger.peak_supply_ma = 1_970;
+    trace.ledger.margins = margins();
     trace.ledger.length_us = end;
     trace
 }

@@ -1,12 +1,13 @@
 //! The canonical trace: everything a run did, in integers, in order. Every renderer reads this and
 //! nothing else, so a golden, a report and a schedule file cannot tell different stories.
 
+use crate::margin::{Limited, Margin};
 use palpate_core::schedule::Entry;
-use palpate_core::units::Prescale;
+use palpate_core::units::{Point, Prescale};
 use serde::Serialize;
 
 /// Version of the trace's meaning; grows when a field changes what it says.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 /// Whether hardware took part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -25,6 +26,17 @@ pub struct PlaceUm {
     pub x: i32,
     /// Micrometres up.
     pub y: i32,
+}
+
+impl From<Point> for PlaceUm {
+    /// Of a place in millimetres, rounded.
+    fn from(p: Point) -> Self {
+        let um = |mm: f32| (f64::from(mm) * 1e3).round() as i32;
+        Self {
+            x: um(p.x),
+            y: um(p.y),
+        }
+    }
 }
 
 /// Where an onset is felt, by the two perceivers.
@@ -47,21 +59,6 @@ pub struct WireInfo {
     pub channel: u8,
 }
 
-/// Limits a measured value is held against where it is shown; `None` where the run had none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Limits {
-    /// Longest pulse, nanoseconds.
-    pub pulse_ns: Option<u64>,
-    /// Longest burst on one wire, microseconds.
-    pub burst_us: Option<u64>,
-    /// Largest supply current, milliamperes.
-    pub supply_ma: Option<u32>,
-    /// Mean power of the whole fingertip over its longest window, microwatts.
-    pub fingertip_uw: Option<u32>,
-    /// Skin at the guard's depth, thousandths of a degree Celsius.
-    pub skin_milli_c: Option<i32>,
-}
-
 /// What was run, on what, under which limits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Header {
@@ -77,8 +74,6 @@ pub struct Header {
     pub scene_digest: String,
     /// SHA-256 of the limit table in force, first 16 hex digits.
     pub limits_digest: String,
-    /// The limits in force that a ledger shows beside its values.
-    pub limits: Limits,
     /// PRE_SCALE of every board: with it the true PWM frequency.
     pub pre_scale: Prescale,
     /// Stimulus duration tau_d, microseconds.
@@ -239,21 +234,49 @@ impl Event {
     }
 }
 
-/// Totals of a run that no single event carries; measured by the bench, integers.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Ledger {
-    /// Electrical energy into all wires, microjoules.
-    pub energy_uj: u64,
-    /// Largest supply current, milliamperes.
-    pub peak_supply_ma: u32,
-    /// Hottest any wire was, thousandths of a degree Celsius, and which wire.
-    pub hottest_wire: Option<(i32, u16)>,
-    /// Hottest the skin was at the guard's depth, thousandths of a degree Celsius.
-    pub hottest_skin_milli_c: Option<i32>,
+/// What the wires were told, counted entry by entry.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Driven {
+    /// Stimuli with a pulse.
+    pub stimuli: u64,
     /// Times the guard applied something other than what was requested.
     pub limiter_events: u32,
+    /// Widest pulse, ticks.
+    pub widest: u16,
+}
+
+impl Driven {
+    /// Counts one entry of a schedule.
+    pub fn add(&mut self, entry: &Entry) {
+        let width = entry.width().get();
+        self.stimuli += u64::from(width > 0);
+        self.limiter_events += u32::from(entry.reason.is_some());
+        self.widest = self.widest.max(width);
+    }
+}
+
+/// Totals of a run that no single event carries, counted or measured while it goes, integers: every printed total
+/// is one of these.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Ledger {
+    /// What the wires were told.
+    pub driven: Driven,
+    /// Electrical energy into all wires, microjoules.
+    pub energy_uj: u64,
+    /// Hottest any wire was, thousandths of a degree Celsius, and which wire.
+    pub hottest_wire: Option<(i32, u16)>,
+    /// Every limit and the worst that came, measured behind the guard, the most used up first; empty where nothing
+    /// measures it.
+    pub margins: Vec<Margin>,
     /// Simulated (or real) length of the run, microseconds.
     pub length_us: u64,
+}
+
+impl Ledger {
+    /// The margin of one limit.
+    pub fn margin(&self, of: Limited) -> Option<&Margin> {
+        self.margins.iter().find(|m| m.of == of)
+    }
 }
 
 /// A whole run.

@@ -1,12 +1,12 @@
 //! What happened, told in words: one line each, neighbours of a kind folded into one.
 
-use crate::bursts::bursts;
+use crate::bursts::{Output, bursts};
 use crate::fixed::{milli, milli_u, place, seconds};
 use crate::trace::{Event, Trace};
 
-/// Kind of a happening.
+/// What sort of thing happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum HappeningKind {
     /// The guard applied something other than what was requested.
     Limiter,
     /// A board went off as a whole.
@@ -19,7 +19,16 @@ pub enum Kind {
     Note,
 }
 
-impl Kind {
+impl HappeningKind {
+    /// Every kind.
+    pub const ALL: [Self; 5] = [
+        Self::Limiter,
+        Self::AllOff,
+        Self::Break,
+        Self::PreScale,
+        Self::Note,
+    ];
+
     /// The word a list is headed with.
     pub const fn word(self) -> &'static str {
         match self {
@@ -51,9 +60,20 @@ pub struct Happening {
     /// When it was last seen; `t_us` if it happened once.
     pub last_us: u64,
     /// Of what kind.
-    pub kind: Kind,
+    pub kind: HappeningKind,
     /// In words, without the time.
     pub text: String,
+}
+
+impl Happening {
+    /// When, in seconds: `0.058`, or `0.058..0.117`.
+    pub fn when(&self) -> String {
+        if self.last_us > self.t_us {
+            format!("{}..{}", seconds(self.t_us), seconds(self.last_us))
+        } else {
+            seconds(self.t_us)
+        }
+    }
 }
 
 /// Everything worth a line, in order of time. Limiter events of one wire and reason, and breaks, that
@@ -64,19 +84,21 @@ pub fn happenings(trace: &Trace) -> Vec<Happening> {
     list.extend(breaks(trace, gap_us));
     for event in &trace.events {
         let (t_us, kind, text) = match event {
-            Event::AllOff { t_us, board, cause } => {
-                (*t_us, Kind::AllOff, format!("board {board} off: {cause}"))
-            }
+            Event::AllOff { t_us, board, cause } => (
+                *t_us,
+                HappeningKind::AllOff,
+                format!("board {board} off: {cause}"),
+            ),
             Event::PreScale {
                 t_us,
                 board,
                 pre_scale,
             } => (
                 *t_us,
-                Kind::PreScale,
+                HappeningKind::PreScale,
                 format!("board {board} set to {pre_scale}"),
             ),
-            Event::Note { t_us, text } => (*t_us, Kind::Note, one_line(text)),
+            Event::Note { t_us, text } => (*t_us, HappeningKind::Note, one_line(text)),
             _ => continue,
         };
         list.push(Happening {
@@ -109,9 +131,8 @@ pub fn texture(event: &Event) -> Option<String> {
 
 fn limiter(trace: &Trace, gap_us: u64) -> Vec<Happening> {
     struct Run {
-        output: (u8, u8),
+        output: Output,
         word: &'static str,
-        wire: String,
         first: u64,
         last: u64,
         count: u64,
@@ -142,10 +163,6 @@ fn limiter(trace: &Trace, gap_us: u64) -> Vec<Happening> {
             None => runs.push(Run {
                 output: burst.output,
                 word,
-                wire: burst.wire.map_or_else(
-                    || format!("output {}:{}", burst.output.0, burst.output.1),
-                    |w| format!("wire {w}"),
-                ),
                 first: burst.from_us,
                 last: burst.from_us,
                 count: 1,
@@ -166,8 +183,8 @@ fn limiter(trace: &Trace, gap_us: u64) -> Vec<Happening> {
             Happening {
                 t_us: r.first,
                 last_us: r.last,
-                kind: Kind::Limiter,
-                text: format!("{} {}: {many}{asked} -> {given} ticks", r.wire, r.word),
+                kind: HappeningKind::Limiter,
+                text: format!("{} {}: {many}{asked} -> {given} ticks", r.output, r.word),
             }
         })
         .collect()
@@ -195,7 +212,7 @@ fn breaks(trace: &Trace, gap_us: u64) -> Vec<Happening> {
                 Happening {
                     t_us: *t_us,
                     last_us: *t_us,
-                    kind: Kind::Break,
+                    kind: HappeningKind::Break,
                     text: format!("nothing felt from {}", place(*target)),
                 },
                 1,
@@ -212,17 +229,6 @@ fn breaks(trace: &Trace, gap_us: u64) -> Vec<Happening> {
         .collect()
 }
 
-/// The happening as a line: time, end, kind, text.
-pub fn line(happening: &Happening) -> String {
-    let to = if happening.last_us > happening.t_us {
-        format!("..{} s", seconds(happening.last_us))
-    } else {
-        " s".to_owned()
-    };
-    let when = format!("{:>8}{to}", seconds(happening.t_us));
-    format!("{when:<18} {:<9} {}", happening.kind.word(), happening.text)
-}
-
 /// Printable ASCII on one line: what a golden may hold, whatever a note says.
 pub fn one_line(text: &str) -> String {
     text.chars()
@@ -235,19 +241,5 @@ pub fn one_line(text: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::synthetic;
-
-    #[test]
-    fn limiter_events_of_a_wire_fold_and_the_story_is_in_order() {
-        let list = happenings(&synthetic::circle(10));
-        assert!(list.is_sorted_by_key(|h| h.t_us));
-        let limited: Vec<_> = list.iter().filter(|h| h.kind == Kind::Limiter).collect();
-        assert!(!limited.is_empty() && limited.len() < 10, "{limited:?}");
-        assert!(limited.iter().any(|h| h.text.contains("1 refused, worst")));
-        assert!(list.iter().any(|h| h.kind == Kind::Break));
-        assert!(line(limited[0]).contains("limiter   wire 2 wire-power"));
-        assert_eq!(one_line("a\nb\u{b5}"), "a b?");
-    }
-}
+#[path = "words_tests.rs"]
+mod tests;

@@ -6,7 +6,7 @@ use palpate_records::trace::{Event, Trace};
 use serde::Serialize;
 
 use super::edges::Capture;
-use crate::failure::Failure;
+use palpate_run::Failure;
 
 /// Slowest and fastest oscillators seen of the chip, over the nominal 25 MHz.
 const OSCILLATOR: (f64, f64) = (23.0 / 25.0, 27.4 / 25.0);

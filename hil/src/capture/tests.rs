@@ -7,9 +7,9 @@ use palpate_records::trace::{Event, Trace};
 use palpate_records::vcd::write_vcd;
 
 use super::*;
-use crate::failure::Failure;
-use crate::run::{Input, run};
 use palpate_files::Setup;
+use palpate_run::Failure;
+use palpate_run::{Input, run};
 
 fn trace() -> Trace {
     let setup = Setup::load("sphere-circle", "emulated").unwrap();

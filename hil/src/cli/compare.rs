@@ -31,22 +31,23 @@ fn tolerance(text: &str) -> Result<f64, String> {
 pub struct DiffArgs {
     /// A golden (.snap), a schedule (.jsonl) or recorded contacts (.csv).
     pub a: PathBuf,
-    /// Another one of the same kind; of a schedule, also a logic analyser's capture of its pins (.vcd, .csv).
+    /// Another file of the same kind. A schedule also compares with a logic analyser's capture (.vcd, .csv).
     pub b: PathBuf,
-    /// Which output a signal of the capture is (default: by names like b0_ch3, else in the order of the wires).
-    /// Repeatable.
+    /// Output of a signal in the capture; repeatable (default: by names like b0_ch3, else in the order of
+    /// the wires).
     #[arg(long, value_name = "NAME=BOARD:CHANNEL", value_parser = pin)]
     pub pin: Vec<(String, (u8, u8))>,
-    /// Edges so far apart are in the same place (default: 0, and 2 where one of the two is of real hardware).
+    /// Largest distance in time of edges that count as equal, ms (default: 0; 2 if a file comes from real
+    /// hardware).
     #[arg(long, value_name = "MS", value_parser = tolerance, allow_hyphen_values = true)]
     pub tolerance_ms: Option<f64>,
-    /// Recorded contacts so far apart are in the same place (default: 0).
+    /// Largest distance of contacts that count as equal, mm (default: 0).
     #[arg(long, value_name = "MM", value_parser = tolerance, allow_hyphen_values = true)]
     pub tolerance_mm: Option<f64>,
     /// Print every difference as a JSON array of {text, meaning}.
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but errors: the exit status tells.
+    /// Print nothing but errors; use the exit status.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
@@ -54,13 +55,13 @@ pub struct DiffArgs {
 /// Options of `hil review`.
 #[derive(Debug, Args)]
 pub struct ReviewArgs {
-    /// What to do without being asked.
+    /// A decision without questions.
     #[command(subcommand)]
     pub action: Option<ReviewAction>,
     /// Folder of the goldens (default: fixtures/goldens here or above).
     #[arg(long, value_name = "DIR", global = true)]
     pub goldens: Option<PathBuf>,
-    /// Write everything that waits as one page, and ask nothing.
+    /// Write all waiting goldens as one page, without questions.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
 }
@@ -68,17 +69,17 @@ pub struct ReviewArgs {
 /// Decisions without a question.
 #[derive(Debug, Subcommand)]
 pub enum ReviewAction {
-    /// Accept what waits: everything, or the scenes or goldens named.
+    /// Accept all waiting goldens, or the named ones.
     Accept {
-        /// `sphere-along`, or `sphere-along.margins`.
+        /// A scene (`sphere-along`) or one golden (`sphere-along.schedule`).
         names: Vec<String>,
-        /// Why, kept with the golden.
+        /// The reason, kept in the golden.
         #[arg(long, value_name = "TEXT")]
         why: Option<String>,
     },
-    /// Let what waits go: everything, or the scenes or goldens named.
+    /// Discard all waiting changes, or those of the named goldens.
     Reject {
-        /// `sphere-along`, or `sphere-along.margins`.
+        /// A scene (`sphere-along`) or one golden (`sphere-along.schedule`).
         names: Vec<String>,
     },
 }
@@ -91,19 +92,19 @@ pub struct TestArgs {
     /// A built-in bench or a file (default: emulated).
     #[arg(long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
-    /// A CAN interface, in place of the bench's; once a bus of the layout. The trials are real then.
+    /// A CAN interface in place of the bench's; give it once per bus of the layout. Makes the trials real.
     #[arg(long, value_name = "IFACE")]
     pub can: Vec<String>,
-    /// An I2C adapter (/dev/i2c-N), in place of the bench's; once a bus of the outputs.
+    /// An I2C adapter (/dev/i2c-N) in place of the bench's; give it once per bus of the outputs.
     #[arg(long, value_name = "DEVICE")]
     pub i2c: Vec<PathBuf>,
     /// Seed of all randomness.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
-    /// Try a trial that fails so many times more; one that passes then is told to be unstable.
+    /// Repeat a failed trial up to N times. A trial that then passes is reported as unstable.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32, 0, 10>, allow_hyphen_values = true)]
     pub retries: u32,
-    /// Trials that are known to fail, with reasons.
+    /// File of trials that are known to fail, with reasons.
     #[arg(long, value_name = "FILE")]
     pub quarantine: Option<PathBuf>,
     /// Write the results as JUnit XML, measurements as properties.

@@ -9,20 +9,22 @@ use super::{positive, rate};
 /// What to do with the texture model.
 #[derive(Debug, Subcommand)]
 pub enum TextureAction {
-    /// Strokes over emulated textures, as recordings to train on.
+    /// Record strokes over emulated textures, to train on.
     Strokes(StrokesArgs),
-    /// Train a model: runs the training program, or says how to build it.
+    /// Train a model: run the training program, or print how to build it.
     #[command(disable_help_flag = true)]
     Train(TrainArgs),
-    /// Latent vectors of a recording, as CSV on standard output: one line for each window, named by its last row.
+    /// Print the latent vectors of a recording as CSV: one line per window, named by its last row.
     Encode(EncodeArgs),
-    /// What a recording would ask of the wires: each window's roughness as pulses, (3.1) and (3.2), before any guard.
+    /// Print the pulses that a recording makes on the wires, before any guard: each window's roughness by
+    /// (3.1) and (3.2).
     Pulses(PulsesArgs),
-    /// The encoder as an ONNX model: raw counts in, latent vectors out, scaling inside.
+    /// Write the encoder as an ONNX model: raw counts in, latent vectors out, scaling inside.
     Export(ExportArgs),
-    /// Where a model puts emulated textures, and how that goes with their roughness, friction and hardness.
+    /// Map emulated textures in a model's latent space, with correlations to roughness, friction and
+    /// hardness.
     Map(MapArgs),
-    /// What a simulated panel says of textures, with the bare finger and on the emulated display.
+    /// Let a simulated panel rate textures, with the bare finger and on the emulated display.
     Panel(PanelArgs),
 }
 
@@ -38,7 +40,7 @@ pub struct StrokesArgs {
     /// Strokes over each texture.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = super::whole::<u32, 1, 1000>, allow_hyphen_values = true)]
     pub strokes: u32,
-    /// Seed of everything drawn.
+    /// Seed of all randomness.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
 }
@@ -46,7 +48,7 @@ pub struct StrokesArgs {
 /// Options of `hil texture train`.
 #[derive(Debug, Args)]
 pub struct TrainArgs {
-    /// Handed to the training program; `--help` lists its options.
+    /// Options of the training program; `--help` lists them.
     #[arg(
         trailing_var_arg = true,
         allow_hyphen_values = true,
@@ -70,12 +72,9 @@ pub struct MapArgs {
     /// Seed of the strokes; the default model was trained on those of seed 1.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
-    /// Draw the map here (.svg).
+    /// Draw the map into this file (.svg).
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
-    /// Print JSON in place of a table.
-    #[arg(long)]
-    pub json: bool,
 }
 
 /// Options of `hil texture panel`.
@@ -95,7 +94,7 @@ pub struct PanelArgs {
         conflicts_with = "textures"
     )]
     pub recordings: Option<PathBuf>,
-    /// Rows a second of the recordings.
+    /// Rows per second of the recordings.
     #[arg(long, value_name = "HZ", value_parser = rate, requires = "recordings", allow_hyphen_values = true)]
     pub rate: Option<f64>,
     /// An emulated bench: a built-in name or a file.
@@ -104,7 +103,7 @@ pub struct PanelArgs {
     /// Seed of the people, the strokes and the draws; the default model was trained on strokes of seed 1.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
-    /// Draw the ratings here (.svg).
+    /// Draw the ratings into this file (.svg).
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
     /// Print JSON in place of a table.
@@ -118,21 +117,16 @@ pub struct EncodeArgs {
     /// `default` or a model file (.safetensors).
     #[arg(value_name = "MODEL|default")]
     pub model: String,
-    /// Raw rows (CSV). With a header, columns are taken by the model's names for its features; without, or where
-    /// the model has none, there must be as many as features.
+    /// Raw rows (CSV). With a header, the model's names for its features select the columns. Otherwise
+    /// there must be as many columns as features.
     pub file: PathBuf,
-    /// Only the windows that are newest at each onset, this far apart from the first row on (default: every one).
+    /// Only the windows that are newest at each onset; onsets are this far apart, from the first row on
+    /// (default: every window).
     #[arg(long, value_name = "T", value_parser = positive, requires = "rate", allow_hyphen_values = true)]
     pub soa_ms: Option<f64>,
-    /// Rows a second, for --soa-ms.
+    /// Rows per second, for --soa-ms.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// How weights are kept; half is an approximation.
-    #[arg(long, value_enum, default_value_t = WeightsArg::Exact)]
-    pub weights: WeightsArg,
-    /// An approximation: only the last N samples of each window go through the network.
-    #[arg(long, value_name = "N", value_parser = super::whole::<usize, 1, 1000>, allow_hyphen_values = true)]
-    pub steps: Option<usize>,
     /// Print a JSON array in place of CSV.
     #[arg(long)]
     pub json: bool,
@@ -146,19 +140,19 @@ pub struct PulsesArgs {
     pub model: String,
     /// Raw rows (CSV), as for `encode`.
     pub file: PathBuf,
-    /// Rows a second.
+    /// Rows per second.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: f64,
     /// A display layout: a built-in name or a file.
     #[arg(long, value_name = "NAME|FILE", default_value = "three-in-line")]
     pub display: String,
-    /// Constants and limits: a built-in name or a file.
+    /// Constants and limits of (3.1) and (3.2): a built-in name or a file.
     #[arg(long, value_name = "NAME|FILE", default_value = "assumed")]
     pub activation: String,
-    /// From one latent vector to the next.
+    /// Time from one latent vector to the next, ms.
     #[arg(long, value_name = "T", value_parser = positive, default_value_t = 58.5, allow_hyphen_values = true)]
     pub soa_ms: f64,
-    /// How pulses are drawn: each period by itself, or with the smallest error of the density.
+    /// How pulses are drawn: each period by itself, or with the smallest error in density.
     #[arg(long, value_enum, default_value_t = DrawArg::Bernoulli)]
     pub draw: DrawArg,
     /// Seed of the draws.
@@ -175,21 +169,12 @@ pub enum DrawArg {
     Diffusion,
 }
 
-/// How weights are kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum WeightsArg {
-    /// As they are in the file.
-    Exact,
-    /// Rounded to half precision.
-    Half,
-}
-
 /// Options of `hil texture export`.
 #[derive(Debug, Args)]
 pub struct ExportArgs {
     /// `default` or a model file (.safetensors).
     #[arg(value_name = "MODEL|default")]
     pub model: String,
-    /// Where to write it (.onnx).
+    /// File to write (.onnx).
     pub out: PathBuf,
 }

@@ -3,19 +3,21 @@
 use std::fmt;
 use std::io::{self, Write};
 
-use palpate_core::contact::{Compressor, Contact, LevelTable, Norm, Scope, Settings};
+use palpate_core::contact::{Compressor, Contact, LevelTable, Settings};
 use palpate_core::skin::{
-    Axes, FrameError, Initialiser, InitialiserSettings, Phase, RelativeFrame, Scan, ThresholdRule,
+    Baseline, BaselineSettings, FrameError, Phase, RelativeFrame, Scan, ThresholdRule,
 };
 use palpate_core::units::{Duration, Instant};
+use palpate_records::contacts_csv;
+use palpate_records::trace::{Event, PlaceUm};
 use serde_json::json;
 
-use crate::cli::{AxesArg, ContactsArgs, NormArg, ScopeArg, StaleArg, Threshold};
-use crate::failure::Failure;
+use crate::cli::{ContactsArgs, StaleArg, Threshold};
 use crate::output::{make_folder, note, print, write_file, write_sidecar};
-use crate::plan;
 use crate::recording::{Columns, read_taxel_csv};
 use palpate_files::{LayoutFile, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, load_layout};
+use palpate_run::Failure;
+use palpate_run::plan;
 
 use super::rate::rate_of;
 
@@ -57,25 +59,18 @@ pub fn contacts(args: &ContactsArgs) -> Result<(), Failure> {
 }
 
 fn write_csv(rows: &[Row], level: impl Fn(&Contact) -> u16, out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "{}", palpate_records::contacts_csv::HEADER)?;
-    for row in rows {
-        let (frame, time_us) = (row.frame, row.time_us);
-        let level = level(&row.contact);
-        let Contact {
-            id,
-            module,
-            place,
-            intensity,
-            members,
-            ..
-        } = row.contact;
-        let (x, y) = (Fixed(place.x), Fixed(place.y));
-        writeln!(
-            out,
-            "{frame},{time_us},{module},{id},{x},{y},{intensity:.3},{level},{members}"
-        )?;
-    }
-    Ok(())
+    let contact = |row: &Row| Event::Contact {
+        t_us: row.time_us,
+        frame: u32::try_from(row.frame).unwrap_or(u32::MAX),
+        module: row.contact.module,
+        contact: row.contact.id,
+        place: PlaceUm::from(row.contact.place),
+        intensity_milli: (f64::from(row.contact.intensity) * 1e3).round() as u32,
+        level: level(&row.contact),
+        members: row.contact.members,
+    };
+    let events: Vec<Event> = rows.iter().map(contact).collect();
+    contacts_csv::write_table(&events, out)
 }
 
 fn write_json(
@@ -83,7 +78,7 @@ fn write_json(
     level: impl Fn(&Contact) -> u16,
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    let thousandths = |v: f32, scale: f64| (f64::from(v) * scale).round() / scale;
+    let thousandths = |v: f32| (f64::from(v) * 1e3).round() / 1e3;
     let objects = rows.iter().map(|row| {
         let c = &row.contact;
         json!({
@@ -91,25 +86,15 @@ fn write_json(
             "time_us": row.time_us,
             "module": c.module,
             "contact": c.id,
-            "x_mm": thousandths(c.place.x, 1e4) + 0.0,
-            "y_mm": thousandths(c.place.y, 1e4) + 0.0,
-            "intensity": thousandths(c.intensity, 1e3),
+            "x_mm": thousandths(c.place.x) + 0.0,
+            "y_mm": thousandths(c.place.y) + 0.0,
+            "intensity": thousandths(c.intensity),
             "level": level(c),
             "members": c.members,
         })
     });
     serde_json::to_writer(&mut *out, &objects.collect::<Vec<_>>())?;
     writeln!(out)
-}
-
-/// Four decimals, and no minus before a zero.
-struct Fixed(f32);
-
-impl fmt::Display for Fixed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let zero = self.0.abs() < 5e-5;
-        write!(f, "{:.4}", if zero { 0.0 } else { self.0 })
-    }
 }
 
 fn compress(args: &ContactsArgs) -> Result<Vec<Row>, Failure> {
@@ -137,7 +122,7 @@ fn compress(args: &ContactsArgs) -> Result<Vec<Row>, Failure> {
             table.frames()
         )));
     }
-    let settings = InitialiserSettings {
+    let settings = BaselineSettings {
         reference_frames: args.reference_frames,
         fault_sigmas: args.faulty_deviations.map(|k| k as f32),
         threshold: match args.threshold {
@@ -145,28 +130,18 @@ fn compress(args: &ContactsArgs) -> Result<Vec<Row>, Failure> {
             Threshold::PerTaxel => PER_TAXEL,
             Threshold::Counts(counts) => ThresholdRule::Fixed { counts },
         },
-        axes: match args.axes {
-            AxesArg::Xyz => Axes::XYZ,
-            AxesArg::Z => Axes::Z,
-        },
+        axes: args.axes,
         drift: args
             .drift_s
             .map(|s| Duration::from_micros((s * 1e6).round() as u64)),
     };
-    let mut initialiser =
-        Initialiser::new(&layout, settings).map_err(|e| option("reference-frames", &e))?;
+    let mut baseline =
+        Baseline::new(&layout, settings).map_err(|e| option("reference-frames", &e))?;
     let compression = Settings {
         clusters: args.kc,
         exponent: args.weight_exponent as f32,
-        norm: match args.norm {
-            NormArg::L1 => Norm::L1,
-            NormArg::L2 => Norm::L2,
-            NormArg::Linf => Norm::LInf,
-        },
-        scope: match args.scope {
-            ScopeArg::Module => Scope::Module,
-            ScopeArg::Skin => Scope::Skin,
-        },
+        norm: args.norm,
+        scope: args.scope,
         seed: args.seed,
         ..Settings::default()
     };
@@ -206,16 +181,16 @@ fn compress(args: &ContactsArgs) -> Result<Vec<Row>, Failure> {
         let time_us = table.time_us[frame];
         let loaded = scan.load(Instant::from_micros(time_us), &counts);
         loaded.map_err(|e| Failure::Input(format!("{}: {e}", args.file.display())))?;
-        if initialiser.phase() != Phase::Ready {
-            initialiser.feed(&scan);
+        if baseline.phase() != Phase::Ready {
+            baseline.feed(&scan);
         }
         // The reference rows count and emit nothing; the row that sets the threshold is a frame.
-        if is_reference || initialiser.phase() != Phase::Ready {
+        if is_reference || baseline.phase() != Phase::Ready {
             continue;
         }
-        let relative = relative.get_or_insert_with(|| initialiser.frame(&layout));
+        let relative = relative.get_or_insert_with(|| baseline.frame(&layout));
         let mut compress = || {
-            if initialiser.advance(&scan, relative)? || !compressor.repeat() {
+            if baseline.advance(&scan, relative)? || !compressor.repeat() {
                 compressor.compress(relative)?;
             }
             Ok(())

@@ -2,22 +2,35 @@
 
 use std::path::PathBuf;
 
-use crate::failure::Failure;
-use palpate_files::{Bench, BenchKind, Loaded, Real, load_bench};
+use palpate_files::{Bench, BenchKind, Loaded, Overrides, Real, load_bench};
+use palpate_run::Failure;
 
 /// The bench of a command without one.
 pub(super) const DEFAULT_BENCH: &str = "emulated";
 
-/// A bench by name, with these interfaces and adapters in place of its own where there are any.
+/// A bench by name on its own buses or on these.
 ///
 /// # Errors
-/// An unknown name, a bad file, or devices that are too few.
+/// As [`bench_with`].
 pub(super) fn bench(
     name: Option<&str>,
     can: &[String],
     i2c: &[PathBuf],
 ) -> Result<Loaded<Bench>, Failure> {
-    let mut bench = load_bench(name.unwrap_or(DEFAULT_BENCH))?;
+    bench_with(name, &Overrides::default(), can, i2c)
+}
+
+/// A bench by name, with these changes, and these interfaces and adapters in place of its own where there are any.
+///
+/// # Errors
+/// An unknown name, a bad file, or devices that are too few.
+pub(super) fn bench_with(
+    name: Option<&str>,
+    overrides: &Overrides,
+    can: &[String],
+    i2c: &[PathBuf],
+) -> Result<Loaded<Bench>, Failure> {
+    let mut bench = load_bench(name.unwrap_or(DEFAULT_BENCH))?.with(overrides)?;
     if can.is_empty() && i2c.is_empty() {
         return Ok(bench);
     }

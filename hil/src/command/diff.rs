@@ -3,17 +3,17 @@
 
 use std::path::Path;
 
-use palpate_records::diff::{
-    Damage, Recording, Story, Tolerance, compare, compare_recordings, tell,
-};
-use palpate_records::trace::{PlaceUm, WireInfo};
+use palpate_records::damage::Damage;
+use palpate_records::diff::{Recording, Tolerance, compare, compare_recordings, tell};
+use palpate_records::story::Story;
 use serde::Serialize;
 
 use super::pins::{is_capture, pins};
+use super::schedules::{damaged, wires};
 use crate::cli::DiffArgs;
-use crate::failure::Failure;
 use crate::output::print;
-use palpate_files::{FileError, LayoutFile, load_bench, load_layout};
+use palpate_files::FileError;
+use palpate_run::Failure;
 
 /// Compares two files.
 ///
@@ -91,7 +91,7 @@ pub fn diff(args: &DiffArgs) -> Result<(), Failure> {
 
 /// What was read.
 enum File {
-    Story(Story),
+    Story(Box<Story>),
     Contacts(Recording),
 }
 
@@ -128,54 +128,11 @@ fn read(path: &Path) -> Result<File, Failure> {
         )
     })?;
     let read = if text.starts_with('{') {
-        Story::of_schedule(&text, wires).map(File::Story)
+        Story::of_schedule_file(&text, wires).map(|s| File::Story(Box::new(s)))
     } else if Recording::is_one(&text) {
         Recording::read(&text).map(File::Contacts)
     } else {
-        Story::of_golden(&text).map(File::Story)
+        Story::read(&text).map(|s| File::Story(Box::new(s)))
     };
     Ok(read.map_err(|damage| damaged(&label, damage))?)
-}
-
-/// What is wrong with a golden or a schedule, as of any other file.
-pub(super) fn damaged(label: &str, damage: Damage) -> FileError {
-    FileError {
-        path: label.to_owned(),
-        line: Some(damage.line),
-        key: None,
-        expected: damage.expected,
-        found: damage.found,
-    }
-}
-
-/// The wires of a built-in bench; none of another one, whose outputs are then told by board and channel.
-pub(super) fn wires(bench: &str) -> Vec<WireInfo> {
-    if !palpate_fixtures::bench_names().any(|name| name == bench) {
-        return Vec::new();
-    }
-    let Ok(bench) = load_bench(bench) else {
-        return Vec::new();
-    };
-    let bench = bench.value;
-    let places = match load_layout(&bench.display).map(|l| l.value) {
-        Ok(LayoutFile::Display(display)) => display.wires_mm,
-        _ => Vec::new(),
-    };
-    let boards = crate::plan::boards(&bench);
-    let um = |mm: f64| (mm * 1e3).round() as i32;
-    let wires = bench.outputs.iter().enumerate().map(|(index, output)| {
-        let board = boards.iter().position(|b| *b == output.board).unwrap_or(0);
-        let place = places
-            .get(index)
-            .map_or_else(PlaceUm::default, |p| PlaceUm {
-                x: um(p[0]),
-                y: um(p[1]),
-            });
-        WireInfo {
-            place,
-            board: board as u8, // at most 16
-            channel: output.channel,
-        }
-    });
-    wires.collect()
 }

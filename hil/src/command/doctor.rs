@@ -4,9 +4,9 @@ use palpate_buses::survey::{Finding, survey};
 use serde::Serialize;
 
 use crate::cli::DoctorArgs;
-use crate::failure::Failure;
 use crate::output::print;
-use crate::run::real::watch;
+use crate::real::watch;
+use palpate_run::Failure;
 
 use super::devices::bench;
 

@@ -2,8 +2,8 @@
 
 use crate::cli::EmulateArgs;
 use crate::emulate::{self, Options, Telling};
-use crate::failure::Failure;
 use palpate_files::{Setup, load_bench, load_scene};
+use palpate_run::Failure;
 
 use super::devices::DEFAULT_BENCH;
 use super::run::DEFAULT_SCENE;

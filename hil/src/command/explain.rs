@@ -3,8 +3,9 @@
 
 use std::io::{self, Write};
 
-use crate::run::effort::{Effort, Kind};
-use palpate_files::{Scene, Scope, Setup, ThresholdRule};
+use palpate_core::contact::Scope;
+use palpate_files::{Scene, Setup, ThresholdFrom};
+use palpate_run::effort::{Effort, FrameKind};
 
 /// The plan: one line a stage.
 ///
@@ -54,10 +55,10 @@ pub fn plan(setup: &Setup, out: &mut dyn Write) -> io::Result<()> {
 fn threshold(scene: &Scene) -> String {
     let margin = scene.threshold_margin;
     match scene.threshold {
-        ThresholdRule::Maximum => {
+        ThresholdFrom::Maximum => {
             format!("one for all: largest value of a frame, and {margin} counts")
         }
-        ThresholdRule::PerTaxel => format!(
+        ThresholdFrom::PerTaxel => format!(
             "each taxel's own: {} deviations of its noise, and {margin} counts",
             palpate_files::THRESHOLD_SIGMAS
         ),
@@ -90,13 +91,13 @@ fn contacts(setup: &Setup) -> String {
 pub fn done(effort: &Effort, out: &mut dyn Write) -> io::Result<()> {
     let work = &effort.compression;
     writeln!(out, "done and left out")?;
-    for kind in Kind::ALL {
+    for kind in FrameKind::ALL {
         let (count, median, sum) = effort.frames(kind);
         let name = match kind {
-            Kind::Repeated => "repeated",
-            Kind::Untouched => "untouched",
-            Kind::Direct => "no iteration",
-            Kind::Solved => "iterated",
+            FrameKind::Repeated => "repeated",
+            FrameKind::Untouched => "untouched",
+            FrameKind::Direct => "no iteration",
+            FrameKind::Solved => "iterated",
         };
         let time = if count == 0 {
             String::new()

@@ -1,6 +1,5 @@
 //! One function a command: arguments in, files and text out.
 
-mod bench;
 mod contacts;
 mod devices;
 mod diff;
@@ -14,12 +13,12 @@ mod rate;
 mod record;
 mod review;
 mod run;
+mod schedules;
 mod test;
 mod texture;
 mod texture_panel;
 mod texture_train;
 
-pub use bench::bench;
 pub use contacts::contacts;
 pub use diff::diff;
 pub use doctor::doctor;

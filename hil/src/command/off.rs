@@ -7,9 +7,9 @@ use palpate_buses::lock::BusLock;
 use palpate_buses::oe::OeLine;
 
 use crate::cli::OffArgs;
-use crate::failure::Failure;
 use crate::output::{note, print};
-use crate::run::real::watch;
+use crate::real::watch;
+use palpate_run::Failure;
 
 use super::devices::bench;
 

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use palpate_records::diff::read_schedule;
+use palpate_records::schedule::read_schedule;
 
-use super::diff::{damaged, wires};
+use super::schedules::{damaged, wires};
 use crate::capture::{self, Measurement};
 use crate::cli::DiffArgs;
-use crate::failure::Failure;
 use crate::output::{note, print};
 use palpate_files::FileError;
+use palpate_run::Failure;
 
 /// Whether the second of two files is a capture, by their names: beside anything but a schedule a CSV is one of
 /// contacts.

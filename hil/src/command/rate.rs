@@ -4,8 +4,8 @@ use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
 
 use crate::cli::rate as parse_rate;
-use crate::failure::Failure;
 use palpate_files::FileError;
+use palpate_run::Failure;
 
 /// Stands beside the recordings of a trial and says how often their rows came.
 const META: &str = "meta_data.csv";

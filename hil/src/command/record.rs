@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use palpate_core::units::Duration;
 
 use crate::cli::{RecordArgs, ReplayArgs};
-use crate::failure::Failure;
 use crate::output::{note, print};
 use crate::record::{self, Kind, kind_of};
 use crate::recording::{is_can_recording, read_can_recording};
+use palpate_run::Failure;
 
 /// Records interfaces until stopped.
 ///

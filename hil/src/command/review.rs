@@ -2,12 +2,13 @@
 
 use std::io::{self, BufRead, IsTerminal};
 
-use palpate_records::diff::{Grade, Kind, LINES};
+use palpate_records::diff::{Grade, LINES};
+use palpate_records::story::GoldenKind;
 
 use crate::cli::{Color, ReviewAction, ReviewArgs};
-use crate::failure::Failure;
 use crate::output::{print, write_file};
 use crate::review::{BLOCKS, Pending, Scene, folder, page, pending, scenes, stacked};
+use palpate_run::Failure;
 
 /// The code of text without a colour.
 const PLAIN: &str = "0";
@@ -218,7 +219,7 @@ fn show(
         if words.len() > LINES {
             writeln!(out, "  .. and {} more", words.len() - LINES)?;
         }
-        let chart = [Kind::Schedule, Kind::Contacts]
+        let chart = [GoldenKind::Schedule, GoldenKind::Contacts]
             .into_iter()
             .find_map(|kind| scene.of(kind));
         if let Some((old, new)) = chart {

@@ -3,27 +3,25 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use palpate_core::illusion::Model;
-use palpate_records::contacts_csv::write_contacts;
-use palpate_records::golden::schedule_golden;
+use palpate_records::contacts_csv::write_table;
 use palpate_records::mcap::{Traffic, write_mcap};
-use palpate_records::report::{ReportExtras, SummaryRow, Thermal, report_html};
+use palpate_records::report::{ReportExtras, SummaryRow, report_html};
 use palpate_records::schedule::write_schedule;
+use palpate_records::story::schedule_golden;
 use palpate_records::vcd::write_vcd;
 
 use crate::cli::{RunArgs, Switch};
-use crate::failure::Failure;
+use crate::host::Onlooker;
 use crate::output::{make_folder, note, print, write_file, write_sidecar};
-use crate::plan;
-use crate::recording::write_can_log;
-use crate::run::real::Told;
-use crate::run::{self, Input, Keep, Outcome};
+use crate::real::{self, Told};
+use crate::recording::{recorded, write_can_log};
 use crate::trial::{Trial, Verdict, judge, junit};
-use palpate_files::{BenchKind, IllusionModel, Kind, Scene, Setup, load_layout, load_scene};
+use palpate_files::{BenchKind, DRIFT_S, Overrides, Setup, THRESHOLD_FLOOR, load_scene};
+use palpate_run::{Failure, Input, Keep, Outcome, attachments, run_with};
 
 use crate::record::Kind as LiveKind;
 
-use super::devices::bench;
+use super::devices::bench_with;
 use super::explain;
 use super::rate::rate_of;
 
@@ -64,13 +62,13 @@ impl Format {
             write_sidecar(path, Some(&outcome.trace.header))?;
         }
         write_file(path, |out| match self {
-            Self::Contacts => write_contacts(&outcome.trace, out),
+            Self::Contacts => write_table(&outcome.trace.events, out),
             Self::Mcap => {
                 let traffic = Traffic {
                     can: &outcome.can,
                     i2c: &outcome.i2c,
                 };
-                write_mcap(&outcome.trace, traffic, &run::attachments(setup), out)
+                write_mcap(&outcome.trace, traffic, &attachments(setup), out)
             }
             Self::Vcd => write_vcd(&outcome.trace, out),
             Self::Schedule => write_schedule(&outcome.trace, out),
@@ -92,13 +90,6 @@ impl Format {
 pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let setup = setup(args)?;
     let rate = rate_of(args.rate, &args.replay)?;
-    let input = match args.replay.as_slice() {
-        [] => Input::Scene,
-        paths => Input::Replay {
-            paths: paths.to_vec(),
-            rate_hz: rate.hz,
-        },
-    };
     let mut files = wanted(args)?;
     if args.explain {
         explained(args, |out| explain::plan(&setup, out))?;
@@ -107,28 +98,13 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let keep = Keep {
         can: wants(Format::Can) || wants(Format::Mcap),
         i2c: wants(Format::Mcap),
-        watch: args.watch,
     };
-    let is_real = setup.bench.value.kind == BenchKind::Real;
-    let mut outcome = match (is_real, args.replay.is_empty()) {
-        (false, _) => run::run_keeping(&setup, &input, args.seed, keep)?,
-        (true, true) => {
-            if let Some(folder) = &args.out {
-                make_folder(folder)?;
-            }
-            let (live, later) = split(files);
-            files = later;
-            let told = Told {
-                quiet: args.quiet,
-                watched: args.watch,
-            };
-            run::real::run(&setup, args.seed, &live, told)?
-        }
-        (true, false) => {
-            return Err(Failure::Input(
-                "--replay: a recording drives an emulated bench only".into(),
-            ));
-        }
+    let mut outcome = if setup.bench.value.kind == BenchKind::Real {
+        let (live, later) = split(files);
+        files = later;
+        on_hardware(args, &setup, &live)?
+    } else {
+        emulated(args, &setup, rate.hz, keep)?
     };
     let checks = args
         .junit
@@ -156,6 +132,59 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
             failed = Some(Failure::Check(wrong.join("; ")));
         }
     }
+    tell(args, &outcome, &files)?;
+    if args.explain {
+        explained(args, |out| explain::done(&outcome.effort, out))?;
+    }
+    failure.or(failed).map_or(Ok(()), Err)
+}
+
+/// A scene or a recording on an emulated bench.
+fn emulated(
+    args: &RunArgs,
+    setup: &Setup,
+    rate_hz: Option<f64>,
+    keep: Keep,
+) -> Result<Outcome, Failure> {
+    let (input, notes) = match args.replay.as_slice() {
+        [] => (Input::Scene, Vec::new()),
+        paths => recorded(paths, &setup.sensor.value, rate_hz)?,
+    };
+    let host = &mut Onlooker::new(args.watch);
+    let outcome = run_with(setup, &input, args.seed, keep, host);
+    let outcome = outcome.map_err(|failure| match (failure, args.replay.first()) {
+        // The room for runs knows no files.
+        (Failure::Input(text), Some(path)) if text.starts_with("the recording") => {
+            Failure::Input(format!("{}: {text}", path.display()))
+        }
+        (failure, _) => failure,
+    })?;
+    Ok(Outcome { notes, ..outcome })
+}
+
+/// A scene on hardware, with the records that grow while it runs.
+fn on_hardware(
+    args: &RunArgs,
+    setup: &Setup,
+    live: &[(LiveKind, PathBuf)],
+) -> Result<Outcome, Failure> {
+    if !args.replay.is_empty() {
+        return Err(Failure::Input(
+            "--replay: a recording drives an emulated bench only".into(),
+        ));
+    }
+    if let Some(folder) = &args.out {
+        make_folder(folder)?;
+    }
+    let told = Told {
+        quiet: args.quiet,
+        watched: args.watch,
+    };
+    real::run(setup, args.seed, live, told)
+}
+
+/// Says what a run came to, in the form that the command line chose.
+fn tell(args: &RunArgs, outcome: &Outcome, files: &[(Format, PathBuf)]) -> Result<(), Failure> {
     if args.json {
         print(|out| {
             serde_json::to_writer(&mut *out, &outcome.summary)?;
@@ -170,11 +199,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
                 .iter()
                 .try_for_each(|(_, path)| writeln!(out, "  wrote           {}", path.display()))
         })
-    }?;
-    if args.explain {
-        explained(args, |out| explain::done(&outcome.effort, out))?;
     }
-    failure.or(failed).map_or(Ok(()), Err)
 }
 
 /// The files that a real run writes while it runs, and those that come after it.
@@ -232,90 +257,47 @@ fn wanted(args: &RunArgs) -> Result<Vec<(Format, PathBuf)>, Failure> {
 
 /// Scene and bench with the command line's changes, checked like a file of that content.
 fn setup(args: &RunArgs) -> Result<Setup, Failure> {
-    let mut scene = load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
-    let bench = bench(args.bench.as_deref(), &args.can, &args.i2c)?;
-    if let Some(name) = &args.layout {
-        // The name is checked here so that the error speaks of the option.
-        let found = load_layout(name)?;
-        if !matches!(found.value, palpate_files::LayoutFile::Sensor(_)) {
-            return Err(Failure::Input(format!(
-                "--layout {name}: expected a layout of kind \"sensor\", found a display"
-            )));
-        }
-        // Typed here, so it starts from here, not from the scene's folder.
-        scene.value.layout = if Kind::Layout.names().contains(&name.as_str()) {
-            name.clone()
-        } else {
-            std::path::absolute(name).map_or_else(|_| name.clone(), |p| p.display().to_string())
-        };
-    }
-    if !args.replay.is_empty() {
-        if args.scene.is_none() {
-            // Real boards are noisy, drift, and differ: the scene's own rule is for emulated ones.
-            scene.value.threshold = palpate_files::ThresholdRule::PerTaxel;
-            scene.value.threshold_margin = palpate_files::THRESHOLD_FLOOR;
-            scene.value.drift_s = Some(palpate_files::DRIFT_S);
-        }
+    let overrides = overrides(args)?;
+    let scene = load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
+    let mut scene = scene.with(&overrides)?;
+    let bench = bench_with(args.bench.as_deref(), &overrides, &args.can, &args.i2c)?;
+    if let [first, ..] = args.replay.as_slice() {
         scene.value.touches.clear();
-        scene.value.name = format!("replay of {}", args.replay[0].display());
+        scene.value.name = format!("replay of {}", first.display());
     }
-    change(&mut scene.value, args)?;
     Ok(Setup::join(scene, bench)?)
 }
 
-fn change(scene: &mut Scene, args: &RunArgs) -> Result<(), Failure> {
-    let illusion = &mut scene.illusion;
-    if let Some(name) = args.illusion.as_deref() {
-        let Some(model) = IllusionModel::named(name) else {
-            return Err(Failure::Input(format!(
-                "--illusion {name}: expected one of {}",
-                Model::ALL.map(Model::name).join(", ")
-            )));
-        };
-        if model != illusion.model {
-            // Shape and distances were meant for the scene's own model.
-            (illusion.shape, illusion.flat, illusion.distances) = (None, false, None);
+/// The options that stand for keys of the files.
+fn overrides(args: &RunArgs) -> Result<Overrides, Failure> {
+    let mut overrides = Overrides::default();
+    if args.scene.is_none() && !args.replay.is_empty() {
+        // Real boards are noisy, drift, and differ: the scene's own rule is for emulated ones.
+        let mut recorded = |key, value: &str| overrides.scene("--replay", key, value);
+        recorded("threshold", "per-taxel");
+        recorded("threshold_margin", &THRESHOLD_FLOOR.to_string());
+        recorded("drift_s", &DRIFT_S.to_string());
+    }
+    let number = |value: Option<f64>| value.map(|v| v.to_string());
+    let on = |switch| (switch == Switch::On).to_string();
+    for (option, key, value) in [
+        ("--layout", "layout", args.layout.clone()),
+        ("--illusion", "illusion.model", args.illusion.clone()),
+        ("--shape", "illusion.shape", number(args.shape)),
+        ("--alpha", "illusion.alpha", number(args.alpha)),
+        ("--beta", "illusion.beta", number(args.beta)),
+        ("--tau-d-ms", "illusion.tau_d_ms", number(args.tau_d_ms)),
+        ("--soa-ms", "illusion.soa_ms", number(args.soa_ms)),
+        ("--intensity", "illusion.intensity", args.intensity.map(on)),
+    ] {
+        if let Some(value) = value {
+            overrides.scene(option, key, value);
         }
-        illusion.model = model;
     }
-    if let Some(switch) = args.intensity {
-        illusion.intensity = switch == Switch::On;
+    for text in &args.set {
+        overrides.set("--set", text)?;
     }
-    let within = |option: &str, value: Option<f64>, low: f64, high: f64| match value {
-        Some(v) if !(low..=high).contains(&v) => Err(Failure::Input(format!(
-            "--{option} {v}: expected {low} to {high}"
-        ))),
-        value => Ok(value),
-    };
-    if let Some(shape) = within("shape", args.shape, 0.01, 100.0)? {
-        let model = plan::model(illusion.model);
-        if model.shape().is_none() {
-            let name = model.name();
-            return Err(Failure::Input(format!(
-                "--shape {shape}: expected no shape, {name} has none"
-            )));
-        }
-        (illusion.shape, illusion.flat) = (Some(shape), false);
-    }
-    illusion.alpha = within("alpha", args.alpha, 0.0, 1.0)?.unwrap_or(illusion.alpha);
-    illusion.beta = within("beta", args.beta, 0.0, 1.0)?.unwrap_or(illusion.beta);
-    let tau_d = within("tau-d-ms", args.tau_d_ms, 1.0, 10_000.0)?;
-    illusion.tau_d_ms = tau_d.or(illusion.tau_d_ms);
-    let soa = within("soa-ms", args.soa_ms, 1.0, 10_000.0)?;
-    illusion.soa_ms = soa.or(illusion.soa_ms);
-    if illusion.alpha + illusion.beta >= 1.0 {
-        return Err(Failure::Input(format!(
-            "--alpha {} --beta {}: expected a sum below 1",
-            illusion.alpha, illusion.beta
-        )));
-    }
-    if let Some(tau_d) = illusion.tau_d_ms.filter(|t| *t > illusion.onset_ms()) {
-        return Err(Failure::Input(format!(
-            "--tau-d-ms {tau_d}: expected at most the onset asynchrony, {:.1} ms",
-            illusion.onset_ms()
-        )));
-    }
-    Ok(())
+    Ok(overrides)
 }
 
 fn report(outcome: &Outcome) -> String {
@@ -346,11 +328,7 @@ fn report(outcome: &Outcome) -> String {
         &ReportExtras {
             frame_us: &outcome.frame_us,
             summary: &rows,
-            thermal: (!outcome.warmth.is_empty()).then(|| Thermal {
-                samples: &outcome.warmth,
-                margins: &outcome.summary.margins,
-                limits: outcome.skin_limits,
-            }),
+            warmth: &outcome.warmth,
         },
     )
 }

@@ -4,12 +4,12 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::cli::TestArgs;
-use crate::failure::Failure;
 use crate::output::{print, write_file};
 use crate::trial::{Halt, Trial, Verdict, attempt, decide, expects_anything, junit, lacks};
 use palpate_files::{
     Bench, BenchKind, FileError, Loaded, Quarantine, Scene, Setup, Source, load_scene, sensor_of,
 };
+use palpate_run::Failure;
 
 use super::devices::bench;
 

@@ -5,17 +5,18 @@ use std::path::Path;
 use std::sync::Arc;
 
 use palpate_core::illusion::Display;
-use palpate_core::texture::{Draw, Encoder, Ends, Pulses, Stream, Weights, along};
+use palpate_core::texture::{Draw, Ends, Pulses, Stream, along};
 use palpate_core::units::{Board, Channel, Duration, Instant, Point, Prescale};
+use palpate_files::{LayoutFile, TextureModel, load_activation, load_layout};
+use palpate_run::Failure;
+use palpate_run::plan;
+use palpate_texture::onnx;
+use palpate_texture::rows::{Rows, Take};
 use serde_json::json;
 
 use super::{texture_panel, texture_train};
-use crate::cli::{DrawArg, EncodeArgs, ExportArgs, PulsesArgs, TextureAction, WeightsArg};
-use crate::failure::Failure;
+use crate::cli::{DrawArg, EncodeArgs, ExportArgs, PulsesArgs, TextureAction};
 use crate::output::{note, print, write_file};
-use crate::plan;
-use crate::texture::{Rows, TextureModel, onnx};
-use palpate_files::{LayoutFile, load_activation, load_layout};
 
 /// Does what was asked with the texture model.
 ///
@@ -50,25 +51,11 @@ fn onsets(rate_hz: f64, soa_ms: f64) -> Ends {
 
 fn encode(args: &EncodeArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
-    let weights = match args.weights {
-        WeightsArg::Exact => Weights::Exact,
-        WeightsArg::Half => Weights::Half,
-    };
-    let (encoder, window) = (model.encoder(weights)?, model.window());
-    let encoder = match args.steps {
-        Some(steps) if steps > window => {
-            return Err(Failure::Input(format!(
-                "--steps: expected at most {window}, the model's window, found {steps}"
-            )));
-        }
-        Some(steps) => encoder.with_steps(steps),
-        None => encoder,
-    };
     let ends = match (args.soa_ms, args.rate) {
         (Some(soa_ms), Some(hz)) => onsets(hz, soa_ms),
         _ => Ends::Every,
     };
-    let found = latents(&model, encoder, &args.file, ends)?;
+    let found = latents(&model, &args.file, ends)?;
     print(|out| {
         if args.json {
             write_json(&found, out)
@@ -79,13 +66,12 @@ fn encode(args: &EncodeArgs) -> Result<(), Failure> {
 }
 
 /// Latent vectors of a recording's windows.
-fn latents(
-    model: &TextureModel,
-    encoder: Encoder,
-    file: &Path,
-    ends: Ends,
-) -> Result<Vec<Latent>, Failure> {
-    let rows = Rows::read(file, model.features(), model.feature_names())?;
+fn latents(model: &TextureModel, file: &Path, ends: Ends) -> Result<Vec<Latent>, Failure> {
+    let take = Take::Features {
+        names: model.feature_names(),
+        count: model.features(),
+    };
+    let rows = Rows::read(file, take)?;
     let window = model.window();
     if rows.count() < window {
         return Err(Failure::Input(format!(
@@ -94,7 +80,7 @@ fn latents(
             rows.count()
         )));
     }
-    let mut stream = Stream::new(Arc::new(encoder), 1);
+    let mut stream = Stream::new(Arc::new(model.encoder()?), 1);
     let mut found: Vec<Latent> = Vec::new();
     for (row, values) in rows.iter().enumerate() {
         let begin = ends.begins(row as u64, window);
@@ -115,7 +101,7 @@ const CARRIER: Prescale = Prescale::new(30);
 fn pulses(args: &PulsesArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
     let loaded = load_activation(&args.activation)?;
-    let bad = |what: String| Failure::Input(loaded.source.bad("beta", what).to_string());
+    let bad = |what: String| Failure::File(loaded.source.bad("beta", what));
     let activation = loaded
         .value
         .activation()
@@ -133,7 +119,7 @@ fn pulses(args: &PulsesArgs) -> Result<(), Failure> {
     let gaps = along(&places, display.gap());
     let mut pulses = Pulses::new(activation, draw, CARRIER, &gaps, args.seed);
     let ends = onsets(args.rate, args.soa_ms);
-    let found = latents(&model, model.encoder(Weights::Exact)?, &args.file, ends)?;
+    let found = latents(&model, &args.file, ends)?;
     let at = |(row, _): &Latent| Instant::ZERO + micros(*row as f64 * 1e6 / args.rate);
     print(|out| {
         writeln!(out, "period,time_us,wire")?;

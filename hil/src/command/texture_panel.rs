@@ -2,18 +2,19 @@
 
 use std::io::{self, Write};
 
-use palpate_emulators::panel::{Dimension, REPEATS, SUBJECTS, Sensation};
-use serde_json::{Value, json};
+use palpate_emulators::person::panel::{Dimension, REPEATS, SUBJECTS, Sensation};
+use palpate_emulators::sensor::surface::spearman;
+use palpate_files::{Setup, TextureModel, TextureTable, load_textures};
+use palpate_run::Failure;
+use palpate_run::plan::surface;
+use palpate_texture::panel::draw::{SIGNIFICANT, draw};
+use palpate_texture::panel::statistics::Box5;
+use palpate_texture::panel::{self, Label, Rated, Study, Test};
+use palpate_texture::round;
+use serde_json::{Map, Value, json};
 
 use crate::cli::PanelArgs;
-use crate::failure::Failure;
 use crate::output::{print, write_file};
-use crate::texture::TextureModel;
-use crate::texture::panel::draw::{SIGNIFICANT, draw};
-use crate::texture::panel::statistics::Box5;
-use crate::texture::panel::{self, Label, Rated, Study, Test};
-use palpate_emulators::surface::spearman;
-use palpate_files::{Setup, load_textures};
 
 /// The scene whose texture section says how latent vectors become pulses.
 const SCENE: &str = "texture-wood";
@@ -25,54 +26,64 @@ const SCENE: &str = "texture-wood";
 pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
     let setup = Setup::load(SCENE, &args.bench)?;
-    let (title, study, found) = match (&args.recordings, args.rate) {
+    let (title, study, bare) = match (&args.recordings, args.rate) {
         (Some(folder), Some(rate_hz)) => {
             let labels = Label::all(folder)?;
             let study = panel::recorded(&model, &labels, rate_hz, &setup, args.seed)?;
             let title = format!("Recordings of {} rated", folder.display());
-            let found = of_recordings(&study);
-            (title, study, found)
+            (title, study, None)
         }
         _ => {
             let table = load_textures(&args.textures)?.value;
             let rate = |pairing| panel::emulated(&model, &table, pairing, &setup, args.seed);
-            let (study, skin) = (rate(panel::taped)?, rate(panel::bare)?);
-            let truth: Vec<f64> = table
-                .texture
-                .iter()
-                .map(|t| crate::texture::explore::surface(t).drag_roughness())
-                .collect();
-            let found = of_textures(&study, &skin, &truth);
-            ("The eight textures rated".to_owned(), study, found)
+            let (study, bare) = (rate(panel::taped)?, rate(panel::bare)?);
+            let ranks = ranks(&study, &table);
+            (
+                "The eight textures rated".to_owned(),
+                study,
+                Some((bare, ranks)),
+            )
         }
     };
     if let Some(path) = &args.svg {
         write_file(path, |out| out.write_all(draw(&study, &title).as_bytes()))?;
     }
-    let mut whole = json!({
-        "source": "simulated panel on an emulated display",
-        "model": args.model,
-        "bench": args.bench,
-        "seed": args.seed,
-        "subjects": SUBJECTS,
-        "repeats": REPEATS,
-        "ends": {"smooth": sensation(&study.ends.smooth), "rough": sensation(&study.ends.rough)},
-    });
-    if let (Some(whole), Some(found)) = (whole.as_object_mut(), found.as_object()) {
-        whole.extend(found.clone());
-    }
-    print(|out| {
-        if args.json {
-            writeln!(out, "{whole}")
-        } else {
-            table(&whole, out)
-        }
+    print(|out| match &bare {
+        _ if args.json => writeln!(out, "{}", as_json(args, &study, bare.as_ref())),
+        Some((bare, ranks)) => table_of_textures(&study, bare, ranks, out),
+        None => table_of_recordings(&study, out),
     })
 }
 
-/// Three decimals; no minus before a zero.
-fn round(value: f64) -> f64 {
-    (value * 1e3).round() / 1e3 + 0.0
+/// What goes with what, and how closely: Spearman's rank correlation over textures, three decimals.
+type Ranks = [(&'static str, f64); 3];
+
+fn ranks(study: &Study, table: &TextureTable) -> Ranks {
+    let truth: Vec<f64> = table
+        .texture
+        .iter()
+        .map(|t| surface(t).drag_roughness())
+        .collect();
+    let of = |rated: &dyn Fn(&Rated) -> f64| study.textures.iter().map(rated).collect::<Vec<_>>();
+    let middle = |ratings: &[u8]| mean(ratings.iter().map(|r| f64::from(*r))).unwrap_or(f64::NAN);
+    let display = of(&|t| middle(&t.display[0]));
+    let bare = of(&|t| t.bare.as_ref().map_or(f64::NAN, |b| middle(&b[1])));
+    let driven = of(&|t| t.driven);
+    let rank = |of: &[f64], with: &[f64]| round(spearman(of, with));
+    [
+        (
+            "roughness rated on the display, with the bare finger's",
+            rank(&display, &bare),
+        ),
+        (
+            "roughness rated on the display, with the surface's",
+            rank(&display, &truth),
+        ),
+        (
+            "roughness that drives, with the surface's",
+            rank(&driven, &truth),
+        ),
+    ]
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -89,7 +100,7 @@ fn sensation(felt: &Sensation) -> Value {
 
 /// A texture's ratings and what was felt of it on the display.
 fn of_texture(rated: &Rated, tests: Vec<Test>) -> Value {
-    let mut ratings = serde_json::Map::new();
+    let mut ratings = Map::new();
     let mut add = |name: String, all: &[u8]| ratings.insert(name, json!(Box5::of(all)));
     for (d, all) in rated.bare.iter().flat_map(|b| Dimension::ALL.iter().zip(b)) {
         add(format!("bare {}", d.name()), all);
@@ -111,150 +122,119 @@ fn of_texture(rated: &Rated, tests: Vec<Test>) -> Value {
     })
 }
 
-/// Emulated textures, and the same ones under a module that slides as a finger does.
-fn of_textures(study: &Study, skin: &Study, truth: &[f64]) -> Value {
-    let textures = study
-        .textures
-        .iter()
-        .map(|t| of_texture(t, t.against_bare()));
-    let paired = skin
-        .textures
-        .iter()
-        .map(|t| of_texture(t, t.against_bare()));
-    let rank = |of: &dyn Fn(&Rated) -> f64, with: &[f64]| {
-        let values: Vec<f64> = study.textures.iter().map(of).collect();
-        round(spearman(&values, with))
+/// Everything that was rated, and the same textures under a module that slides as a finger does.
+fn as_json(args: &PanelArgs, study: &Study, bare: Option<&(Study, Ranks)>) -> Value {
+    let all = |study: &Study, tests: &dyn Fn(usize, &Rated) -> Vec<Test>| -> Value {
+        let textures = study.textures.iter().enumerate();
+        textures.map(|(n, t)| of_texture(t, tests(n, t))).collect()
     };
-    let middle = |ratings: &[u8]| mean(ratings.iter().map(|r| f64::from(*r))).unwrap_or(f64::NAN);
-    let bare: Vec<f64> = study
-        .textures
-        .iter()
-        .map(|t| t.bare.as_ref().map_or(f64::NAN, |b| middle(&b[1])))
-        .collect();
-    json!({
-        "textures": textures.collect::<Vec<_>>(),
-        "with_a_fingers_friction": paired.collect::<Vec<_>>(),
-        "spearman": {
-            "roughness that drives, with the surface's": rank(&|t| t.driven, truth),
-            "roughness rated on the display, with the surface's": rank(&|t| middle(&t.display[0]), truth),
-            "roughness rated on the display, with the bare finger's": rank(&|t| middle(&t.display[0]), &bare),
-        },
-    })
-}
-
-/// Recordings: who is told from whom.
-fn of_recordings(study: &Study) -> Value {
-    let textures: Vec<Value> = study
-        .textures
-        .iter()
-        .enumerate()
-        .map(|(n, t)| of_texture(t, t.against(&study.textures[n + 1..])))
-        .collect();
-    json!({"textures": textures})
-}
-
-fn number(value: &Value) -> String {
-    match value.as_f64() {
-        Some(v) if v.fract() == 0.0 => format!("{v:.0}"),
-        Some(v) => format!("{v:.2}"),
-        None => "-".into(),
+    let mut whole = json!({
+        "source": "simulated panel on an emulated display",
+        "model": args.model,
+        "bench": args.bench,
+        "seed": args.seed,
+        "subjects": SUBJECTS,
+        "repeats": REPEATS,
+        "ends": {"smooth": sensation(&study.ends.smooth), "rough": sensation(&study.ends.rough)},
+        "textures": all(study, &|n, t| match bare {
+            Some(_) => t.against_bare(),
+            None => t.against(&study.textures[n + 1..]),
+        }),
+    });
+    if let Some((bare, ranks)) = bare {
+        whole["with_a_fingers_friction"] = all(bare, &|_, t| t.against_bare());
+        let ranks = ranks.iter().map(|(what, rank)| (*what, *rank));
+        whole["spearman"] = ranks.collect();
     }
+    whole
 }
 
-/// p of a texture's test of a dimension.
-fn p(texture: &Value, dimension: &str) -> Option<f64> {
-    let tests = texture["tests"].as_array()?;
-    tests.iter().find(|t| t["dimension"] == dimension)?["p"].as_f64()
+/// Whole numbers as such, others with two decimals.
+fn number(value: f64) -> String {
+    let decimals = if value.fract() == 0.0 { 0 } else { 2 };
+    format!("{value:.decimals$}")
 }
 
-fn marked(p: Option<f64>) -> String {
-    p.map_or("-".into(), |p| {
-        format!("{p:.3}{}", if p < SIGNIFICANT { "*" } else { " " })
-    })
+fn median(ratings: Option<&[u8]>) -> String {
+    let found = ratings.and_then(Box5::of);
+    found.map_or("-".into(), |found| number(found.median))
 }
 
-fn table(whole: &Value, out: &mut dyn Write) -> io::Result<()> {
-    let textures = || whole["textures"].as_array().into_iter().flatten();
-    let skin = whole["with_a_fingers_friction"].as_array();
+fn heading(out: &mut dyn Write) -> io::Result<()> {
     writeln!(
         out,
         "SIMULATED panel on an emulated display: {SUBJECTS} subjects, {REPEATS} repeats, medians of ratings 1 to 6\n"
+    )
+}
+
+fn table_of_textures(
+    study: &Study,
+    bare: &Study,
+    ranks: &Ranks,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    heading(out)?;
+    writeln!(
+        out,
+        "               hardness |        roughness         |         friction         | finger's friction"
     )?;
-    if let Some(skin) = skin {
-        writeln!(
-            out,
-            "{:<14} {:>8} | {:^24} | {:^24} | finger's friction",
-            "", "hardness", "roughness", "friction"
-        )?;
-        writeln!(
-            out,
-            "{:<14} {:>8} | {:>7} {:>8} {:>7} | {:>7} {:>8} {:>7} | {:>9} {:>8}",
-            "",
-            "finger",
-            "finger",
-            "display",
-            "p",
-            "finger",
-            "display",
-            "p",
-            "roughness",
-            "friction"
-        )?;
-        for (texture, skin) in textures().zip(skin) {
-            let median = |key: &str| number(&texture["boxes"][key]["median"]);
-            writeln!(
-                out,
-                "{:<14} {:>8} | {:>7} {:>8} {:>7} | {:>7} {:>8} {:>7} | {:>9} {:>8}",
-                texture["name"].as_str().unwrap_or_default(),
-                median("bare hardness"),
-                median("bare roughness"),
-                median("display roughness"),
-                marked(p(texture, "roughness")),
-                median("bare friction"),
-                median("display friction"),
-                marked(p(texture, "friction")),
-                number(&skin["boxes"]["display roughness"]["median"]),
-                number(&skin["boxes"]["display friction"]["median"]),
-            )?;
+    writeln!(
+        out,
+        "                 finger |  finger  display       p |  finger  display       p | roughness friction"
+    )?;
+    for (t, bare) in study.textures.iter().zip(&bare.textures) {
+        let finger = |d: usize| median(t.bare.as_ref().map(|all| &*all[d]));
+        let tests = t.against_bare();
+        let p = |d: usize| {
+            tests.get(d).map_or("-".into(), |test| {
+                format!(
+                    "{:.3}{}",
+                    test.p,
+                    if test.p < SIGNIFICANT { "*" } else { " " }
+                )
+            })
+        };
+        write!(out, "{:<14} {:>8}", t.name, finger(0))?;
+        for d in 0..2 {
+            let display = median(Some(&t.display[d]));
+            write!(out, " | {:>7} {display:>8} {:>7}", finger(d + 1), p(d))?;
         }
-        writeln!(
-            out,
-            "\n* differs from the bare finger, Mann-Whitney U, p < {SIGNIFICANT}"
-        )?;
-        writeln!(
-            out,
-            "finger's friction: the display's medians, had the module slid as a finger does\n"
-        )?;
-        for (what, value) in whole["spearman"].as_object().into_iter().flatten() {
-            writeln!(out, "{what:<54} rank correlation {:>5}", number(value))?;
-        }
-        return Ok(());
+        let [roughness, friction] = bare.display.each_ref().map(|all| median(Some(all)));
+        writeln!(out, " | {roughness:>9} {friction:>8}")?;
     }
     writeln!(
         out,
-        "{:<20} {:>7} {:>9} {:>8}",
-        "", "driven", "roughness", "friction"
+        "\n* differs from the bare finger, Mann-Whitney U, p < {SIGNIFICANT}\n\
+         finger's friction: the display's medians, had the module slid as a finger does\n"
     )?;
-    for texture in textures() {
-        let median = |key: &str| number(&texture["boxes"][key]["median"]);
+    for (what, rank) in ranks {
+        writeln!(out, "{what:<54} rank correlation {:>5}", number(*rank))?;
+    }
+    Ok(())
+}
+
+fn table_of_recordings(study: &Study, out: &mut dyn Write) -> io::Result<()> {
+    heading(out)?;
+    writeln!(out, "                      driven roughness friction")?;
+    for t in &study.textures {
+        let [roughness, friction] = t.display.each_ref().map(|all| median(Some(all)));
+        let driven = number(round(t.driven));
         writeln!(
             out,
-            "{:<20} {:>7} {:>9} {:>8}",
-            texture["name"].as_str().unwrap_or_default(),
-            number(&texture["driven"]),
-            median("display roughness"),
-            median("display friction"),
+            "{:<20} {driven:>7} {roughness:>9} {friction:>8}",
+            t.name
         )?;
     }
-    for dimension in panel::ON_DISPLAY {
-        let tests = || textures().flat_map(|t| t["tests"].as_array().into_iter().flatten());
-        let of = || tests().filter(|t| t["dimension"] == dimension.name());
-        let apart = of().filter(|t| t["p"].as_f64().is_some_and(|p| p < SIGNIFICANT));
+    let pairs = study.textures.iter().enumerate();
+    let tests: Vec<Test> = pairs
+        .flat_map(|(n, t)| t.against(&study.textures[n + 1..]))
+        .collect();
+    for dimension in panel::ON_DISPLAY.map(Dimension::name) {
+        let of = || tests.iter().filter(|t| t.dimension == dimension);
         writeln!(
             out,
-            "\ntold apart by {} (Mann-Whitney U, p < {SIGNIFICANT}): {} of {} pairs",
-            dimension.name(),
-            apart.count(),
+            "\ntold apart by {dimension} (Mann-Whitney U, p < {SIGNIFICANT}): {} of {} pairs",
+            of().filter(|t| t.p < SIGNIFICANT).count(),
             of().count()
         )?;
     }

@@ -3,13 +3,12 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use serde_json::Value;
+use palpate_files::{TextureModel, load_textures};
+use palpate_run::Failure;
+use palpate_texture::{draw, explore, map, round};
 
 use crate::cli::{MapArgs, StrokesArgs, TrainArgs};
-use crate::failure::Failure;
 use crate::output::{make_folder, note, print, write_file};
-use crate::texture::{TextureModel, draw, explore, map};
-use palpate_files::load_textures;
 
 /// The training program: a workspace member that only those build who train.
 const PROGRAM: &str = "palpate-train";
@@ -22,7 +21,15 @@ pub fn strokes(args: &StrokesArgs) -> Result<(), Failure> {
     let table = load_textures(&args.textures)?.value;
     let all = explore::explore(&table, args.strokes, args.seed);
     make_folder(&args.out)?;
-    explore::write(&args.out, &table, &all)?;
+    for (entry, recording) in &all {
+        let name = format!("{}_{:02}.csv", entry.name, recording.number);
+        write_file(&args.out.join(name), |out| {
+            explore::write_rows(recording, out)
+        })?;
+    }
+    write_file(&args.out.join("ratings.csv"), |out| {
+        explore::write_ratings(&table, out)
+    })?;
     note(&format!(
         "{}: {} emulated recordings and ratings.csv",
         args.out.display(),
@@ -65,49 +72,36 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
     let strokes = explore::explore(&table, args.strokes, args.seed);
     let encoded = explore::encode(&model, &strokes)?;
     let view = map::View::of(&model);
-    let figures = map::figures(&encoded, view);
+    let placed = map::place(&encoded, view);
     if let Some(path) = &args.svg {
         let title = format!("Where {} puts {} textures", args.model, table.texture.len());
         write_file(path, |out| {
-            out.write_all(draw::draw(&encoded, view, &title).as_bytes())
+            out.write_all(draw::draw(&placed, view, &title).as_bytes())
         })?;
     }
     print(|out| {
-        if args.json {
-            return writeln!(out, "{figures}");
-        }
         writeln!(out, "x: {}, y: {}", view.x.label(), view.y.label())?;
-        writeln!(
-            out,
-            "{:<14} {:>8} {:>8} {:>8} {:>8}",
-            "emulated", "x", "y", "long", "short"
-        )?;
-        for t in figures["textures"].as_array().into_iter().flatten() {
-            let unseen = if t["trained"] == false {
-                "  unseen"
-            } else {
+        writeln!(out, "emulated              x        y     long    short")?;
+        for texture in &placed {
+            let (name, spot) = (&texture.entry.name, texture.spot);
+            write!(out, "{name:<14}")?;
+            for figure in [spot.mean.0, spot.mean.1, spot.half.0, spot.half.1] {
+                write!(out, " {:>8.3}", round(figure))?;
+            }
+            let unseen = if texture.entry.trained {
                 ""
+            } else {
+                "  unseen"
             };
-            let name = t["name"].as_str().unwrap_or_default();
-            let number = |v: &Value| format!("{:.3}", v.as_f64().unwrap_or(f64::NAN));
-            let (long, short) = (number(&t["half_axes"][0]), number(&t["half_axes"][1]));
-            let (x, y) = (number(&t["x"]), number(&t["y"]));
-            writeln!(out, "{name:<14} {x:>8} {y:>8} {long:>8} {short:>8}{unseen}")?;
+            writeln!(out, "{unseen}")?;
         }
         writeln!(
             out,
-            "\n{:<38} {:>8} {:>8}",
-            "rank correlation", "all", "unseen"
+            "\nrank correlation                            all   unseen"
         )?;
-        for row in figures["spearman"].as_array().into_iter().flatten() {
-            let number = |key: &str| format!("{:.2}", row[key].as_f64().unwrap_or(f64::NAN));
-            let what = row["what"].as_str().unwrap_or_default();
-            writeln!(
-                out,
-                "{what:<38} {:>8} {:>8}",
-                number("all"),
-                number("unseen")
-            )?;
+        for rank in map::ranks(&placed) {
+            let (what, all, unseen) = (rank.what, rank.all, rank.unseen);
+            writeln!(out, "{what:<38} {all:>8.2} {unseen:>8.2}")?;
         }
         Ok(())
     })

@@ -1,28 +1,29 @@
 //! The emulated hardware of a bench on a time line that others set: boards under a scene's touches, chips
 //! with wires on a finger, the scene's faults in front of both buses.
 
-use palpate_core::bus::{Received, SensorBus};
+use palpate_core::bus::{CanBus, Received};
+use palpate_core::codec::can::CanFrame;
+use palpate_core::codec::pca9685::{FULL, LED0_ON_L};
+use palpate_core::codec::uskin::{Message, decode};
 use palpate_core::skin::Layout;
 use palpate_core::units::Instant;
-use palpate_core::wire::can::CanFrame;
-use palpate_core::wire::pca9685::{FULL, LED0_ON_L};
-use palpate_core::wire::uskin::{IdProfile, Message, decode};
-use palpate_emulators::can::NodeConfig;
-use palpate_emulators::can::faults::Faulty;
-use palpate_emulators::display::{Display, OutputEdge};
-use palpate_emulators::i2c::fault::{I2cFault, I2cFaults, Shared};
-use palpate_emulators::i2c::{Handle as I2cHandle, Segment};
-use palpate_emulators::pca9685::{Pca9685, Pin};
-use palpate_emulators::rig::Handle;
+use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
+use palpate_emulators::display::i2c::{I2cHandle, I2cSegment};
+use palpate_emulators::display::pca9685::{Pca9685, Pin};
+use palpate_emulators::sensor::can::NodeConfig;
+use palpate_emulators::sensor::can::faults::Faulty;
+use palpate_emulators::sensor::rig::Handle;
 use palpate_emulators::time::Nanos;
+use palpate_emulators::worn::{Display, OutputEdge};
 use palpate_records::trace::Event;
 
-use crate::failure::Failure;
-use crate::plan;
-use crate::run::script::{Bench, Script};
-use crate::run::supervisor::OutputEnable;
-use crate::run::{ends, skin};
 use palpate_files::Setup;
+use palpate_run::Failure;
+use palpate_run::display_end::{self, OutputEnable};
+use palpate_run::effects::Faultable;
+use palpate_run::plan;
+use palpate_run::script::Script;
+use palpate_run::skin;
 
 /// Frames of other programs that may wait for the emulated wire, a bus.
 const WAITING: usize = 4096;
@@ -50,7 +51,7 @@ impl<'a> Hardware<'a> {
     /// [`Failure::Input`] for a layout that no board carries or a display that cannot be.
     pub fn new(setup: &'a Setup, seed: u64) -> Result<Self, Failure> {
         let layout = plan::layout(&setup.sensor.value)?;
-        let display = ends::display(setup, plan::display(setup)?.wires())?;
+        let display = display_end::emulated(setup, plan::display(setup)?.wires())?;
         let faults = I2cFaults::default();
         let i2c = Shared::new(I2cFault::new(display.bus(), faults, seed, "actuator bus"));
         Ok(Self {
@@ -84,7 +85,8 @@ impl<'a> Hardware<'a> {
 
     /// Whether any board sends.
     pub fn sends(&self) -> bool {
-        let any = |b: &palpate_emulators::rig::SkinBus| b.boards().iter().any(|b| b.sending());
+        let any =
+            |b: &palpate_emulators::sensor::rig::SkinBus| b.boards().iter().any(|b| b.sending());
         self.skin.inner().with(|buses| buses.iter().any(any))
     }
 
@@ -105,7 +107,7 @@ impl<'a> Hardware<'a> {
         let mut events = Vec::new();
         self.script.step(
             Instant::from_micros(scene_now.as_micros()),
-            &mut Bench {
+            &mut Faultable {
                 skin: Some(&mut self.skin),
                 i2c: &self.i2c,
                 display: &mut self.display,
@@ -144,7 +146,7 @@ impl<'a> Hardware<'a> {
 
     /// When the last transfer has ended on the emulated wire, and how many there were.
     pub fn i2c_time(&self) -> (Nanos, u64) {
-        let look = |s: &mut Segment| (s.now(), s.transactions());
+        let look = |s: &mut I2cSegment| (s.now(), s.transactions());
         self.display.bus().with(look).unwrap_or_default()
     }
 
@@ -156,21 +158,21 @@ impl<'a> Hardware<'a> {
 
     /// Hazardous things done to the chips so far.
     pub fn hazards(&self) -> u64 {
-        let sum = |s: &mut Segment| s.chips().iter().map(Pca9685::hazard_count).sum();
+        let sum = |s: &mut I2cSegment| s.chips().iter().map(Pca9685::hazard_count).sum();
         self.display.bus().with(sum).unwrap_or_default()
     }
 
     /// Of each chip: its address, and whether it drives or is going to drive an output.
     pub fn driving(&self) -> Vec<(u8, bool)> {
         let state = |chip: &Pca9685| (chip.config().address, drives(chip, self.cut));
-        let look = |s: &mut Segment| s.chips().iter().map(state).collect();
+        let look = |s: &mut I2cSegment| s.chips().iter().map(state).collect();
         self.display.bus().with(look).unwrap_or_default()
     }
 }
 
 /// Whether a start command is in this frame.
 pub(super) fn starts(frame: &CanFrame) -> bool {
-    matches!(decode(IdProfile::Current, frame), Ok(Message::Command(c)) if c.start)
+    matches!(decode(frame), Ok(Message::Command(c)) if c.start)
 }
 
 /// Whether an output is high, or a running chip that is not cut has a channel without the full-off bit and with

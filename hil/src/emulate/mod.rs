@@ -17,9 +17,9 @@ use palpate_buses::served::wait::{Signals, monotonic_ns, wait};
 use palpate_core::units::Instant;
 use palpate_emulators::time::Nanos;
 
-use crate::failure::Failure;
-use crate::plan;
 use palpate_files::Setup;
+use palpate_run::Failure;
+use palpate_run::plan;
 
 use hardware::{Hardware, starts};
 pub use record::{CanRecord, Record, Telling, WireRecord};

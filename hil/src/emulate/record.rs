@@ -2,10 +2,10 @@
 
 use std::io::{self, BufWriter, Stdout, Write};
 
-use palpate_emulators::display::{DisplayTotals, OutputEdge};
+use palpate_emulators::worn::{DisplayTotals, OutputEdge};
 use serde::Serialize;
 
-use crate::failure::Failure;
+use palpate_run::Failure;
 
 /// How the program speaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -183,7 +183,7 @@ impl Record {
         self.energy_mj = totals.electrical_j * 1e3;
         self.peak_supply_a = f64::from(totals.peak_supply.0) / 1e3;
         (self.hottest_wire_c, self.hottest_wire) = totals.hottest_wire;
-        self.hottest_skin_c = totals.hottest_skin_c;
+        self.hottest_skin_c = totals.hottest_tissue_c;
     }
 
     /// For people.

@@ -5,9 +5,9 @@ use palpate_buses::served::can::Interface;
 use palpate_core::units::{Duration, Instant};
 use serde::Serialize;
 
-use crate::failure::Failure;
 use crate::recording::CanRecording;
-use crate::run::real::Signals;
+use palpate_buses::signals::Signals;
+use palpate_run::Failure;
 
 /// A signal is noticed within this time.
 const TURN: Duration = Duration::from_millis(50);

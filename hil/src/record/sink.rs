@@ -9,10 +9,10 @@ use palpate_records::trace::Header;
 use palpate_records::vcd::Vcd;
 use palpate_records::{contacts_csv, schedule};
 
-use super::journal::Piece;
-use crate::failure::Failure;
+use super::piece::Piece;
 use crate::output::write_sidecar;
 use crate::recording::write_can_log;
+use palpate_run::Failure;
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

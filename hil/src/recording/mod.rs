@@ -8,4 +8,54 @@ mod taxel_csv;
 mod tests;
 
 pub use can_log::{CanRecording, is_can_recording, read_can_recording, write_can_log};
-pub use taxel_csv::{Columns, TaxelTable, read_taxel_csv};
+pub use taxel_csv::{Columns, read_taxel_csv};
+
+use std::path::PathBuf;
+
+use palpate_core::skin::Module;
+use palpate_files::SensorLayout;
+use palpate_run::{CanFrames, Failure, Input, plan};
+
+/// What drives a run in place of touches: one recording per module of a layout, or one recording of all its buses;
+/// and what is to be said of the files. Rows without times come at `rate_hz`.
+///
+/// # Errors
+/// [`Failure::Input`] with file, line and column.
+pub fn recorded(
+    paths: &[PathBuf],
+    file: &SensorLayout,
+    rate_hz: Option<f64>,
+) -> Result<(Input, Vec<String>), Failure> {
+    if let Some(log) = paths.iter().find(|path| is_can_recording(path)) {
+        let [log] = paths else {
+            return Err(Failure::Input(format!(
+                "--replay {}: expected one recording of all buses and nothing beside it, found {} files",
+                log.display(),
+                paths.len()
+            )));
+        };
+        let layout = plan::layout(file)?;
+        let addresses = layout.modules().iter().filter_map(Module::address);
+        let buses = addresses.map(|a| usize::from(a.bus) + 1).max();
+        let recording = read_can_recording(log, buses.unwrap_or(0))?;
+        let frames = CanFrames::new(recording.frames);
+        return Ok((Input::Frames(frames), recording.notes));
+    }
+    if paths.len() != file.modules.len() {
+        return Err(Failure::Input(format!(
+            "--replay: expected {} files, one per module of layout `{}`, found {}",
+            file.modules.len(),
+            file.name,
+            paths.len()
+        )));
+    }
+    let table = |(number, path): (usize, &PathBuf)| {
+        let columns = Columns::of_module(file, number).ok_or_else(|| {
+            Failure::Input(format!("layout `{}` has no module {number}", file.name))
+        })?;
+        Ok(read_taxel_csv(path, &columns, rate_hz)?)
+    };
+    let tables = paths.iter().enumerate().map(table);
+    let tables: Result<_, Failure> = tables.collect();
+    Ok((Input::Rows(tables?), Vec::new()))
+}

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use palpate_files::{FileError, SensorLayout};
+use palpate_run::TaxelTable;
 
 /// What a recording must hold: `taxels` times `axes` columns, `txl1_x,txl1_y,txl1_z,...` (`_z` alone for one axis).
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -48,32 +49,6 @@ impl Columns {
             ["x", "y", "z"][index % 3]
         };
         format!("txl{}_{axis}", index / axes + 1)
-    }
-}
-
-/// A recording in memory.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct TaxelTable {
-    /// Each frame's time in microseconds; frame k is at k / rate where the file has no times.
-    pub time_us: Vec<u64>,
-    /// Raw counts, frame after frame, `columns` each.
-    pub counts: Vec<u16>,
-    /// Counts a frame.
-    pub columns: usize,
-}
-
-impl TaxelTable {
-    /// Number of frames.
-    #[must_use]
-    pub fn frames(&self) -> usize {
-        self.time_us.len()
-    }
-
-    /// The counts of one frame.
-    #[must_use]
-    pub fn frame(&self, index: usize) -> Option<&[u16]> {
-        let start = index.checked_mul(self.columns)?;
-        self.counts.get(start..start.checked_add(self.columns)?)
     }
 }
 

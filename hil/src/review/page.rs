@@ -2,10 +2,12 @@
 
 use std::fmt::Write;
 
-use palpate_records::diff::{Grade, Kind, Output, Story};
+use palpate_records::bursts::{Burst, Output};
+use palpate_records::diff::Grade;
 use palpate_records::report::STYLE;
 use palpate_records::report::scale::Scale;
 use palpate_records::report::svg::{Plot, Svg, escape};
+use palpate_records::story::{GoldenKind, Story};
 
 use super::scene::Scene;
 
@@ -69,10 +71,8 @@ fn section(out: &mut String, scene: &Scene) {
         let _ = writeln!(out, "<li>.. and {} more</li>", words.len() - TOLD);
     }
     out.push_str("</ul>\n");
-    if let Some((old, new)) = scene.of(Kind::Margins) {
+    if let Some((old, new)) = scene.of(GoldenKind::Schedule) {
         margins(out, old, new);
-    }
-    if let Some((old, new)) = scene.of(Kind::Schedule) {
         drawings(out, old, new);
     }
     out.push_str("</section>\n");
@@ -83,21 +83,25 @@ fn margins(out: &mut String, old: &Story, new: &Story) {
         "<h2 class=\"next\">Margins</h2>\n<table><tr><th>limit</th><th class=\"num\">was used</th>\
          <th class=\"num\">is used</th><th></th><th class=\"num\">worst</th><th class=\"num\">limit</th></tr>\n",
     );
+    let percent = |used: i64| format!("{:.3}", used as f64 / 1e3);
     for figure in &new.figures {
+        let Some(used) = figure.used else { continue };
         let before = old.figures.iter().find(|f| f.name == figure.name);
-        let share: f64 = figure.used.parse().unwrap_or(0.0);
-        let over = if share > 100.0 { " class=\"over\"" } else { "" };
+        let before = before
+            .and_then(|f| f.used)
+            .map_or_else(|| "-".into(), percent);
+        let over = if figure.over { " class=\"over\"" } else { "" };
         let _ = writeln!(
             out,
             "<tr{over}><td>{}</td><td class=\"num\">{} %</td><td class=\"num\">{} %</td>\
              <td><span class=\"meter\"><i style=\"width:{:.0}%\"></i></span></td>\
              <td class=\"num\">{}</td><td class=\"num\">{} {}</td></tr>",
             escape(&figure.name),
-            escape(before.map_or("-", |f| &f.used)),
-            escape(&figure.used),
-            share.clamp(0.0, 100.0),
-            escape(&figure.value),
-            escape(&figure.limit),
+            before,
+            percent(used),
+            (used as f64 / 1e3).clamp(0.0, 100.0),
+            figure.text(figure.value),
+            figure.text(figure.limit),
             escape(&figure.unit),
         );
     }
@@ -106,27 +110,23 @@ fn margins(out: &mut String, old: &Story, new: &Story) {
 
 /// Where the two begin to differ, microseconds.
 fn first_difference(old: &Story, new: &Story) -> Option<u64> {
-    let outputs = old.bursts.keys().chain(new.bursts.keys());
-    let first = |output: &Output| {
-        let none = Vec::new();
-        let a = old.bursts.get(output).unwrap_or(&none);
-        let b = new.bursts.get(output).unwrap_or(&none);
-        let differ = a.iter().zip(b).find(|(x, y)| x != y);
-        let rest = || a.get(b.len()).or_else(|| b.get(a.len())).map(|s| s.from_us);
-        differ.map(|(x, y)| x.from_us.min(y.from_us)).or_else(rest)
-    };
-    outputs.filter_map(first).min()
+    // Both are sorted by their starts, so the first pair that differs is the earliest.
+    let longest = old.bursts.len().max(new.bursts.len());
+    let pairs = (0..longest).map(|i| (old.bursts.get(i), new.bursts.get(i)));
+    let mut differing = pairs.skip_while(|(x, y)| x == y);
+    let (x, y) = differing.next()?;
+    [x, y].into_iter().flatten().map(|b| b.from_us).min()
 }
 
 fn drawings(out: &mut String, old: &Story, new: &Story) {
-    let ends = |s: &Story| s.bursts.values().flatten().map(|b| b.to_us).max();
+    let ends = |s: &Story| s.bursts.iter().map(|b| b.to_us).max();
     let listed = [old.listed_until_us(), new.listed_until_us()];
     let listed = listed.into_iter().flatten().min().unwrap_or(u64::MAX);
     let end = ends(old).max(ends(new)).unwrap_or(0).min(listed);
     if end == 0 {
         return;
     }
-    let starts = |s: &Story| s.bursts.values().flatten().map(|b| b.from_us).min();
+    let starts = |s: &Story| s.bursts.first().map(|b| b.from_us);
     let start = [starts(old), starts(new)]
         .into_iter()
         .flatten()
@@ -145,7 +145,7 @@ fn drawings(out: &mut String, old: &Story, new: &Story) {
         out.push_str("<p class=\"sub\">The whole run.</p>\n");
     }
     out.push_str(&overlay(old, new, start, end));
-    if old.untold.max(new.untold) > 0 {
+    if old.bursts_untold.max(new.bursts_untold) > 0 {
         out.push_str(
             "<p class=\"sub\">One of the goldens does not list every burst: what comes later is not drawn.</p>\n",
         );
@@ -155,9 +155,9 @@ fn drawings(out: &mut String, old: &Story, new: &Story) {
 fn overlay(old: &Story, new: &Story, from_us: u64, to_us: u64) -> String {
     let mut outputs: Vec<Output> = old
         .bursts
-        .keys()
-        .chain(new.bursts.keys())
-        .copied()
+        .iter()
+        .chain(&new.bursts)
+        .map(|b| b.output)
         .collect();
     outputs.sort_unstable();
     outputs.dedup();
@@ -178,15 +178,15 @@ fn overlay(old: &Story, new: &Story, from_us: u64, to_us: u64) -> String {
         y: Scale::exact(0.0, 1.0),
     };
     plot.x_axis(&mut svg, "time [s]");
-    let all = || old.bursts.values().chain(new.bursts.values()).flatten();
+    let all = || old.bursts.iter().chain(&new.bursts);
     let widest = all().map(|b| b.width).max().unwrap_or(0).max(1);
     for (row, output) in outputs.iter().enumerate() {
         let base = plot.top + (row as f64 + 1.0) * ROW.0 - 2.0;
         svg.text((SIZE.1 - 8.0, base - 6.0), "label end", &output.to_string());
         let bars = |story: &Story| {
             let mut path = String::new();
-            let stays = story.bursts.get(output).into_iter().flatten();
-            for b in stays.filter(|b| b.from_us < to_us && b.to_us > from_us) {
+            let shown = |b: &&Burst| b.output == *output && b.from_us < to_us && b.to_us > from_us;
+            for b in story.bursts.iter().filter(shown) {
                 let x0 = plot.px(seconds(b.from_us.max(from_us)));
                 let x1 = plot.px(seconds(b.to_us.min(to_us)));
                 let high = f64::from(b.width) / f64::from(widest) * ROW.1;

@@ -2,11 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use palpate_records::diff::{Difference, Grade, Kind, Story, Tolerance, compare};
+use palpate_records::diff::{Difference, Grade, Tolerance, compare};
+use palpate_records::story::{GoldenKind, Story};
 
 use super::pending::Pending;
-use crate::failure::Failure;
 use palpate_files::FileError;
+use palpate_run::Failure;
 
 /// One golden that waits.
 #[derive(Clone, Debug)]
@@ -26,7 +27,7 @@ pub struct Change {
 pub struct Scene {
     /// Its name.
     pub name: String,
-    /// Its goldens, margins first.
+    /// Its goldens, the schedule first.
     pub changes: Vec<Change>,
 }
 
@@ -67,7 +68,7 @@ fn change(pending: Pending) -> Result<Change, Failure> {
         if !body(text).starts_with("palpate ") {
             return Ok(None);
         }
-        let story = Story::of_golden(text).map_err(|damage| FileError {
+        let story = Story::read(text).map_err(|damage| FileError {
             path,
             line: Some(damage.line),
             key: None,
@@ -129,18 +130,11 @@ impl Scene {
 
     /// Everything that differs in words, margins that shrank first, nothing twice.
     pub fn words(&self) -> Vec<Difference> {
-        let has_margins = self
-            .changes
-            .iter()
-            .any(|c| c.new.as_ref().is_some_and(|s| s.kind == Kind::Margins));
         let mut seen = BTreeSet::new();
         let mut all: Vec<Difference> = Vec::new();
         for change in &self.changes {
-            let of_margins = change.new.as_ref().map(|s| s.kind) == Some(Kind::Margins);
             for d in &change.differences {
-                // The ledger has a few of the margins too.
-                let twice = has_margins && !of_margins && d.grade == Grade::Margin;
-                if !twice && seen.insert(d.text.clone()) {
+                if seen.insert(d.text.clone()) {
                     all.push(d.clone());
                 }
             }
@@ -157,7 +151,7 @@ impl Scene {
     }
 
     /// The golden of a kind that waits, with what it replaces.
-    pub fn of(&self, kind: Kind) -> Option<(&Story, &Story)> {
+    pub fn of(&self, kind: GoldenKind) -> Option<(&Story, &Story)> {
         self.changes.iter().find_map(|change| {
             let (old, new) = (change.old.as_ref()?, change.new.as_ref()?);
             (old.kind == kind && new.kind == kind).then_some((old, new))

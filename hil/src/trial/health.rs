@@ -6,9 +6,9 @@ use std::time::Duration;
 use palpate_buses::guardian::{Latch, Sweeper};
 use palpate_records::trace::Event;
 
-use crate::run::Outcome;
-use crate::run::real::watch;
+use crate::real::watch;
 use palpate_files::{Bench, Overload, Scene};
+use palpate_run::Outcome;
 
 /// What one transfer may take when nothing waits for it.
 const TRANSFER: Duration = Duration::from_secs(1);
@@ -105,33 +105,5 @@ pub fn stopped_by(outcome: &Outcome) -> Option<&str> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::run::{Input, run};
-    use palpate_files::Setup;
-
-    #[test]
-    fn every_shipped_scene_leaves_a_healthy_bench() {
-        for name in palpate_fixtures::scene_names() {
-            let setup = Setup::load(name, "emulated").unwrap();
-            let outcome = run(&setup, &Input::Scene, 1).unwrap();
-            let wrong = after_emulated(&setup.scene.value, &outcome);
-            assert_eq!(wrong, Vec::<String>::new(), "{name}");
-        }
-    }
-
-    #[test]
-    fn an_output_that_stays_on_and_a_dead_taxel_are_told() {
-        let setup = Setup::load("idle", "emulated").unwrap();
-        let mut outcome = run(&setup, &Input::Scene, 1).unwrap();
-        outcome.trace.events.push(Event::Edge {
-            t_ns: u64::MAX,
-            board: 0,
-            channel: 3,
-            high: true,
-        });
-        outcome.summary.taxels.dead = 2;
-        let wrong = after_emulated(&setup.scene.value, &outcome);
-        assert_eq!(wrong, ["output 0:3 is still on", "2 taxels dead"]);
-    }
-}
+#[path = "health_tests.rs"]
+mod tests;

@@ -10,9 +10,10 @@ use std::fmt;
 use std::time::Duration;
 
 use crate::clock;
-use crate::failure::Failure;
-use crate::run::{self, Input, Outcome};
+use crate::host::Onlooker;
+use crate::real;
 use palpate_files::{BenchKind, Setup};
+use palpate_run::{Failure, Input, Keep, Outcome, run_with};
 
 pub use capability::lacks;
 use health::{after_emulated, after_real, stopped_by};
@@ -152,17 +153,18 @@ pub fn decide(
 pub fn attempt(setup: &Setup, seed: u64) -> Result<Try, Failure> {
     let is_real = setup.bench.value.kind == BenchKind::Real;
     let done = if is_real {
-        let told = run::real::Told {
+        let told = real::Told {
             quiet: true,
             watched: false,
         };
-        run::real::run(setup, seed, &[], told)
+        real::run(setup, seed, &[], told)
     } else {
-        run::run(setup, &Input::Scene, seed)
+        let host = &mut Onlooker::new(false);
+        run_with(setup, &Input::Scene, seed, Keep::default(), host)
     };
     match done {
         Ok(outcome) => Ok(judge(setup, &outcome)),
-        Err(Failure::Input(message)) => Err(Failure::Input(message)),
+        Err(bad @ (Failure::Input(_) | Failure::File(_))) => Err(bad),
         Err(failure) => Ok(Try {
             wrong: vec![failure.to_string()],
             halt: is_real.then(|| Halt::Unwell(failure.to_string())),
@@ -195,47 +197,4 @@ pub fn judge(setup: &Setup, outcome: &Outcome) -> Try {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn tries(all: &[&str]) -> (Trial, Option<Halt>) {
-        let mut next = all.iter();
-        decide("a-scene", 1, || Try {
-            wrong: next
-                .next()
-                .filter(|w| !w.is_empty())
-                .map(|w| (*w).to_owned())
-                .into_iter()
-                .collect(),
-            ..Try::default()
-        })
-    }
-
-    #[test]
-    fn a_pass_after_a_failure_is_unstable_and_two_failures_are_one() {
-        assert_eq!(tries(&[""]).0.verdict, Verdict::Passed);
-        assert_eq!(
-            tries(&["late", ""]).0.verdict,
-            Verdict::Unstable(vec!["late".to_owned()])
-        );
-        assert_eq!(
-            tries(&["late", "later"]).0.verdict,
-            Verdict::Failed(vec!["later".to_owned()])
-        );
-    }
-
-    #[test]
-    fn a_bench_that_is_not_well_is_not_tried_again() {
-        let mut runs = 0;
-        let (trial, halt) = decide("a-scene", 5, || {
-            runs += 1;
-            Try {
-                wrong: vec!["bus gone".to_owned()],
-                halt: Some(Halt::Unwell("bus gone".to_owned())),
-                ..Try::default()
-            }
-        });
-        assert_eq!((runs, trial.verdict.word()), (1, "FAIL"));
-        assert_eq!(halt, Some(Halt::Unwell("bus gone".to_owned())));
-    }
-}
+mod tests;

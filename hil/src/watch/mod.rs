@@ -21,10 +21,10 @@ use palpate_core::units::{Duration, Instant};
 use palpate_records::trace::{Event, Header};
 use ratatui_core::terminal::Terminal as Screen;
 
-use crate::run::real::Signals;
 use ansi::Ansi;
 use draw::{SMALLEST, draw, skin_size};
 use heat::Raster;
+use palpate_buses::signals::Signals;
 
 /// Time between two views.
 const EVERY: Duration = Duration::from_millis(50);

@@ -7,9 +7,9 @@ use palpate_records::trace::PlaceUm;
 use ratatui_core::backend::TestBackend;
 
 use super::*;
-use crate::plan;
-use crate::run::{Input, run};
 use palpate_files::Setup;
+use palpate_run::plan;
+use palpate_run::{Input, run};
 
 /// A shipped scene at a moment of its run, as its events tell it.
 fn at(scene: &str, t_us: u64) -> View {

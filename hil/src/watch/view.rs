@@ -6,8 +6,6 @@ use palpate_core::skin::Layout;
 use palpate_records::trace::{Event, Header, PlaceUm, Source};
 use palpate_records::words::texture;
 
-use crate::run::um;
-
 /// Lines of the story that are kept.
 const LINES: usize = 32;
 /// A wire counts as driven for so long after its burst, so that the eye can follow, microseconds.
@@ -91,9 +89,14 @@ impl View {
         };
         let (mut taxels, mut origins) = (Vec::new(), Vec::new());
         for module in layout.modules() {
-            let origin = um(module.origin());
+            let origin = PlaceUm::from(module.origin());
             origins.push(origin);
-            taxels.extend(module.points().iter().map(|p| shifted(um(*p), origin)));
+            taxels.extend(
+                module
+                    .points()
+                    .iter()
+                    .map(|p| shifted(PlaceUm::from(*p), origin)),
+            );
         }
         let wire = |w: &palpate_records::trace::WireInfo| Wire {
             board: w.board,

@@ -72,8 +72,6 @@ fn needs(command: &str) -> Option<&'static str> {
         Some("recordings of real sensors")
     } else if has("emulate") || has("off") || has("record") || has("replay") {
         Some("device nodes")
-    } else if words.get(1) == Some(&"bench") {
-        Some("the feature `bench`")
     } else if has("--watch") {
         Some("a terminal")
     } else {

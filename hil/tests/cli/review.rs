@@ -4,27 +4,33 @@ use std::io::Write;
 
 use super::*;
 
-const MARGINS: &str = include_str!("../../../fixtures/goldens/sphere-along.margins.snap");
+const CONTACTS: &str = include_str!("../../../fixtures/goldens/sphere-along.contacts.snap");
 const SCHEDULE: &str = include_str!("../../../fixtures/goldens/sphere-along.schedule.snap");
 
 /// A folder of goldens in which sphere-along lost margin and falls later, and idle changed its seed.
 fn goldens(name: &str) -> Folder {
     let folder = Folder::new(name);
     let waits = |text: &str| text.replacen("source:", "source: x\nassertion_line: 7\nold:", 1);
-    folder.write("sphere-along.margins.snap", MARGINS);
-    let less = MARGINS.replace("61.196 %         30.598", "81.196 %         40.598");
-    assert_ne!(less, MARGINS);
-    folder.write("sphere-along.margins.snap.new", &waits(&less));
+    folder.write("sphere-along.contacts.snap", CONTACTS);
+    let other = CONTACTS.replace("seed 1", "seed 2");
+    folder.write("sphere-along.contacts.snap.new", &waits(&other));
     folder.write("sphere-along.schedule.snap", SCHEDULE);
     let burst = SCHEDULE.lines().find(|l| l.contains(" 877500 ")).unwrap();
     let later = SCHEDULE
         .replace(burst, &burst.replacen("877500 ", "877500+40000 ", 1))
         .replacen("wire 2 ....", "wire 2 ..9.", 1);
+    let row = SCHEDULE
+        .lines()
+        .find(|l| l.starts_with("  burst  "))
+        .unwrap();
+    let less = row.replace("30.598", "40.598").replace("61.196", "81.196");
+    assert_ne!(less, row);
+    let later = later.replace(row, &less);
     folder.write("sphere-along.schedule.snap.new", &waits(&later));
-    let idle = include_str!("../../../fixtures/goldens/idle.margins.snap");
-    folder.write("idle.margins.snap", idle);
+    let idle = include_str!("../../../fixtures/goldens/idle.contacts.snap");
+    folder.write("idle.contacts.snap", idle);
     folder.write(
-        "idle.margins.snap.new",
+        "idle.contacts.snap.new",
         &waits(&idle.replace("seed 1", "seed 2")),
     );
     folder
@@ -50,7 +56,10 @@ fn the_margin_that_shrank_comes_first_and_rows_stand_above_one_another() {
     let said = answered(&folder, "");
     assert_eq!(said.status, Some(1));
     let lines: Vec<&str> = said.out.lines().collect();
-    assert_eq!(lines[0], "1 of 2  sphere-along: margins, schedule changed");
+    assert_eq!(
+        lines[0],
+        "1 of 2  sphere-along: schedule, contact path changed"
+    );
     assert_eq!(
         lines[1],
         "  less left: burst 30.598 -> 40.598 ms of 50.000, 61.196 -> 81.196 % used"
@@ -67,7 +76,7 @@ fn the_margin_that_shrank_comes_first_and_rows_stand_above_one_another() {
     assert!(lines[was + 1].starts_with("+       wire 2 ..9."));
     assert!(
         said.out
-            .contains("2 of 2  idle: margins changed\n  bench emulated, seed 1 -> 2")
+            .contains("2 of 2  idle: contact path changed\n  bench emulated, seed 1 -> 2")
             || said.out.contains("  seed 1 -> 2"),
         "{}",
         said.out
@@ -82,7 +91,7 @@ fn accept_keeps_the_reason_reject_keeps_the_old_and_skip_keeps_both() {
     let said = answered(&folder, "what\nc\na bursts may be longer\ns\n");
     assert_eq!(said.status, Some(1), "{}", said.out);
     assert!(said.out.contains("accepted sphere-along\n") && said.out.contains("skipped idle\n"));
-    for kind in ["margins", "schedule"] {
+    for kind in ["contacts", "schedule"] {
         let text = folder.text(&format!("sphere-along.{kind}.snap"));
         assert!(
             text.contains("\ndescription: \"bursts may be longer\"\n---\n"),
@@ -92,13 +101,13 @@ fn accept_keeps_the_reason_reject_keeps_the_old_and_skip_keeps_both() {
     }
     assert!(
         folder
-            .text("sphere-along.margins.snap")
+            .text("sphere-along.schedule.snap")
             .contains("81.196 %")
     );
-    let idle = folder.text("idle.margins.snap");
+    let idle = folder.text("idle.contacts.snap");
     let said = answered(&folder, "r\n");
     assert_eq!((said.status, said.err.as_str()), (Some(0), ""));
-    assert_eq!(folder.text("idle.margins.snap"), idle);
+    assert_eq!(folder.text("idle.contacts.snap"), idle);
     assert!(folder.names().iter().all(|n| n.ends_with(".snap")));
     let said = answered(&folder, "");
     assert_eq!(said.status, Some(0));
@@ -112,25 +121,25 @@ fn decisions_go_by_name_too() {
     let out = good(&[
         "review",
         "accept",
-        "sphere-along.margins",
+        "sphere-along.contacts",
         "--why",
         "measured \"anew\"",
         "--goldens",
         &goldens,
     ]);
-    assert_eq!(out, "accepted sphere-along.margins\n");
+    assert_eq!(out, "accepted sphere-along.contacts\n");
     assert!(
         folder
-            .text("sphere-along.margins.snap")
+            .text("sphere-along.contacts.snap")
             .contains("description: \"measured \\\"anew\\\"\"")
     );
     refused_with(
         &["review", "accept", "brush", "--goldens", &goldens],
-        &["brush", "idle.margins"],
+        &["brush", "idle.contacts"],
     );
     assert_eq!(
         good(&["review", "reject", "idle", "--goldens", &goldens]),
-        "rejected idle.margins\n"
+        "rejected idle.contacts\n"
     );
     assert_eq!(
         good(&["review", "accept", "--goldens", &goldens]),
@@ -173,7 +182,7 @@ fn texts_that_are_none_of_ours_and_damaged_ones_are_told_apart() {
     assert_eq!(folder.names(), ["fresh.snap", "other.snap"]);
     folder.write(
         "bad.snap.new",
-        "---\nsource: x\n---\npalpate margins of x (emulated)\n  a\nb\n",
+        "---\nsource: x\n---\npalpate schedule of x (emulated)\n  a\nb\n",
     );
     let said = answered(&folder, "");
     assert_eq!(said.status, Some(2));

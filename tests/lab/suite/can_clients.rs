@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use palpate_core::codec::uskin::{ChipPlace, Message, Reading, decode, encode};
 use palpate_core::units::Instant;
-use palpate_core::wire::uskin::{IdProfile, Message, Place, Reading, decode, encode};
 use palpate_records::candump::{Logged, read, write_line};
 
 use super::emulator::Emulator;
@@ -16,8 +16,8 @@ fn heard(interface: &str, seconds: f64) -> Vec<Logged> {
 }
 
 /// The taxels of board 4, which the default scene's layout has.
-fn senders(frames: &[Logged]) -> BTreeSet<(Option<u8>, u8, u8)> {
-    let sender = |logged: &Logged| match decode(IdProfile::Current, &logged.frame) {
+fn senders(frames: &[Logged]) -> BTreeSet<(u8, u8, u8)> {
+    let sender = |logged: &Logged| match decode(&logged.frame) {
         Ok(Message::Data(data)) => Some((data.board, data.place.sda, data.place.chip)),
         _ => None,
     };
@@ -72,7 +72,7 @@ fn canplayer_replays_a_log_that_we_wrote() {
     let mut log = String::new();
     let mut frames = Vec::new();
     for n in 0..160_u16 {
-        let place = Place {
+        let place = ChipPlace {
             sda: (n % 4) as u8,
             chip: (n / 4 % 4) as u8,
         };
@@ -81,7 +81,7 @@ fn canplayer_replays_a_log_that_we_wrote() {
             y: 16_318,
             z: 40_000 - n,
         };
-        let frame = encode(IdProfile::Current, 4, place, reading).unwrap();
+        let frame = encode(4, place, reading).unwrap();
         write_line(
             &mut log,
             Instant::from_micros(u64::from(n) * 625),
@@ -150,7 +150,7 @@ fn four_buses_at_once() {
     }
     let emulator = Emulator::start(&["--scene", "allegro-four-buses"]);
     for n in 0..4 {
-        let boards = |(board, _, _): (Option<u8>, u8, u8)| board.unwrap();
+        let boards = |(board, _, _): (u8, u8, u8)| board;
         let senders = senders(&heard(&format!("vcan{n}"), 4.0));
         let boards: BTreeSet<u8> = senders.into_iter().map(boards).collect();
         assert!(boards.len() >= 3, "vcan{n}: {boards:?}");

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use palpate_buses::can::{CanBuses, Endpoint};
 use palpate_buses::pacer::RunClock;
-use palpate_core::bus::SensorBus;
-use palpate_core::wire::can::CanFrame;
+use palpate_core::bus::CanBus;
+use palpate_core::codec::can::CanFrame;
 
 use super::tools::{in_lab, vcan};
 

@@ -3,7 +3,7 @@
 
 use embedded_hal::i2c::I2c;
 use linux_embedded_hal::I2cdev;
-use palpate_core::wire::pca9685::PRE_SCALE;
+use palpate_core::codec::pca9685::PRE_SCALE;
 use serde_json::Value;
 
 use super::emulator::Emulator;

@@ -1,7 +1,7 @@
 //! Programs and libraries for I2C, unchanged, on the served node.
 
 use linux_embedded_hal::I2cdev;
-use palpate_core::wire::pca9685::{LED0_ON_L, MODE1, PRE_SCALE};
+use palpate_core::codec::pca9685::{LED0_ON_L, MODE1, PRE_SCALE};
 use pwm_pca9685::{Address, Channel, Pca9685};
 use serde_json::Value;
 

@@ -11,7 +11,7 @@ use std::time::Duration;
 use nix::pty::openpty;
 use palpate_buses::can::{CanBuses, Tally};
 use palpate_buses::pacer::RunClock;
-use palpate_core::bus::SensorBus;
+use palpate_core::bus::CanBus;
 
 use super::tools::{hil, in_lab, sh, text, try_sh, vcan};
 

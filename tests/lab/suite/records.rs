@@ -1,6 +1,6 @@
 //! `hil replay` and `hil record` on an interface, with candump listening to both.
 
-use palpate_core::wire::can::CanFrame;
+use palpate_core::codec::can::CanFrame;
 use palpate_records::candump::{Log, read};
 use palpate_records::mcap;
 

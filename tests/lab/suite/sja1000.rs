@@ -5,7 +5,7 @@
 
 use std::collections::BTreeSet;
 
-use palpate_core::wire::uskin::{IdProfile, Message, decode};
+use palpate_core::codec::uskin::{Message, decode};
 use palpate_records::candump::read;
 
 use super::emulator::Emulator;
@@ -33,12 +33,10 @@ fn controllers(test: &str) -> bool {
 fn boards_heard_on(interface: &str) -> BTreeSet<(u8, u8)> {
     let log = sh(&format!("timeout 3 candump -L {interface} || true"));
     let frames = read(&log).unwrap().frames;
-    let place =
-        |logged: &palpate_records::candump::Logged| match decode(IdProfile::Current, &logged.frame)
-        {
-            Ok(Message::Data(data)) => Some((data.place.sda, data.place.chip)),
-            _ => None,
-        };
+    let place = |logged: &palpate_records::candump::Logged| match decode(&logged.frame) {
+        Ok(Message::Data(data)) => Some((data.place.sda, data.place.chip)),
+        _ => None,
+    };
     frames.iter().filter_map(place).collect()
 }
 

@@ -14,7 +14,7 @@ use nix::time::{ClockId, clock_gettime};
 use nix::unistd::Pid;
 use palpate_buses::can::Endpoint;
 use palpate_buses::guardian::Latch;
-use palpate_core::wire::can::CanFrame;
+use palpate_core::codec::can::CanFrame;
 
 use super::emulator::Emulator;
 use super::tools::{hil, scene, scratch};

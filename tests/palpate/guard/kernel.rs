@@ -2,9 +2,9 @@
 //! whole stated range of parameters, and the sums of decays that bound it.
 
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
-use palpate_core::physics::{SkinParameters, WireParameters};
-use palpate_emulators::finger::{NODES, Network};
-use palpate_emulators::solver::modal::{Mode, ModeKey};
+use palpate_core::physics::{TissueParameters, WireParameters};
+use palpate_emulators::display::finger::{NODES, Network};
+use palpate_emulators::display::solver::modal::{Mode, ModeKey};
 
 /// Decays of the guard's reduced model. The slowest is the finger's own; each is twice as fast as the one
 /// before, so that the guard needs one exponential for all.
@@ -19,7 +19,7 @@ pub struct Corner {
 
 impl Corner {
     /// The impulse responses of the full model without latent heat.
-    pub fn new(wire: &WireParameters, skin: &SkinParameters) -> Self {
+    pub fn new(wire: &WireParameters, skin: &TissueParameters) -> Self {
         let network = Network::new(wire, skin).unwrap();
         let at_rest = ModeKey {
             phase_slope: 0.0,
@@ -54,10 +54,10 @@ pub fn corners() -> Vec<Corner> {
                             specific_heat,
                             ..base
                         };
-                        let skin = SkinParameters {
+                        let skin = TissueParameters {
                             contact_h,
                             contact_fraction,
-                            ..SkinParameters::DEFAULT
+                            ..TissueParameters::DEFAULT
                         };
                         all.push(Corner::new(&wire, &skin));
                     }

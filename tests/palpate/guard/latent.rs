@@ -3,8 +3,8 @@
 
 use palpate_core::physics::WireParameters;
 use palpate_core::random::Stream;
+use palpate_emulators::display::wire::Wire;
 use palpate_emulators::time::Nanos;
-use palpate_emulators::wire::Wire;
 
 use super::rig::{Parameters, pick};
 use super::table::LATENT_K;
@@ -46,7 +46,7 @@ fn latent_heat_adds_less_than_the_table_allows() {
         for (wire, sum) in pair.iter_mut().zip(&mut sums) {
             let mut now = t;
             while now < 10_000_000_000 {
-                *sum += 20e-3 * (wire.skin(Nanos(now)).0 - 33.0) / 10.0;
+                *sum += 20e-3 * (wire.tissue(Nanos(now)).0 - 33.0) / 10.0;
                 now += 20_000_000;
             }
         }

@@ -4,17 +4,17 @@
 use std::collections::VecDeque;
 
 use palpate_core::guard::{HARD, Limits};
-use palpate_core::physics::{Alloy, SkinParameters, WireParameters};
+use palpate_core::physics::{Alloy, TissueParameters, WireParameters};
 use palpate_core::random::Stream;
 use palpate_core::units::{Channel, Milliamps};
-use palpate_emulators::amplifier::supply::Supply;
-use palpate_emulators::amplifier::{Amplifier, Pull};
-use palpate_emulators::finger::dose::Dose;
-use palpate_emulators::i2c::{BusClock, Handle, Segment};
-use palpate_emulators::pca9685::{Config, Edge, Oscillator, Pca9685, Pin, UpdateModel};
+use palpate_emulators::display::amplifier::Amplifier;
+use palpate_emulators::display::amplifier::supply::Supply;
+use palpate_emulators::display::finger::dose::Dose;
+use palpate_emulators::display::i2c::{BusClock, I2cHandle, I2cSegment};
+use palpate_emulators::display::pca9685::{Config, Edge, Oscillator, Pca9685, Pin, UpdateModel};
+use palpate_emulators::display::solver::record::Peaks;
+use palpate_emulators::display::wire::Wire;
 use palpate_emulators::time::Nanos;
-use palpate_emulators::wire::Wire;
-use palpate_emulators::wire::record::Peaks;
 
 /// Wires of the fingertip, on the first channels of one chip.
 pub const WIRES: usize = 8;
@@ -27,7 +27,7 @@ const SAMPLE: u64 = 50_000_000;
 #[derive(Clone, Copy, Debug)]
 pub struct Parameters {
     pub wire: WireParameters,
-    pub skin: SkinParameters,
+    pub skin: TissueParameters,
     pub oscillator_hz: u32,
     pub updates: UpdateModel,
     pub clock: BusClock,
@@ -45,7 +45,7 @@ pub fn pick(stream: &mut Stream, low: f64, high: f64) -> f64 {
 }
 
 impl Parameters {
-    /// The range of `physics.md`, both prototypes' wires and alloys, oscillators from 23 to 27.4 MHz.
+    /// The assumed range of every parameter, both prototypes' wires and alloys, oscillators from 23 to 27.4 MHz.
     pub fn draw(s: &mut Stream) -> Self {
         let first = s.next_u64().is_multiple_of(2);
         let base = if first {
@@ -65,10 +65,10 @@ impl Parameters {
             alloy,
             ..base
         };
-        let skin = SkinParameters {
+        let skin = TissueParameters {
             contact_h: pick(s, 1000.0, 10_000.0),
             contact_fraction: pick(s, 0.1, 0.5),
-            ..SkinParameters::DEFAULT
+            ..TissueParameters::DEFAULT
         };
         Self {
             wire,
@@ -121,7 +121,7 @@ pub struct Breach {
 
 /// The bench.
 pub struct Rig {
-    pub bus: Handle,
+    pub bus: I2cHandle,
     pub parameters: Parameters,
     amplifier: Amplifier,
     supply: Supply,
@@ -147,9 +147,9 @@ impl Rig {
         let wire = Wire::new(&parameters.wire, &parameters.skin, 33.0).unwrap();
         let wire = if dose { wire.with_dose() } else { wire };
         Self {
-            bus: Handle::new(Segment::new(parameters.clock, vec![chip])),
+            bus: I2cHandle::new(I2cSegment::new(parameters.clock, vec![chip])),
             parameters,
-            amplifier: Amplifier::new(parameters.current, Pull::Down),
+            amplifier: Amplifier::new(parameters.current),
             supply: Supply::default(),
             wires: vec![wire; WIRES],
             pulses: vec![Pulses::default(); WIRES],
@@ -261,7 +261,7 @@ impl Rig {
             self.limit("wire power over 10 s", self.mean_w(wire, 10 * S), 20e-3);
             tip[0] += self.mean_w(wire, S);
             tip[1] += self.mean_w(wire, 60 * S);
-            let shallow = self.wires[wire].skin(Nanos(self.now)).0;
+            let shallow = self.wires[wire].tissue(Nanos(self.now)).0;
             let samples = &mut self.pulses[wire].samples;
             samples.push_back(shallow - 33.0);
             if samples.len() > 200 {

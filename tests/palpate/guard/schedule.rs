@@ -1,7 +1,8 @@
 //! Hostile schedules: the same wishes for the guard to judge, and as raw register bytes without it.
 
 use embedded_hal::i2c::I2c;
-use palpate_core::bus::Actuators;
+use palpate_core::codec::pca9685::{self as regs, mode1, mode2};
+use palpate_core::driver::Actuators;
 use palpate_core::driver::Pca9685Bank;
 use palpate_core::guard::{Guard, Plant};
 use palpate_core::illusion::Wire;
@@ -9,7 +10,6 @@ use palpate_core::random::Stream;
 use palpate_core::schedule::Stimulus;
 use palpate_core::texture::{Activation, Control, Draw, Pulses};
 use palpate_core::units::{Board, Duration, Instant, Milliamps, Point, Prescale, Ticks};
-use palpate_core::wire::pca9685::{self as regs, mode1, mode2};
 
 use super::rig::{ADDRESS, Rig, WIRES, pick};
 

@@ -2,13 +2,13 @@
 
 use super::*;
 use embedded_hal::i2c::{Error as _, ErrorKind, NoAcknowledgeSource};
-use palpate_emulators::i2c::immediate;
+use palpate_emulators::display::i2c::immediate;
 
 const CLOCKS: [BusClock; 3] = [BusClock::Standard, BusClock::Fast, BusClock::FastPlus];
 
 fn time_of(clock: BusClock, bytes: usize, boards: u8) -> f64 {
     let chips = (0..boards).map(|n| Pca9685::new(Config::new(n))).collect();
-    let mut bench = Bench::over(Segment::new(clock, chips));
+    let mut bench = Bench::over(I2cSegment::new(clock, chips));
     for n in 0..boards {
         bench.try_write(0x40 | n, &vec![0; bytes]).unwrap();
     }
@@ -63,7 +63,7 @@ fn time_is_bit_exact_with_repeated_start() {
     bench.read(map::MODE1);
     // START, address, control, START, address, data, STOP.
     assert_eq!(bench.now(), (3 + 4 * 9) * 2_500);
-    let log = bench.bus.with(Segment::take_log).unwrap();
+    let log = bench.bus.with(I2cSegment::take_log).unwrap();
     assert_eq!((log[0].start, log[0].end), (Nanos(0), Nanos(39 * 2_500)));
     assert_eq!(log[0].messages.len(), 2);
     assert_eq!(log[0].messages[1].bytes, [0x11]);
@@ -76,7 +76,7 @@ fn a_refused_byte_ends_the_transaction_with_a_stop_and_what_came_before_counts()
     let refused = bench.try_write(ADDRESS, &[0x80, 1, 2, 3]);
     assert_eq!(refused, Err(Error::DataNack));
     assert_eq!(bench.now() - before, (2 + 18) * 2_500);
-    let log = bench.bus.with(Segment::take_log).unwrap();
+    let log = bench.bus.with(I2cSegment::take_log).unwrap();
     assert_eq!(log[log.len() - 1].result, Err(Error::DataNack));
     assert_eq!(log[log.len() - 1].messages[0].bytes, [0x80]);
 }
@@ -154,4 +154,20 @@ fn a_look_inside_a_look_is_an_error_not_a_panic() {
     let bench = Bench::one();
     let inner = bench.bus.with(|_| bench.bus.with(|s| s.now()));
     assert_eq!(inner, Ok(Err(Error::BusBusy)));
+}
+
+#[test]
+fn two_threads_take_turns_and_neither_is_refused() {
+    let bench = Bench::one();
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            let mut bus = bench.bus.clone();
+            scope.spawn(move || {
+                for _ in 0..1000 {
+                    bus.write(ADDRESS, &[map::MODE2, 0x04]).unwrap();
+                }
+            });
+        }
+    });
+    assert_eq!(bench.now(), 2000 * 29 * 2_500);
 }

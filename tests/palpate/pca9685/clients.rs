@@ -6,7 +6,7 @@
 use super::*;
 use pwm_pca9685::{Channel as Ch, Error as PwmError, Pca9685 as Driver, ProgrammableAddress};
 
-fn driver(bench: &Bench) -> Driver<Handle> {
+fn driver(bench: &Bench) -> Driver<I2cHandle> {
     Driver::new(bench.bus.clone(), ADDRESS).unwrap()
 }
 

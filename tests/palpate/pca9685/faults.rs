@@ -2,9 +2,9 @@
 
 use super::*;
 use embedded_hal::i2c::Error as _;
-use palpate_emulators::i2c::fault::{FaultError, I2cFault, I2cFaultKind, I2cFaults};
+use palpate_emulators::display::i2c::fault::{FaultError, I2cFault, I2cFaultKind, I2cFaults};
 
-fn layer(bench: &Bench, faults: I2cFaults) -> I2cFault<Handle> {
+fn layer(bench: &Bench, faults: I2cFaults) -> I2cFault<I2cHandle> {
     I2cFault::new(bench.bus.clone(), faults, 7, "i2c-1")
 }
 

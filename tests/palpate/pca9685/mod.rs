@@ -24,10 +24,10 @@ mod time;
 mod updates;
 
 use embedded_hal::i2c::{I2c, Operation};
+use palpate_core::codec::pca9685 as map;
 use palpate_core::units::Channel;
-use palpate_core::wire::pca9685 as map;
-use palpate_emulators::i2c::{Adjacent, BusClock, Error, Handle, Segment};
-use palpate_emulators::pca9685::{Config, Edge, Oscillator, Pca9685, Pin, UpdateModel};
+use palpate_emulators::display::i2c::{Adjacent, BusClock, Error, I2cHandle, I2cSegment};
+use palpate_emulators::display::pca9685::{Config, Edge, Oscillator, Pca9685, Pin, UpdateModel};
 use palpate_emulators::time::Nanos;
 
 /// One nominal tick and period at PRE = 30.
@@ -37,22 +37,22 @@ const ADDRESS: u8 = 0x40;
 
 /// A segment with one or more chips and what came out of them.
 struct Bench {
-    bus: Handle,
+    bus: I2cHandle,
     /// Edges so far, all chips: (chip, edge).
     edges: Vec<(usize, Edge)>,
 }
 
 impl Bench {
     fn new(chips: &[Config]) -> Self {
-        Self::over(Segment::new(
+        Self::over(I2cSegment::new(
             BusClock::Fast,
             chips.iter().map(|&c| Pca9685::new(c)).collect(),
         ))
     }
 
-    fn over(segment: Segment) -> Self {
+    fn over(segment: I2cSegment) -> Self {
         Self {
-            bus: Handle::new(segment.with_log(1000)),
+            bus: I2cHandle::new(segment.with_log(1000)),
             edges: Vec::new(),
         }
     }
@@ -75,7 +75,7 @@ impl Bench {
 
     /// A bus as linux-embedded-hal puts its traffic on it.
     fn linux(config: Config) -> Self {
-        let segment = Segment::new(BusClock::Fast, vec![Pca9685::new(config)]);
+        let segment = I2cSegment::new(BusClock::Fast, vec![Pca9685::new(config)]);
         Self::over(segment.with_adjacent(Adjacent::RepeatedStart))
     }
 
@@ -138,12 +138,7 @@ impl Bench {
     fn collect(&mut self) {
         let edges = &mut self.edges;
         self.bus
-            .with(|s| {
-                let now = s.now();
-                for (n, chip) in s.chips_mut().iter_mut().enumerate() {
-                    chip.advance(now, &mut |edge| edges.push((n, edge)));
-                }
-            })
+            .with(|s| s.advance(s.now(), &mut |n, edge| edges.push((n, edge))))
             .unwrap();
     }
 

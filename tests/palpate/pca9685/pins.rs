@@ -1,7 +1,7 @@
 //! OE x OUTNE x OUTDRV x INVRT (document: "Outputs", lines 2 and 3).
 
 use super::*;
-use palpate_emulators::pca9685::Hazard;
+use palpate_emulators::display::pca9685::Hazard;
 
 /// MODE2 under test, with channel 0 full on and channel 1 full off: their pins with OE low and high.
 fn pins(mode2: u8) -> [Pin; 4] {

@@ -4,7 +4,7 @@
 //! It knows one message at a time and the end-of-low and immediate update models. Its clock does not change
 //! while it runs.
 
-use palpate_emulators::pca9685::{Pin, UpdateModel};
+use palpate_emulators::display::pca9685::{Pin, UpdateModel};
 
 /// What one message is to the chip.
 #[derive(Clone, Copy, PartialEq)]

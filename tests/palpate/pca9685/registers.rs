@@ -216,7 +216,7 @@ fn a_write_to_the_test_register_is_recorded_as_a_hazard() {
     let hazards = bench.chip(|chip, _| chip.hazards().to_vec());
     assert_eq!(
         hazards[0].1,
-        palpate_emulators::pca9685::Hazard::TestRegisterWritten
+        palpate_emulators::display::pca9685::Hazard::TestRegisterWritten
     );
     assert_eq!(bench.read(map::TESTMODE), 0);
 }

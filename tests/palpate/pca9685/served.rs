@@ -77,7 +77,7 @@ impl Dice {
 }
 
 /// Lets the reference see what crossed the bus, at the very times.
-fn replay(reference: &mut Reference, log: Vec<palpate_emulators::i2c::Record>) {
+fn replay(reference: &mut Reference, log: Vec<palpate_emulators::display::i2c::Transaction>) {
     let bit = BusClock::Fast.bit().0;
     for record in log {
         let mut t = record.start.0;
@@ -122,7 +122,7 @@ fn whatever_a_client_sends_the_registers_are_those_of_the_reference_model() {
             answer
                 .is_none_or(|a| a[0] == report[usize::from(report.len() == 65 && report[0] == 0)])
         );
-        let log = bench.bus.with(Segment::take_log).unwrap();
+        let log = bench.bus.with(I2cSegment::take_log).unwrap();
         transfers += log.len();
         written += log
             .iter()
@@ -245,7 +245,7 @@ fn a_register_is_written_and_read_through_a_repeated_start() {
     );
     // Nothing is left.
     assert_eq!(asked.ask(&[GET_DATA])[1], 0x41);
-    let log = asked.bench.bus.with(Segment::take_log).unwrap();
+    let log = asked.bench.bus.with(I2cSegment::take_log).unwrap();
     assert_eq!(log.len(), 2, "{log:?}");
     assert_eq!(
         log[1].messages.len(),
@@ -272,12 +272,12 @@ fn a_long_message_goes_out_when_its_last_chunk_is_there() {
     bytes.extend((0..64).map(|n| n & 0x0F));
     for chunk in bytes.chunks(60) {
         assert_eq!(
-            asked.bench.bus.with(Segment::take_log).unwrap().len(),
+            asked.bench.bus.with(I2cSegment::take_log).unwrap().len(),
             usize::from(chunk.len() == 60)
         );
         asked.ask(&[&[0x90, 65, 0, ADDRESS << 1], chunk].concat());
     }
-    let log = asked.bench.bus.with(Segment::take_log).unwrap();
+    let log = asked.bench.bus.with(I2cSegment::take_log).unwrap();
     assert_eq!(log[0].messages[0].bytes, bytes);
     // Back in two reports, marked alike.
     asked.ask(&[0x94, 1, 0, ADDRESS << 1, map::LED0_ON_L]);

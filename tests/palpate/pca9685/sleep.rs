@@ -1,7 +1,7 @@
 //! SLEEP and RESTART (document: "Sleep and restart").
 
 use super::*;
-use palpate_emulators::pca9685::Hazard;
+use palpate_emulators::display::pca9685::Hazard;
 
 /// A chip that slept with channel 0 at half duty and is awake again, paused.
 fn paused() -> Bench {

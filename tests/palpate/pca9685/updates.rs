@@ -224,7 +224,7 @@ fn adjacent_messages_without_nostart_write_somewhere_else() {
     let run = |adjacent| {
         let chip = Pca9685::new(Config::new(ADDRESS));
         let mut bench =
-            Bench::over(Segment::new(BusClock::Fast, vec![chip]).with_adjacent(adjacent));
+            Bench::over(I2cSegment::new(BusClock::Fast, vec![chip]).with_adjacent(adjacent));
         bench.wake();
         let mut operations = [Operation::Write(&[map::led(0)]), Operation::Write(&tail)];
         let result = bench.transaction(ADDRESS, &mut operations);

@@ -2,19 +2,18 @@
 
 use std::sync::Arc;
 
-use palpate_core::texture::{Encoder, Ends, Stateful, Stream, Weights};
+use palpate_core::texture::{Encoder, Ends, Stream};
 use palpate_core::units::Duration;
 use palpate_core::vector::Vectors;
 use proptest::prelude::*;
 
-use palpate_files::load_textures;
-use palpate_hil::texture::seeded::{Seeded, stroke};
-use palpate_hil::texture::{TextureModel, explore, reference};
+use palpate_files::{TextureModel, load_textures};
+use palpate_tests::reference;
+use palpate_tests::seeded::{Seeded, stroke};
+use palpate_texture::explore;
 
 fn encoder(model: &Seeded, vectors: Vectors) -> Encoder {
-    model
-        .with(|m| Encoder::with(m, Weights::Exact, vectors))
-        .unwrap()
+    model.with(|m| Encoder::with(m, vectors)).unwrap()
 }
 
 fn bits(values: &[f32]) -> Vec<u32> {
@@ -53,7 +52,7 @@ fn streamed(
 #[test]
 fn the_model_that_ships_agrees_with_f64_over_whole_strokes() {
     let model = TextureModel::open("default").unwrap();
-    let encoder = model.encoder(Weights::Exact).unwrap();
+    let encoder = model.encoder().unwrap();
     let (mut room, row) = (encoder.room(1), encoder.features());
     let table = load_textures("thesis").unwrap().value;
     for (entry, recording) in explore::explore(&table, 2, 5) {
@@ -172,50 +171,6 @@ fn plain_vectors_give_the_bits_of_wide_ones() {
     println!("widest: {}", Vectors::widest().name());
     assert_eq!(plain, of(Vectors::widest()));
     assert_eq!(plain, of(Vectors::of_256_bits()));
-}
-
-#[test]
-fn approximations_are_near_and_not_equal() {
-    let model = Seeded::thesis(9);
-    let exact = encoder(&model, Vectors::widest());
-    let window = stroke(9, 100, 45);
-    let mut room = exact.room(1);
-    let expected = exact.encode(&mut room, &window).unwrap().to_vec();
-    let far = |found: &[f32]| {
-        let far = found.iter().zip(&expected).map(|(a, b)| (a - b).abs());
-        far.fold(0.0f32, f32::max)
-    };
-    let half = model.with(|m| Encoder::with(m, Weights::Half, Vectors::widest()));
-    let half = half.unwrap();
-    let error = far(half.encode(&mut half.room(1), &window).unwrap());
-    assert!(error > 0.0 && error < 2e-3, "half: {error}");
-    let fewer = exact.clone().with_steps(50);
-    let error = far(fewer.encode(&mut fewer.room(1), &window).unwrap());
-    assert!(error > 0.0 && error < 0.2, "fewer steps: {error}");
-    // From a fresh state the stateful form has the window itself before it.
-    let mut stateful = Stateful::new(Arc::new(exact.clone()));
-    let mut last = Vec::new();
-    for sample in window.chunks_exact(45) {
-        last = stateful.push(sample).unwrap().to_vec();
-    }
-    assert_eq!(bits(&last), bits(&expected));
-}
-
-#[test]
-fn fewer_steps_stream_as_they_encode() {
-    let model = Seeded::new(10, &[6, 10, 3], 12, 1.0);
-    let encoder = Arc::new(encoder(&model, Vectors::widest()).with_steps(5));
-    let values = stroke(10, 40, 6);
-    let expected = one_by_one(&encoder, &values);
-    let found = streamed(
-        &mut Stream::new(encoder.clone(), 1),
-        &values,
-        6,
-        Ends::Every,
-        12,
-    );
-    let found: Vec<_> = found.into_iter().map(|(_, z)| z).collect();
-    assert_eq!(found, expected);
 }
 
 proptest! {

@@ -11,7 +11,7 @@ use std::time::Duration;
 use nix::errno::Errno;
 use nix::net::if_::{if_indextoname, if_nametoindex};
 use palpate_core::bus::Received;
-use palpate_core::wire::can::CanFrame;
+use palpate_core::codec::can::CanFrame;
 use socketcan::CanInterface;
 use tokio::io::Interest;
 use tokio::io::unix::AsyncFd;

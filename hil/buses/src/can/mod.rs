@@ -1,4 +1,4 @@
-//! SocketCAN interfaces as the core's [`SensorBus`]: one or several, read on a thread of their own.
+//! SocketCAN interfaces as the core's [`CanBus`]: one or several, read on a thread of their own.
 //!
 //! An interface that goes down, is renamed or unplugged, or a controller that goes bus-off, ends nothing
 //! here: it becomes a note, the frames stop, and the loop's watchdog does what it does about silence.
@@ -18,9 +18,9 @@ use std::thread::JoinHandle;
 
 use embedded_can::{Error as CanError, ErrorKind};
 use nix::errno::Errno;
-use palpate_core::bus::{Received, SensorBus};
+use palpate_core::bus::{CanBus, Received};
+use palpate_core::codec::can::CanFrame;
 use palpate_core::units::Instant;
-use palpate_core::wire::can::CanFrame;
 use tokio::sync::mpsc::error::{TryRecvError, TrySendError};
 use tokio::sync::mpsc::{self, Receiver, Sender, UnboundedReceiver};
 
@@ -181,7 +181,7 @@ impl CanBuses {
     }
 }
 
-impl SensorBus for CanBuses {
+impl CanBus for CanBuses {
     type Error = BusError;
 
     fn receive(&mut self) -> Result<Option<Received>, BusError> {

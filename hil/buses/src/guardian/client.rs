@@ -11,6 +11,8 @@ use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::socket::{AddressFamily, MsgFlags, SockFlag, SockType, recv, send, socketpair};
 use palpate_core::units::{Duration, Instant};
 
+use crate::pulse::Pulse;
+
 use super::{PACKET, Watch, packet, word};
 
 /// How long a guardian may take to look at every board and switch it off.
@@ -41,21 +43,6 @@ pub enum Lost {
     /// It does not answer.
     #[error("the guardian does not answer")]
     Silent,
-}
-
-/// Says that the loop is alive while it waits for something that has a limit of its own.
-#[derive(Clone, Debug)]
-pub struct Pulse {
-    link: Arc<OwnedFd>,
-}
-
-impl Pulse {
-    /// One heartbeat.
-    pub fn beat(&self) {
-        let flags = MsgFlags::MSG_DONTWAIT | MsgFlags::MSG_NOSIGNAL;
-        // A guardian that is gone is noticed by `Guardian::beat`.
-        let _ = send(self.link.as_raw_fd(), &[word::BEAT], flags);
-    }
 }
 
 /// A guardian and the socket to it. Dropped without [`Self::end`], it acts.
@@ -113,9 +100,7 @@ impl Guardian {
 
     /// A way to say that the loop is alive from within a wait.
     pub fn pulse(&self) -> Pulse {
-        Pulse {
-            link: Arc::clone(&self.link),
-        }
+        Pulse::new(Arc::clone(&self.link), word::BEAT)
     }
 
     /// Says that the loop is alive, when it is time to, and looks whether the guardian is. Only the loop
@@ -169,7 +154,7 @@ impl Guardian {
     ///
     /// # Errors
     /// What it could not switch off; it goes on trying after this program's end.
-    pub fn end(mut self) -> Result<(), String> {
+    pub fn end(&mut self) -> Result<(), String> {
         self.send(&[word::BYE]).map_err(|e| e.to_string())?;
         match self.answer(END_MS) {
             Some((word::READY, _)) => {
@@ -183,7 +168,7 @@ impl Guardian {
 
     /// Hands over: this run cannot switch off itself, for this cause. The guardian latches it and goes on
     /// trying after this program's end. Returns whether everything is off already.
-    pub fn hand_over(mut self, cause: &str) -> bool {
+    pub fn hand_over(&mut self, cause: &str) -> bool {
         if self.send(&packet(word::TRIP, cause)).is_err() {
             return false;
         }

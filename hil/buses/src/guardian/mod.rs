@@ -11,7 +11,7 @@ mod latch;
 mod server;
 mod sweep;
 
-pub use client::{Guardian, Lost, Pulse, StartError};
+pub use client::{Guardian, Lost, StartError};
 pub use latch::{Latch, Latched};
 pub use server::serve;
 pub use sweep::{BoardFound, Sweeper};

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::thread;
 use std::time::Duration;
 
-use palpate_core::bus::Actuators;
+use palpate_core::driver::Actuators;
 use palpate_core::driver::{Pca9685Bank, Seen};
 use palpate_core::units::Prescale;
 

@@ -4,15 +4,15 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use embedded_hal::i2c::{Error as _, ErrorKind, NoAcknowledgeSource, Operation};
-use palpate_emulators::i2c::{BusClock, Segment};
-use palpate_emulators::pca9685::{Config, Pca9685};
+use palpate_emulators::display::i2c::{BusClock, I2cSegment};
+use palpate_emulators::display::pca9685::{Config, Pca9685};
 
 use super::{Sweeper, Watch, parse_bus, parse_line};
 use crate::i2c::{Adapter, Blocking, FaultKind};
 
 /// An emulated bus as an adapter, which may be held.
 struct Emulated {
-    segment: Segment,
+    segment: I2cSegment,
     hold: Arc<Mutex<()>>,
 }
 
@@ -37,7 +37,7 @@ impl Adapter for Emulated {
 
 /// A bus with a chip at 0x40 whose channels 3 and 5 were left driving, and nobody at 0x41.
 fn bus(addresses: &[u8]) -> ((std::path::PathBuf, Vec<u8>, Blocking), Arc<Mutex<()>>) {
-    let mut segment = Segment::new(BusClock::Fast, vec![Pca9685::new(Config::new(0x40))]);
+    let mut segment = I2cSegment::new(BusClock::Fast, vec![Pca9685::new(Config::new(0x40))]);
     let mut write = |bytes: &[u8]| {
         let sent = segment.transaction(0x40, &mut [Operation::Write(bytes)]);
         sent.unwrap();

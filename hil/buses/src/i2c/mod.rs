@@ -20,7 +20,7 @@ use tokio::runtime::Runtime;
 use tokio::sync::oneshot::{self, error::TryRecvError};
 use tokio::time::{Instant, MissedTickBehavior, interval_at, sleep};
 
-use crate::guardian::Pulse;
+use crate::pulse::Pulse;
 
 /// What transfers: an adapter of the system, or a test's double.
 pub trait Adapter: Send {

@@ -5,7 +5,7 @@ use std::os::fd::{AsFd, BorrowedFd};
 
 use embedded_can::{Frame as _, Id, StandardId};
 use nix::libc;
-use palpate_core::wire::can::CanFrame;
+use palpate_core::codec::can::CanFrame;
 use socketcan::{CanDataFrame, CanFrame as AnyFrame, CanSocket, Socket};
 
 /// What went through an interface.

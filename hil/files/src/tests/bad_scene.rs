@@ -1,29 +1,28 @@
 //! Bad scenes and what is said about them.
 
 use super::super::*;
-use super::bad_toml::check;
+use super::bad_toml::{SCENE, check};
 
 #[test]
 fn scenes() {
-    let text = palpate_fixtures::scene("sphere-along").unwrap();
     check(
-        text,
+        SCENE,
         Scene::read,
         &[
             (
-                "length_s = 10.0",
+                "name = \"sphere-along\"",
                 "",
-                "f.toml:1: length_s: expected a value, found nothing",
+                "f.toml:1: name: expected lower-case letters, digits and hyphens, found nothing",
             ),
             (
-                "kc = 1\n",
+                "start_s = 0.8\n",
                 "",
-                "f.toml:14: compression.kc: expected a value, found nothing",
+                "f.toml:31: touches[0].start_s: expected a value, found nothing",
             ),
             (
-                "ramp_s = 0.2\n",
+                "mean = 0.7, ",
                 "",
-                "f.toml:31: touches[0].ramp_s: expected a value, found nothing",
+                "f.toml:37: touches[0].force_n.mean: expected a value, found nothing",
             ),
             (
                 "kc = 1",
@@ -129,6 +128,16 @@ fn scenes() {
                 "kind = \"line\"",
                 "kind = \"line\", radius_mm = 1",
                 "f.toml:36: touches[0].path.radius_mm: expected this key for circles only, found 1",
+            ),
+            (
+                "kind = \"line\", points_mm = [[0.0, -7.05], [0.0, 7.05]]",
+                "kind = \"circle\"",
+                "f.toml:36: touches[0].path.radius_mm: expected a value for a circle, found nothing",
+            ),
+            (
+                "norm = \"l2\"",
+                "norm = \"l3\"",
+                "f.toml:18: compression.norm: expected one of `l1`, `l2`, `linf`, found `l3`",
             ),
             (
                 "end_s = 10.0",

@@ -3,6 +3,11 @@
 
 use super::super::*;
 
+/// A scene, a bench and a layout that state their keys.
+pub(super) const SCENE: &str = include_str!("scene.toml");
+pub(super) const BENCH: &str = include_str!("bench.toml");
+const LAYOUT: &str = include_str!("layout.toml");
+
 /// (what to replace, with what, the whole message)
 type Case = (&'static str, &'static str, &'static str);
 
@@ -25,9 +30,8 @@ pub(super) fn check<T: std::fmt::Debug>(
 
 #[test]
 fn benches() {
-    let text = palpate_fixtures::bench("emulated").unwrap();
     check(
-        text,
+        BENCH,
         Bench::read,
         &[
             (
@@ -71,6 +75,26 @@ fn benches() {
                 "f.toml:22: outputs[1].channel: expected a whole number from 0 to 255, found 300",
             ),
             (
+                "channel = 1\n",
+                "",
+                "f.toml:20: outputs[1].channel: expected a value, found nothing",
+            ),
+            (
+                "channel = 1\n",
+                "chanel = 1\n",
+                "f.toml:22: outputs[1].chanel: expected one of the keys `bus`, `board`, `channel`, found the unknown key `chanel`",
+            ),
+            (
+                "kind = \"emulated\"",
+                "kind = \"real\"",
+                "f.toml:4: kind: expected a [real] table that names the buses, found \"real\"",
+            ),
+            (
+                "[drive]",
+                "[real]\ncan = []\ni2c = []\n[drive]",
+                "f.toml:9: real: expected nothing: this bench is of kind \"emulated\", found [real]",
+            ),
+            (
                 "board = 0x40",
                 "board = 0x20",
                 "f.toml:17: outputs[0].board: expected a number from 64 to 127 (0x40 to 0x7F), found 0x20",
@@ -81,9 +105,8 @@ fn benches() {
 
 #[test]
 fn layouts() {
-    let text = palpate_fixtures::layout("uskin-4x4").unwrap();
     check(
-        text,
+        LAYOUT,
         LayoutFile::read,
         &[
             (
@@ -117,6 +140,21 @@ fn layouts() {
                 "f.toml:11: modules[0].boards: expected 1 boards (16 taxels, 16 a board), found [4, 5]",
             ),
             (
+                "pitch_mm = 4.7",
+                "pitch_mm = 0.0",
+                "f.toml:9: modules[0].grid.pitch_mm: expected a number from 0.01 to 1000 mm, found 0.0",
+            ),
+            (
+                "pitch_mm = 4.7",
+                "pitch = 4.7",
+                "f.toml:9: modules[0].grid.pitch: expected one of the keys `rows`, `columns`, `pitch_mm`, found the unknown key `pitch`",
+            ),
+            (
+                "boards = [4]",
+                "boards = [16]",
+                "f.toml:11: modules[0].boards[0]: expected a number from 0 to 15, found 16",
+            ),
+            (
                 "boards = [4]",
                 "boards = [4]\ninactive = [16]",
                 "f.toml:12: modules[0].inactive[0]: expected a number from 0 to 15, found 16",
@@ -135,7 +173,7 @@ fn layouts() {
         &[(
             "boards = [5]",
             "boards = [4]",
-            "f.toml:19: modules[1].boards[0]: expected an address of its own on its bus, found 4",
+            "f.toml:18: modules[1].boards[0]: expected an address of its own on its bus, found 4",
         )],
     );
     let text = palpate_fixtures::layout("allegro").unwrap();
@@ -146,12 +184,12 @@ fn layouts() {
             (
                 "row = 4, column = 0",
                 "row = 3, column = 0",
-                "f.toml:24: modules[1].image: expected free cells inside the 16x16 image, found { row = 3, column = 0 }",
+                "f.toml:23: modules[1].image: expected free cells inside the 16x16 image, found { row = 3, column = 0 }",
             ),
             (
                 "image = { row = 0, column = 0 }\n",
                 "",
-                "f.toml:12: modules[0].image: expected an image for the layout and for every module, or for none, found nothing",
+                "f.toml:11: modules[0].image: expected an image for the layout and for every module, or for none, found nothing",
             ),
         ],
     );
@@ -230,12 +268,17 @@ fn limit_tables_may_only_tighten() {
     let text = palpate_fixtures::limits("default").unwrap();
     check(
         text,
-        Limits::read,
+        LimitTable::read,
         &[
             (
                 "width_us = 200.0",
                 "width_us = 201",
                 "f.toml:7: pulse.width_us: expected at most the hard limit 200 (a file may only tighten), found 201",
+            ),
+            (
+                "width_us = 200.0",
+                "width_us = 0.0",
+                "f.toml:7: pulse.width_us: expected more than 0, found 0.0",
             ),
             (
                 "peak_c = 43.0",
@@ -267,14 +310,37 @@ fn limit_tables_may_only_tighten() {
 }
 
 #[test]
+fn a_real_bench_states_its_hardware() {
+    let real = BENCH.replace(
+        "kind = \"emulated\"",
+        "kind = \"real\"\nreal = { can = [\"can0\"], i2c = [\"/dev/i2c-1\"] }",
+    );
+    let read = |text: &str| Bench::read(&Source::new("b.toml", text));
+    assert!(read(&real).is_ok());
+    for (stated, key) in [
+        ("display = \"thimble-8\"\n", "display"),
+        ("kind = \"final-75um\", ", "wire.kind"),
+        ("current_ma = 990.0\n", "drive.current_ma"),
+        ("supply_limit_ma = 4000.0 ", "drive.supply_limit_ma"),
+    ] {
+        assert!(real.contains(stated), "{stated}");
+        let error = read(&real.replace(stated, if stated.ends_with(' ') { "" } else { "\n" }));
+        let error = error.unwrap_err();
+        assert_eq!(error.key.as_deref(), Some(key));
+        assert!(error.expected.starts_with("a value"), "{error}");
+    }
+    let outputs = real.find("# One line").unwrap();
+    let error = read(&real[..outputs]).unwrap_err();
+    assert_eq!(error.key.as_deref(), Some("outputs"));
+}
+
+#[test]
 fn files_that_do_not_fit_together() {
     let join = |scene: (&str, &str), bench: (&str, &str)| {
-        let text = palpate_fixtures::scene("sphere-along").unwrap();
-        let source = Source::new("s.toml", text.replacen(scene.0, scene.1, 1));
+        let source = Source::new("s.toml", SCENE.replacen(scene.0, scene.1, 1));
         let value = Scene::read(&source).unwrap();
         let scene = Loaded { value, source };
-        let text = palpate_fixtures::bench("emulated").unwrap();
-        let source = Source::new("b.toml", text.replacen(bench.0, bench.1, 1));
+        let source = Source::new("b.toml", BENCH.replacen(bench.0, bench.1, 1));
         let value = Bench::read(&source).unwrap();
         Setup::join(scene, Loaded { value, source })
             .unwrap_err()
@@ -305,7 +371,15 @@ fn files_that_do_not_fit_together() {
         "s.toml:40: map.display: expected the bench's display, `thimble-8`, found \"three-in-line\""
     );
     assert_eq!(
+        join(same, ("thimble-8", "uskin-4x4")),
+        "b.toml:5: display: expected a layout of kind \"display\", found the sensor `uskin-4x4`"
+    );
+    assert_eq!(
+        join(same, ("final-75um", "final-80um")),
+        "b.toml:7: wire.kind: expected a wire (final-75um, first-100um) or a file, found \"final-80um\""
+    );
+    assert_eq!(
         join(same, ("thimble-8", "three-in-line")),
-        "b.toml:16: outputs: expected 3 outputs, one a wire of `three-in-line`, found 8"
+        "b.toml:16: outputs: expected 3 outputs, one per wire of `three-in-line`, found 8"
     );
 }

@@ -1,6 +1,7 @@
-//! Shipped files and bad files.
+//! Shipped files, bad files, and values in place of a file's own.
 
 mod bad_scene;
 mod bad_toml;
+mod overrides;
 mod shipped;
 mod touches;

@@ -1,22 +1,24 @@
 //! Every shipped file reads, and says what the documents say.
 
+use palpate_core::guard::HARD;
+
 use super::super::*;
 
 #[test]
 fn every_shipped_file_reads_and_is_named_after_its_file() {
-    for name in Kind::Scene.names() {
+    for name in FileKind::Scene.names() {
         assert_eq!(load_scene(name).unwrap().value.name, name);
     }
-    for name in Kind::Bench.names() {
+    for name in FileKind::Bench.names() {
         assert_eq!(load_bench(name).unwrap().value.name, name);
     }
-    for name in Kind::Activation.names() {
+    for name in FileKind::Activation.names() {
         assert_eq!(load_activation(name).unwrap().value.name, name);
     }
-    for name in Kind::Limits.names() {
+    for name in FileKind::Limits.names() {
         assert_eq!(load_limits(name).unwrap().value.name, name);
     }
-    for name in Kind::Layout.names() {
+    for name in FileKind::Layout.names() {
         let layout = match load_layout(name).unwrap().value {
             LayoutFile::Sensor(layout) => layout.name,
             LayoutFile::Display(layout) => layout.name,
@@ -27,8 +29,8 @@ fn every_shipped_file_reads_and_is_named_after_its_file() {
 
 #[test]
 fn every_scene_fits_every_bench() {
-    for scene in Kind::Scene.names() {
-        for bench in Kind::Bench.names() {
+    for scene in FileKind::Scene.names() {
+        for bench in FileKind::Bench.names() {
             Setup::load(scene, bench).unwrap();
         }
     }
@@ -36,9 +38,9 @@ fn every_scene_fits_every_bench() {
 
 #[test]
 fn the_default_limit_table_is_the_hard_one() {
-    let mut limits = load_limits("default").unwrap().value;
-    (limits.name, limits.description) = Default::default();
-    assert_eq!(limits, HARD_LIMITS);
+    assert_eq!(load_limits("default").unwrap().value.limits, HARD);
+    let bare = Source::new("bare.toml", "name = \"bare\"\ndescription = \"d\"\n");
+    assert_eq!(LimitTable::read(&bare).unwrap().limits, HARD);
 }
 
 fn sensor(name: &str) -> SensorLayout {
@@ -67,7 +69,7 @@ fn a_hand_reads_240_taxels_and_leaves_the_thumbs_fourth_module_blank() {
         272
     );
     let mut cells = [[false; 16]; 16];
-    for taxel in hand.modules.iter().flat_map(Module::taxels) {
+    for taxel in hand.modules.iter().flat_map(SkinModule::taxels) {
         assert_eq!(taxel.active, taxel.image.is_some());
         if let Some((row, column)) = taxel.image {
             cells[row][column] = true;
@@ -84,6 +86,35 @@ fn a_hand_reads_240_taxels_and_leaves_the_thumbs_fourth_module_blank() {
 fn onsets_follow_the_stimulus_length() {
     let illusion = load_scene("sphere-along").unwrap().value.illusion;
     assert!((illusion.onset_ms() - 58.5).abs() < 1e-9);
+}
+
+#[test]
+fn a_file_states_only_what_differs_from_the_default() {
+    let bare = Source::new("bare.toml", "name = \"bare\"\ndescription = \"d\"\n");
+    let (name, description) = ("bare".to_owned(), "d".to_owned());
+    let scene = Scene::read(&bare).unwrap();
+    let stated = Scene {
+        name: name.clone(),
+        description: description.clone(),
+        ..Scene::default()
+    };
+    assert_eq!(scene, stated);
+    let bench = Bench::read(&bare).unwrap();
+    assert_eq!(bench.outputs, load_bench("emulated").unwrap().value.outputs);
+    let stated = Bench {
+        name,
+        description,
+        outputs: bench.outputs.clone(),
+        ..Bench::default()
+    };
+    assert_eq!(bench, stated);
+    let touched = "name = \"t\"\ndescription = \"d\"\nlength_s = 3.0\n[[touches]]\nstart_s = 1.0\n\
+        path = { kind = \"circle\", radius_mm = 2.0 }\nforce_n = { mean = 0.5 }\n";
+    let scene = Scene::read(&Source::new("t.toml", touched)).unwrap();
+    let touch = &scene.touches[0];
+    assert!((touch.end_s - 3.0).abs() < 1e-12 && (touch.ramp_s - 0.2).abs() < 1e-12);
+    let start = touch.at(1.0).unwrap();
+    assert!((start.x_mm - 2.0).abs() < 1e-12 && start.y_mm.abs() < 1e-12);
 }
 
 #[test]
@@ -107,11 +138,11 @@ fn files_are_found_beside_the_file_that_names_them() {
         "strict.toml",
         "name = \"strict\"\ndescription = \"d\"\n[pulse]\nwidth_us = 100\n".into(),
     );
-    let bench = palpate_fixtures::bench("emulated").unwrap();
+    let bench = super::bad_toml::BENCH;
     let good = write("good.toml", bench.replace("\"default\"", "\"strict.toml\""));
     let lost = write("lost.toml", bench.replace("\"default\"", "\"gone.toml\""));
     let setup = Setup::load("idle", &good).unwrap();
-    assert!((setup.limits.value.pulse.width_us - 100.0).abs() < 1e-12);
+    assert_eq!(setup.limits.value.limits.pulse_width_ns, 100_000);
     assert_eq!(
         Setup::load("idle", &lost).unwrap_err().to_string(),
         format!(
@@ -125,6 +156,10 @@ fn files_are_found_beside_the_file_that_names_them() {
         load_scene(&binary).unwrap_err().to_string(),
         format!("{binary}:2: expected UTF-8 text, found byte 0xFF")
     );
+    let whole = folder.to_string_lossy().into_owned();
+    let error = load_scene(&whole).unwrap_err();
+    assert_eq!((error.path.as_str(), error.line), (&*whole, None));
+    assert_eq!(error.expected, "a readable file");
     let empty = write("empty.toml", "\n".into());
     assert_eq!(
         load_scene(&empty).unwrap_err().to_string(),

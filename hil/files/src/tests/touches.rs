@@ -47,7 +47,7 @@ fn corners_are_passed_at_constant_speed_and_ends_are_reached() {
 
 #[test]
 fn force_rises_from_zero_without_a_jump_and_nothing_is_felt_outside() {
-    for scene in Kind::Scene.names() {
+    for scene in FileKind::Scene.names() {
         for touch in load_scene(scene).unwrap().value.touches {
             assert_eq!(touch.at(touch.start_s - 1e-9), None);
             assert_eq!(touch.at(touch.end_s + 1e-9), None);

@@ -1,6 +1,6 @@
 //! Which burst of one run is which burst of another: an alignment of two sequences by time.
 
-use super::story::Stay;
+use crate::bursts::Burst;
 
 /// Cells of the table beyond which sequences are paired from the left in one pass.
 const CELLS: usize = 1 << 22;
@@ -17,7 +17,7 @@ pub struct Alignment {
 }
 
 /// How far two bursts are from being the same: both edges, microseconds; a tick of width counts as one.
-fn distance(a: &Stay, b: &Stay) -> u64 {
+fn distance(a: &Burst, b: &Burst) -> u64 {
     let edges = a.from_us.abs_diff(b.from_us);
     let edges = edges.saturating_add(a.to_us.abs_diff(b.to_us));
     edges.saturating_add(u64::from(a.width.abs_diff(b.width)))
@@ -26,8 +26,8 @@ fn distance(a: &Stay, b: &Stay) -> u64 {
 /// Aligns two sequences sorted by their starts so that what they differ by is least: the distances of the
 /// pairs, and `gap_us` for every burst that has none. A burst that moved by less than `gap_us` stays a pair
 /// (Needleman and Wunsch 1970, doi:10.1016/0022-2836(70)90057-4).
-pub fn align(a: &[Stay], b: &[Stay], gap_us: u64) -> Alignment {
-    let same = |(x, y): &(&Stay, &Stay)| x == y;
+pub fn align(a: &[Burst], b: &[Burst], gap_us: u64) -> Alignment {
+    let same = |(x, y): &(&Burst, &Burst)| x == y;
     let front = a.iter().zip(b).take_while(same).count();
     let (rest_a, rest_b) = (&a[front..], &b[front..]);
     let back = rest_a.iter().rev().zip(rest_b.iter().rev());
@@ -63,7 +63,7 @@ enum Step {
 }
 
 /// The exact one: a table of all pairs.
-fn table(a: &[Stay], b: &[Stay], gap: u64) -> Alignment {
+fn table(a: &[Burst], b: &[Burst], gap: u64) -> Alignment {
     let width = b.len() + 1;
     let mut steps = vec![Step::New; (a.len() + 1) * width];
     // Costs of the row above and of this one.
@@ -113,7 +113,7 @@ fn table(a: &[Stay], b: &[Stay], gap: u64) -> Alignment {
 }
 
 /// The long one: from left to right, what is near is a pair, else the earlier one stands alone.
-fn sweep(a: &[Stay], b: &[Stay], gap: u64) -> Alignment {
+fn sweep(a: &[Burst], b: &[Burst], gap: u64) -> Alignment {
     let mut found = Alignment::default();
     let (mut i, mut j) = (0, 0);
     while let (Some(x), Some(y)) = (a.get(i), b.get(j)) {
@@ -134,58 +134,5 @@ fn sweep(a: &[Stay], b: &[Stay], gap: u64) -> Alignment {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn stay(from_us: u64, to_us: u64) -> Stay {
-        Stay {
-            from_us,
-            to_us,
-            width: 80,
-            requested: 80,
-            reason: None,
-        }
-    }
-
-    fn train(n: u64) -> Vec<Stay> {
-        (0..n)
-            .map(|i| stay(i * 58_500, i * 58_500 + 35_000))
-            .collect()
-    }
-
-    #[test]
-    fn both_ways_find_one_that_is_gone_and_one_that_moved() {
-        let a = train(20);
-        let mut b = a.clone();
-        b.remove(7);
-        b[12].from_us += 5_000;
-        let found = align(&a, &b, 58_500);
-        assert_eq!(
-            (found.gone.as_slice(), found.new.len()),
-            ([7].as_slice(), 0)
-        );
-        assert!(found.pairs.contains(&(13, 12)));
-        assert_eq!(sweep(&a, &b, 58_500), found);
-        let back = align(&b, &a, 58_500);
-        assert_eq!(back.new, [7]);
-    }
-
-    #[test]
-    fn a_burst_in_another_place_is_gone_and_new() {
-        let a = train(20);
-        let mut b = a.clone();
-        b.remove(3);
-        b.insert(10, stay(10 * 58_500 + 40_000, 10 * 58_500 + 45_000));
-        let found = align(&a, &b, 58_500);
-        assert_eq!((found.gone.len(), found.new.len()), (1, 1));
-    }
-
-    #[test]
-    fn nothing_and_extremes_align() {
-        assert_eq!(align(&[], &[], 0), Alignment::default());
-        let a = [stay(0, u64::MAX), stay(u64::MAX, u64::MAX)];
-        let found = align(&a, &a[1..], u64::MAX);
-        assert_eq!(found.pairs.len() + found.gone.len(), 2);
-        assert_eq!(align(&[], &a, 1).new, [0, 1]);
-    }
-}
+#[path = "align_tests.rs"]
+mod tests;

@@ -3,9 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::align::align;
-use super::story::{Output, Stay, Story};
-use super::words::{at, count, list, ms};
+use super::words::{at, count, list, ms, signed};
 use super::{Difference, Grade, Tolerance};
+use crate::bursts::{Burst, Output};
+use crate::story::Story;
+use palpate_core::schedule::Reason;
 
 /// Most wires told one by one for one thing.
 const EACH: usize = 3;
@@ -88,13 +90,25 @@ struct Found {
     within: usize,
     wider: Tally,
     widths: (i64, i64),
-    limited: BTreeMap<String, Tally>,
-    freed: BTreeMap<String, Tally>,
+    limited: BTreeMap<Reason, Tally>,
+    freed: BTreeMap<Reason, Tally>,
 }
 
 fn difference(later: u64, earlier: u64) -> i64 {
     let size = i64::try_from(later.abs_diff(earlier)).unwrap_or(i64::MAX);
     if later >= earlier { size } else { -size }
+}
+
+/// The bursts of each output.
+type Trains = BTreeMap<Output, Vec<Burst>>;
+
+/// The bursts that begin before a time.
+fn trains(story: &Story, until_us: u64) -> Trains {
+    let mut found = Trains::new();
+    for burst in story.bursts.iter().filter(|b| b.from_us < until_us) {
+        found.entry(burst.output).or_default().push(*burst);
+    }
+    found
 }
 
 /// Until when both list their bursts; `None` where both list all.
@@ -105,8 +119,8 @@ pub(super) fn known_until(a: &Story, b: &Story) -> Option<u64> {
 
 /// The delay of the whole of `b` behind `a`: that of their first bursts, if with it more bursts agree than
 /// without, and more than half of them.
-fn delay(a: &BTreeMap<Output, Vec<Stay>>, b: &BTreeMap<Output, Vec<Stay>>) -> i64 {
-    let first = |s: &BTreeMap<Output, Vec<Stay>>| s.values().flatten().map(|s| s.from_us).min();
+fn delay(a: &Trains, b: &Trains) -> i64 {
+    let first = |s: &Trains| s.values().flatten().map(|s| s.from_us).min();
     let (Some(from), Some(to)) = (first(a), first(b)) else {
         return 0;
     };
@@ -134,27 +148,11 @@ fn delay(a: &BTreeMap<Output, Vec<Stay>>, b: &BTreeMap<Output, Vec<Stay>>) -> i6
     }
 }
 
-/// Tells what the bursts of two stories differ by; onsets lie `soa_us` apart, a tick takes `tick_ns`.
-pub(super) fn tell(
-    a: &Story,
-    b: &Story,
-    soa_us: u64,
-    tick_ns: u64,
-    tolerance: Tolerance,
-    out: &mut Vec<Difference>,
-) {
+/// Tells what the bursts of two stories differ by.
+pub(super) fn tell(a: &Story, b: &Story, tolerance: Tolerance, out: &mut Vec<Difference>) {
+    let soa_us = a.timing.soa_us.max(1);
     let until = known_until(a, b).unwrap_or(u64::MAX);
-    let cut = |s: &Story| -> BTreeMap<Output, Vec<Stay>> {
-        let told = |stays: &Vec<Stay>| {
-            let inside = stays.iter().filter(|s| s.from_us < until);
-            inside.cloned().collect()
-        };
-        s.bursts
-            .iter()
-            .map(|(o, stays)| (*o, told(stays)))
-            .collect()
-    };
-    let (mut first, second) = (cut(a), cut(b));
+    let (mut first, second) = (trains(a, until), trains(b, until));
     let by = delay(&first, &second);
     if by != 0 {
         for stay in first.values_mut().flatten() {
@@ -178,42 +176,42 @@ pub(super) fn tell(
         let y = second.get(&output).unwrap_or(&none);
         compare(output, x, y, soa_us, tolerance, &mut found);
     }
-    words(&found, tick_ns, tolerance, out);
+    words(&found, a.timing.tick_ns, tolerance, out);
 }
 
 fn compare(
     output: Output,
-    a: &[Stay],
-    b: &[Stay],
+    a: &[Burst],
+    b: &[Burst],
     soa_us: u64,
     tolerance: Tolerance,
     found: &mut Found,
 ) {
     // A burst that moved to the next onset is another one.
     let alignment = align(a, b, soa_us - soa_us / 4);
-    let mut limit = |reason: &Option<String>, new: bool, t_us: u64| {
-        if let Some(reason) = reason {
+    let mut limit = |burst: &Burst, new: bool| {
+        if let Some(reason) = burst.reason {
             let side = if new {
                 &mut found.limited
             } else {
                 &mut found.freed
             };
-            side.entry(reason.clone()).or_default().add(output, t_us);
+            side.entry(reason).or_default().add(output, burst.from_us);
         }
     };
     for (i, j) in &alignment.pairs {
         let (x, y) = (&a[*i], &b[*j]);
         if x.reason != y.reason {
-            limit(&x.reason, false, x.from_us);
-            limit(&y.reason, true, y.from_us);
+            limit(x, false);
+            limit(y, true);
         }
     }
     for i in &alignment.gone {
-        limit(&a[*i].reason, false, a[*i].from_us);
+        limit(&a[*i], false);
         found.gone.add(output, a[*i].from_us);
     }
     for j in &alignment.new {
-        limit(&b[*j].reason, true, b[*j].from_us);
+        limit(&b[*j], true);
         found.new.add(output, b[*j].from_us);
     }
     for (i, j) in alignment.pairs {
@@ -255,92 +253,97 @@ fn words(found: &Found, tick_ns: u64, tolerance: Tolerance, out: &mut Vec<Differ
         let text = format!("{edges} elsewhere by no more than {by}");
         out.push(Difference::new(Grade::Cosmetic, false, 0, text));
     }
-    let mut push = |grade, weight: usize, text: String| {
-        let weight = i64::try_from(weight).unwrap_or(i64::MAX);
-        out.push(Difference::new(grade, true, weight, text));
-    };
-    for (sign, side) in [("new", &found.limited), ("gone", &found.freed)] {
+    for (is_new, side) in [(true, &found.limited), (false, &found.freed)] {
         for (reason, tally) in side {
-            let n = tally.total();
-            let what = if sign == "new" {
-                format!("{} ({reason})", count(n, "new limiter event"))
-            } else {
-                format!("{} gone ({reason})", count(n, "limiter event"))
-            };
-            let from = if n == 1 { "at" } else { "from" };
-            let text = format!("{what}: {}, {from} {}", tally.who(), at(tally.first_us()));
-            push(Grade::Limiter, n, text);
+            let what = new_or_gone(is_new, tally.total(), "limiter event");
+            let what = format!("{what} ({})", reason.word());
+            out.push(told(Grade::Limiter, tally, &what));
         }
     }
-    for (sign, tally) in [("new", &found.new), ("gone", &found.gone)] {
-        match tally.total() {
-            0 => {}
-            n => {
-                let what = if sign == "new" {
-                    count(n, "new burst")
-                } else {
-                    format!("{} gone", count(n, "burst"))
-                };
-                let from = if n == 1 { "at" } else { "from" };
-                let text = format!("{what}: {}, {from} {}", tally.who(), at(tally.first_us()));
-                push(Grade::Burst, n, text);
-            }
+    for (is_new, tally) in [(true, &found.new), (false, &found.gone)] {
+        if tally.total() > 0 {
+            let what = new_or_gone(is_new, tally.total(), "burst");
+            out.push(told(Grade::Burst, tally, &what));
         }
     }
-    // Many different distances of one kind are told as a range.
     for kind in [Move::Rise, Move::Fall, Move::Whole] {
-        let of_kind: Vec<_> = found
-            .moves
-            .iter()
-            .filter(|((k, _), _)| *k == kind)
-            .collect();
-        if of_kind.len() <= EACH {
-            for ((_, by), tally) in of_kind {
-                let n = tally.total();
-                let text = if n == found.paired && n > 1 {
-                    let words = kind.words(false, *by);
-                    format!("every burst {words}: {n} on {}", tally.who())
-                } else {
-                    let words = kind.words(tally.0.len() > 1, *by);
-                    format!("{} {words}, {}", tally.who(), tally.when())
-                };
-                push(Grade::Edge, n, text);
-            }
-            continue;
-        }
-        let mut all = Tally::default();
-        for (_, tally) in &of_kind {
-            for (output, (n, t_us)) in &tally.0 {
-                let entry = all.0.entry(*output).or_insert((0, *t_us));
-                *entry = (entry.0 + n, entry.1.min(*t_us));
-            }
-        }
-        let by = |f: fn(i64, i64) -> i64| of_kind.iter().map(|((_, by), _)| *by).reduce(f);
-        let (low, high) = (by(i64::min).unwrap_or(0), by(i64::max).unwrap_or(0));
-        let verb = kind.verb(all.0.len() > 1);
-        let range = format!("{} to {}", lateness(low), lateness(high));
-        push(
-            Grade::Edge,
-            all.total(),
-            format!("{} {verb} {range}, {}", all.who(), all.when()),
-        );
+        moved(found, kind, out);
     }
     if found.wider.total() > 0 {
-        let (low, high) = found.widths;
-        let us = |ticks: i64| {
-            super::words::signed(ticks.saturating_mul(i64::try_from(tick_ns).unwrap_or(0)))
-        };
-        let by = if low == high {
-            format!("by {low:+} ticks ({} us)", us(low))
-        } else {
-            format!(
-                "by {low:+} to {high:+} ticks ({} to {} us)",
-                us(low),
-                us(high)
-            )
-        };
-        let who = found.wider.who();
-        let text = format!("pulses of {who} change {by}, {}", found.wider.when());
-        push(Grade::Width, found.wider.total(), text);
+        out.push(wider(found, tick_ns));
     }
+}
+
+/// `1 new burst`, `2 bursts gone`.
+fn new_or_gone(is_new: bool, n: usize, what: &str) -> String {
+    if is_new {
+        count(n, &format!("new {what}"))
+    } else {
+        format!("{} gone", count(n, what))
+    }
+}
+
+fn weighed(grade: Grade, tally: &Tally, text: String) -> Difference {
+    let weight = i64::try_from(tally.total()).unwrap_or(i64::MAX);
+    Difference::new(grade, true, weight, text)
+}
+
+/// What, where, and since when.
+fn told(grade: Grade, tally: &Tally, what: &str) -> Difference {
+    let from = if tally.total() == 1 { "at" } else { "from" };
+    let (who, first) = (tally.who(), at(tally.first_us()));
+    weighed(grade, tally, format!("{what}: {who}, {from} {first}"))
+}
+
+/// Edges that moved in one way; many different distances are told as a range.
+fn moved(found: &Found, kind: Move, out: &mut Vec<Difference>) {
+    let of_kind: Vec<(i64, &Tally)> = found
+        .moves
+        .iter()
+        .filter(|((k, _), _)| *k == kind)
+        .map(|((_, by), tally)| (*by, tally))
+        .collect();
+    if of_kind.len() <= EACH {
+        for (by, tally) in of_kind {
+            let n = tally.total();
+            let text = if n == found.paired && n > 1 {
+                let words = kind.words(false, by);
+                format!("every burst {words}: {n} on {}", tally.who())
+            } else {
+                let words = kind.words(tally.0.len() > 1, by);
+                format!("{} {words}, {}", tally.who(), tally.when())
+            };
+            out.push(weighed(Grade::Edge, tally, text));
+        }
+        return;
+    }
+    let mut all = Tally::default();
+    for (_, tally) in &of_kind {
+        for (output, (n, t_us)) in &tally.0 {
+            let entry = all.0.entry(*output).or_insert((0, *t_us));
+            *entry = (entry.0 + n, entry.1.min(*t_us));
+        }
+    }
+    let by = |f: fn(i64, i64) -> i64| of_kind.iter().map(|(by, _)| *by).reduce(f);
+    let (low, high) = (by(i64::min).unwrap_or(0), by(i64::max).unwrap_or(0));
+    let verb = kind.verb(all.0.len() > 1);
+    let range = format!("{} to {}", lateness(low), lateness(high));
+    let text = format!("{} {verb} {range}, {}", all.who(), all.when());
+    out.push(weighed(Grade::Edge, &all, text));
+}
+
+/// Pulses that changed their width; a tick takes `tick_ns`.
+fn wider(found: &Found, tick_ns: u64) -> Difference {
+    let (low, high) = found.widths;
+    let tick_ns = i64::try_from(tick_ns).unwrap_or(0);
+    let us = |ticks: i64| signed(ticks.saturating_mul(tick_ns));
+    let by = if low == high {
+        format!("by {low:+} ticks ({} us)", us(low))
+    } else {
+        let (from, to) = (us(low), us(high));
+        format!("by {low:+} to {high:+} ticks ({from} to {to} us)")
+    };
+    let (who, when) = (found.wider.who(), found.wider.when());
+    let text = format!("pulses of {who} change {by}, {when}");
+    weighed(Grade::Width, &found.wider, text)
 }

@@ -1,25 +1,21 @@
 //! Two runs compared and told in the words of the field: which wire rises later, which limit has less left.
 //!
-//! A [`Story`] is read from a golden, a schedule file or a trace; [`compare`] lists what differs, the gravest
-//! first; [`tell`] says it in ten lines and a count.
+//! A [`Story`] is made from a trace, or read from a golden or a schedule file; [`compare`] lists what differs, the
+//! gravest first; [`tell`] says it in ten lines and a count.
 
 mod align;
 mod edges;
-mod golden;
+mod moments;
 mod recording;
-mod schedule;
-mod sections;
-mod story;
 mod tables;
 mod words;
 
+use crate::story::{GoldenKind, Story};
 use crate::trace::Source;
 pub use align::{Alignment, align};
-use golden::thousandths;
+use moments::moments;
 pub use recording::{Recording, compare_recordings};
-pub use schedule::read_schedule;
-pub use story::{Damage, Figure, Item, Kind, Moment, Output, Stay, Story};
-use tables::{digests, figures, heads, moments, rows};
+use tables::{digests, figures, heads, rows};
 
 /// Lines told one by one.
 pub const LINES: usize = 10;
@@ -45,6 +41,8 @@ pub enum Grade {
     Figure,
     /// A line of the story: a break, a note.
     Moment,
+    /// More is left of a limit.
+    Gain,
     /// Nothing that anybody could feel or measure.
     Cosmetic,
 }
@@ -115,17 +113,8 @@ pub fn compare(a: &Story, b: &Story, tolerance: Tolerance) -> Vec<Difference> {
     }
     heads(a, b, &mut all);
     figures(a, b, tolerance, &mut all);
-    let number = |key: &str, unit: &str| {
-        let item = a.head.iter().find(|i| i.key == key)?;
-        let rest = item.text.strip_prefix(key)?.trim_start();
-        let text = rest.split(' ').next().filter(|_| rest.contains(unit))?;
-        u64::try_from(thousandths(text)?).ok()
-    };
-    let soa_us = number("SOA", "ms").unwrap_or(58_500).max(1);
-    // The header has whole nanoseconds.
-    let tick_ns = number("tick", "ns").map_or(1_240, |t| t / 1000);
-    if a.kind == Kind::Schedule && b.kind == Kind::Schedule {
-        edges::tell(a, b, soa_us, tick_ns, tolerance, &mut all);
+    if a.kind == GoldenKind::Schedule && b.kind == GoldenKind::Schedule {
+        edges::tell(a, b, tolerance, &mut all);
     }
     if all.iter().any(|d| d.grade == Grade::Limiter) {
         // Told with wires and times.

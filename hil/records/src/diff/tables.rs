@@ -1,20 +1,50 @@
-//! Differences of what a golden prints in lines and tables: header, figures, events, rows, digests.
+//! Differences of what a golden prints in lines and tables: header, figures, rows, digests.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::edges::known_until;
-use super::golden::thousandths;
-use super::story::{Figure, Item, Kind, Moment, Story};
-use super::words::{at, change, changes, short, signed};
+use super::words::{at, change, item_key, short, signed};
 use super::{Difference, Grade, Tolerance};
+use crate::figures::Figure;
+use crate::story::{Column, GoldenKind, Role, Story, Table};
 use crate::trace::Source;
 
 /// Pieces of a header that name a run and say nothing of what it did.
 const NAMES: [&str; 4] = ["bench", "seed", "scene", "limits"];
 /// Pieces that were asked for, not measured.
-const SETTINGS: [&str; 9] = [
-    "PWM", "period", "tick", "tau_d", "SOA", "illusion", "K_C", "wires", "length",
+const SETTINGS: [&str; 10] = [
+    "PWM",
+    "PRE_SCALE",
+    "period",
+    "tick",
+    "tau_d",
+    "SOA",
+    "illusion",
+    "K_C",
+    "wires",
+    "length",
 ];
+
+/// Most margins that are told before the bursts.
+const EACH: usize = 3;
+
+/// What names a header's piece: the label of its line, and its first word without a digit.
+type Key<'a> = (&'a str, &'a str);
+
+/// The pieces of a header in their order, such as `tau_d 35.000 ms` under `tau_d`.
+fn pieces(story: &Story) -> impl Iterator<Item = (Key<'_>, &str)> {
+    story.head.iter().flat_map(|line| {
+        line.pieces
+            .iter()
+            .map(|piece| ((line.label.as_str(), item_key(piece)), piece.as_str()))
+    })
+}
+
+/// Keys of both, in the order in which they stand there.
+fn in_order<K: Ord + Copy>(a: impl Iterator<Item = K>, b: impl Iterator<Item = K>) -> Vec<K> {
+    let mut seen = BTreeSet::new();
+    a.chain(b).filter(|k| seen.insert(*k)).collect()
+}
 
 /// Header lines: settings, names, errors.
 pub(super) fn heads(a: &Story, b: &Story, all: &mut Vec<Difference>) {
@@ -27,113 +57,104 @@ pub(super) fn heads(a: &Story, b: &Story, all: &mut Vec<Difference>) {
         all.push(Difference::new(Grade::Cosmetic, false, 0, text));
     }
     let partial = a.partial || b.partial;
-    let lookup = |s: &Story| -> BTreeMap<String, String> {
-        let pairs = s.head.iter().map(|i| (i.key.clone(), i.text.clone()));
-        pairs.collect()
-    };
-    let (first, second) = (lookup(a), lookup(b));
+    let (first, second): (BTreeMap<_, _>, BTreeMap<_, _>) =
+        (pieces(a).collect(), pieces(b).collect());
     // Pieces of one line of the header stay together.
-    let mut lines: Vec<(Grade, String, Vec<String>)> = Vec::new();
-    for key in in_order(&a.head, &b.head) {
-        let grade = match key {
+    let mut lines: Vec<(Grade, &str, Vec<String>)> = Vec::new();
+    for key in in_order(pieces(a).map(|p| p.0), pieces(b).map(|p| p.0)) {
+        let (label, name) = key;
+        let grade = match name {
+            _ if !label.is_empty() => Grade::Figure,
             k if NAMES.contains(&k) => Grade::Cosmetic,
             k if SETTINGS.contains(&k) => Grade::Setting,
             _ => Grade::Figure,
         };
-        let text = match (first.get(key), second.get(key)) {
+        let text = match (first.get(&key), second.get(&key)) {
             (Some(x), Some(y)) if x == y => continue,
             (Some(x), Some(y)) => change(x, y),
             _ if partial => continue,
-            (Some(x), None) => format!("no longer: {x}"),
-            (None, Some(y)) => format!("now: {y}"),
+            (Some(x), None) => format!("no longer {x}"),
+            (None, Some(y)) => format!("now {y}"),
             (None, None) => continue,
         };
-        let line = key.split_once(": ").map_or("", |(line, _)| line);
         match lines.last_mut() {
-            Some(last) if !line.is_empty() && last.1 == line => {
-                let rest = text.strip_prefix(line).unwrap_or(&text);
-                last.2.push(rest.trim_start_matches(": ").to_owned());
-            }
-            _ => lines.push((grade, line.to_owned(), vec![text])),
+            Some(last) if !label.is_empty() && last.1 == label => last.2.push(text),
+            _ => lines.push((grade, label, vec![text])),
         }
     }
-    for (grade, _, texts) in lines {
-        let meaning = grade != Grade::Cosmetic;
-        all.push(Difference::new(grade, meaning, 0, texts.join(", ")));
+    for (grade, label, texts) in lines {
+        let colon = if label.is_empty() { "" } else { ": " };
+        let text = format!("{label}{colon}{}", texts.join(", "));
+        all.push(Difference::new(grade, grade != Grade::Cosmetic, 0, text));
     }
 }
 
-/// Keys of both, in the order in which they stand there.
-fn in_order<'a>(a: &'a [Item], b: &'a [Item]) -> Vec<&'a str> {
-    let mut seen = BTreeSet::new();
-    let keys = a.iter().chain(b).map(|i| i.key.as_str());
-    keys.filter(|k| seen.insert(*k)).collect()
+fn by_name(story: &Story) -> BTreeMap<&str, &Figure> {
+    let figures = story.figures.iter();
+    figures.map(|f| (f.name.as_str(), f)).collect()
 }
 
 /// Measured values, and the limits they have less left of.
 pub(super) fn figures(a: &Story, b: &Story, tolerance: Tolerance, all: &mut Vec<Difference>) {
-    let by_name = |s: &Story| -> BTreeMap<String, Figure> {
-        let named = s.figures.iter().map(|f| (f.name.clone(), f.clone()));
-        named.collect()
-    };
+    let partial = a.partial || b.partial;
     let (first, second) = (by_name(a), by_name(b));
-    let names: BTreeSet<&String> = first.keys().chain(second.keys()).collect();
-    for name in names {
+    let mut found = Vec::new();
+    for name in in_order(first.keys().copied(), second.keys().copied()) {
         let (Some(x), Some(y)) = (first.get(name), second.get(name)) else {
-            if !(a.partial || b.partial) {
-                let sign = if first.contains_key(name) {
-                    "no longer"
-                } else {
-                    "now"
-                };
+            if !partial {
+                let is_gone = first.contains_key(name);
+                let sign = if is_gone { "no longer" } else { "now" };
                 let text = format!("{sign} measured: {name}");
                 all.push(Difference::new(Grade::Figure, true, 0, text));
             }
             continue;
         };
-        let unit = if y.unit.is_empty() {
-            String::new()
-        } else {
-            format!(" {}", y.unit)
-        };
-        if x.limit != y.limit && !(a.partial || b.partial) {
-            let text = format!("limit of {name} {} -> {}{unit}", x.limit, y.limit);
+        if x.limit != y.limit && !partial {
+            let (was, is) = (x.text(x.limit), y.text(y.limit));
+            let text = format!("limit of {name} {was} -> {is} {}", y.unit);
+            let text = text.trim_end().to_owned();
             all.push(Difference::new(Grade::Setting, true, 0, text));
         }
         if x.value == y.value && x.unit == y.unit {
             continue;
         }
-        let (old, new) = (thousandths(&x.value), thousandths(&y.value));
-        let meaning = !same(old, new, tolerance);
-        let (grade, weight, text) = match (thousandths(&x.used), thousandths(&y.used)) {
-            (Some(was), Some(is)) => {
-                let words = format!(
-                    "{name} {} -> {}{unit} of {}, {} -> {} % used",
-                    x.value,
-                    y.value,
-                    y.limit,
-                    short(was),
-                    short(is)
-                );
-                let by = is.saturating_sub(was);
-                if by > 0 {
-                    (Grade::Margin, by, format!("less left: {words}"))
-                } else {
-                    (Grade::Figure, -by, words)
-                }
-            }
-            _ => {
-                let by = old.zip(new).map(|(o, n)| n.saturating_sub(o));
-                let text = match by {
-                    Some(by) => format!("{name} {}{unit} ({} -> {})", signed(by), x.value, y.value),
-                    None => format!("{name} {} -> {}{unit}", x.value, y.value),
-                };
-                (Grade::Figure, 0, text)
-            }
-        };
-        let grade = if meaning { grade } else { Grade::Cosmetic };
-        all.push(Difference::new(grade, meaning, weight, text));
+        let mut difference = figure(x, y);
+        difference.meaning = !same(x.value, y.value, tolerance);
+        if !difference.meaning {
+            difference.grade = Grade::Cosmetic;
+        }
+        found.push(difference);
     }
+    // What warms more warms everywhere: the rest must not hide which bursts did it.
+    found.sort_by_key(|d| (d.grade, std::cmp::Reverse(d.weight)));
+    let lost = found.iter_mut().filter(|d| d.grade == Grade::Margin);
+    lost.skip(EACH).for_each(|d| d.grade = Grade::Figure);
+    all.extend(found);
+}
+
+/// One value that changed.
+fn figure(x: &Figure, y: &Figure) -> Difference {
+    let (name, unit) = (&y.name, &y.unit);
+    let (was, is) = (x.text(x.value), y.text(y.value));
+    if let (Some(before), Some(after)) = (x.used, y.used) {
+        let limit = y.text(y.limit);
+        let (from, to) = (short(before), short(after));
+        let words = format!("{name} {was} -> {is} {unit} of {limit}, {from} -> {to} % used");
+        let by = after.saturating_sub(before);
+        return if by > 0 {
+            Difference::new(Grade::Margin, true, by, format!("less left: {words}"))
+        } else {
+            Difference::new(Grade::Gain, true, by.saturating_neg(), words)
+        };
+    }
+    let text = match x.value.zip(y.value) {
+        Some((old, new)) => {
+            let by = format!("{} {unit}", signed(new.saturating_sub(old)));
+            format!("{name} {} ({was} -> {is})", by.trim_end())
+        }
+        None => format!("{name} {was} -> {is} {unit}").trim_end().to_owned(),
+    };
+    Difference::new(Grade::Figure, true, 0, text)
 }
 
 fn same(a: Option<i64>, b: Option<i64>, tolerance: Tolerance) -> bool {
@@ -144,95 +165,53 @@ fn same(a: Option<i64>, b: Option<i64>, tolerance: Tolerance) -> bool {
     u128::from(a.abs_diff(b)) * 1000 <= larger * u128::from(tolerance.permille)
 }
 
-/// What happened: lines that only one of them has. Limiter events are told by the bursts themselves.
-pub(super) fn moments(a: &Story, b: &Story, all: &mut Vec<Difference>) {
-    let partial = a.partial || b.partial;
-    let until = [a.moments_until_ms, b.moments_until_ms];
-    let until = until.into_iter().flatten().min().unwrap_or(i64::MAX);
-    let begins = |m: &Moment| thousandths(m.when.split("..").next().unwrap_or("")).unwrap_or(0);
-    let wanted = |m: &&Moment| {
-        m.kind != "limiter"
-            && begins(m) < until
-            && (!partial || ["all-off", "pre-scale"].contains(&m.kind.as_str()))
+/// The cells of a role in words: `contact 0/1`, or `from 0.831 s`.
+fn cells(table: &Table, row: &[String], role: Role) -> Vec<String> {
+    let named = table
+        .columns
+        .iter()
+        .zip(row)
+        .filter(|(c, _)| c.role == role);
+    let word = |(c, cell): (&Column, &String)| {
+        format!("{} {cell} {}", c.name, c.unit)
+            .trim_end()
+            .to_owned()
     };
-    let tally = |s: &Story| {
-        let mut found: BTreeMap<(String, String), Vec<String>> = BTreeMap::new();
-        for m in s.moments.iter().filter(wanted) {
-            let key = (m.kind.clone(), m.text.clone());
-            found.entry(key).or_default().push(m.when.clone());
-        }
-        found
-    };
-    let (first, second) = (tally(a), tally(b));
-    let none = Vec::new();
-    // By kind: what is new, what is gone.
-    let mut new: BTreeMap<&str, Vec<(&str, &str)>> = BTreeMap::new();
-    let mut gone = new.clone();
-    let mut push = |kind: &str, text: String| {
-        let grade = match kind {
-            "all-off" | "pre-scale" => Grade::Stop,
-            _ => Grade::Moment,
-        };
-        all.push(Difference::new(grade, true, 0, text));
-    };
-    let keys: BTreeSet<_> = first.keys().chain(second.keys()).collect();
-    for key in keys {
-        let x = first.get(key).unwrap_or(&none);
-        let y = second.get(key).unwrap_or(&none);
-        let (kind, text) = (key.0.as_str(), key.1.as_str());
-        match (x.as_slice(), y.as_slice()) {
-            (x, y) if x == y => {}
-            ([], [when]) => new.entry(kind).or_default().push((when, text)),
-            ([when], []) => gone.entry(kind).or_default().push((when, text)),
-            ([was], [is]) => push(kind, format!("{kind} at {was} -> {is} s: {text}")),
-            (x, y) => push(
-                kind,
-                format!("{kind} {} -> {} times: {text}", x.len(), y.len()),
-            ),
-        }
-    }
-    for (sign, side) in [("new", new), ("gone", gone)] {
-        for (kind, found) in side {
-            if let [(when, text)] = found.as_slice() {
-                push(kind, format!("{sign}: {kind} at {when} s: {text}"));
-                continue;
-            }
-            let first = found.iter().min_by_key(|(when, _)| {
-                thousandths(when.split("..").next().unwrap_or("")).unwrap_or(0)
-            });
-            let (when, text) = first.copied().unwrap_or_default();
-            let n = found.len();
-            push(
-                kind,
-                format!("{sign}: {n} times {kind}, first at {when} s: {text}"),
-            );
-        }
-    }
+    named.map(word).collect()
 }
 
-/// Rows of tables that have no figure of their own.
+/// Rows of tables, as far as no figure or burst tells of them.
 pub(super) fn rows(a: &Story, b: &Story, tolerance: Tolerance, all: &mut Vec<Difference>) {
     if a.partial || b.partial || !tolerance.is_none() {
         return;
     }
-    let texts = |s: &Story| -> BTreeMap<String, String> {
-        let pairs = s.rows.iter().map(|i| (i.key.clone(), i.text.clone()));
-        pairs.collect()
+    let named = |s: &'_ Story| -> Vec<String> {
+        let rows = s.table.rows.iter();
+        rows.map(|row| cells(&s.table, row, Role::Key).join(", "))
+            .collect()
     };
-    let (first, second) = (texts(a), texts(b));
+    let (names_a, names_b) = (named(a), named(b));
     let mut told = Vec::new();
-    for key in in_order(&a.rows, &b.rows) {
-        let text = match (first.get(key), second.get(key)) {
-            (Some(x), Some(y)) if x == y => continue,
-            (Some(x), Some(y)) => changes(key, x, y),
-            (Some(x), None) => format!("gone: {x}"),
-            (None, Some(y)) => format!("new: {y}"),
-            (None, None) => continue,
+    for name in in_order(names_a.iter(), names_b.iter()) {
+        let row = |s: &'_ Story, names: &[String]| -> Option<Vec<String>> {
+            let index = names.iter().position(|n| n == name)?;
+            Some(cells(&s.table, s.table.rows.get(index)?, Role::Told))
         };
-        told.push(text);
+        match (row(a, &names_a), row(b, &names_b)) {
+            (Some(x), Some(y)) => {
+                let differ = x.iter().zip(&y).filter(|(x, y)| x != y);
+                let changes: Vec<String> = differ.map(|(x, y)| change(x, y)).collect();
+                if !changes.is_empty() {
+                    told.push(format!("{name}: {}", changes.join(", ")));
+                }
+            }
+            (Some(x), None) => told.push(format!("gone: {name}: {}", x.join(", "))),
+            (None, Some(y)) => told.push(format!("new: {name}: {}", y.join(", "))),
+            (None, None) => {}
+        }
     }
     // Wires are many and warm together: one stands for them.
-    if a.kind == Kind::Schedule && told.len() > 2 {
+    if a.kind == GoldenKind::Schedule && told.len() > 2 {
         let rest = told.len() - 1;
         told.truncate(1);
         told.iter_mut()
@@ -247,14 +226,9 @@ pub(super) fn digests(a: &Story, b: &Story, tolerance: Tolerance, all: &mut Vec<
     if !tolerance.is_none() {
         return;
     }
-    let differ = |key: &str| {
-        let of = |s: &Story| {
-            s.digests
-                .iter()
-                .find(|d| d.key == key)
-                .map(|d| d.text.clone())
-        };
-        matches!((of(a), of(b)), (Some(x), Some(y)) if x != y)
+    let differ = |of: &str| {
+        let pair = a.digests.get(of).zip(b.digests.get(of));
+        pair.is_some_and(|(x, y)| x != y)
     };
     let told = |grades: &[Grade]| all.iter().any(|d| grades.contains(&d.grade));
     let drive = [

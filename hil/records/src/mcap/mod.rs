@@ -10,8 +10,8 @@ mod read;
 mod schema;
 
 pub use container::Attachment;
-pub use read::{Damage, Read, Unreadable, read};
-pub use schema::{ALL, Kind, LOG, PACKAGE, Schema};
+pub use read::{Read, Tear, Unreadable, read};
+pub use schema::{ALL, FieldKind, LOG, PACKAGE, Schema};
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -280,124 +280,30 @@ impl<W: Write> Recording<W> {
             return Ok(());
         };
         let t_ns = event.t_ns();
-        let of_output = |board: u8, channel: u8| {
-            let wire = run.outputs.iter().position(|o| *o == (board, channel));
-            wire.map(|w| run.wires[w])
-        };
-        let of_wire = |wire: u16| run.wires.get(usize::from(wire)).copied();
-        let mm = |um: i32| f64::from(um) / 1e3;
+        self.message.clear();
         let message = &mut self.message;
-        message.clear();
+        // Every variant has its place here: a new one does not compile until it is recorded.
         let channel = match event {
-            Event::Frame {
-                frame,
-                in_contact,
-                peak_counts,
-                ..
-            } => {
-                message
-                    .uint(1, *frame)
-                    .uint(2, *in_contact)
-                    .uint(3, *peak_counts);
-                Some(run.frames)
+            Event::Frame { .. } | Event::Contact { .. } | Event::Truth { .. } => {
+                run.sensed(event, message)
             }
-            Event::Contact {
-                frame,
-                module,
-                contact,
-                place,
-                intensity_milli,
-                level,
-                members,
-                ..
-            } => {
-                message
-                    .uint(1, *frame)
-                    .uint(2, *module)
-                    .uint(3, *contact)
-                    .double(4, mm(place.x))
-                    .double(5, mm(place.y))
-                    .double(6, f64::from(*intensity_milli) / 1e3)
-                    .uint(7, *level)
-                    .uint(8, *members);
-                Some(run.contacts)
+            Event::Schedule(_) | Event::PreScale { .. } | Event::AllOff { .. } => {
+                run.told(event, message)
             }
-            Event::Truth {
-                place, force_mn, ..
-            } => {
-                message
-                    .double(1, mm(place.x))
-                    .double(2, mm(place.y))
-                    .double(3, f64::from(*force_mn) / 1e3);
-                Some(run.truth)
-            }
-            Event::Schedule(entry) => {
-                message
-                    .uint(1, entry.board.0)
-                    .uint(2, entry.channel.0)
-                    .uint(3, entry.requested.get())
-                    .uint(4, entry.width().get())
-                    .uint(5, entry.on)
-                    .uint(6, entry.off)
-                    .uint(7, entry.until.as_micros())
-                    .text(8, entry.reason.map_or("", |r| r.word()));
-                of_output(entry.board.0, entry.channel.0).map(|w| w.schedule)
-            }
-            Event::PreScale {
-                board, pre_scale, ..
-            } => {
-                message.uint(1, *board).uint(2, *pre_scale);
-                Some(run.boards)
-            }
-            Event::AllOff { board, cause, .. } => {
-                message.uint(1, *board).text(3, cause);
-                Some(run.boards)
-            }
-            Event::Edge {
-                board,
-                channel,
-                high,
-                ..
-            } => {
-                message.uint(1, *high);
-                of_output(*board, *channel).map(|w| w.pin)
-            }
-            Event::Felt {
-                target,
-                inside,
-                felt,
-                energy_permille,
-                ..
-            } => {
-                let place =
-                    |p: Option<PlaceUm>| p.map_or((f64::NAN, f64::NAN), |p| (mm(p.x), mm(p.y)));
-                let energy = place(felt.map(|f| f.energy));
-                let amplitude = place(felt.map(|f| f.amplitude));
-                message
-                    .double(1, mm(target.x))
-                    .double(2, mm(target.y))
-                    .uint(3, *inside)
-                    .uint(4, felt.is_some())
-                    .double(5, energy.0)
-                    .double(6, energy.1)
-                    .double(7, amplitude.0)
-                    .double(8, amplitude.1)
-                    .uint(9, *energy_permille);
-                Some(run.felt)
-            }
-            Event::Wire { wire, milli_c, .. } => {
-                message.double(1, f64::from(*milli_c) / 1e3);
-                of_wire(*wire).map(|w| w.wire)
-            }
-            Event::Skin { wire, milli_c, .. } => {
-                message.double(1, f64::from(*milli_c) / 1e3);
-                of_wire(*wire).map(|w| w.skin)
+            Event::Edge { .. } | Event::Felt { .. } | Event::Wire { .. } | Event::Skin { .. } => {
+                run.came(event, message)
             }
             Event::Latent { .. } | Event::Note { .. } => None,
         };
         if let Some(channel) = channel {
             self.send(channel, t_ns)?;
         }
+        self.log_event(event)
+    }
+
+    /// What of an event is worth a line in the log.
+    fn log_event(&mut self, event: &Event) -> io::Result<()> {
+        let t_ns = event.t_ns();
         match event {
             Event::Note { text, .. } => self.log(t_ns, Level::Info, "note", text),
             Event::Latent { .. } => match crate::words::texture(event) {
@@ -423,6 +329,147 @@ impl<W: Write> Recording<W> {
                 None => Ok(()),
             },
             _ => Ok(()),
+        }
+    }
+}
+
+fn mm(um: i32) -> f64 {
+    f64::from(um) / 1e3
+}
+
+impl RunTopics {
+    fn of_output(&self, board: u8, channel: u8) -> Option<WireTopics> {
+        let wire = self.outputs.iter().position(|o| *o == (board, channel));
+        wire.map(|w| self.wires[w])
+    }
+
+    fn of_wire(&self, wire: u16) -> Option<WireTopics> {
+        self.wires.get(usize::from(wire)).copied()
+    }
+
+    /// Fills in what the sensor end saw; the topic it goes to.
+    fn sensed(&self, event: &Event, message: &mut Message) -> Option<u16> {
+        match event {
+            Event::Frame {
+                frame,
+                in_contact,
+                peak_counts,
+                ..
+            } => {
+                message
+                    .uint(1, *frame)
+                    .uint(2, *in_contact)
+                    .uint(3, *peak_counts);
+                Some(self.frames)
+            }
+            Event::Contact {
+                frame,
+                module,
+                contact,
+                place,
+                intensity_milli,
+                level,
+                members,
+                ..
+            } => {
+                message
+                    .uint(1, *frame)
+                    .uint(2, *module)
+                    .uint(3, *contact)
+                    .double(4, mm(place.x))
+                    .double(5, mm(place.y))
+                    .double(6, f64::from(*intensity_milli) / 1e3)
+                    .uint(7, *level)
+                    .uint(8, *members);
+                Some(self.contacts)
+            }
+            Event::Truth {
+                place, force_mn, ..
+            } => {
+                message
+                    .double(1, mm(place.x))
+                    .double(2, mm(place.y))
+                    .double(3, f64::from(*force_mn) / 1e3);
+                Some(self.truth)
+            }
+            _ => None,
+        }
+    }
+
+    /// The same of what the boards were told.
+    fn told(&self, event: &Event, message: &mut Message) -> Option<u16> {
+        match event {
+            Event::Schedule(entry) => {
+                message
+                    .uint(1, entry.board.0)
+                    .uint(2, entry.channel.0)
+                    .uint(3, entry.requested.get())
+                    .uint(4, entry.width().get())
+                    .uint(5, entry.on)
+                    .uint(6, entry.off)
+                    .uint(7, entry.until.as_micros())
+                    .text(8, entry.reason.map_or("", |r| r.word()));
+                self.of_output(entry.board.0, entry.channel.0)
+                    .map(|w| w.schedule)
+            }
+            Event::PreScale {
+                board, pre_scale, ..
+            } => {
+                message.uint(1, *board).uint(2, *pre_scale);
+                Some(self.boards)
+            }
+            Event::AllOff { board, cause, .. } => {
+                message.uint(1, *board).text(3, cause);
+                Some(self.boards)
+            }
+            _ => None,
+        }
+    }
+
+    /// The same of what came of it.
+    fn came(&self, event: &Event, message: &mut Message) -> Option<u16> {
+        match event {
+            Event::Edge {
+                board,
+                channel,
+                high,
+                ..
+            } => {
+                message.uint(1, *high);
+                self.of_output(*board, *channel).map(|w| w.pin)
+            }
+            Event::Felt {
+                target,
+                inside,
+                felt,
+                energy_permille,
+                ..
+            } => {
+                let place =
+                    |p: Option<PlaceUm>| p.map_or((f64::NAN, f64::NAN), |p| (mm(p.x), mm(p.y)));
+                let energy = place(felt.map(|f| f.energy));
+                let amplitude = place(felt.map(|f| f.amplitude));
+                message
+                    .double(1, mm(target.x))
+                    .double(2, mm(target.y))
+                    .uint(3, *inside)
+                    .uint(4, felt.is_some())
+                    .double(5, energy.0)
+                    .double(6, energy.1)
+                    .double(7, amplitude.0)
+                    .double(8, amplitude.1)
+                    .uint(9, *energy_permille);
+                Some(self.felt)
+            }
+            Event::Wire { wire, milli_c, .. } => {
+                message.double(1, f64::from(*milli_c) / 1e3);
+                self.of_wire(*wire).map(|w| w.wire)
+            }
+            Event::Skin { wire, milli_c, .. } => {
+                message.double(1, f64::from(*milli_c) / 1e3);
+                self.of_wire(*wire).map(|w| w.skin)
+            }
+            _ => None,
         }
     }
 }

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use palpate_core::bus::Received;
+use palpate_core::codec::can::CanFrame;
 use palpate_core::units::Instant;
-use palpate_core::wire::can::CanFrame;
 
 use super::container::{MAGIC, op};
 use super::proto::{Fields, Value};
@@ -24,21 +24,21 @@ pub struct Read {
     /// Names and contents of the attached files.
     pub attachments: Vec<(String, Vec<u8>)>,
     /// What is wrong with the file; a chunk whose checksum fails is left out and the rest is read.
-    pub damages: Vec<Damage>,
+    pub damages: Vec<Tear>,
     /// Time of the last whole message, nanoseconds.
     pub last_ns: u64,
 }
 
 /// A place where the file is not what it should be.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Damage {
+pub struct Tear {
     /// Byte of the record that is damaged, or where the file ends.
     pub offset: u64,
     /// What is wrong there.
     pub what: &'static str,
 }
 
-impl fmt::Display for Damage {
+impl fmt::Display for Tear {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "byte {}: {}", self.offset, self.what)
     }
@@ -153,7 +153,7 @@ struct Reader {
 
 impl Reader {
     fn damage(&mut self, offset: u64, what: &'static str) {
-        self.read.damages.push(Damage { offset, what });
+        self.read.damages.push(Tear { offset, what });
     }
 
     fn finish(self) -> Result<Read, Unreadable> {

@@ -5,7 +5,7 @@ use super::proto::Message;
 
 /// Kinds of field, by their number in `descriptor.proto`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum FieldKind {
     /// 64-bit floating point.
     Double = 1,
     /// 64-bit whole number.
@@ -26,13 +26,13 @@ pub struct Schema {
     /// Name within the package `palpate`.
     pub name: &'static str,
     /// Names and kinds of the fields, numbered from 1.
-    pub fields: &'static [(&'static str, Kind)],
+    pub fields: &'static [(&'static str, FieldKind)],
 }
 
 /// The package of all messages but the log's.
 pub const PACKAGE: &str = "palpate";
 
-use Kind::{Bool, Bytes, Double, String, Uint32, Uint64};
+use FieldKind::{Bool, Bytes, Double, String, Uint32, Uint64};
 
 /// A frame on a sensor bus.
 pub const CAN: Schema = Schema {

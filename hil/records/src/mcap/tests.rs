@@ -1,7 +1,7 @@
 //! What is written is read again, as far as it is whole.
 
+use palpate_core::codec::can::CanFrame;
 use palpate_core::units::Instant;
-use palpate_core::wire::can::CanFrame;
 
 use super::*;
 use crate::synthetic;

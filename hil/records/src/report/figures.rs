@@ -113,7 +113,7 @@ fn felt_in_words(trace: &Trace) -> String {
                      strong enough to be felt. {}",
                     why(&trace.header.illusion)
                 );
-                if trace.ledger.limiter_events > 0 {
+                if trace.ledger.driven.limiter_events > 0 {
                     text.push_str(" What the guard took away can break it too; see the events.");
                 }
             }

@@ -201,6 +201,11 @@ fn truth(trace: &Trace, plot: &Plot, svg: &mut Svg) {
     svg.path(&line, if several { "truth-dots" } else { "truth" });
 }
 
+fn cross(out: &mut String, (x, y): (f64, f64)) {
+    let (left, top, bottom) = (x - 4.5, y - 4.5, y + 4.5);
+    let _ = write!(out, "M{left:.1} {top:.1}l9 9M{left:.1} {bottom:.1}l9 -9");
+}
+
 /// The felt path on the display: wires, where the contact was, where it is felt, where it breaks.
 pub(super) fn felt_path(trace: &Trace) -> String {
     let wires: Vec<_> = trace.header.wires.iter().map(|w| mm(w.place)).collect();
@@ -245,16 +250,7 @@ pub(super) fn felt_path(trace: &Trace) -> String {
             }
             None => {
                 felt_path.lift();
-                let (x, y) = aim;
-                let mark = if *inside { &mut crosses } else { &mut outside };
-                let _ = write!(
-                    mark,
-                    "M{:.1} {:.1}l9 9M{:.1} {:.1}l9 -9",
-                    x - 4.5,
-                    y - 4.5,
-                    x - 4.5,
-                    y + 4.5
-                );
+                cross(if *inside { &mut crosses } else { &mut outside }, aim);
             }
         }
     }

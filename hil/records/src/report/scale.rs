@@ -135,38 +135,5 @@ fn thousands(value: f64) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ticks_are_round_and_few() {
-        let texts: Vec<_> = Scale::round(0.3, 9.7)
-            .ticks(5.0)
-            .into_iter()
-            .map(|t| t.1)
-            .collect();
-        assert_eq!(texts, ["0", "2", "4", "6", "8", "10"]);
-        let texts: Vec<_> = Scale::decades(0.6, 10_000.0)
-            .ticks(8.0)
-            .into_iter()
-            .map(|t| t.1)
-            .collect();
-        assert_eq!(texts.first().map(String::as_str), Some("0.10"));
-        let texts: Vec<_> = Scale::decades(2e-12, 1e-9)
-            .ticks(8.0)
-            .into_iter()
-            .map(|t| t.1)
-            .collect();
-        assert_eq!(
-            texts,
-            [
-                "10\u{207b}\u{b9}\u{b2}",
-                "10\u{207b}\u{b9}\u{b9}",
-                "10\u{207b}\u{b9}\u{2070}",
-                "10\u{207b}\u{2079}"
-            ]
-        );
-        assert!(Scale::exact(f64::NAN, 3.0).ticks(5.0).len() > 2);
-        assert!(Scale::round(5.0, 5.0).ticks(5.0).len() > 2);
-    }
-}
+#[path = "scale_tests.rs"]
+mod tests;

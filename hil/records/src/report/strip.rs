@@ -51,7 +51,7 @@ pub(super) fn schedule(trace: &Trace, all: &[Burst], from_us: u64, to_us: u64) -
         let (mut whole, mut cut, mut asked) = (String::new(), String::new(), String::new());
         let y = base(row as f64 + 2.0);
         let mut peak = 0;
-        for b in all.iter().filter(|b| b.wire == Some(*wire)) {
+        for b in all.iter().filter(|b| b.wire() == Some(*wire)) {
             if !inside(b.from_us, b.to_us) {
                 continue;
             }

@@ -3,6 +3,7 @@
 //! Our own, because a page that follows the reader's light or dark setting needs classes where chart
 //! libraries write colours.
 
+use super::STYLE;
 use super::scale::Scale;
 use std::fmt::Write;
 
@@ -87,10 +88,17 @@ impl Svg {
         );
     }
 
-    /// The drawing as text.
+    /// The drawing as text, for a page that has the style sheet.
     pub fn finish(mut self) -> String {
         self.body.push_str("</svg>\n");
         self.body
+    }
+
+    /// The drawing as a file of its own: with the style sheet and further rules.
+    pub fn standalone(self, rules: &str) -> String {
+        let card = "svg{background:var(--card);font-family:system-ui,sans-serif}";
+        let style = format!("\n<style>{STYLE}{card}{rules}</style>\n");
+        self.finish().replacen('\n', &style, 1)
     }
 }
 
@@ -214,21 +222,5 @@ pub fn dot(out: &mut String, (x, y): (f64, f64)) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_envelope_keeps_extremes_and_breaks_at_nan() {
-        let points = [
-            (0.0, 1.0),
-            (0.2, 9.0),
-            (0.4, -5.0),
-            (0.9, 2.0),
-            (f64::NAN, 0.0),
-            (3.0, 3.0),
-        ];
-        let path = envelope(points.into_iter());
-        assert_eq!(path, "M0.0 1.0L0.2 9.0L0.4 -5.0L0.9 2.0M3.0 3.0");
-        assert_eq!(escape("<a b='c'>&\u{7}"), "&lt;a b=&#39;c&#39;&gt;&amp; ");
-    }
-}
+#[path = "svg_tests.rs"]
+mod tests;

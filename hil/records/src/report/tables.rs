@@ -4,7 +4,8 @@ use super::series::{quantile, scan_us, sorted_times};
 use super::svg::escape;
 use super::{ReportExtras, SummaryRow};
 use crate::felt::{decibels, energy_permille, felt_scores};
-use crate::fixed::{milli_u, seconds};
+use crate::figures::figures;
+use crate::fixed::{milli, milli_u, seconds};
 use crate::measure::{self, Errors};
 use crate::trace::{Event, Source, Trace};
 use crate::words;
@@ -178,43 +179,47 @@ pub(super) fn summary(page: &mut String, trace: &Trace, extras: &ReportExtras<'_
             escape(r.limit.as_deref().unwrap_or(""))
         );
     }
+    page.push_str("</table></section>\n");
+    ledger(page, trace);
+    page.push_str("</div>\n");
+}
+
+/// Totals, then the margins.
+fn ledger(page: &mut String, trace: &Trace) {
     page.push_str(
-        "</table></section>\n<section><h2>Ledger against its limits</h2><table><tr><th>spent</th>\
+        "<section><h2>Ledger against its limits</h2><table><tr><th>spent</th>\
          <th class=\"num\">value</th><th>unit</th><th class=\"num\">limit</th><th>used</th></tr>\n",
     );
-    for r in measure::ledger_rows(trace) {
-        let used = r.percent().map_or_else(String::new, |percent| {
-            let bar = percent.clamp(0, 100);
+    for f in figures(trace) {
+        let used = f.used.map_or_else(String::new, |used| {
+            let bar = (used / 1000).clamp(0, 100);
+            let percent = milli(used / 100 * 100);
+            let percent = percent.trim_end_matches('0').trim_end_matches('.');
             format!("<span class=\"meter\"><i style=\"width:{bar}%\"></i></span>{percent}\u{a0}%")
         });
-        let unit = match r.unit {
+        let unit = match f.unit.as_str() {
             "us" => "\u{b5}s",
-            "degC" => "\u{b0}C",
+            "C" => "\u{b0}C",
+            "Omega" => "\u{3a9}",
             unit => unit,
         };
-        let limit = if r.limit.is_some() {
-            r.limit_text()
-        } else {
-            String::new()
-        };
+        let limit = f.limit.map_or_else(String::new, |_| f.text(f.limit));
         let _ = writeln!(
             page,
             "<tr{}><td>{}</td><td class=\"num\">{}</td><td>{unit}</td><td class=\"num\">{limit}</td>\
              <td>{used}</td></tr>",
-            if r.over() { " class=\"over\"" } else { "" },
-            r.name,
-            r.value_text(),
+            if f.over { " class=\"over\"" } else { "" },
+            f.name,
+            f.text(f.value),
         );
     }
-    let _ = writeln!(
-        page,
-        "</table><p class=\"sub words\">Mean power is over the whole run, its limit over 60 s. {} \
-         Temperatures come from the model of wire and finger.</p></section></div>",
-        match trace.header.limits.skin_milli_c {
-            Some(_) => "Skin is modelled 0.1 mm deep.",
-            None => "Skin is modelled 0.1 mm deep; its limits stand below.",
-        }
-    );
+    let words = if trace.ledger.margins.is_empty() {
+        "Nothing measured what flowed in this run."
+    } else {
+        "Limits are held against currents that flowed and temperatures that the model of wire and finger \
+         reached. The most used up comes first; temperatures count from 33 \u{b0}C."
+    };
+    let _ = writeln!(page, "</table><p class=\"sub words\">{words}</p></section>");
 }
 
 /// Limiter events, breaks, all-off and notes in words.

@@ -52,6 +52,16 @@ fn bad_recordings_name_line_and_column() {
             "f.csv:1: column 1: expected the header `txl1_z`, found `1`",
         ),
         (
+            b"txl1_z;txl2_z\n1;2\n",
+            Some(1.0),
+            "f.csv:1: column 1: expected the header `txl1_z`, found `txl1_z;txl2_z`",
+        ),
+        (
+            b"time_us,txl1_z,txl2_z\n0,1,2\n18446744073709551615,1,2\n",
+            None,
+            "f.csv:3: column 1 (time_us): expected at most a day after the first row, 0, found `18446744073709551615`",
+        ),
+        (
             b"txl1_z\n1\n",
             Some(1.0),
             "f.csv:1: expected 2 taxel columns (2 taxels of 1 axes in layout `two`), found 1",

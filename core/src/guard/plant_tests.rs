@@ -1,0 +1,95 @@
+//! Tests of `plant.rs`.
+
+use super::*;
+
+const PLANT: Plant = Plant {
+    prescale: Prescale::new(30),
+    wire_milliohm: 1900,
+    peak: Milliamps(1970),
+};
+
+#[test]
+fn times_are_those_of_the_slowest_oscillator() {
+    // 31 / 23 MHz = 1.3478 us; 4096 of them are 5.5207 ms.
+    assert_eq!(PLANT.tick_ps(), 1_347_827);
+    assert_eq!(PLANT.period().as_micros(), 5521);
+    assert_eq!(PLANT.surplus().as_micros(), 6521);
+    assert_eq!(PLANT.latency().as_micros(), 12_042);
+}
+
+#[test]
+fn the_widest_pulse_is_never_a_period() {
+    for (ns, ticks) in [
+        (0, 0),
+        (1_347, 0),
+        (1_348, 1),
+        (200_000, 148),
+        (u64::MAX, 4095),
+    ] {
+        assert_eq!(PLANT.widest(ns), ticks, "{ns} ns");
+    }
+}
+
+#[test]
+fn energy_is_that_of_the_most_pulses_any_oscillator_fits_in() {
+    // I^2 R / 4096 of a tick's width: 7.373_710 W / 4096.
+    let watts = 7.373_71 / 4096.0;
+    // 36 ms are 6.52 slowest periods: 7 of 5.521 ms, or 8 of at most 36 / 7 ms.
+    for (span_us, on_us) in [
+        (35_000, 41_143),
+        (5_521, 11_042),
+        (4_521, 11_042),
+        (4_520, 11_040),
+        (10_100, 16_563),
+        (0, 5_521),
+    ] {
+        let exact = watts * 100.0 * f64::from(on_us) * 1e3;
+        let counted = PLANT.energy_nj(100, Duration::from_micros(span_us)) as f64;
+        assert!(
+            (counted - exact).abs() < 2.0 + 1e-6 * exact,
+            "{span_us}: {counted} {exact}"
+        );
+    }
+    assert_eq!(PLANT.energy_nj(0, Duration::from_millis(35)), 0);
+    // Full on for a quarter of an hour: beyond what one multiplication holds.
+    let long = PLANT.energy_nj(4096, Duration::from_micros(1_000_000_000)) as f64;
+    assert!((long / 7_373.71e9 - 1.0).abs() < 1e-4, "{long}");
+    assert_eq!(
+        PLANT.energy_nj(4096, Duration::from_micros(u64::MAX)),
+        u64::MAX / 4
+    );
+}
+
+/// Counted one by one over oscillators and phases.
+#[test]
+fn no_oscillator_and_no_phase_delivers_more() {
+    for span_us in (500..50_000).step_by(499) {
+        let counted = PLANT.energy_nj(4096, Duration::from_micros(span_us));
+        for hz in (23_000_000..=27_400_000).step_by(20_000) {
+            let period_us = 4096.0 * 31.0 / f64::from(hz) * 1e6;
+            let starts = libm::floor((span_us + 1000) as f64 / period_us) + 1.0;
+            let delivered = 7.373_71 * starts * period_us * 1e3;
+            assert!(delivered <= counted as f64 + 1.0, "{span_us} us at {hz} Hz");
+        }
+    }
+}
+
+#[test]
+fn implausible_plants_are_refused() {
+    for (wire_milliohm, peak, good) in [
+        (1, 1, true),
+        (1_000_000, 100_000, true),
+        (0, 1, false),
+        (1_000_001, 1, false),
+        (1, 0, false),
+        (1, 100_001, false),
+    ] {
+        let plant = Plant {
+            wire_milliohm,
+            peak: Milliamps(peak),
+            ..PLANT
+        };
+        assert_eq!(plant.check().is_ok(), good);
+    }
+    assert!(alloc::format!("{}", PlantError::OutOfRange).contains("1 to 100000 mA"));
+}

@@ -1,0 +1,269 @@
+//! The loop, and its output half, from a layout and a display: whatever is not stated has a default.
+
+use alloc::boxed::Box;
+
+use crate::contact::{Scope, Settings};
+use crate::guard::{Guard, HARD, Limits, Plant};
+use crate::illusion::{
+    Calibration, CalibrationError, Display, Drive, Illusion, Map, ModelSettings, Planned, Rect,
+    Sharing, TimingLaw, build,
+};
+use crate::schedule::Timing;
+use crate::skin::{BaselineSettings, HealthSettings, Layout, Module};
+use crate::units::Point;
+
+use super::texture::TexturePlan;
+use super::{Output, OutputSettings, Plan, PlanError, Projector, SensingPlan};
+
+/// How an [`Output`] is to be built.
+#[derive(Debug)]
+#[must_use]
+pub struct OutputBuilder {
+    display: Display,
+    plant: Plant,
+    limits: Limits,
+    timing: Option<Timing>,
+    illusion: Option<Box<dyn Illusion>>,
+    sharing: Sharing,
+    calibration: Option<Calibration>,
+    smallest_step: f32,
+    strokes: Box<[Planned]>,
+    drive: Drive,
+}
+
+impl From<Display> for OutputBuilder {
+    /// Everything by default.
+    fn from(display: Display) -> Self {
+        Self {
+            display,
+            plant: Plant::default(),
+            limits: HARD,
+            timing: None,
+            illusion: None,
+            sharing: Sharing::default(),
+            calibration: None,
+            smallest_step: 0.0,
+            strokes: Box::default(),
+            drive: Drive::default(),
+        }
+    }
+}
+
+impl Output {
+    /// An output half on a display: whatever is not stated has a default.
+    pub fn builder(display: Display) -> OutputBuilder {
+        display.into()
+    }
+}
+
+impl OutputBuilder {
+    /// The hardware behind the outputs, [`Plant::default`] unless stated: the guard counts heat with it.
+    pub const fn plant(mut self, plant: Plant) -> Self {
+        self.plant = plant;
+        self
+    }
+
+    /// Limits, [`HARD`] unless stated, which no row can loosen.
+    pub const fn limits(mut self, limits: Limits) -> Self {
+        self.limits = limits;
+        self
+    }
+
+    /// Stimulus duration and onset asynchrony; 35 ms and 58.5 ms unless stated.
+    pub const fn timing(mut self, timing: Timing) -> Self {
+        self.timing = Some(timing);
+        self
+    }
+
+    /// The law between wires; the default of [`ModelSettings`] unless stated.
+    pub fn illusion(mut self, illusion: Box<dyn Illusion>) -> Self {
+        self.illusion = Some(illusion);
+        self
+    }
+
+    /// How several contacts share wires; the strongest has them unless stated.
+    pub const fn sharing(mut self, sharing: Sharing) -> Self {
+        self.sharing = sharing;
+        self
+    }
+
+    /// What this person needs of each wire; all alike unless stated.
+    pub fn calibration(mut self, calibration: Calibration) -> Self {
+        self.calibration = Some(calibration);
+        self
+    }
+
+    /// Smallest step of a contact that is rendered, as a part of the smallest gap between wires; every step unless
+    /// stated.
+    pub const fn smallest_step(mut self, part: f32) -> Self {
+        self.smallest_step = part;
+        self
+    }
+
+    /// Strokes that are known beforehand; while one runs, live targets wait.
+    pub fn strokes(mut self, strokes: Box<[Planned]>) -> Self {
+        self.strokes = strokes;
+        self
+    }
+
+    /// Activation to duty, [`Drive::default`] unless stated.
+    pub const fn drive(mut self, drive: Drive) -> Self {
+        self.drive = drive;
+        self
+    }
+
+    /// Builds the output half; the last time that it allocates.
+    ///
+    /// # Errors
+    /// [`PlanError`] for what does not fit the display.
+    pub fn build(self) -> Result<Output, PlanError> {
+        let (display, settings, guard) = self.parts()?;
+        if settings.calibration.len() != display.wires().len() {
+            return Err(PlanError::Calibration(CalibrationError::Count));
+        }
+        Ok(Output::new(display, settings, guard))
+    }
+
+    fn parts(self) -> Result<(Display, OutputSettings, Guard), PlanError> {
+        let display = self.display;
+        let guard = Guard::new(self.limits, self.plant, display.wires())?;
+        let timing = match self.timing {
+            Some(timing) => timing,
+            None => TimingLaw::default().timing(None, None)?,
+        };
+        let illusion = match self.illusion {
+            Some(illusion) => illusion,
+            None => build(&display, &ModelSettings::default())?,
+        };
+        let even = || Calibration::even(display.wires().len());
+        let settings = OutputSettings {
+            timing,
+            illusion,
+            sharing: self.sharing,
+            calibration: self.calibration.unwrap_or_else(even),
+            smallest_step: self.smallest_step,
+            strokes: self.strokes,
+            drive: self.drive,
+            peak: self.plant.peak,
+        };
+        Ok((display, settings, guard))
+    }
+}
+
+/// How a [`Projector`] is to be built.
+#[derive(Debug)]
+#[must_use]
+pub struct Builder {
+    sensing: SensingPlan,
+    output: OutputBuilder,
+    drives: u16,
+    area: Option<Rect>,
+    texture: Option<TexturePlan>,
+}
+
+impl Projector {
+    /// A loop from a skin to a display: whatever is not stated has a default. Where the output half shall not, its own
+    /// builder stands in the place of the display.
+    pub fn builder(layout: Layout, output: impl Into<OutputBuilder>) -> Builder {
+        Builder {
+            sensing: SensingPlan {
+                layout,
+                baseline: BaselineSettings::default(),
+                compression: Settings::default(),
+                health: HealthSettings::default(),
+            },
+            output: output.into(),
+            drives: 0,
+            area: None,
+            texture: None,
+        }
+    }
+}
+
+impl Builder {
+    /// Reference, threshold and faulty taxels, [`BaselineSettings::default`] unless stated.
+    pub const fn baseline(mut self, settings: BaselineSettings) -> Self {
+        self.sensing.baseline = settings;
+        self
+    }
+
+    /// Contacts and levels, [`Settings::default`] unless stated.
+    pub fn compression(mut self, settings: Settings) -> Self {
+        self.sensing.compression = settings;
+        self
+    }
+
+    /// When a taxel counts as ill, [`HealthSettings::default`] unless stated.
+    pub const fn health(mut self, settings: HealthSettings) -> Self {
+        self.sensing.health = settings;
+        self
+    }
+
+    /// The module that drives the display; the first unless stated.
+    pub const fn drives(mut self, module: u16) -> Self {
+        self.drives = module;
+        self
+    }
+
+    /// The part of the skin that fills the display, sensor mm; [`sensor_area`] unless stated.
+    pub const fn area(mut self, area: Rect) -> Self {
+        self.area = Some(area);
+        self
+    }
+
+    /// A texture that is felt; none unless stated.
+    pub fn texture(mut self, texture: TexturePlan) -> Self {
+        self.texture = Some(texture);
+        self
+    }
+
+    /// Builds the loop; the last time that it allocates.
+    ///
+    /// # Errors
+    /// [`PlanError`] for what does not fit together.
+    pub fn build(self) -> Result<Projector, PlanError> {
+        let (display, output, guard) = self.output.parts()?;
+        let scope = self.sensing.compression.scope;
+        let whole = sensor_area(&self.sensing.layout, usize::from(self.drives), scope);
+        let map = match self.sensing.layout.modules().get(usize::from(self.drives)) {
+            Some(_) => Map::new(whole, self.area, display.bounds())?,
+            None => return Err(PlanError::NoSuchModule(self.sensing.layout.modules().len())),
+        };
+        Projector::new(Plan {
+            sensing: self.sensing,
+            drives: self.drives,
+            map,
+            display,
+            output,
+            texture: self.texture,
+            guard,
+        })
+    }
+}
+
+/// The rectangle around what drives the display, sensor mm: the driving module's taxels, or the whole skin's.
+pub fn sensor_area(layout: &Layout, drives: usize, scope: Scope) -> Rect {
+    let modules = layout.modules().iter();
+    let placed = |m: &Module, origin: Point| {
+        let shifted = |p: &Point| Point::new(p.x + origin.x, p.y + origin.y);
+        Rect::around(m.points().iter().map(shifted))
+    };
+    match scope {
+        Scope::Skin => {
+            let corners = modules.flat_map(|m| {
+                let Rect { min, max } = placed(m, m.origin());
+                [min, max]
+            });
+            Rect::around(corners)
+        }
+        Scope::Module => {
+            let driving = modules.skip(drives).take(1);
+            let points = driving.flat_map(|m| m.points().iter().copied());
+            Rect::around(points)
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "builder_tests.rs"]
+mod tests;

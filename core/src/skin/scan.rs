@@ -1,0 +1,132 @@
+//! The newest readings of the whole skin, merged from scans of its modules.
+
+use alloc::vec::Vec;
+use core::fmt;
+
+use super::layout::Layout;
+use super::source::{ModuleScan, ScanError};
+use crate::units::Instant;
+
+/// A row with another number of taxels than the layout.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WrongLength {
+    /// Taxels in the row.
+    pub got: usize,
+    /// Taxels in the layout.
+    pub expected: usize,
+}
+
+impl fmt::Display for WrongLength {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} taxels, the layout has {}", self.got, self.expected)
+    }
+}
+
+impl core::error::Error for WrongLength {}
+
+/// The newest scan of every module, taxels in the layout's running index.
+#[derive(Clone, Debug)]
+pub struct Scan {
+    at: Instant,
+    counts: Vec<[u16; 3]>,
+    seen: Vec<bool>,
+    fresh: Vec<bool>,
+}
+
+impl Scan {
+    /// An empty scan: no taxel seen yet.
+    pub fn new(layout: &Layout) -> Self {
+        let n = layout.taxels();
+        Self {
+            at: Instant::ZERO,
+            counts: alloc::vec![[0; 3]; n],
+            seen: alloc::vec![false; n],
+            fresh: alloc::vec![false; n],
+        }
+    }
+
+    /// Takes a whole frame at once (a row of a recording); every taxel is then fresh.
+    ///
+    /// # Errors
+    /// Another number of taxels; nothing has changed then.
+    pub fn load(&mut self, at: Instant, counts: &[[u16; 3]]) -> Result<(), WrongLength> {
+        if counts.len() != self.counts.len() {
+            return Err(WrongLength {
+                got: counts.len(),
+                expected: self.counts.len(),
+            });
+        }
+        self.at = at;
+        self.counts.copy_from_slice(counts);
+        self.seen.fill(true);
+        self.fresh.fill(true);
+        Ok(())
+    }
+
+    /// Takes one module's scan. The skin is as old as its newest reading.
+    ///
+    /// # Errors
+    /// A scan that is not of this layout; nothing has changed then.
+    pub fn merge(&mut self, layout: &Layout, scan: &ModuleScan<'_>) -> Result<(), ScanError> {
+        let (module, modules) = (scan.module, layout.modules().len());
+        if usize::from(module) >= modules {
+            return Err(ScanError::NoSuchModule { module, modules });
+        }
+        let range = layout.range(usize::from(module));
+        let expected = range.len();
+        let flags = scan.fresh.map_or(expected, <[bool]>::len);
+        if let Some(got) = [scan.counts.len(), flags]
+            .into_iter()
+            .find(|n| *n != expected)
+        {
+            return Err(ScanError::Taxels {
+                module,
+                got,
+                expected,
+            });
+        }
+        let counts = &mut self.counts[range.clone()];
+        let (seen, fresh) = (&mut self.seen[range.clone()], &mut self.fresh[range]);
+        // Mostly everything is there: one copy then, without a branch per taxel.
+        let partial = scan
+            .fresh
+            .filter(|f| !f.iter().fold(true, |all, fresh| all & fresh));
+        match partial {
+            None => {
+                counts.copy_from_slice(scan.counts);
+                seen.fill(true);
+                fresh.fill(true);
+            }
+            Some(flags) => {
+                fresh.copy_from_slice(flags);
+                for (i, _) in flags.iter().enumerate().filter(|(_, fresh)| **fresh) {
+                    counts[i] = scan.counts[i];
+                    seen[i] = true;
+                }
+            }
+        }
+        self.at = self.at.max(scan.at);
+        Ok(())
+    }
+
+    /// When the newest reading in it was received.
+    pub fn at(&self) -> Instant {
+        self.at
+    }
+    /// Raw counts x, y, z per taxel; zero where never seen.
+    pub fn counts(&self) -> &[[u16; 3]] {
+        &self.counts
+    }
+    /// Whether a taxel was ever received.
+    pub fn seen(&self) -> &[bool] {
+        &self.seen
+    }
+    /// Whether a taxel was received in its module's newest scan.
+    pub fn fresh(&self) -> &[bool] {
+        &self.fresh
+    }
+}
+
+#[cfg(test)]
+#[path = "scan_tests.rs"]
+mod tests;

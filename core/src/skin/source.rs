@@ -1,0 +1,104 @@
+//! The door of the skin: scans of modules, from any sensor with any layout.
+//!
+//! Health is the projector's, since it serves every skin. What belongs to one kind of sensor (frames that are lost,
+//! boards that wait for a command) stays behind the door, as in [`super::uskin`].
+
+use core::convert::Infallible;
+use core::fmt;
+
+use crate::units::Instant;
+
+/// One module's readings of one scan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ModuleScan<'a> {
+    /// Module, zero-based, in the order of the layout.
+    pub module: u16,
+    /// When the newest of the readings was received.
+    pub at: Instant,
+    /// Raw counts x, y, z of each of the module's taxels, active or not; a one-axis skin uses z.
+    pub counts: &'a [[u16; 3]],
+    /// Which taxels were read, one flag per taxel; the others keep their last counts. `None` where all were.
+    pub fresh: Option<&'a [bool]>,
+}
+
+impl<'a> ModuleScan<'a> {
+    /// A scan in which every taxel was read.
+    pub const fn whole(module: u16, at: Instant, counts: &'a [[u16; 3]]) -> Self {
+        Self {
+            module,
+            at,
+            counts,
+            fresh: None,
+        }
+    }
+}
+
+/// A skin, as the loop reads it.
+pub trait SkinSource {
+    /// What can go wrong. The loop switches everything off for it.
+    type Error: fmt::Debug;
+
+    /// Hands every scan that was complete by `now` to `take`, the oldest first. Never waits.
+    ///
+    /// # Errors
+    /// The sensor's own; scans that were handed on before it count.
+    fn scans(
+        &mut self,
+        now: Instant,
+        take: &mut impl FnMut(&ModuleScan<'_>),
+    ) -> Result<(), Self::Error>;
+}
+
+/// A skin of which nothing comes, for readings that are pushed.
+impl SkinSource for () {
+    type Error = Infallible;
+
+    fn scans(
+        &mut self,
+        _now: Instant,
+        _take: &mut impl FnMut(&ModuleScan<'_>),
+    ) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+/// A scan that is not of this layout.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ScanError {
+    /// The layout has fewer modules.
+    NoSuchModule {
+        /// The scan's module, zero-based.
+        module: u16,
+        /// How many the layout has.
+        modules: usize,
+    },
+    /// The module has another number of taxels.
+    Taxels {
+        /// The scan's module, zero-based.
+        module: u16,
+        /// How many counts, or flags, the scan has.
+        got: usize,
+        /// How many taxels the module has.
+        expected: usize,
+    },
+}
+
+impl fmt::Display for ScanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSuchModule { module, modules } => {
+                write!(f, "expected a module below {modules}, found {module}")
+            }
+            Self::Taxels {
+                module,
+                got,
+                expected,
+            } => write!(
+                f,
+                "module {module}: expected {expected} taxels, found {got}"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for ScanError {}

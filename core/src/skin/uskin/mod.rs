@@ -1,0 +1,162 @@
+//! uSkin modules over CAN as a [`SkinSource`]: frames in, scans out; boards are started and stopped here.
+//!
+//! Who sends what is worked out beforehand, so that a frame off the bus costs one look.
+
+mod assembler;
+mod routes;
+
+use alloc::boxed::Box;
+
+use super::layout::{Address, Layout};
+use super::source::{ModuleScan, SkinSource};
+use crate::bus::{CanBus, Received};
+use crate::codec::uskin::{Command, Raw, Reading};
+use crate::units::{Duration, Instant};
+
+use assembler::{ScanAssembler, TaxelReading};
+use routes::Routes;
+
+/// The silence that ends a scan, unless stated otherwise.
+pub const SCAN_GAP: Duration = Duration::from_millis(4);
+
+/// The modules of a layout that boards on a CAN bus read.
+#[derive(Debug)]
+pub struct UskinCan<B> {
+    bus: B,
+    routes: Routes,
+    assembler: ScanAssembler,
+    /// The board of each module, if it has one.
+    addresses: Box<[Option<Address>]>,
+    foreign: u64,
+}
+
+impl<B: CanBus> UskinCan<B> {
+    /// The modules of a layout that have an address and can be wired to a board, on this bus.
+    pub fn new(layout: &Layout, bus: B) -> Self {
+        let modules = || layout.modules().iter();
+        let numbered = modules().enumerate().filter_map(|(index, m)| {
+            Some((index as u16, m.address()?, m.wiring()?)) // at most 4096 modules
+        });
+        let senders: Box<[_]> = numbered.collect();
+        Self {
+            bus,
+            routes: Routes::new(&senders),
+            assembler: ScanAssembler::new(layout, SCAN_GAP),
+            addresses: modules().map(|m| m.address()).collect(),
+            foreign: 0,
+        }
+    }
+
+    /// With another silence that ends a scan: longer than between two frames of one, shorter than between two scans.
+    #[must_use]
+    pub const fn with_gap(mut self, gap: Duration) -> Self {
+        self.assembler.set_gap(gap);
+        self
+    }
+
+    /// The bus.
+    pub const fn bus(&self) -> &B {
+        &self.bus
+    }
+
+    /// The bus, to look at what else is on it.
+    pub const fn bus_mut(&mut self) -> &mut B {
+        &mut self.bus
+    }
+
+    /// Tells a module's board to send. A module without a board, or that does not exist, is told nothing.
+    ///
+    /// # Errors
+    /// The bus's own: a full queue, a controller that is bus-off.
+    pub fn start(&mut self, module: usize) -> Result<(), B::Error> {
+        self.command(module, true)
+    }
+
+    /// Tells every board to send, also those behind one that could not be reached.
+    ///
+    /// # Errors
+    /// The bus's first.
+    pub fn start_all(&mut self) -> Result<(), B::Error> {
+        self.command_all(true)
+    }
+
+    /// Tells every board to be silent, also those behind one that could not be reached.
+    ///
+    /// # Errors
+    /// The bus's first.
+    pub fn stop_all(&mut self) -> Result<(), B::Error> {
+        self.command_all(false)
+    }
+
+    fn command_all(&mut self, start: bool) -> Result<(), B::Error> {
+        let mut told = Ok(());
+        for module in 0..self.addresses.len() {
+            let this = self.command(module, start);
+            told = told.and(this);
+        }
+        told
+    }
+
+    fn command(&mut self, module: usize, start: bool) -> Result<(), B::Error> {
+        let Some(Address { bus, board }) = self.addresses.get(module).copied().flatten() else {
+            return Ok(());
+        };
+        // A layout has no board over 15, so there is always a frame.
+        match (Command { board, start }).encode() {
+            Some(frame) => self.bus.transmit(bus, &frame),
+            None => Ok(()),
+        }
+    }
+
+    /// Frames that were no readings of this layout.
+    pub const fn foreign(&self) -> u64 {
+        self.foreign
+    }
+
+    /// Readings missing from the scans so far; scans of which nothing came are not known of.
+    pub const fn lost(&self) -> u64 {
+        self.assembler.lost()
+    }
+
+    /// Readings missing from one module's scans so far.
+    pub fn lost_of(&self, module: usize) -> u64 {
+        self.assembler.lost_of(module)
+    }
+
+    /// Takes one frame off the bus; `None` for what is no reading of this layout.
+    #[inline]
+    fn take(&mut self, received: &Received, done: &mut impl FnMut(&ModuleScan<'_>)) -> Option<()> {
+        // Commands are shorter than data; nothing else tells them apart.
+        let Reading { x, y, z } = Raw::new(received.frame.data())?.reading();
+        let route = self.routes.find(received.bus, received.frame.id())?;
+        let reading = TaxelReading {
+            module: route.module,
+            taxel: route.taxel,
+            order: route.order,
+            counts: [x, y, z],
+            at: received.at,
+        };
+        self.assembler.push(&reading, done)
+    }
+}
+
+impl<B: CanBus> SkinSource for UskinCan<B> {
+    type Error = B::Error;
+
+    fn scans(
+        &mut self,
+        now: Instant,
+        take: &mut impl FnMut(&ModuleScan<'_>),
+    ) -> Result<(), B::Error> {
+        while let Some(received) = self.bus.receive()? {
+            if self.take(&received, take).is_none() {
+                self.foreign = self.foreign.saturating_add(1);
+            }
+        }
+        self.assembler.flush(now, take);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,140 @@
+//! Current amplifiers: a pin in, the current that a wire is to get out. [`supply`] says what it truly gets.
+
+pub mod supply;
+
+use palpate_core::codec::pca9685::CHANNELS;
+use palpate_core::units::{Channel, Milliamps};
+
+use crate::display::pca9685::{Edge, Pin};
+use crate::time::Nanos;
+
+/// What the amplifiers of a bench are like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AmplifierConfig {
+    /// Current of a wire that is on, while the supply has it.
+    pub current: Milliamps,
+    /// From no current to all of it, and back; linear.
+    pub rise: Nanos,
+    /// Resistance of a transistor that is on, in series with its wire, Ohm.
+    pub on_ohm: f64,
+}
+
+/// A defect of one output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum AmplifierFault {
+    /// The transistor conducts whatever the pin says.
+    StuckOn,
+    /// The wire or its plug is broken: no current.
+    OpenWire,
+}
+
+/// A change of the current that a wire is to get.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Current {
+    /// When.
+    pub at: Nanos,
+    /// Which wire.
+    pub channel: Channel,
+    /// The current from then on, if the supply has it.
+    pub current: Milliamps,
+}
+
+/// When an edge of the pin takes effect behind an amplifier whose current rises and falls linearly in
+/// `rise`. The ramp is told as the one instant that puts the same energy into the wire: two thirds of it on the
+/// way up, where the square of the current is small at first, one third on the way down. A pulse shorter
+/// than a third of the rise gives nothing.
+pub fn takes_effect(edge: &Edge, rise: Nanos) -> Nanos {
+    let part = if edge.pin == Pin::High { 2 } else { 1 };
+    edge.at + Nanos(rise.0 * part / 3)
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Output {
+    pin: Pin,
+    fault: Option<AmplifierFault>,
+}
+
+impl Output {
+    fn conducts(&self) -> bool {
+        match self.fault {
+            Some(AmplifierFault::StuckOn) => true,
+            Some(AmplifierFault::OpenWire) => false,
+            None => self.pin == Pin::High,
+        }
+    }
+}
+
+/// The amplifiers behind one chip.
+#[derive(Clone, Debug)]
+pub struct Amplifier {
+    peak: Milliamps,
+    outputs: [Output; CHANNELS as usize],
+}
+
+impl Amplifier {
+    /// Sixteen outputs that give `peak` while their pin is high. Inputs are pulled down: a chip that lets go of one
+    /// switches it off, as on any board for hot wires.
+    pub fn new(peak: Milliamps) -> Self {
+        let output = Output {
+            pin: Pin::Low,
+            fault: None,
+        };
+        Self {
+            peak,
+            outputs: [output; CHANNELS as usize],
+        }
+    }
+
+    /// Breaks or repairs one output.
+    pub fn set_fault(
+        &mut self,
+        at: Nanos,
+        channel: Channel,
+        fault: Option<AmplifierFault>,
+    ) -> Option<Current> {
+        self.change(at, channel, |output| output.fault = fault)
+    }
+
+    /// Takes an edge of the chip; returns the change of current, if there is one.
+    pub fn edge(&mut self, edge: Edge) -> Option<Current> {
+        self.change(edge.at, edge.channel, |output| output.pin = edge.pin)
+    }
+
+    /// The current through one wire now.
+    pub fn current(&self, channel: Channel) -> Milliamps {
+        let output = self.outputs.get(usize::from(channel.0));
+        output.map_or(Milliamps(0), |output| self.flows(output))
+    }
+
+    /// What all outputs of this board are to give now.
+    pub fn sum(&self) -> Milliamps {
+        Milliamps((self.outputs.iter()).fold(0, |sum, o| sum.saturating_add(self.flows(o).0)))
+    }
+
+    fn change(
+        &mut self,
+        at: Nanos,
+        channel: Channel,
+        work: impl FnOnce(&mut Output),
+    ) -> Option<Current> {
+        let was = self.current(channel);
+        work(self.outputs.get_mut(usize::from(channel.0))?);
+        let current = self.current(channel);
+        (current != was).then_some(Current {
+            at,
+            channel,
+            current,
+        })
+    }
+
+    fn flows(&self, output: &Output) -> Milliamps {
+        if output.conducts() {
+            self.peak
+        } else {
+            Milliamps(0)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

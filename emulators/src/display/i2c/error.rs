@@ -1,0 +1,67 @@
+//! What can go wrong on the bus: Linux's names for it, and embedded-hal's.
+
+use embedded_hal::i2c::{Error as I2cError, ErrorKind, NoAcknowledgeSource};
+
+/// A failed transaction, as the Linux I2C subsystem tells it (`Documentation/i2c/fault-codes.rst`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Error {
+    /// Nobody acknowledged the address (ENXIO).
+    AddressNack,
+    /// A data byte was not acknowledged (EREMOTEIO).
+    DataNack,
+    /// Another controller won the bus (EAGAIN).
+    ArbitrationLost,
+    /// Somebody held SCL low for longer than the adapter waits (ETIMEDOUT).
+    Timeout,
+    /// SDA or SCL is stuck low (EBUSY).
+    BusBusy,
+    /// The adapter failed (EIO).
+    Io,
+    /// The adapter cannot do this kind of transaction (EOPNOTSUPP).
+    Unsupported,
+}
+
+impl Error {
+    /// The Linux error number.
+    pub const fn errno(self) -> i32 {
+        match self {
+            Self::AddressNack => 6,
+            Self::DataNack => 121,
+            Self::ArbitrationLost => 11,
+            Self::Timeout => 110,
+            Self::BusBusy => 16,
+            Self::Io => 5,
+            Self::Unsupported => 95,
+        }
+    }
+}
+
+impl I2cError for Error {
+    /// As linux-embedded-hal maps the numbers, except that EREMOTEIO, which it calls `Other`, is what it is:
+    /// a data byte without acknowledge.
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::AddressNack => ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address),
+            Self::DataNack => ErrorKind::NoAcknowledge(NoAcknowledgeSource::Data),
+            Self::ArbitrationLost => ErrorKind::ArbitrationLoss,
+            Self::BusBusy | Self::Io => ErrorKind::Bus,
+            Self::Timeout | Self::Unsupported => ErrorKind::Other,
+        }
+    }
+}
+
+impl std::fmt::Display for Error {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::AddressNack => "no device acknowledged the address (ENXIO)",
+            Self::DataNack => "a data byte was not acknowledged (EREMOTEIO)",
+            Self::ArbitrationLost => "arbitration lost to another controller (EAGAIN)",
+            Self::Timeout => "clock held low for too long (ETIMEDOUT)",
+            Self::BusBusy => "a bus line is stuck low (EBUSY)",
+            Self::Io => "the adapter failed (EIO)",
+            Self::Unsupported => "the adapter cannot do this transaction (EOPNOTSUPP)",
+        })
+    }
+}
+
+impl std::error::Error for Error {}

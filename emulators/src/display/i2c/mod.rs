@@ -1,0 +1,365 @@
+//! An I2C segment: several PCA9685 on one pair of wires, one bus clock, virtual time.
+//!
+//! A transaction starts at [`I2cSegment::now`] and takes a bit time each for START, repeated START and STOP and
+//! nine for a byte. Every byte reaches the chips at the instant of its ACK and the STOP at its end, so what
+//! a torn or slow update does to a wire is seen where it happens. The bus-free time between a STOP and the
+//! next START is not charged: it is what the controller makes of it.
+//!
+//! The owner of time moves the segment with [`I2cSegment::set_now`]; [`I2cHandle`] is the `embedded_hal` face.
+//! [`fault::I2cFault`] stands in front of either.
+
+mod error;
+pub mod fault;
+mod handle;
+
+use std::collections::VecDeque;
+
+use embedded_hal::i2c::Operation;
+
+use crate::display::pca9685::{Edge, Pca9685};
+use crate::time::Nanos;
+pub use error::Error;
+pub use handle::{I2cHandle, immediate};
+
+/// The bus clock.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BusClock {
+    /// Standard mode, 100 kbit/s.
+    Standard,
+    /// Fast mode, 400 kbit/s.
+    #[default]
+    Fast,
+    /// Fast mode plus, 1 Mbit/s: the PCA9685's fastest.
+    FastPlus,
+}
+
+impl BusClock {
+    /// Length of a bit.
+    pub const fn bit(self) -> Nanos {
+        Nanos(match self {
+            Self::Standard => 10_000,
+            Self::Fast => 2_500,
+            Self::FastPlus => 1_000,
+        })
+    }
+
+    /// Length of a transaction with one message of `bytes` bytes after the address.
+    pub const fn write_time(self, bytes: u64) -> Nanos {
+        Nanos(self.bit().0.saturating_mul(2 + 9 * (1 + bytes)))
+    }
+}
+
+/// What the adapter makes of neighbouring operations in the same direction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Adjacent {
+    /// One message without a START between, as embedded-hal wants it (I2C_M_NOSTART).
+    #[default]
+    Merge,
+    /// A message each with a repeated START between, which is what linux-embedded-hal's traffic looks like:
+    /// the first byte of the second message is a control byte to the chip.
+    RepeatedStart,
+    /// EOPNOTSUPP: the adapter lacks I2C_M_NOSTART and its driver says so.
+    Refuse,
+}
+
+/// One message of a recorded transaction.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct I2cMessage {
+    /// The 7-bit address.
+    pub address: u8,
+    /// Direction: from the chip.
+    pub read: bool,
+    /// Data bytes that crossed the bus, without the address; the last one may have been refused.
+    pub bytes: Vec<u8>,
+}
+
+/// A recorded transaction.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Transaction {
+    /// START.
+    pub start: Nanos,
+    /// End of the STOP.
+    pub end: Nanos,
+    /// What crossed the bus.
+    pub messages: Vec<I2cMessage>,
+    /// What became of it.
+    pub result: Result<(), Error>,
+}
+
+/// Longest clock stretch that the adapter bears per byte: 25 ms, as SMBus has it.
+const STRETCH_LIMIT: Nanos = Nanos::from_micros(25_000);
+
+/// Several chips on one bus.
+#[derive(Debug)]
+pub struct I2cSegment {
+    clock: BusClock,
+    adjacent: Adjacent,
+    now: Nanos,
+    chips: Vec<Pca9685>,
+    /// Chips that took part since the last STOP.
+    involved: Vec<bool>,
+    /// SCL is held low for so long before the next byte.
+    held: Nanos,
+    log: VecDeque<Transaction>,
+    log_capacity: usize,
+    transactions: u64,
+    busy: Nanos,
+}
+
+impl I2cSegment {
+    /// A bus at `clock` with these chips; no log.
+    pub fn new(clock: BusClock, chips: Vec<Pca9685>) -> Self {
+        Self {
+            clock,
+            adjacent: Adjacent::default(),
+            now: Nanos::ZERO,
+            involved: vec![false; chips.len()],
+            chips,
+            held: Nanos::ZERO,
+            log: VecDeque::new(),
+            log_capacity: 0,
+            transactions: 0,
+            busy: Nanos::ZERO,
+        }
+    }
+
+    /// How the adapter treats neighbouring operations in the same direction.
+    pub fn with_adjacent(mut self, adjacent: Adjacent) -> Self {
+        self.adjacent = adjacent;
+        self
+    }
+
+    /// From now on keeps the last `capacity` transactions for [`I2cSegment::take_log`].
+    pub const fn keep_log(&mut self, capacity: usize) {
+        self.log_capacity = capacity;
+    }
+
+    /// Keeps the last `capacity` transactions for [`I2cSegment::take_log`].
+    pub fn with_log(mut self, capacity: usize) -> Self {
+        self.keep_log(capacity);
+        self
+    }
+
+    /// When the next transaction starts: never before the last one's end.
+    pub const fn now(&self) -> Nanos {
+        self.now
+    }
+
+    /// Moves time forward; a time in the past changes nothing.
+    pub fn set_now(&mut self, now: Nanos) {
+        self.now = self.now.max(now);
+    }
+
+    /// The bus clock.
+    pub const fn clock(&self) -> BusClock {
+        self.clock
+    }
+
+    /// The chips, for their physical face. Hand them times up to [`I2cSegment::now`].
+    pub fn chips(&self) -> &[Pca9685] {
+        &self.chips
+    }
+
+    /// Lets time pass until `to` and hands `sink` every edge of an output since the last call, with the number of its
+    /// chip: chip by chip, each in order of time.
+    pub fn advance(&mut self, to: Nanos, sink: &mut impl FnMut(usize, Edge)) {
+        self.set_now(to);
+        for (number, chip) in self.chips.iter_mut().enumerate() {
+            // A transaction may have carried a chip beyond `to`.
+            let until = to.max(chip.now());
+            chip.advance(until, &mut |edge| sink(number, edge));
+        }
+    }
+
+    /// The chips, to touch them.
+    pub fn chips_mut(&mut self) -> &mut [Pca9685] {
+        &mut self.chips
+    }
+
+    /// Somebody holds SCL low for `span` before the next byte is through.
+    pub fn hold_clock(&mut self, span: Nanos) {
+        self.held = self.held + span;
+    }
+
+    /// Transactions so far, failed ones too.
+    pub const fn transactions(&self) -> u64 {
+        self.transactions
+    }
+
+    /// Time during which the bus was taken.
+    pub const fn busy(&self) -> Nanos {
+        self.busy
+    }
+
+    /// The recorded transactions since the last call, oldest first.
+    pub fn take_log(&mut self) -> Vec<Transaction> {
+        self.log.drain(..).collect()
+    }
+
+    /// One transaction with one address, from START to STOP. On an error the adapter sends STOP at once:
+    /// bytes already acknowledged have had their effect.
+    pub fn transaction(
+        &mut self,
+        address: u8,
+        operations: &mut [Operation<'_>],
+    ) -> Result<(), Error> {
+        if self.adjacent == Adjacent::Refuse && has_neighbours(operations) {
+            return Err(Error::Unsupported);
+        }
+        let merge = self.adjacent == Adjacent::Merge;
+        let mut before = None;
+        self.whole(operations.iter_mut().map(|operation| {
+            let read = matches!(operation, Operation::Read(_));
+            let start = !(merge && before == Some(read));
+            before = Some(read);
+            (start.then_some(address), operation)
+        }))
+    }
+
+    /// Messages to any addresses with a repeated START between and one STOP at the end, as Linux's I2C_RDWR
+    /// sends them: boards prepared so change together.
+    pub fn transfer(&mut self, messages: &mut [(u8, Operation<'_>)]) -> Result<(), Error> {
+        self.whole(messages.iter_mut().map(|(address, o)| (Some(*address), o)))
+    }
+
+    /// Operations, with the address where a START comes before one.
+    fn whole<'a, 'b: 'a>(
+        &mut self,
+        mut operations: impl ExactSizeIterator<Item = (Option<u8>, &'a mut Operation<'b>)>,
+    ) -> Result<(), Error> {
+        if operations.len() == 0 {
+            return Ok(()); // embedded-hal: nothing on the bus
+        }
+        let start = self.now;
+        let mut messages = Vec::new();
+        let result = operations.try_for_each(|(address, operation)| {
+            if let Some(address) = address {
+                let read = matches!(operation, Operation::Read(_));
+                messages.push(I2cMessage {
+                    address,
+                    read,
+                    bytes: Vec::new(),
+                });
+                self.start(address, read)?;
+            }
+            self.operation(operation, &mut messages)
+        });
+        self.stop();
+        self.transactions += 1;
+        self.busy = self.busy + self.now.since(start);
+        if self.log_capacity > 0 {
+            if self.log.len() >= self.log_capacity {
+                self.log.pop_front();
+            }
+            self.log.push_back(Transaction {
+                start,
+                end: self.now,
+                messages,
+                result,
+            });
+        }
+        result
+    }
+
+    fn operation(
+        &mut self,
+        operation: &mut Operation<'_>,
+        log: &mut [I2cMessage],
+    ) -> Result<(), Error> {
+        match operation {
+            Operation::Read(buffer) => {
+                for slot in buffer.iter_mut() {
+                    *slot = self.read_byte()?;
+                    record(log, *slot);
+                }
+            }
+            Operation::Write(bytes) => {
+                for &byte in *bytes {
+                    record(log, byte);
+                    self.write_byte(byte)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A START bit and the address byte.
+    fn start(&mut self, address: u8, read: bool) -> Result<(), Error> {
+        self.tick(1);
+        self.byte()?;
+        let mut acknowledged = false;
+        for (chip, involved) in self.chips.iter_mut().zip(&mut self.involved) {
+            // A chip that is not meant still sees the START, which calls off its software reset.
+            if *involved || chip.answers(address, read) {
+                *involved = true;
+                acknowledged |= chip.start(self.now, address, read);
+            }
+        }
+        if acknowledged {
+            Ok(())
+        } else {
+            Err(Error::AddressNack)
+        }
+    }
+
+    fn write_byte(&mut self, byte: u8) -> Result<(), Error> {
+        self.byte()?;
+        let mut acknowledged = false;
+        for (chip, _) in self.chips.iter_mut().zip(&self.involved).filter(|c| *c.1) {
+            acknowledged |= chip.write(self.now, byte);
+        }
+        if acknowledged {
+            Ok(())
+        } else {
+            Err(Error::DataNack)
+        }
+    }
+
+    /// Reads are a wired AND of all chips that were addressed.
+    fn read_byte(&mut self) -> Result<u8, Error> {
+        self.byte()?;
+        let mut byte = 0xFF;
+        for (chip, _) in self.chips.iter_mut().zip(&self.involved).filter(|c| *c.1) {
+            byte &= chip.read(self.now);
+        }
+        Ok(byte)
+    }
+
+    fn stop(&mut self) {
+        self.tick(1);
+        for (chip, involved) in self.chips.iter_mut().zip(&mut self.involved) {
+            if std::mem::take(involved) {
+                chip.stop(self.now);
+            }
+        }
+    }
+
+    /// The time of eight bits and an acknowledge, and of whoever holds the clock.
+    fn byte(&mut self) -> Result<(), Error> {
+        let held = std::mem::take(&mut self.held);
+        if held > STRETCH_LIMIT {
+            self.now = self.now + STRETCH_LIMIT;
+            return Err(Error::Timeout);
+        }
+        self.now = self.now + held;
+        self.tick(9);
+        Ok(())
+    }
+
+    fn tick(&mut self, bits: u64) {
+        self.now = self.now + Nanos(self.clock.bit().0 * bits);
+    }
+}
+
+fn record(log: &mut [I2cMessage], byte: u8) {
+    if let Some(message) = log.last_mut() {
+        message.bytes.push(byte);
+    }
+}
+
+fn has_neighbours(operations: &[Operation<'_>]) -> bool {
+    let is_read = |o: &Operation<'_>| matches!(o, Operation::Read(_));
+    operations
+        .windows(2)
+        .any(|w| is_read(&w[0]) == is_read(&w[1]))
+}

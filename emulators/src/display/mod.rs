@@ -1,0 +1,11 @@
+//! The display end: I2C segment, PWM chips, amplifiers, supply, wires and the finger that they warm.
+
+pub mod amplifier;
+pub mod finger;
+pub mod i2c;
+pub mod pca9685;
+pub mod solver;
+pub mod wire;
+
+#[cfg(test)]
+mod thermal_tests;

@@ -1,0 +1,340 @@
+//! Edge to edge without truncation error: modes, events, memory of hysteresis.
+
+mod step;
+
+use std::sync::Arc;
+
+use super::WireDrive;
+use super::lanes::dot;
+use super::maxima::Maxima;
+use super::modal::{Mode, ModeKey};
+use super::propagators::Propagators;
+use crate::display::finger::dose::Dose;
+use crate::display::finger::{NODES, Network};
+use crate::display::solver::phase::{Branch, Heading, Phase};
+use crate::display::solver::record::{Energy, Peaks};
+use crate::time::Nanos;
+use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
+use palpate_core::vector::{Scalar, Vectors};
+use step::Run;
+
+/// Regimes kept per wire beyond the three of plain play; the oldest is dropped.
+const MODES: usize = 96;
+
+/// The exact solver. Cloning one copies its state and caches.
+#[derive(Clone, Debug)]
+pub struct Exact {
+    pub(super) wire: Arc<WireParameters>,
+    pub(super) network: Arc<Network>,
+    pub(super) phase: Phase,
+    pub(super) heading: Heading,
+    pub(super) modes: Vec<Mode>,
+    pub(super) mode: usize,
+    oldest: usize,
+    pub(super) propagators: Propagators,
+    pub(super) z: [f64; NODES],
+    /// What `z` is at the places that are looked at.
+    pub(super) watched: Watched,
+    vectors: Vectors,
+    pub(super) now: Nanos,
+    pub(super) drive: WireDrive,
+    /// Hottest the wire has been: since the start, and since a window was opened.
+    pub(super) hottest: (f64, f64),
+    /// The tissue at 0.1 and 0.4 mm.
+    pub(super) shallow: Maxima,
+    pub(super) deep: Maxima,
+    pub(super) energy: Energy,
+    /// Burn integrals of the tissue at 0.1 mm, where they are wanted.
+    pub dose: Option<Dose>,
+}
+
+/// Temperatures above the body's at the time computed up to, K.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Watched {
+    pub(super) wire: f64,
+    /// The tissue at 0.1 mm.
+    pub(super) shallow: f64,
+    /// The tissue at 0.4 mm.
+    pub(super) deep: f64,
+}
+
+/// Heat into the wire as a function of its temperature above the body's: `power + feedback u`.
+pub(super) struct Heat {
+    pub(super) power: f64,
+    pub(super) feedback: f64,
+}
+
+impl Exact {
+    /// A wire and its tissue, all at `start_c`, wire martensite unless that is hot.
+    ///
+    /// # Errors
+    /// A parameter that cannot be computed with.
+    pub fn new(
+        wire: &WireParameters,
+        tissue: &TissueParameters,
+        start_c: f64,
+    ) -> Result<Self, ParameterError> {
+        if !start_c.is_finite() {
+            return Err(ParameterError { name: "start_c" });
+        }
+        let network = Network::new(wire, tissue)?;
+        let phase = Phase::new(wire, start_c)?;
+        let resting = Mode::new(
+            &network,
+            0.0,
+            ModeKey {
+                phase_slope: 0.0,
+                feedback: 0.0,
+            },
+        );
+        let z = resting.project(&[start_c - network.body_c; NODES]);
+        let mut solver = Self {
+            wire: Arc::new(*wire),
+            network: Arc::new(network),
+            phase,
+            heading: Heading::Up,
+            modes: vec![resting],
+            mode: 0,
+            oldest: 1,
+            propagators: Propagators::default(),
+            z,
+            watched: Watched::default(),
+            vectors: Vectors::widest(),
+            now: Nanos::ZERO,
+            drive: WireDrive::Off,
+            hottest: (start_c, start_c),
+            shallow: Maxima::new(start_c),
+            deep: Maxima::new(start_c),
+            energy: Energy::default(),
+            dose: None,
+        };
+        solver.watch();
+        solver.face();
+        Ok(solver)
+    }
+
+    /// The same, stepped with these vectors.
+    #[cfg(test)]
+    pub(crate) fn with_vectors(&self, vectors: Vectors) -> Self {
+        Self {
+            vectors,
+            ..self.clone()
+        }
+    }
+
+    /// The time computed up to.
+    pub const fn now(&self) -> Nanos {
+        self.now
+    }
+
+    /// What the wire is driven with.
+    pub const fn driven(&self) -> WireDrive {
+        self.drive
+    }
+
+    /// The wire's parameters.
+    pub fn wire(&self) -> &WireParameters {
+        &self.wire
+    }
+
+    /// The network under it.
+    pub fn network(&self) -> &Network {
+        &self.network
+    }
+
+    /// The wire's temperature at the time computed up to, degrees C.
+    pub fn wire_c(&self) -> f64 {
+        self.network.body_c + self.watched.wire
+    }
+
+    /// Looks at the coordinates anew, after a change of them or of what they mean.
+    pub(super) fn watch(&mut self) {
+        let mode = &self.modes[self.mode];
+        self.watched = Watched {
+            wire: dot(Scalar, &mode.gain, &self.z),
+            shallow: dot(Scalar, &mode.shallow, &self.z),
+            deep: dot(Scalar, &mode.deep, &self.z),
+        };
+    }
+
+    /// Martensite fraction at `wire_c`, the wire's temperature at the time computed up to.
+    pub(crate) fn fraction_at(&self, wire_c: f64) -> f64 {
+        self.phase.fraction(wire_c)
+    }
+
+    /// The tissue at 0.1 and 0.4 mm at the time computed up to, degrees C.
+    pub fn tissue_c(&self) -> (f64, f64) {
+        let base = self.network.body_c;
+        (base + self.watched.shallow, base + self.watched.deep)
+    }
+
+    /// Maxima over continuous time since the start.
+    pub fn peaks(&mut self) -> Peaks {
+        Peaks {
+            wire_c: self.hottest.0,
+            shallow_c: self.shallow.settle().0,
+            deep_c: self.deep.settle().0,
+        }
+    }
+
+    /// Maxima since the last call of this, or the start; begins a new window at the time computed up to.
+    pub fn window_peaks(&mut self) -> Peaks {
+        let peaks = Peaks {
+            wire_c: self.hottest.1,
+            shallow_c: self.shallow.settle().1,
+            deep_c: self.deep.settle().1,
+        };
+        let (shallow_c, deep_c) = self.tissue_c();
+        self.hottest.1 = self.wire_c();
+        self.shallow.open(shallow_c);
+        self.deep.open(deep_c);
+        peaks
+    }
+
+    /// Energy delivered so far: between the terminals, and into the wire, J.
+    pub const fn delivered(&self) -> (f64, f64) {
+        (self.energy.electrical_j, self.energy.wire_j)
+    }
+
+    /// Where the heat went.
+    pub fn energy(&self) -> Energy {
+        let nodes = self.nodes();
+        let mut stored = 0.0;
+        for (t, c) in nodes.iter().zip(&self.network.capacity) {
+            stored += c * (t - self.network.body_c);
+        }
+        let latent = self.wire.mass() * self.wire.latent_heat * (1.0 - self.fraction());
+        Energy {
+            stored_j: stored,
+            latent_j: latent,
+            ..self.energy
+        }
+    }
+
+    /// Resistance between the terminals now, Ohm, and its change with temperature within `branch`.
+    fn resistance(&self, t: f64, branch: &Branch) -> (f64, f64) {
+        let w = &*self.wire;
+        let nominal = w.resistance_ohm * w.wire_share;
+        let mut relative = 1.0 + (w.austenite_ratio - 1.0) * (1.0 - self.phase.fraction(t));
+        relative += w.resistance_per_kelvin * (t - w.reference_c);
+        let per_kelvin = w.resistance_per_kelvin - (w.austenite_ratio - 1.0) * branch.slope;
+        (nominal * relative, nominal * per_kelvin)
+    }
+
+    /// Heat into the wire from the drive alone.
+    pub(super) fn heat(&self, t: f64, branch: &Branch) -> Heat {
+        match self.drive {
+            WireDrive::Off => Heat {
+                power: 0.0,
+                feedback: 0.0,
+            },
+            WireDrive::Power(watts) => Heat {
+                power: watts * self.wire.wire_share,
+                feedback: 0.0,
+            },
+            WireDrive::Current(amps) => {
+                let (ohm, per_kelvin) = self.resistance(t, branch);
+                let feedback = amps * amps * per_kelvin;
+                Heat {
+                    power: amps * amps * ohm - feedback * (t - self.network.body_c),
+                    feedback,
+                }
+            }
+        }
+    }
+
+    /// Heat that flows into the wire now from drive and surroundings, W: its sign is the heading.
+    fn inflow(&self) -> f64 {
+        let u = self.watched.wire;
+        let shell = self.modes[self.mode].first_shell(&self.z);
+        let t = self.wire_c();
+        let frozen = Branch {
+            slope: 0.0,
+            low: t,
+            high: t,
+            one_way: false,
+        };
+        let heat = self.heat(t, &frozen);
+        let n = &*self.network;
+        let out = (n.air + n.ends) * u + n.chain[0] * (u - shell);
+        heat.power + heat.feedback * u + n.rest_inflow() - out
+    }
+
+    /// Turns to where the wire's temperature is going after an edge.
+    pub(super) fn face(&mut self) {
+        let heading = if self.inflow() < 0.0 {
+            Heading::Down
+        } else {
+            Heading::Up
+        };
+        if heading != self.heading {
+            self.turn(heading);
+        }
+    }
+
+    pub(super) fn turn(&mut self, heading: Heading) {
+        self.heading = heading;
+        self.phase.commit(self.wire_c());
+    }
+
+    /// Enters the regime `key`, taking the state along.
+    pub(super) fn enter(&mut self, key: ModeKey) {
+        if self.modes[self.mode].key == key {
+            return;
+        }
+        let nodes = self.modes[self.mode].nodes(&self.z);
+        let found = self.modes.iter().position(|m| m.key == key);
+        self.mode = found.unwrap_or_else(|| {
+            let mode = Mode::new(&self.network, self.wire.mass() * self.wire.latent_heat, key);
+            if self.modes.len() < MODES {
+                self.modes.push(mode);
+                return self.modes.len() - 1;
+            }
+            let place = self.oldest;
+            self.oldest = if place + 1 < MODES { place + 1 } else { 1 };
+            self.modes[place] = mode;
+            self.propagators.forget(place);
+            place
+        });
+        // What is watched stays what it is.
+        self.z = self.modes[self.mode].project(&nodes);
+    }
+}
+
+impl Exact {
+    /// Changes the drive at `at`; a time before the last one counts as that.
+    pub fn drive(&mut self, at: Nanos, drive: WireDrive) {
+        if drive == self.drive {
+            return;
+        }
+        self.advance(at);
+        self.drive = drive;
+        self.face();
+    }
+
+    /// Computes up to `to`; does nothing if that is past.
+    pub fn advance(&mut self, to: Nanos) {
+        if to > self.now {
+            let span = to.since(self.now);
+            self.vectors.dispatch(Run(self, span));
+            self.now = to;
+        }
+    }
+
+    /// Temperatures of wire and shells at the time computed up to, degrees C.
+    pub fn nodes(&self) -> [f64; NODES] {
+        self.modes[self.mode]
+            .nodes(&self.z)
+            .map(|u| u + self.network.body_c)
+    }
+
+    /// Martensite fraction at the time computed up to, in [0, 1].
+    pub fn fraction(&self) -> f64 {
+        self.fraction_at(self.wire_c())
+    }
+
+    /// Hottest the wire has been, degrees C.
+    pub fn wire_peak(&self) -> f64 {
+        self.hottest.0
+    }
+}

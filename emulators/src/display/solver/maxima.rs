@@ -1,0 +1,108 @@
+//! Running maxima of the tissue at one depth, settled when somebody asks.
+//!
+//! The heat of a pulse arrives after the pulse, so that a stretch between two edges may be warmest inside. In a burst
+//! the ends of later stretches soon pass all of that, and between bursts those of later bursts. So a stretch only
+//! waits, with a ceiling, and is forgotten once an end passes that. It is searched when maxima are asked for, or when
+//! too many wait.
+
+use super::highest::{ENOUGH_K, ceiling_between, highest};
+use super::sum::{Point, Sum};
+use crate::display::finger::NODES;
+use palpate_core::vector::{Simd, Vectors};
+
+/// Stretches that may wait.
+const MOST: usize = 24;
+
+/// The maximum since the start and the one since a window was opened, degrees C.
+#[derive(Clone, Debug)]
+pub struct Maxima {
+    whole: f64,
+    window: f64,
+    /// The oldest first.
+    waiting: Vec<Stretch>,
+    /// The lowest of the ceilings.
+    lowest: f64,
+    vectors: Vectors,
+}
+
+/// A stretch that may be warmer inside than anything known.
+#[derive(Clone, Debug)]
+struct Stretch {
+    /// What it cannot have passed, degrees C.
+    ceiling: f64,
+    lambda: [f64; NODES],
+    ends: [Point; 2],
+}
+
+impl Maxima {
+    /// From a temperature on, degrees C.
+    pub fn new(now: f64) -> Self {
+        Self {
+            whole: now,
+            window: now,
+            waiting: Vec::new(),
+            lowest: f64::INFINITY,
+            vectors: Vectors::widest(),
+        }
+    }
+
+    /// Takes a stretch between two instants of a sum with these decay rates.
+    #[inline(always)]
+    pub fn pass<S: Simd>(&mut self, simd: S, lambda: &[f64; NODES], ends: &[Point; 2]) {
+        let [from, to] = ends;
+        self.raise(from.value.max(to.value));
+        let known = self.window + ENOUGH_K;
+        if self.lowest <= known {
+            self.waiting.retain(|stretch| stretch.ceiling > known);
+            let ceilings = self.waiting.iter().map(|stretch| stretch.ceiling);
+            self.lowest = ceilings.fold(f64::INFINITY, f64::min);
+        }
+        let ceiling = ceiling_between(simd, lambda, from, to, known);
+        if ceiling <= known {
+            return;
+        }
+        self.lowest = self.lowest.min(ceiling);
+        if self.waiting.len() == MOST {
+            let oldest = self.waiting.remove(0);
+            self.raise(oldest.highest(self.window, self.vectors));
+        }
+        self.waiting.push(Stretch {
+            ceiling,
+            lambda: *lambda,
+            ends: *ends,
+        });
+    }
+
+    /// Searches what waits, and returns both maxima: since the start, and since the window was opened.
+    pub fn settle(&mut self) -> (f64, f64) {
+        // The last ones are the likeliest to settle the others.
+        while let Some(stretch) = self.waiting.pop() {
+            if stretch.ceiling > self.window + ENOUGH_K {
+                self.raise(stretch.highest(self.window, self.vectors));
+            }
+        }
+        self.lowest = f64::INFINITY;
+        (self.whole, self.window)
+    }
+
+    /// Opens a new window at a temperature, degrees C.
+    pub fn open(&mut self, now: f64) {
+        self.settle();
+        self.window = now;
+    }
+
+    #[inline(always)]
+    fn raise(&mut self, to: f64) {
+        self.whole = self.whole.max(to);
+        self.window = self.window.max(to);
+    }
+}
+
+impl Stretch {
+    /// Its maximum, or `known` if that is higher.
+    fn highest(&self, known: f64, vectors: Vectors) -> f64 {
+        let [from, to] = &self.ends;
+        let sum = Sum::new(&self.lambda, from.terms, from.value, vectors);
+        highest(&sum, from, to, known)
+    }
+}

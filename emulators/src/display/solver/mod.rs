@@ -1,0 +1,28 @@
+//! How temperatures are computed between the edges of the current.
+//!
+//! The drive changes at integer times, and [`exact::Exact`] computes nothing until a question or an edge comes.
+
+mod decay;
+mod eigen;
+pub mod exact;
+mod highest;
+mod lanes;
+mod maxima;
+pub mod modal;
+mod periodic;
+pub mod phase;
+mod propagators;
+pub mod record;
+pub mod sum;
+
+/// What is done to a wire from some instant on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum WireDrive {
+    /// Nothing flows.
+    #[default]
+    Off,
+    /// Constant current, A.
+    Current(f64),
+    /// Constant electrical power, W; the wire's share of it is constant too.
+    Power(f64),
+}

@@ -1,0 +1,167 @@
+//! What must hold for every parameter and every drive.
+
+use super::*;
+use palpate_core::physics::{Alloy, Hysteresis, TissueParameters, WireParameters};
+use proptest::prelude::*;
+
+prop_compose! {
+    fn law()(one in any::<bool>(), count in 1_u8..8, narrowest in 0.05..1.0_f64) -> Hysteresis {
+        if one { Hysteresis::Play } else { Hysteresis::Plays { count, narrowest } }
+    }
+}
+
+prop_compose! {
+    /// The stated range of parameters, with every law and both wires.
+    fn wires()(
+        first in any::<bool>(), high in any::<bool>(), hysteresis in law(),
+        wire_share in 0.6..=1.0_f64, specific_heat in 322.0..=837.0_f64, latent_heat in 0.0..=24e3_f64,
+        austenite_ratio in prop_oneof![Just(1.0), 0.7..1.3_f64],
+        resistance_per_kelvin in prop_oneof![Just(0.0), -5e-4..1e-3_f64],
+    ) -> WireParameters {
+        let base = if first { WireParameters::FIRST } else { WireParameters::FINAL };
+        let alloy = if high { Alloy::HIGH } else { Alloy::LOW };
+        WireParameters {
+            alloy, hysteresis, wire_share, specific_heat, latent_heat, austenite_ratio,
+            resistance_per_kelvin, ..base
+        }
+    }
+}
+
+prop_compose! {
+    fn tissues()(
+        contact_h in 1000.0..=10_000.0_f64,
+        contact_fraction in prop_oneof![Just(0.0), 0.1..=0.5_f64],
+        air_c in -10.0..45.0_f64,
+    ) -> TissueParameters {
+        TissueParameters { contact_h, contact_fraction, air_c, ..TissueParameters::DEFAULT }
+    }
+}
+
+/// Pieces of drive: how long in ns and how much current; pulses up to 5 A, steady currents that a wire
+/// could survive (beyond them a wire with a rising resistance runs away and there is no state to compare).
+fn drives() -> impl Strategy<Value = Vec<(u64, f64)>> {
+    let pulse = (0..200_000_u64, 0.0..5.0_f64);
+    let full = Just((124_000_u64, 1.97));
+    let pause = prop_oneof![Just(4_955_040_u64), 0..20_000_000_u64, 0..5_000_000_000_u64];
+    let steady = (0..5_000_000_000_u64, 0.0..0.25_f64);
+    let piece = prop_oneof![
+        2 => pulse,
+        6 => full,
+        6 => pause.prop_map(|span| (span, 0.0)),
+        1 => steady,
+    ];
+    proptest::collection::vec(piece, 1..60)
+}
+
+fn run(wire: &mut Wire, drive: &[(u64, f64)], cuts: &[u64]) -> Nanos {
+    let mut t = Nanos::ZERO;
+    for (i, &(span, amps)) in drive.iter().enumerate() {
+        wire.set_current(t, amps);
+        if let Some(cut) = cuts.get(i % cuts.len().max(1)) {
+            let part = span / (cut + 1);
+            for k in 1..=*cut {
+                wire.advance(t + Nanos(part * k));
+            }
+        }
+        t = t + Nanos(span);
+    }
+    wire.advance(t);
+    t
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// However time is cut, the answer is the same to 1e-9 K.
+    #[test]
+    fn cuts_change_nothing(
+        p in wires(), s in tissues(), drive in drives(), cuts in proptest::collection::vec(1..7_u64, 1..5),
+    ) {
+        let mut whole = Wire::new(&p, &s, 33.0).unwrap();
+        let mut cut = whole.clone();
+        let end = run(&mut whole, &drive, &[]);
+        run(&mut cut, &drive, &cuts);
+        for (a, b) in whole.solver().nodes().iter().zip(cut.solver().nodes()) {
+            prop_assert!((a - b).abs() < 1e-9, "{a} {b}");
+        }
+        prop_assert!((whole.fraction(end) - cut.fraction(end)).abs() < 1e-9);
+        let (a, b) = (whole.peaks(end), cut.peaks(end));
+        prop_assert!((a.wire_c - b.wire_c).abs() < 1e-9);
+        prop_assert!((a.shallow_c - b.shallow_c).abs() < 1e-9, "{a:?} {b:?}");
+        prop_assert!((a.deep_c - b.deep_c).abs() < 1e-9, "{a:?} {b:?}");
+    }
+
+    /// Maxima are the same, asked for at every edge or once.
+    #[test]
+    fn asking_changes_nothing(p in wires(), s in tissues(), drive in drives()) {
+        let mut once = Wire::new(&p, &s, 33.0).unwrap();
+        let mut often = once.clone();
+        let end = run(&mut once, &drive, &[]);
+        let (mut t, mut windows) = (Nanos::ZERO, often.peaks(Nanos::ZERO));
+        for &(span, amps) in &drive {
+            often.set_current(t, amps);
+            t = t + Nanos(span);
+            windows.raise(&often.window_peaks(t));
+        }
+        let all = once.peaks(end);
+        for other in [often.peaks(end), windows] {
+            prop_assert!((all.wire_c - other.wire_c).abs() < 1e-9);
+            prop_assert!((all.shallow_c - other.shallow_c).abs() < 1e-9, "{all:?} {other:?}");
+            prop_assert!((all.deep_c - other.deep_c).abs() < 1e-9, "{all:?} {other:?}");
+        }
+    }
+
+    /// Every joule into the wire is in the wire, in the tissue or gone by a named way.
+    #[test]
+    fn energy_balances(p in wires(), s in tissues(), start in 0.0..110.0_f64, drive in drives()) {
+        let mut w = Wire::new(&p, &s, start).unwrap();
+        let before = w.energy(Nanos::ZERO);
+        let end = run(&mut w, &drive, &[]);
+        let e = w.energy(end);
+        let kept = e.stored_j - before.stored_j + e.latent_j - before.latent_j;
+        let gone = e.air_j + e.ends_j + e.body_j;
+        let size = e.wire_j.abs() + kept.abs() + e.air_j.abs() + e.ends_j.abs() + e.body_j.abs() + 1e-3 * e.stored_j.abs() + 1e-6;
+        prop_assert!((e.wire_j - kept - gone).abs() <= 1e-9 * size, "{e:?}");
+        prop_assert!(e.electrical_j >= e.wire_j - 1e-12);
+    }
+
+    /// No drive, no question and no parameter in range gives anything but a number, xi is a fraction,
+    /// and maxima are what they say.
+    #[test]
+    fn numbers_stay_numbers(
+        p in wires(), s in tissues(), start in -10.0..120.0_f64, drive in drives(), idle in 0..u64::MAX / 2,
+    ) {
+        let mut w = Wire::new(&p, &s, start).unwrap();
+        let mut t = Nanos::ZERO;
+        for &(span, amps) in &drive {
+            w.set_current(t, amps);
+            t = t + Nanos(span.min(30_000_000));
+            let c = w.temperature(t);
+            prop_assert!(c.is_finite());
+            prop_assert!(c <= w.peaks(t).wire_c + 1e-9);
+            prop_assert!((0.0..=1.0).contains(&w.fraction(t)));
+            prop_assert!(w.tissue(t).0 <= w.peaks(t).shallow_c + 1e-9);
+        }
+        w.set_current(t, 0.0);
+        let later = t + Nanos(idle);
+        prop_assert!(w.temperature(later).is_finite());
+        prop_assert!(w.energy(later).body_j.is_finite());
+        prop_assert!((0.0..=1.0).contains(&w.fraction(later)));
+    }
+
+    /// A wire that was only ever heated from rest cools without a rise once its current is off.
+    #[test]
+    fn cooling_is_monotone(p in wires(), s in tissues(), drive in drives(), gaps in proptest::collection::vec(1..50_000_000_u64, 1..40)) {
+        let s = TissueParameters { air_c: s.body_c, ..s };
+        let mut w = Wire::new(&p, &s, 33.0).unwrap();
+        let mut t = run(&mut w, &drive, &[]);
+        w.set_current(t, 0.0);
+        let mut last = w.temperature(t);
+        for gap in gaps {
+            t = t + Nanos(gap);
+            let c = w.temperature(t);
+            prop_assert!(c <= last + 1e-9, "{c} after {last}");
+            last = c;
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! A shape-memory wire on a finger: current in, heat, phase, strain and tissue temperature out.
+//!
+//! The wire is lazy. Edges and questions advance it; between them nothing is computed, and however
+//! time is cut by questions the answers are the same to 1e-9 K.
+
+pub mod burst;
+pub mod strain;
+
+use crate::display::finger::dose::Dose;
+use crate::display::solver::WireDrive;
+use crate::display::solver::exact::Exact;
+use crate::display::solver::record::{Energy, Peaks};
+use crate::time::Nanos;
+use burst::Burst;
+use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
+use strain::Strain;
+
+/// A burst ends after this long without a pulse.
+pub const BURST_GAP: Nanos = Nanos::from_micros(20_000);
+
+/// One wire and the tissue under it.
+///
+/// ```
+/// use palpate_core::physics::{TissueParameters, WireParameters};
+/// use palpate_emulators::display::wire::Wire;
+/// use palpate_emulators::time::Nanos;
+///
+/// let mut wire = Wire::new(&WireParameters::FINAL, &TissueParameters::DEFAULT, 33.0)?; // degrees C
+/// wire.set_current(Nanos::ZERO, 1.97); // A
+/// wire.set_current(Nanos(124_000), 0.0);
+///
+/// let hottest = wire.peaks(Nanos::from_micros(100_000));
+/// assert!(hottest.wire_c > 40.0 && hottest.shallow_c > 33.1);
+/// # Ok::<(), palpate_core::physics::ParameterError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Wire {
+    solver: Exact,
+    pulse: Option<Pulse>,
+    burst: Option<Burst>,
+}
+
+/// The wire at a rising edge.
+#[derive(Clone, Copy, Debug)]
+struct Pulse {
+    start: Nanos,
+    wire_c: f64,
+    strain: Strain,
+    energy: (f64, f64),
+}
+
+impl Wire {
+    /// A wire at rest, with tissue and itself at `start_c` (33 is tissue).
+    ///
+    /// # Errors
+    /// A parameter that cannot be computed with, by name.
+    pub fn new(
+        wire: &WireParameters,
+        tissue: &TissueParameters,
+        start_c: f64,
+    ) -> Result<Self, ParameterError> {
+        let solver = Exact::new(wire, tissue, start_c)?;
+        Ok(Self {
+            solver,
+            pulse: None,
+            burst: None,
+        })
+    }
+
+    /// Also keeps the burn integrals at 0.1 mm from here on, at a few evaluations a step.
+    #[must_use]
+    pub fn with_dose(mut self) -> Self {
+        self.solver.dose = Some(Dose::default());
+        self
+    }
+
+    /// Sets the current from `at` on, A. Call it at every edge, in order; a time before the last
+    /// one counts as that. Setting what already flows costs nothing. Not a number counts as off.
+    pub fn set_current(&mut self, at: Nanos, amps: f64) {
+        let flows = amps.is_finite() && amps != 0.0;
+        self.set_drive(
+            at,
+            if flows {
+                WireDrive::Current(amps)
+            } else {
+                WireDrive::Off
+            },
+        );
+    }
+
+    /// Sets the electrical power from `at` on, W; the wire's share of it heats the wire.
+    pub fn set_power(&mut self, at: Nanos, watts: f64) {
+        let flows = watts.is_finite() && watts > 0.0;
+        self.set_drive(
+            at,
+            if flows {
+                WireDrive::Power(watts)
+            } else {
+                WireDrive::Off
+            },
+        );
+    }
+
+    fn set_drive(&mut self, at: Nanos, drive: WireDrive) {
+        let before = self.solver.driven();
+        if drive == before {
+            return;
+        }
+        self.advance(at);
+        self.solver.drive(at, drive);
+        if before == WireDrive::Off {
+            self.rise();
+        } else if drive == WireDrive::Off {
+            self.fall();
+        }
+    }
+
+    fn rise(&mut self) {
+        let (wire_c, strain) = self.strain_now();
+        self.pulse = Some(Pulse {
+            start: self.now(),
+            wire_c,
+            strain,
+            energy: self.solver.delivered(),
+        });
+    }
+
+    fn fall(&mut self) {
+        let Some(pulse) = self.pulse.take() else {
+            return;
+        };
+        let (energy, now) = (self.solver.delivered(), self.now());
+        let (hot, strain) = self.strain_now();
+        if let Some(b) = self.burst
+            && pulse.start.since(b.end) >= BURST_GAP
+        {
+            self.burst = None;
+        }
+        let b = self.burst.get_or_insert(Burst {
+            start: pulse.start,
+            end: pulse.start,
+            pulses: 0,
+            electrical_j: 0.0,
+            wire_j: 0.0,
+            hottest_c: hot,
+            ripple_k: 0.0,
+            ripple_max_k: 0.0,
+            thermal_strain: 0.0,
+            strain: 0.0,
+        });
+        b.end = now;
+        b.pulses += 1;
+        b.electrical_j += energy.0 - pulse.energy.0;
+        b.wire_j += energy.1 - pulse.energy.1;
+        b.hottest_c = b.hottest_c.max(hot);
+        b.ripple_max_k = b.ripple_max_k.max(hot - pulse.wire_c);
+        let part = 1.0 / f64::from(b.pulses);
+        b.ripple_k += (hot - pulse.wire_c - b.ripple_k) * part;
+        b.thermal_strain += (strain.thermal - pulse.strain.thermal - b.thermal_strain) * part;
+        b.strain += ((strain.total() - pulse.strain.total()).abs() - b.strain) * part;
+    }
+
+    /// The wire's temperature, degrees C, and its strain.
+    fn strain_now(&self) -> (f64, Strain) {
+        let solver = &self.solver;
+        let wire_c = solver.wire_c();
+        let strain = Strain::of(solver.wire(), wire_c, solver.fraction_at(wire_c));
+        (wire_c, strain)
+    }
+
+    /// Computes up to `to`; nothing if that is past. Questions do this themselves.
+    pub fn advance(&mut self, to: Nanos) {
+        self.solver.advance(to);
+    }
+
+    /// The time computed up to.
+    pub const fn now(&self) -> Nanos {
+        self.solver.now()
+    }
+
+    /// The wire's temperature at `at` (or now, if that is later), degrees C.
+    pub fn temperature(&mut self, at: Nanos) -> f64 {
+        self.advance(at);
+        self.solver.wire_c()
+    }
+
+    /// Martensite fraction at `at`, in [0, 1].
+    pub fn fraction(&mut self, at: Nanos) -> f64 {
+        self.advance(at);
+        self.solver.fraction()
+    }
+
+    /// Tissue temperature 0.1 and 0.4 mm under the surface at `at`, degrees C.
+    pub fn tissue(&mut self, at: Nanos) -> (f64, f64) {
+        self.advance(at);
+        self.solver.tissue_c()
+    }
+
+    /// Strain at `at`, by parts.
+    pub fn strain(&mut self, at: Nanos) -> Strain {
+        self.advance(at);
+        self.strain_now().1
+    }
+
+    /// Maxima over continuous time from the start to `at`.
+    pub fn peaks(&mut self, at: Nanos) -> Peaks {
+        self.advance(at);
+        self.solver.peaks()
+    }
+
+    /// Maxima over continuous time since the last call of this (or the start), up to `at`; starts anew.
+    pub fn window_peaks(&mut self, at: Nanos) -> Peaks {
+        self.advance(at);
+        self.solver.window_peaks()
+    }
+
+    /// The energy ledger up to `at`.
+    pub fn energy(&mut self, at: Nanos) -> Energy {
+        self.advance(at);
+        self.solver.energy()
+    }
+
+    /// The burn integrals at 0.1 mm up to `at`; `None` without [`Wire::with_dose`].
+    pub fn dose(&mut self, at: Nanos) -> Option<Dose> {
+        self.advance(at);
+        self.solver.dose
+    }
+
+    /// The burst under way, or the last one if no other has begun. A pulse counts once it has ended.
+    pub const fn burst(&self) -> Option<Burst> {
+        self.burst
+    }
+
+    /// The solver underneath, for what is not asked often.
+    pub const fn solver(&self) -> &Exact {
+        &self.solver
+    }
+}

@@ -1,0 +1,6 @@
+//! The person: how each wire touches, what is felt of the wires' motion, and how textures are rated.
+
+pub mod contact;
+pub mod panel;
+pub mod perceiver;
+pub mod receptors;

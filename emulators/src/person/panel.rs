@@ -1,0 +1,211 @@
+//! A **simulated** panel of people who rate textures, 1 to 6, as in the thesis's two studies (figures 3.4 and 3.6).
+//!
+//! No person has rated anything here. The model, all of it assumed:
+//!
+//! - Everybody was shown the ends of each scale beforehand (as in the studies): a rating is a place between them.
+//! - Under the bare finger a surface is felt as the table of textures says it is rated.
+//! - On the display, roughness is coarseness: how far apart a wire's pulses are. Friction is slowness: how long what is
+//!   felt takes from wire to wire, which the thesis calls a mere surrogate. Both are heard as logarithms, with an error
+//!   of a Weber fraction, and only where the pulses are felt at all ([`crate::person::receptors`]). Hardness is not there to be
+//!   felt: nobody rates it, as in the thesis.
+//! - A display's roughness and friction colour each other.
+//! - Each person has a bias of their own in each dimension and a slip from trial to trial: small within a person, large
+//!   between them and largest for friction, as the thesis reports.
+
+use palpate_core::random::Stream;
+
+use crate::person::receptors::Kick;
+
+/// What is rated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// Very soft to very hard.
+    Hardness,
+    /// Very smooth to very rough.
+    Roughness,
+    /// Very slippery to very sticky.
+    Friction,
+}
+
+impl Dimension {
+    /// All, in the order of the thesis.
+    pub const ALL: [Self; 3] = [Self::Hardness, Self::Roughness, Self::Friction];
+
+    /// Its name in figures.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Hardness => "hardness",
+            Self::Roughness => "roughness",
+            Self::Friction => "friction",
+        }
+    }
+
+    /// Standard deviation of people's biases, rating points.
+    const fn bias(self) -> f64 {
+        match self {
+            Self::Hardness => 0.4,
+            Self::Roughness => 0.7,
+            Self::Friction => 0.9,
+        }
+    }
+}
+
+/// People of a panel, and how often each is shown a texture.
+pub const SUBJECTS: u32 = 4;
+/// How often each texture is shown to each.
+pub const REPEATS: u32 = 3;
+/// Trials of one texture.
+pub const TRIALS: u32 = SUBJECTS * REPEATS;
+
+/// Standard deviation of one person's ratings from trial to trial, points: mostly within one rating.
+const SLIP: f64 = 0.4;
+/// Weber fraction of coarseness and slowness.
+const WEBER: f64 = 0.2;
+/// The share of the other dimension in what is rated on a display.
+const HALO: f64 = 0.25;
+
+/// What a stimulus of the display feels like, before anybody rates it: logarithms of coarseness and slowness; `None`
+/// where nothing was felt, or no motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sensation {
+    /// Logarithm of the seconds from pulse to pulse on a wire.
+    pub coarseness: Option<f64>,
+    /// Logarithm of the seconds from wire to wire.
+    pub slowness: Option<f64>,
+}
+
+/// The ends of the scales, as they were shown beforehand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScaleEnds {
+    /// What is rated 1.
+    pub smooth: Sensation,
+    /// What is rated 6.
+    pub rough: Sensation,
+}
+
+/// A panel; the same seed, the same people.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Panel {
+    seed: u64,
+}
+
+impl Panel {
+    /// The people of a seed.
+    pub const fn new(seed: u64) -> Self {
+        Self { seed }
+    }
+
+    /// Bias of a person.
+    fn bias(self, subject: u32, dimension: Dimension) -> f64 {
+        let name = format!("subject {subject} {}", dimension.name());
+        dimension.bias() * Stream::new(self.seed, &name).normal()
+    }
+
+    fn rating(self, trial: u32, dimension: Dimension, felt: f64, stream: &mut Stream) -> u8 {
+        let rated = felt + self.bias(trial % SUBJECTS, dimension) + SLIP * stream.normal();
+        libm::round(rated).clamp(1.0, 6.0) as u8
+    }
+
+    /// A trial with the bare finger: hardness, roughness, friction of a surface that people rate so.
+    pub fn bare(self, texture: &str, trial: u32, rated: [f64; 3]) -> [u8; 3] {
+        let mut stream = Stream::new(self.seed, &format!("bare {texture} {trial}"));
+        let mut rate = |(d, felt): (Dimension, f64)| self.rating(trial, d, felt, &mut stream);
+        let [h, r, f] = Dimension::ALL;
+        [
+            rate((h, rated[0])),
+            rate((r, rated[1])),
+            rate((f, rated[2])),
+        ]
+    }
+
+    /// A trial on the display: roughness and friction.
+    pub fn display(self, texture: &str, trial: u32, felt: Sensation, ends: &ScaleEnds) -> [u8; 2] {
+        let mut stream = Stream::new(self.seed, &format!("display {texture} {trial}"));
+        let mut place = |felt: Option<f64>, low: Option<f64>, high: Option<f64>| {
+            let heard = felt.map(|log| log + WEBER * stream.normal());
+            match (heard, low, high) {
+                (Some(at), Some(low), Some(high)) if high > low => {
+                    (1.0 + 5.0 * (at - low) / (high - low)).clamp(1.0, 6.0)
+                }
+                // What cannot be felt, or is the same at both ends, is rated in the middle.
+                _ => 3.5,
+            }
+        };
+        let (smooth, rough) = (ends.smooth, ends.rough);
+        let coarseness = place(felt.coarseness, smooth.coarseness, rough.coarseness);
+        let slow = place(felt.slowness, smooth.slowness, rough.slowness);
+        let coloured = |own: f64, other: f64| own + HALO * (other - own);
+        [
+            self.rating(
+                trial,
+                Dimension::Roughness,
+                coloured(coarseness, slow),
+                &mut stream,
+            ),
+            self.rating(
+                trial,
+                Dimension::Friction,
+                coloured(slow, coarseness),
+                &mut stream,
+            ),
+        ]
+    }
+}
+
+/// Pulses of a wire further apart than this are felt apart, s.
+const APART_S: f64 = 0.1;
+
+/// How far apart pulses are on a wire, s: the geometric mean over all wires, while one pulse follows another.
+pub fn apart_s(wires: &[Vec<Kick>]) -> Option<f64> {
+    let gaps = wires.iter().flat_map(|kicks| kicks.windows(2));
+    let gaps = gaps.map(|two| two[1].at_s - two[0].at_s);
+    let logs: Vec<f64> = gaps
+        .filter(|gap| *gap > 0.0 && *gap < APART_S)
+        .map(libm::log)
+        .collect();
+    (!logs.is_empty()).then(|| libm::exp(logs.iter().sum::<f64>() / logs.len() as f64))
+}
+
+/// Spacing of the envelopes that motion is read from, s.
+const GRID_S: f64 = 0.005;
+/// Time constant over which pulses of a wire become one, s.
+const SMOOTH_S: f64 = 0.03;
+/// The longest way from wire to wire that is one motion, s.
+const LONGEST_S: f64 = 0.3;
+
+/// How long what is felt takes from one position to the next, s: the delay at which neighbours' pulses agree best.
+/// Positions in the order of the stroke, each with its pulses; `None` where there is no such delay.
+pub fn step_s(positions: &[Vec<Kick>], seconds: f64) -> Option<f64> {
+    let count = (seconds / GRID_S) as usize;
+    let envelope = |kicks: &Vec<Kick>| -> Vec<f64> {
+        let value = |n: usize| {
+            let each = |k: &Kick| {
+                let far = (n as f64 * GRID_S - k.at_s) / SMOOTH_S;
+                k.um * libm::exp(-0.5 * far * far)
+            };
+            kicks.iter().map(each).sum::<f64>()
+        };
+        let mut all: Vec<f64> = (0..count).map(value).collect();
+        let mean = all.iter().sum::<f64>() / count.max(1) as f64;
+        all.iter_mut().for_each(|v| *v -= mean);
+        all
+    };
+    let envelopes: Vec<Vec<f64>> = positions.iter().map(envelope).collect();
+    let agreement = |lag: usize| -> f64 {
+        let pair = |two: &[Vec<f64>]| -> f64 {
+            let late = two[1].iter().skip(lag);
+            let products = two[0].iter().zip(late).map(|(a, b)| a * b);
+            products.sum::<f64>() / (count - lag) as f64
+        };
+        envelopes.windows(2).map(pair).sum()
+    };
+    let longest = ((LONGEST_S / GRID_S) as usize).min(count.saturating_sub(1));
+    let (lag, best) = (0..=longest)
+        .map(|lag| (lag, agreement(lag)))
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (best > 0.0 && lag > 0).then_some(lag as f64 * GRID_S)
+}
+
+#[cfg(test)]
+#[path = "panel_tests.rs"]
+mod tests;

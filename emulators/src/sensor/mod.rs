@@ -1,0 +1,13 @@
+//! The sensor end: what a touch does to the counts of a module's taxels, the boards that send them, the CAN
+//! segment between boards and host, and surfaces to stroke.
+
+pub mod board;
+pub mod can;
+mod mechanics;
+mod module;
+pub mod port;
+pub mod rig;
+pub mod surface;
+
+pub use mechanics::{Press, Silicone, Touches};
+pub use module::{Generation, Module, ModuleConfig, grid};

@@ -1,0 +1,238 @@
+//! The sensor side of a bench: segments with their boards, and the host's interface to them.
+//!
+//! Only [`Handle::advance`] makes time pass. The projector holds a clone of the handle as its
+//! [`CanBus`]; whoever runs the bench holds another and decides how far virtual time goes.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use embedded_can::{Error as CanError, ErrorKind};
+use palpate_core::bus::{CanBus, Received};
+use palpate_core::codec::can::CanFrame;
+use palpate_core::units::Instant;
+
+use crate::sensor::Module;
+use crate::sensor::board::{BoardConfig, BoardError, SensorBoard};
+use crate::sensor::can::{CanSegment, NodeConfig, NodeId, SendError};
+use crate::time::Nanos;
+
+/// One segment with the boards on it and the host's controller.
+pub struct SkinBus {
+    segment: CanSegment,
+    host: NodeId,
+    boards: Vec<SensorBoard>,
+    /// The earliest of the boards' next events.
+    boards_next: Nanos,
+}
+
+impl SkinBus {
+    /// A bus at `bitrate` bit/s with a host whose queue takes a burst of commands.
+    pub fn new(bitrate: u32) -> Self {
+        Self::with_host(bitrate, NodeConfig::default())
+    }
+
+    /// A bus with a host's interface of one's own: queue limits, restart behaviour.
+    pub fn with_host(bitrate: u32, host: NodeConfig) -> Self {
+        let mut segment = CanSegment::new(bitrate);
+        let host = segment.attach(host);
+        Self {
+            segment,
+            host,
+            boards: Vec::new(),
+            boards_next: Nanos::MAX,
+        }
+    }
+
+    /// Connects a board with its modules.
+    pub fn add_board(
+        &mut self,
+        config: BoardConfig,
+        modules: Vec<Module>,
+    ) -> Result<(), BoardError> {
+        let board = SensorBoard::new(config, modules, &mut self.segment)?;
+        self.boards_next = self.boards_next.min(board.next_event());
+        self.boards.push(board);
+        Ok(())
+    }
+
+    /// The wire: load, statistics, errors, injected faults.
+    pub const fn segment(&self) -> &CanSegment {
+        &self.segment
+    }
+
+    /// The wire, to disturb it.
+    pub const fn segment_mut(&mut self) -> &mut CanSegment {
+        &mut self.segment
+    }
+
+    /// The host's controller on the segment.
+    pub const fn host(&self) -> NodeId {
+        self.host
+    }
+
+    /// The boards in the order in which they were added.
+    pub fn boards(&self) -> &[SensorBoard] {
+        &self.boards
+    }
+
+    /// A board, to touch its skin.
+    pub fn board_mut(&mut self, n: usize) -> Option<&mut SensorBoard> {
+        self.boards.get_mut(n)
+    }
+
+    /// Does something to a board at the present moment: power, clock, number.
+    pub fn disturb(&mut self, n: usize, work: impl FnOnce(&mut SensorBoard, &mut CanSegment)) {
+        if let Some(board) = self.boards.get_mut(n) {
+            work(board, &mut self.segment);
+        }
+        let next = self.boards.iter().map(SensorBoard::next_event).min();
+        self.boards_next = next.unwrap_or(Nanos::MAX);
+    }
+
+    /// The next moment at which something can happen here.
+    pub fn next_event(&self) -> Nanos {
+        self.segment.next_event().min(self.boards_next)
+    }
+
+    /// Lets time pass until `to`: every scan, frame and command in its order.
+    pub fn advance(&mut self, to: Nanos) {
+        loop {
+            let step = self.boards_next.min(to);
+            let woken = self.segment.advance(step).is_some();
+            if woken {
+                for board in &mut self.boards {
+                    board.obey(&mut self.segment);
+                }
+            } else if self.boards_next > to {
+                return;
+            }
+            let now = self.segment.now();
+            let mut next = Nanos::MAX;
+            for board in &mut self.boards {
+                if board.next_event() <= now {
+                    board.act(&mut self.segment);
+                }
+                next = next.min(board.next_event());
+            }
+            self.boards_next = next;
+        }
+    }
+}
+
+/// What the host's interface can say, in embedded-can's terms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HostError {
+    /// The transmit queue is full (`ENOBUFS`): try again later.
+    QueueFull,
+    /// The controller is bus-off: it needs a restart.
+    BusOff,
+    /// The bench has no such bus.
+    NoBus,
+    /// What a port waited for did not come.
+    TimedOut,
+}
+
+impl std::fmt::Display for HostError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::QueueFull => "transmit queue full, try again later",
+            Self::BusOff => "controller is bus-off, restart it",
+            Self::NoBus => "no such sensor bus",
+            Self::TimedOut => "nothing came in the time that the port waits",
+        })
+    }
+}
+
+impl std::error::Error for HostError {}
+
+impl CanError for HostError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Other
+    }
+}
+
+/// The host's interface to all sensor buses of a bench; clones share the hardware.
+#[derive(Clone)]
+pub struct Handle {
+    buses: Arc<Mutex<Vec<SkinBus>>>,
+}
+
+impl Handle {
+    /// The interface to these buses, numbered from 0 in this order.
+    pub fn new(buses: Vec<SkinBus>) -> Self {
+        Self {
+            buses: Arc::new(Mutex::new(buses)),
+        }
+    }
+
+    /// Looks at or disturbs the hardware: load, boards, touches, injected faults. `f` must not use
+    /// this handle or a clone of it: it would wait for itself.
+    pub fn with<R>(&self, f: impl FnOnce(&mut Vec<SkinBus>) -> R) -> R {
+        f(&mut self.lock())
+    }
+
+    /// The buses, for one question or one stretch of time.
+    fn lock(&self) -> MutexGuard<'_, Vec<SkinBus>> {
+        self.buses.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The next moment at which something can happen on a bus. Stepping there is not needed:
+    /// [`Self::advance`] takes any stretch, and frames carry their own times.
+    pub fn next_event(&self) -> Nanos {
+        let buses = self.lock();
+        buses
+            .iter()
+            .map(SkinBus::next_event)
+            .min()
+            .unwrap_or(Nanos::MAX)
+    }
+
+    /// Lets time pass on all buses until `to`.
+    pub fn advance(&self, to: Nanos) {
+        for bus in self.lock().iter_mut() {
+            bus.advance(to);
+        }
+    }
+}
+
+impl Handle {
+    /// The oldest frame over all buses with the end of the frame on the wire; of two received at once the
+    /// one from the lower bus.
+    pub fn receive_at(&mut self) -> Option<(Nanos, Received)> {
+        let mut buses = self.lock();
+        let waiting = buses.iter().enumerate();
+        let oldest = waiting
+            .filter_map(|(n, bus)| Some((bus.segment.received_at(bus.host)?, n)))
+            .min();
+        let (_, n) = oldest?;
+        let bus = buses.get_mut(n)?;
+        let (at, frame) = bus.segment.receive(bus.host)?;
+        let received = Received {
+            at: Instant::from_micros(at.as_micros()),
+            bus: n as u8,
+            frame,
+        };
+        Some((at, received))
+    }
+}
+
+impl CanBus for Handle {
+    type Error = HostError;
+
+    fn receive(&mut self) -> Result<Option<Received>, HostError> {
+        Ok(self.receive_at().map(|(_, received)| received))
+    }
+
+    fn transmit(&mut self, bus: u8, frame: &CanFrame) -> Result<(), HostError> {
+        let mut buses = self.lock();
+        let bus = buses.get_mut(usize::from(bus)).ok_or(HostError::NoBus)?;
+        let sent = bus.segment.send(bus.host, frame);
+        sent.map_err(|error| match error {
+            SendError::Full => HostError::QueueFull,
+            SendError::BusOff => HostError::BusOff,
+            SendError::NoNode => HostError::NoBus,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,74 @@
+//! Strokes made into recordings: one module whose readings go on from stroke to stroke, as on a desk.
+
+use palpate_core::codec::uskin::Reading;
+
+use super::{Habits, SurfaceStroke, SurfaceTexture};
+use crate::sensor::{Module, ModuleConfig};
+use crate::time::Nanos;
+
+/// Samples of a recording: 2 s at 100 Hz, as in the thesis.
+pub const SAMPLES: usize = 200;
+const PERIOD: Nanos = Nanos(10_000_000);
+/// The module hangs in the air between two strokes for as long, so that nothing of the last is left.
+const PAUSE: Nanos = Nanos(500_000_000);
+
+/// One stroke's readings: a row for each sample, a reading for each taxel, in the order of the layout.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Recording {
+    /// Which stroke over its texture.
+    pub number: u32,
+    /// The readings.
+    pub rows: Vec<Vec<Reading>>,
+}
+
+/// Somebody with a flat module in hand.
+pub struct Explorer {
+    module: Module,
+    habits: Habits,
+    dead: Option<usize>,
+    seed: u64,
+    now: Nanos,
+}
+
+impl Explorer {
+    /// With one taxel that answers its rest value whatever happens, or none.
+    pub fn new(habits: Habits, dead: Option<usize>, seed: u64) -> Self {
+        let config = ModuleConfig {
+            seed,
+            ..ModuleConfig::default()
+        };
+        Self {
+            module: Module::new(config),
+            habits,
+            dead,
+            seed,
+            now: Nanos::ZERO,
+        }
+    }
+
+    /// Strokes once over `texture`, from just before the impact, for 2 s.
+    pub fn stroke(&mut self, texture: &SurfaceTexture, number: u32) -> Recording {
+        let span = (self.now, SAMPLES as f64 * PERIOD.as_secs_f64());
+        let lag = self.module.config().mechanics.lag_s;
+        let stroke = SurfaceStroke::new(texture, &self.habits, (self.seed, number), span, lag);
+        self.module.touch(Box::new(stroke));
+        let mut rows = Vec::with_capacity(SAMPLES);
+        for _ in 0..SAMPLES {
+            let mut row = Vec::new();
+            self.module.sample(self.now, &mut row);
+            self.silence(&mut row);
+            rows.push(row);
+            self.now = self.now + PERIOD;
+        }
+        self.now = self.now + PAUSE;
+        Recording { number, rows }
+    }
+
+    fn silence(&self, row: &mut [Reading]) {
+        let Some(dead) = self.dead else { return };
+        if let (Some(reading), Some(rest)) = (row.get_mut(dead), self.module.rest(dead)) {
+            let [x, y, z] = rest.map(|counts| counts as u16);
+            *reading = Reading { x, y, z };
+        }
+    }
+}

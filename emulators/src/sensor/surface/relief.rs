@@ -1,0 +1,89 @@
+//! One drawn piece of a texture: a sum of ripples whose wavelengths follow the texture's spectrum.
+
+use core::f64::consts::TAU;
+
+use palpate_core::random::Stream;
+
+use super::{PAD_MM, SurfaceTexture};
+
+/// Ripples that make a relief.
+const RIPPLES: usize = 24;
+/// Side of the patch whose asperities press on the skin as one, mm: one taxel's field.
+pub(super) const PATCH_MM: f64 = 4.7;
+
+/// One wave of the relief.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ripple {
+    /// Wave numbers along and across the stroke, radians per mm.
+    pub along: f64,
+    /// See `along`.
+    pub across: f64,
+    /// Phase at the origin, radians.
+    pub phase: f64,
+    /// Height, mm.
+    pub height_mm: f64,
+}
+
+/// A piece of surface with its own seed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Relief {
+    ripples: Vec<Ripple>,
+    /// Time constant of the silicone in front of the taxels, s.
+    lag_s: f64,
+}
+
+impl Relief {
+    /// Draws a piece of `texture`, felt through silicone with a time constant of `lag_s`.
+    pub fn new(texture: &SurfaceTexture, lag_s: f64, stream: &mut Stream) -> Self {
+        // Sines have a mean square of one half.
+        let height_mm = texture.relief_mm * libm::sqrt(2.0 / RIPPLES as f64);
+        let ripple = |_| {
+            let octave = texture.octaves * (stream.uniform() - 0.5);
+            let number = TAU / (texture.wavelength_mm * libm::exp2(octave)).max(1e-3);
+            let direction = TAU * stream.uniform();
+            Ripple {
+                along: number * libm::cos(direction),
+                across: number * libm::sin(direction),
+                phase: TAU * stream.uniform(),
+                height_mm,
+            }
+        };
+        Self {
+            ripples: (0..RIPPLES).map(ripple).collect(),
+            lag_s,
+        }
+    }
+
+    /// Its waves.
+    pub fn ripples(&self) -> &[Ripple] {
+        &self.ripples
+    }
+
+    /// Height under a patch of the skin around (`along`, `across`), mm, at a sliding speed in mm/s: asperities
+    /// smaller than the patch average out as the root of their number, and fast ones drown in the silicone.
+    pub fn height(&self, along: f64, across: f64, speed: f64) -> f64 {
+        let part = |r: &Ripple| {
+            let angle = r.along * along + r.across * across + r.phase;
+            r.height_mm * self.passed(r, speed, PATCH_MM) * libm::sin(angle)
+        };
+        self.ripples.iter().map(part).sum()
+    }
+
+    /// Slope along the stroke under the whole pad around (`along`, 0): what the relief adds to the coefficient of
+    /// friction while the pad slides at `speed`, mm/s.
+    pub fn slope(&self, along: f64, speed: f64) -> f64 {
+        let part = |r: &Ripple| {
+            let angle = r.along * along + r.phase;
+            r.height_mm * r.along * self.passed(r, speed, PAD_MM) * libm::cos(angle)
+        };
+        self.ripples.iter().map(part).sum()
+    }
+
+    /// The share of a ripple that reaches the taxels under a field of `side_mm`.
+    fn passed(&self, ripple: &Ripple, speed: f64, side_mm: f64) -> f64 {
+        let number = libm::hypot(ripple.along, ripple.across);
+        let averaged = (TAU / number / side_mm).min(1.0);
+        let turn = ripple.along * speed * self.lag_s;
+        averaged / libm::sqrt(1.0 + turn * turn)
+    }
+}

@@ -1,0 +1,394 @@
+//! The actuator side of a bench: I2C segment, chips, amplifiers, supply, wires on a finger, and the
+//! person who wears it. The counterpart of [`crate::sensor::rig`].
+
+use std::collections::VecDeque;
+
+use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
+use palpate_core::units::{Channel, Milliamps, Point};
+
+use crate::display::amplifier::supply::{Load, Source, Supply};
+use crate::display::amplifier::{Amplifier, AmplifierConfig, AmplifierFault, takes_effect};
+use crate::display::i2c::{BusClock, Error as I2cError, I2cHandle, I2cSegment};
+use crate::display::pca9685::{Config, Edge, Oscillator, Pca9685, Pin};
+use crate::display::solver::record::Peaks;
+use crate::display::wire::Wire;
+use crate::person::perceiver::{Felt, Perceiver, PerceiverParameters, Vibration};
+use crate::time::Nanos;
+
+/// Tissue temperature from which everything starts, degrees C.
+const START_C: f64 = 33.0;
+
+/// Where a wire is and what drives it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WirePlace {
+    /// On the unrolled display, mm.
+    pub at: Point,
+    /// Index of its chip.
+    pub board: u8,
+    /// Channel of that chip.
+    pub channel: u8,
+}
+
+/// How a display is built.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DisplayConfig {
+    /// 7-bit address and oscillator factor of each chip.
+    pub boards: Vec<(u8, f64)>,
+    /// The wires in the display's order.
+    pub wires: Vec<WirePlace>,
+    /// The amplifiers.
+    pub amplifier: AmplifierConfig,
+    /// What feeds them all.
+    pub source: Source,
+    /// Every wire's parameters.
+    pub wire: WireParameters,
+    /// The finger's.
+    pub tissue: TissueParameters,
+    /// The person's.
+    pub perceiver: PerceiverParameters,
+    /// I2C clock.
+    pub clock: BusClock,
+}
+
+/// An edge of an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OutputEdge {
+    /// When.
+    pub at: Nanos,
+    /// Index of the chip.
+    pub board: u8,
+    /// Channel of that chip.
+    pub channel: u8,
+    /// High or not.
+    pub high: bool,
+}
+
+/// A stretch of one wire's current.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flow {
+    /// The wire, in the display's order.
+    pub wire: usize,
+    /// From when.
+    pub from: Nanos,
+    /// Until when.
+    pub to: Nanos,
+    /// Electrical power between the wire's terminals, W.
+    pub watts: f64,
+}
+
+/// The finger at one instant, worst over its wires.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThermalSample {
+    /// When.
+    pub at: Nanos,
+    /// Hottest wire since the sample before, degrees C.
+    pub wire_c: f64,
+    /// Hottest tissue at 0.1 mm since the sample before, degrees C.
+    pub shallow_c: f64,
+    /// Hottest tissue at 0.4 mm since the sample before, degrees C.
+    pub deep_c: f64,
+    /// Hottest mean of the tissue at 0.1 mm over the last ten seconds, degrees C; before the start all was at rest.
+    pub mean_c: f64,
+}
+
+/// The window of the mean tissue temperature.
+const MEAN_WINDOW: Nanos = Nanos::from_micros(10_000_000);
+
+/// What a run came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DisplayTotals {
+    /// Electrical energy into all wires and their leads, J.
+    pub electrical_j: f64,
+    /// Largest supply current.
+    pub peak_supply: Milliamps,
+    /// Hottest wire: temperature in degrees C and index.
+    pub hottest_wire: (f64, usize),
+    /// Hottest tissue 0.1 mm deep under any wire, degrees C.
+    pub hottest_tissue_c: f64,
+    /// Hottest tissue 0.4 mm deep under any wire, degrees C.
+    pub hottest_deep_c: f64,
+    /// Largest burn integrals under any wire: Henriques' Omega and minutes at 43 C.
+    pub dose: (f64, f64),
+}
+
+/// The display side of a bench.
+#[derive(Debug)]
+pub struct Display {
+    i2c: I2cHandle,
+    amplifiers: Vec<Amplifier>,
+    rise: Nanos,
+    source: Source,
+    supply: Supply,
+    /// One a wire, in their order.
+    loads: Vec<Load>,
+    places: Vec<WirePlace>,
+    parameters: WireParameters,
+    wires: Vec<Wire>,
+    perceiver: Perceiver,
+    now: Nanos,
+    /// Edges of one step, in the order of time: the same memory for every step.
+    pending: Vec<(usize, Edge)>,
+    /// Edges that have yet to take effect behind their amplifiers, and when.
+    rising: Vec<(Nanos, usize, Edge)>,
+    /// What flows in each wire, and since when.
+    flowing: Vec<(Nanos, f64)>,
+    /// Kept only where somebody takes them: an emulator may be served for days.
+    flows: Option<Vec<Flow>>,
+    /// Integrals of each wire's tissue temperature at past samples, for the mean.
+    past: VecDeque<(Nanos, Vec<f64>)>,
+}
+
+impl Display {
+    /// Builds chips, amplifiers and wires, all at rest and off.
+    ///
+    /// # Errors
+    /// A physical parameter that cannot be computed with, by name.
+    pub fn new(config: &DisplayConfig) -> Result<Self, ParameterError> {
+        let chip = |&(address, factor): &(u8, f64)| {
+            let oscillator = Oscillator::from_factor(factor);
+            Pca9685::new(Config {
+                oscillator,
+                ..Config::new(address)
+            })
+        };
+        let segment = I2cSegment::new(config.clock, config.boards.iter().map(chip).collect());
+        let wire =
+            |_: &WirePlace| Wire::new(&config.wire, &config.tissue, START_C).map(Wire::with_dose);
+        Ok(Self {
+            i2c: I2cHandle::new(segment),
+            amplifiers: vec![Amplifier::new(config.amplifier.current); config.boards.len()],
+            rise: config.amplifier.rise,
+            source: config.source,
+            supply: Supply::default(),
+            loads: vec![
+                Load {
+                    asked: 0.0,
+                    ohm: config.wire.resistance_ohm + config.amplifier.on_ohm.max(0.0),
+                    amps: 0.0,
+                };
+                config.wires.len()
+            ],
+            wires: config.wires.iter().map(wire).collect::<Result<_, _>>()?,
+            places: config.wires.clone(),
+            parameters: config.wire,
+            perceiver: Perceiver::new(config.perceiver),
+            now: Nanos::ZERO,
+            pending: Vec::new(),
+            rising: Vec::new(),
+            flowing: vec![(Nanos::ZERO, 0.0); config.wires.len()],
+            flows: None,
+            past: VecDeque::new(),
+        })
+    }
+
+    /// The bus that a driver holds.
+    pub fn bus(&self) -> I2cHandle {
+        self.i2c.clone()
+    }
+
+    /// Lets time pass until `to`; edges go through the amplifiers into the wires and to `sink`.
+    ///
+    /// # Errors
+    /// [`I2cError::BusBusy`] from inside a look at the segment.
+    pub fn advance(
+        &mut self,
+        to: Nanos,
+        sink: &mut impl FnMut(OutputEdge),
+    ) -> Result<(), I2cError> {
+        let pending = &mut self.pending;
+        self.i2c.with(|segment| {
+            segment.advance(to, &mut |board, edge| pending.push((board, edge)));
+        })?;
+        // Stable: of edges at one instant the lower board comes first.
+        self.pending.sort_by_key(|(_, edge)| edge.at);
+        let mut until = to;
+        for &(board, edge) in &self.pending {
+            until = until.max(edge.at);
+            let at = takes_effect(&edge, self.rise);
+            self.rising.push((at, board, edge));
+            sink(OutputEdge {
+                at: edge.at,
+                board: board as u8, // at most 16 chips on a bus
+                channel: edge.channel.0,
+                high: edge.pin == Pin::High,
+            });
+        }
+        self.pending.clear();
+        self.rising.sort_by_key(|(at, ..)| *at);
+        let due = self.rising.partition_point(|(at, ..)| *at <= until);
+        for index in 0..due {
+            let (at, board, edge) = self.rising[index];
+            let change = self.amplifiers.get_mut(board).and_then(|a| a.edge(edge));
+            if change.is_some() {
+                self.flow(at);
+            }
+        }
+        self.rising.drain(..due);
+        self.now = self.now.max(to);
+        Ok(())
+    }
+
+    /// Lets the currents that the amplifiers ask for flow from `at` on, as far as the supply has them.
+    fn flow(&mut self, at: Nanos) {
+        for (load, place) in self.loads.iter_mut().zip(&self.places) {
+            let amplifier = self.amplifiers.get(usize::from(place.board));
+            let current = amplifier.map(|a| a.current(Channel(place.channel)));
+            load.asked = current.unwrap_or_default().amps();
+        }
+        self.source.share(&mut self.loads);
+        let mut sum = 0.0;
+        for wire in 0..self.loads.len() {
+            let load = self.loads[wire];
+            sum += load.amps;
+            self.wires[wire].set_current(at, load.amps);
+            let (since, before) = self.flowing[wire];
+            let watts = load.amps * load.amps * self.parameters.resistance_ohm;
+            if watts.to_bits() != before.to_bits() {
+                self.flowing[wire] = (at, watts);
+                self.keep(wire, since, at, before);
+            }
+        }
+        self.supply.set(at, Milliamps((sum * 1e3).round() as u32));
+    }
+
+    fn keep(&mut self, wire: usize, from: Nanos, to: Nanos, watts: f64) {
+        if let Some(flows) = &mut self.flows
+            && watts > 0.0
+            && to > from
+        {
+            flows.push(Flow {
+                wire,
+                from,
+                to,
+                watts,
+            });
+        }
+    }
+
+    /// Keeps every stretch of current from now on, for [`Display::take_flows`].
+    pub fn keep_flows(&mut self) {
+        self.flows.get_or_insert_default();
+    }
+
+    /// Every stretch of current since they are kept or were last taken, up to now; a wire that is on now is
+    /// cut there.
+    pub fn take_flows(&mut self) -> Vec<Flow> {
+        for wire in 0..self.wires.len() {
+            let (since, watts) = self.flowing[wire];
+            self.flowing[wire].0 = since.max(self.now);
+            self.keep(wire, since, self.now, watts);
+        }
+        self.flows.as_mut().map(std::mem::take).unwrap_or_default()
+    }
+
+    /// How warm the finger was since the last sample; `None` without wires.
+    pub fn sample(&mut self) -> Option<ThermalSample> {
+        let now = self.now;
+        let mut integrals = Vec::with_capacity(self.wires.len());
+        let mut worst: Option<Peaks> = None;
+        for wire in &mut self.wires {
+            let peaks = wire.window_peaks(now);
+            worst.get_or_insert(peaks).raise(&peaks);
+            integrals.push(wire.dose(now).unwrap_or_default().celsius_s);
+        }
+        let begin = now.since(MEAN_WINDOW);
+        while self.past.get(1).is_some_and(|next| next.0 <= begin) {
+            self.past.pop_front();
+        }
+        // Between samples the integral is taken as straight; before the start all was at rest.
+        let length = MEAN_WINDOW.as_secs_f64();
+        let rest = (length - now.since(begin).as_secs_f64()) * START_C;
+        let mean = |wire: usize| {
+            let mut then = 0.0;
+            if let (Some(a), Some(b)) = (self.past.front(), self.past.get(1)) {
+                let part = begin.since(a.0).as_secs_f64() / b.0.since(a.0).as_secs_f64();
+                then = a.1[wire] + (b.1[wire] - a.1[wire]) * part;
+            }
+            (integrals[wire] - then + rest) / length
+        };
+        let mean_c = (0..integrals.len()).map(mean).fold(f64::MIN, f64::max);
+        if self.past.back().is_none_or(|last| last.0 < now) {
+            if self.past.is_empty() {
+                self.past
+                    .push_back((Nanos::ZERO, vec![0.0; integrals.len()]));
+            }
+            self.past.push_back((now, integrals));
+        }
+        worst.map(|peaks| ThermalSample {
+            at: now,
+            wire_c: peaks.wire_c,
+            shallow_c: peaks.shallow_c,
+            deep_c: peaks.deep_c,
+            mean_c,
+        })
+    }
+
+    /// Breaks or repairs the amplifier of a wire, now; a wire that is not there is left alone.
+    pub fn set_fault(&mut self, wire: usize, fault: Option<AmplifierFault>) {
+        let Some(place) = self.places.get(wire) else {
+            return;
+        };
+        let (now, channel) = (self.now, Channel(place.channel));
+        let amplifier = self.amplifiers.get_mut(usize::from(place.board));
+        if amplifier
+            .and_then(|a| a.set_fault(now, channel, fault))
+            .is_some()
+        {
+            self.flow(now);
+        }
+    }
+
+    /// Temperature of a wire now, degrees C; `None` if there is no such wire.
+    pub fn wire_c(&mut self, wire: usize) -> Option<f64> {
+        let now = self.now;
+        self.wires.get_mut(wire).map(|w| w.temperature(now))
+    }
+
+    /// Temperature of the tissue 0.1 mm deep under a wire now, degrees C; `None` if there is no such wire.
+    pub fn tissue_c(&mut self, wire: usize) -> Option<f64> {
+        let now = self.now;
+        self.wires.get_mut(wire).map(|w| w.tissue(now).0)
+    }
+
+    /// What a person meets of the bursts that began at or after `since`: every wire that had one.
+    pub fn vibrations(&self, since: Nanos) -> Vec<Vibration> {
+        let met = |(wire, place): (&Wire, &WirePlace)| {
+            let burst = wire.burst().filter(|b| b.start >= since)?;
+            Some(Vibration {
+                position_mm: (f64::from(place.at.x), f64::from(place.at.y)),
+                amplitude_um: self.perceiver.amplitude_of_burst(&self.parameters, &burst),
+            })
+        };
+        let wires = self.wires.iter().zip(&self.places);
+        wires.filter_map(met).collect()
+    }
+
+    /// Where a person feels them; `None` is a break: no wire above threshold.
+    pub fn feel(&self, since: Nanos) -> Option<Felt> {
+        self.perceiver.feel(&self.vibrations(since))
+    }
+
+    /// What the run came to until now.
+    pub fn totals(&mut self) -> DisplayTotals {
+        let mut totals = DisplayTotals {
+            peak_supply: self.supply.peak().0,
+            hottest_wire: (f64::NEG_INFINITY, 0),
+            hottest_tissue_c: f64::NEG_INFINITY,
+            hottest_deep_c: f64::NEG_INFINITY,
+            ..DisplayTotals::default()
+        };
+        for (index, wire) in self.wires.iter_mut().enumerate() {
+            let peaks = wire.peaks(self.now);
+            totals.electrical_j += wire.energy(self.now).electrical_j;
+            if peaks.wire_c > totals.hottest_wire.0 {
+                totals.hottest_wire = (peaks.wire_c, index);
+            }
+            totals.hottest_tissue_c = totals.hottest_tissue_c.max(peaks.shallow_c);
+            totals.hottest_deep_c = totals.hottest_deep_c.max(peaks.deep_c);
+            let dose = wire.dose(self.now).unwrap_or_default();
+            totals.dose.0 = totals.dose.0.max(dose.omega);
+            totals.dose.1 = totals.dose.1.max(dose.cem43_min);
+        }
+        totals
+    }
+}

@@ -1,0 +1,98 @@
+//! Files read by name or path, each beside its text.
+
+use super::activation::ActivationFile;
+use super::bench::Bench;
+use super::error::FileError;
+use super::illusion::PerceiverFile;
+use super::layout::LayoutFile;
+use super::limits::LimitTable;
+use super::resolve::{FileKind, resolve, resolve_from};
+use super::scene::Scene;
+use super::source::Source;
+use super::texture::TextureTable;
+
+/// What was read, beside its text: later checks name a line with [`Source::bad`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loaded<T> {
+    /// What the file says.
+    pub value: T,
+    /// Where it says so.
+    pub source: Source,
+}
+
+/// How a kind of file is read.
+type Read<T> = fn(&Source) -> Result<T, FileError>;
+
+fn load<T>(source: Source, read: Read<T>) -> Result<Loaded<T>, FileError> {
+    let value = read(&source)?;
+    Ok(Loaded { value, source })
+}
+
+impl<T> Loaded<T> {
+    /// The file that stands under `key` of this one.
+    pub(super) fn refer<U>(
+        &self,
+        kind: FileKind,
+        read: Read<U>,
+        name: &str,
+        key: &str,
+    ) -> Result<Loaded<U>, FileError> {
+        load(resolve_from(kind, name, &self.source, key)?, read)
+    }
+}
+
+/// A scene by name or path.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_scene(name: &str) -> Result<Loaded<Scene>, FileError> {
+    load(resolve(FileKind::Scene, name)?, Scene::read)
+}
+
+/// A layout of either kind by name or path.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_layout(name: &str) -> Result<Loaded<LayoutFile>, FileError> {
+    load(resolve(FileKind::Layout, name)?, LayoutFile::read)
+}
+
+/// A bench by name or path.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_bench(name: &str) -> Result<Loaded<Bench>, FileError> {
+    load(resolve(FileKind::Bench, name)?, Bench::read)
+}
+
+/// A limit table by name or path.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_limits(name: &str) -> Result<Loaded<LimitTable>, FileError> {
+    load(resolve(FileKind::Limits, name)?, LimitTable::read)
+}
+
+/// A perceiver by name or path.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_perceiver(name: &str) -> Result<Loaded<PerceiverFile>, FileError> {
+    load(resolve(FileKind::Perceiver, name)?, PerceiverFile::read)
+}
+
+/// Reads an activation: a built-in name or a file.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_activation(name: &str) -> Result<Loaded<ActivationFile>, FileError> {
+    load(resolve(FileKind::Activation, name)?, ActivationFile::read)
+}
+
+/// A table of textures by name or path.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_textures(name: &str) -> Result<Loaded<TextureTable>, FileError> {
+    load(resolve(FileKind::Textures, name)?, TextureTable::read)
+}

@@ -1,0 +1,351 @@
+//! The model file: safetensors with PyTorch's names and gate order, and a golden vector that has to come out.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use palpate_core::texture::{Driver, Encoder, Gru, Model};
+use palpate_core::vector::Vectors;
+use safetensors::tensor::TensorView;
+use safetensors::{Dtype, SafeTensors};
+use serde::Deserialize;
+
+use crate::FileError;
+
+/// The `format` that this program reads.
+const FORMAT: &str = "palpate-texture 1";
+/// How far the golden vector may be off.
+const GOLDEN: f64 = 1e-5;
+/// No model is nearly as large: what is larger is some other file.
+const MOST_BYTES: u64 = 256 << 20;
+
+/// Taxel, from 0, and axis of a column that is called `txl1_x`.
+pub fn taxel(column: &str) -> Option<(usize, usize)> {
+    let (taxel, axis) = column.strip_prefix("txl")?.split_once('_')?;
+    let taxel = taxel.parse::<usize>().ok()?.checked_sub(1)?;
+    Some((taxel, ["x", "y", "z"].iter().position(|a| *a == axis)?))
+}
+
+/// A tensor: its shape and its numbers, row by row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tensor {
+    /// Rows and columns, or the length alone.
+    pub shape: Vec<usize>,
+    /// The numbers.
+    pub values: Vec<f32>,
+}
+
+/// One GRU layer of the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// `[3H, I]`, gates r, z, n.
+    pub weight_ih: Tensor,
+    /// `[3H, H]`.
+    pub weight_hh: Tensor,
+    /// `[3H]`.
+    pub bias_ih: Tensor,
+    /// `[3H]`.
+    pub bias_hh: Tensor,
+}
+
+impl Layer {
+    /// Units H.
+    pub fn units(&self) -> usize {
+        self.weight_hh.shape[1]
+    }
+
+    /// Inputs I.
+    pub fn inputs(&self) -> usize {
+        self.weight_ih.shape[1]
+    }
+}
+
+/// A model whose golden vector came out right.
+#[derive(Clone, Debug)]
+pub struct TextureModel {
+    label: String,
+    layers: Vec<Layer>,
+    scale_min: Vec<f32>,
+    scale_max: Vec<f32>,
+    window: usize,
+    names: Vec<String>,
+    metadata: BTreeMap<String, String>,
+}
+
+impl TextureModel {
+    /// The built-in model called `default`, or a file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is no such model, or misses its golden vector.
+    pub fn open(name: &str) -> Result<Self, FileError> {
+        if let Some(bytes) = palpate_fixtures::model(name) {
+            return Self::parse(&format!("fixtures/models/{name}.safetensors"), bytes);
+        }
+        let wrong = |found: String| FileError::whole(name, "`default` or a model file", found);
+        let path = Path::new(name);
+        let length = std::fs::metadata(path)
+            .map_err(|e| wrong(e.to_string()))?
+            .len();
+        if length > MOST_BYTES {
+            return Err(wrong(format!("{length} bytes")));
+        }
+        let bytes = std::fs::read(path).map_err(|e| wrong(e.to_string()))?;
+        Self::parse(name, &bytes)
+    }
+
+    /// A model from the bytes of its file; `label` names it in errors.
+    ///
+    /// # Errors
+    /// As [`TextureModel::open`].
+    pub fn parse(label: &str, bytes: &[u8]) -> Result<Self, FileError> {
+        let wrong = |key: &str, expected: String, found: String| FileError {
+            key: Some(key.to_owned()),
+            ..FileError::whole(label, expected, found)
+        };
+        let whole = |found: String| FileError::whole(label, "a model in safetensors", found);
+        let tensors = SafeTensors::deserialize(bytes).map_err(|e| whole(e.to_string()))?;
+        let (_, header) = SafeTensors::read_metadata(bytes).map_err(|e| whole(e.to_string()))?;
+        let metadata: BTreeMap<String, String> = header
+            .metadata()
+            .iter()
+            .flatten()
+            .map(|(k, v)| (k.clone(), v.clone()))
+            .collect();
+        let text = |key: &str| metadata.get(key).map_or("", String::as_str);
+        if text("format") != FORMAT {
+            let found = format!("{:?}", text("format"));
+            return Err(wrong("metadata.format", format!("{FORMAT:?}"), found));
+        }
+        let window: usize = text("window").parse().map_err(|_| {
+            wrong(
+                "metadata.window",
+                "a number of samples".into(),
+                format!("{:?}", text("window")),
+            )
+        })?;
+        let read = |key: &str, dimensions: usize| -> Result<Tensor, FileError> {
+            let view = tensors
+                .tensor(key)
+                .map_err(|_| wrong(key, "a tensor".into(), "none".into()))?;
+            if view.dtype() != Dtype::F32 || view.shape().len() != dimensions {
+                let expected = format!("F32 with {dimensions} dimensions");
+                let found = format!("{:?} of shape {:?}", view.dtype(), view.shape());
+                return Err(wrong(key, expected, found));
+            }
+            let (numbers, _) = view.data().as_chunks::<4>();
+            Ok(Tensor {
+                shape: view.shape().to_vec(),
+                values: numbers.iter().map(|b| f32::from_le_bytes(*b)).collect(),
+            })
+        };
+        let mut layers = Vec::new();
+        while layers.is_empty()
+            || tensors
+                .tensor(&format!("encoder.{}.weight_ih", layers.len()))
+                .is_ok()
+        {
+            let l = layers.len();
+            let name = |tensor: &str| format!("encoder.{l}.{tensor}");
+            let layer = Layer {
+                weight_ih: read(&name("weight_ih"), 2)?,
+                weight_hh: read(&name("weight_hh"), 2)?,
+                bias_ih: read(&name("bias_ih"), 1)?,
+                bias_hh: read(&name("bias_hh"), 1)?,
+            };
+            layers.push(layer);
+        }
+        let model = Self {
+            label: label.into(),
+            layers,
+            scale_min: read("scale.min", 1)?.values,
+            scale_max: read("scale.max", 1)?.values,
+            window,
+            names: names(text("features")),
+            metadata,
+        };
+        let golden = (read("golden.window", 2)?, read("golden.latent", 1)?);
+        model.check(&golden.0, &golden.1)?;
+        Ok(model)
+    }
+
+    /// Whether the golden window's latent vector comes out.
+    fn check(&self, window: &Tensor, latent: &Tensor) -> Result<(), FileError> {
+        let wrong = |key: &str, expected: String, found: String| FileError {
+            key: Some(key.to_owned()),
+            ..FileError::whole(&self.label, expected, found)
+        };
+        let encoder = self.encoder()?;
+        let shape = [encoder.window(), encoder.features()];
+        if window.shape != shape {
+            let found = format!("{:?}", window.shape);
+            return Err(wrong("golden.window", format!("shape {shape:?}"), found));
+        }
+        if latent.values.len() != encoder.latents() {
+            let expected = format!("{} numbers", encoder.latents());
+            return Err(wrong(
+                "golden.latent",
+                expected,
+                latent.values.len().to_string(),
+            ));
+        }
+        let mut room = encoder.room(1);
+        let found = encoder.encode(&mut room, &window.values).map_err(|e| {
+            wrong(
+                "golden.window",
+                "a window of raw counts".into(),
+                e.to_string(),
+            )
+        })?;
+        let off = |(a, b): (&f32, &f32)| (f64::from(*a) - f64::from(*b)).abs();
+        for (i, pair) in found.iter().zip(&latent.values).enumerate() {
+            let near = off(pair) <= GOLDEN; // no NaN is
+            if !near {
+                return Err(wrong(
+                    &format!("golden.latent[{i}]"),
+                    format!(
+                        "{} as the encoder computes it, to {GOLDEN:e} (was the model converted? see docs/texture.md)",
+                        pair.0
+                    ),
+                    pair.1.to_string(),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Calls `then` with the model as core takes it.
+    pub fn with<T>(&self, then: impl FnOnce(&Model<'_>) -> T) -> T {
+        let layers: Vec<Gru<'_>> = self
+            .layers
+            .iter()
+            .map(|layer| Gru {
+                inputs: layer.inputs(),
+                units: layer.units(),
+                weight_ih: &layer.weight_ih.values,
+                weight_hh: &layer.weight_hh.values,
+                bias_ih: &layer.bias_ih.values,
+                bias_hh: &layer.bias_hh.values,
+            })
+            .collect();
+        then(&Model {
+            scale_min: &self.scale_min,
+            scale_max: &self.scale_max,
+            layers: &layers,
+            window: self.window,
+        })
+    }
+
+    /// The encoder.
+    ///
+    /// # Errors
+    /// Shapes that do not fit each other, numbers out of bounds.
+    pub fn encoder(&self) -> Result<Encoder, FileError> {
+        self.encoder_on(Vectors::widest())
+    }
+
+    /// The encoder on vectors of choice, which change its speed and no bit.
+    ///
+    /// # Errors
+    /// As [`TextureModel::encoder`].
+    pub fn encoder_on(&self, vectors: Vectors) -> Result<Encoder, FileError> {
+        self.with(|model| Encoder::with(model, vectors))
+            .map_err(|e| FileError::whole(&self.label, "a model that fits together", e.to_string()))
+    }
+
+    /// The latent coordinate that stands for roughness, as the file's `latent` says.
+    ///
+    /// # Errors
+    /// A model that was trained without ratings says nothing of it.
+    pub fn driver(&self) -> Result<Driver, FileError> {
+        #[derive(Deserialize)]
+        struct Roughness {
+            coordinate: usize,
+            sign: i32,
+            z_lo: f32,
+            z_hi: f32,
+        }
+        #[derive(Deserialize)]
+        struct Latent {
+            roughness: Option<Roughness>,
+        }
+        let text = self.metadata.get("latent").map_or("", String::as_str);
+        let found: Option<Latent> = serde_json::from_str(text).ok();
+        match found.and_then(|latent| latent.roughness) {
+            Some(driver) if driver.coordinate < self.latents() => Ok(Driver {
+                coordinate: driver.coordinate,
+                falls: driver.sign < 0,
+                low: driver.z_lo,
+                high: driver.z_hi,
+            }),
+            _ => Err(FileError {
+                key: Some("metadata.latent".into()),
+                ..FileError::whole(
+                    &self.label,
+                    "roughness {coordinate, sign, z_lo, z_hi}, as a training with ratings writes it",
+                    if text.is_empty() { "nothing" } else { text },
+                )
+            }),
+        }
+    }
+
+    /// The encoder's layers.
+    pub fn layers(&self) -> &[Layer] {
+        &self.layers
+    }
+
+    /// Values of a sample.
+    pub fn features(&self) -> usize {
+        self.scale_min.len()
+    }
+
+    /// Values of a latent vector.
+    pub fn latents(&self) -> usize {
+        self.layers.last().map_or(0, Layer::units)
+    }
+
+    /// Samples of a window.
+    pub const fn window(&self) -> usize {
+        self.window
+    }
+
+    /// The columns of a recording that are the features; empty where the file does not name them all.
+    pub fn feature_names(&self) -> &[String] {
+        if self.names.len() == self.features() {
+            &self.names
+        } else {
+            &[]
+        }
+    }
+
+    /// What else the file says of itself.
+    pub const fn metadata(&self) -> &BTreeMap<String, String> {
+        &self.metadata
+    }
+}
+
+/// A JSON list of names, or names between commas.
+fn names(text: &str) -> Vec<String> {
+    serde_json::from_str(text).unwrap_or_else(|_| {
+        let names = text.split(',').map(str::trim).filter(|n| !n.is_empty());
+        names.map(str::to_owned).collect()
+    })
+}
+
+/// The bytes of a model file: tensors by name, shape and numbers, and metadata beside the format; none where a shape
+/// does not hold its numbers.
+pub fn model_file(
+    tensors: &[(String, Vec<usize>, &Vec<f32>)],
+    metadata: &[(&str, String)],
+) -> Option<Vec<u8>> {
+    let bytes =
+        |values: &Vec<f32>| -> Vec<u8> { values.iter().flat_map(|v| v.to_le_bytes()).collect() };
+    let data: Vec<_> = tensors.iter().map(|(_, _, values)| bytes(values)).collect();
+    let mut views = Vec::new();
+    for ((name, shape, _), data) in tensors.iter().zip(&data) {
+        views.push((name, TensorView::new(Dtype::F32, shape.clone(), data).ok()?));
+    }
+    let metadata = metadata
+        .iter()
+        .map(|(key, text)| ((*key).to_owned(), text.clone()));
+    let format = [("format".to_owned(), FORMAT.to_owned())];
+    safetensors::serialize(views, Some(format.into_iter().chain(metadata).collect())).ok()
+}

@@ -1,0 +1,26 @@
+//! Tests of `contacts_csv.rs`.
+
+use super::*;
+use crate::synthetic;
+
+#[test]
+fn every_row_has_the_columns_of_the_header() {
+    let trace = synthetic::circle(1);
+    let mut out = Vec::new();
+    write_table(&trace.events, &mut out).unwrap();
+    let text = String::from_utf8(out).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some(HEADER));
+    let mut rows = 0;
+    for line in lines {
+        let fields: Vec<_> = line.split(',').collect();
+        assert_eq!(fields.len(), 9, "{line}");
+        assert!(fields[4].parse::<f64>().unwrap().abs() < 10.0);
+        rows += 1;
+    }
+    let contacts = trace
+        .events
+        .iter()
+        .filter(|e| matches!(e, Event::Contact { .. }));
+    assert_eq!(rows, contacts.count());
+}

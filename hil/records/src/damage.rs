@@ -1,0 +1,46 @@
+//! What is wrong with a text of ours, and where.
+
+use std::fmt;
+
+/// The first line that has no place in a golden, a schedule file or a table of contacts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Damage {
+    /// Line, counted from one.
+    pub line: usize,
+    /// What should be there.
+    pub expected: String,
+    /// What is.
+    pub found: String,
+}
+
+impl Damage {
+    /// Line number `line` reads `found`, and wants something else.
+    pub(crate) fn of_line(line: usize, expected: &str, found: &str) -> Self {
+        Self {
+            line,
+            expected: expected.to_owned(),
+            found: shown(found),
+        }
+    }
+}
+
+impl fmt::Display for Damage {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            line,
+            expected,
+            found,
+        } = self;
+        write!(out, "line {line}: expected {expected}, found {found}")
+    }
+}
+
+/// A damaged line as a message shows it.
+fn shown(text: &str) -> String {
+    if text.is_empty() {
+        return "an empty line".to_owned();
+    }
+    let cut: String = text.chars().take(60).collect();
+    let dots = if cut.len() < text.len() { ".." } else { "" };
+    format!("`{}{dots}`", cut.trim_end().escape_default())
+}

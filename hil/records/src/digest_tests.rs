@@ -1,0 +1,30 @@
+//! Tests of `digest.rs`.
+
+use super::*;
+use crate::synthetic;
+
+#[test]
+fn one_integer_changes_the_digest() {
+    let trace = synthetic::circle(2);
+    let before = trace_digest(&trace);
+    assert_eq!(before.len(), 16);
+    assert_eq!(before, trace_digest(&trace.clone()));
+    let mut other = trace.clone();
+    other.ledger.energy_uj += 1;
+    assert_ne!(before, trace_digest(&other));
+    let mut other = trace.clone();
+    for event in &mut other.events {
+        if let Event::Wire { milli_c, .. } = event {
+            *milli_c += 1;
+            break;
+        }
+    }
+    assert_ne!(before, trace_digest(&other));
+    assert_eq!(contacts_digest(&trace), contacts_digest(&other));
+    assert_eq!(schedule_digest(&trace), schedule_digest(&other));
+}
+
+#[test]
+fn known_vector() {
+    assert_eq!(short_digest(b"abc"), "ba7816bf8f01cfea");
+}

@@ -1,0 +1,47 @@
+//! Tests of `felt.rs`.
+
+use super::*;
+use crate::synthetic;
+
+fn felt(t_us: u64, target: i32, felt: Option<(i32, i32)>) -> Event {
+    let at = |x| PlaceUm { x, y: 0 };
+    Event::Felt {
+        t_us,
+        target: at(target),
+        inside: true,
+        felt: felt.map(|(energy, amplitude)| FeltAt {
+            energy: at(energy),
+            amplitude: at(amplitude),
+        }),
+        energy_permille: 500,
+    }
+}
+
+#[test]
+fn both_perceivers_are_scored_apart() {
+    let mut trace = synthetic::empty();
+    trace.events = vec![
+        felt(0, 0, Some((3_000, 0))),
+        felt(58_500, 1_000, Some((3_000, 1_000))),
+        // The energy centroid goes 3 mm where the contact goes 1 mm: 1.9 mm would be felt.
+        felt(117_000, 2_000, Some((6_000, 2_000))),
+        felt(175_500, 3_000, None),
+        // After a break nothing can jump.
+        felt(234_000, 4_000, Some((9_000, 9_000))),
+    ];
+    let [energy, amplitude] = felt_scores(&trace);
+    assert_eq!((energy.breaks, energy.jumps), (1, 1));
+    assert_eq!((amplitude.breaks, amplitude.jumps), (1, 0));
+    assert_eq!(energy.errors.unwrap().max_um, 5_000);
+    // 0, 0, 0, 1 mm at the break (still felt at 2 mm), 5 mm.
+    assert_eq!(amplitude.errors.unwrap().rmse_um, 2_280);
+    assert_eq!(energy_permille(&trace), Some((500, 500)));
+    assert!((decibels(500) + 3.01).abs() < 0.01);
+}
+
+#[test]
+fn nothing_felt_is_no_score() {
+    let [energy, _] = felt_scores(&synthetic::empty());
+    assert_eq!((energy.errors, energy.breaks, energy.jumps), (None, 0, 0));
+    assert_eq!(energy_permille(&synthetic::empty()), None);
+}

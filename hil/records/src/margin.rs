@@ -1,0 +1,187 @@
+//! Limits, the worst that a run came to, and what was left: the one computation of both behind every table.
+
+use serde::ser::{Serialize, SerializeStruct, Serializer};
+
+/// What is limited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Limited {
+    /// Longest stretch of current in a wire.
+    Pulse,
+    /// From the first to the last current of a burst on one wire.
+    Burst,
+    /// Electrical energy of a burst on one wire.
+    BurstEnergy,
+    /// Mean power of a wire over a second.
+    WirePower1s,
+    /// The same over ten seconds.
+    WirePower10s,
+    /// Mean power of all wires of a fingertip over a second.
+    FingertipPower1s,
+    /// The same over a minute.
+    FingertipPower60s,
+    /// Current of the supply.
+    SupplyCurrent,
+    /// Skin 0.1 mm deep, mean over ten seconds.
+    SkinMean,
+    /// Skin 0.1 mm deep at any time.
+    SkinPeak,
+    /// Skin 0.4 mm deep at any time.
+    SkinDeep,
+    /// Damage integral of Henriques and Moritz.
+    Henriques,
+    /// Minutes at 43 degrees C that would do the same.
+    Cem43,
+}
+
+/// The temperature at rest, from which the used part of a temperature limit counts: 33 degrees C.
+const REST_NANO: i64 = 33_000_000_000;
+
+impl Limited {
+    /// Its name in tables and JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Pulse => "pulse",
+            Self::Burst => "burst",
+            Self::BurstEnergy => "burst energy",
+            Self::WirePower1s => "wire power, 1 s",
+            Self::WirePower10s => "wire power, 10 s",
+            Self::FingertipPower1s => "fingertip power, 1 s",
+            Self::FingertipPower60s => "fingertip power, 60 s",
+            Self::SupplyCurrent => "supply current",
+            Self::SkinMean => "skin at 0.1 mm, 10 s mean",
+            Self::SkinPeak => "skin at 0.1 mm",
+            Self::SkinDeep => "skin at 0.4 mm",
+            Self::Henriques => "Henriques dose",
+            Self::Cem43 => "dose, CEM43",
+        }
+    }
+
+    /// Its unit.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Pulse => "us",
+            Self::Burst => "ms",
+            Self::BurstEnergy => "mJ",
+            Self::WirePower1s
+            | Self::WirePower10s
+            | Self::FingertipPower1s
+            | Self::FingertipPower60s => "mW",
+            Self::SupplyCurrent => "A",
+            Self::SkinMean | Self::SkinPeak | Self::SkinDeep => "C",
+            Self::Henriques => "Omega",
+            Self::Cem43 => "min",
+        }
+    }
+
+    /// Its value when nothing happens, in billionths of the unit.
+    const fn rest_nano(self) -> i64 {
+        match self {
+            Self::SkinMean | Self::SkinPeak | Self::SkinDeep => REST_NANO,
+            _ => 0,
+        }
+    }
+}
+
+/// A limit and the worst that came, in billionths of the unit: the doses are that small, and a trace is integers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Margin {
+    /// What is limited.
+    pub of: Limited,
+    /// The worst of the run.
+    pub worst_nano: i64,
+    /// The limit in force.
+    pub limit_nano: i64,
+}
+
+impl Margin {
+    /// A value and its limit in the unit of `of`. What is no number counts as the largest there is, which no limit
+    /// is; minus infinity, the largest of nothing, as rest.
+    pub fn new(of: Limited, worst: f64, limit: f64) -> Self {
+        Self {
+            of,
+            worst_nano: nano(worst).unwrap_or_else(|| of.rest_nano()),
+            limit_nano: nano(limit).unwrap_or(0),
+        }
+    }
+
+    /// The worst, in the unit.
+    pub fn worst(&self) -> f64 {
+        self.worst_nano as f64 / 1e9
+    }
+
+    /// The limit, in the unit.
+    pub fn limit(&self) -> f64 {
+        self.limit_nano as f64 / 1e9
+    }
+
+    /// What was left, in the unit; negative beyond the limit.
+    pub fn left(&self) -> f64 {
+        self.limit_nano.saturating_sub(self.worst_nano) as f64 / 1e9
+    }
+
+    /// Part of the limit that was used, counted from rest, in thousandths of a percent; `None` for a limit at rest.
+    pub fn used_milli_percent(&self) -> Option<i64> {
+        let rest = i128::from(self.of.rest_nano());
+        share_milli_percent(
+            i128::from(self.worst_nano) - rest,
+            i128::from(self.limit_nano) - rest,
+        )
+    }
+
+    /// The same as a part of one; infinite for a limit at rest.
+    pub fn used(&self) -> f64 {
+        self.used_milli_percent()
+            .map_or(f64::INFINITY, |used| used as f64 / 1e5)
+    }
+
+    /// Whether the limit was passed.
+    pub const fn over(&self) -> bool {
+        self.worst_nano > self.limit_nano
+    }
+}
+
+/// Billionths, rounded; `None` for minus infinity.
+fn nano(value: f64) -> Option<i64> {
+    if value.is_nan() {
+        return Some(i64::MAX);
+    }
+    // A cast keeps what does not fit at the end of the range.
+    (value > f64::NEG_INFINITY).then_some((value * 1e9).round() as i64)
+}
+
+/// Thousandths of a percent that a part is of a whole, rounded; `None` for a whole of nothing.
+fn share_milli_percent(part: i128, whole: i128) -> Option<i64> {
+    if whole <= 0 {
+        return None;
+    }
+    let twice = part.saturating_mul(200_000);
+    let share = (twice + whole * part.signum()) / (2 * whole);
+    Some(i64::try_from(share).unwrap_or(i64::MAX))
+}
+
+/// Puts the margin that was used up most first.
+pub fn sort(margins: &mut [Margin]) {
+    let key = |m: &Margin| m.used_milli_percent().unwrap_or(i64::MAX);
+    margins.sort_by(|a, b| {
+        let used = key(b).cmp(&key(a));
+        used.then(a.of.name().cmp(b.of.name()))
+    });
+}
+
+/// As `hil run --json` has it: numbers in the unit.
+impl Serialize for Margin {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut object = serializer.serialize_struct("Margin", 6)?;
+        object.serialize_field("name", self.of.name())?;
+        object.serialize_field("worst", &self.worst())?;
+        object.serialize_field("limit", &self.limit())?;
+        object.serialize_field("unit", self.of.unit())?;
+        object.serialize_field("margin", &self.left())?;
+        object.serialize_field("used", &self.used())?;
+        object.end()
+    }
+}
+
+#[cfg(test)]
+#[path = "margin_tests.rs"]
+mod tests;

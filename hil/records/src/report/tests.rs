@@ -1,0 +1,146 @@
+//! Tests of `mod.rs`.
+
+use super::*;
+use crate::synthetic;
+use crate::trace::{Event, PlaceUm};
+
+fn timing(n: u64) -> Vec<f32> {
+    (0..n)
+        .map(|i| match i % 97 {
+            13 => f32::NAN,
+            50 => 9.5,
+            k => 0.9 + (k as f32 * 0.61).sin().abs() * 0.8,
+        })
+        .collect()
+}
+
+fn sound(page: &str) {
+    for bad in ["NaN", "inf\"", "inf ", "<script", "@import", "url(", "src="] {
+        assert!(!page.contains(bad), "{bad}");
+    }
+    let namespace = "http://www.w3.org/2000/svg";
+    let rest = page.replace(namespace, "");
+    assert!(!rest.contains("http://") && !rest.contains("https://"));
+    assert_eq!(
+        page.matches("<section>").count(),
+        page.matches("</section>").count()
+    );
+    assert!(page.ends_with("</html>\n"));
+}
+
+fn show(name: &str, page: &str) {
+    if let Some(folder) = std::env::var_os("PALPATE_SHOW") {
+        std::fs::write(std::path::Path::new(&folder).join(name), page).unwrap();
+    }
+}
+
+#[test]
+fn a_run_becomes_one_page_that_needs_nothing() {
+    let trace = synthetic::circle(10);
+    let times = timing(1000);
+    let rows = [SummaryRow {
+        name: "wall time".to_owned(),
+        value: "0.031".to_owned(),
+        unit: "s".to_owned(),
+        ..SummaryRow::default()
+    }];
+    let page = report_html(
+        &trace,
+        &ReportExtras {
+            frame_us: &times,
+            summary: &rows,
+            warmth: &[],
+        },
+    );
+    sound(&page);
+    show("report.html", &page);
+    assert!(page.contains("EMULATED") && page.contains("196.888"));
+    assert!(page.contains("wall time") && page.contains("path error"));
+    assert!(page.len() < 1_000_000, "{} bytes", page.len());
+}
+
+#[test]
+fn names_are_escaped() {
+    let mut trace = synthetic::circle(1);
+    trace.header.scene = "<script>alert('1')</script>&\"x\"".to_owned();
+    trace.header.bench = "<b>".to_owned();
+    trace.header.illusion = "<i>".to_owned();
+    trace.header.source = Source::Real;
+    trace.events.push(Event::Note {
+        t_us: 3,
+        text: "<img src=x>".to_owned(),
+    });
+    let page = report_html(&trace, &ReportExtras::default());
+    sound(&page.replace("&lt;img src=x&gt;", ""));
+    assert!(page.contains("&lt;script&gt;") && page.contains("REAL"));
+}
+
+#[test]
+fn whatever_is_missing_or_absurd_leaves_a_page() {
+    let mut trace = synthetic::empty();
+    let page = report_html(&trace, &ReportExtras::default());
+    sound(&page);
+    show("empty.html", &page);
+    let odd = [f32::NAN, f32::INFINITY, 0.0, -1.0];
+    sound(&report_html(
+        &trace,
+        &ReportExtras {
+            frame_us: &odd,
+            ..ReportExtras::default()
+        },
+    ));
+    trace.header.taxels.clear();
+    trace.header.wires.clear();
+    trace.header.soa_us = u64::MAX;
+    trace.ledger.length_us = u64::MAX;
+    trace.events = vec![
+        Event::Wire {
+            t_us: 1,
+            wire: 900,
+            milli_c: i32::MIN,
+        },
+        Event::Truth {
+            t_us: 2,
+            place: PlaceUm {
+                x: i32::MIN,
+                y: i32::MAX,
+            },
+            force_mn: 0,
+        },
+        Event::Felt {
+            t_us: 2,
+            target: PlaceUm::default(),
+            inside: false,
+            felt: None,
+            energy_permille: 0,
+        },
+        Event::Frame {
+            t_us: 9,
+            frame: u32::MAX,
+            in_contact: u16::MAX,
+            peak_counts: 0,
+        },
+    ];
+    sound(&report_html(
+        &trace,
+        &ReportExtras {
+            frame_us: &[f32::MAX, 1.0],
+            ..ReportExtras::default()
+        },
+    ));
+}
+
+#[test]
+fn a_long_run_stays_small() {
+    let trace = synthetic::circle(60);
+    let times = timing(6000);
+    let page = report_html(
+        &trace,
+        &ReportExtras {
+            frame_us: &times,
+            ..ReportExtras::default()
+        },
+    );
+    show("long.html", &page);
+    assert!(page.len() < 2_500_000, "{} bytes", page.len());
+}

@@ -1,0 +1,193 @@
+//! A schedule file (JSON Lines) read back into a trace.
+
+use palpate_core::schedule::{Entry, Reason};
+use palpate_core::units::{Board, Channel, Instant, Prescale, Ticks};
+use serde::Deserialize;
+
+use super::VERSION;
+use crate::damage::Damage;
+use crate::trace::{Driven, Event, Header, Ledger, Source, Trace, WireInfo};
+
+#[derive(Deserialize)]
+struct HeaderLine {
+    version: u32,
+    seed: u64,
+    scene_digest: String,
+    limits_digest: String,
+    #[serde(default)]
+    scene: String,
+    #[serde(default)]
+    bench: String,
+    #[serde(default)]
+    source: String,
+    #[serde(default)]
+    pre_scale: Option<u8>,
+    #[serde(default)]
+    tau_d_us: u64,
+    #[serde(default)]
+    soa_us: u64,
+}
+
+#[derive(Deserialize)]
+struct Line {
+    t_us: u64,
+    board: u8,
+    channel: Option<u8>,
+    on: Option<u16>,
+    off: Option<u16>,
+    until_us: Option<u64>,
+    requested: Option<u16>,
+    #[serde(default)]
+    reason: Option<String>,
+    pre_scale: Option<u8>,
+    all_off: Option<String>,
+}
+
+/// Every cause that is written into a schedule.
+const CAUSES: [&str; 6] = [
+    "start",
+    "stale-input",
+    "actuator-error",
+    "sensor-error",
+    "late-tick",
+    "end",
+];
+
+/// A line that is no JSON, or not what is wanted, with what the parser says of it.
+fn unread(line: usize, expected: &str, text: &str, error: &serde_json::Error) -> Damage {
+    let mut damage = Damage::of_line(line, expected, text);
+    damage.found.push_str(&format!(": {error}"));
+    damage
+}
+
+/// Reads a schedule; `wires` finds the wires of a bench by its name.
+///
+/// # Errors
+/// The first line that no schedule has there.
+pub fn read_schedule(
+    text: &str,
+    wires: impl FnOnce(&str) -> Vec<WireInfo>,
+) -> Result<Trace, Damage> {
+    const FIRST: &str = "a schedule's header: {\"version\":1,\"seed\":..}";
+    let mut lines = text.lines().enumerate().map(|(n, l)| (n + 1, l));
+    let (_, first) = lines.next().unwrap_or((1, ""));
+    let header: HeaderLine =
+        serde_json::from_str(first).map_err(|e| unread(1, FIRST, first, &e))?;
+    if header.version != VERSION {
+        let found = format!("version {}", header.version);
+        return Err(Damage::of_line(1, &format!("version {VERSION}"), &found));
+    }
+    let mut events = Vec::new();
+    let mut driven = Driven::default();
+    for (number, line) in lines {
+        let event = event(number, line)?;
+        if let Event::Schedule(entry) = &event {
+            driven.add(entry);
+        }
+        events.push(event);
+    }
+    if let Some((index, _)) = (1..events.len())
+        .map(|i| (i, (&events[i - 1], &events[i])))
+        .find(|(_, (a, b)): &(usize, (&Event, &Event))| a.t_ns() > b.t_ns())
+    {
+        // The header is line 1, so the event behind index is on line index + 2.
+        return Err(Damage::of_line(
+            index + 2,
+            "records sorted by time",
+            "an earlier one",
+        ));
+    }
+    let length_us = events.last().map_or(0, |e: &Event| e.t_ns() / 1000);
+    let wires = wires(&header.bench);
+    Ok(Trace {
+        header: Header {
+            source: match header.source.as_str() {
+                "real" => Source::Real,
+                _ => Source::Emulated,
+            },
+            scene: header.scene,
+            bench: header.bench,
+            seed: header.seed,
+            scene_digest: header.scene_digest,
+            limits_digest: header.limits_digest,
+            pre_scale: Prescale::new(header.pre_scale.unwrap_or_default()),
+            tau_d_us: header.tau_d_us,
+            soa_us: header.soa_us,
+            illusion: String::new(),
+            kc: 0,
+            taxels: Vec::new(),
+            wires,
+        },
+        events,
+        ledger: Ledger {
+            driven,
+            length_us,
+            ..Ledger::default()
+        },
+    })
+}
+
+fn event(number: usize, text: &str) -> Result<Event, Damage> {
+    const RECORD: &str = "a record with t_us and board, and channel, pre_scale or all_off";
+    let line: Line = serde_json::from_str(text).map_err(|e| unread(number, RECORD, text, &e))?;
+    let Line { t_us, board, .. } = line;
+    match line {
+        Line {
+            pre_scale: Some(pre_scale),
+            channel: None,
+            ..
+        } => Ok(Event::PreScale {
+            t_us,
+            board,
+            pre_scale,
+        }),
+        Line {
+            all_off: Some(word),
+            channel: None,
+            ..
+        } => match CAUSES.into_iter().find(|c| *c == word) {
+            Some(cause) => Ok(Event::AllOff { t_us, board, cause }),
+            None => {
+                let expected = format!("a cause: {}", CAUSES.join(", "));
+                Err(Damage::of_line(number, &expected, &word))
+            }
+        },
+        line => entry(&line, number, text)?
+            .map(Event::Schedule)
+            .ok_or_else(|| Damage::of_line(number, RECORD, text)),
+    }
+}
+
+/// What a channel was told; `None` for a line that is no such record.
+fn entry(line: &Line, number: usize, text: &str) -> Result<Option<Entry>, Damage> {
+    let (Some(channel), Some(on), Some(off), Some(until_us), Some(requested)) = (
+        line.channel,
+        line.on,
+        line.off,
+        line.until_us,
+        line.requested,
+    ) else {
+        return Ok(None);
+    };
+    if [on, off, requested].iter().any(|t| *t > Ticks::PER_PERIOD) {
+        return Err(Damage::of_line(number, "at most 4096 ticks", text));
+    }
+    let known = |word: &String| {
+        let reason = Reason::ALL.into_iter().find(|r| r.word() == word);
+        reason.ok_or_else(|| Damage::of_line(number, "a reason of the guard's", word))
+    };
+    Ok(Some(Entry {
+        at: Instant::from_micros(line.t_us),
+        board: Board(line.board),
+        channel: Channel(channel),
+        on,
+        off,
+        until: Instant::from_micros(until_us),
+        requested: Ticks::new(requested),
+        reason: line.reason.as_ref().map(known).transpose()?,
+    }))
+}
+
+#[cfg(test)]
+#[path = "read_tests.rs"]
+mod tests;

@@ -1,0 +1,48 @@
+//! Tests of `read.rs`.
+
+use super::*;
+use crate::schedule::write_schedule;
+use crate::synthetic;
+
+#[test]
+fn damage_is_named_by_its_line() {
+    let mut trace = synthetic::empty();
+    let all_off = |t_us, cause| Event::AllOff {
+        t_us,
+        board: 0,
+        cause,
+    };
+    trace.events = vec![all_off(0, "start"), all_off(10, "end")];
+    let mut out = Vec::new();
+    write_schedule(&trace, &mut out).unwrap();
+    let good = String::from_utf8(out).unwrap();
+    let damaged = |text: &str| read_schedule(text, |_| Vec::new()).err();
+    assert_eq!(damaged(&good), None);
+    let entry =
+        r#"{"t_us":20,"board":0,"channel":1,"on":0,"off":5000,"until_us":30,"requested":1}"#;
+    let reason = r#"{"t_us":20,"board":0,"channel":1,"on":0,"off":5,"until_us":30,"requested":1,"reason":"tea"}"#;
+    for (text, line, word) in [
+        (String::new(), 1, "empty line"),
+        ("{}".to_owned(), 1, "header"),
+        (
+            good.replace("\"version\":1", "\"version\":9"),
+            1,
+            "version 9",
+        ),
+        (good.replace("\"start\"", "\"tea\""), 2, "a cause: start"),
+        (
+            format!("{good}{{\"t_us\":0,\"board\":0,\"pre_scale\":3}}"),
+            4,
+            "sorted",
+        ),
+        (format!("{good}\n"), 4, "a record"),
+        (format!("{good}{{\"t_us\":-1}}"), 4, "a record"),
+        (format!("{good}{{\"t_us\":20,\"board\":0}}"), 4, "a record"),
+        (format!("{good}{entry}"), 4, "4096 ticks"),
+        (format!("{good}{reason}"), 4, "a reason"),
+    ] {
+        let damage = damaged(&text).unwrap();
+        assert_eq!(damage.line, line, "{damage}");
+        assert!(damage.to_string().contains(word), "{word}: {damage}");
+    }
+}

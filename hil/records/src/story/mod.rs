@@ -1,0 +1,185 @@
+//! A run as a golden tells it: one structure, made from a trace or read from a text; the text is rendered from it
+//! and `diff` compares it.
+//!
+//! Two texts of a scene, so that a change shows where it belongs: the contact path and the schedule; and one of a
+//! surface over many runs. ASCII, under 100 columns and 200 lines, built from integers. The chart's quantum follows
+//! from the run's length alone; nothing random and no name of a file enters.
+
+mod of_trace;
+mod pad;
+mod read;
+mod strip;
+mod table;
+mod text;
+
+pub use of_trace::SurfacePoint;
+pub use table::{Column, Role, Table};
+
+use crate::bursts::Burst;
+use crate::damage::Damage;
+use crate::figures::Figure;
+use crate::schedule::read_schedule;
+use crate::trace::{Source, Trace, WireInfo};
+use crate::words::{Happening, HappeningKind};
+use std::collections::BTreeMap;
+
+/// Most characters on a line.
+pub const COLUMNS: usize = 99;
+/// Most lines of a golden.
+pub const LINES: usize = 199;
+
+/// Which golden it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum GoldenKind {
+    /// What the wires were told, and what it came to.
+    Schedule,
+    /// What the compression found.
+    Contacts,
+    /// A scene over force and speed.
+    Surface,
+}
+
+impl GoldenKind {
+    /// Every kind, in the order a review shows them.
+    pub const ALL: [Self; 3] = [Self::Schedule, Self::Contacts, Self::Surface];
+
+    /// The words of its first line.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Schedule => "schedule",
+            Self::Contacts => "contact path",
+            Self::Surface => "surface",
+        }
+    }
+
+    /// What its digests are of.
+    const fn digests(self) -> &'static [&'static str] {
+        match self {
+            Self::Schedule => &["schedule", "trace"],
+            Self::Contacts => &["contacts"],
+            Self::Surface => &[],
+        }
+    }
+}
+
+/// A line of the header: pieces such as `tau_d 35.000 ms`, under a label or none.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct HeadLine {
+    /// What the pieces are of, such as `path error`.
+    pub label: String,
+    /// At least one; none holds a comma or colon.
+    pub pieces: Vec<String>,
+}
+
+/// The times that bursts are compared by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Timing {
+    /// Length of a whole burst, microseconds.
+    pub tau_d_us: u64,
+    /// From onset to onset, microseconds.
+    pub soa_us: u64,
+    /// A tick of the pulse width, nanoseconds.
+    pub tick_ns: u64,
+}
+
+/// A run as a golden tells it. Of a text it holds what the text lists; of a trace, everything.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Story {
+    /// Which golden it is.
+    pub kind: GoldenKind,
+    /// The scene's name.
+    pub scene: String,
+    /// Whether hardware took part.
+    pub source: Source,
+    /// What the header says.
+    pub head: Vec<HeadLine>,
+    /// Of a schedule: the times in its header.
+    pub timing: Timing,
+    /// Of a contact path: the map of the pad, line by line, with its heading.
+    pub pad: Vec<String>,
+    /// The strip chart, line by line, with its heading.
+    pub chart: Vec<String>,
+    /// What happened, to the millisecond.
+    pub happenings: Vec<Happening>,
+    /// Happenings that the text counts and does not list.
+    pub happenings_untold: u64,
+    /// Totals and margins.
+    pub figures: Vec<Figure>,
+    /// Its wires, contacts or points.
+    pub table: Table,
+    /// Every burst, sorted by start and output.
+    pub bursts: Vec<Burst>,
+    /// Bursts that the text counts and does not list.
+    pub bursts_untold: u64,
+    /// Digests by what they are of.
+    pub digests: BTreeMap<&'static str, String>,
+    /// From a schedule file, which says less: what it lacks is no difference.
+    pub partial: bool,
+}
+
+impl Story {
+    /// The start of the last burst that it lists, microseconds, where it does not list all.
+    pub fn listed_until_us(&self) -> Option<u64> {
+        let last = self.bursts.last().map_or(0, |b| b.from_us);
+        (self.bursts_untold > 0).then_some(last)
+    }
+
+    /// The start of the last happening that it lists, microseconds, where it does not list all.
+    pub fn told_until_us(&self) -> Option<u64> {
+        let last = self.happenings.last().map_or(0, |h| h.t_us);
+        (self.happenings_untold > 0).then_some(last)
+    }
+
+    /// What a golden's text says, with insta's heading or without.
+    ///
+    /// # Errors
+    /// The first line that no golden has there.
+    pub fn read(text: &str) -> Result<Self, Damage> {
+        read::read(text)
+    }
+
+    /// Of a schedule file (JSON Lines); `wires` finds the wires of a bench by its name.
+    ///
+    /// # Errors
+    /// The first line that no schedule has there.
+    pub fn of_schedule_file(
+        text: &str,
+        wires: impl FnOnce(&str) -> Vec<WireInfo>,
+    ) -> Result<Self, Damage> {
+        const HEAD: [&str; 5] = ["bench ", "seed ", "scene ", "limits ", "PWM "];
+        const TIMES: [&str; 5] = ["PRE_SCALE ", "period ", "tick ", "tau_d ", "SOA "];
+        const FIGURES: [&str; 2] = ["stimuli", "largest duty"];
+        let mut story = Self::schedule(&read_schedule(text, wires)?);
+        for line in &mut story.head {
+            let known = |p: &String| HEAD.iter().chain(&TIMES).any(|k| p.starts_with(k));
+            line.pieces.retain(|p| line.label.is_empty() && known(p));
+        }
+        story.head.retain(|line| !line.pieces.is_empty());
+        story.figures.retain(|f| FIGURES.contains(&f.name.as_str()));
+        // Only these stand in the file as they happened; breaks and notes do not.
+        let told = [HappeningKind::AllOff, HappeningKind::PreScale];
+        story.happenings.retain(|h| told.contains(&h.kind));
+        story.table.rows.clear();
+        story.digests.remove("trace");
+        story.partial = true;
+        Ok(story)
+    }
+}
+
+/// The golden of a contact path: what the compression made of the touch.
+pub fn contacts_golden(trace: &Trace) -> String {
+    Story::contacts(trace).text()
+}
+
+/// The golden of a schedule: what the wires were told, and what it came to.
+pub fn schedule_golden(trace: &Trace) -> String {
+    Story::schedule(trace).text()
+}
+
+/// The golden of a surface over force and speed; `trace` is any of its runs, for what they have in common.
+pub fn surface_golden(trace: &Trace, points: &[SurfacePoint]) -> String {
+    Story::surface(trace, points).text()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,338 @@
+//! The story of a trace.
+
+use super::table::Table;
+use super::{COLUMNS, GoldenKind, HeadLine, Story, Timing, pad, strip};
+use crate::bursts::bursts;
+use crate::digest;
+use crate::felt::{energy_permille, felt_scores};
+use crate::figures::figures;
+use crate::fixed::{hundredths, milli, milli_u, seconds};
+use crate::measure::{self, Errors};
+use crate::trace::{Event, PlaceUm, Trace};
+use crate::words::{Happening, happenings, one_line};
+use std::collections::BTreeMap;
+
+/// Most contacts or wires with a row.
+const ROWS: usize = 24;
+/// What stands before the text of a happening on its line.
+const BEFORE_TEXT: usize = 31;
+
+/// One point of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// Force, N.
+    pub force_n: f64,
+    /// Speed over the skin, mm/s.
+    pub speed_mm_s: f64,
+    /// Largest duty of any wire, thousandths of a percent.
+    pub duty_milli_percent: i64,
+    /// Electrical energy, microjoules.
+    pub energy_uj: u64,
+    /// Felt error, mm RMSE; `None` where nothing was felt.
+    pub felt_mm: Option<f64>,
+    /// Limiter events.
+    pub limited: u32,
+}
+
+impl Story {
+    /// Of a run: what the wires were told, and what it came to.
+    pub fn schedule(trace: &Trace) -> Self {
+        let mut story = Self::begun(GoldenKind::Schedule, trace);
+        let header = &trace.header;
+        story.timing = Timing {
+            tau_d_us: header.tau_d_us,
+            soa_us: header.soa_us,
+            tick_ns: header.pre_scale.tick_ns(),
+        };
+        story.head.extend(drive(trace));
+        story.head.extend(contact_summary(trace));
+        for score in felt_scores(trace) {
+            let label = format!("felt error, {}", score.perceiver);
+            let mut line = errors(&label, score.errors);
+            line.pieces.push(format!("breaks {}", score.breaks));
+            line.pieces.push(format!("jumps {}", score.jumps));
+            story.head.push(line);
+        }
+        if let Some((least, most)) = energy_permille(trace) {
+            let piece = format!("{least} to {most} thousandths of a wire's");
+            story.head.push(head("energy inside the display", [piece]));
+        }
+        story.chart = strip::schedule(trace);
+        story.happenings = happenings(trace).iter().map(to_the_line).collect();
+        story.figures = figures(trace);
+        wires(&mut story.table, trace);
+        story.bursts = bursts(trace);
+        story.digests = BTreeMap::from([
+            ("schedule", digest::schedule_digest(trace)),
+            ("trace", digest::trace_digest(trace)),
+        ]);
+        story
+    }
+
+    /// Of a run: what the compression made of the touch.
+    pub fn contacts(trace: &Trace) -> Self {
+        let mut story = Self::begun(GoldenKind::Contacts, trace);
+        story.head.extend(contact_summary(trace));
+        story.pad = pad::draw(trace);
+        story.chart = strip::contacts(trace);
+        contacts(&mut story.table, trace);
+        story.digests = BTreeMap::from([("contacts", digest::contacts_digest(trace))]);
+        story
+    }
+
+    /// Of many runs over force and speed; `trace` is any of them, for what they have in common.
+    pub fn surface(trace: &Trace, points: &[SurfacePoint]) -> Self {
+        let mut story = Self::begun(GoldenKind::Surface, trace);
+        // Rounded; what is no number or does not fit is the largest one.
+        let thousandths = |v: f64| {
+            milli(if v.is_nan() {
+                i64::MAX
+            } else {
+                (v * 1e3).round() as i64
+            })
+        };
+        story.table.rows.extend(points.iter().map(|p| {
+            vec![
+                thousandths(p.force_n),
+                thousandths(p.speed_mm_s),
+                milli(p.duty_milli_percent),
+                milli_u(p.energy_uj),
+                p.felt_mm.map_or_else(none, thousandths),
+                p.limited.to_string(),
+            ]
+        }));
+        story
+    }
+
+    /// What every kind begins with.
+    fn begun(kind: GoldenKind, trace: &Trace) -> Self {
+        let h = &trace.header;
+        let length = seconds(measure::length_us(trace));
+        Self {
+            kind,
+            scene: one_line(&h.scene),
+            source: h.source,
+            head: vec![
+                head(
+                    "",
+                    [
+                        format!("bench {}", name(&h.bench)),
+                        format!("seed {}", h.seed),
+                    ],
+                ),
+                head(
+                    "",
+                    [
+                        format!("scene {}", h.scene_digest),
+                        format!("limits {}", h.limits_digest),
+                    ],
+                ),
+                head("", [format!("length {length} s")]),
+            ],
+            timing: Timing::default(),
+            pad: Vec::new(),
+            chart: Vec::new(),
+            happenings: Vec::new(),
+            happenings_untold: 0,
+            figures: Vec::new(),
+            table: Table::of(kind),
+            bursts: Vec::new(),
+            bursts_untold: 0,
+            digests: BTreeMap::new(),
+            partial: false,
+        }
+    }
+}
+
+fn head<const N: usize>(label: &str, pieces: [String; N]) -> HeadLine {
+    HeadLine {
+        label: label.to_owned(),
+        pieces: pieces.map(|p| p.trim_end().to_owned()).into(),
+    }
+}
+
+/// A name out of a file: on one line, without what parts the pieces of a header.
+fn name(text: &str) -> String {
+    one_line(text).replace([',', ':'], ";")
+}
+
+fn none() -> String {
+    "-".to_owned()
+}
+
+/// As much of a happening as its line shows.
+fn to_the_line(happening: &Happening) -> Happening {
+    let whole_ms = |us: u64| us / 1000 * 1000;
+    let text: String = happening
+        .text
+        .trim_start()
+        .chars()
+        .take(COLUMNS - BEFORE_TEXT)
+        .collect();
+    Happening {
+        t_us: whole_ms(happening.t_us),
+        last_us: whole_ms(happening.last_us),
+        kind: happening.kind,
+        text: text.trim_end().to_owned(),
+    }
+}
+
+/// Frequency in thousandths of a hertz, rounded, from an exact period in nanoseconds.
+fn milli_hz(period_ns: u64) -> u64 {
+    (1_000_000_000_000 + period_ns / 2)
+        .checked_div(period_ns)
+        .unwrap_or(0)
+}
+
+fn drive(trace: &Trace) -> [HeadLine; 2] {
+    let h = &trace.header;
+    let period = h.pre_scale.period_ns();
+    [
+        head(
+            "",
+            [
+                format!("PWM {} Hz true", milli_u(milli_hz(period))),
+                format!("PRE_SCALE {}", h.pre_scale.get()),
+                format!("period {} us", milli_u(period)),
+                format!("tick {} ns", h.pre_scale.tick_ns()),
+            ],
+        ),
+        head(
+            "",
+            [
+                format!("tau_d {} ms", milli_u(h.tau_d_us)),
+                format!("SOA {} ms", milli_u(h.soa_us)),
+                format!("illusion {}", name(&h.illusion)),
+                format!("K_C {}", h.kc),
+                format!("{} wires", h.wires.len()),
+            ],
+        ),
+    ]
+}
+
+fn errors(label: &str, found: Option<Errors>) -> HeadLine {
+    match found {
+        None => head(label, ["nothing to measure it against".to_owned()]),
+        Some(e) => head(
+            label,
+            [
+                format!("rmse {} mm", milli_u(e.rmse_um)),
+                format!("max {} mm", milli_u(e.max_um)),
+                format!("over {}", e.count),
+            ],
+        ),
+    }
+}
+
+fn contact_summary(trace: &Trace) -> [HeadLine; 2] {
+    let (mut frames, mut touched, mut most) = (0u64, 0u64, 0u16);
+    for event in &trace.events {
+        if let Event::Frame { in_contact, .. } = event {
+            frames += 1;
+            touched += u64::from(*in_contact > 0);
+            most = most.max(*in_contact);
+        }
+    }
+    [
+        head(
+            "",
+            [
+                format!("{frames} frames"),
+                format!("{touched} in contact"),
+                format!("at most {most} taxels at once"),
+            ],
+        ),
+        errors("path error", measure::path_error(trace)),
+    ]
+}
+
+/// A contact from its first frame to its last.
+struct Span {
+    first_us: u64,
+    last_us: u64,
+    frames: u64,
+    from: PlaceUm,
+    to: PlaceUm,
+    levels: (u16, u16),
+    peak_milli: u32,
+    members: u32,
+}
+
+/// The contacts, by module and identity.
+fn contacts(table: &mut Table, trace: &Trace) {
+    let mut spans: BTreeMap<(u16, u32), Span> = BTreeMap::new();
+    for event in &trace.events {
+        let Event::Contact {
+            t_us,
+            module,
+            contact,
+            place,
+            intensity_milli,
+            level,
+            members,
+            ..
+        } = event
+        else {
+            continue;
+        };
+        let span = spans.entry((*module, *contact)).or_insert(Span {
+            first_us: *t_us,
+            last_us: *t_us,
+            frames: 0,
+            from: *place,
+            to: *place,
+            levels: (*level, *level),
+            peak_milli: 0,
+            members: 0,
+        });
+        span.last_us = *t_us;
+        span.to = *place;
+        span.frames += 1;
+        span.levels = (span.levels.0.min(*level), span.levels.1.max(*level));
+        span.peak_milli = span.peak_milli.max(*intensity_milli);
+        span.members = span.members.max(*members);
+    }
+    table.untold = spans.len().saturating_sub(ROWS) as u64;
+    let listed = spans.iter().take(ROWS);
+    table.rows.extend(listed.map(|((module, contact), s)| {
+        vec![
+            format!("{module}/{contact}"),
+            seconds(s.first_us),
+            seconds(s.last_us),
+            s.frames.to_string(),
+            hundredths(s.from.x),
+            hundredths(s.from.y),
+            hundredths(s.to.x),
+            hundredths(s.to.y),
+            format!("{}..{}", s.levels.0, s.levels.1),
+            (s.peak_milli / 1000).to_string(),
+            s.members.to_string(),
+        ]
+    }));
+}
+
+/// What each wire did.
+fn wires(table: &mut Table, trace: &Trace) {
+    let length = measure::length_us(trace);
+    let all = &trace.header.wires;
+    let tallies = measure::wire_tallies(trace);
+    table.untold = all.len().saturating_sub(ROWS) as u64;
+    for (index, (wire, t)) in all.iter().zip(&tallies).take(ROWS).enumerate() {
+        // Nanoseconds over microseconds is thousandths; a percent of it is five digits further.
+        let duty = (u128::from(t.high_ns) * 100).checked_div(u128::from(length));
+        let duty = duty.map(|d| milli(i64::try_from(d).unwrap_or(i64::MAX)));
+        let hottest = t.hottest_milli_c.map(|c| milli(i64::from(c)));
+        table.rows.push(vec![
+            index.to_string(),
+            format!("{}:{}", wire.board, wire.channel),
+            hundredths(wire.place.x),
+            hundredths(wire.place.y),
+            t.bursts.to_string(),
+            t.limited.to_string(),
+            seconds(t.burst_us),
+            t.widest.to_string(),
+            duty.unwrap_or_else(none),
+            hottest.unwrap_or_else(none),
+        ]);
+    }
+}

@@ -1,0 +1,383 @@
+//! A golden's text read back into its story, line by line; what no golden has there is named with its line.
+
+use std::collections::BTreeMap;
+
+use super::table::Table;
+use super::text::LEDGER;
+use super::{GoldenKind, HeadLine, Story, Timing};
+use crate::bursts::{Burst, Output};
+use crate::damage::Damage;
+use crate::figures::Figure;
+use crate::fixed::thousandths;
+use crate::trace::Source;
+use crate::words::{Happening, HappeningKind};
+use palpate_core::schedule::Reason;
+
+/// The lines of a text, and which comes next.
+struct Reader<'a> {
+    lines: Vec<&'a str>,
+    next: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn peek(&self) -> Option<&'a str> {
+        self.lines.get(self.next).copied()
+    }
+
+    fn take(&mut self) -> Option<&'a str> {
+        let line = self.peek()?;
+        self.next += 1;
+        Some(line)
+    }
+
+    /// The next line if it is a row of a list: not empty and indented.
+    fn row(&mut self) -> Option<&'a str> {
+        self.peek().filter(|l| l.starts_with(' '))?;
+        self.take()
+    }
+
+    /// Where the reader stands, wanting something else.
+    fn wants(&self, expected: &str) -> Damage {
+        self.damage(self.next, expected)
+    }
+
+    /// The line just taken, wanting something else.
+    fn wanted(&self, expected: &str) -> Damage {
+        self.damage(self.next.saturating_sub(1), expected)
+    }
+
+    fn damage(&self, index: usize, expected: &str) -> Damage {
+        match self.lines.get(index) {
+            Some(line) => Damage::of_line(index + 1, expected, line),
+            None => Damage {
+                line: index + 1,
+                expected: expected.to_owned(),
+                found: "the end of the file".to_owned(),
+            },
+        }
+    }
+
+    fn blank(&mut self) -> Result<(), Damage> {
+        match self.peek() {
+            Some("") => {
+                self.next += 1;
+                Ok(())
+            }
+            _ => Err(self.wants("an empty line")),
+        }
+    }
+
+    /// The rest of a line that begins with `start`.
+    fn begins(&mut self, start: &str) -> Result<&'a str, Damage> {
+        let rest = self.peek().and_then(|l| l.strip_prefix(start));
+        let rest = rest.ok_or_else(|| self.wants(&format!("`{start}..`")))?;
+        self.next += 1;
+        Ok(rest)
+    }
+
+    /// The lines up to one that begins so.
+    fn until(&mut self, start: &str) -> Result<Vec<String>, Damage> {
+        let mut lines = Vec::new();
+        while let Some(line) = self.peek().filter(|l| !l.starts_with(start)) {
+            lines.push(line.to_owned());
+            self.next += 1;
+        }
+        match self.peek() {
+            Some(_) => Ok(lines),
+            None => Err(self.wants(&format!("`{start}..` after the strip chart"))),
+        }
+    }
+
+    /// The strip chart, up to a line that begins so.
+    fn chart(&mut self, until: &str) -> Result<Vec<String>, Damage> {
+        if !self.peek().is_some_and(|l| l.starts_with("strip chart:")) {
+            return Err(self.wants("`strip chart:..`"));
+        }
+        self.until(until)
+    }
+}
+
+/// Reads a golden of any kind, with insta's heading or without.
+pub(super) fn read(text: &str) -> Result<Story, Damage> {
+    let mut reader = Reader {
+        lines: text.lines().map(str::trim_end).collect(),
+        next: 0,
+    };
+    if reader.peek() == Some("---") {
+        reader.next = 1;
+        while reader.peek().is_some_and(|l| l != "---") {
+            reader.next += 1;
+        }
+        reader.begins("---")?;
+    }
+    let mut story = title(&mut reader)?;
+    while let Some(line) = reader.row() {
+        story.head.push(head(line.trim()));
+    }
+    reader.blank()?;
+    match story.kind {
+        GoldenKind::Schedule => schedule(&mut reader, &mut story)?,
+        GoldenKind::Contacts => {
+            if !reader
+                .peek()
+                .is_some_and(|l| l.starts_with("pad:") || l.starts_with("no "))
+            {
+                return Err(reader.wants("`pad:..`"));
+            }
+            story.pad = reader.until("strip chart:")?;
+            // The empty line between the two belongs to neither.
+            story.pad.pop();
+            story.chart = reader.chart(&story.table.heading())?;
+            rows(&mut reader, &mut story.table)?;
+        }
+        GoldenKind::Surface => rows(&mut reader, &mut story.table)?,
+    }
+    for of in story.kind.digests() {
+        let digest = reader.begins(&format!("digest of {of}"))?.trim();
+        if digest.len() != 16 || !digest.bytes().all(|b| b.is_ascii_hexdigit()) {
+            return Err(reader.wanted("16 hexadecimal digits"));
+        }
+        story.digests.insert(of, digest.to_owned());
+    }
+    while reader.peek() == Some("") {
+        reader.next += 1;
+    }
+    match reader.peek() {
+        None => Ok(story),
+        Some(_) => Err(reader.wants("the end of the file")),
+    }
+}
+
+/// An empty story under the text's title.
+fn title(reader: &mut Reader<'_>) -> Result<Story, Damage> {
+    const TITLE: &str = "`palpate schedule of SCENE (emulated)` or the title of another golden";
+    let rest = reader.peek().and_then(|l| l.strip_prefix("palpate "));
+    let found = rest.and_then(|rest| {
+        GoldenKind::ALL.into_iter().find_map(|kind| {
+            let scene = rest.strip_prefix(kind.title())?.strip_prefix(" of ")?;
+            Some((kind, scene))
+        })
+    });
+    let (kind, scene) = found.ok_or_else(|| reader.wants(TITLE))?;
+    reader.next += 1;
+    // A title is cut where the scene's name is too long.
+    let (scene, source) = match scene.rsplit_once(" (") {
+        Some((scene, "real)")) => (scene, Source::Real),
+        Some((scene, "emulated)")) => (scene, Source::Emulated),
+        _ => (scene, Source::Emulated),
+    };
+    Ok(Story {
+        kind,
+        scene: scene.to_owned(),
+        source,
+        head: Vec::new(),
+        timing: Timing::default(),
+        pad: Vec::new(),
+        chart: Vec::new(),
+        happenings: Vec::new(),
+        happenings_untold: 0,
+        figures: Vec::new(),
+        table: Table::of(kind),
+        bursts: Vec::new(),
+        bursts_untold: 0,
+        digests: BTreeMap::new(),
+        partial: false,
+    })
+}
+
+/// A header's line in its pieces.
+fn head(line: &str) -> HeadLine {
+    let (label, rest) = line.split_once(": ").unwrap_or(("", line));
+    HeadLine {
+        label: label.to_owned(),
+        pieces: rest.split(", ").map(str::to_owned).collect(),
+    }
+}
+
+/// The times that a header names; what it lacks is zero.
+fn timing(head: &[HeadLine]) -> Timing {
+    let thousandths_of = |name: &str| {
+        let mut pieces = head.iter().flat_map(|line| &line.pieces);
+        let number = pieces.find_map(|p| p.strip_prefix(name)?.split(' ').next());
+        let value = number.and_then(thousandths);
+        value.and_then(|v| u64::try_from(v).ok()).unwrap_or(0)
+    };
+    Timing {
+        tau_d_us: thousandths_of("tau_d "),
+        soa_us: thousandths_of("SOA "),
+        // The header has whole nanoseconds.
+        tick_ns: thousandths_of("tick ") / 1000,
+    }
+}
+
+fn schedule(reader: &mut Reader<'_>, story: &mut Story) -> Result<(), Damage> {
+    story.timing = timing(&story.head);
+    story.chart = reader.chart("events:")?;
+    happenings(reader, story)?;
+    reader.blank()?;
+    reader.begins(LEDGER)?;
+    while let Some(line) = reader.row() {
+        let figure =
+            figure(line).ok_or_else(|| reader.wanted("name, value, limit and part used"))?;
+        story.figures.push(figure);
+    }
+    reader.blank()?;
+    rows(reader, &mut story.table)?;
+    reader.blank()?;
+    bursts(reader, story)
+}
+
+fn happenings(reader: &mut Reader<'_>, story: &mut Story) -> Result<(), Damage> {
+    let count = reader.begins("events: ")?.parse::<u64>().ok();
+    let count = count.ok_or_else(|| reader.wanted("a number of events"))?;
+    while let Some(line) = reader.row() {
+        match more(line) {
+            Some(n) => story.happenings_untold = n,
+            None => {
+                let expected = "time, kind and text of an event";
+                let happening = happening(line).ok_or_else(|| reader.wanted(expected))?;
+                story.happenings.push(happening);
+            }
+        }
+    }
+    let told = story.happenings.len() as u64;
+    if told.checked_add(story.happenings_untold) != Some(count) {
+        return Err(reader.wants(&format!("{count} events above, as their heading says")));
+    }
+    Ok(())
+}
+
+fn rows(reader: &mut Reader<'_>, table: &mut Table) -> Result<(), Damage> {
+    reader.begins(&table.heading())?;
+    while let Some(line) = reader.row() {
+        match more(line) {
+            Some(n) => table.untold = n,
+            None => {
+                let cells = table.read_row(line);
+                let expected = format!("{} figures", table.columns.len());
+                table
+                    .rows
+                    .push(cells.ok_or_else(|| reader.wanted(&expected))?);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// How many a list leaves out.
+fn more(line: &str) -> Option<u64> {
+    let rest = line.trim().strip_prefix(".. and ")?;
+    rest.strip_suffix(" more")?.parse().ok()
+}
+
+/// An event's line.
+fn happening(line: &str) -> Option<Happening> {
+    let (when, rest) = line.trim_start().split_once(" s ")?;
+    let (word, text) = rest
+        .trim_start()
+        .split_once(' ')
+        .unwrap_or((rest.trim_start(), ""));
+    let us = |seconds: &str| {
+        let ms = u64::try_from(thousandths(seconds)?).ok()?;
+        ms.checked_mul(1000)
+    };
+    let (first, last) = when.split_once("..").unwrap_or((when, when));
+    Some(Happening {
+        t_us: us(first)?,
+        last_us: us(last)?,
+        kind: HappeningKind::ALL.into_iter().find(|k| k.word() == word)?,
+        text: text.trim_start().to_owned(),
+    })
+}
+
+/// A row of the ledger: a name of 26 characters, value, unit, limit, part used.
+fn figure(line: &str) -> Option<Figure> {
+    let name = line.get(2..28)?.trim().to_owned();
+    let mut words = line.get(28..)?.split_whitespace().peekable();
+    let value = Figure::read(words.next()?)?;
+    let unit = words.next_if(|w| Figure::read(w).is_none());
+    let limit = Figure::read(words.next()?)?;
+    let used = Figure::read(words.next()?)?;
+    let over = words.last() == Some("OVER");
+    (!name.is_empty()).then(|| Figure {
+        name,
+        value,
+        unit: unit.unwrap_or_default().to_owned(),
+        limit,
+        used,
+        over,
+    })
+}
+
+/// The list of bursts.
+fn bursts(reader: &mut Reader<'_>, story: &mut Story) -> Result<(), Damage> {
+    const MEMBER: &str = "wire:ticks, or wire:ticks<asked(reason)";
+    let heading = reader.begins("bursts: ")?;
+    let count = heading
+        .split(';')
+        .next()
+        .and_then(|n| n.parse::<u64>().ok());
+    let count = count.ok_or_else(|| reader.wanted("a number of bursts"))?;
+    let mut at = None;
+    while let Some(line) = reader.row() {
+        if let Some(n) = more(line) {
+            story.bursts_untold = n;
+            continue;
+        }
+        for word in line.split_whitespace() {
+            if word.contains(':') {
+                let span = at.ok_or_else(|| reader.wanted("an onset before its wires"))?;
+                let burst = member(word, span).ok_or_else(|| reader.wanted(MEMBER))?;
+                story.bursts.push(burst);
+            } else {
+                let expected = "an onset in microseconds";
+                let span = onset(word, story.timing.tau_d_us);
+                at = Some(span.ok_or_else(|| reader.wanted(expected))?);
+            }
+        }
+    }
+    let told = story.bursts.len() as u64;
+    if told.checked_add(story.bursts_untold) != Some(count) {
+        let expected = format!("{count} bursts above, as their heading says");
+        return Err(reader.wants(&expected));
+    }
+    story.bursts.sort_by_key(|b| (b.from_us, b.output));
+    Ok(())
+}
+
+/// First and last microsecond of `FROM` or `FROM+LENGTH`.
+fn onset(word: &str, tau_d_us: u64) -> Option<(u64, u64)> {
+    let (from, length) = match word.split_once('+') {
+        Some((from, length)) => (from, length.parse().ok()?),
+        None => (word, tau_d_us),
+    };
+    let from: u64 = from.parse().ok()?;
+    Some((from, from.checked_add(length)?))
+}
+
+fn member(word: &str, (from_us, to_us): (u64, u64)) -> Option<Burst> {
+    let (output, rest) = word.split_once(':')?;
+    let output = match output.strip_prefix('@') {
+        Some(pin) => {
+            let (board, channel) = pin.split_once('.')?;
+            Output::Pin(board.parse().ok()?, channel.parse().ok()?)
+        }
+        None => Output::Wire(output.parse().ok()?),
+    };
+    let (width, requested, reason) = match rest.split_once('<') {
+        None => (rest, rest, None),
+        Some((width, why)) => {
+            let (asked, word) = why.strip_suffix(')')?.split_once('(')?;
+            let reason = Reason::ALL.into_iter().find(|r| r.word() == word)?;
+            (width, asked, Some(reason))
+        }
+    };
+    Some(Burst {
+        output,
+        from_us,
+        to_us,
+        width: width.parse().ok()?,
+        requested: requested.parse().ok()?,
+        reason,
+    })
+}

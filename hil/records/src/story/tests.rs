@@ -1,0 +1,144 @@
+//! A story's text fits a screen and is read back as the story it was.
+
+use super::*;
+use crate::synthetic;
+use crate::trace::{Event, PlaceUm};
+
+fn readable(text: &str) {
+    assert!(text.is_ascii());
+    assert!(
+        text.lines().count() <= LINES,
+        "{} lines",
+        text.lines().count()
+    );
+    for line in text.lines() {
+        assert!(line.len() <= COLUMNS, "{line}");
+    }
+}
+
+#[test]
+fn goldens_stay_within_a_screen_whatever_the_length() {
+    for seconds in [1, 10, 60] {
+        let trace = synthetic::circle(seconds);
+        for text in [contacts_golden(&trace), schedule_golden(&trace)] {
+            readable(&text);
+            assert!(text.contains("sphere-circle (emulated)"));
+        }
+    }
+    let text = schedule_golden(&synthetic::circle(10));
+    assert!(text.contains("196.888 Hz"), "{text}");
+    assert!(text.contains("tau_d 35.000 ms, SOA 58.500 ms"));
+    assert!(text.contains("wire-power"));
+}
+
+#[test]
+fn empty_and_extreme_traces_still_make_goldens() {
+    let mut trace = synthetic::empty();
+    readable(&contacts_golden(&trace));
+    readable(&schedule_golden(&trace));
+    trace.header.taxels.clear();
+    trace.header.wires.clear();
+    trace.header.scene = "n\u{f6}\u{0}\n".repeat(90);
+    trace.ledger.length_us = u64::MAX;
+    trace.ledger.energy_uj = u64::MAX;
+    trace.events.push(Event::Truth {
+        t_us: u64::MAX,
+        place: PlaceUm {
+            x: i32::MAX,
+            y: i32::MIN,
+        },
+        force_mn: 0,
+    });
+    for text in [contacts_golden(&trace), schedule_golden(&trace)] {
+        readable(&text);
+        Story::read(&text).unwrap();
+    }
+}
+
+#[test]
+fn a_text_is_read_back_as_the_story_it_was() {
+    // Short enough that every burst has its line.
+    let trace = synthetic::circle(1);
+    let point = SurfacePoint {
+        force_n: 0.5,
+        speed_mm_s: 7.05,
+        duty_milli_percent: 2_392,
+        energy_uj: u64::MAX,
+        felt_mm: None,
+        limited: u32::MAX,
+    };
+    for story in [
+        Story::schedule(&trace),
+        Story::contacts(&trace),
+        Story::surface(&trace, &[point]),
+    ] {
+        assert_eq!(Story::read(&story.text()).unwrap(), story);
+    }
+    // Of a long one, a text says as much as it shows.
+    let long = Story::schedule(&synthetic::circle(60));
+    let read = Story::read(&long.text()).unwrap();
+    assert!(read.bursts_untold > 0 && read.happenings.len() <= long.happenings.len());
+    assert_eq!(read.text(), long.text());
+}
+
+#[test]
+fn a_model_change_leaves_the_contact_golden_alone() {
+    let trace = synthetic::circle(3);
+    let mut other = trace.clone();
+    other.ledger.energy_uj += 17;
+    other.events.retain(|e| !matches!(e, Event::Wire { .. }));
+    assert_eq!(contacts_golden(&trace), contacts_golden(&other));
+    assert_ne!(schedule_golden(&trace), schedule_golden(&other));
+}
+
+#[test]
+fn a_surface_is_a_row_a_point() {
+    let point = SurfacePoint {
+        force_n: f64::NAN,
+        speed_mm_s: 7.05,
+        duty_milli_percent: 2_392,
+        energy_uj: 17_000,
+        felt_mm: Some(1.5),
+        limited: 3,
+    };
+    let text = surface_golden(&synthetic::empty(), &[point]);
+    assert!(text.contains("7.050          2.392       17.000"), "{text}");
+}
+
+#[test]
+fn damage_is_named_by_its_line() {
+    let text = schedule_golden(&synthetic::circle(1));
+    let lines: Vec<&str> = text.lines().collect();
+    let line_of = |start: &str| lines.iter().position(|l| l.starts_with(start)).unwrap() + 1;
+    let without = |n: usize| {
+        let mut left = lines.clone();
+        left.remove(n - 1);
+        left.join("\n")
+    };
+    let mut row = lines.clone();
+    row[line_of("ledger")] = "  stimuli                         many";
+    for (text, line, word) in [
+        (String::new(), 1, "the end of the file"),
+        ("---\nsource: x".to_owned(), 3, "the end of the file"),
+        (without(1), 1, "palpate schedule of"),
+        (without(line_of("events:")), lines.len(), "events:"),
+        (without(line_of("ledger")), line_of("ledger"), "ledger"),
+        (row.join("\n"), line_of("ledger") + 1, "many"),
+        (lines[..20].join("\n"), 21, "events:"),
+        (without(lines.len()), lines.len(), "digest of trace"),
+        (
+            format!("{text}\nmore"),
+            lines.len() + 2,
+            "the end of the file",
+        ),
+        (
+            text.replace("bursts: ", "bursts: 1"),
+            line_of("digest of schedule"),
+            "bursts above",
+        ),
+    ] {
+        let damage = Story::read(&text).unwrap_err();
+        assert_eq!(damage.line, line, "{damage}");
+        assert!(damage.to_string().contains(word), "{word}: {damage}");
+    }
+}

@@ -1,0 +1,180 @@
+//! A story as text, cut to the lines and columns of a golden.
+
+use super::{COLUMNS, GoldenKind, HeadLine, LINES, Story};
+use crate::bursts::{Burst, Output};
+use crate::figures::Figure;
+use crate::fixed::{milli, milli_u};
+use crate::trace::Source;
+
+/// Most happenings told one by one.
+const HAPPENINGS: usize = 40;
+
+/// Heading of the ledger.
+pub(super) const LEDGER: &str =
+    "ledger                               value               limit                    used";
+
+/// Lines in the making, each cut to [`COLUMNS`].
+#[derive(Default)]
+struct Text {
+    text: String,
+    lines: usize,
+}
+
+impl Text {
+    fn put(&mut self, line: &str) {
+        let cut: String = line.chars().take(COLUMNS).collect();
+        self.text.push_str(cut.trim_end());
+        self.text.push('\n');
+        self.lines += 1;
+    }
+
+    /// How many of a list have no line.
+    fn more(&mut self, count: u64) {
+        if count > 0 {
+            self.put(&format!("  .. and {count} more"));
+        }
+    }
+}
+
+impl Story {
+    /// The golden's text.
+    pub fn text(&self) -> String {
+        let mut out = Text::default();
+        let source = match self.source {
+            Source::Emulated => "emulated",
+            Source::Real => "real",
+        };
+        let title = self.kind.title();
+        out.put(&format!("palpate {title} of {} ({source})", self.scene));
+        self.head.iter().for_each(|line| out.put(&head(line)));
+        out.put("");
+        match self.kind {
+            GoldenKind::Schedule => {
+                self.chart.iter().for_each(|line| out.put(line));
+                self.events(&mut out);
+                out.put("");
+                out.put(LEDGER);
+                self.figures.iter().for_each(|f| out.put(&figure(f)));
+                out.put("");
+                self.rows(&mut out);
+                out.put("");
+                self.list(&mut out);
+            }
+            GoldenKind::Contacts => {
+                self.pad.iter().for_each(|line| out.put(line));
+                out.put("");
+                self.chart.iter().for_each(|line| out.put(line));
+                self.rows(&mut out);
+            }
+            GoldenKind::Surface => self.rows(&mut out),
+        }
+        for (of, digest) in &self.digests {
+            out.put(&format!("digest of {of:<8} {digest}"));
+        }
+        out.text
+    }
+
+    fn events(&self, out: &mut Text) {
+        let all = self.happenings.len() as u64 + self.happenings_untold;
+        out.put(&format!("events: {all}"));
+        let listed = self.happenings.len().min(HAPPENINGS);
+        for happening in self.happenings.iter().take(listed) {
+            let when = happening.when();
+            let (first, rest) = when.split_once("..").map_or((when.as_str(), ""), |w| w);
+            let dots = if rest.is_empty() { "" } else { ".." };
+            let when = format!("{first:>8}{dots}{rest} s");
+            let kind = happening.kind.word();
+            out.put(&format!("  {when:<18} {kind:<9} {}", happening.text));
+        }
+        out.more(all - listed as u64);
+    }
+
+    fn rows(&self, out: &mut Text) {
+        out.put(&self.table.heading());
+        for row in &self.table.rows {
+            out.put(&self.table.row(row));
+        }
+        out.more(self.table.untold);
+    }
+
+    /// The bursts, exactly, as many as fit: with them a difference is told to the microsecond.
+    fn list(&self, out: &mut Text) {
+        let all = self.bursts.len() as u64 + self.bursts_untold;
+        out.put(&format!(
+            "bursts: {all}; onset [us], +length [us] where it is not {} ms, wire:ticks",
+            milli_u(self.timing.tau_d_us)
+        ));
+        // The digests and the line that counts the rest come after them.
+        let most = LINES
+            .saturating_sub(out.lines + self.digests.len() + 1)
+            .max(1);
+        let mut lines = vec![String::new()];
+        let mut told = 0;
+        let mut onset = String::new();
+        for burst in &self.bursts {
+            let at = self.onset(burst);
+            let text = member(burst);
+            let Some(line) = lines.last_mut() else { break };
+            let piece = if at == onset && !line.is_empty() {
+                format!(" {text}")
+            } else {
+                format!("   {at} {text}")
+            };
+            if line.len() + piece.len() <= COLUMNS {
+                line.push_str(&piece);
+            } else if lines.len() < most {
+                lines.push(format!("   {at} {text}"));
+            } else {
+                break;
+            }
+            onset = at;
+            told += 1;
+        }
+        lines
+            .iter()
+            .filter(|line| !line.is_empty())
+            .for_each(|line| out.put(line));
+        out.more(all - told);
+    }
+
+    /// When a burst begins and, where it is not tau_d, for how long it lasts.
+    fn onset(&self, burst: &Burst) -> String {
+        let length = burst.to_us - burst.from_us;
+        if length == self.timing.tau_d_us {
+            return burst.from_us.to_string();
+        }
+        format!("{}+{length}", burst.from_us)
+    }
+}
+
+fn head(line: &HeadLine) -> String {
+    let colon = if line.label.is_empty() { "" } else { ": " };
+    format!("  {}{colon}{}", line.label, line.pieces.join(", "))
+}
+
+fn figure(figure: &Figure) -> String {
+    let used = figure
+        .used
+        .map_or_else(|| "-".to_owned(), |u| format!("{} %", milli(u)));
+    let over = if figure.over { "  OVER" } else { "" };
+    format!(
+        "  {:<26} {:>14} {:<5} {:>14} {used:>23}{over}",
+        figure.name,
+        figure.text(figure.value),
+        figure.unit,
+        figure.text(figure.limit),
+    )
+}
+
+/// One burst: `wire:ticks`, `@board.channel:ticks` for an output that drives no wire, and after less than was
+/// asked for `<ticks(why)`.
+fn member(burst: &Burst) -> String {
+    let mut text = match burst.output {
+        Output::Wire(wire) => format!("{wire}:{}", burst.width),
+        Output::Pin(board, channel) => format!("@{board}.{channel}:{}", burst.width),
+    };
+    if let Some(reason) = burst.reason {
+        text.push_str(&format!("<{}({})", burst.requested, reason.word()));
+    }
+    text
+}

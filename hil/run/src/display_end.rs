@@ -1,0 +1,309 @@
+//! The display end of a run: boards behind a bus, the line that cuts them, and what hangs on their outputs.
+
+use embedded_hal::i2c::I2c;
+use palpate_core::driver::{Banks, DriverError};
+use palpate_core::illusion::{Drive, Wire};
+use palpate_core::physics::TissueParameters;
+use palpate_core::projector::Projector;
+use palpate_core::units::{Duration, Instant, Prescale};
+use palpate_emulators::display::amplifier::AmplifierConfig;
+use palpate_emulators::display::amplifier::supply::Source;
+use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
+use palpate_emulators::display::i2c::{BusClock, I2cHandle};
+use palpate_emulators::time::Nanos;
+use palpate_emulators::worn::{Display, DisplayConfig, OutputEdge, ThermalSample, WirePlace};
+use palpate_files::{Bench, BenchKind, Setup};
+use palpate_records::trace::Event;
+
+use crate::effects::Faultable;
+use crate::failure::Failure;
+use crate::feel::{feel, sample_wires};
+use crate::plan;
+use crate::recorder::{Onset, Recorder};
+use crate::script::{FaultReport, Script};
+use crate::skin_end::FaultySkin;
+
+/// The finger is looked at no less often than this, even where no stimulus comes.
+const LOOK: Duration = Duration::from_millis(250);
+/// Transfers kept of a run's actuator bus, the last ones: some hours of them.
+const I2C_LOG: usize = 1 << 20;
+
+/// The line that cuts every output whatever the chips' registers say, and needs no bus.
+pub trait OutputEnable {
+    /// Releases it, or cuts.
+    fn set_enabled(&self, now: Instant, enabled: bool);
+
+    /// How notes say that the outputs were cut, or that they could not be.
+    fn words(&self) -> &'static str;
+}
+
+/// The display end of a session. What has an empty default is what only emulated hardware can do.
+pub trait DisplayEnd {
+    /// The bus of the boards.
+    type I2c: I2c;
+
+    /// The boards, and the line that cuts them.
+    fn parts(&mut self) -> (&mut Banks<Self::I2c>, &dyn OutputEnable);
+
+    /// Lets time pass until `now`.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] for an emulator that contradicts itself.
+    fn advance_to(&mut self, now: Instant, events: &mut Vec<Event>) -> Result<(), Failure> {
+        let _ = (now, events);
+        Ok(())
+    }
+
+    /// Looks at wires and person after a turn that may have begun a stimulus.
+    fn look(&mut self, now: Instant, onset: bool, projector: &Projector, recorder: &mut Recorder) {
+        let _ = (now, onset, projector, recorder);
+    }
+
+    /// Lets scripted faults begin and end that are due at `now`; with `last` those that are on end.
+    fn fail(&mut self, now: Instant, last: bool, skin: FaultySkin<'_>, events: &mut Vec<Event>) {
+        let _ = (now, last, skin, events);
+    }
+
+    /// When the next scripted fault begins or ends.
+    fn next_fault(&self) -> Instant {
+        Instant::FAR_FUTURE
+    }
+
+    /// A driver's error in full.
+    fn explain(&self, error: &DriverError) -> String {
+        error.to_string()
+    }
+
+    /// Keeps a stop of the guard until a person has looked; says what ends the run.
+    fn keep_stopped(&mut self, cause: &str) -> Failure {
+        Failure::Guard(cause.to_owned())
+    }
+}
+
+/// Chips, amplifiers and wires on a person's finger, in virtual time, with the scene's faults.
+pub struct EmulatedDisplay {
+    display: Display,
+    i2c: Shared<I2cHandle>,
+    banks: Banks<Shared<I2cHandle>>,
+    script: Script,
+    oscillator: f64,
+    prescale: Prescale,
+    drive: Drive,
+    /// The onset whose stimulus is still felt.
+    pending: Option<Onset>,
+    /// The finger is looked at again then.
+    next_look: Instant,
+    /// Temperatures over time, if they are kept.
+    samples: Option<Vec<ThermalSample>>,
+}
+
+impl EmulatedDisplay {
+    /// A setup's display with the bench's boards, nothing started yet.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for a bench that cannot be, or one of hardware.
+    pub fn new(setup: &Setup, projector: &Projector, seed: u64) -> Result<Self, Failure> {
+        let bench = &setup.bench.value;
+        refuse_hardware(bench)?;
+        let display = emulated(setup, projector.display().wires())?;
+        let layer = I2cFault::new(display.bus(), I2cFaults::default(), seed, "actuator bus");
+        let (i2c, boards) = (Shared::new(layer), plan::boards(bench));
+        let prescale = plan::prescale(bench)?;
+        Ok(Self {
+            banks: Banks::new([(i2c.clone(), &*boards)], prescale),
+            script: Script::new(&setup.scene.value.faults, projector.layout()),
+            oscillator: bench.drive.oscillator,
+            prescale,
+            drive: plan::drive(&setup.scene.value.illusion),
+            pending: None,
+            next_look: Instant::ZERO,
+            samples: None,
+            display,
+            i2c,
+        })
+    }
+
+    /// Keeps every stretch of current and all temperatures, for the margins, and if wanted the newest messages of the
+    /// bus. What is kept grows with the length of a run.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] where the bus cannot keep a log.
+    pub fn keep(&mut self, messages: bool) -> Result<(), Failure> {
+        self.display.keep_flows();
+        self.samples = Some(Vec::new());
+        if messages {
+            let kept = self.display.bus().with(|bus| bus.keep_log(I2C_LOG));
+            kept.map_err(|e| Failure::Device(format!("actuator bus: {e}")))?;
+        }
+        Ok(())
+    }
+
+    /// The emulated hardware.
+    pub const fn hardware(&mut self) -> &mut Display {
+        &mut self.display
+    }
+
+    /// Temperatures since the last time, oldest first.
+    pub fn take_samples(&mut self) -> Vec<ThermalSample> {
+        self.samples
+            .as_mut()
+            .map(std::mem::take)
+            .unwrap_or_default()
+    }
+
+    /// What became of the scene's faults.
+    pub fn faults(&self) -> Vec<FaultReport> {
+        self.script.report()
+    }
+
+    /// Waits until an all-off of `end` has taken effect: with the end of a period, so for two of them.
+    ///
+    /// # Errors
+    /// As [`DisplayEnd::advance_to`].
+    pub fn settle(
+        &mut self,
+        end: Instant,
+        projector: &Projector,
+        recorder: &mut Recorder,
+    ) -> Result<(), Failure> {
+        self.score(projector, recorder);
+        let until = Nanos::from(end) + Nanos(2 * self.prescale.period_ns());
+        self.pass(until, &mut recorder.events)?;
+        self.sample();
+        Ok(())
+    }
+
+    fn sample(&mut self) {
+        if let Some(samples) = &mut self.samples {
+            samples.extend(self.display.sample());
+        }
+    }
+
+    fn pass(&mut self, until: Nanos, events: &mut Vec<Event>) -> Result<(), Failure> {
+        let advanced = self.display.advance(until, &mut |e| events.push(edge(&e)));
+        advanced.map_err(|e| Failure::Device(e.to_string()))
+    }
+
+    /// Scores what was felt of the newest onset, which is over.
+    fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
+        feel(
+            self.pending.take(),
+            &self.display,
+            projector,
+            self.drive,
+            recorder,
+        );
+    }
+}
+
+impl DisplayEnd for EmulatedDisplay {
+    type I2c = Shared<I2cHandle>;
+
+    fn parts(&mut self) -> (&mut Banks<Shared<I2cHandle>>, &dyn OutputEnable) {
+        (&mut self.banks, &self.display)
+    }
+
+    fn advance_to(&mut self, now: Instant, events: &mut Vec<Event>) -> Result<(), Failure> {
+        self.pass(Nanos::from(now), events)
+    }
+
+    fn look(&mut self, now: Instant, onset: bool, projector: &Projector, recorder: &mut Recorder) {
+        if onset {
+            self.score(projector, recorder);
+            self.pending = recorder.onset.take();
+            sample_wires(now, &mut self.display, projector, recorder);
+        }
+        if onset || now >= self.next_look {
+            self.sample();
+            self.next_look = now + LOOK;
+        }
+    }
+
+    fn fail(&mut self, now: Instant, last: bool, skin: FaultySkin<'_>, events: &mut Vec<Event>) {
+        let mut bench = Faultable {
+            skin,
+            i2c: &self.i2c,
+            display: &mut self.display,
+            oscillator: self.oscillator,
+        };
+        if last {
+            self.script.finish(now, &mut bench, events);
+        } else {
+            self.script.step(now, &mut bench, events);
+        }
+    }
+
+    fn next_fault(&self) -> Instant {
+        self.script.next()
+    }
+}
+
+impl OutputEnable for Display {
+    fn set_enabled(&self, now: Instant, enabled: bool) {
+        // Refused only from inside another look at the segment, and there is none here.
+        let _ = self.bus().with(|segment| {
+            for chip in segment.chips_mut() {
+                let at = chip.now().max(Nanos::from(now));
+                chip.set_output_enable_pin(at, !enabled);
+            }
+        });
+    }
+
+    fn words(&self) -> &'static str {
+        "outputs off by the OE line"
+    }
+}
+
+const fn edge(e: &OutputEdge) -> Event {
+    Event::Edge {
+        t_ns: e.at.0,
+        board: e.board,
+        channel: e.channel,
+        high: e.high,
+    }
+}
+
+/// Refuses a bench of hardware: what is emulated must not be recorded as real.
+pub(crate) fn refuse_hardware(bench: &Bench) -> Result<(), Failure> {
+    match bench.kind {
+        BenchKind::Emulated => Ok(()),
+        BenchKind::Real => Err(Failure::Input(format!(
+            "bench `{}`: expected kind = \"emulated\", found \"real\": only the program `hil` opens hardware",
+            bench.name
+        ))),
+    }
+}
+
+/// The emulated display of a bench: its chips and amplifiers, `wires` on a finger.
+///
+/// # Errors
+/// [`Failure::Input`] for a bench that cannot be.
+pub fn emulated(setup: &Setup, wires: &[Wire]) -> Result<Display, Failure> {
+    let bench = &setup.bench.value;
+    let place = |w: &Wire| WirePlace {
+        at: w.place,
+        board: w.board.0,
+        channel: w.channel.0,
+    };
+    Display::new(&DisplayConfig {
+        boards: plan::boards(bench)
+            .into_iter()
+            .map(|a| (a, bench.drive.oscillator))
+            .collect(),
+        wires: wires.iter().map(place).collect(),
+        amplifier: AmplifierConfig {
+            current: plan::milliamps(bench.drive.current_ma),
+            rise: Nanos((bench.amplifier.rise_us * 1e3).round() as u64),
+            on_ohm: bench.amplifier.on_ohm,
+        },
+        source: Source {
+            volts: bench.amplifier.supply_v.unwrap_or(f64::INFINITY),
+            ohm: bench.amplifier.supply_ohm,
+        },
+        wire: plan::wire(setup),
+        tissue: TissueParameters::DEFAULT,
+        perceiver: plan::perceiver(&setup.perceiver.value),
+        clock: BusClock::Fast,
+    })
+    .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))
+}

@@ -1,0 +1,111 @@
+//! What scripted faults are in the terms of the emulated hardware and its fault layers.
+
+use palpate_core::codec::uskin;
+use palpate_core::skin::Layout;
+use palpate_core::units::Instant;
+use palpate_emulators::display::i2c::I2cHandle;
+use palpate_emulators::display::i2c::fault::{I2cFaultKind, Shared};
+use palpate_emulators::display::pca9685::Pca9685;
+use palpate_emulators::sensor::can::faults::{Counts, Effect, Faulty, Rule};
+use palpate_emulators::sensor::rig::Handle;
+use palpate_emulators::time::Nanos;
+use palpate_emulators::worn::Display;
+
+use palpate_files::{Fault, FaultKind};
+
+/// The hardware that faults are done to.
+pub struct Faultable<'a> {
+    /// The skin behind its fault layer; `None` for a recording.
+    pub skin: Option<&'a mut Faulty<Handle>>,
+    /// The actuators' fault layer.
+    pub i2c: &'a Shared<I2cHandle>,
+    /// The display.
+    pub display: &'a mut Display,
+    /// The factor of every chip's oscillator while nothing is wrong.
+    pub oscillator: f64,
+}
+
+/// What a fault does to identifiers.
+pub(super) fn rules(layout: &Layout, fault: &Fault) -> Vec<Rule> {
+    let module = fault.module.and_then(|m| layout.modules().get(m));
+    let Some((module, wires)) = module.and_then(|m| Some((m, m.wiring()?))) else {
+        return Vec::new();
+    };
+    let Some(address) = module.address() else {
+        return Vec::new();
+    };
+    let rule = |id: u16, mask: u16, effect: Effect| Rule {
+        bus: Some(address.bus),
+        id,
+        mask,
+        effect,
+    };
+    let line = |s: u8| u16::from(s) << 8 | u16::from(address.board);
+    let taxel = |effect: Effect| {
+        let place = fault.taxel.and_then(|t| wires.place(0, t));
+        let id = place.and_then(|p| uskin::id(address.board, p));
+        id.map(|id| rule(id, 0x7FF, effect)).into_iter().collect()
+    };
+    match fault.kind {
+        FaultKind::TaxelFrozen => taxel(Effect::Frozen),
+        FaultKind::ZeroTriplets => taxel(Effect::Zero),
+        FaultKind::SdaDead => {
+            vec![rule(line(fault.line.unwrap_or(0)), 0x70F, Effect::Silent)]
+        }
+        FaultKind::WrongModel => (wires.rows() / 2..wires.rows())
+            .map(|s| rule(line(s), 0x70F, Effect::Zero))
+            .collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// A fault of the actuator bus in its layer's terms.
+pub(super) const fn i2c_kind(kind: FaultKind) -> Option<I2cFaultKind> {
+    match kind {
+        FaultKind::I2cAddressNack => Some(I2cFaultKind::AddressNack),
+        FaultKind::I2cDataNack => Some(I2cFaultKind::DataNack),
+        FaultKind::I2cArbitrationLoss => Some(I2cFaultKind::ArbitrationLoss),
+        FaultKind::I2cEio => Some(I2cFaultKind::Eio),
+        FaultKind::I2cStretch => Some(I2cFaultKind::LongStretch),
+        FaultKind::I2cStuck => Some(I2cFaultKind::StuckBus),
+        _ => None,
+    }
+}
+
+/// How much a kind has hit so far, where a layer counts it.
+pub(super) fn counter(fault: &Fault, bench: &Faultable<'_>) -> u64 {
+    if let Some(kind) = i2c_kind(fault.kind) {
+        return bench.i2c.with(|layer| layer.counts()[kind as usize]);
+    }
+    let counts = bench
+        .skin
+        .as_ref()
+        .map_or(Counts::default(), |s| s.counts());
+    match fault.kind {
+        FaultKind::FramesLost => counts.lost,
+        FaultKind::FramesDuplicated => counts.duplicated,
+        FaultKind::FramesLate => counts.late,
+        FaultKind::FramesCorrupted => counts.corrupted,
+        FaultKind::FramesShort => counts.short,
+        FaultKind::SdaDead => counts.silent,
+        FaultKind::TaxelFrozen => counts.frozen,
+        FaultKind::ZeroTriplets | FaultKind::WrongModel => counts.zero,
+        _ => 0,
+    }
+}
+
+/// Does something to a chip of the display.
+pub(super) fn on_chip(
+    bench: &Faultable<'_>,
+    chip: Option<usize>,
+    now: Instant,
+    work: &mut dyn FnMut(&mut Pca9685, Nanos),
+) {
+    // Refused only from inside another look at the segment, and there is none here.
+    let _ = bench.display.bus().with(|segment| {
+        if let Some(chip) = chip.and_then(|c| segment.chips_mut().get_mut(c)) {
+            let at = chip.now().max(Nanos::from(now));
+            work(chip, at);
+        }
+    });
+}

@@ -1,0 +1,158 @@
+//! What a run did and what it could leave out, in counts and in time.
+
+use core::time::Duration;
+
+use palpate_core::contact::Work;
+use palpate_core::driver::Traffic;
+use palpate_core::projector::Projector;
+
+use crate::recorder::Recorder;
+
+/// What a frame asked of the compression, the cheapest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameKind {
+    /// Every taxel as in the frame before: nothing to do.
+    Repeated,
+    /// No taxel in contact.
+    Untouched,
+    /// Contacts passed through, or one weighted mean a module.
+    Direct,
+    /// K-means.
+    Solved,
+}
+
+impl FrameKind {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Repeated, Self::Untouched, Self::Direct, Self::Solved];
+
+    /// What frames between two counts asked for.
+    fn between(before: &Work, after: &Work) -> Self {
+        if after.solves > before.solves {
+            Self::Solved
+        } else if after.passed + after.means > before.passed + before.means {
+            Self::Direct
+        } else if after.frames > before.frames && after.repeated == before.repeated {
+            Self::Untouched
+        } else {
+            Self::Repeated
+        }
+    }
+}
+
+/// Reads a clock that counts from some moment: a session has none of its own.
+pub type Stopwatch = fn() -> Duration;
+
+/// What a frame cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameCost {
+    /// What it asked for.
+    pub kind: FrameKind,
+    /// Computing time, microseconds: everything from the bus to the contacts and what was due then.
+    pub us: f32,
+}
+
+/// Computing time of frames.
+#[derive(Debug)]
+pub struct FrameTimes {
+    stopwatch: Option<Stopwatch>,
+    /// Since the last frame that was complete.
+    spent: Duration,
+    /// As it stood then.
+    work: Work,
+    costs: Vec<FrameCost>,
+}
+
+impl FrameTimes {
+    /// Times by a stopwatch, or not at all.
+    pub fn new(stopwatch: Option<Stopwatch>) -> Self {
+        Self {
+            stopwatch,
+            spent: Duration::ZERO,
+            work: Work::default(),
+            costs: Vec::new(),
+        }
+    }
+
+    /// Before a call of the loop.
+    pub fn begin(&self) -> Duration {
+        self.stopwatch.map_or(Duration::ZERO, |read| read())
+    }
+
+    /// A call of the loop that began then and completed so many frames: they share the time since the last one.
+    pub fn add(&mut self, begun: Duration, frames: u32, work: &Work) {
+        let Some(read) = self.stopwatch else {
+            return;
+        };
+        self.spent += read().saturating_sub(begun);
+        if frames > 0 {
+            let us = self.spent.as_secs_f32() * 1e6 / frames as f32;
+            let kind = FrameKind::between(&self.work, work);
+            let cost = FrameCost { kind, us };
+            let frames = frames as usize;
+            self.costs.extend(std::iter::repeat_n(cost, frames));
+            (self.work, self.spent) = (*work, Duration::ZERO);
+        }
+    }
+
+    /// The frames since the last time.
+    pub fn take(&mut self) -> Vec<FrameCost> {
+        std::mem::take(&mut self.costs)
+    }
+}
+
+/// The work of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Effort {
+    /// Of the compression.
+    pub compression: Work,
+    /// Of the display's driver.
+    pub traffic: Traffic,
+    /// Onsets, and how many of them had no contact to project.
+    pub onsets: u64,
+    /// Onsets without a contact.
+    pub silent_onsets: u64,
+    /// Stimuli with a pulse.
+    pub driven: u64,
+    /// Wires of the display.
+    pub wires: usize,
+    /// Wires of which no stimulus was ever asked.
+    pub cold_wires: usize,
+    /// Whether a first pass looked for intensity levels.
+    pub calibrated: bool,
+    /// Time of frames by kind, microseconds each, everything from the bus to the contacts and what was due then.
+    times: [Vec<f32>; 4],
+}
+
+impl Effort {
+    /// Takes in what the loop did in all.
+    pub fn finish(&mut self, projector: &Projector, recorder: &Recorder) {
+        self.compression = projector.work();
+        self.wires = projector.display().wires().len();
+        self.driven = recorder.driven.stimuli;
+        (self.onsets, self.silent_onsets) = recorder.onsets;
+        self.cold_wires = self.wires.saturating_sub(recorder.warmed.len());
+    }
+
+    /// Of what frames cost, and what the driver did.
+    pub fn of(costs: &[FrameCost], traffic: Traffic) -> Self {
+        let mut effort = Self {
+            traffic,
+            ..Self::default()
+        };
+        for cost in costs {
+            effort.times[cost.kind as usize].push(cost.us);
+        }
+        effort
+    }
+
+    /// Frames of a kind, their median time and their time together, microseconds; NaN for the median of none.
+    pub fn frames(&self, kind: FrameKind) -> (usize, f64, f64) {
+        let mut sorted = self.times[kind as usize].clone();
+        sorted.sort_by(f32::total_cmp);
+        let median = sorted
+            .get(sorted.len() / 2)
+            .map_or(f64::NAN, |t| f64::from(*t));
+        let sum = sorted.iter().map(|t| f64::from(*t)).sum();
+        (sorted.len(), median, sum)
+    }
+}

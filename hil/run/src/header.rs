@@ -1,0 +1,73 @@
+//! A run on paper: what was run, on what, and the files that it goes back to.
+
+use palpate_core::illusion::Wire;
+use palpate_core::projector::Projector;
+use palpate_records::digest::short_digest;
+use palpate_records::mcap::Attachment;
+use palpate_records::trace::{self, Header, PlaceUm, WireInfo};
+
+use crate::failure::Failure;
+use crate::plan;
+use palpate_files::{BenchKind, Setup};
+
+/// The files that a run goes back to, as they were read.
+pub fn attachments(setup: &Setup) -> Vec<Attachment> {
+    let files = [
+        ("scene", &setup.scene.source),
+        ("sensor", &setup.sensor.source),
+        ("bench", &setup.bench.source),
+        ("display", &setup.display.source),
+        ("limits", &setup.limits.source),
+        ("wire", &setup.wire.source),
+        ("alloy", &setup.alloy.source),
+        ("perceiver", &setup.perceiver.source),
+    ];
+    let wearer = setup.wearer.as_ref().map(|w| ("wearer", &w.source));
+    let attached = |(name, source): (&str, &palpate_files::Source)| Attachment {
+        name: format!("{name}.toml"),
+        media_type: "application/toml",
+        text: source.text().into(),
+    };
+    files.into_iter().chain(wearer).map(attached).collect()
+}
+
+/// What was run, on what.
+///
+/// # Errors
+/// [`Failure`] for a bench without a PWM frequency.
+pub fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header, Failure> {
+    let (scene, bench) = (&setup.scene.value, &setup.bench.value);
+    let layout = plan::layout(&setup.sensor.value)?;
+    let taxels = layout
+        .modules()
+        .get(scene.drives)
+        .map(palpate_core::skin::Module::points);
+    let wire = |w: &Wire| WireInfo {
+        place: PlaceUm::from(w.place),
+        board: w.board.0,
+        channel: w.channel.0,
+    };
+    Ok(Header {
+        source: match bench.kind {
+            BenchKind::Emulated => trace::Source::Emulated,
+            BenchKind::Real => trace::Source::Real,
+        },
+        scene: scene.name.clone(),
+        bench: bench.name.clone(),
+        seed,
+        scene_digest: short_digest(setup.scene.source.text().as_bytes()),
+        limits_digest: short_digest(setup.limits.source.text().as_bytes()),
+        pre_scale: plan::prescale(bench)?,
+        tau_d_us: projector.timing().duration.as_micros(),
+        soa_us: projector.timing().soa.as_micros(),
+        illusion: scene.illusion.model.name().into(),
+        kc: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),
+        taxels: taxels
+            .unwrap_or_default()
+            .iter()
+            .copied()
+            .map(PlaceUm::from)
+            .collect(),
+        wires: projector.display().wires().iter().map(wire).collect(),
+    })
+}

@@ -1,0 +1,153 @@
+//! A bench assembled and run turn by turn: a scene or a recording through the loop onto a display.
+//!
+//! This room has no clock, thread, file, socket or terminal: time is virtual, a stopwatch and a view are handed in
+//! as a [`Host`]. The program `hil`, tests, a page and other languages use the same one. Every run, that of a real
+//! bench too, is built on a [`Session`].
+//!
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod boards;
+pub mod display_end;
+pub mod effects;
+pub mod effort;
+pub mod failure;
+mod feel;
+mod hand;
+mod header;
+pub mod live;
+mod margins;
+pub mod plan;
+pub mod policy;
+mod recorder;
+mod replay;
+mod runner;
+pub mod script;
+mod scripted;
+mod session;
+pub mod skin;
+pub mod skin_end;
+mod summary;
+mod summary_text;
+mod supervisor;
+mod tape;
+
+pub use boards::{BoardReport, BusReport, CanReport, Pacing, Spread};
+pub use failure::Failure;
+pub use hand::Hand;
+pub use header::{attachments, header};
+pub use live::{EmulatedSession, FedSession, press};
+pub use policy::Policy;
+pub use recorder::{Recorder, Truth};
+pub use replay::{CanFrames, Rows, TaxelTable};
+pub use runner::{build, run_with, scene_levels};
+pub use script::FaultReport;
+pub use session::{Session, Turn};
+pub use summary::{IllTaxel, Summary, Taxels, finished};
+
+use palpate_core::bus::Received;
+use palpate_core::skin::Layout;
+use palpate_core::units::Instant;
+use palpate_files::Setup;
+use palpate_records::i2c::Transfer;
+use palpate_records::report::Warmth;
+use palpate_records::trace::{Event, Header, Trace};
+
+use effort::Effort;
+
+/// What drives the sensor end.
+#[derive(Clone, Debug)]
+pub enum Input {
+    /// The scene's touches on an emulated skin.
+    Scene,
+    /// Recorded rows, one table per module.
+    Rows(Vec<TaxelTable>),
+    /// Recorded frames of all sensor buses.
+    Frames(CanFrames),
+}
+
+/// A finished run.
+#[derive(Debug)]
+pub struct Outcome {
+    /// Everything that happened.
+    pub trace: Trace,
+    /// What it came to.
+    pub summary: Summary,
+    /// Computing time of each frame, microseconds.
+    pub frame_us: Vec<f32>,
+    /// Temperatures over time.
+    pub warmth: Vec<Warmth>,
+    /// What was done and what was left out.
+    pub effort: Effort,
+    /// What ended the run before its time; the outputs are off.
+    pub failure: Option<Failure>,
+    /// Frames on the sensor buses as the host saw them, if they were to be kept.
+    pub can: Vec<Received>,
+    /// Messages on the actuator buses, if they were to be kept.
+    pub i2c: Vec<Transfer>,
+    /// Remarks for the user, such as a recording that ends too early.
+    pub notes: Vec<String>,
+}
+
+/// What a run keeps beside its trace.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Keep {
+    /// Every frame on the sensor buses: 24 bytes each, 1600 per second for a module of 16 taxels at 100 Hz.
+    pub can: bool,
+    /// Every message on the actuator buses.
+    pub i2c: bool,
+}
+
+/// A turn as a host sees it.
+pub struct Seen<'a> {
+    /// The time of the turn.
+    pub now: Instant,
+    /// Everything that happened so far.
+    pub events: &'a [Event],
+    /// The newest relative reading of every taxel, raw counts, NaN for one that is left out.
+    pub counts: &'a [f32],
+    /// The emulated sensor buses.
+    pub buses: &'a dyn Fn() -> Vec<BusReport>,
+}
+
+/// What a run is handed from outside. Nothing of it changes a result.
+pub trait Host {
+    /// A clock to time frames by, where there is one.
+    fn stopwatch(&self) -> Option<effort::Stopwatch> {
+        None
+    }
+
+    /// Whether it looks on: turns are then played once, with all readings.
+    fn looks_on(&self) -> bool {
+        false
+    }
+
+    /// The run is about to begin, and will end at `end`.
+    ///
+    /// # Errors
+    /// What keeps it from looking on; the run does not begin.
+    fn begin(&mut self, header: &Header, layout: &Layout, end: Instant) -> Result<(), Failure> {
+        let _ = (header, layout, end);
+        Ok(())
+    }
+
+    /// After a turn; `true` ends the run.
+    fn turn(&mut self, seen: &Seen<'_>) -> bool {
+        let _ = seen;
+        false
+    }
+
+    /// The run is over, whatever ended it.
+    fn end(&mut self) {}
+}
+
+/// No clock, no view.
+impl Host for () {}
+
+/// Runs a scene on an emulated bench.
+///
+/// # Errors
+/// [`Failure`] for input that fits no loop, a bus that fails, or a bench of hardware.
+pub fn run(setup: &Setup, input: &Input, seed: u64) -> Result<Outcome, Failure> {
+    run_with(setup, input, seed, Keep::default(), &mut ())
+}

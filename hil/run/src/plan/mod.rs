@@ -1,0 +1,267 @@
+//! From checked files to the core's own types.
+
+mod illusion;
+mod person;
+mod texture;
+
+pub use illusion::drive;
+pub use person::perceiver;
+pub use texture::{projection, surface};
+
+use palpate_core::contact::{Levels, Settings};
+use palpate_core::guard::{Guard, Limits, Plant};
+use palpate_core::illusion::{Display, Map, Rect, Surface, Wire};
+use palpate_core::physics::WireParameters;
+use palpate_core::projector::{Plan, SensingPlan, sensor_area};
+use palpate_core::skin::uskin::SCAN_GAP;
+use palpate_core::skin::{Address, BaselineSettings, HealthSettings, Layout, LayoutError, Module};
+use palpate_core::units::{Board, Channel, Duration, Milliamps, Point, Prescale};
+
+use crate::failure::Failure;
+use palpate_files::Setup;
+
+/// Millimetres of a file as the core counts them.
+fn point([x, y]: [f64; 2]) -> Point {
+    Point::new(x as f32, y as f32)
+}
+
+/// One module of a sensor layout file. A module that several boards read is one here, under the first
+/// board's address.
+fn module(file: &palpate_files::SkinModule, axes: u8) -> Result<Module, LayoutError> {
+    let limited = |n: usize| u16::try_from(n).unwrap_or(u16::MAX);
+    let built = match (&file.grid, file.scattered()) {
+        (Some(grid), _) => Module::grid(
+            &file.name,
+            limited(grid.rows),
+            limited(grid.columns),
+            grid.pitch_mm as f32,
+        )?,
+        (None, points) => {
+            let points = points.into_iter().flatten().map(point);
+            let points = points.collect::<Vec<_>>();
+            Module::scattered(&file.name, &points)?
+        }
+    };
+    let active: Vec<bool> = (0..built.points().len())
+        .map(|i| !file.inactive.contains(&i))
+        .collect();
+    let built = built
+        .with_active(&active)?
+        .with_axes(axes)?
+        .with_origin(point(file.place_mm))?;
+    match (file.bus, file.boards.first()) {
+        (Some(bus), Some(&board)) => built.with_address(Address { bus, board }),
+        _ => Ok(built),
+    }
+}
+
+/// The core's layout of a sensor layout file.
+///
+/// # Errors
+/// [`Failure::Input`] with the file's name and what no layout can be.
+pub fn layout(file: &palpate_files::SensorLayout) -> Result<Layout, Failure> {
+    let modules = file
+        .modules
+        .iter()
+        .map(|m| module(m, file.axes))
+        .collect::<Result<_, _>>();
+    let built = modules.and_then(Layout::new);
+    built.map_err(|e| Failure::Input(format!("layout `{}`: {e}", file.name)))
+}
+
+/// The I2C addresses on each of a bench's buses, ascending. Boards are numbered through in this order.
+pub fn buses(bench: &palpate_files::Bench) -> Vec<Vec<u8>> {
+    let count = bench.outputs.iter().map(|o| usize::from(o.bus) + 1).max();
+    let mut buses = vec![Vec::new(); count.unwrap_or(0)];
+    for output in &bench.outputs {
+        buses[usize::from(output.bus)].push(output.board);
+    }
+    for addresses in &mut buses {
+        addresses.sort_unstable();
+        addresses.dedup();
+    }
+    buses
+}
+
+/// The I2C addresses of all boards: a board's number is its place here.
+pub fn boards(bench: &palpate_files::Bench) -> Vec<u8> {
+    buses(bench).concat()
+}
+
+/// The number of the board that carries an output.
+fn board(buses: &[Vec<u8>], output: &palpate_files::Output) -> Board {
+    let bus = usize::from(output.bus);
+    let before: usize = buses.iter().take(bus).map(Vec::len).sum();
+    let place = buses
+        .get(bus)
+        .and_then(|b| b.iter().position(|&a| a == output.board));
+    Board((before + place.unwrap_or(0)) as u8) // at most 16
+}
+
+/// The display's wires with the outputs that drive them.
+///
+/// # Errors
+/// [`Failure::Input`] with what no display can be.
+pub fn display(setup: &Setup) -> Result<Display, Failure> {
+    let buses = buses(&setup.bench.value);
+    let outputs = &setup.bench.value.outputs;
+    display_of(&setup.display.value, |wire| {
+        outputs.get(wire).map_or((Board(0), Channel(0)), |output| {
+            (board(&buses, output), Channel(output.channel))
+        })
+    })
+}
+
+/// A display file's wires on the outputs that `output` names for each.
+///
+/// # Errors
+/// [`Failure::Input`] with what no display can be.
+pub fn display_of(
+    file: &palpate_files::DisplayLayout,
+    output: impl Fn(usize) -> (Board, Channel),
+) -> Result<Display, Failure> {
+    let wire = |(index, place): (usize, &[f64; 2])| {
+        let (board, channel) = output(index);
+        Wire {
+            place: point(*place),
+            board,
+            channel,
+        }
+    };
+    let wires = file.wires_mm.iter().enumerate();
+    let surface = file.surface.map_or(Surface::Flat, |s| Surface::Finger {
+        radius_mm: (s.diameter_mm / 2.0) as f32,
+        tip_mm: s.tip_mm as f32,
+    });
+    let [dx, dy] = file.spacing_mm;
+    Display::new(&wires.map(wire).collect::<Vec<_>>())
+        .map(|d| d.with_spacing((dx as f32, dy as f32)).with_surface(surface))
+        .map_err(|e| Failure::Input(format!("display `{}`: {e}", file.name)))
+}
+
+/// PRE_SCALE for the frequency a bench asks for.
+///
+/// # Errors
+/// [`Failure::Input`] for no frequency at all.
+pub fn prescale(bench: &palpate_files::Bench) -> Result<Prescale, Failure> {
+    Prescale::from_hz(bench.drive.pwm_hz).ok_or_else(|| {
+        Failure::Input(format!(
+            "bench `{}`: expected a PWM frequency above 0",
+            bench.name
+        ))
+    })
+}
+
+/// Parameters of a bench's wires.
+pub fn wire(setup: &Setup) -> WireParameters {
+    setup.wire.value.parameters(&setup.alloy.value)
+}
+
+/// Milliamperes of a file, which has checked their range.
+pub fn milliamps(ma: f64) -> Milliamps {
+    Milliamps(ma.round() as u32)
+}
+
+/// The silence that ends a scan. On a bus with room the frames of a scan come within milliseconds; on one
+/// that waiting boards overload they spread over the whole scan, and the next scan's follow a scan later.
+pub fn scan_gap(layout: &Layout, scene: &palpate_files::Scene) -> Duration {
+    const FRAME_S: f64 = 117e-6;
+    let period = 1.0 / scene.rate_hz;
+    let taxels_on = |bus: u8| {
+        let on_bus = |m: &&Module| m.address().is_some_and(|a| a.bus == bus);
+        let active = |m: &Module| m.active().iter().filter(|a| **a).count();
+        let of_bus = layout.modules().iter().filter(on_bus);
+        of_bus.map(active).sum::<usize>()
+    };
+    let fullest = (0..=u8::MAX).map(taxels_on).max().unwrap_or(0);
+    let busy = fullest as f64 * FRAME_S;
+    let waits = scene.boards.overload != Some(palpate_files::Overload::Overwrite);
+    if busy > period && waits {
+        Duration::from_micros((0.75e6 * busy) as u64)
+    } else {
+        let short = Duration::from_micros((0.4e6 * period) as u64);
+        short.min(SCAN_GAP)
+    }
+}
+
+/// The loop of a scene on a bench, with intensity levels found beforehand (or none).
+///
+/// # Errors
+/// [`Failure::File`] with file and key of what does not fit together.
+pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
+    let mut plan = untextured(setup, seed, levels)?;
+    let prescale = prescale(&setup.bench.value)?;
+    let (layout, display) = (&plan.sensing.layout, &plan.display);
+    plan.texture = texture::texture(setup, layout, display, prescale, seed)?;
+    Ok(plan)
+}
+
+/// The same without the scene's texture: for a pass that looks at contacts only.
+///
+/// # Errors
+/// As [`plan`].
+pub fn untextured(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
+    let (scene, bench) = (&setup.scene.value, &setup.bench.value);
+    let bad = |key: &str, e: &dyn std::fmt::Display| {
+        Failure::File(setup.scene.source.bad(key, e.to_string()))
+    };
+    let layout = layout(&setup.sensor.value)?;
+    let display = display(setup)?;
+    let sensor = sensor_area(&layout, scene.drives, scene.compression.scope);
+    let stated = scene.map.sensor_mm.map(|[x0, y0, x1, y1]| Rect {
+        min: point([x0.min(x1), y0.min(y1)]),
+        max: point([x0.max(x1), y0.max(y1)]),
+    });
+    let map = Map::new(sensor, stated, display.bounds()).map_err(|e| bad("map.sensor_mm", &e))?;
+
+    let (prescale, peak) = (prescale(bench)?, milliamps(bench.drive.current_ma));
+    let wire_milliohm = (wire(setup).resistance_ohm * 1e3).round() as u32;
+    let limits = Limits {
+        supply: milliamps(bench.drive.supply_limit_ma),
+        ..setup.limits.value.limits
+    }
+    .tightened();
+    let guard = Guard::new(
+        limits,
+        Plant {
+            prescale,
+            wire_milliohm,
+            peak,
+        },
+        display.wires(),
+    )
+    .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
+
+    let output = illusion::output(setup, &display, peak)?;
+    Ok(Plan {
+        sensing: SensingPlan {
+            layout,
+            baseline: BaselineSettings {
+                reference_frames: scene.reference_frames,
+                fault_sigmas: scene.faulty_deviations.map(|k| k as f32),
+                threshold: scene.threshold_rule(),
+                axes: scene.compression.axes,
+                drift: scene
+                    .drift_s
+                    .map(|s| Duration::from_micros((s * 1e6).round() as u64)),
+            },
+            compression: Settings {
+                clusters: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),
+                scope: scene.compression.scope,
+                norm: scene.compression.norm,
+                exponent: scene.compression.weight_exponent as f32,
+                levels,
+                seed,
+                max_iterations: scene.compression.iterations,
+                ..Settings::default()
+            },
+            health: HealthSettings::default(),
+        },
+        drives: u16::try_from(scene.drives).unwrap_or(u16::MAX),
+        map,
+        display,
+        output,
+        texture: None,
+        guard,
+    })
+}

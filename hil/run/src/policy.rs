@@ -1,0 +1,43 @@
+//! What differs between an emulated, a replayed and a real bench: values. Every line that acts on them is shared.
+
+use palpate_core::units::Duration;
+
+/// Which stops of the guard end by themselves once their cause is gone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LatchPolicy {
+    /// All of them: an emulated wearer cannot look at the bench.
+    Reopens,
+    /// Only that of a failed transfer, after the boards were started anew and read back. Any other stays until a
+    /// person has looked.
+    Stays,
+}
+
+/// The values of a bench.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Policy {
+    /// An actuator bus that is dead for this long ends the run.
+    pub give_up: Duration,
+    /// A dead actuator bus is tried this often.
+    pub retry: Duration,
+    /// Whether an actuator bus that is dead from the start is waited for as well.
+    pub waits_at_start: bool,
+    /// Which stops end by themselves.
+    pub latch: LatchPolicy,
+}
+
+impl Policy {
+    /// Emulated hardware and recordings.
+    pub const EMULATED: Self = Self {
+        give_up: Duration::from_millis(100),
+        retry: Duration::from_millis(1),
+        waits_at_start: true,
+        latch: LatchPolicy::Reopens,
+    };
+    /// Hardware: a USB plug that was pulled may come back, a person has to look after a stop.
+    pub const REAL: Self = Self {
+        give_up: Duration::from_millis(3000),
+        retry: Duration::from_millis(20),
+        waits_at_start: false,
+        latch: LatchPolicy::Stays,
+    };
+}

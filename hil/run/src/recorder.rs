@@ -1,0 +1,287 @@
+//! From what the loop reports to the canonical trace.
+
+use std::collections::BTreeSet;
+
+use palpate_core::projector::{Cause, FrameReport, Observer, Target, TextureReport};
+use palpate_core::schedule::Entry;
+use palpate_core::skin::{Condition, Layout};
+use palpate_core::units::{Board, Duration, Instant, Point};
+use palpate_records::trace::{Driven, Event, PlaceUm};
+use palpate_records::words::texture;
+
+use crate::hand::Hand;
+use palpate_files::Touch;
+
+/// Windows of texture further apart are of different touches.
+const APART: Duration = Duration::from_millis(500);
+
+/// Thousandths of a degree; `None` for a display without wires.
+pub(crate) fn milli_c(celsius: f64) -> Option<i32> {
+    celsius.is_finite().then(|| (celsius * 1e3).round() as i32)
+}
+
+/// What truly touches the driving module.
+#[derive(Debug, Default)]
+pub enum Truth {
+    /// Not known: a recording, readings that are pushed, a real skin.
+    #[default]
+    Unknown,
+    /// A scene's touches; the driving module.
+    Scene(Vec<Touch>, usize),
+    /// A hand on the driving module.
+    Hand(Hand),
+}
+
+impl Truth {
+    /// Where, and how hard (N), when exactly one thing touches.
+    fn at(&self, at: Instant) -> Option<(Point, f64)> {
+        match self {
+            Self::Unknown => None,
+            Self::Scene(touches, drives) => scripted(touches, *drives, at),
+            Self::Hand(hand) => hand.only(),
+        }
+    }
+}
+
+fn scripted(touches: &[Touch], drives: usize, at: Instant) -> Option<(Point, f64)> {
+    let seconds = at.as_micros() as f64 * 1e-6;
+    let mut now = touches
+        .iter()
+        .filter(|t| t.module == drives)
+        .filter_map(|t| t.at(seconds));
+    let only = now.next().filter(|t| t.force_n > 0.0)?;
+    now.next()
+        .is_none()
+        .then(|| (Point::new(only.x_mm as f32, only.y_mm as f32), only.force_n))
+}
+
+/// A taxel's condition in a word.
+pub const fn word(condition: Condition) -> &'static str {
+    match condition {
+        Condition::Inactive => "inactive",
+        Condition::Dead => "dead",
+        Condition::Frozen => "frozen",
+        Condition::Saturated => "saturated",
+        Condition::Jumping => "jumping",
+        Condition::Good => "good",
+    }
+}
+
+/// An onset whose sensation is not known yet.
+#[derive(Clone, Debug)]
+pub struct Onset {
+    /// When.
+    pub at: Instant,
+    /// The contacts on the display.
+    pub targets: Vec<Target>,
+    /// Sum of the squared pulse widths that were asked for, ticks.
+    pub squares: u64,
+}
+
+/// Collects a run.
+#[derive(Debug, Default)]
+pub struct Recorder {
+    /// What happened.
+    pub events: Vec<Event>,
+    /// Frames compressed.
+    pub frames: u32,
+    /// Contacts over all frames.
+    pub contacts: u64,
+    /// What the wires were told.
+    pub driven: Driven,
+    /// The newest reading of every taxel, raw counts, NaN for one that is left out; kept for a live view.
+    pub counts: Option<Vec<f32>>,
+    /// The newest onset.
+    pub onset: Option<Onset>,
+    /// Onsets projected, and those of them without a contact.
+    pub onsets: (u64, u64),
+    /// Boards and channels of which a stimulus was asked.
+    pub warmed: BTreeSet<(u8, u8)>,
+    /// Squared widths of the stimuli since.
+    squares: u64,
+    /// When the newest of those stimuli began.
+    asked: Option<Instant>,
+    /// End of the newest window of texture.
+    window: Option<Instant>,
+    /// Windows of texture, and the sum of their roughness, thousandths.
+    pub windows: (u32, u64),
+    truth: Truth,
+    /// Events at most; the oldest go. `None`: all are kept.
+    most_events: Option<usize>,
+    /// Events that went so.
+    pub dropped: u64,
+    /// The skin, for naming its taxels.
+    layout: Option<Layout>,
+    /// Taxels whose health changed alike: when, module, condition, taxels. Not yet told.
+    changed: Option<(Instant, usize, Condition, Vec<usize>)>,
+}
+
+impl Recorder {
+    /// For a skin whose touches are known, or not.
+    pub fn new(truth: Truth, layout: &Layout) -> Self {
+        Self {
+            truth,
+            layout: Some(layout.clone()),
+            ..Self::default()
+        }
+    }
+
+    /// With so many events at most.
+    #[must_use]
+    pub const fn bounded(mut self, most_events: usize) -> Self {
+        self.most_events = Some(most_events);
+        self
+    }
+
+    /// Drops the older half of the events where there are too many.
+    pub fn trim(&mut self) {
+        let most = self.most_events.unwrap_or(usize::MAX);
+        if self.events.len() > most {
+            let surplus = self.events.len() - most / 2;
+            self.events.drain(..surplus);
+            self.dropped += surplus as u64;
+        }
+    }
+
+    /// Writes down the taxels whose health changed last.
+    pub fn tell_taxels(&mut self) {
+        let Some((at, module, condition, taxels)) = self.changed.take() else {
+            return;
+        };
+        let name = self.layout.as_ref().and_then(|l| l.modules().get(module));
+        let name = name.map_or("?", palpate_core::skin::Module::name);
+        let list: Vec<String> = taxels.iter().map(usize::to_string).collect();
+        self.events.push(Event::Note {
+            t_us: at.as_micros(),
+            text: format!("taxels of {name}: {} {}", list.join(","), word(condition)),
+        });
+    }
+
+    /// A line worth keeping.
+    pub fn note(&mut self, at: Instant, text: String) {
+        self.events.push(Event::Note {
+            t_us: at.as_micros(),
+            text,
+        });
+    }
+
+    /// Where the driving module is truly touched.
+    pub fn truth_at(&self, at: Instant) -> Option<(Point, f64)> {
+        self.truth.at(at)
+    }
+}
+
+impl Observer for Recorder {
+    fn frame(&mut self, report: &FrameReport<'_>) {
+        let t_us = report.at.as_micros();
+        self.frames += 1;
+        let in_contact = report.relative.contacts().len();
+        let peak = report
+            .relative
+            .magnitude()
+            .iter()
+            .fold(0.0f32, |m, &v| m.max(v));
+        self.events.push(Event::Frame {
+            t_us,
+            frame: report.number,
+            in_contact: u16::try_from(in_contact).unwrap_or(u16::MAX),
+            peak_counts: peak.round() as u32,
+        });
+        if let Some(counts) = &mut self.counts {
+            let readings = report.relative.magnitude().iter();
+            let readings = readings.zip(report.relative.usable());
+            counts.clear();
+            counts.extend(readings.map(|(v, usable)| if *usable { *v } else { f32::NAN }));
+        }
+        for contact in report.contacts {
+            self.contacts += 1;
+            self.events.push(Event::Contact {
+                t_us,
+                frame: report.number,
+                module: contact.module,
+                contact: contact.id,
+                place: PlaceUm::from(contact.place),
+                intensity_milli: (f64::from(contact.intensity) * 1e3).round() as u32,
+                level: contact.level,
+                members: contact.members,
+            });
+        }
+        if let Some((place, force_n)) = self.truth_at(report.at) {
+            let force_mn = (force_n * 1e3).round() as u32;
+            self.events.push(Event::Truth {
+                t_us,
+                place: PlaceUm::from(place),
+                force_mn,
+            });
+        }
+    }
+
+    fn entry(&mut self, entry: &Entry) {
+        self.driven.add(entry);
+        self.warmed.insert((entry.board.0, entry.channel.0));
+        // A burst may come in parts, all alike: the first one counts.
+        if self.asked != Some(entry.at) {
+            (self.asked, self.squares) = (Some(entry.at), 0);
+        }
+        self.squares += u64::from(entry.requested.get()).pow(2);
+        self.events.push(Event::Schedule(*entry));
+    }
+
+    fn onset(&mut self, at: Instant, targets: &[Target]) {
+        self.onsets.0 += 1;
+        self.onsets.1 += u64::from(targets.is_empty());
+        let targets = targets.to_vec();
+        let squares = std::mem::take(&mut self.squares);
+        let squares = if self.asked == Some(at) { squares } else { 0 };
+        self.onset = Some(Onset {
+            at,
+            targets,
+            squares,
+        });
+    }
+
+    fn texture(&mut self, report: &TextureReport<'_>) {
+        let milli = |v: f64| (v * 1e3).round() as i32;
+        let rough_permille = milli(report.roughness) as u16; // 0 to 1
+        let latent = Event::Latent {
+            t_us: report.at.as_micros(),
+            z_milli: report.latent.iter().map(|z| milli(f64::from(*z))).collect(),
+            rough_permille,
+            rate_mhz: report.control.rate_mhz,
+        };
+        let goes_on = |last: Instant| report.at.since(last) < APART;
+        if !self.window.is_some_and(goes_on)
+            && let Some(text) = texture(&latent)
+        {
+            self.note(report.at, format!("texture felt: {text}"));
+        }
+        self.window = Some(report.at);
+        self.windows.0 += 1;
+        self.windows.1 += u64::from(rough_permille);
+        self.events.push(latent);
+    }
+
+    fn taxel(&mut self, at: Instant, index: usize, condition: Condition) {
+        let place = self.layout.as_ref().and_then(|l| l.locate(index));
+        let Some((module, taxel)) = place else {
+            return;
+        };
+        match &mut self.changed {
+            Some((t, m, c, taxels)) if (*t, *m, *c) == (at, module, condition) => {
+                taxels.push(taxel);
+            }
+            _ => {
+                self.tell_taxels();
+                self.changed = Some((at, module, condition, vec![taxel]));
+            }
+        }
+    }
+
+    fn all_off(&mut self, at: Instant, board: Board, cause: Cause) {
+        self.events.push(Event::AllOff {
+            t_us: at.as_micros(),
+            board: board.0,
+            cause: cause.word(),
+        });
+    }
+}

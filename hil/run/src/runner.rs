@@ -1,0 +1,325 @@
+//! Whole runs of scenes and recordings on an emulated bench: a pass that finds intensity levels, a pass that counts.
+
+use std::convert::Infallible;
+use std::time::Duration as Elapsed;
+
+use palpate_core::contact::{Contact, LevelTable, Levels};
+use palpate_core::driver::Actuators;
+use palpate_core::guard::Guarded;
+use palpate_core::projector::{FrameReport, LoopError, Observer, Plan, Projector};
+use palpate_core::skin::{Layout, UskinCan};
+use palpate_core::units::{Duration, Instant};
+use palpate_emulators::sensor::can::faults::Faulty;
+use palpate_emulators::sensor::rig::Handle;
+use palpate_files::Setup;
+use palpate_records::trace::{Header, Ledger};
+
+use crate::display_end::{EmulatedDisplay, refuse_hardware};
+use crate::effort::Effort;
+use crate::failure::Failure;
+use crate::header::header;
+use crate::policy::Policy;
+use crate::recorder::{Recorder, Truth, milli_c};
+use crate::replay::{Rows, TaxelTable};
+use crate::session::{Session, TICK, Turn};
+use crate::skin_end::{SkinEnd, Tap};
+use crate::summary::finished;
+use crate::tape::Tape;
+use crate::{Host, Input, Keep, Outcome, Seen, boards, margins, plan, skin};
+
+/// [`crate::run()`], keeping more, with a host that measures and looks on.
+///
+/// # Errors
+/// As [`crate::run()`].
+pub fn run_with(
+    setup: &Setup,
+    input: &Input,
+    seed: u64,
+    keep: Keep,
+    host: &mut dyn Host,
+) -> Result<Outcome, Failure> {
+    refuse_hardware(&setup.bench.value)?;
+    let layout = plan::layout(&setup.sensor.value)?;
+    let run = Run {
+        setup,
+        layout: &layout,
+        seed,
+        keep,
+        began: host.stopwatch().map(|read| read()),
+    };
+    match input {
+        Input::Scene => run.scene(host),
+        Input::Rows(tables) => {
+            let rows = Rows::new(tables, &setup.sensor.value, &layout)?;
+            let longest = tables.iter().map(TaxelTable::frames).max().unwrap_or(0);
+            run.replay(|| rows.clone(), longest, rows.end(), host)
+        }
+        Input::Frames(frames) => {
+            let skin = || skin::source(setup, &layout, Tap::new(frames.player(), keep.can));
+            run.replay(skin, frames.rows(), frames.end(), host)
+        }
+    }
+}
+
+/// Nothing is driven: for a pass that only looks at contacts.
+struct Silence;
+
+impl Actuators for Silence {
+    type Error = Infallible;
+
+    fn apply(&mut self, _update: &Guarded) -> Result<(), Infallible> {
+        Ok(())
+    }
+
+    fn all_off(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+/// What every pass of a run shares.
+struct Run<'a> {
+    setup: &'a Setup,
+    layout: &'a Layout,
+    seed: u64,
+    keep: Keep,
+    /// When it began, by the host's stopwatch.
+    began: Option<Elapsed>,
+}
+
+impl Run<'_> {
+    /// A scene's own touches on an emulated skin.
+    fn scene(&self, host: &mut dyn Host) -> Result<Outcome, Failure> {
+        let (setup, scene) = (self.setup, &self.setup.scene.value);
+        let end = scene_end(setup);
+        let emulated = || skin::emulated(setup, self.layout, self.seed);
+        let mut first = on_tape(setup, self.layout, emulated()?);
+        let levels = calibrate(setup, self.seed, &mut first, end)?;
+        let truth = || Truth::Scene(scene.touches.clone(), scene.drives);
+        let tape = &mut first.bus_mut().inner;
+        // What is watched is played once, also where a tape turns out to be of no use.
+        if scene.faults.is_empty() && tape.is_exact() && !host.looks_on() {
+            tape.rewind(end);
+            let tape = std::mem::replace(tape, Tape::new(emulated()?));
+            let skin = skin::source(setup, self.layout, Tap::new(tape, self.keep.can));
+            let (outcome, skin) = self.project(levels.clone(), skin, truth(), end, host)?;
+            if skin.bus().inner.is_exact() {
+                return Ok(outcome);
+            }
+        }
+        let faulty = Faulty::new(emulated()?, self.seed, "sensor bus");
+        let skin = skin::source(setup, self.layout, Tap::new(faulty, self.keep.can));
+        Ok(self.project(levels, skin, truth(), end, host)?.0)
+    }
+
+    /// A recording with `rows` rows that ends at `end`: one pass for levels, one that counts.
+    fn replay<S: SkinEnd>(
+        &self,
+        skin: impl Fn() -> S,
+        rows: usize,
+        end: Instant,
+        host: &mut dyn Host,
+    ) -> Result<Outcome, Failure> {
+        let reference = self.setup.scene.value.reference_frames;
+        if rows <= reference as usize {
+            return Err(Failure::Input(format!(
+                "the recording: expected more than the {reference} reference rows, found {rows}"
+            )));
+        }
+        let end = end + Duration::from_millis(100);
+        let levels = calibrate(self.setup, self.seed, &mut skin(), end)?;
+        Ok(self.project(levels, skin(), Truth::Unknown, end, host)?.0)
+    }
+
+    /// The pass that counts: the loop between the skin and the emulated display until `end`.
+    fn project<S: SkinEnd>(
+        &self,
+        levels: Levels,
+        skin: S,
+        truth: Truth,
+        end: Instant,
+        host: &mut dyn Host,
+    ) -> Result<(Outcome, S), Failure> {
+        let projector = build(self.setup, self.seed, levels)?;
+        let mut display = EmulatedDisplay::new(self.setup, &projector, self.seed)?;
+        display.keep(self.keep.i2c)?;
+        let mut recorder = Recorder::new(truth, projector.layout());
+        recorder.counts = host.looks_on().then(Vec::new);
+        let header = header(self.setup, self.seed, &projector)?;
+        host.begin(&header, projector.layout(), end)?;
+        let ends = (skin, display);
+        let policy = Policy::EMULATED;
+        let mut session = Session::new(projector, ends, policy, recorder, host.stopwatch());
+        // The policy waits for boards that do not answer, so this cannot fail.
+        let mut next = session.start(Instant::ZERO).unwrap_or_default();
+        let mut last = end;
+        while next < end {
+            let now = next;
+            match session.turn(now)? {
+                Turn::Next(then) if !look_on(&mut session, host) => next = then,
+                Turn::Next(_) | Turn::Last => {
+                    last = now;
+                    break;
+                }
+            }
+        }
+        host.end();
+        if let Err(e) = session.switch_off(last)
+            && session.failure().is_none()
+        {
+            session.lose(&e);
+            session.set_failure(Failure::Device(e.to_string()));
+        }
+        let (display, projector, recorder) = session.all();
+        display.settle(last, projector, recorder)?;
+        let outcome = self.outcome(header, &mut session, last, host)?;
+        Ok((outcome, session.into_skin()))
+    }
+
+    /// What the run came to.
+    fn outcome<S: SkinEnd>(
+        &self,
+        header: Header,
+        session: &mut Session<S, EmulatedDisplay>,
+        end: Instant,
+        host: &dyn Host,
+    ) -> Result<Outcome, Failure> {
+        let setup = self.setup;
+        let costs = session.take_costs();
+        let failure = session.take_failure();
+        session.skin().advance_to(end);
+        let can = session.skin().take_frames();
+        let mut effort = Effort::of(&costs, session.traffic());
+        effort.calibrated = setup.scene.value.compression.ki > 1;
+        let bench = &setup.bench.value;
+        let (display, projector, _) = session.all();
+        let samples = display.take_samples();
+        let totals = display.hardware().totals();
+        let course = margins::Course {
+            flows: &display.hardware().take_flows(),
+            samples: &samples,
+            totals: &totals,
+            wires: projector.display().wires().len(),
+        };
+        let limits = projector.guard().limits();
+        let ledger = Ledger {
+            energy_uj: (totals.electrical_j * 1e6).round() as u64,
+            hottest_wire: milli_c(totals.hottest_wire.0).map(|t| (t, totals.hottest_wire.1 as u16)),
+            margins: margins::margins(&course, limits),
+            length_us: end.as_micros(),
+            ..Ledger::default()
+        };
+        let (trace, mut summary) = finished(session, header, ledger, &costs, bench);
+        summary.buses = session.skin().buses();
+        if let (Some(read), Some(began)) = (host.stopwatch(), self.began) {
+            summary.wall_s = read().saturating_sub(began).as_secs_f64();
+        }
+        let (display, projector, recorder) = session.all();
+        effort.finish(projector, recorder);
+        summary.faults = display.faults();
+        Ok(Outcome {
+            warmth: samples.iter().map(margins::warmth).collect(),
+            i2c: boards::transfers(display.hardware()),
+            trace,
+            summary,
+            frame_us: costs.iter().map(|c| c.us).collect(),
+            effort,
+            failure,
+            can,
+            notes: Vec::new(),
+        })
+    }
+}
+
+/// Shows a turn to the host; whether it wants no more.
+fn look_on<S: SkinEnd>(session: &mut Session<S, EmulatedDisplay>, host: &mut dyn Host) -> bool {
+    if !host.looks_on() {
+        return false;
+    }
+    let now = session.now();
+    let (skin, recorder) = session.seen();
+    let ended = host.turn(&Seen {
+        now,
+        events: &recorder.events,
+        counts: recorder.counts.as_deref().unwrap_or_default(),
+        buses: &|| skin.buses(),
+    });
+    if ended {
+        let note = "ended by the person who watched".into();
+        session.recorder().note(now, note);
+    }
+    ended
+}
+
+/// When a scene ends.
+fn scene_end(setup: &Setup) -> Instant {
+    Instant::from_micros((setup.scene.value.length_s * 1e6).round() as u64)
+}
+
+/// A skin that is recorded while it is emulated.
+fn on_tape(setup: &Setup, layout: &Layout, handle: Handle) -> UskinCan<Tap<Tape>> {
+    skin::source(setup, layout, Tap::new(Tape::new(handle), false))
+}
+
+/// The static intensity levels of a scene's own touches on an emulated skin: what a run on hardware goes by, since
+/// it cannot see its whole input beforehand.
+///
+/// # Errors
+/// [`Failure`] for a scene that fits no emulated skin.
+pub fn scene_levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
+    let layout = plan::layout(&setup.sensor.value)?;
+    let mut skin = on_tape(setup, &layout, skin::emulated(setup, &layout, seed)?);
+    calibrate(setup, seed, &mut skin, scene_end(setup))
+}
+
+/// Intensities of all contacts, raw counts.
+#[derive(Default)]
+struct Intensities(Vec<f32>);
+
+impl Observer for Intensities {
+    fn frame(&mut self, report: &FrameReport<'_>) {
+        let intensity = |c: &Contact| c.intensity;
+        self.0.extend(report.contacts.iter().map(intensity));
+    }
+}
+
+/// A first pass that finds the static intensity levels over the whole input.
+fn calibrate(
+    setup: &Setup,
+    seed: u64,
+    skin: &mut impl SkinEnd,
+    end: Instant,
+) -> Result<Levels, Failure> {
+    let k = setup.scene.value.compression.ki as usize;
+    if k <= 1 {
+        return Ok(Levels::Off); // every contact has the one level there is
+    }
+    let mut projector = made(setup, plan::untextured(setup, seed, Levels::Off)?)?;
+    let mut intensities = Intensities::default();
+    let mut now = Instant::ZERO;
+    while now < end {
+        skin.advance_to(now);
+        let polled = projector.poll(now, skin, &mut Silence, &mut intensities);
+        polled.map_err(|e| match e {
+            LoopError::Sensor(e) => Failure::Device(format!("sensor bus: {e}")),
+            LoopError::Scan(e) => Failure::Device(format!("skin: {e}")),
+            LoopError::Actuator(never) => match never {},
+        })?;
+        now = projector.next().min(now + TICK);
+    }
+    match LevelTable::from_intensities(&intensities.0, k) {
+        Ok(table) => Ok(Levels::Table(table)),
+        Err(_) => Ok(Levels::Off), // nothing was touched
+    }
+}
+
+/// The loop of a scene on a bench, with intensity levels found beforehand.
+///
+/// # Errors
+/// [`Failure::Input`] for what fits no hardware.
+pub fn build(setup: &Setup, seed: u64, levels: Levels) -> Result<Projector, Failure> {
+    made(setup, plan::plan(setup, seed, levels)?)
+}
+
+fn made(setup: &Setup, plan: Plan) -> Result<Projector, Failure> {
+    Projector::new(plan).map_err(|e| Failure::Input(format!("{}: {e}", setup.scene.source.label())))
+}

@@ -1,0 +1,153 @@
+//! What a scene does to one module: touches that move, surfaces that are stroked, contacts whose surface rubs.
+
+use palpate_core::units::Point;
+use palpate_emulators::sensor::surface::{Habits, Rub, SurfaceStroke, SurfaceStrokes};
+use palpate_emulators::sensor::{Press, Touches};
+use palpate_emulators::time::Nanos;
+
+use crate::plan::surface;
+use palpate_files::{Setup, Touch, TouchPoint};
+
+/// Scenes' strokes are others than those that models are trained on, which count from 0.
+const FIRST_STROKE: u32 = 1000;
+/// Step of the travels' tables, s.
+const STEP_S: f64 = 1e-3;
+
+/// A touch whose surface is textured.
+struct Rubbing {
+    rub: Rub,
+    start_s: f64,
+    /// Millimetres gone since the start at every step.
+    travel: Vec<f64>,
+}
+
+impl Rubbing {
+    fn new(rub: Rub, touch: &Touch) -> Self {
+        let steps = ((touch.end_s - touch.start_s) / STEP_S) as usize;
+        let at = |step: usize| touch.at(touch.start_s + step as f64 * STEP_S);
+        let mut travel = vec![0.0];
+        for step in 0..steps {
+            let way = at(step).zip(at(step + 1));
+            let way = way.map_or(0.0, |(a, b)| libm::hypot(b.x_mm - a.x_mm, b.y_mm - a.y_mm));
+            travel.push(travel[step] + way);
+        }
+        Self {
+            rub,
+            start_s: touch.start_s,
+            travel,
+        }
+    }
+
+    /// Millimetres gone and mm/s at `t_s` of the scene.
+    fn progress(&self, t_s: f64) -> (f64, f64) {
+        let steps = ((t_s - self.start_s) / STEP_S).max(0.0);
+        let index = (steps as usize).min(self.travel.len().saturating_sub(2));
+        let from = self.travel[index];
+        let way = self.travel.get(index + 1).map_or(0.0, |to| to - from);
+        (from + (steps - index as f64).min(1.0) * way, way / STEP_S)
+    }
+}
+
+/// A scene on one module.
+pub(super) struct Scripted {
+    touches: Vec<(Touch, Option<Rubbing>)>,
+    strokes: SurfaceStrokes,
+    /// Everything begins anew after each such span.
+    repeat: Option<Nanos>,
+}
+
+impl Scripted {
+    /// What `setup`'s scene does to a module whose silicone has a time constant of `lag_s`.
+    pub(super) fn new(
+        setup: &Setup,
+        module: usize,
+        seed: u64,
+        lag_s: f64,
+        repeat: Option<Nanos>,
+    ) -> Self {
+        let scene = &setup.scene.value;
+        let felt = scene.texture.as_ref();
+        let felt = felt.filter(|felt| felt.module.unwrap_or(scene.drives) == module);
+        let entry = setup.texture.as_ref().and_then(|t| t.surface.as_ref());
+        let textured = felt.zip(entry.map(surface));
+        let rub = |number: u32, touch: &Touch| {
+            let (felt, texture) = textured.as_ref()?;
+            felt.rubs
+                .then(|| Rubbing::new(Rub::new(texture, (seed, number), lag_s), touch))
+        };
+        let touches = scene.touches.iter().filter(|t| t.module == module);
+        let stroke = |(number, &start_s): (u32, &f64)| {
+            let (felt, texture) = textured.as_ref()?;
+            let span = (Nanos((start_s * 1e9).round() as u64), felt.stroke_s);
+            let number = FIRST_STROKE + number;
+            let habits = Habits::default();
+            Some(SurfaceStroke::new(
+                texture,
+                &habits,
+                (seed, number),
+                span,
+                lag_s,
+            ))
+        };
+        let starts = felt.iter().flat_map(|felt| &felt.strokes_s);
+        Self {
+            touches: (0..)
+                .zip(touches)
+                .map(|(n, touch)| (touch.clone(), rub(n, touch)))
+                .collect(),
+            strokes: SurfaceStrokes((0..).zip(starts).filter_map(stroke).collect()),
+            repeat,
+        }
+    }
+
+    fn at(&self, now: Nanos) -> Nanos {
+        self.repeat.map_or(now, |span| Nanos(now.0 % span.0.max(1)))
+    }
+}
+
+impl Touches for Scripted {
+    fn touches(&self, now: Nanos, out: &mut Vec<Press>) {
+        let now = self.at(now);
+        let t_s = now.as_secs_f64();
+        let press = |(touch, rubbing): &(Touch, Option<Rubbing>)| {
+            let point: TouchPoint = touch.at(t_s)?;
+            let more = rubbing.as_ref().map_or(0.0, |r| {
+                let (travel, speed) = r.progress(t_s);
+                r.rub.force(travel, speed)
+            });
+            Some(Press {
+                at: Point::new(point.x_mm as f32, point.y_mm as f32),
+                // a contact that the relief lifts off carries nothing
+                force_n: if point.force_n > 0.0 {
+                    (point.force_n + more).max(0.0)
+                } else {
+                    point.force_n
+                },
+                diameter_mm: point.diameter_mm,
+            })
+        };
+        out.extend(self.touches.iter().filter_map(press));
+        self.strokes.touches(now, out);
+    }
+
+    /// Of the first contact that rubs, which takes the skin along, else of the stroke.
+    fn drag(&self, now: Nanos) -> [f64; 2] {
+        let now = self.at(now);
+        let t_s = now.as_secs_f64();
+        let rubbed = self.touches.iter().find_map(|(touch, rubbing)| {
+            let (rubbing, here) = (rubbing.as_ref()?, touch.at(t_s)?);
+            let next = touch.at(t_s + STEP_S)?;
+            let (dx, dy) = (next.x_mm - here.x_mm, next.y_mm - here.y_mm);
+            let way = libm::hypot(dx, dy);
+            let (travel, speed) = rubbing.progress(t_s);
+            // At rest the skin stays as it was dragged, which nobody has measured: nothing.
+            let drag = if way > 0.0 {
+                rubbing.rub.drag(travel, speed) / way
+            } else {
+                0.0
+            };
+            Some([drag * dx, drag * dy])
+        });
+        rubbed.unwrap_or_else(|| self.strokes.drag(now))
+    }
+}

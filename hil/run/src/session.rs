@@ -1,0 +1,357 @@
+//! A run between two turns: the loop between a sensor end and a display end, and every line of policy around it:
+//! start, reading registers back, stops of the guard, recovery of a lost bus, silent boards, switching off.
+//!
+//! A session has no clock and no end of its own. Its memory is bounded where its recorder is, and frame times, which
+//! need a stopwatch, are taken. Its holder decides when the next turn is: at once in virtual time, paced on a real
+//! bench.
+
+use palpate_core::driver::{DriverError, Traffic};
+use palpate_core::projector::{Cause, LoopError, Projector};
+use palpate_core::units::{Duration, Instant};
+use palpate_records::trace::Event;
+
+use crate::display_end::DisplayEnd;
+use crate::effort::{FrameCost, FrameTimes, Stopwatch};
+use crate::failure::Failure;
+use crate::policy::{LatchPolicy, Policy};
+use crate::recorder::Recorder;
+use crate::skin_end::SkinEnd;
+use crate::supervisor::Supervisor;
+
+/// The loop is called at least this often, as a real host would call it.
+pub(crate) const TICK: Duration = Duration::from_millis(1);
+/// Registers are read back this often, between two bursts so that a slow answer delays no end of one.
+const VERIFY: Duration = Duration::from_millis(250);
+/// Wires that are driven without a pause do not put it off for longer than this.
+const VERIFY_AT_LAST: Duration = Duration::from_millis(1000);
+
+/// Whether there is another turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    /// There is, at the latest at this time.
+    Next(Instant),
+    /// Something ended the run before its time; [`Session::failure`] says what.
+    Last,
+}
+
+/// The loop with both of its ends.
+pub struct Session<S, D> {
+    projector: Projector,
+    skin: S,
+    display: D,
+    policy: Policy,
+    supervisor: Supervisor,
+    recorder: Recorder,
+    times: FrameTimes,
+    now: Instant,
+    next: Instant,
+    verified: Instant,
+    failure: Option<Failure>,
+}
+
+impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
+    /// A session that has not begun. Frames are timed by `stopwatch`, where there is one.
+    pub fn new(
+        projector: Projector,
+        (skin, display): (S, D),
+        policy: Policy,
+        recorder: Recorder,
+        stopwatch: Option<Stopwatch>,
+    ) -> Self {
+        Self {
+            supervisor: Supervisor::new(policy.give_up),
+            times: FrameTimes::new(stopwatch),
+            now: Instant::ZERO,
+            next: Instant::ZERO,
+            verified: Instant::ZERO,
+            failure: None,
+            projector,
+            skin,
+            display,
+            policy,
+            recorder,
+        }
+    }
+
+    /// Starts the boards at `now`: everything off, the period set, registers read back, outputs released. Returns
+    /// when the first turn may come.
+    ///
+    /// # Errors
+    /// A board that does not answer, where the policy does not wait for it.
+    pub fn start(&mut self, now: Instant) -> Result<Instant, DriverError> {
+        self.now = now;
+        let pre_scale = self.projector.guard().prescale().get();
+        let t_us = now.as_micros();
+        let (banks, _) = self.display.parts();
+        for board in banks.boards() {
+            let board = board.0;
+            self.recorder.events.push(Event::AllOff {
+                t_us,
+                board,
+                cause: "start",
+            });
+            self.recorder.events.push(Event::PreScale {
+                t_us,
+                board,
+                pre_scale,
+            });
+        }
+        self.fail(false);
+        let (banks, oe) = self.display.parts();
+        self.next = match banks.start(now) {
+            Ok(ready) => {
+                oe.set_enabled(ready, true);
+                ready
+            }
+            Err(e) if self.policy.waits_at_start => {
+                self.lose(&e);
+                now
+            }
+            Err(e) => return Err(e),
+        };
+        Ok(self.next)
+    }
+
+    /// One call of the loop at `now`, and what goes on around it.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] for an emulator that contradicts itself. What ends a run in order is no error here:
+    /// [`Turn::Last`], [`Session::failure`].
+    pub fn turn(&mut self, now: Instant) -> Result<Turn, Failure> {
+        self.now = now;
+        self.skin.advance_to(now);
+        self.display.advance_to(now, &mut self.recorder.events)?;
+        if self.supervisor.is_lost() {
+            return Ok(self.recover());
+        }
+        self.reopen();
+        let onset = match self.poll() {
+            Ok(onset) => onset,
+            Err(failure) => return Ok(self.end(failure)),
+        };
+        self.display
+            .look(now, onset, &self.projector, &mut self.recorder);
+        self.supervisor.restart_boards(
+            now,
+            &mut self.skin,
+            &self.projector,
+            &mut self.recorder.events,
+        );
+        self.fail(false);
+        self.recorder.trim();
+        let next = self.projector.next().min(now + TICK);
+        self.next = next.min(self.display.next_fault());
+        Ok(Turn::Next(self.next))
+    }
+
+    /// Turns in virtual time until `until`, which is the time of none of them.
+    ///
+    /// # Errors
+    /// As [`Self::turn`].
+    pub fn advance(&mut self, until: Instant) -> Result<Turn, Failure> {
+        while self.next < until {
+            if self.turn(self.next)? == Turn::Last {
+                return Ok(Turn::Last);
+            }
+        }
+        Ok(Turn::Next(self.next))
+    }
+
+    /// Everything off at `end`.
+    ///
+    /// # Errors
+    /// The driver's: not everything is known to be off.
+    pub fn switch_off(&mut self, end: Instant) -> Result<(), DriverError> {
+        self.now = end;
+        let (banks, _) = self.display.parts();
+        let off = self
+            .projector
+            .all_off(end, Cause::End, banks, &mut self.recorder);
+        self.fail(true);
+        self.recorder.tell_taxels();
+        off
+    }
+
+    /// Does to emulated hardware what the scene's faults say.
+    fn fail(&mut self, last: bool) {
+        let skin = self.skin.emulated();
+        let events = &mut self.recorder.events;
+        self.display.fail(self.now, last, skin, events);
+    }
+
+    fn end(&mut self, failure: Failure) -> Turn {
+        self.failure.get_or_insert(failure);
+        Turn::Last
+    }
+
+    /// The actuator bus is lost: outputs are cut by the OE line, recovery follows.
+    pub fn lose(&mut self, error: &DriverError) {
+        let error = self.display.explain(error);
+        let (_, oe) = self.display.parts();
+        let events = &mut self.recorder.events;
+        self.supervisor.lose(self.now, &error, oe, events);
+    }
+
+    /// Tries to bring a lost bus back.
+    fn recover(&mut self) -> Turn {
+        let (banks, oe) = self.display.parts();
+        let events = &mut self.recorder.events;
+        match self.supervisor.recover(self.now, banks, oe, events) {
+            Ok(Some(ready)) => self.next = ready,
+            Ok(None) => {
+                self.fail(false);
+                self.next = self.now + self.policy.retry;
+            }
+            Err(failure) => return self.end(failure),
+        }
+        Turn::Next(self.next)
+    }
+
+    /// Ends a stop of the guard that may end by itself, and keeps one that may not.
+    fn reopen(&mut self) {
+        let Some(cause) = self.projector.guard().latched() else {
+            return;
+        };
+        let events = &mut self.recorder.events;
+        if cause == Cause::ActuatorError || self.policy.latch == LatchPolicy::Reopens {
+            let (banks, _) = self.display.parts();
+            self.supervisor
+                .resume(self.now, &mut self.projector, banks, events);
+        } else if self.failure.is_none() {
+            // Outputs stay off until a person has looked; the skin is still read and recorded.
+            let cause = reason(cause);
+            self.recorder.note(self.now, format!("stopped: {cause}"));
+            self.failure = Some(self.display.keep_stopped(cause));
+        }
+    }
+
+    /// Calls the loop; returns whether a stimulus began. A bus that fails is lost, and brought back later.
+    fn poll(&mut self) -> Result<bool, Failure> {
+        let before = self.recorder.frames;
+        let begun = self.times.begin();
+        let (banks, _) = self.display.parts();
+        let polled = self
+            .projector
+            .poll(self.now, &mut self.skin, banks, &mut self.recorder);
+        let frames = self.recorder.frames - before;
+        self.times.add(begun, frames, &self.projector.work());
+        let polled = match polled {
+            Ok(onset) => self.verify().map(|()| onset),
+            Err(LoopError::Actuator(e)) => Err(e),
+            Err(LoopError::Sensor(e)) => {
+                return Err(Failure::Device(format!("sensor bus: {e}")));
+            }
+            Err(LoopError::Scan(e)) => return Err(Failure::Device(format!("skin: {e}"))),
+        };
+        let retries = self.display.parts().0.retries();
+        self.supervisor
+            .retried(self.now, retries, &mut self.recorder.events);
+        Ok(polled.unwrap_or_else(|e| {
+            self.lose(&e);
+            false
+        }))
+    }
+
+    /// Reads registers back when that is due: a chip that fell back to reset values answers, but sleeps, and
+    /// nothing on the bus says so.
+    fn verify(&mut self) -> Result<(), DriverError> {
+        let since = self.now.since(self.verified);
+        let quiet = self.projector.guard().next_expiry().is_none();
+        if since < VERIFY || !(quiet || since >= VERIFY_AT_LAST) {
+            return Ok(());
+        }
+        self.verified = self.now;
+        let (banks, _) = self.display.parts();
+        banks.verify().inspect_err(|_| {
+            // The error is on its way; recovery finds out whether this helped.
+            let cause = Cause::ActuatorError;
+            let _ = self
+                .projector
+                .all_off(self.now, cause, banks, &mut self.recorder);
+        })
+    }
+
+    /// The time of the newest turn.
+    pub const fn now(&self) -> Instant {
+        self.now
+    }
+
+    /// When the next turn is due.
+    pub const fn next(&self) -> Instant {
+        self.next
+    }
+
+    /// What ended the run or will end it with a failure.
+    pub const fn failure(&self) -> Option<&Failure> {
+        self.failure.as_ref()
+    }
+
+    /// Notes what ended the run, unless something did before.
+    pub fn set_failure(&mut self, failure: Failure) {
+        self.failure.get_or_insert(failure);
+    }
+
+    /// The same, taken out.
+    pub const fn take_failure(&mut self) -> Option<Failure> {
+        self.failure.take()
+    }
+
+    /// The loop.
+    pub const fn projector(&self) -> &Projector {
+        &self.projector
+    }
+
+    /// The loop, for what sorts (its health) or changes nothing that is driven.
+    pub const fn projector_mut(&mut self) -> &mut Projector {
+        &mut self.projector
+    }
+
+    /// The sensor end.
+    pub const fn skin(&mut self) -> &mut S {
+        &mut self.skin
+    }
+
+    /// The display end.
+    pub const fn display(&mut self) -> &mut D {
+        &mut self.display
+    }
+
+    /// What happened, and the counts of it.
+    pub const fn recorder(&mut self) -> &mut Recorder {
+        &mut self.recorder
+    }
+
+    /// Display end, loop and recorder at once: for what looks at all three.
+    pub const fn all(&mut self) -> (&mut D, &mut Projector, &mut Recorder) {
+        (&mut self.display, &mut self.projector, &mut self.recorder)
+    }
+
+    /// Sensor end and recorder: for what looks on.
+    pub const fn seen(&self) -> (&S, &Recorder) {
+        (&self.skin, &self.recorder)
+    }
+
+    /// The sensor end, when the run is over.
+    pub fn into_skin(self) -> S {
+        self.skin
+    }
+
+    /// Computing times of the frames since the last time.
+    pub fn take_costs(&mut self) -> Vec<FrameCost> {
+        self.times.take()
+    }
+
+    /// What updates came to on the actuator buses.
+    pub fn traffic(&mut self) -> Traffic {
+        self.display.parts().0.traffic()
+    }
+}
+
+/// What the guard stopped a run for.
+const fn reason(cause: Cause) -> &'static str {
+    match cause {
+        Cause::StaleInput => "stale-input: no sensor frame for 100 ms while a wire was driven",
+        Cause::LateTick => "late-tick: this computer was too late to end a stimulus in time",
+        other => other.word(),
+    }
+}

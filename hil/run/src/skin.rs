@@ -1,0 +1,157 @@
+//! An emulated skin under a scene's touches, as the sensor end of a run.
+
+use palpate_core::bus::CanBus;
+use palpate_core::codec::uskin::{ALL_BOARDS, Command};
+use palpate_core::skin::{Layout, UskinCan};
+use palpate_emulators::sensor::board::{BoardConfig, Overload};
+use palpate_emulators::sensor::can::NodeConfig;
+use palpate_emulators::sensor::rig::{Handle, SkinBus};
+use palpate_emulators::sensor::{Generation, Module, ModuleConfig, Touches};
+use palpate_emulators::time::Nanos;
+
+use super::scripted::Scripted;
+use crate::failure::Failure;
+use crate::plan;
+use palpate_files::Setup;
+
+/// CAN bit rate of the sensor boards.
+const BITRATE: u32 = 1_000_000;
+
+/// The refusal of a module that no board can carry.
+pub fn unwired(layout: &str, module: &str) -> Failure {
+    Failure::Input(format!(
+        "layout `{layout}`: module `{module}`: expected a bus, a board, and at most 8 rows of 8 taxels; \
+         a larger skin has no emulated board"
+    ))
+}
+
+/// Emulated boards with the scene's touches on them, which wait for their commands. With `repeat` the
+/// touches begin anew after each such span; `host` is the host's controller on every bus.
+///
+/// # Errors
+/// [`Failure::Input`] for a layout whose modules no board can carry.
+pub fn boards(
+    setup: &Setup,
+    layout: &Layout,
+    seed: u64,
+    repeat: Option<Nanos>,
+    host: NodeConfig,
+) -> Result<Handle, Failure> {
+    let lag_s = ModuleConfig::default().mechanics.lag_s;
+    let scripted = |module| -> Box<dyn Touches + Send> {
+        Box::new(Scripted::new(setup, module, seed, lag_s, repeat))
+    };
+    touched(setup, layout, seed, host, scripted)
+}
+
+/// Emulated boards that send from the start, each module under the touches that `touches` gives for it.
+///
+/// # Errors
+/// As [`boards`].
+pub fn under(
+    setup: &Setup,
+    layout: &Layout,
+    seed: u64,
+    touches: impl Fn(usize) -> Box<dyn Touches + Send>,
+) -> Result<Handle, Failure> {
+    let mut handle = touched(setup, layout, seed, NodeConfig::default(), touches)?;
+    start(&mut handle)?;
+    Ok(handle)
+}
+
+fn touched(
+    setup: &Setup,
+    layout: &Layout,
+    seed: u64,
+    host: NodeConfig,
+    touches: impl Fn(usize) -> Box<dyn Touches + Send>,
+) -> Result<Handle, Failure> {
+    let (scene, file) = (&setup.scene.value, &setup.sensor.value);
+    let mut buses: Vec<SkinBus> = Vec::new();
+    for (number, module) in layout.modules().iter().enumerate() {
+        let refuse = || unwired(&file.name, module.name());
+        let address = module.address().ok_or_else(refuse)?;
+        let wiring = module
+            .wiring()
+            .filter(|w| w.taxels() == module.points().len());
+        let wiring = wiring.ok_or_else(refuse)?;
+        let mut skin = Module::new(ModuleConfig {
+            number,
+            taxels: module.points().to_vec(),
+            unread: (0..module.points().len())
+                .filter(|&t| !module.active()[t])
+                .collect(),
+            pitch_mm: f64::from(module.spacing()),
+            generation: match scene.generation {
+                palpate_files::Generation::Y2019 => Generation::Y2019,
+                palpate_files::Generation::Y2021 => Generation::Y2021,
+                palpate_files::Generation::Current => Generation::Now,
+            },
+            noise_lsb: scene.noise_lsb.into(),
+            seed,
+            ..ModuleConfig::default()
+        });
+        skin.touch(touches(number));
+        let bus = usize::from(address.bus);
+        buses.resize_with(buses.len().max(bus + 1), || {
+            SkinBus::with_host(BITRATE, host)
+        });
+        let config = BoardConfig {
+            address: address.board,
+            wiring,
+            scan_hz: scene.rate_hz,
+            overload: match scene.boards.overload {
+                Some(palpate_files::Overload::Overwrite) => Overload::Overwrite,
+                Some(palpate_files::Overload::Wait) | None => Overload::Wait,
+            },
+            ..BoardConfig::default()
+        };
+        buses[bus].add_board(config, vec![skin]).map_err(|e| {
+            Failure::Input(format!(
+                "layout `{}`: module `{}`: {e}",
+                file.name,
+                module.name()
+            ))
+        })?;
+    }
+    Ok(Handle::new(buses))
+}
+
+/// The boards of a scene's layout, over any bus, as the loop reads them.
+pub fn source<B: CanBus>(setup: &Setup, layout: &Layout, bus: B) -> UskinCan<B> {
+    UskinCan::new(layout, bus).with_gap(plan::scan_gap(layout, &setup.scene.value))
+}
+
+/// Emulated boards with the scene's touches on them, sending from the start.
+///
+/// # Errors
+/// As [`boards`].
+pub fn emulated(setup: &Setup, layout: &Layout, seed: u64) -> Result<Handle, Failure> {
+    let mut handle = boards(setup, layout, seed, None, NodeConfig::default())?;
+    start(&mut handle)?;
+    Ok(handle)
+}
+
+/// Sends the start command on every bus.
+///
+/// # Errors
+/// [`Failure::Device`] for a bus whose host takes no command.
+pub fn start(handle: &mut Handle) -> Result<(), Failure> {
+    let count = handle.with(|buses| buses.len());
+    let start = Command {
+        board: ALL_BOARDS,
+        start: true,
+    }
+    .encode();
+    for bus in 0..count {
+        let sent = start
+            .as_ref()
+            .map(|frame| handle.transmit(bus as u8, frame));
+        if !matches!(sent, Some(Ok(()))) {
+            return Err(Failure::Device(format!(
+                "sensor bus {bus}: the start command was not taken"
+            )));
+        }
+    }
+    Ok(())
+}

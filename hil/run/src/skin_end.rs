@@ -1,0 +1,161 @@
+//! The sensor end of a run: a skin whose virtual time the session moves, and what is known of its boards.
+
+use core::fmt;
+
+use palpate_core::bus::{CanBus, Received};
+use palpate_core::codec::can::CanFrame;
+use palpate_core::skin::{SkinSource, UskinCan};
+use palpate_core::units::Instant;
+use palpate_emulators::sensor::can::faults::Faulty;
+use palpate_emulators::sensor::rig::Handle;
+use palpate_emulators::time::Nanos;
+
+use crate::boards::{self, BusReport};
+
+/// A skin behind its fault layer, where there is one to disturb.
+pub type FaultySkin<'a> = Option<&'a mut Faulty<Handle>>;
+
+/// The sensor end of a session. What has an empty default is what boards on a bus have, and other skins lack.
+pub trait SkinEnd: SkinSource<Error: fmt::Display> {
+    /// Lets time pass until `now`.
+    fn advance_to(&mut self, now: Instant);
+
+    /// Tells a module's board to send.
+    fn start(&mut self, module: usize) {
+        let _ = module;
+    }
+
+    /// Readings missing from a module's scans so far.
+    fn lost_of(&self, module: usize) -> u64 {
+        let _ = module;
+        0
+    }
+
+    /// Frames that crossed its buses since the last time, if they are kept.
+    fn take_frames(&mut self) -> Vec<Received> {
+        Vec::new()
+    }
+
+    /// The emulated skin behind its fault layer.
+    fn emulated(&mut self) -> FaultySkin<'_> {
+        None
+    }
+
+    /// Its buses, where they are emulated.
+    fn buses(&self) -> Vec<BusReport> {
+        Vec::new()
+    }
+}
+
+/// A skin whose readings are pushed.
+impl SkinEnd for () {
+    fn advance_to(&mut self, _now: Instant) {}
+}
+
+/// A CAN bus whose virtual time the session moves.
+pub trait CanEnd: CanBus<Error: fmt::Display> {
+    /// Lets time pass until `now`.
+    fn advance_to(&mut self, now: Instant);
+
+    /// The emulated skin behind its fault layer.
+    fn emulated(&mut self) -> FaultySkin<'_> {
+        None
+    }
+
+    /// The buses, where they are emulated.
+    fn buses(&self) -> Vec<BusReport> {
+        Vec::new()
+    }
+}
+
+impl CanEnd for Faulty<Handle> {
+    fn advance_to(&mut self, now: Instant) {
+        self.inner_mut().advance(Nanos::from(now));
+    }
+
+    fn emulated(&mut self) -> FaultySkin<'_> {
+        Some(self)
+    }
+
+    fn buses(&self) -> Vec<BusReport> {
+        self.inner().with(|buses| boards::buses(buses))
+    }
+}
+
+/// uSkin boards on a bus.
+impl<B: CanEnd> SkinEnd for UskinCan<Tap<B>> {
+    fn advance_to(&mut self, now: Instant) {
+        let tap = self.bus_mut();
+        tap.now = tap.now.max(now);
+        tap.inner.advance_to(now);
+    }
+
+    fn start(&mut self, module: usize) {
+        // A full queue or a host that is bus-off: a board that stays silent is told again.
+        let _ = UskinCan::start(self, module);
+    }
+
+    fn lost_of(&self, module: usize) -> u64 {
+        UskinCan::lost_of(self, module)
+    }
+
+    fn take_frames(&mut self) -> Vec<Received> {
+        self.bus_mut().take()
+    }
+
+    fn emulated(&mut self) -> FaultySkin<'_> {
+        self.bus_mut().inner.emulated()
+    }
+
+    fn buses(&self) -> Vec<BusReport> {
+        self.bus().inner.buses()
+    }
+}
+
+/// A bus that keeps what crosses it, in either direction, until it is taken away: as the host saw it, so that what
+/// a fault layer swallowed is not there, and what it garbled is garbled.
+#[derive(Debug)]
+pub struct Tap<B> {
+    /// The bus.
+    pub inner: B,
+    /// The time that what is sent gets.
+    now: Instant,
+    kept: Option<Vec<Received>>,
+}
+
+impl<B> Tap<B> {
+    /// A tap on a bus; one that does not `keep` costs nothing.
+    pub fn new(inner: B, keep: bool) -> Self {
+        Self {
+            inner,
+            now: Instant::ZERO,
+            kept: keep.then(Vec::new),
+        }
+    }
+
+    /// What crossed it since the last time.
+    pub fn take(&mut self) -> Vec<Received> {
+        self.kept.as_mut().map(std::mem::take).unwrap_or_default()
+    }
+}
+
+impl<B: CanBus> CanBus for Tap<B> {
+    type Error = B::Error;
+
+    fn receive(&mut self) -> Result<Option<Received>, B::Error> {
+        let received = self.inner.receive()?;
+        if let Some(kept) = &mut self.kept {
+            kept.extend(received);
+        }
+        Ok(received)
+    }
+
+    fn transmit(&mut self, bus: u8, frame: &CanFrame) -> Result<(), B::Error> {
+        self.inner.transmit(bus, frame)?;
+        if let Some(kept) = &mut self.kept {
+            let (at, frame) = (self.now, *frame);
+            kept.push(Received { at, bus, frame });
+        }
+        Ok(())
+    }
+}

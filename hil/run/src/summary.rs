@@ -1,0 +1,325 @@
+//! What a run came to, as the JSON object of `--json`.
+
+use palpate_core::projector::Projector;
+use palpate_core::skin::{Condition, HealthSummary};
+use palpate_core::units::Instant;
+use palpate_records::felt::{decibels, energy_permille, felt_scores};
+use palpate_records::margin::{Limited, Margin};
+use palpate_records::measure::{Errors, path_error};
+use palpate_records::trace::{Event, Header, Ledger, Source, Trace};
+use serde::Serialize;
+
+use super::boards::{self, BoardReport, BusReport, CanReport, Pacing};
+use super::display_end::DisplayEnd;
+use super::effort::FrameCost;
+use super::recorder::{Recorder, word};
+use super::script::FaultReport;
+use super::session::Session;
+use super::skin_end::SkinEnd;
+use palpate_files::Bench;
+
+/// Root mean square and maximum of a distance, mm.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PathError {
+    /// Root mean square.
+    pub rmse: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+/// The same of what is felt, and where nothing is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FeltError {
+    /// Root mean square, display mm, over the onsets inside the display; `None` where nothing was felt or no truth is known.
+    pub rmse: Option<f64>,
+    /// Largest.
+    pub max: Option<f64>,
+    /// Onsets with a contact inside the hull and no wire above threshold.
+    pub breaks: u64,
+    /// Onsets at which the felt place went further than the contact by a step that can be felt.
+    pub jumps: u64,
+    /// Which perceiver says so.
+    pub perceiver: &'static str,
+}
+
+/// Energy asked of all wires together over one wire's, dB, over the onsets inside the display.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct EnergyDb {
+    /// The deepest dip.
+    pub min: f64,
+    /// The highest.
+    pub max: f64,
+}
+
+/// Rates at which taxels truly change, Hz.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Refresh {
+    /// Median over the taxels.
+    pub median: f64,
+    /// Slowest taxel.
+    pub min: f64,
+}
+
+/// The skin's health.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Taxels {
+    /// Rates of change.
+    pub refresh_hz: Refresh,
+    /// Taxels that stopped changing although readings came in.
+    pub frozen: u32,
+    /// Taxels never seen, or not any more.
+    pub dead: u32,
+    /// Taxels with an axis at the end of its range.
+    pub saturated: u32,
+    /// Taxels that jump.
+    pub jumping: u32,
+    /// Of the dead ones, those of which nothing ever came.
+    pub never_seen: u32,
+    /// Share of frames in which no taxel changed.
+    pub repeated: f64,
+    /// Every taxel that was ill when the run ended, and left out.
+    pub ill: Vec<IllTaxel>,
+    /// Rate of change of every taxel that is read, Hz, by module.
+    pub refresh_each_hz: Vec<Vec<f32>>,
+}
+
+/// A taxel that is left out.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct IllTaxel {
+    /// Its module, zero-based.
+    pub module: usize,
+    /// Its number there, zero-based.
+    pub taxel: usize,
+    /// frozen, dead, saturated or jumping; never-seen for a dead one of which nothing ever came.
+    pub condition: &'static str,
+}
+
+impl Taxels {
+    /// Fills in what is known of every single taxel at `now`.
+    fn list(&mut self, projector: &Projector, now: Instant) {
+        let (layout, monitor) = (projector.layout(), projector.monitor());
+        for (module, m) in layout.modules().iter().enumerate() {
+            let mut rates = Vec::new();
+            for (taxel, index) in layout.range(module).enumerate() {
+                if !m.active()[taxel] {
+                    continue;
+                }
+                rates.push(monitor.rates_hz(index).0);
+                let condition = match monitor.condition(index, now) {
+                    Condition::Good | Condition::Inactive => continue,
+                    Condition::Dead if monitor.received(index).is_none() => "never-seen",
+                    other => word(other),
+                };
+                self.never_seen += u32::from(condition == "never-seen");
+                self.ill.push(IllTaxel {
+                    module,
+                    taxel,
+                    condition,
+                });
+            }
+            self.refresh_each_hz.push(rates);
+        }
+    }
+}
+
+/// Computing time of a frame, microseconds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FrameTime {
+    /// Median.
+    pub median: f64,
+    /// 99th percentile.
+    pub p99: f64,
+}
+
+/// What was felt of a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct TextureSummary {
+    /// Windows that went through the network and were felt.
+    pub windows: u32,
+    /// Mean roughness, 0 to 1.
+    pub roughness: f64,
+    /// Pulses that were left out for a wire to rest.
+    pub rested_pulses: u64,
+}
+
+/// The object that `hil run --json` prints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[allow(missing_docs)] // the keys say what they are, with their units
+pub struct Summary {
+    pub source: Source,
+    pub scene: String,
+    pub bench: String,
+    pub seed: u64,
+    pub frames: u32,
+    pub contacts: u64,
+    pub stimuli: u64,
+    pub path_error_mm: Option<PathError>,
+    pub felt_error_mm: FeltError,
+    pub felt_error_amplitude_mm: FeltError,
+    pub felt_energy_db: Option<EnergyDb>,
+    /// Null on a real bench, which does not measure it.
+    pub energy_mj: Option<f64>,
+    /// Null on a real bench.
+    pub peak_supply_a: Option<f64>,
+    pub hottest_wire_c: Option<f64>,
+    pub hottest_skin_c: Option<f64>,
+    pub pwm_hz: f64,
+    pub limiter_events: u32,
+    /// Null where no texture was felt.
+    pub texture: Option<TextureSummary>,
+    pub frame_us: Option<FrameTime>,
+    pub taxels: Taxels,
+    pub boards: Vec<BoardReport>,
+    pub buses: Vec<BusReport>,
+    pub faults: Vec<FaultReport>,
+    pub margins: Vec<Margin>,
+    /// How a real run kept its time; null for an emulated one.
+    pub pacing: Option<Pacing>,
+    /// The CAN interfaces of a real run.
+    pub can: Vec<CanReport>,
+    /// Frames that a record lacks because the disk did not follow.
+    pub frames_not_recorded: u64,
+    pub sim_s: f64,
+    pub wall_s: f64,
+}
+
+fn mm(um: u64) -> f64 {
+    um as f64 * 1e-3
+}
+
+impl TextureSummary {
+    /// Of the windows that a recorder saw.
+    fn of(recorder: &Recorder, projector: &Projector) -> Option<Self> {
+        let (windows, rough_permille) = recorder.windows;
+        (windows > 0).then(|| Self {
+            windows,
+            roughness: rough_permille as f64 * 1e-3 / f64::from(windows),
+            rested_pulses: projector.rested_pulses(),
+        })
+    }
+}
+
+impl FrameTime {
+    /// Of measured times; `None` for none.
+    fn of(costs: &[FrameCost]) -> Option<Self> {
+        let mut sorted: Vec<f32> = costs.iter().map(|c| c.us).collect();
+        sorted.sort_by(f32::total_cmp);
+        let at = |part: f64| {
+            sorted
+                .get((part * (sorted.len().checked_sub(1)?) as f64) as usize)
+                .copied()
+        };
+        Some(Self {
+            median: f64::from(at(0.5)?),
+            p99: f64::from(at(0.99)?),
+        })
+    }
+}
+
+/// What a session came to, as trace and summary, from what it recorded until `end`. What only one kind of bench
+/// knows is left for its run to fill in: the hardware's totals where it is emulated, its pacing where it is real.
+pub fn finished<S: SkinEnd, D: DisplayEnd>(
+    session: &mut Session<S, D>,
+    header: Header,
+    totals: Ledger,
+    costs: &[FrameCost],
+    bench: &Bench,
+) -> (Trace, Summary) {
+    let end = Instant::from_micros(totals.length_us);
+    let recorder = session.recorder();
+    let mut events = std::mem::take(&mut recorder.events);
+    events.sort_by_key(Event::t_ns);
+    let trace = Trace {
+        header,
+        events,
+        ledger: Ledger {
+            driven: recorder.driven,
+            ..totals
+        },
+    };
+    let health = session.projector_mut().health(end);
+    let (skin, recorder) = session.seen();
+    let projector = session.projector();
+    let mut summary = Summary::new(&trace, recorder, costs, &health, bench);
+    summary.texture = TextureSummary::of(recorder, projector);
+    summary.boards = boards::boards(projector, |module| skin.lost_of(module));
+    summary.taxels.list(projector, end);
+    (trace, summary)
+}
+
+impl Summary {
+    fn new(
+        trace: &Trace,
+        recorder: &Recorder,
+        costs: &[FrameCost],
+        health: &HealthSummary,
+        bench: &Bench,
+    ) -> Self {
+        let error = |e: Errors| PathError {
+            rmse: mm(e.rmse_um),
+            max: mm(e.max_um),
+        };
+        let path = path_error(trace).map(error);
+        // Without a truth there is nothing to hold the felt path against; breaks need none.
+        let [felt, felt_amplitude] = felt_scores(trace).map(|score| {
+            let errors = score.errors.map(error).filter(|_| path.is_some());
+            FeltError {
+                rmse: errors.map(|e| e.rmse),
+                max: errors.map(|e| e.max),
+                breaks: score.breaks,
+                jumps: score.jumps,
+                perceiver: score.perceiver,
+            }
+        });
+        let ledger = &trace.ledger;
+        let emulated = trace.header.source == Source::Emulated;
+        let worst = |of| ledger.margin(of).map(Margin::worst);
+        Self {
+            source: trace.header.source,
+            scene: trace.header.scene.clone(),
+            bench: trace.header.bench.clone(),
+            seed: trace.header.seed,
+            frames: recorder.frames,
+            contacts: recorder.contacts,
+            stimuli: ledger.driven.stimuli,
+            path_error_mm: path,
+            felt_error_mm: felt,
+            felt_error_amplitude_mm: felt_amplitude,
+            felt_energy_db: energy_permille(trace).map(|(min, max)| EnergyDb {
+                min: decibels(min),
+                max: decibels(max),
+            }),
+            energy_mj: emulated.then_some(ledger.energy_uj as f64 * 1e-3),
+            peak_supply_a: worst(Limited::SupplyCurrent),
+            hottest_wire_c: ledger.hottest_wire.map(|(t, _)| f64::from(t) * 1e-3),
+            hottest_skin_c: worst(Limited::SkinPeak),
+            pwm_hz: trace.header.pre_scale.hz() * bench.drive.oscillator,
+            limiter_events: ledger.driven.limiter_events,
+            texture: None,
+            frame_us: FrameTime::of(costs),
+            taxels: Taxels {
+                refresh_hz: Refresh {
+                    median: f64::from(health.refresh_median_hz),
+                    min: f64::from(health.refresh_min_hz),
+                },
+                frozen: health.frozen,
+                dead: health.dead,
+                saturated: health.saturated,
+                jumping: health.jumping,
+                never_seen: 0,
+                ill: Vec::new(),
+                refresh_each_hz: Vec::new(),
+                repeated: health.repeated as f64 / (health.frames.max(1)) as f64,
+            },
+            boards: Vec::new(),
+            buses: Vec::new(),
+            faults: Vec::new(),
+            margins: ledger.margins.clone(),
+            pacing: None,
+            can: Vec::new(),
+            frames_not_recorded: 0,
+            sim_s: ledger.length_us as f64 * 1e-6,
+            wall_s: 0.0,
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! What a run came to, in lines for people.
+
+use std::io::{self, Write};
+
+use palpate_records::margin::{Limited, Margin};
+use palpate_records::trace::Source;
+
+use crate::boards::{BoardReport, BusReport};
+use crate::summary::{FeltError, Summary, Taxels, TextureSummary};
+
+/// Three digits or so, whatever the size.
+fn short(v: f64) -> String {
+    match v.abs() {
+        a if a >= 100.0 || !a.is_finite() => format!("{v:.0}"),
+        a if a >= 1.0 => format!("{v:.1}"),
+        a if a >= 0.001 || a == 0.0 => format!("{v:.3}"),
+        _ => format!("{v:.0e}"),
+    }
+}
+
+impl FeltError {
+    fn line(&self) -> String {
+        let many = |count: u64, one: &str| match count {
+            0 => format!("no {one}"),
+            1 => format!("1 {one}"),
+            n => format!("{n} {one}s"),
+        };
+        let events = format!(
+            "{}, {}",
+            many(self.breaks, "break"),
+            many(self.jumps, "jump")
+        );
+        match (self.rmse, self.max) {
+            (Some(rmse), Some(max)) => format!(
+                "{rmse:.2} mm RMSE, {max:.2} mm at most (display, {}), {events}",
+                self.perceiver
+            ),
+            _ => format!("- (no true path known), {events}"),
+        }
+    }
+}
+
+/// Name and value of a line.
+type Line = (String, String);
+
+fn line(name: &str, value: String) -> Line {
+    (name.to_owned(), value)
+}
+
+fn celsius(t: Option<f64>) -> String {
+    t.map_or("-".into(), |t| format!("{t:.1} C"))
+}
+
+impl Summary {
+    /// A dozen lines for a person.
+    ///
+    /// # Errors
+    /// What the stream says.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let source = match self.source {
+            Source::Emulated => "emulated",
+            Source::Real => "real",
+        };
+        writeln!(
+            out,
+            "{} on {} ({source}), seed {}",
+            self.scene, self.bench, self.seed
+        )?;
+        let lines = self.felt_lines().into_iter().chain(self.heat_lines());
+        for (name, value) in lines
+            .chain(self.hardware_lines())
+            .chain(self.margin_lines())
+        {
+            writeln!(out, "  {name:<16}{value}")?;
+        }
+        Ok(())
+    }
+
+    /// Contacts, and where they are felt.
+    fn felt_lines(&self) -> Vec<Line> {
+        let mut lines = vec![
+            match self.source {
+                Source::Emulated => line(
+                    "simulated",
+                    format!("{:.3} s in {:.3} s", self.sim_s, self.wall_s),
+                ),
+                Source::Real => line("length", format!("{:.3} s", self.sim_s)),
+            },
+            line(
+                "contacts",
+                format!("{} in {} frames", self.contacts, self.frames),
+            ),
+            line(
+                "path error",
+                match &self.path_error_mm {
+                    Some(e) => format!("{:.2} mm RMSE, {:.2} mm at most (sensor)", e.rmse, e.max),
+                    None => "- (no true path known)".into(),
+                },
+            ),
+        ];
+        let felt = [&self.felt_error_mm, &self.felt_error_amplitude_mm];
+        lines.extend(felt.map(|felt| line("felt error", felt.line())));
+        if let Some(db) = &self.felt_energy_db {
+            let words = format!("{:.1} to {:.1} dB of one wire's", db.min, db.max);
+            lines.push(line("felt energy", words));
+        }
+        lines
+    }
+
+    /// Stimuli, and what they did to wires and tissue.
+    fn heat_lines(&self) -> Vec<Line> {
+        let stimuli = format!("{} at {:.2} Hz", self.stimuli, self.pwm_hz);
+        let mut lines = vec![line("stimuli", stimuli)];
+        if let (Some(mj), Some(ampere)) = (self.energy_mj, self.peak_supply_a) {
+            lines.push(line("energy", format!("{mj:.1} mJ electrical")));
+            lines.push(line("supply", format!("{ampere:.2} A at most")));
+        }
+        let wire = format!("{} (no limit of its own)", celsius(self.hottest_wire_c));
+        lines.push(line("hottest wire", wire));
+        let limit = self.margins.iter().find(|m| m.of == Limited::SkinPeak);
+        let limit = limit.map_or(String::new(), |m| {
+            let passed = if m.over() { ", PASSED" } else { "" };
+            format!(", limit {:.1} C{passed}", m.limit())
+        });
+        let tissue = celsius(self.hottest_skin_c);
+        let tissue = format!("{tissue}{limit} (modelled, 0.1 mm deep)");
+        lines.push(line("hottest skin", tissue));
+        lines.extend(self.texture.as_ref().map(TextureSummary::line));
+        lines.push(line("limiter events", self.limiter_events.to_string()));
+        lines
+    }
+
+    /// Computing time, taxels, buses, records and faults.
+    fn hardware_lines(&self) -> Vec<Line> {
+        let frame = self.frame_us.as_ref().map_or("-".into(), |t| {
+            format!("{:.1} us median, {:.1} us p99", t.median, t.p99)
+        });
+        let mut lines = vec![line("time per frame", frame), self.taxels.line()];
+        lines.extend(self.buses.iter().map(|bus| self.bus_line(bus)));
+        let can = self.can.iter();
+        lines.extend(can.map(|can| line(&can.interface, can.words())));
+        if self.frames_not_recorded > 0 {
+            let lost = format!(
+                "{} frames not recorded, the disk was too slow",
+                self.frames_not_recorded
+            );
+            lines.push(line("records", lost));
+        }
+        lines.extend(self.pacing.as_ref().map(|p| line("pacing", p.words())));
+        let fault = self.faults.iter();
+        lines.extend(fault.map(|f| line("fault", format!("{}: count {}", f.what, f.count))));
+        lines
+    }
+
+    fn bus_line(&self, bus: &BusReport) -> Line {
+        let of_bus = |b: &&BoardReport| b.bus.map(usize::from) == Some(bus.bus);
+        let boards: Vec<_> = self.boards.iter().filter(of_bus).collect();
+        let rates = boards.iter().map(|b| b.rate_hz);
+        let slowest = rates.clone().map(|r| r.min).fold(f64::MAX, f64::min);
+        let fastest = rates.map(|r| r.max).fold(0.0, f64::max);
+        let words = format!(
+            "{:.1} % load, {} boards, taxels at {slowest:.1} to {fastest:.1} Hz, {} errors",
+            bus.load * 100.0,
+            boards.len(),
+            bus.errors.iter().sum::<u64>()
+        );
+        line(&format!("bus {}", bus.bus), words)
+    }
+
+    fn margin_lines(&self) -> Vec<Line> {
+        let row = |(index, m): (usize, &Margin)| {
+            let words = format!(
+                "{:<27}{:>8} of {:>7} {:<5} {:>4.0} % used{}",
+                m.of.name(),
+                short(m.worst()),
+                short(m.limit()),
+                m.of.unit(),
+                m.used().max(0.0) * 100.0,
+                if m.over() { ", PASSED" } else { "" }
+            );
+            line(if index == 0 { "margins" } else { "" }, words)
+        };
+        self.margins.iter().enumerate().map(row).collect()
+    }
+}
+
+impl TextureSummary {
+    fn line(&self) -> Line {
+        let rested = match self.rested_pulses {
+            0 => String::new(),
+            n => format!("; {n} pulses left out, wires rest after 48 ms"),
+        };
+        let words = format!(
+            "{} windows, roughness {:.2} (mean){rested}",
+            self.windows, self.roughness
+        );
+        line("texture", words)
+    }
+}
+
+impl Taxels {
+    fn line(&self) -> Line {
+        let words = format!(
+            "refresh {:.1} Hz median, {:.1} Hz min; {:.0} % of frames repeated; {} frozen, {} dead, {} saturated, {} jumping",
+            self.refresh_hz.median,
+            self.refresh_hz.min,
+            self.repeated * 100.0,
+            self.frozen,
+            self.dead,
+            self.saturated,
+            self.jumping
+        );
+        line("taxels", words)
+    }
+}

@@ -1,0 +1,48 @@
+//! What comparisons of schedules share: the words for a damaged file, and the wires of a bench.
+
+use palpate_files::{FileError, LayoutFile, load_bench, load_layout};
+use palpate_records::damage::Damage;
+use palpate_records::trace::{PlaceUm, WireInfo};
+
+/// What is wrong with a golden or a schedule, as of any other file.
+pub(super) fn damaged(label: &str, damage: Damage) -> FileError {
+    FileError {
+        path: label.to_owned(),
+        line: Some(damage.line),
+        key: None,
+        expected: damage.expected,
+        found: damage.found,
+    }
+}
+
+/// The wires of a built-in bench; none of another one, whose outputs are then told by board and channel.
+pub(super) fn wires(bench: &str) -> Vec<WireInfo> {
+    if !palpate_fixtures::bench_names().any(|name| name == bench) {
+        return Vec::new();
+    }
+    let Ok(bench) = load_bench(bench) else {
+        return Vec::new();
+    };
+    let bench = bench.value;
+    let places = match load_layout(&bench.display).map(|l| l.value) {
+        Ok(LayoutFile::Display(display)) => display.wires_mm,
+        _ => Vec::new(),
+    };
+    let boards = palpate_run::plan::boards(&bench);
+    let um = |mm: f64| (mm * 1e3).round() as i32;
+    let wires = bench.outputs.iter().enumerate().map(|(index, output)| {
+        let board = boards.iter().position(|b| *b == output.board).unwrap_or(0);
+        let place = places
+            .get(index)
+            .map_or_else(PlaceUm::default, |p| PlaceUm {
+                x: um(p[0]),
+                y: um(p[1]),
+            });
+        WireInfo {
+            place,
+            board: board as u8, // at most 16
+            channel: output.channel,
+        }
+    });
+    wires.collect()
+}

@@ -1,0 +1,18 @@
+//! What has happened on CAN interfaces, for summaries and recordings.
+
+use palpate_buses::can::Tally;
+use palpate_run::CanReport;
+
+/// What has happened on every interface, by name.
+pub fn reports(names: &[String], tallies: &[Tally]) -> Vec<CanReport> {
+    let report = |(interface, tally): (&String, &Tally)| CanReport {
+        interface: interface.clone(),
+        frames: tally.frames,
+        lost: tally.dropped + tally.discarded,
+        overruns: tally.overruns,
+        errors: tally.bus_errors,
+        bus_off: tally.bus_off,
+        hardware_stamps: tally.hardware_stamps,
+    };
+    names.iter().zip(tallies).map(report).collect()
+}

@@ -1,0 +1,188 @@
+//! A real bench, opened: interfaces, adapters, and the guardian that watches over them.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use palpate_buses::can::CanBuses;
+use palpate_buses::guardian::{Guardian, Latch, Watch};
+use palpate_buses::i2c::{Blocking, LinuxAdapter};
+use palpate_buses::pacer::RunClock;
+use palpate_core::bus::{CanBus, Received};
+use palpate_core::codec::can::CanFrame;
+use palpate_core::driver::{Banks, DriverError};
+use palpate_core::skin::Layout;
+use palpate_core::units::Instant;
+
+use palpate_files::{Bench, Real};
+use palpate_run::display_end::{DisplayEnd, OutputEnable};
+use palpate_run::skin_end::CanEnd;
+use palpate_run::{Failure, plan};
+
+/// The guardian's view of a bench.
+pub fn watch(bench: &Bench, real: &Real) -> Watch {
+    let ms = |ms: u32| Duration::from_millis(ms.into());
+    Watch {
+        buses: real.i2c.iter().cloned().zip(plan::buses(bench)).collect(),
+        oe: real.oe.as_ref().map(|oe| (oe.chip.clone(), oe.line)),
+        heartbeat: ms(real.heartbeat_ms),
+        transfer: ms(real.transfer_ms),
+    }
+}
+
+/// Refuses while a stop is latched.
+fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
+    for (path, _) in &watch.buses {
+        if let Some(held) = Latch::of(path).read() {
+            let known = if held.verified {
+                "everything was switched off"
+            } else {
+                "not everything was known to be off"
+            };
+            return Err(Failure::Guard(format!(
+                "{}: stopped earlier: {}; {known}. Look at the bench, then clear the stop with `hil off --unlatch`",
+                path.display(),
+                held.cause
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// The guardian, and whether it has an OE line to cut.
+pub(super) struct Watchman {
+    pub(super) guardian: Guardian,
+    has_oe: bool,
+}
+
+/// The actuators' end of the loop, its clock, and the guardian.
+pub(super) struct Live {
+    pub(super) clock: RunClock,
+    banks: Banks<Blocking>,
+    pub(super) watchman: Watchman,
+    /// The adapters, for the way out of a stop.
+    adapters: Vec<PathBuf>,
+    /// What the guardian found driving before it switched everything off.
+    pub(super) found: String,
+}
+
+impl Live {
+    /// Opens everything, interfaces too, guardian last: from then on it can say off.
+    pub(super) fn open(
+        bench: &Bench,
+        real: &Real,
+        layout: &Layout,
+    ) -> Result<(Self, Interfaces), Failure> {
+        let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
+        let watch = watch(bench, real);
+        refuse_latched(&watch)?;
+        let prescale = plan::prescale(bench)?;
+        let clock = RunClock::start();
+        let can = CanBuses::open(&interfaces(real, layout)?, clock).map_err(|e| device(&e))?;
+        let mut lines = Vec::new();
+        for (path, addresses) in &watch.buses {
+            let adapter = LinuxAdapter::open(path, addresses).map_err(|e| device(&e))?;
+            lines.push(Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?);
+        }
+        let program = std::env::current_exe().map_err(|e| device(&e))?;
+        let (guardian, found) = Guardian::start(&program, &watch).map_err(|e| device(&e))?;
+        lines
+            .iter_mut()
+            .for_each(|line| line.set_pulse(guardian.pulse()));
+        let addresses = watch.buses.iter().map(|(_, addresses)| &**addresses);
+        let banks = Banks::new(lines.into_iter().zip(addresses), prescale);
+        let live = Self {
+            clock,
+            banks,
+            watchman: Watchman {
+                guardian,
+                has_oe: real.oe.is_some(),
+            },
+            adapters: real.i2c.clone(),
+            found,
+        };
+        Ok((live, Interfaces(can)))
+    }
+}
+
+impl DisplayEnd for Live {
+    type I2c = Blocking;
+
+    fn parts(&mut self) -> (&mut Banks<Blocking>, &dyn OutputEnable) {
+        (&mut self.banks, &self.watchman)
+    }
+
+    /// With the errno that the adapter gave.
+    fn explain(&self, error: &DriverError) -> String {
+        let fault = match error {
+            DriverError::Bus(board, _) => self.banks.bus_of(*board).and_then(Blocking::last_fault),
+            _ => None,
+        };
+        fault.map_or_else(|| error.to_string(), ToString::to_string)
+    }
+
+    fn keep_stopped(&mut self, cause: &str) -> Failure {
+        // A guardian that is gone ends the run at the next heartbeat.
+        let _ = self.watchman.guardian.stop(cause);
+        let adapters = self.adapters.iter();
+        let adapters = adapters.map(|path| format!(" --i2c {}", path.display()));
+        Failure::Guard(format!(
+            "{cause}; outputs are off and stay off. Look at the bench, then clear the stop: hil off --unlatch{}",
+            adapters.collect::<String>()
+        ))
+    }
+}
+
+/// The interfaces of a bench: time passes there by itself.
+pub(super) struct Interfaces(pub(super) CanBuses);
+
+impl CanBus for Interfaces {
+    type Error = <CanBuses as CanBus>::Error;
+
+    fn receive(&mut self) -> Result<Option<Received>, Self::Error> {
+        self.0.receive()
+    }
+
+    fn transmit(&mut self, bus: u8, frame: &CanFrame) -> Result<(), Self::Error> {
+        self.0.transmit(bus, frame)
+    }
+}
+
+impl CanEnd for Interfaces {
+    fn advance_to(&mut self, _now: Instant) {}
+}
+
+/// An OE line is the guardian's, so that it can cut it when this process is gone.
+impl OutputEnable for Watchman {
+    fn set_enabled(&self, _now: Instant, enabled: bool) {
+        // A guardian that is gone ends the run at the next heartbeat.
+        let _ = self.guardian.set_outputs(enabled);
+    }
+
+    fn words(&self) -> &'static str {
+        if self.has_oe {
+            "outputs off by the OE line"
+        } else {
+            "no OE line is wired, so boards drive what they were last told until the bus answers"
+        }
+    }
+}
+
+/// Each interface with the boards that the layout has on its bus.
+fn interfaces(real: &Real, layout: &Layout) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    let mut interfaces: Vec<(String, Vec<u8>)> =
+        real.can.iter().map(|name| (name.clone(), vec![])).collect();
+    let needed = layout.modules().iter().filter_map(|m| m.address());
+    for address in needed {
+        let count = interfaces.len();
+        let Some((_, boards)) = interfaces.get_mut(usize::from(address.bus)) else {
+            return Err(Failure::Input(format!(
+                "the layout has boards on CAN bus {}, the bench names {count} interfaces; give one `--can` (or `real.can` entry) a bus",
+                address.bus
+            )));
+        };
+        if !boards.contains(&address.board) {
+            boards.push(address.board);
+        }
+    }
+    Ok(interfaces)
+}

@@ -1,0 +1,124 @@
+//! Tests of `journal.rs`.
+
+use std::path::PathBuf;
+
+use palpate_records::mcap::{self, Traffic, write_mcap};
+use palpate_records::trace::Trace;
+use palpate_records::{contacts_csv, schedule, vcd};
+
+use palpate_core::codec::can::CanFrame;
+use palpate_core::units::Instant;
+
+use super::*;
+use crate::record::sink::{About, Kind};
+use palpate_files::Setup;
+use palpate_run::{Input, Keep, run_with};
+
+/// A run of an emulated bench; its pieces could have come from a real one.
+fn run() -> (Trace, Vec<Received>) {
+    let setup = Setup::load("sphere-along", "emulated").unwrap();
+    let keep = Keep {
+        can: true,
+        ..Keep::default()
+    };
+    let outcome = run_with(&setup, &Input::Scene, 1, keep, &mut ()).unwrap();
+    (outcome.trace, outcome.can)
+}
+
+#[test]
+fn pieces_make_the_same_files_as_a_whole_run() {
+    let (trace, frames) = run();
+    let folder = std::env::temp_dir().join(format!("palpate-journal-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = |name: &str| folder.join(name);
+    let files = [
+        (Kind::Contacts, path("c.csv")),
+        (Kind::Schedule, path("s.jsonl")),
+        (Kind::Vcd, path("v.vcd")),
+        (Kind::Mcap, path("m.mcap")),
+    ];
+    let about = About::Run(&trace.header, &[]);
+    let mut journal = Journal::start(Sink::create_all(&files, &about).unwrap(), false).unwrap();
+    let mut sent = 0;
+    for end in 0..=trace.events.len() {
+        let at = |i: usize| trace.events.get(i).map(Event::t_ns);
+        if end == trace.events.len() || at(end) != at(end.wrapping_sub(1)) {
+            let until = at(end).unwrap_or(u64::MAX);
+            let due = frames[sent..].iter();
+            let due = due.take_while(|f| f.at.as_micros() * 1000 < until);
+            let due: Vec<_> = due.copied().collect();
+            sent += due.len();
+            journal.tell(&trace.events[..end], due);
+            // The thread may be slower than this loop; nothing here is to be dropped.
+            while !journal.waiting.events.is_empty() {
+                std::thread::yield_now();
+                journal.tell(&trace.events[..end], vec![]);
+            }
+        }
+    }
+    journal.finish().unwrap();
+    let (mut contacts, mut plan) = (Vec::new(), Vec::new());
+    contacts_csv::write_table(&trace.events, &mut contacts).unwrap();
+    schedule::write_schedule(&trace, &mut plan).unwrap();
+    assert_eq!(std::fs::read(path("c.csv")).unwrap(), contacts);
+    assert_eq!(std::fs::read(path("s.jsonl")).unwrap(), plan);
+    let mut dump = Vec::new();
+    vcd::write_vcd(&trace, &mut dump).unwrap();
+    let written = std::fs::read(path("v.vcd")).unwrap();
+    // A growing dump ends with its last event, a whole one with the run.
+    assert!(dump.starts_with(&written) || written.starts_with(&dump));
+    let grown = mcap::read(&std::fs::read(path("m.mcap")).unwrap()).unwrap();
+    let mut whole = Vec::new();
+    let traffic = Traffic {
+        can: &frames,
+        i2c: &[],
+    };
+    write_mcap(&trace, traffic, &[], &mut whole).unwrap();
+    let whole = mcap::read(&whole).unwrap();
+    assert_eq!(
+        (grown.frames, grown.messages),
+        (whole.frames, whole.messages)
+    );
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn a_full_disk_is_noticed() {
+    let header = run().0.header;
+    for kind in [Kind::Contacts, Kind::Mcap, Kind::Vcd] {
+        let files = [(kind, PathBuf::from("/dev/full"))];
+        let refused = Sink::create_all(&files, &About::Run(&header, &[]));
+        assert_eq!(refused.err().unwrap().status(), 3, "{kind:?}");
+    }
+}
+
+#[test]
+fn a_disk_that_does_not_follow_costs_frames_and_no_time() {
+    let (pieces, stuck) = sync_channel(2);
+    let mut journal = Journal {
+        pieces: Some(pieces),
+        thread: None,
+        failed: Arc::default(),
+        told: 0,
+        waiting: Piece::default(),
+        dropped: 0,
+    };
+    let frame = Received {
+        at: Instant::ZERO,
+        bus: 0,
+        frame: CanFrame::new(1, &[]).unwrap(),
+    };
+    let note = Event::Note {
+        t_us: 0,
+        text: "kept".into(),
+    };
+    let events = vec![note; 100];
+    for turn in 0..100 {
+        journal.tell(&events[..=turn], vec![frame; 1000]);
+    }
+    let held = 2 * 1000 + WAITING as u64;
+    assert_eq!(journal.dropped(), 100_000 - held);
+    let mut kept: usize = stuck.try_iter().map(|p| p.events.len()).sum();
+    kept += journal.waiting.events.len();
+    assert_eq!(kept, 100, "events are never left out");
+}

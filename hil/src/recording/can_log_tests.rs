@@ -1,0 +1,47 @@
+//! Tests of `can_log.rs`.
+
+use super::*;
+
+#[test]
+fn a_log_of_a_wall_clock_starts_within_its_first_second_and_buses_go_by_name() {
+    let text =
+        "(1436509052.249713) can10 104#938406805591BB0C\n(1436509053.000001) can2 004#00 R\n";
+    let frames = parse("a.log", text, 2).unwrap().frames;
+    let seen: Vec<_> = frames.iter().map(|r| (r.at.as_micros(), r.bus)).collect();
+    assert_eq!(seen, [(249_713, 1), (1_000_001, 0)]);
+}
+
+#[test]
+fn what_was_written_is_read_again() {
+    let text = "(0000000000.000116) can0 104#938406805591BB0C\n(0000000003.000000) can1 20F#0700\n";
+    let mut again = Vec::new();
+    write_can_log(&parse("a.log", text, 2).unwrap().frames, &[], &mut again).unwrap();
+    assert_eq!(String::from_utf8(again).unwrap(), text);
+}
+
+#[test]
+fn a_cut_is_noted_with_its_line() {
+    let read = parse("a.log", "(1.000000) can0 104#00\n(1.0001", 1).unwrap();
+    assert_eq!(read.frames.len(), 1);
+    assert_eq!(
+        read.notes,
+        ["a.log:2: the log is cut short in this line; read the 1 frames before it"]
+    );
+}
+
+#[test]
+fn bad_logs_are_named_with_their_line() {
+    let told = |text, buses| parse("a.log", text, buses).unwrap_err().to_string();
+    assert_eq!(
+        told("(1.000000) can0 104#00\nhello", 1),
+        "a.log:2: expected `(seconds.microseconds) interface id#data`, found `hello` after 1 whole frames"
+    );
+    assert_eq!(
+        told("(1.000000) can0 104#00\n(1.000000) can1 104#00", 1),
+        "a.log: expected at most 1 interfaces, as the layout has buses, found 2: can0, can1"
+    );
+    assert_eq!(
+        told("(1.000000) can0 104#R\n", 1),
+        "a.log: expected classic data frames with 11-bit identifiers, found none, and 1 of another kind"
+    );
+}

@@ -1,0 +1,131 @@
+//! Strokes over a table of textures: as recordings, and as latent vectors of a model.
+
+use std::io::{self, Write};
+
+use palpate_emulators::sensor::surface::{Explorer, Habits, Recording, SurfaceTexture};
+use palpate_files::{TextureEntry, TextureModel, TextureTable, taxel};
+use palpate_run::Failure;
+use palpate_run::plan::surface;
+
+/// Every texture of the table stroked `strokes` times by one person with one module.
+pub fn explore(table: &TextureTable, strokes: u32, seed: u64) -> Vec<(&TextureEntry, Recording)> {
+    explore_as(table, surface, strokes, seed)
+}
+
+/// The same with a module of choice: `pairing` says what a texture is to it.
+pub fn explore_as(
+    table: &TextureTable,
+    pairing: fn(&TextureEntry) -> SurfaceTexture,
+    strokes: u32,
+    seed: u64,
+) -> Vec<(&TextureEntry, Recording)> {
+    let mut explorer = Explorer::new(Habits::default(), table.dead_taxel, seed);
+    let mut all = Vec::new();
+    for entry in &table.texture {
+        let surface = pairing(entry);
+        all.extend((0..strokes).map(|number| (entry, explorer.stroke(&surface, number))));
+    }
+    all
+}
+
+/// Writes a recording as CSV with a header: what training reads.
+///
+/// # Errors
+/// What the system says of the output.
+pub fn write_rows(recording: &Recording, out: &mut dyn Write) -> io::Result<()> {
+    let taxels = recording.rows.first().map_or(0, Vec::len);
+    let header = |t: usize| format!("txl{t}_x,txl{t}_y,txl{t}_z");
+    let header: Vec<_> = (1..=taxels).map(header).collect();
+    writeln!(out, "{}", header.join(","))?;
+    for row in &recording.rows {
+        let cells = row.iter().map(|r| format!("{},{},{}", r.x, r.y, r.z));
+        writeln!(out, "{}", cells.collect::<Vec<_>>().join(","))?;
+    }
+    Ok(())
+}
+
+/// Writes the ratings of a table as CSV: what training reads beside the recordings.
+///
+/// # Errors
+/// What the system says of the output.
+pub fn write_ratings(table: &TextureTable, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "label,trained,hardness,roughness,friction")?;
+    for TextureEntry {
+        name,
+        trained,
+        rated,
+        ..
+    } in &table.texture
+    {
+        let (hardness, roughness, friction) = (rated.hardness, rated.roughness, rated.friction);
+        writeln!(out, "{name},{trained},{hardness},{roughness},{friction}")?;
+    }
+    Ok(())
+}
+
+/// What a model makes of a stroke: the latent vector of every tenth window.
+pub struct Encoded<'a> {
+    /// What was stroked.
+    pub entry: &'a TextureEntry,
+    /// Latent vectors, in the order of time.
+    pub latents: Vec<Vec<f32>>,
+}
+
+/// Rows from one encoded window to the next: neighbours are nearly the same.
+const HOP: usize = 10;
+
+/// Encodes strokes.
+///
+/// # Errors
+/// A model whose features are no columns of a flat module, or whose window is longer than a stroke.
+pub fn encode<'a>(
+    model: &TextureModel,
+    all: &[(&'a TextureEntry, Recording)],
+) -> Result<Vec<Encoded<'a>>, Failure> {
+    let encoder = model.encoder()?;
+    let mut room = encoder.room(1);
+    let length = encoder.window() * encoder.features();
+    let mut encoded = Vec::with_capacity(all.len());
+    for &(entry, ref recording) in all {
+        let values = features(model, recording)?;
+        if values.len() < length {
+            let found = format!("a model with windows of {}", encoder.window());
+            let expected = format!("expected windows of at most {} rows", recording.rows.len());
+            return Err(Failure::Input(format!(
+                "{expected}, the length of a stroke; found {found}"
+            )));
+        }
+        let mut latents = Vec::new();
+        for first in (0..=values.len() - length).step_by(HOP * encoder.features()) {
+            let z = encoder
+                .encode(&mut room, &values[first..first + length])
+                .map_err(|e| Failure::Input(format!("{}: {e}", entry.name)))?;
+            latents.push(z.to_vec());
+        }
+        encoded.push(Encoded { entry, latents });
+    }
+    Ok(encoded)
+}
+
+/// A stroke as a model takes it: the readings that are its features, row after row.
+///
+/// # Errors
+/// A model whose features are no columns of a flat module.
+pub fn features(model: &TextureModel, recording: &Recording) -> Result<Vec<f32>, Failure> {
+    let place = |name: &String| taxel(name).filter(|(taxel, _)| *taxel < 16);
+    let columns: Option<Vec<_>> = model.feature_names().iter().map(place).collect();
+    let columns = columns.filter(|c| !c.is_empty()).ok_or_else(|| {
+        let expected =
+            "expected features of a flat module, txl1_x to txl16_z; this model has others";
+        Failure::Input(format!("{expected}, or does not name them"))
+    })?;
+    let mut values = Vec::with_capacity(recording.rows.len() * columns.len());
+    for row in &recording.rows {
+        let reading = |&(taxel, axis): &(usize, usize)| {
+            row.get(taxel)
+                .map_or(0.0, |r| f32::from([r.x, r.y, r.z][axis]))
+        };
+        values.extend(columns.iter().map(reading));
+    }
+    Ok(values)
+}

@@ -1,0 +1,213 @@
+//! The latent map: where a model puts textures, and how that goes with what the surfaces are like (figure 3.5).
+
+use std::f64::consts::TAU;
+
+use palpate_emulators::sensor::surface::spearman;
+use palpate_files::{TextureEntry, TextureModel};
+use palpate_run::plan::surface;
+use serde_json::Value;
+
+use crate::explore::Encoded;
+use crate::round;
+
+/// A coordinate of the latent space to look along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Axis {
+    /// Which, from 0.
+    pub coordinate: usize,
+    /// -1 turns it round.
+    pub sign: i8,
+    /// What the model's file says it stands for; empty where the file says nothing of it.
+    pub stands_for: &'static str,
+}
+
+impl Axis {
+    /// As an axis is labelled, such as `-z2 (hardness)`.
+    pub fn label(&self) -> String {
+        let sign = if self.sign < 0 { "-" } else { "" };
+        let name = format!("{sign}z{}", self.coordinate + 1);
+        match self.stands_for {
+            "" => name,
+            what => format!("{name} ({what})"),
+        }
+    }
+}
+
+/// Two coordinates of the latent space to look along, each with its direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct View {
+    /// To the right: roughness and friction.
+    pub x: Axis,
+    /// Upwards: hardness.
+    pub y: Axis,
+}
+
+impl View {
+    /// The coordinates that the model's file names for roughness and for hardness. Where it names none, or the same
+    /// for both, an axis is another coordinate and stands for nothing.
+    pub fn of(model: &TextureModel) -> Self {
+        let latent = model.metadata().get("latent").map_or("", String::as_str);
+        Self::named_by(latent, model.latents())
+    }
+
+    /// The same from the file's `latent` entry and the width of the latent vector.
+    fn named_by(latent: &str, width: usize) -> Self {
+        let latent: Value = serde_json::from_str(latent).unwrap_or_default();
+        let named = |what: &str, stands_for| {
+            let coordinate = usize::try_from(latent[what]["coordinate"].as_u64()?).ok()?;
+            let sign = if latent[what]["sign"] == -1 { -1 } else { 1 };
+            (coordinate < width).then_some(Axis {
+                coordinate,
+                sign,
+                stands_for,
+            })
+        };
+        let plain = |coordinate| Axis {
+            coordinate,
+            sign: 1,
+            stands_for: "",
+        };
+        let beside = |axis: Axis| plain((axis.coordinate + 1) % width.max(1));
+        let hard = named("hardness", "hardness");
+        let x = match (named("roughness", "roughness and friction"), hard) {
+            (Some(x), Some(hard)) if x.coordinate == hard.coordinate => Axis {
+                stands_for: "roughness, friction and hardness",
+                ..x
+            },
+            (Some(x), _) => x,
+            (None, Some(hard)) => beside(hard),
+            (None, None) => plain(0),
+        };
+        let y = hard.filter(|y| y.coordinate != x.coordinate);
+        Self {
+            x,
+            y: y.unwrap_or_else(|| beside(x)),
+        }
+    }
+
+    fn point(self, z: &[f32]) -> (f64, f64) {
+        let at = |axis: Axis| {
+            f64::from(axis.sign) * z.get(axis.coordinate).map_or(0.0, |z| f64::from(*z))
+        };
+        (at(self.x), at(self.y))
+    }
+}
+
+/// A mean, and the ellipse of one standard deviation around it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Mean of all points.
+    pub mean: (f64, f64),
+    /// Half axes.
+    pub half: (f64, f64),
+    /// Direction of the first half axis, radians.
+    pub turn: f64,
+}
+
+impl Spot {
+    /// Of some points; zeros of none.
+    pub fn of(points: &[(f64, f64)]) -> Self {
+        let n = points.len().max(1) as f64;
+        let sum = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
+        let (x, y) = (sum(&|p| p.0), sum(&|p| p.1));
+        let xx = sum(&|p| (p.0 - x) * (p.0 - x));
+        let yy = sum(&|p| (p.1 - y) * (p.1 - y));
+        let xy = sum(&|p| (p.0 - x) * (p.1 - y));
+        let (middle, reach) = ((xx + yy) / 2.0, ((xx - yy) / 2.0).hypot(xy));
+        let root = |variance: f64| variance.max(0.0).sqrt();
+        Self {
+            mean: (x, y),
+            half: (root(middle + reach), root(middle - reach)),
+            turn: 0.5 * (2.0 * xy).atan2(xx - yy),
+        }
+    }
+
+    /// The ellipse, point by point and closed.
+    pub(crate) fn outline(&self) -> Vec<(f64, f64)> {
+        let (c, s) = (self.turn.cos(), self.turn.sin());
+        let at = |step: u32| {
+            let angle = TAU * f64::from(step) / 48.0;
+            let (a, b) = (self.half.0 * angle.cos(), self.half.1 * angle.sin());
+            (self.mean.0 + c * a - s * b, self.mean.1 + s * a + c * b)
+        };
+        (0..=48).map(at).collect()
+    }
+}
+
+/// A texture on the map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placed<'a> {
+    /// What was stroked.
+    pub entry: &'a TextureEntry,
+    /// Every window of its strokes.
+    pub points: Vec<(f64, f64)>,
+    /// What they come to.
+    pub spot: Spot,
+}
+
+/// The textures of some strokes on the map, in their order.
+pub fn place<'a>(encoded: &[Encoded<'a>], view: View) -> Vec<Placed<'a>> {
+    let of_texture = |strokes: &[Encoded<'a>]| {
+        let latents = strokes.iter().flat_map(|stroke| &stroke.latents);
+        let points: Vec<_> = latents.map(|z| view.point(z)).collect();
+        Placed {
+            entry: strokes[0].entry,
+            spot: Spot::of(&points),
+            points,
+        }
+    };
+    let textures = encoded.chunk_by(|a, b| a.entry.name == b.entry.name);
+    textures.map(of_texture).collect()
+}
+
+/// How a coordinate goes with what surfaces are like: Spearman's rank correlation over the means of textures, three
+/// decimals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rank {
+    /// Which coordinate, and with what.
+    pub what: &'static str,
+    /// Of all textures.
+    pub all: f64,
+    /// Of those that the model was not trained on.
+    pub unseen: f64,
+}
+
+/// How the two coordinates go with what the surfaces are like and how they are rated.
+pub fn ranks(placed: &[Placed<'_>]) -> Vec<Rank> {
+    type Coordinate = fn(&Spot) -> f64;
+    type Property = fn(&TextureEntry) -> f64;
+    let (x, y): (Coordinate, Coordinate) = (|spot| spot.mean.0, |spot| spot.mean.1);
+    let rows: [(&str, Coordinate, Property); 6] = [
+        ("x with the surface's roughness", x, |t| {
+            surface(t).drag_roughness()
+        }),
+        ("x with the surface's friction", x, |t| t.friction),
+        ("x with rated roughness and friction", x, |t| {
+            t.rated.roughness + t.rated.friction
+        }),
+        ("y with the surface's stiffness", y, |t| {
+            t.stiffness_n_per_mm
+        }),
+        ("y with rated hardness", y, |t| t.rated.hardness),
+        ("x with the surface's stiffness", x, |t| {
+            t.stiffness_n_per_mm
+        }),
+    ];
+    let rank = |(what, of, with): (&'static str, Coordinate, Property)| {
+        let over = |unseen: bool| {
+            let some = placed.iter().filter(|p| !(unseen && p.entry.trained));
+            let (a, b): (Vec<f64>, Vec<f64>) = some.map(|p| (of(&p.spot), with(p.entry))).unzip();
+            round(spearman(&a, &b))
+        };
+        Rank {
+            what,
+            all: over(false),
+            unseen: over(true),
+        }
+    };
+    rows.map(rank).to_vec()
+}
+
+#[cfg(test)]
+#[path = "map_tests.rs"]
+mod tests;

@@ -1,0 +1,246 @@
+//! A simulated panel rates textures with the bare finger and on the emulated display, as in the thesis's two studies
+//! (figures 3.4 and 3.6). Who the panel is stands in [`palpate_emulators::person::panel`]; here is what it is shown.
+
+pub mod draw;
+pub mod stage;
+pub mod statistics;
+mod trials;
+
+use std::sync::Arc;
+
+use palpate_core::texture::Driver;
+use palpate_emulators::person::panel::{Dimension, Panel, ScaleEnds, TRIALS};
+use palpate_emulators::sensor::surface::{Recording, SurfaceTexture};
+use palpate_files::{Setup, TextureEntry, TextureModel, TextureTable};
+use palpate_run::Failure;
+use palpate_run::plan::surface;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::explore::explore_as;
+use stage::{Shown, Stage};
+use statistics::mann_whitney;
+pub use trials::Label;
+use trials::{Source, Trial};
+
+/// What is rated on a display: hardness cannot be felt there.
+pub const ON_DISPLAY: [Dimension; 2] = [Dimension::Roughness, Dimension::Friction];
+
+/// Ratings of one texture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rated {
+    /// Its name.
+    pub name: String,
+    /// Mean roughness of its trials in the model's range, 0 to 1: what (3.2) is driven by.
+    pub driven: f64,
+    /// With the bare finger: hardness, roughness, friction. None of a recording, which nobody has touched.
+    pub bare: Option<[Vec<u8>; 3]>,
+    /// On the display: roughness, friction.
+    pub display: [Vec<u8>; 2],
+    /// What was felt of each trial on the display.
+    pub shown: Vec<Shown>,
+}
+
+/// One Mann-Whitney U test.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Test {
+    /// What was rated.
+    pub dimension: &'static str,
+    /// What the display's ratings are held against: the bare finger's, or another texture's on the display.
+    pub against: String,
+    /// The display's ratings.
+    pub a: Vec<u8>,
+    /// The others.
+    pub b: Vec<u8>,
+    /// U of the first.
+    pub u: f64,
+    /// Two-sided p.
+    pub p: f64,
+}
+
+impl Rated {
+    /// A dimension of the display against other ratings.
+    fn test(&self, d: usize, against: &str, other: &[u8]) -> Option<Test> {
+        let (u, p) = mann_whitney(&self.display[d], other)?;
+        Some(Test {
+            dimension: ON_DISPLAY[d].name(),
+            against: against.to_owned(),
+            a: self.display[d].clone(),
+            b: other.to_vec(),
+            u,
+            p,
+        })
+    }
+
+    /// The display against the bare finger: roughness, friction.
+    pub fn against_bare(&self) -> Vec<Test> {
+        let test = |d: usize| self.test(d, "bare finger", &self.bare.as_ref()?[d + 1]);
+        (0..2).filter_map(test).collect()
+    }
+
+    /// The display against other textures on the display.
+    pub fn against(&self, others: &[Self]) -> Vec<Test> {
+        let pairs = others.iter().flat_map(|o| [(o, 0), (o, 1)]);
+        pairs
+            .filter_map(|(other, d)| self.test(d, &other.name, &other.display[d]))
+            .collect()
+    }
+}
+
+/// A panel's ratings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Study {
+    /// What the ends of the scales felt like.
+    pub ends: ScaleEnds,
+    /// Textures in the table's or the folder's order.
+    pub textures: Vec<Rated>,
+}
+
+/// Everything that stays from trial to trial.
+struct Session<'a> {
+    stage: Stage<'a>,
+    panel: Panel,
+    ends: ScaleEnds,
+    seed: u64,
+}
+
+impl<'a> Session<'a> {
+    fn new(driver: Driver, setup: &'a Setup, seed: u64) -> Result<Self, Failure> {
+        let stage = Stage::new(setup, driver)?;
+        Ok(Self {
+            ends: stage.ends(seed)?,
+            stage,
+            panel: Panel::new(seed),
+            seed,
+        })
+    }
+
+    /// Everybody's ratings of one texture.
+    fn rate(
+        &self,
+        name: &str,
+        rated: Option<[f64; 3]>,
+        trials: &[Trial],
+    ) -> Result<Rated, Failure> {
+        let show = |(number, trial): (usize, &Trial)| {
+            // Each trial has draws of its own.
+            let seed = self.seed.wrapping_add(1 + number as u64);
+            self.stage.show(&trial.controls, stage::SHOWN, seed)
+        };
+        let shown: Vec<Shown> = trials
+            .par_iter()
+            .enumerate()
+            .map(show)
+            .collect::<Result<_, _>>()?;
+        let mut display = [Vec::new(), Vec::new()];
+        for (number, shown) in (0..).zip(&shown) {
+            let ratings = self
+                .panel
+                .display(name, number, shown.sensation, &self.ends);
+            display.iter_mut().zip(ratings).for_each(|(d, r)| d.push(r));
+        }
+        let bare = rated.map(|rated| {
+            let mut bare = [const { Vec::new() }; 3];
+            for number in 0..TRIALS {
+                let ratings = self.panel.bare(name, number, rated);
+                bare.iter_mut().zip(ratings).for_each(|(d, r)| d.push(r));
+            }
+            bare
+        });
+        let driven = trials.iter().map(|t| t.driven).sum::<f64>() / trials.len().max(1) as f64;
+        Ok(Rated {
+            name: name.to_owned(),
+            driven,
+            bare,
+            display,
+            shown,
+        })
+    }
+}
+
+/// Rates emulated textures: twelve strokes each, pushed through the model. `pairing` says what the module that
+/// strokes is covered with.
+///
+/// # Errors
+/// A model or bench that does not fit.
+pub fn emulated(
+    model: &TextureModel,
+    table: &TextureTable,
+    pairing: fn(&TextureEntry) -> SurfaceTexture,
+    setup: &Setup,
+    seed: u64,
+) -> Result<Study, Failure> {
+    let strokes = explore_as(table, pairing, TRIALS, seed);
+    let of_texture = |(entry, strokes): (&TextureEntry, &[(&TextureEntry, Recording)])| {
+        let r = entry.rated;
+        let source = |(_, stroke): &_| Source::of_stroke(model, &entry.name, stroke);
+        Ok(Shows {
+            name: entry.name.clone(),
+            rated: Some([r.hardness, r.roughness, r.friction]),
+            sources: strokes.iter().map(source).collect::<Result<_, _>>()?,
+        })
+    };
+    let all = table.texture.iter().zip(strokes.chunks(TRIALS as usize));
+    study(model, all.map(of_texture), setup, seed)
+}
+
+/// Rates recordings, which nobody has touched: on the display only.
+///
+/// # Errors
+/// A model or bench that does not fit, a recording that cannot be read or is shorter than a window.
+pub fn recorded(
+    model: &TextureModel,
+    labels: &[Label],
+    rate_hz: f64,
+    setup: &Setup,
+    seed: u64,
+) -> Result<Study, Failure> {
+    let of_label = |label: &Label| {
+        Ok(Shows {
+            name: label.name.clone(),
+            rated: None,
+            sources: label.pieces(model, rate_hz, TRIALS)?,
+        })
+    };
+    study(model, labels.iter().map(of_label), setup, seed)
+}
+
+/// What is shown of one texture, and what the bare finger is to say of it.
+struct Shows {
+    name: String,
+    rated: Option<[f64; 3]>,
+    sources: Vec<Source>,
+}
+
+fn study(
+    model: &TextureModel,
+    all: impl Iterator<Item = Result<Shows, Failure>>,
+    setup: &Setup,
+    seed: u64,
+) -> Result<Study, Failure> {
+    let session = Session::new(model.driver()?, setup, seed)?;
+    let encoder = Arc::new(model.encoder()?);
+    let rate = |shows: Result<Shows, Failure>| {
+        let shows = shows?;
+        let trial = |source| Trial::new(&encoder, &session.stage.map, source);
+        let trials: Result<Vec<_>, _> = shows.sources.iter().map(trial).collect();
+        session.rate(&shows.name, shows.rated, &trials?)
+    };
+    Ok(Study {
+        textures: all.map(rate).collect::<Result<_, _>>()?,
+        ends: session.ends,
+    })
+}
+
+/// A surface as the thesis's module meets it: covered with gripping tape.
+pub fn taped(entry: &TextureEntry) -> SurfaceTexture {
+    surface(entry)
+}
+
+/// The same surface under a module that slides as a finger does.
+pub fn bare(entry: &TextureEntry) -> SurfaceTexture {
+    SurfaceTexture {
+        friction: entry.finger_friction,
+        ..surface(entry)
+    }
+}

@@ -1,0 +1,182 @@
+//! What a panel is shown: control parameters on the emulated wires of a bench, through guard, driver and chip, and
+//! what receptors make of the pulses that came through.
+
+use palpate_core::contact::Levels;
+use palpate_core::driver::Actuators;
+use palpate_core::driver::Banks;
+use palpate_core::projector::{Carrier, Output};
+use palpate_core::texture::{Control, ControlMap, Driver, along};
+use palpate_core::units::{Duration, Instant, Point};
+use palpate_emulators::person::panel::{ScaleEnds, Sensation, apart_s, step_s};
+use palpate_emulators::person::perceiver::Perceiver;
+use palpate_emulators::person::receptors::{Intensity, Kick, Receptors};
+use palpate_emulators::time::Nanos;
+use palpate_emulators::worn::Display;
+
+use palpate_files::Setup;
+use palpate_run::Failure;
+use palpate_run::display_end::emulated;
+use palpate_run::plan;
+
+/// How long a texture is shown: a stroke of 2 s less the second of its first window, as in the loop.
+pub const SHOWN: Duration = Duration::from_millis(1000);
+/// How long the ends of the scales are shown.
+const SHOWN_BEFORE: Duration = Duration::from_millis(5000);
+/// The last pulses are over then.
+const PERIODS: Duration = Duration::from_millis(20);
+/// The loop is called at least so often.
+const TICK: Duration = Duration::from_millis(1);
+
+/// A bench with its display, and what projects textures on it.
+pub struct Stage<'a> {
+    setup: &'a Setup,
+    driver: Driver,
+    /// (3.2).
+    pub map: ControlMap,
+}
+
+/// A texture as it was felt.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    /// The channels of the finger.
+    pub intensity: Intensity,
+    /// What is rated of it.
+    pub sensation: Sensation,
+    /// Pulses that reached the wires.
+    pub pulses: usize,
+}
+
+fn device(e: &dyn std::fmt::Debug) -> Failure {
+    Failure::Device(format!("emulated wires: {e:?}"))
+}
+
+impl<'a> Stage<'a> {
+    /// The bench of a setup, whose scene has a texture that has the display to itself.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for what does not fit together.
+    pub fn new(setup: &'a Setup, driver: Driver) -> Result<Self, Failure> {
+        let prescale = plan::prescale(&setup.bench.value)?;
+        let display = plan::display(setup)?;
+        let (map, _) = plan::projection(setup, driver, &display, prescale, 0)?;
+        Ok(Self { setup, driver, map })
+    }
+
+    /// The ends of the scales: what both ends of the driving coordinate feel like.
+    ///
+    /// # Errors
+    /// As [`Stage::show`].
+    pub fn ends(&self, seed: u64) -> Result<ScaleEnds, Failure> {
+        let (low, high) = if self.driver.falls {
+            (self.driver.high, self.driver.low)
+        } else {
+            (self.driver.low, self.driver.high)
+        };
+        let at = |z: f32| {
+            let mut latent = vec![0.0; self.driver.coordinate + 1];
+            latent[self.driver.coordinate] = z;
+            let control = self.map.control(&latent);
+            let shown = self.show(&[(Duration::ZERO, control)], SHOWN_BEFORE, seed)?;
+            Ok::<_, Failure>(shown.sensation)
+        };
+        Ok(ScaleEnds {
+            smooth: at(low)?,
+            rough: at(high)?,
+        })
+    }
+
+    /// Shows controls, each from its time on, for `length`.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] where the emulated bus fails.
+    pub fn show(
+        &self,
+        controls: &[(Duration, Control)],
+        length: Duration,
+        seed: u64,
+    ) -> Result<Shown, Failure> {
+        let setup = self.setup;
+        let plan = plan::untextured(setup, seed, Levels::Off)?;
+        let prescale = plan::prescale(&setup.bench.value)?;
+        let carrier = plan::projection(setup, self.driver, &plan.display, prescale, seed)?.1;
+        if !matches!(carrier, Carrier::Display(_)) {
+            let expected =
+                "\"display\": a panel rates textures that have the display to themselves";
+            let bad = setup.scene.source.bad("texture.carrier", expected);
+            return Err(Failure::File(bad));
+        }
+        let places: Vec<Point> = plan.display.wires().iter().map(|w| w.place).collect();
+        let gaps = along(&places, plan.display.gap());
+        let mut display = emulated(setup, plan.display.wires())?;
+        display.keep_flows();
+        let boards = plan::boards(&setup.bench.value);
+        let mut bank = Banks::new([(display.bus(), &*boards)], prescale);
+        let mut output = Output::new(plan.display, plan.output, plan.guard);
+        output.carry(carrier);
+
+        let begun = bank.start(Instant::ZERO).map_err(|e| device(&e))?;
+        let (mut now, end) = (begun, begun + length);
+        while now < end {
+            display
+                .advance(Nanos::from(now), &mut |_| {})
+                .map_err(|e| device(&e))?;
+            output.hear(now);
+            let due = controls.iter().rev().find(|c| c.0 <= now.since(begun));
+            let control = due.map(|c| &c.1);
+            output
+                .poll(now, &[], control, &mut bank, &mut ())
+                .map_err(|e| device(&e))?;
+            now = output.next().max(now + Duration::from_micros(1));
+            now = now.min(end).min(now + TICK);
+        }
+        bank.all_off().map_err(|e| device(&e))?;
+        display
+            .advance(Nanos::from(end + PERIODS), &mut |_| {})
+            .map_err(|e| device(&e))?;
+        let kicks = self.kicks(&mut display, gaps.len(), Nanos::from(begun));
+        Ok(felt(setup, &kicks, &gaps, length))
+    }
+
+    /// Pulses of every wire since `begun`, as the skin meets them.
+    fn kicks(&self, display: &mut Display, wires: usize, begun: Nanos) -> Vec<Vec<Kick>> {
+        let perceiver = Perceiver::new(plan::perceiver(&self.setup.perceiver.value));
+        let (wire, full) = (plan::wire(self.setup), perceiver.parameters.full_pulses);
+        // The supply's share may change in the midst of a pulse: stretches that touch are one.
+        let mut pulses: Vec<Vec<(Nanos, Nanos, f64)>> = vec![Vec::new(); wires];
+        for flow in display.take_flows() {
+            let joule = flow.watts * flow.to.since(flow.from).as_secs_f64() * wire.wire_share;
+            match pulses[flow.wire].last_mut() {
+                Some(last) if last.1 == flow.from => *last = (last.0, flow.to, last.2 + joule),
+                _ => pulses[flow.wire].push((flow.from, flow.to, joule)),
+            }
+        }
+        let kick = |&(from, _, joule): &(Nanos, Nanos, f64)| Kick {
+            at_s: from.since(begun).as_secs_f64(),
+            um: perceiver.amplitude_of_pulses(&wire, joule, full),
+        };
+        let of_wire = |pulses: &Vec<_>| pulses.iter().map(kick).collect();
+        pulses.iter().map(of_wire).collect()
+    }
+}
+
+/// What wires at these places along the stroke feel like.
+fn felt(setup: &Setup, kicks: &[Vec<Kick>], gaps: &[f32], length: Duration) -> Shown {
+    let seconds = length.as_micros() as f64 * 1e-6;
+    let receptors = Receptors::fitted(setup.perceiver.value.threshold_um);
+    let intensity = receptors.intensity(kicks, seconds);
+    // Wires side by side are one position of the stroke.
+    let mut order: Vec<usize> = (0..gaps.len()).collect();
+    order.sort_by(|a, b| gaps[*a].total_cmp(&gaps[*b]));
+    let beside = |a: &usize, b: &usize| (gaps[*a] - gaps[*b]).abs() < 0.01;
+    let merged = |wires: &[usize]| wires.iter().flat_map(|w| kicks[*w].clone()).collect();
+    let positions: Vec<Vec<Kick>> = order.chunk_by(beside).map(merged).collect();
+    let is_felt = intensity.felt() > 0.0;
+    Shown {
+        intensity,
+        sensation: Sensation {
+            coarseness: apart_s(kicks).filter(|_| is_felt).map(f64::ln),
+            slowness: step_s(&positions, seconds).filter(|_| is_felt).map(f64::ln),
+        },
+        pulses: kicks.iter().map(Vec::len).sum(),
+    }
+}

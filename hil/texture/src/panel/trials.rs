@@ -1,0 +1,163 @@
+//! What a panel is shown, before it is shown: strokes and pieces of recordings as rows, rows as control parameters.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use palpate_core::texture::{Control, ControlMap, Encoder, Ends, Stream};
+use palpate_core::units::Duration;
+use palpate_emulators::sensor::surface::Recording;
+use palpate_files::TextureModel;
+use palpate_run::Failure;
+
+use super::stage::SHOWN;
+use crate::explore::features;
+use crate::rows::{Rows, Take};
+
+/// From one latent vector to the next, as in the loop.
+const SOA: Duration = Duration::from_micros(58_500);
+/// Rows per second of the emulated strokes.
+const EMULATED_HZ: f64 = 100.0;
+
+/// Rows of one stroke, feature by feature.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// Values, row by row.
+    values: Vec<f32>,
+    rate_hz: f64,
+    /// What it is, for errors.
+    what: String,
+}
+
+/// A stroke as control parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Trial {
+    /// Each from its time on.
+    pub(super) controls: Vec<(Duration, Control)>,
+    /// Mean roughness, 0 to 1.
+    pub(super) driven: f64,
+}
+
+impl Trial {
+    /// What the loop would make of a stroke: the windows that are newest at each onset, from the first one on. The
+    /// last one stands for what is left.
+    pub(super) fn new(
+        encoder: &Arc<Encoder>,
+        map: &ControlMap,
+        source: &Source,
+    ) -> Result<Self, Failure> {
+        let bad = |e: String| Failure::Input(format!("{}: {e}", source.what));
+        let sample = Duration::from_micros((1e6 / source.rate_hz).round() as u64);
+        let window = encoder.window();
+        let ends = Ends::Onsets { sample, every: SOA };
+        let mut stream = Stream::new(encoder.clone(), 1);
+        let mut trial = Self {
+            controls: Vec::new(),
+            driven: 0.0,
+        };
+        let mut first = None;
+        for (row, values) in source.values.chunks_exact(encoder.features()).enumerate() {
+            // The first window counts whether or not an onset falls on its end.
+            let begin = row == 0 || ends.begins(row as u64, window);
+            let latent = stream.push(values, begin).map_err(|e| bad(e.to_string()))?;
+            let Some(latent) = latent else { continue };
+            let at = Duration::from_micros(row as u64 * sample.as_micros());
+            let begun = *first.get_or_insert(at);
+            let since = Duration::from_micros(at.as_micros() - begun.as_micros());
+            trial.driven += map.roughness(latent);
+            trial.controls.push((since, map.control(latent)));
+        }
+        if trial.controls.is_empty() {
+            return Err(bad(format!("expected at least {window} rows, one window")));
+        }
+        trial.driven /= trial.controls.len() as f64;
+        Ok(trial)
+    }
+}
+
+impl Source {
+    /// A stroke as the model's features.
+    pub(super) fn of_stroke(
+        model: &TextureModel,
+        name: &str,
+        stroke: &Recording,
+    ) -> Result<Self, Failure> {
+        Ok(Self {
+            values: features(model, stroke)?,
+            rate_hz: EMULATED_HZ,
+            what: name.to_owned(),
+        })
+    }
+}
+
+/// Recordings of one material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Label {
+    /// The material.
+    pub name: String,
+    files: Vec<PathBuf>,
+}
+
+impl Label {
+    /// The materials of a folder of `NAME_ANYTHING.csv`, in the order of their names.
+    ///
+    /// # Errors
+    /// A folder that cannot be read, or holds none.
+    pub fn all(folder: &Path) -> Result<Vec<Self>, Failure> {
+        let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{}: {e}", folder.display()));
+        let entries = std::fs::read_dir(folder).map_err(|e| bad(&e))?;
+        let mut files: Vec<PathBuf> = entries
+            .filter_map(|entry| Some(entry.ok()?.path()))
+            .filter(|path| path.extension().is_some_and(|e| e == "csv"))
+            .collect();
+        files.sort();
+        let mut labels: Vec<Self> = Vec::new();
+        for file in files {
+            let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+            let Some((name, _)) = stem.split_once('_') else {
+                continue;
+            };
+            match labels.iter_mut().find(|label| label.name == name) {
+                Some(label) => label.files.push(file),
+                None => labels.push(Self {
+                    name: name.to_owned(),
+                    files: vec![file],
+                }),
+            }
+        }
+        if labels.is_empty() {
+            return Err(bad(
+                &"expected recordings called NAME_NUMBER.csv, found none",
+            ));
+        }
+        Ok(labels)
+    }
+
+    /// Pieces as long as a window and what is shown after it, from the middle of one recording after another.
+    pub(super) fn pieces(
+        &self,
+        model: &TextureModel,
+        rate_hz: f64,
+        count: u32,
+    ) -> Result<Vec<Source>, Failure> {
+        let shown = SHOWN.as_micros() as f64 * 1e-6 * rate_hz;
+        let wanted = model.window() + shown.ceil() as usize;
+        let take = Take::Features {
+            names: model.feature_names(),
+            count: model.features(),
+        };
+        let piece = |file: &PathBuf| {
+            let rows = Rows::read(file, take)?;
+            let length = wanted.min(rows.count());
+            let first = (rows.count() - length) / 2;
+            let kept = rows.iter().skip(first).take(length);
+            Ok(Source {
+                values: kept.flatten().copied().collect(),
+                rate_hz,
+                what: file.display().to_string(),
+            })
+        };
+        // With fewer recordings than trials some are shown twice, to different people.
+        let files = self.files.iter().cycle().take(count as usize);
+        files.map(piece).collect()
+    }
+}

@@ -1,0 +1,105 @@
+//! A small matrix that many products share, kept in panels of sixteen columns: a step's product with a dozen rows
+//! spends its time on sums. General products pack their matrices again at every step.
+
+use palpate_core::vector::Vectors;
+
+/// Columns of a panel: two AVX2 registers.
+const WIDE: usize = 16;
+/// Rows summed at once: as many accumulators as stay in registers.
+const ROWS: usize = 4;
+
+/// A matrix [depth, columns] in panels; the last one is filled up with zeros.
+#[derive(Clone, Debug)]
+pub struct Panels {
+    values: Vec<[f32; WIDE]>,
+    depth: usize,
+    columns: usize,
+}
+
+impl Panels {
+    /// Of a row-major matrix [depth, columns].
+    pub fn new(matrix: &[f32], columns: usize) -> Self {
+        Self::of(matrix.len() / columns, columns, |k, c| {
+            matrix[k * columns + c]
+        })
+    }
+
+    /// Of the transpose of a row-major matrix [columns, depth].
+    pub fn transposed(matrix: &[f32], depth: usize) -> Self {
+        Self::of(depth, matrix.len() / depth, |k, c| matrix[c * depth + k])
+    }
+
+    fn of(depth: usize, columns: usize, at: impl Fn(usize, usize) -> f32) -> Self {
+        let mut values = Vec::with_capacity(columns.div_ceil(WIDE) * depth);
+        for first in (0..columns).step_by(WIDE) {
+            values.extend((0..depth).map(|k| {
+                core::array::from_fn(|c| {
+                    if first + c < columns {
+                        at(k, first + c)
+                    } else {
+                        0.0
+                    }
+                })
+            }));
+        }
+        Self {
+            values,
+            depth,
+            columns,
+        }
+    }
+
+    /// Adds `left` [rows, depth] times the matrix to `out` [rows, columns].
+    pub fn add(&self, left: &[f32], out: &mut [f32], vectors: Vectors) {
+        vectors.run(
+            #[inline(always)]
+            || self.add_all(left, out),
+        );
+    }
+
+    #[inline(always)]
+    fn add_all(&self, left: &[f32], out: &mut [f32]) {
+        let panels = self.values.chunks_exact(self.depth);
+        for (panel, first) in panels.zip((0..self.columns).step_by(WIDE)) {
+            let width = WIDE.min(self.columns - first);
+            let (mut left, mut out) = (left, &mut *out);
+            while !left.is_empty() {
+                let rows = ROWS.min(left.len() / self.depth);
+                let (some, rest) = left.split_at(rows * self.depth);
+                let (to, others) = out.split_at_mut(rows * self.columns);
+                let sums = if rows == ROWS {
+                    let (a, b) = some.split_at(2 * self.depth);
+                    let ((a, b), (c, d)) = (a.split_at(self.depth), b.split_at(self.depth));
+                    sums([a, b, c, d], panel)
+                } else {
+                    let row = |r: usize| &some[r.min(rows - 1) * self.depth..][..self.depth];
+                    sums([row(0), row(1), row(2), row(3)], panel)
+                };
+                for (row, sums) in to.chunks_exact_mut(self.columns).zip(&sums) {
+                    let row = &mut row[first..first + width];
+                    row.iter_mut().zip(sums).for_each(|(to, sum)| *to += sum);
+                }
+                (left, out) = (rest, others);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn sums(rows: [&[f32]; ROWS], panel: &[[f32; WIDE]]) -> [[f32; WIDE]; ROWS] {
+    let mut sums = [[0.0f32; WIDE]; ROWS];
+    let [a, b, c, d] = rows;
+    for ((((w, a), b), c), d) in panel.iter().zip(a).zip(b).zip(c).zip(d) {
+        for i in 0..WIDE {
+            sums[0][i] += a * w[i];
+            sums[1][i] += b * w[i];
+            sums[2][i] += c * w[i];
+            sums[3][i] += d * w[i];
+        }
+    }
+    sums
+}
+
+#[cfg(test)]
+#[path = "panels_tests.rs"]
+mod tests;

@@ -1,0 +1,177 @@
+//! The model file: safetensors in PyTorch's names and gate order, with everything needed to use it and to doubt it.
+
+use std::path::Path;
+
+use palpate_emulators::sensor::surface::spearman;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::failure::{self, Failure};
+use crate::network::Network;
+use crate::recordings::Rating;
+use crate::settings::{Progress, Settings};
+use crate::training::{Plain, latents};
+use crate::windows::{Place, Split, Windows};
+
+/// What a model file says besides its weights.
+pub struct About<'a> {
+    pub windows: &'a Windows,
+    pub split: &'a Split,
+    pub settings: &'a Settings,
+    pub progress: &'a Progress,
+    /// Mean squared error over every window of the test recordings.
+    pub test_error: f64,
+    pub latent: Latent,
+    /// The command line that made it.
+    pub command: String,
+    pub revision: String,
+}
+
+/// Which latent coordinate stands for what, by rank correlation over the training recordings.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Latent {
+    /// Drives mu, sigma and f_PWM.
+    pub roughness: Option<Driver>,
+    pub hardness: Option<Driver>,
+}
+
+/// A latent coordinate, which way it grows, and its range (5th to 95th percentile of the training windows).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Driver {
+    pub coordinate: usize,
+    pub sign: i32,
+    /// What it was chosen by: [`RATINGS`] or [`BUZZ`].
+    pub with: &'static str,
+    /// Spearman's rank correlation with that.
+    pub spearman: f64,
+    pub z_lo: f32,
+    pub z_hi: f32,
+}
+
+/// What people say of the labels.
+const RATINGS: &str = "ratings";
+/// Nobody rated these recordings: how much readings change from row to row, which is what rough surfaces do to them.
+const BUZZ: &str = "buzz";
+
+/// Finds what drives roughness (its mean with friction, as the thesis reads z1; the buzz where there are no ratings)
+/// and hardness.
+pub fn drivers(
+    network: &Network<Plain>,
+    windows: &Windows,
+    train: &[usize],
+    ratings: &[Rating],
+) -> Latent {
+    let places = windows.of(train, 4);
+    let latents = latents(network, windows, &places);
+    let Some(width) = latents.first().map(Vec::len) else {
+        return Latent::default();
+    };
+    let rated = |of: fn(&Rating) -> f32| -> Option<Vec<f64>> {
+        let rating = |place: &Place| {
+            let label = &windows.recording(*place).label;
+            let rating = ratings.iter().find(|r| r.label == *label)?;
+            Some(f64::from(of(rating)))
+        };
+        places.iter().map(rating).collect()
+    };
+    let driver = |(with, rated): (&'static str, Vec<f64>)| {
+        let found = (0..width).map(|coordinate| {
+            let mut z: Vec<f64> = latents.iter().map(|z| f64::from(z[coordinate])).collect();
+            let spearman = spearman(&z, &rated);
+            z.sort_by(f64::total_cmp);
+            Driver {
+                coordinate,
+                sign: if spearman < 0.0 { -1 } else { 1 },
+                with,
+                spearman,
+                z_lo: z[z.len() / 20] as f32,
+                z_hi: z[z.len() - 1 - z.len() / 20] as f32,
+            }
+        });
+        found.max_by(|a, b| a.spearman.abs().total_cmp(&b.spearman.abs()))
+    };
+    let roughness = rated(|r| (r.roughness + r.friction) / 2.0).map(|rated| (RATINGS, rated));
+    let buzz = || (BUZZ, places.iter().map(|&p| buzz(windows, p)).collect());
+    Latent {
+        roughness: driver(roughness.unwrap_or_else(buzz)),
+        hardness: rated(|r| r.hardness).and_then(|rated| driver((RATINGS, rated))),
+    }
+}
+
+/// Mean change from row to row over a window, in shares of the features' ranges.
+fn buzz(windows: &Windows, place: Place) -> f64 {
+    let (raw, scale) = (windows.raw(place), &windows.scale);
+    let features = scale.min.len();
+    let changes = raw.iter().zip(&raw[features..]).enumerate();
+    let sum: f64 = changes
+        .map(|(i, (before, now))| {
+            let span = scale.max[i % features] - scale.min[i % features];
+            f64::from((now - before).abs() / span)
+        })
+        .sum();
+    sum / (raw.len() - features).max(1) as f64
+}
+
+/// Writes a model file, whole or not at all.
+pub fn write(path: &Path, network: &Network<Plain>, about: &About<'_>) -> Result<(), Failure> {
+    let windows = about.windows;
+    let features = windows.recordings.columns.len();
+    let mut tensors = network.tensors();
+    let mut add = |name: &str, shape: Vec<usize>, values: Vec<f32>| {
+        tensors.push((name.to_owned(), shape, values));
+    };
+    add("scale.min", vec![features], windows.scale.min.clone());
+    add("scale.max", vec![features], windows.scale.max.clone());
+    // The golden vector: the first window of the first test recording.
+    let golden = windows.of(&about.split.test, 1).first().copied();
+    let golden = golden
+        .ok_or_else(|| Failure::Usage("no test recording to take a golden vector from".into()))?;
+    let latent = latents(network, windows, &[golden]).swap_remove(0);
+    add("golden.latent", vec![latent.len()], latent);
+    let window = windows.raw(golden).to_vec();
+    add("golden.window", vec![windows.length, features], window);
+
+    let progress = about.progress;
+    let at = |errors: &[f64]| errors.get(progress.best_epoch.saturating_sub(1)).copied();
+    let losses = json!({
+        "epochs": progress.epochs,
+        "best_epoch": progress.best_epoch,
+        "train": at(&progress.train),
+        "validation": at(&progress.validation),
+        "test": about.test_error,
+    });
+    let metadata = [
+        ("features", json!(windows.recordings.columns).to_string()),
+        ("window", windows.length.to_string()),
+        ("seed", about.settings.seed.to_string()),
+        ("settings", json!(about.settings).to_string()),
+        ("split", parts(windows, about.split).to_string()),
+        ("losses", losses.to_string()),
+        ("latent", json!(about.latent).to_string()),
+        ("command", about.command.clone()),
+        ("revision", about.revision.clone()),
+    ];
+    let tensors: Vec<_> = tensors
+        .iter()
+        .map(|(name, shape, values)| (name.clone(), shape.clone(), values))
+        .collect();
+    let bytes = palpate_files::model_file(&tensors, &metadata);
+    failure::write(
+        path,
+        &bytes.expect("every tensor has the numbers of its shape"),
+    )
+}
+
+/// The recordings of a split by name, as a model file tells them.
+fn parts(windows: &Windows, split: &Split) -> Value {
+    let names = |part: &[usize]| -> Vec<&str> {
+        part.iter()
+            .map(|&r| windows.recordings.all[r].name.as_str())
+            .collect()
+    };
+    json!({
+        "train": names(&split.train),
+        "test": names(&split.test),
+        "validation": names(&split.validation),
+    })
+}

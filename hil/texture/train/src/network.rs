@@ -1,0 +1,208 @@
+//! The network of Table 3.1 for any number of features: four GRU layers down to the latent vector, four up again.
+
+use burn::module::Param;
+use burn::prelude::*;
+use palpate_core::random::Stream;
+
+use crate::gru::{Recurrent, Weights};
+
+/// Units of the wide layers.
+pub const WIDTH: usize = 96;
+
+/// One GRU layer.
+#[derive(Module, Debug)]
+pub struct Gru<B: Backend> {
+    pub weight_ih: Param<Tensor<B, 2>>,
+    pub weight_hh: Param<Tensor<B, 2>>,
+    pub bias_ih: Param<Tensor<B, 1>>,
+    pub bias_hh: Param<Tensor<B, 1>>,
+}
+
+/// The autoencoder.
+#[derive(Module, Debug)]
+pub struct Network<B: Backend> {
+    pub encoder: Vec<Gru<B>>,
+    pub decoder: Vec<Gru<B>>,
+    pub dense_weight: Param<Tensor<B, 2>>,
+    pub dense_bias: Param<Tensor<B, 1>>,
+}
+
+/// Draws a parameter value by value.
+fn drawn<B: Backend, const D: usize>(
+    shape: [usize; D],
+    draw: impl FnMut(usize) -> f64,
+    device: &B::Device,
+) -> Param<Tensor<B, D>> {
+    let values: Vec<f32> = (0..shape.iter().product())
+        .map(draw)
+        .map(|v| v as f32)
+        .collect();
+    Param::from_data(TensorData::new(values, shape), device)
+}
+
+/// Uniform, by the sum of both widths (Glorot & Bengio 2010): what Keras, and with it the thesis, starts from.
+fn glorot<B: Backend>(
+    stream: &mut Stream,
+    out: usize,
+    inputs: usize,
+    per: usize,
+    device: &B::Device,
+) -> Param<Tensor<B, 2>> {
+    let bound = (6.0 / (per + inputs) as f64).sqrt();
+    drawn(
+        [out, inputs],
+        |_| bound * (2.0 * stream.uniform() - 1.0),
+        device,
+    )
+}
+
+/// An orthogonal matrix, row-major.
+fn orthogonal(stream: &mut Stream, width: usize) -> Vec<f64> {
+    let mut rows: Vec<Vec<f64>> = Vec::with_capacity(width);
+    while rows.len() < width {
+        let mut row: Vec<f64> = (0..width).map(|_| stream.normal()).collect();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        for _twice in 0..2 {
+            for earlier in &rows {
+                let share = dot(&row, earlier);
+                row.iter_mut()
+                    .zip(earlier)
+                    .for_each(|(r, e)| *r -= share * e);
+            }
+        }
+        let length = dot(&row, &row).sqrt();
+        if length > 1e-3 {
+            rows.push(row.iter().map(|r| r / length).collect());
+        }
+    }
+    rows.concat()
+}
+
+impl<B: Backend> Gru<B> {
+    /// Orthogonal in time. The update gates begin with memories of 1 to `steps` steps (Tallec & Ollivier 2018):
+    /// without that a window's beginning is forgotten long before its end.
+    fn new(
+        stream: &mut Stream,
+        [inputs, units]: [usize; 2],
+        steps: usize,
+        device: &B::Device,
+    ) -> Self {
+        let recurrent: Vec<f64> = (0..3).flat_map(|_| orthogonal(stream, units)).collect();
+        let memory =
+            |stream: &mut Stream| (1.0 + stream.uniform() * steps.saturating_sub(2) as f64).ln();
+        Self {
+            weight_ih: glorot(stream, 3 * units, inputs, units, device),
+            weight_hh: drawn([3 * units, units], |i| recurrent[i], device),
+            bias_ih: drawn(
+                [3 * units],
+                |i| if i / units == 1 { memory(stream) } else { 0.0 },
+                device,
+            ),
+            bias_hh: drawn([3 * units], |_| 0.0, device),
+        }
+    }
+}
+
+impl<B: Backend> Network<B> {
+    /// Weights drawn with a seed, the same on every backend, for windows of `steps`.
+    pub fn new(
+        features: usize,
+        latent: usize,
+        steps: usize,
+        seed: u64,
+        device: &B::Device,
+    ) -> Self {
+        let mut stream = Stream::new(seed, "initial weights");
+        let stack = |stream: &mut Stream, widths: [usize; 5]| {
+            widths
+                .windows(2)
+                .map(|w| Gru::new(stream, [w[0], w[1]], steps, device))
+                .collect()
+        };
+        Self {
+            encoder: stack(&mut stream, [features, WIDTH, WIDTH, WIDTH, latent]),
+            decoder: stack(&mut stream, [latent, latent, WIDTH, WIDTH, WIDTH]),
+            dense_weight: glorot(&mut stream, features, WIDTH, features, device),
+            dense_bias: drawn([features], |_| 0.0, device),
+        }
+    }
+}
+
+/// A tensor's name, shape and numbers, row by row.
+pub type Named = (String, Vec<usize>, Vec<f32>);
+
+fn named<B: Backend, const D: usize>(name: String, param: &Param<Tensor<B, D>>) -> Named {
+    let tensor = param.val();
+    let shape = tensor.dims().to_vec();
+    let values = tensor.into_data().into_vec();
+    (name, shape, values.expect("training is in f32"))
+}
+
+impl<B: Backend> Network<B> {
+    /// Every tensor, by PyTorch's names.
+    pub fn tensors(&self) -> Vec<Named> {
+        let mut all = Vec::new();
+        for (stack, layers) in [("encoder", &self.encoder), ("decoder", &self.decoder)] {
+            for (number, layer) in layers.iter().enumerate() {
+                let name = |part: &str| format!("{stack}.{number}.{part}");
+                all.push(named(name("weight_ih"), &layer.weight_ih));
+                all.push(named(name("weight_hh"), &layer.weight_hh));
+                all.push(named(name("bias_ih"), &layer.bias_ih));
+                all.push(named(name("bias_hh"), &layer.bias_hh));
+            }
+        }
+        all.push(named("dense.weight".into(), &self.dense_weight));
+        all.push(named("dense.bias".into(), &self.dense_bias));
+        all
+    }
+}
+
+impl<B: Recurrent> Gru<B> {
+    fn forward(&self, x: Tensor<B, 3>) -> Tensor<B, 3> {
+        let weights = Weights {
+            ih: self.weight_ih.val(),
+            hh: self.weight_hh.val(),
+            bias_ih: self.bias_ih.val(),
+            bias_hh: self.bias_hh.val(),
+        };
+        B::layer(x, weights)
+    }
+}
+
+impl<B: Recurrent> Network<B> {
+    /// Latent vectors [batch, latent] of windows [steps, batch, features].
+    pub fn encode(&self, windows: Tensor<B, 3>) -> Tensor<B, 2> {
+        let mut x = windows;
+        for layer in &self.encoder {
+            x = layer.forward(x);
+        }
+        let [steps, batch, latent] = x.dims();
+        x.narrow(0, steps - 1, 1).reshape([batch, latent])
+    }
+
+    /// Windows [steps, batch, features] of latent vectors [batch, latent].
+    pub fn decode(&self, latent: Tensor<B, 2>, steps: usize) -> Tensor<B, 3> {
+        let [batch, width] = latent.dims();
+        let mut x = latent.unsqueeze_dim::<3>(0).expand([steps, batch, width]);
+        for layer in &self.decoder {
+            x = layer.forward(x);
+        }
+        let weight = self.dense_weight.val();
+        let [features, width] = weight.dims();
+        let rows = x.reshape([steps * batch, width]);
+        let out = rows.matmul(weight.transpose()) + self.dense_bias.val().unsqueeze::<2>();
+        out.reshape([steps, batch, features])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use burn::backend::NdArray;
+
+    #[test]
+    fn table_3_1_has_as_many_parameters_as_printed() {
+        let network = Network::<NdArray>::new(45, 3, 100, 1, &Default::default());
+        assert_eq!(network.num_params(), 299_106);
+    }
+}

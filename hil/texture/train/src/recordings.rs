@@ -1,0 +1,196 @@
+//! Recordings: labelled tables of raw readings, from a folder of CSV files or from the iCub set's blobs.
+
+use std::path::{Path, PathBuf};
+
+use palpate_texture::rows::{Rows, Take};
+
+use crate::failure::Failure;
+
+/// One stroke or slide.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// The file's stem, or blob and slide.
+    pub name: String,
+    /// What was touched.
+    pub label: String,
+    /// Raw readings, row after row.
+    pub values: Vec<f32>,
+}
+
+/// Recordings with the same columns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recordings {
+    pub columns: Vec<String>,
+    pub all: Vec<Recording>,
+}
+
+/// What people say of a label, 1 to 6, and whether it may be trained on.
+#[derive(Clone, Debug, PartialEq, serde::Deserialize)]
+pub struct Rating {
+    pub label: String,
+    pub trained: bool,
+    pub hardness: f32,
+    pub roughness: f32,
+    pub friction: f32,
+}
+
+/// The file of ratings in a folder of recordings.
+const RATINGS: &str = "ratings.csv";
+
+impl Recordings {
+    /// Reads a folder. CSV: columns whose name begins with `prefix`, without those of the taxels in `without`; the
+    /// label is the file's name up to the first `_`. A folder with `icub_*.npy` holds the iCub set.
+    pub fn read(folder: &Path, prefix: &str, without: &[String]) -> Result<Self, Failure> {
+        let entries = std::fs::read_dir(folder).map_err(|e| Failure::file(folder, e))?;
+        let mut paths: Vec<PathBuf> = entries
+            .filter_map(|entry| Some(entry.ok()?.path()))
+            .collect();
+        paths.sort();
+        let ends = |path: &&PathBuf, ending: &str| path.extension().is_some_and(|e| e == ending);
+        let blobs: Vec<_> = paths
+            .iter()
+            .filter(|p| ends(p, "npy") && stem(p).starts_with("icub_"))
+            .collect();
+        if !blobs.is_empty() {
+            return icub(&blobs);
+        }
+        let mut columns = Vec::new();
+        let mut all = Vec::new();
+        for path in paths
+            .iter()
+            .filter(|p| ends(p, "csv") && stem(p) != "ratings")
+        {
+            let (found, values) =
+                Rows::read(path, Take::Prefixed { prefix, without })?.into_parts();
+            let name = stem(path);
+            if columns.is_empty() {
+                columns = found;
+            } else if columns != found {
+                return Err(Failure::file(
+                    path,
+                    "expected the columns of the files before it",
+                ));
+            }
+            all.push(Recording {
+                label: name.split('_').next().unwrap_or_default().to_owned(),
+                name,
+                values,
+            });
+        }
+        if columns.is_empty() {
+            let what =
+                format!("expected CSV files with columns {prefix}*, or icub_*.npy; found none");
+            return Err(Failure::file(folder, what));
+        }
+        Ok(Self { columns, all })
+    }
+
+    /// Rows of a recording.
+    pub fn rows(&self, recording: &Recording) -> usize {
+        recording.values.len() / self.columns.len()
+    }
+
+    /// Labels, sorted, each once.
+    pub fn labels(&self) -> Vec<String> {
+        let mut labels: Vec<_> = self.all.iter().map(|r| r.label.clone()).collect();
+        labels.sort();
+        labels.dedup();
+        labels
+    }
+}
+
+/// The ratings of a folder, none where it has no such file.
+pub fn ratings(folder: &Path) -> Result<Vec<Rating>, Failure> {
+    let path = folder.join(RATINGS);
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let mut reader = csv::Reader::from_path(&path).map_err(|e| Failure::file(&path, e))?;
+    reader
+        .deserialize()
+        .map(|row| row.map_err(|e| Failure::file(&path, e)))
+        .collect()
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// Columns, steps and rows of a slide of the iCub set. The files say (6, 10, 75), but neighbouring values in memory
+/// are the six rows of one column at one time: only read as 10 columns x 75 steps x 6 rows do the readings run on
+/// smoothly (mean change from step to step 0.66; 7.1 as the files say).
+const ICUB: [usize; 3] = [10, 75, 6];
+
+fn icub(blobs: &[&PathBuf]) -> Result<Recordings, Failure> {
+    let [columns, steps, rows] = ICUB;
+    let mut all = Vec::new();
+    for path in blobs {
+        let values = npy(path, "'<f4'", 4)?;
+        let slides: Vec<f32> = values
+            .chunks_exact(4)
+            .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+            .collect();
+        let labels_path = path.with_file_name(stem(path).replace("icub", "labels") + ".npy");
+        let labels = npy(&labels_path, "'<i8'", 8)?;
+        let slides = slides.chunks_exact(columns * steps * rows);
+        if slides.len() != labels.len() / 8 {
+            let what = format!(
+                "expected {} labels, found {}",
+                slides.len(),
+                labels.len() / 8
+            );
+            return Err(Failure::file(&labels_path, what));
+        }
+        for (number, (slide, label)) in slides.zip(labels.chunks_exact(8)).enumerate() {
+            let at = |step: usize, feature: usize| {
+                let (column, row) = (feature / rows, feature % rows);
+                slide[(column * steps + step) * rows + row]
+            };
+            let values = (0..steps)
+                .flat_map(|step| (0..columns * rows).map(move |f| at(step, f)))
+                .collect();
+            all.push(Recording {
+                name: format!("{}_{number:03}", stem(path)),
+                label: format!("material{:02}", label[0]),
+                values,
+            });
+        }
+    }
+    let columns = (0..columns * rows)
+        .map(|f| format!("column{}_row{}", f / rows, f % rows))
+        .collect();
+    Ok(Recordings { columns, all })
+}
+
+/// The bytes of a NumPy file of version 1 with this type in C order.
+fn npy(path: &Path, kind: &str, width: usize) -> Result<Vec<u8>, Failure> {
+    let bytes = std::fs::read(path).map_err(|e| Failure::file(path, e))?;
+    let header = bytes
+        .get(8..10)
+        .map(|b| usize::from(b[0]) + 256 * usize::from(b[1]));
+    let data = header.and_then(|length| bytes.get(10 + length..));
+    let text = header
+        .and_then(|length| bytes.get(10..10 + length))
+        .map(String::from_utf8_lossy);
+    match (data, text) {
+        (Some(data), Some(text))
+            if bytes.starts_with(b"\x93NUMPY\x01")
+                && text.contains(kind)
+                && text.contains("'fortran_order': False")
+                && data.len() % width == 0 =>
+        {
+            Ok(data.to_vec())
+        }
+        _ => Err(Failure::file(
+            path,
+            format!("expected a NumPy file, version 1, of {kind} in C order"),
+        )),
+    }
+}
+
+#[cfg(test)]
+#[path = "recordings_tests.rs"]
+mod tests;

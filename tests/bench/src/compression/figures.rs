@@ -1,0 +1,267 @@
+//! The thesis's figures 4.5 to 4.7, from emulated scenes and from a recording: where contacts are found for K_C of 1 to
+//! 16, and how fast, beside the sensor's rate.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use palpate_files::{
+    DRIFT_S, Force, Path as TouchPath, PathKind, Scene, THRESHOLD_FLOOR, ThresholdFrom, Touch,
+};
+use palpate_hil::recording::recorded;
+use palpate_records::trace::Event;
+use palpate_run::{Failure, Input, Outcome};
+
+use crate::findings::Findings;
+use crate::plot::{Axis, Mark, Plot, Series};
+use crate::scenes::{changed, frame_us, run, skin};
+
+const CLUSTERS: [u32; 5] = [1, 2, 4, 8, 16];
+/// Scans per second of an emulated board.
+const SENSOR_HZ: f64 = 100.0;
+/// Rows per second of the recordings, about.
+const RECORDED_HZ: f64 = 40.0;
+
+/// Things to grasp: name, diameter where a finger meets it, mm, and force per module, N (hard things press harder).
+/// Between them 75 to 125 taxels are in contact, as in the thesis.
+const OBJECTS: [(&str, f64, f64); 4] = [
+    ("soft ball", 30.0, 0.35),
+    ("hard ball", 30.0, 0.5),
+    ("soft bottle", 60.0, 0.35),
+    ("hard bottle", 60.0, 0.48),
+];
+
+/// All figures.
+///
+/// # Errors
+/// A scene that does not run.
+pub(super) fn measure(findings: &mut Findings) -> Result<(), Failure> {
+    sphere(findings)?;
+    hand(findings)?;
+    recording(findings)
+}
+
+/// What one scene came to, with more and more clusters.
+#[derive(Default)]
+struct Sweep {
+    places: Vec<Series>,
+    speeds: Vec<(f64, f64)>,
+    last: Option<Outcome>,
+}
+
+impl Sweep {
+    /// One more run: where its contacts are at times of `when`, and how fast it was.
+    fn add(
+        &mut self,
+        (findings, case): (&mut Findings, &str),
+        kc: u32,
+        outcome: Outcome,
+        seen: &Seen<'_>,
+    ) {
+        let (frames, us) = (f64::from(outcome.summary.frames.max(1)), frame_us(&outcome));
+        let error = (
+            outcome.summary.contacts as f64 / frames,
+            "contacts per frame",
+        );
+        findings.row(case, &format!("K={kc}"), error, us);
+        let name = format!("K_C = {kc}");
+        let places = Series::new(name, Mark::Scatter, seen.places(&outcome));
+        // The finest first, so that the coarser ones lie over it.
+        self.places.insert(0, places);
+        self.speeds.push((f64::from(kc), 1e6 / us));
+        self.last = Some(outcome);
+    }
+}
+
+/// Which contacts are drawn, and where.
+struct Seen<'a> {
+    /// Origin of each module, mm; without, all are drawn in their module's plane.
+    origins: &'a [(f64, f64)],
+    /// Times, microseconds.
+    span: std::ops::Range<u64>,
+}
+
+impl Seen<'_> {
+    fn places(&self, outcome: &Outcome) -> Vec<(f64, f64)> {
+        let place = |event: &Event| match event {
+            Event::Contact {
+                t_us,
+                module,
+                place,
+                ..
+            } if self.span.contains(t_us) => {
+                let origin = self.origins.get(usize::from(*module));
+                let (x, y) = origin.copied().unwrap_or_default();
+                Some((x + f64::from(place.x) * 1e-3, y + f64::from(place.y) * 1e-3))
+            }
+            _ => None,
+        };
+        outcome.trace.events.iter().filter_map(place).collect()
+    }
+}
+
+/// Contacts of all frames in their module's plane.
+const ALL: Seen<'_> = Seen {
+    origins: &[],
+    span: 0..u64::MAX,
+};
+
+fn map(findings: &mut Findings, name: &str, title: &str, words: &str, series: Vec<Series>) {
+    let plot = Plot {
+        x: Axis::linear("x [mm]"),
+        y: Axis::linear("y [mm]"),
+        series,
+    };
+    findings.figures.push(plot.figure(name, title, words));
+}
+
+fn speeds(findings: &mut Findings, name: &str, title: &str, rate: f64, mut series: Vec<Series>) {
+    let sensor = CLUSTERS.iter().map(|k| (f64::from(*k), rate)).collect();
+    series.push(Series::new("the sensor", Mark::Line, sensor));
+    let plot = Plot {
+        x: Axis::decades("K_C"),
+        y: Axis::decades("frames per second [Hz]"),
+        series,
+    };
+    let words = "Frames per second of the whole loop, CAN frames to actuators, one core.";
+    findings.figures.push(plot.figure(name, title, words));
+}
+
+/// Figures 4.5 and 4.6: a sphere that rolls on one module.
+fn sphere(findings: &mut Findings) -> Result<(), Failure> {
+    let mut sweep = Sweep::default();
+    let case = "figure 4.5 sphere";
+    for kc in CLUSTERS {
+        let setup = changed("sphere-circle", |scene| scene.compression.kc = kc)?;
+        sweep.add((findings, case), kc, run(&setup, &Input::Scene)?, &ALL);
+    }
+    let title = "Figure 4.5: sphere on 4x4";
+    let words =
+        "Contacts of all frames while a sphere of 19.45 mm rolls in a circle over the module.";
+    map(findings, "figure-4-5", title, words, sweep.places);
+    let fast = Series::new("4x4, sphere", Mark::Swept, sweep.speeds);
+    let title = "Figure 4.6: speed on one module";
+    speeds(findings, "figure-4-6", title, SENSOR_HZ, vec![fast]);
+    Ok(())
+}
+
+/// A grasp: every module of a hand is pressed by the same thing, each a little elsewhere.
+fn grasp(scene: &mut Scene, modules: usize, diameter_mm: f64, force: f64) {
+    scene.length_s = 3.0;
+    let touch = |module: usize| {
+        let turn = 2.4 * module as f64;
+        Touch {
+            module,
+            diameter_mm,
+            start_s: 0.8,
+            end_s: 2.9,
+            ramp_s: 0.2,
+            path: TouchPath {
+                kind: PathKind::Circle,
+                points_mm: Vec::new(),
+                centre_mm: Some([2.0 * libm::cos(turn), 2.0 * libm::sin(turn)]),
+                radius_mm: Some(1.5),
+                period_s: Some(2.0),
+            },
+            force_n: Force {
+                mean: force * (0.8 + 0.4 * (module % 4) as f64 / 3.0),
+                amplitude: 0.1 * force,
+                period_s: 1.1,
+            },
+        }
+    };
+    scene.touches = (0..modules).map(touch).collect();
+}
+
+/// Figure 4.7: a hand that grasps four things of different size and hardness.
+fn hand(findings: &mut Findings) -> Result<(), Failure> {
+    let layout = skin("allegro")?;
+    let modules = layout.modules().iter().map(|m| m.origin());
+    let origins: Vec<_> = modules.map(|o| (f64::from(o.x), f64::from(o.y))).collect();
+    // One frame in the middle of the grasp.
+    let seen = Seen {
+        origins: &origins,
+        span: 1_800_000..1_810_000,
+    };
+    let mut fast = Vec::new();
+    for (object, diameter, force) in OBJECTS {
+        let mut sweep = Sweep::default();
+        let case = format!("figure 4.7 {object}");
+        for kc in CLUSTERS {
+            let setup = changed("allegro-four-buses", |scene| {
+                scene.compression.kc = kc;
+                grasp(scene, origins.len(), diameter, force);
+            })?;
+            sweep.add((findings, &case), kc, run(&setup, &Input::Scene)?, &seen);
+        }
+        if let Some((least, most)) = sweep.last.as_ref().and_then(held) {
+            findings.words.push(format!(
+                "figure 4.7, {object}: {least} to {most} taxels in contact while it is held (thesis: 75 to 125)"
+            ));
+        }
+        let name = format!("figure-4-7-{}", object.replace(' ', "-"));
+        let title = format!("Figure 4.7: hand, {object}");
+        let words =
+            "Contacts of one frame over the whole hand, modules where the layout puts them.";
+        map(findings, &name, &title, words, sweep.places);
+        fast.push(Series::new(object, Mark::Swept, sweep.speeds));
+    }
+    let title = "Figure 4.7: speed on the hand";
+    speeds(findings, "figure-4-7-speed", title, SENSOR_HZ, fast);
+    Ok(())
+}
+
+/// Fewest and most taxels in contact in a frame while a thing is held.
+fn held(outcome: &Outcome) -> Option<(u32, u32)> {
+    let mut frames = BTreeMap::new();
+    for event in &outcome.trace.events {
+        if let Event::Contact { t_us, members, .. } = event
+            && (1_200_000..2_600_000).contains(t_us)
+        {
+            *frames.entry(*t_us).or_insert(0) += *members;
+        }
+    }
+    let counts = || frames.values().copied();
+    counts().min().zip(counts().max())
+}
+
+/// The first trial of the grasp recordings, where they are at hand.
+fn trial() -> Option<PathBuf> {
+    let data = std::env::var_os("PALPATE_DATA").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
+        PathBuf::from,
+    );
+    let entries = std::fs::read_dir(data.join("uskin_grasp")).ok()?;
+    let trials = entries.flatten().map(|e| e.path().join("xela_sensor1.csv"));
+    trials.filter(|file| file.is_file()).min()
+}
+
+/// The same from a real finger.
+fn recording(findings: &mut Findings) -> Result<(), Failure> {
+    let Some(trial) = trial() else {
+        let words = "skipped: no recordings, so no figures from them";
+        findings.words.push(words.into());
+        return Ok(());
+    };
+    let paths = [trial];
+    let mut sweep = Sweep::default();
+    let case = "figure 4.5 recorded grasp";
+    for kc in CLUSTERS {
+        let setup = changed("sphere-circle", |scene| {
+            scene.compression.kc = kc;
+            scene.touches.clear();
+            scene.threshold = ThresholdFrom::PerTaxel;
+            scene.threshold_margin = THRESHOLD_FLOOR;
+            scene.drift_s = Some(DRIFT_S);
+            scene.name = "recording".into();
+        })?;
+        let (input, _) = recorded(&paths, &setup.sensor.value, Some(RECORDED_HZ))?;
+        sweep.add((findings, case), kc, run(&setup, &input)?, &ALL);
+    }
+    let title = "Figure 4.5 from a recording: a gripper's finger on a box";
+    let words = "Contacts of all frames of one trial of the uSkin grasp recordings.";
+    map(findings, "figure-4-5-recorded", title, words, sweep.places);
+    let fast = Series::new("recorded 4x4", Mark::Swept, sweep.speeds);
+    let (name, title) = ("figure-4-6-recorded", "Figure 4.6 from a recording");
+    speeds(findings, name, title, RECORDED_HZ, vec![fast]);
+    Ok(())
+}

@@ -1,0 +1,257 @@
+//! Illusions: every law on every array by both perceivers - where it is felt, how even, how often nothing is
+//! - and what an onset costs. Figure 5.5 of the thesis, for (5.2) and for the default law.
+
+mod figure;
+
+use std::time::Duration;
+
+use palpate_core::illusion::{
+    Display, Mixer, Model, ModelError, ModelSettings, ShapeChoice, Sharing, Target, Wire, build,
+};
+use palpate_core::units::{Board, Channel, Milliamps, Point};
+use palpate_emulators::person::perceiver::Perceiver;
+use palpate_records::felt::FeltScore;
+use palpate_run::Failure;
+use palpate_tests::felt::{PATHS, PathScore, Worn, current, path_on, person};
+
+use crate::findings::{Error, Findings, NO_ERROR};
+use crate::plot::{Axis, Mark, Plot, Series};
+use crate::scenes::display;
+use crate::timing::Race;
+
+/// The arrays, by layout.
+const ARRAYS: [&str; 3] = ["three-in-line", "thimble-8", "tactile-brush-4x3"];
+/// Wires of the largest driver unit: 16 boards of 8.
+const MANY: usize = 128;
+/// Contacts of a sample.
+const TARGETS: u8 = 255;
+
+/// What a law came to over the four paths on one array.
+#[derive(Clone, Copy, Debug, Default)]
+struct Total {
+    /// Mean square of the felt error, by energy and by amplitude centroid, mm2, and onsets.
+    squares: [f64; 2],
+    onsets: [u64; 2],
+    breaks: u64,
+    jumps: [u64; 2],
+    dip_db: f64,
+    peak_db: f64,
+}
+
+impl Total {
+    fn add(&mut self, score: &PathScore) {
+        for (k, felt) in score.felt.iter().enumerate() {
+            if let Some(errors) = felt.errors {
+                let mm = errors.rmse_um as f64 * 1e-3;
+                self.squares[k] += mm * mm * errors.count as f64;
+                self.onsets[k] += errors.count;
+            }
+            self.jumps[k] += felt.jumps;
+        }
+        self.breaks += score.felt.first().map_or(0, |f: &FeltScore| f.breaks);
+        self.dip_db = self.dip_db.min(score.energy_db.0);
+        self.peak_db = self.peak_db.max(score.energy_db.1);
+    }
+
+    /// Root mean square of the felt error by one of the perceivers, mm; NaN where nothing was felt.
+    fn rmse(&self, perceiver: usize) -> f64 {
+        (self.squares[perceiver] / self.onsets[perceiver] as f64).sqrt()
+    }
+}
+
+/// A law by name with its settings, as it stands in a table.
+struct Method {
+    name: String,
+    settings: ModelSettings,
+}
+
+impl Method {
+    fn new(name: &str, model: Model, shape: ShapeChoice) -> Self {
+        Self {
+            name: name.into(),
+            settings: ModelSettings {
+                model,
+                shape,
+                ..ModelSettings::default()
+            },
+        }
+    }
+}
+
+/// Every law; the default one is called `default`, (5.2) also stands with flat midpoints.
+fn methods() -> Vec<Method> {
+    let name = |model: Model| match model == Model::default() {
+        true => "default",
+        false => model.name(),
+    };
+    let laws = Model::ALL.into_iter();
+    let mut methods: Vec<Method> = laws
+        .map(|model| Method::new(name(model), model, ShapeChoice::Model))
+        .collect();
+    let flat = Method::new("phantom, flat", Model::Phantom, ShapeChoice::Flat);
+    methods.insert(1, flat);
+    methods
+}
+
+/// Measures everything.
+///
+/// # Errors
+/// [`Failure`] where a shipped file cannot be read.
+pub fn measure() -> Result<Findings, Failure> {
+    let (perceiver, drive) = (person()?, current("thesis")?);
+    let mut found = Findings::new("illusion");
+    for name in ARRAYS {
+        on_array(&mut found, name, perceiver, drive)?;
+    }
+    costs(&mut found, "cost, 8 wires", &display("thimble-8")?)?;
+    costs(&mut found, "cost, 128 wires", &many()?)?;
+    trade_off(&mut found, perceiver, drive)?;
+    found.words.push(format!(
+        "default is {}: shares to the power of {}, one energy everywhere. Errors are over the four sphere paths \
+         at the published drive (1.97 A, no intensity), contacts inside the array, a break counting as felt where \
+         it was felt last. A cost is that of one contact at an onset.",
+        Model::default().name(),
+        Model::default().shape().unwrap_or(1.0),
+    ));
+    found.words.push(
+        "Gain and threshold of both perceivers are fitted, not measured (fixtures/perceivers/fitted.toml)."
+            .into(),
+    );
+    found.figures.push(figure::five_five(perceiver, drive)?);
+    Ok(found)
+}
+
+/// Sixteen columns of eight wires, 9 mm apart.
+fn many() -> Result<Display, Failure> {
+    let wire = |i: usize| Wire {
+        place: Point::new(9.0 * (i / 8) as f32, 9.0 * (i % 8) as f32),
+        board: Board((i / 8) as u8),
+        channel: Channel((i % 8) as u8),
+    };
+    let wires: Vec<Wire> = (0..MANY).map(wire).collect();
+    Display::new(&wires).map_err(|e| Failure::Input(e.to_string()))
+}
+
+/// The four paths on a display.
+fn paths(display: &Display) -> Result<Vec<Vec<Point>>, Failure> {
+    PATHS.iter().map(|scene| path_on(scene, display)).collect()
+}
+
+/// What a law comes to over the paths.
+fn total(
+    display: &Display,
+    settings: &ModelSettings,
+    paths: &[Vec<Point>],
+    (perceiver, drive): (Perceiver, Milliamps),
+) -> Result<Total, ModelError> {
+    let mut worn = Worn::new(display, settings, perceiver, drive)?;
+    let mut total = Total::default();
+    paths.iter().for_each(|path| total.add(&worn.score(path)));
+    Ok(total)
+}
+
+/// What is read off a law's total.
+type Value = fn(&Total) -> Error;
+
+fn on_array(
+    found: &mut Findings,
+    name: &str,
+    perceiver: Perceiver,
+    drive: Milliamps,
+) -> Result<(), Failure> {
+    let display = display(name)?;
+    let paths = paths(&display)?;
+    // A law that does not fit this array (three-nearest on a line) has no row.
+    let fits = methods().into_iter().filter_map(|method| {
+        let total = total(&display, &method.settings, &paths, (perceiver, drive));
+        total.ok().map(|total| (method, total))
+    });
+    let results: Vec<(Method, Total)> = fits.collect();
+    let values: [(&str, Value); 7] = [
+        ("energy centroid", |t| (t.rmse(0), "mm RMSE")),
+        ("amplitude centroid", |t| (t.rmse(1), "mm RMSE")),
+        ("dip", |t| (t.dip_db, "dB")),
+        ("peak", |t| (t.peak_db, "dB")),
+        ("breaks", |t| (t.breaks as f64, "onsets")),
+        ("jumps, energy centroid", |t| (t.jumps[0] as f64, "onsets")),
+        ("jumps, amplitude centroid", |t| {
+            (t.jumps[1] as f64, "onsets")
+        }),
+    ];
+    for (what, value) in values {
+        for (method, total) in &results {
+            let case = format!("{name}: {what}");
+            found.row(&case, &method.name, value(total), f64::NAN);
+        }
+    }
+    Ok(())
+}
+
+/// What one contact at an onset costs by every law: at most 0.3 us for eight wires, 5 us for 128.
+fn costs(found: &mut Findings, case: &str, display: &Display) -> Result<(), Failure> {
+    let bounds = display.bounds();
+    let (width, height) = (bounds.max.x - bounds.min.x, bounds.max.y - bounds.min.y);
+    // Places that no branch predictor learns: golden-ratio steps over the whole display.
+    let targets: Vec<Target> = (0..TARGETS)
+        .map(|k| {
+            let part = |step: f32| (f32::from(k) * step).fract();
+            let (x, y) = (part(0.618_034), part(0.754_877_7));
+            Target {
+                place: Point::new(bounds.min.x + x * width, bounds.min.y + y * height),
+                weight: 1.0,
+            }
+        })
+        .collect();
+    let methods = methods();
+    let mut race = Race::default();
+    for method in &methods {
+        let law = build(display, &method.settings).map_err(|e| Failure::Input(e.to_string()))?;
+        let mut mixer = Mixer::new(law, Sharing::Strongest, display.wires().len());
+        let targets = &targets;
+        race.enter(move || {
+            targets
+                .iter()
+                .map(|t| mixer.activate(std::slice::from_ref(t)).iter().sum::<f32>())
+                .sum::<f32>()
+        });
+    }
+    let samples = race.run(200, Duration::from_millis(500));
+    for (method, samples) in methods.iter().zip(samples) {
+        let us = samples.median() / f64::from(TARGETS);
+        found.row(case, &method.name, NO_ERROR, us);
+    }
+    Ok(())
+}
+
+/// Error by one perceiver against error by the other, over the balanced law's exponent and for every law.
+fn trade_off(found: &mut Findings, perceiver: Perceiver, drive: Milliamps) -> Result<(), Failure> {
+    let display = display("thimble-8")?;
+    let paths = paths(&display)?;
+    let at = |settings: &ModelSettings| {
+        let total = total(&display, settings, &paths, (perceiver, drive))?;
+        Ok::<_, ModelError>((total.rmse(0), total.rmse(1)))
+    };
+    let exponent = |tenths: u8| ModelSettings {
+        shape: ShapeChoice::Factor(0.05 * f32::from(tenths)),
+        ..ModelSettings::default()
+    };
+    let curve = (8..=24).filter_map(|e| at(&exponent(e)).ok()).collect();
+    let name = "balanced, exponent 0.4 to 1.2";
+    let mut series = vec![Series::new(name, Mark::Swept, curve)];
+    for method in methods() {
+        let point = at(&method.settings).map_err(|e| Failure::Input(e.to_string()))?;
+        series.push(Series::new(method.name, Mark::Ours, vec![point]));
+    }
+    let plot = Plot {
+        x: Axis::linear("felt error by the energy centroid [mm RMSE]"),
+        y: Axis::linear("felt error by the amplitude centroid [mm RMSE]"),
+        series,
+    };
+    found.figures.push(plot.figure(
+        "trade-off",
+        "Two perceivers, one law",
+        "Thimble, four sphere paths, published drive. No exponent is best by both perceivers; the default is where they \
+         differ little.",
+    ));
+    Ok(())
+}

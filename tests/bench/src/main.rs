@@ -1,0 +1,124 @@
+//! `palpate-bench`: run time against error, the project's methods beside those of other projects.
+//!
+//! A family is a module with one function that measures and returns [`Findings`]; its name stands in [`FAMILIES`].
+//! Methods of one case are timed in turn in one run, so that their ratios hold on a noisy machine.
+
+mod compression;
+mod emulators;
+mod findings;
+mod guard;
+mod illusion;
+mod page;
+mod physics;
+mod plot;
+mod presses;
+mod projection;
+mod python;
+mod records;
+mod scenes;
+mod table;
+mod texture;
+mod timing;
+mod units;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Parser;
+use palpate_hil::output::{make_folder, note, print, write_file};
+use palpate_run::Failure;
+
+use findings::{Findings, Row};
+
+/// Measures a family.
+type Measure = fn() -> Result<Findings, Failure>;
+
+/// Every family as the command line spells it, in the order of the page.
+const FAMILIES: [(&str, Measure); 7] = [
+    ("physics", physics::measure),
+    ("emulators", emulators::measure),
+    ("compression", compression::measure),
+    ("texture", texture::measure),
+    ("illusion", illusion::measure),
+    ("loop", projection::measure),
+    ("records", records::measure),
+];
+
+/// Run time against error: tables, JSON and plots.
+#[derive(Debug, Parser)]
+#[command(name = "palpate-bench", version)]
+struct Arguments {
+    /// What to measure (default: every family).
+    #[arg(value_parser = FAMILIES.map(|f| f.0))]
+    family: Option<String>,
+    /// Write bench.html, bench.json and the plots (SVG) into this folder.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the rows as a JSON array.
+    #[arg(long)]
+    json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    quiet: bool,
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            let _ = writeln!(std::io::stderr(), "error: {failure}");
+            ExitCode::from(failure.status())
+        }
+    }
+}
+
+fn run(args: &Arguments) -> Result<(), Failure> {
+    let mut found = Vec::new();
+    for (name, measure) in FAMILIES {
+        if args.family.as_deref().is_none_or(|chosen| chosen == name) {
+            if !args.quiet {
+                note(&format!("measuring {name}"));
+            }
+            found.push(measure()?);
+        }
+    }
+    let rows: Vec<&Row> = found.iter().flat_map(|f| &f.rows).collect();
+    if let Some(folder) = &args.out {
+        write(folder, &found, &rows)?;
+    }
+    if args.quiet {
+        return Ok(());
+    }
+    print(|out| {
+        if args.json {
+            serde_json::to_writer(&mut *out, &rows)?;
+            return writeln!(out);
+        }
+        let mut tables = found.iter().map(table::text);
+        tables.try_for_each(|text| out.write_all(text.as_bytes()))
+    })
+}
+
+/// The table, every figure and the page with all of them.
+fn write(folder: &Path, found: &[Findings], rows: &[&Row]) -> Result<(), Failure> {
+    make_folder(folder)?;
+    write_file(&folder.join("bench.json"), |out| {
+        serde_json::to_writer_pretty(&mut *out, rows)?;
+        writeln!(out)
+    })?;
+    for findings in found {
+        for figure in &findings.figures {
+            let path = folder.join(format!("{}-{}.svg", findings.family, figure.name));
+            write_file(&path, |out| {
+                out.write_all(page::styled(&figure.svg).as_bytes())
+            })?;
+        }
+    }
+    write_file(&folder.join("bench.html"), |out| {
+        out.write_all(page::html(found).as_bytes())
+    })
+}
+
+#[cfg(test)]
+mod tests;

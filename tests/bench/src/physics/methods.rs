@@ -1,0 +1,71 @@
+//! The methods that are compared: ours and the peers, each along one train of pulses.
+
+use palpate_emulators::display::wire::Wire;
+
+use super::peers::{self, Dop853, Kind, Rk4};
+use super::train::{Case, Nodes, START_C};
+
+/// How a case is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// What the program uses: exact from edge to edge.
+    Default,
+    /// The classical Runge-Kutta method with this longest step, microseconds.
+    Rk4(u32),
+    /// ode_solvers, DOP853, at this relative tolerance.
+    Dop853(f64),
+    /// One of diffsol's, at this relative tolerance.
+    Diffsol(Kind, f64),
+}
+
+impl Method {
+    /// Its name without tolerance or step: points of one name make a line in a diagram.
+    pub const fn family(&self) -> &'static str {
+        match self {
+            Self::Default => "default",
+            Self::Rk4(_) => "RK4",
+            Self::Dop853(_) => "ode_solvers DOP853",
+            Self::Diffsol(Kind::Bdf, _) => "diffsol BDF",
+            Self::Diffsol(Kind::Tsit45, _) => "diffsol Tsit45",
+        }
+    }
+
+    /// Its name in the table.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Default => "default".into(),
+            Self::Rk4(step) => format!("{} {step} us", self.family()),
+            Self::Dop853(tolerance) | Self::Diffsol(_, tolerance) => {
+                format!("{} {tolerance:.0e}", self.family())
+            }
+        }
+    }
+
+    /// Computes a case; `seen` gets the node temperatures at every edge and at the end.
+    ///
+    /// # Errors
+    /// What the method says when it cannot go on.
+    pub fn run(&self, case: &Case, seen: Option<&mut Vec<Nodes>>) -> Result<(), String> {
+        match *self {
+            Self::Default => default(case, seen),
+            Self::Rk4(step) => peers::along(case, &mut Rk4::new(step), seen),
+            Self::Dop853(tolerance) => peers::along(case, &mut Dop853::new(tolerance), seen),
+            Self::Diffsol(kind, tolerance) => peers::diffsol(case, kind, tolerance, seen),
+        }
+    }
+}
+
+fn default(case: &Case, mut seen: Option<&mut Vec<Nodes>>) -> Result<(), String> {
+    let mut wire = Wire::new(&case.wire, &case.skin, START_C).map_err(|e| e.to_string())?;
+    for &(at, watts) in &case.edges {
+        wire.set_power(at, watts);
+        if let Some(seen) = seen.as_deref_mut() {
+            seen.push(wire.solver().nodes());
+        }
+    }
+    wire.advance(case.end);
+    if let Some(seen) = seen {
+        seen.push(wire.solver().nodes());
+    }
+    Ok(())
+}
