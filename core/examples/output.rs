@@ -9,7 +9,7 @@ use std::error::Error;
 
 use palpate_core::driver::Actuators;
 use palpate_core::guard::Guarded;
-use palpate_core::illusion::{Display, Target, Wire};
+use palpate_core::illusion::{Display, DisplayWire, Target};
 use palpate_core::projector::{Cause, Output};
 use palpate_core::units::{Board, Channel, Instant, Point};
 
@@ -36,7 +36,7 @@ impl Actuators for Paper {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let wire = |n: u8| Wire {
+    let wire = |n: u8| DisplayWire {
         place: Point::new(10.0 * f32::from(n), 0.0),
         board: Board(0),
         channel: Channel(n),

@@ -8,10 +8,10 @@ use rand_core::{Rng, SeedableRng};
 
 /// A ChaCha8 stream for one identity under one seed.
 #[derive(Debug)]
-pub struct Stream(ChaCha8Rng);
+pub struct RandomStream(ChaCha8Rng);
 
 /// The generator has no copy of its own, so that keys are not multiplied by accident; ours guard no secret.
-impl Clone for Stream {
+impl Clone for RandomStream {
     fn clone(&self) -> Self {
         let mut rng = ChaCha8Rng::from_seed(self.0.get_seed());
         rng.set_stream(self.0.get_stream());
@@ -20,7 +20,7 @@ impl Clone for Stream {
     }
 }
 
-impl Stream {
+impl RandomStream {
     /// The stream of `identity` under `seed`. Identities are hashed from text such as `"taxel 3"`,
     /// so they need no central numbering.
     pub fn new(seed: u64, identity: &str) -> Self {

@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn streams_are_reproducible_and_independent() {
-    let draw = |seed, id: &str| Stream::new(seed, id).next_u64();
+    let draw = |seed, id: &str| RandomStream::new(seed, id).next_u64();
     assert_eq!(draw(1, "taxel 3"), draw(1, "taxel 3"));
     assert_ne!(draw(1, "taxel 3"), draw(1, "taxel 4"));
     assert_ne!(draw(1, "taxel 3"), draw(2, "taxel 3"));
@@ -12,7 +12,7 @@ fn streams_are_reproducible_and_independent() {
 
 #[test]
 fn a_copy_goes_on_where_the_original_stands() {
-    let mut stream = Stream::new(3, "copied");
+    let mut stream = RandomStream::new(3, "copied");
     for drawn in 0..40 {
         let mut copy = stream.clone();
         let ahead: [u64; 20] = core::array::from_fn(|_| copy.next_u64());
@@ -29,7 +29,7 @@ fn a_copy_goes_on_where_the_original_stands() {
 
 #[test]
 fn normal_deviates_have_unit_variance() {
-    let mut stream = Stream::new(7, "test");
+    let mut stream = RandomStream::new(7, "test");
     let n = 20_000;
     let (mut sum, mut sum2) = (0.0, 0.0);
     for _ in 0..n {

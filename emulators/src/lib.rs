@@ -16,12 +16,12 @@ pub mod worn;
 /// What a bench is made of crosses to another thread: checked when this crate is compiled.
 const _: () = {
     const fn crosses<T: Send>() {}
-    crosses::<worn::Display>();
+    crosses::<worn::WornDisplay>();
     crosses::<display::i2c::I2cHandle>();
     crosses::<display::i2c::fault::Shared<display::i2c::I2cHandle>>();
     crosses::<sensor::port::HostPort>();
     crosses::<sensor::can::faults::Faulty<sensor::rig::Handle>>();
-    crosses::<sensor::Module>();
+    crosses::<sensor::EmulatedModule>();
     crosses::<Box<dyn sensor::Touches>>();
     crosses::<sensor::surface::Explorer>();
     crosses::<sensor::surface::SurfaceStrokes>();

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
 use palpate_core::units::{Channel, Milliamps, Point};
 
-use crate::display::amplifier::supply::{Load, Source, Supply};
+use crate::display::amplifier::supply::{Load, Supply, SupplySource};
 use crate::display::amplifier::{Amplifier, AmplifierConfig, AmplifierFault, takes_effect};
 use crate::display::i2c::{BusClock, Error as I2cError, I2cHandle, I2cSegment};
 use crate::display::pca9685::{Config, Edge, Oscillator, Pca9685, Pin};
@@ -39,7 +39,7 @@ pub struct DisplayConfig {
     /// The amplifiers.
     pub amplifier: AmplifierConfig,
     /// What feeds them all.
-    pub source: Source,
+    pub source: SupplySource,
     /// Every wire's parameters.
     pub wire: WireParameters,
     /// The finger's.
@@ -113,11 +113,11 @@ pub struct DisplayTotals {
 
 /// The display side of a bench.
 #[derive(Debug)]
-pub struct Display {
+pub struct WornDisplay {
     i2c: I2cHandle,
     amplifiers: Vec<Amplifier>,
     rise: Nanos,
-    source: Source,
+    source: SupplySource,
     supply: Supply,
     /// One a wire, in their order.
     loads: Vec<Load>,
@@ -138,7 +138,7 @@ pub struct Display {
     past: VecDeque<(Nanos, Vec<f64>)>,
 }
 
-impl Display {
+impl WornDisplay {
     /// Builds chips, amplifiers and wires, all at rest and off.
     ///
     /// # Errors
@@ -265,7 +265,7 @@ impl Display {
         }
     }
 
-    /// Keeps every stretch of current from now on, for [`Display::take_flows`].
+    /// Keeps every stretch of current from now on, for [`WornDisplay::take_flows`].
     pub fn keep_flows(&mut self) {
         self.flows.get_or_insert_default();
     }

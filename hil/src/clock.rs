@@ -1,4 +1,4 @@
-//! The one place that reads a clock.
+//! The clock that measures cost and dates recordings. A run on hardware is paced by `palpate_buses::pacer`.
 
 use std::sync::OnceLock;
 use std::time::{Duration, Instant, SystemTime};

@@ -4,7 +4,7 @@ use palpate_core::skin::Layout;
 use palpate_core::units::Instant;
 use palpate_records::trace::Header;
 use palpate_run::effort::Stopwatch;
-use palpate_run::{BusReport, Failure, Host, Seen};
+use palpate_run::{BusReport, Failure, Host, TurnView};
 
 use crate::clock;
 use crate::output::note;
@@ -44,7 +44,7 @@ impl Host for Onlooker {
         Ok(())
     }
 
-    fn turn(&mut self, seen: &Seen<'_>) -> bool {
+    fn turn(&mut self, seen: &TurnView<'_>) -> bool {
         let Some(watch) = &mut self.watch else {
             return false;
         };

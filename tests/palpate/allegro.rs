@@ -7,14 +7,14 @@ use palpate_core::codec::uskin::{ALL_BOARDS, Command};
 use palpate_core::units::Point;
 use palpate_emulators::sensor::board::{BoardConfig, Overload};
 use palpate_emulators::sensor::rig::{Handle, SkinBus};
-use palpate_emulators::sensor::{Module, ModuleConfig, Press};
+use palpate_emulators::sensor::{EmulatedModule, ModuleConfig, Press};
 use palpate_emulators::time::Nanos;
 
 /// The hand's boards spread over `buses`, each pressed by a sphere, started by one command a bus.
 fn hand(buses: usize, overload: Overload, phase_us: impl Fn(u8) -> u64) -> Handle {
     let mut hand: Vec<_> = (0..buses).map(|_| SkinBus::new(1_000_000)).collect();
     for n in 0..15u8 {
-        let mut module = Module::new(ModuleConfig {
+        let mut module = EmulatedModule::new(ModuleConfig {
             number: usize::from(n),
             seed: 1,
             ..ModuleConfig::default()

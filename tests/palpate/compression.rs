@@ -3,7 +3,7 @@
 
 use palpate_core::contact::kmeans::{KMeans, Points, Stop, weighted_mean};
 use palpate_core::contact::{Compressor, LevelTable, Settings};
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 use palpate_core::skin::{Axes, Layout, RelativeFrame};
 use palpate_files::{LayoutFile, load_layout};
 use palpate_hil::parallel;
@@ -19,7 +19,7 @@ struct Cloud {
 }
 
 impl Cloud {
-    fn new(r: &mut Stream, n: usize, case: usize) -> Self {
+    fn new(r: &mut RandomStream, n: usize, case: usize) -> Self {
         let lattice = case.is_multiple_of(4);
         let far = if case.is_multiple_of(7) {
             37_000.0
@@ -100,7 +100,7 @@ impl Cloud {
 
 #[test]
 fn one_cluster_is_the_closed_form() {
-    let mut r = Stream::new(11, "closed form");
+    let mut r = RandomStream::new(11, "closed form");
     for case in 0..CASES {
         let n = 1 + case % 20;
         let cloud = Cloud::new(&mut r, n, case);
@@ -129,7 +129,7 @@ fn one_cluster_is_the_closed_form() {
 /// No result from any seed is below the optimum, and from the optimum's own centroids it is kept.
 #[test]
 fn two_clusters_against_every_split() {
-    let mut r = Stream::new(12, "splits");
+    let mut r = RandomStream::new(12, "splits");
     let stop = Stop {
         tolerance: 0.0,
         max_iterations: 100,
@@ -160,7 +160,7 @@ fn two_clusters_against_every_split() {
 
 #[test]
 fn levels_cost_what_those_of_the_ckmeans_crate_cost() {
-    let mut r = Stream::new(13, "levels");
+    let mut r = RandomStream::new(13, "levels");
     let cost = |values: &[f32], levels: &mut dyn Iterator<Item = f64>| {
         let levels: Vec<f64> = levels.collect();
         let d = |v: f32| {
@@ -239,7 +239,7 @@ fn many_threads_find_what_one_finds() {
         let mut one = Compressor::new(&layout, settings.clone()).unwrap();
         let (mut threads, mut pool) = (one.clone(), Compressor::new(&layout, settings).unwrap());
         let mut frame = RelativeFrame::new(&layout);
-        let mut r = Stream::new(14, name);
+        let mut r = RandomStream::new(14, name);
         for _ in 0..frames {
             let rows: Vec<[f32; 3]> = (0..layout.taxels())
                 .map(|_| {

@@ -3,7 +3,7 @@
 
 use palpate_core::schedule::Entry;
 use palpate_core::units::{Board, Channel, Instant, Ticks};
-use palpate_records::bursts::{Burst, Output};
+use palpate_records::bursts::{Burst, DrivenOutput};
 use palpate_records::diff::{Grade, Tolerance, align, compare, tell};
 use palpate_records::schedule::write_schedule;
 use palpate_records::story::{LINES, Story};
@@ -174,7 +174,7 @@ proptest! {
     ) {
         let stays = |list: &[(u64, u64, u16)]| {
             let stay = |&(from_us, length, width): &(u64, u64, u16)| Burst {
-                output: Output::Wire(0),
+                output: DrivenOutput::Wire(0),
                 from_us,
                 to_us: from_us + length,
                 width,

@@ -5,7 +5,7 @@ use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
 use palpate_core::driver::Actuators;
 use palpate_core::driver::{DriverError, Pca9685Bank};
 use palpate_core::guard::{Guard, HARD, Plant};
-use palpate_core::illusion::Wire;
+use palpate_core::illusion::DisplayWire;
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Channel, Instant, Milliamps, Point, Prescale, Ticks};
 use proptest::prelude::*;
@@ -18,12 +18,12 @@ fn guard(outputs: &[(u8, u8)]) -> Guard {
         wire_milliohm: 1900,
         peak: Milliamps(1970),
     };
-    let wire = |(i, &(board, channel)): (usize, &(u8, u8))| Wire {
+    let wire = |(i, &(board, channel)): (usize, &(u8, u8))| DisplayWire {
         place: Point::new(i as f32, 0.0),
         board: Board(board),
         channel: Channel(channel),
     };
-    let wires: Vec<Wire> = outputs.iter().enumerate().map(wire).collect();
+    let wires: Vec<DisplayWire> = outputs.iter().enumerate().map(wire).collect();
     Guard::new(HARD, plant, &wires).unwrap()
 }
 

@@ -1,8 +1,8 @@
 //! What every law keeps, whatever the array and the contact; and what the default illusion promises.
 
 use palpate_core::illusion::{
-    Display, DisplayError, Distances, Mixer, Model, ModelError, ModelSettings, ShapeChoice,
-    Sharing, Surface, Target, Wire, build,
+    Display, DisplayError, DisplayWire, Distances, IllusionError, IllusionModel, Mixer,
+    ModelSettings, ShapeChoice, Sharing, Surface, Target, build,
 };
 use palpate_core::units::{Board, Channel, Point};
 use palpate_records::trace::Event;
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 
 /// Wires at these places, on as many boards as they need.
 fn display(places: &[(f32, f32)]) -> Result<Display, DisplayError> {
-    let wire = |(i, &(x, y)): (usize, &(f32, f32))| Wire {
+    let wire = |(i, &(x, y)): (usize, &(f32, f32))| DisplayWire {
         place: Point::new(x, y),
         board: Board((i / 8) as u8),
         channel: Channel((i % 8) as u8),
@@ -41,7 +41,7 @@ const LINE: [(f32, f32); 3] = [(-6.5, 0.0), (0.0, 0.0), (6.5, 0.0)];
 /// Every law with every kind of distance it knows.
 fn settings() -> Vec<ModelSettings> {
     let kinds = [Distances::Axes, Distances::Plane, Distances::Space];
-    let each = Model::ALL.into_iter().flat_map(|model| {
+    let each = IllusionModel::ALL.into_iter().flat_map(|model| {
         kinds.map(|distances| ModelSettings {
             model,
             distances: Some(distances),
@@ -52,7 +52,7 @@ fn settings() -> Vec<ModelSettings> {
     let known: Vec<_> = each
         .filter(|s| {
             build(&thimble, s)
-                .map_err(|e| assert_eq!(e, ModelError::Distances))
+                .map_err(|e| assert_eq!(e, IllusionError::Distances))
                 .is_ok()
         })
         .collect();
@@ -85,17 +85,17 @@ fn place() -> impl Strategy<Value = Point> {
 
 /// How far activations may move over 0.01 mm. Shares move by 0.3 a millimetre at most on these
 /// arrays; a root of a share is steep where the share begins, hence the power.
-fn modulus(model: Model) -> Option<f32> {
+fn modulus(model: IllusionModel) -> Option<f32> {
     let share = 0.3f32 * 0.01;
     match model {
-        Model::Phantom => Some(0.01),
-        Model::Linear => Some(share + 1e-4),
-        Model::Square => Some(2.0 * share + 1e-4),
-        Model::Energy => Some(share.sqrt() + 4e-3),
-        Model::Balanced => Some(2.0 * share.powf(0.65) + 2e-3),
-        Model::Gaussian => Some(0.01),
+        IllusionModel::Phantom => Some(0.01),
+        IllusionModel::Linear => Some(share + 1e-4),
+        IllusionModel::Square => Some(2.0 * share + 1e-4),
+        IllusionModel::Energy => Some(share.sqrt() + 4e-3),
+        IllusionModel::Balanced => Some(2.0 * share.powf(0.65) + 2e-3),
+        IllusionModel::Gaussian => Some(0.01),
         // These two jump by nature.
-        Model::ThreeNearest | Model::Nearest => None,
+        IllusionModel::ThreeNearest | IllusionModel::Nearest => None,
     }
 }
 
@@ -113,7 +113,7 @@ proptest! {
             let wire = display.wires()[on].place;
             let a = activation(&display, &settings, wire);
             prop_assert!((a[on] - 1.0).abs() < 1e-5, "{settings:?} on wire {on}: {a:?}");
-            let alone = !matches!(settings.model, Model::Gaussian)
+            let alone = !matches!(settings.model, IllusionModel::Gaussian)
                 && settings.distances != Some(Distances::Axes);
             if alone {
                 let others = a.iter().enumerate().filter(|(i, _)| *i != on);
@@ -219,12 +219,12 @@ fn degenerate_arrays_are_refused_by_name() {
     for settings in settings() {
         let refused = build(&one, &settings).err();
         match settings.model {
-            Model::Nearest => assert_eq!(refused, None),
-            _ => assert_eq!(refused, Some(ModelError::OneWire), "{settings:?}"),
+            IllusionModel::Nearest => assert_eq!(refused, None),
+            _ => assert_eq!(refused, Some(IllusionError::OneWire), "{settings:?}"),
         }
         let refused = build(&line, &settings).err();
         match settings.model {
-            Model::ThreeNearest => assert_eq!(refused, Some(ModelError::InLine)),
+            IllusionModel::ThreeNearest => assert_eq!(refused, Some(IllusionError::InLine)),
             _ => assert_eq!(refused, None, "{settings:?}"),
         }
     }
@@ -236,7 +236,7 @@ fn degenerate_arrays_are_refused_by_name() {
 fn settings_that_no_law_knows_are_refused() {
     let thimble = display(&THIMBLE).unwrap();
     let refused = |settings: ModelSettings| build(&thimble, &settings).err();
-    let of = |model: Model| ModelSettings {
+    let of = |model: IllusionModel| ModelSettings {
         model,
         ..ModelSettings::default()
     };
@@ -244,27 +244,27 @@ fn settings_that_no_law_knows_are_refused() {
         let shape = ShapeChoice::Factor(shape);
         let settings = ModelSettings {
             shape,
-            ..of(Model::Phantom)
+            ..of(IllusionModel::Phantom)
         };
-        assert_eq!(refused(settings), Some(ModelError::Shape));
+        assert_eq!(refused(settings), Some(IllusionError::Shape));
     }
     let shape = ShapeChoice::Factor(1.0);
     let settings = ModelSettings {
         shape,
-        ..of(Model::Energy)
+        ..of(IllusionModel::Energy)
     };
-    assert_eq!(refused(settings), Some(ModelError::Shape));
+    assert_eq!(refused(settings), Some(IllusionError::Shape));
     let shape = ShapeChoice::Flat;
     let settings = ModelSettings {
         shape,
-        ..of(Model::Gaussian)
+        ..of(IllusionModel::Gaussian)
     };
-    assert_eq!(refused(settings), Some(ModelError::Shape));
+    assert_eq!(refused(settings), Some(IllusionError::Shape));
     let settings = ModelSettings {
         margin: Some(0.0),
-        ..of(Model::Linear)
+        ..of(IllusionModel::Linear)
     };
-    assert_eq!(refused(settings), Some(ModelError::Margin));
+    assert_eq!(refused(settings), Some(IllusionError::Margin));
 }
 
 /// Around the finger a chord is shorter than the arc: a law over space reaches further than one over the plane.
@@ -278,7 +278,7 @@ fn distances_through_space_follow_the_finger() {
     let at = Point::new(5.5, 0.0);
     let by = |distances: Distances| {
         let settings = ModelSettings {
-            model: Model::Gaussian,
+            model: IllusionModel::Gaussian,
             distances: Some(distances),
             ..ModelSettings::default()
         };
@@ -292,7 +292,7 @@ fn distances_through_space_follow_the_finger() {
 fn the_default_holds_where_the_thesis_breaks() {
     let bench = palpate_files::Setup::load("sphere-along", "thesis").unwrap();
     let thimble = palpate_run::plan::display(&bench).unwrap();
-    let worn = |model: Model| {
+    let worn = |model: IllusionModel| {
         let settings = ModelSettings {
             model,
             ..ModelSettings::default()
@@ -305,7 +305,7 @@ fn the_default_holds_where_the_thesis_breaks() {
         )
         .unwrap()
     };
-    let (mut ours, mut theirs) = (worn(Model::default()), worn(Model::Phantom));
+    let (mut ours, mut theirs) = (worn(IllusionModel::default()), worn(IllusionModel::Phantom));
     let mut broken = 0;
     for scene in PATHS {
         let path = path_on(scene, &thimble).unwrap();

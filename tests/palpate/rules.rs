@@ -6,7 +6,7 @@ use std::path::Path;
 
 use palpate_core::contact::{Compressor, Norm, Scope, Settings};
 use palpate_core::skin::{
-    Axes, Baseline, BaselineSettings, Layout, Module, Phase, Scan, ThresholdRule,
+    Axes, Baseline, BaselinePhase, BaselineSettings, Layout, Module, Scan, ThresholdRule,
 };
 use palpate_core::units::{Duration, Instant};
 use palpate_files::{DRIFT_S, Setup, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, load_bench, load_scene};
@@ -58,7 +58,7 @@ fn shares(file: &Path, settings: BaselineSettings) -> [f64; 3] {
         last = Some(row);
         scan.load(Instant::from_micros(k as u64 * 25_000), &row)
             .unwrap();
-        if baseline.phase() != Phase::Ready {
+        if baseline.phase() != BaselinePhase::Ready {
             baseline.feed(&scan);
             continue;
         }
@@ -133,7 +133,7 @@ fn recorded_frames_that_repeat_are_left_out_exactly() {
         for (k, row) in rows(&file).into_iter().enumerate() {
             scan.load(Instant::from_micros(k as u64 * 25_000), &row)
                 .unwrap();
-            if baseline.feed(&scan) != Phase::Ready {
+            if baseline.feed(&scan) != BaselinePhase::Ready {
                 continue;
             }
             let news = baseline.advance(&scan, &mut frame).unwrap();

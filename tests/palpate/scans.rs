@@ -12,7 +12,7 @@ use palpate_core::skin::{Address, Layout, Module as Pad, ModuleScan, SkinSource,
 use palpate_core::units::{Duration, Instant};
 use palpate_emulators::sensor::board::BoardConfig;
 use palpate_emulators::sensor::rig::{Handle, SkinBus};
-use palpate_emulators::sensor::{Module, ModuleConfig};
+use palpate_emulators::sensor::{EmulatedModule, ModuleConfig};
 use palpate_emulators::time::Nanos;
 use proptest::prelude::*;
 
@@ -21,7 +21,7 @@ use proptest::prelude::*;
 fn sent(boards: u8, apart_us: u64) -> Vec<Received> {
     let mut bus = SkinBus::new(1_000_000);
     for n in 0..boards {
-        let module = Module::new(ModuleConfig {
+        let module = EmulatedModule::new(ModuleConfig {
             number: usize::from(n),
             ..ModuleConfig::default()
         });

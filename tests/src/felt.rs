@@ -4,7 +4,7 @@
 //! and warm wires count, is `run`'s.
 
 use palpate_core::illusion::{
-    Display, Drive, Illusion, Map, ModelError, ModelSettings, Steps, build,
+    Display, Drive, Illusion, IllusionError, Map, ModelSettings, Steps, build,
 };
 use palpate_core::physics::WireParameters;
 use palpate_core::projector::sensor_area;
@@ -55,13 +55,13 @@ impl Worn {
     /// With a law of the core.
     ///
     /// # Errors
-    /// [`ModelError`] where the law does not fit the display.
+    /// [`IllusionError`] where the law does not fit the display.
     pub fn new(
         display: &Display,
         settings: &ModelSettings,
         perceiver: Perceiver,
         current: Milliamps,
-    ) -> Result<Self, ModelError> {
+    ) -> Result<Self, IllusionError> {
         let wire = WireParameters::FINAL;
         let amps = f64::from(current.0) * 1e-3;
         let tick_s = Prescale::new(30).tick_ns() as f64 * 1e-9;

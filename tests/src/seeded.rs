@@ -1,7 +1,7 @@
 //! Models that have learnt nothing, and strokes of nothing: for benchmarks and tests, whose answers do not depend on
 //! training.
 
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 use palpate_core::texture::{Encoder, Gru, Model};
 
 /// A model that owns its numbers.
@@ -38,7 +38,7 @@ impl Seeded {
     /// `sizes` are the features and each layer's units; weights and biases uniform within `size` / sqrt(units), as
     /// networks are initialised with `size` 1.
     pub fn new(seed: u64, sizes: &[usize], window: usize, size: f64) -> Self {
-        let mut draw = Stream::new(seed, "texture model");
+        let mut draw = RandomStream::new(seed, "texture model");
         let mut uniform = |n: usize, range: f64| -> Vec<f32> {
             (0..n)
                 .map(|_| ((2.0 * draw.uniform() - 1.0) * range) as f32)
@@ -149,7 +149,7 @@ impl Seeded {
 
 /// Raw counts `[sample][feature]` that look like a stroke: an offset, slow waves, noise.
 pub fn stroke(seed: u64, samples: usize, features: usize) -> Vec<f32> {
-    let mut draw = Stream::new(seed, "stroke");
+    let mut draw = RandomStream::new(seed, "stroke");
     let shape: Vec<[f64; 3]> = (0..features)
         .map(|_| [draw.uniform(), draw.uniform(), draw.uniform()])
         .collect();

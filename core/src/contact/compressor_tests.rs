@@ -3,7 +3,7 @@
 use super::super::levels::LevelTable;
 use super::super::settings::Norm;
 use super::*;
-use crate::random::Stream;
+use crate::random::RandomStream;
 use crate::skin::{Axes, Module};
 
 fn pad() -> Layout {
@@ -162,7 +162,7 @@ fn settings_out_of_range_are_refused() {
 #[test]
 fn whatever_comes_contacts_are_sound_and_reproducible() {
     let l = pad();
-    let mut r = Stream::new(5, "frames");
+    let mut r = RandomStream::new(5, "frames");
     for case in 0..200u16 {
         let settings = Settings {
             clusters: 1 + case % 6,
@@ -208,7 +208,7 @@ fn every_shortcut_gives_the_bits_of_the_long_way() {
         m.with_origin(Point::new(x, 0.0)).unwrap()
     };
     let l = Layout::new(alloc::vec![module("left", -15.0), module("right", 15.0)]).unwrap();
-    let mut r = Stream::new(6, "shortcuts");
+    let mut r = RandomStream::new(6, "shortcuts");
     let (mut work, mut rested) = (Work::default(), 0);
     for case in 0..10_000u32 {
         let settings = Settings {

@@ -13,7 +13,7 @@ use super::interpolate::intensity;
 use super::kmeans::{KMeans, Points, Stop, weighted_mean};
 use super::settings::{Norm, Scope, Settings};
 use super::weights;
-use crate::random::Stream;
+use crate::random::RandomStream;
 use crate::skin::layout::Layout;
 use crate::skin::relative::RelativeFrame;
 use crate::units::Point;
@@ -93,7 +93,7 @@ pub struct Group {
     memory: Memory,
     /// Whether the places are the K-means solver's centroids.
     clustered: bool,
-    stream: Stream,
+    stream: RandomStream,
     x: Vec<f32>,
     y: Vec<f32>,
     w: Vec<f32>,
@@ -125,8 +125,10 @@ impl Group {
             },
             clustered: false,
             stream: match settings.scope {
-                Scope::Module => Stream::new(settings.seed, &format!("clusters of module {scope}")),
-                Scope::Skin => Stream::new(settings.seed, "clusters of the skin"),
+                Scope::Module => {
+                    RandomStream::new(settings.seed, &format!("clusters of module {scope}"))
+                }
+                Scope::Skin => RandomStream::new(settings.seed, "clusters of the skin"),
             },
             x: alloc::vec![0.0; taxels],
             y: alloc::vec![0.0; taxels],

@@ -9,7 +9,7 @@
 use alloc::vec::Vec;
 
 use super::passes::{self, Sum, chained, square};
-use crate::random::Stream;
+use crate::random::RandomStream;
 use crate::vector::Vectors;
 
 /// Points and weights, slices of one length; all finite, weights not negative.
@@ -129,7 +129,7 @@ impl KMeans {
     /// k-means++ (Arthur & Vassilvitskii 2007), weighted: the first seed is drawn in proportion to w, each further
     /// one in proportion to w d²; of `2 + ln k` draws the one that lowers the cost most is kept (their greedy form).
     /// Where every point is a seed already, seeds repeat.
-    pub fn seed(&mut self, points: Points<'_>, k: usize, stream: &mut Stream) {
+    pub fn seed(&mut self, points: Points<'_>, k: usize, stream: &mut RandomStream) {
         let n = points.len().min(self.most_points);
         self.set_centroids(core::iter::empty());
         if n == 0 {

@@ -16,7 +16,7 @@ struct Cloud {
 }
 
 impl Cloud {
-    fn random(r: &mut Stream, n: usize, lattice: bool) -> Self {
+    fn random(r: &mut RandomStream, n: usize, lattice: bool) -> Self {
         let mut draw = |scale: f64| {
             let v = (r.uniform() * scale) as f32;
             if lattice { libm::floorf(v) } else { v }
@@ -67,7 +67,7 @@ fn best_pair(c: &Cloud) -> f64 {
 
 #[test]
 fn best_of_several_seeds_is_the_exhaustive_optimum() {
-    let mut r = Stream::new(1, "pairs");
+    let mut r = RandomStream::new(1, "pairs");
     for _ in 0..60 {
         let cloud = Cloud::random(&mut r, 9, false);
         let mut k = KMeans::new(9, 2);
@@ -87,7 +87,7 @@ fn best_of_several_seeds_is_the_exhaustive_optimum() {
 
 #[test]
 fn a_solution_is_a_fixed_point_and_warm_start_confirms_it() {
-    let mut r = Stream::new(2, "fixed");
+    let mut r = RandomStream::new(2, "fixed");
     for case in 0..500 {
         let n = 2 + case % 30;
         let cloud = Cloud::random(&mut r, n, false);
@@ -111,7 +111,7 @@ fn a_solution_is_a_fixed_point_and_warm_start_confirms_it() {
 /// Lattice points: duplicates, zero weights, more clusters than places, ties everywhere.
 #[test]
 fn hostile_points_end_and_stay_finite() {
-    let mut r = Stream::new(3, "hostile");
+    let mut r = RandomStream::new(3, "hostile");
     for case in 0..100_000 {
         let n = 1 + case % 12;
         let mut cloud = Cloud::random(&mut r, n, true);
@@ -194,7 +194,7 @@ fn ties_go_to_the_lowest_cluster() {
 
 #[test]
 fn one_cluster_is_the_weighted_mean() {
-    let mut r = Stream::new(4, "mean");
+    let mut r = RandomStream::new(4, "mean");
     for _ in 0..200 {
         let cloud = Cloud::random(&mut r, 10, false);
         let mut k = KMeans::new(10, 1);
@@ -207,7 +207,7 @@ fn one_cluster_is_the_weighted_mean() {
 /// Wide vectors and plain ones, with what is known of the last solve and without: the same bits.
 #[test]
 fn widths_and_knowledge_change_no_bit() {
-    let mut r = Stream::new(7, "widths");
+    let mut r = RandomStream::new(7, "widths");
     let (mut passes, mut iterations) = (0, 0);
     for case in 0..100_000 {
         let n = 1 + case % 70;

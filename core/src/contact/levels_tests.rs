@@ -1,7 +1,7 @@
 //! Tests of `levels.rs`.
 
 use super::*;
-use crate::random::Stream;
+use crate::random::RandomStream;
 
 fn cost(values: &[f32], levels: &[f32]) -> f64 {
     let d = |v: f32, l: f32| (f64::from(v) - f64::from(l)) * (f64::from(v) - f64::from(l));
@@ -32,7 +32,7 @@ fn exhaustive(sorted: &[f32], k: usize) -> f64 {
 
 #[test]
 fn levels_are_optimal_against_every_cut() {
-    let mut r = Stream::new(3, "levels");
+    let mut r = RandomStream::new(3, "levels");
     for case in 0..100_000 {
         let n = 1 + (r.next_u64() % 8) as usize;
         let k = 1 + (r.next_u64() % 5) as usize;

@@ -1,13 +1,13 @@
 //! Tests of `passes.rs`.
 
 use super::*;
-use crate::random::Stream;
+use crate::random::RandomStream;
 use crate::vector::Vectors;
 
 /// Point i in chain i mod 4, chains added in pairs: the order that results hang on.
 #[test]
 fn sums_have_one_order_for_any_number_of_points_and_width() {
-    let mut r = Stream::new(8, "sums");
+    let mut r = RandomStream::new(8, "sums");
     for n in 0..150 {
         let k = 1 + n % 7;
         let mut values = |scale: f64| -> [f32; 150] {

@@ -21,7 +21,7 @@ pub use watchdog::Cause;
 
 use alloc::boxed::Box;
 
-use crate::illusion::Wire;
+use crate::illusion::DisplayWire;
 use crate::schedule::{Entry, Stimulus, stagger};
 use crate::units::{Board, Channel, Duration, Instant, Prescale, Ticks};
 
@@ -122,7 +122,7 @@ impl Guard {
     ///
     /// # Errors
     /// When the plant's figures are none a wire can have.
-    pub fn new(limits: Limits, plant: Plant, wires: &[Wire]) -> Result<Self, PlantError> {
+    pub fn new(limits: Limits, plant: Plant, wires: &[DisplayWire]) -> Result<Self, PlantError> {
         plant.check()?;
         let limits = limits.tightened();
         // What is booked at an onset reaches as far beyond it.
@@ -134,7 +134,7 @@ impl Guard {
             };
             Bucket::new(window(short), window(long), reach)
         };
-        let state = |w: &Wire| WireState {
+        let state = |w: &DisplayWire| WireState {
             place: (w.board, w.channel.0),
             power: bucket((1, limits.wire_1s_uw), (10, limits.wire_10s_uw)),
             tissue: Tissue::new(),

@@ -10,7 +10,7 @@ use super::limits::{HARD, Limits};
 use super::table::{DEEP, LATENT_K, REST_C, SHALLOW};
 use super::thermal::{Booking, Budget, Predicted, Tissue};
 use super::{Guard, Plant, Running, Setting};
-use crate::illusion::Wire;
+use crate::illusion::DisplayWire;
 use crate::schedule::{Reason, stagger};
 use crate::units::{Board, Channel, Instant, Milliamps, Point, Prescale, Ticks};
 
@@ -201,12 +201,12 @@ proptest! {
         supply in 0..9_000u32,
         wishes in prop::collection::vec((0..10usize, 1..=128u16, prop::bool::weighted(0.8)), 1..40),
     ) {
-        let place = |i: u8| Wire {
+        let place = |i: u8| DisplayWire {
             place: Point::new(f32::from(i), 0.0),
             board: Board(i % 3),
             channel: Channel(5 * i % 16),
         };
-        let wires: Vec<Wire> = (0..10).map(place).collect();
+        let wires: Vec<DisplayWire> = (0..10).map(place).collect();
         let plant = Plant { prescale: Prescale::MIN, wire_milliohm: 1900, peak: Milliamps(1000) };
         let limits = Limits { supply: Milliamps(supply), ..HARD };
         let mut guard = Guard::new(limits, plant, &wires).unwrap();

@@ -1,7 +1,7 @@
 //! Tests of `power.rs`.
 
 use super::*;
-use crate::random::Stream;
+use crate::random::RandomStream;
 use alloc::vec::Vec;
 
 const S: u64 = 1_000_000;
@@ -24,7 +24,7 @@ fn no_window_is_ever_passed_by_spending_greedily_at_random_times() {
         (45_000, 100, 10),
     ] {
         let mut bucket = bucket(short, long, long_s);
-        let mut stream = Stream::new(3, "bucket");
+        let mut stream = RandomStream::new(3, "bucket");
         let (mut now, mut spent): (u64, Vec<(u64, u64)>) = (0, Vec::new());
         for _ in 0..6_000 {
             now += stream.next_u64()

@@ -12,8 +12,8 @@ const THESIS: Plant = Plant {
     peak: Milliamps(1970),
 };
 
-fn wires(n: u8) -> Vec<Wire> {
-    let wire = |c: u8| Wire {
+fn wires(n: u8) -> Vec<DisplayWire> {
+    let wire = |c: u8| DisplayWire {
         place: Point::new(f32::from(c), 0.0),
         board: Board(0),
         channel: Channel(c),

@@ -6,7 +6,7 @@ use super::decays::{RATES, dot};
 use super::limits::{HARD, Limits};
 use super::table;
 use super::thermal::{Booking, Budget, Predicted, Tissue};
-use crate::random::Stream;
+use crate::random::RandomStream;
 use crate::schedule::Reason;
 use crate::units::{Duration, Instant};
 
@@ -71,7 +71,7 @@ fn booking(from: u64, until: u64) -> Booking {
 fn predictions_are_sums_over_history() {
     let mut budget = Budget::new(&HARD);
     let (mut tissue, mut history, mut at) = (Tissue::new(), History::default(), 0);
-    let mut s = Stream::new(1, "bookings");
+    let mut s = RandomStream::new(1, "bookings");
     for round in 0..300 {
         // Pauses within a bin, over bins, over the window; ends on bins' edges too.
         let pause = match round % 5 {

@@ -9,7 +9,7 @@ use super::plain_tests::Plain;
 use super::power::{Bucket, Window};
 use super::thermal::{Booking, Predicted};
 use super::{Guard, HARD, Limits, Plant};
-use crate::illusion::Wire;
+use crate::illusion::DisplayWire;
 use crate::schedule::{Entry, Reason, Stimulus};
 use crate::units::{Board, Channel, Duration, Instant, Milliamps, Point, Prescale, Ticks};
 
@@ -289,9 +289,9 @@ fn plant(milliamps: u32) -> Plant {
     }
 }
 
-fn wires() -> Vec<Wire> {
+fn wires() -> Vec<DisplayWire> {
     let numbered = BOARDS.iter().zip(0..);
-    let wire = |(board, n): (&u8, u8)| Wire {
+    let wire = |(board, n): (&u8, u8)| DisplayWire {
         place: Point::new(f32::from(n), 0.0),
         board: Board(*board),
         channel: Channel(n),

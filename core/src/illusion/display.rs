@@ -12,7 +12,7 @@ use super::surface::Surface;
 
 /// One wire: where it lies and which output drives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wire {
+pub struct DisplayWire {
     /// Place on the unrolled display, mm.
     pub place: Point,
     /// Board whose output feeds its amplifier.
@@ -24,7 +24,7 @@ pub struct Wire {
 /// A display: its wires in the order of their indices, and what follows from their places.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Display {
-    wires: Box<[Wire]>,
+    wires: Box<[DisplayWire]>,
     hull: Box<[Point]>,
     spacing: (f32, f32),
     surface: Surface,
@@ -68,7 +68,7 @@ impl Display {
     ///
     /// # Errors
     /// When a wire is nowhere, on another wire, or on an output that does not exist or is taken.
-    pub fn new(wires: &[Wire]) -> Result<Self, DisplayError> {
+    pub fn new(wires: &[DisplayWire]) -> Result<Self, DisplayError> {
         if wires.is_empty() {
             return Err(DisplayError::Empty);
         }
@@ -135,7 +135,7 @@ impl Display {
     }
 
     /// The wires by index.
-    pub const fn wires(&self) -> &[Wire] {
+    pub const fn wires(&self) -> &[DisplayWire] {
         &self.wires
     }
 

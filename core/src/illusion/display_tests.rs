@@ -13,10 +13,10 @@ pub(crate) fn thimble() -> Display {
         (11.0, -4.75),
         (11.0, 4.75),
     ];
-    let wires: Vec<Wire> = places
+    let wires: Vec<DisplayWire> = places
         .iter()
         .zip(0..)
-        .map(|(&(x, y), c)| Wire {
+        .map(|(&(x, y), c)| DisplayWire {
             place: Point::new(x, y),
             board: Board(0),
             channel: Channel(c),
@@ -27,12 +27,12 @@ pub(crate) fn thimble() -> Display {
 
 /// Wires along x, in this order.
 pub(crate) fn line(x: &[f32]) -> Display {
-    let wire = |(&x, c): (&f32, u8)| Wire {
+    let wire = |(&x, c): (&f32, u8)| DisplayWire {
         place: Point::new(x, 0.0),
         board: Board(0),
         channel: Channel(c),
     };
-    let wires: Vec<Wire> = x.iter().zip(0..).map(wire).collect();
+    let wires: Vec<DisplayWire> = x.iter().zip(0..).map(wire).collect();
     Display::new(&wires).unwrap()
 }
 
@@ -64,7 +64,7 @@ fn wires_in_line_have_a_hull_without_area() {
 
 #[test]
 fn degenerate_arrays_are_refused_by_name() {
-    let wire = |x: f32, c| Wire {
+    let wire = |x: f32, c| DisplayWire {
         place: Point::new(x, 0.0),
         board: Board(0),
         channel: Channel(c),

@@ -15,7 +15,7 @@ pub trait Illusion: fmt::Debug + Send + Sync {
 
 /// Why a law does not fit a display, or its settings a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ModelError {
+pub enum IllusionError {
     /// Nothing lies between one wire.
     OneWire,
     /// Three nearest need wires that are not in one line.
@@ -28,7 +28,7 @@ pub enum ModelError {
     Margin,
 }
 
-impl fmt::Display for ModelError {
+impl fmt::Display for IllusionError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::OneWire => "two wires or more: with one there is no place between (`nearest` takes one)",
@@ -44,4 +44,4 @@ impl fmt::Display for ModelError {
     }
 }
 
-impl core::error::Error for ModelError {}
+impl core::error::Error for IllusionError {}

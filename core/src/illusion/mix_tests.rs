@@ -1,13 +1,13 @@
 //! Tests of `mix.rs`.
 
 use super::super::display::tests::line;
-use super::super::model::{Model, ModelSettings, build};
+use super::super::model::{IllusionModel, ModelSettings, build};
 use super::*;
 
 fn mixer(sharing: Sharing) -> Mixer {
     let display = line(&[0.0, 10.0, 20.0]);
     let settings = ModelSettings {
-        model: Model::Linear,
+        model: IllusionModel::Linear,
         ..ModelSettings::default()
     };
     Mixer::new(build(&display, &settings).unwrap(), sharing, 3)

@@ -18,12 +18,12 @@ mod timing;
 mod track;
 
 pub use cells::Cells;
-pub use display::{Display, DisplayError, Wire};
+pub use display::{Display, DisplayError, DisplayWire};
 pub use drive::{Calibration, CalibrationError, Drive, Steps};
-pub use law::{Illusion, ModelError};
+pub use law::{Illusion, IllusionError};
 pub use map::{Map, MapError, Rect};
 pub use mix::{Mixer, Sharing, Target};
-pub use model::{Distances, Model, ModelSettings, ShapeChoice, build};
+pub use model::{Distances, IllusionModel, ModelSettings, ShapeChoice, build};
 pub use phantom::{LogPhantom, RadialPhantom, Shape};
 pub use stroke::{Dab, FELT_STEP, Planned, Stroke, StrokeError};
 pub use surface::Surface;

@@ -4,7 +4,7 @@ use alloc::boxed::Box;
 
 use super::cells::Cells;
 use super::display::Display;
-use super::law::{Illusion, ModelError};
+use super::law::{Illusion, IllusionError};
 use super::phantom::{LogPhantom, RadialPhantom, Shape};
 use super::reach::{Gaussian, Metric, Nearest, ThreeNearest};
 use super::shares::{AxisShares, CellShares, Power};
@@ -12,7 +12,7 @@ use super::surface::Surface;
 
 /// The laws by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Model {
+pub enum IllusionModel {
     /// The thesis's (5.2), logarithmic.
     Phantom,
     /// Square roots of shares: the energy centroid is the contact (Israr and Poupyrev 2011).
@@ -32,7 +32,7 @@ pub enum Model {
     Nearest,
 }
 
-impl Model {
+impl IllusionModel {
     /// Every model, in the order of the lists.
     pub const ALL: [Self; 8] = [
         Self::Phantom,
@@ -110,7 +110,7 @@ pub enum ShapeChoice {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ModelSettings {
     /// The law.
-    pub model: Model,
+    pub model: IllusionModel,
     /// Its shape.
     pub shape: ShapeChoice,
     /// Its distances; the model's own if not stated.
@@ -123,8 +123,11 @@ pub struct ModelSettings {
 /// Builds a law for a display; the last time it allocates.
 ///
 /// # Errors
-/// [`ModelError`] for a display that the law cannot be laid over, and for settings it does not know.
-pub fn build(display: &Display, settings: &ModelSettings) -> Result<Box<dyn Illusion>, ModelError> {
+/// [`IllusionError`] for a display that the law cannot be laid over, and for settings it does not know.
+pub fn build(
+    display: &Display,
+    settings: &ModelSettings,
+) -> Result<Box<dyn Illusion>, IllusionError> {
     let model = settings.model;
     let distances = settings.distances.unwrap_or(model.distances());
     let surface = match distances {
@@ -132,22 +135,22 @@ pub fn build(display: &Display, settings: &ModelSettings) -> Result<Box<dyn Illu
         Distances::Axes | Distances::Plane => Surface::Flat,
     };
     let shape = match settings.shape {
-        ShapeChoice::Flat if model == Model::Phantom => None,
-        ShapeChoice::Flat => return Err(ModelError::Shape),
+        ShapeChoice::Flat if model == IllusionModel::Phantom => None,
+        ShapeChoice::Flat => return Err(IllusionError::Shape),
         ShapeChoice::Model => Some(model.shape().unwrap_or(1.0)),
         ShapeChoice::Factor(s) if model.shape().is_some() && s.is_finite() && s > 0.0 => Some(s),
-        ShapeChoice::Factor(_) => return Err(ModelError::Shape),
+        ShapeChoice::Factor(_) => return Err(IllusionError::Shape),
     };
-    if display.wires().len() < 2 && model != Model::Nearest {
-        return Err(ModelError::OneWire);
+    if display.wires().len() < 2 && model != IllusionModel::Nearest {
+        return Err(IllusionError::OneWire);
     }
     let metric = || Metric::new(display, surface);
-    let cells = || Cells::new(display).ok_or(ModelError::OneWire);
-    let share = |exponent: f32, level: bool| -> Result<Box<dyn Illusion>, ModelError> {
+    let cells = || Cells::new(display).ok_or(IllusionError::OneWire);
+    let share = |exponent: f32, level: bool| -> Result<Box<dyn Illusion>, IllusionError> {
         let power = Power { exponent, level };
         let margin = settings.margin.unwrap_or(0.5);
         if !(margin.is_finite() && margin > 0.0) {
-            return Err(ModelError::Margin);
+            return Err(IllusionError::Margin);
         }
         match distances {
             Distances::Axes if !level => Ok(Box::new(AxisShares::new(display, power))),
@@ -159,11 +162,11 @@ pub fn build(display: &Display, settings: &ModelSettings) -> Result<Box<dyn Illu
                     .fold(f32::INFINITY, f32::min);
                 Ok(Box::new(CellShares::new(cells()?, power, margin * gap)))
             }
-            _ => Err(ModelError::Distances),
+            _ => Err(IllusionError::Distances),
         }
     };
     match (model, distances) {
-        (Model::Phantom, Distances::Axes) => {
+        (IllusionModel::Phantom, Distances::Axes) => {
             let (dx, dy) = display.spacing();
             let shape = Shape {
                 x: shape.unwrap_or(Shape::flat(dx)),
@@ -171,23 +174,23 @@ pub fn build(display: &Display, settings: &ModelSettings) -> Result<Box<dyn Illu
             };
             Ok(Box::new(LogPhantom::new(display, shape)?))
         }
-        (Model::Phantom, _) => {
+        (IllusionModel::Phantom, _) => {
             let of_gap = |gap: f32| shape.unwrap_or(Shape::flat(gap));
             Ok(Box::new(RadialPhantom::new(metric(), of_gap)?))
         }
-        (Model::Energy, _) => share(0.5, false),
-        (Model::Linear, _) => share(1.0, false),
-        (Model::Square, _) => share(2.0, false),
-        (Model::Balanced, _) => share(shape.unwrap_or(BALANCED), true),
-        (_, Distances::Axes) => Err(ModelError::Distances),
-        (Model::ThreeNearest, _) => {
+        (IllusionModel::Energy, _) => share(0.5, false),
+        (IllusionModel::Linear, _) => share(1.0, false),
+        (IllusionModel::Square, _) => share(2.0, false),
+        (IllusionModel::Balanced, _) => share(shape.unwrap_or(BALANCED), true),
+        (_, Distances::Axes) => Err(IllusionError::Distances),
+        (IllusionModel::ThreeNearest, _) => {
             let cells = cells()?;
             if cells.in_line() {
-                return Err(ModelError::InLine);
+                return Err(IllusionError::InLine);
             }
             Ok(Box::new(ThreeNearest::new(display, metric(), cells)))
         }
-        (Model::Gaussian, _) => Ok(Box::new(Gaussian::new(metric(), shape.unwrap_or(0.6)))),
-        (Model::Nearest, _) => Ok(Box::new(Nearest::new(metric()))),
+        (IllusionModel::Gaussian, _) => Ok(Box::new(Gaussian::new(metric(), shape.unwrap_or(0.6)))),
+        (IllusionModel::Nearest, _) => Ok(Box::new(Nearest::new(metric()))),
     }
 }

@@ -5,7 +5,7 @@ use alloc::boxed::Box;
 use crate::units::Point;
 
 use super::display::Display;
-use super::law::{Illusion, ModelError};
+use super::law::{Illusion, IllusionError};
 use super::reach::Metric;
 
 /// Shape factors (s_x, s_y) of (5.2).
@@ -91,10 +91,10 @@ impl LogPhantom {
     ///
     /// # Errors
     /// A shape factor that is not finite and positive.
-    pub fn new(display: &Display, shape: Shape) -> Result<Self, ModelError> {
+    pub fn new(display: &Display, shape: Shape) -> Result<Self, IllusionError> {
         let good = |s: f32| s.is_finite() && s > 0.0;
         if !(good(shape.x) && good(shape.y)) {
-            return Err(ModelError::Shape);
+            return Err(IllusionError::Shape);
         }
         let (dx, dy) = display.spacing();
         Ok(Self {
@@ -131,10 +131,10 @@ impl RadialPhantom {
     ///
     /// # Errors
     /// A shape factor that is not finite and positive.
-    pub(super) fn new(metric: Metric, shape: impl Fn(f32) -> f32) -> Result<Self, ModelError> {
+    pub(super) fn new(metric: Metric, shape: impl Fn(f32) -> f32) -> Result<Self, IllusionError> {
         let gaps = metric.gaps();
         if !gaps.iter().all(|&d| shape(d).is_finite() && shape(d) > 0.0) {
-            return Err(ModelError::Shape);
+            return Err(IllusionError::Shape);
         }
         let slopes = gaps.iter().map(|&d| Slope::new(d, shape(d))).collect();
         Ok(Self { metric, slopes })

@@ -3,11 +3,11 @@
 use alloc::vec::Vec;
 
 use super::*;
-use crate::illusion::Wire;
+use crate::illusion::DisplayWire;
 use crate::units::{Board, Channel};
 
 fn display(wires: u8) -> Display {
-    let wire = |n: u8| Wire {
+    let wire = |n: u8| DisplayWire {
         place: Point::new(10.0 * f32::from(n), 0.0),
         board: Board(0),
         channel: Channel(n),

@@ -20,7 +20,9 @@ use crate::contact::{Contact, Levels, Scope, Settings, SettingsError, Work};
 use crate::driver::Actuators;
 pub use crate::guard::Cause;
 use crate::guard::{Guard, PlantError};
-use crate::illusion::{CalibrationError, Display, Map, MapError, ModelError, TimingError, Tracks};
+use crate::illusion::{
+    CalibrationError, Display, IllusionError, Map, MapError, TimingError, Tracks,
+};
 use crate::schedule::{Entry, Timing};
 use crate::skin::{
     Baseline, BaselineError, BaselineSettings, Condition, HealthSettings, HealthSummary, Layout,
@@ -123,7 +125,7 @@ pub enum PlanError {
     /// A part of the skin that cannot be laid over the display.
     Map(MapError),
     /// A law that cannot be laid over the display.
-    Illusion(ModelError),
+    Illusion(IllusionError),
     /// A stimulus that cannot be.
     Timing(TimingError),
     /// Hardware that the guard cannot protect.
@@ -154,8 +156,8 @@ impl From<MapError> for PlanError {
     }
 }
 
-impl From<ModelError> for PlanError {
-    fn from(e: ModelError) -> Self {
+impl From<IllusionError> for PlanError {
+    fn from(e: IllusionError) -> Self {
         Self::Illusion(e)
     }
 }

@@ -46,7 +46,7 @@ pub struct OutputSettings {
 /// ```
 /// use palpate_core::driver::Actuators;
 /// use palpate_core::guard::Guarded;
-/// use palpate_core::illusion::{Display, Target, Wire};
+/// use palpate_core::illusion::{Display, Target, DisplayWire};
 /// use palpate_core::projector::{Cause, Output};
 /// use palpate_core::units::{Board, Channel, Instant, Point};
 ///
@@ -66,7 +66,7 @@ pub struct OutputSettings {
 ///     }
 /// }
 ///
-/// let wire = |n: u8| Wire {
+/// let wire = |n: u8| DisplayWire {
 ///     place: Point::new(10.0 * f32::from(n), 0.0),
 ///     board: Board(0),
 ///     channel: Channel(n),

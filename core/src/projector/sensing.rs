@@ -7,7 +7,7 @@ use core::ops::Range;
 
 use crate::contact::{Compressor, Scope};
 use crate::skin::{
-    Baseline, Condition, Layout, ModuleScan, Monitor, Phase, RelativeFrame, Scan, ScanError,
+    Baseline, BaselinePhase, Condition, Layout, ModuleScan, Monitor, RelativeFrame, Scan, ScanError,
 };
 use crate::texture::Control;
 use crate::units::{Duration, Instant};
@@ -67,7 +67,9 @@ impl Pipeline {
         }
         let number = self.frames;
         self.frames = self.frames.saturating_add(1);
-        if self.baseline.phase() != Phase::Ready && self.baseline.feed(scan) != Phase::Ready {
+        if self.baseline.phase() != BaselinePhase::Ready
+            && self.baseline.feed(scan) != BaselinePhase::Ready
+        {
             return;
         }
         if !self.masked {

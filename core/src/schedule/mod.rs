@@ -1,4 +1,4 @@
-//! Stimuli, staggering and the ledger entry that `hil review` shows a person: integers only.
+//! Stimuli, staggering and the entry of a schedule that `hil review` shows a person: integers only.
 
 mod stagger;
 
@@ -86,7 +86,7 @@ impl Reason {
 /// Sorted by time, board and channel. A channel that goes (or is held) off has `on == off`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
-    /// When it takes effect on the bus.
+    /// The onset on the grid; the write follows in the same turn.
     pub at: Instant,
     /// The board.
     pub board: Board,

@@ -98,7 +98,7 @@ impl core::error::Error for BaselineError {}
 
 /// Where the baseline stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
+pub enum BaselinePhase {
     /// Still taking reference frames: no relative frame yet.
     Collecting,
     /// The reference is complete; the next frame finds the threshold.
@@ -111,7 +111,7 @@ pub enum Phase {
 #[derive(Clone, Debug)]
 pub struct Baseline {
     settings: BaselineSettings,
-    phase: Phase,
+    phase: BaselinePhase,
     frames: u32,
     starts: Vec<u32>,
     reference: Reference,
@@ -157,7 +157,7 @@ impl Baseline {
         let active: Vec<bool> = modules().flat_map(|m| m.active()).copied().collect();
         Ok(Self {
             settings,
-            phase: Phase::Collecting,
+            phase: BaselinePhase::Collecting,
             frames: 0,
             starts: layout.starts().to_vec(),
             reference: Reference::new(n, settings.axes.flags()),
@@ -175,12 +175,12 @@ impl Baseline {
 
     /// Takes the next frame of the whole skin. Taxels not yet seen are left out of the reference, and of the run
     /// if they stay unseen until it is complete. Does nothing once ready; a scan of another layout is ignored.
-    pub fn feed(&mut self, scan: &Scan) -> Phase {
+    pub fn feed(&mut self, scan: &Scan) -> BaselinePhase {
         let n = self.reference.taxels();
-        if self.phase == Phase::Ready || scan.counts().len() != n {
+        if self.phase == BaselinePhase::Ready || scan.counts().len() != n {
             return self.phase;
         }
-        if self.phase == Phase::Referenced {
+        if self.phase == BaselinePhase::Referenced {
             match self.settings.threshold {
                 ThresholdRule::Auto { margin } => {
                     let threshold = self.largest_difference(scan) + margin;
@@ -194,7 +194,7 @@ impl Baseline {
                 }
                 ThresholdRule::Fixed { .. } => {}
             }
-            self.phase = Phase::Ready;
+            self.phase = BaselinePhase::Ready;
             return self.phase;
         }
         if self.frames == 0 {
@@ -207,7 +207,7 @@ impl Baseline {
             for (i, usable) in self.usable.iter_mut().enumerate() {
                 *usable &= self.reference.knows(i);
             }
-            self.phase = Phase::Referenced;
+            self.phase = BaselinePhase::Referenced;
         }
         // The caller has no relative frame either way; `Referenced` is visible through `phase`.
         self.phase
@@ -217,7 +217,7 @@ impl Baseline {
     /// until [`Baseline::advance`] has seen as many frames of it as the first reference had. Thresholds stay.
     pub fn restart(&mut self, module: usize) {
         let range = self.range(module);
-        if self.phase != Phase::Ready || range.is_empty() {
+        if self.phase != BaselinePhase::Ready || range.is_empty() {
             return;
         }
         self.missing[module] = self.settings.reference_frames;
@@ -306,7 +306,7 @@ impl Baseline {
     /// up to the scan before. Returns whether anything in the frame may be other than before: the same counts with
     /// the same taxels left out are the same frame, and neither drift nor time changes that.
     ///
-    /// Before [`Phase::Ready`] nothing is in contact. Taxels left out through `frame` stay left out.
+    /// Before [`BaselinePhase::Ready`] nothing is in contact. Taxels left out through `frame` stay left out.
     ///
     /// # Errors
     /// A scan or frame of another layout.
@@ -316,7 +316,7 @@ impl Baseline {
         }
         let n = self.reference.taxels();
         let fits = scan.counts().len() == n && frame.magnitude().len() == n;
-        if fits && self.phase == Phase::Ready && frame.made {
+        if fits && self.phase == BaselinePhase::Ready && frame.made {
             if frame.is_of(scan) {
                 return Ok(false);
             }
@@ -334,7 +334,7 @@ impl Baseline {
     /// # Errors
     /// A scan or frame of another layout.
     pub fn relative(&self, scan: &Scan, frame: &mut RelativeFrame) -> Result<bool, FrameError> {
-        if self.phase == Phase::Ready && frame.made && frame.is_of(scan) {
+        if self.phase == BaselinePhase::Ready && frame.made && frame.is_of(scan) {
             return Ok(false);
         }
         self.measure(scan, frame)
@@ -347,7 +347,7 @@ impl Baseline {
                 return Err(FrameError::OtherLayout { got, expected: n });
             }
         }
-        if self.phase != Phase::Ready {
+        if self.phase != BaselinePhase::Ready {
             frame.clear();
             return Ok(true);
         }
@@ -380,7 +380,7 @@ impl Baseline {
         self.settings.drift.is_some()
     }
     /// Where it stands.
-    pub fn phase(&self) -> Phase {
+    pub fn phase(&self) -> BaselinePhase {
         self.phase
     }
     /// The contact threshold, counts, of the taxel with the largest one; final once ready.

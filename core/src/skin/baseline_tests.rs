@@ -25,14 +25,14 @@ fn reference_threshold_and_contact_follow_the_equations() {
     let mut init = Baseline::new(&l, settings).unwrap();
     assert_eq!(
         init.feed(&scan(&l, |_| [100, 200, 37_000])),
-        Phase::Collecting
+        BaselinePhase::Collecting
     );
     assert_eq!(
         init.feed(&scan(&l, |_| [102, 200, 37_001])),
-        Phase::Referenced
+        BaselinePhase::Referenced
     );
     let third = scan(&l, |i| [101, 200, if i == 3 { 37_003 } else { 37_000 }]);
-    assert_eq!(init.feed(&third), Phase::Ready);
+    assert_eq!(init.feed(&third), BaselinePhase::Ready);
     assert!((init.threshold() - 2.5).abs() < 1e-6);
     let mut f = init.frame(&l);
     init.relative(&third, &mut f).unwrap();
@@ -72,7 +72,7 @@ fn unseen_taxels_never_touch_and_bad_settings_are_refused() {
     for _ in 0..11 {
         init.feed(&empty);
     }
-    assert_eq!(init.phase(), Phase::Ready);
+    assert_eq!(init.phase(), BaselinePhase::Ready);
     let mut f = init.frame(&l);
     init.relative(&scan(&l, |_| [9, 9, 9]), &mut f).unwrap();
     assert!(f.contacts().is_empty());
@@ -100,7 +100,7 @@ fn ready(settings: BaselineSettings) -> (Layout, Baseline) {
     let l = pad();
     let mut init = Baseline::new(&l, settings).unwrap();
     let mut k = 0;
-    while init.phase() != Phase::Ready {
+    while init.phase() != BaselinePhase::Ready {
         init.feed(&scan(&l, noisy(k)));
         init.feed(&scan(&l, noisy(k))); // every row twice, as boards do
         k += 1;

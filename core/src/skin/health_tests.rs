@@ -1,7 +1,7 @@
 //! Conditions, rates, and what a module's scan says at once.
 
 use super::*;
-use crate::random::Stream;
+use crate::random::RandomStream;
 use crate::skin::Module;
 
 #[test]
@@ -72,7 +72,7 @@ fn a_module_is_well_where_all_of_its_taxels_are() {
         frozen_after: Duration::from_millis(60),
         ..HealthSettings::default()
     };
-    let (mut m, mut r) = (Monitor::new(&l, settings), Stream::new(5, "health"));
+    let (mut m, mut r) = (Monitor::new(&l, settings), RandomStream::new(5, "health"));
     let (mut s, mut row) = (Scan::new(&l), [[1000u16; 3]; 10]);
     let (mut well, mut all_good) = (0, 0);
     for frame in 0..20_000u64 {

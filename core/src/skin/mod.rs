@@ -16,7 +16,7 @@ mod scan;
 mod source;
 pub mod uskin;
 
-pub use baseline::{Baseline, BaselineError, BaselineSettings, Phase, ThresholdRule};
+pub use baseline::{Baseline, BaselineError, BaselinePhase, BaselineSettings, ThresholdRule};
 pub use health::{Condition, HealthSettings, HealthSummary, Monitor};
 pub use layout::{Address, Grid, Layout, LayoutError, Module};
 pub use relative::{Axes, FrameError, RelativeFrame};

@@ -6,7 +6,7 @@ use crate::units::Duration;
 
 /// The latent coordinate that stands for roughness, as training found it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Driver {
+pub struct RoughnessDriver {
     /// Which coordinate, from 0.
     pub coordinate: usize,
     /// Whether roughness falls where it grows.
@@ -40,7 +40,7 @@ pub struct Control {
 /// (3.2) for all three.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ControlMap {
-    driver: Driver,
+    driver: RoughnessDriver,
     delta_mu: Span<Duration>,
     sigma: Span<Duration>,
     rate_mhz: Span<u32>,
@@ -75,12 +75,12 @@ impl ControlMap {
     /// # Errors
     /// [`ControlError`] says what was expected.
     pub fn new(
-        driver: Driver,
+        driver: RoughnessDriver,
         delta_mu: Span<Duration>,
         sigma: Span<Duration>,
         rate_mhz: Span<u32>,
     ) -> Result<Self, ControlError> {
-        let Driver { low, high, .. } = driver;
+        let RoughnessDriver { low, high, .. } = driver;
         if !(low.is_finite() && high.is_finite() && low < high) {
             return Err(ControlError::Latent);
         }
@@ -101,7 +101,7 @@ impl ControlMap {
     /// How rough a latent vector is, 0 to 1: its place in the driver's range, clamped. A vector without that
     /// coordinate is smooth.
     pub fn roughness(&self, latent: &[f32]) -> f64 {
-        let Driver {
+        let RoughnessDriver {
             coordinate,
             falls,
             low,

@@ -7,7 +7,7 @@ fn map(falls: bool) -> ControlMap {
         smooth: Duration::from_millis(smooth),
         rough: Duration::from_millis(rough),
     };
-    let driver = Driver {
+    let driver = RoughnessDriver {
         coordinate: 1,
         falls,
         low: -0.5,
@@ -59,7 +59,7 @@ fn an_empty_range_is_refused() {
         (f32::NAN, 0.3),
         (0.0, f32::INFINITY),
     ] {
-        let driver = Driver {
+        let driver = RoughnessDriver {
             low,
             high,
             ..good.driver

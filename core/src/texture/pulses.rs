@@ -8,7 +8,7 @@ use alloc::boxed::Box;
 use alloc::format;
 use core::fmt;
 
-use crate::random::Stream;
+use crate::random::RandomStream;
 use crate::units::{Duration, Instant, Point, Prescale};
 
 use super::control::Control;
@@ -117,7 +117,7 @@ pub fn along(places: &[Point], gap: f32) -> Box<[f32]> {
 #[derive(Clone, Debug)]
 struct Wire {
     gaps: f32,
-    random: Stream,
+    random: RandomStream,
     owed: u32,
 }
 
@@ -145,7 +145,7 @@ impl Pulses {
     ) -> Self {
         let wire = |(n, &gaps): (usize, &f32)| Wire {
             gaps,
-            random: Stream::new(seed, &format!("texture wire {n}")),
+            random: RandomStream::new(seed, &format!("texture wire {n}")),
             owed: ONE / 2,
         };
         Self {

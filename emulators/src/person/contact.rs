@@ -4,7 +4,7 @@
 //! moves in a rigid module. How much, nobody has measured. **Assumed**: per person and wire a constant factor
 //! that spreads by 15 %, times a drift of 20 % over 3 to 12 seconds that differs from trial to trial.
 
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 
 /// Spread of a person's factor from wire to wire, natural logarithm.
 const PERSON: f64 = 0.15;
@@ -31,9 +31,10 @@ impl WireContacts {
     /// Of `wires` wires. The person's constant part is the same in all their trials.
     pub fn new(seed: u64, person: u32, trial: u32, wires: usize) -> Self {
         let contact = |wire: usize| {
-            let constant = Stream::new(seed, &format!("person {person} wire {wire}")).normal();
+            let constant =
+                RandomStream::new(seed, &format!("person {person} wire {wire}")).normal();
             let identity = format!("person {person} trial {trial} wire {wire}");
-            let mut drift = Stream::new(seed, &identity);
+            let mut drift = RandomStream::new(seed, &identity);
             let waves = core::array::from_fn(|_| {
                 let period_s = 3.0 + 9.0 * drift.uniform();
                 let phase = core::f64::consts::TAU * drift.uniform();

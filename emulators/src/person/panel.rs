@@ -12,7 +12,7 @@
 //! - Each person has a bias of their own in each dimension and a slip from trial to trial: small within a person, large
 //!   between them and largest for friction, as the thesis reports.
 
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 
 use crate::person::receptors::Kick;
 
@@ -98,17 +98,17 @@ impl Panel {
     /// Bias of a person.
     fn bias(self, subject: u32, dimension: Dimension) -> f64 {
         let name = format!("subject {subject} {}", dimension.name());
-        dimension.bias() * Stream::new(self.seed, &name).normal()
+        dimension.bias() * RandomStream::new(self.seed, &name).normal()
     }
 
-    fn rating(self, trial: u32, dimension: Dimension, felt: f64, stream: &mut Stream) -> u8 {
+    fn rating(self, trial: u32, dimension: Dimension, felt: f64, stream: &mut RandomStream) -> u8 {
         let rated = felt + self.bias(trial % SUBJECTS, dimension) + SLIP * stream.normal();
         libm::round(rated).clamp(1.0, 6.0) as u8
     }
 
     /// A trial with the bare finger: hardness, roughness, friction of a surface that people rate so.
     pub fn bare(self, texture: &str, trial: u32, rated: [f64; 3]) -> [u8; 3] {
-        let mut stream = Stream::new(self.seed, &format!("bare {texture} {trial}"));
+        let mut stream = RandomStream::new(self.seed, &format!("bare {texture} {trial}"));
         let mut rate = |(d, felt): (Dimension, f64)| self.rating(trial, d, felt, &mut stream);
         let [h, r, f] = Dimension::ALL;
         [
@@ -120,7 +120,7 @@ impl Panel {
 
     /// A trial on the display: roughness and friction.
     pub fn display(self, texture: &str, trial: u32, felt: Sensation, ends: &ScaleEnds) -> [u8; 2] {
-        let mut stream = Stream::new(self.seed, &format!("display {texture} {trial}"));
+        let mut stream = RandomStream::new(self.seed, &format!("display {texture} {trial}"));
         let mut place = |felt: Option<f64>, low: Option<f64>, high: Option<f64>| {
             let heard = felt.map(|log| log + WEBER * stream.normal());
             match (heard, low, high) {

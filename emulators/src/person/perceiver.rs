@@ -4,7 +4,7 @@
 //! (thermal strain; plain play shows no phase cycling at 200 Hz); how much of it arrives at the tissue
 //! as displacement is one fitted gain, and is labelled so.
 
-use crate::display::wire::burst::Burst;
+use crate::display::wire::burst::WireBurst;
 use palpate_core::physics::WireParameters;
 
 /// Which centroid is felt. The literature disagrees; every score is given for both.
@@ -92,7 +92,7 @@ impl Perceiver {
     }
 
     /// Felt displacement of a burst that the model has computed, from its thermal strain, um.
-    pub fn amplitude_of_burst(&self, wire: &WireParameters, burst: &Burst) -> f64 {
+    pub fn amplitude_of_burst(&self, wire: &WireParameters, burst: &WireBurst) -> f64 {
         // The phase sets which expansion holds; the fit was made with one, so the ripple counts.
         self.amplitude(
             burst.ripple_k * self.parameters.expansion,

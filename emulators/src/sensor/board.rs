@@ -5,7 +5,7 @@
 use palpate_core::codec::can::CanFrame;
 use palpate_core::codec::uskin::{self, ALL_BOARDS, COMMAND_ID, Message, Reading, Wiring};
 
-use crate::sensor::Module;
+use crate::sensor::EmulatedModule;
 use crate::sensor::can::{CanSegment, Filter, NodeConfig, NodeId, Order};
 use crate::time::Nanos;
 
@@ -87,14 +87,14 @@ impl std::error::Error for BoardError {}
 type Slot = (usize, usize, u64, u16);
 
 /// The frames of a scan in the order in which they go, without the taxels that are not read.
-fn wire_order(config: &BoardConfig, modules: &[Module]) -> Result<Vec<Slot>, BoardError> {
+fn wire_order(config: &BoardConfig, modules: &[EmulatedModule]) -> Result<Vec<Slot>, BoardError> {
     let wiring = config.wiring;
     let mut order = Vec::new();
     for place in (0..).map_while(|n| wiring.nth(n)) {
         let (module, taxel) = wiring.taxel(place).ok_or(BoardError::Wiring)?;
         let id = uskin::id(config.address, place);
         let module = usize::from(module);
-        let unread = |m: &Module| m.config().unread.contains(&taxel);
+        let unread = |m: &EmulatedModule| m.config().unread.contains(&taxel);
         if modules.get(module).is_some_and(unread) {
             continue;
         }
@@ -108,7 +108,7 @@ fn wire_order(config: &BoardConfig, modules: &[Module]) -> Result<Vec<Slot>, Boa
 pub struct SensorBoard {
     config: BoardConfig,
     node: NodeId,
-    modules: Vec<Module>,
+    modules: Vec<EmulatedModule>,
     order: Vec<Slot>,
     readings: Vec<Vec<Reading>>,
     sending: bool,
@@ -128,11 +128,11 @@ impl SensorBoard {
     /// A board with its modules, connected to `segment` and powered at its present time.
     pub fn new(
         config: BoardConfig,
-        modules: Vec<Module>,
+        modules: Vec<EmulatedModule>,
         segment: &mut CanSegment,
     ) -> Result<Self, BoardError> {
         let wiring = config.wiring;
-        let taxels = |m: &Module| m.config().taxels.len();
+        let taxels = |m: &EmulatedModule| m.config().taxels.len();
         if modules.len() != usize::from(wiring.modules())
             || modules.iter().any(|m| taxels(m) != wiring.taxels())
         {
@@ -187,12 +187,12 @@ impl SensorBoard {
     }
 
     /// Its modules.
-    pub fn modules(&self) -> &[Module] {
+    pub fn modules(&self) -> &[EmulatedModule] {
         &self.modules
     }
 
     /// One of its modules, to touch it.
-    pub fn module_mut(&mut self, module: usize) -> Option<&mut Module> {
+    pub fn module_mut(&mut self, module: usize) -> Option<&mut EmulatedModule> {
         self.modules.get_mut(module)
     }
 

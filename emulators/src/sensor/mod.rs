@@ -10,4 +10,4 @@ pub mod rig;
 pub mod surface;
 
 pub use mechanics::{Press, Silicone, Touches};
-pub use module::{Generation, Module, ModuleConfig, grid};
+pub use module::{EmulatedModule, Generation, ModuleConfig, grid};

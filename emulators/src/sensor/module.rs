@@ -1,7 +1,7 @@
 //! One skin module: taxels at rest, their noise and drift, and the counts they report.
 
 use palpate_core::codec::uskin::Reading;
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 use palpate_core::units::Point;
 
 use super::mechanics::{Dent, Press, Silicone, Touches};
@@ -86,16 +86,16 @@ pub fn grid(rows: usize, columns: usize, pitch_mm: f64) -> Vec<Point> {
 #[derive(Clone, Debug)]
 struct Taxel {
     at: Point,
-    noise: Stream,
+    noise: RandomStream,
     rest: [f64; 3],
     noise_lsb: [f64; 3],
     drift: [f64; 3],
     neighbours: Vec<usize>,
 }
 
-/// A module of skin. Its physical face: [`Module::touch`] presses on it, [`Module::true_counts`]
+/// A module of skin. Its physical face: [`EmulatedModule::touch`] presses on it, [`EmulatedModule::true_counts`]
 /// says what the silicone does without noise.
-pub struct Module {
+pub struct EmulatedModule {
     config: ModuleConfig,
     taxels: Vec<Taxel>,
     touches: Box<dyn Touches>,
@@ -110,7 +110,7 @@ pub struct Module {
     sampled_at: Option<Nanos>,
 }
 
-impl Module {
+impl EmulatedModule {
     /// A module that nothing touches yet.
     pub fn new(config: ModuleConfig) -> Self {
         let reach = (1.2 * config.pitch_mm) as f32;
@@ -253,7 +253,8 @@ impl Lag {
 impl Taxel {
     fn new(config: &ModuleConfig, t: usize, reach: f32) -> Self {
         let at = config.taxels[t];
-        let mut build = Stream::new(config.seed, &format!("taxel m{} t{t} build", config.number));
+        let mut build =
+            RandomStream::new(config.seed, &format!("taxel m{} t{t} build", config.number));
         let mut per_axis = |middle: [f64; 3], half: [f64; 3]| -> [f64; 3] {
             std::array::from_fn(|axis| middle[axis] + half[axis] * (2.0 * build.uniform() - 1.0))
         };
@@ -261,7 +262,7 @@ impl Taxel {
         let (low, high) = config.noise_lsb;
         Self {
             at,
-            noise: Stream::new(config.seed, &format!("taxel m{} t{t}", config.number)),
+            noise: RandomStream::new(config.seed, &format!("taxel m{} t{t}", config.number)),
             rest: per_axis(rest.map(|r| r.0), rest.map(|r| r.1)),
             noise_lsb: per_axis([(low + high) / 2.0; 3], [(high - low) / 2.0; 3]),
             drift: per_axis([0.0; 3], [config.drift_counts; 3]),

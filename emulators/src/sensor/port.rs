@@ -21,10 +21,10 @@ const PATIENCE: Nanos = Nanos::from_micros(1_000_000);
 /// use palpate_emulators::sensor::board::BoardConfig;
 /// use palpate_emulators::sensor::port::HostPort;
 /// use palpate_emulators::sensor::rig::{Handle, SkinBus};
-/// use palpate_emulators::sensor::{Module, ModuleConfig};
+/// use palpate_emulators::sensor::{EmulatedModule, ModuleConfig};
 ///
 /// let mut bus = SkinBus::new(1_000_000); // bit/s
-/// bus.add_board(BoardConfig::default(), vec![Module::new(ModuleConfig::default())])?;
+/// bus.add_board(BoardConfig::default(), vec![EmulatedModule::new(ModuleConfig::default())])?;
 /// let mut port = HostPort::new(Handle::new(vec![bus]), 0);
 ///
 /// let start = CanFrame::new(0x200, &[7, 0]).ok_or("too long")?; // board 0 begins to send its taxels

@@ -10,7 +10,7 @@ use palpate_core::bus::{CanBus, Received};
 use palpate_core::codec::can::CanFrame;
 use palpate_core::units::Instant;
 
-use crate::sensor::Module;
+use crate::sensor::EmulatedModule;
 use crate::sensor::board::{BoardConfig, BoardError, SensorBoard};
 use crate::sensor::can::{CanSegment, NodeConfig, NodeId, SendError};
 use crate::time::Nanos;
@@ -46,7 +46,7 @@ impl SkinBus {
     pub fn add_board(
         &mut self,
         config: BoardConfig,
-        modules: Vec<Module>,
+        modules: Vec<EmulatedModule>,
     ) -> Result<(), BoardError> {
         let board = SensorBoard::new(config, modules, &mut self.segment)?;
         self.boards_next = self.boards_next.min(board.next_event());

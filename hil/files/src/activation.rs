@@ -1,6 +1,6 @@
 //! Activation files: what a texture's roughness becomes on the wires, (3.1) and (3.2).
 
-use palpate_core::texture::{Activation, ControlError, ControlMap, Driver, Span};
+use palpate_core::texture::{Activation, ControlError, ControlMap, RoughnessDriver, Span};
 use palpate_core::units::Duration;
 use serde::Deserialize;
 
@@ -85,7 +85,7 @@ impl ActivationFile {
     ///
     /// # Errors
     /// A driver without a range.
-    pub fn map(&self, driver: Driver) -> Result<ControlMap, ControlError> {
+    pub fn map(&self, driver: RoughnessDriver) -> Result<ControlMap, ControlError> {
         self.with_rate(driver, self.rate_hz)
     }
 
@@ -93,11 +93,15 @@ impl ActivationFile {
     ///
     /// # Errors
     /// A driver without a range.
-    pub fn burst_map(&self, driver: Driver) -> Result<ControlMap, ControlError> {
+    pub fn burst_map(&self, driver: RoughnessDriver) -> Result<ControlMap, ControlError> {
         self.with_rate(driver, self.burst_rate_hz)
     }
 
-    fn with_rate(&self, driver: Driver, rate_hz: Both) -> Result<ControlMap, ControlError> {
+    fn with_rate(
+        &self,
+        driver: RoughnessDriver,
+        rate_hz: Both,
+    ) -> Result<ControlMap, ControlError> {
         let time = |both: Both| Span {
             smooth: millis(both.smooth),
             rough: millis(both.rough),

@@ -1,7 +1,7 @@
 //! A scene's illusion: which law, how contacts share wires, how strong, when; and the two files about the
 //! person: the perceiver of the emulation, the calibration of a wearer.
 
-use palpate_core::illusion::{Distances, Model, Sharing, TimingLaw};
+use palpate_core::illusion::{Distances, IllusionModel, Sharing, TimingLaw};
 use palpate_core::units::Duration;
 use serde::Deserialize;
 
@@ -16,7 +16,7 @@ use super::words;
 pub struct Illusion {
     /// The model.
     #[serde(with = "words::Model")]
-    pub model: Model,
+    pub model: IllusionModel,
     /// The model's shape: s of `phantom`, the exponent of `balanced`, the width of `gaussian` as a share of
     /// the gap. Left out: the model's own (1, 0.65, 0.6).
     pub shape: Option<f64>,
@@ -59,7 +59,7 @@ pub struct Illusion {
 impl Default for Illusion {
     fn default() -> Self {
         Self {
-            model: Model::Balanced,
+            model: IllusionModel::Balanced,
             shape: None,
             flat: false,
             distances: None,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use palpate_core::texture::{Driver, Encoder, Gru, Model};
+use palpate_core::texture::{Encoder, Gru, Model, RoughnessDriver};
 use palpate_core::vector::Vectors;
 use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
@@ -255,7 +255,7 @@ impl TextureModel {
     ///
     /// # Errors
     /// A model that was trained without ratings says nothing of it.
-    pub fn driver(&self) -> Result<Driver, FileError> {
+    pub fn driver(&self) -> Result<RoughnessDriver, FileError> {
         #[derive(Deserialize)]
         struct Roughness {
             coordinate: usize,
@@ -270,7 +270,7 @@ impl TextureModel {
         let text = self.metadata.get("latent").map_or("", String::as_str);
         let found: Option<Latent> = serde_json::from_str(text).ok();
         match found.and_then(|latent| latent.roughness) {
-            Some(driver) if driver.coordinate < self.latents() => Ok(Driver {
+            Some(driver) if driver.coordinate < self.latents() => Ok(RoughnessDriver {
                 coordinate: driver.coordinate,
                 falls: driver.sign < 0,
                 low: driver.z_lo,

@@ -39,7 +39,7 @@ words! { /** Where `kc` and `ki` apply. */ Scope for "contact::Scope" {
     /** To each module. */ Module = "module",
     /** To the whole skin in one plane. */ Skin = "skin",
 }}
-words! { /** How a place between wires becomes activations. */ Model for "illusion::Model" {
+words! { /** How a place between wires becomes activations. */ Model for "illusion::IllusionModel" {
     /** The logarithmic phantom sensation of the thesis's (5.2). */ Phantom = "phantom",
     /** Square roots of shares. */ Energy = "energy",
     /** Shares. */ Linear = "linear",

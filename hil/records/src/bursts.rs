@@ -7,14 +7,14 @@ use std::fmt;
 
 /// What is driven: a wire of the display, or an output that drives none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Output {
+pub enum DrivenOutput {
     /// By its index in the display's layout.
     Wire(u16),
     /// By board and channel.
     Pin(u8, u8),
 }
 
-impl fmt::Display for Output {
+impl fmt::Display for DrivenOutput {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Wire(wire) => write!(out, "wire {wire}"),
@@ -27,7 +27,7 @@ impl fmt::Display for Output {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Burst {
     /// What is driven.
-    pub output: Output,
+    pub output: DrivenOutput,
     /// Start, microseconds.
     pub from_us: u64,
     /// End, microseconds: the end asked for, the next entry of the channel or an all-off.
@@ -44,19 +44,19 @@ impl Burst {
     /// The wire that is driven, if one is.
     pub const fn wire(&self) -> Option<u16> {
         match self.output {
-            Output::Wire(wire) => Some(wire),
-            Output::Pin(..) => None,
+            DrivenOutput::Wire(wire) => Some(wire),
+            DrivenOutput::Pin(..) => None,
         }
     }
 }
 
 /// What a channel of a board drives.
-fn output(header: &Header, board: u8, channel: u8) -> Output {
+fn output(header: &Header, board: u8, channel: u8) -> DrivenOutput {
     let drives = |w: &WireInfo| w.board == board && w.channel == channel;
     let index = header.wires.iter().position(drives);
     match index.map(u16::try_from) {
-        Some(Ok(wire)) => Output::Wire(wire),
-        _ => Output::Pin(board, channel),
+        Some(Ok(wire)) => DrivenOutput::Wire(wire),
+        _ => DrivenOutput::Pin(board, channel),
     }
 }
 

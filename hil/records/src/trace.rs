@@ -1,5 +1,5 @@
-//! The canonical trace: everything a run did, in integers, in order. Every renderer reads this and
-//! nothing else, so a golden, a report and a schedule file cannot tell different stories.
+//! The canonical trace: everything a run did, in integers, in order. Schedule, contacts and
+//! goldens read this and nothing else, so a golden, a report and a schedule file cannot tell different stories.
 
 use crate::margin::{Limited, Margin};
 use palpate_core::schedule::Entry;
@@ -132,7 +132,7 @@ pub enum Event {
         /// Normal force, millinewtons.
         force_mn: u32,
     },
-    /// A channel was given a pulse train or switched off.
+    /// A channel was given a pulse train, or refused one. The end of one is its `until`; it makes no event.
     Schedule(Entry),
     /// A board's PRE_SCALE was set.
     PreScale {

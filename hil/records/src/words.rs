@@ -1,6 +1,6 @@
 //! What happened, told in words: one line each, neighbours of a kind folded into one.
 
-use crate::bursts::{Output, bursts};
+use crate::bursts::{DrivenOutput, bursts};
 use crate::fixed::{milli, milli_u, place, seconds};
 use crate::trace::{Event, Trace};
 
@@ -131,7 +131,7 @@ pub fn texture(event: &Event) -> Option<String> {
 
 fn limiter(trace: &Trace, gap_us: u64) -> Vec<Happening> {
     struct Run {
-        output: Output,
+        output: DrivenOutput,
         word: &'static str,
         first: u64,
         last: u64,

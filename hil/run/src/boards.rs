@@ -2,7 +2,7 @@
 
 use palpate_core::projector::Projector;
 use palpate_emulators::sensor::rig::SkinBus;
-use palpate_emulators::worn::Display;
+use palpate_emulators::worn::WornDisplay;
 use palpate_records::i2c::Transfer;
 use serde::Serialize;
 
@@ -190,7 +190,7 @@ pub fn buses(buses: &[SkinBus]) -> Vec<BusReport> {
 }
 
 /// What crossed a display's bus, if that was kept.
-pub fn transfers(display: &Display) -> Vec<Transfer> {
+pub fn transfers(display: &WornDisplay) -> Vec<Transfer> {
     // Refused only from inside another look at the bus.
     let log = display.bus().with(|bus| bus.take_log()).unwrap_or_default();
     let messages = log.into_iter().flat_map(|record| {

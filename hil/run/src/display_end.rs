@@ -2,16 +2,16 @@
 
 use embedded_hal::i2c::I2c;
 use palpate_core::driver::{Banks, DriverError};
-use palpate_core::illusion::{Drive, Wire};
+use palpate_core::illusion::{DisplayWire, Drive};
 use palpate_core::physics::TissueParameters;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant, Prescale};
 use palpate_emulators::display::amplifier::AmplifierConfig;
-use palpate_emulators::display::amplifier::supply::Source;
+use palpate_emulators::display::amplifier::supply::SupplySource;
 use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
 use palpate_emulators::display::i2c::{BusClock, I2cHandle};
 use palpate_emulators::time::Nanos;
-use palpate_emulators::worn::{Display, DisplayConfig, OutputEdge, ThermalSample, WirePlace};
+use palpate_emulators::worn::{DisplayConfig, OutputEdge, ThermalSample, WirePlace, WornDisplay};
 use palpate_files::{Bench, BenchKind, Setup};
 use palpate_records::trace::Event;
 
@@ -82,7 +82,7 @@ pub trait DisplayEnd {
 
 /// Chips, amplifiers and wires on a person's finger, in virtual time, with the scene's faults.
 pub struct EmulatedDisplay {
-    display: Display,
+    display: WornDisplay,
     i2c: Shared<I2cHandle>,
     banks: Banks<Shared<I2cHandle>>,
     script: Script,
@@ -139,7 +139,7 @@ impl EmulatedDisplay {
     }
 
     /// The emulated hardware.
-    pub const fn hardware(&mut self) -> &mut Display {
+    pub const fn hardware(&mut self) -> &mut WornDisplay {
         &mut self.display
     }
 
@@ -238,7 +238,7 @@ impl DisplayEnd for EmulatedDisplay {
     }
 }
 
-impl OutputEnable for Display {
+impl OutputEnable for WornDisplay {
     fn set_enabled(&self, now: Instant, enabled: bool) {
         // Refused only from inside another look at the segment, and there is none here.
         let _ = self.bus().with(|segment| {
@@ -278,14 +278,14 @@ pub(crate) fn refuse_hardware(bench: &Bench) -> Result<(), Failure> {
 ///
 /// # Errors
 /// [`Failure::Input`] for a bench that cannot be.
-pub fn emulated(setup: &Setup, wires: &[Wire]) -> Result<Display, Failure> {
+pub fn emulated(setup: &Setup, wires: &[DisplayWire]) -> Result<WornDisplay, Failure> {
     let bench = &setup.bench.value;
-    let place = |w: &Wire| WirePlace {
+    let place = |w: &DisplayWire| WirePlace {
         at: w.place,
         board: w.board.0,
         channel: w.channel.0,
     };
-    Display::new(&DisplayConfig {
+    WornDisplay::new(&DisplayConfig {
         boards: plan::boards(bench)
             .into_iter()
             .map(|a| (a, bench.drive.oscillator))
@@ -296,7 +296,7 @@ pub fn emulated(setup: &Setup, wires: &[Wire]) -> Result<Display, Failure> {
             rise: Nanos((bench.amplifier.rise_us * 1e3).round() as u64),
             on_ohm: bench.amplifier.on_ohm,
         },
-        source: Source {
+        source: SupplySource {
             volts: bench.amplifier.supply_v.unwrap_or(f64::INFINITY),
             ohm: bench.amplifier.supply_ohm,
         },

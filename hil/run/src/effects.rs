@@ -9,7 +9,7 @@ use palpate_emulators::display::pca9685::Pca9685;
 use palpate_emulators::sensor::can::faults::{Counts, Effect, Faulty, Rule};
 use palpate_emulators::sensor::rig::Handle;
 use palpate_emulators::time::Nanos;
-use palpate_emulators::worn::Display;
+use palpate_emulators::worn::WornDisplay;
 
 use palpate_files::{Fault, FaultKind};
 
@@ -20,7 +20,7 @@ pub struct Faultable<'a> {
     /// The actuators' fault layer.
     pub i2c: &'a Shared<I2cHandle>,
     /// The display.
-    pub display: &'a mut Display,
+    pub display: &'a mut WornDisplay,
     /// The factor of every chip's oscillator while nothing is wrong.
     pub oscillator: f64,
 }

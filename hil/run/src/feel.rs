@@ -4,7 +4,7 @@ use palpate_core::illusion::Drive;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Instant, Point};
 use palpate_emulators::time::Nanos;
-use palpate_emulators::worn::Display;
+use palpate_emulators::worn::WornDisplay;
 use palpate_records::trace::{Event, FeltAt, PlaceUm};
 
 use super::recorder::{Onset, Recorder, milli_c};
@@ -16,7 +16,7 @@ const HULL_MARGIN: f32 = 1e-3;
 /// several contacts is scored where they are known to come from a single one.
 pub(super) fn feel(
     onset: Option<Onset>,
-    display: &Display,
+    display: &WornDisplay,
     projector: &Projector,
     drive: Drive,
     recorder: &mut Recorder,
@@ -57,7 +57,7 @@ pub(super) fn feel(
 /// How warm every wire is now, and the skin under it.
 pub(super) fn sample_wires(
     now: Instant,
-    display: &mut Display,
+    display: &mut WornDisplay,
     projector: &Projector,
     recorder: &mut Recorder,
 ) {

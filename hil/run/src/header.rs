@@ -1,6 +1,6 @@
 //! A run on paper: what was run, on what, and the files that it goes back to.
 
-use palpate_core::illusion::Wire;
+use palpate_core::illusion::DisplayWire;
 use palpate_core::projector::Projector;
 use palpate_records::digest::short_digest;
 use palpate_records::mcap::Attachment;
@@ -42,7 +42,7 @@ pub fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header,
         .modules()
         .get(scene.drives)
         .map(palpate_core::skin::Module::points);
-    let wire = |w: &Wire| WireInfo {
+    let wire = |w: &DisplayWire| WireInfo {
         place: PlaceUm::from(w.place),
         board: w.board.0,
         channel: w.channel.0,

@@ -99,7 +99,7 @@ pub struct Keep {
 }
 
 /// A turn as a host sees it.
-pub struct Seen<'a> {
+pub struct TurnView<'a> {
     /// The time of the turn.
     pub now: Instant,
     /// Everything that happened so far.
@@ -132,7 +132,7 @@ pub trait Host {
     }
 
     /// After a turn; `true` ends the run.
-    fn turn(&mut self, seen: &Seen<'_>) -> bool {
+    fn turn(&mut self, seen: &TurnView<'_>) -> bool {
         let _ = seen;
         false
     }

@@ -25,7 +25,7 @@ use crate::session::{Session, TICK, Turn};
 use crate::skin_end::{SkinEnd, Tap};
 use crate::summary::finished;
 use crate::tape::Tape;
-use crate::{Host, Input, Keep, Outcome, Seen, boards, margins, plan, skin};
+use crate::{Host, Input, Keep, Outcome, TurnView, boards, margins, plan, skin};
 
 /// [`crate::run()`], keeping more, with a host that measures and looks on.
 ///
@@ -237,7 +237,7 @@ fn look_on<S: SkinEnd>(session: &mut Session<S, EmulatedDisplay>, host: &mut dyn
     }
     let now = session.now();
     let (skin, recorder) = session.seen();
-    let ended = host.turn(&Seen {
+    let ended = host.turn(&TurnView {
         now,
         events: &recorder.events,
         counts: recorder.counts.as_deref().unwrap_or_default(),

@@ -6,7 +6,7 @@ use palpate_core::units::{Duration, Instant};
 use palpate_emulators::display::amplifier::AmplifierFault;
 use palpate_emulators::display::i2c::fault::{I2cFaultKind, I2cFaults};
 use palpate_emulators::display::pca9685::Oscillator;
-use palpate_emulators::sensor::can::BusError;
+use palpate_emulators::sensor::can::ErrorClass;
 use palpate_emulators::sensor::can::faults::Rates;
 use palpate_emulators::sensor::rig::SkinBus;
 use palpate_records::trace::Event;
@@ -314,10 +314,10 @@ fn host_off(bench: &mut Faultable<'_>, fault: &Fault, begins: bool) {
 /// Puts error frames of all classes on a sensor bus.
 fn error_frames(bench: &mut Faultable<'_>, fault: &Fault) {
     let classes = [
-        BusError::Bit,
-        BusError::Stuff,
-        BusError::Crc,
-        BusError::Form,
+        ErrorClass::Bit,
+        ErrorClass::Stuff,
+        ErrorClass::Crc,
+        ErrorClass::Form,
     ];
     let count = fault.count.unwrap_or(1) as usize;
     on_bus(bench, fault.bus.map_or(0, usize::from), &mut |b| {

@@ -6,7 +6,7 @@ use palpate_core::skin::{Layout, UskinCan};
 use palpate_emulators::sensor::board::{BoardConfig, Overload};
 use palpate_emulators::sensor::can::NodeConfig;
 use palpate_emulators::sensor::rig::{Handle, SkinBus};
-use palpate_emulators::sensor::{Generation, Module, ModuleConfig, Touches};
+use palpate_emulators::sensor::{EmulatedModule, Generation, ModuleConfig, Touches};
 use palpate_emulators::time::Nanos;
 
 use super::scripted::Scripted;
@@ -75,7 +75,7 @@ fn touched(
             .wiring()
             .filter(|w| w.taxels() == module.points().len());
         let wiring = wiring.ok_or_else(refuse)?;
-        let mut skin = Module::new(ModuleConfig {
+        let mut skin = EmulatedModule::new(ModuleConfig {
             number,
             taxels: module.points().to_vec(),
             unread: (0..module.points().len())

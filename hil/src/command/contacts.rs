@@ -5,7 +5,7 @@ use std::io::{self, Write};
 
 use palpate_core::contact::{Compressor, Contact, LevelTable, Settings};
 use palpate_core::skin::{
-    Baseline, BaselineSettings, FrameError, Phase, RelativeFrame, Scan, ThresholdRule,
+    Baseline, BaselinePhase, BaselineSettings, FrameError, RelativeFrame, Scan, ThresholdRule,
 };
 use palpate_core::units::{Duration, Instant};
 use palpate_records::contacts_csv;
@@ -181,11 +181,11 @@ fn compress(args: &ContactsArgs) -> Result<Vec<Row>, Failure> {
         let time_us = table.time_us[frame];
         let loaded = scan.load(Instant::from_micros(time_us), &counts);
         loaded.map_err(|e| Failure::Input(format!("{}: {e}", args.file.display())))?;
-        if baseline.phase() != Phase::Ready {
+        if baseline.phase() != BaselinePhase::Ready {
             baseline.feed(&scan);
         }
         // The reference rows count and emit nothing; the row that sets the threshold is a frame.
-        if is_reference || baseline.phase() != Phase::Ready {
+        if is_reference || baseline.phase() != BaselinePhase::Ready {
             continue;
         }
         let relative = relative.get_or_insert_with(|| baseline.frame(&layout));

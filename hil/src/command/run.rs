@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use palpate_records::contacts_csv::write_table;
-use palpate_records::mcap::{Traffic, write_mcap};
+use palpate_records::mcap::{BusTraffic, write_mcap};
 use palpate_records::report::{ReportExtras, SummaryRow, report_html};
 use palpate_records::schedule::write_schedule;
 use palpate_records::story::schedule_golden;
@@ -64,7 +64,7 @@ impl Format {
         write_file(path, |out| match self {
             Self::Contacts => write_table(&outcome.trace.events, out),
             Self::Mcap => {
-                let traffic = Traffic {
+                let traffic = BusTraffic {
                     can: &outcome.can,
                     i2c: &outcome.i2c,
                 };

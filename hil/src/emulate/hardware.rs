@@ -14,7 +14,7 @@ use palpate_emulators::sensor::can::NodeConfig;
 use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::Handle;
 use palpate_emulators::time::Nanos;
-use palpate_emulators::worn::{Display, OutputEdge};
+use palpate_emulators::worn::{OutputEdge, WornDisplay};
 use palpate_records::trace::Event;
 
 use palpate_files::Setup;
@@ -38,7 +38,7 @@ pub(super) struct Hardware<'a> {
     scene_zero: Nanos,
     script: Script,
     /// The actuator side, for whoever reads what it came to.
-    pub(super) display: Display,
+    pub(super) display: WornDisplay,
     i2c: Shared<I2cHandle>,
     /// Whether the line on the chips' OE pins is high.
     cut: bool,

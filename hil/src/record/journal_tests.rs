@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use palpate_records::mcap::{self, Traffic, write_mcap};
+use palpate_records::mcap::{self, BusTraffic, write_mcap};
 use palpate_records::trace::Trace;
 use palpate_records::{contacts_csv, schedule, vcd};
 
@@ -69,7 +69,7 @@ fn pieces_make_the_same_files_as_a_whole_run() {
     assert!(dump.starts_with(&written) || written.starts_with(&dump));
     let grown = mcap::read(&std::fs::read(path("m.mcap")).unwrap()).unwrap();
     let mut whole = Vec::new();
-    let traffic = Traffic {
+    let traffic = BusTraffic {
         can: &frames,
         i2c: &[],
     };

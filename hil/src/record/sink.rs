@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use palpate_records::mcap::{Attachment, Recording, Traffic};
+use palpate_records::mcap::{Attachment, BusTraffic, McapRecording};
 use palpate_records::trace::Header;
 use palpate_records::vcd::Vcd;
 use palpate_records::{contacts_csv, schedule};
@@ -43,7 +43,7 @@ const FLUSH_US: u64 = 100_000;
 
 enum Form {
     Lines(Kind, Vec<String>, Lines),
-    Mcap(Box<Recording<BufWriter<File>>>),
+    Mcap(Box<McapRecording<BufWriter<File>>>),
     Vcd(Box<Vcd<BufWriter<File>>>),
 }
 
@@ -108,8 +108,10 @@ impl Sink {
             (Kind::Mcap, _) => {
                 let out = BufWriter::with_capacity(1 << 16, file);
                 let recording = match about {
-                    About::Run(header, attachments) => Recording::of_run(header, attachments, out),
-                    About::Buses(interfaces) => Recording::of_buses(interfaces, out),
+                    About::Run(header, attachments) => {
+                        McapRecording::of_run(header, attachments, out)
+                    }
+                    About::Buses(interfaces) => McapRecording::of_buses(interfaces, out),
                 };
                 let mut recording = recording.map_err(told)?;
                 recording.flush().map_err(told)?;
@@ -180,7 +182,7 @@ impl Sink {
                 lines.append(&text)
             }
             Form::Mcap(recording) => {
-                let traffic = Traffic {
+                let traffic = BusTraffic {
                     can: &piece.frames,
                     i2c: &[],
                 };

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use palpate_records::bursts::{Burst, Output};
+use palpate_records::bursts::{Burst, DrivenOutput};
 use palpate_records::diff::Grade;
 use palpate_records::report::STYLE;
 use palpate_records::report::scale::Scale;
@@ -153,7 +153,7 @@ fn drawings(out: &mut String, old: &Story, new: &Story) {
 }
 
 fn overlay(old: &Story, new: &Story, from_us: u64, to_us: u64) -> String {
-    let mut outputs: Vec<Output> = old
+    let mut outputs: Vec<DrivenOutput> = old
         .bursts
         .iter()
         .chain(&new.bursts)

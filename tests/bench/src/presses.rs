@@ -1,6 +1,6 @@
 //! Frames of any skin: presses that wander over it, with an exact number of taxels in contact.
 
-use palpate_core::skin::{Baseline, BaselineSettings, Layout, Phase, Scan, ThresholdRule};
+use palpate_core::skin::{Baseline, BaselinePhase, BaselineSettings, Layout, Scan, ThresholdRule};
 use palpate_core::units::{Instant, Point};
 
 use palpate_run::Failure;
@@ -145,7 +145,7 @@ pub fn scans(
             .map_err(|e| failed(&e))?;
         baseline.feed(&scan);
     }
-    if baseline.phase() != Phase::Ready {
+    if baseline.phase() != BaselinePhase::Ready {
         return Err(failed(&"the baseline is not ready after its reference"));
     }
     let mut round = Vec::with_capacity(frames);

@@ -7,7 +7,7 @@ use std::time::Duration as Wall;
 
 use palpate_core::units::Duration;
 use palpate_records::contacts_csv::write_table;
-use palpate_records::mcap::{Traffic, write_mcap};
+use palpate_records::mcap::{BusTraffic, write_mcap};
 use palpate_records::schedule::write_schedule;
 use palpate_records::trace::Event;
 use palpate_records::vcd::write_vcd;
@@ -54,7 +54,7 @@ fn write(kind: Kind, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<()
         Kind::Can => write_can_log(&outcome.can, &[], out),
         Kind::Vcd => write_vcd(&outcome.trace, out),
         Kind::Mcap => {
-            let traffic = Traffic {
+            let traffic = BusTraffic {
                 can: &outcome.can,
                 i2c: &outcome.i2c,
             };

@@ -5,7 +5,7 @@
 
 use std::thread;
 
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 
 use super::rig::{Breach, Parameters, Rig};
 use super::schedule::{Kind, draw, with_guard, without_guard};
@@ -29,7 +29,7 @@ struct Tally {
 }
 
 fn one(case: u64, length_s: u64, textured: bool, tally: &mut Tally) {
-    let mut s = Stream::new(case, "hostile schedule");
+    let mut s = RandomStream::new(case, "hostile schedule");
     let parameters = Parameters::draw(&mut s);
     let kind = match s.next_u64() % 4 {
         _ if textured => Kind::Textured,

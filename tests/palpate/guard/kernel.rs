@@ -3,7 +3,7 @@
 
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 use palpate_core::physics::{TissueParameters, WireParameters};
-use palpate_emulators::display::finger::{NODES, Network};
+use palpate_emulators::display::finger::{NODES, ThermalNetwork};
 use palpate_emulators::display::solver::modal::{Mode, ModeKey};
 
 /// Decays of the guard's reduced model. The slowest is the finger's own; each is twice as fast as the one
@@ -20,7 +20,7 @@ pub struct Corner {
 impl Corner {
     /// The impulse responses of the full model without latent heat.
     pub fn new(wire: &WireParameters, skin: &TissueParameters) -> Self {
-        let network = Network::new(wire, skin).unwrap();
+        let network = ThermalNetwork::new(wire, skin).unwrap();
         let at_rest = ModeKey {
             phase_slope: 0.0,
             feedback: 0.0,

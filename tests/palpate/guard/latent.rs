@@ -2,7 +2,7 @@
 //! hotter than without. Running maxima are compared, since at one instant it may be hotter in any case.
 
 use palpate_core::physics::WireParameters;
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 use palpate_emulators::display::wire::Wire;
 use palpate_emulators::time::Nanos;
 
@@ -14,7 +14,7 @@ const PERIOD: u64 = 5_079_040;
 
 #[test]
 fn latent_heat_adds_less_than_the_table_allows() {
-    let mut s = Stream::new(1, "latent");
+    let mut s = RandomStream::new(1, "latent");
     let mut worst = [0.0f64; 3];
     for _ in 0..600 {
         let p = Parameters::draw(&mut s);

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use palpate_core::guard::{HARD, Limits};
 use palpate_core::physics::{Alloy, TissueParameters, WireParameters};
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 use palpate_core::units::{Channel, Milliamps};
 use palpate_emulators::display::amplifier::Amplifier;
 use palpate_emulators::display::amplifier::supply::Supply;
@@ -36,7 +36,7 @@ pub struct Parameters {
 }
 
 /// One of the ends of a range half of the time, else anything between.
-pub fn pick(stream: &mut Stream, low: f64, high: f64) -> f64 {
+pub fn pick(stream: &mut RandomStream, low: f64, high: f64) -> f64 {
     match stream.next_u64() % 4 {
         0 => low,
         1 => high,
@@ -46,7 +46,7 @@ pub fn pick(stream: &mut Stream, low: f64, high: f64) -> f64 {
 
 impl Parameters {
     /// The assumed range of every parameter, both prototypes' wires and alloys, oscillators from 23 to 27.4 MHz.
-    pub fn draw(s: &mut Stream) -> Self {
+    pub fn draw(s: &mut RandomStream) -> Self {
         let first = s.next_u64().is_multiple_of(2);
         let base = if first {
             WireParameters::FIRST

@@ -5,8 +5,8 @@ use palpate_core::codec::pca9685::{self as regs, mode1, mode2};
 use palpate_core::driver::Actuators;
 use palpate_core::driver::Pca9685Bank;
 use palpate_core::guard::{Guard, Plant};
-use palpate_core::illusion::Wire;
-use palpate_core::random::Stream;
+use palpate_core::illusion::DisplayWire;
+use palpate_core::random::RandomStream;
 use palpate_core::schedule::Stimulus;
 use palpate_core::texture::{Activation, Control, Draw, Pulses};
 use palpate_core::units::{Board, Duration, Instant, Milliamps, Point, Prescale, Ticks};
@@ -54,13 +54,13 @@ pub enum Kind {
     Textured,
 }
 
-fn near(s: &mut Stream, values: &[u64], spread: u64) -> u64 {
+fn near(s: &mut RandomStream, values: &[u64], spread: u64) -> u64 {
     let value = values[s.next_u64() as usize % values.len()];
     (value + s.next_u64() % (2 * spread + 1)).saturating_sub(spread)
 }
 
 /// Half of the time close to a boundary of a limit, else anything.
-fn width(s: &mut Stream) -> u16 {
+fn width(s: &mut RandomStream) -> u16 {
     let wanted = match s.next_u64() % 4 {
         0 => near(s, &[0, 2, 100, 148, 148, 149, 256, 2048, 4095], 1),
         1 => near(s, &[100, 148], 40),
@@ -70,7 +70,7 @@ fn width(s: &mut Stream) -> u16 {
     wanted.min(4096) as u16
 }
 
-fn length_us(s: &mut Stream) -> u64 {
+fn length_us(s: &mut RandomStream) -> u64 {
     match s.next_u64() % 4 {
         0 => near(s, &[35_000, 48_300, 50_000, 50_000], 2),
         1 => near(s, &[5_000, 35_000, 50_000], 4_000),
@@ -79,7 +79,7 @@ fn length_us(s: &mut Stream) -> u64 {
     }
 }
 
-fn pause_us(s: &mut Stream) -> u64 {
+fn pause_us(s: &mut RandomStream) -> u64 {
     match s.next_u64() % 4 {
         0 => near(s, &[20_000, 21_700, 23_500, 58_500], 2),
         1 => near(s, &[20_000, 58_500], 3_000),
@@ -88,7 +88,7 @@ fn pause_us(s: &mut Stream) -> u64 {
     }
 }
 
-fn wires(s: &mut Stream) -> u8 {
+fn wires(s: &mut RandomStream) -> u8 {
     match s.next_u64() % 4 {
         0 => 0xFF,
         1 => 1 << (s.next_u64() % 8),
@@ -97,7 +97,7 @@ fn wires(s: &mut Stream) -> u8 {
 }
 
 /// A texture that nobody would want on a finger: any density up to every period, any stroke.
-fn texture(s: &mut Stream) -> (Pulses, Control) {
+fn texture(s: &mut RandomStream) -> (Pulses, Control) {
     let beta = pick(s, 0.0, 0.999);
     let alpha = pick(s, 0.0, 0.9999 - beta);
     let lead = Duration::from_micros(s.next_u64() % 500_000);
@@ -120,7 +120,7 @@ fn texture(s: &mut Stream) -> (Pulses, Control) {
 }
 
 /// A schedule of `length_s` seconds.
-pub fn draw(s: &mut Stream, kind: Kind, length_s: u64) -> Schedule {
+pub fn draw(s: &mut RandomStream, kind: Kind, length_s: u64) -> Schedule {
     let mut schedule = Schedule::new();
     let mut at = 1_000;
     let mut place = s.next_u64() % 8;
@@ -212,8 +212,8 @@ pub fn draw(s: &mut Stream, kind: Kind, length_s: u64) -> Schedule {
 }
 
 /// The display that the guard protects.
-pub fn display() -> Vec<Wire> {
-    let wire = |n: usize| Wire {
+pub fn display() -> Vec<DisplayWire> {
+    let wire = |n: usize| DisplayWire {
         place: Point::new(n as f32, 0.0),
         board: Board(0),
         channel: Rig::channel(n),
@@ -232,7 +232,7 @@ pub fn guard(rig: &Rig) -> Guard {
 }
 
 /// Plays a schedule through guard and driver. The host is at most `late_us` late with each call.
-pub fn with_guard(rig: &mut Rig, schedule: &Schedule, s: &mut Stream, late_us: u64) -> Guard {
+pub fn with_guard(rig: &mut Rig, schedule: &Schedule, s: &mut RandomStream, late_us: u64) -> Guard {
     let mut guard = guard(rig);
     let mut bank = Pca9685Bank::new(
         rig.bus.clone(),

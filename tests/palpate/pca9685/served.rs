@@ -3,7 +3,7 @@
 
 use palpate_buses::served::mcp2221::{Mcp2221, REPORT};
 use palpate_buses::served::uhid::Request;
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 
 use super::reference::Reference;
 use super::*;
@@ -15,7 +15,7 @@ const STATUS: u8 = 0x10;
 const GET_DATA: u8 = 0x40;
 const TRANSFERS: [u8; 5] = [0x90, 0x91, 0x92, 0x93, 0x94];
 
-struct Dice(Stream);
+struct Dice(RandomStream);
 
 impl Dice {
     fn below(&mut self, n: u32) -> u32 {
@@ -109,7 +109,7 @@ fn whatever_a_client_sends_the_registers_are_those_of_the_reference_model() {
     let bench = Bench::one();
     let mut reference = Reference::new(ADDRESS, oscillator, UpdateModel::EndOfLow);
     let mut bridge = Mcp2221::default();
-    let mut dice = Dice(Stream::new(1, "fuzzing client"));
+    let mut dice = Dice(RandomStream::new(1, "fuzzing client"));
     let (mut transfers, mut written, mut clocks) = (0, 0, 0);
     for n in 0..REPORTS {
         let report = if dice.below(4) == 0 {
@@ -169,7 +169,7 @@ fn whatever_a_client_sends_the_registers_are_those_of_the_reference_model() {
 fn no_length_and_no_event_of_any_kind_does_harm() {
     let bench = Bench::one();
     let mut bridge = Mcp2221::default();
-    let mut dice = Dice(Stream::new(2, "fuzzing client"));
+    let mut dice = Dice(RandomStream::new(2, "fuzzing client"));
     for _ in 0..20_000 {
         let length = dice.below(4400);
         let event: Vec<u8> = (0..length.min(80)).map(|_| dice.byte()).collect();

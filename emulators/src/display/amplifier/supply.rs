@@ -7,14 +7,14 @@ use crate::time::Nanos;
 
 /// A supply with a resistance of its own, leads included.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Source {
+pub struct SupplySource {
     /// Voltage without load, V; infinite for one that always suffices.
     pub volts: f64,
     /// Resistance in front of all amplifiers, Ohm.
     pub ohm: f64,
 }
 
-impl Source {
+impl SupplySource {
     /// Gives every load its current: what it asks for, or what the sagging voltage drives through it.
     ///
     /// The voltage is that of the one operating point: the load that needs the most voltage falls out of regulation
@@ -129,7 +129,7 @@ mod tests {
     #[test]
     fn a_supply_sags_with_the_wires_that_are_on() {
         // 5 V behind 0.2 Ohm, wires of 1.9 Ohm behind 0.1 Ohm: 4 V for 2 A.
-        let source = Source {
+        let source = SupplySource {
             volts: 5.0,
             ohm: 0.2,
         };
@@ -144,7 +144,7 @@ mod tests {
                 .iter()
                 .all(|l| (l.amps - 5.0 / 1.8 / 2.0).abs() < 1e-12)
         );
-        let stiff = Source {
+        let stiff = SupplySource {
             volts: f64::INFINITY,
             ohm: 0.0,
         };
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn the_hungriest_wire_gives_way_first() {
-        let source = Source {
+        let source = SupplySource {
             volts: 4.0,
             ohm: 0.5,
         };

@@ -32,7 +32,7 @@ impl Depth {
 /// Heat capacities and conductances of one wire and the tissue under it: a chain with the wire at one
 /// end and the body at the other.
 #[derive(Clone, Debug)]
-pub struct Network {
+pub struct ThermalNetwork {
     /// Heat capacity of each node, J/K; node 0 without latent heat.
     pub capacity: [f64; NODES],
     /// Conductance from node i to node i + 1, W/K; the last one leads to the body.
@@ -53,7 +53,7 @@ pub struct Network {
     pub deep: Depth,
 }
 
-impl Network {
+impl ThermalNetwork {
     /// The network of one wire on one finger.
     ///
     /// # Errors

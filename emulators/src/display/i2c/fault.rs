@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, NoAcknowledgeSource, Operation};
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 
 /// What the layer does to a transaction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -87,7 +87,7 @@ impl<E: embedded_hal::i2c::Error> embedded_hal::i2c::Error for FaultError<E> {
 pub struct I2cFault<I> {
     bus: I,
     faults: I2cFaults,
-    stream: Stream,
+    stream: RandomStream,
     /// The next transaction suffers this, whatever the dice say.
     scripted: Option<I2cFaultKind>,
     stuck: u32,
@@ -101,7 +101,7 @@ impl<I> I2cFault<I> {
         Self {
             bus,
             faults,
-            stream: Stream::new(seed, identity),
+            stream: RandomStream::new(seed, identity),
             scripted: None,
             stuck: 0,
             counts: [0; 6],

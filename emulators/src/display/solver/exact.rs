@@ -10,7 +10,7 @@ use super::maxima::Maxima;
 use super::modal::{Mode, ModeKey};
 use super::propagators::Propagators;
 use crate::display::finger::dose::Dose;
-use crate::display::finger::{NODES, Network};
+use crate::display::finger::{NODES, ThermalNetwork};
 use crate::display::solver::phase::{Branch, Heading, Phase};
 use crate::display::solver::record::{Energy, Peaks};
 use crate::time::Nanos;
@@ -25,7 +25,7 @@ const MODES: usize = 96;
 #[derive(Clone, Debug)]
 pub struct Exact {
     pub(super) wire: Arc<WireParameters>,
-    pub(super) network: Arc<Network>,
+    pub(super) network: Arc<ThermalNetwork>,
     pub(super) phase: Phase,
     pub(super) heading: Heading,
     pub(super) modes: Vec<Mode>,
@@ -77,7 +77,7 @@ impl Exact {
         if !start_c.is_finite() {
             return Err(ParameterError { name: "start_c" });
         }
-        let network = Network::new(wire, tissue)?;
+        let network = ThermalNetwork::new(wire, tissue)?;
         let phase = Phase::new(wire, start_c)?;
         let resting = Mode::new(
             &network,
@@ -138,7 +138,7 @@ impl Exact {
     }
 
     /// The network under it.
-    pub fn network(&self) -> &Network {
+    pub fn network(&self) -> &ThermalNetwork {
         &self.network
     }
 

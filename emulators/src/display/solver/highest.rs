@@ -6,7 +6,7 @@
 //! nothing.
 
 use super::lanes::{dot, lanes};
-use super::sum::{Point, Sum, signs};
+use super::sum::{Sum, SumPoint, signs};
 use crate::display::finger::NODES;
 use palpate_core::vector::{Scalar, Simd};
 
@@ -16,7 +16,7 @@ pub const ENOUGH_K: f64 = 1e-11;
 const DEEPEST: u32 = 60;
 
 /// The maximum of `sum` between two instants of it, or `known` if that is higher.
-pub fn highest(sum: &Sum<'_>, from: &Point, to: &Point, known: f64) -> f64 {
+pub fn highest(sum: &Sum<'_>, from: &SumPoint, to: &SumPoint, known: f64) -> f64 {
     within(sum, from, to, known.max(from.value).max(to.value), DEEPEST)
 }
 
@@ -25,8 +25,8 @@ pub fn highest(sum: &Sum<'_>, from: &Point, to: &Point, known: f64) -> f64 {
 pub fn ceiling_between<S: Simd>(
     simd: S,
     lambda: &[f64; NODES],
-    from: &Point,
-    to: &Point,
+    from: &SumPoint,
+    to: &SumPoint,
     enough: f64,
 ) -> f64 {
     let (ends, span) = ((from.value, to.value), to.t - from.t);
@@ -43,7 +43,7 @@ pub fn ceiling_between<S: Simd>(
 
 /// How many peaks there are between two instants, where the signs of the partial sums tell.
 #[inline(always)]
-fn peaks(from: &Point, to: &Point) -> Option<usize> {
+fn peaks(from: &SumPoint, to: &SumPoint) -> Option<usize> {
     let (turns, first) = signs(&from.terms);
     match turns {
         0 => Some(0),
@@ -54,7 +54,7 @@ fn peaks(from: &Point, to: &Point) -> Option<usize> {
     }
 }
 
-fn within(sum: &Sum<'_>, from: &Point, to: &Point, known: f64, depth: u32) -> f64 {
+fn within(sum: &Sum<'_>, from: &SumPoint, to: &SumPoint, known: f64, depth: u32) -> f64 {
     let span = to.t - from.t;
     let enough = known + ENOUGH_K;
     let slopes = spread(Scalar, (from.slope, to.slope), (&from.terms, &to.terms));
@@ -73,7 +73,7 @@ fn within(sum: &Sum<'_>, from: &Point, to: &Point, known: f64, depth: u32) -> f6
         return known;
     }
     let bend =
-        |p: &Point| -> [f64; NODES] { core::array::from_fn(|k| -sum.lambda[k] * p.terms[k]) };
+        |p: &SumPoint| -> [f64; NODES] { core::array::from_fn(|k| -sum.lambda[k] * p.terms[k]) };
     let (then, there) = (bend(from), bend(to));
     let ends = (
         -dot(Scalar, sum.lambda, &from.terms),

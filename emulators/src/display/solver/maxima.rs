@@ -6,7 +6,7 @@
 //! too many wait.
 
 use super::highest::{ENOUGH_K, ceiling_between, highest};
-use super::sum::{Point, Sum};
+use super::sum::{Sum, SumPoint};
 use crate::display::finger::NODES;
 use palpate_core::vector::{Simd, Vectors};
 
@@ -31,7 +31,7 @@ struct Stretch {
     /// What it cannot have passed, degrees C.
     ceiling: f64,
     lambda: [f64; NODES],
-    ends: [Point; 2],
+    ends: [SumPoint; 2],
 }
 
 impl Maxima {
@@ -48,7 +48,7 @@ impl Maxima {
 
     /// Takes a stretch between two instants of a sum with these decay rates.
     #[inline(always)]
-    pub fn pass<S: Simd>(&mut self, simd: S, lambda: &[f64; NODES], ends: &[Point; 2]) {
+    pub fn pass<S: Simd>(&mut self, simd: S, lambda: &[f64; NODES], ends: &[SumPoint; 2]) {
         let [from, to] = ends;
         self.raise(from.value.max(to.value));
         let known = self.window + ENOUGH_K;

@@ -11,7 +11,7 @@ use super::decay::decays;
 use super::eigen::Eigen;
 use super::lanes::dot;
 use super::sum::Sum;
-use crate::display::finger::{NODES, Network};
+use crate::display::finger::{NODES, ThermalNetwork};
 use palpate_core::vector::{Scalar, Vectors};
 
 /// What makes a mode differ from another: all else in a network is constant.
@@ -49,7 +49,7 @@ pub struct Mode {
 
 impl Mode {
     /// Decomposes a network in the regime `key`; `latent` is mass times latent heat, J.
-    pub fn new(network: &Network, latent: f64, key: ModeKey) -> Self {
+    pub fn new(network: &ThermalNetwork, latent: f64, key: ModeKey) -> Self {
         let mut capacity = network.capacity;
         capacity[0] += latent * key.phase_slope;
         // Slowest first, the wire last: QL converges sooner and loses fewer digits where small entries come first.

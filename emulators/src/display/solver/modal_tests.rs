@@ -5,7 +5,7 @@ use palpate_core::physics::{TissueParameters, WireParameters};
 
 #[test]
 fn wide_vectors_give_the_same_bits() {
-    let network = Network::new(&WireParameters::FINAL, &TissueParameters::DEFAULT).unwrap();
+    let network = ThermalNetwork::new(&WireParameters::FINAL, &TissueParameters::DEFAULT).unwrap();
     for phase_slope in [0.0, 0.1] {
         let key = ModeKey {
             phase_slope,

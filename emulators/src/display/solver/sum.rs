@@ -13,7 +13,7 @@ use palpate_core::vector::{Scalar, Vectors};
 
 /// An instant of a sum.
 #[derive(Clone, Copy, Debug)]
-pub struct Point {
+pub struct SumPoint {
     /// When, s.
     pub t: f64,
     /// Value, K.
@@ -75,7 +75,7 @@ impl<'a> Sum<'a> {
     }
 
     /// Value and terms of the derivative at `t`.
-    pub(super) fn point(&self, t: f64) -> Point {
+    pub(super) fn point(&self, t: f64) -> SumPoint {
         self.vectors.run(
             #[inline(always)]
             || self.plain_point(t),
@@ -83,12 +83,12 @@ impl<'a> Sum<'a> {
     }
 
     #[inline(always)]
-    fn plain_point(&self, t: f64) -> Point {
+    fn plain_point(&self, t: f64) -> SumPoint {
         let (mut terms, fallen) = decays(self.lambda, t);
         for (term, slope) in terms.iter_mut().zip(&self.slopes) {
             *term *= slope;
         }
-        Point {
+        SumPoint {
             t,
             value: self.start + dot(Scalar, &self.ends, &fallen),
             slope: dot(Scalar, &terms, &[1.0; NODES]),

@@ -2,7 +2,7 @@
 //! every edge (its sparse output: the dense one is wrong at the end points of short segments).
 
 use super::*;
-use crate::display::finger::{NODES, Network};
+use crate::display::finger::{NODES, ThermalNetwork};
 use ode_solvers::dop853::Dop853;
 use ode_solvers::{OutputType, System};
 use palpate_core::physics::{Alloy, TissueParameters, WireParameters};
@@ -12,7 +12,7 @@ type State = ode_solvers::SVector<f64, NODES>;
 /// Plain right-hand side with the play written out anew: between two edges the wire only heats or only
 /// cools, so that the fraction follows from the one at the edge.
 struct Plain<'a> {
-    network: &'a Network,
+    network: &'a ThermalNetwork,
     wire: &'a WireParameters,
     watts: f64,
     memory: f64,
@@ -57,7 +57,7 @@ impl System<f64, State> for Plain<'_> {
 /// Largest distances in temperature and phase, with at least so many steps from edge to edge.
 fn compare(wire: &WireParameters, train: &[(Nanos, f64)], end: Nanos, steps: f64) -> (f64, f64) {
     let tissue = TissueParameters::DEFAULT;
-    let network = Network::new(wire, &tissue).unwrap();
+    let network = ThermalNetwork::new(wire, &tissue).unwrap();
     let mut exact = Wire::new(wire, &tissue, 33.0).unwrap();
     let mut y = State::repeat(33.0);
     let (mut watts, mut memory, mut now) = (0.0, 1.0, Nanos::ZERO);

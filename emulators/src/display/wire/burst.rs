@@ -4,7 +4,7 @@ use crate::time::Nanos;
 
 /// One burst of pulses on one wire.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Burst {
+pub struct WireBurst {
     /// The first rising edge.
     pub start: Nanos,
     /// The last falling edge so far.

@@ -11,7 +11,7 @@ use crate::display::solver::WireDrive;
 use crate::display::solver::exact::Exact;
 use crate::display::solver::record::{Energy, Peaks};
 use crate::time::Nanos;
-use burst::Burst;
+use burst::WireBurst;
 use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
 use strain::Strain;
 
@@ -37,7 +37,7 @@ pub const BURST_GAP: Nanos = Nanos::from_micros(20_000);
 pub struct Wire {
     solver: Exact,
     pulse: Option<Pulse>,
-    burst: Option<Burst>,
+    burst: Option<WireBurst>,
 }
 
 /// The wire at a rising edge.
@@ -136,7 +136,7 @@ impl Wire {
         {
             self.burst = None;
         }
-        let b = self.burst.get_or_insert(Burst {
+        let b = self.burst.get_or_insert(WireBurst {
             start: pulse.start,
             end: pulse.start,
             pulses: 0,
@@ -227,7 +227,7 @@ impl Wire {
     }
 
     /// The burst under way, or the last one if no other has begun. A pulse counts once it has ended.
-    pub const fn burst(&self) -> Option<Burst> {
+    pub const fn burst(&self) -> Option<WireBurst> {
         self.burst
     }
 

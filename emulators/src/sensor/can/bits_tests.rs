@@ -33,7 +33,7 @@ fn slow_stuff(frame: &CanFrame) -> u32 {
 
 #[test]
 fn tables_agree_with_the_definition() {
-    let mut stream = palpate_core::random::Stream::new(1, "bits");
+    let mut stream = palpate_core::random::RandomStream::new(1, "bits");
     for n in 0..5000 {
         // Sparse data has long runs, and with them many stuff bits.
         let bytes = (stream.next_u64() & stream.next_u64() & stream.next_u64()).to_be_bytes();

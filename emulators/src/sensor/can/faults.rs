@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use palpate_core::bus::{CanBus, Received};
 use palpate_core::codec::can::CanFrame;
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 use palpate_core::units::Duration;
 
 /// Probabilities per frame, 0 to 1.
@@ -84,7 +84,7 @@ pub struct Faulty<B> {
     inner: B,
     rates: Rates,
     rules: Vec<Rule>,
-    streams: [Stream; 5],
+    streams: [RandomStream; 5],
     frozen: BTreeMap<(u8, u16), CanFrame>,
     /// Frames on their way, oldest first, and those held back.
     ready: VecDeque<Received>,
@@ -100,7 +100,7 @@ impl<B: CanBus> Faulty<B> {
             inner,
             rates: Rates::default(),
             rules: Vec::new(),
-            streams: kinds.map(|kind| Stream::new(seed, &format!("{name} {kind}"))),
+            streams: kinds.map(|kind| RandomStream::new(seed, &format!("{name} {kind}"))),
             frozen: BTreeMap::new(),
             ready: VecDeque::new(),
             held: VecDeque::new(),

@@ -3,7 +3,7 @@
 use super::*;
 use crate::sensor::board::BoardConfig;
 use crate::sensor::rig::{Handle, SkinBus};
-use crate::sensor::{Module, ModuleConfig};
+use crate::sensor::{EmulatedModule, ModuleConfig};
 use crate::time::Nanos;
 
 fn run(rates: Rates, rules: Vec<Rule>, seed: u64) -> (Vec<Received>, Counts) {
@@ -12,7 +12,7 @@ fn run(rates: Rates, rules: Vec<Rule>, seed: u64) -> (Vec<Received>, Counts) {
         autostart: true,
         ..BoardConfig::default()
     };
-    bus.add_board(config, vec![Module::new(ModuleConfig::default())])
+    bus.add_board(config, vec![EmulatedModule::new(ModuleConfig::default())])
         .unwrap();
     let handle = Handle::new(vec![bus]);
     let mut faulty = Faulty::new(handle.clone(), seed, "can");

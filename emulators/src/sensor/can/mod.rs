@@ -9,4 +9,4 @@ mod segment;
 mod tests;
 
 pub use node::{Confinement, Filter, NodeConfig, NodeId, Order, SendError};
-pub use segment::{BusError, CanSegment, Statistics};
+pub use segment::{CanSegment, ErrorClass, Statistics};

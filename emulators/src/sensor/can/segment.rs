@@ -25,7 +25,7 @@ const NO_HEAD: u16 = u16::MAX;
 
 /// The five error classes of CAN (ISO 11898-1, 10.11).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum BusError {
+pub enum ErrorClass {
     /// A sender read another level than it sent.
     Bit,
     /// Six equal bits in the stuffed part.
@@ -47,7 +47,7 @@ pub struct Statistics {
     pub bits: u64,
     /// Bits lost to destroyed frames and error frames.
     pub error_bits: u64,
-    /// Errors by class in the order of [`BusError`].
+    /// Errors by class in the order of [`ErrorClass`].
     pub errors: [u64; 5],
 }
 
@@ -57,7 +57,7 @@ pub(super) struct Transmission {
     pub(super) frame: CanFrame,
     /// Nodes that sent the same identifier at the same moment, with what they sent.
     pub(super) rivals: Vec<(usize, CanFrame)>,
-    error: Option<BusError>,
+    error: Option<ErrorClass>,
     end: Nanos,
     free_at: Nanos,
 }
@@ -76,8 +76,8 @@ pub struct CanSegment {
     free_at: Nanos,
     contend_at: Nanos,
     pub(super) restart_at: Nanos,
-    injected: VecDeque<BusError>,
-    pub(super) errors: VecDeque<(Nanos, BusError, NodeId)>,
+    injected: VecDeque<ErrorClass>,
+    pub(super) errors: VecDeque<(Nanos, ErrorClass, NodeId)>,
     pub(super) statistics: Statistics,
 }
 
@@ -177,12 +177,12 @@ impl CanSegment {
     }
 
     /// Destroys the next frame on the wire by an error of this class; several queue up.
-    pub fn inject(&mut self, error: BusError) {
+    pub fn inject(&mut self, error: ErrorClass) {
         self.injected.push_back(error);
     }
 
     /// The oldest error not yet taken: its time, class and the sender of the destroyed frame.
-    pub fn take_error(&mut self) -> Option<(Nanos, BusError, NodeId)> {
+    pub fn take_error(&mut self) -> Option<(Nanos, ErrorClass, NodeId)> {
         self.errors.pop_front()
     }
 
@@ -311,12 +311,16 @@ impl CanSegment {
             n != sender && !self.nodes[n].bus_off && !rivals.iter().any(|&(rival, _)| rival == n)
         });
         let (error, at) = match collision {
-            Some(at) => (Some(BusError::Bit), at + 1),
-            None => match self.injected.pop_front().or(alone.then_some(BusError::Ack)) {
-                Some(error @ (BusError::Bit | BusError::Stuff)) => (Some(error), whole / 2),
-                Some(BusError::Crc) => (Some(BusError::Crc), whole - 7),
-                Some(BusError::Form) => (Some(BusError::Form), whole - 3),
-                Some(BusError::Ack) => (Some(BusError::Ack), whole - 8),
+            Some(at) => (Some(ErrorClass::Bit), at + 1),
+            None => match self
+                .injected
+                .pop_front()
+                .or(alone.then_some(ErrorClass::Ack))
+            {
+                Some(error @ (ErrorClass::Bit | ErrorClass::Stuff)) => (Some(error), whole / 2),
+                Some(ErrorClass::Crc) => (Some(ErrorClass::Crc), whole - 7),
+                Some(ErrorClass::Form) => (Some(ErrorClass::Form), whole - 3),
+                Some(ErrorClass::Ack) => (Some(ErrorClass::Ack), whole - 8),
                 None => (None, whole),
             },
         };
@@ -372,7 +376,7 @@ impl CanSegment {
                 if *frame == t.frame {
                     self.nodes[*n].tec = self.nodes[*n].tec.saturating_sub(1);
                 } else {
-                    self.note(BusError::Bit, *n);
+                    self.note(ErrorClass::Bit, *n);
                     self.penalise(*n, frame);
                 }
             }

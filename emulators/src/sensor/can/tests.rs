@@ -94,11 +94,11 @@ fn a_running_frame_is_not_interrupted_and_a_replaced_one_goes_again() {
 #[test]
 fn a_destroyed_frame_is_sent_again_and_counted() {
     for (class, tec, rec) in [
-        (BusError::Bit, 7, 0),
-        (BusError::Stuff, 7, 0),
-        (BusError::Crc, 7, 0),
-        (BusError::Form, 7, 0),
-        (BusError::Ack, 7, 0),
+        (ErrorClass::Bit, 7, 0),
+        (ErrorClass::Stuff, 7, 0),
+        (ErrorClass::Crc, 7, 0),
+        (ErrorClass::Form, 7, 0),
+        (ErrorClass::Ack, 7, 0),
     ] {
         let (mut segment, nodes) = bus(2);
         segment.inject(class);
@@ -123,7 +123,7 @@ fn a_destroyed_frame_is_sent_again_and_counted() {
 fn sixteen_errors_make_a_node_passive_and_thirty_two_put_it_off_the_bus() {
     let (mut segment, nodes) = bus(2);
     for n in 1..=32 {
-        segment.inject(BusError::Bit);
+        segment.inject(ErrorClass::Bit);
         if n == 1 {
             segment.send(nodes[0], &frame(0x100, &[])).unwrap();
         }
@@ -172,7 +172,7 @@ fn a_node_restarts_from_bus_off_by_itself_when_told_to() {
         segment.attach(config),
         segment.attach(NodeConfig::default()),
     );
-    (0..32).for_each(|_| segment.inject(BusError::Form));
+    (0..32).for_each(|_| segment.inject(ErrorClass::Form));
     segment.send(a, &frame(0x100, &[])).unwrap();
     segment.advance(ms(50));
     assert_eq!(segment.confinement(a).unwrap().0, Confinement::BusOff);
@@ -201,7 +201,7 @@ fn two_nodes_with_one_identifier_make_bit_errors_until_one_is_passive() {
     segment.send(nodes[0], &frame(0x20c, &[7, 0])).unwrap();
     segment.send(nodes[1], &frame(0x20c, &[0; 8])).unwrap();
     segment.advance(ms(20));
-    assert!(segment.statistics().errors[BusError::Bit as usize] >= 16);
+    assert!(segment.statistics().errors[ErrorClass::Bit as usize] >= 16);
     let seen = received(&mut segment, nodes[2]);
     assert_eq!(seen.len(), 2, "both get through in the end");
 }

@@ -14,14 +14,14 @@ fn still(at: Point, force_n: f64) -> Box<dyn Touches> {
     })
 }
 
-fn noiseless() -> Module {
-    Module::new(ModuleConfig {
+fn noiseless() -> EmulatedModule {
+    EmulatedModule::new(ModuleConfig {
         noise_lsb: (0.0, 0.0),
         ..ModuleConfig::default()
     })
 }
 
-fn norms(module: &mut Module, at: Point, force: f64) -> Vec<f64> {
+fn norms(module: &mut EmulatedModule, at: Point, force: f64) -> Vec<f64> {
     module.touch(still(at, force));
     module.sampled_at = None; // settled at once
     module.respond(Nanos::ZERO);
@@ -117,7 +117,7 @@ fn noise_and_rest_values_are_those_of_the_generation() {
         (Generation::Y2021, 48_900.0, 16_400.0, 37_400.0),
         (Generation::Now, 32_800.0, 32_800.0, 37_400.0),
     ] {
-        let mut module = Module::new(ModuleConfig {
+        let mut module = EmulatedModule::new(ModuleConfig {
             generation,
             seed: 3,
             ..ModuleConfig::default()
@@ -200,7 +200,7 @@ fn a_released_skin_comes_back_to_rest_and_bad_touches_do_nothing() {
 
 #[test]
 fn counts_saturate_and_drift_stays_in_its_bounds() {
-    let mut module = Module::new(ModuleConfig {
+    let mut module = EmulatedModule::new(ModuleConfig {
         drift_counts: 1000.0,
         ..ModuleConfig::default()
     });

@@ -7,8 +7,8 @@ use super::*;
 use crate::sensor::board::Overload;
 use crate::sensor::{ModuleConfig, Press, grid};
 
-fn module(number: usize) -> Module {
-    Module::new(ModuleConfig {
+fn module(number: usize) -> EmulatedModule {
+    EmulatedModule::new(ModuleConfig {
         number,
         seed: 1,
         ..ModuleConfig::default()
@@ -132,7 +132,7 @@ fn a_drifting_clock_scans_at_its_own_rate() {
 fn two_modules_share_a_board() {
     let half = |number| {
         let taxels = grid(2, 4, 4.7);
-        Module::new(ModuleConfig {
+        EmulatedModule::new(ModuleConfig {
             number,
             taxels,
             ..ModuleConfig::default()

@@ -3,7 +3,7 @@
 use palpate_core::codec::uskin::Reading;
 
 use super::{Habits, SurfaceStroke, SurfaceTexture};
-use crate::sensor::{Module, ModuleConfig};
+use crate::sensor::{EmulatedModule, ModuleConfig};
 use crate::time::Nanos;
 
 /// Samples of a recording: 2 s at 100 Hz, as in the thesis.
@@ -23,7 +23,7 @@ pub struct Recording {
 
 /// Somebody with a flat module in hand.
 pub struct Explorer {
-    module: Module,
+    module: EmulatedModule,
     habits: Habits,
     dead: Option<usize>,
     seed: u64,
@@ -38,7 +38,7 @@ impl Explorer {
             ..ModuleConfig::default()
         };
         Self {
-            module: Module::new(config),
+            module: EmulatedModule::new(config),
             habits,
             dead,
             seed,

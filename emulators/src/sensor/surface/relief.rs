@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 
 use super::{PAD_MM, SurfaceTexture};
 
@@ -34,7 +34,7 @@ pub struct Relief {
 
 impl Relief {
     /// Draws a piece of `texture`, felt through silicone with a time constant of `lag_s`.
-    pub fn new(texture: &SurfaceTexture, lag_s: f64, stream: &mut Stream) -> Self {
+    pub fn new(texture: &SurfaceTexture, lag_s: f64, stream: &mut RandomStream) -> Self {
         // Sines have a mean square of one half.
         let height_mm = texture.relief_mm * libm::sqrt(2.0 / RIPPLES as f64);
         let ripple = |_| {

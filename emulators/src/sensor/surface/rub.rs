@@ -1,6 +1,6 @@
 //! A contact whose own surface is textured: what its relief and its friction add while it slides over the skin.
 
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 
 use super::stroke::{SLIP_MM, held};
 use super::{Relief, SurfaceTexture};
@@ -21,7 +21,7 @@ pub struct Rub {
 impl Rub {
     /// Contact `number` with a surface of `texture`, on a module whose silicone has a time constant of `lag_s`.
     pub fn new(texture: &SurfaceTexture, (seed, number): (u64, u32), lag_s: f64) -> Self {
-        let mut stream = Stream::new(seed, &format!("contact {number} of {}", texture.name));
+        let mut stream = RandomStream::new(seed, &format!("contact {number} of {}", texture.name));
         Self {
             relief: Relief::new(texture, lag_s, &mut stream),
             friction: texture.friction,

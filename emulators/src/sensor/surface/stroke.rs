@@ -6,7 +6,7 @@
 
 use core::f64::consts::TAU;
 
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 use palpate_core::units::Point;
 
 use super::SurfaceTexture;
@@ -71,7 +71,7 @@ pub(super) fn held(friction: f64, slip_at: f64, travel: f64) -> f64 {
 struct Sway([(f64, f64); 3]);
 
 impl Sway {
-    fn new(stream: &mut Stream, low_hz: f64, high_hz: f64) -> Self {
+    fn new(stream: &mut RandomStream, low_hz: f64, high_hz: f64) -> Self {
         Self(core::array::from_fn(|_| {
             let rate = TAU * (low_hz + (high_hz - low_hz) * stream.uniform());
             (rate, TAU * stream.uniform())
@@ -121,7 +121,7 @@ impl SurfaceStroke {
         (begins, seconds): (Nanos, f64),
         lag_s: f64,
     ) -> Self {
-        let mut stream = Stream::new(seed, &format!("stroke {number} over {}", texture.name));
+        let mut stream = RandomStream::new(seed, &format!("stroke {number} over {}", texture.name));
         let relief = Relief::new(texture, lag_s, &mut stream);
         let mut around = |middle: f64| middle * libm::exp(habits.spread * stream.normal());
         let (force_n, speed) = (around(habits.force_n), around(habits.speed_mm_s));

@@ -118,7 +118,7 @@ fn a_hard_surface_answers_at_once_and_shakes_more() {
 
 #[test]
 fn silicone_drowns_what_is_fast_and_small() {
-    let mut stream = palpate_core::random::Stream::new(1, "relief");
+    let mut stream = palpate_core::random::RandomStream::new(1, "relief");
     let relief = Relief::new(&texture(20.0, 0.1, 0.5), 0.005, &mut stream);
     let power =
         |speed: f64| mean((0..500).map(|i| relief.height(f64::from(i) * 0.37, 0.0, speed).powi(2)));
@@ -127,7 +127,7 @@ fn silicone_drowns_what_is_fast_and_small() {
         wavelength_mm: 0.4,
         ..texture(20.0, 0.1, 0.5)
     };
-    let mut stream = palpate_core::random::Stream::new(1, "relief");
+    let mut stream = palpate_core::random::RandomStream::new(1, "relief");
     let fine = Relief::new(&fine, 0.005, &mut stream);
     let fine = mean((0..500).map(|i| fine.height(f64::from(i) * 0.37, 0.0, 80.0).powi(2)));
     assert!(fine < 0.1 * power(80.0), "{fine} {}", power(80.0));

@@ -9,7 +9,7 @@ use palpate_core::driver::Actuators;
 use palpate_core::driver::{Pca9685Bank, Seen};
 use palpate_core::units::Prescale;
 
-use crate::i2c::{Blocking, LinuxAdapter, OpenError};
+use crate::i2c::{AdapterError, Blocking, LinuxAdapter};
 use crate::pacer::RunClock;
 
 /// Between two tries of a bus that does not answer.
@@ -64,11 +64,11 @@ impl Sweeper {
     /// Opens the adapters; transfers that take longer than `limit` fail. Nothing is sent.
     ///
     /// # Errors
-    /// [`OpenError`] for the first adapter that cannot be used.
-    pub fn open(buses: &[(PathBuf, Vec<u8>)], limit: Duration) -> Result<Self, OpenError> {
+    /// [`AdapterError`] for the first adapter that cannot be used.
+    pub fn open(buses: &[(PathBuf, Vec<u8>)], limit: Duration) -> Result<Self, AdapterError> {
         let open = |(path, addresses): &(PathBuf, Vec<u8>)| {
             let adapter = LinuxAdapter::open(path, addresses)?;
-            let line = Blocking::new(adapter, limit).map_err(|e| OpenError {
+            let line = Blocking::new(adapter, limit).map_err(|e| AdapterError {
                 path: path.display().to_string(),
                 reason: e.to_string(),
             })?;
@@ -77,7 +77,7 @@ impl Sweeper {
         let lines = buses
             .iter()
             .map(open)
-            .collect::<Result<Vec<_>, OpenError>>()?;
+            .collect::<Result<Vec<_>, AdapterError>>()?;
         Ok(Self::over(lines))
     }
 

@@ -23,7 +23,7 @@ const TIMEOUT_10MS: u32 = 2;
 /// Why an adapter cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error("{path}: {reason}")]
-pub struct OpenError {
+pub struct AdapterError {
     /// The device node.
     pub path: String,
     /// What is wrong, and which command mends it.
@@ -40,7 +40,7 @@ pub struct LinuxAdapter {
 }
 
 /// Why a node cannot be opened, with the way out.
-fn unopened(path: &Path, errno: Errno) -> OpenError {
+fn unopened(path: &Path, errno: Errno) -> AdapterError {
     let reason = match errno {
         Errno::ENOENT => "no such device; `ls /dev/i2c-*` shows what is there, `modprobe i2c-dev` makes the nodes, `i2cdetect -l` names the adapters".into(),
         Errno::EACCES | Errno::EPERM => {
@@ -48,7 +48,7 @@ fn unopened(path: &Path, errno: Errno) -> OpenError {
         }
         other => other.desc().to_owned(),
     };
-    OpenError {
+    AdapterError {
         path: path.display().to_string(),
         reason,
     }
@@ -59,9 +59,9 @@ impl LinuxAdapter {
     /// these addresses. Nothing is sent.
     ///
     /// # Errors
-    /// [`OpenError`] with what is missing and how to get it.
-    pub fn open(path: &Path, addresses: &[u8]) -> Result<Self, OpenError> {
-        let fail = |reason: String| OpenError {
+    /// [`AdapterError`] with what is missing and how to get it.
+    pub fn open(path: &Path, addresses: &[u8]) -> Result<Self, AdapterError> {
+        let fail = |reason: String| AdapterError {
             path: path.display().to_string(),
             reason,
         };

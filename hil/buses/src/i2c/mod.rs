@@ -7,7 +7,7 @@
 mod adapter;
 mod fault;
 
-pub use adapter::{LinuxAdapter, OpenError, number};
+pub use adapter::{AdapterError, LinuxAdapter, number};
 pub use fault::{Fault, FaultKind};
 
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};

@@ -1,6 +1,6 @@
 //! Values in place of a file's own are checked like the file's.
 
-use palpate_core::illusion::{Distances, Model};
+use palpate_core::illusion::{Distances, IllusionModel};
 
 use super::super::*;
 use super::bad_toml::{BENCH, SCENE};
@@ -59,7 +59,7 @@ fn any_key_of_scene_and_bench_can_change() {
 #[test]
 fn another_model_drops_the_shape_that_was_meant_for_the_files_own() {
     let phantom = setup(&["illusion.model=phantom"]).unwrap().scene.value;
-    assert_eq!(phantom.illusion.model, Model::Phantom);
+    assert_eq!(phantom.illusion.model, IllusionModel::Phantom);
     assert_eq!(phantom.illusion.shape, None);
     let both = setup(&["illusion.shape=2.0", "illusion.model=phantom"]).unwrap();
     assert_eq!(both.scene.value.illusion.shape, Some(2.0));

@@ -1,11 +1,11 @@
 //! Tests of `align.rs`.
 
 use super::*;
-use crate::bursts::Output;
+use crate::bursts::DrivenOutput;
 
 fn burst(from_us: u64, to_us: u64) -> Burst {
     Burst {
-        output: Output::Wire(0),
+        output: DrivenOutput::Wire(0),
         from_us,
         to_us,
         width: 80,

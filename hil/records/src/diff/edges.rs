@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::align::align;
 use super::words::{at, count, list, ms, signed};
 use super::{Difference, Grade, Tolerance};
-use crate::bursts::{Burst, Output};
+use crate::bursts::{Burst, DrivenOutput};
 use crate::story::Story;
 use palpate_core::schedule::Reason;
 
@@ -45,10 +45,10 @@ fn lateness(by: i64) -> String {
 
 /// Where something of one kind was found: how often on each output, and when first.
 #[derive(Default)]
-struct Tally(BTreeMap<Output, (usize, u64)>);
+struct Tally(BTreeMap<DrivenOutput, (usize, u64)>);
 
 impl Tally {
-    fn add(&mut self, output: Output, t_us: u64) {
+    fn add(&mut self, output: DrivenOutput, t_us: u64) {
         let entry = self.0.entry(output).or_insert((0, t_us));
         entry.0 += 1;
         entry.1 = entry.1.min(t_us);
@@ -100,7 +100,7 @@ fn difference(later: u64, earlier: u64) -> i64 {
 }
 
 /// The bursts of each output.
-type Trains = BTreeMap<Output, Vec<Burst>>;
+type Trains = BTreeMap<DrivenOutput, Vec<Burst>>;
 
 /// The bursts that begin before a time.
 fn trains(story: &Story, until_us: u64) -> Trains {
@@ -125,7 +125,7 @@ fn delay(a: &Trains, b: &Trains) -> i64 {
         return 0;
     };
     let by = difference(to, from);
-    let starts: BTreeSet<(Output, u64)> = b
+    let starts: BTreeSet<(DrivenOutput, u64)> = b
         .iter()
         .flat_map(|(output, stays)| stays.iter().map(|s| (*output, s.from_us)))
         .collect();
@@ -168,7 +168,7 @@ pub(super) fn tell(a: &Story, b: &Story, tolerance: Tolerance, out: &mut Vec<Dif
             format!("everything {words}"),
         ));
     }
-    let outputs: BTreeSet<Output> = first.keys().chain(second.keys()).copied().collect();
+    let outputs: BTreeSet<DrivenOutput> = first.keys().chain(second.keys()).copied().collect();
     let mut found = Found::default();
     for output in outputs {
         let none = Vec::new();
@@ -180,7 +180,7 @@ pub(super) fn tell(a: &Story, b: &Story, tolerance: Tolerance, out: &mut Vec<Dif
 }
 
 fn compare(
-    output: Output,
+    output: DrivenOutput,
     a: &[Burst],
     b: &[Burst],
     soa_us: u64,

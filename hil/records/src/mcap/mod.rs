@@ -32,7 +32,7 @@ pub const PROFILE: &str = "palpate";
 
 /// What crossed the buses of a run, in the order of time.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Traffic<'a> {
+pub struct BusTraffic<'a> {
     /// Frames on the sensor buses, as the host saw them.
     pub can: &'a [Received],
     /// Messages on the actuator buses.
@@ -45,11 +45,11 @@ pub struct Traffic<'a> {
 /// Whatever the writer says.
 pub fn write_mcap(
     trace: &Trace,
-    traffic: Traffic<'_>,
+    traffic: BusTraffic<'_>,
     attachments: &[Attachment],
     out: impl Write,
 ) -> io::Result<()> {
-    let mut recording = Recording::of_run(&trace.header, attachments, out)?;
+    let mut recording = McapRecording::of_run(&trace.header, attachments, out)?;
     recording.piece(&trace.events, traffic)?;
     recording.finish().map(drop)
 }
@@ -80,7 +80,7 @@ struct RunTopics {
 
 /// A recording that grows.
 #[derive(Debug)]
-pub struct Recording<W> {
+pub struct McapRecording<W> {
     container: Container<W>,
     can: u16,
     run: Option<RunTopics>,
@@ -96,7 +96,7 @@ const fn word(source: Source) -> &'static str {
     }
 }
 
-impl<W: Write> Recording<W> {
+impl<W: Write> McapRecording<W> {
     /// Begins a recording of a run: versions and digests, the files it goes back to, schemas and topics.
     ///
     /// # Errors
@@ -183,7 +183,7 @@ impl<W: Write> Recording<W> {
     ///
     /// # Errors
     /// Whatever the writer says.
-    pub fn piece(&mut self, events: &[Event], traffic: Traffic<'_>) -> io::Result<()> {
+    pub fn piece(&mut self, events: &[Event], traffic: BusTraffic<'_>) -> io::Result<()> {
         let (mut can, mut i2c) = (traffic.can.iter().peekable(), traffic.i2c.iter().peekable());
         let at = |r: &Received| r.at.as_micros().saturating_mul(1000);
         for event in events {

@@ -22,7 +22,7 @@ fn file(frames: &[Received]) -> Vec<u8> {
         media_type: "application/toml",
         text: "name = \"circle\"\n".into(),
     };
-    let traffic = Traffic {
+    let traffic = BusTraffic {
         can: frames,
         i2c: &[],
     };

@@ -73,7 +73,7 @@ pub struct HeadLine {
 
 /// The times that bursts are compared by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Timing {
+pub struct StoryTiming {
     /// Length of a whole burst, microseconds.
     pub tau_d_us: u64,
     /// From onset to onset, microseconds.
@@ -94,7 +94,7 @@ pub struct Story {
     /// What the header says.
     pub head: Vec<HeadLine>,
     /// Of a schedule: the times in its header.
-    pub timing: Timing,
+    pub timing: StoryTiming,
     /// Of a contact path: the map of the pad, line by line, with its heading.
     pub pad: Vec<String>,
     /// The strip chart, line by line, with its heading.

@@ -1,7 +1,7 @@
 //! The story of a trace.
 
 use super::table::Table;
-use super::{COLUMNS, GoldenKind, HeadLine, Story, Timing, pad, strip};
+use super::{COLUMNS, GoldenKind, HeadLine, Story, StoryTiming, pad, strip};
 use crate::bursts::bursts;
 use crate::digest;
 use crate::felt::{energy_permille, felt_scores};
@@ -39,7 +39,7 @@ impl Story {
     pub fn schedule(trace: &Trace) -> Self {
         let mut story = Self::begun(GoldenKind::Schedule, trace);
         let header = &trace.header;
-        story.timing = Timing {
+        story.timing = StoryTiming {
             tau_d_us: header.tau_d_us,
             soa_us: header.soa_us,
             tick_ns: header.pre_scale.tick_ns(),
@@ -129,7 +129,7 @@ impl Story {
                 ),
                 head("", [format!("length {length} s")]),
             ],
-            timing: Timing::default(),
+            timing: StoryTiming::default(),
             pad: Vec::new(),
             chart: Vec::new(),
             happenings: Vec::new(),

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use super::table::Table;
 use super::text::LEDGER;
-use super::{GoldenKind, HeadLine, Story, Timing};
-use crate::bursts::{Burst, Output};
+use super::{GoldenKind, HeadLine, Story, StoryTiming};
+use crate::bursts::{Burst, DrivenOutput};
 use crate::damage::Damage;
 use crate::figures::Figure;
 use crate::fixed::thousandths;
@@ -171,7 +171,7 @@ fn title(reader: &mut Reader<'_>) -> Result<Story, Damage> {
         scene: scene.to_owned(),
         source,
         head: Vec::new(),
-        timing: Timing::default(),
+        timing: StoryTiming::default(),
         pad: Vec::new(),
         chart: Vec::new(),
         happenings: Vec::new(),
@@ -195,14 +195,14 @@ fn head(line: &str) -> HeadLine {
 }
 
 /// The times that a header names; what it lacks is zero.
-fn timing(head: &[HeadLine]) -> Timing {
+fn timing(head: &[HeadLine]) -> StoryTiming {
     let thousandths_of = |name: &str| {
         let mut pieces = head.iter().flat_map(|line| &line.pieces);
         let number = pieces.find_map(|p| p.strip_prefix(name)?.split(' ').next());
         let value = number.and_then(thousandths);
         value.and_then(|v| u64::try_from(v).ok()).unwrap_or(0)
     };
-    Timing {
+    StoryTiming {
         tau_d_us: thousandths_of("tau_d "),
         soa_us: thousandths_of("SOA "),
         // The header has whole nanoseconds.
@@ -360,9 +360,9 @@ fn member(word: &str, (from_us, to_us): (u64, u64)) -> Option<Burst> {
     let output = match output.strip_prefix('@') {
         Some(pin) => {
             let (board, channel) = pin.split_once('.')?;
-            Output::Pin(board.parse().ok()?, channel.parse().ok()?)
+            DrivenOutput::Pin(board.parse().ok()?, channel.parse().ok()?)
         }
-        None => Output::Wire(output.parse().ok()?),
+        None => DrivenOutput::Wire(output.parse().ok()?),
     };
     let (width, requested, reason) = match rest.split_once('<') {
         None => (rest, rest, None),

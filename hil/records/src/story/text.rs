@@ -1,7 +1,7 @@
 //! A story as text, cut to the lines and columns of a golden.
 
 use super::{COLUMNS, GoldenKind, HeadLine, LINES, Story};
-use crate::bursts::{Burst, Output};
+use crate::bursts::{Burst, DrivenOutput};
 use crate::figures::Figure;
 use crate::fixed::{milli, milli_u};
 use crate::trace::Source;
@@ -170,8 +170,8 @@ fn figure(figure: &Figure) -> String {
 /// asked for `<ticks(why)`.
 fn member(burst: &Burst) -> String {
     let mut text = match burst.output {
-        Output::Wire(wire) => format!("{wire}:{}", burst.width),
-        Output::Pin(board, channel) => format!("@{board}.{channel}:{}", burst.width),
+        DrivenOutput::Wire(wire) => format!("{wire}:{}", burst.width),
+        DrivenOutput::Pin(board, channel) => format!("@{board}.{channel}:{}", burst.width),
     };
     if let Some(reason) = burst.reason {
         text.push_str(&format!("<{}({})", burst.requested, reason.word()));

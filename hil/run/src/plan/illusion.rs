@@ -1,7 +1,7 @@
 //! A scene's illusion section as the core's settings.
 
 use palpate_core::illusion::{
-    Calibration, Cells, Display, Drive, ModelError, ModelSettings, Planned, ShapeChoice, Steps,
+    Calibration, Cells, Display, Drive, IllusionError, ModelSettings, Planned, ShapeChoice, Steps,
     Stroke, build,
 };
 use palpate_core::projector::OutputSettings;
@@ -25,12 +25,12 @@ fn settings(illusion: &palpate_files::Illusion) -> ModelSettings {
 }
 
 /// The key that a model's refusal is about.
-const fn key(error: ModelError) -> &'static str {
+const fn key(error: IllusionError) -> &'static str {
     match error {
-        ModelError::OneWire | ModelError::InLine => "illusion.model",
-        ModelError::Shape => "illusion.shape",
-        ModelError::Distances => "illusion.distances",
-        ModelError::Margin => "illusion.margin",
+        IllusionError::OneWire | IllusionError::InLine => "illusion.model",
+        IllusionError::Shape => "illusion.shape",
+        IllusionError::Distances => "illusion.distances",
+        IllusionError::Margin => "illusion.margin",
     }
 }
 

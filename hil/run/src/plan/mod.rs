@@ -10,7 +10,7 @@ pub use texture::{projection, surface};
 
 use palpate_core::contact::{Levels, Settings};
 use palpate_core::guard::{Guard, Limits, Plant};
-use palpate_core::illusion::{Display, Map, Rect, Surface, Wire};
+use palpate_core::illusion::{Display, DisplayWire, Map, Rect, Surface};
 use palpate_core::physics::WireParameters;
 use palpate_core::projector::{Plan, SensingPlan, sensor_area};
 use palpate_core::skin::uskin::SCAN_GAP;
@@ -122,7 +122,7 @@ pub fn display_of(
 ) -> Result<Display, Failure> {
     let wire = |(index, place): (usize, &[f64; 2])| {
         let (board, channel) = output(index);
-        Wire {
+        DisplayWire {
             place: point(*place),
             board,
             channel,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use palpate_core::illusion::Display;
 use palpate_core::projector::{Carrier, TexturePlan};
 use palpate_core::skin::Layout;
-use palpate_core::texture::{ControlMap, Driver, Pulses, along};
+use palpate_core::texture::{ControlMap, Pulses, RoughnessDriver, along};
 use palpate_core::units::{Duration, Point, Prescale};
 
 use crate::failure::Failure;
@@ -80,7 +80,7 @@ pub(super) fn texture(
 /// [`Failure::File`] for a scene without a texture, or with file and key of what does not fit together.
 pub fn projection(
     setup: &Setup,
-    driver: Driver,
+    driver: RoughnessDriver,
     display: &Display,
     prescale: Prescale,
     seed: u64,

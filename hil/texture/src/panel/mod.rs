@@ -8,7 +8,7 @@ mod trials;
 
 use std::sync::Arc;
 
-use palpate_core::texture::Driver;
+use palpate_core::texture::RoughnessDriver;
 use palpate_emulators::person::panel::{Dimension, Panel, ScaleEnds, TRIALS};
 use palpate_emulators::sensor::surface::{Recording, SurfaceTexture};
 use palpate_files::{Setup, TextureEntry, TextureModel, TextureTable};
@@ -105,7 +105,7 @@ struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    fn new(driver: Driver, setup: &'a Setup, seed: u64) -> Result<Self, Failure> {
+    fn new(driver: RoughnessDriver, setup: &'a Setup, seed: u64) -> Result<Self, Failure> {
         let stage = Stage::new(setup, driver)?;
         Ok(Self {
             ends: stage.ends(seed)?,

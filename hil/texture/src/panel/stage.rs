@@ -5,13 +5,13 @@ use palpate_core::contact::Levels;
 use palpate_core::driver::Actuators;
 use palpate_core::driver::Banks;
 use palpate_core::projector::{Carrier, Output};
-use palpate_core::texture::{Control, ControlMap, Driver, along};
+use palpate_core::texture::{Control, ControlMap, RoughnessDriver, along};
 use palpate_core::units::{Duration, Instant, Point};
 use palpate_emulators::person::panel::{ScaleEnds, Sensation, apart_s, step_s};
 use palpate_emulators::person::perceiver::Perceiver;
 use palpate_emulators::person::receptors::{Intensity, Kick, Receptors};
 use palpate_emulators::time::Nanos;
-use palpate_emulators::worn::Display;
+use palpate_emulators::worn::WornDisplay;
 
 use palpate_files::Setup;
 use palpate_run::Failure;
@@ -30,7 +30,7 @@ const TICK: Duration = Duration::from_millis(1);
 /// A bench with its display, and what projects textures on it.
 pub struct Stage<'a> {
     setup: &'a Setup,
-    driver: Driver,
+    driver: RoughnessDriver,
     /// (3.2).
     pub map: ControlMap,
 }
@@ -55,7 +55,7 @@ impl<'a> Stage<'a> {
     ///
     /// # Errors
     /// [`Failure::Input`] for what does not fit together.
-    pub fn new(setup: &'a Setup, driver: Driver) -> Result<Self, Failure> {
+    pub fn new(setup: &'a Setup, driver: RoughnessDriver) -> Result<Self, Failure> {
         let prescale = plan::prescale(&setup.bench.value)?;
         let display = plan::display(setup)?;
         let (map, _) = plan::projection(setup, driver, &display, prescale, 0)?;
@@ -138,7 +138,7 @@ impl<'a> Stage<'a> {
     }
 
     /// Pulses of every wire since `begun`, as the skin meets them.
-    fn kicks(&self, display: &mut Display, wires: usize, begun: Nanos) -> Vec<Vec<Kick>> {
+    fn kicks(&self, display: &mut WornDisplay, wires: usize, begun: Nanos) -> Vec<Vec<Kick>> {
         let perceiver = Perceiver::new(plan::perceiver(&self.setup.perceiver.value));
         let (wire, full) = (plan::wire(self.setup), perceiver.parameters.full_pulses);
         // The supply's share may change in the midst of a pulse: stretches that touch are one.

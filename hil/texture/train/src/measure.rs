@@ -1,7 +1,7 @@
 //! What a trained model is held against: a mean, principal components, nearest neighbours.
 
 use ndarray::{Array1, Array2, Axis};
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 
 use crate::windows::{Place, Windows};
 
@@ -29,7 +29,7 @@ impl Components {
             .mean_axis(Axis(0))
             .unwrap_or_else(|| Array1::zeros(rows.ncols()));
         let centred = rows - &mean;
-        let mut stream = Stream::new(1, "principal components");
+        let mut stream = RandomStream::new(1, "principal components");
         let mut axes = Array2::from_shape_fn((count, rows.ncols()), |_| stream.normal() as f32);
         for _ in 0..40 {
             axes = centred.dot(&axes.t()).t().dot(&centred);

@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn components_find_a_plane() {
-    let mut stream = Stream::new(5, "plane");
+    let mut stream = RandomStream::new(5, "plane");
     let plane: Vec<f32> = (0..2 * 30).map(|_| stream.normal() as f32).collect();
     let plane = Array2::from_shape_vec((2, 30), plane).unwrap();
     let places = Array2::from_shape_fn((200, 2), |(_, c)| stream.normal() as f32 * [3.0, 1.0][c]);

@@ -2,7 +2,7 @@
 
 use burn::module::Param;
 use burn::prelude::*;
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 
 use crate::gru::{Recurrent, Weights};
 
@@ -42,7 +42,7 @@ fn drawn<B: Backend, const D: usize>(
 
 /// Uniform, by the sum of both widths (Glorot & Bengio 2010): what Keras, and with it the thesis, starts from.
 fn glorot<B: Backend>(
-    stream: &mut Stream,
+    stream: &mut RandomStream,
     out: usize,
     inputs: usize,
     per: usize,
@@ -57,7 +57,7 @@ fn glorot<B: Backend>(
 }
 
 /// An orthogonal matrix, row-major.
-fn orthogonal(stream: &mut Stream, width: usize) -> Vec<f64> {
+fn orthogonal(stream: &mut RandomStream, width: usize) -> Vec<f64> {
     let mut rows: Vec<Vec<f64>> = Vec::with_capacity(width);
     while rows.len() < width {
         let mut row: Vec<f64> = (0..width).map(|_| stream.normal()).collect();
@@ -82,14 +82,15 @@ impl<B: Backend> Gru<B> {
     /// Orthogonal in time. The update gates begin with memories of 1 to `steps` steps (Tallec & Ollivier 2018):
     /// without that a window's beginning is forgotten long before its end.
     fn new(
-        stream: &mut Stream,
+        stream: &mut RandomStream,
         [inputs, units]: [usize; 2],
         steps: usize,
         device: &B::Device,
     ) -> Self {
         let recurrent: Vec<f64> = (0..3).flat_map(|_| orthogonal(stream, units)).collect();
-        let memory =
-            |stream: &mut Stream| (1.0 + stream.uniform() * steps.saturating_sub(2) as f64).ln();
+        let memory = |stream: &mut RandomStream| {
+            (1.0 + stream.uniform() * steps.saturating_sub(2) as f64).ln()
+        };
         Self {
             weight_ih: glorot(stream, 3 * units, inputs, units, device),
             weight_hh: drawn([3 * units, units], |i| recurrent[i], device),
@@ -112,8 +113,8 @@ impl<B: Backend> Network<B> {
         seed: u64,
         device: &B::Device,
     ) -> Self {
-        let mut stream = Stream::new(seed, "initial weights");
-        let stack = |stream: &mut Stream, widths: [usize; 5]| {
+        let mut stream = RandomStream::new(seed, "initial weights");
+        let stack = |stream: &mut RandomStream, widths: [usize; 5]| {
             widths
                 .windows(2)
                 .map(|w| Gru::new(stream, [w[0], w[1]], steps, device))

@@ -7,7 +7,7 @@ use burn::grad_clipping::GradientClippingConfig;
 use burn::module::AutodiffModule;
 use burn::optim::{AdamConfig, GradientsParams, Optimizer};
 use burn::prelude::*;
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 
 use crate::checkpoint::{State, carried};
 use crate::device::Device;
@@ -121,7 +121,7 @@ impl<L: Learning> Lesson<'_, L> {
     fn epoch<O: Optimizer<Network<L>, L>>(&self, state: &mut State<L, O>, places: &[Place]) -> f64 {
         let (settings, epochs) = (self.settings, state.progress.epochs);
         let mut order = places.to_vec();
-        let mut draw = Stream::new(settings.seed, &format!("epoch {epochs}"));
+        let mut draw = RandomStream::new(settings.seed, &format!("epoch {epochs}"));
         shuffle(&mut order, &mut draw);
         order.truncate(places.len().div_ceil(settings.share.max(1)));
         let batches = order.chunks(settings.batch.max(1));

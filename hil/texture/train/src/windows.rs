@@ -2,7 +2,7 @@
 //! sample.
 
 use burn::prelude::*;
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 use serde::{Deserialize, Serialize};
 
 use crate::recordings::{Recording, Recordings};
@@ -37,7 +37,7 @@ impl Split {
             }
             shuffle(
                 &mut of_label,
-                &mut Stream::new(seed, &format!("split of {label}")),
+                &mut RandomStream::new(seed, &format!("split of {label}")),
             );
             let whole = shares.iter().sum::<u32>().max(1) as usize;
             let count = |share: u32| (of_label.len() * share as usize + whole / 2) / whole;
@@ -60,7 +60,7 @@ impl Split {
 }
 
 /// Fisher and Yates, from a seeded stream.
-pub fn shuffle<T>(items: &mut [T], stream: &mut Stream) {
+pub fn shuffle<T>(items: &mut [T], stream: &mut RandomStream) {
     for last in (1..items.len()).rev() {
         let other = (stream.uniform() * (last + 1) as f64) as usize;
         items.swap(last, other.min(last));

@@ -1,7 +1,7 @@
 //! Points to cluster: taxels of a grid under presses that wander, and how good a clustering of them is.
 
 use palpate_core::contact::kmeans::{KMeans, Points, Stop};
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 
 /// Frames of a round; presses are back where they were.
 pub const ROUND: usize = 40;
@@ -102,7 +102,7 @@ impl Cloud {
 
     /// The least inertia found from many starts, each iterated to its end, and from `known` centroids.
     pub fn optimum(&self, k: usize, known: &[(f64, f64)]) -> f64 {
-        let mut stream = Stream::new(1, "optimum");
+        let mut stream = RandomStream::new(1, "optimum");
         let mut kmeans = KMeans::new(self.x.len(), k);
         let stop = Stop {
             tolerance: 0.0,

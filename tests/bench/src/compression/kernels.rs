@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use palpate_core::contact::kmeans::{KMeans, Stop};
 use palpate_core::contact::levels::LevelSolver;
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 
 use palpate_run::Failure;
 
@@ -57,7 +57,7 @@ struct Contestant<'a> {
     rows: Vec<Vec<(f32, f32, f32)>>,
     thin: Vec<Cloud>,
     kmeans: KMeans,
-    stream: Stream,
+    stream: RandomStream,
     draw: Draw,
     centroids: Vec<(f64, f64)>,
     frame: usize,
@@ -65,7 +65,7 @@ struct Contestant<'a> {
 
 impl<'a> Contestant<'a> {
     fn new(method: Method, k: usize, round: &'a [Cloud]) -> Self {
-        let (n, mut stream) = (round[0].x.len(), Stream::new(1, "bench"));
+        let (n, mut stream) = (round[0].x.len(), RandomStream::new(1, "bench"));
         let mut kmeans = KMeans::new(n, k);
         let thin: Vec<Cloud> = match method {
             Method::Subsampled => round
@@ -225,7 +225,7 @@ fn table(findings: &mut Findings, case: &str, rows: &[(&str, Error, f64, bool)])
 fn levels(findings: &mut Findings) {
     const SETS: usize = 64;
     for (n, k) in [(16, 4), (16, 8), (16, 10)] {
-        let mut stream = Stream::new(1, "levels");
+        let mut stream = RandomStream::new(1, "levels");
         let sets: Vec<Vec<f32>> = (0..SETS)
             .map(|_| (0..n).map(|_| (2000.0 * stream.uniform()) as f32).collect())
             .collect();

@@ -2,7 +2,7 @@
 //! trials each, by (5.2) (C) and by the default law (D). Breaks are red.
 
 use palpate_core::contact::Levels;
-use palpate_core::illusion::{Display, Model, ModelSettings};
+use palpate_core::illusion::{Display, IllusionModel, ModelSettings};
 use palpate_core::units::{Milliamps, Point};
 use palpate_emulators::person::contact::WireContacts;
 use palpate_emulators::person::perceiver::Perceiver;
@@ -38,14 +38,17 @@ fn place(p: &Point) -> (f64, f64) {
 /// The figure, as the perceiver feels it at this current.
 pub(super) fn five_five(perceiver: Perceiver, drive: Milliamps) -> Result<Figure, Failure> {
     let display = display("thimble-8")?;
-    let worn = |model: Model| {
+    let worn = |model: IllusionModel| {
         let settings = ModelSettings {
             model,
             ..ModelSettings::default()
         };
         Worn::new(&display, &settings, perceiver, drive).map_err(|e| Failure::Input(e.to_string()))
     };
-    let mut laws = [worn(Model::Phantom)?, worn(Model::default())?];
+    let mut laws = [
+        worn(IllusionModel::Phantom)?,
+        worn(IllusionModel::default())?,
+    ];
     let mut svg = Svg::new(4.0 * COLUMN, 4.0 * ROW, "Figure 5.5 for four paths");
     // Breaks inside the wires and past the outermost ones, by law.
     let mut breaks = [[0_usize; 2]; 2];

@@ -6,7 +6,8 @@ mod figure;
 use std::time::Duration;
 
 use palpate_core::illusion::{
-    Display, Mixer, Model, ModelError, ModelSettings, ShapeChoice, Sharing, Target, Wire, build,
+    Display, DisplayWire, IllusionError, IllusionModel, Mixer, ModelSettings, ShapeChoice, Sharing,
+    Target, build,
 };
 use palpate_core::units::{Board, Channel, Milliamps, Point};
 use palpate_emulators::person::perceiver::Perceiver;
@@ -66,7 +67,7 @@ struct Method {
 }
 
 impl Method {
-    fn new(name: &str, model: Model, shape: ShapeChoice) -> Self {
+    fn new(name: &str, model: IllusionModel, shape: ShapeChoice) -> Self {
         Self {
             name: name.into(),
             settings: ModelSettings {
@@ -80,15 +81,15 @@ impl Method {
 
 /// Every law; the default one is called `default`, (5.2) also stands with flat midpoints.
 fn methods() -> Vec<Method> {
-    let name = |model: Model| match model == Model::default() {
+    let name = |model: IllusionModel| match model == IllusionModel::default() {
         true => "default",
         false => model.name(),
     };
-    let laws = Model::ALL.into_iter();
+    let laws = IllusionModel::ALL.into_iter();
     let mut methods: Vec<Method> = laws
         .map(|model| Method::new(name(model), model, ShapeChoice::Model))
         .collect();
-    let flat = Method::new("phantom, flat", Model::Phantom, ShapeChoice::Flat);
+    let flat = Method::new("phantom, flat", IllusionModel::Phantom, ShapeChoice::Flat);
     methods.insert(1, flat);
     methods
 }
@@ -110,8 +111,8 @@ pub fn measure() -> Result<Findings, Failure> {
         "default is {}: shares to the power of {}, one energy everywhere. Errors are over the four sphere paths \
          at the published drive (1.97 A, no intensity), contacts inside the array, a break counting as felt where \
          it was felt last. A cost is that of one contact at an onset.",
-        Model::default().name(),
-        Model::default().shape().unwrap_or(1.0),
+        IllusionModel::default().name(),
+        IllusionModel::default().shape().unwrap_or(1.0),
     ));
     found.words.push(
         "Gain and threshold of both perceivers are fitted, not measured (fixtures/perceivers/fitted.toml)."
@@ -123,12 +124,12 @@ pub fn measure() -> Result<Findings, Failure> {
 
 /// Sixteen columns of eight wires, 9 mm apart.
 fn many() -> Result<Display, Failure> {
-    let wire = |i: usize| Wire {
+    let wire = |i: usize| DisplayWire {
         place: Point::new(9.0 * (i / 8) as f32, 9.0 * (i % 8) as f32),
         board: Board((i / 8) as u8),
         channel: Channel((i % 8) as u8),
     };
-    let wires: Vec<Wire> = (0..MANY).map(wire).collect();
+    let wires: Vec<DisplayWire> = (0..MANY).map(wire).collect();
     Display::new(&wires).map_err(|e| Failure::Input(e.to_string()))
 }
 
@@ -143,7 +144,7 @@ fn total(
     settings: &ModelSettings,
     paths: &[Vec<Point>],
     (perceiver, drive): (Perceiver, Milliamps),
-) -> Result<Total, ModelError> {
+) -> Result<Total, IllusionError> {
     let mut worn = Worn::new(display, settings, perceiver, drive)?;
     let mut total = Total::default();
     paths.iter().for_each(|path| total.add(&worn.score(path)));
@@ -229,7 +230,7 @@ fn trade_off(found: &mut Findings, perceiver: Perceiver, drive: Milliamps) -> Re
     let paths = paths(&display)?;
     let at = |settings: &ModelSettings| {
         let total = total(&display, settings, &paths, (perceiver, drive))?;
-        Ok::<_, ModelError>((total.rmse(0), total.rmse(1)))
+        Ok::<_, IllusionError>((total.rmse(0), total.rmse(1)))
     };
     let exponent = |tenths: u8| ModelSettings {
         shape: ShapeChoice::Factor(0.05 * f32::from(tenths)),

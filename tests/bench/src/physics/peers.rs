@@ -20,7 +20,7 @@ use diffsol::{
 use ode_solvers::dop853::Dop853 as Integrator;
 use ode_solvers::{OutputType, SVector, System};
 use palpate_core::physics::WireParameters;
-use palpate_emulators::display::finger::{NODES, Network};
+use palpate_emulators::display::finger::{NODES, ThermalNetwork};
 use palpate_emulators::time::Nanos;
 
 use super::train::{Case, Nodes, START_C};
@@ -28,9 +28,9 @@ use super::train::{Case, Nodes, START_C};
 /// The heat balance while the power is constant, written down plainly.
 #[derive(Clone)]
 pub struct Balance {
-    network: Network,
+    network: ThermalNetwork,
     /// The same with everything around it at zero: what is left of the balance in its derivative.
-    still: Network,
+    still: ThermalNetwork,
     wire: WireParameters,
     /// Heat into the wire, W.
     watts: f64,
@@ -40,9 +40,9 @@ pub struct Balance {
 
 impl Balance {
     fn new(case: &Case) -> Result<Self, String> {
-        let network = Network::new(&case.wire, &case.skin).map_err(|e| e.to_string())?;
+        let network = ThermalNetwork::new(&case.wire, &case.skin).map_err(|e| e.to_string())?;
         Ok(Self {
-            still: Network {
+            still: ThermalNetwork {
                 air_c: 0.0,
                 ends_c: 0.0,
                 body_c: 0.0,

@@ -5,7 +5,7 @@ use nalgebra::SMatrix;
 use ode_solvers::dop853::Dop853 as Integrator;
 use ode_solvers::{SVector, System};
 use palpate_core::physics::{TissueParameters, WireParameters};
-use palpate_emulators::display::finger::{NODES, Network};
+use palpate_emulators::display::finger::{NODES, ThermalNetwork};
 use palpate_emulators::display::solver::WireDrive;
 use palpate_emulators::display::solver::exact::Exact;
 use palpate_emulators::time::Nanos;
@@ -56,7 +56,7 @@ type Map = SMatrix<f64, SIDE, SIDE>;
 /// parts of a period, raised to the number of periods by squaring.
 fn reference(count: u64) -> Nodes {
     let wire = WireParameters::FINAL;
-    let network = Network::new(&wire, &TissueParameters::DEFAULT).unwrap();
+    let network = ThermalNetwork::new(&wire, &TissueParameters::DEFAULT).unwrap();
     let (period, pulse) = pwm();
     let map = |watts: f64, span: Nanos| {
         let mut rates = Map::zeros();
@@ -118,7 +118,7 @@ fn an_hour_edge_by_edge_and_thirty_days_in_closed_form_do_not_drift() {
 
 /// A whole train as one right-hand side: the power is looked up by time.
 struct Train<'a> {
-    network: &'a Network,
+    network: &'a ThermalNetwork,
     case: &'a Case,
 }
 
@@ -149,7 +149,7 @@ fn one_call_of_a_general_solver_over_a_burst_misses_its_pulses_and_reports_succe
     let mut truth = Vec::new();
     Method::Default.run(&case, Some(&mut truth)).unwrap();
     let hottest = truth.iter().map(|nodes| nodes[0]).fold(0.0, f64::max);
-    let network = Network::new(&case.wire, &case.skin).unwrap();
+    let network = ThermalNetwork::new(&case.wire, &case.skin).unwrap();
     let train = Train {
         network: &network,
         case: &case,

@@ -6,7 +6,7 @@ use crate::display::solver::WireDrive;
 use crate::display::solver::lanes::dot;
 use crate::display::solver::modal::{Mode, ModeKey, Propagator};
 use crate::display::solver::phase::{Branch, Heading};
-use crate::display::solver::sum::{LEVEL_TOLERANCE, Point, changes};
+use crate::display::solver::sum::{LEVEL_TOLERANCE, SumPoint, changes};
 use crate::time::Nanos;
 use palpate_core::vector::{Simd, WithSimd};
 
@@ -313,8 +313,8 @@ struct Course {
     outer: f64,
     tissue: f64,
     /// The tissue at 0.1 and at 0.4 mm, at both ends.
-    shallow: [Point; 2],
-    deep: [Point; 2],
+    shallow: [SumPoint; 2],
+    deep: [SumPoint; 2],
     /// Hottest the wire was, degrees C.
     hottest: f64,
     /// At its end.
@@ -328,8 +328,8 @@ fn point<S: Simd>(
     (t, value): (f64, f64),
     row: &[f64; NODES],
     rate: &[f64; NODES],
-) -> Point {
-    Point {
+) -> SumPoint {
+    SumPoint {
         t,
         value,
         slope: dot(simd, row, rate),

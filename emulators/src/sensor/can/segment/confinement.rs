@@ -2,7 +2,7 @@
 
 use palpate_core::codec::can::CanFrame;
 
-use super::{BusError, CanSegment, Transmission};
+use super::{CanSegment, ErrorClass, Transmission};
 use crate::sensor::can::node::{Confinement, NodeId, Order};
 use crate::time::Nanos;
 
@@ -42,11 +42,11 @@ impl CanSegment {
     }
 
     /// Counts a destroyed frame against everyone.
-    pub(super) fn fail(&mut self, t: &Transmission, error: BusError) {
+    pub(super) fn fail(&mut self, t: &Transmission, error: ErrorClass) {
         self.note(error, t.sender);
         // An error-passive sender without an acknowledgement stays where it is: it may be alone.
         let alone =
-            error == BusError::Ack && self.nodes[t.sender].confinement() == Confinement::Passive;
+            error == ErrorClass::Ack && self.nodes[t.sender].confinement() == Confinement::Passive;
         if alone {
             self.requeue(t.sender, &t.frame);
         } else {
@@ -57,14 +57,14 @@ impl CanSegment {
         }
         for n in 0..self.nodes.len() {
             let sends = n == t.sender || t.rivals.iter().any(|&(rival, _)| rival == n);
-            if !sends && error != BusError::Ack {
+            if !sends && error != ErrorClass::Ack {
                 self.nodes[n].rec = (self.nodes[n].rec + 1).min(255);
             }
         }
     }
 
     /// Records an error in a frame of node `n`.
-    pub(super) fn note(&mut self, error: BusError, n: usize) {
+    pub(super) fn note(&mut self, error: ErrorClass, n: usize) {
         self.statistics.errors[error as usize] += 1;
         if self.errors.len() < ERRORS_KEPT {
             self.errors.push_back((self.now, error, NodeId(n)));

@@ -2,7 +2,7 @@
 
 use burn::backend::{Autodiff, NdArray};
 use burn::prelude::*;
-use palpate_core::random::Stream;
+use palpate_core::random::RandomStream;
 
 use super::{Learning, Recurrent, Weights, by_the_cell};
 
@@ -10,7 +10,7 @@ type Fused = Autodiff<NdArray>;
 
 const SIZE: [usize; 4] = [7, 5, 6, 9]; // steps, batch, inputs, units
 
-fn random<const D: usize>(stream: &mut Stream, shape: [usize; D]) -> TensorData {
+fn random<const D: usize>(stream: &mut RandomStream, shape: [usize; D]) -> TensorData {
     let values: Vec<f32> = (0..shape.iter().product())
         .map(|_| 0.6 * stream.normal() as f32)
         .collect();
@@ -18,7 +18,7 @@ fn random<const D: usize>(stream: &mut Stream, shape: [usize; D]) -> TensorData 
 }
 
 fn parts() -> (TensorData, [TensorData; 4]) {
-    let mut stream = Stream::new(11, "layer");
+    let mut stream = RandomStream::new(11, "layer");
     let [steps, batch, inputs, units] = SIZE;
     let x = random(&mut stream, [steps, batch, inputs]);
     let ih = random(&mut stream, [3 * units, inputs]);
@@ -49,7 +49,7 @@ fn gradients<L: Learning>(
     };
     let out = layer(x.clone(), weights.clone());
     let [steps, batch, _, units] = SIZE;
-    let weighing = random(&mut Stream::new(12, "loss"), [steps, batch, units]);
+    let weighing = random(&mut RandomStream::new(12, "loss"), [steps, batch, units]);
     let loss = (out.clone() * Tensor::from_data(weighing, &device)).sum()
         + out.clone().powi_scalar(2).sum();
     let found = loss.backward();
@@ -158,7 +158,10 @@ fn the_gradient_is_that_of_small_differences() {
     let (x, weights) = parts();
     let (x, weights) = (wide(x), weights.map(wide));
     let [steps, batch, _, units] = SIZE;
-    let weighing = wide(random(&mut Stream::new(12, "loss"), [steps, batch, units]));
+    let weighing = wide(random(
+        &mut RandomStream::new(12, "loss"),
+        [steps, batch, units],
+    ));
     let loss = |x: &[f64], weights: &[Vec<f64>; 4]| -> f64 {
         let out = reference(x, weights);
         out.iter().zip(&weighing).map(|(o, w)| o * w + o * o).sum()
