@@ -3,6 +3,7 @@
 mod compare;
 mod texture;
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -36,6 +37,20 @@ pub enum Color {
     Always,
     /// Never.
     Never,
+}
+
+impl Color {
+    /// Whether what goes to this stream is coloured; `NO_COLOR` in the environment means not by itself.
+    pub fn on(self, stream: &impl IsTerminal) -> bool {
+        match self {
+            Self::Always => true,
+            Self::Never => false,
+            Self::Auto => {
+                let unwanted = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
+                !unwanted && stream.is_terminal()
+            }
+        }
+    }
 }
 
 /// Slowest and fastest rows of a recording, Hz: slower ones would outlast any run, faster ones have no

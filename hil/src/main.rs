@@ -1,6 +1,6 @@
 //! The `hil` program: parses the command line, runs the command, turns its failure into an exit status.
 
-use std::io::{IsTerminal, Write};
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -10,11 +10,14 @@ use palpate_hil::command;
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
-        None => command::run(&RunArgs {
-            seed: 1,
-            ..RunArgs::default()
-        }),
-        Some(Command::Run(args)) => command::run(&args),
+        None => {
+            let args = RunArgs {
+                seed: 1,
+                ..RunArgs::default()
+            };
+            command::run(&args, cli.color)
+        }
+        Some(Command::Run(args)) => command::run(&args, cli.color),
         Some(Command::Contacts(args)) => command::contacts(&args),
         Some(Command::Emulate(args)) => command::emulate(&args),
         Some(Command::Doctor(args)) => command::doctor(&args),
@@ -23,8 +26,8 @@ fn main() -> ExitCode {
         Some(Command::Off(args)) => command::off(&args),
         Some(Command::Guardian(args)) => return ExitCode::from(command::guardian(args)),
         Some(Command::Texture(action)) => command::texture(&action),
-        Some(Command::Diff(args)) => command::diff(&args),
-        Some(Command::Test(args)) => command::test(&args),
+        Some(Command::Diff(args)) => command::diff(&args, cli.color),
+        Some(Command::Test(args)) => command::test(&args, cli.color),
         Some(Command::Review(args)) => command::review(&args, cli.color),
     };
     match result {
@@ -41,15 +44,7 @@ fn main() -> ExitCode {
 
 /// What an error message starts with; the bytes are those of clap's own errors.
 fn prefix(color: Color) -> &'static str {
-    let colored = match color {
-        Color::Always => true,
-        Color::Never => false,
-        Color::Auto => {
-            let asked_not_to = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
-            !asked_not_to && std::io::stderr().is_terminal()
-        }
-    };
-    if colored {
+    if color.on(&std::io::stderr()) {
         "\x1b[1m\x1b[31merror:\x1b[0m"
     } else {
         "error:"

@@ -23,6 +23,7 @@ pub mod story;
 pub mod table_schema;
 pub mod trace;
 pub mod vcd;
+pub mod verdict;
 pub mod words;
 
 #[cfg(test)]

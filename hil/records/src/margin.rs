@@ -134,9 +134,23 @@ impl Margin {
             .map_or(f64::INFINITY, |used| used as f64 / 1e5)
     }
 
+    /// The part that was used, for people: percent, above ten times the limit `x`, and never wide.
+    pub fn used_words(&self) -> String {
+        used_words(self.used_milli_percent())
+    }
+
     /// Whether the limit was passed.
     pub const fn over(&self) -> bool {
         self.worst_nano > self.limit_nano
+    }
+}
+
+/// A used part in thousandths of a percent as [`Margin::used_words`] says it; `None` is a limit at rest.
+pub fn used_words(milli_percent: Option<i64>) -> String {
+    match milli_percent {
+        Some(used) if used < 1_000_000 => format!("{:.0} %", (used.max(0) as f64) * 1e-3),
+        Some(used) if used <= 100_000_000_000 => format!("{:.0} x", used as f64 * 1e-5),
+        _ => "> 1e6 x".to_owned(),
     }
 }
 

@@ -31,6 +31,7 @@ mod summary;
 mod summary_text;
 mod supervisor;
 mod tape;
+mod verdict;
 
 pub use boards::{BoardReport, BusReport, CanReport, Pacing, Spread};
 pub use failure::Failure;
@@ -43,7 +44,8 @@ pub use replay::{CanFrames, Rows, TaxelTable};
 pub use runner::{build, run_with, scene_levels};
 pub use script::FaultReport;
 pub use session::{Session, Turn};
-pub use summary::{IllTaxel, Summary, Taxels, finished};
+pub use summary::{IllTaxel, Refresh, Summary, Taxels, finished};
+pub use verdict::stopped_by;
 
 use palpate_core::bus::Received;
 use palpate_core::skin::Layout;

@@ -25,6 +25,7 @@ use crate::session::{Session, TICK, Turn};
 use crate::skin_end::{SkinEnd, Tap};
 use crate::summary::finished;
 use crate::tape::Tape;
+use crate::verdict::STOPPED_BY;
 use crate::{Host, Input, Keep, Outcome, TurnView, boards, margins, plan, skin};
 
 /// [`crate::run()`], keeping more, with a host that measures and looks on.
@@ -47,7 +48,7 @@ pub fn run_with(
         keep,
         began: host.stopwatch().map(|read| read()),
     };
-    match input {
+    let outcome = match input {
         Input::Scene => run.scene(host),
         Input::Rows(tables) => {
             let rows = Rows::new(tables, &setup.sensor.value, &layout)?;
@@ -58,7 +59,9 @@ pub fn run_with(
             let skin = || skin::source(setup, &layout, Tap::new(frames.player(), keep.can));
             run.replay(skin, frames.rows(), frames.end(), host)
         }
-    }
+    }?;
+    let replayed = !matches!(input, Input::Scene);
+    Ok(outcome.concluded(&setup.scene.value, replayed))
 }
 
 /// Nothing is driven: for a pass that only looks at contacts.
@@ -244,7 +247,7 @@ fn look_on<S: SkinEnd>(session: &mut Session<S, EmulatedDisplay>, host: &mut dyn
         buses: &|| skin.buses(),
     });
     if ended {
-        let note = "ended by the person who watched".into();
+        let note = format!("{STOPPED_BY}the person who watched");
         session.recorder().note(now, note);
     }
     ended

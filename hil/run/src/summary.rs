@@ -7,6 +7,7 @@ use palpate_records::felt::{decibels, energy_permille, felt_scores};
 use palpate_records::margin::{Limited, Margin};
 use palpate_records::measure::{Errors, path_error};
 use palpate_records::trace::{Event, Header, Ledger, Source, Trace};
+use palpate_records::verdict::Conclusion;
 use serde::Serialize;
 
 use super::boards::{self, BoardReport, BusReport, CanReport, Pacing};
@@ -63,8 +64,8 @@ pub struct Refresh {
 /// The skin's health.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Taxels {
-    /// Rates of change.
-    pub refresh_hz: Refresh,
+    /// Rates of change; `None` where no reading came.
+    pub refresh_hz: Option<Refresh>,
     /// Taxels that stopped changing although readings came in.
     pub frozen: u32,
     /// Taxels never seen, or not any more.
@@ -146,6 +147,9 @@ pub struct TextureSummary {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[allow(missing_docs)] // the keys say what they are, with their units
 pub struct Summary {
+    /// How the run ended, and why.
+    #[serde(flatten)]
+    pub conclusion: Conclusion,
     pub source: Source,
     pub scene: String,
     pub bench: String,
@@ -275,6 +279,7 @@ impl Summary {
         let emulated = trace.header.source == Source::Emulated;
         let worst = |of| ledger.margin(of).map(Margin::worst);
         Self {
+            conclusion: Conclusion::default(),
             source: trace.header.source,
             scene: trace.header.scene.clone(),
             bench: trace.header.bench.clone(),
@@ -298,10 +303,10 @@ impl Summary {
             texture: None,
             frame_us: FrameTime::of(costs),
             taxels: Taxels {
-                refresh_hz: Refresh {
+                refresh_hz: (recorder.frames > 0).then_some(Refresh {
                     median: f64::from(health.refresh_median_hz),
                     min: f64::from(health.refresh_min_hz),
-                },
+                }),
                 frozen: health.frozen,
                 dead: health.dead,
                 saturated: health.saturated,

@@ -11,24 +11,29 @@ use crate::summary::{FeltError, Summary, Taxels, TextureSummary};
 /// Three digits or so, whatever the size.
 fn short(v: f64) -> String {
     match v.abs() {
-        a if a >= 100.0 || !a.is_finite() => format!("{v:.0}"),
+        a if a > 1e6 || !a.is_finite() => "> 1e6".to_owned(),
+        a if a >= 100.0 => format!("{v:.0}"),
         a if a >= 1.0 => format!("{v:.1}"),
         a if a >= 0.001 || a == 0.0 => format!("{v:.3}"),
         _ => format!("{v:.0e}"),
     }
 }
 
+/// A count of things.
+fn counted(count: u64, one: &str) -> String {
+    match count {
+        0 => format!("no {one}"),
+        1 => format!("1 {one}"),
+        n => format!("{n} {one}s"),
+    }
+}
+
 impl FeltError {
     fn line(&self) -> String {
-        let many = |count: u64, one: &str| match count {
-            0 => format!("no {one}"),
-            1 => format!("1 {one}"),
-            n => format!("{n} {one}s"),
-        };
         let events = format!(
             "{}, {}",
-            many(self.breaks, "break"),
-            many(self.jumps, "jump")
+            counted(self.breaks, "break"),
+            counted(self.jumps, "jump")
         );
         match (self.rmse, self.max) {
             (Some(rmse), Some(max)) => format!(
@@ -52,11 +57,12 @@ fn celsius(t: Option<f64>) -> String {
 }
 
 impl Summary {
-    /// A dozen lines for a person.
+    /// The verdict and some dozen lines for a person; a terminal gets colours.
     ///
     /// # Errors
     /// What the stream says.
-    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+    pub fn write(&self, out: &mut dyn Write, colored: bool) -> io::Result<()> {
+        self.conclusion.write(out, colored)?;
         let source = match self.source {
             Source::Emulated => "emulated",
             Source::Real => "real",
@@ -119,7 +125,7 @@ impl Summary {
         lines.push(line("hottest wire", wire));
         let limit = self.margins.iter().find(|m| m.of == Limited::SkinPeak);
         let limit = limit.map_or(String::new(), |m| {
-            let passed = if m.over() { ", PASSED" } else { "" };
+            let passed = if m.over() { ", EXCEEDED" } else { "" };
             format!(", limit {:.1} C{passed}", m.limit())
         });
         let tissue = celsius(self.hottest_skin_c);
@@ -156,12 +162,18 @@ impl Summary {
         let of_bus = |b: &&BoardReport| b.bus.map(usize::from) == Some(bus.bus);
         let boards: Vec<_> = self.boards.iter().filter(of_bus).collect();
         let rates = boards.iter().map(|b| b.rate_hz);
-        let slowest = rates.clone().map(|r| r.min).fold(f64::MAX, f64::min);
-        let fastest = rates.map(|r| r.max).fold(0.0, f64::max);
+        let slowest = rates.clone().map(|r| r.min).reduce(f64::min);
+        let fastest = rates.map(|r| r.max).reduce(f64::max);
+        let taxels = match slowest.zip(fastest) {
+            Some((slow, fast)) => format!(
+                "{}, taxels at {slow:.1} to {fast:.1} Hz",
+                counted(boards.len() as u64, "board")
+            ),
+            None => "no boards".to_owned(),
+        };
         let words = format!(
-            "{:.1} % load, {} boards, taxels at {slowest:.1} to {fastest:.1} Hz, {} errors",
+            "{:.1} % load, {taxels}, {} errors",
             bus.load * 100.0,
-            boards.len(),
             bus.errors.iter().sum::<u64>()
         );
         line(&format!("bus {}", bus.bus), words)
@@ -170,13 +182,13 @@ impl Summary {
     fn margin_lines(&self) -> Vec<Line> {
         let row = |(index, m): (usize, &Margin)| {
             let words = format!(
-                "{:<27}{:>8} of {:>7} {:<5} {:>4.0} % used{}",
+                "{:<27}{:>8} of {:>7} {:<5} {:>7} used{}",
                 m.of.name(),
                 short(m.worst()),
                 short(m.limit()),
                 m.of.unit(),
-                m.used().max(0.0) * 100.0,
-                if m.over() { ", PASSED" } else { "" }
+                m.used_words(),
+                if m.over() { ", EXCEEDED" } else { "" }
             );
             line(if index == 0 { "margins" } else { "" }, words)
         };
@@ -200,10 +212,12 @@ impl TextureSummary {
 
 impl Taxels {
     fn line(&self) -> Line {
+        let refresh = match &self.refresh_hz {
+            Some(hz) => format!("refresh {:.1} Hz median, {:.1} Hz min", hz.median, hz.min),
+            None => "no reading".to_owned(),
+        };
         let words = format!(
-            "refresh {:.1} Hz median, {:.1} Hz min; {:.0} % of frames repeated; {} frozen, {} dead, {} saturated, {} jumping",
-            self.refresh_hz.median,
-            self.refresh_hz.min,
+            "{refresh}; {:.0} % of frames repeated; {} frozen, {} dead, {} saturated, {} jumping",
             self.repeated * 100.0,
             self.frozen,
             self.dead,

@@ -1,16 +1,18 @@
 //! `hil diff`: two goldens, schedules or recorded contact paths, told in words; a schedule and a capture of its
 //! pins go to `pins`.
 
+use std::io;
 use std::path::Path;
 
 use palpate_records::damage::Damage;
 use palpate_records::diff::{Recording, Tolerance, compare, compare_recordings, tell};
 use palpate_records::story::Story;
+use palpate_records::verdict::Verdict;
 use serde::Serialize;
 
 use super::pins::{is_capture, pins};
 use super::schedules::{damaged, wires};
-use crate::cli::DiffArgs;
+use crate::cli::{Color, DiffArgs};
 use crate::output::print;
 use palpate_files::FileError;
 use palpate_run::Failure;
@@ -19,7 +21,7 @@ use palpate_run::Failure;
 ///
 /// # Errors
 /// [`Failure::Input`] for a file that is none of ours, [`Failure::Check`] where a difference means something.
-pub fn diff(args: &DiffArgs) -> Result<(), Failure> {
+pub fn diff(args: &DiffArgs, color: Color) -> Result<(), Failure> {
     if is_capture(&args.a, &args.b) {
         return pins(args);
     }
@@ -72,11 +74,13 @@ pub fn diff(args: &DiffArgs) -> Result<(), Failure> {
         } else {
             ", nothing that could be felt or measured"
         };
+        let verdict = if means { Verdict::Failed } else { Verdict::Ok };
         print(|out| {
+            let word = verdict.paint(verdict.word(), color.on(&io::stdout()));
             match found.len() {
-                0 => writeln!(out, "{name}: no difference")?,
-                1 => writeln!(out, "{name}: 1 difference{cosmetic}")?,
-                n => writeln!(out, "{name}: {n} differences{cosmetic}")?,
+                0 => writeln!(out, "{word}: {name}: no difference")?,
+                1 => writeln!(out, "{word}: {name}: 1 difference{cosmetic}")?,
+                n => writeln!(out, "{word}: {name}: {n} differences{cosmetic}")?,
             }
             let lines = tell(&found);
             lines.iter().try_for_each(|line| writeln!(out, "  {line}"))

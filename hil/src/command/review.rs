@@ -1,6 +1,6 @@
 //! `hil review`: changed goldens one after another, with words and charts; accept, reject or skip.
 
-use std::io::{self, BufRead, IsTerminal};
+use std::io::{self, BufRead};
 
 use palpate_records::diff::{Grade, LINES};
 use palpate_records::story::GoldenKind;
@@ -50,7 +50,7 @@ pub fn review(args: &ReviewArgs, color: Color) -> Result<(), Failure> {
                     )
                 });
             }
-            ask(&all, coloured(color))
+            ask(&all, color.on(&io::stdout()))
         }
     }
 }
@@ -59,17 +59,6 @@ fn count(scenes: usize) -> String {
     match scenes {
         1 => "1 scene waits".to_owned(),
         n => format!("{n} scenes wait"),
-    }
-}
-
-fn coloured(color: Color) -> bool {
-    match color {
-        Color::Always => true,
-        Color::Never => false,
-        Color::Auto => {
-            let asked_not_to = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
-            !asked_not_to && io::stdout().is_terminal()
-        }
     }
 }
 

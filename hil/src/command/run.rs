@@ -9,15 +9,16 @@ use palpate_records::report::{ReportExtras, SummaryRow, report_html};
 use palpate_records::schedule::write_schedule;
 use palpate_records::story::schedule_golden;
 use palpate_records::vcd::write_vcd;
+use palpate_records::verdict::Verdict;
 
-use crate::cli::{RunArgs, Switch};
+use crate::cli::{Color, RunArgs, Switch};
 use crate::host::Onlooker;
 use crate::output::{make_folder, note, print, write_file, write_sidecar};
 use crate::real::{self, Told};
 use crate::recording::{recorded, write_can_log};
-use crate::trial::{Trial, Verdict, judge, junit};
+use crate::trial::{Trial, TrialEnd, judge, junit};
 use palpate_files::{BenchKind, DRIFT_S, Overrides, Setup, THRESHOLD_FLOOR, load_scene};
-use palpate_run::{Failure, Input, Keep, Outcome, attachments, run_with};
+use palpate_run::{Failure, Input, Keep, Outcome, Refresh, attachments, run_with};
 
 use crate::record::Kind as LiveKind;
 
@@ -87,7 +88,7 @@ impl Format {
 ///
 /// # Errors
 /// [`Failure`] with its exit status.
-pub fn run(args: &RunArgs) -> Result<(), Failure> {
+pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     let setup = setup(args)?;
     let rate = rate_of(args.rate, &args.replay)?;
     let mut files = wanted(args)?;
@@ -128,15 +129,19 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         let trial = Trial::of(&setup.scene.value.name, tried, took);
         let text = junit(&setup.bench.value.name, std::slice::from_ref(&trial));
         write_file(path, |out| out.write_all(text.as_bytes()))?;
-        if let Verdict::Failed(wrong) = trial.verdict {
-            failed = Some(Failure::Check(wrong.join("; ")));
+        if let TrialEnd::Failed(wrong) = trial.end {
+            failed = Some(Failure::Check(wrong.why.join("; ")));
         }
     }
-    tell(args, &outcome, &files)?;
+    tell(args, &outcome, &files, color)?;
     if args.explain {
         explained(args, |out| explain::done(&outcome.effort, out))?;
     }
-    failure.or(failed).map_or(Ok(()), Err)
+    let conclusion = &outcome.summary.conclusion;
+    match conclusion.verdict {
+        Verdict::LimitExceeded | Verdict::Incomplete => Err(Failure::Check(conclusion.line())),
+        Verdict::Failed | Verdict::Stopped | Verdict::Ok => failure.or(failed).map_or(Ok(()), Err),
+    }
 }
 
 /// A scene or a recording on an emulated bench.
@@ -184,7 +189,12 @@ fn on_hardware(
 }
 
 /// Says what a run came to, in the form that the command line chose.
-fn tell(args: &RunArgs, outcome: &Outcome, files: &[(Format, PathBuf)]) -> Result<(), Failure> {
+fn tell(
+    args: &RunArgs,
+    outcome: &Outcome,
+    files: &[(Format, PathBuf)],
+    color: Color,
+) -> Result<(), Failure> {
     if args.json {
         print(|out| {
             serde_json::to_writer(&mut *out, &outcome.summary)?;
@@ -194,7 +204,7 @@ fn tell(args: &RunArgs, outcome: &Outcome, files: &[(Format, PathBuf)]) -> Resul
         Ok(())
     } else {
         print(|out| {
-            outcome.summary.write(out)?;
+            outcome.summary.write(out, color.on(&io::stdout()))?;
             files
                 .iter()
                 .try_for_each(|(_, path)| writeln!(out, "  wrote           {}", path.display()))
@@ -308,17 +318,13 @@ fn report(outcome: &Outcome) -> String {
         unit: unit.into(),
         ..SummaryRow::default()
     };
+    let refresh = |pick: fn(&Refresh) -> f64| {
+        let hz = s.taxels.refresh_hz.as_ref();
+        hz.map_or_else(|| "-".to_owned(), |hz| format!("{:.1}", pick(hz)))
+    };
     let rows = [
-        row(
-            "taxel refresh, median",
-            format!("{:.1}", s.taxels.refresh_hz.median),
-            "Hz",
-        ),
-        row(
-            "taxel refresh, slowest",
-            format!("{:.1}", s.taxels.refresh_hz.min),
-            "Hz",
-        ),
+        row("taxel refresh, median", refresh(|hz| hz.median), "Hz"),
+        row("taxel refresh, slowest", refresh(|hz| hz.min), "Hz"),
         row("frozen taxels", s.taxels.frozen.to_string(), ""),
         row("dead taxels", s.taxels.dead.to_string(), ""),
         row("computed in", format!("{:.3}", s.wall_s), "s"),
@@ -329,6 +335,7 @@ fn report(outcome: &Outcome) -> String {
             frame_us: &outcome.frame_us,
             summary: &rows,
             warmth: &outcome.warmth,
+            conclusion: Some(&s.conclusion),
         },
     )
 }

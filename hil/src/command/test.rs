@@ -3,12 +3,13 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use crate::cli::TestArgs;
+use crate::cli::{Color, TestArgs};
 use crate::output::{print, write_file};
-use crate::trial::{Halt, Trial, Verdict, attempt, decide, expects_anything, junit, lacks};
+use crate::trial::{Halt, Trial, TrialEnd, attempt, decide, expects_anything, junit, lacks};
 use palpate_files::{
     Bench, BenchKind, FileError, Loaded, Quarantine, Scene, Setup, Source, load_scene, sensor_of,
 };
+use palpate_records::verdict::Verdict;
 use palpate_run::Failure;
 
 use super::devices::bench;
@@ -20,7 +21,7 @@ const SHOWN: usize = 3;
 ///
 /// # Errors
 /// [`Failure::Check`] where one failed; [`Failure::Device`] where the bench is not well; [`Failure::Input`] for a filter that fits none, or a file that cannot be.
-pub fn test(args: &TestArgs) -> Result<(), Failure> {
+pub fn test(args: &TestArgs, color: Color) -> Result<(), Failure> {
     let bench = bench(args.bench.as_deref(), &args.can, &args.i2c)?;
     let scenes = chosen(args.filter.as_deref())?;
     let quarantine = quarantine(args, &scenes)?;
@@ -52,7 +53,7 @@ pub fn test(args: &TestArgs) -> Result<(), Failure> {
             trial = quarantined(trial, reason);
         }
         if told {
-            print(|out| tell(&trial, out))?;
+            print(|out| tell(&trial, color.on(&io::stdout()), out))?;
         }
         trials.push(trial);
     }
@@ -60,16 +61,22 @@ pub fn test(args: &TestArgs) -> Result<(), Failure> {
         let text = junit(&name, &trials);
         write_file(path, |out| out.write_all(text.as_bytes()))?;
     }
+    let gravest = trials.iter().map(|t| t.end.verdict()).max();
+    let verdict = match gravest.unwrap_or_default() {
+        // That a limit was passed is the trial's verdict; of all trials it is that one failed.
+        Verdict::Ok => Verdict::Ok,
+        _ => Verdict::Failed,
+    };
     let counts = counts(&trials);
     if args.json {
-        print(|out| json(&name, kind, &trials, out))?;
+        print(|out| json(verdict, (&name, kind), &trials, out))?;
     } else if told {
-        print(|out| writeln!(out, "{counts}"))?;
+        print(|out| {
+            let word = verdict.paint(verdict.word(), color.on(&io::stdout()));
+            writeln!(out, "{word}: {counts}")
+        })?;
     }
-    let failed = trials
-        .iter()
-        .any(|t| matches!(t.verdict, Verdict::Failed(_)));
-    match (halt, failed) {
+    match (halt, verdict == Verdict::Failed) {
         (Some(halt @ Halt::Unwell(_)), _) => Err(Failure::Device(halt.to_string())),
         (Some(halt @ Halt::Stopped(_)), _) => Err(Failure::Check(halt.to_string())),
         (None, true) => Err(Failure::Check(counts)),
@@ -148,12 +155,12 @@ fn one(
 }
 
 fn quarantined(trial: Trial, reason: &str) -> Trial {
-    match trial.verdict {
-        Verdict::Failed(wrong) => Trial {
-            verdict: Verdict::Quarantined(wrong, reason.to_owned()),
+    match trial.end {
+        TrialEnd::Failed(wrong) => Trial {
+            end: TrialEnd::Quarantined(wrong, reason.to_owned()),
             ..trial
         },
-        Verdict::Passed | Verdict::Unstable(_) => Trial {
+        TrialEnd::Passed | TrialEnd::Unstable(_) => Trial {
             remark: Some("passes although it is quarantined: take it out".to_owned()),
             ..trial
         },
@@ -162,49 +169,60 @@ fn quarantined(trial: Trial, reason: &str) -> Trial {
 }
 
 /// A line for the trial, and more where something is wrong.
-fn tell(trial: &Trial, out: &mut dyn Write) -> io::Result<()> {
-    let word = trial.verdict.word();
-    let detail = match &trial.verdict {
-        Verdict::Passed | Verdict::Unstable(_) => {
+fn tell(trial: &Trial, colored: bool, out: &mut dyn Write) -> io::Result<()> {
+    // Padded first: the codes of a colour have no width.
+    let word = format!("{:<14}", trial.end.word());
+    let word = trial.end.verdict().paint(&word, colored);
+    let detail = match &trial.end {
+        TrialEnd::Passed | TrialEnd::Unstable(_) => {
             let held = trial.measures.iter().filter(|m| m.bound.is_some());
             let words: Vec<String> = held.take(SHOWN).map(|m| m.words()).collect();
             words.join(", ")
         }
-        Verdict::Skipped(why) => why.clone(),
-        Verdict::Failed(_) => String::new(),
-        Verdict::Quarantined(_, reason) => reason.clone(),
+        TrialEnd::Skipped(why) => why.clone(),
+        TrialEnd::Failed(_) => String::new(),
+        TrialEnd::Quarantined(_, reason) => reason.clone(),
     };
     let took = format!("{:.2} s", trial.took.as_secs_f64());
-    writeln!(out, "  {word:<11} {:<26} {took:>8}  {detail}", trial.scene)?;
-    let more: &[String] = match &trial.verdict {
-        Verdict::Unstable(before) => before,
-        Verdict::Failed(wrong) | Verdict::Quarantined(wrong, _) => wrong,
+    writeln!(out, "{word}  {:<26} {took:>8}  {detail}", trial.scene)?;
+    let more: &[String] = match &trial.end {
+        TrialEnd::Unstable(before) => before,
+        TrialEnd::Failed(wrong) | TrialEnd::Quarantined(wrong, _) => &wrong.why,
         _ => &[],
     };
     for line in more.iter().chain(&trial.remark) {
-        writeln!(out, "              {line}")?;
+        writeln!(out, "                {line}")?;
     }
     Ok(())
 }
 
 fn counts(trials: &[Trial]) -> String {
-    let count = |word: &str| trials.iter().filter(|t| t.verdict.word() == word).count();
-    let mut parts = vec![format!("{} passed", count("pass"))];
-    for (word, plural) in [
-        ("FAIL", "failed"),
-        ("unstable", "unstable"),
-        ("quarantined", "quarantined"),
-        ("skip", "skipped"),
-    ] {
-        let n = count(word);
-        if n > 0 || word == "FAIL" {
-            parts.push(format!("{n} {plural}"));
-        }
+    let count = |counts: fn(&TrialEnd) -> bool| trials.iter().filter(|t| counts(&t.end)).count();
+    let (passed, failed) = (
+        count(|e| matches!(e, TrialEnd::Passed)),
+        count(|e| matches!(e, TrialEnd::Failed(_))),
+    );
+    let others = [
+        (count(|e| matches!(e, TrialEnd::Unstable(_))), "unstable"),
+        (
+            count(|e| matches!(e, TrialEnd::Quarantined(..))),
+            "quarantined",
+        ),
+        (count(|e| matches!(e, TrialEnd::Skipped(_))), "skipped"),
+    ];
+    let mut words = format!("{passed} passed, {failed} failed");
+    for (n, word) in others.into_iter().filter(|(n, _)| *n > 0) {
+        words += &format!(", {n} {word}");
     }
-    parts.join(", ")
+    words
 }
 
-fn json(bench: &str, kind: &str, trials: &[Trial], out: &mut dyn Write) -> io::Result<()> {
+fn json(
+    verdict: Verdict,
+    (bench, kind): (&str, &str),
+    trials: &[Trial],
+    out: &mut dyn Write,
+) -> io::Result<()> {
     let trial = |t: &Trial| {
         let measures: Vec<serde_json::Value> = t
             .measures
@@ -216,18 +234,20 @@ fn json(bench: &str, kind: &str, trials: &[Trial], out: &mut dyn Write) -> io::R
                 })
             })
             .collect();
-        let why: Vec<String> = match &t.verdict {
-            Verdict::Passed => Vec::new(),
-            Verdict::Skipped(why) => vec![why.clone()],
-            Verdict::Unstable(w) | Verdict::Failed(w) | Verdict::Quarantined(w, _) => w.clone(),
+        let why: &[String] = match &t.end {
+            TrialEnd::Passed => &[],
+            TrialEnd::Skipped(why) => std::slice::from_ref(why),
+            TrialEnd::Unstable(before) => before,
+            TrialEnd::Failed(wrong) | TrialEnd::Quarantined(wrong, _) => &wrong.why,
         };
         serde_json::json!({
-            "trial": t.scene, "verdict": t.verdict.word().to_lowercase(), "why": why,
+            "trial": t.scene, "verdict": t.end.key(), "why": why,
             "took_s": t.took.as_secs_f64(), "measures": measures,
         })
     };
     let trials: Vec<serde_json::Value> = trials.iter().map(trial).collect();
-    let all = serde_json::json!({ "bench": bench, "source": kind, "trials": trials });
+    let all =
+        serde_json::json!({ "verdict": verdict, "bench": bench, "source": kind, "trials": trials });
     serde_json::to_writer(&mut *out, &all)?;
     writeln!(out)
 }

@@ -245,7 +245,7 @@ impl Turns<'_> {
         };
         let stopped = watch.turn(now, &recorder.events, counts, buses);
         if stopped {
-            let note = "ended by the person who watched".into();
+            let note = "stopped by the person who watched".into();
             session.recorder().note(now, note);
         }
         stopped
@@ -325,4 +325,5 @@ fn outcome(setup: &Setup, header: Header, mut done: Done) -> Outcome {
         notes: Vec::new(),
         failure,
     }
+    .concluded(&setup.scene.value, false)
 }

@@ -95,15 +95,6 @@ pub fn after_real(bench: &Bench, outcome: &Outcome) -> Vec<String> {
     wrong
 }
 
-/// The signal that ended a run before its time, if one did.
-pub fn stopped_by(outcome: &Outcome) -> Option<&str> {
-    let mut notes = outcome.trace.events.iter().filter_map(|e| match e {
-        Event::Note { text, .. } => text.strip_prefix("stopped by "),
-        _ => None,
-    });
-    notes.next_back()
-}
-
 #[cfg(test)]
 #[path = "health_tests.rs"]
 mod tests;

@@ -5,13 +5,13 @@ use std::fmt::Write;
 
 use palpate_records::report::svg::escape;
 
-use super::{Trial, Verdict};
+use super::{Trial, TrialEnd};
 
 /// The trials of one bench as a document.
 pub fn junit(bench: &str, trials: &[Trial]) -> String {
-    let count = |f: fn(&Verdict) -> bool| trials.iter().filter(|t| f(&t.verdict)).count();
-    let failures = count(|v| matches!(v, Verdict::Failed(_)));
-    let skipped = count(|v| matches!(v, Verdict::Skipped(_) | Verdict::Quarantined(..)));
+    let count = |f: fn(&TrialEnd) -> bool| trials.iter().filter(|t| f(&t.end)).count();
+    let failures = count(|v| matches!(v, TrialEnd::Failed(_)));
+    let skipped = count(|v| matches!(v, TrialEnd::Skipped(_) | TrialEnd::Quarantined(..)));
     let seconds: f64 = trials.iter().map(|t| t.took.as_secs_f64()).sum();
     let bench = escape(bench);
     let mut out = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
@@ -61,18 +61,18 @@ fn case(out: &mut String, bench: &str, trial: &Trial) {
         let why = escape(why);
         let _ = writeln!(out, "<{tag} message=\"{why}\"/>");
     };
-    match &trial.verdict {
-        Verdict::Passed => {}
-        Verdict::Unstable(before) => before.iter().for_each(|w| told("flakyFailure", w)),
-        Verdict::Failed(wrong) => told("failure", &wrong.join("; ")),
-        Verdict::Quarantined(wrong, reason) => {
-            let wrong = wrong.join("; ");
+    match &trial.end {
+        TrialEnd::Passed => {}
+        TrialEnd::Unstable(before) => before.iter().for_each(|w| told("flakyFailure", w)),
+        TrialEnd::Failed(wrong) => told("failure", &wrong.why.join("; ")),
+        TrialEnd::Quarantined(wrong, reason) => {
+            let wrong = wrong.why.join("; ");
             told(
                 "skipped",
                 &format!("quarantined: {reason}; failed: {wrong}"),
             );
         }
-        Verdict::Skipped(why) => told("skipped", why),
+        TrialEnd::Skipped(why) => told("skipped", why),
     }
     if let Some(remark) = &trial.remark {
         let _ = writeln!(out, "<system-out>{}</system-out>", escape(remark));

@@ -1,26 +1,34 @@
 //! Tests of `junit.rs`.
 
 use super::*;
+use palpate_records::verdict::{Conclusion, Verdict};
 use std::time::Duration;
+
+fn failed(why: &[&str]) -> Conclusion {
+    Conclusion {
+        verdict: Verdict::Failed,
+        why: why.iter().map(|w| (*w).to_owned()).collect(),
+    }
+}
 
 #[test]
 fn every_verdict_has_its_element_and_text_is_escaped() {
-    let trial = |scene: &str, verdict| Trial {
-        verdict,
+    let trial = |scene: &str, end| Trial {
+        end,
         took: Duration::from_millis(1500),
         ..Trial::skipped(scene, String::new())
     };
     let text = junit(
         "a<b>",
         &[
-            trial("one", Verdict::Passed),
-            trial("two", Verdict::Unstable(vec!["a \"b\" & c".to_owned()])),
-            trial("three", Verdict::Failed(vec!["x".into(), "y".into()])),
+            trial("one", TrialEnd::Passed),
+            trial("two", TrialEnd::Unstable(vec!["a \"b\" & c".to_owned()])),
+            trial("three", TrialEnd::Failed(failed(&["x", "y"]))),
             trial(
                 "four",
-                Verdict::Quarantined(vec!["x".into()], "known".into()),
+                TrialEnd::Quarantined(failed(&["x"]), "known".into()),
             ),
-            trial("five", Verdict::Skipped("bench lacks touch".to_owned())),
+            trial("five", TrialEnd::Skipped("bench lacks touch".to_owned())),
         ],
     );
     assert!(text.contains("tests=\"5\" failures=\"1\" errors=\"0\" skipped=\"2\" time=\"7.500\""));

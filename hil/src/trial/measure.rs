@@ -161,7 +161,7 @@ pub fn measures(setup: &Setup, outcome: &Outcome) -> Vec<Measure> {
     ));
     let over = summary.margins.iter().filter(|m| m.over()).count();
     if expect.over_limit {
-        let mut passed = Measure::new("limits passed", Some(over as f64), "", None);
+        let mut passed = Measure::new("limits exceeded", Some(over as f64), "", None);
         passed.bound = Some(Bound::AtLeast(1.0));
         if is_real {
             passed.lacking = Some("a measured finger");

@@ -13,37 +13,55 @@ use crate::clock;
 use crate::host::Onlooker;
 use crate::real;
 use palpate_files::{BenchKind, Setup};
-use palpate_run::{Failure, Input, Keep, Outcome, run_with};
+use palpate_records::verdict::{Conclusion, Verdict};
+use palpate_run::{Failure, Input, Keep, Outcome, run_with, stopped_by};
 
 pub use capability::lacks;
-use health::{after_emulated, after_real, stopped_by};
+use health::{after_emulated, after_real};
 pub use junit::junit;
 pub use measure::{Bound, Measure, expects_anything, measures};
 
 /// How a trial ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// Everything within its limits, at once.
+pub enum TrialEnd {
+    /// Everything as expected, at once.
     Passed,
-    /// Within its limits only after the tries that are listed.
+    /// As expected only after the tries that are listed.
     Unstable(Vec<String>),
-    /// Out of its limits, or the run failed; why.
-    Failed(Vec<String>),
+    /// Not as expected, or the run failed; how gravely, and why.
+    Failed(Conclusion),
     /// Failed, but known to: why it failed, and the reason in the quarantine file.
-    Quarantined(Vec<String>, String),
+    Quarantined(Conclusion, String),
     /// Not run, and why.
     Skipped(String),
 }
 
-impl Verdict {
-    /// The word a list begins with.
+impl TrialEnd {
+    /// The word a list begins with: the verdict, or why there is none.
     pub const fn word(&self) -> &'static str {
         match self {
-            Self::Passed => "pass",
+            Self::Unstable(_) => "UNSTABLE",
+            Self::Quarantined(..) => "QUARANTINED",
+            Self::Skipped(_) => "SKIPPED",
+            _ => self.verdict().word(),
+        }
+    }
+
+    /// The same for programs.
+    pub const fn key(&self) -> &'static str {
+        match self {
             Self::Unstable(_) => "unstable",
-            Self::Failed(_) => "FAIL",
             Self::Quarantined(..) => "quarantined",
-            Self::Skipped(_) => "skip",
+            Self::Skipped(_) => "skipped",
+            _ => self.verdict().key(),
+        }
+    }
+
+    /// What it counts as among others.
+    pub const fn verdict(&self) -> Verdict {
+        match self {
+            Self::Failed(conclusion) => conclusion.verdict,
+            _ => Verdict::Ok,
         }
     }
 }
@@ -54,7 +72,7 @@ pub struct Trial {
     /// The scene.
     pub scene: String,
     /// How it ended.
-    pub verdict: Verdict,
+    pub end: TrialEnd,
     /// What was measured in the last try.
     pub measures: Vec<Measure>,
     /// How long all tries took.
@@ -68,9 +86,9 @@ impl Trial {
     pub fn of(scene: &str, tried: Try, took: Duration) -> Self {
         Self {
             scene: scene.to_owned(),
-            verdict: match tried.wrong.is_empty() {
-                true => Verdict::Passed,
-                false => Verdict::Failed(tried.wrong),
+            end: match tried.wrong.verdict {
+                Verdict::Ok => TrialEnd::Passed,
+                _ => TrialEnd::Failed(tried.wrong),
             },
             measures: tried.measures,
             took,
@@ -82,7 +100,7 @@ impl Trial {
     pub fn skipped(scene: &str, why: String) -> Self {
         Self {
             scene: scene.to_owned(),
-            verdict: Verdict::Skipped(why),
+            end: TrialEnd::Skipped(why),
             measures: Vec::new(),
             took: Duration::ZERO,
             remark: None,
@@ -95,8 +113,8 @@ impl Trial {
 pub struct Try {
     /// What was measured.
     pub measures: Vec<Measure>,
-    /// Why it failed; empty where it passed.
-    pub wrong: Vec<String>,
+    /// Why it failed, and how gravely; [`Verdict::Ok`] where it passed.
+    pub wrong: Conclusion,
     /// Why no further trial can be run.
     pub halt: Option<Halt>,
 }
@@ -104,7 +122,7 @@ pub struct Try {
 /// Why the trials end before all were run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Halt {
-    /// Somebody asked for it: the signal.
+    /// A person ended them: the signal.
     Stopped(String),
     /// The bench is not well: what is wrong with it.
     Unwell(String),
@@ -132,15 +150,15 @@ pub fn decide(
     loop {
         let tried = attempt();
         let retry = left > 0 && tried.halt.is_none();
-        if !tried.wrong.is_empty() && retry {
+        if tried.wrong.verdict != Verdict::Ok && retry {
             left -= 1;
-            before.push(tried.wrong.join("; "));
+            before.push(tried.wrong.why.join("; "));
             continue;
         }
         let halt = tried.halt.clone();
         let mut trial = Trial::of(scene, tried, started.elapsed());
-        if trial.verdict == Verdict::Passed && !before.is_empty() {
-            trial.verdict = Verdict::Unstable(before);
+        if trial.end == TrialEnd::Passed && !before.is_empty() {
+            trial.end = TrialEnd::Unstable(before);
         }
         return (trial, halt);
     }
@@ -166,7 +184,10 @@ pub fn attempt(setup: &Setup, seed: u64) -> Result<Try, Failure> {
         Ok(outcome) => Ok(judge(setup, &outcome)),
         Err(bad @ (Failure::Input(_) | Failure::File(_))) => Err(bad),
         Err(failure) => Ok(Try {
-            wrong: vec![failure.to_string()],
+            wrong: Conclusion {
+                verdict: Verdict::Failed,
+                why: vec![failure.to_string()],
+            },
             halt: is_real.then(|| Halt::Unwell(failure.to_string())),
             ..Try::default()
         }),
@@ -183,12 +204,27 @@ pub fn judge(setup: &Setup, outcome: &Outcome) -> Try {
         after_emulated(&setup.scene.value, outcome)
     };
     let measures = measures(setup, outcome);
-    let mut wrong: Vec<String> = measures.iter().filter_map(Measure::wrong).collect();
-    wrong.extend(outcome.failure.iter().map(ToString::to_string));
-    let stopped = stopped_by(outcome).map(|signal| Halt::Stopped(signal.to_owned()));
-    wrong.extend(stopped.as_ref().map(ToString::to_string));
+    let mut wrong = Conclusion::default();
+    for why in measures.iter().filter_map(Measure::wrong) {
+        wrong.add(Verdict::Failed, why);
+    }
+    // What the run itself came to, but for the limits that a scene expects to be passed.
+    let found = &outcome.summary.conclusion;
+    let expected = setup.scene.value.expect.over_limit && found.verdict == Verdict::LimitExceeded;
+    if found.verdict != Verdict::Ok && !expected {
+        let mut why = found.why.iter();
+        why.next()
+            .into_iter()
+            .for_each(|first| wrong.add(found.verdict, first));
+        why.for_each(|more| wrong.add(Verdict::Ok, more));
+    } else if let Some(failure) = &outcome.failure {
+        wrong.add(Verdict::Failed, failure.to_string());
+    }
+    let stopped = stopped_by(&outcome.trace).map(|signal| Halt::Stopped(signal.to_owned()));
     let unwell = (is_real && !health.is_empty()).then(|| Halt::Unwell(health.join("; ")));
-    wrong.extend(health.into_iter().map(|h| format!("bench: {h}")));
+    for why in health {
+        wrong.add(Verdict::Failed, format!("bench: {why}"));
+    }
     Try {
         measures,
         wrong,

@@ -24,7 +24,7 @@ fn a_file_does_not_differ_from_itself() {
     let said = diff(&golden, &golden);
     assert_eq!(
         (said.status, said.out.as_str()),
-        (Some(0), "sphere-along: no difference\n")
+        (Some(0), "OK: sphere-along: no difference\n")
     );
     let run = schedule(&folder, "a.jsonl", &[]);
     assert_eq!(diff(&run, &run).status, Some(0));
@@ -32,7 +32,7 @@ fn a_file_does_not_differ_from_itself() {
     let said = diff(&run, &golden);
     assert_eq!(
         (said.status, said.out.as_str()),
-        (Some(0), "sphere-along: no difference\n")
+        (Some(0), "OK: sphere-along: no difference\n")
     );
 }
 
@@ -135,7 +135,7 @@ fn recorded_contacts_are_compared_by_place_and_time() {
     let path = |name: &str| folder.path(name).display().to_string();
     let (a, b) = (path("a.csv"), path("b.csv"));
     good(&["run", "sphere-along", "--quiet", "--record", &a]);
-    assert_eq!(hil(&["diff", &a, &a]).out, "contacts: no difference\n");
+    assert_eq!(hil(&["diff", &a, &a]).out, "OK: contacts: no difference\n");
     good(&[
         "run",
         "sphere-along",

@@ -21,7 +21,7 @@ fn the_default_is_a_sphere_on_the_emulated_bench() {
     assert_eq!(bare.status, Some(0));
     assert!(
         bare.out
-            .starts_with("sphere-along on emulated (emulated), seed 1\n"),
+            .starts_with("OK\nsphere-along on emulated (emulated), seed 1\n"),
         "{}",
         bare.out
     );
@@ -95,7 +95,20 @@ fn every_built_in_scene_runs_on_every_built_in_bench() {
     for scene in palpate_fixtures::scene_names() {
         for bench in palpate_fixtures::bench_names() {
             let said = hil(&["run", scene, "--bench", bench, "--json"]);
-            assert_eq!(said.status, Some(0), "{scene} on {bench}: {}", said.err);
+            let summary: Value = serde_json::from_str(&said.out).unwrap();
+            let burns = scene == "stuck-amplifier";
+            let (verdict, status) = if burns {
+                ("limit-exceeded", 1)
+            } else {
+                ("ok", 0)
+            };
+            assert_eq!(
+                said.status,
+                Some(status),
+                "{scene} on {bench}: {}",
+                said.err
+            );
+            assert_eq!(summary["verdict"], verdict, "{scene} on {bench}");
         }
     }
 }
@@ -195,4 +208,51 @@ fn colour_is_for_terminals_unless_asked_for() {
     );
     assert_eq!(hil(&["--color", "never", "run", "nowhere"]).err, plain);
     refused(&["run", "--color", "sometimes"]);
+}
+
+#[test]
+fn a_limit_that_is_passed_is_the_first_and_the_last_that_one_reads() {
+    let said = hil(&["run", "stuck-amplifier"]);
+    assert_eq!(said.status, Some(1));
+    let first = said.out.lines().next().unwrap();
+    assert!(
+        first.starts_with("LIMIT EXCEEDED: 12 of 13 rows"),
+        "{first}"
+    );
+    assert!(said.err.contains("LIMIT EXCEEDED"), "{}", said.err);
+    assert!(!said.out.contains("PASSED"), "{}", said.out);
+    let widest = said.out.lines().map(|l| l.chars().count()).max().unwrap();
+    assert!(widest <= 130, "{widest} columns:\n{}", said.out);
+    // A scene that expects it passes as a trial, and its run is none the better.
+    assert_eq!(hil(&["test", "stuck-amplifier"]).status, Some(0));
+    let colored = hil(&["--color", "always", "run", "stuck-amplifier"]);
+    assert!(
+        colored
+            .out
+            .starts_with("\u{1b}[1m\u{1b}[31mLIMIT EXCEEDED\u{1b}[0m: "),
+        "{}",
+        colored.out
+    );
+}
+
+#[test]
+fn a_log_without_some_boards_is_incomplete_and_names_them() {
+    let folder = Folder::new("run-boards-missing");
+    let log = folder.path("all.log").display().to_string();
+    good(&["run", "allegro-four-buses", "--quiet", "--record", &log]);
+    let text = std::fs::read_to_string(&log).unwrap();
+    let first_bus: String = text
+        .lines()
+        .filter(|l| l.contains(" can0 "))
+        .fold(String::new(), |all, line| all + line + "\n");
+    assert_ne!(first_bus, "");
+    let part = folder.write("part.log", &first_bus).display().to_string();
+    let said = hil(&["run", "allegro-four-buses", "--replay", &part]);
+    assert_eq!(said.status, Some(1), "{}", said.err);
+    let first = said.out.lines().next().unwrap();
+    assert!(
+        first.starts_with("INCOMPLETE: no reading of board ")
+            && first.contains("the layout expects 15"),
+        "{first}"
+    );
 }

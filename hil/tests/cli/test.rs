@@ -11,7 +11,10 @@ fn every_shipped_scene_passes_on_the_emulated_bench() {
         lines[0],
         format!("{scenes} trials on emulated (emulated), seed 1")
     );
-    assert_eq!(lines.last().unwrap(), &format!("{scenes} passed, 0 failed"));
+    assert_eq!(
+        lines.last().unwrap(),
+        &format!("OK: {scenes} passed, 0 failed")
+    );
     let along = lines.iter().find(|l| l.contains("sphere-along ")).unwrap();
     assert!(
         along.contains("path error RMSE 0.194 mm <= 0.500 mm, contacts in a frame 1 <= 1"),
@@ -59,7 +62,7 @@ fn a_quarantined_trial_may_fail_and_needs_a_reason() {
     let said = hil(&["test", &scene, "--quarantine", &known]);
     assert_eq!(said.status, Some(0));
     assert!(
-        said.out.contains("quarantined sphere-along"),
+        said.out.contains("QUARANTINED     sphere-along"),
         "{}",
         said.out
     );
@@ -90,7 +93,7 @@ fn what_a_bench_lacks_is_named() {
     let path = folder.write("other.toml", &other).display().to_string();
     let out = good(&["test", &path]);
     assert!(
-        out.contains("skip        idle")
+        out.contains("SKIPPED         idle")
             && out.contains("the bench lacks display tactile-brush-4x3"),
         "{out}"
     );
@@ -107,6 +110,7 @@ fn what_a_bench_lacks_is_named() {
 fn the_object_has_every_measurement_with_its_limit() {
     let out = good(&["test", "two-finger", "--json"]);
     let all: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(all["verdict"], "ok");
     assert_eq!(
         (&all["bench"], &all["source"]),
         (&"emulated".into(), &"emulated".into())
@@ -114,7 +118,7 @@ fn the_object_has_every_measurement_with_its_limit() {
     let trial = &all["trials"][0];
     assert_eq!(
         (&trial["trial"], &trial["verdict"]),
-        (&"two-finger-press".into(), &"pass".into())
+        (&"two-finger-press".into(), &"ok".into())
     );
     let measures = trial["measures"].as_array().unwrap();
     let contacts = measures

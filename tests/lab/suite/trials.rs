@@ -53,7 +53,7 @@ fn scenes_are_trials_by_what_the_bench_can_do() {
         "real"
     );
     let trial = result(&out);
-    assert_eq!(trial["verdict"], "pass", "{trial}");
+    assert_eq!(trial["verdict"], "ok", "{trial}");
     let measures = trial["measures"].as_array().unwrap();
     let of = |name: &str| measures.iter().find(|m| m["name"] == name).unwrap();
     assert_eq!(of("contacts in a frame")["value"], json!(1.0), "{trial}");
@@ -68,7 +68,7 @@ fn scenes_are_trials_by_what_the_bench_can_do() {
     );
     let failed = try_sh(&line);
     assert_eq!(failed.status.code(), Some(1), "{}", text(&failed.stderr));
-    assert_eq!(result(&text(&failed.stdout))["verdict"], "fail");
+    assert_eq!(result(&text(&failed.stdout))["verdict"], "failed");
 
     // What the bench lacks is named, and nothing is run.
     for (name, bench, lacks) in [
@@ -77,7 +77,7 @@ fn scenes_are_trials_by_what_the_bench_can_do() {
         ("allegro-four-buses", bench.to_string(), "4 CAN interfaces"),
     ] {
         let trial = result(&sh(&format!("{hil} test {name} --bench {bench} --json")));
-        assert_eq!(trial["verdict"], "skip", "{trial}");
+        assert_eq!(trial["verdict"], "skipped", "{trial}");
         assert!(trial["why"][0].as_str().unwrap().contains(lacks), "{trial}");
     }
     let record = ward.emulator.stop();

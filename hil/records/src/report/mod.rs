@@ -15,6 +15,7 @@ mod thermal;
 
 use crate::digest::trace_digest;
 use crate::trace::{Source, Trace};
+use crate::verdict::Conclusion;
 use std::fmt::Write;
 use svg::escape;
 pub use thermal::Warmth;
@@ -49,6 +50,8 @@ pub struct ReportExtras<'a> {
     pub summary: &'a [SummaryRow],
     /// The emulated finger over time, where there is one.
     pub warmth: &'a [Warmth],
+    /// How the run ended; without it the page says what its ledger shows.
+    pub conclusion: Option<&'a Conclusion>,
 }
 
 /// The report as one HTML page.
@@ -62,6 +65,7 @@ pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
          <title>{scene} \u{b7} palpate</title>\n<style>\n{STYLE}</style></head>\n<body><main>"
     );
     tables::head(&mut page, trace);
+    tables::verdict(&mut page, trace, extras.conclusion);
     tables::summary(&mut page, trace, extras);
     thermal::section(&mut page, trace, extras.warmth);
     figures::planes(&mut page, trace);

@@ -125,7 +125,7 @@ fn times_panel(
         .unwrap_or(1.0)
         .max(scan.unwrap_or(0.0));
     let lower = panel(222.0, 150.0, x, Scale::decades(low, high));
-    lower.y_axis(svg, "time per frame [\u{b5}s]");
+    lower.y_axis(svg, "time per frame [us]");
     lower.x_axis(svg, "frame");
     lower.frame(svg);
     // Half a pixel is all an eye sees: a long run costs no more than its pixels.
@@ -161,7 +161,7 @@ fn times_panel(
         svg.text(
             (right + 6.0, y + 4.0),
             "tick",
-            &format!("median {median:.2} \u{b5}s"),
+            &format!("median {median:.2} us"),
         );
     }
 }

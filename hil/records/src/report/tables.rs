@@ -4,10 +4,12 @@ use super::series::{quantile, scan_us, sorted_times};
 use super::svg::escape;
 use super::{ReportExtras, SummaryRow};
 use crate::felt::{decibels, energy_permille, felt_scores};
-use crate::figures::figures;
-use crate::fixed::{milli, milli_u, seconds};
+use crate::figures::{Figure, figures};
+use crate::fixed::{milli_u, seconds};
+use crate::margin::used_words;
 use crate::measure::{self, Errors};
 use crate::trace::{Event, Source, Trace};
+use crate::verdict::Conclusion;
 use crate::words;
 use std::fmt::Write;
 
@@ -26,6 +28,23 @@ pub(super) fn title(scene: &str) -> String {
         }
         None => scene.to_owned(),
     }
+}
+
+/// How the run ended, and why.
+pub(super) fn verdict(page: &mut String, trace: &Trace, known: Option<&Conclusion>) {
+    let mut shown = Conclusion::default();
+    shown.add_margins(&trace.ledger.margins);
+    let shown = known.unwrap_or(&shown);
+    let _ = writeln!(
+        page,
+        "<p class=\"verdict {}\" role=\"status\"><strong>{}</strong>{}</p>",
+        shown.verdict.key(),
+        shown.verdict.word(),
+        shown.why.iter().fold(String::new(), |mut all, why| {
+            let _ = write!(all, "<span>{}</span>", escape(why));
+            all
+        })
+    );
 }
 
 /// Name, whether real, and what was run.
@@ -62,7 +81,7 @@ pub(super) fn head(page: &mut String, trace: &Trace) {
         ),
         (
             "pulse period",
-            format!("{} \u{b5}s", milli_u(h.pre_scale.period_ns())),
+            format!("{} us", milli_u(h.pre_scale.period_ns())),
         ),
         (
             "burst \u{3c4}_d, onsets SOA",
@@ -154,8 +173,8 @@ fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
     ));
     let times = sorted_times(extras.frame_us);
     let time = |q| quantile(&times, q).map_or_else(|| "\u{2013}".to_owned(), |t| format!("{t:.2}"));
-    rows.push(row("time per frame, median", time(0.5), "\u{b5}s"));
-    let mut p99 = row("time per frame, p99", time(0.99), "\u{b5}s");
+    rows.push(row("time per frame, median", time(0.5), "us"));
+    let mut p99 = row("time per frame, p99", time(0.99), "us");
     p99.limit = scan_us(trace).map(|us| format!("{us:.0}, one scan"));
     rows.push(p99);
     rows.extend(extras.summary.iter().cloned());
@@ -184,6 +203,14 @@ pub(super) fn summary(page: &mut String, trace: &Trace, extras: &ReportExtras<'_
     page.push_str("</div>\n");
 }
 
+/// A value of the ledger, of a bounded width: what is larger than a million is not told to the digit.
+fn short(figure: &Figure) -> String {
+    match figure.value {
+        Some(milli) if milli > 1_000_000_000 => "> 1e6".to_owned(),
+        value => figure.text(value),
+    }
+}
+
 /// Totals, then the margins.
 fn ledger(page: &mut String, trace: &Trace) {
     page.push_str(
@@ -193,12 +220,10 @@ fn ledger(page: &mut String, trace: &Trace) {
     for f in figures(trace) {
         let used = f.used.map_or_else(String::new, |used| {
             let bar = (used / 1000).clamp(0, 100);
-            let percent = milli(used / 100 * 100);
-            let percent = percent.trim_end_matches('0').trim_end_matches('.');
-            format!("<span class=\"meter\"><i style=\"width:{bar}%\"></i></span>{percent}\u{a0}%")
+            let words = used_words(Some(used)).replace(' ', "\u{a0}");
+            format!("<span class=\"meter\"><i style=\"width:{bar}%\"></i></span>{words}")
         });
         let unit = match f.unit.as_str() {
-            "us" => "\u{b5}s",
             "C" => "\u{b0}C",
             "Omega" => "\u{3a9}",
             unit => unit,
@@ -210,7 +235,7 @@ fn ledger(page: &mut String, trace: &Trace) {
              <td>{used}</td></tr>",
             if f.over { " class=\"over\"" } else { "" },
             f.name,
-            f.text(f.value),
+            short(&f),
         );
     }
     let words = if trace.ledger.margins.is_empty() {

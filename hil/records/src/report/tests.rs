@@ -50,6 +50,7 @@ fn a_run_becomes_one_page_that_needs_nothing() {
             frame_us: &times,
             summary: &rows,
             warmth: &[],
+            conclusion: None,
         },
     );
     sound(&page);
