@@ -11,8 +11,7 @@ use palpate_buses::guardian::{parse_bus, parse_line};
 use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::Axes;
 pub use texture::{
-    DrawArg, EncodeArgs, ExportArgs, MapArgs, PanelArgs, PulsesArgs, StrokesArgs, TextureAction,
-    TrainArgs,
+    EncodeArgs, ExportArgs, MapArgs, PanelArgs, StrokesArgs, TextureAction, TrainArgs,
 };
 
 /// Tactile feedback with hardware in the loop: from a robot's touched skin to heated wires on a finger.
@@ -121,7 +120,7 @@ pub enum Command {
     /// Run every scene with expectations as a trial on a bench (default: emulated). Exits with 1 if one
     /// fails.
     Test(TestArgs),
-    /// Work with the texture model: strokes, training, latent vectors, pulses, export, map, panel.
+    /// Work with the texture model: strokes, training, latent vectors, export, map, panel.
     #[command(subcommand)]
     Texture(TextureAction),
     /// Say what this machine has, what it lacks, and which commands add it.
