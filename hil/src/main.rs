@@ -4,16 +4,22 @@ use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 
 use clap::Parser;
-use palpate_hil::cli::{Cli, Color, Command, RunArgs};
+use palpate_hil::cli::{Buses, Cli, Color, Command, RunArgs};
 use palpate_hil::command;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
-        None => command::run(&RunArgs {
-            seed: 1,
-            ..RunArgs::default()
-        }),
+        None => {
+            let on = Buses {
+                seed: 1,
+                ..Buses::default()
+            };
+            command::run(&RunArgs {
+                on,
+                ..RunArgs::default()
+            })
+        }
         Some(Command::Run(args)) => command::run(&args),
         Some(Command::Contacts(args)) => command::contacts(&args),
         Some(Command::Emulate(args)) => command::emulate(&args),

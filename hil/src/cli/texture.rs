@@ -25,18 +25,26 @@ pub enum TextureAction {
     Panel(PanelArgs),
 }
 
-/// Options of `hil texture strokes`.
+/// Emulated strokes.
 #[derive(Debug, Args)]
-pub struct StrokesArgs {
-    /// Folder to write to.
-    #[arg(value_name = "FOLDER")]
-    pub out: PathBuf,
+pub struct Strokes {
     /// A table of textures, by name or file.
     #[arg(long, value_name = "NAME|FILE", default_value = "thesis")]
     pub textures: String,
     /// Strokes over each texture.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = super::whole::<u32, 1, 1000>, allow_hyphen_values = true)]
     pub strokes: u32,
+}
+
+/// Options of `hil texture strokes`.
+#[derive(Debug, Args)]
+pub struct StrokesArgs {
+    /// Folder to write to.
+    #[arg(value_name = "FOLDER")]
+    pub out: PathBuf,
+    /// What is stroked.
+    #[command(flatten)]
+    pub of: Strokes,
     /// Seed of all randomness.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
@@ -60,12 +68,9 @@ pub struct MapArgs {
     /// `default` or a model file (.safetensors).
     #[arg(value_name = "MODEL", default_value = "default")]
     pub model: String,
-    /// A table of textures, by name or file.
-    #[arg(long, value_name = "NAME|FILE", default_value = "thesis")]
-    pub textures: String,
-    /// Strokes over each texture.
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = super::whole::<u32, 1, 1000>, allow_hyphen_values = true)]
-    pub strokes: u32,
+    /// What is stroked.
+    #[command(flatten)]
+    pub of: Strokes,
     /// Seed of the strokes; the default model was trained on those of seed 1.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
