@@ -68,17 +68,6 @@ impl Cloud {
         }
     }
 
-    /// Every `step`th point.
-    pub fn thinned(&self, step: usize) -> Self {
-        let thin = |v: &[f32]| v.iter().copied().step_by(step).collect();
-        Self {
-            x: thin(&self.x),
-            y: thin(&self.y),
-            w: thin(&self.w),
-            presses: self.presses.clone(),
-        }
-    }
-
     /// sum(w d²) of all points to their nearest centroid: what K-means makes small.
     pub fn inertia(&self, centroids: &[(f64, f64)]) -> f64 {
         let cost = |i: usize| {
