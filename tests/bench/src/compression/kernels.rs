@@ -11,7 +11,7 @@ use palpate_run::Failure;
 use super::clouds::{Cloud, Errors, ROUND, wide};
 use super::peers;
 use super::textbook::{self, Draw};
-use crate::findings::{Error, Findings};
+use crate::findings::Findings;
 use crate::plot::{Mark, Plot, Series};
 use crate::timing::Race;
 
@@ -140,52 +140,38 @@ pub fn measure(findings: &mut Findings) -> Result<(), Failure> {
             }
         }
         let ours = Method::ALL.iter().zip(errors.iter().zip(&samples));
-        let mut results: Vec<_> = ours
-            .map(|((name, method), (errors, samples))| {
-                let peer = *method == Method::Textbook;
-                ((*name).to_owned(), *errors, samples.median(), peer)
-            })
-            .collect();
+        let ours = ours.map(|((name, method), (errors, samples))| {
+            let peer = *method == Method::Textbook;
+            ((*name).to_owned(), *errors, samples.median(), peer)
+        });
         let peers = peers::measure(&round, &starts, &best)?;
-        results.extend(peers.into_iter().map(|(name, e, us)| (name, e, us, true)));
-        for location in [false, true] {
-            let rows = results.iter().map(|(name, errors, us, peer)| {
-                let (excess, miss) = errors.means();
-                let error = if location {
-                    (miss, MISS)
-                } else {
-                    (excess, ERROR)
-                };
-                (name.as_str(), error, *us, *peer)
-            });
-            let case = format!("{}N={n} K={k}", if location { "location " } else { "" });
-            table(findings, &case, &rows.collect::<Vec<_>>());
-        }
+        let peers = peers.into_iter().map(|(name, e, us)| (name, e, us, true));
+        let results: Vec<_> = ours.chain(peers).collect();
+        table(findings, &format!("N={n} K={k}"), &results);
     }
     levels(findings);
     Ok(())
 }
 
 /// Rows of a case and their work-precision diagram.
-fn table(findings: &mut Findings, case: &str, rows: &[(&str, Error, f64, bool)]) {
+fn table(findings: &mut Findings, case: &str, rows: &[(String, Errors, f64, bool)]) {
     let mut series = Vec::new();
-    let mut unit = "";
-    for &(name, error, us, peer) in rows {
+    for (name, errors, us, peer) in rows {
+        let error = errors.mean();
         // A method that is as good as the optimum has no place on a logarithm: it stands at 1e-6.
-        let points = vec![(us, error.0.max(1e-6))];
-        unit = error.1;
-        if peer {
-            findings.peer(case, name, error, us);
+        let points = vec![(*us, error.max(1e-6))];
+        if *peer {
+            findings.peer(case, name, (error, ERROR), *us);
             series.push(Series::new(name, Mark::Swept, points));
         } else {
-            findings.row(case, name, error, us);
+            findings.row(case, name, (error, ERROR), *us);
             series.push(Series::new(name, Mark::Ours, points));
         }
     }
     let name = format!("error-{}", case.to_lowercase().replace(['=', ' '], "-"));
     findings
         .figures
-        .push(Plot::work_precision(unit, series).figure(
+        .push(Plot::work_precision(ERROR, series).figure(
             &name,
             &format!("Clustering, {case}"),
             "Further left is faster, further down is more accurate.",
