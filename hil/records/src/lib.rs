@@ -26,4 +26,5 @@ pub mod vcd;
 pub mod words;
 
 #[cfg(test)]
+#[path = "synthetic_tests.rs"]
 mod synthetic;
