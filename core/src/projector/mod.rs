@@ -1,4 +1,4 @@
-//! The loop: `poll(now, skin, actuators)` in the manner of smoltcp's interface. Whoever owns time
+//! The loop: `poll(now, skin, actuators)` in the manner of smoltcp's interface. The owner of time
 //! calls it, at the latest when [`Projector::next`] says so; it never waits and never asks for the time.
 
 mod builder;
@@ -74,7 +74,7 @@ pub trait Observer {
     }
 }
 
-/// Nobody wants to know.
+/// An observer that keeps nothing.
 impl Observer for () {}
 
 /// What the sensor half is built from.

@@ -1,7 +1,7 @@
 //! How well each wire of a display touches the tissue: a seeded factor that varies slowly with time.
 //!
 //! The published users felt jumps and deviations that their author puts down to irregular contact: a finger
-//! moves in a rigid module. How much, nobody has measured. **Assumed**: per person and wire a constant factor
+//! moves in a rigid module. How much has not been measured. **Assumed**: per person and wire a constant factor
 //! that spreads by 15 %, times a drift of 20 % over 3 to 12 seconds that differs from trial to trial.
 
 use palpate_core::random::RandomStream;

@@ -100,7 +100,7 @@ fn decide(
     Ok(())
 }
 
-/// What somebody answered.
+/// What the reviewer answered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Answer {
     Accept(Option<String>),
