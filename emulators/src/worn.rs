@@ -132,7 +132,7 @@ pub struct WornDisplay {
     rising: Vec<(Nanos, usize, Edge)>,
     /// What flows in each wire, and since when.
     flowing: Vec<(Nanos, f64)>,
-    /// Kept only where somebody takes them: an emulator may be served for days.
+    /// Kept only where a caller takes them: an emulator may be served for days.
     flows: Option<Vec<Flow>>,
     /// Integrals of each wire's tissue temperature at past samples, for the mean.
     past: VecDeque<(Nanos, Vec<f64>)>,

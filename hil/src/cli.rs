@@ -12,8 +12,7 @@ use palpate_buses::guardian::{parse_bus, parse_line};
 use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::Axes;
 pub use texture::{
-    DrawArg, EncodeArgs, ExportArgs, MapArgs, PanelArgs, PulsesArgs, StrokesArgs, TextureAction,
-    TrainArgs,
+    EncodeArgs, ExportArgs, MapArgs, PanelArgs, StrokesArgs, TextureAction, TrainArgs,
 };
 
 /// Tactile feedback with hardware in the loop: from a robot's touched skin to heated wires on a finger.
@@ -136,7 +135,7 @@ pub enum Command {
     /// Run every scene with expectations as a trial on a bench (default: emulated). Exits with 1 if one
     /// fails.
     Test(TestArgs),
-    /// Work with the texture model: strokes, training, latent vectors, pulses, export, map, panel.
+    /// Work with the texture model: strokes, training, latent vectors, export, map, panel.
     #[command(subcommand)]
     Texture(TextureAction),
     /// Say what this machine has, what it lacks, and which commands add it.
@@ -146,6 +145,34 @@ pub enum Command {
     /// The process that switches off when a run dies (internal; `hil run` starts it).
     #[command(hide = true)]
     Guardian(GuardianArgs),
+}
+
+/// The bench of a command, and the seed.
+#[derive(Debug, Default, Args)]
+pub struct Buses {
+    /// A built-in bench or a file (default: emulated).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub bench: Option<String>,
+    /// A CAN interface in place of the bench's; give it once per bus of the layout. Makes the bench real.
+    #[arg(long, value_name = "IFACE")]
+    pub can: Vec<String>,
+    /// An I2C adapter (/dev/i2c-N) in place of the bench's; give it once per bus of the outputs.
+    #[arg(long, value_name = "DEVICE")]
+    pub i2c: Vec<PathBuf>,
+    /// Seed of all randomness.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
+    pub seed: u64,
+}
+
+/// How much a command says.
+#[derive(Clone, Copy, Debug, Default, Args)]
+pub struct Voice {
+    /// Print the result as one JSON object.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
 }
 
 /// Options of `hil record`.
@@ -160,12 +187,9 @@ pub struct RecordArgs {
     /// Length of the recording in seconds (default: until Ctrl-C).
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub seconds: Option<f64>,
-    /// Print the result as one JSON object.
-    #[arg(long)]
-    pub json: bool,
-    /// Print nothing but errors.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How much it says.
+    #[command(flatten)]
+    pub voice: Voice,
 }
 
 /// Options of `hil replay`.
@@ -176,12 +200,9 @@ pub struct ReplayArgs {
     /// A CAN interface; repeatable, bus n of the recording plays on the n-th.
     #[arg(long, value_name = "IFACE", required = true)]
     pub can: Vec<String>,
-    /// Print the result as one JSON object.
-    #[arg(long)]
-    pub json: bool,
-    /// Print nothing but errors.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How much it says.
+    #[command(flatten)]
+    pub voice: Voice,
 }
 
 /// Options of `hil doctor`.
@@ -270,15 +291,9 @@ pub enum Switch {
 pub struct RunArgs {
     /// A built-in scene or a file (default: sphere-along).
     pub scene: Option<String>,
-    /// A built-in bench or a file (default: emulated).
-    #[arg(long, value_name = "NAME|FILE")]
-    pub bench: Option<String>,
-    /// A CAN interface in place of the bench's; give it once per bus of the layout. Makes the run real.
-    #[arg(long, value_name = "IFACE")]
-    pub can: Vec<String>,
-    /// An I2C adapter (/dev/i2c-N) in place of the bench's; give it once per bus of the outputs.
-    #[arg(long, value_name = "DEVICE")]
-    pub i2c: Vec<PathBuf>,
+    /// On which bench.
+    #[command(flatten)]
+    pub on: Buses,
     /// Recorded taxels in place of the scene's touches: one CSV per module of the layout, or one recording
     /// of all buses (candump .log or .mcap).
     #[arg(long, value_name = "FILE")]
@@ -290,9 +305,6 @@ pub struct RunArgs {
     /// beside it).
     #[arg(long, value_name = "HZ", requires = "replay", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// Seed of all randomness.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
-    pub seed: u64,
     /// A value in place of the scene's (`illusion.weber=0.1`) or the bench's (`bench.drive.current_ma=900`): any key of
     /// the files, checked as if the file said so. Repeatable.
     #[arg(long, value_name = "KEY=VALUE")]
@@ -300,12 +312,9 @@ pub struct RunArgs {
     /// Write summary.json, schedule.jsonl, contacts.csv and report.html into this folder.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Print the summary as one JSON object.
-    #[arg(long)]
-    pub json: bool,
-    /// Print nothing but errors.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How much it says.
+    #[command(flatten)]
+    pub voice: Voice,
     /// Print the plan before the run, and the work done and left out after it.
     #[arg(long)]
     pub explain: bool,

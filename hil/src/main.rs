@@ -4,15 +4,19 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
-use palpate_hil::cli::{Cli, Color, Command, RunArgs};
+use palpate_hil::cli::{Buses, Cli, Color, Command, RunArgs};
 use palpate_hil::command;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
         None => {
-            let args = RunArgs {
+            let on = Buses {
                 seed: 1,
+                ..Buses::default()
+            };
+            let args = RunArgs {
+                on,
                 ..RunArgs::default()
             };
             command::run(&args, cli.color)

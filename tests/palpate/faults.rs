@@ -362,7 +362,7 @@ fn a_stuck_amplifier_burns_whatever_software_does() {
     let edges = |e: &Event| matches!(e, Event::Edge { high: true, .. });
     assert!(!idle.trace.events.iter().any(edges));
     assert!(idle.summary.hottest_skin_c.unwrap() > 100.0);
-    // With all outputs off by OE and the run given up the wire goes on heating until somebody cuts the current.
+    // With all outputs off by OE and the run given up the wire goes on heating until a person cuts the current.
     let stuck = "[[faults]]\nat_s = 1.0\nkind = \"amplifier-stuck-on\"\nwire = 2";
     let bus = "[[faults]]\nat_s = 1.02\nkind = \"i2c-stuck\"";
     let cut = with("sphere-along", &format!("{stuck}\nuntil_s = 1.03\n{bus}"));

@@ -205,36 +205,79 @@ fn production() -> Vec<PathBuf> {
     files(&root(), &[".rs"]).into_iter().filter(ships).collect()
 }
 
+/// Whether a function begins on a line, after any words that may stand before `fn`.
+fn is_function(line: &str) -> bool {
+    let mut rest = line.trim_start();
+    loop {
+        if rest.starts_with("fn ") {
+            return true;
+        }
+        let (word, more) = rest.split_once(' ').unwrap_or((rest, ""));
+        let before = ["pub", "const", "async", "unsafe", "extern"].contains(&word)
+            || (word.starts_with('"') && word.ends_with('"'));
+        rest = match rest.strip_prefix("pub(") {
+            Some(scope) => scope.split_once(") ").map_or("", |s| s.1),
+            None if before => more.trim_start(),
+            None => return false,
+        };
+    }
+}
+
+/// Every function of a text as rustfmt writes it: its first line, from 1, and how many it has. Declarations have none.
+fn functions(text: &str) -> Vec<(usize, usize)> {
+    let lines: Vec<&str> = text.lines().collect();
+    let indent = |line: &str| line.len() - line.trim_start().len();
+    let mut found = Vec::new();
+    for (first, line) in lines.iter().enumerate().filter(|(_, l)| is_function(l)) {
+        // A signature and a body end at the indentation that they begin with.
+        let level = indent(line);
+        let mut same = (first..lines.len()).filter(|&n| indent(lines[n]) == level);
+        let ends = |n: &usize| [';', '{', '}'].iter().any(|c| lines[*n].ends_with(*c));
+        let Some(signed) = same.find(ends) else {
+            continue;
+        };
+        let last = match lines[signed].chars().last() {
+            Some('{') => same.find(|&n| lines[n].trim_start() == "}"),
+            Some('}') => Some(signed),
+            _ => None,
+        };
+        found.extend(last.map(|last| (first + 1, last - first + 1)));
+    }
+    found
+}
+
+#[test]
+fn functions_are_found_whatever_stands_before_them() {
+    let body = "        step();\n".repeat(80);
+    for before in [
+        "",
+        "pub ",
+        "pub(crate) ",
+        "pub(in crate::guard) const ",
+        "async ",
+        "pub const unsafe ",
+        "unsafe extern \"C\" ",
+    ] {
+        let plain = format!("    {before}fn long() {{\n{body}    }}\n");
+        assert_eq!(functions(&plain), [(1, 82)], "{before}");
+        let wide = format!(
+            "    {before}fn long<T>(\n        t: T,\n    ) -> T\n    where\n        T: Copy,\n    {{\n{body}    }}\n"
+        );
+        assert_eq!(functions(&wide), [(1, 87)], "{before}");
+    }
+    let short =
+        "    fn declared(&self) -> [u8; 2];\n    fn on_one_line() {}\n    let fn_like = 1;\n";
+    let all = format!("trait T {{\n{short}    fn long() {{\n{body}    }}\n}}\n");
+    assert_eq!(functions(&all), [(3, 1), (5, 82)]);
+}
+
 #[test]
 fn long_functions_stay_few() {
     let mut long = Vec::new();
     for path in production() {
         let text = fs::read_to_string(&path).unwrap();
-        let mut open: Option<(usize, String)> = None;
-        for (number, line) in text.lines().enumerate() {
-            let indent = line.len() - line.trim_start().len();
-            let starts = |word: &str| line.trim_start().starts_with(word);
-            let is_fn = [
-                "fn ",
-                "pub fn ",
-                "pub(crate) fn ",
-                "pub(super) fn ",
-                "const fn ",
-            ]
-            .iter()
-            .any(|w| starts(w))
-                || starts("pub const fn ");
-            if is_fn && open.is_none() {
-                open = Some((number, " ".repeat(indent) + "}"));
-            } else if let Some((from, end)) = &open
-                && line == end
-            {
-                if number - from + 1 > 80 {
-                    long.push(format!("{}:{}", path.display(), from + 1));
-                }
-                open = None;
-            }
-        }
+        let over = functions(&text).into_iter().filter(|f| f.1 > 80);
+        long.extend(over.map(|(line, _)| format!("{}:{line}", path.display())));
     }
     let most = 10;
     assert!(

@@ -1,4 +1,4 @@
-//! Contacts between frames: carried on to the instant of an onset, and held until a step can be felt.
+//! Contacts between frames: carried on to the instant of an onset.
 
 use alloc::boxed::Box;
 use alloc::vec;
@@ -14,8 +14,6 @@ struct Track {
     at: Instant,
     /// Velocity, mm/us.
     velocity: (f32, f32),
-    /// The place last given out.
-    shown: Option<Point>,
     /// Whether the newest frame had it.
     seen: bool,
 }
@@ -27,8 +25,6 @@ struct Track {
 #[derive(Clone, Debug)]
 pub struct Tracks {
     slots: Box<[Option<Track>]>,
-    /// Smallest step, mm; 0 gives every step.
-    step: f32,
 }
 
 /// Part of a new difference that goes into the velocity: noise of frames counts a quarter.
@@ -37,11 +33,10 @@ const SMOOTHING: f32 = 0.25;
 const LONGEST_US: u64 = 20_000;
 
 impl Tracks {
-    /// For at most `most` contacts; the last time it allocates. A step of `step` mm or more is given out.
-    pub fn new(most: usize, step: f32) -> Self {
+    /// For at most `most` contacts; the last time it allocates.
+    pub fn new(most: usize) -> Self {
         Self {
             slots: vec![None; most].into(),
-            step,
         }
     }
 
@@ -74,7 +69,6 @@ impl Tracks {
                     place,
                     at,
                     velocity: (0.0, 0.0),
-                    shown: None,
                     seen: true,
                 });
             }
@@ -86,20 +80,14 @@ impl Tracks {
         }
     }
 
-    /// Where a contact is at `now`; with a smallest step, where it was last given out until it has gone
-    /// that far. `None` for a contact that the newest frame did not have.
-    pub fn place(&mut self, id: u32, now: Instant) -> Option<Point> {
-        let step = self.step;
-        let track = self.slots.iter_mut().flatten().find(|t| t.id == id)?;
+    /// Where a contact is at `now`; `None` for a contact that the newest frame did not have.
+    pub fn place(&self, id: u32, now: Instant) -> Option<Point> {
+        let track = self.slots.iter().flatten().find(|t| t.id == id)?;
         let ahead = now.since(track.at).as_micros().min(LONGEST_US) as f32;
-        let here = Point::new(
+        Some(Point::new(
             track.place.x + ahead * track.velocity.0,
             track.place.y + ahead * track.velocity.1,
-        );
-        let shown = track.shown.filter(|s| s.distance(here) < step);
-        let place = shown.unwrap_or(here);
-        track.shown = Some(place);
-        Some(place)
+        ))
     }
 }
 

@@ -26,7 +26,6 @@ pub struct OutputBuilder {
     illusion: Option<Box<dyn Illusion>>,
     sharing: Sharing,
     calibration: Option<Calibration>,
-    smallest_step: f32,
     strokes: Box<[Planned]>,
     drive: Drive,
 }
@@ -42,7 +41,6 @@ impl From<Display> for OutputBuilder {
             illusion: None,
             sharing: Sharing::default(),
             calibration: None,
-            smallest_step: 0.0,
             strokes: Box::default(),
             drive: Drive::default(),
         }
@@ -93,13 +91,6 @@ impl OutputBuilder {
         self
     }
 
-    /// Smallest step of a contact that is rendered, as a part of the smallest gap between wires; every step unless
-    /// stated.
-    pub const fn smallest_step(mut self, part: f32) -> Self {
-        self.smallest_step = part;
-        self
-    }
-
     /// Strokes that are known beforehand; while one runs, live targets wait.
     pub fn strokes(mut self, strokes: Box<[Planned]>) -> Self {
         self.strokes = strokes;
@@ -141,7 +132,6 @@ impl OutputBuilder {
             illusion,
             sharing: self.sharing,
             calibration: self.calibration.unwrap_or_else(even),
-            smallest_step: self.smallest_step,
             strokes: self.strokes,
             drive: self.drive,
             peak: self.plant.peak,

@@ -1,4 +1,4 @@
-//! The loop: `poll(now, skin, actuators)` in the manner of smoltcp's interface. Whoever owns time
+//! The loop: `poll(now, skin, actuators)` in the manner of smoltcp's interface. The owner of time
 //! calls it, at the latest when [`Projector::next`] says so; it never waits and never asks for the time.
 
 mod builder;
@@ -74,7 +74,7 @@ pub trait Observer {
     }
 }
 
-/// Nobody wants to know.
+/// An observer that keeps nothing.
 impl Observer for () {}
 
 /// What the sensor half is built from.
@@ -233,10 +233,6 @@ impl Projector {
         // No module has more contacts than taxels, whatever K_C says.
         let taxels = plan.sensing.layout.taxels();
         let most = usize::from(plan.sensing.compression.clusters).min(taxels);
-        let step = match plan.output.smallest_step {
-            part if part > 0.0 => part * plan.display.gap(),
-            _ => 0.0,
-        };
         let (mut sensing, layout) = Sensing::new(plan.sensing, plan.drives)?;
         let mut output = Output::new(plan.display, plan.output, plan.guard);
         if let Some(texture) = plan.texture {
@@ -251,7 +247,7 @@ impl Projector {
             map: plan.map,
             drives: plan.drives,
             targets: alloc::vec![Target::default(); most].into(),
-            tracks: Tracks::new(most, step),
+            tracks: Tracks::new(most),
             tracked: None,
         })
     }

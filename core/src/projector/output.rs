@@ -27,9 +27,6 @@ pub struct OutputSettings {
     pub sharing: Sharing,
     /// What this person needs of each wire.
     pub calibration: Calibration,
-    /// Smallest step of a contact that is rendered, as a part of the smallest gap between wires; 0
-    /// renders every step.
-    pub smallest_step: f32,
     /// Strokes that are known beforehand; while one runs, live contacts wait.
     pub strokes: Box<[Planned]>,
     /// Activation to duty.

@@ -1,7 +1,7 @@
 //! Taxel health: which taxels still tell something.
 //!
 //! Boards repeat stale rows silently, so what counts is how often a taxel's value changes, not how often a frame
-//! arrives. This only reports; whoever runs the loop decides what to leave out.
+//! arrives. This only reports; the loop decides what to leave out.
 
 use alloc::vec::Vec;
 

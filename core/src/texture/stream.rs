@@ -1,7 +1,7 @@
 //! Windows one sample apart: every window in flight is a column, one step a sample.
 //!
 //! The first layer's projection of a sample is made once and kept for as long as a window that began with it is in
-//! flight. Only windows that somebody asked for are computed; what is computed does not depend on what is left out.
+//! flight. Only windows that a caller wants are computed; what is computed does not depend on what is left out.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;

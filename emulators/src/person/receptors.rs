@@ -7,7 +7,7 @@
 //!
 //! **Fitted and assumed**: the Pacinian threshold is set so that it agrees with the perceiver's fitted one; the other's
 //! lies 20 dB above it, as for a contact of 5 mm; slopes, exponent and the tissue's relaxation are round numbers near the
-//! published ones. Nobody has measured this module on tissue.
+//! published ones. This module has not been measured on tissue.
 
 use core::f64::consts::TAU;
 

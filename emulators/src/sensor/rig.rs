@@ -1,7 +1,7 @@
 //! The sensor side of a bench: segments with their boards, and the host's interface to them.
 //!
 //! Only [`Handle::advance`] makes time pass. The projector holds a clone of the handle as its
-//! [`CanBus`]; whoever runs the bench holds another and decides how far virtual time goes.
+//! [`CanBus`]; the owner of the bench holds another and decides how far virtual time goes.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

@@ -65,7 +65,7 @@ fn open(path: &Path) -> std::io::Result<File> {
     }
     let mut options = OpenOptions::new();
     let file = options.read(true).append(true).create(true).open(path)?;
-    // Somebody else's is as good as it is.
+    // Permissions of another user's file are its owner's to set.
     let _ = file.set_permissions(fs::Permissions::from_mode(0o666));
     Ok(file)
 }

@@ -27,7 +27,7 @@ pub struct ActivationFile {
     pub name: String,
     /// What it is, in a sentence.
     pub description: String,
-    /// What of it nobody has published or measured.
+    /// What of it is neither published nor measured.
     pub assumed: Option<String>,
     /// Offset alpha, a probability per PWM period.
     pub alpha: f64,

@@ -31,8 +31,6 @@ pub struct Illusion {
     /// How several contacts share wires.
     #[serde(with = "words::Sharing")]
     pub sharing: Sharing,
-    /// Smallest step that is rendered, as a share of the smallest gap (0.2 is what can be felt).
-    pub smallest_step: f64,
     /// Duty of a wire that is barely active, a share of the period.
     pub alpha: f64,
     /// Duty added at full activation, a share of the period.
@@ -65,7 +63,6 @@ impl Default for Illusion {
             distances: None,
             margin: None,
             sharing: Sharing::Strongest,
-            smallest_step: 0.0,
             alpha: 0.0,
             beta: 100.0 / 4096.0, // of the chip's ticks
             timing: TimingLaw::TactileBrush,
@@ -110,8 +107,6 @@ impl Illusion {
         if let Some(margin) = self.margin {
             source.range("illusion.margin", margin, 0.01..=10.0, "gaps")?;
         }
-        let steps = self.smallest_step;
-        source.range("illusion.smallest_step", steps, 0.0..=1.0, "gaps")?;
         source.range("illusion.alpha", self.alpha, 0.0..=1.0, "")?;
         source.range("illusion.beta", self.beta, 0.0..=1.0, "")?;
         if self.alpha + self.beta >= 1.0 {

@@ -31,6 +31,7 @@ mod wording;
 mod words;
 
 #[cfg(test)]
+#[path = "schema_tests.rs"]
 mod schema;
 #[cfg(test)]
 mod tests;

@@ -27,4 +27,5 @@ pub mod verdict;
 pub mod words;
 
 #[cfg(test)]
+#[path = "synthetic_tests.rs"]
 mod synthetic;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::whole;
+use super::{Buses, Voice, whole};
 
 /// A signal's name and the output it was clipped to.
 fn pin(text: &str) -> Result<(String, (u8, u8)), String> {
@@ -89,18 +89,9 @@ pub enum ReviewAction {
 pub struct TestArgs {
     /// Part of a built-in scene's name, or a scene file (default: every built-in scene).
     pub filter: Option<String>,
-    /// A built-in bench or a file (default: emulated).
-    #[arg(long, value_name = "NAME|FILE")]
-    pub bench: Option<String>,
-    /// A CAN interface in place of the bench's; give it once per bus of the layout. Makes the trials real.
-    #[arg(long, value_name = "IFACE")]
-    pub can: Vec<String>,
-    /// An I2C adapter (/dev/i2c-N) in place of the bench's; give it once per bus of the outputs.
-    #[arg(long, value_name = "DEVICE")]
-    pub i2c: Vec<PathBuf>,
-    /// Seed of all randomness.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
-    pub seed: u64,
+    /// On which bench.
+    #[command(flatten)]
+    pub on: Buses,
     /// Repeat a failed trial up to N times. A trial that then passes is reported as unstable.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32, 0, 10>, allow_hyphen_values = true)]
     pub retries: u32,
@@ -110,10 +101,7 @@ pub struct TestArgs {
     /// Write the results as JUnit XML, measurements as properties.
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
-    /// Print the results as one JSON object.
-    #[arg(long)]
-    pub json: bool,
-    /// Print nothing but errors.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
+    /// How much it says.
+    #[command(flatten)]
+    pub voice: Voice,
 }

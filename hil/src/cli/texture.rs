@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 
 use super::{positive, rate};
 
@@ -16,9 +16,6 @@ pub enum TextureAction {
     Train(TrainArgs),
     /// Print the latent vectors of a recording as CSV: one line per window, named by its last row.
     Encode(EncodeArgs),
-    /// Print the pulses that a recording makes on the wires, before any guard: each window's roughness by
-    /// (3.1) and (3.2).
-    Pulses(PulsesArgs),
     /// Write the encoder as an ONNX model: raw counts in, latent vectors out, scaling inside.
     Export(ExportArgs),
     /// Map emulated textures in a model's latent space, with correlations to roughness, friction and
@@ -28,18 +25,26 @@ pub enum TextureAction {
     Panel(PanelArgs),
 }
 
-/// Options of `hil texture strokes`.
+/// Emulated strokes.
 #[derive(Debug, Args)]
-pub struct StrokesArgs {
-    /// Folder to write to.
-    #[arg(value_name = "FOLDER")]
-    pub out: PathBuf,
+pub struct Strokes {
     /// A table of textures, by name or file.
     #[arg(long, value_name = "NAME|FILE", default_value = "thesis")]
     pub textures: String,
     /// Strokes over each texture.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = super::whole::<u32, 1, 1000>, allow_hyphen_values = true)]
     pub strokes: u32,
+}
+
+/// Options of `hil texture strokes`.
+#[derive(Debug, Args)]
+pub struct StrokesArgs {
+    /// Folder to write to.
+    #[arg(value_name = "FOLDER")]
+    pub out: PathBuf,
+    /// What is stroked.
+    #[command(flatten)]
+    pub of: Strokes,
     /// Seed of all randomness.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
@@ -63,12 +68,9 @@ pub struct MapArgs {
     /// `default` or a model file (.safetensors).
     #[arg(value_name = "MODEL", default_value = "default")]
     pub model: String,
-    /// A table of textures, by name or file.
-    #[arg(long, value_name = "NAME|FILE", default_value = "thesis")]
-    pub textures: String,
-    /// Strokes over each texture.
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = super::whole::<u32, 1, 1000>, allow_hyphen_values = true)]
-    pub strokes: u32,
+    /// What is stroked.
+    #[command(flatten)]
+    pub of: Strokes,
     /// Seed of the strokes; the default model was trained on those of seed 1.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
@@ -130,43 +132,6 @@ pub struct EncodeArgs {
     /// Print a JSON array in place of CSV.
     #[arg(long)]
     pub json: bool,
-}
-
-/// Options of `hil texture pulses`.
-#[derive(Debug, Args)]
-pub struct PulsesArgs {
-    /// `default` or a model file (.safetensors).
-    #[arg(value_name = "MODEL|default")]
-    pub model: String,
-    /// Raw rows (CSV), as for `encode`.
-    pub file: PathBuf,
-    /// Rows per second.
-    #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
-    pub rate: f64,
-    /// A display layout: a built-in name or a file.
-    #[arg(long, value_name = "NAME|FILE", default_value = "three-in-line")]
-    pub display: String,
-    /// Constants and limits of (3.1) and (3.2): a built-in name or a file.
-    #[arg(long, value_name = "NAME|FILE", default_value = "assumed")]
-    pub activation: String,
-    /// Time from one latent vector to the next, ms.
-    #[arg(long, value_name = "T", value_parser = positive, default_value_t = 58.5, allow_hyphen_values = true)]
-    pub soa_ms: f64,
-    /// How pulses are drawn: each period by itself, or with the smallest error in density.
-    #[arg(long, value_enum, default_value_t = DrawArg::Bernoulli)]
-    pub draw: DrawArg,
-    /// Seed of the draws.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
-    pub seed: u64,
-}
-
-/// How pulses are drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum DrawArg {
-    /// Each period by itself.
-    Bernoulli,
-    /// Error diffusion.
-    Diffusion,
 }
 
 /// Options of `hil texture export`.

@@ -26,17 +26,17 @@ pub fn record(args: &RecordArgs) -> Result<(), Failure> {
     let length = args
         .seconds
         .map(|s| Duration::from_micros((s * 1e6).round() as u64));
-    if !args.quiet {
+    if !args.voice.quiet {
         note(&format!("recording {}; Ctrl-C stops", args.can.join(", ")));
     }
     let recorded = record::record(&args.can, &files, length)?;
-    if args.json {
+    if args.voice.json {
         return print(|out| {
             serde_json::to_writer(&mut *out, &recorded)?;
             writeln!(out)
         });
     }
-    if args.quiet {
+    if args.voice.quiet {
         return Ok(());
     }
     recorded.notes.iter().for_each(|text| note(text));
@@ -71,13 +71,13 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     let recording = read_can_recording(&args.file, args.can.len())?;
     recording.notes.iter().for_each(|text| note(text));
     let played = record::play(&recording, &args.can)?;
-    if args.json {
+    if args.voice.json {
         return print(|out| {
             serde_json::to_writer(&mut *out, &played)?;
             writeln!(out)
         });
     }
-    if args.quiet {
+    if args.voice.quiet {
         return Ok(());
     }
     print(|out| {

@@ -89,7 +89,7 @@ fn decide(
     Ok(())
 }
 
-/// What somebody answered.
+/// What the reviewer answered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Answer {
     Accept(Option<String>),
@@ -230,18 +230,5 @@ fn show(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn answers_are_letters_or_words_and_a_reason_follows() {
-        assert_eq!(Answer::of(" a "), Answer::Accept(None));
-        assert_eq!(
-            Answer::of("accept one period longer"),
-            Answer::Accept(Some("one period longer".to_owned()))
-        );
-        assert_eq!(Answer::of("r"), Answer::Reject);
-        assert_eq!(Answer::of("reject that"), Answer::Unclear);
-        assert_eq!(Answer::of(""), Answer::Unclear);
-    }
-}
+#[path = "review_tests.rs"]
+mod tests;

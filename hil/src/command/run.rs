@@ -113,7 +113,7 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
         .map(|path| (path, judge(&setup, &outcome)));
     let failure = outcome.failure.take();
     outcome.notes.iter().for_each(|text| note(text));
-    if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.quiet) {
+    if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.voice.quiet) {
         note(&format!("{hz} rows a second, from {}", meta.display()));
     }
     // Only now: bad input leaves no empty folder behind.
@@ -156,7 +156,7 @@ fn emulated(
         paths => recorded(paths, &setup.sensor.value, rate_hz)?,
     };
     let host = &mut Onlooker::new(args.watch);
-    let outcome = run_with(setup, &input, args.seed, keep, host);
+    let outcome = run_with(setup, &input, args.on.seed, keep, host);
     let outcome = outcome.map_err(|failure| match (failure, args.replay.first()) {
         // The room for runs knows no files.
         (Failure::Input(text), Some(path)) if text.starts_with("the recording") => {
@@ -182,10 +182,10 @@ fn on_hardware(
         make_folder(folder)?;
     }
     let told = Told {
-        quiet: args.quiet,
+        quiet: args.voice.quiet,
         watched: args.watch,
     };
-    real::run(setup, args.seed, live, told)
+    real::run(setup, args.on.seed, live, told)
 }
 
 /// Says what a run came to, in the form that the command line chose.
@@ -195,12 +195,12 @@ fn tell(
     files: &[(Format, PathBuf)],
     color: Color,
 ) -> Result<(), Failure> {
-    if args.json {
+    if args.voice.json {
         print(|out| {
             serde_json::to_writer(&mut *out, &outcome.summary)?;
             writeln!(out)
         })
-    } else if args.quiet {
+    } else if args.voice.quiet {
         Ok(())
     } else {
         print(|out| {
@@ -234,7 +234,7 @@ fn explained(
     args: &RunArgs,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Failure> {
-    if !(args.json || args.quiet) {
+    if !(args.voice.json || args.voice.quiet) {
         return print(write);
     }
     let mut text = Vec::new();
@@ -270,7 +270,12 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
     let overrides = overrides(args)?;
     let scene = load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
     let mut scene = scene.with(&overrides)?;
-    let bench = bench_with(args.bench.as_deref(), &overrides, &args.can, &args.i2c)?;
+    let bench = bench_with(
+        args.on.bench.as_deref(),
+        &overrides,
+        &args.on.can,
+        &args.on.i2c,
+    )?;
     if let [first, ..] = args.replay.as_slice() {
         scene.value.touches.clear();
         scene.value.name = format!("replay of {}", first.display());

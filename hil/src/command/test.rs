@@ -22,7 +22,7 @@ const SHOWN: usize = 3;
 /// # Errors
 /// [`Failure::Check`] where one failed; [`Failure::Device`] where the bench is not well; [`Failure::Input`] for a filter that fits none, or a file that cannot be.
 pub fn test(args: &TestArgs, color: Color) -> Result<(), Failure> {
-    let bench = bench(args.bench.as_deref(), &args.can, &args.i2c)?;
+    let bench = bench(args.on.bench.as_deref(), &args.on.can, &args.on.i2c)?;
     let scenes = chosen(args.filter.as_deref())?;
     let quarantine = quarantine(args, &scenes)?;
     let name = bench.value.name.clone();
@@ -30,10 +30,10 @@ pub fn test(args: &TestArgs, color: Color) -> Result<(), Failure> {
         BenchKind::Emulated => "emulated",
         BenchKind::Real => "real",
     };
-    let told = !args.quiet && !args.json;
+    let told = !args.voice.quiet && !args.voice.json;
     if told {
         print(|out| {
-            let (n, seed) = (scenes.len(), args.seed);
+            let (n, seed) = (scenes.len(), args.on.seed);
             let s = if n == 1 { "" } else { "s" };
             writeln!(out, "{n} trial{s} on {name} ({kind}), seed {seed}")
         })?;
@@ -68,7 +68,7 @@ pub fn test(args: &TestArgs, color: Color) -> Result<(), Failure> {
         _ => Verdict::Failed,
     };
     let counts = counts(&trials);
-    if args.json {
+    if args.voice.json {
         print(|out| json(verdict, (&name, kind), &trials, out))?;
     } else if told {
         print(|out| {
@@ -138,13 +138,15 @@ fn one(
     }
     let setup = Setup::join(scene, bench.clone())?;
     let mut input = None;
-    let decided = decide(&name, args.retries, || match attempt(&setup, args.seed) {
-        Ok(tried) => tried,
-        Err(failure) => {
-            input.get_or_insert(failure);
-            crate::trial::Try {
-                halt: Some(Halt::Unwell("it cannot be run on".into())),
-                ..Default::default()
+    let decided = decide(&name, args.retries, || {
+        match attempt(&setup, args.on.seed) {
+            Ok(tried) => tried,
+            Err(failure) => {
+                input.get_or_insert(failure);
+                crate::trial::Try {
+                    halt: Some(Halt::Unwell("it cannot be run on".into())),
+                    ..Default::default()
+                }
             }
         }
     });

@@ -18,8 +18,8 @@ const PROGRAM: &str = "palpate-train";
 /// # Errors
 /// A table that cannot be read, a folder that cannot be written.
 pub fn strokes(args: &StrokesArgs) -> Result<(), Failure> {
-    let table = load_textures(&args.textures)?.value;
-    let all = explore::explore(&table, args.strokes, args.seed);
+    let table = load_textures(&args.of.textures)?.value;
+    let all = explore::explore(&table, args.of.strokes, args.seed);
     make_folder(&args.out)?;
     for (entry, recording) in &all {
         let name = format!("{}_{:02}.csv", entry.name, recording.number);
@@ -68,8 +68,8 @@ pub fn train(args: &TrainArgs) -> Result<(), Failure> {
 /// A model or table that cannot be read, a file that cannot be written.
 pub fn map(args: &MapArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
-    let table = load_textures(&args.textures)?.value;
-    let strokes = explore::explore(&table, args.strokes, args.seed);
+    let table = load_textures(&args.of.textures)?.value;
+    let strokes = explore::explore(&table, args.of.strokes, args.seed);
     let encoded = explore::encode(&model, &strokes)?;
     let view = map::View::of(&model);
     let placed = map::place(&encoded, view);

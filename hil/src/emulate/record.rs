@@ -153,7 +153,7 @@ pub struct Record {
 }
 
 impl WireRecord {
-    /// An output that nobody has driven yet.
+    /// An output that was never driven.
     pub fn new(chip: u8, channel: u8) -> Self {
         Self {
             chip,

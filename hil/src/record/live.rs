@@ -1,4 +1,4 @@
-//! Sensor buses to a recording, without a run: everything that crosses them, until somebody says stop.
+//! Sensor buses to a recording, without a run: everything that crosses them, until a signal or the time ends it.
 
 use std::path::PathBuf;
 

@@ -77,7 +77,7 @@ pub struct Trial {
     pub measures: Vec<Measure>,
     /// How long all tries took.
     pub took: Duration,
-    /// A line beside the verdict: what somebody should know.
+    /// A line beside the verdict: what the operator should know.
     pub remark: Option<String>,
 }
 

@@ -240,7 +240,7 @@ fn a_log_without_some_boards_is_incomplete_and_names_them() {
     let folder = Folder::new("run-boards-missing");
     let log = folder.path("all.log").display().to_string();
     good(&["run", "allegro-four-buses", "--quiet", "--record", &log]);
-    let text = std::fs::read_to_string(&log).unwrap();
+    let text = fs::read_to_string(&log).unwrap();
     let first_bus: String = text
         .lines()
         .filter(|l| l.contains(" can0 "))

@@ -95,50 +95,6 @@ fn a_model_that_misses_its_golden_vector_is_refused() {
 }
 
 #[test]
-fn pulses_are_seeded_and_of_the_displays_wires() {
-    let (_folder, model, rows) = ground("texture-pulses");
-    let of = |more: &[&str]| {
-        let args = [
-            &[
-                "texture",
-                "pulses",
-                model.as_str(),
-                rows.as_str(),
-                "--rate",
-                "100",
-            ],
-            more,
-        ]
-        .concat();
-        let text = good(&args);
-        let mut lines = text.lines().map(str::to_owned);
-        assert_eq!(lines.next().unwrap(), "period,time_us,wire");
-        lines.collect::<Vec<_>>()
-    };
-    let line = of(&[]);
-    assert_eq!(line, of(&["--seed", "1"]));
-    assert_ne!(line, of(&["--seed", "2"]));
-    assert_ne!(line, of(&["--draw", "diffusion"]));
-    let wires = |lines: &[String], count: usize| {
-        lines
-            .iter()
-            .all(|l| l.rsplit(',').next().unwrap().parse::<usize>().unwrap() < count)
-    };
-    assert!(!line.is_empty() && wires(&line, 3));
-    let thimble = of(&["--display", "thimble-8"]);
-    assert!(thimble.len() > line.len() / 2 && wires(&thimble, 8) && !wires(&thimble, 3));
-    let args = ["texture", "pulses", &model, &rows, "--rate", "100"];
-    refused_with(
-        &[&args[..], &["--display", "uskin-4x4"]].concat(),
-        &["--display", "\"display\""],
-    );
-    refused_with(
-        &[&args[..], &["--activation", "none-such"]].concat(),
-        &["assumed", "or a file"],
-    );
-}
-
-#[test]
 fn the_export_is_an_onnx_file_with_its_names() {
     let (folder, model, _) = ground("texture-export");
     let out = folder.path("encoder.onnx").display().to_string();

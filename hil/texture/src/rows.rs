@@ -1,7 +1,7 @@
-//! Recordings of sensors from CSV: any number of columns, any numbers that are finite.
+//! Recordings of sensors from CSV: any number of columns, any numbers that are finite; and the files of a folder.
 
-use std::io::Read;
-use std::path::Path;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
 
 use csv::{Position, ReaderBuilder, StringRecord, Trim};
 use palpate_files::FileError;
@@ -33,6 +33,23 @@ pub struct Rows {
     taken: Vec<(usize, String)>,
     values: Vec<f32>,
     lines: Vec<u64>,
+}
+
+/// The files of a folder that have this ending, each after its name without it, in the order of their paths.
+///
+/// # Errors
+/// A folder that cannot be read.
+pub fn files(folder: &Path, ending: &str) -> io::Result<Vec<(String, PathBuf)>> {
+    let mut paths: Vec<PathBuf> = std::fs::read_dir(folder)?
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|e| e == ending))
+        .collect();
+    paths.sort();
+    let named = |path: PathBuf| {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        (stem.into_owned(), path)
+    };
+    Ok(paths.into_iter().map(named).collect())
 }
 
 /// Columns that say when, not what.

@@ -13,7 +13,7 @@ use palpate_core::units::{Board, Duration, Instant, Milliamps, Point, Prescale, 
 
 use super::rig::{ADDRESS, Rig, WIRES, pick};
 
-/// What somebody wants of the wires.
+/// What a program wants of the wires.
 #[derive(Clone, Debug)]
 pub enum Wish {
     /// Pulses of a width on some wires for a while.

@@ -5,13 +5,13 @@ use embedded_hal::i2c::{Error as I2cError, ErrorKind, NoAcknowledgeSource};
 /// A failed transaction, as the Linux I2C subsystem tells it (`Documentation/i2c/fault-codes.rst`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Error {
-    /// Nobody acknowledged the address (ENXIO).
+    /// No device acknowledged the address (ENXIO).
     AddressNack,
     /// A data byte was not acknowledged (EREMOTEIO).
     DataNack,
     /// Another controller won the bus (EAGAIN).
     ArbitrationLost,
-    /// Somebody held SCL low for longer than the adapter waits (ETIMEDOUT).
+    /// A device held SCL low for longer than the adapter waits (ETIMEDOUT).
     Timeout,
     /// SDA or SCL is stuck low (EBUSY).
     BusBusy,

@@ -16,7 +16,7 @@ pub enum I2cFaultKind {
     ArbitrationLoss,
     /// A line is stuck low: this transaction and the following ones fail, see [`I2cFaults::stuck_for`].
     StuckBus,
-    /// The adapter fails after the transfer: everything has reached the chip, and nobody knows.
+    /// The adapter fails after the transfer: everything has reached the chip, and the host cannot know.
     Eio,
     /// SCL is held low for [`I2cFaults::stretch_ns`] first; whether that fails is the bus's business.
     LongStretch,
@@ -231,7 +231,7 @@ impl<I: I2c + HoldClock> I2c for I2cFault<I> {
     }
 }
 
-/// A layer that a driver and whoever scripts its faults share.
+/// A layer that a driver and the script of its faults share.
 #[derive(Debug)]
 pub struct Shared<I>(Arc<Mutex<I2cFault<I>>>);
 

@@ -108,7 +108,7 @@ impl I2c for I2cHandle {
 }
 
 impl embedded_hal_async::i2c::I2c for I2cHandle {
-    /// Ready at once: in virtual time nobody waits.
+    /// Ready at once: virtual time has no waiting.
     async fn transaction(
         &mut self,
         address: u8,

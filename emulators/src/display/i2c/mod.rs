@@ -176,7 +176,7 @@ impl I2cSegment {
         &mut self.chips
     }
 
-    /// Somebody holds SCL low for `span` before the next byte is through.
+    /// A device holds SCL low for `span` before the next byte is through.
     pub fn hold_clock(&mut self, span: Nanos) {
         self.held = self.held + span;
     }
@@ -334,7 +334,7 @@ impl I2cSegment {
         }
     }
 
-    /// The time of eight bits and an acknowledge, and of whoever holds the clock.
+    /// The time of eight bits and an acknowledge, and of a device that holds the clock.
     fn byte(&mut self) -> Result<(), Error> {
         let held = std::mem::take(&mut self.held);
         if held > STRETCH_LIMIT {

@@ -144,7 +144,7 @@ impl Pca9685 {
         self.run(to, sink);
     }
 
-    /// The earliest time at which an output may change if nobody touches the chip: call `advance` then.
+    /// The earliest time at which an output may change without a transfer or a pin: call `advance` then.
     /// `None` while nothing moves. May name a cycle's end at which nothing changes after all.
     pub fn next_event(&self) -> Option<Nanos> {
         if let Some(edge) = self.outbox.front() {

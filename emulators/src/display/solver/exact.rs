@@ -24,44 +24,44 @@ const MODES: usize = 96;
 /// The exact solver. Cloning one copies its state and caches.
 #[derive(Clone, Debug)]
 pub struct Exact {
-    pub(super) wire: Arc<WireParameters>,
-    pub(super) network: Arc<ThermalNetwork>,
-    pub(super) phase: Phase,
-    pub(super) heading: Heading,
-    pub(super) modes: Vec<Mode>,
-    pub(super) mode: usize,
+    wire: Arc<WireParameters>,
+    network: Arc<ThermalNetwork>,
+    phase: Phase,
+    heading: Heading,
+    modes: Vec<Mode>,
+    mode: usize,
     oldest: usize,
-    pub(super) propagators: Propagators,
-    pub(super) z: [f64; NODES],
+    propagators: Propagators,
+    z: [f64; NODES],
     /// What `z` is at the places that are looked at.
-    pub(super) watched: Watched,
+    watched: Watched,
     vectors: Vectors,
-    pub(super) now: Nanos,
-    pub(super) drive: WireDrive,
+    now: Nanos,
+    drive: WireDrive,
     /// Hottest the wire has been: since the start, and since a window was opened.
-    pub(super) hottest: (f64, f64),
+    hottest: (f64, f64),
     /// The tissue at 0.1 and 0.4 mm.
-    pub(super) shallow: Maxima,
-    pub(super) deep: Maxima,
-    pub(super) energy: Energy,
+    shallow: Maxima,
+    deep: Maxima,
+    energy: Energy,
     /// Burn integrals of the tissue at 0.1 mm, where they are wanted.
     pub dose: Option<Dose>,
 }
 
 /// Temperatures above the body's at the time computed up to, K.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Watched {
-    pub(super) wire: f64,
+struct Watched {
+    wire: f64,
     /// The tissue at 0.1 mm.
-    pub(super) shallow: f64,
+    shallow: f64,
     /// The tissue at 0.4 mm.
-    pub(super) deep: f64,
+    deep: f64,
 }
 
 /// Heat into the wire as a function of its temperature above the body's: `power + feedback u`.
-pub(super) struct Heat {
-    pub(super) power: f64,
-    pub(super) feedback: f64,
+struct Heat {
+    power: f64,
+    feedback: f64,
 }
 
 impl Exact {
@@ -148,7 +148,7 @@ impl Exact {
     }
 
     /// Looks at the coordinates anew, after a change of them or of what they mean.
-    pub(super) fn watch(&mut self) {
+    fn watch(&mut self) {
         let mode = &self.modes[self.mode];
         self.watched = Watched {
             wire: dot(Scalar, &mode.gain, &self.z),
@@ -222,7 +222,7 @@ impl Exact {
     }
 
     /// Heat into the wire from the drive alone.
-    pub(super) fn heat(&self, t: f64, branch: &Branch) -> Heat {
+    fn heat(&self, t: f64, branch: &Branch) -> Heat {
         match self.drive {
             WireDrive::Off => Heat {
                 power: 0.0,
@@ -261,7 +261,7 @@ impl Exact {
     }
 
     /// Turns to where the wire's temperature is going after an edge.
-    pub(super) fn face(&mut self) {
+    fn face(&mut self) {
         let heading = if self.inflow() < 0.0 {
             Heading::Down
         } else {
@@ -272,13 +272,13 @@ impl Exact {
         }
     }
 
-    pub(super) fn turn(&mut self, heading: Heading) {
+    fn turn(&mut self, heading: Heading) {
         self.heading = heading;
         self.phase.commit(self.wire_c());
     }
 
     /// Enters the regime `key`, taking the state along.
-    pub(super) fn enter(&mut self, key: ModeKey) {
+    fn enter(&mut self, key: ModeKey) {
         if self.modes[self.mode].key == key {
             return;
         }
@@ -331,10 +331,5 @@ impl Exact {
     /// Martensite fraction at the time computed up to, in [0, 1].
     pub fn fraction(&self) -> f64 {
         self.fraction_at(self.wire_c())
-    }
-
-    /// Hottest the wire has been, degrees C.
-    pub fn wire_peak(&self) -> f64 {
-        self.hottest.0
     }
 }

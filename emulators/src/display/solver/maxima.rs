@@ -1,4 +1,4 @@
-//! Running maxima of the tissue at one depth, settled when somebody asks.
+//! Running maxima of the tissue at one depth, settled when a caller asks.
 //!
 //! The heat of a pulse arrives after the pulse, so that a stretch between two edges may be warmest inside. In a burst
 //! the ends of later stretches soon pass all of that, and between bursts those of later bursts. So a stretch only

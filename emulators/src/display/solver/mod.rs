@@ -9,7 +9,6 @@ mod highest;
 mod lanes;
 mod maxima;
 pub mod modal;
-mod periodic;
 pub mod phase;
 mod propagators;
 pub mod record;

@@ -1,4 +1,4 @@
-//! Time constants, closed form, bursts, dose, and vectors of any width.
+//! Time constants, bursts, dose, and vectors of any width.
 
 use super::*;
 use crate::display::finger::dose::{cem43_rate, omega_rate};
@@ -52,64 +52,6 @@ fn time_constants() {
         };
         println!("h_c {contact_h}: {:.4} s", time_constant(&wire, &tissue));
     }
-}
-
-#[test]
-fn equal_periods_in_closed_form() {
-    let wire = WireParameters::FINAL;
-    let tissue = TissueParameters::DEFAULT;
-    let on = WireDrive::Power(PULSE_W * 0.2);
-    let pattern = [(Nanos::ZERO, on), (PULSE, WireDrive::Off)];
-    let mut long = Exact::new(&wire, &tissue, 33.0).unwrap();
-    let mut jump = long.clone();
-    for i in 0..20_000_u64 {
-        long.drive(Nanos(i * PERIOD.0), on);
-        long.drive(Nanos(i * PERIOD.0) + PULSE, WireDrive::Off);
-    }
-    long.advance(Nanos(20_000 * PERIOD.0));
-    jump.repeat(&pattern, PERIOD, 20_000);
-    assert_eq!(long.now(), jump.now());
-    for (a, b) in long.nodes().iter().zip(jump.nodes()) {
-        assert!((a - b).abs() < 1e-9, "{a} {b}");
-    }
-    let (a, b) = (long.energy(), jump.energy());
-    for (a, b) in [
-        (a.body_j, b.body_j),
-        (a.air_j, b.air_j),
-        (a.electrical_j, b.electrical_j),
-    ] {
-        assert!((a - b).abs() < 1e-9 * a.abs(), "{a} {b}");
-    }
-    // A month of it, which settles.
-    let month = 30 * 86_400 * 1_000_000_000 / PERIOD.0;
-    jump.repeat(&pattern, PERIOD, month);
-    let settled = jump.nodes();
-    jump.repeat(&pattern, PERIOD, month);
-    for (a, b) in settled.iter().zip(jump.nodes()) {
-        assert!((a - b).abs() < 1e-6, "{a} {b}");
-    }
-}
-
-#[test]
-fn transforming_periods_are_not_jumped() {
-    let (wire, tissue) = (WireParameters::FINAL, TissueParameters::DEFAULT);
-    let pattern = [
-        (Nanos::ZERO, WireDrive::Power(PULSE_W)),
-        (PULSE, WireDrive::Off),
-    ];
-    let mut long = Exact::new(&wire, &tissue, 33.0).unwrap();
-    let mut jump = long.clone();
-    for i in 0..2000 {
-        for (offset, drive) in pattern {
-            long.drive(Nanos(i * PERIOD.0) + offset, drive);
-        }
-    }
-    long.advance(Nanos(2000 * PERIOD.0));
-    jump.repeat(&pattern, PERIOD, 2000);
-    for (a, b) in long.nodes().iter().zip(jump.nodes()) {
-        assert!((a - b).abs() < 1e-9, "{a} {b}");
-    }
-    assert!((long.wire_peak() - jump.wire_peak()).abs() < 1e-9);
 }
 
 #[test]

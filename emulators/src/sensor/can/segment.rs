@@ -16,7 +16,7 @@ use crate::time::Nanos;
 
 /// Bits of an error frame: active flag, the others' echo of it, delimiter (an upper bound of 20).
 const ERROR_FRAME: u32 = 20;
-/// The same from an error-passive node: nobody echoes recessive bits.
+/// The same from an error-passive node: no other node echoes recessive bits.
 const PASSIVE_ERROR_FRAME: u32 = 14;
 /// Bits an error-passive node waits after its own frame beyond the intermission.
 const SUSPEND: u32 = 8;
@@ -34,7 +34,7 @@ pub enum ErrorClass {
     Crc,
     /// A fixed bit has the wrong level.
     Form,
-    /// Nobody acknowledged.
+    /// No other node acknowledged.
     Ack,
 }
 

@@ -21,7 +21,7 @@ pub struct Recording {
     pub rows: Vec<Vec<Reading>>,
 }
 
-/// Somebody with a flat module in hand.
+/// A person with a flat module in hand.
 pub struct Explorer {
     module: EmulatedModule,
     habits: Habits,

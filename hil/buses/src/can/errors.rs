@@ -32,7 +32,7 @@ pub enum Change {
     BusOff,
     /// The controller is back.
     Restarted,
-    /// Its error counters are high: nobody acknowledges, or the wiring is bad.
+    /// Its error counters are high: no node acknowledges, or the wiring is bad.
     Passive,
 }
 

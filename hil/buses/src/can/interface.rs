@@ -213,7 +213,7 @@ impl Interface {
             Change::Passive if !self.passive => {
                 self.passive = true;
                 self.note(
-                    "error passive: nobody acknowledges, wrong bit rate or bad wiring".into(),
+                    "error passive: no node acknowledges, wrong bit rate or bad wiring".into(),
                 );
             }
             Change::BusOff | Change::Passive => {}

@@ -1,7 +1,7 @@
 //! The guardian: a process of its own that switches everything off when the run beside it dies or hangs.
 //!
-//! A PWM chip keeps driving what it was last told. Whatever ends a run, somebody must be left to say off:
-//! SIGKILL, an out-of-memory kill or a hung loop leave nobody in the run itself. Run and guardian are joined
+//! A PWM chip keeps driving what it was last told. Whatever ends a run, a process must be left to switch it off:
+//! SIGKILL, an out-of-memory kill or a hung loop leave no working code in the run itself. Run and guardian are joined
 //! by a pair of sockets. The run sends heartbeats; when they stop, or its end closes without a good-bye, the
 //! guardian cuts the OE line, switches every board off, kills what is left of the run, switches off again
 //! and reads back, until every board is known to be off.

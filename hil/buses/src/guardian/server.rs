@@ -40,7 +40,7 @@ enum Cause {
     Hung(Duration),
     /// The run asked for it, and says why.
     Asked(String),
-    /// Somebody told the guardian to end.
+    /// A signal ended the guardian.
     Terminated,
 }
 

@@ -42,7 +42,7 @@ mod engine {
     pub const BUSY: u8 = 0x01;
     /// No START was possible, or the clock stayed low: ETIMEDOUT.
     pub const START_TIMEOUT: u8 = 0x12;
-    /// Nobody acknowledged the address: ENXIO.
+    /// No device acknowledged the address: ENXIO.
     pub const ADDRESS_NACK: u8 = 0x25;
     /// A data byte was not acknowledged: EIO, the driver has no other number for it.
     pub const DATA_NACK: u8 = 0x45;

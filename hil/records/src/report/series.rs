@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 
 /// Width of a figure that spans the page; every one shares left and right, so that times line up.
 pub(super) const WIDTH: f64 = 1120.0;
-pub(super) const LEFT: f64 = 64.0;
-pub(super) const RIGHT: f64 = 96.0;
+const LEFT: f64 = 64.0;
+const RIGHT: f64 = 96.0;
 /// Most wires with a line of their own.
 const WIRES: usize = 8;
 
@@ -17,7 +17,8 @@ pub(super) fn seconds(us: u64) -> f64 {
     us as f64 * 1e-6
 }
 
-fn panel(top: f64, height: f64, x: Scale, y: Scale) -> Plot {
+/// A plot across the page.
+pub(super) fn panel(top: f64, height: f64, x: Scale, y: Scale) -> Plot {
     Plot {
         left: LEFT,
         top,
@@ -26,6 +27,13 @@ fn panel(top: f64, height: f64, x: Scale, y: Scale) -> Plot {
         x,
         y,
     }
+}
+
+/// The lowest and the highest of all values.
+pub(super) fn span(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+        (low.min(v), high.max(v))
+    })
 }
 
 /// Time per frame, sorted, without what is no number.
@@ -184,7 +192,6 @@ pub(super) fn warm_wires(trace: &Trace) -> Vec<usize> {
 /// Wire temperatures against time.
 pub(super) fn temperatures(trace: &Trace, wires: &[usize]) -> String {
     let mut lines: Vec<Vec<(f64, f64)>> = vec![Vec::new(); wires.len()];
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for event in &trace.events {
         if let Event::Wire {
             t_us,
@@ -195,11 +202,11 @@ pub(super) fn temperatures(trace: &Trace, wires: &[usize]) -> String {
             && let Some(line) = lines.get_mut(slot)
         {
             let celsius = f64::from(*milli_c) / 1000.0;
-            (low, high) = (low.min(celsius), high.max(celsius));
             line.push((seconds(*t_us), celsius));
         }
     }
     let x = Scale::exact(0.0, seconds(length_us(trace)));
+    let (low, high) = span(lines.iter().flatten().map(|p| p.1));
     let plot = panel(30.0, 230.0, x, Scale::round(low, high));
     let mut svg = Svg::new(WIDTH, 306.0, "Wire temperatures against time");
     plot.y_axis(&mut svg, "temperature [\u{b0}C]");

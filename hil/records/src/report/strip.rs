@@ -1,7 +1,7 @@
 //! The schedule as a strip chart: a row a wire, a bar a burst, its height the width of the pulses.
 
 use super::scale::Scale;
-use super::series::{LEFT, RIGHT, WIDTH, seconds};
+use super::series::{WIDTH, panel, seconds};
 use super::svg::{Plot, Svg};
 use crate::bursts::{Burst, shown_wires};
 use crate::measure::length_us;
@@ -28,14 +28,8 @@ pub(super) fn schedule(trace: &Trace, all: &[Burst], from_us: u64, to_us: u64) -
     let wires = shown_wires(trace, all, ROWS);
     let rows = wires.len() as f64 + 2.0;
     let mut svg = Svg::new(WIDTH, rows * ROW + 62.0, "Schedule, one row a wire");
-    let plot = Plot {
-        left: LEFT,
-        top: 22.0,
-        width: WIDTH - LEFT - RIGHT,
-        height: rows * ROW,
-        x: Scale::exact(seconds(from_us), seconds(to_us)),
-        y: Scale::exact(0.0, 1.0),
-    };
+    let x = Scale::exact(seconds(from_us), seconds(to_us));
+    let plot = panel(22.0, rows * ROW, x, Scale::exact(0.0, 1.0));
     plot.x_axis(&mut svg, "time [s]");
     let base = |row: f64| plot.top + row * ROW + 26.0;
     let clip = |us: u64| plot.px(seconds(us.clamp(from_us, to_us)));

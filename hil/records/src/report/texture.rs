@@ -1,7 +1,7 @@
 //! The texture of a run: its path through the latent space, and how rough that is.
 
 use super::scale::Scale;
-use super::series::{LEFT, RIGHT, WIDTH, seconds};
+use super::series::{WIDTH, panel, seconds, span};
 use super::svg::{Plot, Svg, envelope};
 use crate::measure::length_us;
 use crate::trace::{Event, Trace};
@@ -30,17 +30,6 @@ fn windows(trace: &Trace) -> Vec<Window<'_>> {
         .collect()
 }
 
-fn panel(top: f64, height: f64, x: Scale, y: Scale) -> Plot {
-    Plot {
-        left: LEFT,
-        top,
-        width: WIDTH - LEFT - RIGHT,
-        height,
-        x,
-        y,
-    }
-}
-
 /// One value of every window against time, a line for each touch.
 fn draw(svg: &mut Svg, plot: &Plot, points: &[(u64, f64)], class: &str) {
     for touch in points.chunk_by(|a, b| b.0.saturating_sub(a.0) < APART_US) {
@@ -66,10 +55,7 @@ pub(super) fn section(page: &mut String, trace: &Trace) {
         windows.iter().filter_map(value).collect()
     };
     let lines: Vec<_> = (0..count).map(line).collect();
-    let all = lines.iter().flatten().map(|p| p.1);
-    let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-        (l.min(v), h.max(v))
-    });
+    let (low, high) = span(lines.iter().flatten().map(|p| p.1));
     let x = Scale::exact(0.0, seconds(length_us(trace)));
     let mut svg = Svg::new(
         WIDTH,

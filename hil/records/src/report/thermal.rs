@@ -1,7 +1,8 @@
 //! What only an emulated finger tells: how warm it was over time, against the limits of its skin.
 
+use super::figures::line_key;
 use super::scale::Scale;
-use super::series::{LEFT, RIGHT, WIDTH};
+use super::series::{WIDTH, panel, span};
 use super::svg::{Plot, Svg, envelope};
 use crate::margin::{Limited, Margin};
 use crate::trace::{Ledger, Trace};
@@ -31,29 +32,33 @@ pub(super) fn section(page: &mut String, trace: &Trace, samples: &[Warmth]) {
         page,
         "<section><h2>Temperatures against their limits</h2><p class=\"sub\">Each point is the highest since the \
          one before, of all wires; the mean is over ten seconds. A wire has no limit of its own.</p>\n\
-         <div class=\"wide\">{}</div><div class=\"wide\">{}</div>{LEGEND}</section>",
+         <div class=\"wide\">{}</div><div class=\"wide\">{}</div><div class=\"legend\">{}</div></section>",
         skin(&trace.ledger, samples),
-        wire(samples)
+        wire(samples),
+        legend()
     );
 }
 
-const LEGEND: &str = "<div class=\"legend\">\
-    <span><svg viewBox=\"0 0 26 12\"><line class=\"series w1\" x1=\"1\" y1=\"6\" x2=\"25\" y2=\"6\"/></svg>skin at 0.1 mm</span>\
-    <span><svg viewBox=\"0 0 26 12\"><line class=\"series w4\" x1=\"1\" y1=\"6\" x2=\"25\" y2=\"6\"/></svg>its mean over 10 s</span>\
-    <span><svg viewBox=\"0 0 26 12\"><line class=\"series w2\" x1=\"1\" y1=\"6\" x2=\"25\" y2=\"6\"/></svg>skin at 0.4 mm</span>\
-    <span><svg viewBox=\"0 0 26 12\"><line class=\"bound\" x1=\"1\" y1=\"6\" x2=\"25\" y2=\"6\"/></svg>limit</span>\
-    <span><svg viewBox=\"0 0 26 12\"><line class=\"series w0\" x1=\"1\" y1=\"6\" x2=\"25\" y2=\"6\"/></svg>hottest wire</span></div>";
-
-fn plot(height: f64, samples: &[Warmth], low: f64, high: f64) -> Plot {
-    let last = samples.last().map_or(1.0, |s| s.t_s);
-    Plot {
-        left: LEFT,
-        top: 30.0,
-        width: WIDTH - LEFT - RIGHT,
-        height,
-        x: Scale::exact(0.0, last),
-        y: Scale::round(low, high),
+fn legend() -> String {
+    let mut legend = String::new();
+    for (class, text) in [
+        ("series w1", "skin at 0.1 mm"),
+        ("series w4", "its mean over 10 s"),
+        ("series w2", "skin at 0.4 mm"),
+        ("bound", "limit"),
+        ("series w0", "hottest wire"),
+    ] {
+        line_key(&mut legend, class, text);
     }
+    legend
+}
+
+/// A plot that shows at least 33 to 34 degrees C.
+fn plot(height: f64, samples: &[Warmth], values: impl Iterator<Item = f64>, above: f64) -> Plot {
+    let last = samples.last().map_or(1.0, |s| s.t_s);
+    let (low, high) = span([33.0, 34.0].into_iter().chain(values));
+    let y = Scale::round(low, high + above);
+    panel(30.0, height, Scale::exact(0.0, last), y)
 }
 
 fn skin(ledger: &Ledger, samples: &[Warmth]) -> String {
@@ -71,9 +76,7 @@ fn skin(ledger: &Ledger, samples: &[Warmth]) -> String {
     let bounds = bounds.map(|(of, what)| (ledger.margin(of).map(Margin::limit), what));
     let limits = bounds.iter().filter_map(|b| b.0);
     let all = samples.iter().flat_map(|s| lines.map(|(of, _)| of(s)));
-    let all = all.chain(limits);
-    let (low, high) = all.fold((33.0_f64, 34.0_f64), |(l, h), v| (l.min(v), h.max(v)));
-    let plot = plot(230.0, samples, low, high + 0.5);
+    let plot = plot(230.0, samples, all.chain(limits), 0.5);
     let mut svg = Svg::new(
         WIDTH,
         300.0,
@@ -110,9 +113,7 @@ fn skin(ledger: &Ledger, samples: &[Warmth]) -> String {
 }
 
 fn wire(samples: &[Warmth]) -> String {
-    let all = samples.iter().map(|s| s.wire_c);
-    let (low, high) = all.fold((33.0_f64, 34.0_f64), |(l, h), v| (l.min(v), h.max(v)));
-    let plot = plot(130.0, samples, low, high);
+    let plot = plot(130.0, samples, samples.iter().map(|s| s.wire_c), 0.0);
     let mut svg = Svg::new(WIDTH, 206.0, "Hottest wire against time");
     plot.y_axis(&mut svg, "hottest wire [\u{b0}C]");
     plot.x_axis(&mut svg, "time [s]");

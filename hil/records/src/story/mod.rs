@@ -118,6 +118,27 @@ pub struct Story {
 }
 
 impl Story {
+    /// Nothing but its title.
+    fn empty(kind: GoldenKind, scene: String, source: Source) -> Self {
+        Self {
+            kind,
+            scene,
+            source,
+            head: Vec::new(),
+            timing: StoryTiming::default(),
+            pad: Vec::new(),
+            chart: Vec::new(),
+            happenings: Vec::new(),
+            happenings_untold: 0,
+            figures: Vec::new(),
+            table: Table::of(kind),
+            bursts: Vec::new(),
+            bursts_untold: 0,
+            digests: BTreeMap::new(),
+            partial: false,
+        }
+    }
+
     /// The start of the last burst that it lists, microseconds, where it does not list all.
     pub fn listed_until_us(&self) -> Option<u64> {
         let last = self.bursts.last().map_or(0, |b| b.from_us);

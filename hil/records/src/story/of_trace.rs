@@ -109,9 +109,6 @@ impl Story {
         let h = &trace.header;
         let length = seconds(measure::length_us(trace));
         Self {
-            kind,
-            scene: one_line(&h.scene),
-            source: h.source,
             head: vec![
                 head(
                     "",
@@ -129,17 +126,7 @@ impl Story {
                 ),
                 head("", [format!("length {length} s")]),
             ],
-            timing: StoryTiming::default(),
-            pad: Vec::new(),
-            chart: Vec::new(),
-            happenings: Vec::new(),
-            happenings_untold: 0,
-            figures: Vec::new(),
-            table: Table::of(kind),
-            bursts: Vec::new(),
-            bursts_untold: 0,
-            digests: BTreeMap::new(),
-            partial: false,
+            ..Self::empty(kind, one_line(&h.scene), h.source)
         }
     }
 }

@@ -1,7 +1,5 @@
 //! A golden's text read back into its story, line by line; what no golden has there is named with its line.
 
-use std::collections::BTreeMap;
-
 use super::table::Table;
 use super::text::LEDGER;
 use super::{GoldenKind, HeadLine, Story, StoryTiming};
@@ -166,23 +164,7 @@ fn title(reader: &mut Reader<'_>) -> Result<Story, Damage> {
         Some((scene, "emulated)")) => (scene, Source::Emulated),
         _ => (scene, Source::Emulated),
     };
-    Ok(Story {
-        kind,
-        scene: scene.to_owned(),
-        source,
-        head: Vec::new(),
-        timing: StoryTiming::default(),
-        pad: Vec::new(),
-        chart: Vec::new(),
-        happenings: Vec::new(),
-        happenings_untold: 0,
-        figures: Vec::new(),
-        table: Table::of(kind),
-        bursts: Vec::new(),
-        bursts_untold: 0,
-        digests: BTreeMap::new(),
-        partial: false,
-    })
+    Ok(Story::empty(kind, scene.to_owned(), source))
 }
 
 /// A header's line in its pieces.

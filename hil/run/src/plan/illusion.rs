@@ -105,7 +105,6 @@ pub(super) fn output(
         illusion: law,
         sharing: illusion.sharing,
         calibration,
-        smallest_step: illusion.smallest_step as f32,
         strokes: strokes(setup, display)?,
         drive: drive(illusion),
         peak,

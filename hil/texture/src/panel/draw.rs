@@ -63,7 +63,7 @@ pub fn draw(study: &Study, title: &str) -> String {
     let height = TOP + dimensions.len() as f64 * (HEIGHT + GAP);
     let mut svg = Svg::new(WIDTH, height, title);
     svg.text((20.0, 26.0), "label", title);
-    let words = "SIMULATED panel: nobody has rated anything. Box: quartiles, bold: median, circles: outliers.";
+    let words = "SIMULATED panel: no person has rated anything. Box: quartiles, bold: median, circles: outliers.";
     svg.text((20.0, 46.0), "note", words);
     let mut key = |x: f64, class: &str, name: &str| {
         svg.rect((x, 58.0), (14.0, 12.0), &format!("series box {class}"));

@@ -11,7 +11,7 @@ use palpate_run::Failure;
 
 use super::stage::SHOWN;
 use crate::explore::features;
-use crate::rows::{Rows, Take};
+use crate::rows::{Rows, Take, files};
 
 /// From one latent vector to the next, as in the loop.
 const SOA: Duration = Duration::from_micros(58_500);
@@ -104,15 +104,8 @@ impl Label {
     /// A folder that cannot be read, or holds none.
     pub fn all(folder: &Path) -> Result<Vec<Self>, Failure> {
         let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{}: {e}", folder.display()));
-        let entries = std::fs::read_dir(folder).map_err(|e| bad(&e))?;
-        let mut files: Vec<PathBuf> = entries
-            .filter_map(|entry| Some(entry.ok()?.path()))
-            .filter(|path| path.extension().is_some_and(|e| e == "csv"))
-            .collect();
-        files.sort();
         let mut labels: Vec<Self> = Vec::new();
-        for file in files {
-            let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+        for (stem, file) in files(folder, "csv").map_err(|e| bad(&e))? {
             let Some((name, _)) = stem.split_once('_') else {
                 continue;
             };

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_texture::rows::{Rows, Take};
+use palpate_texture::rows::{Rows, Take, files};
 
 use crate::failure::Failure;
 
@@ -41,35 +41,24 @@ impl Recordings {
     /// Reads a folder. CSV: columns whose name begins with `prefix`, without those of the taxels in `without`; the
     /// label is the file's name up to the first `_`. A folder with `icub_*.npy` holds the iCub set.
     pub fn read(folder: &Path, prefix: &str, without: &[String]) -> Result<Self, Failure> {
-        let entries = std::fs::read_dir(folder).map_err(|e| Failure::file(folder, e))?;
-        let mut paths: Vec<PathBuf> = entries
-            .filter_map(|entry| Some(entry.ok()?.path()))
-            .collect();
-        paths.sort();
-        let ends = |path: &&PathBuf, ending: &str| path.extension().is_some_and(|e| e == ending);
-        let blobs: Vec<_> = paths
-            .iter()
-            .filter(|p| ends(p, "npy") && stem(p).starts_with("icub_"))
-            .collect();
+        let of = |ending| files(folder, ending).map_err(|e| Failure::file(folder, e));
+        let mut blobs = of("npy")?;
+        blobs.retain(|(name, _)| name.starts_with("icub_"));
         if !blobs.is_empty() {
             return icub(&blobs);
         }
+        let mut tables = of("csv")?;
+        tables.retain(|(name, _)| name != "ratings");
         let mut columns = Vec::new();
         let mut all = Vec::new();
-        for path in paths
-            .iter()
-            .filter(|p| ends(p, "csv") && stem(p) != "ratings")
-        {
+        for (name, path) in tables {
             let (found, values) =
-                Rows::read(path, Take::Prefixed { prefix, without })?.into_parts();
-            let name = stem(path);
+                Rows::read(&path, Take::Prefixed { prefix, without })?.into_parts();
             if columns.is_empty() {
                 columns = found;
             } else if columns != found {
-                return Err(Failure::file(
-                    path,
-                    "expected the columns of the files before it",
-                ));
+                let what = "expected the columns of the files before it";
+                return Err(Failure::file(&path, what));
             }
             all.push(Recording {
                 label: name.split('_').next().unwrap_or_default().to_owned(),
@@ -112,28 +101,21 @@ pub fn ratings(folder: &Path) -> Result<Vec<Rating>, Failure> {
         .collect()
 }
 
-fn stem(path: &Path) -> String {
-    path.file_stem()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned()
-}
-
 /// Columns, steps and rows of a slide of the iCub set. The files say (6, 10, 75), but neighbouring values in memory
 /// are the six rows of one column at one time: only read as 10 columns x 75 steps x 6 rows do the readings run on
 /// smoothly (mean change from step to step 0.66; 7.1 as the files say).
 const ICUB: [usize; 3] = [10, 75, 6];
 
-fn icub(blobs: &[&PathBuf]) -> Result<Recordings, Failure> {
+fn icub(blobs: &[(String, PathBuf)]) -> Result<Recordings, Failure> {
     let [columns, steps, rows] = ICUB;
     let mut all = Vec::new();
-    for path in blobs {
+    for (blob, path) in blobs {
         let values = npy(path, "'<f4'", 4)?;
         let slides: Vec<f32> = values
             .chunks_exact(4)
             .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
             .collect();
-        let labels_path = path.with_file_name(stem(path).replace("icub", "labels") + ".npy");
+        let labels_path = path.with_file_name(blob.replace("icub", "labels") + ".npy");
         let labels = npy(&labels_path, "'<i8'", 8)?;
         let slides = slides.chunks_exact(columns * steps * rows);
         if slides.len() != labels.len() / 8 {
@@ -153,7 +135,7 @@ fn icub(blobs: &[&PathBuf]) -> Result<Recordings, Failure> {
                 .flat_map(|step| (0..columns * rows).map(move |f| at(step, f)))
                 .collect();
             all.push(Recording {
-                name: format!("{}_{number:03}", stem(path)),
+                name: format!("{blob}_{number:03}"),
                 label: format!("material{:02}", label[0]),
                 values,
             });

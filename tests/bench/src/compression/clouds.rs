@@ -17,8 +17,6 @@ pub struct Cloud {
     pub y: Vec<f32>,
     /// Weights.
     pub w: Vec<f32>,
-    /// Where the presses truly are, mm.
-    presses: Vec<(f64, f64)>,
 }
 
 impl Cloud {
@@ -50,7 +48,6 @@ impl Cloud {
             x: (0..n).map(|i| place(i).0 as f32).collect(),
             y: (0..n).map(|i| place(i).1 as f32).collect(),
             w: (0..n).map(weight).collect(),
-            presses,
         }
     }
 
@@ -68,17 +65,6 @@ impl Cloud {
         }
     }
 
-    /// Every `step`th point.
-    pub fn thinned(&self, step: usize) -> Self {
-        let thin = |v: &[f32]| v.iter().copied().step_by(step).collect();
-        Self {
-            x: thin(&self.x),
-            y: thin(&self.y),
-            w: thin(&self.w),
-            presses: self.presses.clone(),
-        }
-    }
-
     /// sum(w d²) of all points to their nearest centroid: what K-means makes small.
     pub fn inertia(&self, centroids: &[(f64, f64)]) -> f64 {
         let cost = |i: usize| {
@@ -89,15 +75,6 @@ impl Cloud {
             f64::from(self.w[i]) * d2.fold(f64::INFINITY, f64::min)
         };
         (0..self.x.len()).map(cost).sum()
-    }
-
-    /// Mean distance of a true press to the nearest centroid, mm.
-    pub fn miss(&self, centroids: &[(f64, f64)]) -> f64 {
-        let miss = |p: &(f64, f64)| {
-            let d = centroids.iter().map(|c| libm::hypot(c.0 - p.0, c.1 - p.1));
-            d.fold(f64::INFINITY, f64::min)
-        };
-        self.presses.iter().map(miss).sum::<f64>() / self.presses.len() as f64
     }
 
     /// The least inertia found from many starts, each iterated to its end, and from `known` centroids.
@@ -130,18 +107,16 @@ pub fn wide(kmeans: &KMeans) -> Vec<(f64, f64)> {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Errors {
     excess: f64,
-    miss: f64,
 }
 
 impl Errors {
     /// One more frame, whose least inertia is `optimum`.
     pub fn add(&mut self, cloud: &Cloud, centroids: &[(f64, f64)], optimum: f64) {
         self.excess += cloud.inertia(centroids) / optimum - 1.0;
-        self.miss += cloud.miss(centroids);
     }
 
-    /// Means of a round: inertia over the best of many starts, less 1; mm from a true press to the nearest centroid.
-    pub fn means(&self) -> (f64, f64) {
-        (self.excess / ROUND as f64, self.miss / ROUND as f64)
+    /// Mean of a round: inertia over the best of many starts, less 1.
+    pub fn mean(&self) -> f64 {
+        self.excess / ROUND as f64
     }
 }

@@ -1,4 +1,4 @@
-//! Clustering and levels alone: ours warm, cold, stopped early and on a part of the points, beside peers.
+//! Clustering and levels alone: ours to the end and after two iterations, beside peers.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use palpate_run::Failure;
 use super::clouds::{Cloud, Errors, ROUND, wide};
 use super::peers;
 use super::textbook::{self, Draw};
-use crate::findings::{Error, Findings};
+use crate::findings::Findings;
 use crate::plot::{Mark, Plot, Series};
 use crate::timing::Race;
 
@@ -19,8 +19,6 @@ use crate::timing::Race;
 const CASES: [(usize, usize); 5] = [(12, 4), (16, 8), (125, 4), (240, 8), (2000, 16)];
 /// What an error is.
 const ERROR: &str = "inertia over the best of 32 starts, less 1";
-/// What a location's error is.
-const MISS: &str = "mm from a true press to the nearest contact";
 const SAMPLES: usize = 400;
 const BUDGET: Duration = Duration::from_millis(1500);
 
@@ -29,23 +27,15 @@ const BUDGET: Duration = Duration::from_millis(1500);
 enum Method {
     /// From the last frame's centroids, at most so many iterations.
     Warm(u32),
-    /// Seeded anew in every frame.
-    Cold,
-    /// Warm, on every fourth point.
-    Subsampled,
-    /// As textbooks write it, warm or cold.
-    Textbook { warm: bool },
+    /// As textbooks write it, from the last frame's centroids.
+    Textbook,
 }
 
 impl Method {
-    const ALL: [(&'static str, Self); 7] = [
+    const ALL: [(&'static str, Self); 3] = [
         ("default", Self::Warm(32)),
         ("warm", Self::Warm(2)),
-        ("early-stopped", Self::Warm(1)),
-        ("subsampled", Self::Subsampled),
-        ("cold", Self::Cold),
-        ("textbook, warm", Self::Textbook { warm: true }),
-        ("textbook, cold", Self::Textbook { warm: false }),
+        ("textbook, warm", Self::Textbook),
     ];
 }
 
@@ -55,9 +45,7 @@ struct Contestant<'a> {
     k: usize,
     round: &'a [Cloud],
     rows: Vec<Vec<(f32, f32, f32)>>,
-    thin: Vec<Cloud>,
     kmeans: KMeans,
-    stream: RandomStream,
     draw: Draw,
     centroids: Vec<(f64, f64)>,
     frame: usize,
@@ -67,19 +55,12 @@ impl<'a> Contestant<'a> {
     fn new(method: Method, k: usize, round: &'a [Cloud]) -> Self {
         let (n, mut stream) = (round[0].x.len(), RandomStream::new(1, "bench"));
         let mut kmeans = KMeans::new(n, k);
-        let thin: Vec<Cloud> = match method {
-            Method::Subsampled => round
-                .iter()
-                .map(|c| c.thinned(if n >= 4 * k { 4 } else { 1 }))
-                .collect(),
-            _ => Vec::new(),
-        };
-        kmeans.seed(thin.first().unwrap_or(&round[0]).points(), k, &mut stream);
+        kmeans.seed(round[0].points(), k, &mut stream);
         let rows = |c: &Cloud| (0..n).map(|i| (c.x[i], c.y[i], c.w[i])).collect::<Vec<_>>();
         let mut draw = Draw(1);
         let rows: Vec<_> = match method {
-            Method::Textbook { .. } => round.iter().map(rows).collect(),
-            _ => Vec::new(),
+            Method::Textbook => round.iter().map(rows).collect(),
+            Method::Warm(_) => Vec::new(),
         };
         let centroids = rows
             .first()
@@ -88,9 +69,7 @@ impl<'a> Contestant<'a> {
             method,
             k,
             round,
-            thin,
             kmeans,
-            stream,
             draw,
             centroids: centroids.unwrap_or_default(),
             rows,
@@ -102,24 +81,16 @@ impl<'a> Contestant<'a> {
     fn step(&mut self) {
         let at = self.frame % ROUND;
         self.frame += 1;
-        let points = self.round[at].points();
-        let stop = |max_iterations| Stop {
-            tolerance: 1e-3,
-            max_iterations,
-        };
         match self.method {
-            Method::Warm(most) => {
-                self.kmeans.solve(points, stop(most));
+            Method::Warm(max_iterations) => {
+                let stop = Stop {
+                    tolerance: 1e-3,
+                    max_iterations,
+                };
+                self.kmeans.solve(self.round[at].points(), stop);
             }
-            Method::Cold => {
-                self.kmeans.seed(points, self.k, &mut self.stream);
-                self.kmeans.solve(points, stop(32));
-            }
-            Method::Subsampled => {
-                self.kmeans.solve(self.thin[at].points(), stop(32));
-            }
-            Method::Textbook { warm } => {
-                let start = warm.then_some(&self.centroids[..]);
+            Method::Textbook => {
+                let start = Some(&self.centroids[..]);
                 self.centroids = textbook::kmeans(&self.rows[at], self.k, start, &mut self.draw);
             }
         }
@@ -127,8 +98,8 @@ impl<'a> Contestant<'a> {
 
     fn centroids(&self) -> Vec<(f64, f64)> {
         match self.method {
-            Method::Textbook { .. } => self.centroids.clone(),
-            _ => wide(&self.kmeans),
+            Method::Textbook => self.centroids.clone(),
+            Method::Warm(_) => wide(&self.kmeans),
         }
     }
 }
@@ -169,52 +140,38 @@ pub fn measure(findings: &mut Findings) -> Result<(), Failure> {
             }
         }
         let ours = Method::ALL.iter().zip(errors.iter().zip(&samples));
-        let mut results: Vec<_> = ours
-            .map(|((name, method), (errors, samples))| {
-                let peer = matches!(method, Method::Textbook { .. });
-                ((*name).to_owned(), *errors, samples.median(), peer)
-            })
-            .collect();
+        let ours = ours.map(|((name, method), (errors, samples))| {
+            let peer = *method == Method::Textbook;
+            ((*name).to_owned(), *errors, samples.median(), peer)
+        });
         let peers = peers::measure(&round, &starts, &best)?;
-        results.extend(peers.into_iter().map(|(name, e, us)| (name, e, us, true)));
-        for location in [false, true] {
-            let rows = results.iter().map(|(name, errors, us, peer)| {
-                let (excess, miss) = errors.means();
-                let error = if location {
-                    (miss, MISS)
-                } else {
-                    (excess, ERROR)
-                };
-                (name.as_str(), error, *us, *peer)
-            });
-            let case = format!("{}N={n} K={k}", if location { "location " } else { "" });
-            table(findings, &case, &rows.collect::<Vec<_>>());
-        }
+        let peers = peers.into_iter().map(|(name, e, us)| (name, e, us, true));
+        let results: Vec<_> = ours.chain(peers).collect();
+        table(findings, &format!("N={n} K={k}"), &results);
     }
     levels(findings);
     Ok(())
 }
 
 /// Rows of a case and their work-precision diagram.
-fn table(findings: &mut Findings, case: &str, rows: &[(&str, Error, f64, bool)]) {
+fn table(findings: &mut Findings, case: &str, rows: &[(String, Errors, f64, bool)]) {
     let mut series = Vec::new();
-    let mut unit = "";
-    for &(name, error, us, peer) in rows {
+    for (name, errors, us, peer) in rows {
+        let error = errors.mean();
         // A method that is as good as the optimum has no place on a logarithm: it stands at 1e-6.
-        let points = vec![(us, error.0.max(1e-6))];
-        unit = error.1;
-        if peer {
-            findings.peer(case, name, error, us);
+        let points = vec![(*us, error.max(1e-6))];
+        if *peer {
+            findings.peer(case, name, (error, ERROR), *us);
             series.push(Series::new(name, Mark::Swept, points));
         } else {
-            findings.row(case, name, error, us);
+            findings.row(case, name, (error, ERROR), *us);
             series.push(Series::new(name, Mark::Ours, points));
         }
     }
     let name = format!("error-{}", case.to_lowercase().replace(['=', ' '], "-"));
     findings
         .figures
-        .push(Plot::work_precision(unit, series).figure(
+        .push(Plot::work_precision(ERROR, series).figure(
             &name,
             &format!("Clustering, {case}"),
             "Further left is faster, further down is more accurate.",

@@ -2,7 +2,7 @@
 
 use palpate_emulators::display::wire::Wire;
 
-use super::peers::{self, Dop853, Kind, Rk4};
+use super::peers::{self, Dop853, Kind};
 use super::train::{Case, Nodes, START_C};
 
 /// How a case is computed.
@@ -10,8 +10,6 @@ use super::train::{Case, Nodes, START_C};
 pub enum Method {
     /// What the program uses: exact from edge to edge.
     Default,
-    /// The classical Runge-Kutta method with this longest step, microseconds.
-    Rk4(u32),
     /// ode_solvers, DOP853, at this relative tolerance.
     Dop853(f64),
     /// One of diffsol's, at this relative tolerance.
@@ -19,11 +17,10 @@ pub enum Method {
 }
 
 impl Method {
-    /// Its name without tolerance or step: points of one name make a line in a diagram.
+    /// Its name without tolerance: points of one name make a line in a diagram.
     pub const fn family(&self) -> &'static str {
         match self {
             Self::Default => "default",
-            Self::Rk4(_) => "RK4",
             Self::Dop853(_) => "ode_solvers DOP853",
             Self::Diffsol(Kind::Bdf, _) => "diffsol BDF",
             Self::Diffsol(Kind::Tsit45, _) => "diffsol Tsit45",
@@ -34,7 +31,6 @@ impl Method {
     pub fn name(&self) -> String {
         match self {
             Self::Default => "default".into(),
-            Self::Rk4(step) => format!("{} {step} us", self.family()),
             Self::Dop853(tolerance) | Self::Diffsol(_, tolerance) => {
                 format!("{} {tolerance:.0e}", self.family())
             }
@@ -48,7 +44,6 @@ impl Method {
     pub fn run(&self, case: &Case, seen: Option<&mut Vec<Nodes>>) -> Result<(), String> {
         match *self {
             Self::Default => default(case, seen),
-            Self::Rk4(step) => peers::along(case, &mut Rk4::new(step), seen),
             Self::Dop853(tolerance) => peers::along(case, &mut Dop853::new(tolerance), seen),
             Self::Diffsol(kind, tolerance) => peers::diffsol(case, kind, tolerance, seen),
         }

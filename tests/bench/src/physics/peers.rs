@@ -184,38 +184,6 @@ impl Segments for Dop853 {
     }
 }
 
-/// The classical Runge-Kutta method of order four, with a fixed longest step.
-pub struct Rk4 {
-    step_s: f64,
-}
-
-impl Rk4 {
-    /// With this longest step, microseconds.
-    pub fn new(step_us: u32) -> Self {
-        Self {
-            step_s: f64::from(step_us) * 1e-6,
-        }
-    }
-}
-
-impl Segments for Rk4 {
-    fn solve(&mut self, balance: &Balance, seconds: f64, nodes: &mut Nodes) -> Result<(), String> {
-        let steps = (seconds / self.step_s).ceil().max(1.0);
-        let h = seconds / steps;
-        for _ in 0..steps as u64 {
-            let y = *nodes;
-            let along = |k: &Nodes, h: f64| balance.rate(&std::array::from_fn(|i| y[i] + h * k[i]));
-            let k1 = balance.rate(&y);
-            let k2 = along(&k1, 0.5 * h);
-            let k3 = along(&k2, 0.5 * h);
-            let k4 = along(&k3, h);
-            *nodes =
-                std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
-        }
-        Ok(())
-    }
-}
-
 /// One of diffsol's methods with the equations it solves.
 struct Diffsol<'a, Eqn: OdeEquations, S> {
     problem: &'a OdeSolverProblem<Eqn>,

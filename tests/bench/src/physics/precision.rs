@@ -27,7 +27,6 @@ const AIM: f64 = 100.0;
 
 fn methods() -> Vec<Method> {
     let mut all = vec![Method::Default];
-    all.extend([1000, 200, 50].map(Method::Rk4));
     for exponent in [3, 5, 7, 9, 11] {
         all.push(Method::Dop853(10_f64.powi(-exponent)));
     }

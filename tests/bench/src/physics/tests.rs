@@ -32,17 +32,16 @@ fn every_method_comes_near_the_exact_solver() {
     let exact = course(Method::Default);
     let hottest = exact.iter().map(|nodes| nodes[0]).fold(0.0, f64::max);
     assert!(hottest > 60.0, "{hottest} C");
-    for (method, near) in [
-        (Method::Rk4(10), 1e-2),
-        (Method::Dop853(1e-9), 1e-4),
-        (Method::Diffsol(Kind::Bdf, 1e-9), 1e-4),
-        (Method::Diffsol(Kind::Tsit45, 1e-9), 1e-4),
+    for method in [
+        Method::Dop853(1e-9),
+        Method::Diffsol(Kind::Bdf, 1e-9),
+        Method::Diffsol(Kind::Tsit45, 1e-9),
     ] {
         let other = course(method);
         assert_eq!(other.len(), exact.len());
         let pairs = exact.iter().flatten().zip(other.iter().flatten());
         let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        assert!(apart < near, "{}: {apart} K apart", method.name());
+        assert!(apart < 1e-4, "{}: {apart} K apart", method.name());
     }
 }
 
@@ -97,23 +96,20 @@ fn drift(solver: &Exact, count: u64) -> f64 {
 }
 
 #[test]
-fn an_hour_edge_by_edge_and_thirty_days_in_closed_form_do_not_drift() {
+fn an_hour_does_not_drift() {
     let (period, pulse) = pwm();
-    let new = Exact::new(&WireParameters::FINAL, &TissueParameters::DEFAULT, START_C).unwrap();
+    let mut walked =
+        Exact::new(&WireParameters::FINAL, &TissueParameters::DEFAULT, START_C).unwrap();
     let on = WireDrive::Power(PULSE_W * PART);
-    let periods = |seconds: u64| seconds * 1_000_000_000 / period.0;
-    let (hour, month) = (periods(3600), periods(30 * 86_400));
-    let mut walked = new.clone();
+    let hour = 3600 * 1_000_000_000 / period.0;
     for i in 0..hour {
         let start = Nanos(i * period.0);
         walked.drive(start, on);
         walked.drive(start + pulse, WireDrive::Off);
     }
     walked.advance(Nanos(hour * period.0));
-    let mut jumped = new;
-    jumped.repeat(&[(Nanos::ZERO, on), (pulse, WireDrive::Off)], period, month);
-    let (walked, jumped) = (drift(&walked, hour), drift(&jumped, month));
-    assert!(walked < 1e-6 && jumped < 1e-6, "{walked} K, {jumped} K");
+    let drift = drift(&walked, hour);
+    assert!(drift < 1e-6, "{drift} K");
 }
 
 /// A whole train as one right-hand side: the power is looked up by time.
