@@ -31,6 +31,7 @@ mod summary;
 mod summary_text;
 mod supervisor;
 mod tape;
+mod taxels;
 
 pub use boards::{BoardReport, BusReport, CanReport, Pacing, Spread};
 pub use failure::Failure;
@@ -44,6 +45,7 @@ pub use runner::{build, run_with, scene_levels};
 pub use script::FaultReport;
 pub use session::{Session, Turn};
 pub use summary::{IllTaxel, Summary, Taxels, finished};
+pub use taxels::taxels;
 
 use palpate_core::bus::Received;
 use palpate_core::skin::Layout;
