@@ -1,6 +1,7 @@
 //! The command line.
 
 mod compare;
+mod files;
 mod texture;
 
 use std::io::IsTerminal;
@@ -8,6 +9,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use compare::{DiffArgs, ReviewAction, ReviewArgs, TestArgs};
+pub use files::{
+    CheckArgs, CompletionsArgs, ExportKind, ExportTaxels, LayoutKind, ListArgs, ManArgs, Motion,
+    NewBench, NewFile, NewKind, NewLayout, NewScene, NewWire, Shelf,
+};
 use palpate_buses::guardian::{parse_bus, parse_line};
 use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::Axes;
@@ -17,7 +22,7 @@ pub use texture::{
 
 /// Tactile feedback with hardware in the loop: from a robot's touched skin to heated wires on a finger.
 #[derive(Debug, Parser)]
-#[command(name = "hil", version, disable_help_subcommand = true)]
+#[command(name = "hil", version)]
 pub struct Cli {
     /// What to do; without a command, `hil run` of the default scene.
     #[command(subcommand)]
@@ -65,7 +70,9 @@ pub(crate) fn rate(text: &str) -> Result<f64, String> {
 }
 
 /// A whole number within bounds.
-fn whole<T: TryFrom<u64>, const LOW: u64, const HIGH: u64>(text: &str) -> Result<T, String> {
+pub(crate) fn whole<T: TryFrom<u64>, const LOW: u64, const HIGH: u64>(
+    text: &str,
+) -> Result<T, String> {
     let number: Option<u64> = text.parse().ok();
     number
         .filter(|n| (LOW..=HIGH).contains(n))
@@ -95,7 +102,7 @@ fn threshold(text: &str) -> Result<Threshold, String> {
 }
 
 /// A positive number that files take too.
-fn positive(text: &str) -> Result<f64, String> {
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(v) if (0.01..=86_400.0).contains(&v) => Ok(v),
         _ => Err("expected 0.01 to 86400".into()),
@@ -135,6 +142,16 @@ pub enum Command {
     /// Run every scene with expectations as a trial on a bench (default: emulated). Exits with 1 if one
     /// fails.
     Test(TestArgs),
+    /// List what there is, a line each: scenes, benches, layouts, wires, illusions, built in and in this folder.
+    List(ListArgs),
+    /// Write a commented file of what differs from the defaults.
+    #[command(subcommand)]
+    New(NewKind),
+    /// Check settings files of any kind and say everything that is wrong with them. Exits with 1 if something is.
+    Check(CheckArgs),
+    /// Write what a scene makes, for other programs.
+    #[command(subcommand)]
+    Export(ExportKind),
     /// Work with the texture model: strokes, training, latent vectors, export, map, panel.
     #[command(subcommand)]
     Texture(TextureAction),
@@ -142,6 +159,10 @@ pub enum Command {
     Doctor(DoctorArgs),
     /// Switch everything off on a bench, from any state, and report what was found.
     Off(OffArgs),
+    /// Print a script that completes commands in a shell.
+    Completions(CompletionsArgs),
+    /// Print a page for `man`: hil man | man -l -
+    Man(ManArgs),
     /// The process that switches off when a run dies (internal; `hil run` starts it).
     #[command(hide = true)]
     Guardian(GuardianArgs),

@@ -31,6 +31,12 @@ fn main() -> ExitCode {
         Some(Command::Guardian(args)) => return ExitCode::from(command::guardian(args)),
         Some(Command::Texture(action)) => command::texture(&action),
         Some(Command::Diff(args)) => command::diff(&args, cli.color),
+        Some(Command::List(args)) => command::list(&args),
+        Some(Command::New(kind)) => command::new(&kind),
+        Some(Command::Check(args)) => command::check(&args),
+        Some(Command::Export(kind)) => command::export(&kind),
+        Some(Command::Completions(args)) => command::completions(&args),
+        Some(Command::Man(args)) => command::man(&args),
         Some(Command::Test(args)) => command::test(&args, cli.color),
         Some(Command::Review(args)) => command::review(&args, cli.color),
     };

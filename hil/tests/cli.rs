@@ -9,6 +9,8 @@ mod contacts;
 mod diff;
 #[path = "cli/docs.rs"]
 mod docs;
+#[path = "cli/files.rs"]
+mod files;
 #[path = "cli/input.rs"]
 mod input;
 #[path = "cli/outputs.rs"]
@@ -19,6 +21,8 @@ mod records;
 mod review;
 #[path = "cli/run.rs"]
 mod run;
+#[path = "cli/shell.rs"]
+mod shell;
 #[path = "cli/test.rs"]
 mod test;
 #[path = "cli/texture.rs"]

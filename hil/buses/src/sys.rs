@@ -70,12 +70,22 @@ pub fn i2c_functions(fd: BorrowedFd<'_>) -> Result<libc::c_ulong, Errno> {
 /// `EPERM` without CAP_SYS_NICE or an rtprio limit that allows it.
 #[allow(unsafe_code)]
 pub fn set_fifo_priority(priority: u8) -> Result<(), Errno> {
-    let parameters = libc::sched_param {
-        sched_priority: priority.into(),
+    // SAFETY: integers, for which zero is a value. musl's structure has more of them than glibc's.
+    let mut parameters: libc::sched_param = unsafe { std::mem::zeroed() };
+    parameters.sched_priority = priority.into();
+    // Not `sched_setscheduler`: in musl that one only says ENOSYS.
+    // SAFETY: the calling thread is there; the structure is read during the call only.
+    let result = unsafe {
+        libc::pthread_setschedparam(
+            libc::pthread_self(),
+            libc::SCHED_FIFO,
+            &raw const parameters,
+        )
     };
-    // SAFETY: 0 is the calling thread; the structure is read during the call only.
-    let result = unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const parameters) };
-    Errno::result(result).map(drop)
+    match result {
+        0 => Ok(()),
+        error => Err(Errno::from_raw(error)),
+    }
 }
 
 /// No core dump of this program: while one is written the program counts as alive, its sockets stay open,

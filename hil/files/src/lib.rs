@@ -9,6 +9,7 @@
 mod activation;
 mod bench;
 mod change;
+mod check;
 mod error;
 mod fault;
 mod felt;
@@ -17,11 +18,14 @@ mod layout;
 mod limits;
 mod loaded;
 mod module;
+mod near;
 mod overrides;
+mod placeholder;
 mod quarantine;
 mod resolve;
 mod scene;
 mod setup;
+mod shelf;
 mod source;
 mod texture;
 mod texture_model;
@@ -38,6 +42,7 @@ mod tests;
 
 pub use activation::{ActivationFile, Both};
 pub use bench::{Amplifier, Bench, BenchKind, BenchWire, Drive, Output, OutputEnable, Real};
+pub use check::{Checked, check, check_source, kind_of};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
 pub use felt::{Felt, FeltBy};
@@ -46,9 +51,10 @@ pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayo
 pub use limits::LimitTable;
 pub use loaded::{
     Loaded, load_activation, load_bench, load_layout, load_limits, load_perceiver, load_scene,
-    load_textures,
+    load_textures, load_wire,
 };
 pub use module::{Grid, ImageCell, Repeat, SkinModule, Taxel};
+pub use near::{did_you_mean, nearest};
 pub use overrides::Overrides;
 pub use quarantine::{Quarantine, Quarantined};
 pub use resolve::{FileKind, resolve, resolve_from};
@@ -57,6 +63,7 @@ pub use scene::{
     THRESHOLD_SIGMAS, ThresholdFrom,
 };
 pub use setup::{Setup, Stroked, sensor_of};
+pub use shelf::{Listed, built_in, illusions, of_folder};
 pub use source::Source;
 pub use texture::{Rated, TextureEntry, TextureTable};
 pub use texture_model::{Layer, Tensor, TextureModel, model_file, taxel};

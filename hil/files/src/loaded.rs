@@ -10,6 +10,7 @@ use super::resolve::{FileKind, resolve, resolve_from};
 use super::scene::Scene;
 use super::source::Source;
 use super::texture::TextureTable;
+use super::wire::WireFile;
 
 /// What was read, beside its text: later checks name a line with [`Source::bad`].
 #[derive(Debug, Clone, PartialEq)]
@@ -95,4 +96,12 @@ pub fn load_activation(name: &str) -> Result<Loaded<ActivationFile>, FileError> 
 /// An unknown name, or what cannot be in the file.
 pub fn load_textures(name: &str) -> Result<Loaded<TextureTable>, FileError> {
     load(resolve(FileKind::Textures, name)?, TextureTable::read)
+}
+
+/// A wire by name or path.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_wire(name: &str) -> Result<Loaded<WireFile>, FileError> {
+    load(resolve(FileKind::Wire, name)?, WireFile::read)
 }

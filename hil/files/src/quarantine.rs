@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::near::did_you_mean;
 use super::source::Source;
 
 /// A list of trials that may fail.
@@ -38,7 +39,10 @@ impl Quarantine {
         for (index, entry) in list.quarantine.iter().enumerate() {
             if !trials.contains(&entry.trial) {
                 let expected = format!("a trial: {}", trials.join(", "));
-                return Err(source.bad(&format!("quarantine[{index}].trial"), expected));
+                let meant = did_you_mean(&entry.trial, trials.iter().map(String::as_str));
+                let found = format!("\"{}\"{meant}", entry.trial);
+                let key = format!("quarantine[{index}].trial");
+                return Err(source.bad_found(&key, expected, found));
             }
             if entry.reason.trim().is_empty() {
                 return Err(source.bad(&format!("quarantine[{index}].reason"), "a reason"));

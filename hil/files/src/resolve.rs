@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::error::FileError;
+use super::near::did_you_mean;
 use super::source::Source;
 
 /// The kinds of settings file; each has its own shelf of built-in names.
@@ -31,7 +32,40 @@ pub enum FileKind {
 }
 
 impl FileKind {
-    fn folder(self) -> &'static str {
+    /// Every kind.
+    pub const ALL: [Self; 10] = [
+        Self::Scene,
+        Self::Bench,
+        Self::Layout,
+        Self::Limits,
+        Self::Perceiver,
+        Self::Wearer,
+        Self::Wire,
+        Self::Alloy,
+        Self::Activation,
+        Self::Textures,
+    ];
+
+    /// Its name, as the schema of such files has it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Scene => "scene",
+            Self::Layout => "layout",
+            Self::Bench => "bench",
+            Self::Limits => "limits",
+            Self::Perceiver => "perceiver",
+            Self::Wearer => "wearer",
+            Self::Wire => "wire",
+            Self::Alloy => "alloy",
+            Self::Activation => "activation",
+            Self::Textures => "textures",
+        }
+    }
+
+    /// The name of its shelf: that of the folder of the built-in ones.
+    #[must_use]
+    pub const fn folder(self) -> &'static str {
         match self {
             Self::Scene => "scenes",
             Self::Layout => "layouts",
@@ -46,7 +80,9 @@ impl FileKind {
         }
     }
 
-    fn noun(self) -> &'static str {
+    /// The kind with its article.
+    #[must_use]
+    pub const fn noun(self) -> &'static str {
         match self {
             Self::Scene => "a scene",
             Self::Layout => "a layout",
@@ -61,7 +97,7 @@ impl FileKind {
         }
     }
 
-    fn built_in(self, name: &str) -> Option<&'static str> {
+    pub(super) fn built_in(self, name: &str) -> Option<&'static str> {
         match self {
             Self::Scene => palpate_fixtures::scene(name),
             Self::Layout => palpate_fixtures::layout(name),
@@ -93,6 +129,19 @@ impl FileKind {
         }
     }
 
+    /// The name or file that was meant, as a question.
+    fn meant(self, name: &str, folder: Option<&Path>) -> String {
+        let folder = folder.unwrap_or_else(|| Path::new("."));
+        let files: Vec<String> = std::fs::read_dir(folder)
+            .into_iter()
+            .flatten()
+            .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+            .filter(|file| file.ends_with(".toml"))
+            .collect();
+        let there = files.iter().map(String::as_str);
+        did_you_mean(name, self.names().into_iter().chain(there))
+    }
+
     fn choices(self) -> String {
         format!("{} ({}) or a file", self.noun(), self.names().join(", "))
     }
@@ -107,7 +156,7 @@ pub fn resolve(kind: FileKind, name: &str) -> Result<Source, FileError> {
         FileError::whole(
             if name.is_empty() { "\"\"" } else { name },
             kind.choices(),
-            "neither of that name",
+            format!("neither of that name{}", kind.meant(name, None)),
         )
     })
 }
@@ -122,7 +171,11 @@ pub fn resolve_from(
     referrer: &Source,
     key: &str,
 ) -> Result<Source, FileError> {
-    look_up(kind, name, referrer.folder_of(key))?.ok_or_else(|| referrer.bad(key, kind.choices()))
+    let folder = referrer.folder_of(key);
+    look_up(kind, name, folder)?.ok_or_else(|| {
+        let meant = kind.meant(name, folder);
+        referrer.bad_found(key, kind.choices(), format!("\"{name}\"{meant}"))
+    })
 }
 
 fn look_up(kind: FileKind, name: &str, folder: Option<&Path>) -> Result<Option<Source>, FileError> {

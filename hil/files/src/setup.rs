@@ -9,6 +9,7 @@ use super::illusion::{PerceiverFile, Wearer};
 use super::layout::{DisplayLayout, LayoutFile, SensorLayout};
 use super::limits::LimitTable;
 use super::loaded::{Loaded, load_bench, load_scene};
+use super::near::did_you_mean;
 use super::resolve::FileKind;
 use super::scene::Scene;
 use super::texture::{TextureEntry, TextureTable};
@@ -66,22 +67,16 @@ impl Setup {
         let display = display_of(&bench)?;
         check_faults(&scene, &sensor.value, &bench.value)?;
         let hardware = &bench.value;
-        let table = &hardware.limits;
-        let limits = bench.refer(FileKind::Limits, LimitTable::read, table, "limits")?;
-        let wire = &hardware.wire;
-        let alloy = bench.refer(FileKind::Alloy, AlloyFile::read, &wire.alloy, "wire.alloy")?;
-        let wire = bench.refer(FileKind::Wire, WireFile::read, &wire.kind, "wire.kind")?;
+        let limits = limits_of(&bench)?;
+        let alloy = alloy_of(&bench)?;
+        let wire = wire_of(&bench)?;
         let texture = texture_of(&scene, sensor.value.modules.len())?;
         let (perceiver, wearer) = person_of(&scene)?;
         let wires = display.value.wires_mm.len();
         if let Some(wearer) = &wearer {
             wearer.value.fits(&wearer.source, wires)?;
         }
-        if hardware.outputs.len() != wires {
-            let expected = format!("{wires} outputs, one per wire of `{}`", display.value.name);
-            let found = hardware.outputs.len().to_string();
-            return Err(bench.source.bad_found("outputs", expected, found));
-        }
+        check_outputs(&bench, &display.value)?;
         if let Some(needed) = &scene.value.map.display
             && *needed != hardware.display
             && *needed != display.value.name
@@ -104,8 +99,41 @@ impl Setup {
     }
 }
 
+pub(super) fn limits_of(bench: &Loaded<Bench>) -> Result<Loaded<LimitTable>, FileError> {
+    let table = &bench.value.limits;
+    bench.refer(FileKind::Limits, LimitTable::read, table, "limits")
+}
+
+pub(super) fn alloy_of(bench: &Loaded<Bench>) -> Result<Loaded<AlloyFile>, FileError> {
+    let alloy = &bench.value.wire.alloy;
+    bench.refer(FileKind::Alloy, AlloyFile::read, alloy, "wire.alloy")
+}
+
+pub(super) fn wire_of(bench: &Loaded<Bench>) -> Result<Loaded<WireFile>, FileError> {
+    let wire = &bench.value.wire.kind;
+    bench.refer(FileKind::Wire, WireFile::read, wire, "wire.kind")
+}
+
+/// A display's wires are all connected.
+pub(super) fn check_outputs(
+    bench: &Loaded<Bench>,
+    display: &DisplayLayout,
+) -> Result<(), FileError> {
+    let (outputs, wires) = (bench.value.outputs.len(), display.wires_mm.len());
+    if outputs == wires {
+        return Ok(());
+    }
+    let expected = format!("{wires} outputs, one per wire of `{}`", display.name);
+    Err(bench
+        .source
+        .bad_found("outputs", expected, outputs.to_string()))
+}
+
 /// What a scene's texture names, on a skin of so many modules.
-fn texture_of(scene: &Loaded<Scene>, modules: usize) -> Result<Option<Stroked>, FileError> {
+pub(super) fn texture_of(
+    scene: &Loaded<Scene>,
+    modules: usize,
+) -> Result<Option<Stroked>, FileError> {
     let Some(felt) = &scene.value.texture else {
         return Ok(None);
     };
@@ -123,7 +151,11 @@ fn texture_of(scene: &Loaded<Scene>, modules: usize) -> Result<Option<Stroked>, 
     let surface = felt.surface.as_ref().map(|name| {
         let found = table.texture.into_iter().find(|t| t.name == *name);
         let expected = || format!("a texture of `{}`: {}", table.name, names.join(", "));
-        found.ok_or_else(|| scene.source.bad("texture.surface", expected()))
+        found.ok_or_else(|| {
+            let meant = did_you_mean(name, names.iter().map(String::as_str));
+            let found = format!("\"{name}\"{meant}");
+            scene.source.bad_found("texture.surface", expected(), found)
+        })
     });
     Ok(Some(Stroked {
         surface: surface.transpose()?,
@@ -132,9 +164,9 @@ fn texture_of(scene: &Loaded<Scene>, modules: usize) -> Result<Option<Stroked>, 
 }
 
 /// The emulated person of a scene, and the calibration if it names one.
-type Person = (Loaded<PerceiverFile>, Option<Loaded<Wearer>>);
+pub(super) type Person = (Loaded<PerceiverFile>, Option<Loaded<Wearer>>);
 
-fn person_of(scene: &Loaded<Scene>) -> Result<Person, FileError> {
+pub(super) fn person_of(scene: &Loaded<Scene>) -> Result<Person, FileError> {
     let illusion = &scene.value.illusion;
     let (read, key) = (PerceiverFile::read, "illusion.perceiver");
     let perceiver = scene.refer(FileKind::Perceiver, read, &illusion.perceiver, key)?;
@@ -208,7 +240,7 @@ fn check_faults(
     Ok(())
 }
 
-fn display_of(bench: &Loaded<Bench>) -> Result<Loaded<DisplayLayout>, FileError> {
+pub(super) fn display_of(bench: &Loaded<Bench>) -> Result<Loaded<DisplayLayout>, FileError> {
     let name = &bench.value.display;
     let (value, source) = DisplayLayout::named(name, &bench.source, "display")?;
     Ok(Loaded { value, source })

@@ -1,6 +1,7 @@
 //! A TOML text with its place: parsing it, finding a key's line again, and saying what is wrong there.
 
 use std::fmt::Display;
+use std::io::Read as _;
 use std::ops::{Range, RangeInclusive};
 use std::path::{Path, PathBuf};
 
@@ -12,6 +13,9 @@ use toml::de::{DeTable, DeValue};
 use super::change::{Change, Step, refuse_numbers, steps};
 use super::error::FileError;
 use super::wording::expectation;
+
+/// Largest settings file, bytes: a layout of a million taxels that states every place is below it.
+const LARGEST: u64 = 64 << 20;
 
 /// A file's text and where it came from. Kept beside what was read, so that later checks can name a line.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -40,8 +44,15 @@ impl Source {
     /// When it cannot be read, is empty, or is not UTF-8 (with the line of the first wrong byte).
     pub fn open(path: &Path) -> Result<Self, FileError> {
         let label = path.display().to_string();
-        let bytes = std::fs::read(path)
+        let mut bytes = Vec::new();
+        // A device such as /dev/zero has no end.
+        std::fs::File::open(path)
+            .and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes))
             .map_err(|error| FileError::whole(&label, "a readable file", error.to_string()))?;
+        if bytes.len() as u64 > LARGEST {
+            let expected = format!("a settings file of at most {} MB", LARGEST >> 20);
+            return Err(FileError::whole(label, expected, "a larger one"));
+        }
         let text = String::from_utf8(bytes).map_err(|error| {
             let good = error.utf8_error().valid_up_to();
             FileError {
@@ -159,11 +170,33 @@ impl Source {
 
     /// The text of one top-level string, before anything else is known about the file.
     pub(super) fn peek(&self, key: &str) -> Result<Option<String>, FileError> {
+        if let Some(change) = self.change(key) {
+            let value = change.value.as_deref();
+            return Ok(value.map(|text| text.trim_matches('"').to_owned()));
+        }
         let table = self.parse()?;
         Ok(table
             .get_ref()
             .get(key)
             .and_then(|value| value.get_ref().as_str().map(str::to_owned)))
+    }
+
+    /// The keys at the top of the file; none where it is no TOML.
+    pub(super) fn top_keys(&self) -> Vec<String> {
+        let (table, _) = DeTable::parse_recoverable(&self.text);
+        let keys = table.get_ref().keys();
+        keys.map(|key| key.get_ref().to_string()).collect()
+    }
+
+    /// Everything that makes the text no TOML.
+    pub(super) fn syntax_errors(&self) -> Vec<FileError> {
+        let (_, errors) = DeTable::parse_recoverable(&self.text);
+        errors.iter().map(|error| self.syntax(error)).collect()
+    }
+
+    /// The value that stands at `key`, as the file writes it.
+    pub(super) fn text_at(&self, key: &str) -> Option<&str> {
+        self.text.get(self.spans(key)?.1?)
     }
 
     /// `value` must lie in `range`.

@@ -1,5 +1,7 @@
 //! The parser's sentences turned into ours: which key, what was expected, what was found.
 
+use super::near::{did_you_mean, quoted_words};
+
 /// What a parser's message says, taken apart.
 pub(super) struct Wrong {
     pub key: String,
@@ -16,7 +18,7 @@ pub(super) fn expectation(path: &str, message: &str) -> Wrong {
         return Wrong {
             key: with_last(path, field),
             expected: known.replace("one of ", "one of the keys "),
-            found: Some(format!("the unknown key `{field}`")),
+            found: Some(format!("the unknown key `{field}`{}", meant(field, known))),
         };
     }
     if let Some((field, _)) = quoted(first, "missing field ") {
@@ -27,10 +29,11 @@ pub(super) fn expectation(path: &str, message: &str) -> Wrong {
         };
     }
     if let Some((variant, rest)) = quoted(first, "unknown variant ") {
+        let known = rest.trim_start_matches(", expected ");
         return Wrong {
             key: path.into(),
-            expected: rest.trim_start_matches(", expected ").into(),
-            found: Some(format!("`{variant}`")),
+            expected: known.into(),
+            found: Some(format!("`{variant}`{}", meant(variant, known))),
         };
     }
     let wrong_value = ["invalid type: ", "invalid value: ", "invalid length "]
@@ -48,6 +51,11 @@ pub(super) fn expectation(path: &str, message: &str) -> Wrong {
         expected: "a valid value".into(),
         found: Some(first.into()),
     }
+}
+
+/// Which of the words that were expected was meant, as a question.
+fn meant(word: &str, expected: &str) -> String {
+    did_you_mean(word, quoted_words(expected))
 }
 
 fn quoted<'m>(message: &'m str, start: &str) -> Option<(&'m str, &'m str)> {

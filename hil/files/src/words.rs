@@ -146,6 +146,7 @@ fn named<'n, T>(
 ) -> Result<T, String> {
     read(name.into_deserializer()).map_err(|error| {
         let wrong = expectation("", &error.to_string());
-        format!("expected {}", wrong.expected)
+        let found = wrong.found.unwrap_or_else(|| format!("`{name}`"));
+        format!("expected {}, found {found}", wrong.expected)
     })
 }

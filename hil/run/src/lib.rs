@@ -31,6 +31,7 @@ mod summary;
 mod summary_text;
 mod supervisor;
 mod tape;
+mod taxels;
 mod verdict;
 
 pub use boards::{BoardReport, BusReport, CanReport, Pacing, Spread};
@@ -45,6 +46,7 @@ pub use runner::{build, run_with, scene_levels};
 pub use script::FaultReport;
 pub use session::{Session, Turn};
 pub use summary::{IllTaxel, Refresh, Summary, Taxels, finished};
+pub use taxels::taxels;
 pub use verdict::stopped_by;
 
 use palpate_core::bus::Received;

@@ -254,7 +254,7 @@ fn look_on<S: SkinEnd>(session: &mut Session<S, EmulatedDisplay>, host: &mut dyn
 }
 
 /// When a scene ends.
-fn scene_end(setup: &Setup) -> Instant {
+pub(crate) fn scene_end(setup: &Setup) -> Instant {
     Instant::from_micros((setup.scene.value.length_s * 1e6).round() as u64)
 }
 

@@ -92,6 +92,10 @@ pub struct TestArgs {
     /// On which bench.
     #[command(flatten)]
     pub on: Buses,
+    /// A value in place of each scene's (`illusion.weber=0.1`) or the bench's (`bench.drive.current_ma=900`), as for
+    /// `hil run`. Repeatable.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
     /// Repeat a failed trial up to N times. A trial that then passes is reported as unstable.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32, 0, 10>, allow_hyphen_values = true)]
     pub retries: u32,

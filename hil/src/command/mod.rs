@@ -1,12 +1,16 @@
 //! One function a command: arguments in, files and text out.
 
+mod check;
 mod contacts;
 mod devices;
 mod diff;
 mod doctor;
 mod emulate;
 mod explain;
+mod export;
 mod guardian;
+mod list;
+mod new;
 mod off;
 mod pins;
 mod rate;
@@ -14,19 +18,25 @@ mod record;
 mod review;
 mod run;
 mod schedules;
+mod shell;
 mod test;
 mod texture;
 mod texture_panel;
 mod texture_train;
 
+pub use check::check;
 pub use contacts::contacts;
 pub use diff::diff;
 pub use doctor::doctor;
 pub use emulate::emulate;
+pub use export::export;
 pub use guardian::guardian;
+pub use list::list;
+pub use new::new;
 pub use off::off;
 pub use record::{record, replay};
 pub use review::review;
 pub use run::run;
+pub use shell::{completions, man};
 pub use test::test;
 pub use texture::texture;

@@ -7,12 +7,13 @@ use crate::cli::{Color, TestArgs};
 use crate::output::{print, write_file};
 use crate::trial::{Halt, Trial, TrialEnd, attempt, decide, expects_anything, junit, lacks};
 use palpate_files::{
-    Bench, BenchKind, FileError, Loaded, Quarantine, Scene, Setup, Source, load_scene, sensor_of,
+    Bench, BenchKind, FileError, Loaded, Overrides, Quarantine, Scene, Setup, Source, did_you_mean,
+    load_scene, sensor_of,
 };
 use palpate_records::verdict::Verdict;
 use palpate_run::Failure;
 
-use super::devices::bench;
+use super::devices::bench_with;
 
 /// Measurements on the line of a trial that passed.
 const SHOWN: usize = 3;
@@ -22,8 +23,19 @@ const SHOWN: usize = 3;
 /// # Errors
 /// [`Failure::Check`] where one failed; [`Failure::Device`] where the bench is not well; [`Failure::Input`] for a filter that fits none, or a file that cannot be.
 pub fn test(args: &TestArgs, color: Color) -> Result<(), Failure> {
-    let bench = bench(args.on.bench.as_deref(), &args.on.can, &args.on.i2c)?;
-    let scenes = chosen(args.filter.as_deref())?;
+    let mut overrides = Overrides::default();
+    for text in &args.set {
+        overrides.set("--set", text)?;
+    }
+    let bench = bench_with(
+        args.on.bench.as_deref(),
+        &overrides,
+        &args.on.can,
+        &args.on.i2c,
+    )?;
+    let scenes = chosen(args.filter.as_deref())?.into_iter();
+    let scenes: Result<Vec<_>, _> = scenes.map(|scene| scene.with(&overrides)).collect();
+    let scenes = scenes?;
     let quarantine = quarantine(args, &scenes)?;
     let name = bench.value.name.clone();
     let kind = match bench.value.kind {
@@ -95,8 +107,9 @@ fn chosen(filter: Option<&str>) -> Result<Vec<Loaded<Scene>>, Failure> {
         .collect();
     if names.is_empty() {
         let all: Vec<&str> = palpate_fixtures::scene_names().collect();
+        let meant = did_you_mean(filter, all.iter().copied());
         return Err(Failure::Input(format!(
-            "{filter}: expected part of a scene's name ({}) or a scene file",
+            "{filter}: expected part of a scene's name ({}) or a scene file, found neither{meant}",
             all.join(", ")
         )));
     }

@@ -3,12 +3,14 @@
 
 mod can_log;
 mod taxel_csv;
+mod taxel_write;
 
 #[cfg(test)]
 mod tests;
 
 pub use can_log::{CanRecording, is_can_recording, read_can_recording, write_can_log};
 pub use taxel_csv::{Columns, read_taxel_csv};
+pub use taxel_write::write_taxel_csv;
 
 use std::path::PathBuf;
 

@@ -41,7 +41,8 @@ impl Columns {
         self.taxels * usize::from(self.axes)
     }
 
-    fn name(&self, index: usize) -> String {
+    /// The name of a column, counted without the time.
+    pub(super) fn name(&self, index: usize) -> String {
         let axes = usize::from(self.axes);
         let axis = if axes == 1 {
             "z"

@@ -189,3 +189,23 @@ fn a_bench_that_is_not_there_ends_the_trials_with_exit_3() {
     );
     assert!(folder.text("r.xml").contains("failures=\"1\""));
 }
+
+#[test]
+fn a_key_of_scene_or_bench_is_set_for_every_trial_and_checked_like_the_file() {
+    let strict = hil(&["test", "sphere-along", "--set", "expect.path_rmse_mm=0.001"]);
+    assert_eq!(strict.status, Some(1), "{}", strict.err);
+    assert!(
+        strict.out.contains("expected <= 0.001 mm, found 0.194 mm"),
+        "{}",
+        strict.out
+    );
+    let weak = good(&["test", "idle", "--set", "bench.drive.current_ma=900"]);
+    assert!(weak.contains("1 passed, 0 failed"), "{weak}");
+    let unknown = ["test", "idle", "--set", "ilusion.alpha=0.1"];
+    refused_with(&unknown, &["--set: ilusion", "did you mean `illusion`?"]);
+    refused_with(
+        &["test", "idle", "--set", "bench.drive.current_ma=9000"],
+        &["from 1 to 5000 mA"],
+    );
+    refused_with(&["test", "sphere-alng"], &["did you mean `sphere-along`?"]);
+}

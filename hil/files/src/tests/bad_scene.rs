@@ -32,12 +32,12 @@ fn scenes() {
             (
                 "ramp_s",
                 "ramps",
-                "f.toml:35: touches[0].ramps: expected one of the keys `module`, `diameter_mm`, `start_s`, `end_s`, `ramp_s`, `path`, `force_n`, found the unknown key `ramps`",
+                "f.toml:35: touches[0].ramps: expected one of the keys `module`, `diameter_mm`, `start_s`, `end_s`, `ramp_s`, `path`, `force_n`, found the unknown key `ramps`; did you mean `ramp_s`?",
             ),
             (
                 "amplitude",
                 "amplitud",
-                "f.toml:37: touches[0].force_n.amplitud: expected one of the keys `mean`, `amplitude`, `period_s`, found the unknown key `amplitud`",
+                "f.toml:37: touches[0].force_n.amplitud: expected one of the keys `mean`, `amplitude`, `period_s`, found the unknown key `amplitud`; did you mean `amplitude`?",
             ),
             (
                 "kc = 1",
@@ -197,7 +197,7 @@ fn scenes() {
             (
                 "generation = \"2021\"",
                 "generation = \"2020\"",
-                "f.toml:6: generation: expected one of `2019`, `2021`, `current`, found `2020`",
+                "f.toml:6: generation: expected one of `2019`, `2021`, `current`, found `2020`; did you mean `2021`?",
             ),
             (
                 "name = \"sphere-along\"",

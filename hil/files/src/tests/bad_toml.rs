@@ -82,7 +82,7 @@ fn benches() {
             (
                 "channel = 1\n",
                 "chanel = 1\n",
-                "f.toml:22: outputs[1].chanel: expected one of the keys `bus`, `board`, `channel`, found the unknown key `chanel`",
+                "f.toml:22: outputs[1].chanel: expected one of the keys `bus`, `board`, `channel`, found the unknown key `chanel`; did you mean `channel`?",
             ),
             (
                 "kind = \"emulated\"",
@@ -147,7 +147,7 @@ fn layouts() {
             (
                 "pitch_mm = 4.7",
                 "pitch = 4.7",
-                "f.toml:9: modules[0].grid.pitch: expected one of the keys `rows`, `columns`, `pitch_mm`, found the unknown key `pitch`",
+                "f.toml:9: modules[0].grid.pitch: expected one of the keys `rows`, `columns`, `pitch_mm`, found the unknown key `pitch`; did you mean `pitch_mm`?",
             ),
             (
                 "boards = [4]",
@@ -298,7 +298,7 @@ fn limit_tables_may_only_tighten() {
             (
                 "cem43_min = 2.0",
                 "cem43 = 2.0",
-                "f.toml:28: dose.cem43: expected `henriques_omega` or `cem43_min`, found the unknown key `cem43`",
+                "f.toml:28: dose.cem43: expected `henriques_omega` or `cem43_min`, found the unknown key `cem43`; did you mean `cem43_min`?",
             ),
             (
                 "off_within_ms = 100.0",
@@ -361,7 +361,7 @@ fn files_that_do_not_fit_together() {
     );
     assert_eq!(
         join(("uskin-4x4", "uskin"), same),
-        "s.toml:5: layout: expected a layout (allegro, digit, h1-body, icub-body, icub-forearm, million, scattered-12, tactile-brush-4x3, thimble-8, three-in-line, uskin-4x4, uskin-4x4-pair, uskin-4x6) or a file, found \"uskin\""
+        "s.toml:5: layout: expected a layout (allegro, digit, h1-body, icub-body, icub-forearm, million, scattered-12, tactile-brush-4x3, thimble-8, three-in-line, uskin-4x4, uskin-4x4-pair, uskin-4x6) or a file, found \"uskin\"; did you mean `uskin-4x4`?"
     );
     assert_eq!(
         join(
@@ -376,7 +376,7 @@ fn files_that_do_not_fit_together() {
     );
     assert_eq!(
         join(same, ("final-75um", "final-80um")),
-        "b.toml:7: wire.kind: expected a wire (final-75um, first-100um) or a file, found \"final-80um\""
+        "b.toml:7: wire.kind: expected a wire (final-75um, first-100um) or a file, found \"final-80um\"; did you mean `final-75um`?"
     );
     assert_eq!(
         join(same, ("thimble-8", "three-in-line")),

@@ -1,0 +1,281 @@
+//! A file checked to its end: every error at once.
+//!
+//! Reading stops at the first error. Here the value at its key is left out, or something fitting is put in its place,
+//! and the file is read again, until nothing is wrong any more. So there is one reader and one wording.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::activation::ActivationFile;
+use super::bench::Bench;
+use super::change::Change;
+use super::error::FileError;
+use super::illusion::{PerceiverFile, Wearer};
+use super::layout::LayoutFile;
+use super::limits::LimitTable;
+use super::loaded::Loaded;
+use super::near::{nearest, quoted_words};
+use super::placeholder;
+use super::resolve::FileKind;
+use super::scene::Scene;
+use super::setup;
+use super::source::Source;
+use super::texture::TextureTable;
+use super::wire::{AlloyFile, WireFile};
+
+/// Errors after which a file is given up: its author has enough to do.
+const MOST: usize = 100;
+/// Who says so where a value is put in place of a wrong one. No file has such a name.
+const MENDED: &str = "\0mended";
+
+/// What a check of one file came to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Checked {
+    /// What the file is; none where nothing tells.
+    pub kind: Option<FileKind>,
+    /// What is wrong, in the order of the lines.
+    pub errors: Vec<FileError>,
+    /// Whether all of the file was looked at. An error that hides what comes after it makes this false.
+    pub complete: bool,
+}
+
+/// Checks a file of any kind; its content says which.
+#[must_use]
+pub fn check(path: &Path) -> Checked {
+    match Source::open(path) {
+        Ok(source) => check_source(source),
+        Err(error) => Checked {
+            kind: None,
+            errors: vec![error],
+            complete: false,
+        },
+    }
+}
+
+/// The same for a text.
+#[must_use]
+pub fn check_source(source: Source) -> Checked {
+    let kind = kind_of(&source);
+    let syntax = source.syntax_errors();
+    if !syntax.is_empty() {
+        return Checked {
+            kind: kind.ok(),
+            errors: syntax,
+            complete: false,
+        };
+    }
+    match kind {
+        Ok(kind) => {
+            let mut file = Mended {
+                schema: placeholder::schema(kind).unwrap_or_default(),
+                changes: Vec::new(),
+                errors: Vec::new(),
+                complete: true,
+                source,
+            };
+            file.check(kind);
+            // By line; errors of one line stay in the order in which they were found.
+            file.errors.sort_by_key(|error| error.line);
+            Checked {
+                kind: Some(kind),
+                errors: file.errors,
+                complete: file.complete,
+            }
+        }
+        Err(error) => Checked {
+            kind: None,
+            errors: vec![error],
+            complete: false,
+        },
+    }
+}
+
+/// What a file is: what its `#:schema` line says, else the kind that knows most of its keys.
+///
+/// # Errors
+/// A file that no kind, or more than one, knows best.
+pub fn kind_of(source: &Source) -> Result<FileKind, FileError> {
+    let stated = source
+        .text()
+        .lines()
+        .find_map(|l| l.strip_prefix("#:schema"));
+    let stated = stated.and_then(|path| Path::new(path.trim()).file_stem()?.to_str());
+    if let Some(kind) = FileKind::ALL
+        .into_iter()
+        .find(|kind| Some(kind.name()) == stated)
+    {
+        return Ok(kind);
+    }
+    let keys = source.top_keys();
+    let told = |key: &&String| !["name", "description", "assumed"].contains(&key.as_str());
+    let known = |kind: FileKind| {
+        let schema = placeholder::schema(kind).unwrap_or_default();
+        let names = placeholder::top_keys(&schema);
+        // A slip in a key still tells: half as much as the key itself.
+        let weight = |key: &String| match nearest(key, names.iter().copied()) {
+            Some(name) if name == key => 2,
+            Some(_) => 1,
+            None => 0,
+        };
+        keys.iter().filter(told).map(weight).sum::<usize>()
+    };
+    let scores = FileKind::ALL.map(|kind| (known(kind), kind));
+    // A file that states nothing but its name may lie in a folder that says what is in it.
+    let folder = source.folder().and_then(|f| f.file_name()?.to_str());
+    let shelf = FileKind::ALL
+        .into_iter()
+        .find(|kind| Some(kind.folder()) == folder);
+    let best = scores.iter().map(|(score, _)| *score).max().unwrap_or(0);
+    let mut first = scores.iter().filter(|(score, _)| *score == best);
+    match (first.next(), first.next(), shelf) {
+        (Some((_, kind)), None, _) if best > 0 => Ok(*kind),
+        (_, _, Some(kind)) if best == 0 => Ok(kind),
+        _ => {
+            let expected = "keys of a scene, a bench or another settings file, or a first line such as \
+                            `#:schema scene.json` that says which";
+            let found = match keys.as_slice() {
+                [] => "none".to_owned(),
+                keys => format!("the keys {}", keys.join(", ")),
+            };
+            Err(FileError::whole(source.label(), expected, found))
+        }
+    }
+}
+
+/// A file with what was put in place of its wrong values.
+struct Mended {
+    source: Source,
+    schema: Value,
+    changes: Vec<Change>,
+    errors: Vec<FileError>,
+    complete: bool,
+}
+
+impl Mended {
+    fn check(&mut self, kind: FileKind) {
+        match kind {
+            FileKind::Scene => self.scene(),
+            FileKind::Bench => self.bench(),
+            FileKind::Layout => self.read(|s| LayoutFile::read(s).map(drop)),
+            FileKind::Limits => self.read(|s| LimitTable::read(s).map(drop)),
+            FileKind::Perceiver => self.read(|s| PerceiverFile::read(s).map(drop)),
+            FileKind::Wearer => self.read(|s| Wearer::read(s).map(drop)),
+            FileKind::Wire => self.read(|s| WireFile::read(s).map(drop)),
+            FileKind::Alloy => self.read(|s| AlloyFile::read(s).map(drop)),
+            FileKind::Activation => self.read(|s| ActivationFile::read(s).map(drop)),
+            FileKind::Textures => self.read(|s| TextureTable::read(s).map(drop)),
+        }
+    }
+
+    fn scene(&mut self) {
+        fn of(source: &Source) -> Result<Loaded<Scene>, FileError> {
+            let (value, source) = (Scene::read(source)?, source.clone());
+            Ok(Loaded { value, source })
+        }
+        self.read(|s| of(s).map(drop));
+        self.read(|s| setup::sensor_of(&of(s)?).map(drop));
+        self.read(|s| {
+            let scene = of(s)?;
+            // A layout that cannot be read has its own error.
+            let modules = setup::sensor_of(&scene).map_or(usize::MAX, |l| l.value.modules.len());
+            setup::texture_of(&scene, modules).map(drop)
+        });
+        self.read(|s| setup::person_of(&of(s)?).map(drop));
+    }
+
+    fn bench(&mut self) {
+        fn of(source: &Source) -> Result<Loaded<Bench>, FileError> {
+            let (value, source) = (Bench::read(source)?, source.clone());
+            Ok(Loaded { value, source })
+        }
+        self.read(|s| of(s).map(drop));
+        self.read(|s| setup::limits_of(&of(s)?).map(drop));
+        self.read(|s| setup::wire_of(&of(s)?).map(drop));
+        self.read(|s| setup::alloy_of(&of(s)?).map(drop));
+        self.read(|s| {
+            let bench = of(s)?;
+            let display = setup::display_of(&bench)?;
+            setup::check_outputs(&bench, &display.value)
+        });
+    }
+
+    /// Reads until nothing is wrong, or until what is wrong cannot be mended.
+    fn read(&mut self, read: impl Fn(&Source) -> Result<(), FileError>) {
+        while let Err(error) = read(&self.source.with(self.changes.clone())) {
+            let own = error.path == self.source.label();
+            if error.path != MENDED && !self.errors.contains(&error) {
+                self.errors.push(error.clone());
+            }
+            // Another file's errors are for its own check; what it says of this one is hidden.
+            let mended = own || error.path == MENDED;
+            if !mended || self.errors.len() >= MOST || !self.mend(&error, &read) {
+                self.complete = false;
+                return;
+            }
+        }
+    }
+
+    /// Puts something else at the key of an error, so that reading goes on beyond it.
+    fn mend(
+        &mut self,
+        error: &FileError,
+        read: &impl Fn(&Source) -> Result<(), FileError>,
+    ) -> bool {
+        let Some(key) = &error.key else { return false };
+        for attempt in self.attempts(key, error) {
+            let mut changes = self.changes.clone();
+            changes.extend(attempt);
+            let read = read(&self.source.with(changes.clone()));
+            let next = read.err().and_then(|error| error.key);
+            if !next.is_some_and(|next| is_at(&next, key)) {
+                self.changes = changes;
+                return true;
+            }
+        }
+        false
+    }
+
+    /// What could stand at `key`: nothing, the word that was meant, or an example.
+    fn attempts(&self, key: &str, error: &FileError) -> Vec<Vec<Change>> {
+        let change = |key: &str, value: Option<String>| Change {
+            by: MENDED.into(),
+            key: key.into(),
+            value,
+        };
+        let mut attempts = Vec::new();
+        let (table, last) = key.rsplit_once('.').map_or(("", key), |(t, l)| (t, l));
+        if error.found.starts_with("the unknown key") {
+            // A key that was only mistyped is not missing as well.
+            let meant = nearest(last, quoted_words(&error.expected)).map(|name| match table {
+                "" => name.to_owned(),
+                table => format!("{table}.{name}"),
+            });
+            if let (Some(meant), Some(text)) = (meant, self.source.text_at(key)) {
+                let moved = change(&meant, Some(text.to_owned()));
+                attempts.push(vec![change(key, None), moved]);
+            }
+        }
+        if !key.ends_with(']') {
+            attempts.push(vec![change(key, None)]);
+        }
+        let found = error.found.split(';').next().unwrap_or_default();
+        let found = found.trim_matches(['`', '"']);
+        let word = nearest(found, quoted_words(&error.expected));
+        let word = word.map(|word| format!("\"{word}\""));
+        let examples = placeholder::placeholders(&self.schema, key);
+        let values = word.into_iter().chain(examples);
+        attempts.extend(values.map(|value| vec![change(key, Some(value))]));
+        attempts
+    }
+}
+
+/// Whether a key is the other or lies in it.
+fn is_at(key: &str, other: &str) -> bool {
+    let rest = key.strip_prefix(other);
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+}
+
+#[cfg(test)]
+#[path = "check_tests.rs"]
+mod tests;

@@ -1,0 +1,77 @@
+//! What there is: built-in files and those of a folder, each with a line that says what it is.
+
+use std::path::{Path, PathBuf};
+
+use super::check::kind_of;
+use super::placeholder;
+use super::resolve::FileKind;
+use super::source::Source;
+
+/// A settings file that can be named.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Listed {
+    /// What it is.
+    pub kind: FileKind,
+    /// What to type: a built-in name, or a path.
+    pub name: String,
+    /// The file's own description.
+    pub description: String,
+    /// Where it lies; none for a built-in one.
+    pub file: Option<PathBuf>,
+}
+
+/// The built-in files of a kind, in alphabetical order.
+#[must_use]
+pub fn built_in(kind: FileKind) -> Vec<Listed> {
+    let listed = |name: &'static str| Listed {
+        kind,
+        name: name.into(),
+        description: kind.built_in(name).map_or_else(String::new, |text| {
+            description(&Source::new(name, text)).unwrap_or_default()
+        }),
+        file: None,
+    };
+    kind.names().into_iter().map(listed).collect()
+}
+
+/// The settings files that lie in a folder, in alphabetical order; what is none is left out.
+#[must_use]
+pub fn of_folder(folder: &Path) -> Vec<Listed> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten();
+    let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+    let listed = |path: PathBuf| {
+        let name = path.file_name()?.to_str()?.to_owned();
+        let source = name
+            .ends_with(".toml")
+            .then(|| Source::open(&path).ok())??;
+        Some(Listed {
+            kind: kind_of(&source).ok()?,
+            description: description(&source)?,
+            name,
+            file: Some(path),
+        })
+    };
+    let mut found: Vec<Listed> = paths.filter_map(listed).collect();
+    found.sort_by(|a, b| a.name.cmp(&b.name));
+    found
+}
+
+/// The laws of illusion: name and meaning.
+#[must_use]
+pub fn illusions() -> Vec<(String, String)> {
+    let schema = placeholder::schema(FileKind::Scene).unwrap_or_default();
+    let laws = schema["$defs"]["IllusionModel"]["oneOf"].as_array();
+    let law = |law: &serde_json::Value| {
+        let text = |key: &str| law[key].as_str().map(str::to_owned);
+        Some((text("const")?, text("description")?))
+    };
+    laws.into_iter().flatten().filter_map(law).collect()
+}
+
+fn description(source: &Source) -> Option<String> {
+    source.peek("description").ok()?
+}
+
+#[cfg(test)]
+#[path = "shelf_tests.rs"]
+mod tests;

@@ -1,0 +1,47 @@
+//! Tests of `shelf.rs`.
+
+use super::*;
+
+#[test]
+fn everything_built_in_has_a_sentence() {
+    for kind in FileKind::ALL {
+        let all = built_in(kind);
+        assert_eq!(all.len(), kind.names().len());
+        for one in all {
+            assert!(!one.description.is_empty(), "{} {}", kind.name(), one.name);
+        }
+    }
+    let laws = illusions();
+    assert!(laws.iter().any(|(name, _)| name == "balanced"), "{laws:?}");
+    let core = palpate_core::illusion::IllusionModel::Nearest.name();
+    assert!(laws.iter().any(|(name, _)| name == core));
+}
+
+#[test]
+fn a_folder_lists_its_settings_files_alone() {
+    let folder = std::env::temp_dir().join(format!("palpate-shelf-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let heading = "name = \"a\"\ndescription = \"mine\"\n";
+    for (name, text) in [
+        ("b.toml", format!("{heading}drive.current_ma = 900\n")),
+        ("a.toml", format!("{heading}length_s = 2\n")),
+        ("Cargo.toml", "[package]\nname = \"a\"\n".to_owned()),
+        ("broken.toml", "name = [".to_owned()),
+        ("notes.txt", format!("{heading}length_s = 2\n")),
+    ] {
+        std::fs::write(folder.join(name), text).unwrap();
+    }
+    let found: Vec<_> = of_folder(&folder)
+        .into_iter()
+        .map(|l| (l.kind, l.name))
+        .collect();
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(
+        found,
+        [
+            (FileKind::Scene, "a.toml".to_owned()),
+            (FileKind::Bench, "b.toml".to_owned())
+        ]
+    );
+    assert_eq!(of_folder(Path::new("/no/such/folder")), []);
+}

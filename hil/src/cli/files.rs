@@ -1,0 +1,228 @@
+//! Options of the commands about files and the program itself: `hil list`, `check`, `new`, `export`, `completions`,
+//! `man`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum};
+
+use super::{positive, whole};
+
+/// What `hil list` shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Shelf {
+    /// What touches which skin.
+    Scenes,
+    /// Which hardware.
+    Benches,
+    /// Where taxels or wires are.
+    Layouts,
+    /// What the guard enforces.
+    Limits,
+    /// Emulated people.
+    Persons,
+    /// Calibrations.
+    Wearers,
+    /// Shape-memory wires.
+    Wires,
+    /// What wires are made of.
+    Alloys,
+    /// From roughness to pulses.
+    Activations,
+    /// Tables of textures.
+    Textures,
+    /// Laws of illusion.
+    Illusions,
+}
+
+/// Options of `hil list`.
+#[derive(Debug, Args)]
+pub struct ListArgs {
+    /// What to list (default: everything).
+    #[arg(value_enum, hide_possible_values = false)]
+    pub shelves: Vec<Shelf>,
+    /// Print a JSON array of {kind, name, description, file}.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `hil check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// Scenes, benches, layouts, limit tables, wires, persons: any settings files.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Print a JSON array of {file, kind, complete, errors}.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing where nothing is wrong.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+/// Kinds of `hil new`.
+#[derive(Debug, Subcommand)]
+pub enum NewKind {
+    /// A scene: what touches which skin.
+    Scene(NewScene),
+    /// A bench: which hardware, emulated or real.
+    Bench(NewBench),
+    /// A layout: a grid of taxels or of wires.
+    Layout(NewLayout),
+    /// A shape-memory wire.
+    Wire(NewWire),
+}
+
+/// What every new file has.
+#[derive(Debug, Args)]
+pub struct NewFile {
+    /// Its name: lower-case letters, digits and hyphens.
+    pub name: String,
+    /// What it is, in a sentence.
+    #[arg(long, value_name = "TEXT")]
+    pub description: Option<String>,
+    /// File to write (default: NAME.toml).
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Overwrite a file that is there.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// How a new scene's sphere moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Motion {
+    /// Along the module and back.
+    Line,
+    /// Around its middle.
+    Circle,
+    /// It rests in the middle.
+    Hold,
+    /// Nothing touches.
+    None,
+}
+
+/// Options of `hil new scene`.
+#[derive(Debug, Args)]
+pub struct NewScene {
+    #[command(flatten)]
+    pub(crate) file: NewFile,
+    /// Sensor layout: a built-in name or a file (default: uskin-4x4).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub layout: Option<String>,
+    /// How a sphere moves (default: line).
+    #[arg(long, value_enum, value_name = "PATH")]
+    pub path: Option<Motion>,
+    /// Simulated length in seconds (default: 10).
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
+    pub length_s: Option<f64>,
+}
+
+/// Options of `hil new bench`.
+#[derive(Debug, Args)]
+pub struct NewBench {
+    #[command(flatten)]
+    pub(crate) file: NewFile,
+    /// Display layout: a built-in name or a file (default: thimble-8).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub display: Option<String>,
+    /// Wire: a built-in name or a file (default: final-75um).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub wire: Option<String>,
+    /// Current through a wire that is on, mA (default: 990).
+    #[arg(long, value_name = "MA", value_parser = positive, allow_hyphen_values = true)]
+    pub current_ma: Option<f64>,
+    /// Most current that the supply gives, mA (default: 4000).
+    #[arg(long, value_name = "MA", value_parser = positive, allow_hyphen_values = true)]
+    pub supply_limit_ma: Option<f64>,
+    /// A CAN interface; repeatable. Makes the bench real.
+    #[arg(long, value_name = "IFACE", requires = "i2c")]
+    pub can: Vec<String>,
+    /// An I2C adapter (/dev/i2c-N); repeatable. Makes the bench real.
+    #[arg(long, value_name = "DEVICE", requires = "can")]
+    pub i2c: Vec<PathBuf>,
+}
+
+/// What a new layout is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LayoutKind {
+    /// Taxels of a skin.
+    Sensor,
+    /// Wires of a display.
+    Display,
+}
+
+/// Options of `hil new layout`.
+#[derive(Debug, Args)]
+pub struct NewLayout {
+    #[command(flatten)]
+    pub(crate) file: NewFile,
+    /// Taxels or wires (default: sensor).
+    #[arg(long, value_enum, value_name = "KIND")]
+    pub kind: Option<LayoutKind>,
+    /// Rows, from top to bottom (default: 4).
+    #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 256>)]
+    pub rows: Option<u16>,
+    /// Columns, from left to right (default: 4).
+    #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 256>)]
+    pub columns: Option<u16>,
+    /// Between neighbours, both ways, mm (default: 4.7).
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    pub pitch_mm: Option<f64>,
+}
+
+/// Options of `hil new wire`.
+#[derive(Debug, Args)]
+pub struct NewWire {
+    #[command(flatten)]
+    pub(crate) file: NewFile,
+    /// Diameter, micrometres (default: 75).
+    #[arg(long, value_name = "UM", value_parser = positive)]
+    pub diameter_um: Option<f64>,
+    /// Length between the crimps, mm (default: 5).
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    pub length_mm: Option<f64>,
+    /// Resistance between the terminals, Ohm (default: computed from the built-in final-75um).
+    #[arg(long, value_name = "OHM", value_parser = positive)]
+    pub resistance_ohm: Option<f64>,
+}
+
+/// What `hil export` writes.
+#[derive(Debug, Subcommand)]
+pub enum ExportKind {
+    /// The raw readings of a scene's emulated skin, as a recording that `hil run --replay` takes.
+    Taxels(ExportTaxels),
+}
+
+/// Options of `hil export taxels`.
+#[derive(Debug, Args)]
+pub struct ExportTaxels {
+    /// A built-in scene or a file.
+    pub scene: String,
+    /// File to write (.csv). A skin of several modules makes one file per module: FILE-0.csv, FILE-1.csv and so on.
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Seed of all randomness.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
+    pub seed: u64,
+    /// A value in place of the scene's, as for `hil run`. Repeatable.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Overwrite files that are no recordings of taxels.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Options of `hil completions`.
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell.
+    #[arg(value_enum)]
+    pub shell: clap_complete::Shell,
+}
+
+/// Options of `hil man`.
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// A command (default: the page of `hil` itself).
+    pub command: Option<String>,
+}

@@ -1,0 +1,156 @@
+//! `hil check`: every error of settings files at once.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use palpate_core::contact::Levels;
+use palpate_files::{
+    Checked, FileError, FileKind, Setup, check as check_file, load_bench, load_scene,
+};
+use palpate_run::Failure;
+use serde_json::json;
+
+use crate::cli::CheckArgs;
+use crate::output::print;
+
+use super::devices::DEFAULT_BENCH;
+
+/// A file and what is wrong with it.
+struct Told {
+    path: String,
+    checked: Checked,
+    /// What a run of it would say, where the file itself is right.
+    refused: Vec<String>,
+}
+
+impl Told {
+    fn errors(&self) -> usize {
+        self.checked.errors.len() + self.refused.len()
+    }
+
+    fn is_good(&self, kind: FileKind) -> bool {
+        self.checked.kind == Some(kind) && self.errors() == 0
+    }
+}
+
+/// Checks files, and every scene on every bench among them.
+///
+/// # Errors
+/// [`Failure::Check`] where something is wrong; [`Failure::File`] for a file that is not there.
+pub fn check(args: &CheckArgs) -> Result<(), Failure> {
+    for path in &args.files {
+        std::fs::metadata(path).map_err(|error| {
+            let label = path.display().to_string();
+            FileError::whole(label, "a settings file", error.to_string())
+        })?;
+    }
+    let told = |path: &PathBuf| Told {
+        path: path.display().to_string(),
+        checked: check_file(path),
+        refused: Vec::new(),
+    };
+    let mut files: Vec<Told> = args.files.iter().map(told).collect();
+    together(&mut files);
+    if args.json {
+        print(|out| json(&files, out))?;
+    } else {
+        print(|out| {
+            files
+                .iter()
+                .try_for_each(|file| tell(file, args.quiet, out))
+        })?;
+    }
+    let errors: usize = files.iter().map(Told::errors).sum();
+    if errors == 0 {
+        return Ok(());
+    }
+    let wrong = files.iter().filter(|file| file.errors() > 0).count();
+    let s = |n: usize| if n == 1 { "" } else { "s" };
+    let all = files.len();
+    let text = format!(
+        "{errors} error{} in {wrong} of {all} file{}",
+        s(errors),
+        s(all)
+    );
+    Err(Failure::Check(text))
+}
+
+/// Holds scenes against benches: those among the files, else the one that `hil run` takes.
+fn together(files: &mut [Told]) {
+    let good = files.iter().filter(|file| file.is_good(FileKind::Bench));
+    let mut benches: Vec<String> = good.map(|file| file.path.clone()).collect();
+    let given = !benches.is_empty();
+    if !given {
+        benches.push(DEFAULT_BENCH.into());
+    }
+    for file in files.iter_mut().filter(|f| f.is_good(FileKind::Scene)) {
+        for bench in &benches {
+            if let Err(refused) = fits(&file.path, bench, given) {
+                let text = refused.to_string();
+                if !file.refused.contains(&text) {
+                    file.refused.push(text);
+                }
+            }
+        }
+    }
+}
+
+/// Whether a scene can be begun on a bench. A scene that wants another display waits for its bench, unless that was
+/// `given`.
+fn fits(scene: &str, bench: &str, given: bool) -> Result<(), Failure> {
+    let (scene, bench) = (load_scene(scene)?, load_bench(bench)?);
+    let display = scene.value.map.display.as_ref();
+    if !given && display.is_some_and(|display| *display != bench.value.display) {
+        return Ok(());
+    }
+    let setup = Setup::join(scene, bench)?;
+    palpate_run::build(&setup, 1, Levels::Off).map(drop)
+}
+
+fn tell(file: &Told, quiet: bool, out: &mut dyn Write) -> io::Result<()> {
+    for error in &file.checked.errors {
+        writeln!(out, "{error}")?;
+    }
+    for text in &file.refused {
+        writeln!(out, "{text}")?;
+    }
+    let path = &file.path;
+    if file.errors() == 0 {
+        let what = file.checked.kind.map_or("a file", FileKind::noun);
+        return match quiet {
+            true => Ok(()),
+            false => writeln!(out, "{path}: {what}, nothing wrong"),
+        };
+    }
+    if !file.checked.complete {
+        writeln!(
+            out,
+            "{path}: there may be more; these errors hide what is behind them"
+        )?;
+    }
+    Ok(())
+}
+
+fn json(files: &[Told], out: &mut dyn Write) -> io::Result<()> {
+    let error = |e: &FileError| {
+        json!({
+            "file": e.path, "line": e.line, "key": e.key, "expected": e.expected, "found": e.found,
+            "text": e.to_string(),
+        })
+    };
+    let file = |file: &Told| {
+        let mut errors: Vec<_> = file.checked.errors.iter().map(error).collect();
+        errors.extend(
+            file.refused
+                .iter()
+                .map(|text| json!({"file": file.path, "text": text})),
+        );
+        json!({
+            "file": Path::new(&file.path), "kind": file.checked.kind.map(FileKind::name),
+            "complete": file.checked.complete, "errors": errors,
+        })
+    };
+    let all: Vec<_> = files.iter().map(file).collect();
+    serde_json::to_writer(&mut *out, &all)?;
+    writeln!(out)
+}

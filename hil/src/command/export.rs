@@ -1,0 +1,90 @@
+//! `hil export`: what a scene makes, for other programs and for `hil run --replay`.
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+
+use palpate_files::{Overrides, Setup, load_scene};
+use palpate_run::{Failure, taxels};
+
+use super::devices::bench_with;
+use crate::cli::{ExportKind, ExportTaxels};
+use crate::output::{note, print, write_file};
+use crate::recording::{Columns, write_taxel_csv};
+
+/// Writes what was asked for.
+///
+/// # Errors
+/// [`Failure`] with its exit status.
+pub fn export(kind: &ExportKind) -> Result<(), Failure> {
+    match kind {
+        ExportKind::Taxels(args) => export_taxels(args),
+    }
+}
+
+fn export_taxels(args: &ExportTaxels) -> Result<(), Failure> {
+    let mut overrides = Overrides::default();
+    for text in &args.set {
+        overrides.set("--set", text)?;
+    }
+    let scene = load_scene(&args.scene)?.with(&overrides)?;
+    let bench = bench_with(None, &overrides, &[], &[])?;
+    let setup = Setup::join(scene, bench)?;
+    let sensor = &setup.sensor.value;
+    let paths = paths(&args.out, sensor.modules.len());
+    for path in &paths {
+        refuse(path, args.force)?;
+    }
+    let tables = taxels(&setup, args.seed)?;
+    if !setup.scene.value.faults.is_empty() {
+        note("the scene's faults are not in its readings");
+    }
+    for (module, (table, path)) in tables.iter().zip(&paths).enumerate() {
+        let columns = Columns::of_module(sensor, module);
+        let columns = columns.ok_or_else(|| {
+            Failure::Input(format!("layout `{}` has no module {module}", sensor.name))
+        })?;
+        write_file(path, |out| write_taxel_csv(table, &columns, out))?;
+    }
+    print(|out| {
+        for (table, path) in tables.iter().zip(&paths) {
+            writeln!(out, "wrote {}, {} rows", path.display(), table.frames())?;
+        }
+        let replays = paths
+            .iter()
+            .map(|path| format!(" --replay {}", path.display()));
+        let replays: String = replays.collect();
+        writeln!(out, "next: hil run {}{replays}", args.scene)
+    })
+}
+
+/// One file per module: the name itself for one, numbered for several.
+fn paths(out: &Path, modules: usize) -> Vec<PathBuf> {
+    if modules == 1 {
+        return vec![out.to_path_buf()];
+    }
+    let part = |part: Option<&std::ffi::OsStr>| part.map(|p| p.to_string_lossy().into_owned());
+    let stem = part(out.file_stem()).unwrap_or_default();
+    let ending = part(out.extension()).map_or_else(String::new, |e| format!(".{e}"));
+    let name = |module| out.with_file_name(format!("{stem}-{module}{ending}"));
+    (0..modules).map(name).collect()
+}
+
+/// A file that is there must be an earlier recording.
+fn refuse(path: &Path, force: bool) -> Result<(), Failure> {
+    let Ok(file) = std::fs::File::open(path) else {
+        return Ok(());
+    };
+    if force || !file.metadata().is_ok_and(|about| about.is_file()) {
+        return Ok(());
+    }
+    let mut start = Vec::new();
+    // What cannot be read is no recording.
+    let _ = BufReader::new(std::io::Read::take(file, 16)).read_until(b'\n', &mut start);
+    if start.starts_with(b"time_us,txl1_") || start.starts_with(b"txl1_") {
+        return Ok(());
+    }
+    Err(Failure::Input(format!(
+        "--out {}: expected a new file or a recording of taxels, found another file; --force overwrites it",
+        path.display()
+    )))
+}

@@ -1,0 +1,110 @@
+//! `hil list`: what there is, a line each.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use clap::ValueEnum;
+use palpate_files::{FileKind, Listed, built_in, illusions, of_folder};
+use palpate_run::Failure;
+use serde_json::json;
+
+use crate::cli::{ListArgs, Shelf};
+use crate::output::print;
+
+/// A line of a list.
+struct Line {
+    kind: &'static str,
+    name: String,
+    description: String,
+    /// Its path; none for what is built in.
+    file: Option<String>,
+}
+
+/// Lists built-in files and those of the current folder.
+///
+/// # Errors
+/// [`Failure::Write`] where standard output takes nothing.
+pub fn list(args: &ListArgs) -> Result<(), Failure> {
+    let shelves = match args.shelves.as_slice() {
+        [] => Shelf::value_variants(),
+        some => some,
+    };
+    let here = of_folder(Path::new("."));
+    let lists = shelves.iter().map(|shelf| (*shelf, lines(*shelf, &here)));
+    let lists: Vec<(Shelf, Vec<Line>)> = lists.collect();
+    if args.json {
+        return print(|out| {
+            let lines = lists.iter().flat_map(|(_, lines)| lines);
+            let lines: Vec<serde_json::Value> = lines
+                .map(|l| json!({"kind": l.kind, "name": l.name, "description": l.description, "file": l.file}))
+                .collect();
+            serde_json::to_writer(&mut *out, &lines)?;
+            writeln!(out)
+        });
+    }
+    print(|out| {
+        for (number, (shelf, lines)) in lists.iter().enumerate() {
+            if number > 0 {
+                writeln!(out)?;
+            }
+            tell(*shelf, lines, lists.len() > 1, out)?;
+        }
+        Ok(())
+    })
+}
+
+fn tell(shelf: Shelf, lines: &[Line], titled: bool, out: &mut dyn Write) -> io::Result<()> {
+    let indent = if titled { "  " } else { "" };
+    if let (true, Some(value)) = (titled, shelf.to_possible_value()) {
+        writeln!(out, "{}", value.get_name())?;
+    }
+    let width = lines.iter().map(|line| line.name.chars().count()).max();
+    let width = width.unwrap_or(0);
+    for line in lines {
+        let here = if line.file.is_some() {
+            " (in this folder)"
+        } else {
+            ""
+        };
+        let (name, description) = (&line.name, &line.description);
+        writeln!(out, "{indent}{name:<width$}  {description}{here}")?;
+    }
+    Ok(())
+}
+
+fn lines(shelf: Shelf, here: &[Listed]) -> Vec<Line> {
+    let Some(kind) = kind(shelf) else {
+        let law = |(name, description)| Line {
+            kind: "illusion",
+            name,
+            description,
+            file: None,
+        };
+        return illusions().into_iter().map(law).collect();
+    };
+    let own = here.iter().filter(|listed| listed.kind == kind).cloned();
+    let line = |listed: Listed| Line {
+        kind: kind.name(),
+        name: listed.name,
+        description: listed.description,
+        file: listed.file.map(|path| path.display().to_string()),
+    };
+    built_in(kind).into_iter().chain(own).map(line).collect()
+}
+
+/// The files of a shelf; none for laws, which are no files.
+const fn kind(shelf: Shelf) -> Option<FileKind> {
+    Some(match shelf {
+        Shelf::Scenes => FileKind::Scene,
+        Shelf::Benches => FileKind::Bench,
+        Shelf::Layouts => FileKind::Layout,
+        Shelf::Limits => FileKind::Limits,
+        Shelf::Persons => FileKind::Perceiver,
+        Shelf::Wearers => FileKind::Wearer,
+        Shelf::Wires => FileKind::Wire,
+        Shelf::Alloys => FileKind::Alloy,
+        Shelf::Activations => FileKind::Activation,
+        Shelf::Textures => FileKind::Textures,
+        Shelf::Illusions => return None,
+    })
+}

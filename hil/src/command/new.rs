@@ -1,0 +1,441 @@
+//! `hil new`: a commented file of what differs from the defaults.
+
+use std::fmt::Write as _;
+use std::io::{self, BufRead, IsTerminal};
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use palpate_files::{FileKind, LayoutFile, load_layout, load_wire};
+use palpate_run::Failure;
+
+use crate::cli::{
+    LayoutKind, Motion, NewBench, NewFile, NewKind, NewLayout, NewScene, NewWire, positive, whole,
+};
+use crate::output::{make_folder, print, write_file};
+
+/// The folder beside a new file that holds the schema for editors.
+const SCHEMAS: &str = ".schemas";
+
+/// Writes a new file.
+///
+/// # Errors
+/// [`Failure::Input`] for a name that is none, a file that is there, or a layout that cannot be touched.
+pub fn new(kind: &NewKind) -> Result<(), Failure> {
+    let (file, kind, body) = match kind {
+        NewKind::Scene(args) => (&args.file, FileKind::Scene, scene(args)?),
+        NewKind::Bench(args) => (&args.file, FileKind::Bench, bench(args)?),
+        NewKind::Layout(args) => (&args.file, FileKind::Layout, layout(args)?),
+        NewKind::Wire(args) => (&args.file, FileKind::Wire, wire(args)?),
+    };
+    let path = path(file);
+    let schema = path.with_file_name(SCHEMAS);
+    make_folder(&schema)?;
+    let name = format!("{}.json", kind.name());
+    let text = palpate_fixtures::schema(kind.name()).unwrap_or_default();
+    write_file(&schema.join(&name), |out| out.write_all(text.as_bytes()))?;
+    let text = format!("#:schema {SCHEMAS}/{name}\n{body}");
+    write_file(&path, |out| out.write_all(text.as_bytes()))?;
+    let next = match kind {
+        FileKind::Scene => format!("hil run {}", path.display()),
+        FileKind::Bench => format!("hil run --bench {}", path.display()),
+        _ => format!("hil check {}", path.display()),
+    };
+    print(|out| writeln!(out, "wrote {}; next: {next}", path.display()))
+}
+
+fn path(file: &NewFile) -> PathBuf {
+    let here = || PathBuf::from(format!("{}.toml", file.name));
+    file.out.clone().unwrap_or_else(here)
+}
+
+/// What is wrong before anything is asked: the name, or a file that is there.
+fn refuse(file: &NewFile) -> Result<(), Failure> {
+    let letter = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+    if file.name.is_empty() || !file.name.chars().all(letter) {
+        return Err(Failure::Input(format!(
+            "{}: expected a name of lower-case letters, digits and hyphens; --out names the file",
+            file.name
+        )));
+    }
+    let path = path(file);
+    if path.exists() && !file.force {
+        return Err(Failure::Input(format!(
+            "{}: expected a file that is not there yet; --force overwrites it",
+            path.display()
+        )));
+    }
+    Ok(())
+}
+
+/// A value from the command line, else from a person at a terminal, else the default.
+fn value<T: Clone>(
+    given: &Option<T>,
+    question: &str,
+    default: &str,
+    read: impl Fn(&str) -> Result<T, String>,
+) -> Result<T, Failure> {
+    if let Some(value) = given {
+        return Ok(value.clone());
+    }
+    let ours = |text: &str| read(text).map_err(Failure::Input);
+    if !(io::stdin().is_terminal() && io::stdout().is_terminal()) {
+        return ours(default);
+    }
+    loop {
+        print(|out| write!(out, "{question} [{default}]: "))?;
+        let mut line = String::new();
+        let read_line = io::stdin().lock().read_line(&mut line);
+        match (read_line, line.trim()) {
+            // Ctrl-D takes the default, as Enter does.
+            (Ok(_), "") | (Err(_), _) => return ours(default),
+            (Ok(_), text) => match read(text) {
+                Ok(value) => return Ok(value),
+                Err(error) => print(|out| writeln!(out, "{error}"))?,
+            },
+        }
+    }
+}
+
+fn word<T: ValueEnum + Clone>(text: &str) -> Result<T, String> {
+    T::from_str(text, true)
+}
+
+fn text(text: &str) -> Result<String, String> {
+    Ok(text.to_owned())
+}
+
+/// A layout that can be read, by name or path.
+fn known_layout(name: &str) -> Result<String, String> {
+    let read = load_layout(name);
+    read.map_err(|error| error.to_string()).map(|_| name.into())
+}
+
+/// A text as TOML writes it, which is how JSON does.
+fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
+
+/// The first lines of every file.
+fn heading(file: &NewFile, page: &str, default: &str) -> Result<String, Failure> {
+    let description = value(
+        &file.description,
+        "what is it, in a sentence",
+        default,
+        text,
+    )?;
+    Ok(format!(
+        "# What is not stated has its default: {page} lists every key.\nname = {}\ndescription = {}\n",
+        quoted(&file.name),
+        quoted(&description)
+    ))
+}
+
+/// `key = value`, as a comment where it is the default.
+fn row(out: &mut String, key: &str, value: &str, default: &str, remark: &str) {
+    let mark = if value == default { "# " } else { "" };
+    // Writing to a text does not fail.
+    let _ = writeln!(out, "{mark}{key} = {value} # {remark}");
+}
+
+/// A number as TOML writes it.
+fn float(number: f64) -> String {
+    format!("{number:?}")
+}
+
+fn scene(args: &NewScene) -> Result<String, Failure> {
+    refuse(&args.file)?;
+    let layout = value(&args.layout, "sensor layout", "uskin-4x4", known_layout)?;
+    let place = middle(&layout)?;
+    let motion = value(&args.path, "path: line, circle, hold or none", "line", word)?;
+    let length = value(&args.length_s, "length, seconds", "10", positive)?;
+    if motion != Motion::None && length < 2.0 {
+        return Err(Failure::Input(format!(
+            "--length-s: expected at least 2 s for a touch, found {length}"
+        )));
+    }
+    let what = match motion {
+        Motion::Line => "A sphere rolls along the pad and back",
+        Motion::Circle => "A sphere rolls around the pad's middle",
+        Motion::Hold => "A sphere rests on the pad's middle",
+        Motion::None => "Nothing touches the skin",
+    };
+    let mut out = heading(&args.file, "docs/files/scene.md", what)?;
+    row(&mut out, "length_s", &float(length), "10.0", "simulated");
+    let remark = "`hil list layouts` shows what there is";
+    row(
+        &mut out,
+        "layout",
+        &quoted(&layout),
+        "\"uskin-4x4\"",
+        remark,
+    );
+    if let Some(path) = place.path(motion) {
+        let _ = write!(
+            out,
+            "\n# What touches the skin, in millimetres from the module's middle; repeat the table for a second touch.\n\
+             [[touches]]\n\
+             start_s = 0.8 # the frames before it make the reference\n\
+             # diameter_mm = 19.45 # of the sphere\n\
+             path = {path}\n\
+             force_n = {{ mean = 0.7, amplitude = 0.3, period_s = 2.7 }} # newtons, and how they swing\n"
+        );
+    }
+    out.push_str(
+        "\n# What `hil test` holds the scene to. `hil run` says what it reaches today.\n[expect]\ncontacts_max = 1\n\
+         # path_rmse_mm = 0.5\n# limiter_events_max = 0\n",
+    );
+    Ok(out)
+}
+
+/// Where a module's taxels are: the middle, and half the size.
+struct Pad {
+    x: f64,
+    y: f64,
+    half: [f64; 2],
+}
+
+/// The pad of a layout's first module.
+fn middle(layout: &str) -> Result<Pad, Failure> {
+    let LayoutFile::Sensor(sensor) = load_layout(layout)?.value else {
+        return Err(Failure::Input(format!(
+            "--layout {layout}: expected a layout of kind \"sensor\", found a display"
+        )));
+    };
+    let taxels = sensor.modules.first().map(|m| m.taxels());
+    let taxels = taxels.unwrap_or_default();
+    let span = |of: fn(&palpate_files::Taxel) -> f64| {
+        let low = taxels.iter().map(of).fold(f64::INFINITY, f64::min);
+        let high = taxels.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+        ((low + high) / 2.0, (high - low) / 2.0)
+    };
+    let ((x, half_x), (y, half_y)) = (span(|t| t.x_mm), span(|t| t.y_mm));
+    Ok(Pad {
+        x,
+        y,
+        half: [half_x, half_y],
+    })
+}
+
+impl Pad {
+    /// The path of a touch, in the scene's words; none where nothing touches.
+    fn path(&self, motion: Motion) -> Option<String> {
+        let round = |v: f64| float((v * 100.0).round() / 100.0 + 0.0);
+        let point = |x: f64, y: f64| format!("[{}, {}]", round(x), round(y));
+        let &Self { x, y, half } = self;
+        let [along, across] = half;
+        let radius = 0.6 * along.min(across);
+        Some(match motion {
+            Motion::None => return None,
+            Motion::Circle if radius > 0.1 => format!(
+                "{{ kind = \"circle\", centre_mm = {}, radius_mm = {}, period_s = 4.0 }}",
+                point(x, y),
+                round(radius)
+            ),
+            Motion::Line if along.max(across) > 0.1 => {
+                // Along the longer side.
+                let [u, v] = if along >= across {
+                    [along, 0.0]
+                } else {
+                    [0.0, across]
+                };
+                format!(
+                    "{{ kind = \"line\", points_mm = [{}, {}], period_s = 4.0 }}",
+                    point(x - u, y - v),
+                    point(x + u, y + v)
+                )
+            }
+            Motion::Circle | Motion::Line | Motion::Hold => {
+                format!("{{ kind = \"hold\", points_mm = [{}] }}", point(x, y))
+            }
+        })
+    }
+}
+
+fn bench(args: &NewBench) -> Result<String, Failure> {
+    refuse(&args.file)?;
+    let real = !args.can.is_empty();
+    let display = value(&args.display, "display layout", "thimble-8", known_layout)?;
+    let LayoutFile::Display(wires) = load_layout(&display)?.value else {
+        return Err(Failure::Input(format!(
+            "--display {display}: expected a layout of kind \"display\", found a sensor"
+        )));
+    };
+    let known = |name: &str| {
+        let read = load_wire(name).map_err(|error| error.to_string());
+        read.map(|_| name.to_owned())
+    };
+    let wire = value(&args.wire, "wire", "final-75um", known)?;
+    let current = value(
+        &args.current_ma,
+        "current of a wire that is on, mA",
+        "990",
+        positive,
+    )?;
+    let question = "most current of the supply, mA";
+    let supply = value(&args.supply_limit_ma, question, "4000", positive)?;
+    let what = if real {
+        "Buses and wires of our own"
+    } else {
+        "An emulated bench of our own"
+    };
+    let mut out = heading(&args.file, "docs/files/bench.md", what)?;
+    // A real bench states its hardware, default or not.
+    let default = |text: &'static str| if real { "" } else { text };
+    let rows = [
+        (
+            "display",
+            quoted(&display),
+            "\"thimble-8\"",
+            "`hil list layouts`",
+        ),
+        (
+            "wire.kind",
+            quoted(&wire),
+            "\"final-75um\"",
+            "`hil list wires`",
+        ),
+        ("wire.alloy", quoted("low"), "\"low\"", "`hil list alloys`"),
+        (
+            "drive.current_ma",
+            float(current),
+            "990.0",
+            "through a wire that is on",
+        ),
+        (
+            "drive.supply_limit_ma",
+            float(supply),
+            "4000.0",
+            "of all wires together",
+        ),
+    ];
+    for (key, value, usual, remark) in rows {
+        row(&mut out, key, &value, default(usual), remark);
+    }
+    if real {
+        let list = |all: Vec<String>| all.iter().map(|t| quoted(t)).collect::<Vec<_>>().join(", ");
+        let i2c = args.i2c.iter().map(|path| path.display().to_string());
+        let _ = write!(
+            out,
+            "kind = \"real\"\n\n[real] # docs/bench.md; before a person wears it: docs/safety.md\n\
+             can = [{}] # in the order of the layout's bus numbers\n\
+             i2c = [{}] # in the order of the outputs' bus numbers\n\
+             # oe = {{ chip = \"/dev/gpiochip0\", line = 17 }} # the line that cuts all outputs\n",
+            list(args.can.clone()),
+            list(i2c.collect())
+        );
+        out.push_str(
+            "\n# One entry per wire, in the display's order. Look where yours are connected.\n",
+        );
+        for wire in 0..wires.wires_mm.len() {
+            let (board, channel) = (0x40 + wire / 16, wire % 16);
+            let _ = write!(
+                out,
+                "[[outputs]]\nboard = {board:#04x}\nchannel = {channel}\n"
+            );
+        }
+    }
+    Ok(out)
+}
+
+fn layout(args: &NewLayout) -> Result<String, Failure> {
+    refuse(&args.file)?;
+    let kind = value(&args.kind, "kind: sensor or display", "sensor", word)?;
+    let count = whole::<u16, 1, 256>;
+    let (usual, gap) = match kind {
+        LayoutKind::Sensor => ("4", "4.7"),
+        LayoutKind::Display => ("2", "10.0"),
+    };
+    let rows = value(&args.rows, "rows", usual, count)?;
+    let columns = value(&args.columns, "columns", usual, count)?;
+    let pitch = value(&args.pitch_mm, "distance of neighbours, mm", gap, positive)?;
+    let what = match kind {
+        LayoutKind::Sensor => format!("{rows}x{columns} taxels, {pitch} mm apart"),
+        LayoutKind::Display => format!("{rows}x{columns} wires, {pitch} mm apart"),
+    };
+    let mut out = heading(&args.file, "docs/files/layout.md", &what)?;
+    match kind {
+        LayoutKind::Sensor => {
+            let boards: Vec<String> = (0..(u32::from(rows) * u32::from(columns)).div_ceil(16))
+                .map(|board| (board + 1).to_string())
+                .collect();
+            let _ = write!(
+                out,
+                "kind = \"sensor\"\n# axes = 3 # or 1, the normal one alone\n\n\
+                 [[modules]]\nname = \"pad\"\n\
+                 grid = {{ rows = {rows}, columns = {columns}, pitch_mm = {} }} # row 0 on top\n",
+                float(pitch)
+            );
+            // What a board on the bus can carry; a larger skin has recordings alone.
+            if rows <= 8 && columns <= 8 {
+                let _ = write!(
+                    out,
+                    "bus = 0\nboards = [{}] # addresses, 16 taxels each\n",
+                    boards.join(", ")
+                );
+            }
+        }
+        LayoutKind::Display => {
+            let _ = write!(
+                out,
+                "kind = \"display\"\nspacing_mm = [{pitch:?}, {pitch:?}] # between neighbours, across and along\n\
+                 # surface = {{ diameter_mm = 16.0, tip_mm = 6.0 }} # of a finger; left out: flat\n\
+                 # The wires' middles, in the order of the bench's outputs: x to the right, y up.\nwires_mm = [\n"
+            );
+            for row in 0..rows {
+                for column in 0..columns {
+                    let at = |n: u16, of: u16| (f64::from(n) - f64::from(of - 1) / 2.0) * pitch;
+                    let (x, y) = (at(column, columns), -at(row, rows) + 0.0);
+                    let _ = writeln!(out, "    [{x:?}, {y:?}],");
+                }
+            }
+            out.push_str("]\n");
+        }
+    }
+    Ok(out)
+}
+
+fn wire(args: &NewWire) -> Result<String, Failure> {
+    refuse(&args.file)?;
+    let base = load_wire("final-75um")?.value;
+    let diameter = value(&args.diameter_um, "diameter, micrometres", "75", positive)?;
+    let length = value(
+        &args.length_mm,
+        "length between the crimps, mm",
+        "5",
+        positive,
+    )?;
+    // The wire's own part follows its size; crimps and leads stay.
+    let own = base.electrical.resistance_ohm * base.electrical.wire_share;
+    let scaled = own * length / base.length_mm * (base.diameter_um / diameter).powi(2);
+    let whole = scaled + base.electrical.resistance_ohm - own;
+    let usual = float((whole * 1000.0).round() / 1000.0);
+    let question = "resistance between the terminals, Ohm";
+    let resistance = value(&args.resistance_ohm, question, &usual, positive)?;
+    let share = (scaled / resistance * 1000.0).round() / 1000.0;
+    if share > 1.0 {
+        return Err(Failure::Input(format!(
+            "--resistance-ohm: expected at least {scaled:.3} Ohm, which such a wire has without crimps, found {resistance}"
+        )));
+    }
+    let what = format!("NiTi, {diameter} um thick, {length} mm between its crimps");
+    let heading = heading(&args.file, "docs/files/bench.md", &what)?;
+    // Every value of a wire is stated: the built-in one's, but for its size and resistance.
+    let text = palpate_fixtures::wire("final-75um").unwrap_or_default();
+    let stated = |line: &str| match line.split(['=', ' ']).next().unwrap_or_default() {
+        "name" | "description" => None,
+        "diameter_um" => Some(format!("diameter_um = {}", float(diameter))),
+        "length_mm" => Some(format!("length_mm = {}", float(length))),
+        "resistance_ohm" => Some(format!(
+            "resistance_ohm = {} # between the terminals; measure it",
+            float(resistance)
+        )),
+        "wire_share" => Some(format!(
+            "wire_share = {} # what of it is wire, computed",
+            float(share)
+        )),
+        _ if line.starts_with('#') => None,
+        _ => Some(line.to_owned()),
+    };
+    let rows: Vec<String> = text.lines().filter_map(stated).collect();
+    Ok(format!("{heading}{}\n", rows.join("\n")))
+}
