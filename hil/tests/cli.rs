@@ -15,6 +15,8 @@ mod files;
 mod input;
 #[path = "cli/outputs.rs"]
 mod outputs;
+#[path = "cli/project.rs"]
+mod project;
 #[path = "cli/records.rs"]
 mod records;
 #[path = "cli/review.rs"]

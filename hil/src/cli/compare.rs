@@ -58,7 +58,7 @@ pub struct ReviewArgs {
     /// A decision without questions.
     #[command(subcommand)]
     pub action: Option<ReviewAction>,
-    /// Folder of the goldens (default: fixtures/goldens here or above).
+    /// Folder of the goldens, or of the project they are in (default: fixtures/goldens or goldens, here or above).
     #[arg(long, value_name = "DIR", global = true)]
     pub goldens: Option<PathBuf>,
     /// Write all waiting goldens as one page, without questions.
@@ -87,8 +87,22 @@ pub enum ReviewAction {
 /// Options of `hil test`.
 #[derive(Debug, Args)]
 pub struct TestArgs {
-    /// Part of a built-in scene's name, or a scene file (default: every built-in scene).
+    /// Parts of built-in scenes' names, scene files, or folders with scenes, benches and goldens (default: every
+    /// built-in scene).
+    #[arg(value_name = "NAME|FILE|DIR")]
+    pub targets: Vec<String>,
+    /// Only scenes whose name contains this.
+    #[arg(long, value_name = "TEXT")]
     pub filter: Option<String>,
+    /// Only trials that failed when this folder was last tried.
+    #[arg(long)]
+    pub last_failed: bool,
+    /// Keep what the runs do as the goldens of scenes that are files, in `goldens` beside them.
+    #[arg(long)]
+    pub accept: bool,
+    /// Emulated trials at a time (default: as many as there are cores).
+    #[arg(long, value_name = "N", value_parser = whole::<usize, 1, 256>, allow_hyphen_values = true)]
+    pub jobs: Option<usize>,
     /// On which bench.
     #[command(flatten)]
     pub on: Buses,
@@ -99,12 +113,15 @@ pub struct TestArgs {
     /// Repeat a failed trial up to N times. A trial that then passes is reported as unstable.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32, 0, 10>, allow_hyphen_values = true)]
     pub retries: u32,
-    /// File of trials that are known to fail, with reasons.
+    /// File of trials that are known to fail, with reasons (default: `quarantine.toml` in the folder).
     #[arg(long, value_name = "FILE")]
     pub quarantine: Option<PathBuf>,
     /// Write the results as JUnit XML, measurements as properties.
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
+    /// Write the results as one page.
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
     /// How much it says.
     #[command(flatten)]
     pub voice: Voice,

@@ -46,7 +46,7 @@ pub fn review(args: &ReviewArgs, color: Color) -> Result<(), Failure> {
                 return print(|out| {
                     writeln!(
                         out,
-                        "no golden waits; `cargo test` leaves those that change"
+                        "no golden waits; `hil test` and `cargo test` leave those that change"
                     )
                 });
             }

@@ -127,7 +127,8 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     if let Some((path, tried)) = checks {
         let took = std::time::Duration::from_secs_f64(outcome.summary.wall_s);
         let trial = Trial::of(&setup.scene.value.name, tried, took);
-        let text = junit(&setup.bench.value.name, std::slice::from_ref(&trial));
+        let suites = [(setup.bench.value.name.clone(), vec![trial.clone()])];
+        let text = junit(&suites);
         write_file(path, |out| out.write_all(text.as_bytes()))?;
         if let TrialEnd::Failed(wrong) = trial.end {
             failed = Some(Failure::Check(wrong.why.join("; ")));

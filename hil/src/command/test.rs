@@ -1,14 +1,19 @@
 //! `hil test`: every scene with expectations, as a trial on a bench.
 
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::PathBuf;
+
+use rayon::prelude::*;
 
 use crate::cli::{Color, TestArgs};
 use crate::output::{print, write_file};
-use crate::trial::{Halt, Trial, TrialEnd, attempt, decide, expects_anything, junit, lacks};
+use crate::trial::{
+    Goldens, Halt, Member, Suite, Trial, TrialEnd, attempt, decide, expects_anything, junit, lacks,
+    last, page,
+};
 use palpate_files::{
-    Bench, BenchKind, FileError, Loaded, Overrides, Quarantine, Scene, Setup, Source, did_you_mean,
-    load_scene, sensor_of,
+    Bench, BenchKind, FileError, Loaded, Overrides, Quarantine, Setup, Source, load_bench,
+    sensor_of,
 };
 use palpate_records::verdict::Verdict;
 use palpate_run::Failure;
@@ -21,147 +26,248 @@ const SHOWN: usize = 3;
 /// Runs the trials and says how they ended.
 ///
 /// # Errors
-/// [`Failure::Check`] where one failed; [`Failure::Device`] where the bench is not well; [`Failure::Input`] for a filter that fits none, or a file that cannot be.
+/// [`Failure::Check`] where one failed or nothing was tried; [`Failure::Device`] where the bench is not well;
+/// [`Failure::Input`] for a name that fits none, or a file that cannot be.
 pub fn test(args: &TestArgs, color: Color) -> Result<(), Failure> {
     let mut overrides = Overrides::default();
     for text in &args.set {
         overrides.set("--set", text)?;
     }
-    let bench = bench_with(
-        args.on.bench.as_deref(),
-        &overrides,
-        &args.on.can,
-        &args.on.i2c,
-    )?;
-    let scenes = chosen(args.filter.as_deref())?.into_iter();
-    let scenes: Result<Vec<_>, _> = scenes.map(|scene| scene.with(&overrides)).collect();
-    let scenes = scenes?;
-    let quarantine = quarantine(args, &scenes)?;
-    let name = bench.value.name.clone();
-    let kind = match bench.value.kind {
-        BenchKind::Emulated => "emulated",
-        BenchKind::Real => "real",
-    };
-    let told = !args.voice.quiet && !args.voice.json;
-    if told {
-        print(|out| {
-            let (n, seed) = (scenes.len(), args.on.seed);
-            let s = if n == 1 { "" } else { "s" };
-            writeln!(out, "{n} trial{s} on {name} ({kind}), seed {seed}")
-        })?;
+    let mut suite = Suite::collect(&args.targets, args.filter.as_deref())?;
+    for member in &mut suite.members {
+        member.scene = member.scene.clone().with(&overrides)?;
     }
-    let mut trials = Vec::new();
-    let mut halt: Option<Halt> = None;
-    for scene in scenes {
-        let mut trial = match &halt {
-            Some(why) => Trial::skipped(&scene.value.name, why.to_string()),
-            None => {
-                let (trial, found) = one(scene, &bench, args)?;
-                halt = found;
-                trial
+    let benches = benches(args, &suite, &overrides)?;
+    let run = Run {
+        args,
+        color,
+        told: !args.voice.quiet && !args.voice.json,
+        source: benches.first().map_or("emulated", kind),
+        quarantine: quarantine(args, &suite)?,
+        failed_before: failed_before(args, &suite)?,
+    };
+    let mut suites = Vec::new();
+    let mut halt = None;
+    for bench in &benches {
+        let (trials, found) = run.on(bench, &suite)?;
+        suites.push((bench.value.name.clone(), trials));
+        halt = halt.or(found);
+    }
+    if let Some(folder) = &suite.folder {
+        last::remember(folder, &suites)?;
+    }
+    run.tell(&suites, halt)
+}
+
+/// The benches that are meant: the one named, else the emulated ones in the folders, else the one that ships.
+fn benches(
+    args: &TestArgs,
+    suite: &Suite,
+    overrides: &Overrides,
+) -> Result<Vec<Loaded<Bench>>, Failure> {
+    let on = &args.on;
+    if on.bench.is_none() && on.can.is_empty() && on.i2c.is_empty() {
+        let mut found = Vec::new();
+        for path in &suite.benches {
+            let bench = load_bench(&path.display().to_string())?.with(overrides)?;
+            if bench.value.kind == BenchKind::Emulated {
+                found.push(bench);
             }
-        };
-        if let Some(reason) = quarantine.reason(&trial.scene, &name) {
-            trial = quarantined(trial, reason);
         }
-        if told {
-            print(|out| tell(&trial, color.on(&io::stdout()), out))?;
+        if !found.is_empty() {
+            return Ok(found);
         }
-        trials.push(trial);
     }
-    if let Some(path) = &args.junit {
-        let text = junit(&name, &trials);
-        write_file(path, |out| out.write_all(text.as_bytes()))?;
-    }
-    let gravest = trials.iter().map(|t| t.end.verdict()).max();
-    let verdict = match gravest.unwrap_or_default() {
-        // That a limit was passed is the trial's verdict; of all trials it is that one failed.
-        Verdict::Ok => Verdict::Ok,
-        _ => Verdict::Failed,
-    };
-    let counts = counts(&trials);
-    if args.voice.json {
-        print(|out| json(verdict, (&name, kind), &trials, out))?;
-    } else if told {
-        print(|out| {
-            let word = verdict.paint(verdict.word(), color.on(&io::stdout()));
-            writeln!(out, "{word}: {counts}")
-        })?;
-    }
-    match (halt, verdict == Verdict::Failed) {
-        (Some(halt @ Halt::Unwell(_)), _) => Err(Failure::Device(halt.to_string())),
-        (Some(halt @ Halt::Stopped(_)), _) => Err(Failure::Check(halt.to_string())),
-        (None, true) => Err(Failure::Check(counts)),
-        (None, false) => Ok(()),
-    }
+    // A bench of the folders may be meant by the name of its file.
+    let named = on.bench.as_deref().map(|name| {
+        let same = |p: &&PathBuf| p.file_stem().is_some_and(|stem| stem == name);
+        let path = suite.benches.iter().find(same);
+        path.map_or_else(|| name.to_owned(), |p| p.display().to_string())
+    });
+    Ok(vec![bench_with(
+        named.as_deref(),
+        overrides,
+        &on.can,
+        &on.i2c,
+    )?])
 }
 
-/// The built-in scenes whose names contain the filter, or the scene in a file of that name.
-fn chosen(filter: Option<&str>) -> Result<Vec<Loaded<Scene>>, Failure> {
-    let filter = filter.unwrap_or("");
-    if filter.ends_with(".toml") || Path::new(filter).is_file() {
-        return Ok(vec![load_scene(filter)?]);
-    }
-    let names: Vec<&str> = palpate_fixtures::scene_names()
-        .filter(|name| name.contains(filter))
-        .collect();
-    if names.is_empty() {
-        let all: Vec<&str> = palpate_fixtures::scene_names().collect();
-        let meant = did_you_mean(filter, all.iter().copied());
-        return Err(Failure::Input(format!(
-            "{filter}: expected part of a scene's name ({}) or a scene file, found neither{meant}",
-            all.join(", ")
-        )));
-    }
-    let mut scenes = Vec::new();
-    for name in names {
-        scenes.push(load_scene(name)?);
-    }
-    Ok(scenes)
-}
-
-fn quarantine(args: &TestArgs, scenes: &[Loaded<Scene>]) -> Result<Quarantine, FileError> {
-    let Some(path) = &args.quarantine else {
+fn quarantine(args: &TestArgs, suite: &Suite) -> Result<Quarantine, FileError> {
+    let Some(path) = args.quarantine.as_ref().or(suite.quarantine.as_ref()) else {
         return Ok(Quarantine::default());
     };
     let mut names: Vec<String> = palpate_fixtures::scene_names().map(str::to_owned).collect();
-    names.extend(scenes.iter().map(|s| s.value.name.clone()));
+    names.extend(suite.members.iter().map(|m| m.scene.value.name.clone()));
     Quarantine::read(&Source::open(path)?, &names)
 }
 
-/// One trial: skipped for what the bench lacks, or run.
+/// What failed when the folder was last tried, where only that is wanted.
+fn failed_before(args: &TestArgs, suite: &Suite) -> Result<Option<Vec<(String, String)>>, Failure> {
+    if !args.last_failed {
+        return Ok(None);
+    }
+    let Some(folder) = &suite.folder else {
+        return Err(Failure::Input(
+            "--last-failed: expected a folder; what failed is remembered there".into(),
+        ));
+    };
+    // Where nothing failed, everything is tried.
+    Ok(Some(last::failed(folder)?).filter(|failed| !failed.is_empty()))
+}
+
+/// What all trials of a command share.
+struct Run<'a> {
+    args: &'a TestArgs,
+    color: Color,
+    /// Whether trials are told as they end.
+    told: bool,
+    /// Whether the benches are emulated or real.
+    source: &'static str,
+    quarantine: Quarantine,
+    /// Scene and bench of what failed last, where nothing else is tried.
+    failed_before: Option<Vec<(String, String)>>,
+}
+
+impl Run<'_> {
+    fn colored(&self) -> bool {
+        self.color.on(&io::stdout())
+    }
+
+    /// The trials on one bench, in order; several at a time where it is emulated.
+    fn on(
+        &self,
+        bench: &Loaded<Bench>,
+        suite: &Suite,
+    ) -> Result<(Vec<Trial>, Option<Halt>), Failure> {
+        let name = &bench.value.name;
+        let again = |m: &&Member| {
+            let failed = self.failed_before.as_ref();
+            failed.is_none_or(|f| f.contains(&(m.scene.value.name.clone(), name.clone())))
+        };
+        let members: Vec<&Member> = suite.members.iter().filter(again).collect();
+        if self.told {
+            let (n, kind, seed) = (members.len(), kind(bench), self.args.on.seed);
+            let s = if n == 1 { "" } else { "s" };
+            print(|out| writeln!(out, "{n} trial{s} on {name} ({kind}), seed {seed}"))?;
+        }
+        let cores = || std::thread::available_parallelism().map_or(1, Into::into);
+        let jobs = match bench.value.kind {
+            BenchKind::Emulated => self.args.jobs.unwrap_or_else(cores),
+            BenchKind::Real => 1, // there is one
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
+        let pool = pool.map_err(|e| Failure::Device(format!("--jobs {jobs}: {e}")))?;
+        let (mut trials, mut halt) = (Vec::new(), None);
+        for some in members.chunks(jobs) {
+            let tried: Vec<Result<(Trial, Option<Halt>), Failure>> = match &halt {
+                Some(why) => {
+                    let why = ToString::to_string(why);
+                    let skipped = |m: &&Member| Trial::skipped(&m.scene.value.name, why.clone());
+                    some.iter().map(|m| Ok((skipped(m), None))).collect()
+                }
+                None => {
+                    pool.install(|| some.par_iter().map(|m| one(m, bench, self.args)).collect())
+                }
+            };
+            for ended in tried {
+                let (mut trial, found) = ended?;
+                halt = halt.or(found);
+                if let Some(reason) = self.quarantine.reason(&trial.scene, name) {
+                    trial = quarantined(trial, reason);
+                }
+                if self.told {
+                    print(|out| tell(&trial, self.colored(), out))?;
+                }
+                trials.push(trial);
+            }
+        }
+        Ok((trials, halt))
+    }
+
+    /// What all came to, on standard output and in files.
+    fn tell(&self, suites: &[(String, Vec<Trial>)], halt: Option<Halt>) -> Result<(), Failure> {
+        let trials: Vec<&Trial> = suites.iter().flat_map(|(_, trials)| trials).collect();
+        let skipped = |t: &&&Trial| matches!(t.end, TrialEnd::Skipped(_));
+        let verdict = match trials.iter().map(|t| t.end.verdict()).max() {
+            _ if trials.iter().filter(skipped).count() == trials.len() => Verdict::Incomplete,
+            None | Some(Verdict::Ok) => Verdict::Ok,
+            // That a limit was passed is the trial's verdict; of all trials it is that one failed.
+            Some(_) => Verdict::Failed,
+        };
+        let mut counts = counts(&trials);
+        if verdict == Verdict::Incomplete {
+            counts += "; nothing was tested";
+        }
+        if let Some(path) = &self.args.junit {
+            let text = junit(suites);
+            write_file(path, |out| out.write_all(text.as_bytes()))?;
+        }
+        if let Some(path) = &self.args.html {
+            let text = page(verdict, &counts, suites);
+            write_file(path, |out| out.write_all(text.as_bytes()))?;
+        }
+        if self.args.voice.json {
+            print(|out| json(verdict, self.source, suites, out))?;
+        } else if self.told {
+            print(|out| {
+                let word = verdict.paint(verdict.word(), self.colored());
+                writeln!(out, "{word}: {counts}")
+            })?;
+        }
+        match (halt, verdict) {
+            (Some(halt @ Halt::Unwell(_)), _) => Err(Failure::Device(halt.to_string())),
+            (Some(halt @ Halt::Stopped(_)), _) => Err(Failure::Check(halt.to_string())),
+            (None, Verdict::Ok) => Ok(()),
+            (None, _) => Err(Failure::Check(counts)),
+        }
+    }
+}
+
+const fn kind(bench: &Loaded<Bench>) -> &'static str {
+    match bench.value.kind {
+        BenchKind::Emulated => "emulated",
+        BenchKind::Real => "real",
+    }
+}
+
+/// One trial: skipped for what the bench lacks, or run and held against its goldens.
 fn one(
-    scene: Loaded<Scene>,
+    member: &Member,
     bench: &Loaded<Bench>,
     args: &TestArgs,
 ) -> Result<(Trial, Option<Halt>), Failure> {
+    let scene = &member.scene;
     let name = scene.value.name.clone();
-    if !expects_anything(&scene.value.expect) {
-        return Ok((
-            Trial::skipped(&name, "no [expect] in the scene".into()),
-            None,
-        ));
+    let goldens = member.file.as_deref();
+    let goldens = goldens.map(|file| Goldens::of(file, &bench.value.name));
+    let kept = args.accept || goldens.as_ref().is_some_and(Goldens::exist);
+    if !expects_anything(&scene.value.expect) && !kept {
+        let why = "no [expect] in the scene, and no golden beside it";
+        return Ok((Trial::skipped(&name, why.into()), None));
     }
     // Before the two are joined, which a display that does not fit would refuse.
-    let sensor = sensor_of(&scene)?;
+    let sensor = sensor_of(scene)?;
     let missing = lacks(&scene.value, &sensor.value, &bench.value);
     if !missing.is_empty() {
         let why = format!("the bench lacks {}", missing.join(", "));
         return Ok((Trial::skipped(&name, why), None));
     }
-    let setup = Setup::join(scene, bench.clone())?;
+    let setup = Setup::join(scene.clone(), bench.clone())?;
     let mut input = None;
     let decided = decide(&name, args.retries, || {
-        match attempt(&setup, args.on.seed) {
-            Ok(tried) => tried,
-            Err(failure) => {
-                input.get_or_insert(failure);
-                crate::trial::Try {
-                    halt: Some(Halt::Unwell("it cannot be run on".into())),
-                    ..Default::default()
-                }
+        let tried = attempt(&setup, args.on.seed, |outcome, wrong| match &goldens {
+            Some(goldens) if !args.accept => goldens.check(&outcome.trace, wrong),
+            // What fails its expectations is nothing to keep.
+            Some(goldens) if wrong.verdict == Verdict::Ok => goldens.accept(&outcome.trace),
+            _ => Ok(()),
+        });
+        tried.unwrap_or_else(|failure| {
+            input.get_or_insert(failure);
+            crate::trial::Try {
+                halt: Some(Halt::Unwell("it cannot be run on".into())),
+                ..Default::default()
             }
-        }
+        })
     });
     match input {
         Some(failure) => Err(failure),
@@ -211,7 +317,7 @@ fn tell(trial: &Trial, colored: bool, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-fn counts(trials: &[Trial]) -> String {
+fn counts(trials: &[&Trial]) -> String {
     let count = |counts: fn(&TrialEnd) -> bool| trials.iter().filter(|t| counts(&t.end)).count();
     let (passed, failed) = (
         count(|e| matches!(e, TrialEnd::Passed)),
@@ -234,11 +340,11 @@ fn counts(trials: &[Trial]) -> String {
 
 fn json(
     verdict: Verdict,
-    (bench, kind): (&str, &str),
-    trials: &[Trial],
+    source: &str,
+    suites: &[(String, Vec<Trial>)],
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    let trial = |t: &Trial| {
+    let trial = |bench: &str, t: &Trial| {
         let measures: Vec<serde_json::Value> = t
             .measures
             .iter()
@@ -256,13 +362,18 @@ fn json(
             TrialEnd::Failed(wrong) | TrialEnd::Quarantined(wrong, _) => &wrong.why,
         };
         serde_json::json!({
-            "trial": t.scene, "verdict": t.end.key(), "why": why,
+            "trial": t.scene, "bench": bench, "verdict": t.end.key(), "why": why,
             "took_s": t.took.as_secs_f64(), "measures": measures,
         })
     };
-    let trials: Vec<serde_json::Value> = trials.iter().map(trial).collect();
-    let all =
-        serde_json::json!({ "verdict": verdict, "bench": bench, "source": kind, "trials": trials });
+    let of = |(bench, trials): &(String, Vec<Trial>)| -> Vec<_> {
+        trials.iter().map(|t| trial(bench, t)).collect()
+    };
+    let trials: Vec<serde_json::Value> = suites.iter().flat_map(of).collect();
+    let benches: Vec<&str> = suites.iter().map(|(bench, _)| bench.as_str()).collect();
+    let all = serde_json::json!({
+        "verdict": verdict, "bench": benches.join(", "), "source": source, "trials": trials,
+    });
     serde_json::to_writer(&mut *out, &all)?;
     writeln!(out)
 }

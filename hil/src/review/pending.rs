@@ -8,8 +8,8 @@ use crate::output::write_file;
 use palpate_files::FileError;
 use palpate_run::Failure;
 
-/// Where goldens lie, from the root of the project.
-const FOLDER: &str = "fixtures/goldens";
+/// Where goldens lie, from the root of a project.
+const FOLDERS: [&str; 2] = ["fixtures/goldens", "goldens"];
 /// What insta appends to the name of a snapshot that waits.
 const WAITS: &str = ".snap.new";
 
@@ -32,6 +32,10 @@ pub struct Pending {
 /// Where there is none.
 pub fn folder(named: Option<&Path>) -> Result<PathBuf, Failure> {
     if let Some(named) = named {
+        let inside = named.join("goldens");
+        if inside.is_dir() {
+            return Ok(inside);
+        }
         if named.is_dir() {
             return Ok(named.to_path_buf());
         }
@@ -43,11 +47,12 @@ pub fn folder(named: Option<&Path>) -> Result<PathBuf, Failure> {
     let here = std::env::current_dir().unwrap_or_default();
     let found = here
         .ancestors()
-        .map(|a| a.join(FOLDER))
+        .flat_map(|a| FOLDERS.map(|f| a.join(f)))
         .find(|f| f.is_dir());
     found.ok_or_else(|| {
         Failure::Input(format!(
-            "expected {FOLDER} here or above {}; name another folder with --goldens",
+            "expected {} here or above {}; name another folder with --goldens",
+            FOLDERS.join(" or "),
             here.display()
         ))
     })

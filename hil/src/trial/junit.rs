@@ -7,25 +7,33 @@ use palpate_records::report::svg::escape;
 
 use super::{Trial, TrialEnd};
 
-/// The trials of one bench as a document.
-pub fn junit(bench: &str, trials: &[Trial]) -> String {
-    let count = |f: fn(&TrialEnd) -> bool| trials.iter().filter(|t| f(&t.end)).count();
-    let failures = count(|v| matches!(v, TrialEnd::Failed(_)));
-    let skipped = count(|v| matches!(v, TrialEnd::Skipped(_) | TrialEnd::Quarantined(..)));
-    let seconds: f64 = trials.iter().map(|t| t.took.as_secs_f64()).sum();
-    let bench = escape(bench);
+/// The trials of some benches as a document, a suite a bench.
+pub fn junit(suites: &[(String, Vec<Trial>)]) -> String {
     let mut out = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
-    let totals = format!(
+    let all: Vec<&Trial> = suites.iter().flat_map(|(_, trials)| trials).collect();
+    let _ = writeln!(out, "<testsuites name=\"hil\" {}>", totals(&all));
+    for (bench, trials) in suites {
+        let bench = escape(bench);
+        let totals = totals(&trials.iter().collect::<Vec<_>>());
+        let _ = writeln!(out, "<testsuite name=\"{bench}\" {totals}>");
+        trials
+            .iter()
+            .for_each(|trial| case(&mut out, &bench, trial));
+        out.push_str("</testsuite>\n");
+    }
+    out.push_str("</testsuites>\n");
+    out
+}
+
+fn totals(trials: &[&Trial]) -> String {
+    let count = |f: fn(&TrialEnd) -> bool| trials.iter().filter(|t| f(&t.end)).count();
+    let failures = count(|e| matches!(e, TrialEnd::Failed(_)));
+    let skipped = count(|e| matches!(e, TrialEnd::Skipped(_) | TrialEnd::Quarantined(..)));
+    let seconds: f64 = trials.iter().map(|t| t.took.as_secs_f64()).sum();
+    format!(
         "tests=\"{}\" failures=\"{failures}\" errors=\"0\" skipped=\"{skipped}\" time=\"{seconds:.3}\"",
         trials.len()
-    );
-    let _ = writeln!(out, "<testsuites name=\"hil\" {totals}>");
-    let _ = writeln!(out, "<testsuite name=\"{bench}\" {totals}>");
-    for trial in trials {
-        case(&mut out, &bench, trial);
-    }
-    out.push_str("</testsuite>\n</testsuites>\n");
-    out
+    )
 }
 
 fn case(out: &mut String, bench: &str, trial: &Trial) {

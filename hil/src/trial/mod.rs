@@ -2,9 +2,13 @@
 //! is afterwards, and what a test server reads of it.
 
 mod capability;
+mod golden;
 mod health;
 mod junit;
+pub mod last;
 mod measure;
+mod page;
+mod suite;
 
 use std::fmt;
 use std::time::Duration;
@@ -17,9 +21,12 @@ use palpate_records::verdict::{Conclusion, Verdict};
 use palpate_run::{Failure, Input, Keep, Outcome, run_with, stopped_by};
 
 pub use capability::lacks;
+pub use golden::Goldens;
 use health::{after_emulated, after_real};
 pub use junit::junit;
 pub use measure::{Bound, Measure, expects_anything, measures};
+pub use page::page;
+pub use suite::{Member, Suite};
 
 /// How a trial ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -164,11 +171,15 @@ pub fn decide(
     }
 }
 
-/// Runs a scene once on its bench and looks at what it left behind.
+/// Runs a scene once on its bench and looks at what it left behind; `also` holds the run against what else is known.
 ///
 /// # Errors
-/// [`Failure::Input`] for a scene or bench that cannot be run at all.
-pub fn attempt(setup: &Setup, seed: u64) -> Result<Try, Failure> {
+/// [`Failure::Input`] for a scene or bench that cannot be run at all; what `also` says.
+pub fn attempt(
+    setup: &Setup,
+    seed: u64,
+    also: impl FnOnce(&Outcome, &mut Conclusion) -> Result<(), Failure>,
+) -> Result<Try, Failure> {
     let is_real = setup.bench.value.kind == BenchKind::Real;
     let done = if is_real {
         let told = real::Told {
@@ -181,7 +192,11 @@ pub fn attempt(setup: &Setup, seed: u64) -> Result<Try, Failure> {
         run_with(setup, &Input::Scene, seed, Keep::default(), host)
     };
     match done {
-        Ok(outcome) => Ok(judge(setup, &outcome)),
+        Ok(outcome) => {
+            let mut tried = judge(setup, &outcome);
+            also(&outcome, &mut tried.wrong)?;
+            Ok(tried)
+        }
         Err(bad @ (Failure::Input(_) | Failure::File(_))) => Err(bad),
         Err(failure) => Ok(Try {
             wrong: Conclusion {

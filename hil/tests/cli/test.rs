@@ -91,7 +91,9 @@ fn what_a_bench_lacks_is_named() {
     let scene = palpate_fixtures::scene("idle").unwrap();
     let other = format!("{scene}\n[map]\ndisplay = \"tactile-brush-4x3\"\n");
     let path = folder.write("other.toml", &other).display().to_string();
-    let out = good(&["test", &path]);
+    let said = hil(&["test", &path]);
+    assert_eq!(said.status, Some(1));
+    let out = said.out;
     assert!(
         out.contains("SKIPPED         idle")
             && out.contains("the bench lacks display tactile-brush-4x3"),
@@ -99,7 +101,11 @@ fn what_a_bench_lacks_is_named() {
     );
     let free = scene.split("[expect]").next().unwrap();
     let path = folder.write("free.toml", free).display().to_string();
-    assert!(good(&["test", &path]).contains("no [expect] in the scene"));
+    let said = hil(&["test", &path]);
+    assert_eq!(said.status, Some(1), "what tests nothing is no success");
+    assert!(
+        said.out.contains("no [expect] in the scene") && said.out.contains("nothing was tested")
+    );
     refused_with(
         &["test", "no-such-scene"],
         &["no-such-scene", "sphere-along"],

@@ -1,0 +1,138 @@
+//! Which trials a command line means: built-in scenes by name, scene files, and folders with the scenes, benches and
+//! quarantine of a project.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use palpate_files::{
+    FileError, FileKind, Loaded, Scene, Source, did_you_mean, kind_of, load_scene,
+};
+use palpate_run::Failure;
+
+/// Folders of build systems, which hold no scenes but may hold many files.
+const SKIPPED: [&str; 2] = ["target", "node_modules"];
+/// How deep folders are searched: a link in a circle ends there.
+const DEPTH: usize = 8;
+/// What a folder's own quarantine is called.
+const QUARANTINE: &str = "quarantine.toml";
+
+/// A scene that is tried.
+#[derive(Clone, Debug)]
+pub struct Member {
+    /// What it says.
+    pub scene: Loaded<Scene>,
+    /// Its file; none for a built-in one.
+    pub file: Option<PathBuf>,
+}
+
+/// Everything a command line means.
+#[derive(Clone, Debug, Default)]
+pub struct Suite {
+    /// The scenes, in the order of names and paths.
+    pub members: Vec<Member>,
+    /// Bench files in the folders.
+    pub benches: Vec<PathBuf>,
+    /// The first folder named, where what failed is remembered.
+    pub folder: Option<PathBuf>,
+    /// A quarantine in that folder.
+    pub quarantine: Option<PathBuf>,
+}
+
+impl Suite {
+    /// Collects what these names, files and folders mean; without any, every built-in scene. Only scenes whose name
+    /// contains `filter` stay.
+    ///
+    /// # Errors
+    /// A name that is neither, a file that cannot be read, and TOML in a folder that is of no kind.
+    pub fn collect(targets: &[String], filter: Option<&str>) -> Result<Self, Failure> {
+        let mut suite = Self::default();
+        if targets.is_empty() {
+            suite.built_in("")?;
+        }
+        for target in targets {
+            let path = Path::new(target);
+            if path.is_dir() {
+                suite.search(path, DEPTH)?;
+                let quarantine = path.join(QUARANTINE);
+                if suite.folder.is_none() {
+                    suite.folder = Some(path.to_path_buf());
+                    suite.quarantine = quarantine.is_file().then_some(quarantine);
+                }
+            } else if target.ends_with(".toml") || path.is_file() {
+                suite.file(path)?;
+            } else {
+                suite.built_in(target)?;
+            }
+        }
+        if let Some(part) = filter {
+            suite.members.retain(|m| m.scene.value.name.contains(part));
+        }
+        Ok(suite)
+    }
+
+    fn file(&mut self, path: &Path) -> Result<(), FileError> {
+        self.members.push(Member {
+            scene: load_scene(&path.display().to_string())?,
+            file: Some(path.to_path_buf()),
+        });
+        Ok(())
+    }
+
+    /// The built-in scenes whose names contain `part`.
+    fn built_in(&mut self, part: &str) -> Result<(), Failure> {
+        let before = self.members.len();
+        for name in palpate_fixtures::scene_names().filter(|n| n.contains(part)) {
+            self.members.push(Member {
+                scene: load_scene(name)?,
+                file: None,
+            });
+        }
+        if self.members.len() > before {
+            return Ok(());
+        }
+        let all: Vec<&str> = palpate_fixtures::scene_names().collect();
+        let meant = did_you_mean(part, all.iter().copied());
+        Err(Failure::Input(format!(
+            "{part}: expected part of a scene's name ({}), a scene file or a folder, found none{meant}",
+            all.join(", ")
+        )))
+    }
+
+    /// Scenes and benches in a folder and those below it, known by what they say.
+    fn search(&mut self, folder: &Path, depth: usize) -> Result<(), Failure> {
+        let label = folder.display().to_string();
+        let bad = |e: std::io::Error| FileError::whole(&label, "a readable folder", e.to_string());
+        let entries = fs::read_dir(folder).map_err(bad)?;
+        let mut paths = Vec::new();
+        for entry in entries {
+            paths.push(entry.map_err(bad)?.path());
+        }
+        paths.sort();
+        for path in paths {
+            let name = path.file_name().map(|n| n.to_string_lossy().into_owned());
+            let name = name.unwrap_or_default();
+            if name.starts_with('.') || SKIPPED.contains(&name.as_str()) || name == QUARANTINE {
+                continue;
+            }
+            if path.is_dir() {
+                if depth > 0 {
+                    self.search(&path, depth - 1)?;
+                }
+                continue;
+            }
+            if !name.ends_with(".toml") {
+                continue;
+            }
+            match kind_of(&Source::open(&path)?)? {
+                FileKind::Scene => self.file(&path)?,
+                FileKind::Bench => self.benches.push(path),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+#[path = "suite_tests.rs"]
+mod tests;
