@@ -207,8 +207,21 @@ impl Source {
         errors.iter().map(|error| self.syntax(error)).collect()
     }
 
+    /// The same file with another word for the last part of `key`; none where that makes it no TOML.
+    pub(super) fn renamed(&self, key: &str, word: &str) -> Option<Self> {
+        let (place, value) = self.spans(key)?;
+        value?;
+        let mut text = self.text.clone();
+        text.replace_range(place, word);
+        let renamed = Self {
+            text,
+            ..self.clone()
+        };
+        renamed.syntax_errors().is_empty().then_some(renamed)
+    }
+
     /// The value that stands at `key`, as the file writes it.
-    pub(super) fn text_at(&self, key: &str) -> Option<&str> {
+    fn text_at(&self, key: &str) -> Option<&str> {
         self.text.get(self.spans(key)?.1?)
     }
 
