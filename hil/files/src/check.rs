@@ -57,7 +57,10 @@ pub fn check(path: &Path) -> Checked {
 #[must_use]
 pub fn check_source(source: Source) -> Checked {
     let kind = kind_of(&source);
-    let syntax = source.syntax_errors();
+    let mut syntax = source.syntax_errors();
+    // What comes after the first one of a line only follows from it.
+    syntax.sort_by_key(|error| error.line);
+    syntax.dedup_by_key(|error| error.line);
     if !syntax.is_empty() {
         return Checked {
             kind: kind.ok(),
@@ -223,12 +226,21 @@ impl Mended {
         read: &impl Fn(&Source) -> Result<(), FileError>,
     ) -> bool {
         let Some(key) = &error.key else { return false };
+        if let Some(renamed) = self.renamed(key, error) {
+            self.source = renamed;
+            return true;
+        }
         for attempt in self.attempts(key, error) {
             let mut changes = self.changes.clone();
-            changes.extend(attempt);
-            let read = read(&self.source.with(changes.clone()));
-            let next = read.err().and_then(|error| error.key);
-            if !next.is_some_and(|next| is_at(&next, key)) {
+            changes.push(attempt);
+            let better = match read(&self.source.with(changes.clone())) {
+                Ok(()) => true,
+                Err(next) => match &next.key {
+                    Some(next) => !is_at(next, key),
+                    None => next.path != self.source.label(),
+                },
+            };
+            if better {
                 self.changes = changes;
                 return true;
             }
@@ -236,37 +248,32 @@ impl Mended {
         false
     }
 
+    /// The file with the key that was meant: one that was only mistyped is not missing as well, and what lies in it
+    /// is checked.
+    fn renamed(&self, key: &str, error: &FileError) -> Option<Source> {
+        if !error.found.starts_with("the unknown key") {
+            return None;
+        }
+        let last = key.rsplit('.').next()?;
+        let meant = nearest(last, quoted_words(&error.expected))?;
+        self.source.renamed(key, meant)
+    }
+
     /// What could stand at `key`: nothing, the word that was meant, or an example.
-    fn attempts(&self, key: &str, error: &FileError) -> Vec<Vec<Change>> {
-        let change = |key: &str, value: Option<String>| Change {
+    fn attempts(&self, key: &str, error: &FileError) -> Vec<Change> {
+        let change = |value: Option<String>| Change {
             by: MENDED.into(),
             key: key.into(),
             value,
         };
-        let mut attempts = Vec::new();
-        let (table, last) = key.rsplit_once('.').map_or(("", key), |(t, l)| (t, l));
-        if error.found.starts_with("the unknown key") {
-            // A key that was only mistyped is not missing as well.
-            let meant = nearest(last, quoted_words(&error.expected)).map(|name| match table {
-                "" => name.to_owned(),
-                table => format!("{table}.{name}"),
-            });
-            if let (Some(meant), Some(text)) = (meant, self.source.text_at(key)) {
-                let moved = change(&meant, Some(text.to_owned()));
-                attempts.push(vec![change(key, None), moved]);
-            }
-        }
-        if !key.ends_with(']') {
-            attempts.push(vec![change(key, None)]);
-        }
+        let nothing = (!key.ends_with(']')).then_some(None);
         let found = error.found.split(';').next().unwrap_or_default();
         let found = found.trim_matches(['`', '"']);
         let word = nearest(found, quoted_words(&error.expected));
         let word = word.map(|word| format!("\"{word}\""));
         let examples = placeholder::placeholders(&self.schema, key);
-        let values = word.into_iter().chain(examples);
-        attempts.extend(values.map(|value| vec![change(key, Some(value))]));
-        attempts
+        let values = word.into_iter().chain(examples).map(Some);
+        nothing.into_iter().chain(values).map(change).collect()
     }
 }
 

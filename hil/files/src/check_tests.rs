@@ -115,6 +115,26 @@ channel = 16
 }
 
 #[test]
+fn what_lies_under_a_mistyped_key_is_checked_too() {
+    let text = "name = \"a\"\ndescription = \"d\"\nlenght_s = -5\n[compresion]\nkc = 0\nki = \"many\"\n\
+                [[touchs]]\nstart_s = 1\npath = { kind = \"hold\", points_mm = [[0, 0]] }\nforce_n = { mean = 30 }\n";
+    let said = told(text);
+    let starts = [
+        "f.toml:3: lenght_s",
+        "f.toml:3: length_s: expected a number from",
+        "f.toml:4: compresion",
+        "f.toml:5: compression.kc: expected a number from 1 to 1024, found 0",
+        "f.toml:6: compression.ki: expected a whole number",
+        "f.toml:7: touchs",
+        "f.toml:10: touches[0].force_n.mean: expected a number from 0 to 20 N, found 30",
+    ];
+    assert_eq!(said.len(), starts.len(), "{}", said.join("\n"));
+    for (one, start) in said.iter().zip(starts) {
+        assert!(one.starts_with(start), "{one}\nnot {start}");
+    }
+}
+
+#[test]
 fn the_other_kinds_say_everything_too() {
     let heading = "name = \"a\"\ndescription = \"d\"\n";
     for (text, starts) in [

@@ -63,7 +63,8 @@ pub fn illusions() -> Vec<(String, String)> {
     let laws = schema["$defs"]["IllusionModel"]["oneOf"].as_array();
     let law = |law: &serde_json::Value| {
         let text = |key: &str| law[key].as_str().map(str::to_owned);
-        Some((text("const")?, text("description")?))
+        let meaning = text("description")?;
+        Some((text("const")?, meaning.trim_end_matches('.').to_owned()))
     };
     laws.into_iter().flatten().filter_map(law).collect()
 }

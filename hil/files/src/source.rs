@@ -105,6 +105,19 @@ impl Source {
         self.changes.iter().rfind(|change| change.covers(key))
     }
 
+    /// The change that made the table at `key`, which the file does not have.
+    fn made(&self, key: &str) -> Option<&Change> {
+        let table = Change {
+            by: String::new(),
+            key: key.into(),
+            value: None,
+        };
+        let inside = |change: &&Change| change.value.is_some() && table.covers(&change.key);
+        self.text_at(key)
+            .is_none()
+            .then(|| self.changes.iter().rfind(inside))?
+    }
+
     /// Whether a value stands at `key`.
     pub(super) fn states(&self, key: &str) -> bool {
         match self.change(key) {
@@ -133,7 +146,7 @@ impl Source {
         expected: impl Into<String>,
         found: impl Into<String>,
     ) -> FileError {
-        let change = self.change(key);
+        let change = self.change(key).or_else(|| self.made(key));
         FileError {
             path: change.map_or(&self.label, |change| &change.by).clone(),
             line: change.is_none().then(|| self.line_of(key)),
@@ -194,8 +207,21 @@ impl Source {
         errors.iter().map(|error| self.syntax(error)).collect()
     }
 
+    /// The same file with another word for the last part of `key`; none where that makes it no TOML.
+    pub(super) fn renamed(&self, key: &str, word: &str) -> Option<Self> {
+        let (place, value) = self.spans(key)?;
+        value?;
+        let mut text = self.text.clone();
+        text.replace_range(place, word);
+        let renamed = Self {
+            text,
+            ..self.clone()
+        };
+        renamed.syntax_errors().is_empty().then_some(renamed)
+    }
+
     /// The value that stands at `key`, as the file writes it.
-    pub(super) fn text_at(&self, key: &str) -> Option<&str> {
+    fn text_at(&self, key: &str) -> Option<&str> {
         self.text.get(self.spans(key)?.1?)
     }
 

@@ -2,6 +2,7 @@
 
 use std::io::{self, BufRead};
 
+use palpate_files::did_you_mean;
 use palpate_records::diff::{Grade, LINES};
 use palpate_records::story::GoldenKind;
 
@@ -72,13 +73,14 @@ fn decide(
     let is = |p: &Pending, name: &String| p.name == *name || p.subject() == name;
     if let Some(name) = names.iter().find(|n| !waiting.iter().any(|p| is(p, n))) {
         let there: Vec<&str> = waiting.iter().map(|p| p.name.as_str()).collect();
+        let meant = did_you_mean(name, there.iter().copied());
         let there = if there.is_empty() {
             "nothing waits".to_owned()
         } else {
             there.join(", ")
         };
         return Err(Failure::Input(format!(
-            "{name}: expected a golden that waits, found {there}"
+            "{name}: expected a golden that waits, found {there}{meant}"
         )));
     }
     let meant = |p: &&Pending| names.is_empty() || names.iter().any(|n| is(p, n));

@@ -1,6 +1,6 @@
 //! `hil completions` and `hil man`: the command line for shells and for `man`.
 
-use clap::CommandFactory;
+use clap::{Command, CommandFactory};
 use palpate_files::did_you_mean;
 use palpate_run::Failure;
 
@@ -14,8 +14,21 @@ use crate::output::print;
 pub fn completions(args: &CompletionsArgs) -> Result<(), Failure> {
     // The generator panics where its stream is gone, so it writes to memory.
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "hil", &mut script);
+    clap_complete::generate(args.shell, &mut visible(), "hil", &mut script);
     print(|out| out.write_all(&script))
+}
+
+/// The program without what is internal.
+fn visible() -> Command {
+    let all = Cli::command();
+    let shown = all.get_subcommands().filter(|c| !c.is_hide_set()).cloned();
+    let shown: Vec<Command> = shown.collect();
+    let about = all.get_about().cloned().unwrap_or_default();
+    Command::new("hil")
+        .version(env!("CARGO_PKG_VERSION"))
+        .about(about)
+        .args(all.get_arguments().cloned())
+        .subcommands(shown)
 }
 
 /// Prints a page for `man`: of the program, or of one command.
@@ -23,13 +36,13 @@ pub fn completions(args: &CompletionsArgs) -> Result<(), Failure> {
 /// # Errors
 /// [`Failure::Input`] for a command that is none.
 pub fn man(args: &ManArgs) -> Result<(), Failure> {
-    let mut program = Cli::command();
+    let mut program = visible();
     program.build();
     let (page, title) = match &args.command {
         None => (program, "hil".to_owned()),
         Some(name) => {
-            let names = || program.get_subcommands().filter(|c| !c.is_hide_set());
-            let names: Vec<&str> = names().map(clap::Command::get_name).collect();
+            let commands = program.get_subcommands();
+            let names: Vec<&str> = commands.map(Command::get_name).collect();
             let command = program.find_subcommand(name).cloned();
             let command = command.ok_or_else(|| {
                 let meant = did_you_mean(name, names.iter().copied());

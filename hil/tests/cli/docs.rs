@@ -124,6 +124,8 @@ fn every_command_parses_and_every_one_that_can_runs() {
                 .filter(|w| !["[FAMILY]"].contains(w));
             if needs(&command) != Some("the feature `bench`")
                 && let Err(e) = Cli::try_parse_from(words)
+                && e.use_stderr()
+            // help is no error
             {
                 panic!("{at}: {e}");
             }

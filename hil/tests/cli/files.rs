@@ -9,7 +9,7 @@ fn everything_built_in_and_in_the_folder_is_listed_with_a_line() {
     let folder = Folder::new("list");
     let heading = "name = \"mine\"\ndescription = \"my own pad\"\n";
     folder.write("mine.toml", &format!("{heading}length_s = 3.0\n"));
-    folder.write("Cargo.toml", "[package]\nname = \"other\"\n");
+    folder.write("Cargo.toml", "[package]\nname = \"stranger\"\n");
     let said = hil_in(&folder.0, &["list"]);
     assert_eq!((said.status, said.err.as_str()), (Some(0), ""));
     for name in palpate_fixtures::scene_names().chain(palpate_fixtures::wire_names()) {
@@ -25,7 +25,7 @@ fn everything_built_in_and_in_the_folder_is_listed_with_a_line() {
         "{}",
         said.out
     );
-    assert!(!said.out.contains("other"), "{}", said.out);
+    assert!(!said.out.contains("stranger"), "{}", said.out);
     assert!(said.out.contains("three-nearest"), "{}", said.out);
 
     let wires = hil_in(&folder.0, &["list", "wires"]).out;
