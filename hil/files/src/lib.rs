@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod activation;
+mod address;
 mod bench;
 mod change;
 mod error;
@@ -35,6 +36,7 @@ mod schema;
 #[cfg(test)]
 mod tests;
 
+pub use address::repeated_bus;
 pub use activation::{ActivationFile, Both};
 pub use bench::{Amplifier, Bench, BenchKind, BenchWire, Drive, Output, OutputEnable, Real};
 pub use error::FileError;
