@@ -36,8 +36,8 @@ mod schema;
 #[cfg(test)]
 mod tests;
 
-pub use address::repeated_bus;
 pub use activation::{ActivationFile, Both};
+pub use address::repeated_bus;
 pub use bench::{Amplifier, Bench, BenchKind, BenchWire, Drive, Output, OutputEnable, Real};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};

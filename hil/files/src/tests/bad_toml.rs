@@ -146,7 +146,10 @@ fn buses_are_listed_once() {
         let read = Bench::read(&Source::new("f.toml", text));
         read.map(|_| ()).map_err(|e| e.to_string())
     };
-    assert_eq!(read("[\"can0\"]", "[\"/dev/i2c-1\", \"/dev/i2c-2\"]"), Ok(()));
+    assert_eq!(
+        read("[\"can0\"]", "[\"/dev/i2c-1\", \"/dev/i2c-2\"]"),
+        Ok(())
+    );
     let said = read("[\"can0\"]", "[\"/dev/i2c-1\", \"/dev/./i2c-1\"]").unwrap_err();
     assert_eq!(
         said,
