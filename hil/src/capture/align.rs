@@ -2,10 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::compare::Pins;
 use super::edges::Capture;
 use super::plan::{Output, Plan};
 use palpate_run::Failure;
+
+/// Names of signals and the outputs they were clipped to; empty: by their names (`..b0_ch3`), else the n-th
+/// signal is the n-th output of the schedule.
+pub type Pins = [(String, Output)];
 
 /// `..b0_ch3..` in a name.
 fn output_in(name: &str) -> Option<Output> {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use palpate_records::trace::Trace;
 use serde::Serialize;
 
-use super::align::{Pulses, assign, latency, offset, period, starts};
+use super::align::{Pins, Pulses, assign, latency, offset, period, starts};
 use super::coverage::{Coverage, driven};
 use super::edges::Capture;
 use super::plan::{Output, Plan, Span, bursts};
@@ -15,10 +15,6 @@ use palpate_run::Failure;
 
 /// Slowest and fastest oscillators seen of the chip, over the nominal 25 MHz.
 const OSCILLATOR: (f64, f64) = (23.0 / 25.0, 27.4 / 25.0);
-
-/// Names of signals and the outputs they were clipped to; empty: by their names (`..b0_ch3`), else the n-th
-/// signal is the n-th output of the schedule.
-pub type Pins = [(String, Output)];
 
 /// One measured value with its limits.
 #[derive(Clone, Debug, PartialEq, Serialize)]

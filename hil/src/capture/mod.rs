@@ -13,7 +13,8 @@ mod plan;
 mod tally;
 mod verdict;
 
-pub use compare::{Comparison, Measurement, Pins, compare};
+pub use align::Pins;
+pub use compare::{Comparison, Measurement, compare};
 pub use coverage::Coverage;
 pub use edges::{Capture, Signal};
 pub use verdict::{Conclusion, Verdict};

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use palpate_records::trace::{Event, Trace};
 
 /// Board and channel.
-pub(super) type Output = (u8, u8);
+pub type Output = (u8, u8);
 
 /// The bursts of every output that is driven.
 pub(super) type Plan = BTreeMap<Output, Vec<Burst>>;
@@ -80,6 +80,9 @@ pub(super) fn bursts(trace: &Trace) -> Plan {
             }
             _ => {}
         }
+    }
+    for (output, burst) in open {
+        found.entry(output).or_default().push(burst);
     }
     found
 }

@@ -242,6 +242,106 @@ fn damaged_captures_give_what_came_before_and_name_the_line() {
     assert!(edges::read_vcd("a.vcd", b"hello").is_err());
 }
 
+/// Edges as Saleae's Logic writes them, up to a time.
+fn edges_as_csv(whole: &Capture, until_ns: u64) -> String {
+    let mut times: Vec<u64> = (whole.signals.iter())
+        .flat_map(|s| s.edges.iter().map(|e| e.0))
+        .chain([0])
+        .filter(|t| *t < until_ns)
+        .collect();
+    times.sort_unstable();
+    times.dedup();
+    let mut text = String::from("Time [s]");
+    for signal in &whole.signals {
+        write!(text, ",{}", signal.name).unwrap();
+    }
+    for t in times {
+        write!(text, "\n{}.{:09}", t / 1_000_000_000, t % 1_000_000_000).unwrap();
+        for signal in &whole.signals {
+            let before = signal.edges.partition_point(|e| e.0 <= t);
+            let high = before > 0 && signal.edges[before - 1].1;
+            write!(text, ",{}", u8::from(high)).unwrap();
+        }
+    }
+    text
+}
+
+#[test]
+fn captures_that_end_too_early_are_incomplete_unless_a_window_is_filled() {
+    let trace = trace();
+    let mut vcd = Vec::new();
+    write_vcd(&trace, &mut vcd).unwrap();
+    let half = edges::read_vcd("a.vcd", &vcd[..vcd.len() / 2]).unwrap();
+    let whole = capture(&trace);
+    let csv = |until| csv::read("a.csv", edges_as_csv(&whole, until).as_bytes()).unwrap();
+    let all = compare(&trace, &csv(u64::MAX), &[], None).unwrap();
+    assert_eq!(all.conclusion.verdict, Verdict::Ok, "{:?}", all.conclusion);
+    for seen in [half, csv(1_200_000_000)] {
+        let found = compare(&trace, &seen, &[], None).unwrap();
+        let (said, coverage) = (found.conclusion.line(), &found.coverage);
+        assert!(said.starts_with("INCOMPLETE: "), "{said}");
+        assert!(coverage.bursts_seen > 0 && coverage.bursts_seen < coverage.bursts_planned);
+        assert!(coverage.seconds_seen < coverage.seconds_planned - 1.0);
+        // The window that it names is one that it fills.
+        let (_, named) = said.split_once("--window ").unwrap();
+        let (window, _) = named.split_once('`').unwrap();
+        let (from, to) = window.split_once("..").unwrap();
+        let window = (from.parse().unwrap(), to.parse().unwrap());
+        let found = compare(&trace, &seen, &[], Some(window)).unwrap();
+        assert_eq!(
+            found.conclusion.verdict,
+            Verdict::Ok,
+            "{:?}",
+            found.conclusion
+        );
+        let wider = Some((window.0, window.1 + 0.03));
+        let found = compare(&trace, &seen, &[], wider).unwrap();
+        assert_eq!(found.conclusion.verdict, Verdict::Incomplete);
+    }
+    let idle = compare(&trace, &whole, &[], Some((0.0, 0.5))).unwrap();
+    assert_eq!(
+        idle.conclusion.verdict,
+        Verdict::Incomplete,
+        "{:?}",
+        idle.conclusion
+    );
+}
+
+#[test]
+fn silence_and_outputs_that_stay_high_are_findings() {
+    let trace = trace();
+    let whole = capture(&trace);
+    let mut silent = whole.clone();
+    silent.signals.iter_mut().for_each(|s| s.edges.clear());
+    let found = compare(&trace, &silent, &[], None).unwrap();
+    assert!(
+        found.conclusion.line().starts_with("FAILED: no edges"),
+        "{:?}",
+        found.conclusion
+    );
+    silent.end_ns = 500_000_000;
+    let found = compare(&trace, &silent, &[], None).unwrap();
+    assert_eq!(found.conclusion.verdict, Verdict::Incomplete);
+    // Behind the last burst an output rises and stays high.
+    let mut stuck = whole.clone();
+    let end = whole.end_ns;
+    let signal = stuck
+        .signals
+        .iter_mut()
+        .find(|s| !s.edges.is_empty())
+        .unwrap();
+    let after = signal.edges.last().unwrap().0 + 100_000_000;
+    signal.edges.push((after, true));
+    stuck.end_ns = end.max(after + 50_000_000);
+    let found = compare(&trace, &stuck, &[], None).unwrap();
+    assert_eq!(found.conclusion.verdict, Verdict::Failed);
+    assert!(
+        bad(&found)[0].starts_with("stray pulses"),
+        "{:?}",
+        bad(&found)
+    );
+}
+
 #[test]
 fn pins_are_said_or_guessed_and_wrong_ones_refused() {
     let trace = trace();
