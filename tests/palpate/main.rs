@@ -5,6 +5,7 @@
 
 mod allegro;
 mod allocation;
+mod captures;
 mod circles;
 mod compression;
 mod dbc;

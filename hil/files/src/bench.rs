@@ -1,9 +1,10 @@
 //! Benches: which hardware a scene runs on, and what drives its wires.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::address::{check_chip, check_once};
 use super::error::FileError;
 use super::layout::DisplayLayout;
 use super::source::Source;
@@ -205,7 +206,7 @@ pub struct Output {
     /// Which of a real bench's I2C adapters the chip is on, zero-based.
     #[serde(default)]
     pub bus: u8,
-    /// The chip's I2C address, 0x40 to 0x7F.
+    /// The chip's I2C address, 0x40 to 0x77 without 0x70, 0x71, 0x72 and 0x74, which several chips may answer.
     pub board: u8,
     /// The chip's output, 0 to 15.
     pub channel: u8,
@@ -256,6 +257,8 @@ impl Real {
         source.range("real.i2c", adapters, 1..=16, "adapters")?;
         let interfaces = u8::try_from(self.can.len()).unwrap_or(u8::MAX);
         source.range("real.can", interfaces, 1..=16, "interfaces")?;
+        check_once(source, "real.i2c", self.i2c.iter().map(PathBuf::as_path))?;
+        check_once(source, "real.can", self.can.iter().map(Path::new))?;
         source.range("real.heartbeat_ms", self.heartbeat_ms, 10..=1000, "ms")?;
         source.range("real.transfer_ms", self.transfer_ms, 1..=10_000, "ms")?;
         Ok(adapters)
@@ -303,10 +306,12 @@ impl Bench {
         for (index, output) in self.outputs.iter().enumerate() {
             let at = |key: &str| format!("outputs[{index}].{key}");
             source.range(&at("bus"), output.bus, 0..=adapters - 1, "")?;
-            source.range(&at("board"), output.board, 0x40..=0x7F, "(0x40 to 0x7F)")?;
+            check_chip(source, &at("board"), output.board)?;
             source.range(&at("channel"), output.channel, 0..=15, "")?;
-            if self.outputs[..index].contains(output) {
-                return Err(source.bad(&at("channel"), "an output of its own for every wire"));
+            if let Some(wire) = self.outputs[..index].iter().position(|o| o == output) {
+                let expected =
+                    format!("an output of its own: wire {wire} has this channel of this board");
+                return Err(source.bad(&at("channel"), expected));
             }
         }
         Ok(())

@@ -125,17 +125,10 @@ impl SensorLayout {
             source.range("image.rows", image.rows, 1..=4096, "")?;
             source.range("image.columns", image.columns, 1..=4096, "")?;
         }
-        let mut boards = std::collections::BTreeSet::new();
         let mut cells = std::collections::BTreeSet::new();
         for (index, module) in self.modules.iter().enumerate() {
             let key = format!("modules[{index}]");
             module.check(source, &key)?;
-            for (position, board) in module.boards.iter().enumerate() {
-                if !boards.insert((module.bus, *board)) {
-                    let key = format!("{key}.boards[{position}]");
-                    return Err(source.bad(&key, "an address of its own on its bus"));
-                }
-            }
             if module.image.is_some() != self.image.is_some() {
                 let expected = "an image for the layout and for every module, or for none";
                 return Err(source.bad(&format!("{key}.image"), expected));
@@ -148,7 +141,20 @@ impl SensorLayout {
                 }
             }
         }
-        Ok(())
+        self.shared_board().map_or(Ok(()), |(module, position)| {
+            let key = format!("modules[{module}].boards[{position}]");
+            Err(source.bad(&key, "an address of its own on its bus"))
+        })
+    }
+
+    /// The first board whose address is another one's on its bus: its module and its place there.
+    pub(super) fn shared_board(&self) -> Option<(usize, usize)> {
+        let mut seen = std::collections::BTreeSet::new();
+        let of_module = |(index, module): (usize, &SkinModule)| {
+            let shared = |board: &u8| !seen.insert((module.bus, *board));
+            Some((index, module.boards.iter().position(shared)?))
+        };
+        self.modules.iter().enumerate().find_map(of_module)
     }
 }
 

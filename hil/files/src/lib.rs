@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod activation;
+mod address;
 mod bench;
 mod change;
 mod check;
@@ -41,6 +42,7 @@ mod schema;
 mod tests;
 
 pub use activation::{ActivationFile, Both};
+pub use address::repeated_bus;
 pub use bench::{Amplifier, Bench, BenchKind, BenchWire, Drive, Output, OutputEnable, Real};
 pub use check::{Checked, check, check_source, kind_of};
 pub use error::FileError;

@@ -192,6 +192,12 @@ pub fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileErro
     if let Some(bus) = scene.value.boards.bus {
         let wired = sensor.modules.iter_mut().filter_map(|m| m.bus.as_mut());
         wired.for_each(|of_module| *of_module = bus);
+        if let Some((module, position)) = sensor.shared_board() {
+            let expected = format!(
+                "a layout whose boards have addresses of their own on one bus; board {position} of module {module} has another's"
+            );
+            return Err(scene.source.bad("boards.bus", expected));
+        }
     }
     let modules = sensor.modules.len();
     let touched = scene.value.touches.iter().enumerate();

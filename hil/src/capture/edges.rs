@@ -37,14 +37,17 @@ impl Signal {
         }
     }
 
-    /// Whole pulses: rise and width, nanoseconds. A pulse that begins or ends outside of the capture is none.
-    pub fn pulses(&self) -> Vec<(u64, u64)> {
-        let pairs = self.edges.windows(2);
-        let whole = pairs.filter_map(|pair| match *pair {
-            [(rise, true), (fall, false)] if rise > 0 => Some((rise, fall - rise)),
-            _ => None,
+    /// Whole pulses: rise and width, nanoseconds. One that begins or ends outside of the capture counts if it has
+    /// lasted `period_ns` by then, which no pulse does: the output is stuck.
+    pub fn pulses(&self, end_ns: u64, period_ns: u64) -> Vec<(u64, u64)> {
+        let ends = (self.edges.iter().skip(1).map(|e| (e.0, false))).chain([(end_ns, true)]);
+        let high = self.edges.iter().zip(ends).filter(|(edge, _)| edge.1);
+        let pulse = high.filter_map(|(edge, (end, cut))| {
+            let width = end.saturating_sub(edge.0);
+            let cut = cut || edge.0 == 0;
+            (!cut || width > period_ns).then_some((edge.0, width))
         });
-        whole.collect()
+        pulse.collect()
     }
 }
 

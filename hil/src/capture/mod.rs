@@ -1,14 +1,23 @@
 //! What a logic analyser saw of the PWM pins, held against the schedule that was to come out of them.
 //!
 //! A capture knows neither the run's clock nor the chip's oscillator: both are found from its pulses. What is
-//! left is measured: frequency, pulse width, phase, blank periods, missing and stray pulses.
+//! left is measured: frequency, pulse width, phase, blank periods, missing and stray pulses. What the capture
+//! does not hold of the plan is counted too: without it there is no good verdict.
 
+mod align;
 mod compare;
+mod coverage;
 mod csv;
 mod edges;
+mod plan;
+mod tally;
+mod verdict;
 
-pub use compare::{Comparison, Measurement, Pins, compare};
+pub use align::Pins;
+pub use compare::{Comparison, Measurement, compare};
+pub use coverage::Coverage;
 pub use edges::{Capture, Signal};
+pub use verdict::{Conclusion, Verdict};
 
 use std::path::Path;
 

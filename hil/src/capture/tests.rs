@@ -47,8 +47,9 @@ fn spoil(
     signal: usize,
     change: impl Fn(usize, u64, u64) -> Option<(u64, u64)>,
 ) {
+    let end = capture.end_ns;
     let signal = &mut capture.signals[signal];
-    let pulses = signal.pulses();
+    let pulses = signal.pulses(end, 6_000_000);
     signal.edges.clear();
     for (n, (rise, width)) in pulses.into_iter().enumerate() {
         if let Some((rise, width)) = change(n, rise, width) {
@@ -63,11 +64,14 @@ fn pins_as_scheduled_are_good_wherever_the_capture_begins() {
     let trace = trace();
     for begin in [0, 1_234_567_890] {
         let seen = shifted(capture(&trace), begin);
-        let found = compare(&trace, &seen, &[]).unwrap();
+        let found = compare(&trace, &seen, &[], None).unwrap();
         assert_eq!(bad(&found), [""; 0]);
-        assert!(found.bursts > 100 && found.pulses > 1000, "{found:?}");
+        assert!(
+            found.coverage.bursts_seen > 100 && found.pulses > 1000,
+            "{found:?}"
+        );
         // Within a period: the chip's own clock decides when a burst begins.
-        let error = found.offset_s - begin as f64 * 1e-9;
+        let error = found.offset_s.unwrap() - begin as f64 * 1e-9;
         assert!(error.abs() < 0.006, "{error}");
         let hz = &found.measurements[0];
         assert!((hz.value.unwrap() - 196.888).abs() < 0.01, "{hz:?}");
@@ -85,9 +89,9 @@ fn a_short_capture_finds_its_place() {
         for signal in &mut seen.signals {
             signal.edges.retain(|e| e.0 < end);
         }
-        let found = compare(&trace, &seen, &[]).unwrap();
+        let found = compare(&trace, &seen, &[], None).unwrap();
         assert_eq!(bad(&found), [""; 0], "from {begin} ns");
-        let error = found.offset_s - begin as f64 * 1e-9;
+        let error = found.offset_s.unwrap() - begin as f64 * 1e-9;
         assert!(error.abs() < 0.006, "from {begin} ns: {error}");
     }
 }
@@ -115,7 +119,7 @@ fn what_was_spoilt_is_what_is_measured() {
     for (expected, change) in cases {
         let mut seen = whole.clone();
         spoil(&mut seen, busy, change);
-        let found = bad(&compare(&trace, &seen, &[]).unwrap());
+        let found = bad(&compare(&trace, &seen, &[], None).unwrap());
         let channel = format!("channel {}", trace.header.wires[busy].channel);
         assert!(
             found
@@ -132,7 +136,7 @@ fn what_was_spoilt_is_what_is_measured() {
     let mut seen = whole.clone();
     seen.signals[busy].edges.insert(0, (1_000, true));
     seen.signals[busy].edges.insert(1, (125_000, false));
-    let found = bad(&compare(&trace, &seen, &[]).unwrap());
+    let found = bad(&compare(&trace, &seen, &[], None).unwrap());
     assert!(
         matches!(found.as_slice(), [one] if one.starts_with("stray pulses")),
         "{found:?}"
@@ -143,7 +147,7 @@ fn what_was_spoilt_is_what_is_measured() {
         for edge in seen.signals.iter_mut().flat_map(|s| &mut s.edges) {
             edge.0 = edge.0 * 25 / mhz;
         }
-        let found = compare(&trace, &seen, &[]).unwrap();
+        let found = compare(&trace, &seen, &[], None).unwrap();
         assert_eq!(found.measurements[0].good(), good, "{mhz} MHz");
     }
 }
@@ -198,10 +202,14 @@ fn exports_of_sigrok_and_saleae_read_like_the_vcd() {
             "{name}: {}",
             seen.resolution_ns
         );
-        let found = compare(&trace, &seen, &[]).unwrap();
+        let found = compare(&trace, &seen, &[], None).unwrap();
         assert_eq!(bad(&found), [""; 0], "{name}");
         assert_eq!(found.notes, [""; 0], "{name}");
-        assert!(found.bursts > 5, "{name}: {}", found.bursts);
+        assert!(
+            found.coverage.bursts_seen > 5,
+            "{name}: {}",
+            found.coverage.bursts_seen
+        );
     }
 }
 
@@ -234,6 +242,106 @@ fn damaged_captures_give_what_came_before_and_name_the_line() {
     assert!(edges::read_vcd("a.vcd", b"hello").is_err());
 }
 
+/// Edges as Saleae's Logic writes them, up to a time.
+fn edges_as_csv(whole: &Capture, until_ns: u64) -> String {
+    let mut times: Vec<u64> = (whole.signals.iter())
+        .flat_map(|s| s.edges.iter().map(|e| e.0))
+        .chain([0])
+        .filter(|t| *t < until_ns)
+        .collect();
+    times.sort_unstable();
+    times.dedup();
+    let mut text = String::from("Time [s]");
+    for signal in &whole.signals {
+        write!(text, ",{}", signal.name).unwrap();
+    }
+    for t in times {
+        write!(text, "\n{}.{:09}", t / 1_000_000_000, t % 1_000_000_000).unwrap();
+        for signal in &whole.signals {
+            let before = signal.edges.partition_point(|e| e.0 <= t);
+            let high = before > 0 && signal.edges[before - 1].1;
+            write!(text, ",{}", u8::from(high)).unwrap();
+        }
+    }
+    text
+}
+
+#[test]
+fn captures_that_end_too_early_are_incomplete_unless_a_window_is_filled() {
+    let trace = trace();
+    let mut vcd = Vec::new();
+    write_vcd(&trace, &mut vcd).unwrap();
+    let half = edges::read_vcd("a.vcd", &vcd[..vcd.len() / 2]).unwrap();
+    let whole = capture(&trace);
+    let csv = |until| csv::read("a.csv", edges_as_csv(&whole, until).as_bytes()).unwrap();
+    let all = compare(&trace, &csv(u64::MAX), &[], None).unwrap();
+    assert_eq!(all.conclusion.verdict, Verdict::Ok, "{:?}", all.conclusion);
+    for seen in [half, csv(1_200_000_000)] {
+        let found = compare(&trace, &seen, &[], None).unwrap();
+        let (said, coverage) = (found.conclusion.line(), &found.coverage);
+        assert!(said.starts_with("INCOMPLETE: "), "{said}");
+        assert!(coverage.bursts_seen > 0 && coverage.bursts_seen < coverage.bursts_planned);
+        assert!(coverage.seconds_seen < coverage.seconds_planned - 1.0);
+        // The window that it names is one that it fills.
+        let (_, named) = said.split_once("--window ").unwrap();
+        let (window, _) = named.split_once('`').unwrap();
+        let (from, to) = window.split_once("..").unwrap();
+        let window = (from.parse().unwrap(), to.parse().unwrap());
+        let found = compare(&trace, &seen, &[], Some(window)).unwrap();
+        assert_eq!(
+            found.conclusion.verdict,
+            Verdict::Ok,
+            "{:?}",
+            found.conclusion
+        );
+        let wider = Some((window.0, window.1 + 0.03));
+        let found = compare(&trace, &seen, &[], wider).unwrap();
+        assert_eq!(found.conclusion.verdict, Verdict::Incomplete);
+    }
+    let idle = compare(&trace, &whole, &[], Some((0.0, 0.5))).unwrap();
+    assert_eq!(
+        idle.conclusion.verdict,
+        Verdict::Incomplete,
+        "{:?}",
+        idle.conclusion
+    );
+}
+
+#[test]
+fn silence_and_outputs_that_stay_high_are_findings() {
+    let trace = trace();
+    let whole = capture(&trace);
+    let mut silent = whole.clone();
+    silent.signals.iter_mut().for_each(|s| s.edges.clear());
+    let found = compare(&trace, &silent, &[], None).unwrap();
+    assert!(
+        found.conclusion.line().starts_with("FAILED: no edges"),
+        "{:?}",
+        found.conclusion
+    );
+    silent.end_ns = 500_000_000;
+    let found = compare(&trace, &silent, &[], None).unwrap();
+    assert_eq!(found.conclusion.verdict, Verdict::Incomplete);
+    // Behind the last burst an output rises and stays high.
+    let mut stuck = whole.clone();
+    let end = whole.end_ns;
+    let signal = stuck
+        .signals
+        .iter_mut()
+        .find(|s| !s.edges.is_empty())
+        .unwrap();
+    let after = signal.edges.last().unwrap().0 + 100_000_000;
+    signal.edges.push((after, true));
+    stuck.end_ns = end.max(after + 50_000_000);
+    let found = compare(&trace, &stuck, &[], None).unwrap();
+    assert_eq!(found.conclusion.verdict, Verdict::Failed);
+    assert!(
+        bad(&found)[0].starts_with("stray pulses"),
+        "{:?}",
+        bad(&found)
+    );
+}
+
 #[test]
 fn pins_are_said_or_guessed_and_wrong_ones_refused() {
     let trace = trace();
@@ -242,18 +350,19 @@ fn pins_are_said_or_guessed_and_wrong_ones_refused() {
         .iter_mut()
         .enumerate()
         .for_each(|(n, s)| s.name = format!("D{n}"));
-    assert_eq!(bad(&compare(&trace, &seen, &[]).unwrap()), [""; 0]);
+    assert_eq!(bad(&compare(&trace, &seen, &[], None).unwrap()), [""; 0]);
     let swapped = [("D0".to_owned(), (0, 1)), ("D1".to_owned(), (0, 0))];
-    assert!(!bad(&compare(&trace, &seen, &swapped).unwrap()).is_empty());
-    let nowhere = compare(&trace, &seen, &[("D9".to_owned(), (0, 1))]).unwrap_err();
+    assert!(!bad(&compare(&trace, &seen, &swapped, None).unwrap()).is_empty());
+    let nowhere = compare(&trace, &seen, &[("D9".to_owned(), (0, 1))], None).unwrap_err();
     assert!(
         matches!(nowhere, Failure::Input(told) if told.contains("D9=0:1") && told.contains("D7"))
     );
-    let silent = Capture {
-        signals: vec![Signal::default()],
-        ..seen
-    };
-    assert!(compare(&trace, &silent, &[]).is_err());
+    let twice = [("D0".to_owned(), (0, 1)), ("D1".to_owned(), (0, 1))];
+    let told = compare(&trace, &seen, &twice, None).unwrap_err();
+    assert!(
+        told.to_string()
+            .contains("one signal for board 0 channel 1")
+    );
 }
 
 /// The schedule alone decides: a trace without edges is enough.
@@ -263,5 +372,5 @@ fn a_schedule_without_pins_is_enough() {
     let seen = capture(&trace);
     trace.events.retain(|e| !matches!(e, Event::Edge { .. }));
     trace.ledger.length_us = Instant::ZERO.as_micros();
-    assert_eq!(bad(&compare(&trace, &seen, &[]).unwrap()), [""; 0]);
+    assert_eq!(bad(&compare(&trace, &seen, &[], None).unwrap()), [""; 0]);
 }

@@ -18,6 +18,16 @@ fn pin(text: &str) -> Result<(String, (u8, u8)), String> {
     parsed.ok_or_else(|| "expected a name, board and channel, such as D0=0:3".into())
 }
 
+/// A stretch of the run.
+fn window(text: &str) -> Result<(f64, f64), String> {
+    let parsed = text
+        .split_once("..")
+        .and_then(|(from, to)| Some((from.parse().ok()?, to.parse().ok()?)));
+    let good = |w: &(f64, f64)| w.0 >= 0.0 && w.0 < w.1 && w.1 <= 86_400.0;
+    let expected = || "expected FROM..TO, seconds of the run, such as 0.5..2.5".into();
+    parsed.filter(good).ok_or_else(expected)
+}
+
 /// A band for edges.
 fn tolerance(text: &str) -> Result<f64, String> {
     match text.parse() {
@@ -37,6 +47,10 @@ pub struct DiffArgs {
     /// the wires).
     #[arg(long, value_name = "NAME=BOARD:CHANNEL", value_parser = pin)]
     pub pin: Vec<(String, (u8, u8))>,
+    /// Part of the run that a capture shall show, seconds: every burst that the schedule has there must be in it
+    /// whole (default: all bursts of the schedule).
+    #[arg(long, value_name = "FROM..TO", value_parser = window, allow_hyphen_values = true)]
+    pub window: Option<(f64, f64)>,
     /// Largest distance in time of edges that count as equal, ms (default: 0; 2 if a file comes from real
     /// hardware).
     #[arg(long, value_name = "MS", value_parser = tolerance, allow_hyphen_values = true)]

@@ -1,8 +1,8 @@
 //! Which bench a command means: a file, or the default one on devices named on the command line.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use palpate_files::{Bench, BenchKind, Loaded, Overrides, Real, load_bench};
+use palpate_files::{Bench, BenchKind, Loaded, Overrides, Real, load_bench, repeated_bus};
 use palpate_run::Failure;
 
 /// The bench of a command without one.
@@ -43,6 +43,8 @@ pub(super) fn bench_with(
     if !i2c.is_empty() {
         real.i2c = i2c.to_vec();
     }
+    once("--can", real.can.iter().map(Path::new))?;
+    once("--i2c", real.i2c.iter().map(PathBuf::as_path))?;
     let needed = file.outputs.iter().map(|o| usize::from(o.bus) + 1).max();
     if needed > Some(real.i2c.len()) {
         return Err(Failure::Input(format!(
@@ -56,4 +58,16 @@ pub(super) fn bench_with(
         file.name = "real".into();
     }
     Ok(bench)
+}
+
+/// Every device must be named once.
+fn once<'a>(option: &str, names: impl Iterator<Item = &'a Path> + Clone) -> Result<(), Failure> {
+    let Some((first, again)) = repeated_bus(names.clone()) else {
+        return Ok(());
+    };
+    let name = names.map(Path::display).nth(again);
+    let found = name.map_or_else(String::new, |name| name.to_string());
+    Err(Failure::Input(format!(
+        "{option}: expected a bus of its own for number {again}: number {first} is the same, and so are its addresses, found {found}"
+    )))
 }

@@ -25,6 +25,11 @@ pub fn diff(args: &DiffArgs, color: Color) -> Result<(), Failure> {
     if is_capture(&args.a, &args.b) {
         return pins(args);
     }
+    if args.window.is_some() {
+        return Err(Failure::Input(
+            "--window: expected a schedule (.jsonl) and a capture (.vcd, .csv) to compare, found other files".into(),
+        ));
+    }
     let (name, found) = match (read(&args.a)?, read(&args.b)?) {
         (File::Story(a), File::Story(b)) if a.kind == b.kind => {
             let mut tolerance = Tolerance::between(&a, &b);

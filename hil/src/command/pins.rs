@@ -1,11 +1,12 @@
 //! `hil diff SCHEDULE CAPTURE`: what a logic analyser saw of the pins, held against the schedule.
 
+use std::io::{self, Write};
 use std::path::Path;
 
 use palpate_records::schedule::read_schedule;
 
 use super::schedules::{damaged, wires};
-use crate::capture::{self, Measurement};
+use crate::capture::{self, Comparison, Measurement, Verdict};
 use crate::cli::DiffArgs;
 use crate::output::{note, print};
 use palpate_files::FileError;
@@ -18,18 +19,18 @@ pub(super) fn is_capture(a: &Path, b: &Path) -> bool {
     ends(b, "vcd") || (ends(b, "csv") && ends(a, "jsonl"))
 }
 
-/// Compares; `args.b` is the capture.
+/// Compares; `args.b` is the capture. The first line says the verdict.
 ///
 /// # Errors
-/// [`Failure::Input`] for a file of another kind, [`Failure::Check`] where a measurement is outside its limits.
+/// [`Failure::Input`] for a file of another kind, [`Failure::Check`] where a measurement is outside its limits or
+/// the capture lacks something that was planned.
 pub(super) fn pins(args: &DiffArgs) -> Result<(), Failure> {
     let label = args.a.display().to_string();
     let text = std::fs::read_to_string(&args.a)
         .map_err(|e| FileError::whole(&label, "a schedule (.jsonl)", e.to_string()))?;
     let trace = read_schedule(&text, wires).map_err(|damage| damaged(&label, damage))?;
     let seen = capture::read(&args.b)?;
-    let found = capture::compare(&trace, &seen, &args.pin)?;
-    let bad = found.measurements.iter().filter(|m| !m.good()).count();
+    let found = capture::compare(&trace, &seen, &args.pin, args.window)?;
     if args.json {
         print(|out| {
             serde_json::to_writer(&mut *out, &found)?;
@@ -37,32 +38,44 @@ pub(super) fn pins(args: &DiffArgs) -> Result<(), Failure> {
         })?;
     } else if !args.quiet {
         found.notes.iter().for_each(|text| note(text));
-        print(|out| {
-            writeln!(
-                out,
-                "{}: {} bursts, {} pulses, from {:.3} s of the run; {bad} of {} measurements outside their limits",
-                trace.header.scene,
-                found.bursts,
-                found.pulses,
-                found.offset_s,
-                found.measurements.len()
-            )?;
-            let worst_first = |m: &&Measurement| m.good();
-            let mut sorted: Vec<&Measurement> = found.measurements.iter().collect();
-            sorted.sort_by_key(worst_first);
-            sorted.iter().try_for_each(|m| {
-                let value = m.value.map_or("-".into(), |v| format!("{v:.3}"));
-                let mark = if m.good() { "" } else { "  OUTSIDE" };
-                writeln!(
-                    out,
-                    "  {:<42}{value:>10} {:<3} {:.3} to {:.3}{mark}",
-                    m.name, m.unit, m.low, m.high
-                )
-            })
-        })?;
+        print(|out| write(&trace.header.scene, &found, out))?;
     }
-    match bad {
-        0 => Ok(()),
-        _ => Err(Failure::Check(String::new())),
+    match found.conclusion.verdict {
+        Verdict::Ok => Ok(()),
+        Verdict::Incomplete | Verdict::Failed => Err(Failure::Check(String::new())),
     }
+}
+
+/// Verdict and reasons, coverage, then the measurements, those outside their limits first.
+fn write(scene: &str, found: &Comparison, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "{}", found.conclusion.line())?;
+    for why in found.conclusion.why.iter().skip(1) {
+        writeln!(out, "  {why}")?;
+    }
+    let coverage = &found.coverage;
+    let begins = found.offset_s.map_or_else(String::new, |s| {
+        format!(", the capture begins at {s:.3} s of the run")
+    });
+    writeln!(
+        out,
+        "{scene}: {} of {} bursts, {} of {} channels, {:.2} of {:.2} s seen; {} pulses{begins}",
+        coverage.bursts_seen,
+        coverage.bursts_planned,
+        coverage.channels_seen,
+        coverage.channels_planned,
+        coverage.seconds_seen,
+        coverage.seconds_planned,
+        found.pulses
+    )?;
+    let mut sorted: Vec<&Measurement> = found.measurements.iter().collect();
+    sorted.sort_by_key(|m| m.good());
+    sorted.iter().try_for_each(|m| {
+        let value = m.value.map_or("-".into(), |v| format!("{v:.3}"));
+        let mark = if m.good() { "" } else { "  OUTSIDE" };
+        writeln!(
+            out,
+            "  {:<42}{value:>10} {:<3} {:.3} to {:.3}{mark}",
+            m.name, m.unit, m.low, m.high
+        )
+    })
 }

@@ -114,9 +114,21 @@ fn a_capture_of_the_pins_is_held_against_the_schedule() {
     let (plan, capture) = (plan.display().to_string(), capture.display().to_string());
     let told = good(&["diff", &plan, &capture]);
     assert!(
-        told.contains("0 of") && told.contains("PWM frequency, board 0"),
+        told.starts_with("OK\n") && told.contains("PWM frequency, board 0"),
         "{told}"
     );
+    // Half of it is not enough, unless half is asked for.
+    let text = folder.text("a.vcd");
+    let half = folder.write("half.vcd", &text[..text.len() / 2]);
+    let half = half.display().to_string();
+    let said = hil(&["diff", &plan, &half]);
+    assert_eq!(said.status, Some(1), "{}", said.err);
+    assert!(said.out.starts_with("INCOMPLETE: "), "{}", said.out);
+    let (_, window) = said.out.split_once("--window ").unwrap();
+    let (window, _) = window.split_once('`').unwrap();
+    assert!(good(&["diff", &plan, &half, "--window", window]).starts_with("OK\n"));
+    refused_with(&["diff", &plan, &half, "--window", "2..1"], &["FROM..TO"]);
+    refused_with(&["diff", &plan, &plan, "--window", "1..2"], &["--window"]);
     // A wire that never comes on.
     let pin = "pin_b0_ch2";
     let spoilt = folder.text("a.vcd").replace(pin, "pin_b0_ch12");
@@ -124,6 +136,7 @@ fn a_capture_of_the_pins_is_held_against_the_schedule() {
     let said = hil(&["diff", &plan, &spoilt, "--json"]);
     assert_eq!(said.status, Some(1), "{}", said.err);
     let found: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    assert_eq!(found["verdict"], "failed");
     let stray = |m: &&serde_json::Value| m["name"] == "stray pulses, board 0 channel 12";
     let stray = found["measurements"]
         .as_array()

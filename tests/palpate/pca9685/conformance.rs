@@ -1,8 +1,9 @@
 //! The table in `docs/pca9685.md` names tests that exist, and leaves none out.
 
 const TABLE: &str = include_str!("../../../docs/pca9685.md");
-const FILES: [(&str, &str); 9] = [
+const FILES: [(&str, &str); 10] = [
     ("addresses", include_str!("addresses.rs")),
+    ("benches", include_str!("benches.rs")),
     ("bus_time", include_str!("bus_time.rs")),
     ("clients", include_str!("clients.rs")),
     ("outputs", include_str!("outputs.rs")),

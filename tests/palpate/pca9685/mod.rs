@@ -8,6 +8,7 @@
 )]
 
 mod addresses;
+mod benches;
 mod bus_time;
 mod clients;
 mod conformance;

@@ -62,7 +62,7 @@ fn benches() {
             (
                 "channel = 1\n",
                 "channel = 0\n",
-                "f.toml:22: outputs[1].channel: expected an output of its own for every wire, found 0",
+                "f.toml:22: outputs[1].channel: expected an output of its own: wire 0 has this channel of this board, found 0",
             ),
             (
                 "channel = 1\n",
@@ -95,12 +95,71 @@ fn benches() {
                 "f.toml:9: real: expected nothing: this bench is of kind \"emulated\", found [real]",
             ),
             (
-                "board = 0x40",
-                "board = 0x20",
-                "f.toml:17: outputs[0].board: expected a number from 64 to 127 (0x40 to 0x7F), found 0x20",
+                "channel = 1\n",
+                "channel = 1\nbus = 1\n",
+                "f.toml:23: outputs[1].bus: expected a number from 0 to 0, found 1",
             ),
         ],
     );
+}
+
+/// Addresses at which more than one chip would answer, with the reason; those beside them are good.
+#[test]
+fn boards_that_would_answer_together() {
+    let board = |address: u8| {
+        let text = BENCH.replace("board = 0x40", &format!("board = {address:#04x}"));
+        Bench::read(&Source::new("f.toml", text)).map_err(|e| e.to_string())
+    };
+    for (address, why) in [
+        (0x00, "the general call, which resets every chip"),
+        (0x07, "0x00 to 0x07 are reserved"),
+        (0x08, "0x40 and up"),
+        (0x3F, "0x40 and up"),
+        (0x70, "0x70 is all-call, which every chip of the bus obeys"),
+        (0x71, "sub-calls"),
+        (0x72, "sub-calls"),
+        (0x74, "sub-calls"),
+        (0x78, "0x78 and up are reserved"),
+        (0x7F, "0x78 and up are reserved"),
+        (0xFF, "0x78 and up are reserved"),
+    ] {
+        let said = board(address).unwrap_err();
+        let place = "f.toml:17: outputs[0].board: expected 0x40 to 0x77 without 0x70, ";
+        let found = format!(", found {address:#04x}");
+        assert!(
+            said.starts_with(place) && said.contains(why) && said.ends_with(&found),
+            "{said}"
+        );
+    }
+    for address in [0x40, 0x6F, 0x73, 0x75, 0x77] {
+        board(address).unwrap();
+    }
+}
+
+/// One address on two adapters is two boards; on one adapter under two names it is one.
+#[test]
+fn buses_are_listed_once() {
+    let read = |can: &str, i2c: &str| {
+        let real = format!("kind = \"real\"\nreal = {{ can = {can}, i2c = {i2c} }}");
+        let text = BENCH.replace("kind = \"emulated\"", &real);
+        let text = text.replacen("channel = 1\n", "channel = 0\nbus = 1\n", 1);
+        let read = Bench::read(&Source::new("f.toml", text));
+        read.map(|_| ()).map_err(|e| e.to_string())
+    };
+    assert_eq!(
+        read("[\"can0\"]", "[\"/dev/i2c-1\", \"/dev/i2c-2\"]"),
+        Ok(())
+    );
+    let said = read("[\"can0\"]", "[\"/dev/i2c-1\", \"/dev/./i2c-1\"]").unwrap_err();
+    assert_eq!(
+        said,
+        "f.toml:5: real.i2c[1]: expected a bus of its own: number 0 is the same, and so are its addresses, found \"/dev/./i2c-1\""
+    );
+    let said = read(
+        "[\"can1\", \"can0\", \"can0\"]",
+        "[\"/dev/i2c-1\", \"/dev/i2c-2\"]",
+    );
+    assert!(said.unwrap_err().contains("real.can[2]"));
 }
 
 #[test]
