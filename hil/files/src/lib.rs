@@ -1,4 +1,4 @@
-//! Every settings file of a user: scenes, benches, layouts, limit tables, wires, persons.
+//! Every file of a user: scenes, benches, layouts, limit tables, wires, persons; and how any file is read.
 //!
 //! Text becomes plain, checked configuration here, or a [`FileError`] that names file, line, key, what was
 //! expected and what was found. What the core has a type for is of that type. Nothing here knows a bus, a clock or
@@ -9,9 +9,11 @@
 mod activation;
 mod bench;
 mod change;
+mod columns;
 mod error;
 mod fault;
 mod felt;
+mod format;
 mod illusion;
 mod layout;
 mod limits;
@@ -19,12 +21,15 @@ mod loaded;
 mod module;
 mod overrides;
 mod quarantine;
+mod reading;
 mod resolve;
+mod rows;
 mod scene;
 mod setup;
 mod source;
 mod texture;
 mod texture_model;
+mod times;
 mod touch;
 mod wire;
 mod wording;
@@ -37,9 +42,11 @@ mod tests;
 
 pub use activation::{ActivationFile, Both};
 pub use bench::{Amplifier, Bench, BenchKind, BenchWire, Drive, Output, OutputEnable, Real};
+pub use columns::{Columns, Take};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
 pub use felt::{Felt, FeltBy};
+pub use format::Format;
 pub use illusion::{Illusion, PerceiverFile, SceneStroke, Wearer};
 pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
 pub use limits::LimitTable;
@@ -50,7 +57,9 @@ pub use loaded::{
 pub use module::{Grid, ImageCell, Repeat, SkinModule, Taxel};
 pub use overrides::Overrides;
 pub use quarantine::{Quarantine, Quarantined};
+pub use reading::{LONGEST_LINE, Lines, Text, format_of, is_stream, open, read_bytes, read_text};
 pub use resolve::{FileKind, resolve, resolve_from};
+pub use rows::{MOST_VALUES, Number, RowAt, Rows, Timing};
 pub use scene::{
     Boards, Compression, DRIFT_S, Expect, Generation, Map, Overload, Scene, THRESHOLD_FLOOR,
     THRESHOLD_SIGMAS, ThresholdFrom,
@@ -59,6 +68,7 @@ pub use setup::{Setup, Stroked, sensor_of};
 pub use source::Source;
 pub use texture::{Rated, TextureEntry, TextureTable};
 pub use texture_model::{Layer, Tensor, TextureModel, model_file, taxel};
+pub use times::{LONGEST_US, OutOfTime, TimeColumn, TimeUnit, Times};
 pub use touch::{Force, Path, PathKind, Touch, TouchPoint};
 pub use wire::{AlloyFile, Electrical, Mechanical, ThermalValues, WireFile};
 pub use words::{axes_named, norm, scope};

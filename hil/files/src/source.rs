@@ -11,6 +11,8 @@ use toml::de::{DeTable, DeValue};
 
 use super::change::{Change, Step, refuse_numbers, steps};
 use super::error::FileError;
+use super::format::Format;
+use super::reading::{MOST_SETTINGS, read_text};
 use super::wording::expectation;
 
 /// A file's text and where it came from. Kept beside what was read, so that later checks can name a line.
@@ -40,18 +42,14 @@ impl Source {
     /// When it cannot be read, is empty, or is not UTF-8 (with the line of the first wrong byte).
     pub fn open(path: &Path) -> Result<Self, FileError> {
         let label = path.display().to_string();
-        let bytes = std::fs::read(path)
-            .map_err(|error| FileError::whole(&label, "a readable file", error.to_string()))?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let good = error.utf8_error().valid_up_to();
-            FileError {
-                path: label.clone(),
-                line: Some(1 + newlines(&error.as_bytes()[..good])),
-                key: None,
-                expected: "UTF-8 text".into(),
-                found: format!("byte 0x{:02X}", error.as_bytes()[good]),
-            }
-        })?;
+        let text = read_text(path, "a settings file (TOML)", MOST_SETTINGS)?;
+        if let Some(format) = Format::of(text.as_bytes()).filter(|f| *f != Format::Toml) {
+            return Err(FileError::whole(
+                label,
+                "a settings file (TOML)",
+                format.noun(),
+            ));
+        }
         if text.trim().is_empty() {
             return Err(FileError::whole(label, "a TOML file", "an empty file"));
         }

@@ -64,6 +64,9 @@ pub struct ReviewArgs {
     /// Write all waiting goldens as one page, without questions.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
+    /// Overwrite files that are no earlier output of hil.
+    #[arg(long, requires = "html")]
+    pub force: bool,
 }
 
 /// Decisions without a question.
@@ -113,6 +116,9 @@ pub struct TestArgs {
     /// Print the results as one JSON object.
     #[arg(long)]
     pub json: bool,
+    /// Overwrite files that are no earlier output of hil.
+    #[arg(long)]
+    pub force: bool,
     /// Print nothing but errors.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,

@@ -4,10 +4,11 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::cli::TestArgs;
-use crate::output::{print, write_file};
+use crate::output::{Outputs, print};
 use crate::trial::{Halt, Trial, Verdict, attempt, decide, expects_anything, junit, lacks};
 use palpate_files::{
-    Bench, BenchKind, FileError, Loaded, Quarantine, Scene, Setup, Source, load_scene, sensor_of,
+    Bench, BenchKind, FileError, Format, Loaded, Quarantine, Scene, Setup, Source, load_scene,
+    sensor_of,
 };
 use palpate_run::Failure;
 
@@ -24,6 +25,13 @@ pub fn test(args: &TestArgs) -> Result<(), Failure> {
     let bench = bench(args.bench.as_deref(), &args.can, &args.i2c)?;
     let scenes = chosen(args.filter.as_deref())?;
     let quarantine = quarantine(args, &scenes)?;
+    let outputs = Outputs {
+        force: args.force,
+        inputs: &[],
+    };
+    if let Some(path) = &args.junit {
+        outputs.check(path, Format::Junit)?;
+    }
     let name = bench.value.name.clone();
     let kind = match bench.value.kind {
         BenchKind::Emulated => "emulated",
@@ -58,7 +66,7 @@ pub fn test(args: &TestArgs) -> Result<(), Failure> {
     }
     if let Some(path) = &args.junit {
         let text = junit(&name, &trials);
-        write_file(path, |out| out.write_all(text.as_bytes()))?;
+        outputs.write(path, Format::Junit, |out| out.write_all(text.as_bytes()))?;
     }
     let counts = counts(&trials);
     if args.json {

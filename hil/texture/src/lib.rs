@@ -9,7 +9,6 @@ pub mod explore;
 pub mod map;
 pub mod onnx;
 pub mod panel;
-pub mod rows;
 
 /// Three decimals, as figures are told; no minus before a zero.
 pub fn round(value: f64) -> f64 {
