@@ -13,6 +13,8 @@ mod docs;
 mod input;
 #[path = "cli/outputs.rs"]
 mod outputs;
+#[path = "cli/readers.rs"]
+mod readers;
 #[path = "cli/records.rs"]
 mod records;
 #[path = "cli/review.rs"]

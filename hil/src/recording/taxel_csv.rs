@@ -15,6 +15,19 @@ pub struct Reading {
 }
 
 impl Reading {
+    /// Rows of our own header that come at this rate, Hz.
+    #[must_use]
+    pub fn at_rate(hz: f64) -> Self {
+        let timing = Timing {
+            rate_hz: Some(hz),
+            ..Timing::default()
+        };
+        Self {
+            timing,
+            prefix: None,
+        }
+    }
+
     /// The columns that are taken.
     #[must_use]
     pub fn take<'a>(&'a self, columns: &'a Columns) -> Take<'a> {

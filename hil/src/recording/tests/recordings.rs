@@ -23,8 +23,7 @@ fn every_grasp_recording_reads() {
         panic!("uskin-4x4 is a sensor");
     };
     let columns = Columns::of_skin(&layout);
-    let mut reading = Reading::default();
-    reading.timing.rate_hz = Some(40.0);
+    let reading = Reading::at_rate(40.0);
     let mut read = 0;
     for trial in trials {
         for finger in ["xela_sensor1.csv", "xela_sensor2.csv"] {
