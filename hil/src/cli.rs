@@ -16,6 +16,7 @@ pub use files::{
 use palpate_buses::guardian::{parse_bus, parse_line};
 use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::Axes;
+use palpate_files::TimeColumn;
 pub use texture::{
     EncodeArgs, ExportArgs, MapArgs, PanelArgs, StrokesArgs, TextureAction, TrainArgs,
 };
@@ -208,6 +209,9 @@ pub struct RecordArgs {
     /// Length of the recording in seconds (default: until Ctrl-C).
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub seconds: Option<f64>,
+    /// Overwrite files that are no earlier output of hil.
+    #[arg(long)]
+    pub force: bool,
     /// How much it says.
     #[command(flatten)]
     pub voice: Voice,
@@ -218,6 +222,9 @@ pub struct RecordArgs {
 pub struct ReplayArgs {
     /// The recording, .log (candump) or .mcap.
     pub file: PathBuf,
+    /// Where the clock jumps, play what follows right after what came before.
+    #[arg(long)]
+    pub split_jumps: bool,
     /// A CAN interface; repeatable, bus n of the recording plays on the n-th.
     #[arg(long, value_name = "IFACE", required = true)]
     pub can: Vec<String>,
@@ -326,6 +333,21 @@ pub struct RunArgs {
     /// beside it).
     #[arg(long, value_name = "HZ", requires = "replay", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
+    /// The column that says when each row came, and what it counts: s, ms, us or ns (default: a first column
+    /// `time_us`).
+    #[arg(
+        long,
+        value_name = "COLUMN[:UNIT]",
+        requires = "replay",
+        conflicts_with = "rate"
+    )]
+    pub time: Option<TimeColumn>,
+    /// The columns to read, by what their names begin with, in the order of the file (default: `txl1_x` and so on).
+    #[arg(long, value_name = "PREFIX", requires = "replay")]
+    pub columns: Option<String>,
+    /// Where the clock jumps, play what follows right after what came before.
+    #[arg(long, requires = "replay")]
+    pub split_jumps: bool,
     /// A value in place of the scene's (`illusion.weber=0.1`) or the bench's (`bench.drive.current_ma=900`): any key of
     /// the files, checked as if the file said so. Repeatable.
     #[arg(long, value_name = "KEY=VALUE")]
@@ -333,6 +355,9 @@ pub struct RunArgs {
     /// Write summary.json, schedule.jsonl, contacts.csv and report.html into this folder.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Overwrite files that are no earlier output of hil.
+    #[arg(long)]
+    pub force: bool,
     /// How much it says.
     #[command(flatten)]
     pub voice: Voice,
@@ -430,6 +455,16 @@ pub struct ContactsArgs {
     /// beside it).
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
+    /// The column that says when each row came, and what it counts: s, ms, us or ns (default: a first column
+    /// `time_us`).
+    #[arg(long, value_name = "COLUMN[:UNIT]", conflicts_with = "rate")]
+    pub time: Option<TimeColumn>,
+    /// The columns to read, by what their names begin with, in the order of the file (default: `txl1_x` and so on).
+    #[arg(long, value_name = "PREFIX")]
+    pub columns: Option<String>,
+    /// Where the clock jumps, play what follows right after what came before.
+    #[arg(long)]
+    pub split_jumps: bool,
     /// Seed of the k-means++ draws.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
@@ -439,6 +474,9 @@ pub struct ContactsArgs {
     /// Write contacts.csv into this folder in place of standard output.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Overwrite files that are no earlier output of hil.
+    #[arg(long)]
+    pub force: bool,
     /// Print a JSON array of objects; the keys are the CSV's columns.
     #[arg(long, conflicts_with = "out")]
     pub json: bool,

@@ -1,13 +1,106 @@
 //! Files and streams that are either whole or not there.
 
 use std::fs;
-use std::io::{self, Write};
-use std::path::Path;
+use std::io::{self, Read, Write};
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
 
+use palpate_files::{Format, open};
 use palpate_records::table_schema::contacts_schema;
 use palpate_records::trace::Header;
 
 use palpate_run::Failure;
+
+/// What outputs of a command may replace: nothing that was there, but earlier outputs of their kind.
+#[derive(Clone, Copy, Debug)]
+pub struct Outputs<'a> {
+    /// Whether anything may be replaced (`--force`).
+    pub force: bool,
+    /// The recordings that the command reads.
+    pub inputs: &'a [PathBuf],
+}
+
+/// So much of a file tells what it is.
+const START: u64 = 4096;
+
+/// Whether a file that begins so, in this format, was written by this program.
+fn is_ours(start: &[u8], format: Format) -> bool {
+    let text = String::from_utf8_lossy(start);
+    match format {
+        Format::Contacts | Format::Schedule | Format::Golden | Format::Candump => true,
+        Format::Junit => text.contains("name=\"hil\""),
+        Format::Json => text.contains("\"source\"") || text.contains("\"$schema\""),
+        Format::Svg => text.contains("var(--card)"),
+        Format::Csv => {
+            text.starts_with("time_us,txl1_")
+                || text.starts_with("txl1_x,")
+                || text.starts_with("label,trained,")
+        }
+        _ => text.contains("palpate"),
+    }
+}
+
+impl Outputs<'_> {
+    /// Whether a file of this format may be written: to be asked before the work is done, too.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for an input, and for a file that is no earlier output of this format.
+    pub fn check(self, path: &Path, format: Format) -> Result<(), Failure> {
+        if self.force || !is_ordinary(path) {
+            return Ok(());
+        }
+        let Ok(there) = fs::metadata(path) else {
+            return Ok(()); // nothing there, or writing it will say why
+        };
+        let refuse = |found: &str| {
+            Err(Failure::Input(format!(
+                "{}: expected a new file, or an earlier output of hil in this format ({}), found {found}; --force replaces it",
+                path.display(),
+                format.noun()
+            )))
+        };
+        let same = |input: &PathBuf| {
+            fs::metadata(input).is_ok_and(|i| (i.dev(), i.ino()) == (there.dev(), there.ino()))
+        };
+        if self.inputs.iter().any(same) {
+            return refuse("an input of this command");
+        }
+        let mut start = Vec::new();
+        let read = open(path, "a file").map(|file| file.take(START).read_to_end(&mut start));
+        if !matches!(read, Ok(Ok(_))) {
+            return refuse("a file that cannot be read");
+        }
+        match Format::of(&start) {
+            Some(found) if found == format && is_ours(&start, format) => Ok(()),
+            _ if start.is_empty() => Ok(()),
+            Some(found) if found == format => refuse("another program's"),
+            found => refuse(found.map_or("something else", Format::noun)),
+        }
+    }
+
+    /// [`write_file`] where nothing else is lost.
+    ///
+    /// # Errors
+    /// As [`Outputs::check`] and [`write_file`].
+    pub fn write(
+        self,
+        path: &Path,
+        format: Format,
+        content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), Failure> {
+        self.check(path, format)?;
+        write_file(path, content)
+    }
+
+    /// Whether a table of contacts and the schema beside it may be written.
+    ///
+    /// # Errors
+    /// As [`Outputs::check`].
+    pub fn check_table(self, table: &Path) -> Result<(), Failure> {
+        self.check(table, Format::Contacts)?;
+        self.check(&table.with_extension("schema.json"), Format::Json)
+    }
+}
 
 /// Writes a file through a neighbour of it that is renamed at the end, so that an error or a full disk
 /// leaves nothing half-written behind. What is no ordinary file (a pipe, `/dev/stdout`) is written as it

@@ -17,6 +17,8 @@ mod input;
 mod outputs;
 #[path = "cli/project.rs"]
 mod project;
+#[path = "cli/readers.rs"]
+mod readers;
 #[path = "cli/records.rs"]
 mod records;
 #[path = "cli/review.rs"]

@@ -7,7 +7,7 @@ use palpate_core::skin::Axes;
 use palpate_files::{Setup, load_bench, load_scene};
 use palpate_hil::cli::{ContactsArgs, StaleArg, Threshold};
 use palpate_hil::command;
-use palpate_hil::recording::recorded;
+use palpate_hil::recording::{Reading, recorded};
 use palpate_records::trace::Event;
 use palpate_run::{Outcome, run};
 
@@ -49,7 +49,7 @@ fn replay(trial: &Path, files: &[&str], layout: &str) -> Outcome {
     scene.value.touches.clear();
     let setup = Setup::join(scene, load_bench("emulated").unwrap()).unwrap();
     let paths: Vec<_> = files.iter().map(|f| trial.join(f)).collect();
-    let (input, _) = recorded(&paths, &setup.sensor.value, Some(rate(trial))).unwrap();
+    let (input, _) = recorded(&paths, &setup.sensor.value, &Reading::at_rate(rate(trial))).unwrap();
     run(&setup, &input, 1).unwrap()
 }
 
@@ -202,6 +202,10 @@ fn contacts_of_a_recording_are_those_of_the_formulas() {
         let file = trial.join(finger);
         let what = file.display().to_string();
         command::contacts(&ContactsArgs {
+            time: None,
+            columns: None,
+            split_jumps: false,
+            force: true,
             file: file.clone(),
             layout: "uskin-4x4".into(),
             kc: 1,

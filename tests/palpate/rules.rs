@@ -12,7 +12,7 @@ use palpate_core::units::{Duration, Instant};
 use palpate_files::{DRIFT_S, Setup, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, load_bench, load_scene};
 use palpate_hil::cli::{ContactsArgs, StaleArg, Threshold};
 use palpate_hil::command;
-use palpate_hil::recording::recorded;
+use palpate_hil::recording::{Reading, recorded};
 use palpate_run::run;
 
 use crate::recordings::{FINGERS, trials};
@@ -199,6 +199,10 @@ fn a_recorded_forearm_goes_the_same_way() {
     let file = write("forearm.csv", 0..60);
     let halves = vec![write("left.csv", 0..30), write("right.csv", 30..60)];
     command::contacts(&ContactsArgs {
+        time: None,
+        columns: None,
+        split_jumps: false,
+        force: true,
         file,
         layout: "icub-forearm".into(),
         kc: 3,
@@ -230,7 +234,7 @@ fn a_recorded_forearm_goes_the_same_way() {
     scene.value.compression.scope = Scope::Skin;
     scene.value.compression.axes = Axes::Z;
     let setup = Setup::join(scene, load_bench("emulated").unwrap()).unwrap();
-    let (input, _) = recorded(&halves, &setup.sensor.value, Some(50.0)).unwrap();
+    let (input, _) = recorded(&halves, &setup.sensor.value, &Reading::at_rate(50.0)).unwrap();
     let summary = run(&setup, &input, 1).unwrap().summary;
     assert!(summary.contacts > 75 && summary.stimuli > 0, "{summary:?}");
     let _ = std::fs::remove_dir_all(folder);

@@ -1,4 +1,4 @@
-//! Every settings file of a user: scenes, benches, layouts, limit tables, wires, persons.
+//! Every file of a user: scenes, benches, layouts, limit tables, wires, persons; and how any file is read.
 //!
 //! Text becomes plain, checked configuration here, or a [`FileError`] that names file, line, key, what was
 //! expected and what was found. What the core has a type for is of that type. Nothing here knows a bus, a clock or
@@ -11,9 +11,11 @@ mod address;
 mod bench;
 mod change;
 mod check;
+mod columns;
 mod error;
 mod fault;
 mod felt;
+mod format;
 mod illusion;
 mod layout;
 mod limits;
@@ -23,13 +25,16 @@ mod near;
 mod overrides;
 mod placeholder;
 mod quarantine;
+mod reading;
 mod resolve;
+mod rows;
 mod scene;
 mod setup;
 mod shelf;
 mod source;
 mod texture;
 mod texture_model;
+mod times;
 mod touch;
 mod wire;
 mod wording;
@@ -45,9 +50,11 @@ pub use activation::{ActivationFile, Both};
 pub use address::repeated_bus;
 pub use bench::{Amplifier, Bench, BenchKind, BenchWire, Drive, Output, OutputEnable, Real};
 pub use check::{Checked, check, check_source, kind_of};
+pub use columns::{Columns, Take};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
 pub use felt::{Felt, FeltBy};
+pub use format::Format;
 pub use illusion::{Illusion, PerceiverFile, SceneStroke, Wearer};
 pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
 pub use limits::LimitTable;
@@ -59,7 +66,9 @@ pub use module::{Grid, ImageCell, Repeat, SkinModule, Taxel};
 pub use near::{did_you_mean, nearest};
 pub use overrides::Overrides;
 pub use quarantine::{Quarantine, Quarantined};
+pub use reading::{LONGEST_LINE, Lines, Text, format_of, is_stream, open, read_bytes, read_text};
 pub use resolve::{FileKind, resolve, resolve_from};
+pub use rows::{MOST_VALUES, Number, RowAt, Rows, Timing};
 pub use scene::{
     Boards, Compression, DRIFT_S, Expect, Generation, Map, Overload, Scene, THRESHOLD_FLOOR,
     THRESHOLD_SIGMAS, ThresholdFrom,
@@ -69,6 +78,7 @@ pub use shelf::{Listed, built_in, illusions, of_folder};
 pub use source::Source;
 pub use texture::{Rated, TextureEntry, TextureTable};
 pub use texture_model::{Layer, Tensor, TextureModel, model_file, taxel};
+pub use times::{LONGEST_US, OutOfTime, TimeColumn, TimeUnit, Times};
 pub use touch::{Force, Path, PathKind, Touch, TouchPoint};
 pub use wire::{AlloyFile, Electrical, Mechanical, ThermalValues, WireFile};
 pub use words::{axes_named, norm, scope};

@@ -1,7 +1,6 @@
 //! A TOML text with its place: parsing it, finding a key's line again, and saying what is wrong there.
 
 use std::fmt::Display;
-use std::io::Read as _;
 use std::ops::{Range, RangeInclusive};
 use std::path::{Path, PathBuf};
 
@@ -12,10 +11,9 @@ use toml::de::{DeTable, DeValue};
 
 use super::change::{Change, Step, refuse_numbers, steps};
 use super::error::FileError;
+use super::format::Format;
+use super::reading::{MOST_SETTINGS, read_text};
 use super::wording::expectation;
-
-/// Largest settings file, bytes: a layout of a million taxels that states every place is below it.
-const LARGEST: u64 = 64 << 20;
 
 /// A file's text and where it came from. Kept beside what was read, so that later checks can name a line.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -44,25 +42,14 @@ impl Source {
     /// When it cannot be read, is empty, or is not UTF-8 (with the line of the first wrong byte).
     pub fn open(path: &Path) -> Result<Self, FileError> {
         let label = path.display().to_string();
-        let mut bytes = Vec::new();
-        // A device such as /dev/zero has no end.
-        std::fs::File::open(path)
-            .and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes))
-            .map_err(|error| FileError::whole(&label, "a readable file", error.to_string()))?;
-        if bytes.len() as u64 > LARGEST {
-            let expected = format!("a settings file of at most {} MB", LARGEST >> 20);
-            return Err(FileError::whole(label, expected, "a larger one"));
+        let text = read_text(path, "a settings file (TOML)", MOST_SETTINGS)?;
+        if let Some(format) = Format::of(text.as_bytes()).filter(|f| *f != Format::Toml) {
+            return Err(FileError::whole(
+                label,
+                "a settings file (TOML)",
+                format.noun(),
+            ));
         }
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let good = error.utf8_error().valid_up_to();
-            FileError {
-                path: label.clone(),
-                line: Some(1 + newlines(&error.as_bytes()[..good])),
-                key: None,
-                expected: "UTF-8 text".into(),
-                found: format!("byte 0x{:02X}", error.as_bytes()[good]),
-            }
-        })?;
         if text.trim().is_empty() {
             return Err(FileError::whole(label, "a TOML file", "an empty file"));
         }

@@ -9,7 +9,8 @@ use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
 use serde::Deserialize;
 
-use crate::FileError;
+use crate::error::FileError;
+use crate::reading::read_bytes;
 
 /// The `format` that this program reads.
 const FORMAT: &str = "palpate-texture 1";
@@ -80,15 +81,7 @@ impl TextureModel {
         if let Some(bytes) = palpate_fixtures::model(name) {
             return Self::parse(&format!("fixtures/models/{name}.safetensors"), bytes);
         }
-        let wrong = |found: String| FileError::whole(name, "`default` or a model file", found);
-        let path = Path::new(name);
-        let length = std::fs::metadata(path)
-            .map_err(|e| wrong(e.to_string()))?
-            .len();
-        if length > MOST_BYTES {
-            return Err(wrong(format!("{length} bytes")));
-        }
-        let bytes = std::fs::read(path).map_err(|e| wrong(e.to_string()))?;
+        let bytes = read_bytes(Path::new(name), "`default` or a model file", MOST_BYTES)?;
         Self::parse(name, &bytes)
     }
 

@@ -93,7 +93,7 @@ pub fn read(text: &str) -> Result<Log, Malformed> {
         match read_line(line) {
             Ok(Some(logged)) => log.frames.push(logged),
             Ok(None) => log.other_kinds += 1,
-            Err(_) if line.starts_with('(') && !log.frames.is_empty() && is_last() => {
+            Err(_) if is_cut(line) && !log.frames.is_empty() && is_last() => {
                 log.cut = Some(n + 1);
             }
             Err(expected) => {
@@ -108,8 +108,17 @@ pub fn read(text: &str) -> Result<Log, Malformed> {
     Ok(log)
 }
 
+/// Whether a malformed last line may be one that was cut.
+#[must_use]
+pub fn is_cut(line: &str) -> bool {
+    line.starts_with('(')
+}
+
 /// One line; `None` for a frame of another kind.
-fn read_line(line: &str) -> Result<Option<Logged>, &'static str> {
+///
+/// # Errors
+/// What was expected in its place.
+pub fn read_line(line: &str) -> Result<Option<Logged>, &'static str> {
     const SHAPE: &str = "`(seconds.microseconds) interface id#data`";
     let mut words = line.split_whitespace();
     let (Some(time), Some(interface), Some(frame)) = (words.next(), words.next(), words.next())

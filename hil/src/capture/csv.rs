@@ -1,8 +1,11 @@
 //! CSV exports of logic analysers: sigrok's, a row a sample with the rate in a comment, and Saleae's, a row a
 //! change with the time in seconds.
 
+use std::io::Read;
+
 use super::edges::{Capture, Signal};
-use palpate_files::FileError;
+use super::{MOST_CHANGES, too_long};
+use palpate_files::{FileError, LONGEST_LINE, Lines, Text};
 
 /// What the comments and the heading say.
 #[derive(Debug, Default)]
@@ -16,8 +19,8 @@ struct Head {
     names: Vec<String>,
 }
 
-pub(super) fn read(label: &str, bytes: &[u8]) -> Result<Capture, FileError> {
-    let text = String::from_utf8_lossy(bytes);
+pub(super) fn read(label: &str, input: impl Read) -> Result<Capture, FileError> {
+    let mut lines = Lines::over(Text::new(label, input, LONGEST_LINE));
     let bad = |line: usize, expected: &str, found: &str| FileError {
         path: label.into(),
         line: Some(line),
@@ -27,7 +30,8 @@ pub(super) fn read(label: &str, bytes: &[u8]) -> Result<Capture, FileError> {
     };
     let (mut head, mut capture) = (Head::default(), Capture::default());
     let (mut row, mut now, mut zero, mut steps) = (0_u64, 0, None, Vec::new());
-    for (n, line) in text.lines().enumerate() {
+    let mut changes = 0;
+    while let Some((number, line)) = lines.advance()? {
         let line = line.trim();
         if line.is_empty() {
             continue;
@@ -37,11 +41,11 @@ pub(super) fn read(label: &str, bytes: &[u8]) -> Result<Capture, FileError> {
             continue;
         }
         if head.names.is_empty() {
-            let found = || bad(n + 1, "a heading with one name a channel", line);
+            let found = || bad(number, "a heading with one name a channel", line);
             let is_heading = head.heading(line).ok_or_else(found)?;
             if head.time.is_none() && head.sample_ns.is_none() {
                 let expected = "a time column, or `; Samplerate: ...` before the heading";
-                return Err(bad(n + 1, expected, line));
+                return Err(bad(number, expected, line));
             }
             let signal = |name: &String| Signal {
                 name: name.clone(),
@@ -54,12 +58,12 @@ pub(super) fn read(label: &str, bytes: &[u8]) -> Result<Capture, FileError> {
         }
         let Some((time, levels)) = head.row(line) else {
             if capture.end_ns == 0 && row == 0 {
-                return Err(bad(n + 1, "a time and levels of 0 or 1", line));
+                return Err(bad(number, "a time and levels of 0 or 1", line));
             }
             let edges: usize = capture.signals.iter().map(|s| s.edges.len()).sum();
             capture.notes.push(format!(
                 "{label}:{}: expected levels of 0 or 1; {edges} changes until {:.6} s were read",
-                n + 1,
+                number,
                 now as f64 * 1e-9
             ));
             break;
@@ -73,10 +77,14 @@ pub(super) fn read(label: &str, bytes: &[u8]) -> Result<Capture, FileError> {
         }
         now = t_ns.max(now);
         for (signal, high) in capture.signals.iter_mut().zip(levels) {
-            signal.set(now, high);
+            changes += usize::from(signal.set(now, high));
+        }
+        if changes > MOST_CHANGES {
+            return Err(too_long(label, number));
         }
         row += 1;
     }
+    capture.notes.extend(lines.note());
     capture.end_ns = now;
     capture.resolution_ns = match head.sample_ns {
         Some(ns) => ns.ceil() as u64,

@@ -1,10 +1,12 @@
 //! Signals as their edges, and how a VCD becomes them.
 
 use std::collections::BTreeMap;
+use std::io::{BufReader, Read};
 
 use vcd::{Command, IdCode, Parser, ScopeItem, TimescaleUnit, Value, VarType};
 
-use palpate_files::FileError;
+use super::{MOST_CHANGES, too_long};
+use palpate_files::{FileError, LONGEST_LINE, Text};
 
 /// A digital signal.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -29,12 +31,14 @@ pub struct Capture {
 }
 
 impl Signal {
-    /// Sets the level at a time; the same level again is no edge.
-    pub(super) fn set(&mut self, t_ns: u64, high: bool) {
+    /// Sets the level at a time; false for the same level again, which is no edge.
+    pub(super) fn set(&mut self, t_ns: u64, high: bool) -> bool {
         let now = self.edges.last().map(|e| e.1);
-        if now != Some(high) && (now.is_some() || high || t_ns == 0) {
+        let is_edge = now != Some(high) && (now.is_some() || high || t_ns == 0);
+        if is_edge {
             self.edges.push((t_ns, high));
         }
+        is_edge
     }
 
     /// Whole pulses: rise and width, nanoseconds. One that begins or ends outside of the capture counts if it has
@@ -77,8 +81,9 @@ fn tick(count: u32, unit: TimescaleUnit) -> (u64, u64) {
     }
 }
 
-pub(super) fn read_vcd(label: &str, bytes: &[u8]) -> Result<Capture, FileError> {
-    let mut parser = Parser::new(bytes);
+pub(super) fn read_vcd(label: &str, input: impl Read) -> Result<Capture, FileError> {
+    let mut text = Text::new(label, input, LONGEST_LINE);
+    let mut parser = Parser::new(BufReader::new(&mut text));
     let header = match parser.parse_header() {
         Ok(header) => header,
         Err(error) => {
@@ -105,14 +110,18 @@ pub(super) fn read_vcd(label: &str, bytes: &[u8]) -> Result<Capture, FileError> 
             capture.signals.len() - 1
         });
     }
-    let mut now = 0;
+    let (mut now, mut changes) = (0, 0);
     while let Some(command) = parser.next() {
         match command {
             Ok(Command::Timestamp(t)) => now = (t.saturating_mul(up) / down).max(now),
             Ok(Command::ChangeScalar(code, value)) => {
                 if let Some(&place) = places.get(&code) {
                     // Unknown and floating are not driven.
-                    capture.signals[place].set(now, value == Value::V1);
+                    changes += usize::from(capture.signals[place].set(now, value == Value::V1));
+                    if changes > MOST_CHANGES {
+                        let line = usize::try_from(parser.line()).unwrap_or(0);
+                        return Err(too_long(label, line));
+                    }
                 }
             }
             Ok(_) => {}
@@ -127,6 +136,8 @@ pub(super) fn read_vcd(label: &str, bytes: &[u8]) -> Result<Capture, FileError> 
             }
         }
     }
+    drop(parser);
+    capture.notes.extend(text.note());
     capture.end_ns = now;
     Ok(capture)
 }

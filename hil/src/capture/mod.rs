@@ -21,7 +21,21 @@ pub use verdict::{Conclusion, Verdict};
 
 use std::path::Path;
 
-use palpate_files::FileError;
+use palpate_files::{FileError, Format, format_of, open};
+
+/// Most changes of all signals of a capture, 16 bytes each.
+const MOST_CHANGES: usize = 4 << 20;
+
+fn too_long(label: &str, line: usize) -> FileError {
+    FileError {
+        line: Some(line),
+        ..FileError::whole(
+            label,
+            format!("at most {MOST_CHANGES} changes"),
+            "more (cut the capture, or leave other channels out)",
+        )
+    }
+}
 
 /// Reads a capture: VCD, or CSV as sigrok or Saleae's Logic write it. One that is cut short or damaged gives
 /// what came before, with a note in [`Capture::notes`].
@@ -30,11 +44,19 @@ use palpate_files::FileError;
 /// [`FileError`] for a file of another kind, or one without a digital signal.
 pub fn read(path: &Path) -> Result<Capture, FileError> {
     let label = path.display().to_string();
-    let bytes = std::fs::read(path)
-        .map_err(|e| FileError::whole(&label, "a readable capture", e.to_string()))?;
-    let capture = match path.extension().and_then(|e| e.to_str()) {
-        Some("csv") => csv::read(&label, &bytes)?,
-        _ => edges::read_vcd(&label, &bytes)?,
+    let expected = "a capture, VCD or CSV";
+    let named = path.extension().is_some_and(|e| e == "csv");
+    let is_csv = match format_of(path) {
+        Some(Format::Vcd) => false,
+        Some(Format::Csv) => true,
+        // A CSV of one column, or with remarks, has no mark.
+        Some(Format::Toml) | None => named,
+        Some(format) => return Err(FileError::whole(label, expected, format.noun())),
+    };
+    let file = open(path, expected)?;
+    let capture = match is_csv {
+        true => csv::read(&label, file)?,
+        false => edges::read_vcd(&label, file)?,
     };
     if capture.signals.is_empty() {
         return Err(FileError::whole(&label, "a digital signal", "none"));

@@ -20,7 +20,7 @@ fn trace() -> Trace {
 fn capture(trace: &Trace) -> Capture {
     let mut out = Vec::new();
     write_vcd(trace, &mut out).unwrap();
-    edges::read_vcd("a.vcd", &out).unwrap()
+    edges::read_vcd("a.vcd", out.as_slice()).unwrap()
 }
 
 /// Starts a capture later, on a clock with its own zero.
@@ -225,21 +225,21 @@ fn damaged_captures_give_what_came_before_and_name_the_line() {
             .unwrap();
     let mut torn = text[..lines].to_vec();
     torn.extend(b"\n#12z\n");
-    let seen = edges::read_vcd("a.vcd", &torn).unwrap();
+    let seen = edges::read_vcd("a.vcd", &torn[..]).unwrap();
     assert!(
         seen.notes[0].starts_with("a.vcd:") && seen.notes[0].contains("were read"),
         "{:?}",
         seen.notes
     );
     assert!(seen.end_ns > 1_000_000_000);
-    let seen = csv::read("a.csv", b"Time [s],D0\n0.0,0\n0.1,1\n0.2,x\n").unwrap();
+    let seen = csv::read("a.csv", &b"Time [s],D0\n0.0,0\n0.1,1\n0.2,x\n"[..]).unwrap();
     assert!(seen.notes[0].starts_with("a.csv:4:"), "{:?}", seen.notes);
     assert_eq!(seen.signals[0].edges.len(), 2);
     for (text, line) in [("D0,D1\n0,1\n", 1), ("Time [s],D0\n0.0,5\n", 2), (",\n", 1)] {
         let told = csv::read("a.csv", text.as_bytes()).unwrap_err();
         assert_eq!(told.line, Some(line), "{told}");
     }
-    assert!(edges::read_vcd("a.vcd", b"hello").is_err());
+    assert!(edges::read_vcd("a.vcd", &b"hello"[..]).is_err());
 }
 
 /// Edges as Saleae's Logic writes them, up to a time.

@@ -78,6 +78,9 @@ pub struct ReviewArgs {
     /// Write all waiting goldens as one page, without questions.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
+    /// Overwrite files that are no earlier output of hil.
+    #[arg(long, requires = "html")]
+    pub force: bool,
 }
 
 /// Decisions without a question.
@@ -133,6 +136,9 @@ pub struct TestArgs {
     /// Write the results as JUnit XML, measurements as properties.
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
+    /// Overwrite files that are no earlier output of hil.
+    #[arg(long)]
+    pub force: bool,
     /// Write the results as one page.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,

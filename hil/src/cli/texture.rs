@@ -42,6 +42,9 @@ pub struct StrokesArgs {
     /// Folder to write to.
     #[arg(value_name = "FOLDER")]
     pub out: PathBuf,
+    /// Overwrite files that are no earlier output of hil.
+    #[arg(long)]
+    pub force: bool,
     /// What is stroked.
     #[command(flatten)]
     pub of: Strokes,
@@ -77,6 +80,9 @@ pub struct MapArgs {
     /// Draw the map into this file (.svg).
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
+    /// Overwrite files that are no earlier output of hil.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// Options of `hil texture panel`.
@@ -108,6 +114,9 @@ pub struct PanelArgs {
     /// Draw the ratings into this file (.svg).
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
+    /// Overwrite files that are no earlier output of hil.
+    #[arg(long)]
+    pub force: bool,
     /// Print JSON in place of a table.
     #[arg(long)]
     pub json: bool,
@@ -122,6 +131,9 @@ pub struct EncodeArgs {
     /// Raw rows (CSV). With a header, the model's names for its features select the columns. Otherwise
     /// there must be as many columns as features.
     pub file: PathBuf,
+    /// The columns to read, by what their names begin with, in the order of the file.
+    #[arg(long, value_name = "PREFIX")]
+    pub columns: Option<String>,
     /// Only the windows that are newest at each onset; onsets are this far apart, from the first row on
     /// (default: every window).
     #[arg(long, value_name = "T", value_parser = positive, requires = "rate", allow_hyphen_values = true)]
@@ -142,4 +154,7 @@ pub struct ExportArgs {
     pub model: String,
     /// File to write (.onnx).
     pub out: PathBuf,
+    /// Overwrite files that are no earlier output of hil.
+    #[arg(long)]
+    pub force: bool,
 }

@@ -5,7 +5,8 @@ use std::io::{self, Write};
 
 use palpate_core::contact::{Compressor, Contact, LevelTable, Settings};
 use palpate_core::skin::{
-    Baseline, BaselinePhase, BaselineSettings, FrameError, RelativeFrame, Scan, ThresholdRule,
+    Baseline, BaselinePhase, BaselineSettings, FrameError, Layout, RelativeFrame, Scan,
+    ThresholdRule,
 };
 use palpate_core::units::{Duration, Instant};
 use palpate_records::contacts_csv;
@@ -13,9 +14,11 @@ use palpate_records::trace::{Event, PlaceUm};
 use serde_json::json;
 
 use crate::cli::{ContactsArgs, StaleArg, Threshold};
-use crate::output::{make_folder, note, print, write_file, write_sidecar};
-use crate::recording::{Columns, read_taxel_csv};
-use palpate_files::{LayoutFile, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, load_layout};
+use crate::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
+use crate::recording::Reading;
+use palpate_files::{
+    Columns, LayoutFile, Rows, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, Timing, is_stream, load_layout,
+};
 use palpate_run::Failure;
 use palpate_run::plan;
 
@@ -28,60 +31,138 @@ const PER_TAXEL: ThresholdRule = ThresholdRule::PerTaxel {
 };
 
 /// One line of the output before levels are known.
+#[derive(Clone, Copy)]
 struct Row {
     frame: usize,
     time_us: u64,
     contact: Contact,
 }
 
+/// So many contacts are held; where there are more, the recording is read again for the output.
+const HELD: usize = 1 << 16;
+/// So many intensities find the levels; of more, evenly many between the lowest and the highest are taken.
+const TELLING: usize = 1 << 17;
+
 /// Prints the contacts of every frame after the reference.
 ///
 /// # Errors
 /// [`Failure`] with its exit status.
 pub fn contacts(args: &ContactsArgs) -> Result<(), Failure> {
-    let rows = compress(args)?;
-    let intensities: Vec<f32> = rows.iter().map(|r| r.contact.intensity).collect();
-    // No table without a contact, and then no row asks for a level.
-    let levels = LevelTable::from_intensities(&intensities, usize::from(args.ki)).ok();
-    let level = |c: &Contact| levels.as_ref().map_or(1, |table| table.level(c.intensity));
-    if args.json {
-        return print(|out| write_json(&rows, level, out));
+    let table = args.out.as_ref().map(|folder| folder.join("contacts.csv"));
+    if let Some(table) = &table {
+        let inputs = std::slice::from_ref(&args.file);
+        let outputs = Outputs {
+            force: args.force,
+            inputs,
+        };
+        outputs.check_table(table)?;
     }
-    match &args.out {
-        None => print(|out| write_csv(&rows, level, out)),
-        Some(folder) => {
+    let recording = Recording::of(args)?;
+    let (mut held, mut intensities) = (Vec::new(), Vec::new());
+    let mut count = 0;
+    let notes = recording.compress(&mut |row| {
+        count += 1;
+        if count <= HELD {
+            held.push(row);
+        }
+        intensities.push(row.contact.intensity);
+        Ok(())
+    })?;
+    if !args.quiet {
+        notes.iter().for_each(|text| note(text));
+    }
+    // No table without a contact, and then no row asks for a level.
+    let levels = LevelTable::from_intensities(&thinned(intensities), usize::from(args.ki)).ok();
+    let level = |c: &Contact| levels.as_ref().map_or(1, |table| table.level(c.intensity));
+    if count > HELD && is_stream(&args.file) {
+        return Err(Failure::Input(format!(
+            "{}: expected a file: levels are found over the whole recording, which is then read again (a pipe may hold up to {HELD} contacts)",
+            args.file.display()
+        )));
+    }
+    let found = Found {
+        recording: &recording,
+        held: (count <= HELD).then_some(held),
+    };
+    if args.json {
+        return print(|out| write_json(&found, level, out));
+    }
+    match args.out.as_ref().zip(table) {
+        None => print(|out| write_csv(&found, level, out)),
+        Some((folder, table)) => {
             make_folder(folder)?;
-            let table = folder.join("contacts.csv");
             write_sidecar(&table, None)?;
-            write_file(&table, |out| write_csv(&rows, level, out))
+            write_file(&table, |out| write_csv(&found, level, out))
         }
     }
 }
 
-fn write_csv(rows: &[Row], level: impl Fn(&Contact) -> u16, out: &mut dyn Write) -> io::Result<()> {
-    let contact = |row: &Row| Event::Contact {
-        t_us: row.time_us,
-        frame: u32::try_from(row.frame).unwrap_or(u32::MAX),
-        module: row.contact.module,
-        contact: row.contact.id,
-        place: PlaceUm::from(row.contact.place),
-        intensity_milli: (f64::from(row.contact.intensity) * 1e3).round() as u32,
-        level: level(&row.contact),
-        members: row.contact.members,
-    };
-    let events: Vec<Event> = rows.iter().map(contact).collect();
-    contacts_csv::write_table(&events, out)
+/// At most [`TELLING`] of them.
+fn thinned(mut intensities: Vec<f32>) -> Vec<f32> {
+    let count = intensities.len();
+    if count <= TELLING {
+        return intensities;
+    }
+    intensities.sort_unstable_by(f32::total_cmp);
+    (0..TELLING)
+        .map(|n| intensities[n * (count - 1) / (TELLING - 1)])
+        .collect()
+}
+
+/// What takes one contact after another.
+type Each<'a> = dyn FnMut(Row) -> io::Result<()> + 'a;
+
+/// The contacts of a recording, to go through once more.
+struct Found<'a> {
+    recording: &'a Recording<'a>,
+    /// None where there are too many.
+    held: Option<Vec<Row>>,
+}
+
+impl Found<'_> {
+    fn each(&self, to: &mut Each<'_>) -> io::Result<()> {
+        match &self.held {
+            Some(rows) => rows.iter().copied().try_for_each(to),
+            None => {
+                let again = self.recording.compress(to);
+                again.map(drop).map_err(io::Error::other)
+            }
+        }
+    }
+}
+
+fn write_csv(
+    found: &Found<'_>,
+    level: impl Fn(&Contact) -> u16,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    writeln!(out, "{}", contacts_csv::HEADER)?;
+    found.each(&mut |row| {
+        let event = Event::Contact {
+            t_us: row.time_us,
+            frame: u32::try_from(row.frame).unwrap_or(u32::MAX),
+            module: row.contact.module,
+            contact: row.contact.id,
+            place: PlaceUm::from(row.contact.place),
+            intensity_milli: (f64::from(row.contact.intensity) * 1e3).round() as u32,
+            level: level(&row.contact),
+            members: row.contact.members,
+        };
+        contacts_csv::write_rows(&[event], &mut *out)
+    })
 }
 
 fn write_json(
-    rows: &[Row],
+    found: &Found<'_>,
     level: impl Fn(&Contact) -> u16,
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let thousandths = |v: f32| (f64::from(v) * 1e3).round() / 1e3;
-    let objects = rows.iter().map(|row| {
+    let mut before: &[u8] = b"[";
+    found.each(&mut |row| {
         let c = &row.contact;
-        json!({
+        out.write_all(std::mem::replace(&mut before, b","))?;
+        let object = json!({
             "frame": row.frame,
             "time_us": row.time_us,
             "module": c.module,
@@ -91,118 +172,161 @@ fn write_json(
             "intensity": thousandths(c.intensity),
             "level": level(c),
             "members": c.members,
-        })
-    });
-    serde_json::to_writer(&mut *out, &objects.collect::<Vec<_>>())?;
-    writeln!(out)
+        });
+        serde_json::to_writer(&mut *out, &object)?;
+        Ok(())
+    })?;
+    let begun = before == b",";
+    writeln!(out, "{}", if begun { "]" } else { "[]" })
 }
 
-fn compress(args: &ContactsArgs) -> Result<Vec<Row>, Failure> {
-    let option = |name: &str, e: &dyn fmt::Display| Failure::Input(format!("--{name}: {e}"));
-    let loaded = load_layout(&args.layout)?;
-    let LayoutFile::Sensor(file) = &loaded.value else {
-        let found = format!(
-            "{}: expected a layout of kind \"sensor\", found a display",
-            args.layout
-        );
-        return Err(option("layout", &found));
-    };
-    let layout = plan::layout(file)?;
-    let rate = rate_of(args.rate, std::slice::from_ref(&args.file))?;
-    let table = read_taxel_csv(&args.file, &Columns::of_skin(file), rate.hz)?;
-    if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.quiet) {
-        note(&format!("{hz} rows a second, from {}", meta.display()));
-    }
-    let needed = args.reference_frames as usize + 1;
-    if table.frames() < needed {
-        return Err(Failure::Input(format!(
-            "{}: expected at least {needed} rows ({} for the reference, one for the threshold), found {}",
-            args.file.display(),
-            args.reference_frames,
-            table.frames()
-        )));
-    }
-    let settings = BaselineSettings {
-        reference_frames: args.reference_frames,
-        fault_sigmas: args.faulty_deviations.map(|k| k as f32),
-        threshold: match args.threshold {
-            Threshold::Auto => ThresholdRule::Auto { margin: 0.0 },
-            Threshold::PerTaxel => PER_TAXEL,
-            Threshold::Counts(counts) => ThresholdRule::Fixed { counts },
-        },
-        axes: args.axes,
-        drift: args
-            .drift_s
-            .map(|s| Duration::from_micros((s * 1e6).round() as u64)),
-    };
-    let mut baseline =
-        Baseline::new(&layout, settings).map_err(|e| option("reference-frames", &e))?;
-    let compression = Settings {
-        clusters: args.kc,
-        exponent: args.weight_exponent as f32,
-        norm: args.norm,
-        scope: args.scope,
-        seed: args.seed,
-        ..Settings::default()
-    };
-    let mut compressor =
-        Compressor::new(&layout, compression).map_err(|e| option("kc, --weight-exponent", &e))?;
+/// A recording and how its contacts are to be found.
+struct Recording<'a> {
+    args: &'a ContactsArgs,
+    layout: Layout,
+    columns: Columns,
+    reading: Reading,
+    baseline: BaselineSettings,
+    compression: Settings,
+}
 
-    // Columns run over the active taxels of all modules, module after module.
-    let active: Vec<usize> = layout
-        .modules()
-        .iter()
-        .enumerate()
-        .flat_map(|(m, module)| {
-            let start = layout.range(m).start;
-            (0..module.points().len())
-                .filter(|&i| module.active()[i])
-                .map(move |i| start + i)
-        })
-        .collect();
-    let axes = usize::from(file.axes);
-    let mut counts = vec![[0u16; 3]; layout.taxels()];
-    let (mut scan, mut relative): (Scan, Option<RelativeFrame>) = (Scan::new(&layout), None);
-    let mut rows = Vec::new();
-    for frame in 0..table.frames() {
-        let Some(row) = table.frame(frame) else { break };
-        let repeats = frame > 0 && table.frame(frame - 1) == Some(row);
-        let is_reference = frame < args.reference_frames as usize;
-        if repeats && args.replay_stale == StaleArg::Skip && relative.is_some() {
-            continue;
-        }
-        for (column, &taxel) in active.iter().enumerate() {
-            counts[taxel] = match row[column * axes..][..axes] {
-                [x, y, z] => [x, y, z],
-                [z, ..] => [0, 0, z],
-                [] => [0; 3],
-            };
-        }
-        let time_us = table.time_us[frame];
-        let loaded = scan.load(Instant::from_micros(time_us), &counts);
-        loaded.map_err(|e| Failure::Input(format!("{}: {e}", args.file.display())))?;
-        if baseline.phase() != BaselinePhase::Ready {
-            baseline.feed(&scan);
-        }
-        // The reference rows count and emit nothing; the row that sets the threshold is a frame.
-        if is_reference || baseline.phase() != BaselinePhase::Ready {
-            continue;
-        }
-        let relative = relative.get_or_insert_with(|| baseline.frame(&layout));
-        let mut compress = || {
-            if baseline.advance(&scan, relative)? || !compressor.repeat() {
-                compressor.compress(relative)?;
-            }
-            Ok(())
+impl<'a> Recording<'a> {
+    fn of(args: &'a ContactsArgs) -> Result<Self, Failure> {
+        let loaded = load_layout(&args.layout)?;
+        let LayoutFile::Sensor(file) = &loaded.value else {
+            return Err(Failure::Input(format!(
+                "--layout: {}: expected a layout of kind \"sensor\", found a display",
+                args.layout
+            )));
         };
-        compress().map_err(|e: FrameError| {
-            Failure::Input(format!("{}: row {frame}: {e}", args.file.display()))
-        })?;
-        rows.extend(compressor.contacts().iter().map(|&contact| Row {
-            frame,
-            time_us,
-            contact,
-        }));
+        let recordings = match args.time {
+            Some(_) => &[],
+            None => std::slice::from_ref(&args.file),
+        };
+        let rate = rate_of(args.rate, recordings)?;
+        if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.quiet) {
+            note(&format!("{hz} rows a second, from {}", meta.display()));
+        }
+        let timing = Timing {
+            column: args.time.clone(),
+            rate_hz: rate.hz,
+            split_jumps: args.split_jumps,
+        };
+        Ok(Self {
+            args,
+            layout: plan::layout(file)?,
+            columns: Columns::of_skin(file),
+            reading: Reading {
+                timing,
+                prefix: args.columns.clone(),
+            },
+            baseline: BaselineSettings {
+                reference_frames: args.reference_frames,
+                fault_sigmas: args.faulty_deviations.map(|k| k as f32),
+                threshold: match args.threshold {
+                    Threshold::Auto => ThresholdRule::Auto { margin: 0.0 },
+                    Threshold::PerTaxel => PER_TAXEL,
+                    Threshold::Counts(counts) => ThresholdRule::Fixed { counts },
+                },
+                axes: args.axes,
+                drift: args
+                    .drift_s
+                    .map(|s| Duration::from_micros((s * 1e6).round() as u64)),
+            },
+            compression: Settings {
+                clusters: args.kc,
+                exponent: args.weight_exponent as f32,
+                norm: args.norm,
+                scope: args.scope,
+                seed: args.seed,
+                ..Settings::default()
+            },
+        })
     }
-    Ok(rows)
+
+    /// The taxels that columns are of: the active ones of all modules, module after module.
+    fn active(&self) -> Vec<usize> {
+        let modules = self.layout.modules().iter().enumerate();
+        let of_module = |(m, module): (usize, &palpate_core::skin::Module)| {
+            let start = self.layout.range(m).start;
+            let active = (0..module.points().len()).filter(|&i| module.active()[i]);
+            active.map(|i| start + i).collect::<Vec<_>>()
+        };
+        modules.flat_map(of_module).collect()
+    }
+
+    /// Hands every contact to `each`, row by row; what is to be said of the file comes back.
+    fn compress(&self, each: &mut Each<'_>) -> Result<Vec<String>, Failure> {
+        let (args, layout) = (self.args, &self.layout);
+        let file = args.file.display();
+        let option = |name: &str, e: &dyn fmt::Display| Failure::Input(format!("--{name}: {e}"));
+        let mut baseline =
+            Baseline::new(layout, self.baseline).map_err(|e| option("reference-frames", &e))?;
+        let mut compressor = Compressor::new(layout, self.compression.clone())
+            .map_err(|e| option("kc, --weight-exponent", &e))?;
+        let take = self.reading.take(&self.columns);
+        let mut rows = Rows::open(&args.file, take, Some(&self.reading.timing))?;
+        let (active, axes) = (self.active(), usize::from(self.columns.axes));
+        let mut counts = vec![[0u16; 3]; layout.taxels()];
+        let (mut scan, mut relative): (Scan, Option<RelativeFrame>) = (Scan::new(layout), None);
+        let (mut row, mut before): (Vec<u16>, Vec<u16>) = (Vec::new(), Vec::new());
+        while let Some(at) = rows.advance(&mut row)? {
+            let frame = rows.count() - 1;
+            let repeats = frame > 0 && row == before;
+            before.clone_from(&row);
+            if repeats && args.replay_stale == StaleArg::Skip && relative.is_some() {
+                continue;
+            }
+            for (column, &taxel) in active.iter().enumerate() {
+                counts[taxel] = match row[column * axes..][..axes] {
+                    [x, y, z] => [x, y, z],
+                    [z, ..] => [0, 0, z],
+                    [] => [0; 3],
+                };
+            }
+            let loaded = scan.load(Instant::from_micros(at.time_us), &counts);
+            loaded.map_err(|e| Failure::Input(format!("{file}: {e}")))?;
+            if baseline.phase() != BaselinePhase::Ready {
+                baseline.feed(&scan);
+            }
+            // The reference rows count and emit nothing; the row that sets the threshold is a frame.
+            let is_reference = frame < args.reference_frames as usize;
+            if is_reference || baseline.phase() != BaselinePhase::Ready {
+                continue;
+            }
+            let relative = relative.get_or_insert_with(|| baseline.frame(layout));
+            let mut compress = || {
+                if baseline.advance(&scan, relative)? || !compressor.repeat() {
+                    compressor.compress(relative)?;
+                }
+                Ok(())
+            };
+            compress()
+                .map_err(|e: FrameError| Failure::Input(format!("{file}: row {frame}: {e}")))?;
+            for &contact in compressor.contacts() {
+                let row = Row {
+                    frame,
+                    time_us: at.time_us,
+                    contact,
+                };
+                each(row).map_err(|error| Failure::Write {
+                    path: "contacts".into(),
+                    error,
+                })?;
+            }
+        }
+        let needed = args.reference_frames as usize + 1;
+        if rows.count() < needed {
+            return Err(Failure::Input(format!(
+                "{file}: expected at least {needed} rows ({} for the reference, one for the threshold), found {}",
+                args.reference_frames,
+                rows.count()
+            )));
+        }
+        Ok(rows.notes())
+    }
 }
+
+#[cfg(test)]
+#[path = "contacts_tests.rs"]
+mod tests;

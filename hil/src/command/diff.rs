@@ -4,17 +4,16 @@
 use std::io;
 use std::path::Path;
 
-use palpate_records::damage::Damage;
 use palpate_records::diff::{Recording, Tolerance, compare, compare_recordings, tell};
 use palpate_records::story::Story;
 use palpate_records::verdict::Verdict;
 use serde::Serialize;
 
 use super::pins::{is_capture, pins};
-use super::schedules::{damaged, wires};
+use super::schedules::{damaged, read_log, wires};
 use crate::cli::{Color, DiffArgs};
 use crate::output::print;
-use palpate_files::FileError;
+use palpate_files::{FileError, Format};
 use palpate_run::Failure;
 
 /// Compares two files.
@@ -116,26 +115,17 @@ impl File {
 /// Reads a golden, or by its first characters a schedule or recorded contacts.
 fn read(path: &Path) -> Result<File, Failure> {
     let label = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|e| {
-        FileError::whole(
-            &label,
-            "a golden (.snap), a schedule (.jsonl) or contacts (.csv)",
-            e.to_string(),
-        )
-    })?;
-    let text = String::from_utf8(bytes).map_err(|e| {
-        let good = e.utf8_error().valid_up_to();
-        let before = e.as_bytes().get(..good).unwrap_or_default();
-        let line = 1 + before.iter().filter(|b| **b == b'\n').count();
-        damaged(
-            &label,
-            Damage {
-                line,
-                expected: "UTF-8 text".to_owned(),
-                found: "other bytes".to_owned(),
-            },
-        )
-    })?;
+    let expected = "a golden (.snap), a schedule (.jsonl) or contacts (.csv)";
+    let text = read_log(path, expected)?;
+    let known = [
+        Format::Golden,
+        Format::Schedule,
+        Format::Contacts,
+        Format::Json,
+    ];
+    if let Some(format) = Format::of(text.as_bytes()).filter(|f| !known.contains(f)) {
+        return Err(FileError::whole(label, expected, format.noun()).into());
+    }
     let read = if text.starts_with('{') {
         Story::of_schedule_file(&text, wires).map(|s| File::Story(Box::new(s)))
     } else if Recording::is_one(&text) {

@@ -1,15 +1,14 @@
 //! `hil export`: what a scene makes, for other programs and for `hil run --replay`.
 
-use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
-use palpate_files::{Overrides, Setup, load_scene};
+use palpate_files::{Columns, Format, Overrides, Setup, load_scene};
 use palpate_run::{Failure, taxels};
 
 use super::devices::bench_with;
 use crate::cli::{ExportKind, ExportTaxels};
-use crate::output::{note, print, write_file};
-use crate::recording::{Columns, write_taxel_csv};
+use crate::output::{Outputs, note, print};
+use crate::recording::write_taxel_csv;
 
 /// Writes what was asked for.
 ///
@@ -31,8 +30,12 @@ fn export_taxels(args: &ExportTaxels) -> Result<(), Failure> {
     let setup = Setup::join(scene, bench)?;
     let sensor = &setup.sensor.value;
     let paths = paths(&args.out, sensor.modules.len());
+    let outputs = Outputs {
+        force: args.force,
+        inputs: &[],
+    };
     for path in &paths {
-        refuse(path, args.force)?;
+        outputs.check(path, Format::Csv)?;
     }
     let tables = taxels(&setup, args.seed)?;
     if !setup.scene.value.faults.is_empty() {
@@ -43,7 +46,9 @@ fn export_taxels(args: &ExportTaxels) -> Result<(), Failure> {
         let columns = columns.ok_or_else(|| {
             Failure::Input(format!("layout `{}` has no module {module}", sensor.name))
         })?;
-        write_file(path, |out| write_taxel_csv(table, &columns, out))?;
+        outputs.write(path, Format::Csv, |out| {
+            write_taxel_csv(table, &columns, out)
+        })?;
     }
     print(|out| {
         for (table, path) in tables.iter().zip(&paths) {
@@ -67,24 +72,4 @@ fn paths(out: &Path, modules: usize) -> Vec<PathBuf> {
     let ending = part(out.extension()).map_or_else(String::new, |e| format!(".{e}"));
     let name = |module| out.with_file_name(format!("{stem}-{module}{ending}"));
     (0..modules).map(name).collect()
-}
-
-/// A file that is there must be an earlier recording.
-fn refuse(path: &Path, force: bool) -> Result<(), Failure> {
-    let Ok(file) = std::fs::File::open(path) else {
-        return Ok(());
-    };
-    if force || !file.metadata().is_ok_and(|about| about.is_file()) {
-        return Ok(());
-    }
-    let mut start = Vec::new();
-    // What cannot be read is no recording.
-    let _ = BufReader::new(std::io::Read::take(file, 16)).read_until(b'\n', &mut start);
-    if start.starts_with(b"time_us,txl1_") || start.starts_with(b"txl1_") {
-        return Ok(());
-    }
-    Err(Failure::Input(format!(
-        "--out {}: expected a new file or a recording of taxels, found another file; --force overwrites it",
-        path.display()
-    )))
 }

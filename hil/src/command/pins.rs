@@ -5,11 +5,10 @@ use std::path::Path;
 
 use palpate_records::schedule::read_schedule;
 
-use super::schedules::{damaged, wires};
+use super::schedules::{damaged, read_log, wires};
 use crate::capture::{self, Comparison, Measurement, Verdict};
 use crate::cli::DiffArgs;
 use crate::output::{note, print};
-use palpate_files::FileError;
 use palpate_run::Failure;
 
 /// Whether the second of two files is a capture, by their names: beside anything but a schedule a CSV is one of
@@ -26,8 +25,7 @@ pub(super) fn is_capture(a: &Path, b: &Path) -> bool {
 /// the capture lacks something that was planned.
 pub(super) fn pins(args: &DiffArgs) -> Result<(), Failure> {
     let label = args.a.display().to_string();
-    let text = std::fs::read_to_string(&args.a)
-        .map_err(|e| FileError::whole(&label, "a schedule (.jsonl)", e.to_string()))?;
+    let text = read_log(&args.a, "a schedule (.jsonl)")?;
     let trace = read_schedule(&text, wires).map_err(|damage| damaged(&label, damage))?;
     let seen = capture::read(&args.b)?;
     let found = capture::compare(&trace, &seen, &args.pin, args.window)?;

@@ -4,12 +4,14 @@ use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
 
 use crate::cli::rate as parse_rate;
-use palpate_files::FileError;
+use palpate_files::{FileError, is_stream, open, read_text};
 use palpate_run::Failure;
 
 /// Stands beside the recordings of a trial and says how often their rows came.
 const META: &str = "meta_data.csv";
 const KEY: &str = "frequency_hz";
+/// Most bytes of such a file.
+const MOST_META: u64 = 1 << 16;
 
 /// A rate, and the file it stands in where it was not typed.
 #[derive(Debug, Default, PartialEq)]
@@ -54,7 +56,10 @@ pub fn rate_of(typed: Option<f64>, recordings: &[PathBuf]) -> Result<Rate, Failu
 
 /// Whether a recording can be opened and its header has no `time_us`.
 fn lacks_times(recording: &Path) -> bool {
-    let Ok(file) = std::fs::File::open(recording) else {
+    if is_stream(recording) {
+        return false; // it can be read once
+    }
+    let Ok(file) = open(recording, "a recording") else {
         return false; // reading it will say why
     };
     let mut start = Vec::new();
@@ -71,8 +76,7 @@ fn read(meta: &Path) -> Result<f64, Failure> {
         expected: format!("{expected} (or give --rate HZ)"),
         found,
     };
-    let text = std::fs::read_to_string(meta)
-        .map_err(|e| FileError::whole(&path, "a readable file", e.to_string()))?;
+    let text = read_text(meta, "a readable file", MOST_META)?;
     let mut lines = text.lines().map(|line| line.split(',').map(str::trim));
     let column = lines
         .next()

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use palpate_core::units::Duration;
 
 use crate::cli::{RecordArgs, ReplayArgs};
-use crate::output::{note, print};
+use crate::output::{Outputs, note, print};
 use crate::record::{self, Kind, kind_of};
-use crate::recording::{is_can_recording, read_can_recording};
+use crate::recording::read_can_recording;
 use palpate_run::Failure;
 
 /// Records interfaces until stopped.
@@ -23,6 +23,13 @@ pub fn record(args: &RecordArgs) -> Result<(), Failure> {
         ))),
     };
     let files: Vec<_> = args.files.iter().map(kind).collect::<Result<_, _>>()?;
+    for (kind, path) in &files {
+        let outputs = Outputs {
+            force: args.force,
+            inputs: &[],
+        };
+        outputs.check(path, kind.format())?;
+    }
     let length = args
         .seconds
         .map(|s| Duration::from_micros((s * 1e6).round() as u64));
@@ -62,13 +69,7 @@ pub fn record(args: &RecordArgs) -> Result<(), Failure> {
 /// # Errors
 /// [`Failure`] with its exit status.
 pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
-    if !is_can_recording(&args.file) {
-        return Err(Failure::Input(format!(
-            "{}: expected a recording of buses, .log (candump) or .mcap",
-            args.file.display()
-        )));
-    }
-    let recording = read_can_recording(&args.file, args.can.len())?;
+    let recording = read_can_recording(&args.file, args.can.len(), args.split_jumps)?;
     recording.notes.iter().for_each(|text| note(text));
     let played = record::play(&recording, &args.can)?;
     if args.voice.json {

@@ -7,8 +7,9 @@ use palpate_records::diff::{Grade, LINES};
 use palpate_records::story::GoldenKind;
 
 use crate::cli::{Color, ReviewAction, ReviewArgs};
-use crate::output::{print, write_file};
+use crate::output::{Outputs, print};
 use crate::review::{BLOCKS, Pending, Scene, folder, page, pending, scenes, stacked};
+use palpate_files::Format;
 use palpate_run::Failure;
 
 /// The code of text without a colour.
@@ -38,7 +39,11 @@ pub fn review(args: &ReviewArgs, color: Color) -> Result<(), Failure> {
             let all = scenes(waiting)?;
             if let Some(path) = &args.html {
                 let text = page(&all);
-                write_file(path, |out| out.write_all(text.as_bytes()))?;
+                let outputs = Outputs {
+                    force: args.force,
+                    inputs: &[],
+                };
+                outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
                 return print(|out| {
                     writeln!(out, "wrote {}: {}", path.display(), count(all.len()))
                 });

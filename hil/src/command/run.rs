@@ -13,11 +13,13 @@ use palpate_records::verdict::Verdict;
 
 use crate::cli::{Color, RunArgs, Switch};
 use crate::host::Onlooker;
-use crate::output::{make_folder, note, print, write_file, write_sidecar};
+use crate::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
 use crate::real::{self, Told};
-use crate::recording::{recorded, write_can_log};
+use crate::recording::{Reading, recorded, write_can_log};
 use crate::trial::{Trial, TrialEnd, judge, junit};
-use palpate_files::{BenchKind, DRIFT_S, Overrides, Setup, THRESHOLD_FLOOR, load_scene};
+use palpate_files::{
+    BenchKind, DRIFT_S, Format as FileFormat, Overrides, Setup, THRESHOLD_FLOOR, Timing, load_scene,
+};
 use palpate_run::{Failure, Input, Keep, Outcome, Refresh, attachments, run_with};
 
 use crate::record::Kind as LiveKind;
@@ -58,6 +60,20 @@ impl Format {
         }
     }
 
+    /// As a file of it is known again.
+    const fn on_disk(self) -> FileFormat {
+        match self {
+            Self::Contacts => FileFormat::Contacts,
+            Self::Schedule => FileFormat::Schedule,
+            Self::Can => FileFormat::Candump,
+            Self::Golden => FileFormat::Golden,
+            Self::Mcap => FileFormat::Mcap,
+            Self::Vcd => FileFormat::Vcd,
+            Self::Report => FileFormat::Html,
+            Self::Summary => FileFormat::Json,
+        }
+    }
+
     fn write(self, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
         if self == Self::Contacts {
             write_sidecar(path, Some(&outcome.trace.header))?;
@@ -90,7 +106,7 @@ impl Format {
 /// [`Failure`] with its exit status.
 pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     let setup = setup(args)?;
-    let rate = rate_of(args.rate, &args.replay)?;
+    let rate = rate_of(args.rate, unclocked(args))?;
     let mut files = wanted(args)?;
     if args.explain {
         explained(args, |out| explain::plan(&setup, out))?;
@@ -105,7 +121,16 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
         files = later;
         on_hardware(args, &setup, &live)?
     } else {
-        emulated(args, &setup, rate.hz, keep)?
+        let timing = Timing {
+            column: args.time.clone(),
+            rate_hz: rate.hz,
+            split_jumps: args.split_jumps,
+        };
+        let reading = Reading {
+            timing,
+            prefix: args.columns.clone(),
+        };
+        emulated(args, &setup, &reading, keep)?
     };
     let checks = args
         .junit
@@ -145,16 +170,24 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     }
 }
 
+/// The recordings whose rate is to be looked for: none where a column says when rows came.
+fn unclocked(args: &RunArgs) -> &[PathBuf] {
+    match args.time {
+        Some(_) => &[],
+        None => &args.replay,
+    }
+}
+
 /// A scene or a recording on an emulated bench.
 fn emulated(
     args: &RunArgs,
     setup: &Setup,
-    rate_hz: Option<f64>,
+    reading: &Reading,
     keep: Keep,
 ) -> Result<Outcome, Failure> {
     let (input, notes) = match args.replay.as_slice() {
         [] => (Input::Scene, Vec::new()),
-        paths => recorded(paths, &setup.sensor.value, rate_hz)?,
+        paths => recorded(paths, &setup.sensor.value, reading)?,
     };
     let host = &mut Onlooker::new(args.watch);
     let outcome = run_with(setup, &input, args.on.seed, keep, host);
@@ -262,6 +295,25 @@ fn wanted(args: &RunArgs) -> Result<Vec<(Format, PathBuf)>, Failure> {
     files.extend(args.report.iter().map(|p| (Format::Report, p.clone())));
     for path in &args.record {
         files.push((Format::of(path)?, path.clone()));
+    }
+    let outputs = Outputs {
+        force: args.force,
+        inputs: &args.replay,
+    };
+    for (n, (format, path)) in files.iter().enumerate() {
+        match format {
+            Format::Contacts => outputs.check_table(path)?,
+            format => outputs.check(path, format.on_disk())?,
+        }
+        if files[..n].iter().any(|(_, before)| before == path) {
+            return Err(Failure::Input(format!(
+                "{}: expected one output per file, found two",
+                path.display()
+            )));
+        }
+    }
+    if let Some(path) = &args.junit {
+        outputs.check(path, FileFormat::Junit)?;
     }
     Ok(files)
 }

@@ -6,13 +6,13 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 
 use crate::cli::{Color, TestArgs};
-use crate::output::{print, write_file};
+use crate::output::{Outputs, print};
 use crate::trial::{
     Goldens, Halt, Member, Suite, Trial, TrialEnd, attempt, decide, expects_anything, junit, lacks,
     last, page,
 };
 use palpate_files::{
-    Bench, BenchKind, FileError, Loaded, Overrides, Quarantine, Setup, Source, load_bench,
+    Bench, BenchKind, FileError, Format, Loaded, Overrides, Quarantine, Setup, Source, load_bench,
     sensor_of,
 };
 use palpate_records::verdict::Verdict;
@@ -38,6 +38,9 @@ pub fn test(args: &TestArgs, color: Color) -> Result<(), Failure> {
         member.scene = member.scene.clone().with(&overrides)?;
     }
     let benches = benches(args, &suite, &overrides)?;
+    for (path, format) in pages(args) {
+        outputs(args).check(path, format)?;
+    }
     let run = Run {
         args,
         color,
@@ -113,6 +116,20 @@ fn failed_before(args: &TestArgs, suite: &Suite) -> Result<Option<Vec<(String, S
     };
     // Where nothing failed, everything is tried.
     Ok(Some(last::failed(folder)?).filter(|failed| !failed.is_empty()))
+}
+
+/// What the files of results may replace.
+const fn outputs(args: &TestArgs) -> Outputs<'static> {
+    Outputs {
+        force: args.force,
+        inputs: &[],
+    }
+}
+
+/// The files of results that are wanted.
+fn pages(args: &TestArgs) -> impl Iterator<Item = (&PathBuf, Format)> {
+    let junit = args.junit.iter().map(|path| (path, Format::Junit));
+    junit.chain(args.html.iter().map(|path| (path, Format::Html)))
 }
 
 /// What all trials of a command share.
@@ -200,11 +217,11 @@ impl Run<'_> {
         }
         if let Some(path) = &self.args.junit {
             let text = junit(suites);
-            write_file(path, |out| out.write_all(text.as_bytes()))?;
+            outputs(self.args).write(path, Format::Junit, |out| out.write_all(text.as_bytes()))?;
         }
         if let Some(path) = &self.args.html {
             let text = page(verdict, &counts, suites);
-            write_file(path, |out| out.write_all(text.as_bytes()))?;
+            outputs(self.args).write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
         }
         if self.args.voice.json {
             print(|out| json(verdict, self.source, suites, out))?;

@@ -1,20 +1,19 @@
 //! `hil texture`.
 
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
 use palpate_core::texture::{Ends, Stream};
 use palpate_core::units::Duration;
-use palpate_files::TextureModel;
+use palpate_files::{Format, Rows, Take, TextureModel};
 use palpate_run::Failure;
 use palpate_texture::onnx;
-use palpate_texture::rows::{Rows, Take};
 use serde_json::json;
 
 use super::{texture_panel, texture_train};
 use crate::cli::{EncodeArgs, ExportArgs, TextureAction};
-use crate::output::{note, print, write_file};
+use crate::output::{Outputs, note, print};
 
 /// Does what was asked with the texture model.
 ///
@@ -38,6 +37,9 @@ fn micros(us: f64) -> Duration {
     Duration::from_micros(us.round() as u64)
 }
 
+/// Latent vectors that are printed together: what is wrong in the first rows is said before anything is printed.
+const BATCH: usize = 1024;
+
 fn encode(args: &EncodeArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
     let ends = match (args.soa_ms, args.rate) {
@@ -47,54 +49,105 @@ fn encode(args: &EncodeArgs) -> Result<(), Failure> {
         },
         _ => Ends::Every,
     };
-    let found = latents(&model, &args.file, ends)?;
-    print(|out| {
-        if args.json {
-            write_json(&found, out)
-        } else {
-            write_csv(&found, out)
+    let take = match args.columns.as_deref() {
+        Some(prefix) => Take::Counted(prefix, model.features()),
+        None => features(&model),
+    };
+    let mut windows = Windows::open(&model, &args.file, take, ends)?;
+    let mut batch = Vec::new();
+    let mut is_first = true;
+    loop {
+        let found = windows.advance()?;
+        let is_last = found.is_none();
+        batch.extend(found);
+        if batch.len() < BATCH && !is_last {
+            continue;
         }
-    })
+        print(|out| match args.json {
+            true => write_json(&batch, (is_first, is_last), out),
+            false => write_csv(&batch, model.latents(), is_first, out),
+        })?;
+        is_first = false;
+        batch.clear();
+        if is_last {
+            windows.rows.notes().iter().for_each(|text| note(text));
+            return Ok(());
+        }
+    }
 }
 
-/// Latent vectors of a recording's windows.
-fn latents(model: &TextureModel, file: &Path, ends: Ends) -> Result<Vec<Latent>, Failure> {
-    let take = Take::Features {
+fn features(model: &TextureModel) -> Take<'_> {
+    Take::Features {
         names: model.feature_names(),
         count: model.features(),
-    };
-    let rows = Rows::read(file, take)?;
-    let window = model.window();
-    if rows.count() < window {
-        return Err(Failure::Input(format!(
-            "{}: expected at least {window} rows, one window, found {} rows",
-            file.display(),
-            rows.count()
-        )));
     }
-    let mut stream = Stream::new(Arc::new(model.encoder()?), 1);
-    let mut found: Vec<Latent> = Vec::new();
-    for (row, values) in rows.iter().enumerate() {
-        let begin = ends.begins(row as u64, window);
-        let latents = stream.push(values, begin).map_err(|e| {
-            let (line, file) = (rows.line(row), file.display());
-            Failure::Input(format!("{file}:{line}: {e}"))
-        })?;
-        if let Some(latents) = latents {
-            found.push((row, latents.to_vec()));
+}
+
+/// The windows of a recording, one after another.
+struct Windows<'a> {
+    rows: Rows<std::fs::File>,
+    stream: Stream,
+    file: &'a Path,
+    ends: Ends,
+    window: usize,
+    values: Vec<f32>,
+}
+
+impl<'a> Windows<'a> {
+    fn open(
+        model: &TextureModel,
+        file: &'a Path,
+        take: Take<'_>,
+        ends: Ends,
+    ) -> Result<Self, Failure> {
+        Ok(Self {
+            rows: Rows::open(file, take, None)?,
+            stream: Stream::new(Arc::new(model.encoder()?), 1),
+            file,
+            ends,
+            window: model.window(),
+            values: Vec::new(),
+        })
+    }
+
+    /// The next latent vector; none at the end.
+    fn advance(&mut self) -> Result<Option<Latent>, Failure> {
+        while let Some(at) = self.rows.advance(&mut self.values)? {
+            let row = self.rows.count() - 1;
+            let begin = self.ends.begins(row as u64, self.window);
+            let latents = self.stream.push(&self.values, begin).map_err(|e| {
+                let (line, file) = (at.line, self.file.display());
+                Failure::Input(format!("{file}:{line}: {e}"))
+            })?;
+            if let Some(latents) = latents {
+                return Ok(Some((row, latents.to_vec())));
+            }
         }
+        let (count, window) = (self.rows.count(), self.window);
+        if count < window {
+            return Err(Failure::Input(format!(
+                "{}: expected at least {window} rows, one window, found {count} rows",
+                self.file.display()
+            )));
+        }
+        Ok(None)
     }
-    Ok(found)
 }
 
 /// Six decimals: what differs between machines, if anything, lies below.
-fn write_csv(found: &[Latent], out: &mut dyn Write) -> io::Result<()> {
-    let latents = found.first().map_or(0, |(_, z)| z.len());
-    write!(out, "frame")?;
-    for i in 1..=latents {
-        write!(out, ",z{i}")?;
+fn write_csv(
+    found: &[Latent],
+    latents: usize,
+    begins: bool,
+    out: &mut dyn io::Write,
+) -> io::Result<()> {
+    if begins {
+        write!(out, "frame")?;
+        for i in 1..=latents {
+            write!(out, ",z{i}")?;
+        }
+        writeln!(out)?;
     }
-    writeln!(out)?;
     for (frame, latent) in found {
         write!(out, "{frame}")?;
         for z in latent {
@@ -105,19 +158,33 @@ fn write_csv(found: &[Latent], out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-fn write_json(found: &[Latent], out: &mut dyn Write) -> io::Result<()> {
+/// A part of one array, with its ends where it has them.
+fn write_json(
+    found: &[Latent],
+    (begins, ends): (bool, bool),
+    out: &mut dyn io::Write,
+) -> io::Result<()> {
     let rounded = |z: &f32| (f64::from(*z) * 1e6).round() / 1e6 + 0.0;
-    let objects = found
-        .iter()
-        .map(|(frame, z)| json!({"frame": frame, "z": z.iter().map(rounded).collect::<Vec<_>>()}));
-    serde_json::to_writer(&mut *out, &objects.collect::<Vec<_>>())?;
-    writeln!(out)
+    for (n, (frame, z)) in found.iter().enumerate() {
+        out.write_all(if begins && n == 0 { b"[" } else { b"," })?;
+        let z: Vec<f64> = z.iter().map(rounded).collect();
+        serde_json::to_writer(&mut *out, &json!({"frame": frame, "z": z}))?;
+    }
+    match (begins && found.is_empty(), ends) {
+        (true, true) => writeln!(out, "[]"),
+        (false, true) => writeln!(out, "]"),
+        _ => Ok(()),
+    }
 }
 
 fn export(args: &ExportArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
     let bytes = onnx::encoder(&model);
-    write_file(&args.out, |out| out.write_all(&bytes))?;
+    let outputs = Outputs {
+        force: args.force,
+        inputs: &[],
+    };
+    outputs.write(&args.out, Format::Onnx, |out| out.write_all(&bytes))?;
     note(&format!(
         "{}: input `raw` [{}, N, {}], output `latent` [N, {}]",
         args.out.display(),

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use palpate_emulators::person::panel::{Dimension, REPEATS, SUBJECTS, Sensation};
 use palpate_emulators::sensor::surface::spearman;
-use palpate_files::{Setup, TextureModel, TextureTable, load_textures};
+use palpate_files::{Format, Setup, TextureModel, TextureTable, load_textures};
 use palpate_run::Failure;
 use palpate_run::plan::surface;
 use palpate_texture::panel::draw::{SIGNIFICANT, draw};
@@ -14,7 +14,7 @@ use palpate_texture::round;
 use serde_json::{Map, Value, json};
 
 use crate::cli::PanelArgs;
-use crate::output::{print, write_file};
+use crate::output::{Outputs, print};
 
 /// The scene whose texture section says how latent vectors become pulses.
 const SCENE: &str = "texture-wood";
@@ -26,6 +26,13 @@ const SCENE: &str = "texture-wood";
 pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
     let setup = Setup::load(SCENE, &args.bench)?;
+    let outputs = Outputs {
+        force: args.force,
+        inputs: &[],
+    };
+    if let Some(path) = &args.svg {
+        outputs.check(path, Format::Svg)?;
+    }
     let (title, study, bare) = match (&args.recordings, args.rate) {
         (Some(folder), Some(rate_hz)) => {
             let labels = Label::all(folder)?;
@@ -46,7 +53,8 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
         }
     };
     if let Some(path) = &args.svg {
-        write_file(path, |out| out.write_all(draw(&study, &title).as_bytes()))?;
+        let drawn = draw(&study, &title);
+        outputs.write(path, Format::Svg, |out| out.write_all(drawn.as_bytes()))?;
     }
     print(|out| match &bare {
         _ if args.json => writeln!(out, "{}", as_json(args, &study, bare.as_ref())),

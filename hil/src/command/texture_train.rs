@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use palpate_files::{TextureModel, load_textures};
+use palpate_files::{Format, TextureModel, load_textures};
 use palpate_run::Failure;
 use palpate_texture::{draw, explore, map, round};
 
 use crate::cli::{MapArgs, StrokesArgs, TrainArgs};
-use crate::output::{make_folder, note, print, write_file};
+use crate::output::{Outputs, make_folder, note, print};
 
 /// The training program: a workspace member that only those build who train.
 const PROGRAM: &str = "palpate-train";
@@ -21,13 +21,17 @@ pub fn strokes(args: &StrokesArgs) -> Result<(), Failure> {
     let table = load_textures(&args.of.textures)?.value;
     let all = explore::explore(&table, args.of.strokes, args.seed);
     make_folder(&args.out)?;
+    let outputs = Outputs {
+        force: args.force,
+        inputs: &[],
+    };
     for (entry, recording) in &all {
         let name = format!("{}_{:02}.csv", entry.name, recording.number);
-        write_file(&args.out.join(name), |out| {
+        outputs.write(&args.out.join(name), Format::Csv, |out| {
             explore::write_rows(recording, out)
         })?;
     }
-    write_file(&args.out.join("ratings.csv"), |out| {
+    outputs.write(&args.out.join("ratings.csv"), Format::Csv, |out| {
         explore::write_ratings(&table, out)
     })?;
     note(&format!(
@@ -75,7 +79,11 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
     let placed = map::place(&encoded, view);
     if let Some(path) = &args.svg {
         let title = format!("Where {} puts {} textures", args.model, table.texture.len());
-        write_file(path, |out| {
+        let outputs = Outputs {
+            force: args.force,
+            inputs: &[],
+        };
+        outputs.write(path, Format::Svg, |out| {
             out.write_all(draw::draw(&placed, view, &title).as_bytes())
         })?;
     }

@@ -41,8 +41,8 @@ fn a_bus_is_recorded_in_both_formats() {
         text.starts_with("(1700000000.") && text.contains(" test0 004#"),
         "{text}"
     );
-    let log = read_can_recording(&files[0].1, 1).unwrap();
-    let mcap = read_can_recording(&files[1].1, 1).unwrap();
+    let log = read_can_recording(&files[0].1, 1, false).unwrap();
+    let mcap = read_can_recording(&files[1].1, 1, false).unwrap();
     assert_eq!(log, mcap);
     assert_eq!((log.frames.len(), &log.interfaces[0][..]), (100, "test0"));
     for (n, received) in log.frames.iter().enumerate() {

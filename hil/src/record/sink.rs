@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use palpate_files::Format;
 use palpate_records::mcap::{Attachment, BusTraffic, McapRecording};
 use palpate_records::trace::Header;
 use palpate_records::vcd::Vcd;
@@ -27,6 +28,20 @@ pub enum Kind {
     Mcap,
     /// Commanded ticks, VCD.
     Vcd,
+}
+
+impl Kind {
+    /// Its format.
+    #[must_use]
+    pub const fn format(self) -> Format {
+        match self {
+            Self::Contacts => Format::Contacts,
+            Self::Schedule => Format::Schedule,
+            Self::Can => Format::Candump,
+            Self::Mcap => Format::Mcap,
+            Self::Vcd => Format::Vcd,
+        }
+    }
 }
 
 /// What is recorded.

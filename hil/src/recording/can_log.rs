@@ -1,13 +1,13 @@
 //! Recordings of CAN buses: logs in the format of can-utils' `candump -l`, in and out, and MCAP files, in.
 
-use std::io::{self, Write};
+use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
 use palpate_core::bus::Received;
 use palpate_core::units::Instant;
 use palpate_records::{candump, mcap};
 
-use palpate_files::FileError;
+use palpate_files::{FileError, Format, Lines, Times, format_of, open};
 
 /// Frames of a recorded bus.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -20,42 +20,59 @@ pub struct CanRecording {
     pub notes: Vec<String>,
 }
 
-/// Whether a recording is one of buses, by its name: a candump log or an MCAP file.
+/// Most frames of a recording that a run holds, 24 bytes each.
+const MOST_FRAMES: usize = 8 << 20;
+/// Longest line of a log, bytes: that of a CAN FD frame has 170.
+const LONGEST: usize = 4096;
+
+/// Whether a recording is one of buses: a candump log or an MCAP file by its first bytes, or, where they say nothing,
+/// by its name.
 #[must_use]
 pub fn is_can_recording(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|ending| ending == "log" || ending == "mcap")
+    let named = || {
+        path.extension()
+            .is_some_and(|ending| ending == "log" || ending == "mcap")
+    };
+    match format_of(path) {
+        Some(format) => matches!(format, Format::Candump | Format::Mcap),
+        None => named(),
+    }
 }
 
 /// Reads a log or an MCAP file of at most `buses` buses. The interfaces of a log in the order of their names
 /// are buses 0, 1, ...; time zero is the whole second of the first frame, so that a log of ours keeps its times
 /// and one of a wall clock starts within its first second. An MCAP file of a run says its buses and times
-/// itself. A file that was cut short gives what it holds, with a note.
+/// itself. A file that was cut short gives what it holds, with a note. Jumps of the clock are taken out where
+/// `split_jumps` says so.
 ///
 /// # Errors
-/// An unreadable file, the first malformed line, no classic data frame, or more buses than that.
-pub fn read_can_recording(path: &Path, buses: usize) -> Result<CanRecording, FileError> {
+/// An unreadable file, the first malformed line, a jump of the clock, no classic data frame, more buses than that, or
+/// more than 8 million frames.
+pub fn read_can_recording(
+    path: &Path,
+    buses: usize,
+    split_jumps: bool,
+) -> Result<CanRecording, FileError> {
     let label = path.display().to_string();
-    let bytes = std::fs::read(path)
-        .map_err(|e| FileError::whole(&label, "a readable recording", e.to_string()))?;
-    if path.extension().is_some_and(|ending| ending == "mcap") {
-        return parse_mcap(&label, &bytes, buses);
+    let times = Times::new(split_jumps);
+    match format_of(path) {
+        Some(Format::Mcap) => parse_mcap(&label, open(path, EXPECTED)?, buses, times),
+        Some(Format::Candump) | None => parse(Lines::open(path, EXPECTED, LONGEST)?, buses, times),
+        Some(format) => Err(FileError::whole(label, EXPECTED, format.noun())),
     }
-    let text = String::from_utf8(bytes).map_err(|e| FileError {
-        line: Some(
-            1 + e.as_bytes()[..e.utf8_error().valid_up_to()]
-                .iter()
-                .filter(|b| **b == b'\n')
-                .count(),
-        ),
-        ..FileError::whole(&label, "a candump log", "bytes that are no text")
-    })?;
-    parse(&label, &text, buses)
 }
+
+/// What this reads, for errors.
+const EXPECTED: &str = "a recording of buses, .log (candump) or .mcap";
 
 fn too_many(label: &str, buses: usize, found: String) -> FileError {
     let expected = format!("at most {buses} interfaces, as the layout has buses");
     FileError::whole(label, expected, found)
+}
+
+fn too_long(label: &str) -> FileError {
+    let expected = format!("at most {MOST_FRAMES} frames");
+    FileError::whole(label, expected, "more (cut the recording)")
 }
 
 /// Whole seconds of the first frame are none of a run's business.
@@ -67,9 +84,32 @@ fn from_first_second(frames: &mut [Received]) {
     }
 }
 
-fn parse_mcap(label: &str, bytes: &[u8], buses: usize) -> Result<CanRecording, FileError> {
-    let read = mcap::read(bytes).map_err(|e| FileError::whole(label, e.expected, e.found))?;
-    let mut notes = Vec::new();
+fn parse_mcap(
+    label: &str,
+    file: impl Read,
+    buses: usize,
+    mut times: Times,
+) -> Result<CanRecording, FileError> {
+    let mut frames: Vec<Received> = Vec::new();
+    let mut take = |mut frame: Received| {
+        let refused = |expected: String, found: String| mcap::Unreadable { expected, found };
+        if frames.len() == MOST_FRAMES {
+            let error = too_long(label);
+            return Err(refused(error.expected, error.found));
+        }
+        let us = frame.at.as_micros();
+        let place = format!("{label}: frame {}", frames.len() + 1);
+        let time = times.frame(&place, us).map_err(|e| {
+            let found = e.found.unwrap_or_else(|| format!("{us} us"));
+            refused(e.expected, format!("frame {}: {found}", frames.len() + 1))
+        })?;
+        frame.at = Instant::from_micros(time);
+        frames.push(frame);
+        Ok(())
+    };
+    let read = mcap::read_from(BufReader::new(file), &mut take)
+        .map_err(|e| FileError::whole(label, e.expected, e.found))?;
+    let mut notes = times.take_notes();
     if !read.damages.is_empty() {
         let damages: Vec<_> = read
             .damages
@@ -81,11 +121,10 @@ fn parse_mcap(label: &str, bytes: &[u8], buses: usize) -> Result<CanRecording, F
             "{label}: {}; read {} messages, {} of them CAN frames, until {:.3} s",
             damages.join("; "),
             read.messages,
-            read.frames.len(),
+            frames.len(),
             read.last_ns as f64 * 1e-9
         ));
     }
-    let mut frames = read.frames;
     let Some(highest) = frames.iter().map(|r| usize::from(r.bus)).max() else {
         let expected = "frames on the topic /can";
         let found = notes.pop().unwrap_or_else(|| "none".into());
@@ -109,45 +148,95 @@ fn parse_mcap(label: &str, bytes: &[u8], buses: usize) -> Result<CanRecording, F
     })
 }
 
-fn parse(label: &str, text: &str, buses: usize) -> Result<CanRecording, FileError> {
-    let log = candump::read(text).map_err(|error| FileError {
-        path: label.into(),
-        line: Some(error.line),
-        key: None,
-        expected: error.expected.into(),
-        found: format!("`{}`{}", shown(text, error.line), after(error.before)),
-    })?;
-    let mut names: Vec<&str> = log.frames.iter().map(|l| l.interface.as_str()).collect();
-    names.sort_unstable_by_key(|name| (name.len(), *name)); // can2 before can10
-    names.dedup();
+fn parse<R: Read>(
+    mut lines: Lines<R>,
+    buses: usize,
+    mut times: Times,
+) -> Result<CanRecording, FileError> {
+    let label = lines.label().to_owned();
+    let (mut frames, mut names, mut other_kinds) = (Vec::new(), Vec::<String>::new(), 0);
+    // A malformed line, which is a cut one if none follows.
+    let mut cut: Option<(bool, FileError)> = None;
+    while let Some((number, line)) = lines.advance()? {
+        if line.trim().is_empty() {
+            continue;
+        }
+        if let Some((_, error)) = cut {
+            return Err(error);
+        }
+        match candump::read_line(line) {
+            Ok(Some(logged)) => {
+                let place = format!("{label}:{number}");
+                let us = logged.at.as_micros();
+                let time = times.frame(&place, us).map_err(|e| FileError {
+                    line: Some(number),
+                    ..FileError::whole(
+                        &label,
+                        e.expected,
+                        e.found.unwrap_or_else(|| format!("{us} us")),
+                    )
+                })?;
+                let known = names.iter().position(|name| *name == logged.interface);
+                let bus = known.unwrap_or_else(|| {
+                    names.push(logged.interface);
+                    names.len() - 1
+                });
+                if frames.len() == MOST_FRAMES {
+                    return Err(too_long(&label));
+                }
+                frames.push(Received {
+                    at: Instant::from_micros(time),
+                    bus: u8::try_from(bus).unwrap_or(u8::MAX), // more than that are refused below
+                    frame: logged.frame,
+                });
+            }
+            Ok(None) => other_kinds += 1,
+            Err(expected) => {
+                let shown: String = line.chars().take(60).collect();
+                let error = FileError {
+                    line: Some(number),
+                    ..FileError::whole(
+                        &label,
+                        expected,
+                        format!("`{shown}`{}", after(frames.len())),
+                    )
+                };
+                cut = Some((candump::is_cut(line) && !frames.is_empty(), error));
+            }
+        }
+    }
+    let mut notes = times.take_notes();
+    notes.extend(lines.note());
+    match cut {
+        Some((true, error)) => notes.push(format!(
+            "{label}:{}: the log is cut short in this line; read the {} frames before it",
+            error.line.unwrap_or(0),
+            frames.len()
+        )),
+        Some((false, error)) => return Err(error),
+        None => {}
+    }
     if names.is_empty() {
-        let found = format!("none, and {} of another kind", log.other_kinds);
+        let found = format!("none, and {other_kinds} of another kind");
         let expected = "classic data frames with 11-bit identifiers";
         return Err(FileError::whole(label, expected, found));
     }
     if names.len() > buses {
         let found = format!("{}: {}", names.len(), names.join(", "));
-        return Err(too_many(label, buses, found));
+        return Err(too_many(&label, buses, found));
     }
-    let received = |l: &candump::Logged| {
-        Some(Received {
-            at: l.at,
-            bus: names.iter().position(|name| *name == l.interface)? as u8,
-            frame: l.frame,
-        })
-    };
-    let mut frames: Vec<Received> = log.frames.iter().filter_map(received).collect();
+    let mut interfaces = names.clone();
+    interfaces.sort_unstable_by(|a, b| (a.len(), a).cmp(&(b.len(), b))); // can2 before can10
+    for received in &mut frames {
+        let name = names.get(usize::from(received.bus));
+        let bus = interfaces.iter().position(|i| Some(i) == name);
+        received.bus = bus.unwrap_or(0) as u8; // at most as many as buses
+    }
     from_first_second(&mut frames);
-    let note = |line| {
-        let count = frames.len();
-        format!(
-            "{label}:{line}: the log is cut short in this line; read the {count} frames before it"
-        )
-    };
     Ok(CanRecording {
-        interfaces: names.iter().map(|n| (*n).to_owned()).collect(),
-        notes: log.cut.map(note).into_iter().collect(),
         frames,
+        interfaces,
+        notes,
     })
 }
 
@@ -157,12 +246,6 @@ fn after(frames: usize) -> String {
         0 => String::new(),
         n => format!(" after {n} whole frames"),
     }
-}
-
-/// The start of a line, for an error that shows it.
-fn shown(text: &str, line: usize) -> String {
-    let line = text.lines().nth(line - 1).unwrap_or_default();
-    line.chars().take(60).collect()
 }
 
 /// Writes frames as a log; bus n is the n-th of these interfaces, and `can<n>` beyond them.

@@ -1,12 +1,19 @@
 //! Tests of `can_log.rs`.
 
+use palpate_files::Text;
+
 use super::*;
+
+fn log(text: &str, buses: usize) -> Result<CanRecording, FileError> {
+    let lines = Lines::over(Text::new("a.log", text.as_bytes(), LONGEST));
+    parse(lines, buses, Times::default())
+}
 
 #[test]
 fn a_log_of_a_wall_clock_starts_within_its_first_second_and_buses_go_by_name() {
     let text =
         "(1436509052.249713) can10 104#938406805591BB0C\n(1436509053.000001) can2 004#00 R\n";
-    let frames = parse("a.log", text, 2).unwrap().frames;
+    let frames = log(text, 2).unwrap().frames;
     let seen: Vec<_> = frames.iter().map(|r| (r.at.as_micros(), r.bus)).collect();
     assert_eq!(seen, [(249_713, 1), (1_000_001, 0)]);
 }
@@ -15,13 +22,13 @@ fn a_log_of_a_wall_clock_starts_within_its_first_second_and_buses_go_by_name() {
 fn what_was_written_is_read_again() {
     let text = "(0000000000.000116) can0 104#938406805591BB0C\n(0000000003.000000) can1 20F#0700\n";
     let mut again = Vec::new();
-    write_can_log(&parse("a.log", text, 2).unwrap().frames, &[], &mut again).unwrap();
+    write_can_log(&log(text, 2).unwrap().frames, &[], &mut again).unwrap();
     assert_eq!(String::from_utf8(again).unwrap(), text);
 }
 
 #[test]
 fn a_cut_is_noted_with_its_line() {
-    let read = parse("a.log", "(1.000000) can0 104#00\n(1.0001", 1).unwrap();
+    let read = log("(1.000000) can0 104#00\n(1.0001", 1).unwrap();
     assert_eq!(read.frames.len(), 1);
     assert_eq!(
         read.notes,
@@ -31,7 +38,7 @@ fn a_cut_is_noted_with_its_line() {
 
 #[test]
 fn bad_logs_are_named_with_their_line() {
-    let told = |text, buses| parse("a.log", text, buses).unwrap_err().to_string();
+    let told = |text, buses| log(text, buses).unwrap_err().to_string();
     assert_eq!(
         told("(1.000000) can0 104#00\nhello", 1),
         "a.log:2: expected `(seconds.microseconds) interface id#data`, found `hello` after 1 whole frames"
@@ -43,5 +50,29 @@ fn bad_logs_are_named_with_their_line() {
     assert_eq!(
         told("(1.000000) can0 104#R\n", 1),
         "a.log: expected classic data frames with 11-bit identifiers, found none, and 1 of another kind"
+    );
+}
+
+/// A Pi's clock stands at 1970 until its time server answers.
+#[test]
+fn a_clock_that_jumps_is_named_by_its_line() {
+    let text =
+        "(12.000000) can0 104#00\n(12.010000) can0 104#01\n(1700000000.000000) can0 104#02\n";
+    let said = log(text, 1).unwrap_err().to_string();
+    assert!(
+        said.starts_with("a.log:3: expected a time near the one before"),
+        "{said}"
+    );
+    assert!(
+        said.ends_with("found a jump of the clock, 53.9 years ahead"),
+        "{said}"
+    );
+    let lines = Lines::over(Text::new("a.log", text.as_bytes(), LONGEST));
+    let read = parse(lines, 1, Times::new(true)).unwrap();
+    let at: Vec<_> = read.frames.iter().map(|r| r.at.as_micros()).collect();
+    assert_eq!(at, [0, 10_000, 20_000]);
+    assert_eq!(
+        read.notes,
+        ["a.log:3: a jump of the clock, 53.9 years ahead taken out"]
     );
 }

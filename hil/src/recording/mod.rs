@@ -9,24 +9,24 @@ mod taxel_write;
 mod tests;
 
 pub use can_log::{CanRecording, is_can_recording, read_can_recording, write_can_log};
-pub use taxel_csv::{Columns, read_taxel_csv};
+pub use taxel_csv::{Reading, read_taxel_csv};
 pub use taxel_write::write_taxel_csv;
 
 use std::path::PathBuf;
 
 use palpate_core::skin::Module;
-use palpate_files::SensorLayout;
+use palpate_files::{Columns, SensorLayout};
 use palpate_run::{CanFrames, Failure, Input, plan};
 
 /// What drives a run in place of touches: one recording per module of a layout, or one recording of all its buses;
-/// and what is to be said of the files. Rows without times come at `rate_hz`.
+/// and what is to be said of the files.
 ///
 /// # Errors
 /// [`Failure::Input`] with file, line and column.
 pub fn recorded(
     paths: &[PathBuf],
     file: &SensorLayout,
-    rate_hz: Option<f64>,
+    reading: &Reading,
 ) -> Result<(Input, Vec<String>), Failure> {
     if let Some(log) = paths.iter().find(|path| is_can_recording(path)) {
         let [log] = paths else {
@@ -39,7 +39,14 @@ pub fn recorded(
         let layout = plan::layout(file)?;
         let addresses = layout.modules().iter().filter_map(Module::address);
         let buses = addresses.map(|a| usize::from(a.bus) + 1).max();
-        let recording = read_can_recording(log, buses.unwrap_or(0))?;
+        if reading.prefix.is_some() || reading.timing.column.is_some() {
+            return Err(Failure::Input(format!(
+                "{}: --columns and --time are for CSV, and this is a recording of buses",
+                log.display()
+            )));
+        }
+        let split = reading.timing.split_jumps;
+        let recording = read_can_recording(log, buses.unwrap_or(0), split)?;
         let frames = CanFrames::new(recording.frames);
         return Ok((Input::Frames(frames), recording.notes));
     }
@@ -51,13 +58,16 @@ pub fn recorded(
             paths.len()
         )));
     }
+    let mut notes = Vec::new();
     let table = |(number, path): (usize, &PathBuf)| {
         let columns = Columns::of_module(file, number).ok_or_else(|| {
             Failure::Input(format!("layout `{}` has no module {number}", file.name))
         })?;
-        Ok(read_taxel_csv(path, &columns, rate_hz)?)
+        let (table, said) = read_taxel_csv(path, &columns, reading)?;
+        notes.extend(said);
+        Ok(table)
     };
     let tables = paths.iter().enumerate().map(table);
     let tables: Result<_, Failure> = tables.collect();
-    Ok((Input::Rows(tables?), Vec::new()))
+    Ok((Input::Rows(tables?), notes))
 }

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use palpate_run::TaxelTable;
 
-use super::taxel_csv::Columns;
+use palpate_files::Columns;
 
 /// Writes a table with its times.
 ///

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::output::write_file;
-use palpate_files::FileError;
+use palpate_files::{FileError, read_text};
 use palpate_run::Failure;
 
 /// Where goldens lie, from the root of a project.
@@ -93,22 +93,11 @@ fn accepted(path: &Path) -> PathBuf {
     path.with_extension("")
 }
 
+/// Most bytes of a golden.
+const MOST: u64 = 8 << 20;
+
 fn read(path: &Path) -> Result<String, Failure> {
-    let label = path.display().to_string();
-    let bytes =
-        fs::read(path).map_err(|e| FileError::whole(&label, "a readable golden", e.to_string()))?;
-    let text = String::from_utf8(bytes).map_err(|e| {
-        let good = e.as_bytes().get(..e.utf8_error().valid_up_to());
-        let lines = good.unwrap_or_default().iter().filter(|b| **b == b'\n');
-        FileError {
-            path: label,
-            line: Some(1 + lines.count()),
-            key: None,
-            expected: "UTF-8 text".into(),
-            found: "other bytes".into(),
-        }
-    })?;
-    Ok(text)
+    Ok(read_text(path, "a readable golden", MOST)?)
 }
 
 impl Pending {

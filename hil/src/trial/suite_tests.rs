@@ -16,7 +16,10 @@ fn a_folder_gives_its_scenes_and_benches_in_order_and_skips_what_is_none() {
     write("a.toml", scene("sphere-along"));
     write("target/skipped.toml", scene("idle"));
     write(".hidden/skipped.toml", scene("idle"));
-    write("bench.toml", "name = \"mine\"\ndescription = \"mine\"\ndrive.current_ma = 900\n");
+    write(
+        "bench.toml",
+        "name = \"mine\"\ndescription = \"mine\"\ndrive.current_ma = 900\n",
+    );
     write("quarantine.toml", "");
     write("notes.txt", "name = 1");
     let target = folder.display().to_string();

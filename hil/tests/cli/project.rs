@@ -10,7 +10,10 @@ const SCENE: &str = "name = \"press\"\ndescription = \"a press\"\nlength_s = 2.5
 fn a_folder_is_a_suite_with_goldens_that_are_reviewed_without_cargo() {
     let folder = Folder::new("project");
     folder.write("press.toml", SCENE);
-    folder.write("strong.toml", "name = \"strong\"\ndescription = \"more current\"\ndrive.current_ma = 990\n");
+    folder.write(
+        "strong.toml",
+        "name = \"strong\"\ndescription = \"more current\"\ndrive.current_ma = 990\n",
+    );
     let place = folder.path(".").display().to_string();
     let golden = folder.path("goldens").join("press@strong.schedule.snap");
 

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::io::{self, Read as _};
 
 use palpate_core::bus::Received;
 use palpate_core::codec::can::CanFrame;
@@ -101,57 +102,132 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// Reads a recording of ours.
+/// Longest record, bytes: a chunk of ours has a few MiB, and of others seldom more than that.
+const MOST_RECORD: u64 = 64 << 20;
+
+/// Reads a recording of ours from memory.
 ///
 /// # Errors
 /// [`Unreadable`] for what is no MCAP file, is compressed, is of another version or holds no sensor bus.
 pub fn read(bytes: &[u8]) -> Result<Read, Unreadable> {
-    let Some(body) = bytes.strip_prefix(&MAGIC) else {
-        let found = bytes.get(..8.min(bytes.len())).unwrap_or_default();
-        let found = format!("byte 0: {}", found.escape_ascii());
+    let mut frames = Vec::new();
+    let mut read = read_from(bytes, &mut |frame| {
+        frames.push(frame);
+        Ok(())
+    })?;
+    read.frames = frames;
+    Ok(read)
+}
+
+/// Reads a recording of ours record by record; frames go to `take` in the order of the file.
+///
+/// # Errors
+/// As [`read`], a record of more than 64 MiB, and what `take` refuses.
+pub fn read_from(
+    input: impl io::Read,
+    take: &mut dyn FnMut(Received) -> Result<(), Unreadable>,
+) -> Result<Read, Unreadable> {
+    let mut input = Counted { input, offset: 0 };
+    let mut record = Vec::new();
+    if !input.fill(&mut record, MAGIC.len() as u64)? || record != MAGIC {
+        let found = format!("byte 0: {}", record.escape_ascii());
         return Err(unreadable("an MCAP file", found));
-    };
-    let mut reader = Reader::default();
-    let mut cursor = Cursor(body);
-    let offset = |cursor: &Cursor<'_>| (bytes.len() - cursor.0.len()) as u64;
-    loop {
-        let here = offset(&cursor);
-        let Some((kind, record)) = cursor.record() else {
-            if let Some((&op::CHUNK, rest)) = cursor.0.split_first() {
-                reader.torn_chunk(rest, here);
-            }
-            reader.damage(bytes.len() as u64, "the file is cut short here");
-            break;
-        };
-        match kind {
-            op::DATA_END | op::FOOTER => {
-                // The summary says nothing that was not said before; but it tells whether the end is there.
-                if !bytes.ends_with(&MAGIC) || cursor.0.len() < MAGIC.len() {
-                    reader.damage(bytes.len() as u64, "the end of the summary is missing");
-                }
-                break;
-            }
-            0 => {
-                reader.damage(here, "no record begins here");
-                break;
-            }
-            _ => reader.top(kind, record, here)?,
-        }
     }
+    let mut reader = Reader {
+        read: Read::default(),
+        schemas: BTreeMap::new(),
+        channels: BTreeMap::new(),
+        versioned: false,
+        refused: None,
+        take,
+    };
+    loop {
+        let here = input.offset;
+        let head = input.fill(&mut record, 9)?;
+        let (kind, length) = match record.split_first() {
+            Some((kind, length)) if head => {
+                let length = length.try_into().map_or(u64::MAX, u64::from_le_bytes);
+                (*kind, length)
+            }
+            _ => {
+                reader.damage(input.offset, "the file is cut short here");
+                break;
+            }
+        };
+        if matches!(kind, op::DATA_END | op::FOOTER) {
+            // The summary says nothing that was not said before; but it tells whether the end is there.
+            if !input.ends_with(&MAGIC)? {
+                reader.damage(input.offset, "the end of the summary is missing");
+            }
+            break;
+        }
+        if kind == 0 {
+            reader.damage(here, "no record begins here");
+            break;
+        }
+        let whole = input.fill(&mut record, length.min(MOST_RECORD))?;
+        if whole && length > MOST_RECORD {
+            let expected = format!("records of at most {MOST_RECORD} bytes");
+            return Err(unreadable(&expected, format!("byte {here}: {length}")));
+        }
+        if !whole {
+            if kind == op::CHUNK {
+                reader.torn_chunk(&record, here);
+            }
+            reader.damage(input.offset, "the file is cut short here");
+            break;
+        }
+        reader.top(kind, &record, here)?;
+        reader.refused.take().map_or(Ok(()), Err)?;
+    }
+    reader.refused.take().map_or(Ok(()), Err)?;
     reader.finish()
 }
 
-#[derive(Default)]
-struct Reader {
+/// A stream that knows how far it was read.
+struct Counted<R> {
+    input: R,
+    offset: u64,
+}
+
+impl<R: io::Read> Counted<R> {
+    /// So many bytes in place of those in `record`; false where the stream ends before.
+    fn fill(&mut self, record: &mut Vec<u8>, length: u64) -> Result<bool, Unreadable> {
+        record.clear();
+        let read = self.input.by_ref().take(length).read_to_end(record);
+        let read = read.map_err(|e| unreadable("a readable file", e.to_string()))? as u64;
+        self.offset += read;
+        Ok(read == length)
+    }
+
+    /// Reads what is left; whether it ends so.
+    fn ends_with(&mut self, end: &[u8]) -> Result<bool, Unreadable> {
+        let (mut piece, mut tail) = (Vec::new(), Vec::new());
+        loop {
+            let whole = self.fill(&mut piece, 1 << 16)?;
+            tail.extend_from_slice(&piece);
+            let spare = tail.len().saturating_sub(end.len());
+            tail.drain(..spare);
+            if !whole {
+                return Ok(tail == end);
+            }
+        }
+    }
+}
+
+struct Reader<'a> {
     read: Read,
     /// Schemas by number.
     schemas: BTreeMap<u16, String>,
     /// Channels by number: topic, and whether its messages are frames.
     channels: BTreeMap<u16, (String, bool)>,
     versioned: bool,
+    /// Where frames go, and what that refused.
+    take: &'a mut dyn FnMut(Received) -> Result<(), Unreadable>,
+    refused: Option<Unreadable>,
 }
 
-impl Reader {
+impl Reader<'_> {
     fn damage(&mut self, offset: u64, what: &'static str) {
         self.read.damages.push(Tear { offset, what });
     }
@@ -225,7 +301,7 @@ impl Reader {
     /// What is there of a chunk that the file's end cuts short: its checksum cannot be asked, its records are
     /// whole or not there.
     fn torn_chunk(&mut self, rest: &[u8], here: u64) {
-        let head = rest.get(8..).and_then(chunk_head);
+        let head = chunk_head(rest);
         if let Some((_, records)) = head.filter(|(head, _)| head.compression.is_empty()) {
             self.records(records, here);
         }
@@ -266,7 +342,10 @@ impl Reader {
                 let time = cursor.u64()?;
                 let _published = cursor.u64()?;
                 if self.channels.get(&channel).is_some_and(|c| c.1) {
-                    self.read.frames.push(frame(time, cursor.0)?);
+                    let frame = frame(time, cursor.0)?;
+                    if self.refused.is_none() {
+                        self.refused = (self.take)(frame).err();
+                    }
                 }
                 self.read.messages += 1;
                 self.read.last_ns = self.read.last_ns.max(time);

@@ -23,6 +23,8 @@ struct HeaderLine {
     #[serde(default)]
     pre_scale: Option<u8>,
     #[serde(default)]
+    period_ns: Option<u64>,
+    #[serde(default)]
     tau_d_us: u64,
     #[serde(default)]
     soa_us: u64,
@@ -77,6 +79,7 @@ pub fn read_schedule(
         let found = format!("version {}", header.version);
         return Err(Damage::of_line(1, &format!("version {VERSION}"), &found));
     }
+    check(&header)?;
     let mut events = Vec::new();
     let mut driven = Driven::default();
     for (number, line) in lines {
@@ -127,9 +130,53 @@ pub fn read_schedule(
     })
 }
 
+/// Longest schedule: that of a recording of a day, and the times that it names.
+const LONGEST_US: u64 = 2 * 86_400_000_000;
+
+/// Refuses a header that no chip could have played.
+fn check(header: &HeaderLine) -> Result<(), Damage> {
+    let wrong = |expected: &str, found: String| Err(Damage::of_line(1, expected, &found));
+    let least = Prescale::MIN.get();
+    if let Some(n) = header.pre_scale.filter(|n| *n < least) {
+        let expected = format!("a pre_scale from {least} to 255");
+        return wrong(&expected, format!("pre_scale {n}"));
+    }
+    if let (Some(period_ns), Some(n)) = (header.period_ns, header.pre_scale) {
+        let nominal = Prescale::new(n).period_ns();
+        if period_ns != nominal {
+            let expected = format!("period_ns {nominal}, as pre_scale {n} makes it");
+            return wrong(&expected, format!("period_ns {period_ns}"));
+        }
+    }
+    if header.period_ns == Some(0) {
+        return wrong("a period_ns above 0", "period_ns 0".into());
+    }
+    for (name, us) in [("tau_d_us", header.tau_d_us), ("soa_us", header.soa_us)] {
+        if us > LONGEST_US {
+            return wrong(
+                &format!("a {name} of at most two days"),
+                format!("{name} {us}"),
+            );
+        }
+    }
+    Ok(())
+}
+
 fn event(number: usize, text: &str) -> Result<Event, Damage> {
     const RECORD: &str = "a record with t_us and board, and channel, pre_scale or all_off";
     let line: Line = serde_json::from_str(text).map_err(|e| unread(number, RECORD, text, &e))?;
+    if line.t_us > LONGEST_US || line.until_us.is_some_and(|us| us > LONGEST_US) {
+        return Err(Damage::of_line(number, "times of at most two days", text));
+    }
+    if line.until_us.is_some_and(|us| us < line.t_us) {
+        return Err(Damage::of_line(number, "an until_us from t_us on", text));
+    }
+    if line.channel.is_some_and(|channel| channel > 15) {
+        return Err(Damage::of_line(number, "a channel from 0 to 15", text));
+    }
+    if line.pre_scale.is_some_and(|n| n < Prescale::MIN.get()) {
+        return Err(Damage::of_line(number, "a pre_scale from 3 to 255", text));
+    }
     let Line { t_us, board, .. } = line;
     match line {
         Line {

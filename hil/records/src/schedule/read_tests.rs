@@ -40,6 +40,39 @@ fn damage_is_named_by_its_line() {
         (format!("{good}{{\"t_us\":20,\"board\":0}}"), 4, "a record"),
         (format!("{good}{entry}"), 4, "4096 ticks"),
         (format!("{good}{reason}"), 4, "a reason"),
+        (
+            good.replace("\"period_ns\":5079040", "\"period_ns\":0"),
+            1,
+            "period_ns 5079040",
+        ),
+        (
+            good.replace("\"pre_scale\":30", "\"pre_scale\":2"),
+            1,
+            "from 3 to 255",
+        ),
+        (
+            good.replace("\"soa_us\":", "\"soa_us\":99999999"),
+            1,
+            "two days",
+        ),
+        (
+            good.replace("\"t_us\":10", "\"t_us\":999999999999999"),
+            3,
+            "two days",
+        ),
+        (
+            format!(
+                "{good}{}",
+                entry.replace("5000", "5").replace(":30,", ":3,")
+            ),
+            4,
+            "until_us",
+        ),
+        (
+            format!("{good}{}", entry.replace("\"channel\":1", "\"channel\":16")),
+            4,
+            "0 to 15",
+        ),
     ] {
         let damage = damaged(&text).unwrap();
         assert_eq!(damage.line, line, "{damage}");

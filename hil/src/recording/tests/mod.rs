@@ -1,4 +1,3 @@
-//! Good, bad and real recordings.
+//! Real recordings.
 
-mod bad_csv;
 mod recordings;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_files::{LayoutFile, load_layout};
+use palpate_files::{Columns, LayoutFile, load_layout};
 
 use super::super::*;
 
@@ -23,11 +23,12 @@ fn every_grasp_recording_reads() {
         panic!("uskin-4x4 is a sensor");
     };
     let columns = Columns::of_skin(&layout);
+    let reading = Reading::at_rate(40.0);
     let mut read = 0;
     for trial in trials {
         for finger in ["xela_sensor1.csv", "xela_sensor2.csv"] {
             let path = trial.as_ref().unwrap().path().join(finger);
-            let table = read_taxel_csv(&path, &columns, Some(40.0)).unwrap();
+            let (table, _) = read_taxel_csv(&path, &columns, &reading).unwrap();
             assert!(table.frames() > 100);
             assert_eq!(table.time_us[1], 25_000);
             assert!(

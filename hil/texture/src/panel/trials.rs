@@ -6,12 +6,12 @@ use std::sync::Arc;
 use palpate_core::texture::{Control, ControlMap, Encoder, Ends, Stream};
 use palpate_core::units::Duration;
 use palpate_emulators::sensor::surface::Recording;
-use palpate_files::TextureModel;
+use palpate_files::{Rows, Take, TextureModel};
 use palpate_run::Failure;
 
 use super::stage::SHOWN;
 use crate::explore::features;
-use crate::rows::{Rows, Take, files};
+use crate::rows::files;
 
 /// From one latent vector to the next, as in the loop.
 const SOA: Duration = Duration::from_micros(58_500);
@@ -139,12 +139,13 @@ impl Label {
             count: model.features(),
         };
         let piece = |file: &PathBuf| {
-            let rows = Rows::read(file, take)?;
+            let mut rows = Rows::open(file, take, None)?;
+            let values: Vec<f32> = rows.rest()?;
             let length = wanted.min(rows.count());
             let first = (rows.count() - length) / 2;
-            let kept = rows.iter().skip(first).take(length);
+            let kept = values.chunks_exact(model.features()).skip(first);
             Ok(Source {
-                values: kept.flatten().copied().collect(),
+                values: kept.take(length).flatten().copied().collect(),
                 rate_hz,
                 what: file.display().to_string(),
             })

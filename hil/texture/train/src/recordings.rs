@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_texture::rows::{Rows, Take, files};
+use palpate_files::{Rows, Take, read_bytes};
+use palpate_texture::rows::files;
 
 use crate::failure::Failure;
 
@@ -34,6 +35,8 @@ pub struct Rating {
     pub friction: f32,
 }
 
+/// A blob of the iCub set has 4 MB; what is much larger is some other file.
+const MOST_BYTES: u64 = 256 << 20;
 /// The file of ratings in a folder of recordings.
 const RATINGS: &str = "ratings.csv";
 
@@ -52,8 +55,9 @@ impl Recordings {
         let mut columns = Vec::new();
         let mut all = Vec::new();
         for (name, path) in tables {
-            let (found, values) =
-                Rows::read(&path, Take::Prefixed { prefix, without })?.into_parts();
+            let mut rows = Rows::open(&path, Take::Prefixed { prefix, without }, None)?;
+            let found: Vec<String> = rows.names().map(str::to_owned).collect();
+            let values = rows.rest()?;
             if columns.is_empty() {
                 columns = found;
             } else if columns != found {
@@ -149,7 +153,7 @@ fn icub(blobs: &[(String, PathBuf)]) -> Result<Recordings, Failure> {
 
 /// The bytes of a NumPy file of version 1 with this type in C order.
 fn npy(path: &Path, kind: &str, width: usize) -> Result<Vec<u8>, Failure> {
-    let bytes = std::fs::read(path).map_err(|e| Failure::file(path, e))?;
+    let bytes = read_bytes(path, "a NumPy file", MOST_BYTES)?;
     let header = bytes
         .get(8..10)
         .map(|b| usize::from(b[0]) + 256 * usize::from(b[1]));

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use palpate_files::{
     DRIFT_S, Force, Path as TouchPath, PathKind, Scene, THRESHOLD_FLOOR, ThresholdFrom, Touch,
 };
-use palpate_hil::recording::recorded;
+use palpate_hil::recording::{Reading, recorded};
 use palpate_records::trace::Event;
 use palpate_run::{Failure, Input, Outcome};
 
@@ -254,7 +254,7 @@ fn recording(findings: &mut Findings) -> Result<(), Failure> {
             scene.drift_s = Some(DRIFT_S);
             scene.name = "recording".into();
         })?;
-        let (input, _) = recorded(&paths, &setup.sensor.value, Some(RECORDED_HZ))?;
+        let (input, _) = recorded(&paths, &setup.sensor.value, &Reading::at_rate(RECORDED_HZ))?;
         sweep.add((findings, case), kc, run(&setup, &input)?, &ALL);
     }
     let title = "Figure 4.5 from a recording: a gripper's finger on a box";

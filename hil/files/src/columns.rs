@@ -1,0 +1,217 @@
+//! Columns of a table: what a recording must hold, and which of a file's columns are taken.
+
+use super::layout::SensorLayout;
+
+/// What a recording of taxels must hold: `taxels` times `axes` columns, `txl1_x,txl1_y,txl1_z,...` (`_z` alone for
+/// one axis).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Columns {
+    /// Taxels per row.
+    pub taxels: usize,
+    /// 1 or 3.
+    pub axes: u8,
+    /// The layout that asks for them, for messages.
+    pub layout: String,
+}
+
+impl Columns {
+    /// One module's readings.
+    #[must_use]
+    pub fn of_module(layout: &SensorLayout, module: usize) -> Option<Self> {
+        Some(Self {
+            taxels: layout.modules.get(module)?.readings(),
+            axes: layout.axes,
+            layout: layout.name.clone(),
+        })
+    }
+
+    /// The whole skin's readings, module after module.
+    #[must_use]
+    pub fn of_skin(layout: &SensorLayout) -> Self {
+        Self {
+            taxels: layout.readings(),
+            axes: layout.axes,
+            layout: layout.name.clone(),
+        }
+    }
+
+    /// How many.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.taxels * usize::from(self.axes)
+    }
+
+    /// The name of a column, counted without the time.
+    #[must_use]
+    pub fn name(&self, index: usize) -> String {
+        let axes = usize::from(self.axes);
+        let axis = if axes == 1 {
+            "z"
+        } else {
+            ["x", "y", "z"][index % 3]
+        };
+        format!("txl{}_{axis}", index / axes + 1)
+    }
+
+    fn expected(&self) -> String {
+        let Self {
+            taxels,
+            axes,
+            layout,
+        } = self;
+        format!(
+            "{} taxel columns ({taxels} taxels of {axes} axes in layout `{layout}`)",
+            self.count()
+        )
+    }
+}
+
+/// Which columns of a table are taken.
+#[derive(Clone, Copy, Debug)]
+pub enum Take<'a> {
+    /// All of a recording of taxels, under their own names.
+    Taxels(&'a Columns),
+    /// So many columns of a header whose names begin with a prefix, in the order of the file.
+    Counted(&'a str, usize),
+    /// The features of a model by their names. Where it names none, or the file has no header: all columns but
+    /// times, of which there must be `count`.
+    Features {
+        /// The columns' names.
+        names: &'a [String],
+        /// How many.
+        count: usize,
+    },
+    /// Columns of a header whose names begin with a prefix, without those of some taxels.
+    Prefixed {
+        /// What names begin with.
+        prefix: &'a str,
+        /// Taxels left out: the part of a name before its first underscore.
+        without: &'a [String],
+    },
+}
+
+/// A column that is taken: where it stands, and what the header calls it; empty without a header.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Taken {
+    pub(super) place: usize,
+    pub(super) name: String,
+}
+
+/// Columns that say when, not what.
+pub(super) const TIMES: [&str; 3] = ["time_us", "timestamp", "time"];
+
+/// Key, expected and found.
+pub(super) type Wrong = (Option<String>, String, String);
+
+/// A field as messages show it.
+pub(super) fn shown(field: &str) -> String {
+    if field.is_empty() {
+        return "nothing".into();
+    }
+    let text: String = field.chars().take(40).collect();
+    format!("`{}`", text.escape_debug())
+}
+
+impl Take<'_> {
+    /// The columns to take by the fields of the first line; `time` is that of times.
+    pub(super) fn of(
+        self,
+        first: &[&str],
+        header: bool,
+        time: Option<usize>,
+    ) -> Result<Vec<Taken>, Wrong> {
+        let called = |place: usize| Taken {
+            place,
+            name: if header {
+                first[place].to_owned()
+            } else {
+                String::new()
+            },
+        };
+        let beginning = |prefix: &str, wanted: &dyn Fn(&str) -> bool| -> Vec<Taken> {
+            let fits = |c: &usize| header && first[*c].starts_with(prefix) && wanted(first[*c]);
+            (0..first.len()).filter(fits).map(called).collect()
+        };
+        match self {
+            Self::Taxels(columns) => taxels(first, columns, time),
+            Self::Counted(prefix, count) => {
+                let taken = beginning(prefix, &|_| true);
+                if taken.len() == count {
+                    return Ok(taken);
+                }
+                let expected = format!("{count} columns {prefix}* (--columns)");
+                Err((None, expected, taken.len().to_string()))
+            }
+            Self::Prefixed { prefix, without } => {
+                let wanted = |name: &str| {
+                    let taxel = name.split('_').next();
+                    !without.iter().any(|t| taxel == Some(t))
+                };
+                let taken = beginning(prefix, &wanted);
+                let missing = || {
+                    (
+                        None,
+                        format!("columns {prefix}*"),
+                        "none of that name".into(),
+                    )
+                };
+                (!taken.is_empty()).then_some(taken).ok_or_else(missing)
+            }
+            Self::Features { names, count } => {
+                let place = |name: &String| first.iter().position(|field| field == name);
+                if header && names.iter().any(|name| place(name).is_some()) {
+                    let missing =
+                        |name| (None, format!("a column {name}"), "none of that name".into());
+                    let named = |name| place(name).map(called).ok_or_else(|| missing(name));
+                    return names.iter().map(named).collect();
+                }
+                let is_time = |c: usize| header && TIMES.contains(&first[c]);
+                let taken: Vec<_> = (0..first.len())
+                    .filter(|&c| !is_time(c))
+                    .map(called)
+                    .collect();
+                if taken.len() == count {
+                    return Ok(taken);
+                }
+                let expected = match names {
+                    [] => format!("{count} columns beside times"),
+                    [name, ..] => {
+                        format!("the model's columns ({name}, ..), or {count} beside times")
+                    }
+                };
+                Err((None, expected, taken.len().to_string()))
+            }
+        }
+    }
+}
+
+/// The columns of a recording of taxels, which has no others but a time.
+fn taxels(first: &[&str], columns: &Columns, time: Option<usize>) -> Result<Vec<Taken>, Wrong> {
+    let places = (0..first.len()).filter(|place| Some(*place) != time);
+    let mut taken = Vec::new();
+    for (index, place) in places.enumerate() {
+        if index == columns.count() {
+            break;
+        }
+        let name = columns.name(index);
+        if first[place] != name {
+            let key = format!("column {}", place + 1);
+            let hint = if index == 0 {
+                " (--columns PREFIX and --time COLUMN:UNIT read other headers)"
+            } else {
+                ""
+            };
+            return Err((
+                Some(key),
+                format!("the header `{name}`{hint}"),
+                shown(first[place]),
+            ));
+        }
+        taken.push(Taken { place, name });
+    }
+    let found = first.len() - usize::from(time.is_some());
+    if found != columns.count() {
+        return Err((None, columns.expected(), found.to_string()));
+    }
+    Ok(taken)
+}

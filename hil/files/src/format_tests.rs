@@ -1,0 +1,63 @@
+//! Formats by their first bytes.
+
+use super::*;
+
+#[test]
+fn formats_are_told_by_their_first_bytes() {
+    for (start, format) in [
+        (&b"\x89MCAP0\r\n\x01"[..], Some(Format::Mcap)),
+        (b"(1436509052.249713) can0 104#93\n", Some(Format::Candump)),
+        (
+            b"{\"version\":1,\"seed\":1,\"scene_digest\":\"8\"}\n{",
+            Some(Format::Schedule),
+        ),
+        (b"frame,time_us,module,contact\n", Some(Format::Contacts)),
+        (
+            b"palpate contact path of idle (emulated)\n",
+            Some(Format::Golden),
+        ),
+        (
+            b"---\nsource: a.rs\n---\npalpate schedule of idle\n",
+            Some(Format::Golden),
+        ),
+        (b"$version palpate $end\n", Some(Format::Vcd)),
+        (b"<!DOCTYPE html>\n", Some(Format::Html)),
+        (
+            b"<?xml version=\"1.0\"?>\n<testsuites>",
+            Some(Format::Junit),
+        ),
+        (b"<?xml version=\"1.0\"?>\n<rss>", Some(Format::Xml)),
+        (b"<svg xmlns=\"..\">", Some(Format::Svg)),
+        (b"{\"a\": 1}", Some(Format::Json)),
+        (b"[{\"text\": 1}]", Some(Format::Json)),
+        (b"# a scene\nname = \"mine\"\n", Some(Format::Toml)),
+        (b"[[outputs]]\n", Some(Format::Toml)),
+        (b"\xEF\xBB\xBFtxl1_x,txl1_y\n1,2\n", Some(Format::Csv)),
+        (b"1,2\n3,4\n", Some(Format::Csv)),
+        (b"\x10\0\0\0\0\0\0\0{}", Some(Format::Safetensors)),
+        (b"hello\n", None),
+        (b"", None),
+    ] {
+        assert_eq!(Format::of(start), format, "{}", start.escape_ascii());
+    }
+    for start in [
+        &b"\0\0\0"[..],
+        b"\x1f\x8b\x08",
+        b"PK\x03\x04",
+        b"\xFF\xFEt\0",
+    ] {
+        assert!(matches!(Format::of(start), Some(Format::Binary(_))));
+    }
+}
+
+#[test]
+fn every_shipped_settings_file_is_toml() {
+    for name in palpate_fixtures::scene_names() {
+        let text = palpate_fixtures::scene(name).unwrap();
+        assert_eq!(Format::of(text.as_bytes()), Some(Format::Toml), "{name}");
+    }
+    for name in palpate_fixtures::layout_names() {
+        let text = palpate_fixtures::layout(name).unwrap();
+        assert_eq!(Format::of(text.as_bytes()), Some(Format::Toml), "{name}");
+    }
+}

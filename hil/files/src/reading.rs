@@ -1,0 +1,354 @@
+//! Files opened to be read: ordinary ones or streams of this program, whole within a bound or line by line.
+//!
+//! Every reader of a user's file begins here. What never ends, waits for a writer or holds no text is refused before
+//! it takes memory or time.
+
+use std::fmt;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::Path;
+
+use super::error::FileError;
+use super::format::Format;
+
+/// Longest settings file, bytes. The largest that ships has 40 KiB.
+pub const MOST_SETTINGS: u64 = 2 << 20;
+/// Longest line of a text, bytes, where its columns do not ask for more.
+pub const LONGEST_LINE: usize = 1 << 20;
+/// Longest run of NUL bytes that counts as the tail of a power cut.
+const MOST_NULS: u64 = 64 << 20;
+/// So much of a file tells its format.
+const START: usize = 4096;
+
+/// Opens an ordinary file, or a stream that this program was started with (`/dev/stdin`, `<(...)` of a shell).
+///
+/// # Errors
+/// `expected` with what is there instead: nothing, a folder, a device, a pipe with a name, or a file of another user.
+pub fn open(path: &Path, expected: &str) -> Result<File, FileError> {
+    let label = path.display().to_string();
+    let wrong = |found: String| FileError::whole(&label, expected, found);
+    let there = std::fs::metadata(path).map_err(|e| wrong(e.to_string()))?;
+    if there.is_dir() {
+        return Err(wrong("a folder".into()));
+    }
+    let piped = is_stream(path);
+    if !there.is_file() && !piped {
+        return Err(wrong(
+            "a device, a socket or a pipe with a name (a pipe comes in as /dev/stdin)".into(),
+        ));
+    }
+    let file = File::open(path).map_err(|e| wrong(e.to_string()))?;
+    // `/dev/stdin` may be a terminal or `/dev/zero`.
+    let opened = file.metadata().map_err(|e| wrong(e.to_string()))?;
+    if piped && is_device(&opened) {
+        return Err(wrong("a terminal or a device".into()));
+    }
+    Ok(file)
+}
+
+/// Whether a path names an open stream of this program.
+#[must_use]
+pub fn is_stream(path: &Path) -> bool {
+    [
+        "/dev/stdin",
+        "/dev/stdout",
+        "/dev/stderr",
+        "/dev/fd",
+        "/proc/self/fd",
+    ]
+    .iter()
+    .any(|stream| path.starts_with(stream))
+}
+
+#[cfg(unix)]
+fn is_device(there: &std::fs::Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    let kind = there.file_type();
+    kind.is_char_device() || kind.is_block_device()
+}
+
+#[cfg(not(unix))]
+fn is_device(_there: &std::fs::Metadata) -> bool {
+    false
+}
+
+/// A whole file of at most `most` bytes.
+///
+/// # Errors
+/// As [`open`], and a file that is longer.
+pub fn read_bytes(path: &Path, expected: &str, most: u64) -> Result<Vec<u8>, FileError> {
+    let label = path.display().to_string();
+    let file = open(path, expected)?;
+    let long = |bytes: String| {
+        let expected = format!("{expected} of at most {most} bytes");
+        FileError::whole(&label, expected, bytes)
+    };
+    let wrong = |e: io::Error| FileError::whole(&label, expected, e.to_string());
+    let length = file.metadata().map_err(wrong)?.len();
+    if length > most {
+        return Err(long(format!("{length} bytes")));
+    }
+    let mut bytes = Vec::new();
+    // A pipe has no length, and a file may grow.
+    file.take(most + 1).read_to_end(&mut bytes).map_err(wrong)?;
+    if bytes.len() as u64 > most {
+        return Err(long("more".into()));
+    }
+    Ok(bytes)
+}
+
+/// A whole text of at most `most` bytes.
+///
+/// # Errors
+/// As [`read_bytes`], and the line of the first byte that is no UTF-8.
+pub fn read_text(path: &Path, expected: &str, most: u64) -> Result<String, FileError> {
+    let bytes = read_bytes(path, expected, most)?;
+    let label = path.display().to_string();
+    if let Some(format) = Format::of(&bytes).filter(|f| !f.is_text()) {
+        return Err(FileError::whole(label, expected, format.noun()));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let good = error.utf8_error().valid_up_to();
+        let (before, rest) = error.as_bytes().split_at(good);
+        FileError {
+            line: Some(1 + before.iter().filter(|b| **b == b'\n').count()),
+            ..FileError::whole(
+                label,
+                "UTF-8 text",
+                format!("byte 0x{:02X}", rest.first().unwrap_or(&0)),
+            )
+        }
+    })
+}
+
+/// The format of an ordinary file by its first bytes; none of a stream, which can be read only once, and of what
+/// cannot be read.
+#[must_use]
+pub fn format_of(path: &Path) -> Option<Format> {
+    if is_stream(path) {
+        return None;
+    }
+    let mut start = Vec::new();
+    let file = open(path, "").ok()?;
+    file.take(START as u64).read_to_end(&mut start).ok()?;
+    Format::of(&start)
+}
+
+/// Bytes of a text as they come: no line is longer than allowed, and a tail of NULs, as a power cut leaves one, is
+/// held back with the line it stands in.
+pub struct Text<R> {
+    label: String,
+    input: R,
+    longest: usize,
+    /// The line that is being read, from 1, and its length so far.
+    line: usize,
+    length: usize,
+    /// NULs that were held back, and whether anything came before them.
+    nuls: u64,
+    begun: bool,
+}
+
+impl<R> fmt::Debug for Text<R> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Text")
+            .field("label", &self.label)
+            .field("line", &self.line)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Text<File> {
+    /// Opens a text whose lines have at most `longest` bytes.
+    ///
+    /// # Errors
+    /// As [`open`].
+    pub fn open(path: &Path, expected: &str, longest: usize) -> Result<Self, FileError> {
+        let file = open(path, expected)?;
+        Ok(Self::new(path.display().to_string(), file, longest))
+    }
+}
+
+impl<R: Read> Text<R> {
+    /// A text from any reader; `label` names it in errors.
+    pub fn new(label: impl Into<String>, input: R, longest: usize) -> Self {
+        Self {
+            label: label.into(),
+            input,
+            longest,
+            line: 1,
+            length: 0,
+            nuls: 0,
+            begun: false,
+        }
+    }
+
+    /// What a note says of a tail of NULs, once the end is reached.
+    #[must_use]
+    pub fn note(&self) -> Option<String> {
+        (self.nuls > 0).then(|| {
+            format!(
+                "{}:{}: the file ends in {} NUL bytes, as after a power cut; what stands before them was read",
+                self.label, self.line, self.nuls
+            )
+        })
+    }
+
+    fn refuse(&self, expected: String, found: String) -> io::Error {
+        io::Error::other(FileError {
+            line: Some(self.line),
+            ..FileError::whole(&self.label, expected, found)
+        })
+    }
+
+    /// Looks at what was read; how many bytes of it are text.
+    fn look(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let mut text = 0;
+        for piece in bytes.split_inclusive(|b| *b == b'\n' || *b == 0) {
+            if piece == [0] || piece.ends_with(&[0]) {
+                let before = piece.len() - 1;
+                if before > 0 && self.nuls > 0 {
+                    return Err(self.amid());
+                }
+                text += before;
+                self.length += before;
+                self.begun |= before > 0;
+                self.nuls += 1;
+                if !self.begun || self.nuls > MOST_NULS {
+                    let found = format!("{} NUL bytes or more", self.nuls);
+                    return Err(self.refuse("a text".into(), found));
+                }
+                continue;
+            }
+            if self.nuls > 0 {
+                return Err(self.amid());
+            }
+            self.begun = true;
+            self.length += piece.len();
+            if self.length > self.longest {
+                let expected = format!("a line of at most {} bytes", self.longest);
+                return Err(self.refuse(expected, "a longer one".into()));
+            }
+            text += piece.len();
+            if piece.ends_with(b"\n") {
+                self.line += 1;
+                self.length = 0;
+            }
+        }
+        Ok(text)
+    }
+
+    fn amid(&self) -> io::Error {
+        let found = format!("{} NUL bytes in the middle of the file", self.nuls);
+        self.refuse("text".into(), found)
+    }
+}
+
+impl<R: Read> Read for Text<R> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        loop {
+            let read = self.input.read(out)?;
+            if read == 0 {
+                return Ok(0);
+            }
+            let text = self.look(&out[..read])?;
+            if text > 0 {
+                return Ok(text); // NULs stand behind it
+            }
+        }
+    }
+}
+
+impl FileError {
+    /// What reading a [`Text`] came to: its own refusal, or what the system says.
+    #[must_use]
+    pub fn of_io(label: &str, expected: &str, error: io::Error) -> Self {
+        let own = error.get_ref().and_then(|e| e.downcast_ref::<Self>());
+        own.cloned()
+            .unwrap_or_else(|| Self::whole(label, expected, error.to_string()))
+    }
+}
+
+/// A text line by line.
+#[derive(Debug)]
+pub struct Lines<R> {
+    text: BufReader<Text<R>>,
+    line: Vec<u8>,
+    number: usize,
+}
+
+impl Lines<File> {
+    /// As [`Text::open`].
+    ///
+    /// # Errors
+    /// As [`open`].
+    pub fn open(path: &Path, expected: &str, longest: usize) -> Result<Self, FileError> {
+        Ok(Self::over(Text::open(path, expected, longest)?))
+    }
+}
+
+impl<R: Read> Lines<R> {
+    /// The lines of a text.
+    pub fn over(text: Text<R>) -> Self {
+        Self {
+            text: BufReader::with_capacity(1 << 16, text),
+            line: Vec::new(),
+            number: 0,
+        }
+    }
+
+    /// How errors name the file.
+    #[must_use]
+    pub fn label(&self) -> &str {
+        &self.text.get_ref().label
+    }
+
+    /// The format of what has not been read yet.
+    ///
+    /// # Errors
+    /// As [`Lines::advance`].
+    pub fn format(&mut self) -> Result<Option<Format>, FileError> {
+        let start = self.text.fill_buf().map(Format::of);
+        start.map_err(|e| FileError::of_io(self.label(), "a readable file", e))
+    }
+
+    /// The next line and its number, from 1, without its end and a byte order mark; none at the end of the text. The
+    /// line that NULs cut short is left out.
+    ///
+    /// # Errors
+    /// A line that is too long or no UTF-8, NULs before the end, what the system says.
+    pub fn advance(&mut self) -> Result<Option<(usize, &str)>, FileError> {
+        self.line.clear();
+        let read = self.text.read_until(b'\n', &mut self.line);
+        let read = read.map_err(|e| FileError::of_io(self.label(), "a readable file", e))?;
+        let torn = !self.line.ends_with(b"\n") && self.text.get_ref().nuls > 0;
+        if read == 0 || torn {
+            return Ok(None);
+        }
+        self.number += 1;
+        let mut line = self.line.as_slice();
+        if self.number == 1 {
+            line = line.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(line);
+        }
+        match std::str::from_utf8(line) {
+            Ok(line) => Ok(Some((self.number, line.trim_end_matches(['\n', '\r'])))),
+            Err(error) => Err(FileError {
+                line: Some(self.number),
+                ..FileError::whole(
+                    self.label(),
+                    "UTF-8 text",
+                    format!("byte 0x{:02X}", line[error.valid_up_to()]),
+                )
+            }),
+        }
+    }
+
+    /// As [`Text::note`].
+    #[must_use]
+    pub fn note(&self) -> Option<String> {
+        self.text.get_ref().note()
+    }
+}
+
+#[cfg(test)]
+#[path = "reading_tests.rs"]
+mod tests;
