@@ -346,6 +346,12 @@ impl<R: Read> Lines<R> {
         }
     }
 
+    /// Whether the line that was read last has no end: the file may have been cut in it.
+    #[must_use]
+    pub fn is_unfinished(&self) -> bool {
+        !self.line.ends_with(b"\n")
+    }
+
     /// As [`Text::note`].
     #[must_use]
     pub fn note(&self) -> Option<String> {
