@@ -163,6 +163,10 @@ impl Text<File> {
     /// # Errors
     /// As [`open`].
     pub fn open(path: &Path, expected: &str, longest: usize) -> Result<Self, FileError> {
+        if let Some(format) = format_of(path).filter(|f| !f.is_text()) {
+            let label = path.display().to_string();
+            return Err(FileError::whole(label, expected, format.noun()));
+        }
         let file = open(path, expected)?;
         Ok(Self::new(path.display().to_string(), file, longest))
     }
@@ -340,6 +344,12 @@ impl<R: Read> Lines<R> {
                 )
             }),
         }
+    }
+
+    /// Whether the line that was read last has no end: the file may have been cut in it.
+    #[must_use]
+    pub fn is_unfinished(&self) -> bool {
+        !self.line.ends_with(b"\n")
     }
 
     /// As [`Text::note`].

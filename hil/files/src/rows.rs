@@ -236,7 +236,11 @@ impl<R: Read> Rows<R> {
                 let late = |e: OutOfTime| {
                     wrong((key, e.expected, e.found.unwrap_or_else(|| shown(field))))
                 };
-                self.times.row(&place, us).map_err(late)?
+                let next = match self.stated && column.unit != TimeUnit::Us {
+                    true => self.times.coarse_row(&place, us),
+                    false => self.times.row(&place, us),
+                };
+                next.map_err(late)?
             }
         };
         self.count += 1;
@@ -285,7 +289,7 @@ impl<R: Read> Rows<R> {
                 ..FileError::whole(
                     self.lines.label(),
                     format!(
-                        "microseconds (--time {}:us if they are, :ms or :ns if they are those)",
+                        "microseconds (--time {}:us if they are, :ns if they are those)",
                         column.name
                     ),
                     format!("what looks like {looks}"),

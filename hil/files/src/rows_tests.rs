@@ -267,9 +267,9 @@ fn timed(text: &str, column: &str) -> Result<Vec<u64>, String> {
 /// As FabricSlide writes its files: milliseconds since something, other sensors before the taxels.
 #[test]
 fn headers_of_others_are_read_by_a_prefix_and_a_named_time() {
-    let text = "timestamp, proximity1, channel1, channel2\n4027818,0,63,154\n4027846,0,62,151\n";
+    let text = "timestamp, proximity1, channel1, channel2\n4027818,0,63,154\n4027846,0,62,151\n4027846,0,62,151\n";
     let times = timed(text, "timestamp:ms").unwrap();
-    assert_eq!(times, [4_027_818_000, 4_027_846_000]);
+    assert_eq!(times, [4_027_818_000, 4_027_846_000, 4_027_846_000]);
     assert_eq!(
         timed(text, "when:ms").unwrap_err(),
         "f.csv:1: expected a column when (--time), found `timestamp, proximity1, channel1, channel`"
@@ -287,11 +287,7 @@ fn times_that_are_no_microseconds_are_noticed_unless_stated() {
         let rows: String = (0..20).map(row).collect();
         format!("time_us,txl1_z,txl2_z\n{rows}")
     };
-    for (step, word) in [
-        (25_000_000, "nanoseconds"),
-        (1, "row numbers"),
-        (28, "milliseconds"),
-    ] {
+    for (step, word) in [(25_000_000, "nanoseconds"), (1, "row numbers")] {
         let text = rows(step);
         let message = say(text.as_bytes(), None);
         assert!(message.contains(&format!("looks like {word}")), "{message}");

@@ -12,8 +12,6 @@ const DISORDER_US: u64 = 1_000_000;
 const TELLING: usize = 16;
 /// A row per second and slower, by its numbers: they may be nanoseconds.
 const SLOW_US: u64 = 1_000_000;
-/// Faster than 5,000 rows per second, by its numbers: they may be milliseconds.
-const FAST_US: u64 = 200;
 
 /// What a column of times counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -142,7 +140,15 @@ impl Times {
     /// # Errors
     /// A time that is not later, a jump of the clock, a recording of more than a day.
     pub fn row(&mut self, place: &str, us: u64) -> Result<u64, OutOfTime> {
-        self.next(place, us, true)
+        self.next(place, us, Some(1))
+    }
+
+    /// The time of the next row, no earlier than the row before: clocks of milliseconds repeat themselves.
+    ///
+    /// # Errors
+    /// As [`Times::row`].
+    pub fn coarse_row(&mut self, place: &str, us: u64) -> Result<u64, OutOfTime> {
+        self.next(place, us, Some(0))
     }
 
     /// The time of the next frame, which may be a little earlier than the one before.
@@ -150,10 +156,11 @@ impl Times {
     /// # Errors
     /// A jump of the clock, a recording of more than a day.
     pub fn frame(&mut self, place: &str, us: u64) -> Result<u64, OutOfTime> {
-        self.next(place, us, false)
+        self.next(place, us, None)
     }
 
-    fn next(&mut self, place: &str, us: u64, rising: bool) -> Result<u64, OutOfTime> {
+    /// Rows are at least `least` microseconds apart; frames may be out of order.
+    fn next(&mut self, place: &str, us: u64, least: Option<i128>) -> Result<u64, OutOfTime> {
         let mut shifted = i128::from(us) + self.shift;
         if let Some(last) = self.last {
             let by = shifted - i128::from(last);
@@ -163,16 +170,17 @@ impl Times {
                 self.shift += to - shifted;
                 shifted = to;
                 self.notes.push(format!("{place}: {} taken out", jump(by)));
-            } else if jumped && (by > 0 || !rising) {
+            } else if jumped && (by > 0 || least.is_none()) {
                 return Err(OutOfTime {
                     expected: format!(
                         "a time near the one before, {last} us (--split-jumps plays what follows right after it)"
                     ),
                     found: Some(jump(by)),
                 });
-            } else if rising && by <= 0 {
+            } else if least.is_some_and(|least| by < least) {
                 let before = i128::from(last) - self.shift;
-                let expected = format!("more than the row before, {before}");
+                let more = if least == Some(0) { "no less" } else { "more" };
+                let expected = format!("{more} than the row before, {before}");
                 return Err(OutOfTime {
                     expected,
                     found: None,
@@ -214,9 +222,6 @@ impl Times {
         let every = |us: u64| length(us);
         match median {
             1 => Some("row numbers: give --rate HZ, and leave the column out".into()),
-            2..FAST_US => Some(format!(
-                "milliseconds: a row every {median} us is none of a skin"
-            )),
             SLOW_US.. => Some(format!(
                 "nanoseconds: they would be rows every {}",
                 every(median)

@@ -57,6 +57,9 @@ pub fn read_can_recording(
     let times = Times::new(split_jumps);
     match format_of(path) {
         Some(Format::Mcap) => parse_mcap(&label, open(path, EXPECTED)?, buses, times),
+        None if path.extension().is_some_and(|e| e == "mcap") => {
+            parse_mcap(&label, open(path, EXPECTED)?, buses, times)
+        }
         Some(Format::Candump) | None => parse(Lines::open(path, EXPECTED, LONGEST)?, buses, times),
         Some(format) => Err(FileError::whole(label, EXPECTED, format.noun())),
     }
@@ -201,7 +204,8 @@ fn parse<R: Read>(
                         format!("`{shown}`{}", after(frames.len())),
                     )
                 };
-                cut = Some((candump::is_cut(line) && !frames.is_empty(), error));
+                let is_cut = candump::is_cut(line) && !frames.is_empty();
+                cut = Some((is_cut && lines.is_unfinished(), error));
             }
         }
     }

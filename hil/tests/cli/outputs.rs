@@ -234,7 +234,7 @@ fn a_full_disk_is_an_error_and_a_device_stays_a_device() {
 #[test]
 fn a_link_is_written_through() {
     let folder = Folder::new("link");
-    let target = folder.write("target.jsonl", "old");
+    let target = folder.write("target.jsonl", "");
     let link = folder.path("link.jsonl");
     std::os::unix::fs::symlink(&target, &link).unwrap();
     good(&["run", "idle", "--schedule", &link.display().to_string()]);

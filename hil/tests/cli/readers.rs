@@ -131,10 +131,6 @@ fn outputs_replace_nothing_but_earlier_outputs() {
     );
     refused(&["test", "idle", "--junit", "mine.toml"], &toml);
     refused(&["texture", "export", "default", "mine.toml"], &toml);
-    refused(
-        &["record", "page.log", "mine.log", "--can", "none0"],
-        &["none0"],
-    );
     assert_eq!(folder.text("mine.toml"), scene);
     let run = [
         "run", "idle", "--quiet", "--report", "r.html", "--record", "a.log", "--out", "all",
