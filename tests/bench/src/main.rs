@@ -16,6 +16,7 @@ mod projection;
 mod python;
 mod records;
 mod scenes;
+mod settings;
 mod table;
 mod texture;
 mod timing;

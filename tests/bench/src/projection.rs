@@ -1,5 +1,4 @@
-//! The whole loop on one 4x4 module: 16 CAN frames in, contacts, and stimuli out when they are due; and what is felt
-//! against the time it takes.
+//! The whole loop on one 4x4 module: 16 CAN frames in, contacts, and stimuli out when they are due.
 
 use std::cell::Cell;
 use std::convert::Infallible;
@@ -15,14 +14,12 @@ use palpate_core::projector::{Observer, Projector};
 use palpate_core::schedule::Entry;
 use palpate_core::skin::{Module, UskinCan};
 use palpate_core::units::{Duration, Instant};
-use palpate_files::{Scene, Setup};
+use palpate_files::Setup;
 use palpate_hil::clock;
-use palpate_run::{Failure, Input, plan};
+use palpate_run::{Failure, plan};
 
 use crate::findings::{Findings, NO_ERROR};
-use crate::plot::{Axis, Mark, Plot, Series};
 use crate::presses::{self, Presses, ROUND};
-use crate::scenes::{self, changed, frame_us};
 use crate::timing::Samples;
 
 /// Calls of the loop; the first tenth warms up.
@@ -178,7 +175,7 @@ pub fn measure() -> Result<Findings, Failure> {
     let mut findings = Findings::new("loop");
     frames(&mut findings)?;
     crate::guard::measure(&mut findings)?;
-    felt(&mut findings)?;
+    crate::settings::measure(&mut findings)?;
     Ok(findings)
 }
 
@@ -211,95 +208,6 @@ fn frames(findings: &mut Findings) -> Result<(), Failure> {
         "default: nothing due. {:.1} wires driven per onset; the guard changed {} stimuli.",
         times.tally.stimuli as f64 / times.onsets as f64,
         times.tally.limited
-    ));
-    Ok(())
-}
-
-/// A setting of the loop: its name, its values, a method's name for one of them, and what that changes.
-struct Sweep {
-    name: &'static str,
-    values: &'static [f64],
-    method: fn(f64) -> String,
-    change: fn(&mut Scene, f64),
-}
-
-const SWEEPS: [Sweep; 6] = [
-    Sweep {
-        name: "default",
-        values: &[0.0],
-        method: |_| "default".into(),
-        change: |_, _| (),
-    },
-    Sweep {
-        name: "K_C",
-        values: &[2.0, 4.0, 8.0, 16.0],
-        method: |kc| format!("K={kc}"),
-        change: |s, kc| s.compression.kc = kc as u32,
-    },
-    Sweep {
-        name: "K_C, one iteration",
-        values: &[4.0, 16.0],
-        method: |kc| format!("K={kc}, iterations 1"),
-        change: |s, kc| {
-            s.compression.kc = kc as u32;
-            s.compression.iterations = 1;
-        },
-    },
-    Sweep {
-        name: "cadence",
-        values: &[40.0, 80.0, 105.0, 125.0],
-        method: |ms| format!("SOA {ms} ms"),
-        change: |s, ms| s.illusion.soa_ms = Some(ms),
-    },
-    Sweep {
-        name: "weights",
-        values: &[0.0, 1.0, 4.0],
-        method: |p| format!("p={p}"),
-        change: |s, p| s.compression.weight_exponent = p,
-    },
-    Sweep {
-        name: "frames left out",
-        values: &[25.0, 50.0],
-        method: |hz| format!("{hz} Hz"),
-        change: |s, hz| {
-            s.rate_hz = hz;
-            s.reference_frames = 10;
-        },
-    },
-];
-
-/// Felt error against the time of the loop, over every setting of [`SWEEPS`].
-fn felt(findings: &mut Findings) -> Result<(), Failure> {
-    let mut series = Vec::new();
-    for sweep in SWEEPS {
-        let mut points = Vec::new();
-        for &value in sweep.values {
-            let setup = changed("sphere-circle", |scene| (sweep.change)(scene, value))?;
-            let outcome = scenes::run(&setup, &Input::Scene)?;
-            // The loop's whole time per second of the scene: frames left out cost nothing.
-            // The median stands for every frame, so that a machine with other work to do does not count.
-            let frames = f64::from(outcome.summary.frames);
-            let spent = frame_us(&outcome) * frames / setup.scene.value.length_s;
-            let error = outcome.summary.felt_error_mm.rmse.unwrap_or(f64::NAN);
-            let case = "felt sphere-circle, per second";
-            let method = (sweep.method)(value);
-            findings.row(case, &method, (error, "mm felt RMSE"), spent);
-            points.push((spent, error));
-        }
-        let mark = match sweep.name {
-            "default" => Mark::Ours,
-            _ => Mark::Swept,
-        };
-        series.push(Series::new(sweep.name, mark, points));
-    }
-    let plot = Plot {
-        x: Axis::decades("time of the loop per second of touch [\u{b5}s]"),
-        ..Plot::work_precision("felt RMSE [mm]", series)
-    };
-    findings.figures.push(plot.figure(
-        "felt",
-        "Felt error against the time of the whole loop",
-        "Further left is faster, further down is more accurate.",
     ));
     Ok(())
 }

@@ -1,7 +1,6 @@
-//! Compression: clustering and levels beside peers, whole frames of skins of every size, what noise and settings do to
-//! the path, and the thesis's figures 4.5 to 4.7.
+//! Compression: clustering and levels beside peers, whole frames of skins of every size, and the thesis's figures 4.5 to
+//! 4.7.
 
-mod accuracy;
 mod clouds;
 mod figures;
 mod frames;
@@ -20,7 +19,6 @@ pub fn measure() -> Result<Findings, Failure> {
     let mut findings = Findings::new("compression");
     kernels::measure(&mut findings)?;
     frames::measure(&mut findings)?;
-    accuracy::measure(&mut findings)?;
     figures::measure(&mut findings)?;
     Ok(findings)
 }
