@@ -210,12 +210,7 @@ impl<R: Read> Rows<R> {
             return Err(wrong((None, expected, width.to_string())));
         }
         if next < self.taken.len() {
-            let all: Vec<&str> = fields(text).collect();
-            values.clear();
-            for taken in &self.taken {
-                let field = all.get(taken.place).copied().unwrap_or_default();
-                values.push(number(field, taken).map_err(wrong)?);
-            }
+            *values = looked_up(text, &self.taken).map_err(wrong)?;
         }
         let time_us = match &self.clock {
             Clock::None => 0,
@@ -324,6 +319,13 @@ fn fields(line: &str) -> impl Iterator<Item = &str> {
         let quoted = field.strip_prefix('"').and_then(|f| f.strip_suffix('"'));
         quoted.unwrap_or(field)
     })
+}
+
+/// The columns taken of a row, in whatever order they stand.
+fn looked_up<V: Number>(text: &str, taken: &[Taken]) -> Result<Vec<V>, Wrong> {
+    let all: Vec<&str> = fields(text).collect();
+    let field = |t: &Taken| number(all.get(t.place).copied().unwrap_or_default(), t);
+    taken.iter().map(field).collect()
 }
 
 fn number<V: Number>(field: &str, taken: &Taken) -> Result<V, Wrong> {

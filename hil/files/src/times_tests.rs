@@ -33,9 +33,8 @@ fn a_jump_is_refused_or_taken_out() {
         times.take_notes(),
         ["f: a jump of the clock, 53.9 years ahead taken out"]
     );
-    let back: Vec<u64> = PI.iter().rev().copied().step_by(2).collect();
-    let split = all(&mut Times::new(true), &back).unwrap();
-    assert_eq!(split[1..], [back[0] + 1, back[0] + 2]);
+    let split = all(&mut Times::new(true), &[PI[2], PI[0]]).unwrap();
+    assert_eq!(split, [PI[2], PI[2] + 1]);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use palpate_core::bus::Received;
 use palpate_core::units::Instant;
 use palpate_records::{candump, mcap};
 
-use palpate_files::{FileError, Format, Lines, Times, format_of, open};
+use palpate_files::{FileError, Format, Lines, OutOfTime, Times, format_of, open};
 
 /// Frames of a recorded bus.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -171,14 +171,8 @@ fn parse<R: Read>(
             Ok(Some(logged)) => {
                 let place = format!("{label}:{number}");
                 let us = logged.at.as_micros();
-                let time = times.frame(&place, us).map_err(|e| FileError {
-                    line: Some(number),
-                    ..FileError::whole(
-                        &label,
-                        e.expected,
-                        e.found.unwrap_or_else(|| format!("{us} us")),
-                    )
-                })?;
+                let time = times.frame(&place, us);
+                let time = time.map_err(|e| out_of_time(&label, number, us, e))?;
                 let known = names.iter().position(|name| *name == logged.interface);
                 let bus = known.unwrap_or_else(|| {
                     names.push(logged.interface);
@@ -195,15 +189,7 @@ fn parse<R: Read>(
             }
             Ok(None) => other_kinds += 1,
             Err(expected) => {
-                let shown: String = line.chars().take(60).collect();
-                let error = FileError {
-                    line: Some(number),
-                    ..FileError::whole(
-                        &label,
-                        expected,
-                        format!("`{shown}`{}", after(frames.len())),
-                    )
-                };
+                let error = malformed(&label, number, (expected, line), frames.len());
                 let is_cut = candump::is_cut(line) && !frames.is_empty();
                 cut = Some((is_cut && lines.is_unfinished(), error));
             }
@@ -242,6 +228,28 @@ fn parse<R: Read>(
         interfaces,
         notes,
     })
+}
+
+fn out_of_time(label: &str, line: usize, us: u64, e: OutOfTime) -> FileError {
+    let found = e.found.unwrap_or_else(|| format!("{us} us"));
+    FileError {
+        line: Some(line),
+        ..FileError::whole(label, e.expected, found)
+    }
+}
+
+/// A line that is not what was expected, behind so many frames.
+fn malformed(
+    label: &str,
+    number: usize,
+    (expected, line): (&str, &str),
+    frames: usize,
+) -> FileError {
+    let shown: String = line.chars().take(60).collect();
+    FileError {
+        line: Some(number),
+        ..FileError::whole(label, expected, format!("`{shown}`{}", after(frames)))
+    }
 }
 
 /// What was whole before a malformed line.

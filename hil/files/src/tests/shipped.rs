@@ -159,7 +159,7 @@ fn files_are_found_beside_the_file_that_names_them() {
     let whole = folder.to_string_lossy().into_owned();
     let error = load_scene(&whole).unwrap_err();
     assert_eq!((error.path.as_str(), error.line), (&*whole, None));
-    assert_eq!(error.expected, "a readable file");
+    assert_eq!(error.expected, "a settings file (TOML)");
     let empty = write("empty.toml", "\n".into());
     assert_eq!(
         load_scene(&empty).unwrap_err().to_string(),
