@@ -52,7 +52,8 @@ fn write(scene: &str, found: &Comparison, out: &mut dyn Write) -> io::Result<()>
     }
     let coverage = &found.coverage;
     let begins = found.offset_s.map_or_else(String::new, |s| {
-        format!(", the capture begins at {s:.3} s of the run")
+        let rounded = (s * 1e3).round() / 1e3 + 0.0; // no minus before a zero
+        format!(", the capture begins at {rounded:.3} s of the run")
     });
     writeln!(
         out,

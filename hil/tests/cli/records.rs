@@ -126,7 +126,9 @@ fn a_capture_of_the_pins_is_held_against_the_schedule() {
     assert!(said.out.starts_with("INCOMPLETE: "), "{}", said.out);
     let (_, window) = said.out.split_once("--window ").unwrap();
     let (window, _) = window.split_once('`').unwrap();
-    assert!(good(&["diff", &plan, &half, "--window", window]).starts_with("OK\n"));
+    let said = hil(&["diff", &plan, &half, "--window", window]);
+    assert!(said.out.starts_with("OK\n"), "{}", said.out);
+    assert_eq!(said.status, Some(0), "{}", said.err);
     refused_with(&["diff", &plan, &half, "--window", "2..1"], &["FROM..TO"]);
     refused_with(&["diff", &plan, &plan, "--window", "1..2"], &["--window"]);
     // A wire that never comes on.
