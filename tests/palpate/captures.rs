@@ -3,8 +3,9 @@
 use std::sync::OnceLock;
 
 use palpate_files::Setup;
-use palpate_hil::capture::{Capture, Comparison, Signal, Verdict, compare};
+use palpate_hil::capture::{Capture, Comparison, Signal, compare};
 use palpate_records::trace::{Event, Trace};
+use palpate_records::verdict::Verdict;
 use palpate_run::{Input, run};
 use proptest::prelude::*;
 

@@ -104,7 +104,7 @@ channel = 16
         "f.toml:7: real.can: expected a number from 1 to 16 interfaces",
         "f.toml:9: real.heartbeat_ms: expected a number from 10",
         "f.toml:11: drive.current_ma: expected a number from 1 to 5000 mA",
-        "f.toml:13: outputs[0].board: expected a number from 64",
+        "f.toml:13: outputs[0].board: expected 0x40 to 0x77",
         "f.toml:14: outputs[0].channel: expected a number from 0 to 15",
         "f.toml:12: outputs: expected 8 outputs",
     ] {

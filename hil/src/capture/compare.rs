@@ -10,7 +10,7 @@ use super::coverage::{Coverage, driven};
 use super::edges::Capture;
 use super::plan::{Output, Plan, Span, bursts};
 use super::tally::{Clock, Grids, Tally, tally};
-use super::verdict::{Conclusion, Verdict};
+use palpate_records::verdict::{Conclusion, Verdict};
 use palpate_run::Failure;
 
 /// Slowest and fastest oscillators seen of the chip, over the nominal 25 MHz.

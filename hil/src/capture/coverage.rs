@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::plan::{Output, Plan, Span};
 use super::tally::Tally;
-use super::verdict::{Conclusion, Verdict};
+use palpate_records::verdict::{Conclusion, Verdict};
 
 /// What was seen of what the window plans.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -11,13 +11,11 @@ mod csv;
 mod edges;
 mod plan;
 mod tally;
-mod verdict;
 
 pub use align::Pins;
 pub use compare::{Comparison, Measurement, compare};
 pub use coverage::Coverage;
 pub use edges::{Capture, Signal};
-pub use verdict::{Conclusion, Verdict};
 
 use std::path::Path;
 

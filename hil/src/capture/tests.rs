@@ -8,6 +8,7 @@ use palpate_records::vcd::write_vcd;
 
 use super::*;
 use palpate_files::Setup;
+use palpate_records::verdict::Verdict;
 use palpate_run::Failure;
 use palpate_run::{Input, run};
 

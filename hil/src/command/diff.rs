@@ -22,7 +22,7 @@ use palpate_run::Failure;
 /// [`Failure::Input`] for a file that is none of ours, [`Failure::Check`] where a difference means something.
 pub fn diff(args: &DiffArgs, color: Color) -> Result<(), Failure> {
     if is_capture(&args.a, &args.b) {
-        return pins(args);
+        return pins(args, color);
     }
     if args.window.is_some() {
         return Err(Failure::Input(

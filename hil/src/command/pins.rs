@@ -4,10 +4,11 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use palpate_records::schedule::read_schedule;
+use palpate_records::verdict::Verdict;
 
 use super::schedules::{damaged, read_log, wires};
-use crate::capture::{self, Comparison, Measurement, Verdict};
-use crate::cli::DiffArgs;
+use crate::capture::{self, Comparison, Measurement};
+use crate::cli::{Color, DiffArgs};
 use crate::output::{note, print};
 use palpate_run::Failure;
 
@@ -23,7 +24,7 @@ pub(super) fn is_capture(a: &Path, b: &Path) -> bool {
 /// # Errors
 /// [`Failure::Input`] for a file of another kind, [`Failure::Check`] where a measurement is outside its limits or
 /// the capture lacks something that was planned.
-pub(super) fn pins(args: &DiffArgs) -> Result<(), Failure> {
+pub(super) fn pins(args: &DiffArgs, color: Color) -> Result<(), Failure> {
     let label = args.a.display().to_string();
     let text = read_log(&args.a, "a schedule (.jsonl)")?;
     let trace = read_schedule(&text, wires).map_err(|damage| damaged(&label, damage))?;
@@ -36,20 +37,18 @@ pub(super) fn pins(args: &DiffArgs) -> Result<(), Failure> {
         })?;
     } else if !args.quiet {
         found.notes.iter().for_each(|text| note(text));
-        print(|out| write(&trace.header.scene, &found, out))?;
+        let colored = color.on(&io::stdout());
+        print(|out| write(&trace.header.scene, &found, colored, out))?;
     }
     match found.conclusion.verdict {
         Verdict::Ok => Ok(()),
-        Verdict::Incomplete | Verdict::Failed => Err(Failure::Check(String::new())),
+        _ => Err(Failure::Check(String::new())),
     }
 }
 
 /// Verdict and reasons, coverage, then the measurements, those outside their limits first.
-fn write(scene: &str, found: &Comparison, out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "{}", found.conclusion.line())?;
-    for why in found.conclusion.why.iter().skip(1) {
-        writeln!(out, "  {why}")?;
-    }
+fn write(scene: &str, found: &Comparison, colored: bool, out: &mut dyn Write) -> io::Result<()> {
+    found.conclusion.write(out, colored)?;
     let coverage = &found.coverage;
     let begins = found.offset_s.map_or_else(String::new, |s| {
         let rounded = (s * 1e3).round() / 1e3 + 0.0; // no minus before a zero

@@ -23,7 +23,7 @@ pub fn page(verdict: Verdict, counts: &str, suites: &[(String, Vec<Trial>)]) -> 
         escape(counts)
     );
     for (bench, trials) in suites {
-        let _ = write!(out, "<section><h2>On {}</h2>\n", escape(bench));
+        let _ = writeln!(out, "<section><h2>On {}</h2>", escape(bench));
         trials.iter().for_each(|trial| line(&mut out, trial));
         out.push_str("</section>\n");
     }

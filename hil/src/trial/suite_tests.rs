@@ -32,7 +32,7 @@ fn a_folder_gives_its_scenes_and_benches_in_order_and_skips_what_is_none() {
     assert_eq!(names, ["sphere-along", "sphere-circle"]);
     assert_eq!(suite.benches, [folder.join("bench.toml")]);
     assert_eq!(suite.quarantine, Some(folder.join("quarantine.toml")));
-    let some = Suite::collect(&[target.clone()], Some("circle")).unwrap();
+    let some = Suite::collect(std::slice::from_ref(&target), Some("circle")).unwrap();
     assert_eq!(some.members.len(), 1);
     write("c.toml", "lenght = \n");
     let error = Suite::collect(&[target], None).unwrap_err().to_string();

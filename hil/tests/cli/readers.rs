@@ -1,7 +1,9 @@
 //! Files that never end, are of another kind, come from another program or would be lost: every command that takes
 //! or writes one.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use palpate_hil::clock;
 
 use super::*;
 
@@ -43,7 +45,7 @@ fn every_reader_refuses_what_never_ends() {
     assert!(fifo.unwrap().success());
     for file in ["/dev/zero", "sparse", "line", "pipe", ".", "nowhere"] {
         for args in READERS {
-            let begun = Instant::now();
+            let begun = clock::now();
             let said = hil_in(&folder.0, &with(args, file));
             let took = begun.elapsed();
             assert_eq!(said.status, Some(2), "{args:?} {file}: {}", said.err);
