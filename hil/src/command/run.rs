@@ -12,6 +12,7 @@ use palpate_records::vcd::write_vcd;
 use palpate_records::verdict::Verdict;
 
 use crate::cli::{Color, RunArgs, Switch};
+use crate::clock;
 use crate::host::Onlooker;
 use crate::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
 use crate::real::{self, Told};
@@ -368,6 +369,20 @@ fn overrides(args: &RunArgs) -> Result<Overrides, Failure> {
     Ok(overrides)
 }
 
+/// The command line, when and where.
+fn made() -> Vec<(&'static str, String)> {
+    let words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
+    let mut made = vec![
+        ("command", words.collect::<Vec<_>>().join(" ")),
+        ("palpate", env!("CARGO_PKG_VERSION").to_owned()),
+        ("date", clock::date(clock::unix_us())),
+    ];
+    if let Ok(host) = std::fs::read_to_string("/proc/sys/kernel/hostname") {
+        made.push(("host", host.trim().to_owned()));
+    }
+    made
+}
+
 fn report(outcome: &Outcome) -> String {
     let s = &outcome.summary;
     let row = |name: &str, value: String, unit: &str| SummaryRow {
@@ -393,6 +408,7 @@ fn report(outcome: &Outcome) -> String {
             frame_us: &outcome.frame_us,
             summary: &rows,
             warmth: &outcome.warmth,
+            made: &made(),
             conclusion: Some(&s.conclusion),
         },
     )

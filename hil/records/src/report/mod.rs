@@ -50,6 +50,8 @@ pub struct ReportExtras<'a> {
     pub summary: &'a [SummaryRow],
     /// The emulated finger over time, where there is one.
     pub warmth: &'a [Warmth],
+    /// How the page was made, such as command, date and host: names and values, shown with the facts of the run.
+    pub made: &'a [(&'static str, String)],
     /// How the run ended; without it the page says what its ledger shows.
     pub conclusion: Option<&'a Conclusion>,
 }
@@ -64,15 +66,16 @@ pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
          <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
          <title>{scene} \u{b7} palpate</title>\n<style>\n{STYLE}</style></head>\n<body><main>"
     );
-    tables::head(&mut page, trace);
+    tables::heading(&mut page, trace);
     tables::verdict(&mut page, trace, extras.conclusion);
-    tables::summary(&mut page, trace, extras);
+    tables::facts(&mut page, trace, extras.made);
     thermal::section(&mut page, trace, extras.warmth);
     figures::planes(&mut page, trace);
     figures::frames(&mut page, trace, extras);
     texture::section(&mut page, trace);
     figures::temperatures(&mut page, trace);
     figures::schedule(&mut page, trace);
+    tables::summary(&mut page, trace, extras);
     tables::events(&mut page, trace);
     let _ = writeln!(
         page,

@@ -47,8 +47,8 @@ pub(super) fn verdict(page: &mut String, trace: &Trace, known: Option<&Conclusio
     );
 }
 
-/// Name, whether real, and what was run.
-pub(super) fn head(page: &mut String, trace: &Trace) {
+/// Name, and whether real.
+pub(super) fn heading(page: &mut String, trace: &Trace) {
     let h = &trace.header;
     let (class, word) = match h.source {
         Source::Emulated => ("", "EMULATED"),
@@ -56,9 +56,15 @@ pub(super) fn head(page: &mut String, trace: &Trace) {
     };
     let _ = writeln!(
         page,
-        "<header><h1>{}</h1><span class=\"badge{class}\">{word}</span></header>\n<dl>",
+        "<header><h1>{}</h1><span class=\"badge{class}\">{word}</span></header>",
         escape(&title(&h.scene))
     );
+}
+
+/// What was run, and how the page was made.
+pub(super) fn facts(page: &mut String, trace: &Trace, made: &[(&'static str, String)]) {
+    let h = &trace.header;
+    page.push_str("<dl>");
     let frames = trace
         .events
         .iter()
@@ -92,7 +98,7 @@ pub(super) fn head(page: &mut String, trace: &Trace) {
         ("scene digest", h.scene_digest.clone()),
         ("limits digest", h.limits_digest.clone()),
     ];
-    for (name, value) in facts {
+    for (name, value) in made.iter().cloned().chain(facts) {
         let _ = write!(
             page,
             "<div><dt>{name}</dt><dd>{}</dd></div>",

@@ -50,12 +50,19 @@ fn a_run_becomes_one_page_that_needs_nothing() {
             frame_us: &times,
             summary: &rows,
             warmth: &[],
+            made: &[("command", "hil run <a> & b".to_owned())],
             conclusion: None,
         },
     );
     sound(&page);
     show("report.html", &page);
     assert!(page.contains("EMULATED") && page.contains("196.888"));
+    assert!(page.contains("hil run &lt;a&gt; &amp; b"));
+    let at = |text: &str| page.find(text).unwrap();
+    assert!(
+        at("class=\"verdict") < at("<dl>") && at("<svg") < at("<table>"),
+        "pictures before tables"
+    );
     assert!(page.contains("wall time") && page.contains("path error"));
     assert!(page.len() < 1_000_000, "{} bytes", page.len());
 }
