@@ -17,6 +17,7 @@ use palpate_files::{
 };
 use palpate_records::verdict::Verdict;
 use palpate_run::Failure;
+use serde::Serialize;
 
 use super::devices::bench_with;
 
@@ -388,9 +389,20 @@ fn json(
     };
     let trials: Vec<serde_json::Value> = suites.iter().flat_map(of).collect();
     let benches: Vec<&str> = suites.iter().map(|(bench, _)| bench.as_str()).collect();
-    let all = serde_json::json!({
-        "verdict": verdict, "bench": benches.join(", "), "source": source, "trials": trials,
-    });
+    /// In this order: the verdict first.
+    #[derive(Serialize)]
+    struct All<'a> {
+        verdict: Verdict,
+        bench: String,
+        source: &'a str,
+        trials: Vec<serde_json::Value>,
+    }
+    let all = All {
+        verdict,
+        bench: benches.join(", "),
+        source,
+        trials,
+    };
     serde_json::to_writer(&mut *out, &all)?;
     writeln!(out)
 }

@@ -70,13 +70,15 @@ fn scenes_are_trials_by_what_the_bench_can_do() {
     assert_eq!(failed.status.code(), Some(1), "{}", text(&failed.stderr));
     assert_eq!(result(&text(&failed.stdout))["verdict"], "failed");
 
-    // What the bench lacks is named, and nothing is run.
+    // What the bench lacks is named and nothing is run, which is no success.
     for (name, bench, lacks) in [
         ("stuck-amplifier", bench.to_string(), "fault injection"),
         ("sphere-along", ward.bench().display().to_string(), "touch"),
         ("allegro-four-buses", bench.to_string(), "4 CAN interfaces"),
     ] {
-        let trial = result(&sh(&format!("{hil} test {name} --bench {bench} --json")));
+        let said = try_sh(&format!("{hil} test {name} --bench {bench} --json"));
+        assert_eq!(said.status.code(), Some(1), "{}", text(&said.stderr));
+        let trial = result(&text(&said.stdout));
         assert_eq!(trial["verdict"], "skipped", "{trial}");
         assert!(trial["why"][0].as_str().unwrap().contains(lacks), "{trial}");
     }
