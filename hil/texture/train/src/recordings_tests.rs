@@ -57,7 +57,10 @@ fn tables_are_read_by_the_names_of_columns_and_files() {
 
     folder.write("c_1.csv", "time,txl1_x,txl2_x\n1,3,4\n2,NaN,6\n");
     let said = folder.read(&[]).unwrap_err();
-    assert!(said.contains("c_1.csv:3: column 2: expected a finite number, found NaN"));
+    assert!(
+        said.contains("c_1.csv:3: column 2 (txl1_x): expected a finite number, found `NaN`"),
+        "{said}"
+    );
     folder.write("c_1.csv", "txl1_x\n1\n");
     assert!(
         folder
