@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use palpate_files::read_text;
 use palpate_records::diff::{Tolerance, compare};
 use palpate_records::story::Story;
 use palpate_records::trace::Trace;
@@ -12,6 +13,8 @@ use palpate_run::Failure;
 
 use crate::output::{make_folder, write_file};
 
+/// Largest golden, bytes: hundreds of times what one has.
+const LARGEST: u64 = 32 << 20;
 /// Differences told of one golden.
 const TOLD: usize = 3;
 
@@ -83,8 +86,15 @@ impl Goldens {
     /// A file that cannot be written.
     pub fn check(&self, trace: &Trace, wrong: &mut Conclusion) -> Result<(), Failure> {
         for kept in self.kept(trace) {
-            let Ok(text) = fs::read_to_string(&kept.path) else {
-                continue; // none is kept of this scene
+            if !kept.path.exists() {
+                continue; // none is kept of this kind
+            }
+            let text = match read_text(&kept.path, "a golden", LARGEST) {
+                Ok(text) => text,
+                Err(error) => {
+                    wrong.add(Verdict::Failed, error.to_string());
+                    continue;
+                }
             };
             let path = kept.path.display();
             let old = match Story::read(&text) {

@@ -11,7 +11,7 @@ use palpate_run::Failure;
 
 /// Folders of build systems, which hold no scenes but may hold many files.
 const SKIPPED: [&str; 2] = ["target", "node_modules"];
-/// How deep folders are searched: a link in a circle ends there.
+/// How deep folders are searched.
 const DEPTH: usize = 8;
 /// What a folder's own quarantine is called.
 const QUARANTINE: &str = "quarantine.toml";
@@ -115,7 +115,8 @@ impl Suite {
                 continue;
             }
             if path.is_dir() {
-                if depth > 0 {
+                // A linked folder may lie above this one, and its scenes would be tried twice.
+                if depth > 0 && !path.is_symlink() {
                     self.search(&path, depth - 1)?;
                 }
                 continue;

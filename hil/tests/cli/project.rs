@@ -63,6 +63,14 @@ fn a_folder_is_a_suite_with_goldens_that_are_reviewed_without_cargo() {
     good(&["test", &place]);
     good(&["test", &place, "--last-failed"]);
 
+    // A golden that cannot be read is no golden that agrees.
+    let kept = fs::read(&golden).unwrap();
+    fs::write(&golden, b"---\nsource: x\n---\npalpate \xFF\n").unwrap();
+    let torn = hil(&["test", &place]);
+    assert_eq!(torn.status, Some(1), "{}", torn.out);
+    assert!(torn.out.contains("UTF-8"), "{}", torn.out);
+    fs::write(&golden, kept).unwrap();
+
     // Known failures of the folder are found in it.
     folder.write("press.toml", SCENE);
     let known = "[[quarantine]]\ntrial = \"press\"\nreason = \"a heavier finger, on purpose\"\n";
