@@ -24,7 +24,8 @@ use super::source::Source;
 use super::texture::TextureTable;
 use super::wire::{AlloyFile, WireFile};
 
-/// Errors after which a file is given up: its author has enough to do.
+/// Errors after which a file is given up: its author has enough to do. So many values are put in place of others at
+/// most, too: two keys that each are wrong beside the other's would be mended in turn for ever.
 const MOST: usize = 100;
 /// Who says so where a value is put in place of a wrong one. No file has such a name.
 const MENDED: &str = "\0mended";
@@ -212,7 +213,8 @@ impl Mended {
             }
             // Another file's errors are for its own check; what it says of this one is hidden.
             let mended = own || error.path == MENDED;
-            if !mended || self.errors.len() >= MOST || !self.mend(&error, &read) {
+            let enough = self.errors.len() >= MOST || self.changes.len() >= MOST;
+            if !mended || enough || !self.mend(&error, &read) {
                 self.complete = false;
                 return;
             }

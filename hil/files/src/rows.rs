@@ -1,4 +1,4 @@
-//! Tables of numbers from CSV, row by row: recordings of taxels, ours and those of others.
+//! Tables of numbers from CSV, row by row: recordings of taxels, ours and those of other programs.
 
 use std::fs::File;
 use std::io::Read;

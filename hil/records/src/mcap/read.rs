@@ -102,7 +102,7 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// Longest record, bytes: a chunk of ours has a few MiB, and of others seldom more than that.
+/// Longest record, bytes: a chunk of ours has a few MiB, and one of another program seldom more.
 const MOST_RECORD: u64 = 64 << 20;
 
 /// Reads a recording of ours from memory.

@@ -50,7 +50,7 @@ pub struct Driver {
 
 /// What people say of the labels.
 const RATINGS: &str = "ratings";
-/// Nobody rated these recordings: how much readings change from row to row, which is what rough surfaces do to them.
+/// There are no ratings of these recordings: how much readings change from row to row, which is what rough surfaces do to them.
 const BUZZ: &str = "buzz";
 
 /// Finds what drives roughness (its mean with friction, as the thesis reads z1; the buzz where there are no ratings)
