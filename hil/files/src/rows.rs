@@ -76,6 +76,8 @@ pub struct Rows<R> {
     stated: bool,
     /// Fields per row.
     width: usize,
+    /// Those of the row that is read.
+    fields: Fields,
     /// A first line that is data already.
     pending: Option<String>,
     count: usize,
@@ -135,7 +137,8 @@ impl<R: Read> Rows<R> {
             expected,
             found,
         };
-        let fields: Vec<&str> = fields(&first).collect();
+        let record = Fields::of(&first);
+        let fields: Vec<&str> = record.iter().collect();
         let header = fields.iter().any(|field| f32::read(field).is_none());
         let clock = timing.map_or(Ok(Clock::None), |t| t.clock(&fields));
         let clock = clock.map_err(at)?;
@@ -154,6 +157,7 @@ impl<R: Read> Rows<R> {
             times: Times::new(timing.is_some_and(|t| t.split_jumps)),
             stated: timing.is_none_or(|t| t.column.is_some()),
             width: fields.len(),
+            fields: Fields::none(),
             pending: (!header).then(|| first.clone()),
             count: 0,
             lines,
@@ -194,7 +198,8 @@ impl<R: Read> Rows<R> {
         };
         let wrong = |wrong: Wrong| at(line, wrong);
         let (mut time, mut next, mut width) = (None, 0, 0);
-        for (place, field) in fields(text).enumerate() {
+        self.fields.split(text);
+        for (place, field) in self.fields.iter().enumerate() {
             width += 1;
             if matches!(&self.clock, Clock::Column(column, _) if *column == place) {
                 time = Some(field);
@@ -210,7 +215,7 @@ impl<R: Read> Rows<R> {
             return Err(wrong((None, expected, width.to_string())));
         }
         if next < self.taken.len() {
-            *values = looked_up(text, &self.taken).map_err(wrong)?;
+            *values = looked_up(&self.fields, &self.taken).map_err(wrong)?;
         }
         let time_us = match &self.clock {
             Clock::None => 0,
@@ -312,18 +317,64 @@ impl<R: Read> Rows<R> {
     }
 }
 
-/// Fields between commas, without spaces and quotes around them.
-fn fields(line: &str) -> impl Iterator<Item = &str> {
-    line.split(',').map(|field| {
-        let field = field.trim();
-        let quoted = field.strip_prefix('"').and_then(|f| f.strip_suffix('"'));
-        quoted.unwrap_or(field)
-    })
+/// The fields of a line, without quotes and the spaces around them: the same memory for all lines.
+#[derive(Debug)]
+struct Fields {
+    reader: csv_core::Reader,
+    text: Vec<u8>,
+    ends: Vec<usize>,
+    count: usize,
+}
+
+impl Fields {
+    fn none() -> Self {
+        Self {
+            reader: csv_core::Reader::new(),
+            text: Vec::new(),
+            ends: Vec::new(),
+            count: 0,
+        }
+    }
+
+    fn of(line: &str) -> Self {
+        let mut fields = Self::none();
+        fields.split(line);
+        fields
+    }
+
+    fn split(&mut self, line: &str) {
+        // Fields are no longer than their line, and each but the first has a comma before it. There is room for one
+        // more of either: the reader takes no end where there is none.
+        let most = 2 + line.bytes().filter(|b| *b == b',').count();
+        self.text.resize(self.text.len().max(line.len() + 1), 0);
+        self.ends.resize(self.ends.len().max(most), 0);
+        self.reader.reset();
+        let (_, _, written, ended) =
+            self.reader
+                .read_record(line.as_bytes(), &mut self.text, &mut self.ends);
+        // The end of the line is the end of the record.
+        let (text, ends) = (&mut self.text[written..], &mut self.ends[ended..]);
+        let (_, _, _, last) = self.reader.read_record(&[], text, ends);
+        self.count = ended + last;
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &str> {
+        let ends = self.ends.get(..self.count).unwrap_or_default();
+        let mut begin = 0;
+        ends.iter().map(move |end| {
+            let field = self.text.get(begin..*end).unwrap_or_default();
+            begin = *end;
+            // What was text is text without its quotes; those behind a space are quotes to people alone.
+            let field = std::str::from_utf8(field).unwrap_or_default().trim();
+            let quoted = field.strip_prefix('"').and_then(|f| f.strip_suffix('"'));
+            quoted.unwrap_or(field)
+        })
+    }
 }
 
 /// The columns taken of a row, in whatever order they stand.
-fn looked_up<V: Number>(text: &str, taken: &[Taken]) -> Result<Vec<V>, Wrong> {
-    let all: Vec<&str> = fields(text).collect();
+fn looked_up<V: Number>(fields: &Fields, taken: &[Taken]) -> Result<Vec<V>, Wrong> {
+    let all: Vec<&str> = fields.iter().collect();
     let field = |t: &Taken| number(all.get(t.place).copied().unwrap_or_default(), t);
     taken.iter().map(field).collect()
 }

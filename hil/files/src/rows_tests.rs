@@ -311,3 +311,25 @@ fn other_formats_are_named() {
         assert!(message == expected || found == "bytes", "{message}");
     }
 }
+
+#[test]
+fn quotes_may_hold_commas_and_spaces_may_stand_around_fields() {
+    let of = |line: &str| {
+        Fields::of(line)
+            .iter()
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(of("a, b ,c"), ["a", "b", "c"]);
+    assert_eq!(
+        of("\"pressure, kPa\",\"x \"\"y\"\"\",z"),
+        ["pressure, kPa", "x \"y\"", "z"]
+    );
+    assert_eq!(of("1, \"2\""), ["1", "2"]);
+    assert_eq!(of("1,,"), ["1", "", ""]);
+    assert_eq!(of("1"), ["1"]);
+    // The memory of a longer line before leaves nothing behind.
+    let mut fields = Fields::of("100,200,300");
+    fields.split("4,5");
+    assert_eq!(fields.iter().collect::<Vec<_>>(), ["4", "5"]);
+}
