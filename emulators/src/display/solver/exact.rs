@@ -13,6 +13,7 @@ use crate::display::finger::dose::Dose;
 use crate::display::finger::{NODES, ThermalNetwork};
 use crate::display::solver::phase::{Branch, Heading, Phase};
 use crate::display::solver::record::{Energy, Peaks};
+use crate::display::solver::stretch::Stretches;
 use crate::time::Nanos;
 use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
 use palpate_core::vector::{Scalar, Vectors};
@@ -46,6 +47,8 @@ pub struct Exact {
     energy: Energy,
     /// Burn integrals of the tissue at 0.1 mm, where they are wanted.
     pub dose: Option<Dose>,
+    /// What a person's model reads, where one does.
+    pub stretches: Option<Stretches>,
 }
 
 /// Temperatures above the body's at the time computed up to, K.
@@ -107,6 +110,7 @@ impl Exact {
             deep: Maxima::new(start_c),
             energy: Energy::default(),
             dose: None,
+            stretches: None,
         };
         solver.watch();
         solver.face();
