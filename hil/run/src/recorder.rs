@@ -74,8 +74,8 @@ pub struct Onset {
     pub at: Instant,
     /// The contacts on the display.
     pub targets: Vec<Target>,
-    /// Sum of the squared pulse widths that were asked for, ticks.
-    pub squares: u64,
+    /// Sums of the squared pulse widths that were asked for and that the guard applied, ticks.
+    pub squares: [u64; 2],
 }
 
 /// Collects a run.
@@ -97,8 +97,8 @@ pub struct Recorder {
     pub onsets: (u64, u64),
     /// Boards and channels of which a stimulus was asked.
     pub warmed: BTreeSet<(u8, u8)>,
-    /// Squared widths of the stimuli since.
-    squares: u64,
+    /// Squared widths of the stimuli since: asked for, applied.
+    squares: [u64; 2],
     /// When the newest of those stimuli began.
     asked: Option<Instant>,
     /// End of the newest window of texture.
@@ -221,9 +221,15 @@ impl Observer for Recorder {
         self.warmed.insert((entry.board.0, entry.channel.0));
         // A burst may come in parts, all alike: the first one counts.
         if self.asked != Some(entry.at) {
-            (self.asked, self.squares) = (Some(entry.at), 0);
+            (self.asked, self.squares) = (Some(entry.at), [0; 2]);
         }
-        self.squares += u64::from(entry.requested.get()).pow(2);
+        for (sum, width) in self
+            .squares
+            .iter_mut()
+            .zip([entry.requested, entry.width()])
+        {
+            *sum += u64::from(width.get()).pow(2);
+        }
         self.events.push(Event::Schedule(*entry));
     }
 
@@ -232,7 +238,11 @@ impl Observer for Recorder {
         self.onsets.1 += u64::from(targets.is_empty());
         let targets = targets.to_vec();
         let squares = std::mem::take(&mut self.squares);
-        let squares = if self.asked == Some(at) { squares } else { 0 };
+        let squares = if self.asked == Some(at) {
+            squares
+        } else {
+            [0; 2]
+        };
         self.onset = Some(Onset {
             at,
             targets,
