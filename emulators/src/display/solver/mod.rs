@@ -12,6 +12,7 @@ pub mod modal;
 pub mod phase;
 mod propagators;
 pub mod record;
+pub mod strain;
 pub mod sum;
 
 /// What is done to a wire from some instant on.
