@@ -18,6 +18,7 @@ pub mod margin;
 pub mod mcap;
 pub mod measure;
 pub mod report;
+pub mod runs;
 pub mod schedule;
 pub mod story;
 pub mod table_schema;

@@ -30,6 +30,7 @@ pub mod skin_end;
 mod summary;
 mod summary_text;
 mod supervisor;
+pub mod sweep;
 mod tape;
 mod taxels;
 mod verdict;
@@ -138,6 +139,12 @@ pub trait Host {
     /// After a turn; `true` ends the run.
     fn turn(&mut self, seen: &TurnView<'_>) -> bool {
         let _ = seen;
+        false
+    }
+
+    /// How far the run is: the part that is behind it, from 0 to 1; `true` ends it. Comes with every turn.
+    fn passed(&mut self, part: f64) -> bool {
+        let _ = part;
         false
     }
 

@@ -96,7 +96,7 @@ impl Run<'_> {
         let end = scene_end(setup);
         let emulated = || skin::emulated(setup, self.layout, self.seed);
         let mut first = on_tape(setup, self.layout, emulated()?);
-        let levels = calibrate(setup, self.seed, &mut first, end)?;
+        let levels = calibrate(setup, self.seed, &mut first, end, host)?;
         let truth = || Truth::Scene(scene.touches.clone(), scene.drives);
         let tape = &mut first.bus_mut().inner;
         // What is watched is played once, also where a tape turns out to be of no use.
@@ -129,7 +129,7 @@ impl Run<'_> {
             )));
         }
         let end = end + Duration::from_millis(100);
-        let levels = calibrate(self.setup, self.seed, &mut skin(), end)?;
+        let levels = calibrate(self.setup, self.seed, &mut skin(), end, host)?;
         Ok(self.project(levels, skin(), Truth::Unknown, end, host)?.0)
     }
 
@@ -155,10 +155,17 @@ impl Run<'_> {
         // The policy waits for boards that do not answer, so this cannot fail.
         let mut next = session.start(Instant::ZERO).unwrap_or_default();
         let mut last = end;
+        let calibrated = self.setup.scene.value.compression.ki > 1;
+        let behind = |now| match calibrated {
+            true => HALF + HALF * part(now, end),
+            false => part(now, end),
+        };
         while next < end {
             let now = next;
             match session.turn(now)? {
-                Turn::Next(then) if !look_on(&mut session, host) => next = then,
+                Turn::Next(then) if !look_on(&mut session, host) && !host.passed(behind(now)) => {
+                    next = then;
+                }
                 Turn::Next(_) | Turn::Last => {
                     last = now;
                     break;
@@ -253,6 +260,14 @@ fn look_on<S: SkinEnd>(session: &mut Session<S, EmulatedDisplay>, host: &mut dyn
     ended
 }
 
+/// The part of a run that its first pass is, where there are two.
+const HALF: f64 = 0.5;
+
+/// The part of a pass that is over at `now`.
+fn part(now: Instant, end: Instant) -> f64 {
+    now.as_micros() as f64 / end.as_micros().max(1) as f64
+}
+
 /// When a scene ends.
 pub(crate) fn scene_end(setup: &Setup) -> Instant {
     Instant::from_micros((setup.scene.value.length_s * 1e6).round() as u64)
@@ -271,7 +286,7 @@ fn on_tape(setup: &Setup, layout: &Layout, handle: Handle) -> UskinCan<Tap<Tape>
 pub fn scene_levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
     let layout = plan::layout(&setup.sensor.value)?;
     let mut skin = on_tape(setup, &layout, skin::emulated(setup, &layout, seed)?);
-    calibrate(setup, seed, &mut skin, scene_end(setup))
+    calibrate(setup, seed, &mut skin, scene_end(setup), &mut ())
 }
 
 /// Intensities of all contacts, raw counts.
@@ -291,6 +306,7 @@ fn calibrate(
     seed: u64,
     skin: &mut impl SkinEnd,
     end: Instant,
+    host: &mut dyn Host,
 ) -> Result<Levels, Failure> {
     let k = setup.scene.value.compression.ki as usize;
     if k <= 1 {
@@ -299,7 +315,7 @@ fn calibrate(
     let mut projector = made(setup, plan::untextured(setup, seed, Levels::Off)?)?;
     let mut intensities = Intensities::default();
     let mut now = Instant::ZERO;
-    while now < end {
+    while now < end && !host.passed(HALF * part(now, end)) {
         skin.advance_to(now);
         let polled = projector.poll(now, skin, &mut Silence, &mut intensities);
         polled.map_err(|e| match e {
