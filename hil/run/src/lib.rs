@@ -55,6 +55,7 @@ use palpate_core::skin::Layout;
 use palpate_core::units::Instant;
 use palpate_files::Setup;
 use palpate_records::i2c::Transfer;
+use palpate_records::readings::Readings;
 use palpate_records::report::Warmth;
 use palpate_records::trace::{Event, Header, Trace};
 
@@ -90,6 +91,8 @@ pub struct Outcome {
     pub can: Vec<Received>,
     /// Messages on the actuator buses, if they were to be kept.
     pub i2c: Vec<Transfer>,
+    /// What taxels read, if that was to be kept.
+    pub readings: Option<Readings>,
     /// Remarks for the user, such as a recording that ends too early.
     pub notes: Vec<String>,
 }
@@ -101,6 +104,20 @@ pub struct Keep {
     pub can: bool,
     /// Every message on the actuator buses.
     pub i2c: bool,
+    /// What taxels read.
+    pub readings: KeptReadings,
+}
+
+/// Which readings of taxels a run keeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum KeptReadings {
+    /// None.
+    #[default]
+    None,
+    /// What a report plays, in a bounded space.
+    Sampled,
+    /// All: 8 bytes for each taxel of each frame.
+    All,
 }
 
 /// A turn as a host sees it.

@@ -6,6 +6,7 @@ use palpate_core::projector::{Cause, FrameReport, Observer, Target, TextureRepor
 use palpate_core::schedule::Entry;
 use palpate_core::skin::{Condition, Layout};
 use palpate_core::units::{Board, Duration, Instant, Point};
+use palpate_records::readings::Readings;
 use palpate_records::trace::{Driven, Event, PlaceUm};
 use palpate_records::words::texture;
 
@@ -91,6 +92,8 @@ pub struct Recorder {
     pub driven: Driven,
     /// The newest reading of every taxel, raw counts, NaN for one that is left out; kept for a live view.
     pub counts: Option<Vec<f32>>,
+    /// What every taxel read, where that is kept.
+    pub readings: Option<Readings>,
     /// The newest onset.
     pub onset: Option<Onset>,
     /// Onsets projected, and those of them without a contact.
@@ -192,6 +195,9 @@ impl Observer for Recorder {
             let readings = readings.zip(report.relative.usable());
             counts.clear();
             counts.extend(readings.map(|(v, usable)| if *usable { *v } else { f32::NAN }));
+        }
+        if let Some(readings) = &mut self.readings {
+            readings.push(t_us, report.relative);
         }
         for contact in report.contacts {
             self.contacts += 1;

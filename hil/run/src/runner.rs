@@ -12,6 +12,7 @@ use palpate_core::units::{Duration, Instant};
 use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::Handle;
 use palpate_files::Setup;
+use palpate_records::readings::Readings;
 use palpate_records::trace::{Header, Ledger};
 
 use crate::display_end::{EmulatedDisplay, refuse_hardware};
@@ -26,7 +27,7 @@ use crate::skin_end::{SkinEnd, Tap};
 use crate::summary::finished;
 use crate::tape::Tape;
 use crate::verdict::STOPPED_BY;
-use crate::{Host, Input, Keep, Outcome, TurnView, boards, margins, plan, skin};
+use crate::{Host, Input, Keep, KeptReadings, Outcome, TurnView, boards, margins, plan, skin};
 
 /// [`crate::run()`], keeping more, with a host that measures and looks on.
 ///
@@ -147,6 +148,12 @@ impl Run<'_> {
         display.keep(self.keep.i2c)?;
         let mut recorder = Recorder::new(truth, projector.layout());
         recorder.counts = host.looks_on().then(Vec::new);
+        let drives = self.setup.scene.value.drives;
+        recorder.readings = match self.keep.readings {
+            KeptReadings::None => None,
+            KeptReadings::Sampled => Some(Readings::sampled(projector.layout(), drives)),
+            KeptReadings::All => Some(Readings::whole(projector.layout(), drives)),
+        };
         let header = header(self.setup, self.seed, &projector)?;
         host.begin(&header, projector.layout(), end)?;
         let ends = (skin, display);
@@ -227,6 +234,7 @@ impl Run<'_> {
         effort.finish(projector, recorder);
         summary.faults = display.faults();
         Ok(Outcome {
+            readings: recorder.readings.take(),
             warmth: samples.iter().map(margins::warmth).collect(),
             i2c: boards::transfers(display.hardware()),
             trace,
