@@ -38,7 +38,7 @@ impl Stretch {
             driven: false,
             um_per_k: 1.0,
             regime: ModeKey {
-                phase_slope: -1.0,
+                latent: -1.0,
                 feedback: rate,
             },
             rates,
@@ -50,7 +50,7 @@ impl Stretch {
 /// The stretches of a wire since they were taken.
 #[derive(Clone, Debug)]
 pub struct Stretches {
-    /// Displacement of the tissue per kelvin of the wire, um/K.
+    /// Displacement of the tissue per kelvin of a wire that is not worn, um/K.
     pub um_per_k: f64,
     /// The oldest first.
     pub kept: Vec<Stretch>,

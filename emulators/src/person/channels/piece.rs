@@ -179,7 +179,7 @@ impl Tables {
         rates: &[f64; MODES],
         seconds: f64,
     ) -> &Table {
-        let bits = [regime.phase_slope, regime.feedback, seconds].map(f64::to_bits);
+        let bits = [regime.latent, regime.feedback, seconds].map(f64::to_bits);
         if self.0.len() >= MOST {
             self.0.clear();
         }

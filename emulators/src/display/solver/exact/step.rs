@@ -48,10 +48,12 @@ impl Exact {
         let mut at = None;
         for round in 0.. {
             let t = self.wire_c();
-            let branch = self.phase.branch(at.take().unwrap_or(t), self.heading);
+            let place = at.take().unwrap_or(t);
+            let mut branch = self.phase.branch(place, self.heading);
+            self.touch(place, &mut branch);
             let heat = self.heat(t, &branch);
             self.enter(ModeKey {
-                phase_slope: -branch.slope,
+                latent: branch.latent,
                 feedback: heat.feedback,
             });
             let power = heat.power + self.network.rest_inflow();
@@ -238,7 +240,10 @@ impl Exact {
             stretches.kept.push(Stretch {
                 seconds: span,
                 driven: self.drive != WireDrive::Off,
-                um_per_k: stretches.um_per_k,
+                um_per_k: match self.worn {
+                    Some(_) => self.motion.m_per_k * 1e6,
+                    None => stretches.um_per_k,
+                },
                 regime: mode.key,
                 rates: mode.lambda,
                 slopes: start.slopes,
