@@ -3,7 +3,6 @@
 use embedded_hal::i2c::I2c;
 use palpate_core::driver::{Banks, DriverError};
 use palpate_core::illusion::{DisplayWire, Drive};
-use palpate_core::physics::TissueParameters;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant, Prescale};
 use palpate_emulators::display::amplifier::AmplifierConfig;
@@ -301,7 +300,7 @@ pub fn emulated(setup: &Setup, wires: &[DisplayWire]) -> Result<WornDisplay, Fai
             ohm: bench.amplifier.supply_ohm,
         },
         wire: plan::wire(setup),
-        tissue: TissueParameters::DEFAULT,
+        tissue: bench.tissue.parameters(),
         perceiver: plan::perceiver(&setup.perceiver.value),
         clock: BusClock::Fast,
     })
