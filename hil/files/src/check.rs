@@ -197,6 +197,7 @@ impl Mended {
         self.read(|s| setup::limits_of(&of(s)?).map(drop));
         self.read(|s| setup::wire_of(&of(s)?).map(drop));
         self.read(|s| setup::alloy_of(&of(s)?).map(drop));
+        self.read(|s| setup::mounted_of(&of(s)?).map(drop));
         self.read(|s| {
             let bench = of(s)?;
             let display = setup::display_of(&bench)?;

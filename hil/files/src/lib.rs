@@ -21,10 +21,12 @@ mod layout;
 mod limits;
 mod loaded;
 mod module;
+mod mount;
 mod near;
 mod overrides;
 mod person;
 mod placeholder;
+mod play;
 mod quarantine;
 mod reading;
 mod resolve;
@@ -64,9 +66,11 @@ pub use loaded::{
     load_textures, load_wire,
 };
 pub use module::{Grid, ImageCell, Repeat, SkinModule, Taxel};
+pub use mount::{BenchMount, BenchTissue};
 pub use near::{did_you_mean, nearest};
 pub use overrides::Overrides;
 pub use person::{FeltChannel, PersonFile, Spread, Wearer};
+pub use play::PlayEntry;
 pub use quarantine::{Quarantine, Quarantined};
 pub use reading::{LONGEST_LINE, Lines, Text, format_of, is_stream, open, read_bytes, read_text};
 pub use resolve::{FileKind, resolve, resolve_from};

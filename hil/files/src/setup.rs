@@ -68,8 +68,7 @@ impl Setup {
         check_faults(&scene, &sensor.value, &bench.value)?;
         let hardware = &bench.value;
         let limits = limits_of(&bench)?;
-        let alloy = alloy_of(&bench)?;
-        let wire = wire_of(&bench)?;
+        let (wire, alloy) = mounted_of(&bench)?;
         let texture = texture_of(&scene, sensor.value.modules.len())?;
         let (person, wearer) = people_of(&scene)?;
         let wires = display.value.wires_mm.len();
@@ -112,6 +111,17 @@ pub(super) fn alloy_of(bench: &Loaded<Bench>) -> Result<Loaded<AlloyFile>, FileE
 pub(super) fn wire_of(bench: &Loaded<Bench>) -> Result<Loaded<WireFile>, FileError> {
     let wire = &bench.value.wire.kind;
     bench.refer(FileKind::Wire, WireFile::read, wire, "wire.kind")
+}
+
+/// Wire and alloy of a bench, which fit each other and the mount.
+pub(super) fn mounted_of(
+    bench: &Loaded<Bench>,
+) -> Result<(Loaded<WireFile>, Loaded<AlloyFile>), FileError> {
+    let (alloy, wire) = (alloy_of(bench)?, wire_of(bench)?);
+    wire.value.fits(&wire.source, &alloy.value)?;
+    let mount = &bench.value.mount;
+    mount.fits(&bench.source, wire.value.length_mm)?;
+    Ok((wire, alloy))
 }
 
 /// A display's wires are all connected.

@@ -3,7 +3,6 @@
 use embedded_hal::i2c::I2c;
 use palpate_core::driver::{Banks, DriverError};
 use palpate_core::illusion::DisplayWire;
-use palpate_core::physics::TissueParameters;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant, Prescale};
 use palpate_emulators::display::amplifier::AmplifierConfig;
@@ -321,7 +320,7 @@ pub fn emulated(setup: &Setup, wires: &[DisplayWire]) -> Result<WornDisplay, Fai
             ohm: bench.amplifier.supply_ohm,
         },
         wire: plan::wire(setup),
-        tissue: TissueParameters::DEFAULT,
+        tissue: bench.tissue.parameters(),
         clock: BusClock::Fast,
     })
     .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))
