@@ -4,6 +4,7 @@ use palpate_files::{FileError, LONGEST_LINE, LayoutFile, Lines, load_bench, load
 use std::path::Path;
 
 use crate::output::note;
+use crate::progress::Progress;
 use palpate_records::damage::Damage;
 use palpate_records::trace::{PlaceUm, WireInfo};
 
@@ -15,6 +16,7 @@ const MOST: u64 = 32 << 20;
 /// # Errors
 /// A file that cannot be read, or is longer than 32 MiB.
 pub(super) fn read_log(path: &Path, expected: &str) -> Result<String, FileError> {
+    let _shown = Progress::reading(path);
     let mut lines = Lines::open(path, expected, LONGEST_LINE)?;
     let mut text = String::new();
     while let Some((number, line)) = lines.advance()? {

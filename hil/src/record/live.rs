@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::{About, Journal, Kind, Sink};
 use crate::clock;
 use crate::interfaces::reports;
+use crate::progress::Progress;
 use palpate_buses::signals::Signals;
 use palpate_run::CanReport;
 use palpate_run::Failure;
@@ -50,7 +51,14 @@ pub fn record(
     let can = CanBuses::open(&all.collect::<Vec<_>>(), clock)
         .map_err(|e| Failure::Device(e.to_string()))?;
     let journal = Journal::start(Sink::create_all(files, &About::Buses(interfaces))?, false)?;
+    let progress = match length {
+        Some(_) => Progress::of_part("record"),
+        None => Progress::endless("record"),
+    };
     let stop = |now: Instant| {
+        if let Some(length) = length {
+            progress.part(now.as_micros() as f64 / length.as_micros() as f64);
+        }
         signals.caught().is_some() || length.is_some_and(|l| now >= Instant::ZERO + l)
     };
     listen(can, journal, interfaces, (clock, epoch_us), stop)

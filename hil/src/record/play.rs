@@ -5,6 +5,7 @@ use palpate_buses::served::can::Interface;
 use palpate_core::units::{Duration, Instant};
 use serde::Serialize;
 
+use crate::progress::Progress;
 use crate::recording::CanRecording;
 use palpate_buses::signals::Signals;
 use palpate_run::Failure;
@@ -43,6 +44,7 @@ pub fn play(recording: &CanRecording, interfaces: &[String]) -> Result<Played, F
     frames.sort_by_key(|r| r.at);
     let first = frames.first().map_or(Instant::ZERO, |r| r.at);
     let mut played = 0;
+    let progress = Progress::counted("replay", frames.len() as u64, "frames");
     for received in &frames {
         let due = Instant::ZERO + received.at.since(first);
         let mut now = clock.now();
@@ -59,6 +61,7 @@ pub fn play(recording: &CanRecording, interfaces: &[String]) -> Result<Played, F
             sent.map_err(|e| gone(interface.name(), e))?;
         }
         played += 1;
+        progress.to(played);
     }
     Ok(Played {
         sent: open.iter().map(|i| i.counts().sent).sum(),

@@ -9,6 +9,8 @@ use palpate_records::{candump, mcap};
 
 use palpate_files::{FileError, Format, Lines, OutOfTime, Times, format_of, open};
 
+use crate::progress::Progress;
+
 /// Frames of a recorded bus.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CanRecording {
@@ -55,6 +57,7 @@ pub fn read_can_recording(
 ) -> Result<CanRecording, FileError> {
     let label = path.display().to_string();
     let times = Times::new(split_jumps);
+    let _shown = Progress::reading(path);
     match format_of(path) {
         Some(Format::Mcap) => parse_mcap(&label, open(path, EXPECTED)?, buses, times),
         None if path.extension().is_some_and(|e| e == "mcap") => {

@@ -5,6 +5,8 @@ use std::path::Path;
 use palpate_files::{Columns, FileError, MOST_VALUES, Rows, Take, Timing};
 use palpate_run::TaxelTable;
 
+use crate::progress::Progress;
+
 /// How recordings of taxels are read: their times, and their columns where the header is not ours.
 #[derive(Clone, Debug, Default)]
 pub struct Reading {
@@ -47,6 +49,7 @@ pub fn read_taxel_csv(
     columns: &Columns,
     reading: &Reading,
 ) -> Result<(TaxelTable, Vec<String>), FileError> {
+    let _shown = Progress::reading(path);
     let mut rows = Rows::open(path, reading.take(columns), Some(&reading.timing))?;
     let mut table = TaxelTable {
         time_us: Vec::new(),
