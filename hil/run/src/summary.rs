@@ -179,6 +179,10 @@ pub struct Summary {
     #[serde(flatten)]
     pub conclusion: Conclusion,
     pub source: Source,
+    /// Version of the program.
+    pub version: &'static str,
+    /// When it was made, UTC; null where no clock says so.
+    pub date: Option<String>,
     pub scene: String,
     pub bench: String,
     pub seed: u64,
@@ -344,6 +348,8 @@ impl Summary {
         Self {
             conclusion: Conclusion::default(),
             source: trace.header.source,
+            version: env!("CARGO_PKG_VERSION"),
+            date: None,
             scene: trace.header.scene.clone(),
             bench: trace.header.bench.clone(),
             seed: trace.header.seed,

@@ -76,9 +76,6 @@ impl Format {
     }
 
     fn write(self, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
-        if self == Self::Contacts {
-            write_sidecar(path, Some(&outcome.trace.header))?;
-        }
         write_file(path, |out| match self {
             Self::Contacts => write_table(&outcome.trace.events, out),
             Self::Mcap => {
@@ -97,7 +94,11 @@ impl Format {
                 serde_json::to_writer_pretty(&mut *out, &outcome.summary)?;
                 writeln!(out)
             }
-        })
+        })?;
+        match self {
+            Self::Contacts => write_sidecar(path, Some(&outcome.trace.header)),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -148,6 +149,7 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
         .junit
         .as_ref()
         .map(|path| (path, judge(&setup, &outcome)));
+    outcome.summary.date = Some(clock::date(clock::unix_us()));
     let failure = outcome.failure.take();
     outcome.notes.iter().for_each(|text| note(text));
     if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.voice.quiet) {
