@@ -20,6 +20,7 @@ mod illusion;
 mod layout;
 mod limits;
 mod loaded;
+mod migrate;
 mod module;
 mod near;
 mod overrides;
@@ -62,6 +63,7 @@ pub use loaded::{
     Loaded, load_activation, load_bench, load_layout, load_limits, load_perceiver, load_scene,
     load_textures, load_wire,
 };
+pub use migrate::{Migrated, migrated};
 pub use module::{Grid, ImageCell, Repeat, SkinModule, Taxel};
 pub use near::{did_you_mean, nearest};
 pub use overrides::Overrides;

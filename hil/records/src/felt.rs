@@ -3,7 +3,7 @@
 
 use crate::fixed::distance2_um;
 use crate::measure::{Errors, Sum};
-use crate::trace::{Event, FeltAt, PlaceUm, Trace};
+use crate::trace::{Event, FeltAt, Header, PlaceUm, Trace};
 
 /// A perceiver: its name, and which of the two places is its.
 type Perceiver = (&'static str, fn(&FeltAt) -> PlaceUm);
@@ -43,57 +43,126 @@ pub struct FeltOnset {
 
 /// The felt path of a run by both perceivers, the energy centroid first.
 pub fn felt_scores(trace: &Trace) -> [FeltScore; 2] {
-    let onset = |event: &Event| match *event {
-        Event::Felt {
-            t_us,
-            target,
-            inside,
-            felt,
-            ..
-        } => Some(FeltOnset {
-            t_us,
-            target,
-            inside,
-            felt,
-        }),
-        _ => None,
-    };
-    let onsets: Vec<FeltOnset> = trace.events.iter().filter_map(onset).collect();
-    let wires: Vec<PlaceUm> = trace.header.wires.iter().map(|w| w.place).collect();
-    scores(&onsets, &wires, trace.header.soa_us)
+    FeltPath::of(trace).scores()
 }
 
 /// The felt path of these onsets, one SOA apart where the contact stays, on a display with these wires.
 pub fn scores(onsets: &[FeltOnset], wires: &[PlaceUm], soa_us: u64) -> [FeltScore; 2] {
-    let step = felt_step_um(wires);
-    PERCEIVERS.map(|perceiver| score(onsets, perceiver, step, soa_us))
+    let mut path = FeltPath::on(wires, soa_us);
+    onsets.iter().for_each(|onset| path.onset(onset));
+    path.scores()
 }
 
-fn score(onsets: &[FeltOnset], (name, place): Perceiver, step_um: u64, soa_us: u64) -> FeltScore {
-    let mut sum = Sum::default();
-    let (mut breaks, mut jumps) = (0, 0);
-    let mut before: Option<(u64, PlaceUm, PlaceUm)> = None;
-    let mut last: Option<PlaceUm> = None;
-    for onset in onsets {
-        let (target, felt) = (onset.target, onset.felt.as_ref().map(place));
-        breaks += u64::from(onset.inside && felt.is_none());
-        if let (true, Some(held)) = (onset.inside, felt.or(last)) {
-            sum.add(distance2_um(held, target));
+/// A felt path that is scored onset by onset, in the order of time.
+#[derive(Debug)]
+pub struct FeltPath {
+    step_um: u64,
+    soa_us: u64,
+    by: [Followed; 2],
+    energy: Option<(u32, u32)>,
+}
+
+/// What one perceiver felt so far.
+#[derive(Debug, Default)]
+struct Followed {
+    sum: Sum,
+    breaks: u64,
+    jumps: u64,
+    /// The newest onset that was felt: when, where, and where the contact was.
+    before: Option<(u64, PlaceUm, PlaceUm)>,
+    last: Option<PlaceUm>,
+}
+
+impl FeltPath {
+    /// An empty path on a run's display.
+    pub fn new(header: &Header) -> Self {
+        let wires: Vec<PlaceUm> = header.wires.iter().map(|w| w.place).collect();
+        Self::on(&wires, header.soa_us)
+    }
+
+    fn on(wires: &[PlaceUm], soa_us: u64) -> Self {
+        Self {
+            step_um: felt_step_um(wires),
+            soa_us,
+            by: Default::default(),
+            energy: None,
         }
-        last = felt.or(last);
-        let next_onset = |t: u64| onset.t_us.saturating_sub(t) <= soa_us;
-        if let (Some((_, from, aim)), Some(felt)) = (before.filter(|b| next_onset(b.0)), felt) {
+    }
+
+    fn of(trace: &Trace) -> Self {
+        let mut path = Self::new(&trace.header);
+        trace.events.iter().for_each(|event| path.add(event));
+        path
+    }
+
+    /// Adds an event; only onsets that were to be felt count.
+    pub fn add(&mut self, event: &Event) {
+        let Event::Felt {
+            t_us,
+            target,
+            inside,
+            felt,
+            energy_permille,
+        } = *event
+        else {
+            return;
+        };
+        if inside {
+            let (least, most) = self.energy.unwrap_or((u32::MAX, 0));
+            self.energy = Some((least.min(energy_permille), most.max(energy_permille)));
+        }
+        self.onset(&FeltOnset {
+            t_us,
+            target,
+            inside,
+            felt,
+        });
+    }
+
+    fn onset(&mut self, onset: &FeltOnset) {
+        for (followed, (_, place)) in self.by.iter_mut().zip(PERCEIVERS) {
+            followed.add(onset, place, (self.step_um, self.soa_us));
+        }
+    }
+
+    /// By both perceivers, the energy centroid first.
+    pub fn scores(&self) -> [FeltScore; 2] {
+        let [energy, amplitude] = &self.by;
+        let [(first, _), (second, _)] = PERCEIVERS;
+        [energy.score(first), amplitude.score(second)]
+    }
+
+    /// As [`energy_permille`].
+    pub const fn energy_permille(&self) -> Option<(u32, u32)> {
+        self.energy
+    }
+}
+
+impl Followed {
+    fn add(&mut self, onset: &FeltOnset, place: fn(&FeltAt) -> PlaceUm, (step, soa): (u64, u64)) {
+        let (target, felt) = (onset.target, onset.felt.as_ref().map(place));
+        self.breaks += u64::from(onset.inside && felt.is_none());
+        if let (true, Some(held)) = (onset.inside, felt.or(self.last)) {
+            self.sum.add(distance2_um(held, target));
+        }
+        self.last = felt.or(self.last);
+        let next_onset = |t: u64| onset.t_us.saturating_sub(t) <= soa;
+        if let (Some((_, from, aim)), Some(felt)) = (self.before.filter(|b| next_onset(b.0)), felt)
+        {
             let moved = distance2_um(felt, from).isqrt();
             let meant = distance2_um(target, aim).isqrt();
-            jumps += u64::from(moved >= meant.saturating_add(step_um));
+            self.jumps += u64::from(moved >= meant.saturating_add(step));
         }
-        before = felt.map(|felt| (onset.t_us, felt, target));
+        self.before = felt.map(|felt| (onset.t_us, felt, target));
     }
-    FeltScore {
-        perceiver: name,
-        errors: sum.errors(),
-        breaks,
-        jumps,
+
+    fn score(&self, perceiver: &'static str) -> FeltScore {
+        FeltScore {
+            perceiver,
+            errors: self.sum.errors(),
+            breaks: self.breaks,
+            jumps: self.jumps,
+        }
     }
 }
 
@@ -109,16 +178,7 @@ fn felt_step_um(wires: &[PlaceUm]) -> u64 {
 /// Least and most energy of the onsets with a contact inside the display, in thousandths of one wire's at
 /// full drive; `None` where there was none.
 pub fn energy_permille(trace: &Trace) -> Option<(u32, u32)> {
-    let inside = |event: &Event| match event {
-        Event::Felt {
-            inside: true,
-            energy_permille,
-            ..
-        } => Some(*energy_permille),
-        _ => None,
-    };
-    let energies = || trace.events.iter().filter_map(inside);
-    Some((energies().min()?, energies().max()?))
+    FeltPath::of(trace).energy_permille()
 }
 
 /// Thousandths of an energy in decibels.

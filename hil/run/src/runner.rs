@@ -12,6 +12,7 @@ use palpate_core::units::{Duration, Instant};
 use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::Handle;
 use palpate_files::Setup;
+use palpate_records::felt::FeltPath;
 use palpate_records::trace::{Header, Ledger};
 
 use crate::display_end::{EmulatedDisplay, refuse_hardware};
@@ -160,9 +161,9 @@ impl Run<'_> {
         let mut display = EmulatedDisplay::new(self.setup, &projector, self.seed)?;
         display.keep(self.keep)?;
         let mut recorder = Recorder::new(truth, projector.layout());
-        recorder.summary = self.keep.summary;
         recorder.counts = host.looks_on().then(Vec::new);
         let header = header(self.setup, self.seed, &projector)?;
+        recorder.felt = self.keep.summary.then(|| FeltPath::new(&header));
         host.begin(&header, projector.layout(), end)?;
         let ends = (skin, display);
         let policy = Policy::EMULATED;

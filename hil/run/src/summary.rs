@@ -3,7 +3,7 @@
 use palpate_core::projector::Projector;
 use palpate_core::skin::{Condition, HealthSummary};
 use palpate_core::units::Instant;
-use palpate_records::felt::{decibels, energy_permille, felt_scores};
+use palpate_records::felt::{FeltPath, decibels};
 use palpate_records::margin::{Limited, Margin};
 use palpate_records::measure::{Errors, path_error};
 use palpate_records::trace::{Event, Header, Ledger, Source, Trace};
@@ -241,10 +241,13 @@ pub fn finished<S: SkinEnd, D: DisplayEnd>(
             ..totals
         },
     };
+    let felt = recorder.felt.take();
+    let mut felt = felt.unwrap_or_else(|| FeltPath::new(&trace.header));
+    trace.events.iter().for_each(|event| felt.add(event));
     let health = session.projector_mut().health(end);
     let (skin, recorder) = session.seen();
     let projector = session.projector();
-    let mut summary = Summary::new(&trace, recorder, costs, &health, bench);
+    let mut summary = Summary::new(&trace, (recorder, &felt), costs, &health, bench);
     summary.texture = TextureSummary::of(recorder, projector);
     summary.boards = boards::boards(projector, |module| skin.lost_of(module));
     summary.taxels.list(projector, end);
@@ -254,7 +257,7 @@ pub fn finished<S: SkinEnd, D: DisplayEnd>(
 impl Summary {
     fn new(
         trace: &Trace,
-        recorder: &Recorder,
+        (recorder, felt): (&Recorder, &FeltPath),
         costs: &[FrameCost],
         health: &HealthSummary,
         bench: &Bench,
@@ -265,7 +268,7 @@ impl Summary {
         };
         let path = path_error(trace).map(error);
         // Without a truth there is nothing to hold the felt path against; breaks need none.
-        let [felt, felt_amplitude] = felt_scores(trace).map(|score| {
+        let [by_energy, by_amplitude] = felt.scores().map(|score| {
             let errors = score.errors.map(error).filter(|_| path.is_some());
             FeltError {
                 rmse: errors.map(|e| e.rmse),
@@ -288,9 +291,9 @@ impl Summary {
             contacts: recorder.contacts,
             stimuli: ledger.driven.stimuli,
             path_error_mm: path,
-            felt_error_mm: felt,
-            felt_error_amplitude_mm: felt_amplitude,
-            felt_energy_db: energy_permille(trace).map(|(min, max)| EnergyDb {
+            felt_error_mm: by_energy,
+            felt_error_amplitude_mm: by_amplitude,
+            felt_energy_db: felt.energy_permille().map(|(min, max)| EnergyDb {
                 min: decibels(min),
                 max: decibels(max),
             }),
