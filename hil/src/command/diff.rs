@@ -5,6 +5,7 @@ use std::path::Path;
 use std::{fs, io};
 
 use palpate_records::diff::{Contacts, Difference, Tolerance, compare, compare_contacts, tell};
+use palpate_records::schedule::check_line;
 use palpate_records::story::Story;
 use palpate_records::verdict::{Conclusion, Verdict};
 use serde::Serialize;
@@ -122,9 +123,11 @@ fn line_by_line(args: &DiffArgs, color: Color) -> Result<(), Failure> {
             conclusion.add(Verdict::Incomplete, why);
             break;
         }
-        if x.is_none() {
-            break;
-        }
+        let Some((number, line)) = x else { break };
+        check_line(number, line).map_err(|damage| {
+            let label = args.a.display().to_string();
+            damaged(&label, damage)
+        })?;
     }
     for lines in [&a, &b] {
         lines.note().iter().for_each(|text| note(text));

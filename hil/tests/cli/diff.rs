@@ -168,7 +168,7 @@ fn recorded_contacts_are_compared_by_place_and_time() {
 #[test]
 fn schedules_of_any_length_compare() {
     let folder = Folder::new("long-schedules");
-    let header = "{\"version\":4,\"seed\":1,\"scene_digest\":\"0\",\"limits_digest\":\"0\"}\n";
+    let header = "{\"version\":1,\"seed\":1,\"scene_digest\":\"0\",\"limits_digest\":\"0\"}\n";
     let line = |t: u64| format!("{{\"t_us\":{t},\"board\":0,\"pre_scale\":30}}\n");
     let text = (0..900_000).map(line).collect::<String>();
     folder.write("a.jsonl", &format!("{header}{text}"));
