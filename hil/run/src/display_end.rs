@@ -2,8 +2,7 @@
 
 use embedded_hal::i2c::I2c;
 use palpate_core::driver::{Banks, DriverError};
-use palpate_core::illusion::{DisplayWire, Drive};
-use palpate_core::physics::TissueParameters;
+use palpate_core::illusion::DisplayWire;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant, Prescale};
 use palpate_emulators::display::amplifier::AmplifierConfig;
@@ -18,7 +17,7 @@ use palpate_records::trace::Event;
 use crate::Keep;
 use crate::effects::Faultable;
 use crate::failure::Failure;
-use crate::feel::{feel, sample_wires};
+use crate::feel::{FullDrive, feel, sample_wires};
 use crate::margins::Currents;
 use crate::plan;
 use crate::recorder::{Onset, Recorder};
@@ -92,9 +91,10 @@ pub struct EmulatedDisplay {
     script: Script,
     oscillator: f64,
     prescale: Prescale,
-    drive: Drive,
     /// The onset whose stimulus is still felt.
     pending: Option<Onset>,
+    /// What one wire at full drive gives to feel.
+    full: FullDrive,
     /// The finger is looked at again then.
     next_look: Instant,
     /// Temperatures over time, if they are kept; only the warmest where a summary is enough.
@@ -112,7 +112,11 @@ impl EmulatedDisplay {
     pub fn new(setup: &Setup, projector: &Projector, seed: u64) -> Result<Self, Failure> {
         let bench = &setup.bench.value;
         refuse_hardware(bench)?;
-        let display = emulated(setup, projector.display().wires())?;
+        let mut display = emulated(setup, projector.display().wires())?;
+        let person = plan::person(&setup.person.value);
+        let impossible = |e| Failure::Input(format!("person `{}`: {e}", setup.person.value.name));
+        display.worn_by(person).map_err(impossible)?;
+        let full = FullDrive::new(setup, projector)?;
         let layer = I2cFault::new(display.bus(), I2cFaults::default(), seed, "actuator bus");
         let (i2c, boards) = (Shared::new(layer), plan::boards(bench));
         let prescale = plan::prescale(bench)?;
@@ -121,8 +125,8 @@ impl EmulatedDisplay {
             script: Script::new(&setup.scene.value.faults, projector.layout()),
             oscillator: bench.drive.oscillator,
             prescale,
-            drive: plan::drive(&setup.scene.value.illusion),
             pending: None,
+            full,
             next_look: Instant::ZERO,
             samples: None,
             summary: false,
@@ -205,13 +209,8 @@ impl EmulatedDisplay {
 
     /// Scores what was felt of the newest onset, which is over.
     fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
-        feel(
-            self.pending.take(),
-            &self.display,
-            projector,
-            self.drive,
-            recorder,
-        );
+        let felt = self.display.onset();
+        feel(self.pending.take(), felt, projector, &self.full, recorder);
     }
 }
 
@@ -234,6 +233,7 @@ impl DisplayEnd for EmulatedDisplay {
         }
         if onset || now >= self.next_look {
             self.sample();
+            self.display.settle();
             self.next_look = now + LOOK;
         }
     }
@@ -320,8 +320,7 @@ pub fn emulated(setup: &Setup, wires: &[DisplayWire]) -> Result<WornDisplay, Fai
             ohm: bench.amplifier.supply_ohm,
         },
         wire: plan::wire(setup),
-        tissue: TissueParameters::DEFAULT,
-        perceiver: plan::perceiver(&setup.perceiver.value),
+        tissue: bench.tissue.parameters(),
         clock: BusClock::Fast,
     })
     .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))

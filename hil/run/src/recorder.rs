@@ -7,6 +7,7 @@ use palpate_core::schedule::Entry;
 use palpate_core::skin::{Condition, Layout};
 use palpate_core::units::{Board, Duration, Instant, Point};
 use palpate_records::felt::FeltPath;
+use palpate_records::readings::Readings;
 use palpate_records::trace::{Driven, Event, PlaceUm};
 use palpate_records::words::texture;
 
@@ -78,8 +79,8 @@ pub struct Onset {
     pub at: Instant,
     /// The contacts on the display.
     pub targets: Vec<Target>,
-    /// Sum of the squared pulse widths that were asked for, ticks.
-    pub squares: u64,
+    /// Sums of the squared pulse widths that were asked for and that the guard applied, ticks.
+    pub squares: [u64; 2],
 }
 
 /// Collects a run.
@@ -95,14 +96,16 @@ pub struct Recorder {
     pub driven: Driven,
     /// The newest reading of every taxel, raw counts, NaN for one that is left out; kept for a live view.
     pub counts: Option<Vec<f32>>,
+    /// What every taxel read, where that is kept.
+    pub readings: Option<Readings>,
     /// The newest onset.
     pub onset: Option<Onset>,
     /// Onsets projected, and those of them without a contact.
     pub onsets: (u64, u64),
     /// Boards and channels of which a stimulus was asked.
     pub warmed: BTreeSet<(u8, u8)>,
-    /// Squared widths of the stimuli since.
-    squares: u64,
+    /// Squared widths of the stimuli since: asked for, applied.
+    squares: [u64; 2],
     /// When the newest of those stimuli began.
     asked: Option<Instant>,
     /// End of the newest window of texture.
@@ -210,6 +213,9 @@ impl Observer for Recorder {
             counts.clear();
             counts.extend(readings.map(|(v, usable)| if *usable { *v } else { f32::NAN }));
         }
+        if let Some(readings) = &mut self.readings {
+            readings.push(t_us, report.relative);
+        }
         for contact in report.contacts {
             self.contacts += 1;
             self.events.push(Event::Contact {
@@ -238,9 +244,15 @@ impl Observer for Recorder {
         self.warmed.insert((entry.board.0, entry.channel.0));
         // A burst may come in parts, all alike: the first one counts.
         if self.asked != Some(entry.at) {
-            (self.asked, self.squares) = (Some(entry.at), 0);
+            (self.asked, self.squares) = (Some(entry.at), [0; 2]);
         }
-        self.squares += u64::from(entry.requested.get()).pow(2);
+        for (sum, width) in self
+            .squares
+            .iter_mut()
+            .zip([entry.requested, entry.width()])
+        {
+            *sum += u64::from(width.get()).pow(2);
+        }
         self.events.push(Event::Schedule(*entry));
     }
 
@@ -249,7 +261,11 @@ impl Observer for Recorder {
         self.onsets.1 += u64::from(targets.is_empty());
         let targets = targets.to_vec();
         let squares = std::mem::take(&mut self.squares);
-        let squares = if self.asked == Some(at) { squares } else { 0 };
+        let squares = if self.asked == Some(at) {
+            squares
+        } else {
+            [0; 2]
+        };
         self.onset = Some(Onset {
             at,
             targets,

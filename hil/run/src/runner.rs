@@ -13,6 +13,7 @@ use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::Handle;
 use palpate_files::Setup;
 use palpate_records::felt::FeltPath;
+use palpate_records::readings::Readings;
 use palpate_records::trace::{Header, Ledger};
 
 use crate::display_end::{EmulatedDisplay, refuse_hardware};
@@ -27,7 +28,7 @@ use crate::skin_end::{SkinEnd, Tap};
 use crate::summary::finished;
 use crate::tape::Tape;
 use crate::verdict::STOPPED_BY;
-use crate::{Host, Input, Keep, Outcome, TurnView, boards, margins, plan, skin};
+use crate::{Host, Input, Keep, KeptReadings, Outcome, TurnView, boards, margins, plan, skin};
 
 /// [`crate::run()`], keeping more, with a host that measures and looks on.
 ///
@@ -101,7 +102,7 @@ impl Run<'_> {
         let end = scene_end(setup);
         let emulated = || skin::emulated(setup, self.layout, self.seed);
         let mut first = on_tape(setup, self.layout, emulated()?);
-        let levels = calibrate(setup, self.seed, &mut first, end)?;
+        let levels = calibrate(setup, self.seed, &mut first, end, host)?;
         let truth = || Truth::Scene(scene.touches.clone(), scene.drives);
         let tape = &mut first.bus_mut().inner;
         // What is watched is played once, also where a tape turns out to be of no use.
@@ -141,7 +142,7 @@ impl Run<'_> {
             ..=1 => (Levels::Off, first),
             _ => {
                 let mut first = first;
-                let levels = calibrate(self.setup, self.seed, &mut first, end)?;
+                let levels = calibrate(self.setup, self.seed, &mut first, end, host)?;
                 (levels, skin()?)
             }
         };
@@ -162,6 +163,12 @@ impl Run<'_> {
         display.keep(self.keep)?;
         let mut recorder = Recorder::new(truth, projector.layout());
         recorder.counts = host.looks_on().then(Vec::new);
+        let drives = self.setup.scene.value.drives;
+        recorder.readings = match self.keep.readings {
+            KeptReadings::None => None,
+            KeptReadings::Sampled => Some(Readings::sampled(projector.layout(), drives)),
+            KeptReadings::All => Some(Readings::whole(projector.layout(), drives)),
+        };
         let header = header(self.setup, self.seed, &projector)?;
         recorder.felt = self.keep.summary.then(|| FeltPath::new(&header));
         host.begin(&header, projector.layout(), end)?;
@@ -172,10 +179,17 @@ impl Run<'_> {
         // The policy waits for boards that do not answer, so this cannot fail.
         let mut next = session.start(Instant::ZERO).unwrap_or_default();
         let mut last = end;
+        let calibrated = self.setup.scene.value.compression.ki > 1;
+        let behind = |now| match calibrated {
+            true => HALF + HALF * part(now, end),
+            false => part(now, end),
+        };
         while next < end {
             let now = next;
             match session.turn(now)? {
-                Turn::Next(then) if !look_on(&mut session, host) => next = then,
+                Turn::Next(then) if !look_on(&mut session, host) && !host.passed(behind(now)) => {
+                    next = then;
+                }
                 Turn::Next(_) | Turn::Last => {
                     last = now;
                     break;
@@ -236,6 +250,7 @@ impl Run<'_> {
         effort.finish(projector, recorder);
         summary.faults = display.faults();
         Ok(Outcome {
+            readings: recorder.readings.take(),
             warmth: samples.iter().map(margins::warmth).collect(),
             i2c: boards::transfers(display.hardware()),
             trace,
@@ -269,6 +284,14 @@ fn look_on<S: SkinEnd>(session: &mut Session<S, EmulatedDisplay>, host: &mut dyn
     ended
 }
 
+/// The part of a run that its first pass is, where there are two.
+const HALF: f64 = 0.5;
+
+/// The part of a pass that is over at `now`.
+fn part(now: Instant, end: Instant) -> f64 {
+    now.as_micros() as f64 / end.as_micros().max(1) as f64
+}
+
 /// When a scene ends.
 pub(crate) fn scene_end(setup: &Setup) -> Instant {
     Instant::from_micros((setup.scene.value.length_s * 1e6).round() as u64)
@@ -287,7 +310,7 @@ fn on_tape(setup: &Setup, layout: &Layout, handle: Handle) -> UskinCan<Tap<Tape>
 pub fn scene_levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
     let layout = plan::layout(&setup.sensor.value)?;
     let mut skin = on_tape(setup, &layout, skin::emulated(setup, &layout, seed)?);
-    calibrate(setup, seed, &mut skin, scene_end(setup))
+    calibrate(setup, seed, &mut skin, scene_end(setup), &mut ())
 }
 
 /// Intensities of all contacts, raw counts.
@@ -307,6 +330,7 @@ fn calibrate(
     seed: u64,
     skin: &mut impl SkinEnd,
     end: Instant,
+    host: &mut dyn Host,
 ) -> Result<Levels, Failure> {
     let k = setup.scene.value.compression.ki as usize;
     if k <= 1 {
@@ -315,7 +339,7 @@ fn calibrate(
     let mut projector = made(setup, plan::untextured(setup, seed, Levels::Off)?)?;
     let mut intensities = Intensities::default();
     let mut now = Instant::ZERO;
-    while now < end {
+    while now < end && !host.passed(HALF * part(now, end)) {
         skin.advance_to(now);
         let polled = projector.poll(now, skin, &mut Silence, &mut intensities);
         polled.map_err(|e| match e {
