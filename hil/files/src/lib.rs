@@ -20,6 +20,7 @@ mod illusion;
 mod layout;
 mod limits;
 mod loaded;
+mod migrate;
 mod module;
 mod mount;
 mod near;
@@ -65,6 +66,7 @@ pub use loaded::{
     Loaded, load_activation, load_bench, load_layout, load_limits, load_person, load_scene,
     load_textures, load_wire,
 };
+pub use migrate::{Migrated, migrated};
 pub use module::{Grid, ImageCell, Repeat, SkinModule, Taxel};
 pub use mount::{BenchMount, BenchTissue};
 pub use near::{did_you_mean, nearest};
