@@ -29,7 +29,9 @@ fn is_ours(start: &[u8], format: Format) -> bool {
     match format {
         Format::Contacts | Format::Schedule | Format::Golden | Format::Candump => true,
         Format::Junit => text.contains("name=\"hil\""),
-        Format::Json => text.contains("\"source\"") || text.contains("\"$schema\""),
+        Format::Json => ["\"source\"", "\"$schema\"", "\"3D!palpate\""]
+            .iter()
+            .any(|mark| text.contains(mark)),
         Format::Svg => text.contains("var(--card)"),
         Format::Csv => {
             text.starts_with("time_us,txl1_")
