@@ -16,6 +16,8 @@ const FELT: usize = 3_000;
 /// Most frames with taxels, and the most bytes they may take.
 const FRAMES: usize = 3_000;
 const BYTES: usize = 300_000;
+/// A skin that never had more counts is drawn against these: noise is no touch.
+const FAINT: u16 = 100;
 /// Steps of a taxel's value, told as one letter each.
 const LEVELS: u16 = 61;
 /// The letter of the lowest step; digits are left for runs of zeros.
@@ -60,6 +62,7 @@ fn contacts(trace: &Trace) -> (String, usize) {
         if let Event::Contact {
             t_us,
             frame,
+            module,
             contact,
             place,
             intensity_milli,
@@ -69,7 +72,8 @@ fn contacts(trace: &Trace) -> (String, usize) {
         {
             let [x, y] = xy(*place);
             let counts = i64::from(*intensity_milli / 1000);
-            rows.add(*t_us, &[i64::from(*contact), x, y, counts]);
+            let (module, contact) = (i64::from(*module), i64::from(*contact));
+            rows.add(*t_us, &[module, contact, x, y, counts]);
         }
     }
     (rows.out, every)
@@ -112,12 +116,12 @@ fn letters(out: &mut String, frame: &[Reading], most: u16) {
     out.push('.');
 }
 
-/// The driving module's taxels over time; empty where nothing was kept or touched.
+/// The driving module's taxels over time; empty where nothing was kept.
 fn taxels(readings: &Readings) -> String {
     let largest = readings
         .driving()
         .flat_map(|(_, all)| all.iter().map(|r| r[3]));
-    let Some(most) = largest.max().filter(|m| *m > 0) else {
+    let Some(most) = largest.max().map(|m| m.max(FAINT)) else {
         return String::new();
     };
     let mut every = readings.driving().len().div_ceil(FRAMES).max(1);
