@@ -19,6 +19,7 @@ pub mod mcap;
 pub mod measure;
 pub mod readings;
 pub mod report;
+pub mod runs;
 pub mod schedule;
 pub mod story;
 pub mod table_schema;

@@ -21,6 +21,9 @@ pub(crate) fn milli_c(celsius: f64) -> Option<i32> {
     celsius.is_finite().then(|| (celsius * 1e3).round() as i32)
 }
 
+/// So many events are looked through at once for those that a summary reads.
+const UNREAD: usize = 1 << 12;
+
 /// What truly touches the driving module.
 #[derive(Debug, Default)]
 pub enum Truth {
@@ -109,6 +112,9 @@ pub struct Recorder {
     /// Windows of texture, and the sum of their roughness, thousandths.
     pub windows: (u32, u64),
     truth: Truth,
+    /// Whether events stay that a summary reads, and no others; events of a run without a truth that have stayed.
+    pub summary: bool,
+    stayed: usize,
     /// Events at most; the oldest go. `None`: all are kept.
     most_events: Option<usize>,
     /// Events that went so.
@@ -136,8 +142,14 @@ impl Recorder {
         self
     }
 
-    /// Drops the older half of the events where there are too many.
+    /// Drops the older half of the events where there are too many, and what no summary reads where that is enough.
     pub fn trim(&mut self) {
+        if self.summary && self.events.len() - self.stayed > UNREAD {
+            let new = self.events.split_off(self.stayed);
+            let read = |e: &Event| matches!(e, Event::Felt { .. } | Event::Note { .. });
+            self.events.extend(new.into_iter().filter(read));
+            self.stayed = self.events.len();
+        }
         let most = self.most_events.unwrap_or(usize::MAX);
         if self.events.len() > most {
             let surplus = self.events.len() - most / 2;

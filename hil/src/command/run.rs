@@ -122,6 +122,12 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
             (false, true) => KeptReadings::Sampled,
             (false, false) => KeptReadings::None,
         },
+        // A recording may last a day; nothing else looks at what this leaves out.
+        summary: !args.replay.is_empty()
+            && files.is_empty()
+            && args.junit.is_none()
+            && !args.watch
+            && !args.explain,
     };
     let mut outcome = if setup.bench.value.kind == BenchKind::Real {
         let (live, later) = split(files);
@@ -226,7 +232,11 @@ fn on_hardware(
         quiet: args.voice.quiet,
         watched: args.watch,
     };
-    real::run(setup, args.on.seed, live, told)
+    let outputs = Outputs {
+        force: args.force,
+        ..Outputs::NEW
+    };
+    real::run(setup, args.on.seed, (live, outputs), told)
 }
 
 /// Says what a run came to, in the form that the command line chose.

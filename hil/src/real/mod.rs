@@ -27,7 +27,7 @@ use palpate_run::{
 use crate::clock;
 use crate::host::open_watch;
 use crate::interfaces::reports;
-use crate::output::note;
+use crate::output::{Outputs, note};
 use crate::record::{About, Journal, Kind, Sink};
 use crate::watch::Watch;
 
@@ -65,7 +65,7 @@ struct Done {
 pub fn run(
     setup: &Setup,
     seed: u64,
-    files: &[(Kind, PathBuf)],
+    (files, outputs): (&[(Kind, PathBuf)], Outputs<'_>),
     told: Told,
 ) -> Result<Outcome, Failure> {
     let started = clock::elapsed();
@@ -88,7 +88,7 @@ pub fn run(
     };
     let projector = build(setup, seed, levels)?;
     let (header, attached) = (header(setup, seed, &projector)?, attachments(setup));
-    let sinks = Sink::create_all(files, &About::Run(&header, &attached))?;
+    let sinks = Sink::create_all(files, &About::Run(&header, &attached), outputs)?;
     let journal = Journal::start(sinks, !told.quiet && !told.watched)?;
     let keeps_can = |kind: Kind| matches!(kind, Kind::Can | Kind::Mcap);
     let keeps_can = files.iter().any(|(kind, _)| keeps_can(*kind));

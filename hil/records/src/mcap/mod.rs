@@ -14,7 +14,7 @@ mod topics;
 
 pub use container::Attachment;
 pub use foxglove::LOG;
-pub use read::{Read, Tear, Unreadable, read, read_from};
+pub use read::{McapReader, Read, Tear, Unreadable, read};
 pub use schema::{ALL, FieldKind, PACKAGE, Schema};
 
 use std::collections::BTreeMap;

@@ -79,8 +79,8 @@ fn contacts(trace: &Trace) -> (String, usize) {
     (rows.out, every)
 }
 
-/// Where every onset was aimed and felt; a break is felt nowhere.
-fn felt(trace: &Trace) -> String {
+/// Where onsets were aimed and felt, and of how many one is told; a break is felt nowhere.
+fn felt(trace: &Trace) -> (String, usize) {
     let onsets = trace.events.iter().filter_map(|e| match e {
         Event::Felt {
             t_us, target, felt, ..
@@ -93,7 +93,7 @@ fn felt(trace: &Trace) -> String {
         let ([x, y], [u, v]) = (xy(target), xy(felt.unwrap_or_default()));
         rows.add(t_us, &[x, y, i64::from(felt.is_some()), u, v]);
     }
-    rows.out
+    (rows.out, every)
 }
 
 /// A frame: a letter per taxel, and the length of each run of zeros.
@@ -157,15 +157,15 @@ pub(super) fn data(
     let scan = scan_us(trace).unwrap_or(10_000.0) as u64;
     // A contact is there until two more frames came without it.
     let hold = tenth_ms(scan.saturating_mul(every as u64).saturating_mul(5) / 2);
+    let (felt, every) = felt(trace);
+    let soa = tenth_ms(trace.header.soa_us.saturating_mul(every as u64)).max(1);
     let taxels = readings.map(taxels).unwrap_or_default();
     let [pad, display] = planes.map(to_pixels);
     let _ = writeln!(
         page,
-        "<script type=\"application/json\" id=\"run\">{{\"end\":{},\"hold\":{hold},\"soa\":{},\"pad\":{pad:?},\
-         \"display\":{display:?},\n\"contacts\":[{contacts}],\n\"felt\":[{}],\n\"taxels\":{{{taxels}}}}}</script>",
+        "<script type=\"application/json\" id=\"run\">{{\"end\":{},\"hold\":{hold},\"soa\":{soa},\"pad\":{pad:?},\
+         \"display\":{display:?},\n\"contacts\":[{contacts}],\n\"felt\":[{felt}],\n\"taxels\":{{{taxels}}}}}</script>",
         tenth_ms(length_us(trace)).max(1),
-        tenth_ms(trace.header.soa_us).max(1),
-        felt(trace),
     );
 }
 
