@@ -11,8 +11,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use compare::{DiffArgs, ReviewAction, ReviewArgs, TestArgs};
 pub use files::{
-    CheckArgs, CompletionsArgs, ExportKind, ExportTaxels, LayoutKind, ListArgs, ManArgs, Motion,
-    NewBench, NewFile, NewKind, NewLayout, NewScene, NewWire, Shelf,
+    CheckArgs, CompletionsArgs, ExportKind, ExportTaxels, ExportViews, LayoutKind, ListArgs,
+    ManArgs, Motion, NewBench, NewFile, NewKind, NewLayout, NewScene, NewWire, Shelf,
 };
 use palpate_buses::guardian::{parse_bus, parse_line};
 use palpate_core::contact::{Norm, Scope};

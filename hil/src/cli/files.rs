@@ -202,6 +202,19 @@ pub struct NewWire {
 pub enum ExportKind {
     /// The raw readings of a scene's emulated skin, as a recording that `hil run --replay` takes.
     Taxels(ExportTaxels),
+    /// Ready views of a recording (.mcap): foxglove.json for Foxglove, plotjuggler.xml for PlotJuggler.
+    Views(ExportViews),
+}
+
+/// Options of `hil export views`.
+#[derive(Debug, Args)]
+pub struct ExportViews {
+    /// Folder to write them into; made where there is none.
+    #[arg(value_name = "DIR", default_value = ".")]
+    pub folder: PathBuf,
+    /// Overwrite files that are no such views.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// Options of `hil export taxels`.

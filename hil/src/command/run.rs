@@ -82,6 +82,7 @@ impl Format {
                 let traffic = BusTraffic {
                     can: &outcome.can,
                     i2c: &outcome.i2c,
+                    readings: outcome.readings.as_ref(),
                 };
                 write_mcap(&outcome.trace, traffic, &attachments(setup), out)
             }

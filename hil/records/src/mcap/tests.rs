@@ -24,7 +24,7 @@ fn file(frames: &[Received]) -> Vec<u8> {
     };
     let traffic = BusTraffic {
         can: frames,
-        i2c: &[],
+        ..BusTraffic::default()
     };
     let mut out = Vec::new();
     write_mcap(&trace, traffic, &[attachment], &mut out).unwrap();
