@@ -16,6 +16,8 @@ pub(super) struct Passed {
     pub(super) width: Ticks,
     pub(super) until: Instant,
     pub(super) reason: Option<Reason>,
+    /// Electrical energy to book for it, nJ.
+    energy_nj: u64,
 }
 
 /// A burst in progress or the last one of a wire.
@@ -34,10 +36,28 @@ const fn faded(left: u64) -> u64 {
 impl Guard {
     /// The widest pulse and the latest end the limits leave of a stimulus, booked as spent.
     pub(super) fn clamp(&mut self, index: usize, at: Instant, s: &Stimulus) -> Passed {
+        let passed = self.judge(index, at, s);
+        self.book(index, at, passed.until, passed.energy_nj);
+        passed
+    }
+
+    /// Books a stimulus as it is, whatever the limits leave of it; returns what they do.
+    pub(super) fn note(&mut self, index: usize, at: Instant, s: &Stimulus) -> Option<Reason> {
+        let reason = self.judge(index, at, s).reason;
+        if s.until > at {
+            let energy = self.plant.energy_nj(s.width.get(), s.until.since(at));
+            self.book(index, at, s.until, energy);
+        }
+        reason
+    }
+
+    /// What the limits leave of a stimulus; nothing is booked.
+    fn judge(&mut self, index: usize, at: Instant, s: &Stimulus) -> Passed {
         let nothing = |reason| Passed {
             width: Ticks::ZERO,
             until: s.until,
             reason,
+            energy_nj: 0,
         };
         if self.latched().is_some() {
             return nothing(Some(Reason::Latched));
@@ -81,19 +101,26 @@ impl Guard {
             (width, reason) = (fits as u16, Some(cause)); // less than `width`, since left < energy
             energy = self.plant.energy_nj(width, span);
         }
-        if width > 0 {
-            self.spend(index, at, until, energy);
-            self.wires[index].burst = Some(Burst {
-                start: burst.start,
-                spent_nj: burst.spent_nj.saturating_add(energy),
-                end: until,
-            });
-        }
         Passed {
             width: Ticks::new(width),
             until,
             reason,
+            energy_nj: energy,
         }
+    }
+
+    /// Books energy of a stimulus; none is no stimulus.
+    fn book(&mut self, index: usize, at: Instant, until: Instant, energy_nj: u64) {
+        if energy_nj == 0 {
+            return;
+        }
+        let burst = self.burst_at(index, at);
+        self.spend(index, at, until, energy_nj);
+        self.wires[index].burst = Some(Burst {
+            start: burst.start,
+            spent_nj: burst.spent_nj.saturating_add(energy_nj),
+            end: until,
+        });
     }
 
     /// The burst that a stimulus at `at` would go on with, or begin.

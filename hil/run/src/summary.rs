@@ -276,7 +276,7 @@ impl Summary {
             }
         });
         let ledger = &trace.ledger;
-        let emulated = trace.header.source == Source::Emulated;
+        let emulated = trace.header.source.is_emulated();
         let worst = |of| ledger.margin(of).map(Margin::worst);
         Self {
             conclusion: Conclusion::default(),
