@@ -5,6 +5,7 @@
 //! make one. Switching off needs no guard.
 
 mod admission;
+mod budget;
 mod decays;
 mod dose;
 mod limits;
@@ -15,6 +16,7 @@ mod table;
 mod thermal;
 mod watchdog;
 
+pub use budget::WireBudget;
 pub use limits::{BURST_GAP, HARD, Limits};
 pub use observed::Observed;
 pub use plant::{Plant, PlantError};

@@ -47,7 +47,7 @@ fn what_is_asked_stays_and_the_reason_is_noted() {
     let mut guard = guard();
     let (update, entries) = observe(
         &mut guard,
-        &[stimulus(1, 400, 0, 80_000), stimulus(2, 100, 0, 35_000)],
+        &[stimulus(2, 100, 0, 35_000), stimulus(1, 400, 0, 80_000)],
     );
     let channels = *update.unwrap().channels();
     assert_eq!(channels[1], Some(Setting { on: 256, off: 656 }));
@@ -55,10 +55,10 @@ fn what_is_asked_stays_and_the_reason_is_noted() {
     // The board's other wires stand there as well, off; the other board's do not.
     assert_eq!(channels[0], Some(Setting { on: 0, off: 0 }));
     assert_eq!(channels[4], None);
-    assert_eq!(entries[0].width(), entries[0].requested);
-    assert_eq!(entries[0].until, Instant::from_micros(80_000));
-    assert!(entries[0].reason.is_some());
-    assert_eq!(entries[1].reason, None);
+    assert_eq!(entries[1].width(), entries[1].requested);
+    assert_eq!(entries[1].until, Instant::from_micros(80_000));
+    assert!(entries[1].reason.is_some());
+    assert_eq!(entries[0].reason, None);
 }
 
 #[test]
