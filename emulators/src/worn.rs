@@ -278,6 +278,11 @@ impl WornDisplay {
             self.flowing[wire].0 = since.max(self.now);
             self.keep(wire, since, self.now, watts);
         }
+        self.ended_flows()
+    }
+
+    /// The stretches of current that have ended since they are kept or were last taken.
+    pub fn ended_flows(&mut self) -> Vec<Flow> {
         self.flows.as_mut().map(std::mem::take).unwrap_or_default()
     }
 

@@ -78,7 +78,7 @@ pub use shelf::{Listed, built_in, illusions, of_folder};
 pub use source::Source;
 pub use texture::{Rated, TextureEntry, TextureTable};
 pub use texture_model::{Layer, Tensor, TextureModel, model_file, taxel};
-pub use times::{LONGEST_US, OutOfTime, TimeColumn, TimeUnit, Times};
+pub use times::{DISORDER_US, LONGEST_US, OutOfTime, TimeColumn, TimeUnit, Times};
 pub use touch::{Force, Path, PathKind, Touch, TouchPoint};
 pub use wire::{AlloyFile, Electrical, Mechanical, ThermalValues, WireFile};
 pub use words::{axes_named, norm, scope};

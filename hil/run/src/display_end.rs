@@ -17,9 +17,11 @@ use palpate_emulators::worn::{DisplayConfig, OutputEdge, ThermalSample, WirePlac
 use palpate_files::{Bench, BenchKind, Setup};
 use palpate_records::trace::Event;
 
+use crate::Keep;
 use crate::effects::Faultable;
 use crate::failure::Failure;
 use crate::feel::{feel, sample_wires};
+use crate::margins::Currents;
 use crate::plan;
 use crate::recorder::{Onset, Recorder};
 use crate::script::{FaultReport, Script};
@@ -27,6 +29,8 @@ use crate::skin_end::FaultySkin;
 
 /// The finger is looked at no less often than this, even where no stimulus comes.
 const LOOK: Duration = Duration::from_millis(250);
+/// So many temperatures are looked through at once for the warmest.
+const LOOKS: usize = 1 << 12;
 /// Transfers kept of a run's actuator bus, the last ones: some hours of them.
 const I2C_LOG: usize = 1 << 20;
 
@@ -121,8 +125,11 @@ pub struct EmulatedDisplay {
     pending: Option<Onset>,
     /// The finger is looked at again then.
     next_look: Instant,
-    /// Temperatures over time, if they are kept.
+    /// Temperatures over time, if they are kept; only the warmest where a summary is enough.
     samples: Option<Vec<ThermalSample>>,
+    summary: bool,
+    /// What flowed.
+    currents: Currents,
 }
 
 impl EmulatedDisplay {
@@ -148,20 +155,23 @@ impl EmulatedDisplay {
             pending: None,
             next_look: Instant::ZERO,
             samples: None,
+            summary: false,
+            currents: Currents::new(projector.display().wires().len()),
             display,
             i2c,
         })
     }
 
-    /// Keeps every stretch of current and all temperatures, for the margins, and if wanted the newest messages of the
-    /// bus. What is kept grows with the length of a run.
+    /// Keeps currents and temperatures, for the margins, and if wanted the newest messages of the bus. Temperatures
+    /// grow with the length of a run, but where a summary is all that is wanted.
     ///
     /// # Errors
     /// [`Failure::Device`] where the bus cannot keep a log.
-    pub fn keep(&mut self, messages: bool) -> Result<(), Failure> {
+    pub fn keep(&mut self, keep: Keep) -> Result<(), Failure> {
         self.display.keep_flows();
         self.samples = Some(Vec::new());
-        if messages {
+        self.summary = keep.summary;
+        if keep.i2c {
             let kept = self.display.bus().with(|bus| bus.keep_log(I2C_LOG));
             kept.map_err(|e| Failure::Device(format!("actuator bus: {e}")))?;
         }
@@ -173,12 +183,15 @@ impl EmulatedDisplay {
         &mut self.display
     }
 
-    /// Temperatures since the last time, oldest first.
-    pub fn take_samples(&mut self) -> Vec<ThermalSample> {
-        self.samples
-            .as_mut()
-            .map(std::mem::take)
-            .unwrap_or_default()
+    /// Temperatures and currents since the last time, oldest first; a wire that is on is cut here.
+    pub fn take_samples(&mut self) -> (Vec<ThermalSample>, Currents) {
+        let samples = self.samples.as_mut().map(std::mem::take);
+        let flows = self.display.take_flows();
+        self.currents.add(flows);
+        (
+            samples.unwrap_or_default(),
+            std::mem::take(&mut self.currents),
+        )
     }
 
     /// What became of the scene's faults.
@@ -206,6 +219,12 @@ impl EmulatedDisplay {
     fn sample(&mut self) {
         if let Some(samples) = &mut self.samples {
             samples.extend(self.display.sample());
+            if self.summary && samples.len() >= LOOKS {
+                let warmest = samples.iter().max_by(|a, b| a.mean_c.total_cmp(&b.mean_c));
+                *samples = warmest.copied().into_iter().collect();
+            }
+            let flows = self.display.ended_flows();
+            self.currents.add(flows);
         }
     }
 

@@ -6,6 +6,7 @@ use palpate_core::projector::{Cause, FrameReport, Observer, Target, TextureRepor
 use palpate_core::schedule::Entry;
 use palpate_core::skin::{Condition, Layout};
 use palpate_core::units::{Board, Duration, Instant, Point};
+use palpate_records::readings::Readings;
 use palpate_records::trace::{Driven, Event, PlaceUm};
 use palpate_records::words::texture;
 
@@ -19,6 +20,9 @@ const APART: Duration = Duration::from_millis(500);
 pub(crate) fn milli_c(celsius: f64) -> Option<i32> {
     celsius.is_finite().then(|| (celsius * 1e3).round() as i32)
 }
+
+/// So many events are looked through at once for those that a summary reads.
+const UNREAD: usize = 1 << 12;
 
 /// What truly touches the driving module.
 #[derive(Debug, Default)]
@@ -91,6 +95,8 @@ pub struct Recorder {
     pub driven: Driven,
     /// The newest reading of every taxel, raw counts, NaN for one that is left out; kept for a live view.
     pub counts: Option<Vec<f32>>,
+    /// What every taxel read, where that is kept.
+    pub readings: Option<Readings>,
     /// The newest onset.
     pub onset: Option<Onset>,
     /// Onsets projected, and those of them without a contact.
@@ -106,6 +112,9 @@ pub struct Recorder {
     /// Windows of texture, and the sum of their roughness, thousandths.
     pub windows: (u32, u64),
     truth: Truth,
+    /// Whether events stay that a summary reads, and no others; events of a run without a truth that have stayed.
+    pub summary: bool,
+    stayed: usize,
     /// Events at most; the oldest go. `None`: all are kept.
     most_events: Option<usize>,
     /// Events that went so.
@@ -133,8 +142,14 @@ impl Recorder {
         self
     }
 
-    /// Drops the older half of the events where there are too many.
+    /// Drops the older half of the events where there are too many, and what no summary reads where that is enough.
     pub fn trim(&mut self) {
+        if self.summary && self.events.len() - self.stayed > UNREAD {
+            let new = self.events.split_off(self.stayed);
+            let read = |e: &Event| matches!(e, Event::Felt { .. } | Event::Note { .. });
+            self.events.extend(new.into_iter().filter(read));
+            self.stayed = self.events.len();
+        }
         let most = self.most_events.unwrap_or(usize::MAX);
         if self.events.len() > most {
             let surplus = self.events.len() - most / 2;
@@ -192,6 +207,9 @@ impl Observer for Recorder {
             let readings = readings.zip(report.relative.usable());
             counts.clear();
             counts.extend(readings.map(|(v, usable)| if *usable { *v } else { f32::NAN }));
+        }
+        if let Some(readings) = &mut self.readings {
+            readings.push(t_us, report.relative);
         }
         for contact in report.contacts {
             self.contacts += 1;

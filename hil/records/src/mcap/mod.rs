@@ -10,7 +10,7 @@ mod read;
 mod schema;
 
 pub use container::Attachment;
-pub use read::{Read, Tear, Unreadable, read, read_from};
+pub use read::{McapReader, Read, Tear, Unreadable, read};
 pub use schema::{ALL, FieldKind, LOG, PACKAGE, Schema};
 
 use std::collections::BTreeMap;

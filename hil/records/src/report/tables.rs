@@ -103,9 +103,14 @@ pub(super) fn facts(page: &mut String, trace: &Trace, made: &[(&'static str, Str
         ("limits digest", h.limits_digest.clone()),
     ];
     for (name, value) in made.iter().cloned().chain(facts) {
+        let long = if value.len() > 40 {
+            " class=\"long\""
+        } else {
+            ""
+        };
         let _ = write!(
             page,
-            "<div><dt>{name}</dt><dd>{}</dd></div>",
+            "<div><dt>{name}</dt><dd{long}>{}</dd></div>",
             escape(&value)
         );
     }
