@@ -387,6 +387,9 @@ pub struct RunArgs {
     /// How much it says.
     #[command(flatten)]
     pub voice: Voice,
+    /// Let the guard only observe: what it would change is noted, and driven as it is. Emulated benches only.
+    #[arg(long, conflicts_with = "junit")]
+    pub observe: bool,
     /// Print the plan before the run, and the work done and left out after it.
     #[arg(long)]
     pub explain: bool,

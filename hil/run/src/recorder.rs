@@ -317,4 +317,11 @@ impl Observer for Recorder {
             cause: cause.word(),
         });
     }
+
+    fn observed_stop(&mut self, at: Instant, cause: Cause) {
+        self.note(
+            at,
+            format!("observed: the guard would have stopped: {}", cause.word()),
+        );
+    }
 }

@@ -347,7 +347,7 @@ impl Summary {
             .energies()
             .map_or([None; 3], |all| all.map(|e| Some(energy(e))));
         let ledger = &trace.ledger;
-        let emulated = trace.header.source == Source::Emulated;
+        let emulated = trace.header.source.is_emulated();
         let worst = |of| ledger.margin(of).map(Margin::worst);
         Self {
             conclusion: Conclusion::default(),

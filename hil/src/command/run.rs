@@ -352,7 +352,11 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
         scene.value.touches.clear();
         scene.value.name = format!("replay of {}", first.display());
     }
-    Ok(Setup::join(scene, bench)?)
+    let setup = Setup::join(scene, bench)?;
+    Ok(match args.observe {
+        true => setup.observed()?,
+        false => setup,
+    })
 }
 
 /// The options that stand for keys of the files.

@@ -97,10 +97,7 @@ pub fn read_schedule(
     let wires = wires(&header.bench);
     Ok(Trace {
         header: Header {
-            source: match header.source.as_str() {
-                "real" => Source::Real,
-                _ => Source::Emulated,
-            },
+            source: Source::of(&header.source).unwrap_or(Source::Emulated),
             scene: header.scene,
             bench: header.bench,
             seed: header.seed,

@@ -174,11 +174,11 @@ fn title(reader: &mut Reader<'_>) -> Result<Story, Damage> {
     let (kind, scene) = found.ok_or_else(|| reader.wants(TITLE))?;
     reader.next += 1;
     // A title is cut where the scene's name is too long.
-    let (scene, source) = match scene.rsplit_once(" (") {
-        Some((scene, "real)")) => (scene, Source::Real),
-        Some((scene, "emulated)")) => (scene, Source::Emulated),
-        _ => (scene, Source::Emulated),
-    };
+    let known = scene.rsplit_once(" (").and_then(|(scene, word)| {
+        let source = Source::of(word.strip_suffix(')')?)?;
+        Some((scene, source))
+    });
+    let (scene, source) = known.unwrap_or((scene, Source::Emulated));
     Ok(Story::empty(kind, scene.to_owned(), source))
 }
 
