@@ -1,6 +1,7 @@
 //! The command line.
 
 mod compare;
+mod design;
 mod files;
 mod sweep;
 mod texture;
@@ -10,6 +11,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use compare::{DiffArgs, ReviewAction, ReviewArgs, TestArgs};
+pub use design::{DesignArgs, Numbers};
 pub use files::{
     CheckArgs, CompletionsArgs, ExportKind, ExportTaxels, ExportViews, LayoutKind, ListArgs,
     ManArgs, Motion, NewBench, NewFile, NewKind, NewLayout, NewScene, NewWire, Shelf,
@@ -151,6 +153,8 @@ pub enum Command {
     /// Say figure by figure how two summaries or tables of sweeps differ, or show a folder of summaries over time.
     /// Exits with 1 if a figure differs.
     Compare(CompareArgs),
+    /// Compute what makes of wire and pulse patterns are felt like, at which tissue temperature and current.
+    Design(DesignArgs),
     /// List what there is, a line each: scenes, benches, layouts, wires, illusions, built in and in this folder.
     List(ListArgs),
     /// Write a commented file of what differs from the defaults.
@@ -185,6 +189,7 @@ impl Command {
             Self::Run(args) => args.voice.quiet || args.watch,
             Self::Sweep(args) => args.voice.quiet,
             Self::Compare(args) => args.voice.quiet,
+            Self::Design(args) => args.voice.quiet,
             Self::Test(args) => args.voice.quiet,
             Self::Record(args) => args.voice.quiet,
             Self::Replay(args) => args.voice.quiet,

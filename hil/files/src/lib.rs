@@ -63,8 +63,8 @@ pub use illusion::{Illusion, SceneStroke};
 pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
 pub use limits::LimitTable;
 pub use loaded::{
-    Loaded, load_activation, load_bench, load_layout, load_limits, load_person, load_scene,
-    load_textures, load_wire,
+    Loaded, load_activation, load_alloy, load_bench, load_layout, load_limits, load_person,
+    load_scene, load_textures, load_wire,
 };
 pub use migrate::{Migrated, migrated};
 pub use module::{Grid, ImageCell, Repeat, SkinModule, Taxel};

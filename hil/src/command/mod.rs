@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod contacts;
+mod design;
 mod devices;
 mod diff;
 mod doctor;
@@ -29,6 +30,7 @@ mod texture_train;
 pub use check::check;
 pub use compare::compare;
 pub use contacts::contacts;
+pub use design::design;
 pub use diff::diff;
 pub use doctor::doctor;
 pub use emulate::emulate;
