@@ -48,6 +48,12 @@ fn is_ours(start: &[u8], format: Format) -> bool {
 }
 
 impl Outputs<'_> {
+    /// Of a command that reads nothing and forces nothing.
+    pub const NEW: Outputs<'static> = Outputs {
+        force: false,
+        inputs: &[],
+    };
+
     /// Whether a file of this format may be written: to be asked before the work is done, too.
     ///
     /// # Errors
@@ -97,6 +103,18 @@ impl Outputs<'_> {
     ) -> Result<(), Failure> {
         self.check(path, format)?;
         write_file(path, content)
+    }
+
+    /// Opens a file that grows while what it records goes on, where nothing else is lost.
+    ///
+    /// # Errors
+    /// As [`Outputs::check`], and [`Failure::Write`] with what the system said.
+    pub fn grow(self, path: &Path, format: Format) -> Result<fs::File, Failure> {
+        self.check(path, format)?;
+        fs::File::create(path).map_err(|error| Failure::Write {
+            path: path.display().to_string(),
+            error,
+        })
     }
 
     /// Whether a table of contacts and the schema beside it may be written.

@@ -17,6 +17,7 @@ pub mod i2c;
 pub mod margin;
 pub mod mcap;
 pub mod measure;
+pub mod readings;
 pub mod report;
 pub mod runs;
 pub mod schedule;

@@ -31,7 +31,7 @@ fn a_replay_of_the_readings_finds_the_contacts_of_the_scene() {
     let setup = Setup::load("sphere-along", "emulated").unwrap();
     let tables = taxels(&setup, 1).unwrap();
     assert_eq!(tables.len(), 1);
-    let replayed = contacts(&setup, &Input::Rows(tables));
+    let replayed = contacts(&setup, &Input::tables(tables));
     assert_eq!(replayed, contacts(&setup, &Input::Scene));
 }
 
@@ -50,4 +50,22 @@ fn a_hand_makes_one_table_per_module() {
             module.name
         );
     }
+}
+
+/// What a summary does not need goes while the run goes on, and no figure changes.
+#[test]
+fn a_summary_is_the_same_without_the_trace() {
+    let setup = Setup::load("sphere-along", "emulated").unwrap();
+    let input = Input::tables(taxels(&setup, 1).unwrap());
+    let summary = |summary| {
+        let keep = crate::Keep {
+            summary,
+            ..crate::Keep::default()
+        };
+        let outcome = crate::run_with(&setup, &input, 1, keep, &mut ()).unwrap();
+        (outcome.summary, outcome.trace.events.len())
+    };
+    let ((whole, events), (thin, fewer)) = (summary(false), summary(true));
+    assert_eq!(whole, thin);
+    assert!(fewer < events / 2, "{fewer} of {events}");
 }

@@ -40,6 +40,10 @@ pub struct ListArgs {
     /// What to list (default: everything).
     #[arg(value_enum, hide_possible_values = false)]
     pub shelves: Vec<Shelf>,
+    /// The folder whose files are listed beside what is built in, with those below it; repeatable (default: this
+    /// folder alone).
+    #[arg(long, value_name = "DIR")]
+    pub dir: Vec<PathBuf>,
     /// Print a JSON array of {kind, name, description, file}.
     #[arg(long)]
     pub json: bool,
@@ -51,6 +55,13 @@ pub struct CheckArgs {
     /// Scenes, benches, layouts, limit tables, wires, persons: any settings files.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
+    /// Write what files of an earlier version become beside them (`mine.toml`: `mine.migrated.toml`), and check that.
+    /// Comments stay.
+    #[arg(long)]
+    pub migrate: bool,
+    /// With --migrate: change the files themselves, and keep what they were as `mine.toml.old`.
+    #[arg(long, requires = "migrate")]
+    pub force: bool,
     /// Print a JSON array of {file, kind, complete, errors}.
     #[arg(long)]
     pub json: bool,
@@ -80,8 +91,8 @@ pub struct NewFile {
     /// What it is, in a sentence.
     #[arg(long, value_name = "TEXT")]
     pub description: Option<String>,
-    /// File to write (default: NAME.toml).
-    #[arg(long, value_name = "FILE")]
+    /// File to write, or a folder for NAME.toml (default: this folder).
+    #[arg(long, value_name = "FILE|DIR")]
     pub out: Option<PathBuf>,
     /// Overwrite a file that is there.
     #[arg(long)]
@@ -160,13 +171,13 @@ pub struct NewLayout {
     #[arg(long, value_enum, value_name = "KIND")]
     pub kind: Option<LayoutKind>,
     /// Rows, from top to bottom (default: 4).
-    #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 256>)]
+    #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 256>, allow_hyphen_values = true)]
     pub rows: Option<u16>,
     /// Columns, from left to right (default: 4).
-    #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 256>)]
+    #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 256>, allow_hyphen_values = true)]
     pub columns: Option<u16>,
     /// Between neighbours, both ways, mm (default: 4.7).
-    #[arg(long, value_name = "MM", value_parser = positive)]
+    #[arg(long, value_name = "MM", value_parser = positive, allow_hyphen_values = true)]
     pub pitch_mm: Option<f64>,
 }
 
@@ -176,13 +187,13 @@ pub struct NewWire {
     #[command(flatten)]
     pub(crate) file: NewFile,
     /// Diameter, micrometres (default: 75).
-    #[arg(long, value_name = "UM", value_parser = positive)]
+    #[arg(long, value_name = "UM", value_parser = positive, allow_hyphen_values = true)]
     pub diameter_um: Option<f64>,
     /// Length between the crimps, mm (default: 5).
-    #[arg(long, value_name = "MM", value_parser = positive)]
+    #[arg(long, value_name = "MM", value_parser = positive, allow_hyphen_values = true)]
     pub length_mm: Option<f64>,
     /// Resistance between the terminals, Ohm (default: computed from the built-in final-75um).
-    #[arg(long, value_name = "OHM", value_parser = positive)]
+    #[arg(long, value_name = "OHM", value_parser = positive, allow_hyphen_values = true)]
     pub resistance_ohm: Option<f64>,
 }
 

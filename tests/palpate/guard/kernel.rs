@@ -22,10 +22,10 @@ impl Corner {
     pub fn new(wire: &WireParameters, skin: &TissueParameters) -> Self {
         let network = ThermalNetwork::new(wire, skin).unwrap();
         let at_rest = ModeKey {
-            phase_slope: 0.0,
+            latent: 0.0,
             feedback: 0.0,
         };
-        let mode = Mode::new(&network, 0.0, at_rest);
+        let mode = Mode::new(&network, at_rest);
         let response =
             |row: &[f64; NODES]| core::array::from_fn(|k| wire.wire_share * row[k] * mode.gain[k]);
         Self {

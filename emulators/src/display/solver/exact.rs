@@ -13,8 +13,10 @@ use crate::display::finger::dose::Dose;
 use crate::display::finger::{NODES, ThermalNetwork};
 use crate::display::solver::phase::{Branch, Heading, Phase};
 use crate::display::solver::record::{Energy, Peaks};
+use crate::display::solver::strain::{Motion, Strain, Worn};
+use crate::display::solver::stretch::Stretches;
 use crate::time::Nanos;
-use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
+use palpate_core::physics::{Bow, ParameterError, TissueParameters, WireParameters};
 use palpate_core::vector::{Scalar, Vectors};
 use step::Run;
 
@@ -46,6 +48,12 @@ pub struct Exact {
     energy: Energy,
     /// Burn integrals of the tissue at 0.1 mm, where they are wanted.
     pub dose: Option<Dose>,
+    /// Where the wire is worn: then parting from the skin is an event.
+    worn: Option<Worn>,
+    /// The skin in the last stretch.
+    motion: Motion,
+    /// What a person's model reads, where one does.
+    pub stretches: Option<Stretches>,
 }
 
 /// Temperatures above the body's at the time computed up to, K.
@@ -81,9 +89,8 @@ impl Exact {
         let phase = Phase::new(wire, start_c)?;
         let resting = Mode::new(
             &network,
-            0.0,
             ModeKey {
-                phase_slope: 0.0,
+                latent: 0.0,
                 feedback: 0.0,
             },
         );
@@ -107,10 +114,24 @@ impl Exact {
             deep: Maxima::new(start_c),
             energy: Energy::default(),
             dose: None,
+            worn: None,
+            motion: Motion::default(),
+            stretches: None,
         };
         solver.watch();
         solver.face();
         Ok(solver)
+    }
+
+    /// Puts the wire on the skin as it is now; from here on both part and meet as [`Bow`] says.
+    ///
+    /// # Errors
+    /// A parameter that cannot be computed with.
+    pub fn wear(&mut self, tissue: &TissueParameters) -> Result<(), ParameterError> {
+        let bow = Bow::new(&self.wire, tissue)?;
+        self.worn = Some(Worn::new(&bow, self.wire.length_m, self.strain().total()));
+        self.motion = Motion::default();
+        Ok(())
     }
 
     /// The same, stepped with these vectors.
@@ -157,9 +178,14 @@ impl Exact {
         };
     }
 
-    /// Martensite fraction at `wire_c`, the wire's temperature at the time computed up to.
-    pub(crate) fn fraction_at(&self, wire_c: f64) -> f64 {
-        self.phase.fraction(wire_c)
+    /// Strain at the time computed up to.
+    pub fn strain(&self) -> Strain {
+        self.phase.strain(self.wire_c())
+    }
+
+    /// Displacement of the skin from rest at the time computed up to, m, positive into it; 0 without [`Self::wear`].
+    pub fn displacement_m(&self) -> f64 {
+        self.motion.at(self.wire_c())
     }
 
     /// The tissue at 0.1 and 0.4 mm at the time computed up to, degrees C.
@@ -203,10 +229,9 @@ impl Exact {
         for (t, c) in nodes.iter().zip(&self.network.capacity) {
             stored += c * (t - self.network.body_c);
         }
-        let latent = self.wire.mass() * self.wire.latent_heat * (1.0 - self.fraction());
         Energy {
             stored_j: stored,
-            latent_j: latent,
+            latent_j: self.phase.latent_j(self.wire_c()),
             ..self.energy
         }
     }
@@ -219,6 +244,18 @@ impl Exact {
         relative += w.resistance_per_kelvin * (t - w.reference_c);
         let per_kelvin = w.resistance_per_kelvin - (w.austenite_ratio - 1.0) * branch.slope;
         (nominal * relative, nominal * per_kelvin)
+    }
+
+    /// Computes what the skin does from `t` on until `branch` ends, which it does where both part or meet.
+    fn touch(&mut self, t: f64, branch: &mut Branch) {
+        let Some(worn) = &self.worn else {
+            return;
+        };
+        let (strain, rises) = (self.phase.strain(t).total(), self.heading == Heading::Up);
+        let (motion, (low, high)) = worn.motion(t, strain, branch.strain, rises);
+        self.motion = motion;
+        branch.low = branch.low.max(low);
+        branch.high = branch.high.min(high);
     }
 
     /// Heat into the wire from the drive alone.
@@ -250,6 +287,8 @@ impl Exact {
         let t = self.wire_c();
         let frozen = Branch {
             slope: 0.0,
+            latent: 0.0,
+            strain: 0.0,
             low: t,
             high: t,
             one_way: false,
@@ -285,7 +324,7 @@ impl Exact {
         let nodes = self.modes[self.mode].nodes(&self.z);
         let found = self.modes.iter().position(|m| m.key == key);
         self.mode = found.unwrap_or_else(|| {
-            let mode = Mode::new(&self.network, self.wire.mass() * self.wire.latent_heat, key);
+            let mode = Mode::new(&self.network, key);
             if self.modes.len() < MODES {
                 self.modes.push(mode);
                 return self.modes.len() - 1;
@@ -330,6 +369,6 @@ impl Exact {
 
     /// Martensite fraction at the time computed up to, in [0, 1].
     pub fn fraction(&self) -> f64 {
-        self.fraction_at(self.wire_c())
+        self.phase.fraction(self.wire_c())
     }
 }

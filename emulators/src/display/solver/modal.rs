@@ -17,8 +17,8 @@ use palpate_core::vector::{Scalar, Vectors};
 /// What makes a mode differ from another: all else in a network is constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModeKey {
-    /// |d xi/dT| while latent heat is taken up or released, 1/K; 0 with the phase at rest.
-    pub phase_slope: f64,
+    /// Latent heat that a kelvin takes up or releases, J/K; 0 with every phase at rest.
+    pub latent: f64,
     /// How much electrical heat rises with the wire's temperature (I^2 dR/dT), W/K.
     pub feedback: f64,
 }
@@ -48,10 +48,10 @@ pub struct Mode {
 }
 
 impl Mode {
-    /// Decomposes a network in the regime `key`; `latent` is mass times latent heat, J.
-    pub fn new(network: &ThermalNetwork, latent: f64, key: ModeKey) -> Self {
+    /// Decomposes a network in the regime `key`.
+    pub fn new(network: &ThermalNetwork, key: ModeKey) -> Self {
         let mut capacity = network.capacity;
-        capacity[0] += latent * key.phase_slope;
+        capacity[0] += key.latent;
         // Slowest first, the wire last: QL converges sooner and loses fewer digits where small entries come first.
         let (mut diagonal, mut beside) = ([0.0; NODES], [0.0; NODES]);
         for i in 0..NODES {

@@ -1,10 +1,17 @@
-//! The martensite fraction xi: plays, whose hysteresis is piecewise linear in temperature.
+//! The phases of a wire: parallel plays, whose hysteresis is piecewise linear in temperature.
 //!
-//! Between two thresholds d xi/dT is constant, so the heat balance stays linear and the solver exact. The
-//! memory changes only at events (a turn of the temperature, a threshold passed), which makes it
+//! Between two thresholds every share changes evenly with temperature, so the heat balance stays linear and the solver
+//! exact. The memory changes only at events (a turn of the temperature, a threshold passed), which makes it
 //! independent of how time is cut.
+//!
+//! So does the strain, so that what the skin feels is linear in the wire's temperature as well. The expansion of a play
+//! that transforms would bend it: its last part turns at a higher temperature than its first, and changes its length by
+//! another difference of expansions. Here every part of a play changes its length alike; over a band that is at most a
+//! quarter of (alpha_M - alpha_A) times its width, 1.1e-5, from the bent line, and nothing at its ends.
 
-use palpate_core::physics::{Hysteresis, ParameterError, WireParameters};
+use palpate_core::physics::{ParameterError, WireParameters};
+
+use super::strain::Strain;
 
 /// Which way the wire's temperature is going.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,8 +25,12 @@ pub enum Heading {
 /// A range of temperature in which the law is one straight line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Branch {
-    /// d xi/dT, 1/K; never positive.
+    /// d xi/dT of the martensite, 1/K; never positive.
     pub slope: f64,
+    /// Latent heat that a kelvin takes up or releases, J/K; never negative.
+    pub latent: f64,
+    /// Change of the total strain, 1/K.
+    pub strain: f64,
     /// Holds down to here, degrees C.
     pub low: f64,
     /// Holds up to here, degrees C.
@@ -31,22 +42,29 @@ pub struct Branch {
 /// Temperatures this close count as the same threshold, K.
 const SAME: f64 = 2e-11;
 
-/// One generalised play.
+/// One play with its memory.
 #[derive(Clone, Copy, Debug)]
-struct Play {
+struct Share {
     austenite: (f64, f64),
     martensite: (f64, f64),
+    /// Part of the martensite fraction.
     weight: f64,
+    /// Latent heat, J.
+    latent: f64,
+    /// Cold against hot: difference of the strains by stress and by phase, and of the expansions (1/K).
+    elastic: f64,
+    strain: f64,
+    expansion: f64,
     memory: f64,
 }
 
-impl Play {
-    /// Upper bound of xi: all martensite until heated past austenite start.
+impl Share {
+    /// Upper bound of p: all martensite until heated past austenite start.
     fn heating(&self, t: f64) -> f64 {
         ((self.austenite.1 - t) / (self.austenite.1 - self.austenite.0)).clamp(0.0, 1.0)
     }
 
-    /// Lower bound of xi: no martensite until cooled past martensite start.
+    /// Lower bound of p: no martensite until cooled past martensite start.
     fn cooling(&self, t: f64) -> f64 {
         ((self.martensite.0 - t) / (self.martensite.0 - self.martensite.1)).clamp(0.0, 1.0)
     }
@@ -74,12 +92,68 @@ impl Play {
             f64::NEG_INFINITY
         }
     }
+    /// Width of the band, K, that a part of it would pass next; between both bands, by the way to go to each.
+    fn width(&self, t: f64, p: f64) -> (f64, f64) {
+        let warm = self.austenite.1 - self.austenite.0;
+        let cold = self.martensite.0 - self.martensite.1;
+        let (up, down) = (self.austenite.1 - p * warm, self.martensite.0 - p * cold);
+        let gap = up - down;
+        if warm.to_bits() == cold.to_bits() || gap <= SAME {
+            return (warm, 0.0);
+        }
+        let slope = (warm - cold) / gap;
+        (cold + (t - down).clamp(0.0, gap) * slope, slope)
+    }
+
+    /// Strain by expansion beyond the austenite's at `t`, `away` from the temperature of none, in p (T - T0).
+    fn expansion(&self, t: f64, away: f64) -> f64 {
+        let p = self.fraction(t);
+        self.expansion * (p * away + p * (p - 1.0) * self.width(t, p).0)
+    }
+
+    /// Adds to a branch what this play does on it.
+    fn join(&self, branch: &mut Branch, t: f64, heading: Heading, rest_c: f64) {
+        let (upper, lower) = (self.upper(), self.lower());
+        let mut band = None;
+        if heading == Heading::Up && t >= upper - SAME {
+            if t < self.austenite.1 - SAME {
+                band = Some((self.austenite.1, self.austenite.1 - self.austenite.0));
+                branch.high = branch.high.min(self.austenite.1);
+            }
+        } else {
+            branch.high = branch.high.min(upper);
+        }
+        if heading == Heading::Down && t <= lower + SAME {
+            if t > self.martensite.1 + SAME {
+                band = Some((self.martensite.0, self.martensite.0 - self.martensite.1));
+                branch.low = branch.low.max(self.martensite.1);
+            }
+        } else {
+            branch.low = branch.low.max(lower);
+        }
+        if let Some((hot, width)) = band {
+            let per_kelvin = 1.0 / width;
+            branch.slope -= self.weight / width;
+            branch.latent += self.latent * per_kelvin;
+            branch.strain -= (self.elastic + self.strain) * per_kelvin;
+            branch.strain += self.expansion * (1.0 - (hot - rest_c) * per_kelvin);
+            branch.one_way = true;
+        } else {
+            let p = self.fraction(t);
+            branch.strain += self.expansion * (p + p * (p - 1.0) * self.width(t, p).1);
+        }
+    }
 }
 
-/// The phase of one wire.
+/// The phases of one wire.
 #[derive(Clone, Debug)]
 pub struct Phase {
-    plays: Vec<Play>,
+    plays: Vec<Share>,
+    /// As austenite: strain by stress, and expansion, 1/K.
+    elastic: f64,
+    expansion: f64,
+    /// Temperature of no thermal strain, degrees C.
+    rest_c: f64,
 }
 
 impl Phase {
@@ -88,19 +162,27 @@ impl Phase {
     /// # Errors
     /// Branches of the hysteresis that touch or cross.
     pub fn new(wire: &WireParameters, start_c: f64) -> Result<Self, ParameterError> {
-        let a = &wire.alloy;
-        let shift = (wire.bias_stress_pa - a.reference_stress_pa) / a.stress_per_kelvin;
-        let one = Play {
-            austenite: (a.austenite_start_c + shift, a.austenite_finish_c + shift),
-            martensite: (a.martensite_start_c + shift, a.martensite_finish_c + shift),
-            weight: 1.0,
+        let m = &wire.mechanics;
+        let compliance = 1.0 / m.modulus_martensite_pa - 1.0 / m.modulus_austenite_pa;
+        let plays = wire.plays()?.into_iter().map(|play| Share {
+            austenite: (play.bands.austenite_start_c, play.bands.austenite_finish_c),
+            martensite: (
+                play.bands.martensite_start_c,
+                play.bands.martensite_finish_c,
+            ),
+            weight: play.martensite,
+            latent: wire.mass() * play.latent_heat,
+            elastic: wire.bias_stress_pa * compliance * play.martensite,
+            strain: play.strain,
+            expansion: (m.expansion_martensite - m.expansion_austenite) * play.martensite,
             memory: 1.0,
+        });
+        let mut phase = Self {
+            plays: plays.collect(),
+            elastic: wire.bias_stress_pa / m.modulus_austenite_pa,
+            expansion: m.expansion_austenite,
+            rest_c: m.rest_c,
         };
-        let plays = match wire.hysteresis {
-            Hysteresis::Play => vec![one],
-            Hysteresis::Plays { count, narrowest } => spread(&one, count, narrowest)?,
-        };
-        let mut phase = Self { plays };
         phase.commit(start_c);
         Ok(phase)
     }
@@ -114,35 +196,44 @@ impl Phase {
         xi.clamp(0.0, 1.0)
     }
 
+    /// Latent heat that the wire holds at `t`, reached in such a way, J: none where all of it is cold.
+    pub fn latent_j(&self, t: f64) -> f64 {
+        self.plays
+            .iter()
+            .map(|p| p.latent * (1.0 - p.fraction(t)))
+            .sum()
+    }
+
+    /// Strain at `t`, reached in such a way.
+    pub fn strain(&self, t: f64) -> Strain {
+        let away = t - self.rest_c;
+        let mut strain = Strain {
+            elastic: self.elastic,
+            phase: 0.0,
+            thermal: self.expansion * away,
+        };
+        for p in &self.plays {
+            strain.elastic += p.elastic * p.fraction(t);
+            strain.phase += p.strain * p.fraction(t);
+            strain.thermal += p.expansion(t, away);
+        }
+        strain
+    }
+
     /// The straight piece that leads on from `t`.
     pub fn branch(&self, t: f64, heading: Heading) -> Branch {
-        let mut s = Branch {
+        let mut branch = Branch {
             slope: 0.0,
+            latent: 0.0,
+            strain: self.expansion,
             low: f64::NEG_INFINITY,
             high: f64::INFINITY,
             one_way: false,
         };
         for p in &self.plays {
-            let (upper, lower) = (p.upper(), p.lower());
-            if heading == Heading::Up && t >= upper - SAME {
-                if t < p.austenite.1 - SAME {
-                    s.slope -= p.weight / (p.austenite.1 - p.austenite.0);
-                    s.high = s.high.min(p.austenite.1);
-                }
-            } else {
-                s.high = s.high.min(upper);
-            }
-            if heading == Heading::Down && t <= lower + SAME {
-                if t > p.martensite.1 + SAME {
-                    s.slope -= p.weight / (p.martensite.0 - p.martensite.1);
-                    s.low = s.low.max(p.martensite.1);
-                }
-            } else {
-                s.low = s.low.max(lower);
-            }
+            p.join(&mut branch, t, heading, self.rest_c);
         }
-        s.one_way = s.slope < 0.0;
-        s
+        branch
     }
 
     /// The temperature turned or passed a threshold at `t`: what has transformed is remembered.
@@ -151,32 +242,4 @@ impl Phase {
             p.memory = p.fraction(t);
         }
     }
-}
-
-/// Equal plays with hystereses evenly between `narrowest` and 1 of the alloy's own, about the same middle.
-fn spread(one: &Play, count: u8, narrowest: f64) -> Result<Vec<Play>, ParameterError> {
-    let n = f64::from(count);
-    let up = (one.austenite.0 + one.austenite.1) / 2.0;
-    let down = (one.martensite.0 + one.martensite.1) / 2.0;
-    let mut plays = Vec::with_capacity(usize::from(count));
-    for k in 0..count {
-        let place = if count > 1 {
-            f64::from(k) / (n - 1.0)
-        } else {
-            1.0
-        };
-        let scale = narrowest + (1.0 - narrowest) * place;
-        let inward = (up - down) / 2.0 * (1.0 - scale);
-        let play = Play {
-            austenite: (one.austenite.0 - inward, one.austenite.1 - inward),
-            martensite: (one.martensite.0 + inward, one.martensite.1 + inward),
-            weight: 1.0 / n,
-            memory: 1.0,
-        };
-        if play.austenite.0 <= play.martensite.1 || play.austenite.1 <= play.martensite.0 {
-            return Err(ParameterError { name: "hysteresis" });
-        }
-        plays.push(play);
-    }
-    Ok(plays)
 }

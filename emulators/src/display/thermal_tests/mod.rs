@@ -1,6 +1,7 @@
 //! The thermal model against computed values, against itself and against other methods.
 
 mod others;
+mod plays;
 mod properties;
 mod reference;
 mod table;

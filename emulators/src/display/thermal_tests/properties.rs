@@ -1,7 +1,7 @@
 //! What must hold for every parameter and every drive.
 
 use super::*;
-use palpate_core::physics::{Alloy, Hysteresis, TissueParameters, WireParameters};
+use palpate_core::physics::{Alloy, Hysteresis, Play, TissueParameters, WireParameters};
 use proptest::prelude::*;
 
 prop_compose! {
@@ -17,12 +17,15 @@ prop_compose! {
         wire_share in 0.6..=1.0_f64, specific_heat in 322.0..=837.0_f64, latent_heat in 0.0..=24e3_f64,
         austenite_ratio in prop_oneof![Just(1.0), 0.7..1.3_f64],
         resistance_per_kelvin in prop_oneof![Just(0.0), -5e-4..1e-3_f64],
+        bias_stress_pa in prop_oneof![Just(172e6), 0.0..40e6_f64],
+        reversible in prop_oneof![Just(0.0), 0.0..1.0_f64],
+        r_phase in proptest::option::of(Just(Play::R_PHASE)),
     ) -> WireParameters {
         let base = if first { WireParameters::FIRST } else { WireParameters::FINAL };
         let alloy = if high { Alloy::HIGH } else { Alloy::LOW };
         WireParameters {
             alloy, hysteresis, wire_share, specific_heat, latent_heat, austenite_ratio,
-            resistance_per_kelvin, ..base
+            resistance_per_kelvin, bias_stress_pa, reversible, beside: [r_phase, None, None, None], ..base
         }
     }
 }
@@ -77,7 +80,7 @@ proptest! {
     fn cuts_change_nothing(
         p in wires(), s in tissues(), drive in drives(), cuts in proptest::collection::vec(1..7_u64, 1..5),
     ) {
-        let mut whole = Wire::new(&p, &s, 33.0).unwrap();
+        let mut whole = Wire::new(&p, &s, 33.0).and_then(|w| w.worn(&s)).unwrap();
         let mut cut = whole.clone();
         let end = run(&mut whole, &drive, &[]);
         run(&mut cut, &drive, &cuts);
@@ -85,6 +88,8 @@ proptest! {
             prop_assert!((a - b).abs() < 1e-9, "{a} {b}");
         }
         prop_assert!((whole.fraction(end) - cut.fraction(end)).abs() < 1e-9);
+        let (a, b) = (whole.displacement_m(end), cut.displacement_m(end));
+        prop_assert!((a - b).abs() < 1e-12, "{a} {b}");
         let (a, b) = (whole.peaks(end), cut.peaks(end));
         prop_assert!((a.wire_c - b.wire_c).abs() < 1e-9);
         prop_assert!((a.shallow_c - b.shallow_c).abs() < 1e-9, "{a:?} {b:?}");

@@ -4,16 +4,17 @@
 //! time is cut by questions the answers are the same to 1e-9 K.
 
 pub mod burst;
-pub mod strain;
+pub mod lift;
 
 use crate::display::finger::dose::Dose;
 use crate::display::solver::WireDrive;
 use crate::display::solver::exact::Exact;
 use crate::display::solver::record::{Energy, Peaks};
+use crate::display::solver::strain::Strain;
+use crate::display::solver::stretch::{Stretch, Stretches};
 use crate::time::Nanos;
 use burst::WireBurst;
 use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
-use strain::Strain;
 
 /// A burst ends after this long without a pulse.
 pub const BURST_GAP: Nanos = Nanos::from_micros(20_000);
@@ -74,6 +75,23 @@ impl Wire {
         self
     }
 
+    /// Keeps every stretch from here on for a person's model, until they are taken. The tissue is displaced as [`Wire::worn`]
+    /// says, else by `um_per_k` for each kelvin of the wire, um/K.
+    pub fn keep_stretches(&mut self, um_per_k: f64) {
+        self.solver.stretches = Some(Stretches {
+            um_per_k,
+            kept: Vec::new(),
+        });
+    }
+
+    /// Computes up to `at` and takes the stretches since the last time, the oldest first.
+    pub fn take_stretches(&mut self, at: Nanos, mut take: impl FnMut(&Stretch)) {
+        self.advance(at);
+        if let Some(stretches) = &mut self.solver.stretches {
+            stretches.kept.drain(..).for_each(|s| take(&s));
+        }
+    }
+
     /// Sets the current from `at` on, A. Call it at every edge, in order; a time before the last
     /// one counts as that. Setting what already flows costs nothing. Not a number counts as off.
     pub fn set_current(&mut self, at: Nanos, amps: f64) {
@@ -99,6 +117,21 @@ impl Wire {
                 WireDrive::Off
             },
         );
+    }
+
+    /// Puts the wire on the skin as it is now, so that it moves it.
+    ///
+    /// # Errors
+    /// A parameter that cannot be computed with, by name.
+    pub fn worn(mut self, tissue: &TissueParameters) -> Result<Self, ParameterError> {
+        self.solver.wear(tissue)?;
+        Ok(self)
+    }
+
+    /// Displacement of the skin from rest at `at`, m, positive into it; 0 without [`Wire::worn`].
+    pub fn displacement_m(&mut self, at: Nanos) -> f64 {
+        self.advance(at);
+        self.solver.displacement_m()
     }
 
     fn set_drive(&mut self, at: Nanos, drive: WireDrive) {
@@ -163,9 +196,7 @@ impl Wire {
     /// The wire's temperature, degrees C, and its strain.
     fn strain_now(&self) -> (f64, Strain) {
         let solver = &self.solver;
-        let wire_c = solver.wire_c();
-        let strain = Strain::of(solver.wire(), wire_c, solver.fraction_at(wire_c));
-        (wire_c, strain)
+        (solver.wire_c(), solver.strain())
     }
 
     /// Computes up to `to`; nothing if that is past. Questions do this themselves.

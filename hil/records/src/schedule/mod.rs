@@ -2,7 +2,7 @@
 
 mod read;
 
-pub use read::read_schedule;
+pub use read::{check_line, read_schedule};
 
 use crate::trace::{Event, Header, Source, Trace};
 use palpate_core::schedule::Entry;

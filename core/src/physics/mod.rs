@@ -5,6 +5,12 @@
 //! computed from such, \[A\] assumed and to be measured on a bench, \[F\] fitted. SI units, temperatures in
 //! degrees Celsius.
 
+mod bow;
+mod play;
+
+pub use bow::{Bow, DEEPEST, Ends, Mount};
+pub use play::{MOST_BESIDE, Play};
+
 /// Zero of the Celsius scale, in kelvin.
 pub const ZERO_CELSIUS_K: f64 = 273.15;
 /// Molar gas constant, J/(mol K).
@@ -22,7 +28,8 @@ pub const DEPTH_DEEP_M: f64 = 0.4e-3;
 /// Duty of the thesis's full drive: 100 of 4096 ticks (2.44 %).
 pub const FULL_DRIVE_DUTY: f64 = 100.0 / 4096.0;
 
-/// Transformation temperatures of an alloy, at [`Alloy::reference_stress_pa`].
+/// Transformation temperatures of an alloy, or of one [`Play`], at [`Alloy::reference_stress_pa`]; in a play of the R
+/// phase that stands for martensite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alloy {
     /// Heating: austenite begins to form, degrees C.
@@ -74,7 +81,7 @@ pub enum Hysteresis {
     },
 }
 
-/// Mechanics of the alloy, for strain and sag.
+/// Mechanics of the alloy, for strain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mechanics {
     /// Young's modulus of austenite, Pa \[V\].
@@ -139,10 +146,16 @@ pub struct WireParameters {
     pub bias_stress_pa: f64,
     /// Transformation temperatures.
     pub alloy: Alloy,
-    /// Law of the phase.
+    /// Law of the martensite.
     pub hysteresis: Hysteresis,
-    /// Strain and sag.
+    /// Share of the martensite that transforms without hysteresis, about the alloy's middle, 1 \[A\]; 0 by default.
+    pub reversible: f64,
+    /// What transforms beside the martensite.
+    pub beside: [Option<Play>; MOST_BESIDE],
+    /// Strain.
     pub mechanics: Mechanics,
+    /// How it sits on the finger.
+    pub mount: Mount,
 }
 
 impl WireParameters {
@@ -165,7 +178,10 @@ impl WireParameters {
         bias_stress_pa: 172e6,
         alloy: Alloy::LOW,
         hysteresis: Hysteresis::Play,
+        reversible: 0.0,
+        beside: [None; MOST_BESIDE],
         mechanics: Mechanics::DEFAULT,
+        mount: Mount::DEFAULT,
     };
     /// First module: 100 um x 5 mm, 1.4 Ohm, 46 % of the heat in the wire.
     pub const FIRST: Self = Self {
@@ -175,6 +191,22 @@ impl WireParameters {
         air_h: 136.0,
         ..Self::FINAL
     };
+
+    /// The same wire as it lies on a finger without tension: 10 MPa, a two-way strain of 1 %, an R phase, and a small
+    /// part without hysteresis, all of them \[A\].
+    #[must_use]
+    pub const fn loose(self) -> Self {
+        Self {
+            bias_stress_pa: 10e6,
+            reversible: 0.02,
+            beside: [Some(Play::R_PHASE), None, None, None],
+            mechanics: Mechanics {
+                transformation_strain: 0.01,
+                ..self.mechanics
+            },
+            ..self
+        }
+    }
 
     /// Mass, kg.
     pub fn mass(&self) -> f64 {
@@ -235,15 +267,15 @@ impl WireParameters {
         for (name, width) in rising {
             positive(name, width)?;
         }
-        match self.hysteresis {
-            Hysteresis::Play => Ok(()),
-            Hysteresis::Plays { count, narrowest }
-                if (1..=16).contains(&count) && narrowest > 0.0 && narrowest <= 1.0 =>
-            {
-                Ok(())
-            }
-            _ => Err(ParameterError { name: "hysteresis" }),
-        }
+        let m = &self.mechanics;
+        positive("mechanics.modulus_austenite_pa", m.modulus_austenite_pa)?;
+        positive("mechanics.modulus_martensite_pa", m.modulus_martensite_pa)?;
+        finite("mechanics.transformation_strain", m.transformation_strain)?;
+        finite("mechanics.expansion_austenite", m.expansion_austenite)?;
+        finite("mechanics.expansion_martensite", m.expansion_martensite)?;
+        finite("mechanics.rest_c", m.rest_c)?;
+        self.mount.check(self.length_m)?;
+        self.plays().map(drop)
     }
 }
 
@@ -274,10 +306,14 @@ pub struct TissueParameters {
     pub body_c: f64,
     /// Temperature of the air, degrees C.
     pub air_c: f64,
+    /// Young's modulus of the skin, Pa \[A\]; stated range 30e3 to 300e3.
+    pub modulus_pa: f64,
+    /// Width of the strip on which wire and skin touch, m \[A\].
+    pub contact_width_m: f64,
 }
 
 impl TissueParameters {
-    /// Contact 2000 W/m2K over half the circumference, 0.25 / 0.45 W/mK, 8 mm, 33 C.
+    /// Contact 2000 W/m2K over half the circumference, 0.25 / 0.45 W/mK, 8 mm, 33 C; 100 kPa over 60 um.
     pub const DEFAULT: Self = Self {
         contact_h: 2000.0,
         contact_fraction: 0.5,
@@ -288,6 +324,8 @@ impl TissueParameters {
         outer_radius_m: 8e-3,
         body_c: 33.0,
         air_c: 25.0,
+        modulus_pa: 100e3,
+        contact_width_m: 60e-6,
     };
     /// A wire stretched in still air, away from any skin.
     pub const FREE: Self = Self {
@@ -309,7 +347,9 @@ impl TissueParameters {
         positive("heat_capacity", self.heat_capacity)?;
         positive("outer_radius_m", self.outer_radius_m)?;
         finite("body_c", self.body_c)?;
-        finite("air_c", self.air_c)
+        finite("air_c", self.air_c)?;
+        positive("modulus_pa", self.modulus_pa)?;
+        positive("contact_width_m", self.contact_width_m)
     }
 }
 
