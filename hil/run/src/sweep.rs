@@ -183,6 +183,7 @@ pub fn values(of: &Summary) -> Values {
         of.path_error_mm.map(|e| e.max),
         felt.rmse,
         felt.max,
+        of.felt.level_db.map(|level| level.median),
         count(felt.breaks),
         count(felt.jumps),
         of.hottest_skin_c,
