@@ -190,7 +190,8 @@ pub fn values(of: &Summary) -> Values {
         of.hottest_wire_c,
         of.energy_mj,
         of.peak_supply_a,
-        used,
+        // Beyond a million times a limit the number says nothing more.
+        used.map(|percent| percent.min(1e8)),
         count(u64::from(of.limiter_events)),
         count(of.contacts),
         count(of.stimuli),

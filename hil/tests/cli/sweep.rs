@@ -12,7 +12,7 @@ const GRID: [&str; 8] = [
     "sweep",
     "sphere-along",
     "--set",
-    "length_s=1",
+    "length_s=2",
     "--set",
     "illusion.shape=1,2,3",
     "--seeds",
@@ -100,7 +100,7 @@ fn a_row_is_the_run_that_hil_run_shows() {
         "run",
         "sphere-along",
         "--set",
-        "length_s=1",
+        "length_s=2",
         "--set",
         "illusion.shape=2",
         "--seed",
@@ -143,7 +143,7 @@ fn what_cannot_be_is_said_before_anything_runs() {
             &["--set: length_s: expected a number from"],
         ),
         (
-            &["--set", "length_s=1", "--set", "length_s=2"],
+            &["--set", "length_s=2", "--set", "length_s=2"],
             &["each once", "length_s"],
         ),
         (&["--set", "length_s"], &["KEY=VALUE,VALUE"]),
@@ -166,7 +166,7 @@ fn what_cannot_be_is_said_before_anything_runs() {
     good(&scene(&["--force", "--set", "length_s=1,2"]));
     let before = folder.text("t.csv");
     refused_with(
-        &scene(&["--set", "length_s=1"]),
+        &scene(&["--set", "length_s=2"]),
         &["1 of 2 rows of another", "--force"],
     );
     assert_eq!(folder.text("t.csv"), before);
