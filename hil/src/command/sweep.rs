@@ -245,7 +245,7 @@ impl Work {
                 let (count, at) = (1 + of.count(), first.key.place());
                 conclusion.add(
                     verdict,
-                    format!("{count} of {wanted} runs, first {at}: {}", first.why),
+                    format!("{count} of {}, first {at}: {}", runs(wanted), first.why),
                 );
             }
         }
@@ -315,8 +315,8 @@ impl Work {
                 let (scene, bench) = scene.zip(bench).map_or(("", ""), |(s, b)| (s, b));
                 writeln!(
                     out,
-                    "{scene} on {bench} (emulated): {} runs{before}",
-                    rows.len()
+                    "{scene} on {bench} (emulated): {}{before}",
+                    runs(rows.len())
                 )?;
                 spread(&rows, out)?;
                 let html = args.html.iter();
@@ -331,6 +331,12 @@ impl Work {
             _ => Err(Failure::Check(conclusion.line())),
         }
     }
+}
+
+/// `1 run`, `12 runs`.
+fn runs(count: usize) -> String {
+    let s = if count == 1 { "" } else { "s" };
+    format!("{count} run{s}")
 }
 
 /// The figures that differ between runs: the least, the most, and where they are.

@@ -27,6 +27,7 @@ const PLACES: [&str; MEASURED.len()] = [
     "/path_error_mm/max",
     "/felt_error_mm/rmse",
     "/felt_error_mm/max",
+    "/felt/level_db/median",
     "/felt_error_mm/breaks",
     "/felt_error_mm/jumps",
     "/hottest_skin_c",
@@ -41,7 +42,7 @@ const PLACES: [&str; MEASURED.len()] = [
     "/taxels/refresh_hz/median",
 ];
 /// The figures of the table; the page has all.
-const SHOWN: [usize; 5] = [0, 2, 6, 8, 10];
+const SHOWN: [usize; 5] = [0, 2, 4, 7, 11];
 
 /// A summary of an earlier run.
 #[derive(Clone, Debug)]
@@ -175,30 +176,27 @@ impl Trend {
 
     /// The runs as lines of text under a heading.
     pub fn table(&self) -> Vec<String> {
+        let heading = SHOWN.map(|n| with_unit(MEASURED[n].words, MEASURED[n].unit));
+        let columns = |cells: [String; SHOWN.len()]| {
+            let cells = cells.iter().zip(&heading);
+            let cells =
+                cells.map(|(cell, heading)| format!("  {cell:>0$}", heading.chars().count()));
+            cells.collect::<String>()
+        };
         let mut lines = vec![self.name.clone()];
-        let heading = SHOWN
-            .iter()
-            .map(|&n| format!("{:>22}", with_unit(MEASURED[n].words, MEASURED[n].unit)));
-        lines.push(format!(
-            "  {:<21} {:<9} {:<15}{}",
+        let line = |date: &str, version: &str, verdict: &str, rest: &str| {
+            format!("  {date:<21} {version:<8} {verdict:<14}{rest}")
+        };
+        lines.push(line(
             "date",
             "version",
             "verdict",
-            heading.collect::<String>()
+            &columns(heading.clone()),
         ));
         for run in &self.runs {
-            let value = |n: &usize| {
-                let value = run.values[*n].map(|v| number((v * 1e3).round() / 1e3));
-                format!("{:>22}", value.as_deref().unwrap_or("-"))
-            };
-            let (values, file) = (
-                SHOWN.iter().map(value).collect::<String>(),
-                run.file.display(),
-            );
-            lines.push(format!(
-                "  {:<21} {:<9} {:<15}{values}  {file}",
-                run.date, run.version, run.verdict
-            ));
+            let values = SHOWN.map(|n| shown(run.values[n]));
+            let rest = format!("{}  {}", columns(values), run.file.display());
+            lines.push(line(&run.date, &run.version, &run.verdict, &rest));
         }
         lines
     }
@@ -211,6 +209,11 @@ impl Trend {
             spots: self.runs.iter().enumerate().filter_map(spot).collect(),
         }
     }
+}
+
+/// A value to the thousandth; `-` for none.
+fn shown(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), |v| number((v * 1e3).round() / 1e3))
 }
 
 /// All trends as a page.
@@ -263,9 +266,7 @@ pub fn page(trends: &[Trend], compared: &Compared) -> String {
                 n + 1
             );
             for n in SHOWN {
-                let value = run.values[n]
-                    .map_or_else(|| "-".to_owned(), |v| number((v * 1e3).round() / 1e3));
-                let _ = write!(out, "<td class=\"num\">{value}</td>");
+                let _ = write!(out, "<td class=\"num\">{}</td>", shown(run.values[n]));
             }
             let _ = writeln!(
                 out,
