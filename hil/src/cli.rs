@@ -18,7 +18,7 @@ use palpate_buses::guardian::{parse_bus, parse_line};
 use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::Axes;
 use palpate_files::TimeColumn;
-pub use sweep::{Seeds, SweepArgs};
+pub use sweep::{CompareArgs, Seeds, SweepArgs};
 pub use texture::{
     EncodeArgs, ExportArgs, MapArgs, PanelArgs, StrokesArgs, TextureAction, TrainArgs,
 };
@@ -148,6 +148,9 @@ pub enum Command {
     /// Run a scene over a grid of values and seeds on all cores: one table with a row per run. Goes on with a table
     /// that is there.
     Sweep(SweepArgs),
+    /// Say figure by figure how two summaries or tables of sweeps differ, or show a folder of summaries over time.
+    /// Exits with 1 if a figure differs.
+    Compare(CompareArgs),
     /// List what there is, a line each: scenes, benches, layouts, wires, illusions, built in and in this folder.
     List(ListArgs),
     /// Write a commented file of what differs from the defaults.
@@ -181,6 +184,7 @@ impl Command {
             // A live view has the terminal.
             Self::Run(args) => args.voice.quiet || args.watch,
             Self::Sweep(args) => args.voice.quiet,
+            Self::Compare(args) => args.voice.quiet,
             Self::Test(args) => args.voice.quiet,
             Self::Record(args) => args.voice.quiet,
             Self::Replay(args) => args.voice.quiet,
@@ -383,6 +387,9 @@ pub struct RunArgs {
     /// How much it says.
     #[command(flatten)]
     pub voice: Voice,
+    /// Let the guard only observe: what it would change is noted, and driven as it is. Emulated benches only.
+    #[arg(long, conflicts_with = "junit")]
+    pub observe: bool,
     /// Print the plan before the run, and the work done and left out after it.
     #[arg(long)]
     pub explain: bool,

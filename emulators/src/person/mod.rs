@@ -3,5 +3,3 @@
 pub mod channels;
 pub mod contact;
 pub mod panel;
-pub mod perceiver;
-pub mod receptors;

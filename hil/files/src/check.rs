@@ -11,12 +11,13 @@ use super::activation::ActivationFile;
 use super::bench::Bench;
 use super::change::Change;
 use super::error::FileError;
-use super::illusion::{PerceiverFile, Wearer};
 use super::layout::LayoutFile;
 use super::limits::LimitTable;
 use super::loaded::Loaded;
 use super::near::{nearest, quoted_words};
+use super::person::{PersonFile, Wearer};
 use super::placeholder;
+use super::quarantine::Quarantine;
 use super::resolve::FileKind;
 use super::scene::Scene;
 use super::setup;
@@ -163,12 +164,13 @@ impl Mended {
             FileKind::Bench => self.bench(),
             FileKind::Layout => self.read(|s| LayoutFile::read(s).map(drop)),
             FileKind::Limits => self.read(|s| LimitTable::read(s).map(drop)),
-            FileKind::Perceiver => self.read(|s| PerceiverFile::read(s).map(drop)),
+            FileKind::Person => self.read(|s| PersonFile::read(s).map(drop)),
             FileKind::Wearer => self.read(|s| Wearer::read(s).map(drop)),
             FileKind::Wire => self.read(|s| WireFile::read(s).map(drop)),
             FileKind::Alloy => self.read(|s| AlloyFile::read(s).map(drop)),
             FileKind::Activation => self.read(|s| ActivationFile::read(s).map(drop)),
             FileKind::Textures => self.read(|s| TextureTable::read(s).map(drop)),
+            FileKind::Quarantine => self.read(|s| Quarantine::alone(s).map(drop)),
         }
     }
 
@@ -185,7 +187,7 @@ impl Mended {
             let modules = setup::sensor_of(&scene).map_or(usize::MAX, |l| l.value.modules.len());
             setup::texture_of(&scene, modules).map(drop)
         });
-        self.read(|s| setup::person_of(&of(s)?).map(drop));
+        self.read(|s| setup::people_of(&of(s)?).map(drop));
     }
 
     fn bench(&mut self) {
@@ -197,6 +199,7 @@ impl Mended {
         self.read(|s| setup::limits_of(&of(s)?).map(drop));
         self.read(|s| setup::wire_of(&of(s)?).map(drop));
         self.read(|s| setup::alloy_of(&of(s)?).map(drop));
+        self.read(|s| setup::mounted_of(&of(s)?).map(drop));
         self.read(|s| {
             let bench = of(s)?;
             let display = setup::display_of(&bench)?;

@@ -18,7 +18,7 @@ pub enum FileKind {
     /// What the guard enforces.
     Limits,
     /// The emulated person.
-    Perceiver,
+    Person,
     /// A wearer's calibration.
     Wearer,
     /// A shape-memory wire.
@@ -29,21 +29,24 @@ pub enum FileKind {
     Activation,
     /// A table of textures.
     Textures,
+    /// Trials that are known to fail.
+    Quarantine,
 }
 
 impl FileKind {
     /// Every kind.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Scene,
         Self::Bench,
         Self::Layout,
         Self::Limits,
-        Self::Perceiver,
+        Self::Person,
         Self::Wearer,
         Self::Wire,
         Self::Alloy,
         Self::Activation,
         Self::Textures,
+        Self::Quarantine,
     ];
 
     /// Its name, as the schema of such files has it.
@@ -54,12 +57,13 @@ impl FileKind {
             Self::Layout => "layout",
             Self::Bench => "bench",
             Self::Limits => "limits",
-            Self::Perceiver => "perceiver",
+            Self::Person => "person",
             Self::Wearer => "wearer",
             Self::Wire => "wire",
             Self::Alloy => "alloy",
             Self::Activation => "activation",
             Self::Textures => "textures",
+            Self::Quarantine => "quarantine",
         }
     }
 
@@ -71,12 +75,13 @@ impl FileKind {
             Self::Layout => "layouts",
             Self::Bench => "benches",
             Self::Limits => "limits",
-            Self::Perceiver => "perceivers",
+            Self::Person => "persons",
             Self::Wearer => "wearers",
             Self::Wire => "wires",
             Self::Alloy => "alloys",
             Self::Activation => "activations",
             Self::Textures => "textures",
+            Self::Quarantine => "quarantines",
         }
     }
 
@@ -88,12 +93,13 @@ impl FileKind {
             Self::Layout => "a layout",
             Self::Bench => "a bench",
             Self::Limits => "a limit table",
-            Self::Perceiver => "a perceiver",
+            Self::Person => "a person",
             Self::Wearer => "a wearer",
             Self::Wire => "a wire",
             Self::Alloy => "an alloy",
             Self::Activation => "an activation",
             Self::Textures => "a table of textures",
+            Self::Quarantine => "a quarantine",
         }
     }
 
@@ -103,12 +109,13 @@ impl FileKind {
             Self::Layout => palpate_fixtures::layout(name),
             Self::Bench => palpate_fixtures::bench(name),
             Self::Limits => palpate_fixtures::limits(name),
-            Self::Perceiver => palpate_fixtures::perceiver(name),
+            Self::Person => palpate_fixtures::person(name),
             Self::Wearer => palpate_fixtures::wearer(name),
             Self::Wire => palpate_fixtures::wire(name),
             Self::Alloy => palpate_fixtures::alloy(name),
             Self::Activation => palpate_fixtures::activation(name),
             Self::Textures => palpate_fixtures::textures(name),
+            Self::Quarantine => None,
         }
     }
 
@@ -120,12 +127,13 @@ impl FileKind {
             Self::Layout => palpate_fixtures::layout_names().collect(),
             Self::Bench => palpate_fixtures::bench_names().collect(),
             Self::Limits => palpate_fixtures::limits_names().collect(),
-            Self::Perceiver => palpate_fixtures::perceiver_names().collect(),
+            Self::Person => palpate_fixtures::person_names().collect(),
             Self::Wearer => palpate_fixtures::wearer_names().collect(),
             Self::Wire => palpate_fixtures::wire_names().collect(),
             Self::Alloy => palpate_fixtures::alloy_names().collect(),
             Self::Activation => palpate_fixtures::activation_names().collect(),
             Self::Textures => palpate_fixtures::textures_names().collect(),
+            Self::Quarantine => Vec::new(),
         }
     }
 

@@ -3,13 +3,13 @@
 use std::collections::BTreeSet;
 
 use super::activation::ActivationFile;
-use super::bench::Bench;
+use super::bench::{Bench, BenchKind};
 use super::error::FileError;
-use super::illusion::{PerceiverFile, Wearer};
 use super::layout::{DisplayLayout, LayoutFile, SensorLayout};
 use super::limits::LimitTable;
 use super::loaded::{Loaded, load_bench, load_scene};
 use super::near::did_you_mean;
+use super::person::{PersonFile, Wearer};
 use super::resolve::FileKind;
 use super::scene::Scene;
 use super::texture::{TextureEntry, TextureTable};
@@ -42,11 +42,12 @@ pub struct Setup {
     /// What they are made of.
     pub alloy: Loaded<AlloyFile>,
     /// The emulated person.
-    pub perceiver: Loaded<PerceiverFile>,
+    pub person: Loaded<PersonFile>,
     /// The wearer's calibration, if there is one.
     pub wearer: Option<Loaded<Wearer>>,
     /// The texture, if the scene has one.
     pub texture: Option<Stroked>,
+    observed: bool,
 }
 
 impl Setup {
@@ -68,10 +69,9 @@ impl Setup {
         check_faults(&scene, &sensor.value, &bench.value)?;
         let hardware = &bench.value;
         let limits = limits_of(&bench)?;
-        let alloy = alloy_of(&bench)?;
-        let wire = wire_of(&bench)?;
+        let (wire, alloy) = mounted_of(&bench)?;
         let texture = texture_of(&scene, sensor.value.modules.len())?;
-        let (perceiver, wearer) = person_of(&scene)?;
+        let (person, wearer) = people_of(&scene)?;
         let wires = display.value.wires_mm.len();
         if let Some(wearer) = &wearer {
             wearer.value.fits(&wearer.source, wires)?;
@@ -92,10 +92,30 @@ impl Setup {
             limits,
             wire,
             alloy,
-            perceiver,
+            person,
             wearer,
             texture,
+            observed: false,
         })
+    }
+
+    /// The same with a guard that only looks on: every stimulus is driven as it is.
+    ///
+    /// # Errors
+    /// A bench of hardware.
+    pub fn observed(mut self) -> Result<Self, FileError> {
+        if self.bench.value.kind == BenchKind::Real {
+            let expected = "\"emulated\": on hardware the guard never only observes";
+            return Err(self.bench.source.bad_found("kind", expected, "\"real\""));
+        }
+        self.observed = true;
+        Ok(self)
+    }
+
+    /// Whether the guard only looks on.
+    #[must_use]
+    pub const fn is_observed(&self) -> bool {
+        self.observed
     }
 }
 
@@ -112,6 +132,17 @@ pub(super) fn alloy_of(bench: &Loaded<Bench>) -> Result<Loaded<AlloyFile>, FileE
 pub(super) fn wire_of(bench: &Loaded<Bench>) -> Result<Loaded<WireFile>, FileError> {
     let wire = &bench.value.wire.kind;
     bench.refer(FileKind::Wire, WireFile::read, wire, "wire.kind")
+}
+
+/// Wire and alloy of a bench, which fit each other and the mount.
+pub(super) fn mounted_of(
+    bench: &Loaded<Bench>,
+) -> Result<(Loaded<WireFile>, Loaded<AlloyFile>), FileError> {
+    let (alloy, wire) = (alloy_of(bench)?, wire_of(bench)?);
+    wire.value.fits(&wire.source, &alloy.value)?;
+    let mount = &bench.value.mount;
+    mount.fits(&bench.source, wire.value.length_mm)?;
+    Ok((wire, alloy))
 }
 
 /// A display's wires are all connected.
@@ -164,16 +195,16 @@ pub(super) fn texture_of(
 }
 
 /// The emulated person of a scene, and the calibration if it names one.
-pub(super) type Person = (Loaded<PerceiverFile>, Option<Loaded<Wearer>>);
+pub(super) type People = (Loaded<PersonFile>, Option<Loaded<Wearer>>);
 
-pub(super) fn person_of(scene: &Loaded<Scene>) -> Result<Person, FileError> {
+pub(super) fn people_of(scene: &Loaded<Scene>) -> Result<People, FileError> {
     let illusion = &scene.value.illusion;
-    let (read, key) = (PerceiverFile::read, "illusion.perceiver");
-    let perceiver = scene.refer(FileKind::Perceiver, read, &illusion.perceiver, key)?;
+    let (read, key) = (PersonFile::read, "illusion.person");
+    let person = scene.refer(FileKind::Person, read, &illusion.person, key)?;
     let wearer = illusion.wearer.as_ref();
     let wearer =
         wearer.map(|name| scene.refer(FileKind::Wearer, Wearer::read, name, "illusion.wearer"));
-    Ok((perceiver, wearer.transpose()?))
+    Ok((person, wearer.transpose()?))
 }
 
 /// The skin of a scene.

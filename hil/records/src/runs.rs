@@ -66,6 +66,19 @@ pub struct RunKey {
     pub version: String,
 }
 
+impl RunKey {
+    /// A run among those of its sweep: `at a=1, b=2, seed 3`.
+    pub fn place(&self) -> String {
+        let mut set: Vec<String> = self
+            .set
+            .iter()
+            .map(|(key, value)| format!("{key}={value}"))
+            .collect();
+        set.push(format!("seed {}", self.seed));
+        format!("at {}", set.join(", "))
+    }
+}
+
 /// A run in the table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunRow {

@@ -7,7 +7,7 @@ use palpate_core::units::{Point, Prescale};
 use serde::Serialize;
 
 /// Version of the trace's meaning; grows when a field changes what it says.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
 /// Whether hardware took part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -17,6 +17,48 @@ pub enum Source {
     Emulated,
     /// At least one end was real.
     Real,
+    /// Both ends were emulators, and the guard only looked on.
+    Observed,
+}
+
+/// What everything says that comes of a run which the guard only observed.
+pub const OBSERVED: &str = "observed: the guard changed nothing; not for a person";
+
+impl Source {
+    /// Every source.
+    const ALL: [Self; 3] = [Self::Emulated, Self::Real, Self::Observed];
+
+    /// As records say it.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Emulated => "emulated",
+            Self::Real => "real",
+            Self::Observed => "observed",
+        }
+    }
+
+    /// The source of this word.
+    pub fn of(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|source| source.word() == word)
+    }
+
+    /// Whether nothing of it was hardware.
+    pub const fn is_emulated(self) -> bool {
+        !matches!(self, Self::Real)
+    }
+
+    /// What has to stand beside it, if anything has.
+    pub const fn banner(self) -> Option<&'static str> {
+        match self {
+            Self::Observed => Some(OBSERVED),
+            Self::Emulated | Self::Real => None,
+        }
+    }
+
+    /// The banner, or the word.
+    pub fn words(self) -> &'static str {
+        self.banner().unwrap_or(self.word())
+    }
 }
 
 /// A place in micrometres: origin at the centre, x right, y up.
@@ -39,13 +81,25 @@ impl From<Point> for PlaceUm {
     }
 }
 
-/// Where an onset is felt, by the two perceivers.
+/// Where an onset is felt, by the two centroids.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FeltAt {
     /// Mean of the wires' places weighted by energy.
     pub energy: PlaceUm,
     /// The same weighted by amplitude.
     pub amplitude: PlaceUm,
+}
+
+/// Energy of an onset in thousandths of one wire's at full drive for the same level.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct EnergyPermille {
+    /// By the widths that the illusion asked for.
+    pub requested: u32,
+    /// By the widths that the guard applied.
+    pub applied: u32,
+    /// By the wires' motion, as the filter of a person's skin lets it through; that of one wire alone and from rest is a
+    /// thousand.
+    pub felt: u32,
 }
 
 /// One wire of the display and the output that drives it.
@@ -80,6 +134,10 @@ pub struct Header {
     pub tau_d_us: u64,
     /// Stimulus onset asynchrony, microseconds.
     pub soa_us: u64,
+    /// Name of the emulated person.
+    pub person: String,
+    /// Name of the wires' file: what the person's levels hold for.
+    pub preset: String,
     /// Name of the illusion model.
     pub illusion: String,
     /// Most contacts a frame may have.
@@ -171,10 +229,14 @@ pub enum Event {
         target: PlaceUm,
         /// Whether that place lies inside the display's hull.
         inside: bool,
-        /// Where it is felt; `None` is a break: no wire above threshold.
+        /// Where it is felt; `None` is a break: the level is below 0 dB.
         felt: Option<FeltAt>,
-        /// Energy asked of all wires together, thousandths of one wire's at full drive for this level.
-        energy_permille: u32,
+        /// How far over threshold all wires together are, thousandths of a decibel; `None` where no wire moved.
+        level_mdb: Option<i32>,
+        /// Whether the stimulus is so short that it feels like a tap.
+        tap: bool,
+        /// Energy of all wires together.
+        energy: EnergyPermille,
     },
     /// Temperature of a wire.
     Wire {
@@ -239,7 +301,7 @@ impl Event {
 pub struct Driven {
     /// Stimuli with a pulse.
     pub stimuli: u64,
-    /// Times the guard applied something other than what was requested.
+    /// Times the guard applied something other than what was requested, or would have where it only observed.
     pub limiter_events: u32,
     /// Widest pulse, ticks.
     pub widest: u16,

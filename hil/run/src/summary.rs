@@ -3,7 +3,7 @@
 use palpate_core::projector::Projector;
 use palpate_core::skin::{Condition, HealthSummary};
 use palpate_core::units::Instant;
-use palpate_records::felt::{decibels, energy_permille, felt_scores};
+use palpate_records::felt::{FeltPath, decibels};
 use palpate_records::margin::{Limited, Margin};
 use palpate_records::measure::{Errors, path_error};
 use palpate_records::trace::{Event, Header, Ledger, Source, Trace};
@@ -28,6 +28,34 @@ pub struct PathError {
     pub max: f64,
 }
 
+/// How far over threshold what was felt is, and by whom: the headline.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[allow(missing_docs)] // the keys say what they are, with their units
+pub struct FeltSummary {
+    /// The emulated person.
+    pub person: String,
+    /// The wires' file.
+    pub preset: String,
+    /// Over the onsets with a contact inside the display; null where there was none.
+    pub level_db: Option<LevelDb>,
+    pub error_energy_mm: Option<PathError>,
+    pub error_amplitude_mm: Option<PathError>,
+    pub breaks: u64,
+    /// By the energy centroid.
+    pub jumps: u64,
+    /// Onsets that feel like taps.
+    pub taps: u64,
+}
+
+/// Level over threshold, dB.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LevelDb {
+    /// Half of the onsets are weaker.
+    pub median: f64,
+    /// One in twenty is.
+    pub p5: f64,
+}
+
 /// The same of what is felt, and where nothing is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FeltError {
@@ -35,15 +63,15 @@ pub struct FeltError {
     pub rmse: Option<f64>,
     /// Largest.
     pub max: Option<f64>,
-    /// Onsets with a contact inside the hull and no wire above threshold.
+    /// Onsets with a contact inside the hull and a level below threshold.
     pub breaks: u64,
     /// Onsets at which the felt place went further than the contact by a step that can be felt.
     pub jumps: u64,
-    /// Which perceiver says so.
+    /// Which centroid says so.
     pub perceiver: &'static str,
 }
 
-/// Energy asked of all wires together over one wire's, dB, over the onsets inside the display.
+/// Energy of all wires together over one wire's, dB, over the onsets inside the display.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EnergyDb {
     /// The deepest dip.
@@ -151,6 +179,10 @@ pub struct Summary {
     #[serde(flatten)]
     pub conclusion: Conclusion,
     pub source: Source,
+    /// Version of the program.
+    pub version: &'static str,
+    /// When it was made, UTC; null where no clock says so.
+    pub date: Option<String>,
     pub scene: String,
     pub bench: String,
     pub seed: u64,
@@ -158,8 +190,12 @@ pub struct Summary {
     pub contacts: u64,
     pub stimuli: u64,
     pub path_error_mm: Option<PathError>,
+    pub felt: FeltSummary,
     pub felt_error_mm: FeltError,
     pub felt_error_amplitude_mm: FeltError,
+    pub requested_energy_db: Option<EnergyDb>,
+    pub applied_energy_db: Option<EnergyDb>,
+    /// What flowed, as the filter of a person's skin lets it through.
     pub felt_energy_db: Option<EnergyDb>,
     /// Null on a real bench, which does not measure it.
     pub energy_mj: Option<f64>,
@@ -189,6 +225,31 @@ pub struct Summary {
 
 fn mm(um: u64) -> f64 {
     um as f64 * 1e-3
+}
+
+impl FeltSummary {
+    /// Of a run whose errors by both centroids are known.
+    fn of((header, path): (&Header, &FeltPath), [energy, amplitude]: [&FeltError; 2]) -> Self {
+        let level = path.level();
+        let decibels = |mdb: i32| f64::from(mdb) * 1e-3;
+        let error = |felt: &FeltError| {
+            let (rmse, max) = (felt.rmse?, felt.max?);
+            Some(PathError { rmse, max })
+        };
+        Self {
+            person: header.person.clone(),
+            preset: header.preset.clone(),
+            level_db: level.map(|level| LevelDb {
+                median: decibels(level.median_mdb),
+                p5: decibels(level.p5_mdb),
+            }),
+            error_energy_mm: error(energy),
+            error_amplitude_mm: error(amplitude),
+            breaks: energy.breaks,
+            jumps: energy.jumps,
+            taps: level.map_or(0, |level| level.taps),
+        }
+    }
 }
 
 impl TextureSummary {
@@ -241,10 +302,13 @@ pub fn finished<S: SkinEnd, D: DisplayEnd>(
             ..totals
         },
     };
+    let felt = recorder.felt.take();
+    let mut felt = felt.unwrap_or_else(|| FeltPath::new(&trace.header));
+    trace.events.iter().for_each(|event| felt.add(event));
     let health = session.projector_mut().health(end);
     let (skin, recorder) = session.seen();
     let projector = session.projector();
-    let mut summary = Summary::new(&trace, recorder, costs, &health, bench);
+    let mut summary = Summary::new(&trace, (recorder, &felt), costs, &health, bench);
     summary.texture = TextureSummary::of(recorder, projector);
     summary.boards = boards::boards(projector, |module| skin.lost_of(module));
     summary.taxels.list(projector, end);
@@ -254,7 +318,7 @@ pub fn finished<S: SkinEnd, D: DisplayEnd>(
 impl Summary {
     fn new(
         trace: &Trace,
-        recorder: &Recorder,
+        (recorder, felt): (&Recorder, &FeltPath),
         costs: &[FrameCost],
         health: &HealthSummary,
         bench: &Bench,
@@ -265,7 +329,7 @@ impl Summary {
         };
         let path = path_error(trace).map(error);
         // Without a truth there is nothing to hold the felt path against; breaks need none.
-        let [felt, felt_amplitude] = felt_scores(trace).map(|score| {
+        let [by_energy, by_amplitude] = felt.scores().map(|score| {
             let errors = score.errors.map(error).filter(|_| path.is_some());
             FeltError {
                 rmse: errors.map(|e| e.rmse),
@@ -275,12 +339,21 @@ impl Summary {
                 perceiver: score.perceiver,
             }
         });
+        let energy = |(_, (min, max))| EnergyDb {
+            min: decibels(min),
+            max: decibels(max),
+        };
+        let [requested, applied, felt_energy] = felt
+            .energies()
+            .map_or([None; 3], |all| all.map(|e| Some(energy(e))));
         let ledger = &trace.ledger;
-        let emulated = trace.header.source == Source::Emulated;
+        let emulated = trace.header.source.is_emulated();
         let worst = |of| ledger.margin(of).map(Margin::worst);
         Self {
             conclusion: Conclusion::default(),
             source: trace.header.source,
+            version: env!("CARGO_PKG_VERSION"),
+            date: None,
             scene: trace.header.scene.clone(),
             bench: trace.header.bench.clone(),
             seed: trace.header.seed,
@@ -288,12 +361,12 @@ impl Summary {
             contacts: recorder.contacts,
             stimuli: ledger.driven.stimuli,
             path_error_mm: path,
-            felt_error_mm: felt,
-            felt_error_amplitude_mm: felt_amplitude,
-            felt_energy_db: energy_permille(trace).map(|(min, max)| EnergyDb {
-                min: decibels(min),
-                max: decibels(max),
-            }),
+            felt: FeltSummary::of((&trace.header, felt), [&by_energy, &by_amplitude]),
+            felt_error_mm: by_energy,
+            felt_error_amplitude_mm: by_amplitude,
+            requested_energy_db: requested,
+            applied_energy_db: applied,
+            felt_energy_db: felt_energy,
             energy_mj: emulated.then_some(ledger.energy_uj as f64 * 1e-3),
             peak_supply_a: worst(Limited::SupplyCurrent),
             hottest_wire_c: ledger.hottest_wire.map(|(t, _)| f64::from(t) * 1e-3),

@@ -9,6 +9,7 @@ use palpate_run::{Failure, taxels};
 use super::devices::bench_with;
 use crate::cli::{ExportKind, ExportTaxels, ExportViews};
 use crate::output::{Outputs, make_folder, note, print};
+use crate::progress::Progress;
 use crate::recording::write_taxel_csv;
 
 /// Writes what was asked for.
@@ -69,7 +70,9 @@ fn export_taxels(args: &ExportTaxels) -> Result<(), Failure> {
     for path in &paths {
         outputs.check(path, Format::Csv)?;
     }
+    let shown = Progress::endless("emulating the skin");
     let tables = taxels(&setup, args.seed)?;
+    drop(shown);
     if !setup.scene.value.faults.is_empty() {
         note("the scene's faults are not in its readings");
     }

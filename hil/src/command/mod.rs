@@ -1,6 +1,7 @@
 //! One function a command: arguments in, files and text out.
 
 mod check;
+mod compare;
 mod contacts;
 mod devices;
 mod diff;
@@ -26,6 +27,7 @@ mod texture_panel;
 mod texture_train;
 
 pub use check::check;
+pub use compare::compare;
 pub use contacts::contacts;
 pub use diff::diff;
 pub use doctor::doctor;

@@ -242,7 +242,7 @@ impl Work {
         ] {
             let mut of = rows.iter().filter(|row| row.verdict == verdict);
             if let Some(first) = of.next() {
-                let (count, at) = (1 + of.count(), place(&first.key));
+                let (count, at) = (1 + of.count(), first.key.place());
                 conclusion.add(
                     verdict,
                     format!("{count} of {wanted} runs, first {at}: {}", first.why),
@@ -333,17 +333,6 @@ impl Work {
     }
 }
 
-/// A run among those of its sweep: `at a=1, b=2, seed 3`.
-fn place(key: &RunKey) -> String {
-    let mut set: Vec<String> = key
-        .set
-        .iter()
-        .map(|(key, value)| format!("{key}={value}"))
-        .collect();
-    set.push(format!("seed {}", key.seed));
-    format!("at {}", set.join(", "))
-}
-
 /// The figures that differ between runs: the least, the most, and where they are.
 fn spread(rows: &[&RunRow], out: &mut dyn Write) -> io::Result<()> {
     for (n, measured) in MEASURED.iter().enumerate() {
@@ -363,8 +352,8 @@ fn spread(rows: &[&RunRow], out: &mut dyn Write) -> io::Result<()> {
             "  {:<22}{:<24}least {}, most {}",
             measured.words,
             range.trim_end(),
-            place(least.1),
-            place(most.1)
+            least.1.place(),
+            most.1.place()
         )?;
     }
     Ok(())

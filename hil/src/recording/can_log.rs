@@ -18,6 +18,8 @@ use palpate_files::{
 };
 use palpate_run::{CanFrames, Failure, FrameSource, Frames, Identifiers};
 
+use crate::progress::Progress;
+
 /// Frames of a recorded bus.
 #[derive(Clone, Debug)]
 pub struct CanRecording {
@@ -63,6 +65,7 @@ pub fn read_can_recording(
     buses: usize,
     split_jumps: bool,
 ) -> Result<CanRecording, FileError> {
+    let _shown = Progress::reading(path);
     let pass = Pass::open(path, split_jumps)?;
     let (most, stream) = match is_stream(path) {
         true => (HELD_OF_STREAM, true),

@@ -41,7 +41,7 @@ pub fn recorded(
         let buses = addresses.map(|a| usize::from(a.bus) + 1).max();
         if reading.prefix.is_some() || reading.timing.column.is_some() {
             return Err(Failure::Input(format!(
-                "{}: --columns and --time are for CSV, and this is a recording of buses",
+                "{}: expected CSV for --columns and --time, found a recording of buses",
                 log.display()
             )));
         }

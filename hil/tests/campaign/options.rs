@@ -166,7 +166,7 @@ const fn bad(takes: Takes) -> &'static [&'static str] {
     match takes {
         Takes::Number => &["", "seven", "nan", "-1e9", "1e99", "1,5", "0x10"],
         Takes::Word => &["", "no-such", "\u{1F980}"],
-        Takes::Named => &["", "no-such", "../../etc/shadow-no", "no\nsuch"],
+        Takes::Named => &["", "no-such", "../../etc/shadow-no", "no such"],
         Takes::Nothing => &[],
     }
 }

@@ -4,6 +4,7 @@
 //! time is cut by questions the answers are the same to 1e-9 K.
 
 pub mod burst;
+pub mod lift;
 
 use crate::display::finger::dose::Dose;
 use crate::display::solver::WireDrive;
@@ -76,13 +77,11 @@ impl Wire {
 
     /// Keeps every stretch from here on for a person's model, until they are taken. The tissue is displaced as [`Wire::worn`]
     /// says, else by `um_per_k` for each kelvin of the wire, um/K.
-    #[must_use]
-    pub fn with_stretches(mut self, um_per_k: f64) -> Self {
+    pub fn keep_stretches(&mut self, um_per_k: f64) {
         self.solver.stretches = Some(Stretches {
             um_per_k,
             kept: Vec::new(),
         });
-        self
     }
 
     /// Computes up to `at` and takes the stretches since the last time, the oldest first.

@@ -330,3 +330,34 @@ fn what_is_no_number_moves_nothing_and_no_person_is_impossible() {
         }
     }
 }
+
+/// What the weave of a moving contact's texture does: pulses of a burst are left out, the others grow by the root.
+#[test]
+fn a_thinned_out_burst_that_is_widened_feels_as_strong() {
+    let level = |periods: &[u8], um: f64| {
+        let kick = |n: &u8| Kick {
+            at_s: f64::from(*n) * T,
+            um,
+        };
+        let kicks: Vec<Kick> = periods.iter().map(kick).collect();
+        let mut perceiver = one();
+        perceiver.kicks(0, &kicks, 0.0585);
+        perceiver.settle();
+        perceiver.felt(33.0).unwrap().levels.vibration_db
+    };
+    let whole = level(&[0, 1, 2, 3, 4, 5, 6], 10.0);
+    for left in [
+        &[0, 1, 2, 4, 5][..],
+        &[0, 1, 3, 4, 6],
+        &[0, 2, 4, 6],
+        &[0, 3, 6],
+    ] {
+        let gain = libm::sqrt(7.0 / left.len() as f64);
+        let (widened, plain) = (level(left, 10.0 * gain) - whole, level(left, 10.0) - whole);
+        println!(
+            "{} pulses: {widened:.2} dB widened, {plain:.2} dB not",
+            left.len()
+        );
+        assert!(widened.abs() < 1.0 && plain < -1.0, "{widened} {plain}");
+    }
+}

@@ -24,7 +24,7 @@ use palpate_core::bus::Received;
 
 use crate::i2c::Transfer;
 use crate::readings::{ModulePlaces, Readings};
-use crate::trace::{self, Event, Header, Source, Trace};
+use crate::trace::{self, Event, Header, Trace};
 use container::Container;
 use proto::Message;
 use scene::Scene;
@@ -74,14 +74,6 @@ pub struct McapRecording<W> {
     message: Message,
 }
 
-/// What `source` says in the metadata.
-const fn word(source: Source) -> &'static str {
-    match source {
-        Source::Emulated => "emulated",
-        Source::Real => "real",
-    }
-}
-
 impl<W: Write> McapRecording<W> {
     /// Begins a recording of a run: versions and digests, the files it goes back to, schemas and topics. Modules are
     /// those whose readings will come.
@@ -94,9 +86,9 @@ impl<W: Write> McapRecording<W> {
         attachments: &[Attachment],
         out: W,
     ) -> io::Result<Self> {
-        let facts = [
+        let mut facts = vec![
             ("trace_version", trace::VERSION.to_string()),
-            ("source", word(header.source).into()),
+            ("source", header.source.word().into()),
             ("scene", header.scene.clone()),
             ("bench", header.bench.clone()),
             ("seed", header.seed.to_string()),
@@ -108,6 +100,8 @@ impl<W: Write> McapRecording<W> {
             ("tau_d_us", header.tau_d_us.to_string()),
             ("soa_us", header.soa_us.to_string()),
         ];
+        let banner = header.source.banner();
+        facts.extend(banner.map(|text| ("banner", text.to_owned())));
         let mut recording = Self::begin(&facts, attachments, out)?;
         let container = &mut recording.container;
         let mut schemas = BTreeMap::new();

@@ -110,8 +110,8 @@ fn felt_in_words(trace: &Trace) -> String {
             if breaks > 0 {
                 let _ = write!(
                     text,
-                    " Breaks: {breaks}. There the contact lies inside the display and no wire is \
-                     strong enough to be felt. {}",
+                    " Breaks: {breaks}. There the contact lies inside the display and all wires together \
+                     stay below threshold. {}",
                     why(&trace.header.illusion)
                 );
                 if trace.ledger.driven.limiter_events > 0 {
@@ -125,7 +125,7 @@ fn felt_in_words(trace: &Trace) -> String {
                 );
             }
             text.push_str(
-                " What is felt comes from a model with a fitted gain, not from a person.",
+                " What is felt comes from a model of a person with a fitted gain.",
             );
             text
         }

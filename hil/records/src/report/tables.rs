@@ -3,7 +3,7 @@
 use super::series::{quantile, scan_us, sorted_times};
 use super::svg::escape;
 use super::{ReportExtras, SummaryRow};
-use crate::felt::{decibels, energy_permille, felt_scores};
+use crate::felt::{decibels, energies, felt_level, felt_scores};
 use crate::figures::{Figure, figures};
 use crate::fixed::{milli_u, seconds};
 use crate::margin::used_words;
@@ -53,12 +53,16 @@ pub(super) fn heading(page: &mut String, trace: &Trace) {
     let (class, word) = match h.source {
         Source::Emulated => ("", "EMULATED"),
         Source::Real => (" real", "REAL"),
+        Source::Observed => (" real", "OBSERVED"),
     };
     let _ = writeln!(
         page,
         "<header><h1>{}</h1><span class=\"badge{class}\">{word}</span></header>",
         escape(&title(&h.scene))
     );
+    if let Some(banner) = h.source.banner() {
+        let _ = writeln!(page, "<p role=\"note\"><strong>{banner}</strong></p>");
+    }
 }
 
 /// What was run, and how the page was made.
@@ -148,6 +152,13 @@ fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
         path.map_or(0, |e| e.count).to_string(),
         "",
     ));
+    if let Some(level) = felt_level(trace) {
+        let who = format!("{} on {}", trace.header.person, trace.header.preset);
+        for (what, mdb) in [("median", level.median_mdb), ("5 %", level.p5_mdb)] {
+            let what = format!("felt level over threshold, {what} ({who})");
+            rows.push(row(&what, format!("{:.1}", f64::from(mdb) * 1e-3), "dB"));
+        }
+    }
     let mut breaks = 0;
     // Without a true path there is nothing to hold the felt path against; breaks need none.
     let known = trace
@@ -168,10 +179,10 @@ fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
     let mut broken = row("breaks", breaks.to_string(), "onsets");
     broken.over = breaks > 0;
     rows.push(broken);
-    if let Some((least, most)) = energy_permille(trace) {
-        let (least, most) = (decibels(least), decibels(most));
-        let text = format!("{least:.1} to {most:.1}");
-        rows.push(row("energy inside the display", text, "dB"));
+    for (name, (least, most)) in energies(trace).into_iter().flatten() {
+        let text = format!("{:.1} to {:.1}", decibels(least), decibels(most));
+        let what = format!("energy {name}, over one wire's");
+        rows.push(row(&what, text, "dB"));
     }
     let most = trace.events.iter().filter_map(|e| match e {
         Event::Frame { in_contact, .. } => Some(*in_contact),

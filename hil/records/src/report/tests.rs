@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::synthetic;
-use crate::trace::{Event, PlaceUm};
+use crate::trace::{EnergyPermille, Event, PlaceUm};
 
 fn timing(n: u64) -> Vec<f32> {
     (0..n)
@@ -125,7 +125,9 @@ fn whatever_is_missing_or_absurd_leaves_a_page() {
             target: PlaceUm::default(),
             inside: false,
             felt: None,
-            energy_permille: 0,
+            level_mdb: None,
+            tap: false,
+            energy: EnergyPermille::default(),
         },
         Event::Frame {
             t_us: 9,
