@@ -7,7 +7,6 @@ use super::container::Container;
 use super::foxglove::{CLOUD, SCENE, TRANSFORM, descriptor};
 use super::proto::Message;
 use super::schema;
-use super::topics::mm;
 use crate::readings::{ModulePlaces, Reading, TaxelFrame};
 use crate::trace::{Event, FeltAt, Header, PlaceUm};
 
@@ -51,6 +50,10 @@ pub(super) struct Scene {
     /// When the next picture of the scene and of the taxels is due.
     due_us: u64,
     due_cloud_us: u64,
+}
+
+pub(super) fn mm(um: i32) -> f64 {
+    f64::from(um) / 1e3
 }
 
 fn stamp(t_us: u64) -> Message {

@@ -1,7 +1,7 @@
 //! The topics of a run, and how an event becomes the message of one of them.
 
 use super::proto::Message;
-use super::scene::Scene;
+use super::scene::{Scene, mm};
 use crate::trace::{Event, PlaceUm};
 
 /// Topics of a wire.
@@ -27,10 +27,6 @@ pub(super) struct RunTopics {
     pub scene: Scene,
     /// Board and channel of each wire.
     pub outputs: Vec<(u8, u8)>,
-}
-
-pub(super) fn mm(um: i32) -> f64 {
-    f64::from(um) / 1e3
 }
 
 impl RunTopics {

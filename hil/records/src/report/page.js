@@ -98,7 +98,7 @@ class Plot {
   }
   // Shows the interval: the drawing by its view box, the numbers below anew.
   zoom() {
-    const [from, to] = view, width = this.svg.clientWidth || 900, wanted = clamp(width / 75, 2, 10);
+    const [from, to] = view, width = this.svg.clientWidth || 900, wanted = clamp(width / 60, 2, 10);
     this.svg.setAttribute("viewBox", `${from} 0 ${to - from} ${this.tall}`);
     const raw = (to - from) / SECOND / wanted, decade = 10 ** Math.floor(Math.log10(raw));
     const step = decade * [1, 2, 5, 10].find(n => n * decade >= raw * 0.999);

@@ -9,6 +9,8 @@ use std::fmt::Write;
 
 /// Steps of colour from the start of the run to its end.
 pub(super) const HUES: usize = 10;
+/// Most taxels that are drawn, and that are played; of more, every so many is drawn.
+pub(super) const TAXELS: usize = 4_096;
 const WIDTH: f64 = 540.0;
 const HEIGHT: f64 = 520.0;
 
@@ -142,7 +144,7 @@ pub(super) fn contact_path(trace: &Trace) -> (String, Plot) {
     let mut svg = Svg::new(WIDTH, HEIGHT, "Contact path over the taxels of the pad");
     axes(&mut plot, &mut svg, &places, pitch * 0.65, "sensor");
     let half = plot.px(pitch * 0.41) - plot.px(0.0);
-    for taxel in &taxels {
+    for taxel in taxels.iter().step_by(taxels.len().div_ceil(TAXELS).max(1)) {
         let (x, y) = plot.at(*taxel);
         svg.rect((x - half, y - half), (2.0 * half, 2.0 * half), "taxel");
     }

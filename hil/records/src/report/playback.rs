@@ -2,6 +2,7 @@
 //!
 //! What the wires do is not here: the script reads it off the schedule's own bars.
 
+use super::paths::TAXELS;
 use super::series::scan_us;
 use super::svg::Plot;
 use super::timeplot::tenth_ms;
@@ -159,7 +160,8 @@ pub(super) fn data(
     let hold = tenth_ms(scan.saturating_mul(every as u64).saturating_mul(5) / 2);
     let (felt, every) = felt(trace);
     let soa = tenth_ms(trace.header.soa_us.saturating_mul(every as u64)).max(1);
-    let taxels = readings.map(taxels).unwrap_or_default();
+    let played = readings.filter(|_| trace.header.taxels.len() <= TAXELS);
+    let taxels = played.map(taxels).unwrap_or_default();
     let [pad, display] = planes.map(to_pixels);
     let _ = writeln!(
         page,
