@@ -139,7 +139,7 @@ impl<R: Read> Pass<R> {
 
 impl Through {
     /// Whole seconds of the first frame are none of a run's business.
-    fn from_first_second(&mut self) {
+    fn zero_at_first_second(&mut self) {
         let first = self.first_us.unwrap_or(0);
         self.start.zero_us = first - first % 1_000_000;
     }
@@ -209,7 +209,7 @@ impl<R: Read> Mcap<R> {
             return Err(too_many(&label, buses, found));
         }
         if !read.metadata.contains_key("scene") {
-            through.from_first_second();
+            through.zero_at_first_second();
         }
         Ok((interfaces, notes))
     }
@@ -312,7 +312,7 @@ impl<R: Read> Log<R> {
         interfaces.sort_unstable_by(|a, b| (a.len(), a).cmp(&(b.len(), b))); // can2 before can10
         let bus = |name| interfaces.iter().position(|i| i == name).unwrap_or(0);
         through.start.buses = self.names.iter().map(|name| bus(name) as u8).collect(); // at most 256
-        through.from_first_second();
+        through.zero_at_first_second();
         Ok((interfaces, notes))
     }
 }
