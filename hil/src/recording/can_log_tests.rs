@@ -1,7 +1,8 @@
 //! Tests of `can_log.rs`.
 
-use palpate_files::Text;
+use palpate_files::{Lines, Text, Times};
 
+use super::super::pass::{LONGEST, Log};
 use super::*;
 
 #[derive(Debug)]

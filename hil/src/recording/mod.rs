@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod can_log;
+mod pass;
 mod taxel_csv;
 mod taxel_write;
 

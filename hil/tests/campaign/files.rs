@@ -353,7 +353,7 @@ pub fn prepare(folder: &Path) {
     let sparse = fs::File::create(folder.join("sparse")).unwrap();
     sparse.set_len(6 << 30).unwrap();
     write("locked", b"locked");
-    fs::set_permissions(folder.join("locked"), fs::Permissions::from_mode(0)).unwrap();
+    fs::set_permissions(folder.join("locked"), fs::Permissions::from_mode(0o000)).unwrap();
 }
 
 /// The tries; the bad files are written on the way.

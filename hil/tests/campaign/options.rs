@@ -15,8 +15,11 @@ enum Takes {
     Nothing,
 }
 
+/// Options of a command.
+type Options = &'static [(&'static str, Takes)];
+
 /// Commands that are good but for the option that is tried, and their options.
-const COMMANDS: [(&[&str], &[(&str, Takes)]); 17] = [
+const COMMANDS: [(&[&str], Options); 17] = [
     (
         &["run", "scene.toml"],
         &[
