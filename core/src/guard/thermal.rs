@@ -209,7 +209,7 @@ impl Tissue {
 
     /// The same of every limit, and nothing changes.
     pub(super) fn each_room(&self, budget: &Budget, booking: Booking) -> [(f64, Reason); 4] {
-        let (mut tissue, mut stretches) = (self.clone(), budget.stretches.clone());
+        let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
         tissue.relax(&mut stretches, booking.from);
         let span = booking.until.since(booking.from);
         if budget.response.stretch.span == span {
