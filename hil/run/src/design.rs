@@ -53,8 +53,9 @@ pub struct DesignOutcome {
     pub wire_c: f64,
     /// Hottest tissue at 0.1 mm, on this finger and in the worst corner of the guard's range, degrees C.
     pub skin_c: [f64; 2],
-    /// The first row of the limit table that forbids it.
-    pub forbidden: Option<&'static str>,
+    /// Why it is no design: the first row of the limit table that forbids it, or `bow` where the wire shortens by more than
+    /// straightens its bow, which the bow's gain does not know.
+    pub excluded: Option<&'static str>,
 }
 
 /// The same wire made thicker or longer. Resistivity and the resistance of crimps and leads stay; heat to still air goes
@@ -108,25 +109,25 @@ pub fn outcome(
         levels: Levels::SILENT,
         wire_c: tissue.body_c,
         skin_c: [tissue.body_c; 2],
-        forbidden: forbidden(pattern, width_s, wire.resistance_ohm),
+        excluded: forbidden(pattern, width_s, wire.resistance_ohm),
     };
     if width_s * 1e9 >= PERIOD_NS as f64 {
         return Ok(outcome); // on without end: there is no pulse to compute
     }
     let mut perceiver = Perceiver::new(person, &[(0.0, 0.0)])?;
     let mut worn = Wire::new(wire, tissue, tissue.body_c)?.worn(tissue)?;
-    let end = drive(
+    let (mut end, _) = drive(
         &mut worn,
         pattern,
         width_s,
         seconds - LISTENING_S,
         Nanos::ZERO,
     );
+    let mut change = 0.0;
     worn.keep_stretches(0.0);
     for _ in 0..2 {
         perceiver.onset();
-        let from = worn.now().max(end);
-        let end = drive(&mut worn, pattern, width_s, LISTENING_S / 2.0, from);
+        (end, change) = drive(&mut worn, pattern, width_s, LISTENING_S / 2.0, end);
         worn.take_stretches(end, |stretch| perceiver.pass(0, stretch));
         perceiver.settle();
     }
@@ -136,36 +137,45 @@ pub fn outcome(
     }
     let (wire_there, tissue_there) = worst(wire, tissue);
     let mut hottest = Wire::new(&wire_there, &tissue_there, tissue.body_c)?;
-    let end = drive(&mut hottest, pattern, width_s, seconds, Nanos::ZERO);
+    let (end, _) = drive(&mut hottest, pattern, width_s, seconds, Nanos::ZERO);
     outcome.wire_c = peaks.wire_c;
     outcome.skin_c = [peaks.shallow_c, hottest.peaks(end).shallow_c];
-    outcome.forbidden = outcome
-        .forbidden
-        .or_else(|| (outcome.skin_c[1] * 1e3 > HARD.skin_peak_mc as f64).then_some("skin-peak"));
+    let rows = [
+        (
+            "skin-peak",
+            outcome.skin_c[1] * 1e3 > HARD.skin_peak_mc as f64,
+        ),
+        ("bow", change * wire.length_m > slack_m(wire)),
+    ];
+    outcome.excluded = outcome.excluded.or_else(|| first(&rows));
     Ok(outcome)
 }
 
-/// Bursts from `from` on, for `seconds` or one burst more; when they end.
+/// Bursts from `from` on, for `seconds` or one burst more: when they end, and by how much the strain changed meanwhile.
 fn drive(
     wire: &mut Wire,
     pattern: &PulsePattern,
     width_s: f64,
     seconds: f64,
     from: Nanos,
-) -> Nanos {
+) -> (Nanos, f64) {
     let nanos = |s: f64| libm::round(s * 1e9) as u64;
     let (width, cadence) = (nanos(width_s).max(1), nanos(pattern.cadence_s));
     let bursts = libm::ceil(seconds / pattern.cadence_s) as u64;
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
     for burst in 0..bursts {
         for pulse in 0..u64::from(pattern.pulses) {
             let at = from.0 + burst * cadence + pulse * PERIOD_NS;
-            wire.set_current(Nanos(at), pattern.amps);
-            wire.set_current(Nanos(at + width), 0.0);
+            for (at, amps) in [(Nanos(at), pattern.amps), (Nanos(at + width), 0.0)] {
+                wire.set_current(at, amps);
+                let strain = wire.strain(at).total();
+                (least, most) = (least.min(strain), most.max(strain));
+            }
         }
     }
     let end = Nanos(from.0 + bursts * cadence);
     wire.advance(end);
-    end
+    (end, most - least)
 }
 
 /// The first row of the limit table that a pattern passes by itself, whatever the wire does.
@@ -185,7 +195,17 @@ fn forbidden(pattern: &PulsePattern, width_s: f64, resistance_ohm: f64) -> Optio
         ("burst", pattern.cadence_s - burst_s < gap_s),
         ("wire-power", pattern.watts * 1e6 > HARD.wire_10s_uw as f64),
     ];
-    rows.into_iter().find(|row| row.1).map(|row| row.0)
+    first(&rows)
+}
+
+fn first(rows: &[(&'static str, bool)]) -> Option<&'static str> {
+    rows.iter().find(|row| row.1).map(|row| row.0)
+}
+
+/// By how much a wire is longer than the straight line between its ends: pi^2 s^2 / 4 L.
+fn slack_m(wire: &WireParameters) -> f64 {
+    let sag = wire.mount.sag_m;
+    core::f64::consts::PI * core::f64::consts::PI * sag * sag / (4.0 * wire.length_m)
 }
 
 /// Which points no other beats: as strong or stronger at tissue as cool or cooler and as small a current or smaller. Points
@@ -194,7 +214,7 @@ pub fn undominated(points: &[(PulsePattern, DesignOutcome)]) -> Vec<bool> {
     let figures = |(pattern, of): &(PulsePattern, DesignOutcome)| {
         [of.levels.db(), -of.skin_c[1], -pattern.amps]
     };
-    let allowed = |of: &DesignOutcome| of.forbidden.is_none();
+    let allowed = |of: &DesignOutcome| of.excluded.is_none();
     let beaten = |point: &(PulsePattern, DesignOutcome)| {
         let own = figures(point);
         points.iter().filter(|p| allowed(&p.1)).any(|other| {

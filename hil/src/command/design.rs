@@ -182,10 +182,7 @@ fn fields((point, of, best): &Computed) -> [(&'static str, Value); 18] {
         ("wire_c", thousandth(of.wire_c)),
         ("skin_c", thousandth(of.skin_c[0])),
         ("skin_worst_c", thousandth(of.skin_c[1])),
-        (
-            "forbidden_by",
-            of.forbidden.map_or(Value::Null, Value::from),
-        ),
+        ("forbidden_by", of.excluded.map_or(Value::Null, Value::from)),
         ("undominated", (*best).into()),
     ]
 }
@@ -226,13 +223,13 @@ fn tell(
             writeln!(out)
         });
     }
-    let allowed = computed.iter().filter(|c| c.1.forbidden.is_none()).count();
+    let allowed = computed.iter().filter(|c| c.1.excluded.is_none()).count();
     let best: Vec<&Computed> = computed.iter().filter(|c| c.2).collect();
     print(|out| {
         Conclusion::default().write(out, color.on(&io::stdout()))?;
         writeln!(
             out,
-            "{} points, {allowed} within the limit table; felt by `{person}` after {} s, one wire (emulated)",
+            "{} points, {allowed} within the limit table and the bow; felt by `{person}` after {} s, one wire (emulated)",
             computed.len(),
             args.seconds
         )?;
@@ -287,7 +284,7 @@ fn html(computed: &[Computed], person: &str) -> String {
         .collect();
     let _ = write!(
         out,
-        "<section><h2>Felt level over tissue temperature</h2>\n<p>{} points; those that a limit forbids are left out. The line joins what no other point beats in \
+        "<section><h2>Felt level over tissue temperature</h2>\n<p>{} points; those that the limit table or the bow excludes are left out. The line joins what no other point beats in \
          level and temperature. Temperatures are at 0.1 mm in the worst corner of the guard's range; the limit is 43 \u{b0}C. \
          Felt by <code>{}</code>.</p>\n{}<div class=\"legend\">{keys}</div></section>\n",
         computed.len(),
@@ -313,7 +310,7 @@ fn html(computed: &[Computed], person: &str) -> String {
 }
 
 fn chart(computed: &[Computed], currents: &[f64]) -> String {
-    let allowed = || computed.iter().filter(|c| c.1.forbidden.is_none());
+    let allowed = || computed.iter().filter(|c| c.1.excluded.is_none());
     let at = |c: &Computed| (c.1.skin_c[1], c.1.levels.db().max(-30.0));
     let ends = |of: fn((f64, f64)) -> f64| {
         let all = || allowed().map(|c| of(at(c)));
