@@ -27,9 +27,11 @@ const fn of(key: &'static str, words: &'static str, unit: &'static str) -> Measu
 }
 
 /// The figures of a row, in the order of the columns.
-pub const MEASURED: [Measured; 16] = [
+pub const MEASURED: [Measured; 18] = [
     of("path_error_rmse_mm", "path error RMSE", "mm"),
     of("path_error_max_mm", "path error at most", "mm"),
+    of("felt_level_median_db", "felt level, median", "dB"),
+    of("felt_level_p5_db", "felt level, 5 %", "dB"),
     of("felt_error_rmse_mm", "felt error RMSE", "mm"),
     of("felt_error_max_mm", "felt error at most", "mm"),
     of("felt_breaks", "breaks", ""),

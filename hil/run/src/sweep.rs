@@ -170,7 +170,7 @@ fn digest(setup: &Setup) -> String {
 /// The figures of a summary, as tables have them.
 pub fn values(of: &Summary) -> Values {
     let count = |n: u64| Some(n as f64);
-    let felt = &of.felt_error_mm;
+    let (felt, level) = (&of.felt_error_mm, of.felt.level_db);
     let used = of
         .margins
         .iter()
@@ -181,6 +181,8 @@ pub fn values(of: &Summary) -> Values {
     let all = [
         of.path_error_mm.map(|e| e.rmse),
         of.path_error_mm.map(|e| e.max),
+        level.map(|level| level.median),
+        level.map(|level| level.p5),
         felt.rmse,
         felt.max,
         count(felt.breaks),
