@@ -183,18 +183,6 @@ impl WireParameters {
         mechanics: Mechanics::DEFAULT,
         mount: Mount::DEFAULT,
     };
-    /// [`Self::FINAL`] as it lies on a finger without tension: 10 MPa, two-way strain of 1 %, an R phase, and a small part
-    /// without hysteresis, all of them \[A\].
-    pub const LOOSE: Self = Self {
-        bias_stress_pa: 10e6,
-        reversible: 0.02,
-        beside: [Some(Play::R_PHASE), None, None, None],
-        mechanics: Mechanics {
-            transformation_strain: 0.01,
-            ..Mechanics::DEFAULT
-        },
-        ..Self::FINAL
-    };
     /// First module: 100 um x 5 mm, 1.4 Ohm, 46 % of the heat in the wire.
     pub const FIRST: Self = Self {
         diameter_m: 100e-6,
@@ -203,6 +191,22 @@ impl WireParameters {
         air_h: 136.0,
         ..Self::FINAL
     };
+
+    /// The same wire as it lies on a finger without tension: 10 MPa, a two-way strain of 1 %, an R phase, and a small
+    /// part without hysteresis, all of them \[A\].
+    #[must_use]
+    pub const fn loose(self) -> Self {
+        Self {
+            bias_stress_pa: 10e6,
+            reversible: 0.02,
+            beside: [Some(Play::R_PHASE), None, None, None],
+            mechanics: Mechanics {
+                transformation_strain: 0.01,
+                ..self.mechanics
+            },
+            ..self
+        }
+    }
 
     /// Mass, kg.
     pub fn mass(&self) -> f64 {

@@ -49,7 +49,7 @@ fn shares_add_up() {
     ] {
         let wire = WireParameters {
             hysteresis,
-            ..WireParameters::LOOSE
+            ..WireParameters::FINAL.loose()
         };
         let plays = wire.plays().unwrap();
         let sum = |of: fn(&Play) -> f64| plays.iter().map(of).sum::<f64>();

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use super::address::{check_chip, check_once};
 use super::error::FileError;
 use super::layout::DisplayLayout;
+use super::mount::{BenchMount, BenchTissue};
 use super::source::Source;
 
 /// A bench. A file states what differs from [`Bench::default`], and its name and description.
@@ -29,6 +30,10 @@ pub struct Bench {
     pub limits: String,
     /// The display's wires. A real bench states them.
     pub wire: BenchWire,
+    /// How the wires sit on the finger: what of their motion reaches it.
+    pub mount: BenchMount,
+    /// The finger under them.
+    pub tissue: BenchTissue,
     /// What drives them.
     pub drive: Drive,
     /// What turns the chip's pulses into current; left out: instant, without loss, and never short of voltage.
@@ -50,6 +55,8 @@ impl Default for Bench {
             display: "thimble-8".into(),
             limits: "default".into(),
             wire: BenchWire::default(),
+            mount: BenchMount::default(),
+            tissue: BenchTissue::default(),
             drive: Drive::default(),
             amplifier: Amplifier::default(),
             outputs: Vec::new(),
@@ -276,6 +283,8 @@ impl Bench {
         bench.drive.check(source)?;
         let adapters = bench.adapters(source)?;
         bench.amplifier.check(source)?;
+        bench.mount.check(source)?;
+        bench.tissue.check(source)?;
         bench.check_outputs(source, adapters)?;
         if bench.outputs.is_empty() {
             let (display, _) = DisplayLayout::named(&bench.display, source, "display")?;

@@ -20,11 +20,14 @@ mod illusion;
 mod layout;
 mod limits;
 mod loaded;
+mod migrate;
 mod module;
+mod mount;
 mod near;
 mod overrides;
 mod person;
 mod placeholder;
+mod play;
 mod quarantine;
 mod reading;
 mod resolve;
@@ -60,13 +63,16 @@ pub use illusion::{Illusion, SceneStroke};
 pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
 pub use limits::LimitTable;
 pub use loaded::{
-    Loaded, load_activation, load_bench, load_layout, load_limits, load_person, load_scene,
-    load_textures, load_wire,
+    Loaded, load_activation, load_alloy, load_bench, load_layout, load_limits, load_person,
+    load_scene, load_textures, load_wire,
 };
+pub use migrate::{Migrated, migrated};
 pub use module::{Grid, ImageCell, Repeat, SkinModule, Taxel};
+pub use mount::{BenchMount, BenchTissue};
 pub use near::{did_you_mean, nearest};
 pub use overrides::Overrides;
 pub use person::{FeltChannel, PersonFile, Spread, Wearer};
+pub use play::PlayEntry;
 pub use quarantine::{Quarantine, Quarantined};
 pub use reading::{LONGEST_LINE, Lines, Text, format_of, is_stream, open, read_bytes, read_text};
 pub use resolve::{FileKind, resolve, resolve_from};

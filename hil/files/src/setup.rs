@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::activation::ActivationFile;
-use super::bench::Bench;
+use super::bench::{Bench, BenchKind};
 use super::error::FileError;
 use super::layout::{DisplayLayout, LayoutFile, SensorLayout};
 use super::limits::LimitTable;
@@ -47,6 +47,7 @@ pub struct Setup {
     pub wearer: Option<Loaded<Wearer>>,
     /// The texture, if the scene has one.
     pub texture: Option<Stroked>,
+    observed: bool,
 }
 
 impl Setup {
@@ -68,8 +69,7 @@ impl Setup {
         check_faults(&scene, &sensor.value, &bench.value)?;
         let hardware = &bench.value;
         let limits = limits_of(&bench)?;
-        let alloy = alloy_of(&bench)?;
-        let wire = wire_of(&bench)?;
+        let (wire, alloy) = mounted_of(&bench)?;
         let texture = texture_of(&scene, sensor.value.modules.len())?;
         let (person, wearer) = people_of(&scene)?;
         let wires = display.value.wires_mm.len();
@@ -95,7 +95,27 @@ impl Setup {
             person,
             wearer,
             texture,
+            observed: false,
         })
+    }
+
+    /// The same with a guard that only looks on: every stimulus is driven as it is.
+    ///
+    /// # Errors
+    /// A bench of hardware.
+    pub fn observed(mut self) -> Result<Self, FileError> {
+        if self.bench.value.kind == BenchKind::Real {
+            let expected = "\"emulated\": on hardware the guard never only observes";
+            return Err(self.bench.source.bad_found("kind", expected, "\"real\""));
+        }
+        self.observed = true;
+        Ok(self)
+    }
+
+    /// Whether the guard only looks on.
+    #[must_use]
+    pub const fn is_observed(&self) -> bool {
+        self.observed
     }
 }
 
@@ -112,6 +132,17 @@ pub(super) fn alloy_of(bench: &Loaded<Bench>) -> Result<Loaded<AlloyFile>, FileE
 pub(super) fn wire_of(bench: &Loaded<Bench>) -> Result<Loaded<WireFile>, FileError> {
     let wire = &bench.value.wire.kind;
     bench.refer(FileKind::Wire, WireFile::read, wire, "wire.kind")
+}
+
+/// Wire and alloy of a bench, which fit each other and the mount.
+pub(super) fn mounted_of(
+    bench: &Loaded<Bench>,
+) -> Result<(Loaded<WireFile>, Loaded<AlloyFile>), FileError> {
+    let (alloy, wire) = (alloy_of(bench)?, wire_of(bench)?);
+    wire.value.fits(&wire.source, &alloy.value)?;
+    let mount = &bench.value.mount;
+    mount.fits(&bench.source, wire.value.length_mm)?;
+    Ok((wire, alloy))
 }
 
 /// A display's wires are all connected.

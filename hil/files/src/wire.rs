@@ -4,6 +4,7 @@ use palpate_core::physics::{Alloy, Hysteresis, Mechanics, WireParameters};
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::play::{PlayEntry, check_plays};
 use super::source::Source;
 
 /// A wire, its alloy left open.
@@ -26,7 +27,13 @@ pub struct WireFile {
     /// How the phase follows the temperature; left out: generalised play.
     #[serde(default = "play", with = "HysteresisLaw")]
     pub hysteresis: Hysteresis,
-    /// Strain and sag.
+    /// Share of the martensite that transforms without hysteresis, about the alloy's middle; left out: none.
+    #[serde(default)]
+    pub reversible: f64,
+    /// What transforms beside the martensite, such as an R phase; left out: nothing.
+    #[serde(default)]
+    pub plays: Vec<PlayEntry>,
+    /// Strain.
     pub mechanical: Mechanical,
 }
 
@@ -319,7 +326,30 @@ impl WireFile {
                 source.range("hysteresis.narrowest", narrowest, 0.01..=1.0, "")?;
             }
         }
+        source.range(
+            "reversible",
+            wire.reversible,
+            0.0..=1.0,
+            "of the martensite",
+        )?;
+        check_plays(source, &wire.plays, wire.mechanical.transformation_strain)?;
         Ok(wire)
+    }
+
+    /// Whether its plays can be with an alloy.
+    ///
+    /// # Errors
+    /// Names the key that makes bands cross.
+    pub(super) fn fits(&self, source: &Source, alloy: &AlloyFile) -> Result<(), FileError> {
+        let crossed = |_| {
+            let expected = format!(
+                "wider: with the alloy `{}` the bands of heating and cooling cross",
+                alloy.name
+            );
+            source.bad("hysteresis.narrowest", expected)
+        };
+        let plays = self.parameters(alloy).plays().map(drop);
+        plays.map_err(crossed)
     }
 
     /// The wire of an alloy as the model takes it. Divisions, so that the numbers are those that stand in the
@@ -350,6 +380,8 @@ impl WireFile {
                 reference_stress_pa: alloy.reference_stress_mpa * 1e6,
             },
             hysteresis: self.hysteresis,
+            reversible: self.reversible,
+            beside: core::array::from_fn(|k| self.plays.get(k).map(PlayEntry::play)),
             mechanics: Mechanics {
                 modulus_austenite_pa: m.modulus_austenite_gpa * 1e9,
                 modulus_martensite_pa: m.modulus_martensite_gpa * 1e9,

@@ -15,6 +15,12 @@ fn the_shipped_files_are_the_programs_own_constants() {
     let (final_wire, first) = (wire("final-75um"), wire("first-100um"));
     assert_eq!(final_wire.parameters(&alloy("low")), WireParameters::FINAL);
     assert_eq!(first.parameters(&alloy("low")), WireParameters::FIRST);
+    for (name, parameters) in [
+        ("taut", WireParameters::FINAL),
+        ("loose", WireParameters::FINAL.loose()),
+    ] {
+        assert_eq!(wire(name).parameters(&alloy("low")), parameters);
+    }
     let high = final_wire.parameters(&alloy("high"));
     assert_eq!(high.alloy, Alloy::HIGH);
     assert!(high.check().is_ok());
@@ -42,4 +48,71 @@ fn laws_are_chosen_and_nonsense_is_named() {
         .replace("= 78.0", "= 60.0");
     let error = AlloyFile::read(&Source::new("a.toml", low)).unwrap_err();
     assert!(error.to_string().contains("Mf < Ms < As < Af"), "{error}");
+}
+
+#[test]
+fn crossing_bands_and_strains_beyond_the_geometry_are_named() {
+    let text = palpate_fixtures::wire("loose").unwrap();
+    for (old, new, said) in [
+        (
+            "heating_finish_c = 47.0",
+            "heating_finish_c = 44.0",
+            "plays[0].heating_finish_c: expected at least cooling_start_c, so that the bands do not cross: 45",
+        ),
+        (
+            "cooling_finish_c = 35.0",
+            "cooling_finish_c = 38.0",
+            "plays[0].heating_start_c: expected at least cooling_finish_c, so that the bands do not cross: 38",
+        ),
+        (
+            "heating_finish_c = 47.0",
+            "heating_finish_c = 36.0",
+            "plays[0].heating_finish_c: expected more than heating_start_c: 37",
+        ),
+        (
+            "strain = 0.001 ",
+            "strain = 0.09 ",
+            "plays[0].strain: expected strains of all phases that come to 0.0987 at most: more bends a wire deeper than 0.2 of its length, found 0.1000 in all",
+        ),
+        (
+            "reversible = 0.02",
+            "reversible = 1.02",
+            "reversible: expected a number from 0 to 1 of the martensite, found 1.02",
+        ),
+        (
+            "stress_mpa_k = 15.0",
+            "stress_mpa_k = 0.0",
+            "plays[0].stress_mpa_k: expected a number from 0.1 to 100 MPa/K, found 0.0",
+        ),
+    ] {
+        assert!(text.contains(old), "{old}");
+        let source = Source::new("w.toml", text.replacen(old, new, 1));
+        let error = WireFile::read(&source).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+    let many = format!("{text}{}", "[[plays]]\nheating_start_c = 1\nheating_finish_c = 2\ncooling_start_c = 1\ncooling_finish_c = 0\nstress_mpa_k = 7\nstrain = 0\nlatent_heat_j_kg = 0\n".repeat(4));
+    let error = WireFile::read(&Source::new("w.toml", many))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("plays: expected at most 4 plays beside the martensite, found 5"),
+        "{error}"
+    );
+}
+
+/// An alloy whose cooling band is wider than its heating band: a narrow hysteresis makes both cross.
+#[test]
+fn a_hysteresis_too_narrow_for_its_alloy_is_named() {
+    let text = palpate_fixtures::wire("taut").unwrap();
+    let text = format!("{text}\n[hysteresis]\nlaw = \"plays\"\ncount = 3\nnarrowest = 0.05\n");
+    let source = Source::new("w.toml", text);
+    let wire = WireFile::read(&source).unwrap();
+    let mut wide = alloy("low");
+    assert!(wire.fits(&source, &wide).is_ok());
+    wide.martensite_finish_c = 20.0;
+    let error = wire.fits(&source, &wide).unwrap_err().to_string();
+    assert!(
+        error.contains("hysteresis.narrowest: expected wider: with the alloy `low` the bands"),
+        "{error}"
+    );
 }

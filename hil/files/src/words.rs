@@ -1,7 +1,7 @@
 //! The words that settings files have for closed lists. Most lists are the core's, which knows no text format:
 //! the types here only say how its values are written.
 
-use palpate_core::{contact, illusion, skin, texture};
+use palpate_core::{contact, illusion, physics, skin, texture};
 use serde::de::value::{Error, StrDeserializer};
 use serde::de::{Deserialize, Deserializer, IntoDeserializer};
 
@@ -66,6 +66,11 @@ words! { /** What the missing one of duration and onset asynchrony follows. */ T
 words! { /** How pulses are drawn. */ Draw for "texture::Draw" {
     /** Each period by itself, seeded. */ Bernoulli = "bernoulli",
     /** Error diffusion: the same density, never more than one pulse from it. */ Diffusion = "diffusion",
+}}
+words! { /** How the ends of a wire are held. */ Ends for "physics::Ends" {
+    /** They cannot turn. */ Clamped = "clamped",
+    /** They turn freely. */ Pinned = "pinned",
+    /** They cannot turn, and the wire is pressed to its buckling load. */ Buckled = "buckled",
 }}
 choice! { /** The axes that count. */ Axes {
     /** All three. */ Xyz = "xyz",

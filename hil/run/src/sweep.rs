@@ -170,7 +170,7 @@ fn digest(setup: &Setup) -> String {
 /// The figures of a summary, as tables have them.
 pub fn values(of: &Summary) -> Values {
     let count = |n: u64| Some(n as f64);
-    let (felt, level) = (&of.felt_error_mm, of.felt.level_db);
+    let felt = &of.felt_error_mm;
     let used = of
         .margins
         .iter()
@@ -181,17 +181,17 @@ pub fn values(of: &Summary) -> Values {
     let all = [
         of.path_error_mm.map(|e| e.rmse),
         of.path_error_mm.map(|e| e.max),
-        level.map(|level| level.median),
-        level.map(|level| level.p5),
         felt.rmse,
         felt.max,
+        of.felt.level_db.map(|level| level.median),
         count(felt.breaks),
         count(felt.jumps),
         of.hottest_skin_c,
         of.hottest_wire_c,
         of.energy_mj,
         of.peak_supply_a,
-        used,
+        // Beyond a million times a limit the number says nothing more.
+        used.map(|percent| percent.min(1e8)),
         count(u64::from(of.limiter_events)),
         count(of.contacts),
         count(of.stimuli),

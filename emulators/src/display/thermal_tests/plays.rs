@@ -13,7 +13,7 @@ const R_ALONE: WireParameters = WireParameters {
         ..Mechanics::DEFAULT
     },
     reversible: 0.0,
-    ..WireParameters::LOOSE
+    ..WireParameters::FINAL.loose()
 };
 
 /// Change of length in each of seven pulses, um, and temperature at the last edge.
@@ -77,7 +77,7 @@ fn skin_is_straight_between_events_and_parts_where_it_says() {
         (unequal, 0.3, 1e-4),
         (Alloy::LOW, 0.0, 2e-5),
     ] {
-        for base in [WireParameters::LOOSE, WireParameters::FINAL] {
+        for base in [WireParameters::FINAL.loose(), WireParameters::FINAL] {
             let wire = WireParameters {
                 alloy,
                 reversible,
@@ -116,7 +116,7 @@ fn skin_is_straight_between_events_and_parts_where_it_says() {
 #[test]
 fn wearing_a_wire_changes_nothing_in_it() {
     let tissue = TissueParameters::DEFAULT;
-    let mut free = Wire::new(&WireParameters::LOOSE, &tissue, 33.0).unwrap();
+    let mut free = Wire::new(&WireParameters::FINAL.loose(), &tissue, 33.0).unwrap();
     let mut worn = free.clone().worn(&tissue).unwrap();
     for pulse in 0..72 {
         let (start, amps) = through_all_bands(pulse);

@@ -226,12 +226,12 @@ fn agrees_with_another_method_in_parallel_plays() {
             narrowest: 0.2,
         },
         reversible: 0.3,
-        ..WireParameters::LOOSE
+        ..WireParameters::FINAL.loose()
     };
     let part = |watts: f64, part: f64| if watts > 0.0 { watts * part } else { 0.0 };
     for (name, wire, drive) in [
-        ("loose", WireParameters::LOOSE, 0.25),
-        ("loose, full drive", WireParameters::LOOSE, 1.0),
+        ("loose", WireParameters::FINAL.loose(), 0.25),
+        ("loose, full drive", WireParameters::FINAL.loose(), 1.0),
         ("six plays and the R phase", five, 0.5),
     ] {
         let mut train = edges(ms(35), Nanos(58_500_000), ms(400));

@@ -154,7 +154,10 @@ pub fn prescale(bench: &palpate_files::Bench) -> Result<Prescale, Failure> {
 
 /// Parameters of a bench's wires.
 pub fn wire(setup: &Setup) -> WireParameters {
-    setup.wire.value.parameters(&setup.alloy.value)
+    WireParameters {
+        mount: setup.bench.value.mount.parameters(),
+        ..setup.wire.value.parameters(&setup.alloy.value)
+    }
 }
 
 /// Milliamperes of a file, which has checked their range.
