@@ -163,8 +163,8 @@ fn the_other_kinds_say_everything_too() {
             &["f.toml:4: spacing_mm[0]", "f.toml:5: wires_mm[1]"],
         ),
         (
-            "fitted_gain = 0\nfull_scale_um = 10\nthreshold_um = 1\nexpansion_ppm = 11\nfull_pulses = \"x\"\n",
-            &["f.toml:3: fitted_gain", "f.toml:7: full_pulses"],
+            "vibration = 3\nflutter = \"x\"\n",
+            &["f.toml:3: vibration", "f.toml:4: flutter"],
         ),
         (
             "diameter_um = 1\nlength_mm = 5\nelectrical = 3\n",

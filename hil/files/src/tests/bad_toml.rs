@@ -300,7 +300,7 @@ fn people_have_thresholds_and_wearers_begin_below_full_scale() {
             (
                 "high = 15.0",
                 "high = nan",
-                "f.toml:12: flutter.threshold_um.high: expected a number from 4 to 1000 um, found nan",
+                "f.toml:12: flutter.threshold_um.high: expected a finite number, found nan",
             ),
             (
                 "value = 0.7",

@@ -66,10 +66,11 @@ impl Story {
             line.pieces.push(format!("jumps {}", score.jumps));
             story.head.push(line);
         }
-        if let Some(energies) = energies(trace) {
-            let pieces = energies.map(|(name, (least, most))| format!("{name} {least} to {most}"));
-            let label = "energy inside the display, thousandths of a wire's";
-            story.head.push(head(label, pieces));
+        for (name, (least, most)) in energies(trace).into_iter().flatten() {
+            let piece = format!("{least} to {most} thousandths of a wire's");
+            story
+                .head
+                .push(head(&format!("energy {name} inside the display"), [piece]));
         }
         story.chart = strip::schedule(trace);
         story.happenings = happenings(trace).iter().map(to_the_line).collect();

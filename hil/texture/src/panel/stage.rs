@@ -13,11 +13,13 @@ use palpate_emulators::person::panel::{ScaleEnds, Sensation, apart_s, step_s};
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::WornDisplay;
 
-use palpate_files::Setup;
+use palpate_files::{Setup, load_person};
 use palpate_run::Failure;
 use palpate_run::display_end::emulated;
 use palpate_run::plan;
 
+/// Whose skin the panel has: at the drive that eight wires at once may have, the typical person feels no texture.
+const PERSON: &str = "sensitive";
 /// How long a texture is shown: a stroke of 2 s less the second of its first window, as in the loop.
 pub const SHOWN: Duration = Duration::from_millis(1000);
 /// How long the ends of the scales are shown.
@@ -111,8 +113,8 @@ impl<'a> Stage<'a> {
         let gaps = along(&places, plan.display.gap());
         let mut display = emulated(setup, plan.display.wires())?;
         display.keep_flows();
-        let person = plan::person(&setup.person.value);
-        let impossible = |e| Failure::Input(format!("person `{}`: {e}", setup.person.value.name));
+        let person = plan::person(&load_person(PERSON)?.value);
+        let impossible = |e| Failure::Input(format!("person `{PERSON}`: {e}"));
         display.worn_by(person).map_err(impossible)?;
         let boards = plan::boards(&setup.bench.value);
         let mut bank = Banks::new([(display.bus(), &*boards)], prescale);

@@ -252,7 +252,7 @@ fn trade_off(found: &mut Findings, person: Person, drive: Milliamps) -> Result<(
     };
     found.figures.push(plot.figure(
         "trade-off",
-        "Two perceivers, one law",
+        "Two centroids, one law",
         "Thimble, four sphere paths, published drive. No exponent is best by both centroids; the default is where they \
          differ little.",
     ));
