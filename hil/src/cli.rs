@@ -182,25 +182,6 @@ pub enum Command {
     Guardian(GuardianArgs),
 }
 
-impl Command {
-    /// Whether it says nothing while it works.
-    pub fn is_quiet(&self) -> bool {
-        match self {
-            // A live view has the terminal.
-            Self::Run(args) => args.voice.quiet || args.watch,
-            Self::Sweep(args) => args.voice.quiet,
-            Self::Compare(args) => args.voice.quiet,
-            Self::Design(args) => args.voice.quiet,
-            Self::Test(args) => args.voice.quiet,
-            Self::Record(args) => args.voice.quiet,
-            Self::Replay(args) => args.voice.quiet,
-            Self::Contacts(args) => args.quiet,
-            Self::Diff(args) => args.quiet,
-            _ => false,
-        }
-    }
-}
-
 /// The bench of a command, and the seed.
 #[derive(Debug, Default, Args)]
 pub struct Buses {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Voice, whole};
+use super::{Command, Voice, whole};
 
 /// Seeds, in the order in which they run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -105,4 +105,23 @@ pub struct CompareArgs {
     /// How much it says.
     #[command(flatten)]
     pub voice: Voice,
+}
+
+impl Command {
+    /// Whether it says nothing while it works.
+    pub fn is_quiet(&self) -> bool {
+        match self {
+            // A live view has the terminal.
+            Self::Run(args) => args.voice.quiet || args.watch,
+            Self::Sweep(args) => args.voice.quiet,
+            Self::Design(args) => args.voice.quiet,
+            Self::Compare(args) => args.voice.quiet,
+            Self::Test(args) => args.voice.quiet,
+            Self::Record(args) => args.voice.quiet,
+            Self::Replay(args) => args.voice.quiet,
+            Self::Contacts(args) => args.quiet,
+            Self::Diff(args) => args.quiet,
+            _ => false,
+        }
+    }
 }
