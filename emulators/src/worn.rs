@@ -12,11 +12,12 @@ use crate::display::i2c::{BusClock, Error as I2cError, I2cHandle, I2cSegment};
 use crate::display::pca9685::{Config, Edge, Oscillator, Pca9685, Pin};
 use crate::display::solver::record::Peaks;
 use crate::display::wire::Wire;
-use crate::person::perceiver::{Felt, Perceiver, PerceiverParameters, Vibration};
+use crate::display::wire::lift::um_per_kelvin;
+use crate::person::channels::{Felt, Perceiver, Person};
 use crate::time::Nanos;
 
 /// Tissue temperature from which everything starts, degrees C.
-const START_C: f64 = 33.0;
+pub const START_C: f64 = 33.0;
 
 /// Where a wire is and what drives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,8 +45,6 @@ pub struct DisplayConfig {
     pub wire: WireParameters,
     /// The finger's.
     pub tissue: TissueParameters,
-    /// The person's.
-    pub perceiver: PerceiverParameters,
     /// I2C clock.
     pub clock: BusClock,
 }
@@ -124,7 +123,8 @@ pub struct WornDisplay {
     places: Vec<WirePlace>,
     parameters: WireParameters,
     wires: Vec<Wire>,
-    perceiver: Perceiver,
+    /// Who wears it.
+    perceiver: Option<Perceiver>,
     now: Nanos,
     /// Edges of one step, in the order of time: the same memory for every step.
     pending: Vec<(usize, Edge)>,
@@ -171,7 +171,7 @@ impl WornDisplay {
             wires: config.wires.iter().map(wire).collect::<Result<_, _>>()?,
             places: config.wires.clone(),
             parameters: config.wire,
-            perceiver: Perceiver::new(config.perceiver),
+            perceiver: None,
             now: Nanos::ZERO,
             pending: Vec::new(),
             rising: Vec::new(),
@@ -278,6 +278,11 @@ impl WornDisplay {
             self.flowing[wire].0 = since.max(self.now);
             self.keep(wire, since, self.now, watts);
         }
+        self.ended_flows()
+    }
+
+    /// The stretches of current that have ended since they are kept or were last taken.
+    pub fn ended_flows(&mut self) -> Vec<Flow> {
         self.flows.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
@@ -350,22 +355,45 @@ impl WornDisplay {
         self.wires.get_mut(wire).map(|w| w.tissue(now).0)
     }
 
-    /// What a person meets of the bursts that began at or after `since`: every wire that had one.
-    pub fn vibrations(&self, since: Nanos) -> Vec<Vibration> {
-        let met = |(wire, place): (&Wire, &WirePlace)| {
-            let burst = wire.burst().filter(|b| b.start >= since)?;
-            Some(Vibration {
-                position_mm: (f64::from(place.at.x), f64::from(place.at.y)),
-                amplitude_um: self.perceiver.amplitude_of_burst(&self.parameters, &burst),
-            })
-        };
-        let wires = self.wires.iter().zip(&self.places);
-        wires.filter_map(met).collect()
+    /// A person puts the display on, now: wires are felt from here on. Until the next [`WornDisplay::settle`] every stretch
+    /// of their motion is kept.
+    ///
+    /// # Errors
+    /// A parameter of the person that cannot be, by name.
+    pub fn worn_by(&mut self, person: Person) -> Result<(), ParameterError> {
+        let place = |place: &WirePlace| (f64::from(place.at.x), f64::from(place.at.y));
+        let places: Vec<_> = self.places.iter().map(place).collect();
+        self.perceiver = Some(Perceiver::new(person, &places)?);
+        let um_per_k = um_per_kelvin(&self.parameters);
+        for wire in &mut self.wires {
+            wire.keep_stretches(um_per_k);
+        }
+        Ok(())
     }
 
-    /// Where a person feels them; `None` is a break: no wire above threshold.
-    pub fn feel(&self, since: Nanos) -> Option<Felt> {
-        self.perceiver.feel(&self.vibrations(since))
+    /// Sums up what was felt until now.
+    pub fn settle(&mut self) {
+        let Some(perceiver) = &mut self.perceiver else {
+            return;
+        };
+        for (index, wire) in self.wires.iter_mut().enumerate() {
+            wire.take_stretches(self.now, |stretch| perceiver.pass(index, stretch));
+        }
+        perceiver.settle();
+    }
+
+    /// What a person met since the last onset, felt or not, and begins the next one. `None` where no wire moved or no person
+    /// wears the display.
+    pub fn onset(&mut self) -> Option<Felt> {
+        self.settle();
+        let count = self.wires.len() as f64;
+        // Receptors lie below the dead layer of 0.3 mm.
+        let deep = |wire: &mut Wire| wire.tissue(self.now).1;
+        let skin_c = self.wires.iter_mut().map(deep).sum::<f64>() / count;
+        let perceiver = self.perceiver.as_mut()?;
+        let felt = perceiver.felt(skin_c);
+        perceiver.onset();
+        felt
     }
 
     /// What the run came to until now.

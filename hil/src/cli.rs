@@ -2,6 +2,7 @@
 
 mod compare;
 mod files;
+mod sweep;
 mod texture;
 
 use std::io::IsTerminal;
@@ -17,6 +18,7 @@ use palpate_buses::guardian::{parse_bus, parse_line};
 use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::Axes;
 use palpate_files::TimeColumn;
+pub use sweep::{Seeds, SweepArgs};
 pub use texture::{
     EncodeArgs, ExportArgs, MapArgs, PanelArgs, StrokesArgs, TextureAction, TrainArgs,
 };
@@ -143,6 +145,9 @@ pub enum Command {
     /// Run every scene with expectations as a trial on a bench (default: emulated). Exits with 1 if one
     /// fails.
     Test(TestArgs),
+    /// Run a scene over a grid of values and seeds on all cores: one table with a row per run. Goes on with a table
+    /// that is there.
+    Sweep(SweepArgs),
     /// List what there is, a line each: scenes, benches, layouts, wires, illusions, built in and in this folder.
     List(ListArgs),
     /// Write a commented file of what differs from the defaults.
@@ -167,6 +172,23 @@ pub enum Command {
     /// The process that switches off when a run dies (internal; `hil run` starts it).
     #[command(hide = true)]
     Guardian(GuardianArgs),
+}
+
+impl Command {
+    /// Whether it says nothing while it works.
+    pub fn is_quiet(&self) -> bool {
+        match self {
+            // A live view has the terminal.
+            Self::Run(args) => args.voice.quiet || args.watch,
+            Self::Sweep(args) => args.voice.quiet,
+            Self::Test(args) => args.voice.quiet,
+            Self::Record(args) => args.voice.quiet,
+            Self::Replay(args) => args.voice.quiet,
+            Self::Contacts(args) => args.quiet,
+            Self::Diff(args) => args.quiet,
+            _ => false,
+        }
+    }
 }
 
 /// The bench of a command, and the seed.

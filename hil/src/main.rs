@@ -5,10 +5,13 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use palpate_hil::cli::{Buses, Cli, Color, Command, RunArgs};
-use palpate_hil::command;
+use palpate_hil::{command, progress};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    if !cli.command.as_ref().is_some_and(Command::is_quiet) {
+        progress::allow();
+    }
     let result = match cli.command {
         None => {
             let on = Buses {
@@ -37,6 +40,7 @@ fn main() -> ExitCode {
         Some(Command::Export(kind)) => command::export(&kind),
         Some(Command::Completions(args)) => command::completions(&args),
         Some(Command::Man(args)) => command::man(&args),
+        Some(Command::Sweep(args)) => command::sweep(&args, cli.color),
         Some(Command::Test(args)) => command::test(&args, cli.color),
         Some(Command::Review(args)) => command::review(&args, cli.color),
     };

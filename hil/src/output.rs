@@ -6,10 +6,14 @@ use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 use palpate_files::{Format, open};
+use palpate_records::runs::RunTable;
 use palpate_records::table_schema::contacts_schema;
 use palpate_records::trace::Header;
 
 use palpate_run::Failure;
+
+use crate::ending::Partial;
+use crate::progress::aside;
 
 /// What outputs of a command may replace: nothing that was there, but earlier outputs of their kind.
 #[derive(Clone, Copy, Debug)]
@@ -29,18 +33,27 @@ fn is_ours(start: &[u8], format: Format) -> bool {
     match format {
         Format::Contacts | Format::Schedule | Format::Golden | Format::Candump => true,
         Format::Junit => text.contains("name=\"hil\""),
-        Format::Json => text.contains("\"source\"") || text.contains("\"$schema\""),
+        Format::Json => {
+            text.contains("\"source\"") || text.contains("\"$schema\"") || RunTable::is_one(&text)
+        }
         Format::Svg => text.contains("var(--card)"),
         Format::Csv => {
             text.starts_with("time_us,txl1_")
                 || text.starts_with("txl1_x,")
                 || text.starts_with("label,trained,")
+                || RunTable::is_one(&text)
         }
         _ => text.contains("palpate"),
     }
 }
 
 impl Outputs<'_> {
+    /// Of a command that reads nothing and forces nothing.
+    pub const NEW: Outputs<'static> = Outputs {
+        force: false,
+        inputs: &[],
+    };
+
     /// Whether a file of this format may be written: to be asked before the work is done, too.
     ///
     /// # Errors
@@ -92,6 +105,18 @@ impl Outputs<'_> {
         write_file(path, content)
     }
 
+    /// Opens a file that grows while what it records goes on, where nothing else is lost.
+    ///
+    /// # Errors
+    /// As [`Outputs::check`], and [`Failure::Write`] with what the system said.
+    pub fn grow(self, path: &Path, format: Format) -> Result<fs::File, Failure> {
+        self.check(path, format)?;
+        fs::File::create(path).map_err(|error| Failure::Write {
+            path: path.display().to_string(),
+            error,
+        })
+    }
+
     /// Whether a table of contacts and the schema beside it may be written.
     ///
     /// # Errors
@@ -103,7 +128,7 @@ impl Outputs<'_> {
 }
 
 /// Writes a file through a neighbour of it that is renamed at the end, so that an error or a full disk
-/// leaves nothing half-written behind. What is no ordinary file (a pipe, `/dev/stdout`) is written as it
+/// or a signal leaves nothing half-written behind. What is no ordinary file (a pipe, `/dev/stdout`) is written as it
 /// stands: a rename would put a file in a device's place. A link keeps pointing where it points.
 ///
 /// # Errors
@@ -139,20 +164,15 @@ pub fn write_file(
         .unwrap_or_default();
     // Two runs at once may write the same file: each has its own neighbour.
     let partial = whole.with_file_name(format!(".{name}.{}.partial", std::process::id()));
-    let written = fs::File::create(&partial).and_then(|file| {
+    let written = Partial::create(&partial).and_then(|(partial, file)| {
         let mut out = io::BufWriter::new(file);
         content(&mut out)?;
         out.into_inner()
             .map_err(io::IntoInnerError::into_error)?
-            .sync_all()
+            .sync_all()?;
+        partial.finish(&whole)
     });
-    written
-        .and_then(|()| fs::rename(&partial, &whole))
-        .map_err(|error| {
-            // Best effort: the error to tell is the first one.
-            let _ = fs::remove_file(&partial);
-            failed(error)
-        })
+    written.map_err(failed)
 }
 
 /// Whether a path is or will be an ordinary file, which can have others beside it.
@@ -194,7 +214,7 @@ pub fn make_folder(path: &Path) -> Result<(), Failure> {
 
 /// A remark on standard error; nobody may be reading it.
 pub fn note(text: &str) {
-    let _ = writeln!(io::stderr(), "note: {text}");
+    let _ = aside(|| writeln!(io::stderr(), "note: {text}"));
 }
 
 /// Writes to standard output. A reader that has gone away (`hil ... | head`) is no error.
@@ -202,8 +222,11 @@ pub fn note(text: &str) {
 /// # Errors
 /// [`Failure::Write`] for anything else, such as a full disk behind a redirection.
 pub fn print(content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
-    let mut out = io::BufWriter::new(io::stdout().lock());
-    match content(&mut out).and_then(|()| out.flush()) {
+    let written = aside(|| {
+        let mut out = io::BufWriter::new(io::stdout().lock());
+        content(&mut out).and_then(|()| out.flush())
+    });
+    match written {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::Write {
             path: "standard output".into(),
             error,

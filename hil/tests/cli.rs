@@ -27,6 +27,8 @@ mod review;
 mod run;
 #[path = "cli/shell.rs"]
 mod shell;
+#[path = "cli/sweep.rs"]
+mod sweep;
 #[path = "cli/test.rs"]
 mod test;
 #[path = "cli/texture.rs"]

@@ -309,7 +309,7 @@ fn the_default_holds_where_the_thesis_breaks() {
     let mut broken = 0;
     for scene in PATHS {
         let path = path_on(scene, &thimble).unwrap();
-        let (mine, published) = (ours.score(&path), theirs.score(&path));
+        let (mine, published) = (ours.score(&path).unwrap(), theirs.score(&path).unwrap());
         assert!(
             mine.energy_db.0 > -1.0 && mine.energy_db.1 < 1.0,
             "{scene}: {:?}",

@@ -241,9 +241,9 @@ fn tables_that_are_none_are_refused() {
             "reference rows, found 9",
         ),
     ] {
-        let failure = run(&setup, &Input::Rows(tables), 1).unwrap_err();
+        let failure = run(&setup, &Input::tables(tables), 1).unwrap_err();
         assert!(failure.to_string().contains(expected), "{failure}");
     }
-    let good = Input::Rows(vec![table(up(), 80 * 48, 48)]);
+    let good = Input::tables(vec![table(up(), 80 * 48, 48)]);
     assert!(run(&setup, &good, 1).unwrap().failure.is_none());
 }

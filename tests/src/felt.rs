@@ -9,11 +9,13 @@ use palpate_core::illusion::{
 use palpate_core::physics::WireParameters;
 use palpate_core::projector::sensor_area;
 use palpate_core::units::{Milliamps, Point, Prescale, Ticks};
-use palpate_emulators::person::perceiver::{Perceiver, Vibration};
+use palpate_emulators::display::wire::lift::um_per_kelvin;
+use palpate_emulators::person::channels::{Kick, Perceiver, Person};
+use palpate_emulators::worn::START_C;
 use palpate_records::felt::{FeltOnset, FeltScore, scores};
 use palpate_records::trace::{FeltAt, PlaceUm};
 
-use palpate_files::{Setup, load_bench, load_perceiver};
+use palpate_files::{Setup, load_bench, load_person};
 use palpate_run::Failure;
 use palpate_run::plan;
 
@@ -25,7 +27,9 @@ const DRIVE: Drive = Drive {
     steps: Steps::Even,
 };
 /// Pulses of a burst of 35 ms.
-const PULSES: u32 = 7;
+const PULSES: u8 = 7;
+/// The chip's clock divider in a run.
+const PRESCALE: Prescale = Prescale::new(30);
 /// Time between onsets, microseconds.
 pub const SOA_US: u64 = 58_500;
 /// A contact this close to the display's hull counts as inside it, mm.
@@ -36,7 +40,7 @@ const HULL_MARGIN: f32 = 1e-3;
 pub struct Worn {
     display: Display,
     law: Box<dyn Illusion>,
-    perceiver: Perceiver,
+    person: Person,
     /// Displacement a tick of pulse width gives, um.
     um_per_tick: f64,
     activation: Vec<f32>,
@@ -59,19 +63,19 @@ impl Worn {
     pub fn new(
         display: &Display,
         settings: &ModelSettings,
-        perceiver: Perceiver,
+        person: Person,
         current: Milliamps,
     ) -> Result<Self, IllusionError> {
         let wire = WireParameters::FINAL;
         let amps = f64::from(current.0) * 1e-3;
-        let tick_s = Prescale::new(30).tick_ns() as f64 * 1e-9;
+        let tick_s = PRESCALE.tick_ns() as f64 * 1e-9;
         let joules = amps * amps * wire.resistance_ohm * tick_s * wire.wire_share;
         Ok(Self {
             law: build(display, settings)?,
             activation: vec![0.0; display.wires().len()],
             display: display.clone(),
-            um_per_tick: perceiver.amplitude_of_pulses(&wire, joules, PULSES),
-            perceiver,
+            um_per_tick: joules / wire.heat_capacity() * um_per_kelvin(&wire),
+            person,
         })
     }
 
@@ -81,41 +85,63 @@ impl Worn {
         &self.activation
     }
 
-    /// Where a contact is felt when each wire touches the skin by `touch(wire)`.
-    pub fn feel(&mut self, at: Point, touch: impl Fn(usize) -> f64) -> Option<FeltAt> {
+    /// Lets a person meet the stimulus of a contact, each wire touching the skin by `touch(wire)`: the same pulses on every
+    /// wire, of which only the energy is known, so the tissue is lifted by each at once and sinks back.
+    fn meet(&mut self, perceiver: &mut Perceiver, at: Point, touch: impl Fn(usize) -> f64) {
         self.law.activate(at, &mut self.activation);
-        let wires = self.display.wires().iter().zip(&self.activation);
-        let vibrations: Vec<Vibration> = wires
-            .enumerate()
-            .map(|(index, (wire, &a))| Vibration {
-                position_mm: (f64::from(wire.place.x), f64::from(wire.place.y)),
-                amplitude_um: touch(index) * self.um_per_tick * f64::from(DRIVE.width(a).get()),
-            })
-            .collect();
-        let place = |(x, y): (f64, f64)| PlaceUm::from(Point::new(x as f32, y as f32));
-        self.perceiver.feel(&vibrations).map(|felt| FeltAt {
-            energy: place(felt.energy_mm),
-            amplitude: place(felt.amplitude_mm),
-        })
+        let period_s = PRESCALE.period_ns() as f64 * 1e-9;
+        for (wire, &a) in self.activation.iter().enumerate() {
+            let um = touch(wire) * self.um_per_tick * f64::from(DRIVE.width(a).get());
+            let kick = |n: u8| Kick {
+                at_s: f64::from(n) * period_s,
+                um,
+            };
+            let kicks: Vec<Kick> = (0..PULSES).map(kick).collect();
+            perceiver.kicks(wire, &kicks, SOA_US as f64 * 1e-6);
+        }
+        perceiver.settle();
     }
 
-    /// The onsets of a path.
-    pub fn follow(&mut self, path: &[Point], touch: impl Fn(usize, f64) -> f64) -> Vec<FeltOnset> {
-        let onset = |(k, &at): (u64, &Point)| {
+    /// The onsets of a path, which a person begins to feel at rest.
+    ///
+    /// # Errors
+    /// A person that cannot be, by the name of what is wrong.
+    pub fn follow(
+        &mut self,
+        path: &[Point],
+        touch: impl Fn(usize, f64) -> f64,
+    ) -> Result<Vec<FeltOnset>, Failure> {
+        let wires = self.display.wires().iter();
+        let places: Vec<_> = wires
+            .map(|w| (f64::from(w.place.x), f64::from(w.place.y)))
+            .collect();
+        let mut perceiver =
+            Perceiver::new(self.person, &places).map_err(|e| Failure::Input(e.to_string()))?;
+        let place = |(x, y): (f64, f64)| PlaceUm::from(Point::new(x as f32, y as f32));
+        let mut onset = |(k, &at): (u64, &Point)| {
             let t_us = k * SOA_US;
+            perceiver.onset();
+            self.meet(&mut perceiver, at, |wire| touch(wire, t_us as f64 * 1e-6));
+            let met = perceiver.felt(START_C).filter(|met| met.levels.felt());
             FeltOnset {
                 t_us,
                 target: PlaceUm::from(at),
                 inside: self.display.contains(at, HULL_MARGIN),
-                felt: self.feel(at, |wire| touch(wire, t_us as f64 * 1e-6)),
+                felt: met.map(|met| FeltAt {
+                    energy: place(met.energy_mm),
+                    amplitude: place(met.amplitude_mm),
+                }),
             }
         };
-        (0..).zip(path).map(onset).collect()
+        Ok((0..).zip(path).map(&mut onset).collect())
     }
 
     /// The score of a path with even contact.
-    pub fn score(&mut self, path: &[Point]) -> PathScore {
-        let onsets = self.follow(path, |_, _| 1.0);
+    ///
+    /// # Errors
+    /// As [`Worn::follow`].
+    pub fn score(&mut self, path: &[Point]) -> Result<PathScore, Failure> {
+        let onsets = self.follow(path, |_, _| 1.0)?;
         let wires: Vec<PlaceUm> = self
             .display
             .wires()
@@ -132,10 +158,10 @@ impl Worn {
             let db = 10.0 * energy.max(1e-6).log10();
             (least, most) = (least.min(db), most.max(db));
         }
-        PathScore {
+        Ok(PathScore {
             felt: scores(&onsets, &wires, SOA_US),
             energy_db: (least, most),
-        }
+        })
     }
 }
 
@@ -169,14 +195,12 @@ pub fn path_on(scene: &str, display: &Display) -> Result<Vec<Point>, Failure> {
     Ok((0..onsets).filter_map(at).collect())
 }
 
-/// The person of the fitted file.
+/// The person of every headline.
 ///
 /// # Errors
 /// [`Failure`] where the file cannot be read.
-pub fn person() -> Result<Perceiver, Failure> {
-    Ok(Perceiver::new(plan::perceiver(
-        &load_perceiver("fitted")?.value,
-    )))
+pub fn person() -> Result<Person, Failure> {
+    Ok(plan::person(&load_person("typical")?.value))
 }
 
 /// The current of a shipped bench.

@@ -24,8 +24,9 @@ const ON_CIRCLE: f64 = 1e-4;
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Corner {
     wire: u16,
-    edge: [f32; 3],
-    factor: f32,
+    // In f64: in a thin cell the rounding of f32 is as large as the heights, and neighbours of a touched wire get a share.
+    edge: [f64; 3],
+    factor: f64,
 }
 
 /// The tessellation of a display.
@@ -108,8 +109,8 @@ impl Cells {
                 let factor = cross(before, here, after) / (apart(before, here) * length);
                 corners.push(Corner {
                     wire: wire as u16, // a display has at most 256 wires
-                    edge: [normal.0, normal.1, offset].map(|v| (v / radius) as f32),
-                    factor: factor as f32,
+                    edge: [normal.0, normal.1, offset].map(|v| v / radius),
+                    factor,
                 });
             }
             starts.push(corners.len() as u32);
@@ -124,13 +125,13 @@ impl Cells {
 
     /// The cell in which a place lies, or lies the least outside of.
     fn find(&self, at: Point) -> &[Corner] {
-        let mut best = (f32::NEG_INFINITY, 0);
+        let mut best = (f64::NEG_INFINITY, 0);
         for index in 0..self.starts.len() - 1 {
             let inner = self
                 .cell(index)
                 .iter()
                 .map(|c| c.height(at))
-                .fold(f32::INFINITY, f32::min);
+                .fold(f64::INFINITY, f64::min);
             if inner >= 0.0 {
                 return self.cell(index);
             }
@@ -177,8 +178,8 @@ impl Cells {
                     share *= other.height(at).max(0.0);
                 }
             }
-            out[usize::from(corner.wire)] = share;
-            sum += share;
+            out[usize::from(corner.wire)] = share as f32;
+            sum += share as f32;
         }
         let least = NONE * sum;
         let wires = || cell.iter().map(|c| usize::from(c.wire));
@@ -243,7 +244,7 @@ impl Cells {
                 let cell = self.cell(index);
                 for (i, corner) in cell.iter().enumerate() {
                     let (h0, h1) = (corner.height(from), corner.height(to));
-                    let part = h0 / (h0 - h1);
+                    let part = (h0 / (h0 - h1)) as f32;
                     let at = Point::new(
                         from.x + part * (to.x - from.x),
                         from.y + part * (to.y - from.y),
@@ -265,8 +266,8 @@ impl Cells {
 }
 
 impl Corner {
-    fn height(&self, at: Point) -> f32 {
-        self.edge[0] * at.x + self.edge[1] * at.y + self.edge[2]
+    fn height(&self, at: Point) -> f64 {
+        self.edge[0] * f64::from(at.x) + self.edge[1] * f64::from(at.y) + self.edge[2]
     }
 }
 

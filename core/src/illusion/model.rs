@@ -79,7 +79,7 @@ impl IllusionModel {
     }
 }
 
-/// Exponent of the balanced law: where both perceivers are off by about as much (`docs/illusion.md` has
+/// Exponent of the balanced law: where both centroids are off by about as much (`docs/illusion.md` has
 /// the curve).
 const BALANCED: f32 = 0.65;
 

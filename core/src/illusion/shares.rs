@@ -2,7 +2,7 @@
 //!
 //! With the exponent 1/2 the energy centroid of the wires is the contact (Israr and Poupyrev's energy law,
 //! in two dimensions), with 1 their amplitude centroid is (the linear law). Between the two lies the
-//! balanced law: no exponent satisfies both perceivers, so it is wrong by about as little for either.
+//! balanced law: no exponent satisfies both centroids, so it is wrong by about as little for either.
 
 use crate::units::Point;
 

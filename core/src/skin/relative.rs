@@ -225,6 +225,11 @@ impl RelativeFrame {
     pub fn axis(&self, axis: usize) -> &[f32] {
         self.axes.get(axis).map_or(&[], Vec::as_slice)
     }
+    /// The raw counts along x, y, z that it was made from; zeros where it was not made from any.
+    pub fn counts(&self) -> &[[u16; 3]] {
+        &self.counts
+    }
+
     /// Euclidean norm over the chosen axes, counts.
     pub fn magnitude(&self) -> &[f32] {
         &self.magnitude

@@ -6,7 +6,7 @@
 //! - Under the bare finger a surface is felt as the table of textures says it is rated.
 //! - On the display, roughness is coarseness: how far apart a wire's pulses are. Friction is slowness: how long what is
 //!   felt takes from wire to wire, which the thesis calls a mere surrogate. Both are heard as logarithms, with an error
-//!   of a Weber fraction, and only where the pulses are felt at all ([`crate::person::receptors`]). Hardness is not there to be
+//!   of a Weber fraction, and only where the pulses are felt at all ([`crate::person::channels`]). Hardness is not there to be
 //!   felt: the panel does not rate it, as in the thesis.
 //! - A display's roughness and friction colour each other.
 //! - Each person has a bias of their own in each dimension and a slip from trial to trial: small within a person, large
@@ -14,7 +14,7 @@
 
 use palpate_core::random::RandomStream;
 
-use crate::person::receptors::Kick;
+use crate::person::channels::Kick;
 
 /// What is rated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,13 +6,17 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
-use signal_hook::flag;
+use signal_hook::{SigId, flag, low_level};
+
+/// How many wait for signals.
+static WAITING: AtomicUsize = AtomicUsize::new(0);
 
 /// The wish to end.
 #[derive(Debug)]
 pub struct Signals {
     caught: Arc<AtomicUsize>,
     drill: Arc<AtomicBool>,
+    registered: Vec<SigId>,
 }
 
 impl Signals {
@@ -23,17 +27,30 @@ impl Signals {
     pub fn catch() -> io::Result<Self> {
         let caught = Arc::new(AtomicUsize::new(0));
         let again = Arc::new(AtomicBool::new(false));
+        let mut registered = Vec::new();
+        WAITING.fetch_add(1, Ordering::Relaxed);
         for signal in [SIGINT, SIGTERM, SIGHUP] {
             // In this order: the first signal finds `again` unset, sets it, and is noted.
-            flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&again))?;
-            flag::register(signal, Arc::clone(&again))?;
-            flag::register_usize(signal, Arc::clone(&caught), signal as usize)?;
+            let now = flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&again));
+            registered.push(now?);
+            registered.push(flag::register(signal, Arc::clone(&again))?);
+            let caught = Arc::clone(&caught);
+            registered.push(flag::register_usize(signal, caught, signal as usize)?);
         }
         let drill = Arc::new(AtomicBool::new(false));
         if std::env::var_os("PALPATE_DRILL").is_some() {
             flag::register(SIGUSR1, Arc::clone(&drill))?;
         }
-        Ok(Self { caught, drill })
+        Ok(Self {
+            caught,
+            drill,
+            registered,
+        })
+    }
+
+    /// Whether signals are caught somewhere in the program: then they end what runs there, not the program.
+    pub fn are_caught() -> bool {
+        WAITING.load(Ordering::Relaxed) > 0
     }
 
     /// A drill: with `PALPATE_DRILL` in the environment SIGUSR1 asks for a panic of the loop, so that it can be
@@ -50,5 +67,15 @@ impl Signals {
             SIGHUP => Some("SIGHUP"),
             _ => None,
         }
+    }
+}
+
+/// What is over waits for no signal; the next one is for what comes after it.
+impl Drop for Signals {
+    fn drop(&mut self) {
+        for id in self.registered.drain(..) {
+            low_level::unregister(id);
+        }
+        WAITING.fetch_sub(1, Ordering::Relaxed);
     }
 }

@@ -11,11 +11,11 @@ use super::activation::ActivationFile;
 use super::bench::Bench;
 use super::change::Change;
 use super::error::FileError;
-use super::illusion::{PerceiverFile, Wearer};
 use super::layout::LayoutFile;
 use super::limits::LimitTable;
 use super::loaded::Loaded;
 use super::near::{nearest, quoted_words};
+use super::person::{PersonFile, Wearer};
 use super::placeholder;
 use super::resolve::FileKind;
 use super::scene::Scene;
@@ -163,7 +163,7 @@ impl Mended {
             FileKind::Bench => self.bench(),
             FileKind::Layout => self.read(|s| LayoutFile::read(s).map(drop)),
             FileKind::Limits => self.read(|s| LimitTable::read(s).map(drop)),
-            FileKind::Perceiver => self.read(|s| PerceiverFile::read(s).map(drop)),
+            FileKind::Person => self.read(|s| PersonFile::read(s).map(drop)),
             FileKind::Wearer => self.read(|s| Wearer::read(s).map(drop)),
             FileKind::Wire => self.read(|s| WireFile::read(s).map(drop)),
             FileKind::Alloy => self.read(|s| AlloyFile::read(s).map(drop)),
@@ -185,7 +185,7 @@ impl Mended {
             let modules = setup::sensor_of(&scene).map_or(usize::MAX, |l| l.value.modules.len());
             setup::texture_of(&scene, modules).map(drop)
         });
-        self.read(|s| setup::person_of(&of(s)?).map(drop));
+        self.read(|s| setup::people_of(&of(s)?).map(drop));
     }
 
     fn bench(&mut self) {

@@ -1,5 +1,4 @@
-//! A scene's illusion: which law, how contacts share wires, how strong, when; and the two files about the
-//! person: the perceiver of the emulation, the calibration of a wearer.
+//! A scene's illusion: which law, how contacts share wires, how strong, when, for whom.
 
 use palpate_core::illusion::{Distances, IllusionModel, Sharing, TimingLaw};
 use palpate_core::units::Duration;
@@ -48,8 +47,8 @@ pub struct Illusion {
     pub intensity_floor: f64,
     /// Weber fraction by which levels differ, from the top down to the floor; left out: evenly spaced.
     pub weber: Option<f64>,
-    /// The emulated person, a built-in name or a file.
-    pub perceiver: String,
+    /// The emulated person who feels it, a built-in name or a file.
+    pub person: String,
     /// The wearer's calibration, a built-in name or a file; left out: every wire as it comes.
     pub wearer: Option<String>,
 }
@@ -71,7 +70,7 @@ impl Default for Illusion {
             intensity: true,
             intensity_floor: 0.85,
             weber: None,
-            perceiver: "fitted".into(),
+            person: "typical".into(),
             wearer: None,
         }
     }
@@ -171,96 +170,5 @@ impl SceneStroke {
             }
         }
         Ok(())
-    }
-}
-
-/// The emulated person: what a wire's ripple becomes on the skin, and what of it is felt.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct PerceiverFile {
-    /// Lower case with hyphens.
-    pub name: String,
-    /// What it is, in a sentence.
-    pub description: String,
-    /// Which values are fitted or assumed; reports flag it.
-    pub assumed: Option<String>,
-    /// Displacement of the skin per change of the wire's length, 1.
-    pub fitted_gain: f64,
-    /// Displacement that full drive of the published module gives, um: what the threshold is held against.
-    pub full_scale_um: f64,
-    /// Smallest displacement that is felt, um.
-    pub threshold_um: f64,
-    /// Expansion that turns ripple into strain, 1e-6/K.
-    pub expansion_ppm: f64,
-    /// Pulses after which a burst is felt as strongly as it will be.
-    pub full_pulses: u32,
-}
-
-impl PerceiverFile {
-    /// Reads and checks a perceiver.
-    ///
-    /// # Errors
-    /// Names the line and key of what cannot be.
-    pub fn read(source: &Source) -> Result<Self, FileError> {
-        let file: Self = source.read()?;
-        source.heading(&file.name, &file.description)?;
-        source.range("fitted_gain", file.fitted_gain, 1e-3..=1e6, "")?;
-        source.range("full_scale_um", file.full_scale_um, 1e-3..=1e4, "um")?;
-        source.range("expansion_ppm", file.expansion_ppm, 1e-3..=1e3, "1e-6/K")?;
-        source.range("full_pulses", file.full_pulses, 1..=1000, "")?;
-        if !(0.0..file.full_scale_um).contains(&file.threshold_um) {
-            let expected = format!("from 0 to below full scale, {} um", file.full_scale_um);
-            return Err(source.bad("threshold_um", expected));
-        }
-        Ok(file)
-    }
-}
-
-/// A wearer's calibration: one gain and one threshold a wire, in the display's order.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct Wearer {
-    /// Lower case with hyphens.
-    pub name: String,
-    /// Who, in a sentence.
-    pub description: String,
-    /// The part of full drive at which this wire feels as strong as the weakest one at full drive.
-    pub gain: Vec<f64>,
-    /// The part of full drive at which this person begins to feel the wire.
-    pub threshold: Vec<f64>,
-}
-
-impl Wearer {
-    /// Reads and checks a calibration by itself; [`crate::Setup`] checks it against the display.
-    ///
-    /// # Errors
-    /// Names the line and key of what cannot be.
-    pub fn read(source: &Source) -> Result<Self, FileError> {
-        let file: Self = source.read()?;
-        source.heading(&file.name, &file.description)?;
-        if file.threshold.len() != file.gain.len() {
-            let expected = format!("{} thresholds, one a gain", file.gain.len());
-            let found = file.threshold.len().to_string();
-            return Err(source.bad_found("threshold", expected, found));
-        }
-        for (wire, (&gain, &threshold)) in file.gain.iter().zip(&file.threshold).enumerate() {
-            source.range(&format!("gain[{wire}]"), gain, 0.01..=1.0, "of full scale")?;
-            if !(0.0..gain).contains(&threshold) {
-                let expected = format!("from 0 to below the wire's full scale, its gain of {gain}");
-                return Err(source.bad(&format!("threshold[{wire}]"), expected));
-            }
-        }
-        Ok(file)
-    }
-
-    /// Holds the calibration against a display of so many wires.
-    pub(super) fn fits(&self, source: &Source, wires: usize) -> Result<(), FileError> {
-        if self.gain.len() == wires {
-            return Ok(());
-        }
-        let expected = format!("{wires} gains, one a wire");
-        Err(source.bad_found("gain", expected, self.gain.len().to_string()))
     }
 }

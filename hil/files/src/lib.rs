@@ -24,6 +24,7 @@ mod module;
 mod mount;
 mod near;
 mod overrides;
+mod person;
 mod placeholder;
 mod play;
 mod quarantine;
@@ -57,17 +58,18 @@ pub use error::FileError;
 pub use fault::{Fault, FaultKind};
 pub use felt::{Felt, FeltBy};
 pub use format::Format;
-pub use illusion::{Illusion, PerceiverFile, SceneStroke, Wearer};
+pub use illusion::{Illusion, SceneStroke};
 pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
 pub use limits::LimitTable;
 pub use loaded::{
-    Loaded, load_activation, load_bench, load_layout, load_limits, load_perceiver, load_scene,
+    Loaded, load_activation, load_bench, load_layout, load_limits, load_person, load_scene,
     load_textures, load_wire,
 };
 pub use module::{Grid, ImageCell, Repeat, SkinModule, Taxel};
 pub use mount::{BenchMount, BenchTissue};
 pub use near::{did_you_mean, nearest};
 pub use overrides::Overrides;
+pub use person::{FeltChannel, PersonFile, Spread, Wearer};
 pub use play::PlayEntry;
 pub use quarantine::{Quarantine, Quarantined};
 pub use reading::{LONGEST_LINE, Lines, Text, format_of, is_stream, open, read_bytes, read_text};
@@ -82,7 +84,7 @@ pub use shelf::{Listed, built_in, illusions, of_folder};
 pub use source::Source;
 pub use texture::{Rated, TextureEntry, TextureTable};
 pub use texture_model::{Layer, Tensor, TextureModel, model_file, taxel};
-pub use times::{LONGEST_US, OutOfTime, TimeColumn, TimeUnit, Times};
+pub use times::{DISORDER_US, LONGEST_US, OutOfTime, TimeColumn, TimeUnit, Times};
 pub use touch::{Force, Path, PathKind, Touch, TouchPoint};
 pub use wire::{AlloyFile, Electrical, Mechanical, ThermalValues, WireFile};
 pub use words::{axes_named, norm, scope};

@@ -3,9 +3,9 @@
 use super::activation::ActivationFile;
 use super::bench::Bench;
 use super::error::FileError;
-use super::illusion::PerceiverFile;
 use super::layout::LayoutFile;
 use super::limits::LimitTable;
+use super::person::PersonFile;
 use super::resolve::{FileKind, resolve, resolve_from};
 use super::scene::Scene;
 use super::source::Source;
@@ -74,12 +74,12 @@ pub fn load_limits(name: &str) -> Result<Loaded<LimitTable>, FileError> {
     load(resolve(FileKind::Limits, name)?, LimitTable::read)
 }
 
-/// A perceiver by name or path.
+/// A person by name or path.
 ///
 /// # Errors
 /// An unknown name, or what cannot be in the file.
-pub fn load_perceiver(name: &str) -> Result<Loaded<PerceiverFile>, FileError> {
-    load(resolve(FileKind::Perceiver, name)?, PerceiverFile::read)
+pub fn load_person(name: &str) -> Result<Loaded<PersonFile>, FileError> {
+    load(resolve(FileKind::Person, name)?, PersonFile::read)
 }
 
 /// Reads an activation: a built-in name or a file.

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::limits::Limiting;
 use super::{
-    ActivationFile, AlloyFile, Bench, LayoutFile, PerceiverFile, Quarantine, Scene, TextureTable,
+    ActivationFile, AlloyFile, Bench, LayoutFile, PersonFile, Quarantine, Scene, TextureTable,
     Wearer, WireFile,
 };
 
@@ -28,7 +28,7 @@ fn shipped_schemas_are_current() {
         ("bench", schemars::schema_for!(Bench)),
         ("layout", schemars::schema_for!(LayoutFile)),
         ("limits", schemars::schema_for!(Limiting)),
-        ("perceiver", schemars::schema_for!(PerceiverFile)),
+        ("person", schemars::schema_for!(PersonFile)),
         ("quarantine", schemars::schema_for!(Quarantine)),
         ("scene", schemars::schema_for!(Scene)),
         ("textures", schemars::schema_for!(TextureTable)),

@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 use super::activation::ActivationFile;
 use super::bench::Bench;
 use super::error::FileError;
-use super::illusion::{PerceiverFile, Wearer};
 use super::layout::{DisplayLayout, LayoutFile, SensorLayout};
 use super::limits::LimitTable;
 use super::loaded::{Loaded, load_bench, load_scene};
 use super::near::did_you_mean;
+use super::person::{PersonFile, Wearer};
 use super::resolve::FileKind;
 use super::scene::Scene;
 use super::texture::{TextureEntry, TextureTable};
@@ -42,7 +42,7 @@ pub struct Setup {
     /// What they are made of.
     pub alloy: Loaded<AlloyFile>,
     /// The emulated person.
-    pub perceiver: Loaded<PerceiverFile>,
+    pub person: Loaded<PersonFile>,
     /// The wearer's calibration, if there is one.
     pub wearer: Option<Loaded<Wearer>>,
     /// The texture, if the scene has one.
@@ -70,7 +70,7 @@ impl Setup {
         let limits = limits_of(&bench)?;
         let (wire, alloy) = mounted_of(&bench)?;
         let texture = texture_of(&scene, sensor.value.modules.len())?;
-        let (perceiver, wearer) = person_of(&scene)?;
+        let (person, wearer) = people_of(&scene)?;
         let wires = display.value.wires_mm.len();
         if let Some(wearer) = &wearer {
             wearer.value.fits(&wearer.source, wires)?;
@@ -91,7 +91,7 @@ impl Setup {
             limits,
             wire,
             alloy,
-            perceiver,
+            person,
             wearer,
             texture,
         })
@@ -174,16 +174,16 @@ pub(super) fn texture_of(
 }
 
 /// The emulated person of a scene, and the calibration if it names one.
-pub(super) type Person = (Loaded<PerceiverFile>, Option<Loaded<Wearer>>);
+pub(super) type People = (Loaded<PersonFile>, Option<Loaded<Wearer>>);
 
-pub(super) fn person_of(scene: &Loaded<Scene>) -> Result<Person, FileError> {
+pub(super) fn people_of(scene: &Loaded<Scene>) -> Result<People, FileError> {
     let illusion = &scene.value.illusion;
-    let (read, key) = (PerceiverFile::read, "illusion.perceiver");
-    let perceiver = scene.refer(FileKind::Perceiver, read, &illusion.perceiver, key)?;
+    let (read, key) = (PersonFile::read, "illusion.person");
+    let person = scene.refer(FileKind::Person, read, &illusion.person, key)?;
     let wearer = illusion.wearer.as_ref();
     let wearer =
         wearer.map(|name| scene.refer(FileKind::Wearer, Wearer::read, name, "illusion.wearer"));
-    Ok((perceiver, wearer.transpose()?))
+    Ok((person, wearer.transpose()?))
 }
 
 /// The skin of a scene.

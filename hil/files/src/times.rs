@@ -7,7 +7,7 @@ pub const LONGEST_US: u64 = 86_400_000_000;
 /// Further apart, two rows are no longer one recording: the clock was set between them.
 const JUMP_US: u64 = 3_600_000_000;
 /// Frames of several buses may be this much out of order.
-const DISORDER_US: u64 = 1_000_000;
+pub const DISORDER_US: u64 = 1_000_000;
 /// Steps that tell what a column counts.
 const TELLING: usize = 16;
 /// A row per second and slower, by its numbers: they may be nanoseconds.

@@ -110,6 +110,8 @@ impl Sink {
             pre_scale,
             tau_d_us,
             soa_us,
+            person,
+            preset,
             illusion,
             kc,
             taxels,
@@ -128,6 +130,8 @@ impl Sink {
         self.u8(pre_scale.get());
         self.u64(*tau_d_us);
         self.u64(*soa_us);
+        self.text(person);
+        self.text(preset);
         self.text(illusion);
         self.u16(*kc);
         self.places(taxels.iter());
@@ -308,7 +312,9 @@ impl Sink {
                 target,
                 inside,
                 felt,
-                energy_permille,
+                level_mdb,
+                tap,
+                energy,
             } => {
                 self.u8(8);
                 self.u64(*t_us);
@@ -318,7 +324,11 @@ impl Sink {
                     hash.place(felt.energy);
                     hash.place(felt.amplitude);
                 });
-                self.u32(*energy_permille);
+                self.option(*level_mdb, Self::i32);
+                self.u8(u8::from(*tap));
+                for permille in [energy.requested, energy.applied, energy.felt] {
+                    self.u32(permille);
+                }
             }
             Event::Wire {
                 t_us,

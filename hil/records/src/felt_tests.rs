@@ -13,12 +13,18 @@ fn felt(t_us: u64, target: i32, felt: Option<(i32, i32)>) -> Event {
             energy: at(energy),
             amplitude: at(amplitude),
         }),
-        energy_permille: 500,
+        level_mdb: felt.map(|_| 3_000),
+        tap: t_us == 0,
+        energy: EnergyPermille {
+            requested: 500,
+            applied: 400,
+            felt: 900,
+        },
     }
 }
 
 #[test]
-fn both_perceivers_are_scored_apart() {
+fn both_centroids_are_scored_apart() {
     let mut trace = synthetic::empty();
     trace.events = vec![
         felt(0, 0, Some((3_000, 0))),
@@ -35,7 +41,12 @@ fn both_perceivers_are_scored_apart() {
     assert_eq!(energy.errors.unwrap().max_um, 5_000);
     // 0, 0, 0, 1 mm at the break (still felt at 2 mm), 5 mm.
     assert_eq!(amplitude.errors.unwrap().rmse_um, 2_280);
-    assert_eq!(energy_permille(&trace), Some((500, 500)));
+    let energies = energies(&trace).unwrap();
+    assert_eq!(energies[0], ("requested", (500, 500)));
+    assert_eq!(energies[2], ("felt", (900, 900)));
+    let level = felt_level(&trace).unwrap();
+    assert_eq!((level.median_mdb, level.p5_mdb), (3_000, -200_000));
+    assert_eq!(level.taps, 1);
     assert!((decibels(500) + 3.01).abs() < 0.01);
 }
 
@@ -43,5 +54,6 @@ fn both_perceivers_are_scored_apart() {
 fn nothing_felt_is_no_score() {
     let [energy, _] = felt_scores(&synthetic::empty());
     assert_eq!((energy.errors, energy.breaks, energy.jumps), (None, 0, 0));
-    assert_eq!(energy_permille(&synthetic::empty()), None);
+    assert_eq!(energies(&synthetic::empty()), None);
+    assert_eq!(felt_level(&synthetic::empty()), None);
 }

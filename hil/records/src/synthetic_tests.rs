@@ -2,7 +2,9 @@
 #![allow(clippy::cast_possible_truncation)]
 
 use crate::margin::{Limited, Margin};
-use crate::trace::{Event, FeltAt, Header, Ledger, PlaceUm, Source, Trace, WireInfo};
+use crate::trace::{
+    EnergyPermille, Event, FeltAt, Header, Ledger, PlaceUm, Source, Trace, WireInfo,
+};
 use palpate_core::schedule::{Entry, Reason};
 use palpate_core::units::{Board, Channel, Instant, Prescale, Ticks};
 
@@ -55,6 +57,8 @@ pub(crate) fn empty() -> Trace {
             pre_scale: Prescale::new(30),
             tau_d_us: TAU_US,
             soa_us: SOA_US,
+            person: "typical".to_owned(),
+            preset: "thin".to_owned(),
             illusion: "log".to_owned(),
             kc: 1,
             taxels,
@@ -154,7 +158,13 @@ fn felt(events: &mut Vec<Event>, t_us: u64) -> Vec<f64> {
             target: um(d.0, d.1),
             inside,
             felt,
-            energy_permille: (total * 1e3) as u32,
+            level_mdb: Some((20e3 * (strongest / 0.17).log10()) as i32),
+            tap: false,
+            energy: EnergyPermille {
+                requested: (total * 1e3) as u32,
+                applied: (total * 1e3) as u32,
+                felt: (total * 2e3) as u32,
+            },
         });
     }
     drive

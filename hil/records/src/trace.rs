@@ -7,7 +7,7 @@ use palpate_core::units::{Point, Prescale};
 use serde::Serialize;
 
 /// Version of the trace's meaning; grows when a field changes what it says.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
 /// Whether hardware took part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -39,13 +39,25 @@ impl From<Point> for PlaceUm {
     }
 }
 
-/// Where an onset is felt, by the two perceivers.
+/// Where an onset is felt, by the two centroids.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FeltAt {
     /// Mean of the wires' places weighted by energy.
     pub energy: PlaceUm,
     /// The same weighted by amplitude.
     pub amplitude: PlaceUm,
+}
+
+/// Energy of an onset in thousandths of one wire's at full drive for the same level.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct EnergyPermille {
+    /// By the widths that the illusion asked for.
+    pub requested: u32,
+    /// By the widths that the guard applied.
+    pub applied: u32,
+    /// By the wires' motion, as the filter of a person's skin lets it through; that of one wire alone and from rest is a
+    /// thousand.
+    pub felt: u32,
 }
 
 /// One wire of the display and the output that drives it.
@@ -80,6 +92,10 @@ pub struct Header {
     pub tau_d_us: u64,
     /// Stimulus onset asynchrony, microseconds.
     pub soa_us: u64,
+    /// Name of the emulated person.
+    pub person: String,
+    /// Name of the wires' file: what the person's levels hold for.
+    pub preset: String,
     /// Name of the illusion model.
     pub illusion: String,
     /// Most contacts a frame may have.
@@ -171,10 +187,14 @@ pub enum Event {
         target: PlaceUm,
         /// Whether that place lies inside the display's hull.
         inside: bool,
-        /// Where it is felt; `None` is a break: no wire above threshold.
+        /// Where it is felt; `None` is a break: the level is below 0 dB.
         felt: Option<FeltAt>,
-        /// Energy asked of all wires together, thousandths of one wire's at full drive for this level.
-        energy_permille: u32,
+        /// How far over threshold all wires together are, thousandths of a decibel; `None` where no wire moved.
+        level_mdb: Option<i32>,
+        /// Whether the stimulus is so short that it feels like a tap.
+        tap: bool,
+        /// Energy of all wires together.
+        energy: EnergyPermille,
     },
     /// Temperature of a wire.
     Wire {

@@ -45,6 +45,18 @@ impl Verdict {
         }
     }
 
+    /// What [`Verdict::key`] says; `None` for another word.
+    pub fn of_key(key: &str) -> Option<Self> {
+        let all = [
+            Self::Ok,
+            Self::Incomplete,
+            Self::Stopped,
+            Self::Failed,
+            Self::LimitExceeded,
+        ];
+        all.into_iter().find(|verdict| verdict.key() == key)
+    }
+
     /// Some words in the verdict's colour on a terminal: green, yellow or red.
     pub fn paint(self, words: &str, colored: bool) -> String {
         if !colored {

@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     change.scene("example", "layout", "uskin-4x4");
     let scene = load_scene("idle")?.with(&change)?;
     let setup = Setup::join(scene, load_bench("emulated")?)?;
-    let outcome = run(&setup, &Input::Rows(vec![table]), 1)?;
+    let outcome = run(&setup, &Input::tables(vec![table]), 1)?;
     let summary = &outcome.summary;
     println!("{} contacts in {} frames", summary.contacts, summary.frames);
     println!(

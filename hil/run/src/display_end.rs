@@ -2,7 +2,7 @@
 
 use embedded_hal::i2c::I2c;
 use palpate_core::driver::{Banks, DriverError};
-use palpate_core::illusion::{DisplayWire, Drive};
+use palpate_core::illusion::DisplayWire;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant, Prescale};
 use palpate_emulators::display::amplifier::AmplifierConfig;
@@ -14,9 +14,11 @@ use palpate_emulators::worn::{DisplayConfig, OutputEdge, ThermalSample, WirePlac
 use palpate_files::{Bench, BenchKind, Setup};
 use palpate_records::trace::Event;
 
+use crate::Keep;
 use crate::effects::Faultable;
 use crate::failure::Failure;
-use crate::feel::{feel, sample_wires};
+use crate::feel::{FullDrive, feel, sample_wires};
+use crate::margins::Currents;
 use crate::plan;
 use crate::recorder::{Onset, Recorder};
 use crate::script::{FaultReport, Script};
@@ -24,6 +26,8 @@ use crate::skin_end::FaultySkin;
 
 /// The finger is looked at no less often than this, even where no stimulus comes.
 const LOOK: Duration = Duration::from_millis(250);
+/// So many temperatures are looked through at once for the warmest.
+const LOOKS: usize = 1 << 12;
 /// Transfers kept of a run's actuator bus, the last ones: some hours of them.
 const I2C_LOG: usize = 1 << 20;
 
@@ -87,13 +91,17 @@ pub struct EmulatedDisplay {
     script: Script,
     oscillator: f64,
     prescale: Prescale,
-    drive: Drive,
     /// The onset whose stimulus is still felt.
     pending: Option<Onset>,
+    /// What one wire at full drive gives to feel.
+    full: FullDrive,
     /// The finger is looked at again then.
     next_look: Instant,
-    /// Temperatures over time, if they are kept.
+    /// Temperatures over time, if they are kept; only the warmest where a summary is enough.
     samples: Option<Vec<ThermalSample>>,
+    summary: bool,
+    /// What flowed.
+    currents: Currents,
 }
 
 impl EmulatedDisplay {
@@ -104,7 +112,11 @@ impl EmulatedDisplay {
     pub fn new(setup: &Setup, projector: &Projector, seed: u64) -> Result<Self, Failure> {
         let bench = &setup.bench.value;
         refuse_hardware(bench)?;
-        let display = emulated(setup, projector.display().wires())?;
+        let mut display = emulated(setup, projector.display().wires())?;
+        let person = plan::person(&setup.person.value);
+        let impossible = |e| Failure::Input(format!("person `{}`: {e}", setup.person.value.name));
+        display.worn_by(person).map_err(impossible)?;
+        let full = FullDrive::new(setup, projector)?;
         let layer = I2cFault::new(display.bus(), I2cFaults::default(), seed, "actuator bus");
         let (i2c, boards) = (Shared::new(layer), plan::boards(bench));
         let prescale = plan::prescale(bench)?;
@@ -113,24 +125,27 @@ impl EmulatedDisplay {
             script: Script::new(&setup.scene.value.faults, projector.layout()),
             oscillator: bench.drive.oscillator,
             prescale,
-            drive: plan::drive(&setup.scene.value.illusion),
             pending: None,
+            full,
             next_look: Instant::ZERO,
             samples: None,
+            summary: false,
+            currents: Currents::new(projector.display().wires().len()),
             display,
             i2c,
         })
     }
 
-    /// Keeps every stretch of current and all temperatures, for the margins, and if wanted the newest messages of the
-    /// bus. What is kept grows with the length of a run.
+    /// Keeps currents and temperatures, for the margins, and if wanted the newest messages of the bus. Temperatures
+    /// grow with the length of a run, but where a summary is all that is wanted.
     ///
     /// # Errors
     /// [`Failure::Device`] where the bus cannot keep a log.
-    pub fn keep(&mut self, messages: bool) -> Result<(), Failure> {
+    pub fn keep(&mut self, keep: Keep) -> Result<(), Failure> {
         self.display.keep_flows();
         self.samples = Some(Vec::new());
-        if messages {
+        self.summary = keep.summary;
+        if keep.i2c {
             let kept = self.display.bus().with(|bus| bus.keep_log(I2C_LOG));
             kept.map_err(|e| Failure::Device(format!("actuator bus: {e}")))?;
         }
@@ -142,12 +157,15 @@ impl EmulatedDisplay {
         &mut self.display
     }
 
-    /// Temperatures since the last time, oldest first.
-    pub fn take_samples(&mut self) -> Vec<ThermalSample> {
-        self.samples
-            .as_mut()
-            .map(std::mem::take)
-            .unwrap_or_default()
+    /// Temperatures and currents since the last time, oldest first; a wire that is on is cut here.
+    pub fn take_samples(&mut self) -> (Vec<ThermalSample>, Currents) {
+        let samples = self.samples.as_mut().map(std::mem::take);
+        let flows = self.display.take_flows();
+        self.currents.add(flows);
+        (
+            samples.unwrap_or_default(),
+            std::mem::take(&mut self.currents),
+        )
     }
 
     /// What became of the scene's faults.
@@ -175,6 +193,12 @@ impl EmulatedDisplay {
     fn sample(&mut self) {
         if let Some(samples) = &mut self.samples {
             samples.extend(self.display.sample());
+            if self.summary && samples.len() >= LOOKS {
+                let warmest = samples.iter().max_by(|a, b| a.mean_c.total_cmp(&b.mean_c));
+                *samples = warmest.copied().into_iter().collect();
+            }
+            let flows = self.display.ended_flows();
+            self.currents.add(flows);
         }
     }
 
@@ -185,13 +209,8 @@ impl EmulatedDisplay {
 
     /// Scores what was felt of the newest onset, which is over.
     fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
-        feel(
-            self.pending.take(),
-            &self.display,
-            projector,
-            self.drive,
-            recorder,
-        );
+        let felt = self.display.onset();
+        feel(self.pending.take(), felt, projector, &self.full, recorder);
     }
 }
 
@@ -214,6 +233,7 @@ impl DisplayEnd for EmulatedDisplay {
         }
         if onset || now >= self.next_look {
             self.sample();
+            self.display.settle();
             self.next_look = now + LOOK;
         }
     }
@@ -301,7 +321,6 @@ pub fn emulated(setup: &Setup, wires: &[DisplayWire]) -> Result<WornDisplay, Fai
         },
         wire: plan::wire(setup),
         tissue: bench.tissue.parameters(),
-        perceiver: plan::perceiver(&setup.perceiver.value),
         clock: BusClock::Fast,
     })
     .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))

@@ -60,7 +60,15 @@ pub struct FrameTimes {
     /// As it stood then.
     work: Work,
     costs: Vec<FrameCost>,
+    /// Whether, of many frames, every second, fourth and so on is enough.
+    pub thin: bool,
+    /// Frames from one that is kept to the next, and since the last.
+    every: u64,
+    passed: u64,
 }
+
+/// So many costs tell the time of frames.
+const TELLING: usize = 1 << 16;
 
 impl FrameTimes {
     /// Times by a stopwatch, or not at all.
@@ -70,6 +78,9 @@ impl FrameTimes {
             spent: Duration::ZERO,
             work: Work::default(),
             costs: Vec::new(),
+            thin: false,
+            every: 1,
+            passed: 0,
         }
     }
 
@@ -88,8 +99,21 @@ impl FrameTimes {
             let us = self.spent.as_secs_f32() * 1e6 / frames as f32;
             let kind = FrameKind::between(&self.work, work);
             let cost = FrameCost { kind, us };
-            let frames = frames as usize;
-            self.costs.extend(std::iter::repeat_n(cost, frames));
+            for _ in 0..frames {
+                self.passed += 1;
+                if self.passed >= self.every {
+                    self.passed = 0;
+                    self.costs.push(cost);
+                }
+            }
+            if self.thin && self.costs.len() >= TELLING {
+                let mut odd = false;
+                self.costs.retain(|_| {
+                    odd = !odd;
+                    odd
+                });
+                self.every *= 2;
+            }
             (self.work, self.spent) = (*work, Duration::ZERO);
         }
     }

@@ -17,6 +17,8 @@ pub enum Failure {
     Device(String),
     /// The guard stopped the run: exit 4.
     Guard(String),
+    /// A signal came before the output was whole: exit 130.
+    Stopped(String),
     /// An output could not be written: exit 3.
     Write {
         /// The file or stream.
@@ -34,6 +36,7 @@ impl Failure {
             Self::Input(_) | Self::File(_) => 2,
             Self::Device(_) | Self::Write { .. } => 3,
             Self::Guard(_) => 4,
+            Self::Stopped(_) => 130,
         }
     }
 
@@ -69,7 +72,8 @@ impl fmt::Display for Failure {
             Self::Check(message)
             | Self::Input(message)
             | Self::Device(message)
-            | Self::Guard(message) => f.write_str(message),
+            | Self::Guard(message)
+            | Self::Stopped(message) => f.write_str(message),
             Self::File(error) => error.fmt(f),
             Self::Write { path, error } => write!(f, "{path}: cannot be written: {error}"),
         }

@@ -1,34 +1,91 @@
 //! What a run samples of the display: where an onset was felt, how warm the wires are.
 
 use palpate_core::illusion::Drive;
+use palpate_core::physics::TissueParameters;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Instant, Point};
+use palpate_emulators::display::wire::Wire;
+use palpate_emulators::display::wire::lift::um_per_kelvin;
+use palpate_emulators::person::channels::{Felt, Perceiver};
 use palpate_emulators::time::Nanos;
-use palpate_emulators::worn::WornDisplay;
-use palpate_records::trace::{Event, FeltAt, PlaceUm};
+use palpate_emulators::worn::{START_C, WornDisplay};
+use palpate_files::Setup;
+use palpate_records::trace::{EnergyPermille, Event, FeltAt, PlaceUm};
 
+use super::failure::Failure;
+use super::plan;
 use super::recorder::{Onset, Recorder, milli_c};
 
 /// A contact this close to the display's hull counts as inside it, mm.
 const HULL_MARGIN: f32 = 1e-3;
 
+/// What one wire at full drive gives to feel, alone and from rest: what the energy of an onset is held against.
+pub(super) struct FullDrive {
+    drive: Drive,
+    /// Integral of its squared filtered displacement, um2 s.
+    energy: f64,
+}
+
+impl FullDrive {
+    /// A burst of a setup's wire at the top level, to the end of its last period.
+    pub(super) fn new(setup: &Setup, projector: &Projector) -> Result<Self, Failure> {
+        let bench = &setup.bench.value;
+        let drive = plan::drive(&setup.scene.value.illusion);
+        let (prescale, wire) = (plan::prescale(bench)?, plan::wire(setup));
+        let impossible = |e| Failure::Input(format!("bench `{}`: {e}", bench.name));
+        let mut alone =
+            Wire::new(&wire, &TissueParameters::DEFAULT, START_C).map_err(impossible)?;
+        alone.keep_stretches(um_per_kelvin(&wire));
+        let width = Nanos(u64::from(drive.width(1.0).get()) * prescale.tick_ns());
+        let (mut at, end) = (
+            Nanos::ZERO,
+            Nanos::from_micros(projector.timing().duration.as_micros()),
+        );
+        while at < end {
+            alone.set_current(at, bench.drive.current_ma * 1e-3);
+            alone.set_current(at + width, 0.0);
+            at = at + Nanos(prescale.period_ns());
+        }
+        let person = plan::person(&setup.person.value);
+        let mut perceiver = Perceiver::new(person, &[(0.0, 0.0)]).map_err(impossible)?;
+        alone.take_stretches(at, |stretch| perceiver.pass(0, stretch));
+        perceiver.settle();
+        let energy = perceiver.felt(START_C).map_or(0.0, |felt| felt.energy);
+        Ok(Self { drive, energy })
+    }
+
+    /// Energies of an onset with these contacts in thousandths of one wire's at full drive for their levels.
+    fn permille(&self, onset: &Onset, felt: Option<&Felt>) -> EnergyPermille {
+        let square = |weight: f32| u64::from(self.drive.width(weight).get()).pow(2);
+        let full = onset.targets.iter().map(|t| square(t.weight));
+        let full = full.sum::<u64>().max(1);
+        let [requested, applied] = onset
+            .squares
+            .map(|sum| u32::try_from(1000 * sum / full).unwrap_or(u32::MAX));
+        let at_full = self.energy * full as f64 / square(1.0).max(1) as f64;
+        // Rounded; what is no number is nothing.
+        let felt = felt.map_or(0.0, |felt| 1e3 * felt.energy / at_full);
+        EnergyPermille {
+            requested,
+            applied,
+            felt: felt.round() as u32,
+        }
+    }
+}
+
 /// What a person felt of an onset that is over. One felt place can be held against one touch only: an onset with
 /// several contacts is scored where they are known to come from a single one.
 pub(super) fn feel(
     onset: Option<Onset>,
-    display: &WornDisplay,
+    met: Option<Felt>,
     projector: &Projector,
-    drive: Drive,
+    full: &FullDrive,
     recorder: &mut Recorder,
 ) {
-    let Some(Onset {
-        at,
-        targets,
-        squares,
-    }) = onset
-    else {
+    let Some(onset) = onset else {
         return;
     };
+    let (at, targets) = (onset.at, &onset.targets);
     let true_place = recorder
         .truth_at(at)
         .map(|(place, _)| projector.map().apply(place));
@@ -37,20 +94,18 @@ pub(super) fn feel(
         return;
     };
     let place = |(x, y): (f64, f64)| PlaceUm::from(Point::new(x as f32, y as f32));
-    let felt = display.feel(Nanos::from(at)).map(|felt| FeltAt {
-        energy: place(felt.energy_mm),
-        amplitude: place(felt.amplitude_mm),
+    let felt = met.filter(|met| met.levels.felt()).map(|met| FeltAt {
+        energy: place(met.energy_mm),
+        amplitude: place(met.amplitude_mm),
     });
-    let full = targets
-        .iter()
-        .map(|t| u64::from(drive.width(t.weight).get()).pow(2));
-    let full = full.sum::<u64>().max(1);
     recorder.events.push(Event::Felt {
         t_us: at.as_micros(),
         target: PlaceUm::from(true_place.unwrap_or(seen.place)),
         inside: projector.display().contains(seen.place, HULL_MARGIN),
         felt,
-        energy_permille: u32::try_from(1000 * squares / full).unwrap_or(u32::MAX),
+        level_mdb: met.map(|met| (met.levels.db() * 1e3).round() as i32),
+        tap: met.is_some_and(|met| met.tap()),
+        energy: full.permille(&onset, met.as_ref()),
     });
 }
 

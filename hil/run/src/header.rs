@@ -20,7 +20,7 @@ pub fn attachments(setup: &Setup) -> Vec<Attachment> {
         ("limits", &setup.limits.source),
         ("wire", &setup.wire.source),
         ("alloy", &setup.alloy.source),
-        ("perceiver", &setup.perceiver.source),
+        ("person", &setup.person.source),
     ];
     let wearer = setup.wearer.as_ref().map(|w| ("wearer", &w.source));
     let attached = |(name, source): (&str, &palpate_files::Source)| Attachment {
@@ -60,6 +60,8 @@ pub fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header,
         pre_scale: plan::prescale(bench)?,
         tau_d_us: projector.timing().duration.as_micros(),
         soa_us: projector.timing().soa.as_micros(),
+        person: setup.person.value.name.clone(),
+        preset: setup.wire.value.name.clone(),
         illusion: scene.illusion.model.name().into(),
         kc: u16::try_from(scene.compression.kc).unwrap_or(u16::MAX),
         taxels: taxels

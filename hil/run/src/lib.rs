@@ -30,6 +30,7 @@ pub mod skin_end;
 mod summary;
 mod summary_text;
 mod supervisor;
+pub mod sweep;
 mod tape;
 mod taxels;
 mod verdict;
@@ -41,7 +42,9 @@ pub use header::{attachments, header};
 pub use live::{EmulatedSession, FedSession, press};
 pub use policy::Policy;
 pub use recorder::{Recorder, Truth};
-pub use replay::{CanFrames, Rows, TaxelTable};
+pub use replay::{
+    CanFrames, FrameSource, Frames, Identifiers, NextRow, RowSource, Rows, TaxelTable,
+};
 pub use runner::{build, run_with, scene_levels};
 pub use script::FaultReport;
 pub use session::{Session, Turn};
@@ -49,11 +52,14 @@ pub use summary::{IllTaxel, Refresh, Summary, Taxels, finished};
 pub use taxels::taxels;
 pub use verdict::stopped_by;
 
+use std::sync::Arc;
+
 use palpate_core::bus::Received;
 use palpate_core::skin::Layout;
 use palpate_core::units::Instant;
 use palpate_files::Setup;
 use palpate_records::i2c::Transfer;
+use palpate_records::readings::Readings;
 use palpate_records::report::Warmth;
 use palpate_records::trace::{Event, Header, Trace};
 
@@ -64,10 +70,19 @@ use effort::Effort;
 pub enum Input {
     /// The scene's touches on an emulated skin.
     Scene,
-    /// Recorded rows, one table per module.
-    Rows(Vec<TaxelTable>),
+    /// Recorded rows, one source per module.
+    Rows(Vec<Arc<dyn RowSource>>),
     /// Recorded frames of all sensor buses.
-    Frames(CanFrames),
+    Frames(Arc<dyn FrameSource>),
+}
+
+impl Input {
+    /// Recorded rows that are held, one table per module.
+    #[must_use]
+    pub fn tables(tables: impl IntoIterator<Item = TaxelTable>) -> Self {
+        let source = |table| Arc::new(table) as Arc<dyn RowSource>;
+        Self::Rows(tables.into_iter().map(source).collect())
+    }
 }
 
 /// A finished run.
@@ -89,6 +104,8 @@ pub struct Outcome {
     pub can: Vec<Received>,
     /// Messages on the actuator buses, if they were to be kept.
     pub i2c: Vec<Transfer>,
+    /// What taxels read, if that was to be kept.
+    pub readings: Option<Readings>,
     /// Remarks for the user, such as a recording that ends too early.
     pub notes: Vec<String>,
 }
@@ -100,6 +117,23 @@ pub struct Keep {
     pub can: bool,
     /// Every message on the actuator buses.
     pub i2c: bool,
+    /// What taxels read.
+    pub readings: KeptReadings,
+    /// The summary alone: what no figure of it needs goes while the run goes on, so that memory is bounded whatever
+    /// the length. Trace, frame times and temperatures are then in part.
+    pub summary: bool,
+}
+
+/// Which readings of taxels a run keeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum KeptReadings {
+    /// None.
+    #[default]
+    None,
+    /// What a report plays, in a bounded space.
+    Sampled,
+    /// All: 8 bytes for each taxel of each frame.
+    All,
 }
 
 /// A turn as a host sees it.
@@ -138,6 +172,12 @@ pub trait Host {
     /// After a turn; `true` ends the run.
     fn turn(&mut self, seen: &TurnView<'_>) -> bool {
         let _ = seen;
+        false
+    }
+
+    /// How far the run is: the part that is behind it, from 0 to 1; `true` ends it. Comes with every turn.
+    fn passed(&mut self, part: f64) -> bool {
+        let _ = part;
         false
     }
 

@@ -11,13 +11,107 @@ use palpate_records::report::Warmth;
 /// What a run did to wires and skin.
 pub struct Course<'a> {
     /// Every stretch of current.
-    pub flows: &'a [Flow],
+    pub currents: &'a Currents,
     /// Temperatures over time.
     pub samples: &'a [ThermalSample],
     /// Maxima and sums.
     pub totals: &'a DisplayTotals,
-    /// How many wires there are.
-    pub wires: usize,
+}
+
+/// So much current is held before the worst of it is taken.
+const STRETCH: Nanos = Nanos(600_000_000_000);
+/// What stays then: the longest window of a limit, and a burst.
+const OVERLAP: Nanos = Nanos(70_000_000_000);
+
+/// The worst of what flowed, in the units of the limits.
+#[derive(Clone, Copy, Debug, Default)]
+struct Worst {
+    pulse_us: f64,
+    burst_ms: f64,
+    burst_mj: f64,
+    wire_1s_mw: f64,
+    wire_10s_mw: f64,
+    finger_1s_mw: f64,
+    finger_60s_mw: f64,
+}
+
+impl Worst {
+    fn of(flows: &[Flow], wires: usize) -> Self {
+        let each: Vec<Energy> = (0..wires)
+            .map(|w| Energy::of(flows, |f| f.wire == w))
+            .collect();
+        let finger = Energy::of(flows, |_| true);
+        let worst = |seconds: f64| {
+            let means = each.iter().map(|e| e.worst_mean_mw(seconds));
+            means.fold(0.0, f64::max)
+        };
+        let longest = flows.iter().map(|f| f.to.since(f.from).0).max();
+        let (burst_ms, burst_mj) = bursts(flows, wires);
+        Self {
+            pulse_us: longest.unwrap_or(0) as f64 * 1e-3,
+            burst_ms,
+            burst_mj,
+            wire_1s_mw: worst(1.0),
+            wire_10s_mw: worst(10.0),
+            finger_1s_mw: finger.worst_mean_mw(1.0),
+            finger_60s_mw: finger.worst_mean_mw(60.0),
+        }
+    }
+
+    fn or(self, other: &Self) -> Self {
+        Self {
+            pulse_us: self.pulse_us.max(other.pulse_us),
+            burst_ms: self.burst_ms.max(other.burst_ms),
+            burst_mj: self.burst_mj.max(other.burst_mj),
+            wire_1s_mw: self.wire_1s_mw.max(other.wire_1s_mw),
+            wire_10s_mw: self.wire_10s_mw.max(other.wire_10s_mw),
+            finger_1s_mw: self.finger_1s_mw.max(other.finger_1s_mw),
+            finger_60s_mw: self.finger_60s_mw.max(other.finger_60s_mw),
+        }
+    }
+}
+
+/// What flowed in a run of any length: the worst of it, and the last stretch.
+#[derive(Clone, Debug, Default)]
+pub struct Currents {
+    wires: usize,
+    worst: Worst,
+    /// In the order of their ends.
+    flows: Vec<Flow>,
+}
+
+impl Currents {
+    /// Nothing, in so many wires.
+    pub const fn new(wires: usize) -> Self {
+        Self {
+            wires,
+            worst: Worst {
+                pulse_us: 0.0,
+                burst_ms: 0.0,
+                burst_mj: 0.0,
+                wire_1s_mw: 0.0,
+                wire_10s_mw: 0.0,
+                finger_1s_mw: 0.0,
+                finger_60s_mw: 0.0,
+            },
+            flows: Vec::new(),
+        }
+    }
+
+    /// Adds what flowed since.
+    pub fn add(&mut self, flows: Vec<Flow>) {
+        self.flows.extend(flows);
+        let ends = self.flows.first().zip(self.flows.last());
+        if ends.is_some_and(|(first, last)| last.to.since(first.from) > STRETCH) {
+            self.worst = self.worst();
+            let end = self.flows.last().map_or(Nanos::ZERO, |f| f.to);
+            self.flows.retain(|f| end.since(f.to) < OVERLAP);
+        }
+    }
+
+    fn worst(&self) -> Worst {
+        self.worst.or(&Worst::of(&self.flows, self.wires))
+    }
 }
 
 /// A sample as the report takes it.
@@ -33,38 +127,29 @@ pub fn warmth(sample: &ThermalSample) -> Warmth {
 
 /// The margins, most used up first.
 pub fn margins(course: &Course<'_>, limits: &Limits) -> Vec<Margin> {
-    let wires = (0..course.wires).map(|w| Energy::of(course.flows, |f| f.wire == w));
-    let wires: Vec<Energy> = wires.collect();
-    let finger = Energy::of(course.flows, |_| true);
-    let worst = |seconds: f64| {
-        let means = wires.iter().map(|e| e.worst_mean_mw(seconds));
-        means.fold(0.0, f64::max)
-    };
-    let longest = course.flows.iter().map(|f| f.to.since(f.from).0).max();
-    let pulse_us = longest.unwrap_or(0) as f64 * 1e-3;
-    let (burst_ms, burst_mj) = bursts(course.flows, course.wires);
+    let worst = course.currents.worst();
     let means = course.samples.iter().map(|s| s.mean_c);
     let totals = course.totals;
     let kilo = |milli: u64| milli as f64 * 1e-3;
     use Limited as L;
     let mut all: Vec<Margin> = [
-        (L::Pulse, pulse_us, kilo(limits.pulse_width_ns)),
-        (L::Burst, burst_ms, kilo(limits.burst.as_micros())),
+        (L::Pulse, worst.pulse_us, kilo(limits.pulse_width_ns)),
+        (L::Burst, worst.burst_ms, kilo(limits.burst.as_micros())),
         (
             L::BurstEnergy,
-            burst_mj,
+            worst.burst_mj,
             limits.burst_energy_nj as f64 * 1e-6,
         ),
-        (L::WirePower1s, worst(1.0), kilo(limits.wire_1s_uw)),
-        (L::WirePower10s, worst(10.0), kilo(limits.wire_10s_uw)),
+        (L::WirePower1s, worst.wire_1s_mw, kilo(limits.wire_1s_uw)),
+        (L::WirePower10s, worst.wire_10s_mw, kilo(limits.wire_10s_uw)),
         (
             L::FingertipPower1s,
-            finger.worst_mean_mw(1.0),
+            worst.finger_1s_mw,
             kilo(limits.fingertip_1s_uw),
         ),
         (
             L::FingertipPower60s,
-            finger.worst_mean_mw(60.0),
+            worst.finger_60s_mw,
             kilo(limits.fingertip_60s_uw),
         ),
         (

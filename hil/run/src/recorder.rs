@@ -6,6 +6,7 @@ use palpate_core::projector::{Cause, FrameReport, Observer, Target, TextureRepor
 use palpate_core::schedule::Entry;
 use palpate_core::skin::{Condition, Layout};
 use palpate_core::units::{Board, Duration, Instant, Point};
+use palpate_records::readings::Readings;
 use palpate_records::trace::{Driven, Event, PlaceUm};
 use palpate_records::words::texture;
 
@@ -19,6 +20,9 @@ const APART: Duration = Duration::from_millis(500);
 pub(crate) fn milli_c(celsius: f64) -> Option<i32> {
     celsius.is_finite().then(|| (celsius * 1e3).round() as i32)
 }
+
+/// So many events are looked through at once for those that a summary reads.
+const UNREAD: usize = 1 << 12;
 
 /// What truly touches the driving module.
 #[derive(Debug, Default)]
@@ -74,8 +78,8 @@ pub struct Onset {
     pub at: Instant,
     /// The contacts on the display.
     pub targets: Vec<Target>,
-    /// Sum of the squared pulse widths that were asked for, ticks.
-    pub squares: u64,
+    /// Sums of the squared pulse widths that were asked for and that the guard applied, ticks.
+    pub squares: [u64; 2],
 }
 
 /// Collects a run.
@@ -91,14 +95,16 @@ pub struct Recorder {
     pub driven: Driven,
     /// The newest reading of every taxel, raw counts, NaN for one that is left out; kept for a live view.
     pub counts: Option<Vec<f32>>,
+    /// What every taxel read, where that is kept.
+    pub readings: Option<Readings>,
     /// The newest onset.
     pub onset: Option<Onset>,
     /// Onsets projected, and those of them without a contact.
     pub onsets: (u64, u64),
     /// Boards and channels of which a stimulus was asked.
     pub warmed: BTreeSet<(u8, u8)>,
-    /// Squared widths of the stimuli since.
-    squares: u64,
+    /// Squared widths of the stimuli since: asked for, applied.
+    squares: [u64; 2],
     /// When the newest of those stimuli began.
     asked: Option<Instant>,
     /// End of the newest window of texture.
@@ -106,6 +112,9 @@ pub struct Recorder {
     /// Windows of texture, and the sum of their roughness, thousandths.
     pub windows: (u32, u64),
     truth: Truth,
+    /// Whether events stay that a summary reads, and no others; events of a run without a truth that have stayed.
+    pub summary: bool,
+    stayed: usize,
     /// Events at most; the oldest go. `None`: all are kept.
     most_events: Option<usize>,
     /// Events that went so.
@@ -133,8 +142,14 @@ impl Recorder {
         self
     }
 
-    /// Drops the older half of the events where there are too many.
+    /// Drops the older half of the events where there are too many, and what no summary reads where that is enough.
     pub fn trim(&mut self) {
+        if self.summary && self.events.len() - self.stayed > UNREAD {
+            let new = self.events.split_off(self.stayed);
+            let read = |e: &Event| matches!(e, Event::Felt { .. } | Event::Note { .. });
+            self.events.extend(new.into_iter().filter(read));
+            self.stayed = self.events.len();
+        }
         let most = self.most_events.unwrap_or(usize::MAX);
         if self.events.len() > most {
             let surplus = self.events.len() - most / 2;
@@ -193,6 +208,9 @@ impl Observer for Recorder {
             counts.clear();
             counts.extend(readings.map(|(v, usable)| if *usable { *v } else { f32::NAN }));
         }
+        if let Some(readings) = &mut self.readings {
+            readings.push(t_us, report.relative);
+        }
         for contact in report.contacts {
             self.contacts += 1;
             self.events.push(Event::Contact {
@@ -221,9 +239,15 @@ impl Observer for Recorder {
         self.warmed.insert((entry.board.0, entry.channel.0));
         // A burst may come in parts, all alike: the first one counts.
         if self.asked != Some(entry.at) {
-            (self.asked, self.squares) = (Some(entry.at), 0);
+            (self.asked, self.squares) = (Some(entry.at), [0; 2]);
         }
-        self.squares += u64::from(entry.requested.get()).pow(2);
+        for (sum, width) in self
+            .squares
+            .iter_mut()
+            .zip([entry.requested, entry.width()])
+        {
+            *sum += u64::from(width.get()).pow(2);
+        }
         self.events.push(Event::Schedule(*entry));
     }
 
@@ -232,7 +256,11 @@ impl Observer for Recorder {
         self.onsets.1 += u64::from(targets.is_empty());
         let targets = targets.to_vec();
         let squares = std::mem::take(&mut self.squares);
-        let squares = if self.asked == Some(at) { squares } else { 0 };
+        let squares = if self.asked == Some(at) {
+            squares
+        } else {
+            [0; 2]
+        };
         self.onset = Some(Onset {
             at,
             targets,

@@ -1,7 +1,9 @@
 //! Recordings as the sensor end of a run: rows of counts, which enter as readings, or frames of CAN buses.
+//!
+//! A pass over a recording pulls what comes next. Where it comes from, memory or a file that is read once more, is the
+//! caller's: a [`RowSource`] or a [`FrameSource`].
 
 use std::collections::BTreeMap;
-use std::convert::Infallible;
 use std::fmt;
 use std::sync::Arc;
 
@@ -15,7 +17,42 @@ use palpate_files::SensorLayout;
 use crate::failure::Failure;
 use crate::skin_end::{CanEnd, SkinEnd};
 
-/// Recorded rows of one module.
+/// Recorded rows of one module, as often as they are wanted.
+pub trait RowSource: fmt::Debug + Send + Sync {
+    /// Counts per row.
+    fn columns(&self) -> usize;
+
+    /// Number of rows.
+    fn frames(&self) -> usize;
+
+    /// From the first row to the last, microseconds.
+    fn span_us(&self) -> u64;
+
+    /// Looks for what no row may be; sources that cannot hold such rows need no look.
+    ///
+    /// # Errors
+    /// What was expected, and what was found.
+    fn check(&self) -> Result<(), (String, String)> {
+        Ok(())
+    }
+
+    /// The rows from the first on.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for a source that cannot be read again.
+    fn rows(&self) -> Result<Box<dyn NextRow + '_>, Failure>;
+}
+
+/// Rows that are pulled.
+pub trait NextRow {
+    /// The next row: its counts in place of those in `counts`, and its time in microseconds; none at the end.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for a source that has changed since it was first read.
+    fn next_row(&mut self, counts: &mut Vec<u16>) -> Result<Option<u64>, Failure>;
+}
+
+/// Recorded rows of one module, held in memory.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TaxelTable {
     /// Each row's time in microseconds, not falling.
@@ -33,31 +70,6 @@ impl TaxelTable {
         self.time_us.len()
     }
 
-    /// Refuses a table that does not hold `columns` counts per row, or whose time goes back.
-    fn check(&self, module: &str, columns: usize) -> Result<(), Failure> {
-        let refuse = |expected: String, found: String| {
-            let what = format!("the recording of module `{module}`");
-            Err(Failure::Input(format!(
-                "{what}: expected {expected}, found {found}"
-            )))
-        };
-        if self.columns != columns {
-            return refuse(format!("{columns} columns"), self.columns.to_string());
-        }
-        if self.counts.len() != self.frames().saturating_mul(columns) {
-            let expected = format!("{} rows of {columns} counts", self.frames());
-            return refuse(expected, format!("{} counts", self.counts.len()));
-        }
-        if let Some(row) = self.time_us.windows(2).position(|t| t[1] < t[0]) {
-            let [before, after] = [self.time_us[row], self.time_us[row + 1]];
-            return refuse(
-                format!("a time from {before} us on in row {}", row + 1),
-                after.to_string(),
-            );
-        }
-        Ok(())
-    }
-
     /// The counts of one row.
     #[must_use]
     pub fn frame(&self, index: usize) -> Option<&[u16]> {
@@ -66,10 +78,66 @@ impl TaxelTable {
     }
 }
 
-/// A module of a recording.
-#[derive(Clone, Debug)]
-struct Module<'a> {
+impl RowSource for TaxelTable {
+    fn columns(&self) -> usize {
+        self.columns
+    }
+
+    fn frames(&self) -> usize {
+        Self::frames(self)
+    }
+
+    fn span_us(&self) -> u64 {
+        let span = self.time_us.last().zip(self.time_us.first());
+        span.map_or(0, |(last, first)| last.saturating_sub(*first))
+    }
+
+    /// Counts for every row, and times that do not fall.
+    fn check(&self) -> Result<(), (String, String)> {
+        if self.counts.len() != self.frames().saturating_mul(self.columns) {
+            let expected = format!("{} rows of {} counts", self.frames(), self.columns);
+            return Err((expected, format!("{} counts", self.counts.len())));
+        }
+        if let Some(row) = self.time_us.windows(2).position(|t| t[1] < t[0]) {
+            let [before, after] = [self.time_us[row], self.time_us[row + 1]];
+            let expected = format!("a time from {before} us on in row {}", row + 1);
+            return Err((expected, after.to_string()));
+        }
+        Ok(())
+    }
+
+    fn rows(&self) -> Result<Box<dyn NextRow + '_>, Failure> {
+        Ok(Box::new(Held {
+            table: self,
+            next: 0,
+        }))
+    }
+}
+
+/// The rows of a table one after another.
+struct Held<'a> {
     table: &'a TaxelTable,
+    next: usize,
+}
+
+impl NextRow for Held<'_> {
+    fn next_row(&mut self, counts: &mut Vec<u16>) -> Result<Option<u64>, Failure> {
+        let time = self.table.time_us.get(self.next).copied();
+        counts.clear();
+        counts.extend_from_slice(self.table.frame(self.next).unwrap_or_default());
+        self.next += 1;
+        Ok(time)
+    }
+}
+
+/// A module of a recording.
+struct Module<'a> {
+    rows: Box<dyn NextRow + 'a>,
+    /// Time of its first row.
+    first: u64,
+    /// When the next row comes, counted from the first, and its counts.
+    due: Option<u64>,
+    row: Vec<u16>,
     /// Axes per taxel, 1 or 3.
     axes: usize,
     /// Taxels that the columns are of.
@@ -78,101 +146,102 @@ struct Module<'a> {
     fresh: Box<[bool]>,
     /// The newest row, by taxel.
     counts: Box<[[u16; 3]]>,
-    next: usize,
 }
 
 impl Module<'_> {
-    /// When the next row comes, counted from the first.
-    fn due(&self) -> Option<u64> {
-        let first = self.table.time_us.first()?;
-        let time = self.table.time_us.get(self.next)?;
-        Some(time.saturating_sub(*first))
-    }
-
-    /// Takes the next row.
-    fn load(&mut self) {
-        let Some(row) = self.table.frame(self.next) else {
-            return;
-        };
-        for (taxel, counts) in self.active.iter().zip(row.chunks_exact(self.axes)) {
+    /// Takes the row that is due, and looks up the one after it.
+    fn load(&mut self) -> Result<(), Failure> {
+        for (taxel, counts) in self.active.iter().zip(self.row.chunks_exact(self.axes)) {
             self.counts[*taxel] = match *counts {
                 [x, y, z] => [x, y, z],
                 _ => [0, 0, counts[0]],
             };
         }
-        self.next += 1;
+        let time = self.rows.next_row(&mut self.row)?;
+        self.due = time.map(|time| time.saturating_sub(self.first));
+        Ok(())
     }
 }
 
 /// Recorded rows as a skin: any layout, with boards or without.
-#[derive(Clone, Debug)]
 pub struct Rows<'a> {
     modules: Vec<Module<'a>>,
 }
 
+impl fmt::Debug for Rows<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let due = self.modules.iter().map(|m| m.due);
+        f.debug_list().entries(due).finish()
+    }
+}
+
 impl<'a> Rows<'a> {
-    /// One table per module, each from its own first row on.
+    /// One source per module, each from its own first row on.
     ///
     /// # Errors
-    /// [`Failure::Input`] for tables that are not of this layout.
+    /// [`Failure::Input`] for sources that are not of this layout.
     pub fn new(
-        tables: &'a [TaxelTable],
+        sources: &'a [Arc<dyn RowSource>],
         file: &SensorLayout,
         layout: &Layout,
     ) -> Result<Self, Failure> {
         let expected = layout.modules().len();
-        if tables.len() != expected {
+        if sources.len() != expected {
             return Err(Failure::Input(format!(
                 "the recording: expected {expected} tables, one per module of layout `{}`, found {}",
                 file.name,
-                tables.len()
+                sources.len()
             )));
         }
         let axes = usize::from(file.axes);
-        let module = |(table, module): (&'a TaxelTable, &palpate_core::skin::Module)| {
+        let module = |(source, module): (&'a Arc<dyn RowSource>, &palpate_core::skin::Module)| {
             let taxels = module.active().len();
             let active: Box<[usize]> = (0..taxels).filter(|&i| module.active()[i]).collect();
-            table.check(module.name(), active.len() * axes)?;
+            let columns = active.len() * axes;
+            let right = match source.columns() {
+                found if found == columns => source.check(),
+                found => Err((format!("{columns} columns"), found.to_string())),
+            };
+            right.map_err(|(expected, found)| {
+                let what = format!("the recording of module `{}`", module.name());
+                Failure::Input(format!("{what}: expected {expected}, found {found}"))
+            })?;
+            let (mut rows, mut row) = (source.rows()?, Vec::new());
+            let first = rows.next_row(&mut row)?;
             Ok::<_, Failure>(Module {
-                table,
+                rows,
+                first: first.unwrap_or(0),
+                due: first.map(|_| 0),
+                row,
                 axes,
                 fresh: module.active().into(),
                 counts: vec![[0; 3]; taxels].into(),
                 active,
-                next: 0,
             })
         };
-        let modules = tables.iter().zip(layout.modules()).map(module);
+        let modules = sources.iter().zip(layout.modules()).map(module);
         Ok(Self {
             modules: modules.collect::<Result<_, _>>()?,
         })
     }
-
-    /// When the last row comes.
-    pub fn end(&self) -> Instant {
-        // Checked: times do not fall.
-        let last = |m: &Module<'_>| Some(m.table.time_us.last()? - m.table.time_us.first()?);
-        let last = self.modules.iter().filter_map(last).max();
-        Instant::from_micros(last.unwrap_or(0))
-    }
 }
 
 impl SkinSource for Rows<'_> {
-    type Error = Infallible;
+    type Error = Failure;
 
     fn scans(
         &mut self,
         now: Instant,
         take: &mut impl FnMut(&ModuleScan<'_>),
-    ) -> Result<(), Infallible> {
+    ) -> Result<(), Failure> {
         loop {
             let due = self.modules.iter().enumerate();
-            let due = due.filter_map(|(index, m)| Some((m.due()?, index)));
+            let due = due.filter_map(|(index, m)| Some((m.due?, index)));
             let Some((time, index)) = due.min().filter(|(t, _)| *t <= now.as_micros()) else {
                 return Ok(());
             };
             let module = &mut self.modules[index];
-            module.load();
+            module.load()?;
             take(&ModuleScan {
                 module: index as u16, // a layout has at most 4096
                 at: Instant::from_micros(time),
@@ -187,7 +256,43 @@ impl SkinEnd for Rows<'_> {
     fn advance_to(&mut self, _now: Instant) {}
 }
 
-/// Recorded frames of all sensor buses, the oldest first.
+/// Recorded frames of all sensor buses, as often as they are wanted.
+pub trait FrameSource: fmt::Debug + Send + Sync {
+    /// Frames of the identifier that came most often.
+    fn rows(&self) -> usize;
+
+    /// When the last one comes.
+    fn end(&self) -> Instant;
+
+    /// The frames from the first on, the oldest first.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for a source that cannot be read again.
+    fn frames(&self) -> Result<Frames<'_>, Failure>;
+}
+
+/// Frames that are pulled; an error where their source has changed since it was first read.
+pub type Frames<'a> = Box<dyn Iterator<Item = Result<Received, Failure>> + 'a>;
+
+/// How often each identifier came on each bus.
+#[derive(Clone, Debug, Default)]
+pub struct Identifiers(BTreeMap<(u8, u16), usize>);
+
+impl Identifiers {
+    /// Counts a frame.
+    pub fn add(&mut self, received: &Received) {
+        let key = (received.bus, received.frame.id());
+        *self.0.entry(key).or_insert(0) += 1;
+    }
+
+    /// Frames of the identifier that came most often.
+    #[must_use]
+    pub fn most(&self) -> usize {
+        self.0.values().copied().max().unwrap_or(0)
+    }
+}
+
+/// Recorded frames, held in memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CanFrames(Arc<[Received]>);
 
@@ -197,70 +302,88 @@ impl CanFrames {
         frames.sort_by_key(|r| r.at);
         Self(frames.into())
     }
+}
 
-    /// Frames of the identifier that came most often.
-    pub fn rows(&self) -> usize {
-        let mut rows = BTreeMap::new();
-        for received in &*self.0 {
-            *rows.entry((received.bus, received.frame.id())).or_insert(0) += 1;
-        }
-        rows.into_values().max().unwrap_or(0)
+impl FrameSource for CanFrames {
+    fn rows(&self) -> usize {
+        let mut identifiers = Identifiers::default();
+        self.0.iter().for_each(|received| identifiers.add(received));
+        identifiers.most()
     }
 
-    /// When the last one comes.
-    pub fn end(&self) -> Instant {
+    fn end(&self) -> Instant {
         self.0.last().map_or(Instant::ZERO, |r| r.at)
     }
 
-    /// A bus that plays them.
-    pub fn player(&self) -> CanPlayer {
-        CanPlayer {
-            frames: self.clone(),
-            next: 0,
+    fn frames(&self) -> Result<Frames<'_>, Failure> {
+        Ok(Box::new(self.0.iter().copied().map(Ok)))
+    }
+}
+
+/// A bus that plays recorded frames, and takes no commands.
+pub struct CanPlayer<'a> {
+    frames: Frames<'a>,
+    next: Option<Result<Received, Failure>>,
+    now: Instant,
+}
+
+impl<'a> CanPlayer<'a> {
+    /// A bus that plays frames, the oldest first.
+    #[must_use]
+    pub fn new(mut frames: Frames<'a>) -> Self {
+        Self {
+            next: frames.next(),
+            frames,
             now: Instant::ZERO,
         }
     }
 }
 
-/// A bus that plays recorded frames, and takes no commands.
-#[derive(Clone, Debug)]
-pub struct CanPlayer {
-    frames: CanFrames,
-    next: usize,
-    now: Instant,
+impl fmt::Debug for CanPlayer<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("CanPlayer")
+            .field("now", &self.now)
+            .finish_non_exhaustive()
+    }
 }
 
-/// A recording has no bus that could fail.
+/// A recording that could not be read again.
 #[derive(Debug)]
-pub struct NoError(Infallible);
+pub struct Unplayed(Failure);
 
-impl fmt::Display for NoError {
-    fn fmt(&self, _: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {}
+impl fmt::Display for Unplayed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
     }
 }
 
-impl embedded_can::Error for NoError {
+impl embedded_can::Error for Unplayed {
     fn kind(&self) -> ErrorKind {
-        match self.0 {}
+        ErrorKind::Other
     }
 }
 
-impl CanBus for CanPlayer {
-    type Error = NoError;
+impl CanBus for CanPlayer<'_> {
+    type Error = Unplayed;
 
-    fn receive(&mut self) -> Result<Option<Received>, NoError> {
-        let due = self.frames.0.get(self.next).filter(|r| r.at <= self.now);
-        self.next += usize::from(due.is_some());
-        Ok(due.copied())
+    fn receive(&mut self) -> Result<Option<Received>, Unplayed> {
+        let due = |next: &mut Result<Received, Failure>| match next {
+            Ok(received) => received.at <= self.now,
+            Err(_) => true,
+        };
+        let Some(received) = self.next.take_if(due) else {
+            return Ok(None);
+        };
+        self.next = self.frames.next();
+        received.map(Some).map_err(Unplayed)
     }
 
-    fn transmit(&mut self, _bus: u8, _frame: &CanFrame) -> Result<(), NoError> {
+    fn transmit(&mut self, _bus: u8, _frame: &CanFrame) -> Result<(), Unplayed> {
         Ok(())
     }
 }
 
-impl CanEnd for CanPlayer {
+impl CanEnd for CanPlayer<'_> {
     fn advance_to(&mut self, now: Instant) {
         self.now = self.now.max(now);
     }

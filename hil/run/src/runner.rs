@@ -12,6 +12,7 @@ use palpate_core::units::{Duration, Instant};
 use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::Handle;
 use palpate_files::Setup;
+use palpate_records::readings::Readings;
 use palpate_records::trace::{Header, Ledger};
 
 use crate::display_end::{EmulatedDisplay, refuse_hardware};
@@ -20,13 +21,13 @@ use crate::failure::Failure;
 use crate::header::header;
 use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth, milli_c};
-use crate::replay::{Rows, TaxelTable};
+use crate::replay::{CanPlayer, Rows};
 use crate::session::{Session, TICK, Turn};
 use crate::skin_end::{SkinEnd, Tap};
 use crate::summary::finished;
 use crate::tape::Tape;
 use crate::verdict::STOPPED_BY;
-use crate::{Host, Input, Keep, Outcome, TurnView, boards, margins, plan, skin};
+use crate::{Host, Input, Keep, KeptReadings, Outcome, TurnView, boards, margins, plan, skin};
 
 /// [`crate::run()`], keeping more, with a host that measures and looks on.
 ///
@@ -50,13 +51,17 @@ pub fn run_with(
     };
     let outcome = match input {
         Input::Scene => run.scene(host),
-        Input::Rows(tables) => {
-            let rows = Rows::new(tables, &setup.sensor.value, &layout)?;
-            let longest = tables.iter().map(TaxelTable::frames).max().unwrap_or(0);
-            run.replay(|| rows.clone(), longest, rows.end(), host)
+        Input::Rows(sources) => {
+            let longest = sources.iter().map(|s| s.frames()).max().unwrap_or(0);
+            let end = sources.iter().map(|s| s.span_us()).max().unwrap_or(0);
+            let skin = || Rows::new(sources, &setup.sensor.value, &layout);
+            run.replay(skin, longest, Instant::from_micros(end), host)
         }
         Input::Frames(frames) => {
-            let skin = || skin::source(setup, &layout, Tap::new(frames.player(), keep.can));
+            let skin = || {
+                let player = CanPlayer::new(frames.frames()?);
+                Ok(skin::source(setup, &layout, Tap::new(player, keep.can)))
+            };
             run.replay(skin, frames.rows(), frames.end(), host)
         }
     }?;
@@ -96,7 +101,7 @@ impl Run<'_> {
         let end = scene_end(setup);
         let emulated = || skin::emulated(setup, self.layout, self.seed);
         let mut first = on_tape(setup, self.layout, emulated()?);
-        let levels = calibrate(setup, self.seed, &mut first, end)?;
+        let levels = calibrate(setup, self.seed, &mut first, end, host)?;
         let truth = || Truth::Scene(scene.touches.clone(), scene.drives);
         let tape = &mut first.bus_mut().inner;
         // What is watched is played once, also where a tape turns out to be of no use.
@@ -117,11 +122,12 @@ impl Run<'_> {
     /// A recording with `rows` rows that ends at `end`: one pass for levels, one that counts.
     fn replay<S: SkinEnd>(
         &self,
-        skin: impl Fn() -> S,
+        skin: impl Fn() -> Result<S, Failure>,
         rows: usize,
         end: Instant,
         host: &mut dyn Host,
     ) -> Result<Outcome, Failure> {
+        let first = skin()?;
         let reference = self.setup.scene.value.reference_frames;
         if rows <= reference as usize {
             return Err(Failure::Input(format!(
@@ -129,8 +135,17 @@ impl Run<'_> {
             )));
         }
         let end = end + Duration::from_millis(100);
-        let levels = calibrate(self.setup, self.seed, &mut skin(), end)?;
-        Ok(self.project(levels, skin(), Truth::Unknown, end, host)?.0)
+        let ki = self.setup.scene.value.compression.ki;
+        let (levels, skin) = match ki {
+            // Every contact has the one level there is.
+            ..=1 => (Levels::Off, first),
+            _ => {
+                let mut first = first;
+                let levels = calibrate(self.setup, self.seed, &mut first, end, host)?;
+                (levels, skin()?)
+            }
+        };
+        Ok(self.project(levels, skin, Truth::Unknown, end, host)?.0)
     }
 
     /// The pass that counts: the loop between the skin and the emulated display until `end`.
@@ -144,21 +159,36 @@ impl Run<'_> {
     ) -> Result<(Outcome, S), Failure> {
         let projector = build(self.setup, self.seed, levels)?;
         let mut display = EmulatedDisplay::new(self.setup, &projector, self.seed)?;
-        display.keep(self.keep.i2c)?;
+        display.keep(self.keep)?;
         let mut recorder = Recorder::new(truth, projector.layout());
+        recorder.summary = self.keep.summary;
         recorder.counts = host.looks_on().then(Vec::new);
+        let drives = self.setup.scene.value.drives;
+        recorder.readings = match self.keep.readings {
+            KeptReadings::None => None,
+            KeptReadings::Sampled => Some(Readings::sampled(projector.layout(), drives)),
+            KeptReadings::All => Some(Readings::whole(projector.layout(), drives)),
+        };
         let header = header(self.setup, self.seed, &projector)?;
         host.begin(&header, projector.layout(), end)?;
         let ends = (skin, display);
         let policy = Policy::EMULATED;
         let mut session = Session::new(projector, ends, policy, recorder, host.stopwatch());
+        session.thin_costs(self.keep.summary);
         // The policy waits for boards that do not answer, so this cannot fail.
         let mut next = session.start(Instant::ZERO).unwrap_or_default();
         let mut last = end;
+        let calibrated = self.setup.scene.value.compression.ki > 1;
+        let behind = |now| match calibrated {
+            true => HALF + HALF * part(now, end),
+            false => part(now, end),
+        };
         while next < end {
             let now = next;
             match session.turn(now)? {
-                Turn::Next(then) if !look_on(&mut session, host) => next = then,
+                Turn::Next(then) if !look_on(&mut session, host) && !host.passed(behind(now)) => {
+                    next = then;
+                }
                 Turn::Next(_) | Turn::Last => {
                     last = now;
                     break;
@@ -195,13 +225,12 @@ impl Run<'_> {
         effort.calibrated = setup.scene.value.compression.ki > 1;
         let bench = &setup.bench.value;
         let (display, projector, _) = session.all();
-        let samples = display.take_samples();
+        let (samples, currents) = display.take_samples();
         let totals = display.hardware().totals();
         let course = margins::Course {
-            flows: &display.hardware().take_flows(),
+            currents: &currents,
             samples: &samples,
             totals: &totals,
-            wires: projector.display().wires().len(),
         };
         let limits = projector.guard().limits();
         let ledger = Ledger {
@@ -220,6 +249,7 @@ impl Run<'_> {
         effort.finish(projector, recorder);
         summary.faults = display.faults();
         Ok(Outcome {
+            readings: recorder.readings.take(),
             warmth: samples.iter().map(margins::warmth).collect(),
             i2c: boards::transfers(display.hardware()),
             trace,
@@ -253,6 +283,14 @@ fn look_on<S: SkinEnd>(session: &mut Session<S, EmulatedDisplay>, host: &mut dyn
     ended
 }
 
+/// The part of a run that its first pass is, where there are two.
+const HALF: f64 = 0.5;
+
+/// The part of a pass that is over at `now`.
+fn part(now: Instant, end: Instant) -> f64 {
+    now.as_micros() as f64 / end.as_micros().max(1) as f64
+}
+
 /// When a scene ends.
 pub(crate) fn scene_end(setup: &Setup) -> Instant {
     Instant::from_micros((setup.scene.value.length_s * 1e6).round() as u64)
@@ -271,7 +309,7 @@ fn on_tape(setup: &Setup, layout: &Layout, handle: Handle) -> UskinCan<Tap<Tape>
 pub fn scene_levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
     let layout = plan::layout(&setup.sensor.value)?;
     let mut skin = on_tape(setup, &layout, skin::emulated(setup, &layout, seed)?);
-    calibrate(setup, seed, &mut skin, scene_end(setup))
+    calibrate(setup, seed, &mut skin, scene_end(setup), &mut ())
 }
 
 /// Intensities of all contacts, raw counts.
@@ -291,6 +329,7 @@ fn calibrate(
     seed: u64,
     skin: &mut impl SkinEnd,
     end: Instant,
+    host: &mut dyn Host,
 ) -> Result<Levels, Failure> {
     let k = setup.scene.value.compression.ki as usize;
     if k <= 1 {
@@ -299,7 +338,7 @@ fn calibrate(
     let mut projector = made(setup, plan::untextured(setup, seed, Levels::Off)?)?;
     let mut intensities = Intensities::default();
     let mut now = Instant::ZERO;
-    while now < end {
+    while now < end && !host.passed(HALF * part(now, end)) {
         skin.advance_to(now);
         let polled = projector.poll(now, skin, &mut Silence, &mut intensities);
         polled.map_err(|e| match e {

@@ -341,6 +341,11 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         self.times.take()
     }
 
+    /// Keeps the costs of some frames in place of all of them.
+    pub const fn thin_costs(&mut self, thin: bool) {
+        self.times.thin = thin;
+    }
+
     /// What updates came to on the actuator buses.
     pub fn traffic(&mut self) -> Traffic {
         self.display.parts().0.traffic()

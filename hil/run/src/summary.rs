@@ -3,7 +3,7 @@
 use palpate_core::projector::Projector;
 use palpate_core::skin::{Condition, HealthSummary};
 use palpate_core::units::Instant;
-use palpate_records::felt::{decibels, energy_permille, felt_scores};
+use palpate_records::felt::{decibels, energies, felt_level, felt_scores};
 use palpate_records::margin::{Limited, Margin};
 use palpate_records::measure::{Errors, path_error};
 use palpate_records::trace::{Event, Header, Ledger, Source, Trace};
@@ -28,6 +28,34 @@ pub struct PathError {
     pub max: f64,
 }
 
+/// How far over threshold what was felt is, and by whom: the headline.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[allow(missing_docs)] // the keys say what they are, with their units
+pub struct FeltSummary {
+    /// The emulated person.
+    pub person: String,
+    /// The wires' file.
+    pub preset: String,
+    /// Over the onsets with a contact inside the display; null where there was none.
+    pub level_db: Option<LevelDb>,
+    pub error_energy_mm: Option<PathError>,
+    pub error_amplitude_mm: Option<PathError>,
+    pub breaks: u64,
+    /// By the energy centroid.
+    pub jumps: u64,
+    /// Onsets that feel like taps.
+    pub taps: u64,
+}
+
+/// Level over threshold, dB.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LevelDb {
+    /// Half of the onsets are weaker.
+    pub median: f64,
+    /// One in twenty is.
+    pub p5: f64,
+}
+
 /// The same of what is felt, and where nothing is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FeltError {
@@ -35,15 +63,15 @@ pub struct FeltError {
     pub rmse: Option<f64>,
     /// Largest.
     pub max: Option<f64>,
-    /// Onsets with a contact inside the hull and no wire above threshold.
+    /// Onsets with a contact inside the hull and a level below threshold.
     pub breaks: u64,
     /// Onsets at which the felt place went further than the contact by a step that can be felt.
     pub jumps: u64,
-    /// Which perceiver says so.
+    /// Which centroid says so.
     pub perceiver: &'static str,
 }
 
-/// Energy asked of all wires together over one wire's, dB, over the onsets inside the display.
+/// Energy of all wires together over one wire's, dB, over the onsets inside the display.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EnergyDb {
     /// The deepest dip.
@@ -158,8 +186,12 @@ pub struct Summary {
     pub contacts: u64,
     pub stimuli: u64,
     pub path_error_mm: Option<PathError>,
+    pub felt: FeltSummary,
     pub felt_error_mm: FeltError,
     pub felt_error_amplitude_mm: FeltError,
+    pub requested_energy_db: Option<EnergyDb>,
+    pub applied_energy_db: Option<EnergyDb>,
+    /// What flowed, as the filter of a person's skin lets it through.
     pub felt_energy_db: Option<EnergyDb>,
     /// Null on a real bench, which does not measure it.
     pub energy_mj: Option<f64>,
@@ -189,6 +221,31 @@ pub struct Summary {
 
 fn mm(um: u64) -> f64 {
     um as f64 * 1e-3
+}
+
+impl FeltSummary {
+    /// Of a run whose errors by both centroids are known.
+    fn of(trace: &Trace, [energy, amplitude]: [&FeltError; 2]) -> Self {
+        let level = felt_level(trace);
+        let decibels = |mdb: i32| f64::from(mdb) * 1e-3;
+        let error = |felt: &FeltError| {
+            let (rmse, max) = (felt.rmse?, felt.max?);
+            Some(PathError { rmse, max })
+        };
+        Self {
+            person: trace.header.person.clone(),
+            preset: trace.header.preset.clone(),
+            level_db: level.map(|level| LevelDb {
+                median: decibels(level.median_mdb),
+                p5: decibels(level.p5_mdb),
+            }),
+            error_energy_mm: error(energy),
+            error_amplitude_mm: error(amplitude),
+            breaks: energy.breaks,
+            jumps: energy.jumps,
+            taps: level.map_or(0, |level| level.taps),
+        }
+    }
 }
 
 impl TextureSummary {
@@ -275,6 +332,12 @@ impl Summary {
                 perceiver: score.perceiver,
             }
         });
+        let energy = |(_, (min, max))| EnergyDb {
+            min: decibels(min),
+            max: decibels(max),
+        };
+        let [requested, applied, felt_energy] =
+            energies(trace).map_or([None; 3], |all| all.map(|e| Some(energy(e))));
         let ledger = &trace.ledger;
         let emulated = trace.header.source == Source::Emulated;
         let worst = |of| ledger.margin(of).map(Margin::worst);
@@ -288,12 +351,12 @@ impl Summary {
             contacts: recorder.contacts,
             stimuli: ledger.driven.stimuli,
             path_error_mm: path,
+            felt: FeltSummary::of(trace, [&felt, &felt_amplitude]),
             felt_error_mm: felt,
             felt_error_amplitude_mm: felt_amplitude,
-            felt_energy_db: energy_permille(trace).map(|(min, max)| EnergyDb {
-                min: decibels(min),
-                max: decibels(max),
-            }),
+            requested_energy_db: requested,
+            applied_energy_db: applied,
+            felt_energy_db: felt_energy,
             energy_mj: emulated.then_some(ledger.energy_uj as f64 * 1e-3),
             peak_supply_a: worst(Limited::SupplyCurrent),
             hottest_wire_c: ledger.hottest_wire.map(|(t, _)| f64::from(t) * 1e-3),

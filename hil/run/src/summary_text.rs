@@ -6,7 +6,7 @@ use palpate_records::margin::{Limited, Margin};
 use palpate_records::trace::Source;
 
 use crate::boards::{BoardReport, BusReport};
-use crate::summary::{FeltError, Summary, Taxels, TextureSummary};
+use crate::summary::{EnergyDb, FeltError, FeltSummary, Summary, Taxels, TextureSummary};
 
 /// Three digits or so, whatever the size.
 fn short(v: f64) -> String {
@@ -29,19 +29,40 @@ fn counted(count: u64, one: &str) -> String {
 }
 
 impl FeltError {
-    fn line(&self) -> String {
-        let events = format!(
-            "{}, {}",
-            counted(self.breaks, "break"),
-            counted(self.jumps, "jump")
-        );
+    fn words(&self) -> String {
+        let jumps = counted(self.jumps, "jump");
         match (self.rmse, self.max) {
             (Some(rmse), Some(max)) => format!(
-                "{rmse:.2} mm RMSE, {max:.2} mm at most (display, {}), {events}",
+                "{}: {rmse:.2} mm RMSE, {max:.2} mm at most, {jumps}",
                 self.perceiver
             ),
-            _ => format!("- (no true path known), {events}"),
+            _ => format!(
+                "{}: - (nothing felt on a known path), {jumps}",
+                self.perceiver
+            ),
         }
+    }
+}
+
+impl FeltSummary {
+    fn words(&self) -> String {
+        let level = self.level_db.as_ref().map_or("-".into(), |level| {
+            format!(
+                "{:+.1} dB over threshold (median), {:+.1} dB (5 %)",
+                level.median, level.p5
+            )
+        });
+        let breaks = counted(self.breaks, "break");
+        format!(
+            "{level}, {breaks}; person {}, wires {}",
+            self.person, self.preset
+        )
+    }
+}
+
+impl EnergyDb {
+    fn words(&self) -> String {
+        format!("{:.1} to {:.1}", self.min, self.max)
     }
 }
 
@@ -104,10 +125,21 @@ impl Summary {
                 },
             ),
         ];
-        let felt = [&self.felt_error_mm, &self.felt_error_amplitude_mm];
-        lines.extend(felt.map(|felt| line("felt error", felt.line())));
-        if let Some(db) = &self.felt_energy_db {
-            let words = format!("{:.1} to {:.1} dB of one wire's", db.min, db.max);
+        lines.push(line("felt level", self.felt.words()));
+        lines.push(line("felt error", self.felt_error_mm.words()));
+        // The other reading of the literature.
+        lines.push(line("", self.felt_error_amplitude_mm.words()));
+        let all = [
+            (&self.requested_energy_db, "requested"),
+            (&self.applied_energy_db, "applied"),
+            (&self.felt_energy_db, "felt"),
+        ];
+        let energies: Vec<String> = all
+            .into_iter()
+            .filter_map(|(db, name)| Some(format!("{} {name}", db.as_ref()?.words())))
+            .collect();
+        if !energies.is_empty() {
+            let words = format!("{} (dB over one wire's)", energies.join(", "));
             lines.push(line("felt energy", words));
         }
         lines

@@ -31,7 +31,7 @@ fn a_replay_of_the_readings_finds_the_contacts_of_the_scene() {
     let setup = Setup::load("sphere-along", "emulated").unwrap();
     let tables = taxels(&setup, 1).unwrap();
     assert_eq!(tables.len(), 1);
-    let replayed = contacts(&setup, &Input::Rows(tables));
+    let replayed = contacts(&setup, &Input::tables(tables));
     assert_eq!(replayed, contacts(&setup, &Input::Scene));
 }
 

@@ -1,9 +1,10 @@
 //! Signals as their edges, and how a VCD becomes them.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
-use std::io::{BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read};
 
-use vcd::{Command, IdCode, Parser, ScopeItem, TimescaleUnit, Value, VarType};
+use vcd::{Command, IdCode, Parser, TimescaleUnit, Value, VarType};
 
 use super::{MOST_CHANGES, too_long};
 use palpate_files::{FileError, LONGEST_LINE, Text};
@@ -55,19 +56,6 @@ impl Signal {
     }
 }
 
-/// Scalar variables of a scope, with their full names where a plain one is not enough.
-fn scalars(items: &[ScopeItem], found: &mut Vec<(IdCode, String)>) {
-    for item in items {
-        match item {
-            ScopeItem::Scope(scope) => scalars(&scope.items, found),
-            ScopeItem::Var(var) if var.size == 1 && var.var_type != VarType::Real => {
-                found.push((var.code, var.reference.clone()));
-            }
-            _ => {}
-        }
-    }
-}
-
 /// Length of a tick: numerator and denominator of nanoseconds.
 fn tick(count: u32, unit: TimescaleUnit) -> (u64, u64) {
     let count = u64::from(count);
@@ -81,20 +69,84 @@ fn tick(count: u32, unit: TimescaleUnit) -> (u64, u64) {
     }
 }
 
+/// Most bytes of the declarations, and of a comment or a value.
+const MOST_WORDS: u64 = 1 << 20;
+
+/// A stream of which a parser that collects words takes a bounded part at a time.
+struct Portioned<'a, R> {
+    input: R,
+    left: &'a Cell<u64>,
+}
+
+impl<R: Read> Read for Portioned<'_, R> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        if self.left.get() == 0 {
+            let what = format!("declarations, comments or values of more than {MOST_WORDS} bytes");
+            return Err(io::Error::other(what));
+        }
+        let most = out
+            .len()
+            .min(usize::try_from(self.left.get()).unwrap_or(usize::MAX));
+        let read = self.input.read(&mut out[..most])?;
+        self.left.set(self.left.get() - read as u64);
+        Ok(read)
+    }
+}
+
+/// What a dump declares: scalar variables, and the length of a tick.
+struct Declared {
+    scalars: Vec<(IdCode, String)>,
+    timescale: (u32, TimescaleUnit),
+}
+
+/// Reads the declarations one by one: scopes may lie in one another as deep as they like.
+fn declared<R: BufRead>(parser: &mut Parser<R>) -> io::Result<Declared> {
+    let mut found = Declared {
+        scalars: Vec::new(),
+        timescale: (1, TimescaleUnit::NS),
+    };
+    loop {
+        match parser.next().transpose()? {
+            Some(Command::Timescale(count, unit)) => found.timescale = (count, unit),
+            Some(Command::VarDef(kind, 1, code, name, _)) if kind != VarType::Real => {
+                found.scalars.push((code, name));
+            }
+            Some(Command::Enddefinitions) => return Ok(found),
+            Some(
+                Command::VarDef(..)
+                | Command::ScopeDef(..)
+                | Command::Upscope
+                | Command::Comment(_)
+                | Command::Date(_)
+                | Command::Version(_),
+            ) => {}
+            Some(_) => return Err(io::Error::other("a value before $enddefinitions")),
+            None => {
+                let kind = io::ErrorKind::UnexpectedEof;
+                return Err(io::Error::new(kind, "no $enddefinitions"));
+            }
+        }
+    }
+}
+
 pub(super) fn read_vcd(label: &str, input: impl Read) -> Result<Capture, FileError> {
     let mut text = Text::new(label, input, LONGEST_LINE);
-    let mut parser = Parser::new(BufReader::new(&mut text));
-    let header = match parser.parse_header() {
-        Ok(header) => header,
+    let left = Cell::new(MOST_WORDS);
+    let mut parser = Parser::new(BufReader::new(Portioned {
+        input: &mut text,
+        left: &left,
+    }));
+    let Declared {
+        scalars: names,
+        timescale: (count, unit),
+    } = match declared(&mut parser) {
+        Ok(declared) => declared,
         Err(error) => {
-            let mut told = FileError::whole(label, "a value change dump (VCD)", error.to_string());
-            told.line = usize::try_from(parser.line()).ok();
+            let mut told = FileError::of_io(label, "a value change dump (VCD)", error);
+            told.line = told.line.or(usize::try_from(parser.line()).ok());
             return Err(told);
         }
     };
-    let mut names = Vec::new();
-    scalars(&header.items, &mut names);
-    let (count, unit) = header.timescale.unwrap_or((1, TimescaleUnit::NS));
     let (up, down) = tick(count, unit);
     let mut capture = Capture {
         resolution_ns: (up / down).max(1),
@@ -111,7 +163,9 @@ pub(super) fn read_vcd(label: &str, input: impl Read) -> Result<Capture, FileErr
         });
     }
     let (mut now, mut changes) = (0, 0);
-    while let Some(command) = parser.next() {
+    loop {
+        left.set(MOST_WORDS);
+        let Some(command) = parser.next() else { break };
         match command {
             Ok(Command::Timestamp(t)) => now = (t.saturating_mul(up) / down).max(now),
             Ok(Command::ChangeScalar(code, value)) => {

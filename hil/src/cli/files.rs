@@ -160,13 +160,13 @@ pub struct NewLayout {
     #[arg(long, value_enum, value_name = "KIND")]
     pub kind: Option<LayoutKind>,
     /// Rows, from top to bottom (default: 4).
-    #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 256>)]
+    #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 256>, allow_hyphen_values = true)]
     pub rows: Option<u16>,
     /// Columns, from left to right (default: 4).
-    #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 256>)]
+    #[arg(long, value_name = "N", value_parser = whole::<u16, 1, 256>, allow_hyphen_values = true)]
     pub columns: Option<u16>,
     /// Between neighbours, both ways, mm (default: 4.7).
-    #[arg(long, value_name = "MM", value_parser = positive)]
+    #[arg(long, value_name = "MM", value_parser = positive, allow_hyphen_values = true)]
     pub pitch_mm: Option<f64>,
 }
 
@@ -176,13 +176,13 @@ pub struct NewWire {
     #[command(flatten)]
     pub(crate) file: NewFile,
     /// Diameter, micrometres (default: 75).
-    #[arg(long, value_name = "UM", value_parser = positive)]
+    #[arg(long, value_name = "UM", value_parser = positive, allow_hyphen_values = true)]
     pub diameter_um: Option<f64>,
     /// Length between the crimps, mm (default: 5).
-    #[arg(long, value_name = "MM", value_parser = positive)]
+    #[arg(long, value_name = "MM", value_parser = positive, allow_hyphen_values = true)]
     pub length_mm: Option<f64>,
     /// Resistance between the terminals, Ohm (default: computed from the built-in final-75um).
-    #[arg(long, value_name = "OHM", value_parser = positive)]
+    #[arg(long, value_name = "OHM", value_parser = positive, allow_hyphen_values = true)]
     pub resistance_ohm: Option<f64>,
 }
 

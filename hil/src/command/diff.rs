@@ -1,10 +1,10 @@
 //! `hil diff`: two goldens, schedules or recorded contact paths, told in words; a schedule and a capture of its
 //! pins go to `pins`.
 
-use std::io;
 use std::path::Path;
+use std::{fs, io};
 
-use palpate_records::diff::{Recording, Tolerance, compare, compare_recordings, tell};
+use palpate_records::diff::{Contacts, Difference, Tolerance, compare, compare_contacts, tell};
 use palpate_records::story::Story;
 use palpate_records::verdict::Verdict;
 use serde::Serialize;
@@ -12,8 +12,8 @@ use serde::Serialize;
 use super::pins::{is_capture, pins};
 use super::schedules::{damaged, read_log, wires};
 use crate::cli::{Color, DiffArgs};
-use crate::output::print;
-use palpate_files::{FileError, Format};
+use crate::output::{note, print};
+use palpate_files::{FileError, Format, LONGEST_LINE, Lines};
 use palpate_run::Failure;
 
 /// Compares two files.
@@ -29,20 +29,21 @@ pub fn diff(args: &DiffArgs, color: Color) -> Result<(), Failure> {
             "--window: expected a schedule (.jsonl) and a capture (.vcd, .csv) to compare, found other files".into(),
         ));
     }
-    let (name, found) = match (read(&args.a)?, read(&args.b)?) {
-        (File::Story(a), File::Story(b)) if a.kind == b.kind => {
-            let mut tolerance = Tolerance::between(&a, &b);
-            if let Some(ms) = args.tolerance_ms {
-                tolerance.edge_us = (ms * 1e3).round() as u64;
-            }
-            (b.scene.clone(), compare(&a, &b, tolerance))
-        }
+    let (mut a, mut b) = (open(&args.a)?, open(&args.b)?);
+    let (name, found) = match (&mut a, &mut b) {
         (File::Contacts(a), File::Contacts(b)) => {
             let tolerance = Tolerance {
                 place_um: args.tolerance_mm.map_or(0, |mm| (mm * 1e3).round() as u64),
                 ..Tolerance::default()
             };
-            ("contacts".to_owned(), compare_recordings(&a, &b, tolerance))
+            ("contacts".to_owned(), contacts((args, a, b), tolerance)?)
+        }
+        (File::Story(a), File::Story(b)) if a.kind == b.kind => {
+            let mut tolerance = Tolerance::between(a, b);
+            if let Some(ms) = args.tolerance_ms {
+                tolerance.edge_us = (ms * 1e3).round() as u64;
+            }
+            (b.scene.clone(), compare(a, b, tolerance))
         }
         (a, b) => {
             return Err(Failure::Input(format!(
@@ -97,10 +98,10 @@ pub fn diff(args: &DiffArgs, color: Color) -> Result<(), Failure> {
     }
 }
 
-/// What was read.
+/// What was opened: a story is read as a whole, contacts are read while they are compared.
 enum File {
     Story(Box<Story>),
-    Contacts(Recording),
+    Contacts(Lines<fs::File>),
 }
 
 impl File {
@@ -112,26 +113,55 @@ impl File {
     }
 }
 
-/// Reads a golden, or by its first characters a schedule or recorded contacts.
-fn read(path: &Path) -> Result<File, Failure> {
+/// Two recordings, side by side.
+fn contacts(
+    (args, a, b): (&DiffArgs, &mut Lines<fs::File>, &mut Lines<fs::File>),
+    tolerance: Tolerance,
+) -> Result<Vec<Difference>, FileError> {
+    let found = {
+        let mut a = reader(&args.a, a)?;
+        let mut b = reader(&args.b, b)?;
+        compare_contacts(&mut a, &mut b, tolerance)?
+    };
+    for lines in [a, b] {
+        lines.note().iter().for_each(|text| note(text));
+    }
+    Ok(found)
+}
+
+fn reader<'a>(
+    path: &Path,
+    lines: &'a mut Lines<fs::File>,
+) -> Result<Contacts<'a, FileError>, FileError> {
+    let label = path.display().to_string();
+    let next = || Ok(lines.advance()?.map(|(_, line)| line.to_owned()));
+    Contacts::new(next, move |damage| damaged(&label, damage))
+}
+
+/// Opens a golden, or by its first characters a schedule or recorded contacts.
+fn open(path: &Path) -> Result<File, Failure> {
     let label = path.display().to_string();
     let expected = "a golden (.snap), a schedule (.jsonl) or contacts (.csv)";
-    let text = read_log(path, expected)?;
+    let mut lines = Lines::open(path, expected, LONGEST_LINE)?;
     let known = [
         Format::Golden,
         Format::Schedule,
         Format::Contacts,
         Format::Json,
     ];
-    if let Some(format) = Format::of(text.as_bytes()).filter(|f| !known.contains(f)) {
-        return Err(FileError::whole(label, expected, format.noun()).into());
+    match lines.format()? {
+        Some(Format::Contacts) => return Ok(File::Contacts(lines)),
+        Some(format) if !known.contains(&format) => {
+            return Err(FileError::whole(label, expected, format.noun()).into());
+        }
+        _ => {}
     }
+    let text = read_log(lines)?;
     let read = if text.starts_with('{') {
-        Story::of_schedule_file(&text, wires).map(|s| File::Story(Box::new(s)))
-    } else if Recording::is_one(&text) {
-        Recording::read(&text).map(File::Contacts)
+        Story::of_schedule_file(&text, wires)
     } else {
-        Story::read(&text).map(|s| File::Story(Box::new(s)))
+        Story::read(&text)
     };
-    Ok(read.map_err(|damage| damaged(&label, damage))?)
+    let story = read.map_err(|damage| damaged(&label, damage))?;
+    Ok(File::Story(Box::new(story)))
 }

@@ -99,7 +99,7 @@ const fn kind(shelf: Shelf) -> Option<FileKind> {
         Shelf::Benches => FileKind::Bench,
         Shelf::Layouts => FileKind::Layout,
         Shelf::Limits => FileKind::Limits,
-        Shelf::Persons => FileKind::Perceiver,
+        Shelf::Persons => FileKind::Person,
         Shelf::Wearers => FileKind::Wearer,
         Shelf::Wires => FileKind::Wire,
         Shelf::Alloys => FileKind::Alloy,

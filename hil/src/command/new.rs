@@ -265,6 +265,7 @@ fn bench(args: &NewBench) -> Result<String, Failure> {
         read.map(|_| name.to_owned())
     };
     let wire = value(&args.wire, "wire", "final-75um", known)?;
+    load_wire(&wire)?;
     let current = value(
         &args.current_ma,
         "current of a wire that is on, mA",

@@ -10,6 +10,7 @@ use super::schedules::{damaged, read_log, wires};
 use crate::capture::{self, Comparison, Measurement};
 use crate::cli::{Color, DiffArgs};
 use crate::output::{note, print};
+use palpate_files::{LONGEST_LINE, Lines};
 use palpate_run::Failure;
 
 /// Whether the second of two files is a capture, by their names: beside anything but a schedule a CSV is one of
@@ -26,7 +27,8 @@ pub(super) fn is_capture(a: &Path, b: &Path) -> bool {
 /// the capture lacks something that was planned.
 pub(super) fn pins(args: &DiffArgs, color: Color) -> Result<(), Failure> {
     let label = args.a.display().to_string();
-    let text = read_log(&args.a, "a schedule (.jsonl)")?;
+    let lines = Lines::open(&args.a, "a schedule (.jsonl)", LONGEST_LINE)?;
+    let text = read_log(lines)?;
     let trace = read_schedule(&text, wires).map_err(|damage| damaged(&label, damage))?;
     let seen = capture::read(&args.b)?;
     let found = capture::compare(&trace, &seen, &args.pin, args.window)?;

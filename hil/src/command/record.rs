@@ -23,11 +23,11 @@ pub fn record(args: &RecordArgs) -> Result<(), Failure> {
         ))),
     };
     let files: Vec<_> = args.files.iter().map(kind).collect::<Result<_, _>>()?;
+    let outputs = Outputs {
+        force: args.force,
+        ..Outputs::NEW
+    };
     for (kind, path) in &files {
-        let outputs = Outputs {
-            force: args.force,
-            inputs: &[],
-        };
         outputs.check(path, kind.format())?;
     }
     let length = args
@@ -36,7 +36,7 @@ pub fn record(args: &RecordArgs) -> Result<(), Failure> {
     if !args.voice.quiet {
         note(&format!("recording {}; Ctrl-C stops", args.can.join(", ")));
     }
-    let recorded = record::record(&args.can, &files, length)?;
+    let recorded = record::record(&args.can, &files, length, outputs)?;
     if args.voice.json {
         return print(|out| {
             serde_json::to_writer(&mut *out, &recorded)?;

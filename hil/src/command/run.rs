@@ -21,7 +21,7 @@ use crate::trial::{Trial, TrialEnd, judge, junit};
 use palpate_files::{
     BenchKind, DRIFT_S, Format as FileFormat, Overrides, Setup, THRESHOLD_FLOOR, Timing, load_scene,
 };
-use palpate_run::{Failure, Input, Keep, Outcome, Refresh, attachments, run_with};
+use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome, Refresh, attachments, run_with};
 
 use crate::record::Kind as LiveKind;
 
@@ -116,6 +116,17 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     let keep = Keep {
         can: wants(Format::Can) || wants(Format::Mcap),
         i2c: wants(Format::Mcap),
+        readings: match (wants(Format::Mcap), wants(Format::Report)) {
+            (true, _) => KeptReadings::All,
+            (false, true) => KeptReadings::Sampled,
+            (false, false) => KeptReadings::None,
+        },
+        // A recording may last a day; nothing else looks at what this leaves out.
+        summary: !args.replay.is_empty()
+            && files.is_empty()
+            && args.junit.is_none()
+            && !args.watch
+            && !args.explain,
     };
     let mut outcome = if setup.bench.value.kind == BenchKind::Real {
         let (live, later) = split(files);
@@ -220,7 +231,11 @@ fn on_hardware(
         quiet: args.voice.quiet,
         watched: args.watch,
     };
-    real::run(setup, args.on.seed, live, told)
+    let outputs = Outputs {
+        force: args.force,
+        ..Outputs::NEW
+    };
+    real::run(setup, args.on.seed, (live, outputs), told)
 }
 
 /// Says what a run came to, in the form that the command line chose.
@@ -407,6 +422,7 @@ fn report(outcome: &Outcome) -> String {
         &ReportExtras {
             frame_us: &outcome.frame_us,
             summary: &rows,
+            readings: outcome.readings.as_ref(),
             warmth: &outcome.warmth,
             made: &made(),
             conclusion: Some(&s.conclusion),

@@ -1,28 +1,29 @@
 //! What comparisons of schedules share: the words for a damaged file, and the wires of a bench.
 
-use palpate_files::{FileError, LONGEST_LINE, LayoutFile, Lines, load_bench, load_layout};
-use std::path::Path;
+use std::fs::File;
+
+use palpate_files::{FileError, LayoutFile, Lines, load_bench, load_layout};
 
 use crate::output::note;
 use palpate_records::damage::Damage;
 use palpate_records::trace::{PlaceUm, WireInfo};
 
-/// Most bytes of a file that is compared: both are held as a whole. Contacts of ten hours have that.
-const MOST: u64 = 32 << 20;
+/// Most bytes of a golden or schedule that is compared: both are held as a whole.
+pub(super) const MOST: u64 = 32 << 20;
 
-/// A golden, schedule or table of contacts, without the tail of NULs that a power cut leaves, which a note names.
+/// A golden or schedule, without the tail of NULs that a power cut leaves, which a note names.
 ///
 /// # Errors
 /// A file that cannot be read, or is longer than 32 MiB.
-pub(super) fn read_log(path: &Path, expected: &str) -> Result<String, FileError> {
-    let mut lines = Lines::open(path, expected, LONGEST_LINE)?;
+pub(super) fn read_log(mut lines: Lines<File>) -> Result<String, FileError> {
+    let label = lines.label().to_owned();
     let mut text = String::new();
     while let Some((number, line)) = lines.advance()? {
         if text.len() as u64 + line.len() as u64 > MOST {
             return Err(FileError {
                 line: Some(number),
                 ..FileError::whole(
-                    path.display().to_string(),
+                    &label,
                     format!("a file of at most {MOST} bytes"),
                     "more (compare parts of it)",
                 )

@@ -14,6 +14,7 @@ use palpate_core::projector::Projector;
 use palpate_core::skin::UskinCan;
 use palpate_core::units::Instant;
 use palpate_files::{Real, Setup};
+use palpate_records::readings::Readings;
 use palpate_records::trace::{Header, Ledger};
 use palpate_run::display_end::DisplayEnd;
 use palpate_run::effort::Effort;
@@ -26,7 +27,7 @@ use palpate_run::{
 use crate::clock;
 use crate::host::open_watch;
 use crate::interfaces::reports;
-use crate::output::note;
+use crate::output::{Outputs, note};
 use crate::record::{About, Journal, Kind, Sink};
 use crate::watch::Watch;
 
@@ -64,7 +65,7 @@ struct Done {
 pub fn run(
     setup: &Setup,
     seed: u64,
-    files: &[(Kind, PathBuf)],
+    (files, outputs): (&[(Kind, PathBuf)], Outputs<'_>),
     told: Told,
 ) -> Result<Outcome, Failure> {
     let started = clock::elapsed();
@@ -87,7 +88,7 @@ pub fn run(
     };
     let projector = build(setup, seed, levels)?;
     let (header, attached) = (header(setup, seed, &projector)?, attachments(setup));
-    let sinks = Sink::create_all(files, &About::Run(&header, &attached))?;
+    let sinks = Sink::create_all(files, &About::Run(&header, &attached), outputs)?;
     let journal = Journal::start(sinks, !told.quiet && !told.watched)?;
     let keeps_can = |kind: Kind| matches!(kind, Kind::Can | Kind::Mcap);
     let keeps_can = files.iter().any(|(kind, _)| keeps_can(*kind));
@@ -102,6 +103,7 @@ pub fn run(
         real,
         signals,
         length,
+        drives: setup.scene.value.drives,
         journal,
         watch,
     };
@@ -126,6 +128,7 @@ struct Turns<'a> {
     real: &'a Real,
     signals: Signals,
     length: Instant,
+    drives: usize,
     journal: Journal,
     watch: Option<Watch>,
 }
@@ -140,6 +143,7 @@ impl Turns<'_> {
     ) -> Result<Done, Failure> {
         let mut recorder = Recorder::new(Truth::Unknown, projector.layout());
         recorder.counts = self.watch.is_some().then(Vec::new);
+        recorder.readings = Some(Readings::sampled(projector.layout(), self.drives));
         let realtime = match self.real.realtime {
             Some(false) => false,
             None => take_priority().is_ok(),
@@ -308,6 +312,7 @@ fn outcome(setup: &Setup, header: Header, mut done: Done) -> Outcome {
     let (trace, mut summary) = finished(session, header, ledger, &costs, &setup.bench.value);
     let (_, projector, recorder) = session.all();
     effort.finish(projector, recorder);
+    let readings = recorder.readings.take();
     summary.pacing = Some(pacing(&done.lateness, done.realtime));
     let names = setup.bench.value.real.as_ref().map(|real| &*real.can);
     let tallies = session.skin().bus().inner.0.tallies();
@@ -316,6 +321,7 @@ fn outcome(setup: &Setup, header: Header, mut done: Done) -> Outcome {
     Outcome {
         // Nothing measures a real finger.
         warmth: Vec::new(),
+        readings,
         trace,
         summary,
         frame_us: costs.iter().map(|c| c.us).collect(),

@@ -10,6 +10,7 @@ use palpate_core::codec::can::CanFrame;
 use palpate_core::units::Instant;
 
 use super::*;
+use crate::output::Outputs;
 use crate::record::sink::{About, Kind};
 use palpate_files::Setup;
 use palpate_run::{Input, Keep, run_with};
@@ -38,7 +39,11 @@ fn pieces_make_the_same_files_as_a_whole_run() {
         (Kind::Mcap, path("m.mcap")),
     ];
     let about = About::Run(&trace.header, &[]);
-    let mut journal = Journal::start(Sink::create_all(&files, &about).unwrap(), false).unwrap();
+    let mut journal = Journal::start(
+        Sink::create_all(&files, &about, Outputs::NEW).unwrap(),
+        false,
+    )
+    .unwrap();
     let mut sent = 0;
     for end in 0..=trace.events.len() {
         let at = |i: usize| trace.events.get(i).map(Event::t_ns);
@@ -87,7 +92,7 @@ fn a_full_disk_is_noticed() {
     let header = run().0.header;
     for kind in [Kind::Contacts, Kind::Mcap, Kind::Vcd] {
         let files = [(kind, PathBuf::from("/dev/full"))];
-        let refused = Sink::create_all(&files, &About::Run(&header, &[]));
+        let refused = Sink::create_all(&files, &About::Run(&header, &[]), Outputs::NEW);
         assert_eq!(refused.err().unwrap().status(), 3, "{kind:?}");
     }
 }

@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::{About, Journal, Kind, Sink};
 use crate::clock;
 use crate::interfaces::reports;
+use crate::output::Outputs;
 use palpate_buses::signals::Signals;
 use palpate_run::CanReport;
 use palpate_run::Failure;
@@ -43,13 +44,15 @@ pub fn record(
     interfaces: &[String],
     files: &[(Kind, PathBuf)],
     length: Option<Duration>,
+    outputs: Outputs<'_>,
 ) -> Result<Recorded, Failure> {
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
     let all = interfaces.iter().map(|name| (name.clone(), Vec::new()));
     let (clock, epoch_us) = (RunClock::start(), clock::unix_us());
     let can = CanBuses::open(&all.collect::<Vec<_>>(), clock)
         .map_err(|e| Failure::Device(e.to_string()))?;
-    let journal = Journal::start(Sink::create_all(files, &About::Buses(interfaces))?, false)?;
+    let sinks = Sink::create_all(files, &About::Buses(interfaces), outputs)?;
+    let journal = Journal::start(sinks, false)?;
     let stop = |now: Instant| {
         signals.caught().is_some() || length.is_some_and(|l| now >= Instant::ZERO + l)
     };

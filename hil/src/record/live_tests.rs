@@ -6,6 +6,7 @@ use std::os::unix::net::UnixDatagram;
 use palpate_buses::can::Endpoint;
 
 use super::*;
+use crate::output::Outputs;
 use crate::recording::read_can_recording;
 
 /// What comes over a bus is in the files, with times of the wall clock, and can be read again.
@@ -23,7 +24,7 @@ fn a_bus_is_recorded_in_both_formats() {
         (Kind::Mcap, folder.join("a.mcap")),
     ];
     let names = ["test0".to_owned()];
-    let sinks = Sink::create_all(&files, &About::Buses(&names)).unwrap();
+    let sinks = Sink::create_all(&files, &About::Buses(&names), Outputs::NEW).unwrap();
     let journal = Journal::start(sinks, false).unwrap();
     for n in 0..100_u8 {
         let mut raw = [0; 16];
@@ -43,9 +44,17 @@ fn a_bus_is_recorded_in_both_formats() {
     );
     let log = read_can_recording(&files[0].1, 1, false).unwrap();
     let mcap = read_can_recording(&files[1].1, 1, false).unwrap();
-    assert_eq!(log, mcap);
-    assert_eq!((log.frames.len(), &log.interfaces[0][..]), (100, "test0"));
-    for (n, received) in log.frames.iter().enumerate() {
+    let frames = |source: &crate::recording::CanRecording| -> Vec<Received> {
+        let frames = source.frames.frames().unwrap();
+        frames.map(Result::unwrap).collect()
+    };
+    assert_eq!(frames(&log), frames(&mcap));
+    assert_eq!(
+        (&log.interfaces, &log.notes),
+        (&mcap.interfaces, &mcap.notes)
+    );
+    assert_eq!((frames(&log).len(), &log.interfaces[0][..]), (100, "test0"));
+    for (n, received) in frames(&log).iter().enumerate() {
         assert_eq!(usize::from(received.frame.data()[0]), n);
     }
     std::fs::remove_dir_all(&folder).unwrap();

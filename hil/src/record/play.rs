@@ -39,11 +39,15 @@ pub fn play(recording: &CanRecording, interfaces: &[String]) -> Result<Played, F
     let mut open: Vec<Interface> = interfaces.iter().map(open).collect::<Result<_, _>>()?;
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
     let (clock, mut lateness) = (RunClock::start(), Lateness::default());
-    let mut frames = recording.frames.clone();
-    frames.sort_by_key(|r| r.at);
-    let first = frames.first().map_or(Instant::ZERO, |r| r.at);
-    let mut played = 0;
-    for received in &frames {
+    let mut first = None;
+    let (mut stopped, mut left) = (false, 0);
+    for received in recording.frames.frames()? {
+        let received = received?;
+        if stopped {
+            left += 1;
+            continue;
+        }
+        let first = *first.get_or_insert(received.at);
         let due = Instant::ZERO + received.at.since(first);
         let mut now = clock.now();
         while now < due && signals.caught().is_none() {
@@ -51,19 +55,19 @@ pub fn play(recording: &CanRecording, interfaces: &[String]) -> Result<Played, F
             now = clock.now();
         }
         if signals.caught().is_some() {
-            break;
+            (stopped, left) = (true, 1);
+            continue;
         }
         lateness.note(due, now);
         if let Some(interface) = open.get_mut(usize::from(received.bus)) {
             let sent = interface.send(&received.frame);
             sent.map_err(|e| gone(interface.name(), e))?;
         }
-        played += 1;
     }
     Ok(Played {
         sent: open.iter().map(|i| i.counts().sent).sum(),
         lost: open.iter().map(|i| i.counts().lost).sum(),
-        left: frames.len() as u64 - played,
+        left,
         late_median_us: lateness.quantile_us(0.5),
         late_worst_us: lateness.worst_us(),
         length_ms: clock.now().as_micros() / 1000,

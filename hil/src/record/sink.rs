@@ -11,7 +11,7 @@ use palpate_records::vcd::Vcd;
 use palpate_records::{contacts_csv, schedule};
 
 use super::piece::Piece;
-use crate::output::write_sidecar;
+use crate::output::{Outputs, write_sidecar};
 use crate::recording::write_can_log;
 use palpate_run::Failure;
 
@@ -109,16 +109,22 @@ impl Sink {
     /// Creates files with what comes first in them.
     ///
     /// # Errors
-    /// [`Failure::Write`] for the first that cannot be written, [`Failure::Input`] for a format that buses
-    /// alone do not fill.
-    pub fn create_all(files: &[(Kind, PathBuf)], about: &About<'_>) -> Result<Vec<Self>, Failure> {
-        let create = |(kind, path): &(Kind, PathBuf)| Self::create(*kind, path, about);
+    /// [`Failure::Write`] for the first that cannot be written, [`Failure::Input`] for one that may not be replaced and
+    /// for a format that buses alone do not fill.
+    pub fn create_all(
+        files: &[(Kind, PathBuf)],
+        about: &About<'_>,
+        outputs: Outputs<'_>,
+    ) -> Result<Vec<Self>, Failure> {
+        let create = |(kind, path): &(Kind, PathBuf)| {
+            let file = outputs.grow(path, kind.format())?;
+            Self::create(*kind, path, file, about)
+        };
         files.iter().map(create).collect()
     }
 
-    fn create(kind: Kind, path: &Path, about: &About<'_>) -> Result<Self, Failure> {
+    fn create(kind: Kind, path: &Path, file: File, about: &About<'_>) -> Result<Self, Failure> {
         let told = |error| failure(path, error);
-        let file = File::create(path).map_err(told)?;
         let form = match (kind, about) {
             (Kind::Mcap, _) => {
                 let out = BufWriter::with_capacity(1 << 16, file);

@@ -1,27 +1,37 @@
 //! Recordings of CAN buses: logs in the format of can-utils' `candump -l`, in and out, and MCAP files, in.
+//!
+//! A recording is read through once: that says whether it is whole, its buses and when it begins. A short one is held
+//! from then on, a long one is read again for every pass, with the frames of its last second in memory.
 
+use std::collections::BTreeMap;
+use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use palpate_core::bus::Received;
 use palpate_core::units::Instant;
 use palpate_records::{candump, mcap};
 
-use palpate_files::{FileError, Format, Lines, OutOfTime, Times, format_of, open};
+use palpate_files::{
+    DISORDER_US, FileError, Format, Lines, OutOfTime, Times, format_of, is_stream, open,
+};
+use palpate_run::{CanFrames, Failure, FrameSource, Frames, Identifiers};
 
 /// Frames of a recorded bus.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct CanRecording {
-    /// In the order of the file.
-    pub frames: Vec<Received>,
+    /// The oldest first.
+    pub frames: Arc<dyn FrameSource>,
     /// The interfaces, bus by bus.
     pub interfaces: Vec<String>,
     /// What is to be said of the file: that it was cut short, and where.
     pub notes: Vec<String>,
 }
 
-/// Most frames of a recording that a run holds, 24 bytes each.
-const MOST_FRAMES: usize = 8 << 20;
+/// Most frames of a file that are held, 24 bytes each; of a stream, which can be read only once.
+const HELD: usize = 1 << 19;
+const HELD_OF_STREAM: usize = 4 << 20;
 /// Longest line of a log, bytes: that of a CAN FD frame has 170.
 const LONGEST: usize = 4096;
 
@@ -47,22 +57,39 @@ pub fn is_can_recording(path: &Path) -> bool {
 ///
 /// # Errors
 /// An unreadable file, the first malformed line, a jump of the clock, no classic data frame, more buses than that, or
-/// more than 8 million frames.
+/// a stream of more than 4 million frames.
 pub fn read_can_recording(
     path: &Path,
     buses: usize,
     split_jumps: bool,
 ) -> Result<CanRecording, FileError> {
-    let label = path.display().to_string();
-    let times = Times::new(split_jumps);
-    match format_of(path) {
-        Some(Format::Mcap) => parse_mcap(&label, open(path, EXPECTED)?, buses, times),
-        None if path.extension().is_some_and(|e| e == "mcap") => {
-            parse_mcap(&label, open(path, EXPECTED)?, buses, times)
+    let pass = Pass::open(path, split_jumps)?;
+    let (most, stream) = match is_stream(path) {
+        true => (HELD_OF_STREAM, true),
+        false => (HELD, false),
+    };
+    let (through, interfaces, notes) = pass.through(buses, most, stream)?;
+    let Through {
+        held, start, rows, ..
+    } = through;
+    let frames: Arc<dyn FrameSource> = match held {
+        Some(mut frames) => {
+            frames.iter_mut().for_each(|frame| start.place(frame));
+            Arc::new(CanFrames::new(frames))
         }
-        Some(Format::Candump) | None => parse(Lines::open(path, EXPECTED, LONGEST)?, buses, times),
-        Some(format) => Err(FileError::whole(label, EXPECTED, format.noun())),
-    }
+        None => Arc::new(LongRecording {
+            path: path.into(),
+            split_jumps,
+            rows: rows.most(),
+            end: start.time(through.newest_us),
+            start,
+        }),
+    };
+    Ok(CanRecording {
+        frames,
+        interfaces,
+        notes,
+    })
 }
 
 /// What this reads, for errors.
@@ -73,161 +100,375 @@ fn too_many(label: &str, buses: usize, found: String) -> FileError {
     FileError::whole(label, expected, found)
 }
 
-fn too_long(label: &str) -> FileError {
-    let expected = format!("at most {MOST_FRAMES} frames");
-    FileError::whole(label, expected, "more (cut the recording)")
+/// Where a run begins in a recording: its time zero, and which of the run's buses each of its buses is.
+#[derive(Clone, Debug, Default)]
+struct Start {
+    zero_us: u64,
+    /// By the number of the recording's bus; empty: its own.
+    buses: Vec<u8>,
 }
 
-/// Whole seconds of the first frame are none of a run's business.
-fn from_first_second(frames: &mut [Received]) {
-    let first = frames.iter().map(|r| r.at.as_micros()).min();
-    let zero = first.map_or(0, |us| us - us % 1_000_000);
-    for received in frames {
-        received.at = Instant::from_micros(received.at.as_micros() - zero);
+impl Start {
+    const fn time(&self, us: u64) -> Instant {
+        Instant::from_micros(us.saturating_sub(self.zero_us))
+    }
+
+    fn place(&self, received: &mut Received) {
+        received.at = self.time(received.at.as_micros());
+        let bus = self.buses.get(usize::from(received.bus));
+        received.bus = bus.copied().unwrap_or(received.bus);
     }
 }
 
-fn parse_mcap(
-    label: &str,
-    file: impl Read,
-    buses: usize,
-    mut times: Times,
-) -> Result<CanRecording, FileError> {
-    let mut frames: Vec<Received> = Vec::new();
-    let mut take = |mut frame: Received| {
-        let refused = |expected: String, found: String| mcap::Unreadable { expected, found };
-        if frames.len() == MOST_FRAMES {
-            let error = too_long(label);
-            return Err(refused(error.expected, error.found));
+/// What reading a recording through came to.
+#[derive(Default)]
+struct Through {
+    /// Its frames, where they are few.
+    held: Option<Vec<Received>>,
+    count: usize,
+    rows: Identifiers,
+    first_us: Option<u64>,
+    newest_us: u64,
+    highest: Option<u8>,
+    start: Start,
+}
+
+/// A recording that is read from its first frame to its last.
+enum Pass<R> {
+    Log(Log<R>),
+    Mcap(Mcap<R>),
+}
+
+impl Pass<File> {
+    fn open(path: &Path, split_jumps: bool) -> Result<Self, FileError> {
+        let label = path.display().to_string();
+        let times = Times::new(split_jumps);
+        let is_mcap = match format_of(path) {
+            Some(Format::Mcap) => true,
+            Some(Format::Candump) => false,
+            None => path.extension().is_some_and(|e| e == "mcap"),
+            Some(format) => return Err(FileError::whole(label, EXPECTED, format.noun())),
+        };
+        if !is_mcap {
+            let lines = Lines::open(path, EXPECTED, LONGEST)?;
+            return Ok(Self::Log(Log::new(lines, times)));
         }
+        let reader = mcap::McapReader::new(BufReader::new(open(path, EXPECTED)?));
+        Ok(Self::Mcap(Mcap {
+            reader: reader.map_err(|e| FileError::whole(&label, e.expected, e.found))?,
+            label,
+            times,
+            count: 0,
+        }))
+    }
+}
+
+impl<R: Read> Pass<R> {
+    /// The next frame in the order of the file, with the file's time and bus.
+    fn advance(&mut self) -> Result<Option<Received>, FileError> {
+        match self {
+            Self::Log(log) => log.advance(),
+            Self::Mcap(mcap) => mcap.advance(),
+        }
+    }
+
+    /// Reads all of it, and holds up to `most` frames: also the interfaces, and what is to be said of the file.
+    fn through(
+        mut self,
+        buses: usize,
+        most: usize,
+        is_stream: bool,
+    ) -> Result<(Through, Vec<String>, Vec<String>), FileError> {
+        let mut through = Through {
+            held: Some(Vec::new()),
+            ..Through::default()
+        };
+        while let Some(frame) = self.advance()? {
+            let us = frame.at.as_micros();
+            through.count += 1;
+            through.rows.add(&frame);
+            through.first_us = Some(through.first_us.map_or(us, |first| first.min(us)));
+            through.newest_us = through.newest_us.max(us);
+            through.highest = through.highest.max(Some(frame.bus));
+            match &mut through.held {
+                Some(held) if held.len() < most => held.push(frame),
+                Some(_) if is_stream => {
+                    return Err(FileError::whole(
+                        self.label(),
+                        format!("a pipe of at most {most} frames, which are held"),
+                        "more (save it as a file, which is read as it is played)",
+                    ));
+                }
+                held => *held = None,
+            }
+        }
+        let (interfaces, notes) = match self {
+            Self::Log(log) => log.finish(&mut through, buses),
+            Self::Mcap(mcap) => mcap.finish(&mut through, buses),
+        }?;
+        Ok((through, interfaces, notes))
+    }
+
+    fn label(&self) -> &str {
+        match self {
+            Self::Log(log) => log.lines.label(),
+            Self::Mcap(mcap) => &mcap.label,
+        }
+    }
+}
+
+impl Through {
+    /// Whole seconds of the first frame are none of a run's business.
+    fn from_first_second(&mut self) {
+        let first = self.first_us.unwrap_or(0);
+        self.start.zero_us = first - first % 1_000_000;
+    }
+}
+
+/// An MCAP file.
+struct Mcap<R> {
+    label: String,
+    reader: mcap::McapReader<BufReader<R>>,
+    times: Times,
+    count: usize,
+}
+
+impl<R: Read> Mcap<R> {
+    fn advance(&mut self) -> Result<Option<Received>, FileError> {
+        let refused =
+            |label: &str, e: mcap::Unreadable| FileError::whole(label, e.expected, e.found);
+        let next = self.reader.advance();
+        let Some(mut frame) = next.map_err(|e| refused(&self.label, e))? else {
+            return Ok(None);
+        };
+        self.count += 1;
         let us = frame.at.as_micros();
-        let place = format!("{label}: frame {}", frames.len() + 1);
-        let time = times.frame(&place, us).map_err(|e| {
+        let place = format_args!("{}: frame {}", self.label, self.count).to_string();
+        let time = self.times.frame(&place, us).map_err(|e| {
             let found = e.found.unwrap_or_else(|| format!("{us} us"));
-            refused(e.expected, format!("frame {}: {found}", frames.len() + 1))
+            FileError::whole(
+                &self.label,
+                e.expected,
+                format!("frame {}: {found}", self.count),
+            )
         })?;
         frame.at = Instant::from_micros(time);
-        frames.push(frame);
-        Ok(())
-    };
-    let read = mcap::read_from(BufReader::new(file), &mut take)
-        .map_err(|e| FileError::whole(label, e.expected, e.found))?;
-    let mut notes = times.take_notes();
-    if !read.damages.is_empty() {
-        let damages: Vec<_> = read
-            .damages
-            .iter()
-            .take(4)
-            .map(ToString::to_string)
-            .collect();
-        notes.push(format!(
-            "{label}: {}; read {} messages, {} of them CAN frames, until {:.3} s",
-            damages.join("; "),
-            read.messages,
-            frames.len(),
-            read.last_ns as f64 * 1e-9
-        ));
+        Ok(Some(frame))
     }
-    let Some(highest) = frames.iter().map(|r| usize::from(r.bus)).max() else {
-        let expected = "frames on the topic /can";
-        let found = notes.pop().unwrap_or_else(|| "none".into());
-        return Err(FileError::whole(label, expected, found));
-    };
-    let interfaces: Vec<String> = match read.metadata.get("interfaces") {
-        Some(names) => names.split(',').map(str::to_owned).collect(),
-        None => (0..=highest).map(|bus| format!("can{bus}")).collect(),
-    };
-    if highest >= buses {
-        let found = format!("{}: {}", highest + 1, interfaces.join(", "));
-        return Err(too_many(label, buses, found));
+
+    fn finish(
+        mut self,
+        through: &mut Through,
+        buses: usize,
+    ) -> Result<(Vec<String>, Vec<String>), FileError> {
+        let label = self.label;
+        let read = self.reader.into_read();
+        let read = read.map_err(|e| FileError::whole(&label, e.expected, e.found))?;
+        let mut notes = self.times.take_notes();
+        if !read.damages.is_empty() {
+            let damages = read.damages.iter().take(4).map(ToString::to_string);
+            notes.push(format!(
+                "{label}: {}; read {} messages, {} of them CAN frames, until {:.3} s",
+                damages.collect::<Vec<_>>().join("; "),
+                read.messages,
+                through.count,
+                read.last_ns as f64 * 1e-9
+            ));
+        }
+        let Some(highest) = through.highest.map(usize::from) else {
+            let expected = "frames on the topic /can";
+            let found = notes.pop().unwrap_or_else(|| "none".into());
+            return Err(FileError::whole(label, expected, found));
+        };
+        let interfaces: Vec<String> = match read.metadata.get("interfaces") {
+            Some(names) => names.split(',').map(str::to_owned).collect(),
+            None => (0..=highest).map(|bus| format!("can{bus}")).collect(),
+        };
+        if highest >= buses {
+            let found = format!("{}: {}", highest + 1, interfaces.join(", "));
+            return Err(too_many(&label, buses, found));
+        }
+        if !read.metadata.contains_key("scene") {
+            through.from_first_second();
+        }
+        Ok((interfaces, notes))
     }
-    if !read.metadata.contains_key("scene") {
-        from_first_second(&mut frames);
-    }
-    Ok(CanRecording {
-        frames,
-        interfaces,
-        notes,
-    })
 }
 
-fn parse<R: Read>(
-    mut lines: Lines<R>,
-    buses: usize,
-    mut times: Times,
-) -> Result<CanRecording, FileError> {
-    let label = lines.label().to_owned();
-    let (mut frames, mut names, mut other_kinds) = (Vec::new(), Vec::<String>::new(), 0);
-    // A malformed line, which is a cut one if none follows.
-    let mut cut: Option<(bool, FileError)> = None;
-    while let Some((number, line)) = lines.advance()? {
-        if line.trim().is_empty() {
-            continue;
+/// A log of candump; its buses are numbered as they come.
+struct Log<R> {
+    lines: Lines<R>,
+    times: Times,
+    names: Vec<String>,
+    count: usize,
+    other_kinds: usize,
+    /// A malformed line, which is a cut one if none follows.
+    cut: Option<(bool, FileError)>,
+}
+
+impl<R: Read> Log<R> {
+    const fn new(lines: Lines<R>, times: Times) -> Self {
+        Self {
+            lines,
+            times,
+            names: Vec::new(),
+            count: 0,
+            other_kinds: 0,
+            cut: None,
         }
-        if let Some((_, error)) = cut {
-            return Err(error);
-        }
-        match candump::read_line(line) {
-            Ok(Some(logged)) => {
-                let place = format!("{label}:{number}");
-                let us = logged.at.as_micros();
-                let time = times.frame(&place, us);
-                let time = time.map_err(|e| out_of_time(&label, number, us, e))?;
-                let known = names.iter().position(|name| *name == logged.interface);
-                let bus = known.unwrap_or_else(|| {
-                    names.push(logged.interface);
-                    names.len() - 1
-                });
-                if frames.len() == MOST_FRAMES {
-                    return Err(too_long(&label));
+    }
+
+    fn advance(&mut self) -> Result<Option<Received>, FileError> {
+        let label = self.lines.label().to_owned();
+        while let Some((number, line)) = self.lines.advance()? {
+            if line.trim().is_empty() {
+                continue;
+            }
+            if let Some((_, error)) = self.cut.take() {
+                return Err(error);
+            }
+            match candump::read_line(line) {
+                Ok(Some(logged)) => {
+                    let us = logged.at.as_micros();
+                    let time = self.times.frame(&format!("{label}:{number}"), us);
+                    let time = time.map_err(|e| out_of_time(&label, number, us, e))?;
+                    let known = self.names.iter().position(|n| *n == logged.interface);
+                    let bus = known.unwrap_or_else(|| {
+                        self.names.push(logged.interface);
+                        self.names.len() - 1
+                    });
+                    let Ok(bus) = u8::try_from(bus) else {
+                        return Err(too_many(&label, 256, "more".into()));
+                    };
+                    self.count += 1;
+                    return Ok(Some(Received {
+                        at: Instant::from_micros(time),
+                        bus,
+                        frame: logged.frame,
+                    }));
                 }
-                frames.push(Received {
-                    at: Instant::from_micros(time),
-                    bus: u8::try_from(bus).unwrap_or(u8::MAX), // more than that are refused below
-                    frame: logged.frame,
-                });
+                Ok(None) => self.other_kinds += 1,
+                Err(expected) => {
+                    let error = malformed(&label, number, (expected, line), self.count);
+                    let is_cut = candump::is_cut(line) && self.count > 0;
+                    self.cut = Some((is_cut && self.lines.is_unfinished(), error));
+                }
             }
-            Ok(None) => other_kinds += 1,
-            Err(expected) => {
-                let error = malformed(&label, number, (expected, line), frames.len());
-                let is_cut = candump::is_cut(line) && !frames.is_empty();
-                cut = Some((is_cut && lines.is_unfinished(), error));
+        }
+        match self.cut.take() {
+            Some((false, error)) => Err(error),
+            cut => {
+                self.cut = cut;
+                Ok(None)
             }
         }
     }
-    let mut notes = times.take_notes();
-    notes.extend(lines.note());
-    match cut {
-        Some((true, error)) => notes.push(format!(
-            "{label}:{}: the log is cut short in this line; read the {} frames before it",
-            error.line.unwrap_or(0),
-            frames.len()
-        )),
-        Some((false, error)) => return Err(error),
-        None => {}
+
+    fn finish(
+        mut self,
+        through: &mut Through,
+        buses: usize,
+    ) -> Result<(Vec<String>, Vec<String>), FileError> {
+        let label = self.lines.label();
+        let mut notes = self.times.take_notes();
+        notes.extend(self.lines.note());
+        if let Some((_, error)) = self.cut {
+            notes.push(format!(
+                "{label}:{}: the log is cut short in this line; read the {} frames before it",
+                error.line.unwrap_or(0),
+                self.count
+            ));
+        }
+        if self.names.is_empty() {
+            let found = format!("none, and {} of another kind", self.other_kinds);
+            let expected = "classic data frames with 11-bit identifiers";
+            return Err(FileError::whole(label, expected, found));
+        }
+        if self.names.len() > buses {
+            let found = format!("{}: {}", self.names.len(), self.names.join(", "));
+            return Err(too_many(label, buses, found));
+        }
+        let mut interfaces = self.names.clone();
+        interfaces.sort_unstable_by(|a, b| (a.len(), a).cmp(&(b.len(), b))); // can2 before can10
+        let bus = |name| interfaces.iter().position(|i| i == name).unwrap_or(0);
+        through.start.buses = self.names.iter().map(|name| bus(name) as u8).collect(); // at most 256
+        through.from_first_second();
+        Ok((interfaces, notes))
     }
-    if names.is_empty() {
-        let found = format!("none, and {other_kinds} of another kind");
-        let expected = "classic data frames with 11-bit identifiers";
-        return Err(FileError::whole(label, expected, found));
+}
+
+/// A recording that was read through once, and is read again for every pass.
+#[derive(Debug)]
+struct LongRecording {
+    path: PathBuf,
+    split_jumps: bool,
+    rows: usize,
+    end: Instant,
+    start: Start,
+}
+
+impl FrameSource for LongRecording {
+    fn rows(&self) -> usize {
+        self.rows
     }
-    if names.len() > buses {
-        let found = format!("{}: {}", names.len(), names.join(", "));
-        return Err(too_many(&label, buses, found));
+
+    fn end(&self) -> Instant {
+        self.end
     }
-    let mut interfaces = names.clone();
-    interfaces.sort_unstable_by(|a, b| (a.len(), a).cmp(&(b.len(), b))); // can2 before can10
-    for received in &mut frames {
-        let name = names.get(usize::from(received.bus));
-        let bus = interfaces.iter().position(|i| Some(i) == name);
-        received.bus = bus.unwrap_or(0) as u8; // at most as many as buses
+
+    fn frames(&self) -> Result<Frames<'_>, Failure> {
+        Ok(Box::new(Ordered {
+            pass: Pass::open(&self.path, self.split_jumps)?,
+            start: &self.start,
+            waiting: BTreeMap::new(),
+            count: 0,
+            newest_us: 0,
+            ended: false,
+        }))
     }
-    from_first_second(&mut frames);
-    Ok(CanRecording {
-        frames,
-        interfaces,
-        notes,
-    })
+}
+
+/// The frames of a pass, the oldest first: no frame comes later than [`DISORDER_US`] after its time.
+struct Ordered<'a, R> {
+    pass: Pass<R>,
+    start: &'a Start,
+    /// By time and place in the file.
+    waiting: BTreeMap<(u64, u64), Received>,
+    count: u64,
+    newest_us: u64,
+    ended: bool,
+}
+
+impl<R: Read> Iterator for Ordered<'_, R> {
+    type Item = Result<Received, Failure>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            let is_due = |(us, _): &(u64, u64)| self.ended || us + DISORDER_US <= self.newest_us;
+            if let Some(first) = self.waiting.first_entry().filter(|e| is_due(e.key())) {
+                let mut frame = first.remove();
+                self.start.place(&mut frame);
+                return Some(Ok(frame));
+            }
+            if self.ended {
+                return None;
+            }
+            match self.pass.advance() {
+                Ok(Some(frame)) => {
+                    let us = frame.at.as_micros();
+                    self.newest_us = self.newest_us.max(us);
+                    self.count += 1;
+                    self.waiting.insert((us, self.count), frame);
+                }
+                Ok(None) => self.ended = true,
+                Err(error) => {
+                    self.ended = true;
+                    self.waiting.clear();
+                    return Some(Err(error.into()));
+                }
+            }
+        }
+    }
 }
 
 fn out_of_time(label: &str, line: usize, us: u64, e: OutOfTime) -> FileError {

@@ -4,9 +4,23 @@ use palpate_files::Text;
 
 use super::*;
 
-fn log(text: &str, buses: usize) -> Result<CanRecording, FileError> {
+#[derive(Debug)]
+struct Seen {
+    frames: Vec<Received>,
+    notes: Vec<String>,
+}
+
+fn log(text: &str, buses: usize) -> Result<Seen, FileError> {
+    seen(text, buses, Times::default())
+}
+
+fn seen(text: &str, buses: usize, times: Times) -> Result<Seen, FileError> {
     let lines = Lines::over(Text::new("a.log", text.as_bytes(), LONGEST));
-    parse(lines, buses, Times::default())
+    let pass = Pass::Log(Log::new(lines, times));
+    let (mut through, _, notes) = pass.through(buses, 100, false)?;
+    let mut frames = through.held.take().unwrap();
+    frames.iter_mut().for_each(|f| through.start.place(f));
+    Ok(Seen { frames, notes })
 }
 
 #[test]
@@ -67,12 +81,43 @@ fn a_clock_that_jumps_is_named_by_its_line() {
         said.ends_with("found a jump of the clock, 53.9 years ahead"),
         "{said}"
     );
-    let lines = Lines::over(Text::new("a.log", text.as_bytes(), LONGEST));
-    let read = parse(lines, 1, Times::new(true)).unwrap();
+    let read = seen(text, 1, Times::new(true)).unwrap();
     let at: Vec<_> = read.frames.iter().map(|r| r.at.as_micros()).collect();
     assert_eq!(at, [0, 10_000, 20_000]);
     assert_eq!(
         read.notes,
         ["a.log:3: a jump of the clock, 53.9 years ahead taken out"]
     );
+}
+
+/// Frames of several buses are a little out of order; a long recording plays them like a held one.
+#[test]
+fn a_long_recording_plays_the_same_frames_in_the_same_order() {
+    let path = std::env::temp_dir().join(format!("palpate-long-{}.log", std::process::id()));
+    let line = |n: u64| {
+        let us = 1_700_000_000_000_000 + n * 1000 + (n * 7919 % 13) * 50_000;
+        let (s, us) = (us / 1_000_000, us % 1_000_000);
+        format!("({s}.{us:06}) can{} 104#{n:04X}\n", 1 + n % 2)
+    };
+    std::fs::write(&path, (0..5000).map(line).collect::<String>()).unwrap();
+    let held = read_can_recording(&path, 2, false).unwrap();
+    let pass = Pass::open(&path, false).unwrap();
+    let (through, ..) = pass.through(2, 100, false).unwrap();
+    assert!(through.held.is_none());
+    let long = LongRecording {
+        path: path.clone(),
+        split_jumps: false,
+        rows: through.rows.most(),
+        end: through.start.time(through.newest_us),
+        start: through.start,
+    };
+    let all = |source: &dyn FrameSource| -> Vec<Received> {
+        source.frames().unwrap().map(Result::unwrap).collect()
+    };
+    assert_eq!(all(&long), all(&*held.frames));
+    assert_eq!(
+        (long.rows(), long.end()),
+        (held.frames.rows(), held.frames.end())
+    );
+    std::fs::remove_file(&path).unwrap();
 }

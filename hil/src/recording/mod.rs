@@ -16,7 +16,7 @@ use std::path::PathBuf;
 
 use palpate_core::skin::Module;
 use palpate_files::{Columns, SensorLayout};
-use palpate_run::{CanFrames, Failure, Input, plan};
+use palpate_run::{Failure, Input, plan};
 
 /// What drives a run in place of touches: one recording per module of a layout, or one recording of all its buses;
 /// and what is to be said of the files.
@@ -47,8 +47,7 @@ pub fn recorded(
         }
         let split = reading.timing.split_jumps;
         let recording = read_can_recording(log, buses.unwrap_or(0), split)?;
-        let frames = CanFrames::new(recording.frames);
-        return Ok((Input::Frames(frames), recording.notes));
+        return Ok((Input::Frames(recording.frames), recording.notes));
     }
     if paths.len() != file.modules.len() {
         return Err(Failure::Input(format!(
@@ -67,7 +66,7 @@ pub fn recorded(
         notes.extend(said);
         Ok(table)
     };
-    let tables = paths.iter().enumerate().map(table);
-    let tables: Result<_, Failure> = tables.collect();
-    Ok((Input::Rows(tables?), notes))
+    let sources = paths.iter().enumerate().map(table);
+    let sources: Result<_, Failure> = sources.collect();
+    Ok((Input::Rows(sources?), notes))
 }

@@ -15,6 +15,7 @@ use std::time::Duration;
 
 use crate::clock;
 use crate::host::Onlooker;
+use crate::output::Outputs;
 use crate::real;
 use palpate_files::{BenchKind, Setup};
 use palpate_records::verdict::{Conclusion, Verdict};
@@ -186,7 +187,7 @@ pub fn attempt(
             quiet: true,
             watched: false,
         };
-        real::run(setup, seed, &[], told)
+        real::run(setup, seed, (&[], Outputs::NEW), told)
     } else {
         let host = &mut Onlooker::new(false);
         run_with(setup, &Input::Scene, seed, Keep::default(), host)

@@ -60,6 +60,9 @@ impl Suite {
                 }
             } else if target.ends_with(".toml") || path.is_file() {
                 suite.file(path)?;
+            } else if target.trim().is_empty() {
+                let text = "\"\": expected part of a scene's name, a scene file or a folder, found nothing";
+                return Err(Failure::Input(text.into()));
             } else {
                 suite.built_in(target)?;
             }

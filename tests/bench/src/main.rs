@@ -9,6 +9,7 @@ mod findings;
 mod guard;
 mod illusion;
 mod page;
+mod perceiver;
 mod physics;
 mod plot;
 mod presses;
@@ -36,8 +37,9 @@ use findings::{Findings, Row};
 type Measure = fn() -> Result<Findings, Failure>;
 
 /// Every family as the command line spells it, in the order of the page.
-const FAMILIES: [(&str, Measure); 7] = [
+const FAMILIES: [(&str, Measure); 8] = [
     ("physics", physics::measure),
+    ("perceiver", perceiver::measure),
     ("emulators", emulators::measure),
     ("compression", compression::measure),
     ("texture", texture::measure),

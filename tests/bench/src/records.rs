@@ -17,7 +17,7 @@ use palpate_hil::clock;
 use palpate_hil::output::write_file;
 use palpate_hil::record::{About, Journal, Kind, Sink};
 use palpate_hil::recording::write_can_log;
-use palpate_run::{Failure, Input, Keep, Outcome, attachments, run_with};
+use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome, attachments, run_with};
 
 use crate::findings::Findings;
 use crate::timing::{Race, Samples};
@@ -45,6 +45,7 @@ fn setup() -> Result<Setup, Failure> {
 const ALL: Keep = Keep {
     can: true,
     i2c: true,
+    readings: KeptReadings::All,
 };
 
 fn write(kind: Kind, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {

@@ -9,7 +9,7 @@ use crate::plot::{Axis, Mark, Plot, Series};
 use crate::scenes::{changed, frame_us, run};
 
 /// The shipped paths of the sphere; settings are tried on the first.
-const PATHS: [&str; 4] = [
+pub const PATHS: [&str; 4] = [
     "sphere-circle",
     "sphere-across",
     "sphere-along",
@@ -17,16 +17,17 @@ const PATHS: [&str; 4] = [
 ];
 
 /// A setting: its name, its values, a method's name for one of them, and what that changes.
-struct Sweep {
-    name: &'static str,
-    values: &'static [f64],
+pub struct Sweep {
+    pub name: &'static str,
+    pub values: &'static [f64],
     method: fn(f64) -> String,
-    change: fn(&mut Scene, f64),
+    pub change: fn(&mut Scene, f64),
     /// Whether its values trade time for error.
     drawn: bool,
 }
 
-const SWEEPS: [Sweep; 7] = [
+/// What is tried, one setting at a time.
+pub const SWEEPS: [Sweep; 7] = [
     Sweep {
         name: "K_C",
         values: &[1.0, 2.0, 4.0, 8.0, 16.0],
@@ -48,7 +49,11 @@ const SWEEPS: [Sweep; 7] = [
         name: "cadence",
         values: &[40.0, 80.0, 105.0, 125.0],
         method: |ms| format!("SOA {ms} ms"),
-        change: |s, ms| s.illusion.soa_ms = Some(ms),
+        change: |s, ms| {
+            s.illusion.soa_ms = Some(ms);
+            // the usual burst at every cadence: the law would give none under 47.3 ms
+            s.illusion.tau_d_ms = Some(35.0);
+        },
         drawn: true,
     },
     Sweep {

@@ -105,6 +105,16 @@ fn built_from(peers: &[&str]) -> BTreeSet<String> {
 }
 
 #[test]
+fn every_setting_that_the_loop_is_measured_with_can_be_run() {
+    for sweep in &settings::SWEEPS {
+        for &value in sweep.values {
+            let setup = scenes::changed(settings::PATHS[0], |s| (sweep.change)(s, value));
+            assert!(setup.is_ok(), "{} {value}: {:?}", sweep.name, setup.err());
+        }
+    }
+}
+
+#[test]
 fn peers_are_built_no_slower_than_ours() {
     const PEERS: [&str; 4] = ["ckmeans", "diffsol", "nalgebra", "ode_solvers"];
     let built_from = built_from(&PEERS);

@@ -14,6 +14,7 @@ use crate::display::finger::{NODES, ThermalNetwork};
 use crate::display::solver::phase::{Branch, Heading, Phase};
 use crate::display::solver::record::{Energy, Peaks};
 use crate::display::solver::strain::{Motion, Strain, Worn};
+use crate::display::solver::stretch::Stretches;
 use crate::time::Nanos;
 use palpate_core::physics::{Bow, ParameterError, TissueParameters, WireParameters};
 use palpate_core::vector::{Scalar, Vectors};
@@ -51,6 +52,8 @@ pub struct Exact {
     worn: Option<Worn>,
     /// The skin in the last stretch.
     motion: Motion,
+    /// What a person's model reads, where one does.
+    pub stretches: Option<Stretches>,
 }
 
 /// Temperatures above the body's at the time computed up to, K.
@@ -113,6 +116,7 @@ impl Exact {
             dose: None,
             worn: None,
             motion: Motion::default(),
+            stretches: None,
         };
         solver.watch();
         solver.face();

@@ -2,7 +2,7 @@
 //!
 //! The drive changes at integer times, and [`exact::Exact`] computes nothing until a question or an edge comes.
 
-mod decay;
+pub(crate) mod decay;
 mod eigen;
 pub mod exact;
 mod highest;
@@ -13,6 +13,7 @@ pub mod phase;
 mod propagators;
 pub mod record;
 pub mod strain;
+pub mod stretch;
 pub mod sum;
 
 /// What is done to a wire from some instant on.

@@ -282,20 +282,30 @@ fn layouts() {
 }
 
 #[test]
-fn people_feel_below_full_scale() {
+fn people_have_thresholds_and_wearers_begin_below_full_scale() {
     check(
-        palpate_fixtures::perceiver("fitted").unwrap(),
-        PerceiverFile::read,
+        palpate_fixtures::person("typical").unwrap(),
+        PersonFile::read,
         &[
             (
-                "threshold_um = 1.2",
-                "threshold_um = 10.5",
-                "f.toml:7: threshold_um: expected from 0 to below full scale, 10 um, found 10.5",
+                "low = 0.24",
+                "low = -0.24",
+                "f.toml:8: vibration.threshold_um.low: expected a number from 0.001 to 1000 um, found -0.24",
             ),
             (
-                "full_pulses = 7",
-                "full_pulses = 0",
-                "f.toml:9: full_pulses: expected a number from 1 to 1000, found 0",
+                "value = 0.45",
+                "value = -0.45",
+                "f.toml:8: vibration.threshold_um.value: expected a number from 0.24 to 0.85 um, found -0.45",
+            ),
+            (
+                "high = 15.0",
+                "high = nan",
+                "f.toml:12: flutter.threshold_um.high: expected a number from 4 to 1000 um, found nan",
+            ),
+            (
+                "value = 0.7",
+                "value = 0.0",
+                "f.toml:9: vibration.growth.value: expected a number from 0.5 to 0.9, found 0.0",
             ),
         ],
     );

@@ -14,7 +14,7 @@ use crate::story::{GoldenKind, Story};
 use crate::trace::Source;
 pub use align::{Alignment, align};
 use moments::moments;
-pub use recording::{Recording, compare_recordings};
+pub use recording::{Contacts, compare_contacts};
 use tables::{digests, figures, heads, rows};
 
 /// Lines told one by one.

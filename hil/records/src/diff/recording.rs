@@ -1,6 +1,7 @@
 //! Two contact recordings (CSV) compared: which contacts are new or gone, and how far the others lie apart.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use super::words::{at, count, short};
 use super::{Difference, Grade, Tolerance};
@@ -11,46 +12,108 @@ use crate::fixed::thousandths;
 /// One row of one contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Row {
+    t_us: u64,
+    /// Module and identity.
+    key: (u16, u32),
     /// Place, micrometres.
     place: (i64, i64),
     level: u16,
 }
 
-/// Contacts by module and identity, each by time in microseconds.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Recording(BTreeMap<(u16, u32), BTreeMap<u64, Row>>);
+/// Most contacts that are told apart, and most of one time.
+const MOST: usize = 1 << 18;
 
-impl Recording {
-    /// Whether a text begins as such a file does.
-    pub fn is_one(text: &str) -> bool {
-        text.starts_with("frame,time_us,")
-    }
+/// A recording of contacts that is read line by line, with the rows of one time in memory.
+pub struct Contacts<'a, E> {
+    lines: Box<dyn FnMut() -> Result<Option<String>, E> + 'a>,
+    damaged: Box<dyn Fn(Damage) -> E + 'a>,
+    number: usize,
+    /// The first row of the time after the one that was read last.
+    next: Option<Row>,
+}
 
-    /// Reads a file.
-    ///
-    /// # Errors
-    /// The first line that no such file has there.
-    pub fn read(text: &str) -> Result<Self, Damage> {
-        let mut lines = text.lines().enumerate();
-        let damage =
-            |index: usize, expected: &str, line: &str| Damage::of_line(index + 1, expected, line);
-        match lines.next() {
-            Some((_, line)) if line.trim_end() == HEADER => {}
-            found => return Err(damage(0, HEADER, found.map_or("", |f| f.1))),
-        }
-        let mut all = Self::default();
-        for (index, line) in lines {
-            let row = row(line).ok_or_else(|| damage(index, "a contact: nine numbers", line))?;
-            let (key, t_us, row) = row;
-            if all.0.entry(key).or_default().insert(t_us, row).is_some() {
-                return Err(damage(index, "one row a contact and time", line));
-            }
-        }
-        Ok(all)
+impl<E> fmt::Debug for Contacts<'_, E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Contacts")
+            .field("number", &self.number)
+            .finish_non_exhaustive()
     }
 }
 
-fn row(line: &str) -> Option<((u16, u32), u64, Row)> {
+impl<'a, E> Contacts<'a, E> {
+    /// A recording whose lines are pulled; `damaged` makes an error of a line that has no place there.
+    ///
+    /// # Errors
+    /// A first line that is another, and what the lines say.
+    pub fn new(
+        lines: impl FnMut() -> Result<Option<String>, E> + 'a,
+        damaged: impl Fn(Damage) -> E + 'a,
+    ) -> Result<Self, E> {
+        let mut all = Self {
+            lines: Box::new(lines),
+            damaged: Box::new(damaged),
+            number: 1,
+            next: None,
+        };
+        match (all.lines)()? {
+            Some(line) if line.trim_end() == HEADER => {}
+            found => return Err(all.damage(HEADER, &found.unwrap_or_default())),
+        }
+        all.next = all.row(0)?;
+        Ok(all)
+    }
+
+    fn damage(&self, expected: &str, found: &str) -> E {
+        (self.damaged)(Damage::of_line(self.number, expected, found))
+    }
+
+    /// The next row, which is not earlier than the one before.
+    fn row(&mut self, before_us: u64) -> Result<Option<Row>, E> {
+        let Some(line) = (self.lines)()? else {
+            return Ok(None);
+        };
+        self.number += 1;
+        let Some(row) = row(&line) else {
+            return Err(self.damage("a contact: nine numbers", &line));
+        };
+        if row.t_us < before_us {
+            return Err(self.damage(&format!("a time from {before_us} us on"), &line));
+        }
+        Ok(Some(row))
+    }
+
+    fn too_many(&self) -> E {
+        let expected = format!("at most {MOST} contacts");
+        self.damage(&expected, "more (compare parts of the recordings)")
+    }
+
+    /// The time of the rows that come next.
+    fn time(&self) -> Option<u64> {
+        self.next.map(|row| row.t_us)
+    }
+
+    /// All rows of the time that comes next.
+    fn moment(&mut self, into: &mut BTreeMap<(u16, u32), Row>) -> Result<(), E> {
+        into.clear();
+        while let Some(row) = self.next {
+            if into.insert(row.key, row).is_some() {
+                let (module, contact) = row.key;
+                let found = format!("contact {module}/{contact} at {} us twice", row.t_us);
+                return Err(self.damage("one row a contact and time", &found));
+            }
+            if into.len() > MOST {
+                return Err(self.too_many());
+            }
+            self.next = self.row(row.t_us)?;
+            if self.time() != Some(row.t_us) {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn row(line: &str) -> Option<Row> {
     let fields: Vec<&str> = line.trim_end().split(',').collect();
     let &[
         frame,
@@ -69,12 +132,12 @@ fn row(line: &str) -> Option<((u16, u32), u64, Row)> {
     frame.parse::<u32>().ok()?;
     members.parse::<u32>().ok()?;
     thousandths(intensity)?;
-    let row = Row {
+    Some(Row {
+        t_us: time.parse().ok()?,
+        key: (module.parse().ok()?, contact.parse().ok()?),
         place: (thousandths(x)?, thousandths(y)?),
         level: level.parse().ok()?,
-    };
-    let key = (module.parse().ok()?, contact.parse().ok()?);
-    Some((key, time.parse().ok()?, row))
+    })
 }
 
 /// Distance of two places, micrometres.
@@ -84,78 +147,133 @@ fn distance(a: Row, b: Row) -> u64 {
     u64::try_from(sum.isqrt()).unwrap_or(u64::MAX)
 }
 
-/// Everything that differs between two recordings.
-pub fn compare_recordings(a: &Recording, b: &Recording, tolerance: Tolerance) -> Vec<Difference> {
-    let mut all = Vec::new();
-    let mut push = |grade, meaning, text| all.push(Difference::new(grade, meaning, 0, text));
-    let whole = |sign: &str, key: &(u16, u32), rows: &BTreeMap<u64, Row>| {
-        let first = rows.keys().next().copied().unwrap_or(0);
-        let rows = count(rows.len(), "row");
-        format!(
-            "{sign}: contact {}/{}, {rows} from {}",
-            key.0,
-            key.1,
-            at(first)
-        )
-    };
-    for (key, rows) in &a.0 {
-        let name = format!("contact {}/{}", key.0, key.1);
-        let Some(others) = b.0.get(key) else {
-            push(Grade::Moment, true, whole("gone", key, rows));
-            continue;
+/// What two recordings make of one contact.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pair {
+    /// Rows in one recording alone, and when the first of them came.
+    alone: [(usize, Option<u64>); 2],
+    both: usize,
+    /// Rows elsewhere: how many, their squared distances, the largest, the first.
+    apart: u64,
+    squares: u128,
+    most: u64,
+    first: Option<u64>,
+    levels: usize,
+}
+
+impl Pair {
+    fn add(&mut self, a: Option<&Row>, b: Option<&Row>) {
+        let (Some(row), Some(other)) = (a, b) else {
+            let alone = &mut self.alone[usize::from(a.is_none())];
+            alone.0 += 1;
+            alone.1 = alone.1.or(a.or(b).map(|row| row.t_us));
+            return;
         };
-        let (mut apart, mut squares, mut most, mut first) = (0u64, 0u128, 0u64, None);
-        let (mut levels, mut both) = (0, 0);
-        for (t_us, row) in rows {
-            let Some(other) = others.get(t_us) else {
-                continue;
-            };
-            both += 1;
-            levels += usize::from(row.level != other.level);
-            let by = distance(*row, *other);
-            if by > 0 {
-                first = first.or(Some(*t_us));
-                apart += 1;
-                most = most.max(by);
-                squares = squares.saturating_add(u128::from(by) * u128::from(by));
-            }
+        self.both += 1;
+        self.levels += usize::from(row.level != other.level);
+        let by = distance(*row, *other);
+        if by > 0 {
+            self.first = self.first.or(Some(row.t_us));
+            self.apart += 1;
+            self.most = self.most.max(by);
+            self.squares = self.squares.saturating_add(u128::from(by) * u128::from(by));
         }
-        for (sign, n) in [("gone", rows.len() - both), ("new", others.len() - both)] {
-            if n > 0 {
-                push(
+    }
+
+    fn tell(
+        &self,
+        key: (u16, u32),
+        tolerance: Tolerance,
+        mut push: impl FnMut(Grade, bool, String),
+    ) {
+        let name = format!("contact {}/{}", key.0, key.1);
+        let [gone, new] = self.alone;
+        for (sign, (n, first), others) in [("gone", gone, new.0), ("new", new, gone.0)] {
+            match n {
+                0 => {}
+                _ if self.both + others == 0 => {
+                    let rows = count(n, "row");
+                    let first = at(first.unwrap_or(0));
+                    push(
+                        Grade::Moment,
+                        true,
+                        format!("{sign}: {name}, {rows} from {first}"),
+                    );
+                }
+                n => push(
                     Grade::Moment,
                     true,
                     format!("{name}: {} {sign}", count(n, "row")),
-                );
+                ),
             }
         }
-        if let Some(first) = first {
-            let rmse = (squares / u128::from(apart)).isqrt();
+        if let Some(first) = self.first {
+            let rmse = (self.squares / u128::from(self.apart)).isqrt();
             let mm = |um: u64| short(i64::try_from(um).unwrap_or(i64::MAX));
             let rmse = mm(u64::try_from(rmse).unwrap_or(u64::MAX));
-            let meaning = most > tolerance.place_um;
+            let meaning = self.most > tolerance.place_um;
             let grade = if meaning {
                 Grade::Edge
             } else {
                 Grade::Cosmetic
             };
             let text = format!(
-                "{name} elsewhere in {apart} of {both} rows from {} on: {rmse} mm RMSE, {} mm at most",
+                "{name} elsewhere in {} of {} rows from {} on: {rmse} mm RMSE, {} mm at most",
+                self.apart,
+                self.both,
                 at(first),
-                mm(most)
+                mm(self.most)
             );
             push(grade, meaning, text);
         }
-        if levels > 0 {
-            let text = format!("{name}: another level in {}", count(levels, "row"));
+        if self.levels > 0 {
+            let text = format!("{name}: another level in {}", count(self.levels, "row"));
             push(Grade::Width, tolerance.place_um == 0, text);
         }
     }
-    for (key, rows) in b.0.iter().filter(|(key, _)| !a.0.contains_key(key)) {
-        push(Grade::Moment, true, whole("new", key, rows));
+}
+
+/// Everything that differs between two recordings, read side by side: memory holds a few numbers per contact.
+///
+/// # Errors
+/// The first line that no such file has there, and what the lines say.
+pub fn compare_contacts<E>(
+    a: &mut Contacts<'_, E>,
+    b: &mut Contacts<'_, E>,
+    tolerance: Tolerance,
+) -> Result<Vec<Difference>, E> {
+    let mut pairs: BTreeMap<(u16, u32), Pair> = BTreeMap::new();
+    let (mut ours, mut theirs) = (BTreeMap::new(), BTreeMap::new());
+    while let Some(time) = [a.time(), b.time()].into_iter().flatten().min() {
+        ours.clear();
+        theirs.clear();
+        if a.time() == Some(time) {
+            a.moment(&mut ours)?;
+        }
+        if b.time() == Some(time) {
+            b.moment(&mut theirs)?;
+        }
+        for (key, row) in &ours {
+            pairs
+                .entry(*key)
+                .or_default()
+                .add(Some(row), theirs.get(key));
+        }
+        for (key, row) in theirs.iter().filter(|(key, _)| !ours.contains_key(*key)) {
+            pairs.entry(*key).or_default().add(None, Some(row));
+        }
+        if pairs.len() > MOST {
+            return Err(b.too_many());
+        }
+    }
+    let mut all = Vec::new();
+    for (key, pair) in pairs {
+        pair.tell(key, tolerance, |grade, meaning, text| {
+            all.push(Difference::new(grade, meaning, 0, text));
+        });
     }
     all.sort_by_key(|d| d.grade);
-    all
+    Ok(all)
 }
 
 #[cfg(test)]

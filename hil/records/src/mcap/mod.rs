@@ -10,7 +10,7 @@ mod read;
 mod schema;
 
 pub use container::Attachment;
-pub use read::{Read, Tear, Unreadable, read, read_from};
+pub use read::{McapReader, Read, Tear, Unreadable, read};
 pub use schema::{ALL, FieldKind, LOG, PACKAGE, Schema};
 
 use std::collections::BTreeMap;
@@ -442,7 +442,9 @@ impl RunTopics {
                 target,
                 inside,
                 felt,
-                energy_permille,
+                level_mdb,
+                tap,
+                energy: all,
                 ..
             } => {
                 let place =
@@ -458,7 +460,11 @@ impl RunTopics {
                     .double(6, energy.1)
                     .double(7, amplitude.0)
                     .double(8, amplitude.1)
-                    .uint(9, *energy_permille);
+                    .uint(9, all.requested)
+                    .uint(10, all.applied)
+                    .uint(11, all.felt)
+                    .double(12, level_mdb.map_or(f64::NAN, |mdb| f64::from(mdb) * 1e-3))
+                    .uint(13, *tap);
                 Some(self.felt)
             }
             Event::Wire { wire, milli_c, .. } => {

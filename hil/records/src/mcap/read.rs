@@ -1,7 +1,7 @@
 //! What a recording holds of the sensor buses, as far as it is whole: a file that was cut short or is damaged
 //! gives what can be had, with the offset where that ends; one of another version is refused by name.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
 use std::io::{self, Read as _};
 
@@ -103,88 +103,139 @@ impl<'a> Cursor<'a> {
 }
 
 /// Longest record, bytes: a chunk of ours has a few MiB, and one of another program seldom more.
-const MOST_RECORD: u64 = 64 << 20;
+const MOST_RECORD: u64 = 16 << 20;
+/// Most bytes of attached files that are kept, and most damages that are told one by one.
+const MOST_ATTACHED: usize = 4 << 20;
+const MOST_DAMAGES: usize = 1000;
 
 /// Reads a recording of ours from memory.
 ///
 /// # Errors
 /// [`Unreadable`] for what is no MCAP file, is compressed, is of another version or holds no sensor bus.
 pub fn read(bytes: &[u8]) -> Result<Read, Unreadable> {
+    let mut reader = McapReader::new(bytes)?;
     let mut frames = Vec::new();
-    let mut read = read_from(bytes, &mut |frame| {
+    while let Some(frame) = reader.advance()? {
         frames.push(frame);
-        Ok(())
-    })?;
-    read.frames = frames;
-    Ok(read)
+    }
+    Ok(Read {
+        frames,
+        ..reader.into_read()?
+    })
 }
 
-/// Reads a recording of ours record by record; frames go to `take` in the order of the file.
-///
-/// # Errors
-/// As [`read`], a record of more than 64 MiB, and what `take` refuses.
-pub fn read_from(
-    input: impl io::Read,
-    take: &mut dyn FnMut(Received) -> Result<(), Unreadable>,
-) -> Result<Read, Unreadable> {
-    let mut input = Counted { input, offset: 0 };
-    let mut record = Vec::new();
-    if !input.fill(&mut record, MAGIC.len() as u64)? || record != MAGIC {
-        let found = format!("byte 0: {}", record.escape_ascii());
-        return Err(unreadable("an MCAP file", found));
+/// A recording of ours that is read record by record: memory holds one chunk of it.
+#[derive(Debug)]
+pub struct McapReader<R> {
+    input: Counted<R>,
+    record: Vec<u8>,
+    contents: Contents,
+    ended: bool,
+}
+
+impl<R: io::Read> McapReader<R> {
+    /// Begins to read.
+    ///
+    /// # Errors
+    /// [`Unreadable`] for what is no MCAP file.
+    pub fn new(input: R) -> Result<Self, Unreadable> {
+        let mut input = Counted { input, offset: 0 };
+        let mut record = Vec::new();
+        if !input.fill(&mut record, MAGIC.len() as u64)? || record != MAGIC {
+            let found = format!("byte 0: {}", record.escape_ascii());
+            return Err(unreadable("an MCAP file", found));
+        }
+        Ok(Self {
+            input,
+            record,
+            contents: Contents::default(),
+            ended: false,
+        })
     }
-    let mut reader = Reader {
-        read: Read::default(),
-        schemas: BTreeMap::new(),
-        channels: BTreeMap::new(),
-        versioned: false,
-        refused: None,
-        take,
-    };
-    loop {
+
+    /// The next frame on a sensor bus, in the order of the file; none at its end.
+    ///
+    /// # Errors
+    /// As [`read`], and a record of more than 16 MiB.
+    pub fn advance(&mut self) -> Result<Option<Received>, Unreadable> {
+        loop {
+            if let Some(frame) = self.contents.frames.pop_front() {
+                return Ok(Some(frame));
+            }
+            if self.ended {
+                return Ok(None);
+            }
+            self.step()?;
+        }
+    }
+
+    /// Reads one record.
+    fn step(&mut self) -> Result<(), Unreadable> {
+        let Self {
+            input,
+            record,
+            contents,
+            ended,
+        } = self;
         let here = input.offset;
-        let head = input.fill(&mut record, 9)?;
+        let head = input.fill(record, 9)?;
         let (kind, length) = match record.split_first() {
             Some((kind, length)) if head => {
                 let length = length.try_into().map_or(u64::MAX, u64::from_le_bytes);
                 (*kind, length)
             }
             _ => {
-                reader.damage(input.offset, "the file is cut short here");
-                break;
+                contents.damage(input.offset, "the file is cut short here");
+                *ended = true;
+                return Ok(());
             }
         };
         if matches!(kind, op::DATA_END | op::FOOTER) {
             // The summary says nothing that was not said before; but it tells whether the end is there.
             if !input.ends_with(&MAGIC)? {
-                reader.damage(input.offset, "the end of the summary is missing");
+                contents.damage(input.offset, "the end of the summary is missing");
             }
-            break;
+            *ended = true;
+            return Ok(());
         }
         if kind == 0 {
-            reader.damage(here, "no record begins here");
-            break;
+            contents.damage(here, "no record begins here");
+            *ended = true;
+            return Ok(());
         }
-        let whole = input.fill(&mut record, length.min(MOST_RECORD))?;
+        let whole = input.fill(record, length.min(MOST_RECORD))?;
         if whole && length > MOST_RECORD {
             let expected = format!("records of at most {MOST_RECORD} bytes");
             return Err(unreadable(&expected, format!("byte {here}: {length}")));
         }
         if !whole {
             if kind == op::CHUNK {
-                reader.torn_chunk(&record, here);
+                contents.torn_chunk(record, here);
             }
-            reader.damage(input.offset, "the file is cut short here");
-            break;
+            contents.damage(input.offset, "the file is cut short here");
+            *ended = true;
+            return Ok(());
         }
-        reader.top(kind, &record, here)?;
-        reader.refused.take().map_or(Ok(()), Err)?;
+        contents.top(kind, record, here)
     }
-    reader.refused.take().map_or(Ok(()), Err)?;
-    reader.finish()
+
+    /// What the file says beside frames, as far as it was read.
+    ///
+    /// # Errors
+    /// [`Unreadable`] where no recording of ours begins.
+    pub fn into_read(self) -> Result<Read, Unreadable> {
+        self.contents.finish()
+    }
+
+    /// The versions, digests and names that were read so far.
+    #[must_use]
+    pub const fn metadata(&self) -> &BTreeMap<String, String> {
+        &self.contents.read.metadata
+    }
 }
 
 /// A stream that knows how far it was read.
+#[derive(Debug)]
 struct Counted<R> {
     input: R,
     offset: u64,
@@ -215,21 +266,26 @@ impl<R: io::Read> Counted<R> {
     }
 }
 
-struct Reader<'a> {
+/// What was read.
+#[derive(Debug, Default)]
+struct Contents {
     read: Read,
-    /// Schemas by number.
-    schemas: BTreeMap<u16, String>,
-    /// Channels by number: topic, and whether its messages are frames.
+    /// Whether schemas are those of frames, by number.
+    schemas: BTreeMap<u16, bool>,
+    /// Channels by number: the begin of the topic, and whether its messages are frames.
     channels: BTreeMap<u16, (String, bool)>,
     versioned: bool,
-    /// Where frames go, and what that refused.
-    take: &'a mut dyn FnMut(Received) -> Result<(), Unreadable>,
-    refused: Option<Unreadable>,
+    /// Bytes of the attachments that are kept.
+    attached: usize,
+    /// Frames of the newest chunk.
+    frames: VecDeque<Received>,
 }
 
-impl Reader<'_> {
+impl Contents {
     fn damage(&mut self, offset: u64, what: &'static str) {
-        self.read.damages.push(Tear { offset, what });
+        if self.read.damages.len() < MOST_DAMAGES {
+            self.read.damages.push(Tear { offset, what });
+        }
     }
 
     fn finish(self) -> Result<Read, Unreadable> {
@@ -268,7 +324,11 @@ impl Reader<'_> {
                 }
             }
             op::ATTACHMENT => match attachment(record) {
-                Some(file) => self.read.attachments.push(file),
+                Some(file) if self.attached + file.1.len() <= MOST_ATTACHED => {
+                    self.attached += file.1.len();
+                    self.read.attachments.push(file);
+                }
+                Some(_) => self.damage(here, "attachments of more than 4 MiB are left out"),
                 None => self.damage(here, "damaged attachment"),
             },
             op::CHUNK => {
@@ -325,15 +385,16 @@ impl Reader<'_> {
         let mut parse = || match kind {
             op::SCHEMA => {
                 let id = cursor.u16()?;
-                self.schemas.insert(id, cursor.text()?);
+                let is_can = cursor.text()? == schema::CAN.full_name();
+                self.schemas.insert(id, is_can);
                 Some(())
             }
             op::CHANNEL => {
                 let (id, schema) = (cursor.u16()?, cursor.u16()?);
                 let topic = cursor.text()?;
-                let name = self.schemas.get(&schema).map_or("", |s| s);
-                let is_can = topic == "/can" && name == schema::CAN.full_name();
-                self.channels.insert(id, (topic, is_can));
+                let is_can = topic == "/can" && self.schemas.get(&schema) == Some(&true);
+                let begin = topic.chars().take(60).collect();
+                self.channels.insert(id, (begin, is_can));
                 Some(())
             }
             op::MESSAGE => {
@@ -342,10 +403,7 @@ impl Reader<'_> {
                 let time = cursor.u64()?;
                 let _published = cursor.u64()?;
                 if self.channels.get(&channel).is_some_and(|c| c.1) {
-                    let frame = frame(time, cursor.0)?;
-                    if self.refused.is_none() {
-                        self.refused = (self.take)(frame).err();
-                    }
+                    self.frames.push_back(frame(time, cursor.0)?);
                 }
                 self.read.messages += 1;
                 self.read.last_ns = self.read.last_ns.max(time);

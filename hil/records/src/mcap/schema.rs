@@ -112,7 +112,11 @@ pub const FELT: Schema = Schema {
         ("energy_y_mm", Double),
         ("amplitude_x_mm", Double),
         ("amplitude_y_mm", Double),
-        ("energy_permille", Uint32),
+        ("energy_permille", Uint32), // requested
+        ("applied_permille", Uint32),
+        ("felt_permille", Uint32),
+        ("level_db", Double),
+        ("tap", Bool),
     ],
 };
 /// One message of an I2C transfer.

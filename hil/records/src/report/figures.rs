@@ -1,6 +1,6 @@
 //! The figures in their sections, each with its legend below, where it covers no data.
 
-use super::svg::escape;
+use super::svg::{Plot, escape};
 use super::{ReportExtras, paths, series, strip};
 use crate::bursts::bursts;
 use crate::measure;
@@ -34,8 +34,10 @@ fn path_key(out: &mut String, class: &str, data: &str, text: &str) {
 
 const RAMP: &str = "start <i class=\"ramp\"></i> end of the run";
 
-/// Figures A and C side by side.
-pub(super) fn planes(page: &mut String, trace: &Trace) {
+/// Figures A and C side by side; their planes.
+pub(super) fn planes(page: &mut String, trace: &Trace) -> [Plot; 2] {
+    let (pad, on_pad) = paths::contact_path(trace);
+    let (display, on_display) = paths::felt_path(trace);
     let truth = trace
         .events
         .iter()
@@ -57,9 +59,8 @@ pub(super) fn planes(page: &mut String, trace: &Trace) {
     );
     let _ = writeln!(
         page,
-        "<div class=\"pair\"><section><h2>A \u{b7} Contact path on the sensor</h2>\n{}\
-         <div class=\"legend\">{legend}</div></section>",
-        paths::contact_path(trace)
+        "<div class=\"pair\"><section><h2>A \u{b7} Contact path on the sensor</h2>\n\
+         <div class=\"plane\" id=\"pad\">{pad}</div><div class=\"legend\">{legend}</div></section>"
     );
     let mut legend = String::new();
     line_key(&mut legend, "aim", "contact, mapped");
@@ -79,11 +80,11 @@ pub(super) fn planes(page: &mut String, trace: &Trace) {
     line_key(&mut legend, "wire", "wire");
     let _ = writeln!(
         page,
-        "<section><h2>C \u{b7} Felt path on the display</h2>\n{}\
-         <div class=\"legend\">{legend}</div>{}</section></div>",
-        paths::felt_path(trace),
+        "<section><h2>C \u{b7} Felt path on the display</h2>\n\
+         <div class=\"plane\" id=\"display\">{display}</div><div class=\"legend\">{legend}</div>{}</section></div>",
         felt_in_words(trace)
     );
+    [on_pad, on_display]
 }
 
 /// What figure C counts, and why a phantom breaks. Empty where nothing was projected.
@@ -109,8 +110,8 @@ fn felt_in_words(trace: &Trace) -> String {
             if breaks > 0 {
                 let _ = write!(
                     text,
-                    " Breaks: {breaks}. There the contact lies inside the display and no wire is \
-                     strong enough to be felt. {}",
+                    " Breaks: {breaks}. There the contact lies inside the display and all wires together \
+                     stay below threshold. {}",
                     why(&trace.header.illusion)
                 );
                 if trace.ledger.driven.limiter_events > 0 {
@@ -124,7 +125,7 @@ fn felt_in_words(trace: &Trace) -> String {
                 );
             }
             text.push_str(
-                " What is felt comes from a model with a fitted gain, not from a person.",
+                " What is felt comes from a model of a person with a fitted gain.",
             );
             text
         }
@@ -149,7 +150,7 @@ pub(super) fn frames(page: &mut String, trace: &Trace, extras: &ReportExtras<'_>
         page,
         "<section><h2>B \u{b7} Contacts and time per frame</h2><p class=\"sub\">Measured on this machine, for \
          the whole loop: compression, and stimuli where an onset is due. The first frames make the \
-         reference and are not drawn.</p>\n<div class=\"wide\">{}</div></section>",
+         reference and are not drawn.</p>\n{}</section>",
         series::frames(trace, extras.frame_us)
     );
 }
@@ -184,7 +185,7 @@ pub(super) fn temperatures(page: &mut String, trace: &Trace) {
     }
     let _ = writeln!(
         page,
-        "<section><h2>Wire temperatures at the onsets</h2><p class=\"sub\">{which}</p>\n<div class=\"wide\">{}</div>\
+        "<section><h2>Wire temperatures at the onsets</h2><p class=\"sub\">{which}</p>\n{}\
          <div class=\"legend\">{legend}</div></section>",
         series::temperatures(trace, &wires)
     );
@@ -216,14 +217,14 @@ pub(super) fn schedule(page: &mut String, trace: &Trace) {
     let _ = writeln!(
         page,
         "<section><h2>Schedule</h2><p class=\"sub\">One row a wire; a bar is a burst of pulses, as high \
-         as its pulses are wide. On the right the largest duty in view.</p>\n<div class=\"wide\">{}</div>",
-        strip::schedule(trace, &all, 0, length)
+         as its pulses are wide. On the right the largest duty of the wire.</p>\n{}",
+        strip::schedule(trace, &all, (0, length))
     );
     if let Some((from, to)) = strip::detail(trace, &all) {
         let _ = writeln!(
             page,
-            "<h2 class=\"next\">In detail: twenty onsets</h2>\n<div class=\"wide\">{}</div>",
-            strip::schedule(trace, &all, from, to)
+            "<div class=\"still\"><h2 class=\"next\">In detail: twenty onsets</h2>\n{}</div>",
+            strip::schedule(trace, &all, (from, to))
         );
     }
     let _ = writeln!(page, "<div class=\"legend\">{legend}</div></section>");

@@ -1,10 +1,12 @@
-//! The report of a run: one self-contained page with plots as SVG. It loads nothing and runs nothing.
+//! The report of a run: one self-contained page with plots as SVG. It loads nothing. Without scripts every plot
+//! stands as it is; with them it has values, zoom and playback (`page.js`).
 //!
 //! The figures follow the thesis's 5.5: the contact path (A), contacts and time per frame against
 //! frames (B), the felt path (C); then wire temperatures and the schedule as a strip chart.
 
 mod figures;
 mod paths;
+mod playback;
 pub mod scale;
 mod series;
 mod strip;
@@ -12,8 +14,10 @@ pub mod svg;
 mod tables;
 mod texture;
 mod thermal;
+mod timeplot;
 
 use crate::digest::trace_digest;
+use crate::readings::Readings;
 use crate::trace::{Source, Trace};
 use crate::verdict::Conclusion;
 use std::fmt::Write;
@@ -22,6 +26,9 @@ pub use thermal::Warmth;
 
 /// The style sheet of the pages, light and dark.
 pub const STYLE: &str = include_str!("style.css");
+
+/// What makes the plots of a report answer.
+const SCRIPT: &str = include_str!("page.js");
 
 /// A line of the summary that the trace itself does not hold.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -48,6 +55,8 @@ pub struct ReportExtras<'a> {
     /// More lines for the summary. Path error, felt error, time per frame and the ledger are there
     /// without being named here.
     pub summary: &'a [SummaryRow],
+    /// What every taxel read, where that was kept.
+    pub readings: Option<&'a Readings>,
     /// The emulated finger over time, where there is one.
     pub warmth: &'a [Warmth],
     /// How the page was made, such as command, date and host: names and values, shown with the facts of the run.
@@ -70,7 +79,7 @@ pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
     tables::verdict(&mut page, trace, extras.conclusion);
     tables::facts(&mut page, trace, extras.made);
     thermal::section(&mut page, trace, extras.warmth);
-    figures::planes(&mut page, trace);
+    let [pad, display] = figures::planes(&mut page, trace);
     figures::frames(&mut page, trace, extras);
     texture::section(&mut page, trace);
     figures::temperatures(&mut page, trace);
@@ -79,8 +88,7 @@ pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
     tables::events(&mut page, trace);
     let _ = writeln!(
         page,
-        "<footer>palpate {}, trace version {}, digest of the exact trace {}. {}</footer>\n\
-         </main></body></html>",
+        "<footer>palpate {}, trace version {}, digest of the exact trace {}. {}</footer>\n</main>",
         env!("CARGO_PKG_VERSION"),
         crate::trace::VERSION,
         trace_digest(trace),
@@ -90,6 +98,8 @@ pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
             Source::Real => "Real hardware took part; what is felt still comes from a model.",
         }
     );
+    playback::data(&mut page, trace, extras.readings, [&pad, &display]);
+    let _ = writeln!(page, "<script>\n{SCRIPT}</script></body></html>");
     page
 }
 

@@ -109,7 +109,7 @@ fn hue(t_us: u64, length: u64) -> usize {
 }
 
 /// The contact path over the pad, with the true path where one is known.
-pub(super) fn contact_path(trace: &Trace) -> String {
+pub(super) fn contact_path(trace: &Trace) -> (String, Plot) {
     let taxels: Vec<_> = trace.header.taxels.iter().map(|p| mm(*p)).collect();
     let pitch = pitch(&taxels);
     let mut places = taxels.clone();
@@ -163,7 +163,7 @@ pub(super) fn contact_path(trace: &Trace) -> String {
             "no contact in this run",
         );
     }
-    svg.finish()
+    (svg.finish(), plot)
 }
 
 fn truth(trace: &Trace, plot: &Plot, svg: &mut Svg) {
@@ -207,7 +207,7 @@ fn cross(out: &mut String, (x, y): (f64, f64)) {
 }
 
 /// The felt path on the display: wires, where the contact was, where it is felt, where it breaks.
-pub(super) fn felt_path(trace: &Trace) -> String {
+pub(super) fn felt_path(trace: &Trace) -> (String, Plot) {
     let wires: Vec<_> = trace.header.wires.iter().map(|w| mm(w.place)).collect();
     let mut places = wires.clone();
     for event in &trace.events {
@@ -277,5 +277,5 @@ pub(super) fn felt_path(trace: &Trace) -> String {
             },
         );
     }
-    svg.finish()
+    (svg.finish(), plot)
 }

@@ -52,6 +52,11 @@ impl Scale {
         }
     }
 
+    /// Low end, high end, and whether the axis is logarithmic.
+    pub const fn ends(&self) -> (f64, f64, bool) {
+        (self.low, self.high, self.log)
+    }
+
     /// About `wanted` values along the axis, with what is written beside them.
     pub fn ticks(&self, wanted: f64) -> Vec<(f64, String)> {
         if self.log {

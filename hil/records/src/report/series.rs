@@ -1,33 +1,15 @@
-//! Figures over frames and time: taxels in contact, time per frame, wire temperatures.
+//! Figures over time: taxels in contact, time per frame, wire temperatures.
 
 use super::scale::Scale;
-use super::svg::{Plot, Svg, dot, envelope};
+use super::timeplot::{Pen, TimePlot};
 use crate::measure::{length_us, wire_tallies};
 use crate::trace::{Event, Trace};
 use std::collections::BTreeSet;
 
-/// Width of a figure that spans the page; every one shares left and right, so that times line up.
-pub(super) const WIDTH: f64 = 1120.0;
-const LEFT: f64 = 64.0;
-const RIGHT: f64 = 96.0;
 /// Most wires with a line of their own.
 const WIRES: usize = 8;
-
-pub(super) fn seconds(us: u64) -> f64 {
-    us as f64 * 1e-6
-}
-
-/// A plot across the page.
-pub(super) fn panel(top: f64, height: f64, x: Scale, y: Scale) -> Plot {
-    Plot {
-        left: LEFT,
-        top,
-        width: WIDTH - LEFT - RIGHT,
-        height,
-        x,
-        y,
-    }
-}
+/// Most dots of a plot.
+const DOTS: usize = 12_000;
 
 /// The lowest and the highest of all values.
 pub(super) fn span(values: impl Iterator<Item = f64>) -> (f64, f64) {
@@ -74,104 +56,64 @@ pub(super) fn scan_us(trace: &Trace) -> Option<f64> {
     quantile(&gaps, 0.5)
 }
 
-/// Taxels in contact and compression time against frames.
+/// Taxels in contact and compression time, frame by frame.
 pub(super) fn frames(trace: &Trace, frame_us: &[f32]) -> String {
-    let mut counts: Vec<(f64, f64)> = Vec::new();
+    let mut counts: Vec<(u64, f64)> = Vec::new();
     for event in &trace.events {
         if let Event::Frame {
-            frame, in_contact, ..
+            t_us, in_contact, ..
         } = event
         {
-            counts.push((f64::from(*frame), f64::from(*in_contact)));
+            counts.push((*t_us, f64::from(*in_contact)));
         }
     }
-    let last = counts.last().map_or(10.0, |c| c.0 + 1.0);
-    let x = Scale::exact(0.0, last.max(1.0));
     let most = counts.iter().map(|c| c.1).fold(0.0, f64::max);
     let times = sorted_times(frame_us);
-    let timed = !times.is_empty();
-    let mut svg = Svg::new(
-        WIDTH,
-        if timed { 420.0 } else { 220.0 },
-        "Taxels in contact and time per frame against frames",
-    );
-    let upper = panel(30.0, 140.0, x, Scale::round(0.0, most.max(4.0)));
-    upper.y_axis(&mut svg, "taxels in contact N_C");
-    upper.x_axis(&mut svg, if timed { "" } else { "frame" });
-    let steps = counts.iter().flat_map(|(f, n)| {
-        let y = upper.py(*n);
-        [(upper.px(*f), y), (upper.px(f + 1.0), y)]
-    });
-    svg.path(&envelope(steps), "series");
-    upper.frame(&mut svg);
-    if timed {
-        times_panel(trace, &counts, frame_us, &times, x, &mut svg);
-    } else {
-        let at = (WIDTH - RIGHT, 20.0);
-        svg.text(
-            at,
-            "note end",
-            "time per frame was not measured in this run",
-        );
+    let whole = (0, length_us(trace));
+    let y = Scale::round(0.0, most.max(4.0));
+    let mut upper = TimePlot::new("Taxels in contact against time", "", 140.0, whole, y);
+    upper.y_axis("taxels in contact N_C");
+    // A count holds until the next frame.
+    let held = counts
+        .iter()
+        .zip(counts.iter().skip(1).chain(counts.last()));
+    let steps = held.flat_map(|((t, n), (next, _))| [(*t, *n), (*next, *n)]);
+    upper.line("taxels in contact", "series", steps);
+    if times.is_empty() {
+        upper.row_note(0, "time per frame: not measured");
+        return upper.named().finish(0, "");
     }
-    svg.finish()
+    upper.finish(0, "") + &times_panel(trace, &counts, frame_us, &times)
 }
 
-fn times_panel(
-    trace: &Trace,
-    counts: &[(f64, f64)],
-    frame_us: &[f32],
-    times: &[f64],
-    x: Scale,
-    svg: &mut Svg,
-) {
+fn times_panel(trace: &Trace, counts: &[(u64, f64)], frame_us: &[f32], times: &[f64]) -> String {
     let scan = scan_us(trace);
     let low = times.first().copied().unwrap_or(1.0);
-    let high = times
-        .last()
-        .copied()
-        .unwrap_or(1.0)
-        .max(scan.unwrap_or(0.0));
-    let lower = panel(222.0, 150.0, x, Scale::decades(low, high));
-    lower.y_axis(svg, "time per frame [us]");
-    lower.x_axis(svg, "frame");
-    lower.frame(svg);
-    // Half a pixel is all an eye sees: a long run costs no more than its pixels.
+    let high = times.last().copied().unwrap_or(1.0);
+    let y = Scale::decades(low, high.max(scan.unwrap_or(0.0)));
+    let whole = (0, length_us(trace));
+    let mut plot = TimePlot::new("Time per frame against time", "us", 150.0, whole, y);
+    plot.y_axis("time per frame [us]");
+    // What an eye cannot tell apart is drawn once: a long run costs no more than its columns.
+    let (column, row) = (plot.column(), 50);
     let mut seen = BTreeSet::new();
-    let mut dots = String::new();
-    for (index, time) in frame_us.iter().enumerate() {
-        let time = f64::from(*time);
-        if !(time.is_finite() && time > 0.0) {
-            continue;
-        }
-        let frame = counts.get(index).map_or(index as f64, |c| c.0);
-        let at = (lower.px(frame + 0.5), lower.py(time));
-        if at.0 <= lower.left + lower.width
-            && seen.insert(((at.0 * 2.0) as i64, (at.1 * 2.0) as i64))
+    let mut dots = Pen::default();
+    for (time, (t_us, _)) in frame_us.iter().map(|t| f64::from(*t)).zip(counts) {
+        if let (true, Some(at)) = (time > 0.0, plot.at(*t_us, time))
+            && seen.insert((at.0 / column, at.1 / row))
+            && seen.len() <= DOTS
         {
-            dot(&mut dots, at);
+            dots.dot(at);
         }
     }
-    svg.path(&dots, "dots series-dots");
-    let right = lower.left + lower.width;
+    plot.path("dots", "time per frame", "dots series-dots", &dots.finish());
     if let Some(scan) = scan {
-        let y = lower.py(scan);
-        svg.line((lower.left, y), (right, y), "bound");
-        svg.text(
-            (right + 6.0, y + 4.0),
-            "tick",
-            &format!("scan {:.1} ms", scan / 1000.0),
-        );
+        plot.bound(scan, "bound", &format!("scan {:.1} ms", scan / 1000.0));
     }
     if let Some(median) = quantile(times, 0.5) {
-        let y = lower.py(median);
-        svg.line((lower.left, y), (right, y), "median");
-        svg.text(
-            (right + 6.0, y + 4.0),
-            "tick",
-            &format!("median {median:.2} us"),
-        );
+        plot.bound(median, "median", &format!("median {median:.2} us"));
     }
+    plot.named().finish(2, "")
 }
 
 /// The wires with a line: all of a small display, of a larger one the hottest.
@@ -191,7 +133,7 @@ pub(super) fn warm_wires(trace: &Trace) -> Vec<usize> {
 
 /// Wire temperatures against time.
 pub(super) fn temperatures(trace: &Trace, wires: &[usize]) -> String {
-    let mut lines: Vec<Vec<(f64, f64)>> = vec![Vec::new(); wires.len()];
+    let mut lines: Vec<Vec<(u64, f64)>> = vec![Vec::new(); wires.len()];
     for event in &trace.events {
         if let Event::Wire {
             t_us,
@@ -201,20 +143,18 @@ pub(super) fn temperatures(trace: &Trace, wires: &[usize]) -> String {
             && let Some(slot) = wires.iter().position(|w| *w == usize::from(*wire))
             && let Some(line) = lines.get_mut(slot)
         {
-            let celsius = f64::from(*milli_c) / 1000.0;
-            line.push((seconds(*t_us), celsius));
+            line.push((*t_us, f64::from(*milli_c) / 1000.0));
         }
     }
-    let x = Scale::exact(0.0, seconds(length_us(trace)));
     let (low, high) = span(lines.iter().flatten().map(|p| p.1));
-    let plot = panel(30.0, 230.0, x, Scale::round(low, high));
-    let mut svg = Svg::new(WIDTH, 306.0, "Wire temperatures against time");
-    plot.y_axis(&mut svg, "temperature [\u{b0}C]");
-    plot.x_axis(&mut svg, "time [s]");
-    for (slot, line) in lines.iter().enumerate() {
-        let points = line.iter().map(|p| plot.at(*p));
-        svg.path(&envelope(points), &format!("series w{slot}"));
+    let whole = (0, length_us(trace));
+    let y = Scale::round(low, high);
+    let label = "Wire temperatures against time";
+    let mut plot = TimePlot::new(label, "\u{b0}C", 230.0, whole, y);
+    plot.y_axis("temperature [\u{b0}C]");
+    for (slot, (line, wire)) in lines.into_iter().zip(wires).enumerate() {
+        let class = format!("series w{slot}");
+        plot.line(&format!("wire {wire}"), &class, line.into_iter());
     }
-    plot.frame(&mut svg);
-    svg.finish()
+    plot.named().finish(2, "")
 }

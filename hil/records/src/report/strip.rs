@@ -1,16 +1,17 @@
 //! The schedule as a strip chart: a row a wire, a bar a burst, its height the width of the pulses.
 
 use super::scale::Scale;
-use super::series::{WIDTH, panel, seconds};
-use super::svg::{Plot, Svg};
+use super::timeplot::{Pen, SPAN, TimePlot, tenth_ms};
 use crate::bursts::{Burst, shown_wires};
 use crate::measure::length_us;
 use crate::trace::{Event, Trace};
 use palpate_core::units::Ticks;
-use std::fmt::Write;
 
+/// Height of a row on the page, pixels.
 const ROW: f64 = 30.0;
-const BAR: f64 = 22.0;
+/// Where bars of a row stand, and how high the highest is, in units of the paths.
+const BASE: i64 = 8_700;
+const BAR: i64 = 7_300;
 /// Most wires with a row.
 const ROWS: usize = 32;
 
@@ -18,150 +19,162 @@ fn duty(width: u16) -> f64 {
     f64::from(width) / f64::from(Ticks::PER_PERIOD) * 100.0
 }
 
-fn bar(out: &mut String, x0: f64, x1: f64, base: f64, height: f64) {
-    let w = (x1 - x0).max(0.6);
-    let _ = write!(out, "M{x0:.1} {base:.1}v{:.1}h{w:.1}v{height:.1}z", -height);
+/// Height of a part of a whole in a row.
+fn tall(part: u16, whole: u16) -> i64 {
+    let whole = i64::from(whole.max(1));
+    (i64::from(part) * BAR + whole / 2) / whole
 }
 
-/// Chart of the time from `from_us` to `to_us`.
-pub(super) fn schedule(trace: &Trace, all: &[Burst], from_us: u64, to_us: u64) -> String {
-    let wires = shown_wires(trace, all, ROWS);
-    let rows = wires.len() as f64 + 2.0;
-    let mut svg = Svg::new(WIDTH, rows * ROW + 62.0, "Schedule, one row a wire");
-    let x = Scale::exact(seconds(from_us), seconds(to_us));
-    let plot = panel(22.0, rows * ROW, x, Scale::exact(0.0, 1.0));
-    plot.x_axis(&mut svg, "time [s]");
-    let base = |row: f64| plot.top + row * ROW + 26.0;
-    let clip = |us: u64| plot.px(seconds(us.clamp(from_us, to_us)));
-    let inside = |from: u64, to: u64| from <= to_us && to >= from_us;
-    rulings(trace, &plot, &mut svg, &wires, &base);
-    let widest = all
-        .iter()
-        .map(|b| b.width.max(b.requested))
-        .max()
-        .unwrap_or(0)
-        .max(1);
-    for (row, wire) in wires.iter().enumerate() {
-        let (mut whole, mut cut, mut asked) = (String::new(), String::new(), String::new());
-        let y = base(row as f64 + 2.0);
-        let mut peak = 0;
-        for b in all.iter().filter(|b| b.wire() == Some(*wire)) {
-            if !inside(b.from_us, b.to_us) {
-                continue;
+fn base(row: usize) -> i64 {
+    i64::try_from(row).unwrap_or(0) * SPAN + BASE
+}
+
+/// Bars of a row, of which those too close to be told apart become one as high as the highest.
+#[derive(Default)]
+struct Bars {
+    pen: Pen,
+    pending: Option<(i64, i64, i64)>,
+}
+
+impl Bars {
+    fn add(&mut self, (from, to): (i64, i64), height: i64, base: i64, column: i64) {
+        match &mut self.pending {
+            Some((first, last, highest)) if from / column == *first / column => {
+                (*last, *highest) = ((*last).max(to), (*highest).max(height));
             }
-            peak = peak.max(b.width);
-            let (x0, x1) = (clip(b.from_us), clip(b.to_us));
-            let tall = |w: u16| f64::from(w) / f64::from(widest) * BAR;
-            if b.reason.is_some() {
-                bar(&mut asked, x0, x1, y, tall(b.requested).max(3.0));
-                if b.width > 0 {
-                    bar(&mut cut, x0, x1, y, tall(b.width).max(1.0));
-                }
-            } else {
-                bar(&mut whole, x0, x1, y, tall(b.width).max(1.0));
+            _ => {
+                self.flush(base);
+                self.pending = Some((from, to, height));
             }
         }
-        svg.path(&whole, "burst");
-        svg.path(&cut, "burst cut");
-        svg.path(&asked, "asked");
-        let right = plot.left + plot.width + 8.0;
-        let text = if peak > 0 {
-            format!("\u{2264} {:.2} %", duty(peak))
-        } else {
-            "off".to_owned()
-        };
-        svg.text((right, y - 6.0), "tick", &text);
     }
-    contact_row(trace, &plot, &mut svg, base(1.0), (from_us, to_us));
-    event_row(trace, all, &plot, &mut svg, base(0.0), (from_us, to_us));
-    plot.frame(&mut svg);
-    svg.finish()
+
+    fn flush(&mut self, base: i64) {
+        if let Some((from, to, height)) = self.pending.take() {
+            self.pen.bar((from, base), to - from, height);
+        }
+    }
+
+    fn finish(mut self, base: i64) -> String {
+        self.flush(base);
+        self.pen.finish()
+    }
 }
 
-fn rulings(trace: &Trace, plot: &Plot, svg: &mut Svg, wires: &[u16], base: &dyn Fn(f64) -> f64) {
-    let names = ["events".to_owned(), "taxels".to_owned()];
-    let wires = wires.iter().map(|w| format!("wire {w}"));
-    for (row, name) in names.into_iter().chain(wires).enumerate() {
-        let y = base(row as f64);
-        svg.text((plot.left - 8.0, y - 6.0), "tick end", &name);
-        svg.line(
-            (plot.left, y + 2.0),
-            (plot.left + plot.width, y + 2.0),
-            "ruling",
-        );
+/// Chart of a stretch of time, microseconds.
+pub(super) fn schedule(trace: &Trace, all: &[Burst], span: (u64, u64)) -> String {
+    let wires = shown_wires(trace, all, ROWS);
+    let rows = wires.len() + 2;
+    let label = "Schedule, one row per wire, against time";
+    let y = Scale::exact(0.0, 1.0);
+    let plot = TimePlot::new(label, "%", rows as f64 * ROW, span, y);
+    let mut plot = plot.with_rows(rows).named();
+    let widest = all.iter().map(|b| b.width.max(b.requested)).max();
+    let widest = widest.unwrap_or(0).max(1);
+    let most = names(trace, &mut plot, &wires);
+    for (row, wire) in wires.iter().enumerate() {
+        wire_row(&mut plot, all, (row + 2, *wire), span, widest);
     }
-    svg.text(
-        (plot.left + plot.width + 8.0, base(0.0) - 6.0),
-        "tick",
-        "duty, peak",
-    );
+    contact_row(trace, &mut plot, most, span);
+    event_row(trace, all, &mut plot, span);
+    plot.finish(
+        2,
+        &format!(
+            " data-bar=\"{BAR}\" data-duty=\"{}\" data-most=\"{most}\"",
+            duty(widest)
+        ),
+    )
+}
+
+/// Names of the rows; the most taxels in contact.
+fn names(trace: &Trace, plot: &mut TimePlot, wires: &[u16]) -> u16 {
+    let fixed = ["events".to_owned(), "taxels".to_owned()];
+    let wires = wires.iter().map(|w| format!("wire {w}"));
+    for (row, name) in fixed.into_iter().chain(wires).enumerate() {
+        plot.row_name(row, &name);
+        plot.across(base(row) + 300, "ruling");
+    }
+    plot.row_note(0, "duty, peak");
     let most = trace.events.iter().filter_map(|e| match e {
         Event::Frame { in_contact, .. } => Some(*in_contact),
         _ => None,
     });
-    let most = format!("\u{2264} {}", most.max().unwrap_or(0));
-    svg.text(
-        (plot.left + plot.width + 8.0, base(1.0) - 6.0),
-        "tick",
-        &most,
-    );
+    let most = most.max().unwrap_or(0);
+    plot.row_note(1, &format!("\u{2264} {most}"));
+    most
 }
 
-/// Taxels in contact as a filled outline.
-fn contact_row(trace: &Trace, plot: &Plot, svg: &mut Svg, base: f64, span: (u64, u64)) {
-    let mut points: Vec<(u64, u16)> = Vec::new();
-    for event in &trace.events {
-        if let Event::Frame {
-            t_us, in_contact, ..
-        } = event
-        {
-            points.push((*t_us, *in_contact));
-        }
-    }
-    let most = points.iter().map(|p| p.1).max().unwrap_or(0).max(1);
-    let mut out = String::new();
-    let mut last: Option<(u16, f64)> = None;
-    for (t_us, n) in points
-        .into_iter()
-        .filter(|p| p.0 >= span.0 && p.0 <= span.1)
-    {
-        let x = plot.px(seconds(t_us));
-        if let Some((before, _)) = last.filter(|(before, at)| *before != n || x - at > 40.0) {
-            let height = f64::from(before) / f64::from(most) * BAR;
-            let _ = write!(out, "L{x:.1} {:.1}", base - height);
-        }
-        let height = f64::from(n) / f64::from(most) * BAR;
-        if last.is_none() {
-            let _ = write!(out, "M{x:.1} {base:.1}");
-        }
-        if last.is_none_or(|(before, at)| before != n || x - at > 40.0) {
-            let _ = write!(out, "L{x:.1} {:.1}", base - height);
-            last = Some((n, x));
-        }
-    }
-    if last.is_some() {
-        let end = span.1.min(length_us(trace));
-        let x = plot.px(seconds(end));
-        let height = last.map_or(0.0, |(n, _)| f64::from(n) / f64::from(most) * BAR);
-        let _ = write!(out, "L{x:.1} {:.1}L{x:.1} {base:.1}z", base - height);
-    }
-    svg.path(&out, "touched");
-}
-
-fn event_row(
-    trace: &Trace,
+fn wire_row(
+    plot: &mut TimePlot,
     all: &[Burst],
-    plot: &Plot,
-    svg: &mut Svg,
-    base: f64,
+    (row, wire): (usize, u16),
     span: (u64, u64),
+    widest: u16,
 ) {
-    let (mut breaks, mut off, mut notes) = (String::new(), String::new(), String::new());
-    let mut limits = String::new();
-    let within = |t: u64| t >= span.0 && t <= span.1;
-    let tick = |out: &mut String, t: u64, up: f64, h: f64| {
-        if within(t) {
-            let _ = write!(out, "M{:.1} {:.1}v{:.1}", plot.px(seconds(t)), base - up, h);
+    let (mut whole, mut cut, mut asked) = (Bars::default(), Bars::default(), Bars::default());
+    let (base, column) = (base(row), plot.column());
+    let mut peak = 0;
+    let clip = |us: u64| tenth_ms(us.clamp(span.0, span.1));
+    let inside = |b: &&Burst| b.from_us <= span.1 && b.to_us >= span.0;
+    let own = all.iter().filter(|b| b.wire() == Some(wire));
+    for b in own.filter(inside) {
+        peak = peak.max(b.width);
+        let (of, height) = ((clip(b.from_us), clip(b.to_us)), tall(b.width, widest));
+        if b.reason.is_none() {
+            whole.add(of, height, base, column);
+            continue;
+        }
+        asked.add(of, tall(b.requested, widest).max(1_000), base, column);
+        if b.width > 0 {
+            cut.add(of, height, base, column);
+        }
+    }
+    let name = format!("wire {wire}");
+    plot.path("bars", &name, "burst", &whole.finish(base));
+    plot.path("bars", &name, "burst cut", &cut.finish(base));
+    let name = format!("wire {wire}, requested");
+    plot.path("bars", &name, "asked", &asked.finish(base));
+    let text = if peak > 0 {
+        format!("\u{2264} {:.2} %", duty(peak))
+    } else {
+        "off".to_owned()
+    };
+    plot.row_note(row, &text);
+}
+
+/// Taxels in contact as bars, each as long as the count stays.
+fn contact_row(trace: &Trace, plot: &mut TimePlot, most: u16, span: (u64, u64)) {
+    let frames = trace.events.iter().filter_map(|e| match e {
+        Event::Frame {
+            t_us, in_contact, ..
+        } => Some((*t_us, *in_contact)),
+        _ => None,
+    });
+    let inside: Vec<_> = frames.filter(|f| f.0 >= span.0 && f.0 <= span.1).collect();
+    let mut bars = Bars::default();
+    let end = span.1.min(length_us(trace));
+    let mut from = inside.first().map_or(0, |f| f.0);
+    for (n, (_, count)) in inside.iter().enumerate() {
+        let next = inside.get(n + 1);
+        if next.is_some_and(|next| next.1 == *count) {
+            continue;
+        }
+        let to = next.map_or(end, |next| next.0);
+        if *count > 0 {
+            let of = (tenth_ms(from), tenth_ms(to));
+            bars.add(of, tall(*count, most), base(1), plot.column());
+        }
+        from = to;
+    }
+    plot.path("bars", "taxels", "touched", &bars.finish(base(1)));
+}
+
+fn event_row(trace: &Trace, all: &[Burst], plot: &mut TimePlot, span: (u64, u64)) {
+    let column = plot.column();
+    let [mut breaks, mut off, mut notes, mut limits] = [(); 4].map(|()| Bars::default());
+    let mark = |bars: &mut Bars, t: u64, (up, height): (i64, i64)| {
+        if t >= span.0 && t <= span.1 {
+            bars.add((tenth_ms(t), tenth_ms(t)), height, base(0) - up, column);
         }
     };
     for event in &trace.events {
@@ -171,19 +184,24 @@ fn event_row(
                 inside: true,
                 felt: None,
                 ..
-            } => tick(&mut breaks, *t_us, 10.0, 10.0),
-            Event::AllOff { t_us, .. } => tick(&mut off, *t_us, 22.0, 22.0),
-            Event::Note { t_us, .. } => tick(&mut notes, *t_us, 22.0, 22.0),
+            } => mark(&mut breaks, *t_us, (0, BAR / 2)),
+            Event::AllOff { t_us, .. } => mark(&mut off, *t_us, (0, BAR)),
+            Event::Note { t_us, .. } => mark(&mut notes, *t_us, (0, BAR)),
             _ => {}
         }
     }
     for burst in all.iter().filter(|b| b.reason.is_some()) {
-        tick(&mut limits, burst.from_us, 22.0, 10.0);
+        mark(&mut limits, burst.from_us, (BAR / 2, BAR / 2));
     }
-    svg.path(&notes, "mark note-mark");
-    svg.path(&breaks, "mark break-mark");
-    svg.path(&limits, "mark limit-mark");
-    svg.path(&off, "mark off-mark");
+    for (bars, up, name) in [
+        (notes, 0, "note"),
+        (breaks, 0, "break"),
+        (limits, BAR / 2, "limit"),
+        (off, 0, "off"),
+    ] {
+        let class = format!("mark {name}-mark");
+        plot.path("marks", name, &class, &bars.finish(base(0) - up));
+    }
 }
 
 /// A window short enough to see single bursts: around the first limiter event, else around the first

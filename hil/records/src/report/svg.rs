@@ -176,44 +176,6 @@ impl Plot {
     }
 }
 
-/// A line through points in pixels; every column keeps its ends and extremes, so that an hour costs
-/// what a second does. A point that is no number interrupts the line.
-pub fn envelope(points: impl Iterator<Item = (f64, f64)>) -> String {
-    let mut out = String::new();
-    let mut pen = false;
-    let mut bucket: Vec<(f64, f64)> = Vec::new();
-    let flush = |bucket: &mut Vec<(f64, f64)>, pen: &mut bool, out: &mut String| {
-        let lowest = bucket.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));
-        let highest = bucket.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
-        let mut kept = vec![
-            bucket.first().copied(),
-            lowest,
-            highest,
-            bucket.last().copied(),
-        ];
-        kept.sort_by(|a, b| a.map_or(0.0, |p| p.0).total_cmp(&b.map_or(0.0, |p| p.0)));
-        kept.dedup();
-        for (x, y) in kept.into_iter().flatten() {
-            let _ = write!(out, "{}{x:.1} {y:.1}", if *pen { 'L' } else { 'M' });
-            *pen = true;
-        }
-        bucket.clear();
-    };
-    for (x, y) in points {
-        if !(x.is_finite() && y.is_finite()) {
-            flush(&mut bucket, &mut pen, &mut out);
-            pen = false;
-            continue;
-        }
-        if bucket.first().is_some_and(|p| p.0.floor() < x.floor()) {
-            flush(&mut bucket, &mut pen, &mut out);
-        }
-        bucket.push((x, y));
-    }
-    flush(&mut bucket, &mut pen, &mut out);
-    out
-}
-
 /// One dot of a path whose style has round ends.
 pub fn dot(out: &mut String, (x, y): (f64, f64)) {
     if x.is_finite() && y.is_finite() {

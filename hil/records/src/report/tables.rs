@@ -3,7 +3,7 @@
 use super::series::{quantile, scan_us, sorted_times};
 use super::svg::escape;
 use super::{ReportExtras, SummaryRow};
-use crate::felt::{decibels, energy_permille, felt_scores};
+use crate::felt::{decibels, energies, felt_level, felt_scores};
 use crate::figures::{Figure, figures};
 use crate::fixed::{milli_u, seconds};
 use crate::margin::used_words;
@@ -99,9 +99,14 @@ pub(super) fn facts(page: &mut String, trace: &Trace, made: &[(&'static str, Str
         ("limits digest", h.limits_digest.clone()),
     ];
     for (name, value) in made.iter().cloned().chain(facts) {
+        let long = if value.len() > 40 {
+            " class=\"long\""
+        } else {
+            ""
+        };
         let _ = write!(
             page,
-            "<div><dt>{name}</dt><dd>{}</dd></div>",
+            "<div><dt>{name}</dt><dd{long}>{}</dd></div>",
             escape(&value)
         );
     }
@@ -143,6 +148,13 @@ fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
         path.map_or(0, |e| e.count).to_string(),
         "",
     ));
+    if let Some(level) = felt_level(trace) {
+        let who = format!("{} on {}", trace.header.person, trace.header.preset);
+        for (what, mdb) in [("median", level.median_mdb), ("5 %", level.p5_mdb)] {
+            let what = format!("felt level over threshold, {what} ({who})");
+            rows.push(row(&what, format!("{:.1}", f64::from(mdb) * 1e-3), "dB"));
+        }
+    }
     let mut breaks = 0;
     // Without a true path there is nothing to hold the felt path against; breaks need none.
     let known = trace
@@ -163,10 +175,10 @@ fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
     let mut broken = row("breaks", breaks.to_string(), "onsets");
     broken.over = breaks > 0;
     rows.push(broken);
-    if let Some((least, most)) = energy_permille(trace) {
-        let (least, most) = (decibels(least), decibels(most));
-        let text = format!("{least:.1} to {most:.1}");
-        rows.push(row("energy inside the display", text, "dB"));
+    for (name, (least, most)) in energies(trace).into_iter().flatten() {
+        let text = format!("{:.1} to {:.1}", decibels(least), decibels(most));
+        let what = format!("energy {name}, over one wire's");
+        rows.push(row(&what, text, "dB"));
     }
     let most = trace.events.iter().filter_map(|e| match e {
         Event::Frame { in_contact, .. } => Some(*in_contact),

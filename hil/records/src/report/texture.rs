@@ -1,8 +1,8 @@
 //! The texture of a run: its path through the latent space, and how rough that is.
 
 use super::scale::Scale;
-use super::series::{WIDTH, panel, seconds, span};
-use super::svg::{Plot, Svg, envelope};
+use super::series::span;
+use super::timeplot::TimePlot;
 use crate::measure::length_us;
 use crate::trace::{Event, Trace};
 use std::fmt::Write;
@@ -31,11 +31,17 @@ fn windows(trace: &Trace) -> Vec<Window<'_>> {
 }
 
 /// One value of every window against time, a line for each touch.
-fn draw(svg: &mut Svg, plot: &Plot, points: &[(u64, f64)], class: &str) {
-    for touch in points.chunk_by(|a, b| b.0.saturating_sub(a.0) < APART_US) {
-        let places = touch.iter().map(|(t, v)| plot.at((seconds(*t), *v)));
-        svg.path(&envelope(places), class);
+fn draw(plot: &mut TimePlot, points: &[(u64, f64)], name: &str, class: &str) {
+    let mut before = None;
+    let mut drawn = Vec::with_capacity(points.len());
+    for (t, v) in points {
+        if before.is_some_and(|b| t.saturating_sub(b) >= APART_US) {
+            drawn.push((*t, f64::NAN));
+        }
+        before = Some(*t);
+        drawn.push((*t, *v));
     }
+    plot.line(name, class, drawn.into_iter());
 }
 
 /// Latent path and roughness; nothing where no texture was felt.
@@ -56,38 +62,33 @@ pub(super) fn section(page: &mut String, trace: &Trace) {
     };
     let lines: Vec<_> = (0..count).map(line).collect();
     let (low, high) = span(lines.iter().flatten().map(|p| p.1));
-    let x = Scale::exact(0.0, seconds(length_us(trace)));
-    let mut svg = Svg::new(
-        WIDTH,
-        364.0,
-        "Latent coordinates and roughness against time",
-    );
-    let upper = panel(30.0, 150.0, x, Scale::round(low, high));
-    upper.y_axis(&mut svg, "latent coordinate");
-    upper.x_axis(&mut svg, "");
+    let whole = (0, length_us(trace));
+    let y = Scale::round(low, high);
+    let label = "Latent coordinates against time";
+    let mut upper = TimePlot::new(label, "", 150.0, whole, y);
+    upper.y_axis("latent coordinate");
     let mut legend = String::new();
     for (i, points) in lines.iter().enumerate() {
-        let class = format!("series w{i}");
-        draw(&mut svg, &upper, points, &class);
-        super::figures::line_key(&mut legend, &class, &format!("z{}", i + 1));
+        let (class, name) = (format!("series w{i}"), format!("z{}", i + 1));
+        draw(&mut upper, points, &name, &class);
+        super::figures::line_key(&mut legend, &class, &name);
     }
-    upper.frame(&mut svg);
-    let lower = panel(236.0, 80.0, x, Scale::exact(0.0, 1.0));
-    lower.y_axis(&mut svg, "roughness, 0 to 1");
-    lower.x_axis(&mut svg, "time [s]");
+    let y = Scale::exact(0.0, 1.0);
+    let mut lower = TimePlot::new("Roughness against time", "", 80.0, whole, y);
+    lower.y_axis("roughness, 0 to 1");
     let rough: Vec<_> = windows
         .iter()
         .map(|w| (w.0, f64::from(w.2) / 1e3))
         .collect();
-    draw(&mut svg, &lower, &rough, "series");
-    lower.frame(&mut svg);
+    draw(&mut lower, &rough, "roughness", "series");
     let _ = writeln!(
         page,
         "<section><h2>Texture: latent path</h2><p class=\"sub\">{} windows of a second each, one an onset, \
          every sample of them touched. Roughness is the driving coordinate in its range, clamped; its \
-         pulses are in the schedule below.</p>\n<div class=\"wide\">{}</div>\
+         pulses are in the schedule below.</p>\n{}{}\
          <div class=\"legend\">{legend}</div></section>",
         windows.len(),
-        svg.finish()
+        upper.finish(3, ""),
+        lower.named().finish(3, "")
     );
 }

@@ -2,8 +2,8 @@
 
 use super::figures::line_key;
 use super::scale::Scale;
-use super::series::{WIDTH, panel, span};
-use super::svg::{Plot, Svg, envelope};
+use super::series::span;
+use super::timeplot::TimePlot;
 use crate::margin::{Limited, Margin};
 use crate::trace::{Ledger, Trace};
 use std::fmt::Write;
@@ -32,7 +32,7 @@ pub(super) fn section(page: &mut String, trace: &Trace, samples: &[Warmth]) {
         page,
         "<section><h2>Temperatures against their limits</h2><p class=\"sub\">Each point is the highest since the \
          one before, of all wires; the mean is over ten seconds. A wire has no limit of its own.</p>\n\
-         <div class=\"wide\">{}</div><div class=\"wide\">{}</div><div class=\"legend\">{}</div></section>",
+         {}{}<div class=\"legend\">{}</div></section>",
         skin(&trace.ledger, samples),
         wire(samples),
         legend()
@@ -54,19 +54,31 @@ fn legend() -> String {
 }
 
 /// A plot that shows at least 33 to 34 degrees C.
-fn plot(height: f64, samples: &[Warmth], values: impl Iterator<Item = f64>, above: f64) -> Plot {
+fn plot(
+    (label, title): (&str, &str),
+    height: f64,
+    samples: &[Warmth],
+    values: impl Iterator<Item = f64>,
+    above: f64,
+) -> TimePlot {
     let last = samples.last().map_or(1.0, |s| s.t_s);
     let (low, high) = span([33.0, 34.0].into_iter().chain(values));
     let y = Scale::round(low, high + above);
-    panel(30.0, height, Scale::exact(0.0, last), y)
+    let mut plot = TimePlot::new(label, "\u{b0}C", height, (0, micros(last)), y);
+    plot.y_axis(title);
+    plot
+}
+
+fn micros(t_s: f64) -> u64 {
+    (t_s * 1e6).round() as u64
 }
 
 fn skin(ledger: &Ledger, samples: &[Warmth]) -> String {
     type Of = fn(&Warmth) -> f64;
-    let lines: [(Of, &str); 3] = [
-        (|s| s.shallow_c, "w1"),
-        (|s| s.mean_c, "w4"),
-        (|s| s.deep_c, "w2"),
+    let lines: [(Of, &str, &str); 3] = [
+        (|s| s.shallow_c, "w1", "skin at 0.1 mm"),
+        (|s| s.mean_c, "w4", "its mean over 10 s"),
+        (|s| s.deep_c, "w2", "skin at 0.4 mm"),
     ];
     let bounds = [
         (Limited::SkinPeak, "0.1 mm"),
@@ -75,21 +87,11 @@ fn skin(ledger: &Ledger, samples: &[Warmth]) -> String {
     ];
     let bounds = bounds.map(|(of, what)| (ledger.margin(of).map(Margin::limit), what));
     let limits = bounds.iter().filter_map(|b| b.0);
-    let all = samples.iter().flat_map(|s| lines.map(|(of, _)| of(s)));
-    let plot = plot(230.0, samples, all.chain(limits), 0.5);
-    let mut svg = Svg::new(
-        WIDTH,
-        300.0,
-        "Skin temperatures and their limits against time",
-    );
-    plot.y_axis(&mut svg, "skin [\u{b0}C]");
-    plot.x_axis(&mut svg, "");
-    let right = plot.left + plot.width;
-    let mut bound = |celsius: f64, what: &str| {
-        let y = plot.py(celsius);
-        svg.line((plot.left, y), (right, y), "bound");
-        svg.text((right + 6.0, y + 4.0), "tick", what);
-    };
+    let all = samples.iter().flat_map(|s| lines.map(|(of, ..)| of(s)));
+    let label = "Skin temperatures and their limits against time";
+    let values = all.chain(limits);
+    let mut plot = plot((label, "skin [\u{b0}C]"), 230.0, samples, values, 0.5);
+    let mut bound = |celsius: f64, what: &str| plot.bound(celsius, "bound", what);
     match bounds {
         // Two words in one place would cover each other.
         [peak, (Some(mean), _), (Some(deep), _)] if (mean - deep).abs() < 0.05 => {
@@ -104,23 +106,20 @@ fn skin(ledger: &Ledger, samples: &[Warmth]) -> String {
             }
         }
     }
-    for (of, class) in lines {
-        let points = samples.iter().map(|s| plot.at((s.t_s, of(s))));
-        svg.path(&envelope(points), &format!("series {class}"));
+    for (of, class, name) in lines {
+        let points = samples.iter().map(|s| (micros(s.t_s), of(s)));
+        plot.line(name, &format!("series {class}"), points);
     }
-    plot.frame(&mut svg);
-    svg.finish()
+    plot.finish(2, "")
 }
 
 fn wire(samples: &[Warmth]) -> String {
-    let plot = plot(130.0, samples, samples.iter().map(|s| s.wire_c), 0.0);
-    let mut svg = Svg::new(WIDTH, 206.0, "Hottest wire against time");
-    plot.y_axis(&mut svg, "hottest wire [\u{b0}C]");
-    plot.x_axis(&mut svg, "time [s]");
-    let points = samples.iter().map(|s| plot.at((s.t_s, s.wire_c)));
-    svg.path(&envelope(points), "series w0");
-    plot.frame(&mut svg);
-    svg.finish()
+    let values = samples.iter().map(|s| s.wire_c);
+    let named = ("Hottest wire against time", "hottest wire [\u{b0}C]");
+    let mut plot = plot(named, 130.0, samples, values, 0.0);
+    let points = samples.iter().map(|s| (micros(s.t_s), s.wire_c));
+    plot.line("hottest wire", "series w0", points);
+    plot.named().finish(2, "")
 }
 
 #[cfg(test)]

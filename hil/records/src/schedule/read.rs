@@ -116,6 +116,8 @@ pub fn read_schedule(
             pre_scale: Prescale::new(header.pre_scale.unwrap_or_default()),
             tau_d_us: header.tau_d_us,
             soa_us: header.soa_us,
+            person: String::new(),
+            preset: String::new(),
             illusion: String::new(),
             kc: 0,
             taxels: Vec::new(),

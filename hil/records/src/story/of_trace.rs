@@ -4,7 +4,7 @@ use super::table::Table;
 use super::{COLUMNS, GoldenKind, HeadLine, Story, StoryTiming, pad, strip};
 use crate::bursts::bursts;
 use crate::digest;
-use crate::felt::{energy_permille, felt_scores};
+use crate::felt::{energies, felt_level, felt_scores};
 use crate::figures::figures;
 use crate::fixed::{hundredths, milli, milli_u, seconds};
 use crate::measure::{self, Errors};
@@ -46,6 +46,19 @@ impl Story {
         };
         story.head.extend(drive(trace));
         story.head.extend(contact_summary(trace));
+        if let Some(level) = felt_level(trace) {
+            let decibels = |mdb: i32| format!("{} dB", milli(i64::from(mdb)));
+            story.head.push(head(
+                "felt level",
+                [
+                    format!("person {}", header.person),
+                    format!("preset {}", header.preset),
+                    format!("median {}", decibels(level.median_mdb)),
+                    format!("5 % {}", decibels(level.p5_mdb)),
+                    format!("taps {}", level.taps),
+                ],
+            ));
+        }
         for score in felt_scores(trace) {
             let label = format!("felt error, {}", score.perceiver);
             let mut line = errors(&label, score.errors);
@@ -53,9 +66,10 @@ impl Story {
             line.pieces.push(format!("jumps {}", score.jumps));
             story.head.push(line);
         }
-        if let Some((least, most)) = energy_permille(trace) {
-            let piece = format!("{least} to {most} thousandths of a wire's");
-            story.head.push(head("energy inside the display", [piece]));
+        if let Some(energies) = energies(trace) {
+            let pieces = energies.map(|(name, (least, most))| format!("{name} {least} to {most}"));
+            let label = "energy inside the display, thousandths of a wire's";
+            story.head.push(head(label, pieces));
         }
         story.chart = strip::schedule(trace);
         story.happenings = happenings(trace).iter().map(to_the_line).collect();

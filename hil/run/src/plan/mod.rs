@@ -5,7 +5,7 @@ mod person;
 mod texture;
 
 pub use illusion::drive;
-pub use person::perceiver;
+pub use person::person;
 pub use texture::{projection, surface};
 
 use palpate_core::contact::{Levels, Settings};

@@ -1,15 +1,14 @@
 //! The emulated person as the emulators take it.
 
-use palpate_emulators::person::perceiver::PerceiverParameters;
+use palpate_emulators::person::channels::Person;
 
-use palpate_files::PerceiverFile;
+use palpate_files::PersonFile;
 
-/// Gain and threshold of a perceiver file.
-pub fn perceiver(file: &PerceiverFile) -> PerceiverParameters {
-    PerceiverParameters {
-        fitted_gain: file.fitted_gain,
-        threshold_um: file.threshold_um,
-        expansion: file.expansion_ppm * 1e-6,
-        full_pulses: file.full_pulses,
+/// Thresholds and growths of a person's file.
+pub const fn person(file: &PersonFile) -> Person {
+    Person {
+        vibration_um: file.vibration.threshold_um.value,
+        flutter_um: file.flutter.threshold_um.value,
+        growth: [file.vibration.growth.value, file.flutter.growth.value],
     }
 }

@@ -1,5 +1,5 @@
 //! What a panel is shown: control parameters on the emulated wires of a bench, through guard, driver and chip, and
-//! what receptors make of the pulses that came through.
+//! what a person makes of the wires' motion.
 
 use palpate_core::contact::Levels;
 use palpate_core::driver::Actuators;
@@ -7,9 +7,9 @@ use palpate_core::driver::Banks;
 use palpate_core::projector::{Carrier, Output};
 use palpate_core::texture::{Control, ControlMap, RoughnessDriver, along};
 use palpate_core::units::{Duration, Instant, Point};
+use palpate_emulators::display::wire::lift::um_per_kelvin;
+use palpate_emulators::person::channels::{Felt, Kick};
 use palpate_emulators::person::panel::{ScaleEnds, Sensation, apart_s, step_s};
-use palpate_emulators::person::perceiver::Perceiver;
-use palpate_emulators::person::receptors::{Intensity, Kick, Receptors};
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::WornDisplay;
 
@@ -38,8 +38,10 @@ pub struct Stage<'a> {
 /// A texture as it was felt.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
-    /// The channels of the finger.
-    pub intensity: Intensity,
+    /// How far over threshold, dB; none where no wire moved.
+    pub level_db: Option<f64>,
+    /// How strong it feels, 1 at threshold; 0 below.
+    pub intensity: f64,
     /// What is rated of it.
     pub sensation: Sensation,
     /// Pulses that reached the wires.
@@ -109,6 +111,9 @@ impl<'a> Stage<'a> {
         let gaps = along(&places, plan.display.gap());
         let mut display = emulated(setup, plan.display.wires())?;
         display.keep_flows();
+        let person = plan::person(&setup.person.value);
+        let impossible = |e| Failure::Input(format!("person `{}`: {e}", setup.person.value.name));
+        display.worn_by(person).map_err(impossible)?;
         let boards = plan::boards(&setup.bench.value);
         let mut bank = Banks::new([(display.bus(), &*boards)], prescale);
         let mut output = Output::new(plan.display, plan.output, plan.guard);
@@ -128,19 +133,22 @@ impl<'a> Stage<'a> {
                 .map_err(|e| device(&e))?;
             now = output.next().max(now + Duration::from_micros(1));
             now = now.min(end).min(now + TICK);
+            display.settle();
         }
         bank.all_off().map_err(|e| device(&e))?;
         display
             .advance(Nanos::from(end + PERIODS), &mut |_| {})
             .map_err(|e| device(&e))?;
         let kicks = self.kicks(&mut display, gaps.len(), Nanos::from(begun));
-        Ok(felt(setup, &kicks, &gaps, length))
+        let met = display.onset();
+        let intensity = met.map_or(0.0, |met| met.levels.intensity(person.growth));
+        Ok(shown((met, intensity), &kicks, &gaps, length))
     }
 
     /// Pulses of every wire since `begun`, as the skin meets them.
     fn kicks(&self, display: &mut WornDisplay, wires: usize, begun: Nanos) -> Vec<Vec<Kick>> {
-        let perceiver = Perceiver::new(plan::perceiver(&self.setup.perceiver.value));
-        let (wire, full) = (plan::wire(self.setup), perceiver.parameters.full_pulses);
+        let wire = plan::wire(self.setup);
+        let um_per_j = um_per_kelvin(&wire) / wire.heat_capacity();
         // The supply's share may change in the midst of a pulse: stretches that touch are one.
         let mut pulses: Vec<Vec<(Nanos, Nanos, f64)>> = vec![Vec::new(); wires];
         for flow in display.take_flows() {
@@ -152,7 +160,7 @@ impl<'a> Stage<'a> {
         }
         let kick = |&(from, _, joule): &(Nanos, Nanos, f64)| Kick {
             at_s: from.since(begun).as_secs_f64(),
-            um: perceiver.amplitude_of_pulses(&wire, joule, full),
+            um: joule * um_per_j,
         };
         let of_wire = |pulses: &Vec<_>| pulses.iter().map(kick).collect();
         pulses.iter().map(of_wire).collect()
@@ -160,18 +168,22 @@ impl<'a> Stage<'a> {
 }
 
 /// What wires at these places along the stroke feel like.
-fn felt(setup: &Setup, kicks: &[Vec<Kick>], gaps: &[f32], length: Duration) -> Shown {
+fn shown(
+    (met, intensity): (Option<Felt>, f64),
+    kicks: &[Vec<Kick>],
+    gaps: &[f32],
+    length: Duration,
+) -> Shown {
     let seconds = length.as_micros() as f64 * 1e-6;
-    let receptors = Receptors::fitted(setup.perceiver.value.threshold_um);
-    let intensity = receptors.intensity(kicks, seconds);
     // Wires side by side are one position of the stroke.
     let mut order: Vec<usize> = (0..gaps.len()).collect();
     order.sort_by(|a, b| gaps[*a].total_cmp(&gaps[*b]));
     let beside = |a: &usize, b: &usize| (gaps[*a] - gaps[*b]).abs() < 0.01;
     let merged = |wires: &[usize]| wires.iter().flat_map(|w| kicks[*w].clone()).collect();
     let positions: Vec<Vec<Kick>> = order.chunk_by(beside).map(merged).collect();
-    let is_felt = intensity.felt() > 0.0;
+    let is_felt = intensity > 0.0;
     Shown {
+        level_db: met.map(|met| met.levels.db()),
         intensity,
         sensation: Sensation {
             coarseness: apart_s(kicks).filter(|_| is_felt).map(f64::ln),

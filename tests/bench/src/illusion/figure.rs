@@ -4,8 +4,8 @@
 use palpate_core::contact::Levels;
 use palpate_core::illusion::{Display, IllusionModel, ModelSettings};
 use palpate_core::units::{Milliamps, Point};
+use palpate_emulators::person::channels::Person;
 use palpate_emulators::person::contact::WireContacts;
-use palpate_emulators::person::perceiver::Perceiver;
 use palpate_files::Setup;
 use palpate_records::felt::FeltOnset;
 use palpate_records::report::svg::Svg;
@@ -35,15 +35,15 @@ fn place(p: &Point) -> (f64, f64) {
     (f64::from(p.x), f64::from(p.y))
 }
 
-/// The figure, as the perceiver feels it at this current.
-pub(super) fn five_five(perceiver: Perceiver, drive: Milliamps) -> Result<Figure, Failure> {
+/// The figure, as the person feels it at this current.
+pub(super) fn five_five(person: Person, drive: Milliamps) -> Result<Figure, Failure> {
     let display = display("thimble-8")?;
     let worn = |model: IllusionModel| {
         let settings = ModelSettings {
             model,
             ..ModelSettings::default()
         };
-        Worn::new(&display, &settings, perceiver, drive).map_err(|e| Failure::Input(e.to_string()))
+        Worn::new(&display, &settings, person, drive).map_err(|e| Failure::Input(e.to_string()))
     };
     let mut laws = [
         worn(IllusionModel::Phantom)?,
@@ -61,7 +61,7 @@ pub(super) fn five_five(perceiver: Perceiver, drive: Milliamps) -> Result<Figure
         counts(&outcome, &mut svg, left);
         let path = contacts_at_onsets(&setup, &outcome.trace)?;
         for ((row, law), breaks) in (2_u8..).zip(&mut laws).zip(&mut breaks) {
-            let felt = trials(law, &path, display.wires().len());
+            let felt = trials(law, &path, display.wires().len())?;
             for onset in felt.iter().flatten().filter(|o| o.felt.is_none()) {
                 breaks[usize::from(!onset.inside)] += 1;
             }
@@ -92,13 +92,13 @@ pub(super) fn five_five(perceiver: Perceiver, drive: Milliamps) -> Result<Figure
 }
 
 /// All trials of a path, people one after another.
-fn trials(worn: &mut Worn, path: &[Point], wires: usize) -> Vec<Vec<FeltOnset>> {
+fn trials(worn: &mut Worn, path: &[Point], wires: usize) -> Result<Vec<Vec<FeltOnset>>, Failure> {
     let each = (0..PEOPLE).flat_map(|person| (0..TRIALS).map(move |trial| (person, trial)));
-    let trials = each.map(|(person, trial)| {
+    each.map(|(person, trial)| {
         let touching = WireContacts::new(SEED, person, trial, wires);
         worn.follow(path, |wire, seconds| touching.factor(wire, seconds))
-    });
-    trials.collect()
+    })
+    .collect()
 }
 
 /// The newest contact at each onset, on the display.

@@ -1,4 +1,4 @@
-//! Illusions: every law on every array by both perceivers - where it is felt, how even, how often nothing is
+//! Illusions: every law on every array by both centroids - where it is felt, how even, how often nothing is
 //! - and what an onset costs. Figure 5.5 of the thesis, for (5.2) and for the default law.
 
 mod figure;
@@ -6,11 +6,10 @@ mod figure;
 use std::time::Duration;
 
 use palpate_core::illusion::{
-    Display, DisplayWire, IllusionError, IllusionModel, Mixer, ModelSettings, ShapeChoice, Sharing,
-    Target, build,
+    Display, DisplayWire, IllusionModel, Mixer, ModelSettings, ShapeChoice, Sharing, Target, build,
 };
 use palpate_core::units::{Board, Channel, Milliamps, Point};
-use palpate_emulators::person::perceiver::Perceiver;
+use palpate_emulators::person::channels::Person;
 use palpate_records::felt::FeltScore;
 use palpate_run::Failure;
 use palpate_tests::felt::{PATHS, PathScore, Worn, current, path_on, person};
@@ -54,7 +53,7 @@ impl Total {
         self.peak_db = self.peak_db.max(score.energy_db.1);
     }
 
-    /// Root mean square of the felt error by one of the perceivers, mm; NaN where nothing was felt.
+    /// Root mean square of the felt error by one of the centroids, mm; NaN where nothing was felt.
     fn rmse(&self, perceiver: usize) -> f64 {
         (self.squares[perceiver] / self.onsets[perceiver] as f64).sqrt()
     }
@@ -99,14 +98,14 @@ fn methods() -> Vec<Method> {
 /// # Errors
 /// [`Failure`] where a shipped file cannot be read.
 pub fn measure() -> Result<Findings, Failure> {
-    let (perceiver, drive) = (person()?, current("thesis")?);
+    let (person, drive) = (person()?, current("thesis")?);
     let mut found = Findings::new("illusion");
     for name in ARRAYS {
-        on_array(&mut found, name, perceiver, drive)?;
+        on_array(&mut found, name, person, drive)?;
     }
     costs(&mut found, "cost, 8 wires", &display("thimble-8")?)?;
     costs(&mut found, "cost, 128 wires", &many()?)?;
-    trade_off(&mut found, perceiver, drive)?;
+    trade_off(&mut found, person, drive)?;
     found.words.push(format!(
         "default is {}: shares to the power of {}, one energy everywhere. Errors are over the four sphere paths \
          at the published drive (1.97 A, no intensity), contacts inside the array, a break counting as felt where \
@@ -115,10 +114,10 @@ pub fn measure() -> Result<Findings, Failure> {
         IllusionModel::default().shape().unwrap_or(1.0),
     ));
     found.words.push(
-        "Gain and threshold of both perceivers are fitted, not measured (fixtures/perceivers/fitted.toml)."
+        "The gain is fitted, the person assumed (fixtures/persons/typical.toml): nothing is measured."
             .into(),
     );
-    found.figures.push(figure::five_five(perceiver, drive)?);
+    found.figures.push(figure::five_five(person, drive)?);
     Ok(found)
 }
 
@@ -143,11 +142,14 @@ fn total(
     display: &Display,
     settings: &ModelSettings,
     paths: &[Vec<Point>],
-    (perceiver, drive): (Perceiver, Milliamps),
-) -> Result<Total, IllusionError> {
-    let mut worn = Worn::new(display, settings, perceiver, drive)?;
+    (person, drive): (Person, Milliamps),
+) -> Result<Total, Failure> {
+    let worn = Worn::new(display, settings, person, drive);
+    let mut worn = worn.map_err(|e| Failure::Input(e.to_string()))?;
     let mut total = Total::default();
-    paths.iter().for_each(|path| total.add(&worn.score(path)));
+    for path in paths {
+        total.add(&worn.score(path)?);
+    }
     Ok(total)
 }
 
@@ -157,14 +159,14 @@ type Value = fn(&Total) -> Error;
 fn on_array(
     found: &mut Findings,
     name: &str,
-    perceiver: Perceiver,
+    person: Person,
     drive: Milliamps,
 ) -> Result<(), Failure> {
     let display = display(name)?;
     let paths = paths(&display)?;
     // A law that does not fit this array (three-nearest on a line) has no row.
     let fits = methods().into_iter().filter_map(|method| {
-        let total = total(&display, &method.settings, &paths, (perceiver, drive));
+        let total = total(&display, &method.settings, &paths, (person, drive));
         total.ok().map(|total| (method, total))
     });
     let results: Vec<(Method, Total)> = fits.collect();
@@ -224,13 +226,13 @@ fn costs(found: &mut Findings, case: &str, display: &Display) -> Result<(), Fail
     Ok(())
 }
 
-/// Error by one perceiver against error by the other, over the balanced law's exponent and for every law.
-fn trade_off(found: &mut Findings, perceiver: Perceiver, drive: Milliamps) -> Result<(), Failure> {
+/// Error by one centroid against error by the other, over the balanced law's exponent and for every law.
+fn trade_off(found: &mut Findings, person: Person, drive: Milliamps) -> Result<(), Failure> {
     let display = display("thimble-8")?;
     let paths = paths(&display)?;
     let at = |settings: &ModelSettings| {
-        let total = total(&display, settings, &paths, (perceiver, drive))?;
-        Ok::<_, IllusionError>((total.rmse(0), total.rmse(1)))
+        let total = total(&display, settings, &paths, (person, drive))?;
+        Ok::<_, Failure>((total.rmse(0), total.rmse(1)))
     };
     let exponent = |tenths: u8| ModelSettings {
         shape: ShapeChoice::Factor(0.05 * f32::from(tenths)),
@@ -240,7 +242,7 @@ fn trade_off(found: &mut Findings, perceiver: Perceiver, drive: Milliamps) -> Re
     let name = "balanced, exponent 0.4 to 1.2";
     let mut series = vec![Series::new(name, Mark::Swept, curve)];
     for method in methods() {
-        let point = at(&method.settings).map_err(|e| Failure::Input(e.to_string()))?;
+        let point = at(&method.settings)?;
         series.push(Series::new(method.name, Mark::Ours, vec![point]));
     }
     let plot = Plot {
@@ -251,7 +253,7 @@ fn trade_off(found: &mut Findings, perceiver: Perceiver, drive: Milliamps) -> Re
     found.figures.push(plot.figure(
         "trade-off",
         "Two perceivers, one law",
-        "Thimble, four sphere paths, published drive. No exponent is best by both perceivers; the default is where they \
+        "Thimble, four sphere paths, published drive. No exponent is best by both centroids; the default is where they \
          differ little.",
     ));
     Ok(())

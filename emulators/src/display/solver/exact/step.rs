@@ -6,6 +6,7 @@ use crate::display::solver::WireDrive;
 use crate::display::solver::lanes::dot;
 use crate::display::solver::modal::{Mode, ModeKey, Propagator};
 use crate::display::solver::phase::{Branch, Heading};
+use crate::display::solver::stretch::Stretch;
 use crate::display::solver::sum::{LEVEL_TOLERANCE, SumPoint, changes};
 use crate::time::Nanos;
 use palpate_core::vector::{Simd, WithSimd};
@@ -234,6 +235,19 @@ impl Exact {
             let sum = mode.sum(from.terms, from.value);
             dose.add(span, from.value, to.value, |t| sum.value(t));
             dose.celsius_s += course.tissue + n.body_c * span;
+        }
+        if let Some(stretches) = &mut self.stretches {
+            stretches.kept.push(Stretch {
+                seconds: span,
+                driven: self.drive != WireDrive::Off,
+                um_per_k: match self.worn {
+                    Some(_) => self.motion.m_per_k * 1e6,
+                    None => stretches.um_per_k,
+                },
+                regime: mode.key,
+                rates: mode.lambda,
+                slopes: start.slopes,
+            });
         }
         let into_wire = start.heat.power * span + start.heat.feedback * course.wire;
         let e = &mut self.energy;

@@ -1,0 +1,57 @@
+//! What a person's model reads of a wire: stretches in which everything is a sum of exponentials.
+
+use super::modal::ModeKey;
+use crate::display::finger::NODES;
+
+/// A stretch of constant drive in one regime, from event to event or shorter.
+///
+/// The tissue's displacement is affine in the wire's temperature there, and continuous from stretch to stretch, so its
+/// slope says everything: the offset is what it was.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// How long it is, s.
+    pub seconds: f64,
+    /// Whether current flows.
+    pub driven: bool,
+    /// Displacement of the tissue per kelvin of the wire, um/K.
+    pub um_per_k: f64,
+    /// The regime: it says what the rates are.
+    pub regime: ModeKey,
+    /// Decay rates, 1/s.
+    pub rates: [f64; NODES],
+    /// Slope of the wire's temperature by rate, at the start, K/s.
+    pub slopes: [f64; NODES],
+}
+
+impl Stretch {
+    /// `seconds` in which nothing moves the tissue.
+    pub const fn rest(seconds: f64) -> Self {
+        Self::sinking(seconds, 0.0, 0.0)
+    }
+
+    /// `seconds` in which tissue that was lifted by `um` sinks back at `rate`, 1/s: a stretch of no wire.
+    pub const fn sinking(seconds: f64, um: f64, rate: f64) -> Self {
+        let (mut rates, mut slopes) = ([0.0; NODES], [0.0; NODES]);
+        (rates[0], slopes[0]) = (rate, -um * rate);
+        Self {
+            seconds,
+            driven: false,
+            um_per_k: 1.0,
+            regime: ModeKey {
+                latent: -1.0,
+                feedback: rate,
+            },
+            rates,
+            slopes,
+        }
+    }
+}
+
+/// The stretches of a wire since they were taken.
+#[derive(Clone, Debug)]
+pub struct Stretches {
+    /// Displacement of the tissue per kelvin of a wire that is not worn, um/K.
+    pub um_per_k: f64,
+    /// The oldest first.
+    pub kept: Vec<Stretch>,
+}

@@ -1,0 +1,98 @@
+//! The two filters of a fingertip, in closed form.
+//!
+//! H_P(s) = s^2 w0^2 / (s^2 + w0 s + w0^2)^2 of the Pacinian channel, w0 = 2 pi 250 Hz, and
+//! H_N(s) = s w1 / (s^2 + w1 s + w1^2) of the channel NP I, w1 = 2 pi 40 Hz (`docs/felt.md`).
+//!
+//! Both lack a gain at zero frequency, and displacement has no jumps of its own. So the *rate* of the displacement drives
+//! them: where the tissue stands does not matter, and all is at rest with every state at zero.
+
+use core::f64::consts::TAU;
+
+/// Best frequency of the Pacinian channel, rad/s.
+const P: f64 = TAU * 250.0;
+/// Best frequency of the channel NP I, rad/s.
+const N: f64 = TAU * 40.0;
+
+/// States of both filters: four of P, whose output is the last, then two of N, whose output is the first.
+pub const STATES: usize = 6;
+/// Where the output of P stands.
+pub const OUT_P: usize = 3;
+/// Where the output of N stands.
+pub const OUT_N: usize = 4;
+
+/// What both filters hold, um.
+pub type State = [f64; STATES];
+
+/// How the states change at once where the tissue is lifted at once by 1 um.
+pub const LIFT: State = [0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+
+/// States of the forced part under a displacement whose rate is exp(-lambda t), at t = 0, s.
+///
+/// The poles of both filters are complex, so no real rate meets one.
+pub fn forced(lambda: f64) -> State {
+    let stage = |w: f64| w / (lambda * lambda - w * lambda + w * w);
+    let (p, n) = (stage(P), stage(N));
+    let second = P * p * p;
+    [
+        p,
+        -lambda / P * p,
+        second,
+        -lambda / P * second,
+        n,
+        -lambda / N * n,
+    ]
+}
+
+/// What free motion over a time does to the states.
+#[derive(Clone, Copy, Debug)]
+pub struct Free {
+    /// The states of a stage of P from those before.
+    stage: [[f64; 2]; 2],
+    /// The second stage's from the first's.
+    through: [[f64; 2]; 2],
+    /// The states of N from those before.
+    slow: [[f64; 2]; 2],
+}
+
+impl Free {
+    /// Over `t` seconds.
+    pub fn over(t: f64) -> Self {
+        let (stage, turn) = ring(P * t);
+        // The two stages have the same poles: 1/(s^2 + s + 1)^2 and s times it.
+        let (sin, cos, fall, angle) = turn;
+        let half = 3.0_f64 / 4.0;
+        let root = libm::sqrt(half);
+        let low = fall * (sin - angle * cos) / (2.0 * half * root);
+        let band = fall * (P * t) * sin / (2.0 * root) - low / 2.0;
+        Self {
+            stage,
+            through: [[band + low, low], [stage[0][1] - low, band]],
+            slow: ring(N * t).0,
+        }
+    }
+
+    /// The states after that time.
+    pub fn step(&self, x: &State) -> State {
+        let [a, b, c] = [&self.stage, &self.through, &self.slow];
+        [
+            a[0][0] * x[0] + a[0][1] * x[1],
+            a[1][0] * x[0] + a[1][1] * x[1],
+            b[0][0] * x[0] + b[0][1] * x[1] + a[0][0] * x[2] + a[0][1] * x[3],
+            b[1][0] * x[0] + b[1][1] * x[1] + a[1][0] * x[2] + a[1][1] * x[3],
+            c[0][0] * x[4] + c[0][1] * x[5],
+            c[1][0] * x[4] + c[1][1] * x[5],
+        ]
+    }
+}
+
+/// exp(K theta) for K = [[0, 1], [-1, -1]], a resonance of quality 1; and sine, cosine, fall and angle of its turn.
+fn ring(theta: f64) -> ([[f64; 2]; 2], (f64, f64, f64, f64)) {
+    let root = libm::sqrt(0.75);
+    let angle = root * theta;
+    let (sin, cos) = libm::sincos(angle);
+    let fall = libm::exp(-theta / 2.0);
+    let side = fall * sin / root;
+    let (sum, middle) = (side / 2.0, fall * cos);
+    let matrix = [[middle + sum, side], [-side, middle - sum]];
+    (matrix, (sin, cos, fall, angle))
+}

@@ -1,0 +1,348 @@
+//! What a person feels of moving wires: two channels of the fingertip, how far over threshold each is, and where.
+//!
+//! `docs/felt.md` has the law and where every number comes from. In short: the displacement u under each wire goes through
+//! the filters of both channels ([`filter`]). The Pacinian one adds up energy with a leak of 0.2 s, over all wires:
+//! q' = (2 y^2 - q) / 0.2 s, L_P = 10 log10(max q / a0^2). Of NP I the strongest wire counts: L_N = 20 log10(max |y| / a_N).
+//! Something is felt where either level reaches 0 dB.
+//!
+//! Between events u is a sum of exponentials, so both filters are exact at any time. The energy's integrals are taken by
+//! Gauss's rule on pieces so short that nothing but rounding is left of its error.
+
+mod filter;
+mod gauss;
+mod piece;
+mod train;
+mod wire;
+
+use crate::display::solver::stretch::Stretch;
+use gauss::Gauss;
+use palpate_core::physics::ParameterError;
+use palpate_core::vector::Vectors;
+use piece::{LEAK_S, Tables};
+pub use train::Kick;
+use wire::{Met, Shared, WireFilter};
+
+/// Largest energy is looked for at such times, s.
+const LOOK_S: f64 = 0.25e-3;
+/// Looks whose bounds are held against what is known, together.
+const CELL: usize = 8;
+/// What lasts at least this long is a vibration, s; less is a tap.
+const VIBRATION_S: f64 = 0.03;
+/// The least level there is, dB: silence.
+const SILENCE_DB: f64 = -200.0;
+/// Colder tissue than this feels less of vibration, degrees C, and by how much, dB/K.
+const COLD: (f64, f64) = (30.0, 0.8);
+/// Hotter tissue feels less too, degrees C, by so much, dB.
+const HOT: (f64, f64) = (44.0, 7.0);
+
+/// Which centroid is felt. The literature disagrees; every score is given for both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Centroid {
+    /// Weights are energies (Israr and Poupyrev).
+    Energy,
+    /// Weights are amplitudes.
+    Amplitude,
+}
+
+impl Centroid {
+    /// Its name in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Energy => "energy centroid",
+            Self::Amplitude => "amplitude centroid",
+        }
+    }
+}
+
+/// A person's parameters; `fixtures/persons` has values and where they come from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Person {
+    /// a0: amplitude of a long sine at 250 Hz that the Pacinian channel just feels, um.
+    pub vibration_um: f64,
+    /// a_N: peak of the filtered displacement that the channel NP I just feels, um.
+    pub flutter_um: f64,
+    /// Exponents by which what is felt grows with the amplitude: Pacinian channel, NP I.
+    pub growth: [f64; 2],
+}
+
+/// How far both channels are over their thresholds, dB.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Levels {
+    /// The Pacinian channel: vibration.
+    pub vibration_db: f64,
+    /// NP I: flutter and taps.
+    pub flutter_db: f64,
+}
+
+impl Levels {
+    /// The higher one.
+    pub const fn db(&self) -> f64 {
+        self.vibration_db.max(self.flutter_db)
+    }
+
+    /// Whether anything is felt: either channel is at or over its threshold.
+    pub const fn felt(&self) -> bool {
+        self.db() >= 0.0
+    }
+
+    /// How strong it feels, 1 at threshold: the stronger channel and half the weaker (Hollins and Roy 1996), each grown by
+    /// its power. 0 where nothing is felt; a channel below threshold adds nothing.
+    pub fn intensity(&self, growth: [f64; 2]) -> f64 {
+        let grown = |db: f64, exponent: f64| match db >= 0.0 {
+            true => libm::pow(10.0, exponent * db / 20.0),
+            false => 0.0,
+        };
+        let (p, n) = (
+            grown(self.vibration_db, growth[0]),
+            grown(self.flutter_db, growth[1]),
+        );
+        p.max(n) + p.min(n) / 2.0
+    }
+}
+
+/// What was met since an onset, whether it is felt or not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Felt {
+    /// How far over threshold.
+    pub levels: Levels,
+    /// Where by the energy centroid, mm, in the display's plane.
+    pub energy_mm: (f64, f64),
+    /// Where by the amplitude centroid.
+    pub amplitude_mm: (f64, f64),
+    /// Filtered energy of all wires without a leak: the integral of the squared Pacinian output, um2 s.
+    pub energy: f64,
+    /// From the first current to the last, s.
+    pub seconds: f64,
+}
+
+impl Felt {
+    /// Where by one of the two centroids, mm.
+    pub const fn place(&self, centroid: Centroid) -> (f64, f64) {
+        match centroid {
+            Centroid::Energy => self.energy_mm,
+            Centroid::Amplitude => self.amplitude_mm,
+        }
+    }
+
+    /// Whether it feels like a tap: shorter than 30 ms.
+    pub const fn tap(&self) -> bool {
+        self.seconds < VIBRATION_S
+    }
+}
+
+/// A person with wires on a finger.
+#[derive(Clone, Debug)]
+pub struct Perceiver {
+    person: Person,
+    places: Vec<(f64, f64)>,
+    wires: Vec<WireFilter>,
+    shared: Shared,
+    /// Leaky energy of all wires when the account began, um2, and the largest since the onset.
+    energy: f64,
+    most: f64,
+    /// Time since the onset when the account began; first and last time at which current flowed, s.
+    since_s: f64,
+    driven: Option<(f64, f64)>,
+}
+
+impl Perceiver {
+    /// A person with wires at these places, mm, all at rest.
+    ///
+    /// # Errors
+    /// A threshold that is not above 0 or an exponent that is no number, by name.
+    pub fn new(person: Person, places: &[(f64, f64)]) -> Result<Self, ParameterError> {
+        let above = |name, value: f64| match value.is_finite() && value > 0.0 {
+            true => Ok(()),
+            false => Err(ParameterError { name }),
+        };
+        above("vibration_um", person.vibration_um)?;
+        above("flutter_um", person.flutter_um)?;
+        person
+            .growth
+            .into_iter()
+            .try_for_each(|n| above("growth", n))?;
+        Ok(Self {
+            person,
+            places: places.to_vec(),
+            wires: vec![WireFilter::default(); places.len()],
+            shared: Shared {
+                rule: Gauss::new(),
+                tables: Tables::default(),
+                vectors: Vectors::widest(),
+            },
+            energy: 0.0,
+            most: 0.0,
+            since_s: 0.0,
+            driven: None,
+        })
+    }
+
+    /// The person's parameters.
+    pub const fn person(&self) -> &Person {
+        &self.person
+    }
+
+    /// Lets a stretch of a wire pass; a wire that is not there is left alone. What is no number does not move the tissue.
+    pub fn pass(&mut self, wire: usize, stretch: &Stretch) {
+        let Some(filter) = self.wires.get_mut(wire) else {
+            return;
+        };
+        let from = self.since_s + filter.now_s;
+        filter.pass(&mut self.shared, stretch);
+        if stretch.driven {
+            let to = self.since_s + filter.now_s;
+            self.driven_during(from, to);
+        }
+    }
+
+    /// Lifts the tissue at a wire at once, um.
+    pub fn lift(&mut self, wire: usize, um: f64) {
+        if let Some(filter) = self.wires.get_mut(wire) {
+            filter.lift(um);
+            let now = self.since_s + filter.now_s;
+            self.driven_during(now, now);
+        }
+    }
+
+    fn driven_during(&mut self, from: f64, to: f64) {
+        let (first, last) = self.driven.unwrap_or((from, to));
+        self.driven = Some((first.min(from), last.max(to)));
+    }
+
+    /// Sums up what passed. All wires are let come to the same time; one that lags behind rests.
+    pub fn settle(&mut self) {
+        let end = self.wires.iter().map(|w| w.now_s).fold(0.0, f64::max);
+        for wire in &mut self.wires {
+            let lag = end - wire.now_s;
+            if lag > 1e-9 {
+                wire.pass(&mut self.shared, &Stretch::rest(lag));
+            }
+        }
+        self.most = self.most.max(self.largest(end));
+        self.energy = self.leaked(end, self.wires.iter().map(|w| w.energy).sum());
+        self.since_s += end;
+        self.wires.iter_mut().for_each(WireFilter::settle);
+    }
+
+    /// The leaky energy of all wires when the account was last settled, um2.
+    pub const fn energy(&self) -> f64 {
+        self.energy
+    }
+
+    /// The leaky energy at `t` where so much had flowed in until then.
+    fn leaked(&self, t: f64, inflow: f64) -> f64 {
+        (self.energy + inflow) * libm::exp(-t / LEAK_S)
+    }
+
+    /// The largest leaky energy of all wires together until `end`: at both ends, and every 0.25 ms where bounds do not
+    /// tell that it is less than what is known.
+    fn largest(&self, end: f64) -> f64 {
+        let all: f64 = self.wires.iter().map(|w| w.energy).sum();
+        let mut most = self.energy.max(self.leaked(end, all));
+        let bounds = |t: f64| {
+            let each = self.wires.iter().map(|w| w.bounds(t));
+            each.fold((0.0, 0.0), |sum, b| (sum.0 + b.0, sum.1 + b.1))
+        };
+        let cell_s = CELL as f64 * LOOK_S;
+        let cells = libm::ceil(end / cell_s) as usize;
+        // What flowed in only grows: it lies between what it was before and after.
+        let mut upper = Vec::with_capacity(cells);
+        for cell in 0..cells {
+            let (from, to) = (cell as f64 * cell_s, (cell + 1) as f64 * cell_s);
+            let to = to.min(end);
+            let (low, high) = bounds(to);
+            most = most.max(self.leaked(to, low));
+            upper.push(self.leaked(from, high));
+        }
+        for (cell, upper) in upper.into_iter().enumerate() {
+            if upper < most {
+                continue;
+            }
+            let times: [f64; CELL] =
+                core::array::from_fn(|look| ((cell * CELL + look) as f64 * LOOK_S).min(end));
+            let mut sums = [0.0; CELL];
+            for wire in &self.wires {
+                wire.add_energies(&self.shared.rule, &times, &mut sums);
+            }
+            let looks = times.iter().zip(sums).map(|(t, sum)| self.leaked(*t, sum));
+            most = looks.fold(most, f64::max);
+        }
+        most
+    }
+
+    /// What was met since the last onset, with tissue at `skin_c` degrees C, summed up to now. `None` where no wire has
+    /// moved since then.
+    pub fn felt(&self, skin_c: f64) -> Option<Felt> {
+        let (mut energy, mut amplitude) = (Mean::default(), Mean::default());
+        let mut strongest = 0.0_f64;
+        for (
+            Met {
+                energy: e,
+                peak_p,
+                peak_n,
+            },
+            place,
+        ) in self.met()
+        {
+            energy.add(e, place);
+            amplitude.add(peak_p, place);
+            strongest = strongest.max(peak_n);
+        }
+        let loss = if skin_c < COLD.0 {
+            COLD.1 * (COLD.0 - skin_c)
+        } else if skin_c >= HOT.0 {
+            HOT.1
+        } else {
+            0.0
+        };
+        let a0 = self.person.vibration_um;
+        let decibels = |power: f64| (10.0 * libm::log10(power)).max(SILENCE_DB);
+        let flutter = strongest / self.person.flutter_um;
+        (energy.weights > 0.0 && amplitude.weights > 0.0).then(|| Felt {
+            levels: Levels {
+                vibration_db: (decibels(self.most / (a0 * a0)) - loss).max(SILENCE_DB),
+                flutter_db: decibels(flutter * flutter),
+            },
+            energy_mm: energy.place(),
+            amplitude_mm: amplitude.place(),
+            energy: energy.weights,
+            seconds: self.driven.map_or(0.0, |(first, last)| last - first),
+        })
+    }
+
+    /// Every wire's part since the onset, and its place.
+    fn met(&self) -> impl Iterator<Item = (Met, (f64, f64))> {
+        let met = self.wires.iter().map(|w| w.met);
+        met.zip(self.places.iter().copied())
+    }
+
+    /// An onset: what is met from now on is its. The leaky energy goes on.
+    pub fn onset(&mut self) {
+        self.wires.iter_mut().for_each(|w| w.met = Met::default());
+        self.most = self.energy;
+        (self.since_s, self.driven) = (0.0, None);
+    }
+}
+
+/// A weighted mean of places.
+#[derive(Default)]
+struct Mean {
+    weights: f64,
+    x: f64,
+    y: f64,
+}
+
+impl Mean {
+    fn add(&mut self, weight: f64, (x, y): (f64, f64)) {
+        self.weights += weight;
+        self.x += weight * x;
+        self.y += weight * y;
+    }
+
+    fn place(&self) -> (f64, f64) {
+        (self.x / self.weights, self.y / self.weights)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,189 @@
+//! What one wire gives to both channels.
+
+use super::filter::{LIFT, STATES, State};
+use super::gauss::{self, Gauss};
+use super::piece::{LEAK_S, Tables, peak};
+use crate::display::finger::NODES as MODES;
+use crate::display::solver::modal::ModeKey;
+use crate::display::solver::stretch::Stretch;
+use palpate_core::vector::Vectors;
+
+/// The longest piece in which anything rings, s: a period of the chip at 192 Hz or faster. The rule's nodes are enough for
+/// it, and places 0.25 ms apart.
+const PIECE_S: f64 = 5.25e-3;
+
+/// Terms that differ by less than this part go on: what they make ring counts for nothing.
+const SAME: f64 = 1e-6;
+
+/// What all wires share.
+#[derive(Clone, Debug)]
+pub struct Shared {
+    pub rule: Gauss,
+    pub tables: Tables,
+    pub vectors: Vectors,
+}
+
+/// A piece that has passed.
+#[derive(Clone, Copy, Debug)]
+pub struct Passed {
+    /// When it began, s since the last [`WireFilter::settle`].
+    pub from_s: f64,
+    pub seconds: f64,
+    /// Energy that had flowed in before it, as if nothing had leaked since then, um2.
+    pub before: f64,
+    /// The same in the piece, and its flow at the nodes.
+    pub energy: f64,
+    flow: [f64; gauss::NODES],
+}
+
+/// One wire's filters, and what they gave since the last onset.
+#[derive(Clone, Debug, Default)]
+pub struct WireFilter {
+    pub x: State,
+    /// Regime and terms with which the last stretch ended, and for how long nothing but decay has gone on, s.
+    last: Option<(ModeKey, [f64; MODES])>,
+    quiet_s: f64,
+    /// Since the last [`WireFilter::settle`].
+    pub passed: Vec<Passed>,
+    /// Time computed up to since then, s, and energy that flowed in, um2.
+    pub now_s: f64,
+    pub energy: f64,
+    /// How far lifted tissue still has to sink, um.
+    pub lifted_um: f64,
+    pub met: Met,
+}
+
+/// What a wire gave since the last onset.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Met {
+    /// Integral of the squared Pacinian output, without a leak, um2 s.
+    pub energy: f64,
+    /// Largest output of both channels, um.
+    pub peak_p: f64,
+    pub peak_n: f64,
+}
+
+impl WireFilter {
+    /// Lifts the tissue at once, um.
+    pub fn lift(&mut self, um: f64) {
+        if um.is_finite() {
+            for (x, by) in self.x.iter_mut().zip(LIFT) {
+                *x += um * by;
+            }
+            self.lifted_um += um;
+        }
+        self.quiet_s = 0.0;
+    }
+
+    /// Lets a stretch pass. What is not finite does not move the tissue.
+    pub fn pass(&mut self, shared: &mut Shared, stretch: &Stretch) {
+        if !(stretch.seconds.is_finite() && stretch.seconds > 0.0) {
+            return;
+        }
+        let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
+        let moves = stretch.um_per_k.is_finite() && finite(&stretch.rates);
+        let resting = Stretch::rest(stretch.seconds);
+        let stretch = match moves && finite(&stretch.slopes) {
+            true => stretch,
+            false => &resting,
+        };
+        let mut terms = stretch.slopes.map(|k_per_s| k_per_s * stretch.um_per_k);
+        if !self.goes_on(stretch.regime, &terms) {
+            self.quiet_s = 0.0;
+        }
+        let mut left = stretch.seconds;
+        while left > 0.0 {
+            // What rang has died away after some pieces, and what decays is as smooth as it is old.
+            let piece = left.min(self.quiet_s.max(PIECE_S));
+            self.piece(shared, stretch, &mut terms, piece);
+            self.quiet_s += piece;
+            left -= piece;
+        }
+        self.last = Some((stretch.regime, terms));
+    }
+
+    /// Whether a stretch only goes on with the decay of the last one.
+    fn goes_on(&self, regime: ModeKey, terms: &[f64; MODES]) -> bool {
+        self.last.is_some_and(|(of, expected)| {
+            let all: f64 = expected.iter().map(|term| term.abs()).sum();
+            let apart = terms.iter().zip(expected).map(|(a, b)| (a - b).abs());
+            of == regime && apart.sum::<f64>() <= SAME * all
+        })
+    }
+
+    fn piece(
+        &mut self,
+        shared: &mut Shared,
+        stretch: &Stretch,
+        terms: &mut [f64; MODES],
+        piece: f64,
+    ) {
+        let Shared {
+            rule,
+            tables,
+            vectors,
+        } = shared;
+        let table = tables.of(rule, stretch.regime, &stretch.rates, piece);
+        let mut outputs = table.pass(*vectors, terms, &mut self.x);
+        for (term, decay) in terms.iter_mut().zip(&table.decay) {
+            *term *= decay;
+        }
+        if !self.x.iter().chain(&outputs.flow).all(|v| v.is_finite()) {
+            // Beyond any number: the tissue is taken to stand still from here on.
+            (self.x, *terms, outputs) = ([0.0; STATES], [0.0; MODES], <_>::default());
+        }
+        let swollen = libm::exp(self.now_s / LEAK_S);
+        let flow = outputs.flow.map(|v| v * swollen);
+        let energy = piece * rule.mean(&flow);
+        self.passed.push(Passed {
+            from_s: self.now_s,
+            seconds: piece,
+            before: self.energy,
+            energy,
+            flow,
+        });
+        self.now_s += piece;
+        self.energy += energy;
+        self.met.energy += piece * rule.mean(&outputs.p.map(|y| y * y));
+        self.met.peak_p = self.met.peak_p.max(peak(rule, *vectors, &outputs.p));
+        self.met.peak_n = self.met.peak_n.max(peak(rule, *vectors, &outputs.n));
+    }
+
+    /// Adds the energy that had flowed in until each of these times, which rise, s.
+    pub fn add_energies(&self, rule: &Gauss, times: &[f64], sums: &mut [f64]) {
+        let mut known = None;
+        for (&t, sum) in times.iter().zip(sums) {
+            let index = self.at(t);
+            let Some(piece) = self.passed.get(index) else {
+                *sum += self.energy;
+                continue;
+            };
+            let coefficients = match known {
+                Some((of, coefficients)) if of == index => coefficients,
+                _ => rule.coefficients(&piece.flow),
+            };
+            known = Some((index, coefficients));
+            let part = ((t - piece.from_s) / piece.seconds).clamp(0.0, 1.0);
+            *sum += piece.before + piece.seconds * gauss::integral(&coefficients, part);
+        }
+    }
+
+    /// Bounds of the energy that had flowed in until `t`: what it was before and after the piece.
+    pub fn bounds(&self, t: f64) -> (f64, f64) {
+        let piece = self.passed.get(self.at(t));
+        piece.map_or((self.energy, self.energy), |p| {
+            (p.before, p.before + p.energy)
+        })
+    }
+
+    /// Index of the piece that a time is in.
+    fn at(&self, t: f64) -> usize {
+        self.passed.partition_point(|p| p.from_s + p.seconds < t)
+    }
+
+    /// Begins a new account of the leaky energy.
+    pub fn settle(&mut self) {
+        self.passed.clear();
+        (self.now_s, self.energy) = (0.0, 0.0);
+    }
+}

@@ -1,0 +1,129 @@
+//! The two files about a person, which are not each other's: what the loop is told of its wearer, and the emulated person
+//! who feels the result.
+
+use serde::Deserialize;
+
+use super::error::FileError;
+use super::source::Source;
+
+/// A person's value, and where nine of ten people lie.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Spread {
+    /// This person's.
+    pub value: f64,
+    /// One of twenty people is below.
+    pub low: f64,
+    /// One of twenty people is above.
+    pub high: f64,
+}
+
+impl Spread {
+    fn check(&self, source: &Source, key: &str, most: f64, unit: &str) -> Result<(), FileError> {
+        let at = |name: &str| format!("{key}.{name}");
+        source.range(&at("low"), self.low, 1e-3..=most, unit)?;
+        source.range(&at("high"), self.high, self.low..=most, unit)?;
+        source.range(&at("value"), self.value, self.low..=self.high, unit)
+    }
+}
+
+/// One channel of a fingertip.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct FeltChannel {
+    /// Displacement that is just felt, um: of `vibration` the amplitude of a long sine at 250 Hz, of `flutter` the peak of
+    /// the filtered displacement.
+    pub threshold_um: Spread,
+    /// Exponent by which what is felt grows with the displacement.
+    pub growth: Spread,
+}
+
+impl FeltChannel {
+    fn check(&self, source: &Source, key: &str) -> Result<(), FileError> {
+        let at = |name: &str| format!("{key}.{name}");
+        let threshold = at("threshold_um");
+        self.threshold_um.check(source, &threshold, 1e3, "um")?;
+        self.growth.check(source, &at("growth"), 10.0, "")
+    }
+}
+
+/// The emulated person: what of the wires' motion is felt.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct PersonFile {
+    /// Lower case with hyphens.
+    pub name: String,
+    /// Who, in a sentence.
+    pub description: String,
+    /// Which values are fitted or assumed; reports flag it.
+    pub assumed: Option<String>,
+    /// The Pacinian channel, best at 250 Hz.
+    pub vibration: FeltChannel,
+    /// The channel NP I, best at 40 Hz.
+    pub flutter: FeltChannel,
+}
+
+impl PersonFile {
+    /// Reads and checks a person.
+    ///
+    /// # Errors
+    /// Names the line and key of what cannot be.
+    pub fn read(source: &Source) -> Result<Self, FileError> {
+        let file: Self = source.read()?;
+        source.heading(&file.name, &file.description)?;
+        file.vibration.check(source, "vibration")?;
+        file.flutter.check(source, "flutter")?;
+        Ok(file)
+    }
+}
+
+/// A wearer's calibration: one gain and one threshold a wire, in the display's order.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Wearer {
+    /// Lower case with hyphens.
+    pub name: String,
+    /// Who, in a sentence.
+    pub description: String,
+    /// The part of full drive at which this wire feels as strong as the weakest one at full drive.
+    pub gain: Vec<f64>,
+    /// The part of full drive at which this person begins to feel the wire.
+    pub threshold: Vec<f64>,
+}
+
+impl Wearer {
+    /// Reads and checks a calibration by itself; [`crate::Setup`] checks it against the display.
+    ///
+    /// # Errors
+    /// Names the line and key of what cannot be.
+    pub fn read(source: &Source) -> Result<Self, FileError> {
+        let file: Self = source.read()?;
+        source.heading(&file.name, &file.description)?;
+        if file.threshold.len() != file.gain.len() {
+            let expected = format!("{} thresholds, one a gain", file.gain.len());
+            let found = file.threshold.len().to_string();
+            return Err(source.bad_found("threshold", expected, found));
+        }
+        for (wire, (&gain, &threshold)) in file.gain.iter().zip(&file.threshold).enumerate() {
+            source.range(&format!("gain[{wire}]"), gain, 0.01..=1.0, "of full scale")?;
+            if !(0.0..gain).contains(&threshold) {
+                let expected = format!("from 0 to below the wire's full scale, its gain of {gain}");
+                return Err(source.bad(&format!("threshold[{wire}]"), expected));
+            }
+        }
+        Ok(file)
+    }
+
+    /// Holds the calibration against a display of so many wires.
+    pub(super) fn fits(&self, source: &Source, wires: usize) -> Result<(), FileError> {
+        if self.gain.len() == wires {
+            return Ok(());
+        }
+        let expected = format!("{wires} gains, one a wire");
+        Err(source.bad_found("gain", expected, self.gain.len().to_string()))
+    }
+}

@@ -1,0 +1,133 @@
+//! What every taxel read, frame by frame: kept beside the trace, for a report's playback and for MCAP.
+
+use crate::trace::PlaceUm;
+use palpate_core::skin::{Layout, Module, RelativeFrame};
+
+/// A module of the skin and where its taxels are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ModulePlaces {
+    /// Its name in the layout.
+    pub name: String,
+    /// Its taxels, in its own plane.
+    pub taxels: Vec<PlaceUm>,
+}
+
+fn places(module: &Module) -> ModulePlaces {
+    ModulePlaces {
+        name: module.name().to_owned(),
+        taxels: module.points().iter().copied().map(PlaceUm::from).collect(),
+    }
+}
+
+/// One taxel of one frame, raw counts: x, y, z, and the distance from the reference as compression sees it.
+pub type Reading = [u16; 4];
+
+/// Most readings that a report needs: beyond, every other frame goes.
+const REPORTED: usize = 1 << 18;
+
+/// The readings of a run.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Readings {
+    modules: Vec<ModulePlaces>,
+    /// The driving module among them.
+    drives: usize,
+    /// Where the first of them begins in a frame of the skin.
+    first: usize,
+    most: usize,
+    /// Of so many frames one is kept.
+    every: u64,
+    seen: u64,
+    t_us: Vec<u64>,
+    values: Vec<Reading>,
+}
+
+impl Readings {
+    /// For every frame of the whole skin, whose module `drives` drives the display.
+    pub fn whole(layout: &Layout, drives: usize) -> Self {
+        Self {
+            modules: layout.modules().iter().map(places).collect(),
+            drives,
+            most: usize::MAX,
+            every: 1,
+            ..Self::default()
+        }
+    }
+
+    /// For a report: the driving module alone, at most 262,144 readings (2 MiB). Where there would be more, every
+    /// other frame goes.
+    pub fn sampled(layout: &Layout, drives: usize) -> Self {
+        Self {
+            modules: layout
+                .modules()
+                .get(drives)
+                .map(places)
+                .into_iter()
+                .collect(),
+            first: layout.range(drives).start,
+            most: REPORTED,
+            every: 1,
+            ..Self::default()
+        }
+    }
+
+    /// The skin's modules.
+    pub fn modules(&self) -> &[ModulePlaces] {
+        &self.modules
+    }
+
+    fn taxels(&self) -> usize {
+        self.modules.iter().map(|m| m.taxels.len()).sum()
+    }
+
+    /// Takes a frame at its time, microseconds.
+    pub fn push(&mut self, t_us: u64, frame: &RelativeFrame) {
+        let due = self.seen.is_multiple_of(self.every);
+        self.seen += 1;
+        if !due {
+            return;
+        }
+        self.t_us.push(t_us);
+        let magnitudes = frame.magnitude().iter();
+        // A cast saturates: three axes of 16 bits can come to more.
+        let reading = |(&[x, y, z], m): (&[u16; 3], &f32)| [x, y, z, m.round() as u16];
+        let counts = frame.counts().iter().zip(magnitudes);
+        let own = counts.skip(self.first).take(self.taxels());
+        self.values.extend(own.map(reading));
+        while self.values.len() > self.most && self.t_us.len() > 1 {
+            self.thin();
+        }
+    }
+
+    /// Drops every other frame, from now on too.
+    fn thin(&mut self) {
+        let taxels = self.taxels();
+        let kept = self.t_us.len().div_ceil(2);
+        for n in 0..kept {
+            self.t_us[n] = self.t_us[2 * n];
+            let from = 2 * n * taxels;
+            self.values.copy_within(from..from + taxels, n * taxels);
+        }
+        self.t_us.truncate(kept);
+        self.values.truncate(kept * taxels);
+        self.every *= 2;
+    }
+
+    /// Every frame that was kept: its time, microseconds, and all taxels, module by module.
+    pub fn frames(&self) -> impl ExactSizeIterator<Item = (u64, &[Reading])> {
+        let values = self.values.chunks_exact(self.taxels().max(1));
+        self.t_us.iter().copied().zip(values)
+    }
+
+    /// The same of the driving module alone.
+    pub fn driving(&self) -> impl ExactSizeIterator<Item = (u64, &[Reading])> {
+        let before = self.modules.iter().take(self.drives);
+        let from: usize = before.map(|m| m.taxels.len()).sum();
+        let own = self.modules.get(self.drives).map_or(0, |m| m.taxels.len());
+        self.frames()
+            .map(move |(t, all)| (t, all.get(from..from + own).unwrap_or_default()))
+    }
+}
+
+#[cfg(test)]
+#[path = "readings_tests.rs"]
+mod tests;

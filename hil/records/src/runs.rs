@@ -1,0 +1,301 @@
+//! The table of many runs: a row per run, with the key that says what ran, its verdict and its figures.
+//!
+//! Numbers are written to the billionth and never depend on who wrote or read them before, so that a table that was
+//! interrupted, joined or computed elsewhere has the same bytes.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use serde_json::Value;
+
+use crate::damage::Damage;
+use crate::verdict::Verdict;
+
+/// A figure of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Measured {
+    /// Its column.
+    pub key: &'static str,
+    /// As people read it.
+    pub words: &'static str,
+    /// Its unit; empty for a count.
+    pub unit: &'static str,
+}
+
+const fn of(key: &'static str, words: &'static str, unit: &'static str) -> Measured {
+    Measured { key, words, unit }
+}
+
+/// The figures of a row, in the order of the columns.
+pub const MEASURED: [Measured; 16] = [
+    of("path_error_rmse_mm", "path error RMSE", "mm"),
+    of("path_error_max_mm", "path error at most", "mm"),
+    of("felt_error_rmse_mm", "felt error RMSE", "mm"),
+    of("felt_error_max_mm", "felt error at most", "mm"),
+    of("felt_breaks", "breaks", ""),
+    of("felt_jumps", "jumps", ""),
+    of("hottest_skin_c", "hottest skin", "\u{b0}C"),
+    of("hottest_wire_c", "hottest wire", "\u{b0}C"),
+    of("energy_mj", "energy", "mJ"),
+    of("peak_supply_a", "supply current", "A"),
+    of("limit_used_percent", "most used limit", "%"),
+    of("limiter_events", "limiter events", ""),
+    of("contacts", "contacts", ""),
+    of("stimuli", "stimuli", ""),
+    of("roughness", "roughness", ""),
+    of("taxel_hz", "taxel refresh, median", "Hz"),
+];
+
+/// A value for each of [`MEASURED`]; none where a run does not measure it.
+pub type Values = [Option<f64>; MEASURED.len()];
+
+/// What tells a run from all others.
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct RunKey {
+    /// The scene's name.
+    pub scene: String,
+    /// Digest of the scene, the bench, and every file that they name.
+    pub digest: String,
+    /// The bench's name.
+    pub bench: String,
+    /// Values in place of the files' own, by key.
+    pub set: BTreeMap<String, String>,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// Version of the program that computed it.
+    pub version: String,
+}
+
+/// A run in the table.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RunRow {
+    /// What ran.
+    pub key: RunKey,
+    /// How it ended.
+    pub verdict: Verdict,
+    /// Why; empty where there is nothing to say.
+    pub why: String,
+    /// What it measured.
+    pub values: Values,
+}
+
+/// How a table is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TableForm {
+    /// Columns between commas; each swept key is a column.
+    Csv,
+    /// An object per line; the swept keys are the object `set`.
+    Lines,
+}
+
+/// Columns before the swept keys, and after them.
+const BEFORE: [&str; 3] = ["scene", "digest", "bench"];
+const AFTER: [&str; 4] = ["seed", "version", "verdict", "why"];
+
+/// A number as tables have it: to the billionth, without zeros at the end.
+pub fn number(value: f64) -> String {
+    let text = format!("{value:.9}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0" } else { text }.to_owned()
+}
+
+impl TableForm {
+    /// What a table with these swept keys begins with, in their order; nothing where lines name their keys.
+    pub fn head<'a>(self, swept: impl Iterator<Item = &'a str>) -> String {
+        if self == Self::Lines {
+            return String::new();
+        }
+        let measured = MEASURED.iter().map(|m| m.key);
+        let all = BEFORE.into_iter().chain(swept).chain(AFTER).chain(measured);
+        csv_line(all)
+    }
+
+    /// A row as a line.
+    pub fn line(self, row: &RunRow) -> String {
+        let key = &row.key;
+        let seed = key.seed.to_string();
+        let values = row.values.map(|value| value.map(number));
+        if self == Self::Csv {
+            let before = [&*key.scene, &key.digest, &key.bench].into_iter();
+            let swept = key.set.values().map(String::as_str);
+            let after = [&*seed, &key.version, row.verdict.key(), &row.why];
+            let values = values.iter().map(|v| v.as_deref().unwrap_or_default());
+            return csv_line(before.chain(swept).chain(after).chain(values));
+        }
+        let text = |text: &str| Value::from(text).to_string();
+        let set: Vec<String> = key
+            .set
+            .iter()
+            .map(|(k, v)| format!("{}:{}", text(k), text(v)))
+            .collect();
+        let mut line = format!(
+            "{{\"scene\":{},\"digest\":{},\"bench\":{},\"set\":{{{}}},\"seed\":{seed},\"version\":{},\"verdict\":{},\"why\":{}",
+            text(&key.scene),
+            text(&key.digest),
+            text(&key.bench),
+            set.join(","),
+            text(&key.version),
+            text(row.verdict.key()),
+            text(&row.why)
+        );
+        for (measured, value) in MEASURED.iter().zip(&values) {
+            let value = value.as_deref().unwrap_or("null");
+            let _ = write!(line, ",\"{}\":{value}", measured.key);
+        }
+        line + "}\n"
+    }
+}
+
+/// Fields as a line of CSV, quoted where they need it.
+fn csv_line<'a>(fields: impl Iterator<Item = &'a str>) -> String {
+    let quoted = |field: &str| match field.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", field.replace('"', "\"\"")),
+        false => field.to_owned(),
+    };
+    fields.map(quoted).collect::<Vec<_>>().join(",") + "\n"
+}
+
+/// The fields of a line of CSV; none where a quote stays open.
+fn csv_fields(line: &str) -> Option<Vec<String>> {
+    let (mut fields, mut field) = (Vec::new(), String::new());
+    let (mut quoted, mut chars) = (false, line.chars().peekable());
+    while let Some(c) = chars.next() {
+        match c {
+            '"' if quoted && chars.next_if_eq(&'"').is_some() => field.push('"'),
+            '"' => quoted = !quoted,
+            ',' if !quoted => fields.push(std::mem::take(&mut field)),
+            c => field.push(c),
+        }
+    }
+    fields.push(field);
+    (!quoted).then_some(fields)
+}
+
+/// A table that was read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RunTable {
+    /// The rows, in the order of the file.
+    pub rows: Vec<RunRow>,
+    /// Bytes of its whole lines: what comes after them was cut off while it was written.
+    pub whole: usize,
+}
+
+impl RunTable {
+    /// Whether a text that begins so is such a table.
+    pub fn is_one(text: &str) -> bool {
+        text.starts_with("scene,digest,bench,")
+            || text.starts_with("{\"scene\":") && text.contains("\"digest\":")
+    }
+
+    /// Reads a table in either form. Tables may follow one another (`cat`), each with its heading. A last line that
+    /// does not end is left out.
+    ///
+    /// # Errors
+    /// The first line that is no row.
+    pub fn read(text: &str) -> Result<Self, Damage> {
+        let whole = text.rfind('\n').map_or(0, |end| end + 1);
+        let mut table = Self {
+            rows: Vec::new(),
+            whole,
+        };
+        let mut swept: Option<Vec<String>> = None;
+        for (number, line) in (1..).zip(text[..whole].lines()) {
+            let bad = |expected: &str| Damage::of_line(number, expected, line);
+            if line.is_empty() {
+                continue;
+            }
+            if line.starts_with('{') {
+                let row = of_object(line).ok_or_else(|| bad("a row of a sweep (JSON)"))?;
+                table.rows.push(row);
+            } else if line.starts_with("scene,") {
+                let keys = of_head(line).ok_or_else(|| bad("the heading of a sweep's table"))?;
+                swept = Some(keys);
+            } else {
+                let keys = swept
+                    .as_ref()
+                    .ok_or_else(|| bad("the heading of a sweep's table"))?;
+                let row = of_fields(line, keys).ok_or_else(|| bad("a row of a sweep (CSV)"))?;
+                table.rows.push(row);
+            }
+        }
+        Ok(table)
+    }
+}
+
+/// The swept keys of a heading.
+fn of_head(line: &str) -> Option<Vec<String>> {
+    let fields = csv_fields(line)?;
+    let swept = fields
+        .len()
+        .checked_sub(BEFORE.len() + AFTER.len() + MEASURED.len())?;
+    let keys = fields.get(BEFORE.len()..BEFORE.len() + swept)?;
+    let expected = TableForm::Csv.head(keys.iter().map(String::as_str));
+    (expected.trim_end() == line).then(|| keys.to_vec())
+}
+
+fn of_fields(line: &str, swept: &[String]) -> Option<RunRow> {
+    let fields = csv_fields(line)?;
+    let mut fields = fields.into_iter();
+    let mut text = || fields.next();
+    let (scene, digest, bench) = (text()?, text()?, text()?);
+    let mut set = BTreeMap::new();
+    for key in swept {
+        set.insert(key.clone(), text()?);
+    }
+    let (seed, version, verdict, why) = (text()?, text()?, text()?, text()?);
+    let mut values = Values::default();
+    for value in &mut values {
+        *value = match text()? {
+            none if none.is_empty() => None,
+            some => Some(some.parse().ok()?),
+        };
+    }
+    let key = RunKey {
+        scene,
+        digest,
+        bench,
+        set,
+        seed: seed.parse().ok()?,
+        version,
+    };
+    let verdict = Verdict::of_key(&verdict)?;
+    fields.next().is_none().then_some(RunRow {
+        key,
+        verdict,
+        why,
+        values,
+    })
+}
+
+fn of_object(line: &str) -> Option<RunRow> {
+    let object: Value = serde_json::from_str(line).ok()?;
+    let text = |key: &str| object.get(key)?.as_str().map(str::to_owned);
+    let mut set = BTreeMap::new();
+    for (key, value) in object.get("set")?.as_object()? {
+        set.insert(key.clone(), value.as_str()?.to_owned());
+    }
+    let mut values = Values::default();
+    for (value, measured) in values.iter_mut().zip(MEASURED) {
+        *value = match object.get(measured.key)? {
+            Value::Null => None,
+            number => Some(number.as_f64()?),
+        };
+    }
+    Some(RunRow {
+        key: RunKey {
+            scene: text("scene")?,
+            digest: text("digest")?,
+            bench: text("bench")?,
+            set,
+            seed: object.get("seed")?.as_u64()?,
+            version: text("version")?,
+        },
+        verdict: Verdict::of_key(&text("verdict")?)?,
+        why: text("why")?,
+        values,
+    })
+}
+
+#[cfg(test)]
+#[path = "runs_tests.rs"]
+mod tests;

@@ -1,0 +1,205 @@
+//! Many runs: the grid of what is varied, and a run as a row of a table. Whoever computes a row gets the same one, so
+//! a program, another language or a cluster can share a grid.
+
+use std::collections::BTreeMap;
+
+use palpate_core::contact::Levels;
+use palpate_files::{Overrides, Setup};
+use palpate_records::digest::short_digest;
+use palpate_records::runs::{RunKey, RunRow, Values};
+
+use crate::display_end::refuse_hardware;
+use crate::header::attachments;
+use crate::summary::Summary;
+use crate::{Failure, Host, Input, Keep, build, run_with};
+
+/// Most points of a grid.
+const MOST: usize = 10_000_000;
+
+/// A key and the values that it takes in turn.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Axis {
+    /// A key of the scene, or after `bench.` one of the bench.
+    pub key: String,
+    /// Its values, as [`Overrides`] take them.
+    pub values: Vec<String>,
+}
+
+/// Every combination of the values, each with every seed. The first axis moves slowest, the seed fastest.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Grid {
+    axes: Vec<Axis>,
+    seeds: Vec<u64>,
+}
+
+impl Grid {
+    /// A grid of these.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for an axis without values, a key, value or seed that is there twice, and too many points.
+    pub fn new(axes: Vec<Axis>, seeds: Vec<u64>) -> Result<Self, Failure> {
+        let twice = |what: &str, value: &dyn std::fmt::Display| {
+            Failure::Input(format!("{what}: expected each once, found {value} again"))
+        };
+        for (n, axis) in axes.iter().enumerate() {
+            if axes[..n].iter().any(|before| before.key == axis.key) {
+                return Err(twice("--set", &axis.key));
+            }
+            for (n, value) in axis.values.iter().enumerate() {
+                if axis.values[..n].contains(value) {
+                    return Err(twice(&format!("--set {}", axis.key), value));
+                }
+            }
+        }
+        let mut sorted = seeds.clone();
+        sorted.sort_unstable();
+        if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(twice("--seeds", &pair[0]));
+        }
+        let counts = axes.iter().map(|axis| axis.values.len());
+        let points = counts.chain([seeds.len()]).try_fold(1, usize::checked_mul);
+        match points.filter(|points| (1..=MOST).contains(points)) {
+            Some(_) => Ok(Self { axes, seeds }),
+            None => Err(Failure::Input(format!(
+                "the grid: expected 1 to {MOST} runs, found {}",
+                points.map_or_else(|| "more".to_owned(), |points| points.to_string())
+            ))),
+        }
+    }
+
+    /// What is varied.
+    pub fn axes(&self) -> &[Axis] {
+        &self.axes
+    }
+
+    /// The seeds of every combination.
+    pub fn seeds(&self) -> &[u64] {
+        &self.seeds
+    }
+
+    /// How many combinations of values there are.
+    pub fn combinations(&self) -> usize {
+        self.axes.iter().map(|axis| axis.values.len()).product()
+    }
+
+    /// The values of a combination, by key; `index` counts below [`Grid::combinations`].
+    pub fn set(&self, index: usize) -> BTreeMap<String, String> {
+        let mut rest = index;
+        let mut set = BTreeMap::new();
+        for axis in self.axes.iter().rev() {
+            let value = &axis.values[rest % axis.values.len()];
+            rest /= axis.values.len();
+            set.insert(axis.key.clone(), value.clone());
+        }
+        set
+    }
+}
+
+/// A scene on a bench with a combination's values, checked, and what tells its runs from others.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    setup: Setup,
+    /// The key of its runs, but for the seed.
+    key: RunKey,
+}
+
+impl Variant {
+    /// With these values in place of the files' own.
+    ///
+    /// # Errors
+    /// [`Failure`] for a key or value that cannot be, what fits no loop, and a bench of hardware.
+    pub fn new(base: &Setup, set: BTreeMap<String, String>) -> Result<Self, Failure> {
+        let mut overrides = Overrides::default();
+        for (key, value) in &set {
+            overrides.set("--set", &format!("{key}={value}"))?;
+        }
+        let setup = base.clone().with(&overrides)?;
+        refuse_hardware(&setup.bench.value)?;
+        build(&setup, 1, Levels::Off)?;
+        let key = RunKey {
+            scene: setup.scene.value.name.clone(),
+            digest: digest(&setup),
+            bench: setup.bench.value.name.clone(),
+            set,
+            seed: 0,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+        };
+        Ok(Self { setup, key })
+    }
+
+    /// What tells its run with this seed from all others.
+    pub fn key(&self, seed: u64) -> RunKey {
+        RunKey {
+            seed,
+            ..self.key.clone()
+        }
+    }
+
+    /// The run with this seed as a row. Only what every machine computes alike is in it.
+    ///
+    /// # Errors
+    /// [`Failure`] for what cannot run at all; a run that fails is a row.
+    pub fn row(&self, seed: u64, host: &mut dyn Host) -> Result<RunRow, Failure> {
+        let outcome = run_with(&self.setup, &Input::Scene, seed, Keep::default(), host)?;
+        let conclusion = &outcome.summary.conclusion;
+        Ok(RunRow {
+            key: self.key(seed),
+            verdict: conclusion.verdict,
+            why: conclusion.why.first().cloned().unwrap_or_default(),
+            values: values(&outcome.summary),
+        })
+    }
+}
+
+/// Digest of all files that a run goes back to, without the values in place of theirs.
+fn digest(setup: &Setup) -> String {
+    let mut text = String::new();
+    for file in attachments(setup) {
+        text += &format!("{} {}\n{}\n", file.name, file.text.len(), file.text);
+    }
+    if let Some(stroked) = &setup.texture {
+        text += &format!(
+            "{:?}\n{}\n",
+            stroked.surface,
+            stroked.activation.source.text()
+        );
+    }
+    short_digest(text.as_bytes())
+}
+
+/// The figures of a summary, as tables have them.
+pub fn values(of: &Summary) -> Values {
+    let count = |n: u64| Some(n as f64);
+    let felt = &of.felt_error_mm;
+    let used = of
+        .margins
+        .iter()
+        .map(|m| m.used() * 100.0)
+        .fold(None, |most: Option<f64>, used| {
+            Some(most.map_or(used, |most| most.max(used)))
+        });
+    let all = [
+        of.path_error_mm.map(|e| e.rmse),
+        of.path_error_mm.map(|e| e.max),
+        felt.rmse,
+        felt.max,
+        count(felt.breaks),
+        count(felt.jumps),
+        of.hottest_skin_c,
+        of.hottest_wire_c,
+        of.energy_mj,
+        of.peak_supply_a,
+        used,
+        count(u64::from(of.limiter_events)),
+        count(of.contacts),
+        count(of.stimuli),
+        of.texture.map(|t| t.roughness),
+        of.taxels.refresh_hz.map(|hz| hz.median),
+    ];
+    // A limit at rest has no part that is used, and no number stands for it.
+    all.map(|value| value.filter(|v| v.is_finite()))
+}
+
+#[cfg(test)]
+#[path = "sweep_tests.rs"]
+mod tests;

@@ -1,0 +1,79 @@
+//! Options of the commands about many runs: `hil sweep`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{Voice, whole};
+
+/// Seeds, in the order in which they run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Seeds(pub Vec<u64>);
+
+/// Most seeds of a sweep.
+const MOST_SEEDS: u64 = 1_000_000;
+
+/// `1..20` (both ends count), `3`, or several of these between commas.
+fn seeds(text: &str) -> Result<Seeds, String> {
+    let expected =
+        || format!("expected seeds such as 1..20 (both ends count) or 3,5,8; at most {MOST_SEEDS}");
+    let mut all = Vec::new();
+    for part in text.split(',') {
+        let (from, to) = part.split_once("..").unwrap_or((part, part));
+        let read = |text: &str| text.trim().parse::<u64>().map_err(|_| expected());
+        let (from, to) = (read(from)?, read(to)?);
+        let count = to.checked_sub(from).ok_or_else(expected)?;
+        if count.saturating_add(all.len() as u64) >= MOST_SEEDS {
+            return Err(expected());
+        }
+        all.extend(from..=to);
+    }
+    Ok(Seeds(all))
+}
+
+/// `K/N`: the K-th of N parts.
+fn part(text: &str) -> Result<(usize, usize), String> {
+    let parsed = text
+        .split_once('/')
+        .and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+    let good = |(k, n): &(usize, usize)| (1..=*n).contains(k);
+    parsed
+        .filter(good)
+        .ok_or_else(|| "expected K/N, the K-th of N parts, such as 1/4".into())
+}
+
+/// Options of `hil sweep`.
+#[derive(Debug, Args)]
+pub struct SweepArgs {
+    /// A built-in scene or a file.
+    pub scene: String,
+    /// Values that a key takes in turn: of the scene (`illusion.shape=1,2,3`), or after `bench.` of the bench. Every
+    /// combination of several keys runs. Repeatable.
+    #[arg(long, value_name = "KEY=VALUE,VALUE,..")]
+    pub set: Vec<String>,
+    /// Seeds of every combination: 1..20 (both ends count), or 3,5,8.
+    #[arg(long, value_name = "N..M", default_value = "1", value_parser = seeds)]
+    pub seeds: Seeds,
+    /// A built-in emulated bench or a file (default: emulated).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub bench: Option<String>,
+    /// The table, .csv or .jsonl. Rows that it has are not computed again.
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Write a page with plots: figures against each swept number, with their spread over seeds.
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
+    /// Compute only the K-th of N parts of the rows. `cat` joins tables of parts, and the command without --part puts
+    /// the rows in order.
+    #[arg(long, value_name = "K/N", value_parser = part)]
+    pub part: Option<(usize, usize)>,
+    /// Runs at a time (default: as many as there are cores).
+    #[arg(long, value_name = "N", value_parser = whole::<usize, 1, 256>, allow_hyphen_values = true)]
+    pub jobs: Option<usize>,
+    /// Overwrite files that are no earlier output of hil, and rows of another sweep.
+    #[arg(long)]
+    pub force: bool,
+    /// How much it says.
+    #[command(flatten)]
+    pub voice: Voice,
+}

@@ -1,0 +1,375 @@
+//! `hil sweep`: a scene over a grid of values and seeds, one row per run.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, Write};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use palpate_buses::signals::Signals;
+use palpate_files::{Format, Setup, load_scene};
+use palpate_records::runs::{MEASURED, RunKey, RunRow, number};
+use palpate_records::verdict::{Conclusion, Verdict};
+use palpate_run::sweep::{Axis, Grid, Variant};
+use palpate_run::{Failure, Host};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::devices::bench;
+use crate::cli::{Color, SweepArgs};
+use crate::output::{Outputs, print};
+use crate::progress::Progress;
+use crate::sweep::{Growing, page};
+
+/// Most runs that share what is read for a combination of values.
+const TOGETHER: usize = 16;
+
+/// Runs what the table lacks, and puts it in order.
+///
+/// # Errors
+/// [`Failure`] with the exit status of the gravest run; [`Failure::Stopped`] where a signal came first.
+pub fn sweep(args: &SweepArgs, color: Color) -> Result<(), Failure> {
+    let axes = args
+        .set
+        .iter()
+        .map(|text| axis(text))
+        .collect::<Result<_, _>>()?;
+    let grid = Grid::new(axes, args.seeds.0.clone())?;
+    let outputs = Outputs {
+        force: args.force,
+        inputs: &[],
+    };
+    Growing::check(&args.out, outputs)?;
+    if let Some(path) = &args.html {
+        outputs.check(path, Format::Html)?;
+    }
+    let base = Setup::join(
+        load_scene(&args.scene)?,
+        bench(args.bench.as_deref(), &[], &[])?,
+    )?;
+    let cores = || std::thread::available_parallelism().map_or(1, Into::into);
+    let jobs = args.jobs.unwrap_or_else(cores);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
+    let pool = pool.map_err(|e| Failure::Device(format!("--jobs {jobs}: {e}")))?;
+    // Every combination is read before anything runs, and what it needs is read again when it does: a scene has more
+    // text than a row, and a grid many combinations.
+    let variants: Vec<Result<RunKey, Failure>> = pool.install(|| {
+        let all = (0..grid.combinations()).into_par_iter();
+        all.map(|n| Ok(Variant::new(&base, grid.set(n))?.key(0)))
+            .collect()
+    });
+    let variants = variants.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
+    let mut work = Work {
+        grid,
+        variants,
+        rows: BTreeMap::new(),
+        before: 0,
+        part: args.part,
+    };
+    let swept = work
+        .variants
+        .first()
+        .map(|key| key.set.clone())
+        .unwrap_or_default();
+    let keys = swept.keys().map(String::as_str);
+    let (all, seeds): (BTreeSet<&RunKey>, BTreeSet<&u64>) = (
+        work.variants.iter().collect(),
+        work.grid.seeds().iter().collect(),
+    );
+    let is_of_grid = |row: &RunRow| {
+        let variant = RunKey {
+            seed: 0,
+            ..row.key.clone()
+        };
+        seeds.contains(&row.key.seed) && all.contains(&variant)
+    };
+    let (table, rows) = Growing::open(&args.out, keys, outputs, is_of_grid)?;
+    work.rows = rows.into_iter().map(|row| (row.key.clone(), row)).collect();
+    work.before = work
+        .wanted()
+        .filter(|key| work.rows.contains_key(key))
+        .count();
+    let (table, fresh) = pool.install(|| work.run(&base, table, jobs, &signals))?;
+    let caught = signals.caught();
+    // From here on a signal ends the program, and what is half-written goes.
+    drop(signals);
+    work.rows
+        .extend(fresh.into_iter().map(|row| (row.key.clone(), row)));
+    let ordered = work.keys().filter_map(|(_, key)| work.rows.get(&key));
+    table.finish(ordered)?;
+    work.tell(args, color, caught)
+}
+
+/// `KEY=VALUE,VALUE`; commas between brackets or quotes belong to a value.
+fn axis(text: &str) -> Result<Axis, Failure> {
+    let expected = || {
+        Failure::Input(format!(
+            "--set: expected KEY=VALUE,VALUE,.., found `{text}`"
+        ))
+    };
+    let (key, rest) = text.split_once('=').ok_or_else(expected)?;
+    let (mut values, mut value) = (Vec::new(), String::new());
+    let (mut depth, mut quote) = (0_i32, None);
+    for c in rest.chars() {
+        match (c, quote) {
+            (',', None) if depth == 0 => values.push(std::mem::take(&mut value)),
+            (c, Some(open)) if c == open => quote = None,
+            ('"' | '\'', None) => quote = Some(c),
+            ('[' | '{', None) => depth += 1,
+            (']' | '}', None) => depth -= 1,
+            _ => {}
+        }
+        if c != ',' || depth != 0 || quote.is_some() {
+            value.push(c);
+        }
+    }
+    values.push(value);
+    let values: Vec<String> = values.iter().map(|v| v.trim().to_owned()).collect();
+    let key = key.trim().to_owned();
+    if key.is_empty()
+        || values
+            .iter()
+            .any(|v| v.is_empty() || v.contains(char::is_control))
+    {
+        return Err(expected());
+    }
+    Ok(Axis { key, values })
+}
+
+/// What is to run, and what has.
+struct Work {
+    grid: Grid,
+    /// The key of each combination, but for the seed.
+    variants: Vec<RunKey>,
+    /// Rows of the grid, whoever computed them.
+    rows: BTreeMap<RunKey, RunRow>,
+    /// How many of the wanted ones were there.
+    before: usize,
+    part: Option<(usize, usize)>,
+}
+
+/// Ends a run when a signal came.
+struct Stopping<'a>(&'a Signals);
+
+impl Host for Stopping<'_> {
+    fn passed(&mut self, _part: f64) -> bool {
+        self.0.caught().is_some()
+    }
+}
+
+impl Work {
+    /// All keys of the grid in its order, each with its combination.
+    fn keys(&self) -> impl Iterator<Item = (usize, RunKey)> {
+        let seeds = self.grid.seeds();
+        let of = move |(n, key): (usize, &RunKey)| {
+            let key = key.clone();
+            seeds.iter().map(move |&seed| {
+                (
+                    n,
+                    RunKey {
+                        seed,
+                        ..key.clone()
+                    },
+                )
+            })
+        };
+        self.variants.iter().enumerate().flat_map(of)
+    }
+
+    /// Those that this command computes: all, or every N-th.
+    fn wanted(&self) -> impl Iterator<Item = RunKey> {
+        let (k, n) = self.part.unwrap_or((1, 1));
+        self.keys().skip(k - 1).step_by(n).map(|(_, key)| key)
+    }
+
+    /// Runs what is wanted and not there. A signal ends it; runs under way are then as if they had not begun.
+    fn run(
+        &self,
+        base: &Setup,
+        table: Growing,
+        jobs: usize,
+        signals: &Signals,
+    ) -> Result<(Growing, Vec<RunRow>), Failure> {
+        let (k, n) = self.part.unwrap_or((1, 1));
+        let lacking = self
+            .keys()
+            .skip(k - 1)
+            .step_by(n)
+            .filter(|(_, key)| !self.rows.contains_key(key));
+        let lacking: Vec<(usize, u64)> =
+            lacking.map(|(variant, key)| (variant, key.seed)).collect();
+        // Enough pieces that no core waits long for the last one.
+        let together = (lacking.len() / (jobs * 4)).clamp(1, TOGETHER);
+        let mut pieces: Vec<&[(usize, u64)]> = Vec::new();
+        for of_one in lacking.chunk_by(|a, b| a.0 == b.0) {
+            pieces.extend(of_one.chunks(together));
+        }
+        let grown = Mutex::new((table, Vec::new()));
+        let next = AtomicUsize::new(0);
+        let progress = Progress::counted("sweep", lacking.len() as u64, "runs");
+        let worker = || -> Result<(), Failure> {
+            while let Some(piece) = pieces.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let variant = Variant::new(base, self.grid.set(piece[0].0))?;
+                for (_, seed) in *piece {
+                    let row = variant.row(*seed, &mut Stopping(signals))?;
+                    if signals.caught().is_some() {
+                        return Ok(());
+                    }
+                    let mut grown = grown.lock().unwrap_or_else(|broken| broken.into_inner());
+                    grown.0.add(&row)?;
+                    grown.1.push(row);
+                    progress.step();
+                }
+            }
+            Ok(())
+        };
+        // In the order of the grid, so that an interrupted table is its beginning.
+        let ended: Vec<Result<(), Failure>> = (0..jobs).into_par_iter().map(|_| worker()).collect();
+        ended.into_iter().collect::<Result<(), _>>()?;
+        Ok(grown
+            .into_inner()
+            .unwrap_or_else(|broken| broken.into_inner()))
+    }
+
+    /// The gravest of the rows, each verdict with its first one.
+    fn conclusion(&self, rows: &[&RunRow], wanted: usize, caught: Option<&str>) -> Conclusion {
+        let mut conclusion = Conclusion::default();
+        for verdict in [
+            Verdict::LimitExceeded,
+            Verdict::Failed,
+            Verdict::Stopped,
+            Verdict::Incomplete,
+        ] {
+            let mut of = rows.iter().filter(|row| row.verdict == verdict);
+            if let Some(first) = of.next() {
+                let (count, at) = (1 + of.count(), place(&first.key));
+                conclusion.add(
+                    verdict,
+                    format!("{count} of {wanted} runs, first {at}: {}", first.why),
+                );
+            }
+        }
+        if let Some(signal) = caught {
+            let there = rows.len();
+            let text = format!(
+                "by {signal}: {there} of {wanted} rows are there, the same command goes on"
+            );
+            conclusion.add(Verdict::Stopped, text);
+        }
+        conclusion
+    }
+
+    /// Says what the sweep came to.
+    fn tell(&self, args: &SweepArgs, color: Color, caught: Option<&str>) -> Result<(), Failure> {
+        let wanted = self.wanted().count();
+        let rows: Vec<&RunRow> = self
+            .wanted()
+            .filter_map(|key| self.rows.get(&key))
+            .collect();
+        let conclusion = self.conclusion(&rows, wanted, caught);
+        if let Some(path) = &args.html {
+            let text = page(&conclusion, &rows);
+            let outputs = Outputs {
+                force: args.force,
+                inputs: &[],
+            };
+            outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
+        }
+        let (scene, bench) = self
+            .variants
+            .first()
+            .map(|key| (&key.scene, &key.bench))
+            .unzip();
+        if args.voice.json {
+            #[derive(Serialize)]
+            struct All<'a> {
+                #[serde(flatten)]
+                conclusion: &'a Conclusion,
+                scene: Option<&'a String>,
+                bench: Option<&'a String>,
+                rows: usize,
+                wanted: usize,
+                there_before: usize,
+                table: String,
+            }
+            let all = All {
+                conclusion: &conclusion,
+                scene,
+                bench,
+                rows: rows.len(),
+                wanted,
+                there_before: self.before,
+                table: args.out.display().to_string(),
+            };
+            print(|out| {
+                serde_json::to_writer(&mut *out, &all)?;
+                writeln!(out)
+            })?;
+        } else if !args.voice.quiet {
+            print(|out| {
+                conclusion.write(out, color.on(&io::stdout()))?;
+                let before = match self.before {
+                    0 => String::new(),
+                    n => format!(", {n} of them in the table before"),
+                };
+                let (scene, bench) = scene.zip(bench).map_or(("", ""), |(s, b)| (s, b));
+                writeln!(
+                    out,
+                    "{scene} on {bench} (emulated): {} runs{before}",
+                    rows.len()
+                )?;
+                spread(&rows, out)?;
+                let html = args.html.iter();
+                html.chain([&args.out])
+                    .try_for_each(|path| writeln!(out, "  wrote           {}", path.display()))
+            })?;
+        }
+        match conclusion.verdict {
+            _ if caught.is_some() => Err(Failure::Stopped(conclusion.line())),
+            Verdict::Ok => Ok(()),
+            Verdict::Stopped => Err(Failure::Guard(conclusion.line())),
+            _ => Err(Failure::Check(conclusion.line())),
+        }
+    }
+}
+
+/// A run among those of its sweep: `at a=1, b=2, seed 3`.
+fn place(key: &RunKey) -> String {
+    let mut set: Vec<String> = key
+        .set
+        .iter()
+        .map(|(key, value)| format!("{key}={value}"))
+        .collect();
+    set.push(format!("seed {}", key.seed));
+    format!("at {}", set.join(", "))
+}
+
+/// The figures that differ between runs: the least, the most, and where they are.
+fn spread(rows: &[&RunRow], out: &mut dyn Write) -> io::Result<()> {
+    for (n, measured) in MEASURED.iter().enumerate() {
+        let found = || {
+            rows.iter()
+                .filter_map(|row| Some((row.values[n]?, &row.key)))
+        };
+        let least = found().min_by(|a, b| a.0.total_cmp(&b.0));
+        let most = found().max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((least, most)) = least.zip(most).filter(|(least, most)| least.0 < most.0) else {
+            continue;
+        };
+        let short = |value: f64| number((value * 1e3).round() / 1e3);
+        let range = format!("{} to {} {}", short(least.0), short(most.0), measured.unit);
+        writeln!(
+            out,
+            "  {:<22}{:<24}least {}, most {}",
+            measured.words,
+            range.trim_end(),
+            place(least.1),
+            place(most.1)
+        )?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+#[path = "sweep_tests.rs"]
+mod tests;

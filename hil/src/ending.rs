@@ -1,0 +1,93 @@
+//! A signal while files are written: what is half-written goes, then the program.
+//!
+//! Before the first such file a signal ends the program as the system does. Commands that end in order when a signal
+//! comes (`palpate_buses::signals`) are left to themselves.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::{self, Read};
+use std::os::unix::net::UnixStream;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, Once, PoisonError};
+
+use palpate_buses::signals::Signals;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::low_level::pipe;
+
+/// The files that are half-written.
+static HALF: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn half() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    HALF.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A file that is being written under a name of its own until it is whole.
+#[derive(Debug)]
+pub struct Partial {
+    path: PathBuf,
+}
+
+impl Partial {
+    /// Makes the file; a signal from now on takes it along.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn create(path: &Path) -> io::Result<(Self, fs::File)> {
+        static WATCHED: Once = Once::new();
+        // Without a watch a signal leaves the file, and the next run of the command does not mind.
+        WATCHED.call_once(|| drop(watch()));
+        let mut half = half();
+        let file = fs::File::create(path)?;
+        half.insert(path.to_path_buf());
+        Ok((
+            Self {
+                path: path.to_path_buf(),
+            },
+            file,
+        ))
+    }
+
+    /// Gives it the name of the whole file.
+    ///
+    /// # Errors
+    /// What the system says; the file is gone then.
+    pub fn finish(self, whole: &Path) -> io::Result<()> {
+        fs::rename(&self.path, whole)
+    }
+}
+
+impl Drop for Partial {
+    fn drop(&mut self) {
+        let mut half = half();
+        // Best effort: one that was renamed is not there.
+        let _ = fs::remove_file(&self.path);
+        half.remove(&self.path);
+    }
+}
+
+/// Waits for signals on a thread.
+fn watch() -> io::Result<()> {
+    let (mut told, tells) = UnixStream::pair()?;
+    for signal in [SIGINT, SIGTERM, SIGHUP] {
+        let tells = tells.try_clone()?;
+        pipe::register(signal, tells)?;
+    }
+    let wait = move || {
+        let mut byte = [0];
+        while told.read_exact(&mut byte).is_ok() {
+            if Signals::are_caught() {
+                continue;
+            }
+            // Held to the end: nothing is begun or renamed any more.
+            let half = half();
+            for path in half.iter() {
+                let _ = fs::remove_file(path);
+            }
+            std::process::exit(130);
+        }
+    };
+    std::thread::Builder::new()
+        .name("signals".into())
+        .spawn(wait)
+        .map(drop)
+}

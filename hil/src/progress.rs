@@ -1,0 +1,198 @@
+//! What long work does, how far it is and when it ends: one line on standard error, where that is a terminal, once the
+//! work takes longer than two seconds.
+//!
+//! Work that counts stores a number. What it costs to show it is a thread's own: nothing waits for a terminal.
+
+use std::fs;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Work that ends sooner says nothing.
+const LATE: Duration = Duration::from_secs(2);
+/// Time between two looks at it.
+const EVERY: Duration = Duration::from_millis(125);
+/// Steps of a part of one.
+const STEPS: u64 = 100_000;
+
+/// Whether anything may be shown at all.
+static ALLOWED: AtomicBool = AtomicBool::new(false);
+/// The line that is shown, or will be; work within other work has none of its own.
+static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
+
+fn shown() -> std::sync::MutexGuard<'static, Option<ProgressBar>> {
+    SHOWN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Lets work be shown, where standard error is a terminal that can redraw a line and no CI keeps a log of it.
+pub fn allow() {
+    let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let dumb = std::env::var_os("TERM").is_none_or(|term| term == "dumb");
+    let allowed = std::io::stderr().is_terminal() && !set("CI") && !dumb;
+    ALLOWED.store(allowed, Ordering::Relaxed);
+}
+
+/// Does what writes to the terminal while the line is out of the way.
+pub fn aside<T>(write: impl FnOnce() -> T) -> T {
+    let bar = shown().clone();
+    match bar {
+        Some(bar) => bar.suspend(write),
+        None => write(),
+    }
+}
+
+/// How far something is.
+#[derive(Debug)]
+enum Course {
+    /// As it counts itself.
+    Counted,
+    /// As far as the system has read this file for it. Readers lie in rooms that know neither clock nor terminal.
+    Reading(PathBuf),
+}
+
+/// Work under way. Dropped, its line is gone.
+#[derive(Debug)]
+pub struct Progress {
+    at: Arc<AtomicU64>,
+    /// Held so that its end is noticed, with who notices.
+    shown: Option<(Sender<()>, JoinHandle<()>)>,
+}
+
+impl Progress {
+    /// Work in so many steps, which `noun` names: `runs`.
+    pub fn counted(what: &str, total: u64, noun: &str) -> Self {
+        let style = format!("{{msg}} [{{bar:30}}] {{pos}} of {{len}} {noun}, {{eta}} left");
+        Self::new(what, Some(total), &style, Course::Counted)
+    }
+
+    /// Work whose part that is done is known.
+    pub fn of_part(what: &str) -> Self {
+        let style = "{msg} [{bar:30}] {percent} %, {eta} left";
+        Self::new(what, Some(STEPS), style, Course::Counted)
+    }
+
+    /// A file that is read from its begin to its end. Of a pipe the end is not known.
+    pub fn reading(path: &Path) -> Self {
+        let what = format!("reading {}", path.display());
+        match fs::canonicalize(path).and_then(|path| Ok((fs::metadata(&path)?, path))) {
+            Ok((there, path)) if there.is_file() => {
+                let style = "{msg} [{bar:30}] {bytes} of {total_bytes}, {eta} left";
+                Self::new(&what, Some(there.len()), style, Course::Reading(path))
+            }
+            _ => Self::endless(&what),
+        }
+    }
+
+    /// Work of which nothing is known but that it goes on.
+    pub fn endless(what: &str) -> Self {
+        Self::new(
+            what,
+            None,
+            "{spinner} {msg}, for {elapsed}",
+            Course::Counted,
+        )
+    }
+
+    fn new(what: &str, total: Option<u64>, style: &str, course: Course) -> Self {
+        let at = Arc::new(AtomicU64::new(0));
+        let none = Self {
+            at: Arc::clone(&at),
+            shown: None,
+        };
+        let mut other = shown();
+        if !ALLOWED.load(Ordering::Relaxed) || other.is_some() {
+            return none;
+        }
+        let bar = ProgressBar::with_draw_target(total, ProgressDrawTarget::hidden());
+        if let Ok(style) = ProgressStyle::with_template(style) {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.set_message(what.to_owned());
+        let (ends, ended) = channel();
+        let show = {
+            let bar = bar.clone();
+            move || show(&bar, &course, &at, &ended)
+        };
+        let Ok(thread) = std::thread::Builder::new()
+            .name("progress".into())
+            .spawn(show)
+        else {
+            return none;
+        };
+        *other = Some(bar);
+        Self {
+            at: Arc::clone(&none.at),
+            shown: Some((ends, thread)),
+        }
+    }
+
+    /// It has come to this step.
+    pub fn to(&self, step: u64) {
+        self.at.store(step, Ordering::Relaxed);
+    }
+
+    /// It has come one step further.
+    pub fn step(&self) {
+        self.at.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// This part of it is done, 0 to 1.
+    pub fn part(&self, part: f64) {
+        self.to((part * STEPS as f64) as u64);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some((ends, thread)) = self.shown.take() {
+            drop(ends);
+            // It has cleared its line, so what is written next stands where it was.
+            let _ = thread.join();
+            *shown() = None;
+        }
+    }
+}
+
+/// Draws the line until the work ends, if that takes long enough.
+fn show(bar: &ProgressBar, course: &Course, at: &AtomicU64, ended: &Receiver<()>) {
+    if ended.recv_timeout(LATE) != Err(RecvTimeoutError::Timeout) {
+        return;
+    }
+    bar.set_draw_target(ProgressDrawTarget::stderr());
+    while ended.recv_timeout(EVERY) == Err(RecvTimeoutError::Timeout) {
+        let now = match course {
+            Course::Counted => at.load(Ordering::Relaxed),
+            Course::Reading(path) => position(path).unwrap_or_else(|| bar.position()),
+        };
+        bar.set_position(now);
+        bar.tick();
+    }
+    bar.finish_and_clear();
+}
+
+/// How far this process has read a file that it has open; none where it has not.
+fn position(path: &Path) -> Option<u64> {
+    let open = fs::read_dir("/proc/self/fd").ok()?.flatten();
+    let of = |fd: fs::DirEntry| {
+        let same = fs::read_link(fd.path()).is_ok_and(|link| link == path);
+        let info = Path::new("/proc/self/fdinfo").join(fd.file_name());
+        let info = same.then(|| fs::read_to_string(info).ok())??;
+        info.lines()
+            .next()?
+            .strip_prefix("pos:")?
+            .trim()
+            .parse()
+            .ok()
+    };
+    open.filter_map(of).max()
+}
+
+#[cfg(test)]
+#[path = "progress_tests.rs"]
+mod tests;

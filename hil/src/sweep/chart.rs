@@ -1,0 +1,127 @@
+//! A small chart: a figure over a number, a line per series, with its spread.
+
+use std::fmt::Write;
+
+use palpate_records::report::scale::Scale;
+use palpate_records::report::svg::{Plot, Svg, dot, escape};
+
+/// Most lines that can be told apart; the style sheet has as many colours.
+pub const LINES: usize = 8;
+
+/// Values at one place of a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Where.
+    pub x: f64,
+    /// The least of the values.
+    pub low: f64,
+    /// Their mean.
+    pub mean: f64,
+    /// The most.
+    pub high: f64,
+}
+
+impl Spot {
+    /// Of all values at `x`; none of nothing.
+    pub fn of(x: f64, values: &[f64]) -> Option<Self> {
+        let (low, high) = ends(values.iter().copied())?;
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        Some(Self { x, low, mean, high })
+    }
+}
+
+/// The least and the most; none of nothing.
+pub fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    values.fold(None, |ends, v| {
+        let (low, high) = ends.unwrap_or((v, v));
+        Some((low.min(v), high.max(v)))
+    })
+}
+
+/// A series by its name, from left to right.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Its name in the legend.
+    pub name: String,
+    /// Where it goes through.
+    pub spots: Vec<Spot>,
+}
+
+/// Text with its unit, as beside an axis.
+pub fn with_unit(words: &str, unit: &str) -> String {
+    match unit {
+        "" => words.to_owned(),
+        unit => format!("{words} [{unit}]"),
+    }
+}
+
+/// The lines over x. Where every place has one value there is no spread to show.
+pub fn chart(lines: &[Line], x_label: &str, y_label: &str) -> String {
+    let spots = || lines.iter().flat_map(|line| &line.spots);
+    let x = ends(spots().map(|s| s.x)).unwrap_or((0.0, 1.0));
+    let y = ends(spots().flat_map(|s| [s.low, s.high])).unwrap_or((0.0, 1.0));
+    let plot = Plot {
+        left: 58.0,
+        top: 30.0,
+        width: 386.0,
+        height: 170.0,
+        // Room beside the first and the last place.
+        x: Scale::exact(x.0 - (x.1 - x.0) * 0.04, x.1 + (x.1 - x.0) * 0.04),
+        y: Scale::round(y.0, y.1),
+    };
+    let mut svg = Svg::new(460.0, 246.0, &format!("{y_label} against {x_label}"));
+    plot.x_axis(&mut svg, x_label);
+    // The label begins above the numbers, within the drawing.
+    for (value, text) in plot.y.ticks(6.0) {
+        let at = plot.py(value);
+        svg.line((plot.left, at), (plot.left + plot.width, at), "grid");
+        svg.text((plot.left - 7.0, at + 4.0), "tick end", &text);
+    }
+    svg.text((8.0, plot.top - 13.0), "label", y_label);
+    for (n, line) in lines.iter().enumerate() {
+        let (mut mean, mut spread, mut dots) = (String::new(), String::new(), String::new());
+        for spot in &line.spots {
+            let (px, py) = plot.at((spot.x, spot.mean));
+            let _ = write!(
+                mean,
+                "{}{px:.1} {py:.1}",
+                if mean.is_empty() { 'M' } else { 'L' }
+            );
+            dot(&mut dots, (px, py));
+            if spot.low < spot.high {
+                let _ = write!(
+                    spread,
+                    "M{px:.1} {:.1}V{:.1}",
+                    plot.py(spot.low),
+                    plot.py(spot.high)
+                );
+            }
+        }
+        let colour = n % LINES;
+        svg.path(&spread, &format!("spread w{colour}"));
+        svg.path(&mean, &format!("series w{colour}"));
+        svg.path(&dots, &format!("dots big w{colour}"));
+    }
+    plot.frame(&mut svg);
+    svg.finish()
+}
+
+/// What a chart needs beside the style sheet of all pages.
+pub const STYLE: &str = ".spread{fill:none;stroke-width:5;opacity:.3;stroke-linecap:round}\n\
+.charts{display:grid;grid-template-columns:repeat(auto-fit,minmax(300px,1fr));gap:14px}\n";
+
+/// The names of lines beside their colours; nothing for one alone without a name.
+pub fn legend(lines: &[Line]) -> String {
+    if lines.len() == 1 && lines.iter().all(|line| line.name.is_empty()) {
+        return String::new();
+    }
+    let key = |(n, line): (usize, &Line)| {
+        let class = format!("series w{}", n % LINES);
+        let name = escape(&line.name);
+        format!(
+            "<span><svg viewBox=\"0 0 26 12\"><line class=\"{class}\" x1=\"1\" y1=\"6\" x2=\"25\" y2=\"6\"/></svg>{name}</span>"
+        )
+    };
+    let keys: String = lines.iter().enumerate().map(key).collect();
+    format!("<div class=\"legend\">{keys}</div>")
+}

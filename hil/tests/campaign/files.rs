@@ -1,0 +1,390 @@
+//! Every reader with every kind of bad file.
+
+use super::{Expect, Try};
+use std::fs;
+use std::os::unix::fs::{PermissionsExt, symlink};
+use std::path::Path;
+use std::process::Command;
+
+/// A scene of a second, short enough to run often.
+const SCENE: &str = "name = \"short\"\ndescription = \"a second\"\nlength_s = 1.5\n\
+    [[touches]]\nstart_s = 0.6\npath = { kind = \"line\", points_mm = [[-5.0, 0.0], [5.0, 0.0]], period_s = 1.0 }\n\
+    force_n = { mean = 0.7, amplitude = 0.1, period_s = 1.0 }\n";
+
+/// A file that a reader takes as it is, and the commands that read it: `{}` stands for it.
+struct Reader {
+    /// The good file.
+    good: &'static str,
+    /// The name of the bad ones.
+    named: &'static str,
+    /// The command.
+    args: &'static [&'static str],
+}
+
+impl Reader {
+    fn call(&self, path: &str, expect: Expect) -> Try {
+        let args = self.args.iter().map(|a| a.replace("{}", path));
+        Try {
+            args: args.collect(),
+            around: "",
+            expect,
+        }
+    }
+}
+
+const READERS: [Reader; 21] = [
+    reader(
+        "taxels.csv",
+        "bad.csv",
+        &["run", "--replay", "{}", "--layout", "uskin-4x4"],
+    ),
+    reader(
+        "taxels.csv",
+        "bad.csv",
+        &["contacts", "{}", "--layout", "uskin-4x4"],
+    ),
+    reader(
+        "taxels.csv",
+        "bad.csv",
+        &["texture", "encode", "default", "{}"],
+    ),
+    reader(
+        "a.log",
+        "bad.log",
+        &["run", "--replay", "{}", "--layout", "uskin-4x4"],
+    ),
+    reader("a.log", "bad.log", &["replay", "{}", "--can", "nocan0"]),
+    reader(
+        "a.mcap",
+        "bad.mcap",
+        &["run", "--replay", "{}", "--layout", "uskin-4x4"],
+    ),
+    reader("a.jsonl", "bad.jsonl", &["diff", "a.jsonl", "{}"]),
+    reader("a.snap", "bad.snap", &["diff", "{}", "a.snap"]),
+    reader("a.csv", "bad.csv", &["diff", "a.csv", "{}"]),
+    reader("a.vcd", "bad.vcd", &["diff", "a.jsonl", "{}"]),
+    reader("edges.csv", "bad.csv", &["diff", "a.jsonl", "{}"]),
+    reader("scene.toml", "bad.toml", &["run", "{}"]),
+    reader("scene.toml", "bad.toml", &["test", "{}"]),
+    reader(
+        "scene.toml",
+        "bad.toml",
+        &["export", "taxels", "{}", "--out", "made.csv"],
+    ),
+    reader(
+        "bench.toml",
+        "bad.toml",
+        &["run", "scene.toml", "--bench", "{}"],
+    ),
+    reader(
+        "layout.toml",
+        "bad.toml",
+        &["run", "scene.toml", "--set", "layout={}"],
+    ),
+    reader(
+        "layout.toml",
+        "bad.toml",
+        &["new", "scene", "mine", "--force", "--layout", "{}"],
+    ),
+    reader(
+        "wire.toml",
+        "bad.toml",
+        &["new", "bench", "weak", "--force", "--wire", "{}"],
+    ),
+    reader(
+        "limits.toml",
+        "bad.toml",
+        &["run", "scene.toml", "--set", "bench.limits={}"],
+    ),
+    reader(
+        "model.safetensors",
+        "bad.safetensors",
+        &["texture", "export", "{}", "made.onnx"],
+    ),
+    reader(
+        "quarantine.toml",
+        "bad.toml",
+        &["test", "scene.toml", "--quarantine", "{}"],
+    ),
+];
+
+const fn reader(good: &'static str, named: &'static str, args: &'static [&'static str]) -> Reader {
+    Reader { good, named, args }
+}
+
+/// What is done to a good file.
+type Change = fn(&[u8]) -> Vec<u8>;
+
+/// Changes that make any file bad, whatever its format.
+const RUINS: [(&str, Change); 13] = [
+    ("empty", |_| Vec::new()),
+    ("space", |_| b" \n\t\n \n".to_vec()),
+    ("nuls", |_| vec![0; 5000]),
+    ("random", |_| noise(5000)),
+    ("png", |_| b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".to_vec()),
+    ("gzip", |_| b"\x1f\x8b\x08\0\0\0\0\0\0\x03".to_vec()),
+    ("utf16", |good| {
+        let text = String::from_utf8_lossy(good);
+        let units = text.encode_utf16().flat_map(u16::to_le_bytes);
+        [0xff, 0xfe].into_iter().chain(units).collect()
+    }),
+    ("latin1", |good| [b"\xe9\xe8\n", good].concat()),
+    ("prose", |_| {
+        b"Dear reader, this is a letter, not a file of numbers.\n".to_vec()
+    }),
+    ("html", |_| {
+        b"<!DOCTYPE html><html><body>404</body></html>\n".to_vec()
+    }),
+    ("deep", |_| {
+        [vec![b'['; 200_000], vec![b'{'; 200_000]].concat()
+    }),
+    ("long-line", |_| vec![b'7'; 3 << 20]),
+    ("scopes", |_| {
+        let scopes = b"$scope module a $end\n".repeat(40_000);
+        [b"$timescale 1 ns $end\n", scopes.as_slice()].concat()
+    }),
+];
+
+/// Changes to a text of lines: in their middle, and at their ends.
+const TEXT_CHANGES: [(&str, Change); 9] = [
+    ("junk", |good| in_middle(good, |_| "%& no such line".into())),
+    ("nan", |good| in_middle(good, |line| number(line, "nan"))),
+    ("inf", |good| in_middle(good, |line| number(line, "inf"))),
+    ("huge", |good| in_middle(good, |line| number(line, "1e999"))),
+    ("negative", |good| {
+        in_middle(good, |line| number(line, "-7"))
+    }),
+    ("nothing", |good| in_middle(good, |line| number(line, ""))),
+    ("nul-middle", |good| {
+        in_middle(good, |line| format!("{line}\0\0\0"))
+    }),
+    ("comma", |good| {
+        in_middle(good, |line| format!("{line},1,2"))
+    }),
+    ("back", |good| {
+        let mut lines = lines(good);
+        let middle = lines.len() / 2;
+        lines[1..].rotate_left(middle.max(1) - 1);
+        (lines.join("\n") + "\n").into_bytes()
+    }),
+];
+
+/// Numbers without meaning, the same each time.
+fn draws(seed: u32) -> impl FnMut() -> u32 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        state >> 8
+    }
+}
+
+/// Bytes without meaning, none of which begins like a text.
+fn noise(count: usize) -> Vec<u8> {
+    let mut draw = draws(1);
+    (0..count).map(|_| (draw() >> 16) as u8 | 0x80).collect()
+}
+
+/// Files with damage at random places: a cut, a byte that is another, a piece that stands elsewhere.
+pub fn damaged(folder: &Path, count: u32) -> Vec<Try> {
+    let mut tries = Vec::new();
+    for (number, reader) in READERS.iter().enumerate() {
+        let good = fs::read(folder.join(reader.good)).unwrap();
+        for seed in 0..count {
+            let mut draw = draws(1 + seed * 7919);
+            let mut at = || draw() as usize % good.len().max(1);
+            let mut bad = good.clone();
+            match seed % 3 {
+                0 => bad.truncate(at()),
+                1 => bad[at()] = at() as u8,
+                _ => bad.rotate_left(at()),
+            }
+            let path = format!("{number}-damaged-{seed}-{}", reader.named);
+            fs::write(folder.join(&path), bad).unwrap();
+            tries.push(reader.call(&path, Expect::Survived));
+        }
+    }
+    tries
+}
+
+fn lines(text: &[u8]) -> Vec<String> {
+    String::from_utf8_lossy(text)
+        .lines()
+        .map(str::to_owned)
+        .collect()
+}
+
+fn in_middle(good: &[u8], change: impl Fn(&str) -> String) -> Vec<u8> {
+    let mut lines = lines(good);
+    let middle = lines.len() / 2;
+    if let Some(line) = lines.get_mut(middle) {
+        *line = change(line);
+    }
+    (lines.join("\n") + "\n").into_bytes()
+}
+
+/// A line with its last number replaced.
+fn number(line: &str, by: &str) -> String {
+    let end = line
+        .rfind(|c: char| c.is_ascii_digit())
+        .map_or(line.len(), |i| i + 1);
+    let is_part = |c: char| c.is_ascii_digit() || c == '.' || c == '-';
+    let start = line[..end].rfind(|c| !is_part(c)).map_or(0, |i| i + 1);
+    format!("{}{by}{}", &line[..start], &line[end..])
+}
+
+/// What is no ordinary file, or cannot be opened.
+const PLACES: [&str; 9] = [
+    "nothing-there",
+    "folder",
+    "/dev/zero",
+    "/dev/urandom",
+    "/dev/tty",
+    "fifo",
+    "loop",
+    "dangling",
+    "sparse",
+];
+
+/// Where a change leaves something that can be read, and how that is told.
+fn exception(reader: &Reader, change: &str) -> Option<Expect> {
+    let toml = reader.named == "bad.toml";
+    Some(match (reader.args[0], reader.good, change) {
+        // A frame of fewer bytes is one.
+        ("run", "a.log", "nothing") => Expect::Good,
+        ("replay", _, "nothing") => Expect::Ends(3, "nocan0"),
+        // Features are any numbers, and have no times.
+        ("texture", "taxels.csv", "negative" | "back") => Expect::Good,
+        // Lines of a golden are compared as they stand.
+        ("diff", "a.snap", "nan" | "inf" | "huge" | "negative" | "nothing" | "comma") => {
+            Expect::Ends(1, "FAILED")
+        }
+        // A damaged capture is read as far as it goes.
+        ("diff", "a.vcd", "huge" | "comma") => Expect::Ends(1, "FAILED"),
+        ("diff", "a.vcd", "junk" | "nan" | "inf" | "negative" | "nothing" | "nul-middle") => {
+            Expect::Ends(1, "INCOMPLETE")
+        }
+        ("diff", "edges.csv", "nul-middle") => return None,
+        ("diff", "edges.csv", change) if TEXT_CHANGES.iter().any(|c| c.0 == change) => {
+            Expect::Ends(1, "INCOMPLETE")
+        }
+        // What loses a digit or stands elsewhere is still a setting.
+        ("test", "scene.toml" | "quarantine.toml", "nothing") => {
+            Expect::Ends(1, "nothing was tested")
+        }
+        ("test", "quarantine.toml", "back") => Expect::Ends(1, "nothing was tested"),
+        (_, "bench.toml" | "limits.toml", "back") => Expect::Good,
+        (_, _, "nothing") if toml => Expect::Good,
+        _ => return None,
+    })
+}
+
+/// Changes that leave a good text good.
+const HARMLESS: [(&str, Change); 3] = [
+    ("bom", |good| [b"\xEF\xBB\xBF", good].concat()),
+    ("crlf", |good| lines(good).join("\r\n").into_bytes()),
+    ("unended", |good| good.trim_ascii_end().to_vec()),
+];
+
+/// How a command ends with a good file.
+fn harmless(reader: &Reader) -> Expect {
+    match (reader.args[0], reader.good) {
+        ("replay", _) => Expect::Ends(3, "nocan0"),
+        ("diff", "edges.csv") => Expect::Ends(1, "INCOMPLETE"),
+        ("test", _) => Expect::Ends(1, "nothing was tested"),
+        _ => Expect::Good,
+    }
+}
+
+/// Makes good files, with the program itself where it writes them, and what is no file.
+pub fn prepare(folder: &Path) {
+    let write = |name: &str, text: &[u8]| fs::write(folder.join(name), text).unwrap();
+    write("scene.toml", SCENE.as_bytes());
+    let heading = "name = \"mine\"\ndescription = \"d\"\n";
+    write(
+        "bench.toml",
+        format!("{heading}drive.current_ma = 900.0\n").as_bytes(),
+    );
+    write(
+        "limits.toml",
+        format!("{heading}pulse.width_us = 100.0\n").as_bytes(),
+    );
+    let fixture = |kind: &str, name: &str| {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures");
+        fs::read(root.join(kind).join(name)).unwrap()
+    };
+    write("layout.toml", &fixture("layouts", "uskin-4x4.toml"));
+    write("wire.toml", &fixture("wires", "final-75um.toml"));
+    write(
+        "model.safetensors",
+        &fixture("models", "default.safetensors"),
+    );
+    write(
+        "quarantine.toml",
+        b"[[quarantine]]\ntrial = \"short\"\nbench = \"emulated\"\nreason = \"r\"\n",
+    );
+    write(
+        "edges.csv",
+        b"Time [s],b0_ch0\n0.0,0\n0.5,1\n0.5001,0\n0.6,1\n",
+    );
+    let hil = |args: &[&str]| {
+        let mut hil = Command::new(env!("CARGO_BIN_EXE_hil"));
+        let said = hil.args(args).current_dir(folder).output().unwrap();
+        assert!(
+            said.status.success(),
+            "{args:?}: {}",
+            String::from_utf8_lossy(&said.stderr)
+        );
+    };
+    let mut args = vec!["run", "scene.toml", "--quiet"];
+    for record in ["a.csv", "a.jsonl", "a.log", "a.mcap", "a.vcd", "a.snap"] {
+        args.extend(["--record", record]);
+    }
+    hil(&args);
+    hil(&["export", "taxels", "scene.toml", "--out", "taxels.csv"]);
+    fs::create_dir(folder.join("folder")).unwrap();
+    symlink("loop", folder.join("loop")).unwrap();
+    symlink("nowhere", folder.join("dangling")).unwrap();
+    let fifo = Command::new("mkfifo")
+        .arg(folder.join("fifo"))
+        .status()
+        .unwrap();
+    assert!(fifo.success());
+    let sparse = fs::File::create(folder.join("sparse")).unwrap();
+    sparse.set_len(6 << 30).unwrap();
+    write("locked", b"locked");
+    fs::set_permissions(folder.join("locked"), fs::Permissions::from_mode(0)).unwrap();
+}
+
+/// The tries; the bad files are written on the way.
+pub fn tries(folder: &Path) -> Vec<Try> {
+    let mut tries = Vec::new();
+    for (number, reader) in READERS.iter().enumerate() {
+        let good = fs::read(folder.join(reader.good)).unwrap();
+        let call = |path: &str, expect: Expect| reader.call(path, expect);
+        for place in PLACES {
+            let expect = match (reader.args[0], place) {
+                ("test", "folder") => Expect::Ends(1, "nothing was tested"),
+                _ => Expect::Refused(place.to_owned()),
+            };
+            tries.push(call(place, expect));
+        }
+        tries.push(call("", Expect::Refused(String::new())));
+        if fs::read(folder.join("locked")).is_err() {
+            tries.push(call("locked", Expect::Refused("locked".to_owned())));
+        }
+        let is_text = std::str::from_utf8(&good).is_ok();
+        for (name, change) in HARMLESS.iter().filter(|_| is_text) {
+            let path = format!("{number}-{name}-{}", reader.named);
+            fs::write(folder.join(&path), change(&good)).unwrap();
+            tries.push(call(&path, harmless(reader)));
+        }
+        let texts = TEXT_CHANGES.iter().filter(|_| is_text);
+        for (name, change) in RUINS.iter().chain(texts) {
+            let path = format!("{number}-{name}-{}", reader.named);
+            fs::write(folder.join(&path), change(&good)).unwrap();
+            let refused = || Expect::Refused(path.clone());
+            tries.push(call(&path, exception(reader, name).unwrap_or_else(refused)));
+        }
+    }
+    tries
+}
