@@ -2,6 +2,7 @@
 
 mod compare;
 mod files;
+mod identify;
 mod sweep;
 mod texture;
 
@@ -14,6 +15,7 @@ pub use files::{
     CheckArgs, CompletionsArgs, ExportKind, ExportTaxels, LayoutKind, ListArgs, ManArgs, Motion,
     NewBench, NewFile, NewKind, NewLayout, NewScene, NewWire, Shelf,
 };
+pub use identify::{IdentifyArgs, SignalArg};
 use palpate_buses::guardian::{parse_bus, parse_line};
 use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::Axes;
@@ -148,6 +150,8 @@ pub enum Command {
     /// Run a scene over a grid of values and seeds on all cores: one table with a row per run. Goes on with a table
     /// that is there.
     Sweep(SweepArgs),
+    /// Find the figures of a wire, with intervals, from a trace of its displacement or resistance (CSV).
+    Identify(IdentifyArgs),
     /// List what there is, a line each: scenes, benches, layouts, wires, illusions, built in and in this folder.
     List(ListArgs),
     /// Write a commented file of what differs from the defaults.

@@ -40,6 +40,7 @@ fn main() -> ExitCode {
         Some(Command::Export(kind)) => command::export(&kind),
         Some(Command::Completions(args)) => command::completions(&args),
         Some(Command::Man(args)) => command::man(&args),
+        Some(Command::Identify(args)) => command::identify(&args),
         Some(Command::Sweep(args)) => command::sweep(&args, cli.color),
         Some(Command::Test(args)) => command::test(&args, cli.color),
         Some(Command::Review(args)) => command::review(&args, cli.color),
