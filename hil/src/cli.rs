@@ -1,7 +1,9 @@
 //! The command line.
 
 mod compare;
+mod design;
 mod files;
+mod hardware;
 mod identify;
 mod sweep;
 mod texture;
@@ -11,16 +13,17 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use compare::{DiffArgs, ReviewAction, ReviewArgs, TestArgs};
+pub use design::{DesignArgs, Numbers};
 pub use files::{
-    CheckArgs, CompletionsArgs, ExportKind, ExportTaxels, LayoutKind, ListArgs, ManArgs, Motion,
-    NewBench, NewFile, NewKind, NewLayout, NewScene, NewWire, Shelf,
+    CheckArgs, CompletionsArgs, ExportKind, ExportTaxels, ExportViews, LayoutKind, ListArgs,
+    ManArgs, Motion, NewBench, NewFile, NewKind, NewLayout, NewScene, NewWire, Shelf,
 };
+pub use hardware::{DoctorArgs, EmulateArgs, GuardianArgs, OffArgs, RecordArgs, ReplayArgs};
 pub use identify::{IdentifyArgs, SignalArg};
-use palpate_buses::guardian::{parse_bus, parse_line};
 use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::Axes;
 use palpate_files::TimeColumn;
-pub use sweep::{Seeds, SweepArgs};
+pub use sweep::{CompareArgs, Seeds, SweepArgs};
 pub use texture::{
     EncodeArgs, ExportArgs, MapArgs, PanelArgs, StrokesArgs, TextureAction, TrainArgs,
 };
@@ -152,6 +155,11 @@ pub enum Command {
     Sweep(SweepArgs),
     /// Find the figures of a wire, with intervals, from a trace of its displacement or resistance (CSV).
     Identify(IdentifyArgs),
+    /// Say figure by figure how two summaries or tables of sweeps differ, or show a folder of summaries over time.
+    /// Exits with 1 if a figure differs.
+    Compare(CompareArgs),
+    /// Compute what makes of wire and pulse patterns are felt like, at which tissue temperature and current.
+    Design(DesignArgs),
     /// List what there is, a line each: scenes, benches, layouts, wires, illusions, built in and in this folder.
     List(ListArgs),
     /// Write a commented file of what differs from the defaults.
@@ -185,6 +193,8 @@ impl Command {
             // A live view has the terminal.
             Self::Run(args) => args.voice.quiet || args.watch,
             Self::Sweep(args) => args.voice.quiet,
+            Self::Compare(args) => args.voice.quiet,
+            Self::Design(args) => args.voice.quiet,
             Self::Test(args) => args.voice.quiet,
             Self::Record(args) => args.voice.quiet,
             Self::Replay(args) => args.voice.quiet,
@@ -216,114 +226,6 @@ pub struct Buses {
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub struct Voice {
     /// Print the result as one JSON object.
-    #[arg(long)]
-    pub json: bool,
-    /// Print nothing but errors.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
-}
-
-/// Options of `hil record`.
-#[derive(Debug, Args)]
-pub struct RecordArgs {
-    /// Files to write, .log (candump) or .mcap.
-    #[arg(required = true, value_name = "FILE")]
-    pub files: Vec<PathBuf>,
-    /// A CAN interface; repeatable, the n-th is bus n.
-    #[arg(long, value_name = "IFACE", required = true)]
-    pub can: Vec<String>,
-    /// Length of the recording in seconds (default: until Ctrl-C).
-    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
-    pub seconds: Option<f64>,
-    /// Overwrite files that are no earlier output of hil.
-    #[arg(long)]
-    pub force: bool,
-    /// How much it says.
-    #[command(flatten)]
-    pub voice: Voice,
-}
-
-/// Options of `hil replay`.
-#[derive(Debug, Args)]
-pub struct ReplayArgs {
-    /// The recording, .log (candump) or .mcap.
-    pub file: PathBuf,
-    /// Where the clock jumps, play what follows right after what came before.
-    #[arg(long)]
-    pub split_jumps: bool,
-    /// A CAN interface; repeatable, bus n of the recording plays on the n-th.
-    #[arg(long, value_name = "IFACE", required = true)]
-    pub can: Vec<String>,
-    /// How much it says.
-    #[command(flatten)]
-    pub voice: Voice,
-}
-
-/// Options of `hil doctor`.
-#[derive(Debug, Args)]
-pub struct DoctorArgs {
-    /// Check only the buses of this bench (default: all buses of the machine).
-    #[arg(long, value_name = "NAME|FILE")]
-    pub bench: Option<String>,
-    /// Print one JSON object.
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Options of `hil off`.
-#[derive(Debug, Args)]
-pub struct OffArgs {
-    /// A bench of real buses: a file.
-    #[arg(long, value_name = "NAME|FILE", required_unless_present = "i2c")]
-    pub bench: Option<String>,
-    /// An I2C adapter in place of a bench; repeatable. Every chip that answers there is switched off.
-    #[arg(long, value_name = "DEVICE", conflicts_with = "bench")]
-    pub i2c: Vec<PathBuf>,
-    /// Also clear a latched stop. Look at the bench first.
-    #[arg(long)]
-    pub unlatch: bool,
-}
-
-/// Options of the guardian process.
-#[derive(Debug, Args)]
-pub struct GuardianArgs {
-    /// Adapter and addresses of its boards.
-    #[arg(long, value_name = "PATH=ADDRESS,..", value_parser = parse_bus)]
-    pub i2c: Vec<(PathBuf, Vec<u8>)>,
-    /// GPIO chip and line of the OE pins.
-    #[arg(long, value_name = "CHIP=LINE", value_parser = parse_line)]
-    pub oe: Option<(PathBuf, u32)>,
-    /// Silence after which the run counts as hung.
-    #[arg(long, value_name = "MS", value_parser = whole::<u64, 1, 10_000>)]
-    pub heartbeat_ms: u64,
-    /// What one transfer may take.
-    #[arg(long, value_name = "MS", value_parser = whole::<u64, 1, 10_000>)]
-    pub transfer_ms: u64,
-}
-
-/// Options of `hil emulate`.
-#[derive(Debug, Args)]
-pub struct EmulateArgs {
-    /// A built-in bench or a file (default: emulated).
-    #[arg(long, value_name = "NAME|FILE")]
-    pub bench: Option<String>,
-    /// The scene that touches the boards, over and over: a built-in name or a file (default: sphere-along).
-    #[arg(long, value_name = "NAME|FILE")]
-    pub scene: Option<String>,
-    /// A CAN interface that is up; give it once per sensor bus of the scene's layout (default: vcan0,
-    /// vcan1, ...).
-    #[arg(long, value_name = "IFACE")]
-    pub can: Vec<String>,
-    /// Let the boards wait for a start command (20f#0700). The scene begins with it.
-    #[arg(long)]
-    pub await_start: bool,
-    /// Connect pin 0 of the bridge, a GPIO line with a pull-up, to the chips' OE pins. It cuts every output.
-    #[arg(long)]
-    pub oe: bool,
-    /// Seed of all randomness.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
-    pub seed: u64,
-    /// Print what happens as JSON Lines: every edge of an output, every all-off, the record at the end.
     #[arg(long)]
     pub json: bool,
     /// Print nothing but errors.
@@ -387,6 +289,9 @@ pub struct RunArgs {
     /// How much it says.
     #[command(flatten)]
     pub voice: Voice,
+    /// Let the guard only observe: what it would change is noted, and driven as it is. Emulated benches only.
+    #[arg(long, conflicts_with = "junit")]
+    pub observe: bool,
     /// Print the plan before the run, and the work done and left out after it.
     #[arg(long)]
     pub explain: bool,

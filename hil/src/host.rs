@@ -8,6 +8,7 @@ use palpate_run::{BusReport, Failure, Host, TurnView};
 
 use crate::clock;
 use crate::output::note;
+use crate::progress::Progress;
 use crate::watch::Watch;
 
 /// A clock, and perhaps a live view.
@@ -16,6 +17,7 @@ pub struct Onlooker {
     /// Whether a live view is wanted; virtual time is then held to the wall clock.
     pub watches: bool,
     watch: Option<Watch>,
+    progress: Option<Progress>,
 }
 
 impl Onlooker {
@@ -24,6 +26,7 @@ impl Onlooker {
         Self {
             watches,
             watch: None,
+            progress: None,
         }
     }
 }
@@ -52,8 +55,17 @@ impl Host for Onlooker {
         watch.turn(seen.now, seen.events, seen.counts, buses)
     }
 
+    fn passed(&mut self, part: f64) -> bool {
+        let progress = &mut self.progress;
+        progress
+            .get_or_insert_with(|| Progress::of_part("run"))
+            .part(part);
+        false
+    }
+
     fn end(&mut self) {
         self.watch = None;
+        self.progress = None;
     }
 }
 

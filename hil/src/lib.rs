@@ -6,6 +6,7 @@ pub mod clock;
 pub mod command;
 pub mod emulate;
 pub mod ending;
+pub mod history;
 pub mod host;
 pub mod interfaces;
 pub mod output;

@@ -34,7 +34,8 @@ fn is_ours(start: &[u8], format: Format) -> bool {
         Format::Contacts | Format::Schedule | Format::Golden | Format::Candump => true,
         Format::Junit => text.contains("name=\"hil\""),
         Format::Json => {
-            text.contains("\"source\"") || text.contains("\"$schema\"") || RunTable::is_one(&text)
+            let marks = ["\"source\"", "\"$schema\"", "\"3D!palpate\""];
+            marks.iter().any(|mark| text.contains(mark)) || RunTable::is_one(&text)
         }
         Format::Svg => text.contains("var(--card)"),
         Format::Csv => {

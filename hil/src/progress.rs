@@ -23,6 +23,8 @@ const STEPS: u64 = 100_000;
 
 /// Whether anything may be shown at all.
 static ALLOWED: AtomicBool = AtomicBool::new(false);
+/// Whether something writes to the terminal at length.
+static ASIDE: AtomicBool = AtomicBool::new(false);
 /// The line that is shown, or will be; work within other work has none of its own.
 static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
@@ -41,10 +43,13 @@ pub fn allow() {
 /// Does what writes to the terminal while the line is out of the way.
 pub fn aside<T>(write: impl FnOnce() -> T) -> T {
     let bar = shown().clone();
-    match bar {
+    ASIDE.store(true, Ordering::Relaxed);
+    let written = match bar {
         Some(bar) => bar.suspend(write),
         None => write(),
-    }
+    };
+    ASIDE.store(false, Ordering::Relaxed);
+    written
 }
 
 /// How far something is.
@@ -106,7 +111,8 @@ impl Progress {
             shown: None,
         };
         let mut other = shown();
-        if !ALLOWED.load(Ordering::Relaxed) || other.is_some() {
+        let hidden = ASIDE.load(Ordering::Relaxed) && std::io::stdout().is_terminal();
+        if !ALLOWED.load(Ordering::Relaxed) || hidden || other.is_some() {
             return none;
         }
         let bar = ProgressBar::with_draw_target(total, ProgressDrawTarget::hidden());

@@ -6,6 +6,8 @@
 
 // A failed expectation in a test is its message.
 #![allow(clippy::unwrap_used, clippy::panic)]
+// It times another program, and waits for it.
+#![allow(clippy::disallowed_methods)]
 
 #[path = "campaign/files.rs"]
 mod files;

@@ -3,6 +3,8 @@
 // A failed expectation in a test is its message.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
 
+#[path = "cli/compare.rs"]
+mod compare;
 #[path = "cli/contacts.rs"]
 mod contacts;
 #[path = "cli/diff.rs"]
@@ -15,6 +17,8 @@ mod files;
 mod identify;
 #[path = "cli/input.rs"]
 mod input;
+#[path = "cli/interrupt.rs"]
+mod interrupt;
 #[path = "cli/outputs.rs"]
 mod outputs;
 #[path = "cli/project.rs"]

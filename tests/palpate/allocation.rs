@@ -153,14 +153,18 @@ fn the_loop_allocates_nothing() {
         let table = LevelTable::from_intensities(&[10.0, 100.0, 200.0, 300.0, 400.0], 4).unwrap();
         let mut projector = Projector::new(plan(&setup, 1, Levels::Table(table)).unwrap()).unwrap();
         let mut skin = UskinCan::new(projector.layout(), tape());
-        let (mut count, mut now) = (Count::default(), Instant::ZERO);
+        let (mut count, mut now, mut left) = (Count::default(), Instant::ZERO, 0);
         let before = ALLOCATIONS.with(Cell::get);
         while now < Instant::from_micros(10_000_000) {
             skin.bus_mut().now = now;
             projector.poll(now, &mut skin, &mut count, &mut ()).unwrap();
+            let until = now + projector.timing().duration;
+            left += u64::from(projector.guard().budget(0, now, until).is_some());
+            left += u64::from(projector.guard().second_uw(0, now).is_some());
             now = projector.next().min(now + Duration::from_millis(3));
         }
         let spent = ALLOCATIONS.with(Cell::get) - before;
+        assert!(left > 1000, "{scene}: {left} budgets were read");
         assert!(
             count.0 > 200,
             "{scene}: only {} updates: the loop was idle",

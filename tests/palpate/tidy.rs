@@ -114,6 +114,19 @@ fn dependencies_run_one_way() {
     );
 }
 
+#[test]
+fn only_the_emulators_write_what_the_guard_only_observed() {
+    let mut offences = Vec::new();
+    for folder in ["core", "hil", "tests/bench", "tests/lab"] {
+        offences.extend(lines_with(folder, &["ObservedRegisters for"]));
+    }
+    offences.retain(|hit| !hit.contains("_tests.rs:"));
+    complain(
+        "an observed update goes to emulated registers and to nothing else",
+        offences,
+    );
+}
+
 /// What makes a room impure. A length of time is no clock.
 const RUN_BANNED: [&str; 8] = [
     "Instant::now",

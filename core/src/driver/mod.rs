@@ -5,7 +5,7 @@ mod banks;
 mod look;
 mod pca9685;
 
-pub use actuators::Actuators;
+pub use actuators::{Actuators, ObservedRegisters};
 pub use banks::Banks;
 pub use look::Seen;
 pub use pca9685::{DriverError, Pca9685Bank, Traffic};

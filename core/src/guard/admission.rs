@@ -16,28 +16,48 @@ pub(super) struct Passed {
     pub(super) width: Ticks,
     pub(super) until: Instant,
     pub(super) reason: Option<Reason>,
+    /// Electrical energy to book for it, nJ.
+    energy_nj: u64,
 }
 
 /// A burst in progress or the last one of a wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Burst {
     start: Instant,
-    spent_nj: u64,
+    pub(super) spent_nj: u64,
     end: Instant,
 }
 
 /// What a burst may take of what is left.
-const fn faded(left: u64) -> u64 {
+pub(super) const fn faded(left: u64) -> u64 {
     left - left.div_ceil(FADE)
 }
 
 impl Guard {
     /// The widest pulse and the latest end the limits leave of a stimulus, booked as spent.
     pub(super) fn clamp(&mut self, index: usize, at: Instant, s: &Stimulus) -> Passed {
+        let passed = self.judge(index, at, s);
+        self.book(index, at, passed.until, passed.energy_nj);
+        passed
+    }
+
+    /// Books a stimulus as it is, whatever the limits leave of it; returns what they do.
+    pub(super) fn note(&mut self, index: usize, at: Instant, s: &Stimulus) -> Option<Reason> {
+        let reason = self.judge(index, at, s).reason;
+        if s.until > at {
+            let energy = self.plant.energy_nj(s.width.get(), s.until.since(at));
+            self.book(index, at, s.until, energy);
+        }
+        reason
+    }
+
+    /// What the limits leave of a stimulus; nothing is booked.
+    fn judge(&mut self, index: usize, at: Instant, s: &Stimulus) -> Passed {
         let nothing = |reason| Passed {
             width: Ticks::ZERO,
             until: s.until,
             reason,
+            energy_nj: 0,
         };
         if self.latched().is_some() {
             return nothing(Some(Reason::Latched));
@@ -81,23 +101,30 @@ impl Guard {
             (width, reason) = (fits as u16, Some(cause)); // less than `width`, since left < energy
             energy = self.plant.energy_nj(width, span);
         }
-        if width > 0 {
-            self.spend(index, at, until, energy);
-            self.wires[index].burst = Some(Burst {
-                start: burst.start,
-                spent_nj: burst.spent_nj.saturating_add(energy),
-                end: until,
-            });
-        }
         Passed {
             width: Ticks::new(width),
             until,
             reason,
+            energy_nj: energy,
         }
     }
 
+    /// Books energy of a stimulus; none is no stimulus.
+    fn book(&mut self, index: usize, at: Instant, until: Instant, energy_nj: u64) {
+        if energy_nj == 0 {
+            return;
+        }
+        let burst = self.burst_at(index, at);
+        self.spend(index, at, until, energy_nj);
+        self.wires[index].burst = Some(Burst {
+            start: burst.start,
+            spent_nj: burst.spent_nj.saturating_add(energy_nj),
+            end: until,
+        });
+    }
+
     /// The burst that a stimulus at `at` would go on with, or begin.
-    fn burst_at(&self, index: usize, at: Instant) -> Burst {
+    pub(super) fn burst_at(&self, index: usize, at: Instant) -> Burst {
         let slack = self.burst_slack();
         let goes_on = |b: &Burst| at < b.end + BURST_GAP + slack;
         self.wires[index].burst.filter(goes_on).unwrap_or(Burst {
@@ -108,7 +135,7 @@ impl Guard {
     }
 
     /// The latest end of a burst's stimuli.
-    fn latest(&self, burst: &Burst) -> Instant {
+    pub(super) fn latest(&self, burst: &Burst) -> Instant {
         (burst.start + self.limits.burst) - self.burst_slack()
     }
 
@@ -200,19 +227,28 @@ impl Guard {
         if !alone && pulses.all(|now| now.setting.is_apart(&setting)) {
             return true;
         }
-        self.supply_peak(index, setting) <= u64::from(self.limits.supply.0)
+        let peak = self.supply_peak(|i| match self.wires[i].now {
+            _ if i == index => Some(setting),
+            now => now.map(|now| now.setting),
+        });
+        peak <= u64::from(self.limits.supply.0)
     }
 
-    /// Largest current, mA, at any instant of a period with wire `index` set as given and the others as
-    /// they are. Boards run asynchronously, so their peaks add.
-    fn supply_peak(&self, index: usize, setting: Setting) -> u64 {
-        let running = |i: usize| {
-            if i == index {
-                Some(setting)
-            } else {
-                self.wires[i].now.map(|now| now.setting)
-            }
-        };
+    /// Whether the supply bears a wire's widest pulse beside the boards that are on, its own being off.
+    pub(super) fn supply_is_free(&self, index: usize) -> bool {
+        let (board, channel) = self.wires[index].place;
+        let (on, off) = stagger(Channel(channel), self.widest());
+        let peak = self.supply_peak(|i| match &self.wires[i] {
+            _ if i == index => Some(Setting { on, off }),
+            other if other.place.0 == board => None,
+            other => other.now.map(|now| now.setting),
+        });
+        peak <= u64::from(self.limits.supply.0)
+    }
+
+    /// Largest current, mA, at any instant of a period with the wires set as given. Boards run asynchronously, so
+    /// their peaks add.
+    fn supply_peak(&self, running: impl Fn(usize) -> Option<Setting>) -> u64 {
         // By board, and boards are 0 ..= 15 by construction of a display.
         let mut most = [0; 16];
         for (i, wire) in self.wires.iter().enumerate() {
@@ -223,7 +259,7 @@ impl Guard {
             let board = wire.place.0;
             let on_board = (0..self.wires.len()).filter(|&j| self.wires[j].place.0 == board);
             let on = |s: &Setting| s.on <= starts.on && starts.on < s.off;
-            let count = on_board.filter_map(running).filter(on).count();
+            let count = on_board.filter_map(&running).filter(on).count();
             if let Some(most) = most.get_mut(usize::from(board.0)) {
                 *most = count.max(*most);
             }

@@ -5,16 +5,20 @@
 //! make one. Switching off needs no guard.
 
 mod admission;
+mod budget;
 mod decays;
 mod dose;
 mod limits;
+mod observed;
 mod plant;
 mod power;
 mod table;
 mod thermal;
 mod watchdog;
 
+pub use budget::WireBudget;
 pub use limits::{BURST_GAP, HARD, Limits};
+pub use observed::Observed;
 pub use plant::{Plant, PlantError};
 pub use thermal::Predicted;
 pub use watchdog::Cause;
@@ -76,6 +80,11 @@ impl Guarded {
         if let Some(slot) = self.channels.get_mut(usize::from(channel)) {
             *slot = Some(setting);
         }
+    }
+
+    /// Whether any channel is to change.
+    pub(crate) fn changes(&self) -> bool {
+        self.channels.iter().any(Option::is_some)
     }
 
     /// The channels to change, by number; `None` leaves a channel as it is.
@@ -184,9 +193,10 @@ impl Guard {
         self.watchdog.look(now, end)
     }
 
-    /// When sensor input becomes too old for what is driven.
+    /// When sensor input becomes too old for what is driven; a latched guard has noticed.
     pub fn deadline(&self) -> Option<Instant> {
-        self.next_expiry().map(|_| self.watchdog.deadline())
+        let driven = self.next_expiry().is_some() && self.latched().is_none();
+        driven.then(|| self.watchdog.deadline())
     }
 
     /// Refuses everything from now on. The first cause is kept.
@@ -232,8 +242,7 @@ impl Guard {
         let mut update = self.release(at, board);
         for stimulus in stimuli {
             let index = usize::from(stimulus.wire);
-            let place = self.wires.get(index).map(|w| w.place);
-            let Some((_, channel)) = place.filter(|place| place.0 == board) else {
+            let Some(channel) = self.channel(index, board) else {
                 continue;
             };
             let passed = self.clamp(index, at, stimulus);
@@ -258,6 +267,12 @@ impl Guard {
             });
         }
         update
+    }
+
+    /// The channel of a wire, if it hangs on this board.
+    fn channel(&self, wire: usize, board: Board) -> Option<u8> {
+        let place = self.wires.get(wire).map(|w| w.place);
+        place.filter(|p| p.0 == board).map(|p| p.1)
     }
 
     /// Switches off every wire of one board that is on. Always passes.

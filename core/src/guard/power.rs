@@ -55,11 +55,21 @@ impl Bucket {
 
     /// Energy in nanojoules that may be spent at `at`. A time in the past counts as now.
     pub(super) fn left_nj(&mut self, at: Instant) -> u64 {
-        let passed = at.since(self.at).as_micros();
+        self.left_pj = self.left_pj_at(at);
         self.at = self.at.max(at);
-        let refill = self.rate_uw.saturating_mul(passed);
-        self.left_pj = self.left_pj.saturating_add(refill).min(self.capacity_pj);
         self.left_pj / 1000
+    }
+
+    /// The same in picojoules, and nothing changes.
+    pub(super) fn left_pj_at(&self, at: Instant) -> u64 {
+        let refill = self.rate_uw.saturating_mul(at.since(self.at).as_micros());
+        self.left_pj.saturating_add(refill).min(self.capacity_pj)
+    }
+
+    /// The most, nanojoules, that may be booked in the second from `at` on.
+    pub(super) fn second_nj(&self, at: Instant) -> u64 {
+        let refill = self.rate_uw.saturating_mul(1_000_000);
+        self.left_pj_at(at).saturating_add(refill) / 1000
     }
 
     /// Books energy, at most what is left.

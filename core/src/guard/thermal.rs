@@ -200,31 +200,49 @@ impl Tissue {
         if budget.response.stretch.span != span {
             budget.response = Response::new(budget.stretches.of(span), &budget.felt);
         }
-        let each = &budget.response;
-        let old = Felt::new(&budget.felt, &each.stretch.end(&self.energy, 0.0));
-        let peak_room = (budget.peak_k - old.shallow) / each.felt.shallow;
-        let mut room = (peak_room, Reason::SkinPeak);
-        let mut offer = |joules: f64, reason: Reason| {
-            if joules < room.0 {
-                room = (joules, reason);
-            }
+        let [first, others @ ..] = self.rooms(budget, &budget.response, booking);
+        let least = |least: (f64, Reason), row: (f64, Reason)| {
+            if row.0 < least.0 { row } else { least }
         };
+        others.into_iter().fold(first, least)
+    }
+
+    /// The same of every limit, and nothing changes.
+    pub(super) fn each_room(&self, budget: &Budget, booking: Booking) -> [(f64, Reason); 4] {
+        let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
+        tissue.relax(&mut stretches, booking.from);
+        let span = booking.until.since(booking.from);
+        if budget.response.stretch.span == span {
+            return tissue.rooms(budget, &budget.response, booking);
+        }
+        let response = Response::new(stretches.of(span), &budget.felt);
+        tissue.rooms(budget, &response, booking)
+    }
+
+    /// By limit; of the dose, infinity where more is left than the peak allows to spend.
+    fn rooms(&self, budget: &Budget, each: &Response, booking: Booking) -> [(f64, Reason); 4] {
+        let old = Felt::new(&budget.felt, &each.stretch.end(&self.energy, 0.0));
+        let peak = (budget.peak_k - old.shallow) / each.felt.shallow;
+        let mut dose = f64::INFINITY;
         if !self.dose.leaves(&budget.dose, &budget.ample) {
             let ceiling_k = self.dose.ceiling_c(&budget.dose) - REST_C - LATENT_K[0];
-            offer((ceiling_k - old.shallow) / each.felt.shallow, Reason::Dose);
+            dose = (ceiling_k - old.shallow) / each.felt.shallow;
         }
-        offer(
-            (budget.deep_k - old.deep) / each.felt.deep,
-            Reason::SkinDeep,
-        );
+        let deep = (budget.deep_k - old.deep) / each.felt.deep;
         let window_s = WINDOW.as_secs_f64();
         let so_far = each.stretch.integral(&self.energy, 0.0);
         let pasts = self.pasts(booking.until);
+        let mut mean = f64::INFINITY;
         for ((past, ahead), more) in pasts.iter().zip(&old.ahead).zip(&each.integrals) {
             let spent = past + so_far + ahead;
-            offer((budget.mean_k * window_s - spent) / more, Reason::SkinMean);
+            mean = mean.min((budget.mean_k * window_s - spent) / more);
         }
-        room
+        [
+            (peak, Reason::SkinPeak),
+            (dose, Reason::Dose),
+            (deep, Reason::SkinDeep),
+            (mean, Reason::SkinMean),
+        ]
     }
 
     /// Books energy, J, and returns the most that is predicted from now on if nothing more comes.

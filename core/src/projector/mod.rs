@@ -2,6 +2,7 @@
 //! calls it, at the latest when [`Projector::next`] says so; it never waits and never asks for the time.
 
 mod builder;
+mod outlet;
 mod output;
 mod sensing;
 mod strokes;
@@ -17,7 +18,7 @@ use alloc::boxed::Box;
 use core::fmt;
 
 use crate::contact::{Contact, Levels, Scope, Settings, SettingsError, Work};
-use crate::driver::Actuators;
+use crate::driver::{Actuators, ObservedRegisters};
 pub use crate::guard::Cause;
 use crate::guard::{Guard, PlantError};
 use crate::illusion::{
@@ -30,6 +31,7 @@ use crate::skin::{
 };
 use crate::units::{Board, Instant};
 
+use outlet::{Guards, Observes, Outlet};
 use sensing::Sensing;
 use texture::Sampler;
 
@@ -71,6 +73,10 @@ pub trait Observer {
     /// A board was switched off whole.
     fn all_off(&mut self, at: Instant, board: Board, cause: Cause) {
         let _ = (at, board, cause);
+    }
+    /// The guard would have switched everything off, and only looks on.
+    fn observed_stop(&mut self, at: Instant, cause: Cause) {
+        let _ = (at, cause);
     }
 }
 
@@ -269,6 +275,30 @@ impl Projector {
         actuators: &mut A,
         observer: &mut impl Observer,
     ) -> Result<bool, LoopError<S::Error, A::Error>> {
+        self.call(now, skin, &mut Guards(actuators), observer)
+    }
+
+    /// As [`Self::poll`], but the guard only looks on, as in [`Output::observe`].
+    ///
+    /// # Errors
+    /// The first error of an end, after switching everything off.
+    pub fn observe<S: SkinSource, W: ObservedRegisters>(
+        &mut self,
+        now: Instant,
+        skin: &mut S,
+        registers: &mut W,
+        observer: &mut impl Observer,
+    ) -> Result<bool, LoopError<S::Error, W::Error>> {
+        self.call(now, skin, &mut Observes(registers), observer)
+    }
+
+    fn call<S: SkinSource, O: Outlet>(
+        &mut self,
+        now: Instant,
+        skin: &mut S,
+        outlet: &mut O,
+        observer: &mut impl Observer,
+    ) -> Result<bool, LoopError<S::Error, O::Error>> {
         let mut taken = Ok(());
         let read = skin.scans(now, &mut |scan| {
             if taken.is_ok() {
@@ -277,10 +307,10 @@ impl Projector {
         });
         let read = read.map_err(LoopError::Sensor);
         if let Err(error) = read.and(taken.map_err(LoopError::Scan)) {
-            let off = self.all_off(now, Cause::SensorError, actuators, observer);
+            let off = self.output.stop(now, Cause::SensorError, outlet, observer);
             return Err(off.map_or_else(LoopError::Actuator, |()| error));
         }
-        self.turn(now, actuators, observer)
+        self.step(now, outlet, observer)
             .map_err(LoopError::Actuator)
     }
 
@@ -307,6 +337,15 @@ impl Projector {
         actuators: &mut A,
         observer: &mut impl Observer,
     ) -> Result<bool, A::Error> {
+        self.step(now, &mut Guards(actuators), observer)
+    }
+
+    fn step<O: Outlet>(
+        &mut self,
+        now: Instant,
+        outlet: &mut O,
+        observer: &mut impl Observer,
+    ) -> Result<bool, O::Error> {
         self.sensing.look_round(now, &self.layout, observer);
         if let Some(at) = self.sensing.last_received() {
             self.output.hear(at);
@@ -319,7 +358,7 @@ impl Projector {
         let texture = self.sensing.texture(now);
         let targets = &self.targets[..count];
         self.output
-            .poll(now, targets, texture.as_ref(), actuators, observer)
+            .turn(now, targets, texture.as_ref(), outlet, observer)
     }
 
     /// Everything off, now, and kept off until [`Self::reset`].

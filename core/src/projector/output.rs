@@ -4,13 +4,14 @@
 use alloc::boxed::Box;
 use alloc::vec;
 
-use crate::driver::Actuators;
+use crate::driver::{Actuators, ObservedRegisters};
 use crate::guard::Guard;
 use crate::illusion::{Calibration, Display, Drive, Illusion, Mixer, Planned, Sharing, Target};
 use crate::schedule::{Stimulus, Timing};
 use crate::texture::Control;
 use crate::units::{Board, Duration, Instant, Milliamps, Ticks};
 
+use super::outlet::{Guards, Observes, Outlet};
 use super::strokes::Strokes;
 use super::texture::Carrier;
 use super::weave::{Texture, Weave, gain};
@@ -199,28 +200,66 @@ impl Output {
         actuators: &mut A,
         observer: &mut impl Observer,
     ) -> Result<bool, A::Error> {
-        if let Some(cause) = self.guard.watch(now) {
-            self.all_off(now, cause, actuators, observer)?;
+        self.turn(now, targets, texture, &mut Guards(actuators), observer)
+    }
+
+    /// As [`Self::poll`], but the guard only looks on: emulated registers get every stimulus as it is, and what the
+    /// guard would have changed, refused or stopped is told to the observer.
+    ///
+    /// # Errors
+    /// The registers' first error, after switching everything off.
+    pub fn observe<W: ObservedRegisters>(
+        &mut self,
+        now: Instant,
+        targets: &[Target],
+        texture: Option<&Control>,
+        registers: &mut W,
+        observer: &mut impl Observer,
+    ) -> Result<bool, W::Error> {
+        self.turn(now, targets, texture, &mut Observes(registers), observer)
+    }
+
+    pub(super) fn turn<O: Outlet>(
+        &mut self,
+        now: Instant,
+        targets: &[Target],
+        texture: Option<&Control>,
+        outlet: &mut O,
+        observer: &mut impl Observer,
+    ) -> Result<bool, O::Error> {
+        match self.guard.watch(now) {
+            Some(cause) if O::STOPS => self.stop(now, cause, outlet, observer)?,
+            Some(cause) => {
+                if self.guard.latched().is_none() {
+                    observer.observed_stop(now, cause);
+                }
+                self.guard.latch(cause);
+            }
+            None if !O::STOPS && self.guard.latched().is_some() => {
+                // Nothing stopped: the guard looks on again once it would let a person start anew.
+                let _ = self.guard.reset(now);
+            }
+            None => {}
         }
         let (targets, texture) = match self.guard.is_stale(now) {
             true => (&[][..], None),
             false => (targets, texture),
         };
-        let projected = self.project(now, targets, texture, actuators, observer);
+        let projected = self.project(now, targets, texture, outlet, observer);
         projected.inspect_err(|_| {
             // The first error is the one to tell; what the way out adds cannot be told apart.
-            let _ = self.all_off(now, Cause::ActuatorError, actuators, observer);
+            let _ = self.stop(now, Cause::ActuatorError, outlet, observer);
         })
     }
 
-    fn project<A: Actuators>(
+    fn project<O: Outlet>(
         &mut self,
         now: Instant,
         targets: &[Target],
         texture: Option<&Control>,
-        actuators: &mut A,
+        outlet: &mut O,
         observer: &mut impl Observer,
-    ) -> Result<bool, A::Error> {
+    ) -> Result<bool, O::Error> {
         if self.is_due(now) && self.strokes.hold(self.next_onset) {
             self.advance_grid(now);
         }
@@ -233,20 +272,20 @@ impl Output {
                 *weave = None; // the widths are the stroke's now
             }
             self.activate(&[target]);
-            self.render(onset, onset + dab.duration, actuators, observer)?;
+            self.render(onset, onset + dab.duration, outlet, observer)?;
             observer.onset(onset, &[target]);
             return Ok(true);
         }
         if self.texture.as_ref().is_some_and(Texture::is_alone) {
-            return self.run(now, texture, actuators, observer);
+            return self.run(now, texture, outlet, observer);
         }
         if !self.is_due(now) {
             if let Some(Texture::Contacts(Some(weave))) = &mut self.texture
                 && let Some((at, until)) = weave.due(now)
             {
-                self.render(at, until, actuators, observer)?;
+                self.render(at, until, outlet, observer)?;
             } else {
-                self.expire(now, actuators)?;
+                self.expire(now, outlet)?;
             }
             return Ok(false);
         }
@@ -256,7 +295,7 @@ impl Output {
         self.activate(targets);
         let until = onset + self.timing.duration;
         let until = self.weave(onset, texture).unwrap_or(until);
-        self.render(onset, until, actuators, observer)?;
+        self.render(onset, until, outlet, observer)?;
         observer.onset(onset, targets);
         Ok(true)
     }
@@ -274,13 +313,13 @@ impl Output {
     }
 
     /// A texture that has the display to itself: its next period, and an onset without a contact where one is due.
-    fn run<A: Actuators>(
+    fn run<O: Outlet>(
         &mut self,
         now: Instant,
         texture: Option<&Control>,
-        actuators: &mut A,
+        outlet: &mut O,
         observer: &mut impl Observer,
-    ) -> Result<bool, A::Error> {
+    ) -> Result<bool, O::Error> {
         let onset = self.is_due(now).then(|| self.advance_grid(now));
         let mut due = None;
         if let Some(Texture::Train(train)) = &mut self.texture {
@@ -308,9 +347,9 @@ impl Output {
             }
         }
         if let Some((at, until)) = due {
-            self.render(at, until, actuators, observer)?;
+            self.render(at, until, outlet, observer)?;
         } else {
-            self.expire(now, actuators)?;
+            self.expire(now, outlet)?;
         }
         if let Some(onset) = onset {
             observer.onset(onset, &[]);
@@ -319,36 +358,29 @@ impl Output {
     }
 
     /// Switches off what has ended.
-    fn expire<A: Actuators>(&mut self, now: Instant, actuators: &mut A) -> Result<(), A::Error> {
+    fn expire<O: Outlet>(&mut self, now: Instant, outlet: &mut O) -> Result<(), O::Error> {
         if self.guard.next_expiry().is_some_and(|end| end <= now) {
             for board in 0..=self.boards {
-                let update = self.guard.expire(now, Board(board));
-                if update.channels().iter().any(Option::is_some) {
-                    actuators.apply(&update)?;
-                }
+                outlet.expire(&mut self.guard, now, Board(board))?;
             }
         }
         Ok(())
     }
 
     /// The wires' stimuli, from an onset to an end, through the guard and out.
-    fn render<A: Actuators>(
+    fn render<O: Outlet>(
         &mut self,
         onset: Instant,
         until: Instant,
-        actuators: &mut A,
+        outlet: &mut O,
         observer: &mut impl Observer,
-    ) -> Result<(), A::Error> {
+    ) -> Result<(), O::Error> {
         for board in 0..=self.boards {
             let count = self.collect(Board(board), onset, until);
-            let update = self
-                .guard
-                .admit(onset, Board(board), &self.stimuli[..count], |entry| {
-                    observer.entry(&entry);
-                });
-            if update.channels().iter().any(Option::is_some) {
-                actuators.apply(&update)?;
-            }
+            let (guard, stimuli) = (&mut self.guard, &self.stimuli[..count]);
+            outlet.send(guard, onset, Board(board), stimuli, |entry| {
+                observer.entry(&entry);
+            })?;
         }
         Ok(())
     }
@@ -376,7 +408,17 @@ impl Output {
         actuators: &mut A,
         observer: &mut impl Observer,
     ) -> Result<(), A::Error> {
-        let result = actuators.all_off();
+        self.stop(now, cause, &mut Guards(actuators), observer)
+    }
+
+    pub(super) fn stop<O: Outlet>(
+        &mut self,
+        now: Instant,
+        cause: Cause,
+        outlet: &mut O,
+        observer: &mut impl Observer,
+    ) -> Result<(), O::Error> {
+        let result = outlet.all_off();
         self.guard.latch(cause);
         self.guard.all_off(now);
         for board in 0..=self.boards {

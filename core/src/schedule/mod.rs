@@ -100,7 +100,7 @@ pub struct Entry {
     pub until: Instant,
     /// Width asked for, in ticks.
     pub requested: Ticks,
-    /// Why the applied width (`off - on`) is not the requested one.
+    /// Why the applied width (`off - on`) is not the requested one; where the guard only observed, why it would not be.
     pub reason: Option<Reason>,
 }
 

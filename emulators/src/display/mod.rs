@@ -3,6 +3,7 @@
 pub mod amplifier;
 pub mod finger;
 pub mod i2c;
+pub mod observed;
 pub mod pca9685;
 pub mod solver;
 pub mod wire;

@@ -201,3 +201,15 @@ fn syntax_errors_come_together_and_what_is_no_settings_file_is_refused() {
     let schema = told("#:schema ../x/bench.json\nname = \"a\"\ndescription = \"d\"\n");
     assert_eq!(schema, [""; 0]);
 }
+
+#[test]
+fn a_quarantine_is_known_by_its_key() {
+    let good = "[[quarantine]]\ntrial = \"t\"\nreason = \"r\"\n";
+    let checked = check_source(Source::new("q.toml", good));
+    assert_eq!(checked.kind, Some(FileKind::Quarantine));
+    assert_eq!(checked.errors, []);
+    assert_eq!(
+        told("[[quarantine]]\ntrail = \"t\"\nreason = \" \"\n").len(),
+        2
+    );
+}

@@ -20,6 +20,7 @@ mod illusion;
 mod layout;
 mod limits;
 mod loaded;
+mod migrate;
 mod module;
 mod mount;
 mod near;
@@ -62,9 +63,10 @@ pub use illusion::{Illusion, SceneStroke};
 pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
 pub use limits::LimitTable;
 pub use loaded::{
-    Loaded, load_activation, load_bench, load_layout, load_limits, load_person, load_scene,
-    load_textures, load_wire,
+    Loaded, load_activation, load_alloy, load_bench, load_layout, load_limits, load_person,
+    load_scene, load_textures, load_wire,
 };
+pub use migrate::{Migrated, migrated};
 pub use module::{Grid, ImageCell, Repeat, SkinModule, Taxel};
 pub use mount::{BenchMount, BenchTissue};
 pub use near::{did_you_mean, nearest};

@@ -10,7 +10,7 @@ use super::resolve::{FileKind, resolve, resolve_from};
 use super::scene::Scene;
 use super::source::Source;
 use super::texture::TextureTable;
-use super::wire::WireFile;
+use super::wire::{AlloyFile, WireFile};
 
 /// What was read, beside its text: later checks name a line with [`Source::bad`].
 #[derive(Debug, Clone, PartialEq)]
@@ -96,6 +96,14 @@ pub fn load_activation(name: &str) -> Result<Loaded<ActivationFile>, FileError> 
 /// An unknown name, or what cannot be in the file.
 pub fn load_textures(name: &str) -> Result<Loaded<TextureTable>, FileError> {
     load(resolve(FileKind::Textures, name)?, TextureTable::read)
+}
+
+/// An alloy by name or path.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_alloy(name: &str) -> Result<Loaded<AlloyFile>, FileError> {
+    load(resolve(FileKind::Alloy, name)?, AlloyFile::read)
 }
 
 /// A wire by name or path.

@@ -35,7 +35,7 @@ impl Quarantine {
     /// # Errors
     /// Names the line of a trial that is none, or that has no reason.
     pub fn read(source: &Source, trials: &[String]) -> Result<Self, FileError> {
-        let list: Self = source.read()?;
+        let list = Self::alone(source)?;
         for (index, entry) in list.quarantine.iter().enumerate() {
             if !trials.contains(&entry.trial) {
                 let expected = format!("a trial: {}", trials.join(", "));
@@ -44,6 +44,14 @@ impl Quarantine {
                 let key = format!("quarantine[{index}].trial");
                 return Err(source.bad_found(&key, expected, found));
             }
+        }
+        Ok(list)
+    }
+
+    /// Reads a file where nothing says which trials there are.
+    pub(super) fn alone(source: &Source) -> Result<Self, FileError> {
+        let list: Self = source.read()?;
+        for (index, entry) in list.quarantine.iter().enumerate() {
             if entry.reason.trim().is_empty() {
                 return Err(source.bad(&format!("quarantine[{index}].reason"), "a reason"));
             }

@@ -134,7 +134,7 @@ pub fn format_of(path: &Path) -> Option<Format> {
     Format::of(&start)
 }
 
-/// Bytes of a text as they come: no line is longer than allowed, and a tail of NULs, as a power cut leaves one, is
+/// Bytes of a text as they come, without a byte order mark: no line is longer than allowed, and a tail of NULs, as a power cut leaves one, is
 /// held back with the line it stands in.
 pub struct Text<R> {
     label: String,
@@ -250,9 +250,18 @@ impl<R: Read> Text<R> {
 impl<R: Read> Read for Text<R> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         loop {
-            let read = self.input.read(out)?;
+            let mut read = self.input.read(out)?;
             if read == 0 {
                 return Ok(0);
+            }
+            let first = self.line == 1 && self.length == 0 && !self.begun;
+            if first && out[..read].starts_with(b"\xEF\xBB\xBF") {
+                out.copy_within(3..read, 0);
+                read -= 3;
+                if read == 0 {
+                    self.begun = true;
+                    continue;
+                }
             }
             let text = self.look(&out[..read])?;
             if text > 0 {
@@ -315,7 +324,7 @@ impl<R: Read> Lines<R> {
         start.map_err(|e| FileError::of_io(self.label(), "a readable file", e))
     }
 
-    /// The next line and its number, from 1, without its end and a byte order mark; none at the end of the text. The
+    /// The next line and its number, from 1, without its end; none at the end of the text. The
     /// line that NULs cut short is left out.
     ///
     /// # Errors
@@ -329,10 +338,7 @@ impl<R: Read> Lines<R> {
             return Ok(None);
         }
         self.number += 1;
-        let mut line = self.line.as_slice();
-        if self.number == 1 {
-            line = line.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(line);
-        }
+        let line = self.line.as_slice();
         match std::str::from_utf8(line) {
             Ok(line) => Ok(Some((self.number, line.trim_end_matches(['\n', '\r'])))),
             Err(error) => Err(FileError {

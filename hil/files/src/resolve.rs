@@ -29,11 +29,13 @@ pub enum FileKind {
     Activation,
     /// A table of textures.
     Textures,
+    /// Trials that are known to fail.
+    Quarantine,
 }
 
 impl FileKind {
     /// Every kind.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Scene,
         Self::Bench,
         Self::Layout,
@@ -44,6 +46,7 @@ impl FileKind {
         Self::Alloy,
         Self::Activation,
         Self::Textures,
+        Self::Quarantine,
     ];
 
     /// Its name, as the schema of such files has it.
@@ -60,6 +63,7 @@ impl FileKind {
             Self::Alloy => "alloy",
             Self::Activation => "activation",
             Self::Textures => "textures",
+            Self::Quarantine => "quarantine",
         }
     }
 
@@ -77,6 +81,7 @@ impl FileKind {
             Self::Alloy => "alloys",
             Self::Activation => "activations",
             Self::Textures => "textures",
+            Self::Quarantine => "quarantines",
         }
     }
 
@@ -94,6 +99,7 @@ impl FileKind {
             Self::Alloy => "an alloy",
             Self::Activation => "an activation",
             Self::Textures => "a table of textures",
+            Self::Quarantine => "a quarantine",
         }
     }
 
@@ -109,6 +115,7 @@ impl FileKind {
             Self::Alloy => palpate_fixtures::alloy(name),
             Self::Activation => palpate_fixtures::activation(name),
             Self::Textures => palpate_fixtures::textures(name),
+            Self::Quarantine => None,
         }
     }
 
@@ -126,6 +133,7 @@ impl FileKind {
             Self::Alloy => palpate_fixtures::alloy_names().collect(),
             Self::Activation => palpate_fixtures::activation_names().collect(),
             Self::Textures => palpate_fixtures::textures_names().collect(),
+            Self::Quarantine => Vec::new(),
         }
     }
 

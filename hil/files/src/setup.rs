@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::activation::ActivationFile;
-use super::bench::Bench;
+use super::bench::{Bench, BenchKind};
 use super::error::FileError;
 use super::layout::{DisplayLayout, LayoutFile, SensorLayout};
 use super::limits::LimitTable;
@@ -47,6 +47,7 @@ pub struct Setup {
     pub wearer: Option<Loaded<Wearer>>,
     /// The texture, if the scene has one.
     pub texture: Option<Stroked>,
+    observed: bool,
 }
 
 impl Setup {
@@ -94,7 +95,27 @@ impl Setup {
             person,
             wearer,
             texture,
+            observed: false,
         })
+    }
+
+    /// The same with a guard that only looks on: every stimulus is driven as it is.
+    ///
+    /// # Errors
+    /// A bench of hardware.
+    pub fn observed(mut self) -> Result<Self, FileError> {
+        if self.bench.value.kind == BenchKind::Real {
+            let expected = "\"emulated\": on hardware the guard never only observes";
+            return Err(self.bench.source.bad_found("kind", expected, "\"real\""));
+        }
+        self.observed = true;
+        Ok(self)
+    }
+
+    /// Whether the guard only looks on.
+    #[must_use]
+    pub const fn is_observed(&self) -> bool {
+        self.observed
     }
 }
 

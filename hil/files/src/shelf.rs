@@ -34,26 +34,41 @@ pub fn built_in(kind: FileKind) -> Vec<Listed> {
     kind.names().into_iter().map(listed).collect()
 }
 
-/// The settings files that lie in a folder, in alphabetical order; what is none is left out.
+/// The settings files that lie in a folder and up to `depth` folders below it, in alphabetical order; what is none is
+/// left out, and so are hidden folders and links to folders.
 #[must_use]
-pub fn of_folder(folder: &Path) -> Vec<Listed> {
-    let entries = std::fs::read_dir(folder).into_iter().flatten();
-    let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
-    let listed = |path: PathBuf| {
-        let name = path.file_name()?.to_str()?.to_owned();
-        let source = name
-            .ends_with(".toml")
-            .then(|| Source::open(&path).ok())??;
-        Some(Listed {
-            kind: kind_of(&source).ok()?,
-            description: description(&source)?,
-            name,
-            file: Some(path),
-        })
-    };
-    let mut found: Vec<Listed> = paths.filter_map(listed).collect();
-    found.sort_by(|a, b| a.name.cmp(&b.name));
+pub fn of_folder(folder: &Path, depth: usize) -> Vec<Listed> {
+    let mut found = Vec::new();
+    search(folder, depth, &mut found);
+    found.sort_by(|a: &Listed, b| a.name.cmp(&b.name));
     found
+}
+
+fn search(folder: &Path, depth: usize, found: &mut Vec<Listed>) {
+    let entries = std::fs::read_dir(folder).into_iter().flatten();
+    for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
+        let name = path.file_name().and_then(|n| n.to_str()).unwrap_or(".");
+        if depth > 0 && path.is_dir() {
+            let skipped = name.starts_with('.') || ["target", "node_modules"].contains(&name);
+            if !skipped && !path.is_symlink() {
+                search(&path, depth - 1, found);
+            }
+        } else if name.ends_with(".toml") {
+            found.extend(listed(&path));
+        }
+    }
+}
+
+fn listed(path: &Path) -> Option<Listed> {
+    let source = Source::open(path).ok()?;
+    // What lies here is named as people type it.
+    let path = path.strip_prefix(".").unwrap_or(path);
+    Some(Listed {
+        kind: kind_of(&source).ok()?,
+        description: description(&source)?,
+        name: path.to_str()?.to_owned(),
+        file: Some(path.to_path_buf()),
+    })
 }
 
 /// The laws of illusion: name and meaning.

@@ -31,17 +31,27 @@ fn a_folder_lists_its_settings_files_alone() {
     ] {
         std::fs::write(folder.join(name), text).unwrap();
     }
-    let found: Vec<_> = of_folder(&folder)
-        .into_iter()
-        .map(|l| (l.kind, l.name))
-        .collect();
-    std::fs::remove_dir_all(&folder).unwrap();
-    assert_eq!(
-        found,
-        [
-            (FileKind::Scene, "a.toml".to_owned()),
-            (FileKind::Bench, "b.toml".to_owned())
-        ]
+    std::fs::create_dir_all(folder.join("more")).unwrap();
+    std::fs::copy(folder.join("a.toml"), folder.join("more/c.toml")).unwrap();
+    let found = |depth| -> Vec<(FileKind, String)> {
+        let name = |l: Listed| {
+            l.file
+                .unwrap()
+                .strip_prefix(&folder)
+                .unwrap()
+                .display()
+                .to_string()
+        };
+        let all = of_folder(&folder, depth).into_iter();
+        all.map(|l| (l.kind, name(l))).collect()
+    };
+    let (a, b) = (
+        (FileKind::Scene, "a.toml".to_owned()),
+        (FileKind::Bench, "b.toml".to_owned()),
     );
-    assert_eq!(of_folder(Path::new("/no/such/folder")), []);
+    let below = (FileKind::Scene, "more/c.toml".to_owned());
+    assert_eq!(found(0), [a.clone(), b.clone()]);
+    assert_eq!(found(1), [a, b, below]);
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(of_folder(Path::new("/no/such/folder"), 1), []);
 }

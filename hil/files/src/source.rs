@@ -207,6 +207,31 @@ impl Source {
         renamed.syntax_errors().is_empty().then_some(renamed)
     }
 
+    /// The text without a key of an inline table, and the key's line; none where it stands elsewhere.
+    pub(super) fn cut(&self, key: &str) -> Option<(usize, String)> {
+        let (name, value) = self.spans(key)?;
+        let (mut begin, mut end) = (name.start, value?.end);
+        let rest = &self.text[end..];
+        // With the comma behind it, else with the one before it.
+        if let Some(after) = rest.trim_start().strip_prefix(',') {
+            end = self.text.len() - after.trim_start_matches(' ').len();
+        } else if let Some(before) = self.text[..begin].trim_end().strip_suffix(',') {
+            begin = before.len();
+        }
+        let mut text = self.text.clone();
+        text.replace_range(begin..end, "");
+        Some((self.line_at(name.start), text))
+    }
+
+    /// What stands at `key`, as the file writes it; dotted keys with what is below them.
+    pub(super) fn value_at(&self, key: &str) -> Option<String> {
+        if let Some(text) = self.text_at(key).filter(|t| t.contains(['=', '"'])) {
+            return Some(text.to_owned());
+        }
+        let below = format!("{key}.law");
+        self.text_at(&below).map(str::to_owned)
+    }
+
     /// The value that stands at `key`, as the file writes it.
     fn text_at(&self, key: &str) -> Option<&str> {
         self.text.get(self.spans(key)?.1?)

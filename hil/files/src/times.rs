@@ -169,7 +169,17 @@ impl Times {
                 let to = i128::from(last) + i128::from(self.step.max(1));
                 self.shift += to - shifted;
                 shifted = to;
-                self.notes.push(format!("{place}: {} taken out", jump(by)));
+                let first = self.first.unwrap_or(0);
+                // Frames count from a whole second.
+                let zero = match least {
+                    Some(_) => first,
+                    None => first - first % 1_000_000,
+                };
+                self.notes.push(format!(
+                    "{place}: {} taken out: a new piece, joined at {:.3} s of the run",
+                    jump(by),
+                    (shifted - i128::from(zero)) as f64 * 1e-6
+                ));
             } else if jumped && (by > 0 || least.is_none()) {
                 return Err(OutOfTime {
                     expected: format!(

@@ -31,7 +31,9 @@ fn a_jump_is_refused_or_taken_out() {
     );
     assert_eq!(
         times.take_notes(),
-        ["f: a jump of the clock, 53.9 years ahead taken out"]
+        [
+            "f: a jump of the clock, 53.9 years ahead taken out: a new piece, joined at 0.050 s of the run"
+        ]
     );
     let split = all(&mut Times::new(true), &[PI[2], PI[0]]).unwrap();
     assert_eq!(split, [PI[2], PI[2] + 1]);

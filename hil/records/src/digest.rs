@@ -121,6 +121,7 @@ impl Sink {
         self.u8(match source {
             Source::Emulated => 0,
             Source::Real => 1,
+            Source::Observed => 2,
         });
         self.text(scene);
         self.text(bench);

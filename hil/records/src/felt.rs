@@ -1,9 +1,11 @@
 //! The felt path in figures: how far over threshold it is, how far from the contact by both centroids, where it breaks and
 //! jumps, how even its energy is.
 
+use std::collections::BTreeMap;
+
 use crate::fixed::distance2_um;
 use crate::measure::{Errors, Sum};
-use crate::trace::{EnergyPermille, Event, FeltAt, PlaceUm, Trace};
+use crate::trace::{Event, FeltAt, Header, PlaceUm, Trace};
 
 /// A centroid: its name, and which of the two places is its.
 type Centroid = (&'static str, fn(&FeltAt) -> PlaceUm);
@@ -46,57 +48,164 @@ pub struct FeltOnset {
 
 /// The felt path of a run by both centroids, the energy's first.
 pub fn felt_scores(trace: &Trace) -> [FeltScore; 2] {
-    let onset = |event: &Event| match *event {
-        Event::Felt {
-            t_us,
-            target,
-            inside,
-            felt,
-            ..
-        } => Some(FeltOnset {
-            t_us,
-            target,
-            inside,
-            felt,
-        }),
-        _ => None,
-    };
-    let onsets: Vec<FeltOnset> = trace.events.iter().filter_map(onset).collect();
-    let wires: Vec<PlaceUm> = trace.header.wires.iter().map(|w| w.place).collect();
-    scores(&onsets, &wires, trace.header.soa_us)
+    FeltPath::of(trace).scores()
 }
 
 /// The felt path of these onsets, one SOA apart where the contact stays, on a display with these wires.
 pub fn scores(onsets: &[FeltOnset], wires: &[PlaceUm], soa_us: u64) -> [FeltScore; 2] {
-    let step = felt_step_um(wires);
-    CENTROIDS.map(|centroid| score(onsets, centroid, step, soa_us))
+    let mut path = FeltPath::on(wires, soa_us);
+    onsets.iter().for_each(|onset| path.onset(onset));
+    path.scores()
 }
 
-fn score(onsets: &[FeltOnset], (name, place): Centroid, step_um: u64, soa_us: u64) -> FeltScore {
-    let mut sum = Sum::default();
-    let (mut breaks, mut jumps) = (0, 0);
-    let mut before: Option<(u64, PlaceUm, PlaceUm)> = None;
-    let mut last: Option<PlaceUm> = None;
-    for onset in onsets {
-        let (target, felt) = (onset.target, onset.felt.as_ref().map(place));
-        breaks += u64::from(onset.inside && felt.is_none());
-        if let (true, Some(held)) = (onset.inside, felt.or(last)) {
-            sum.add(distance2_um(held, target));
+/// A felt path that is scored onset by onset, in the order of time.
+#[derive(Debug)]
+pub struct FeltPath {
+    step_um: u64,
+    soa_us: u64,
+    by: [Followed; 2],
+    /// How often each level came, thousandths of a decibel.
+    levels: BTreeMap<i32, u64>,
+    taps: u64,
+    /// Least and most: requested, applied, felt.
+    energies: Option<[Range; 3]>,
+}
+
+/// What one centroid came to so far.
+#[derive(Debug, Default)]
+struct Followed {
+    sum: Sum,
+    breaks: u64,
+    jumps: u64,
+    /// The newest onset that was felt: when, where, and where the contact was.
+    before: Option<(u64, PlaceUm, PlaceUm)>,
+    last: Option<PlaceUm>,
+}
+
+impl FeltPath {
+    /// An empty path on a run's display.
+    pub fn new(header: &Header) -> Self {
+        let wires: Vec<PlaceUm> = header.wires.iter().map(|w| w.place).collect();
+        Self::on(&wires, header.soa_us)
+    }
+
+    fn on(wires: &[PlaceUm], soa_us: u64) -> Self {
+        Self {
+            step_um: felt_step_um(wires),
+            soa_us,
+            by: Default::default(),
+            levels: BTreeMap::new(),
+            taps: 0,
+            energies: None,
         }
-        last = felt.or(last);
-        let next_onset = |t: u64| onset.t_us.saturating_sub(t) <= soa_us;
-        if let (Some((_, from, aim)), Some(felt)) = (before.filter(|b| next_onset(b.0)), felt) {
+    }
+
+    fn of(trace: &Trace) -> Self {
+        let mut path = Self::new(&trace.header);
+        trace.events.iter().for_each(|event| path.add(event));
+        path
+    }
+
+    /// Adds an event; only onsets that were to be felt count.
+    pub fn add(&mut self, event: &Event) {
+        let Event::Felt {
+            t_us,
+            target,
+            inside,
+            felt,
+            level_mdb,
+            tap,
+            energy,
+        } = *event
+        else {
+            return;
+        };
+        if inside {
+            let level = self.levels.entry(level_mdb.unwrap_or(SILENCE_MDB));
+            *level.or_insert(0) += 1;
+            self.taps += u64::from(tap && level_mdb.is_some());
+            let all = [energy.requested, energy.applied, energy.felt];
+            let ranges = self.energies.get_or_insert([(u32::MAX, 0); 3]);
+            for ((least, most), value) in ranges.iter_mut().zip(all) {
+                (*least, *most) = (value.min(*least), value.max(*most));
+            }
+        }
+        self.onset(&FeltOnset {
+            t_us,
+            target,
+            inside,
+            felt,
+        });
+    }
+
+    fn onset(&mut self, onset: &FeltOnset) {
+        for (followed, (_, place)) in self.by.iter_mut().zip(CENTROIDS) {
+            followed.add(onset, place, (self.step_um, self.soa_us));
+        }
+    }
+
+    /// By both centroids, the energy's first.
+    pub fn scores(&self) -> [FeltScore; 2] {
+        let [energy, amplitude] = &self.by;
+        let [(first, _), (second, _)] = CENTROIDS;
+        [energy.score(first), amplitude.score(second)]
+    }
+
+    /// As [`felt_level`].
+    pub fn level(&self) -> Option<FeltLevel> {
+        let count: u64 = self.levels.values().sum();
+        let at = |hundredths: u64| {
+            let place = hundredths * count.checked_sub(1)? / 100;
+            let mut below = 0;
+            let level = self.levels.iter().find(|(_, n)| {
+                below += **n;
+                below > place
+            });
+            level.map(|(level, _)| *level)
+        };
+        Some(FeltLevel {
+            median_mdb: at(50)?,
+            p5_mdb: at(5)?,
+            taps: self.taps,
+        })
+    }
+
+    /// As [`energies`].
+    pub fn energies(&self) -> Option<[(&'static str, Range); 3]> {
+        let [requested, applied, felt] = self.energies?;
+        Some([
+            ("requested", requested),
+            ("applied", applied),
+            ("felt", felt),
+        ])
+    }
+}
+
+impl Followed {
+    fn add(&mut self, onset: &FeltOnset, place: fn(&FeltAt) -> PlaceUm, (step, soa): (u64, u64)) {
+        let (target, felt) = (onset.target, onset.felt.as_ref().map(place));
+        self.breaks += u64::from(onset.inside && felt.is_none());
+        if let (true, Some(held)) = (onset.inside, felt.or(self.last)) {
+            self.sum.add(distance2_um(held, target));
+        }
+        self.last = felt.or(self.last);
+        let next_onset = |t: u64| onset.t_us.saturating_sub(t) <= soa;
+        if let (Some((_, from, aim)), Some(felt)) = (self.before.filter(|b| next_onset(b.0)), felt)
+        {
             let moved = distance2_um(felt, from).isqrt();
             let meant = distance2_um(target, aim).isqrt();
-            jumps += u64::from(moved >= meant.saturating_add(step_um));
+            self.jumps += u64::from(moved >= meant.saturating_add(step));
         }
-        before = felt.map(|felt| (onset.t_us, felt, target));
+        self.before = felt.map(|felt| (onset.t_us, felt, target));
     }
-    FeltScore {
-        perceiver: name,
-        errors: sum.errors(),
-        breaks,
-        jumps,
+
+    fn score(&self, perceiver: &'static str) -> FeltScore {
+        FeltScore {
+            perceiver,
+            errors: self.sum.errors(),
+            breaks: self.breaks,
+            jumps: self.jumps,
+        }
     }
 }
 
@@ -122,27 +231,7 @@ pub struct FeltLevel {
 
 /// The level of a run; `None` where no contact was inside the display.
 pub fn felt_level(trace: &Trace) -> Option<FeltLevel> {
-    let mut levels = Vec::new();
-    let mut taps = 0;
-    for event in &trace.events {
-        if let Event::Felt {
-            inside: true,
-            level_mdb,
-            tap,
-            ..
-        } = event
-        {
-            levels.push(level_mdb.unwrap_or(SILENCE_MDB));
-            taps += u64::from(*tap && level_mdb.is_some());
-        }
-    }
-    levels.sort_unstable();
-    let at = |hundredths: usize| levels.get(hundredths * levels.len().checked_sub(1)? / 100);
-    Some(FeltLevel {
-        median_mdb: *at(50)?,
-        p5_mdb: *at(5)?,
-        taps,
-    })
+    FeltPath::of(trace).level()
 }
 
 /// Least and most of an energy.
@@ -151,23 +240,7 @@ pub type Range = (u32, u32);
 /// Least and most energy of the onsets with a contact inside the display, in thousandths of one wire's at full drive:
 /// requested, applied, felt. `None` where there was none.
 pub fn energies(trace: &Trace) -> Option<[(&'static str, Range); 3]> {
-    let inside = |event: &Event| match event {
-        Event::Felt {
-            inside: true,
-            energy,
-            ..
-        } => Some(*energy),
-        _ => None,
-    };
-    let all: Vec<EnergyPermille> = trace.events.iter().filter_map(inside).collect();
-    let range = |of: fn(&EnergyPermille) -> u32| {
-        Some((all.iter().map(of).min()?, all.iter().map(of).max()?))
-    };
-    Some([
-        ("requested", range(|e| e.requested)?),
-        ("applied", range(|e| e.applied)?),
-        ("felt", range(|e| e.felt)?),
-    ])
+    FeltPath::of(trace).energies()
 }
 
 /// Thousandths of an energy in decibels.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::synthetic;
+use crate::trace::EnergyPermille;
 
 fn felt(t_us: u64, target: i32, felt: Option<(i32, i32)>) -> Event {
     let at = |x| PlaceUm { x, y: 0 };

@@ -18,7 +18,7 @@ pub struct Errors {
 }
 
 /// Collects squared distances.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Sum {
     squares: u128,
     max: u64,

@@ -22,6 +22,15 @@ fn places(module: &Module) -> ModulePlaces {
 /// One taxel of one frame, raw counts: x, y, z, and the distance from the reference as compression sees it.
 pub type Reading = [u16; 4];
 
+/// All readings of a frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TaxelFrame {
+    /// End of the driving module's scan, microseconds.
+    pub t_us: u64,
+    /// Every taxel that is kept, module by module.
+    pub readings: Box<[Reading]>,
+}
+
 /// Most readings that a report needs: beyond, every other frame goes.
 const REPORTED: usize = 1 << 18;
 
@@ -37,8 +46,7 @@ pub struct Readings {
     /// Of so many frames one is kept.
     every: u64,
     seen: u64,
-    t_us: Vec<u64>,
-    values: Vec<Reading>,
+    frames: Vec<TaxelFrame>,
 }
 
 impl Readings {
@@ -86,45 +94,37 @@ impl Readings {
         if !due {
             return;
         }
-        self.t_us.push(t_us);
         let magnitudes = frame.magnitude().iter();
         // A cast saturates: three axes of 16 bits can come to more.
         let reading = |(&[x, y, z], m): (&[u16; 3], &f32)| [x, y, z, m.round() as u16];
         let counts = frame.counts().iter().zip(magnitudes);
         let own = counts.skip(self.first).take(self.taxels());
-        self.values.extend(own.map(reading));
-        while self.values.len() > self.most && self.t_us.len() > 1 {
-            self.thin();
+        let readings = own.map(reading).collect();
+        self.frames.push(TaxelFrame { t_us, readings });
+        while self.frames.len().saturating_mul(self.taxels()) > self.most && self.frames.len() > 1 {
+            let mut odd = true;
+            self.frames.retain(|_| {
+                odd = !odd;
+                !odd
+            });
+            self.every *= 2;
         }
     }
 
-    /// Drops every other frame, from now on too.
-    fn thin(&mut self) {
-        let taxels = self.taxels();
-        let kept = self.t_us.len().div_ceil(2);
-        for n in 0..kept {
-            self.t_us[n] = self.t_us[2 * n];
-            let from = 2 * n * taxels;
-            self.values.copy_within(from..from + taxels, n * taxels);
-        }
-        self.t_us.truncate(kept);
-        self.values.truncate(kept * taxels);
-        self.every *= 2;
+    /// Every frame that was kept.
+    pub fn frames(&self) -> &[TaxelFrame] {
+        &self.frames
     }
 
-    /// Every frame that was kept: its time, microseconds, and all taxels, module by module.
-    pub fn frames(&self) -> impl ExactSizeIterator<Item = (u64, &[Reading])> {
-        let values = self.values.chunks_exact(self.taxels().max(1));
-        self.t_us.iter().copied().zip(values)
-    }
-
-    /// The same of the driving module alone.
+    /// The driving module alone: times, microseconds, and its taxels.
     pub fn driving(&self) -> impl ExactSizeIterator<Item = (u64, &[Reading])> {
         let before = self.modules.iter().take(self.drives);
         let from: usize = before.map(|m| m.taxels.len()).sum();
         let own = self.modules.get(self.drives).map_or(0, |m| m.taxels.len());
-        self.frames()
-            .map(move |(t, all)| (t, all.get(from..from + own).unwrap_or_default()))
+        self.frames.iter().map(move |f| {
+            let own = f.readings.get(from..from + own);
+            (f.t_us, own.unwrap_or_default())
+        })
     }
 }
 

@@ -27,11 +27,12 @@ const fn of(key: &'static str, words: &'static str, unit: &'static str) -> Measu
 }
 
 /// The figures of a row, in the order of the columns.
-pub const MEASURED: [Measured; 16] = [
+pub const MEASURED: [Measured; 17] = [
     of("path_error_rmse_mm", "path error RMSE", "mm"),
     of("path_error_max_mm", "path error at most", "mm"),
     of("felt_error_rmse_mm", "felt error RMSE", "mm"),
     of("felt_error_max_mm", "felt error at most", "mm"),
+    of("felt_level_db", "felt level over threshold", "dB"),
     of("felt_breaks", "breaks", ""),
     of("felt_jumps", "jumps", ""),
     of("hottest_skin_c", "hottest skin", "\u{b0}C"),
@@ -64,6 +65,19 @@ pub struct RunKey {
     pub seed: u64,
     /// Version of the program that computed it.
     pub version: String,
+}
+
+impl RunKey {
+    /// A run among those of its sweep: `at a=1, b=2, seed 3`.
+    pub fn place(&self) -> String {
+        let mut set: Vec<String> = self
+            .set
+            .iter()
+            .map(|(key, value)| format!("{key}={value}"))
+            .collect();
+        set.push(format!("seed {}", self.seed));
+        format!("at {}", set.join(", "))
+    }
 }
 
 /// A run in the table.

@@ -78,6 +78,8 @@ struct Schema<'a> {
 #[derive(Serialize)]
 struct Run<'a> {
     source: crate::trace::Source,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    banner: Option<&'static str>,
     scene: &'a str,
     bench: &'a str,
     seed: u64,
@@ -97,6 +99,7 @@ pub fn contacts_schema(header: Option<&Header>) -> String {
         version: VERSION,
         run: header.map(|h| Run {
             source: h.source,
+            banner: h.source.banner(),
             scene: &h.scene,
             bench: &h.bench,
             seed: h.seed,

@@ -17,6 +17,48 @@ pub enum Source {
     Emulated,
     /// At least one end was real.
     Real,
+    /// Both ends were emulators, and the guard only looked on.
+    Observed,
+}
+
+/// What everything says that comes of a run which the guard only observed.
+pub const OBSERVED: &str = "observed: the guard changed nothing; not for a person";
+
+impl Source {
+    /// Every source.
+    const ALL: [Self; 3] = [Self::Emulated, Self::Real, Self::Observed];
+
+    /// As records say it.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Emulated => "emulated",
+            Self::Real => "real",
+            Self::Observed => "observed",
+        }
+    }
+
+    /// The source of this word.
+    pub fn of(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|source| source.word() == word)
+    }
+
+    /// Whether nothing of it was hardware.
+    pub const fn is_emulated(self) -> bool {
+        !matches!(self, Self::Real)
+    }
+
+    /// What has to stand beside it, if anything has.
+    pub const fn banner(self) -> Option<&'static str> {
+        match self {
+            Self::Observed => Some(OBSERVED),
+            Self::Emulated | Self::Real => None,
+        }
+    }
+
+    /// The banner, or the word.
+    pub fn words(self) -> &'static str {
+        self.banner().unwrap_or(self.word())
+    }
 }
 
 /// A place in micrometres: origin at the centre, x right, y up.
@@ -259,7 +301,7 @@ impl Event {
 pub struct Driven {
     /// Stimuli with a pulse.
     pub stimuli: u64,
-    /// Times the guard applied something other than what was requested.
+    /// Times the guard applied something other than what was requested, or would have where it only observed.
     pub limiter_events: u32,
     /// Widest pulse, ticks.
     pub widest: u16,

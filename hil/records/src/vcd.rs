@@ -6,7 +6,7 @@
 use std::io::{self, Write};
 
 use crate::fixed::milli;
-use crate::trace::{Event, Header, Source, Trace, VERSION};
+use crate::trace::{Event, Header, Trace, VERSION};
 
 /// Variables of a wire, in the order of their declaration.
 const PIN: usize = 0;
@@ -45,13 +45,13 @@ impl<W: Write> Vcd<W> {
     /// # Errors
     /// Whatever the writer says.
     pub fn begin(header: &Header, mut out: W) -> io::Result<Self> {
-        let emulated = header.source == Source::Emulated;
-        let source = if emulated { "emulated" } else { "real" };
+        let (emulated, source) = (header.source.is_emulated(), header.source.word());
         let plain = |text: &str| text.replace(char::is_whitespace, " ").replace('$', "_");
         writeln!(out, "$version palpate {} $end", env!("CARGO_PKG_VERSION"))?;
         writeln!(
             out,
-            "$comment trace version {VERSION}, {source}; scene {} {}, bench {}, limits {}, seed {} $end",
+            "$comment trace version {VERSION}, {}; scene {} {}, bench {}, limits {}, seed {} $end",
+            header.source.words(),
             plain(&header.scene),
             header.scene_digest,
             plain(&header.bench),

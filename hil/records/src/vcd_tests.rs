@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::*;
 use crate::synthetic;
+use crate::trace::Source;
 use palpate_core::schedule::Entry;
 use palpate_core::units::{Board, Channel, Instant, Ticks};
 

@@ -1,14 +1,16 @@
 //! The display end of a run: boards behind a bus, the line that cuts them, and what hangs on their outputs.
 
 use embedded_hal::i2c::I2c;
-use palpate_core::driver::{Banks, DriverError};
+use palpate_core::driver::{Banks, DriverError, Traffic};
 use palpate_core::illusion::DisplayWire;
-use palpate_core::projector::Projector;
+use palpate_core::projector::{LoopError, Projector};
+use palpate_core::skin::SkinSource;
 use palpate_core::units::{Duration, Instant, Prescale};
 use palpate_emulators::display::amplifier::AmplifierConfig;
 use palpate_emulators::display::amplifier::supply::SupplySource;
 use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
 use palpate_emulators::display::i2c::{BusClock, I2cHandle};
+use palpate_emulators::display::observed::RegisterWriter;
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{DisplayConfig, OutputEdge, ThermalSample, WirePlace, WornDisplay};
 use palpate_files::{Bench, BenchKind, Setup};
@@ -47,6 +49,30 @@ pub trait DisplayEnd {
 
     /// The boards, and the line that cuts them.
     fn parts(&mut self) -> (&mut Banks<Self::I2c>, &dyn OutputEnable);
+
+    /// One call of the loop, through the guard to the boards.
+    ///
+    /// # Errors
+    /// The first error of an end.
+    fn poll<S: SkinSource>(
+        &mut self,
+        now: Instant,
+        projector: &mut Projector,
+        skin: &mut S,
+        recorder: &mut Recorder,
+    ) -> Result<bool, LoopError<S::Error, DriverError>> {
+        projector.poll(now, skin, self.parts().0, recorder)
+    }
+
+    /// Whether the guard only looks on: its stops are noted and end nothing.
+    fn is_observed(&self) -> bool {
+        false
+    }
+
+    /// What updates came to on the buses of the boards.
+    fn traffic(&mut self) -> Traffic {
+        self.parts().0.traffic()
+    }
 
     /// Lets time pass until `now`.
     ///
@@ -88,6 +114,8 @@ pub struct EmulatedDisplay {
     display: WornDisplay,
     i2c: Shared<I2cHandle>,
     banks: Banks<Shared<I2cHandle>>,
+    /// What drives the boards in place of their driver where the guard only looks on.
+    writer: Option<RegisterWriter>,
     script: Script,
     oscillator: f64,
     prescale: Prescale,
@@ -120,7 +148,9 @@ impl EmulatedDisplay {
         let layer = I2cFault::new(display.bus(), I2cFaults::default(), seed, "actuator bus");
         let (i2c, boards) = (Shared::new(layer), plan::boards(bench));
         let prescale = plan::prescale(bench)?;
+        let writer = || RegisterWriter::new(i2c.clone(), &boards);
         Ok(Self {
+            writer: setup.is_observed().then(writer),
             banks: Banks::new([(i2c.clone(), &*boards)], prescale),
             script: Script::new(&setup.scene.value.faults, projector.layout()),
             oscillator: bench.drive.oscillator,
@@ -219,6 +249,28 @@ impl DisplayEnd for EmulatedDisplay {
 
     fn parts(&mut self) -> (&mut Banks<Shared<I2cHandle>>, &dyn OutputEnable) {
         (&mut self.banks, &self.display)
+    }
+
+    fn poll<S: SkinSource>(
+        &mut self,
+        now: Instant,
+        projector: &mut Projector,
+        skin: &mut S,
+        recorder: &mut Recorder,
+    ) -> Result<bool, LoopError<S::Error, DriverError>> {
+        match &mut self.writer {
+            Some(writer) => projector.observe(now, skin, writer, recorder),
+            None => projector.poll(now, skin, &mut self.banks, recorder),
+        }
+    }
+
+    fn is_observed(&self) -> bool {
+        self.writer.is_some()
+    }
+
+    fn traffic(&mut self) -> Traffic {
+        let written = self.writer.as_ref().map(RegisterWriter::traffic);
+        written.unwrap_or_else(|| self.banks.traffic())
     }
 
     fn advance_to(&mut self, now: Instant, events: &mut Vec<Event>) -> Result<(), Failure> {

@@ -49,6 +49,7 @@ pub fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header,
     };
     Ok(Header {
         source: match bench.kind {
+            BenchKind::Emulated if setup.is_observed() => trace::Source::Observed,
             BenchKind::Emulated => trace::Source::Emulated,
             BenchKind::Real => trace::Source::Real,
         },

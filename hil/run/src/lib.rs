@@ -8,6 +8,7 @@
 #![forbid(unsafe_code)]
 
 mod boards;
+pub mod design;
 pub mod display_end;
 pub mod effects;
 pub mod effort;

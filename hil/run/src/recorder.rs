@@ -6,6 +6,7 @@ use palpate_core::projector::{Cause, FrameReport, Observer, Target, TextureRepor
 use palpate_core::schedule::Entry;
 use palpate_core::skin::{Condition, Layout};
 use palpate_core::units::{Board, Duration, Instant, Point};
+use palpate_records::felt::FeltPath;
 use palpate_records::readings::Readings;
 use palpate_records::trace::{Driven, Event, PlaceUm};
 use palpate_records::words::texture;
@@ -112,8 +113,9 @@ pub struct Recorder {
     /// Windows of texture, and the sum of their roughness, thousandths.
     pub windows: (u32, u64),
     truth: Truth,
-    /// Whether events stay that a summary reads, and no others; events of a run without a truth that have stayed.
-    pub summary: bool,
+    /// Where a summary is enough, of a run whose truth is not known: the felt path so far. Only notes stay then.
+    pub felt: Option<FeltPath>,
+    /// How many.
     stayed: usize,
     /// Events at most; the oldest go. `None`: all are kept.
     most_events: Option<usize>,
@@ -144,10 +146,13 @@ impl Recorder {
 
     /// Drops the older half of the events where there are too many, and what no summary reads where that is enough.
     pub fn trim(&mut self) {
-        if self.summary && self.events.len() - self.stayed > UNREAD {
+        if let Some(path) = &mut self.felt
+            && self.events.len() - self.stayed > UNREAD
+        {
             let new = self.events.split_off(self.stayed);
-            let read = |e: &Event| matches!(e, Event::Felt { .. } | Event::Note { .. });
-            self.events.extend(new.into_iter().filter(read));
+            new.iter().for_each(|event| path.add(event));
+            let notes = new.into_iter().filter(|e| matches!(e, Event::Note { .. }));
+            self.events.extend(notes);
             self.stayed = self.events.len();
         }
         let most = self.most_events.unwrap_or(usize::MAX);
@@ -311,5 +316,12 @@ impl Observer for Recorder {
             board: board.0,
             cause: cause.word(),
         });
+    }
+
+    fn observed_stop(&mut self, at: Instant, cause: Cause) {
+        self.note(
+            at,
+            format!("observed: the guard would have stopped: {}", cause.word()),
+        );
     }
 }

@@ -12,6 +12,7 @@ use palpate_core::units::{Duration, Instant};
 use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::Handle;
 use palpate_files::Setup;
+use palpate_records::felt::FeltPath;
 use palpate_records::readings::Readings;
 use palpate_records::trace::{Header, Ledger};
 
@@ -161,7 +162,6 @@ impl Run<'_> {
         let mut display = EmulatedDisplay::new(self.setup, &projector, self.seed)?;
         display.keep(self.keep)?;
         let mut recorder = Recorder::new(truth, projector.layout());
-        recorder.summary = self.keep.summary;
         recorder.counts = host.looks_on().then(Vec::new);
         let drives = self.setup.scene.value.drives;
         recorder.readings = match self.keep.readings {
@@ -170,6 +170,7 @@ impl Run<'_> {
             KeptReadings::All => Some(Readings::whole(projector.layout(), drives)),
         };
         let header = header(self.setup, self.seed, &projector)?;
+        recorder.felt = self.keep.summary.then(|| FeltPath::new(&header));
         host.begin(&header, projector.layout(), end)?;
         let ends = (skin, display);
         let policy = Policy::EMULATED;

@@ -209,7 +209,8 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
 
     /// Ends a stop of the guard that may end by itself, and keeps one that may not.
     fn reopen(&mut self) {
-        let Some(cause) = self.projector.guard().latched() else {
+        let latched = self.projector.guard().latched();
+        let Some(cause) = latched.filter(|_| !self.display.is_observed()) else {
             return;
         };
         let events = &mut self.recorder.events;
@@ -229,10 +230,10 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
     fn poll(&mut self) -> Result<bool, Failure> {
         let before = self.recorder.frames;
         let begun = self.times.begin();
-        let (banks, _) = self.display.parts();
+        let (projector, skin) = (&mut self.projector, &mut self.skin);
         let polled = self
-            .projector
-            .poll(self.now, &mut self.skin, banks, &mut self.recorder);
+            .display
+            .poll(self.now, projector, skin, &mut self.recorder);
         let frames = self.recorder.frames - before;
         self.times.add(begun, frames, &self.projector.work());
         let polled = match polled {
@@ -348,7 +349,7 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
 
     /// What updates came to on the actuator buses.
     pub fn traffic(&mut self) -> Traffic {
-        self.display.parts().0.traffic()
+        self.display.traffic()
     }
 }
 

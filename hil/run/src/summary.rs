@@ -3,7 +3,7 @@
 use palpate_core::projector::Projector;
 use palpate_core::skin::{Condition, HealthSummary};
 use palpate_core::units::Instant;
-use palpate_records::felt::{decibels, energies, felt_level, felt_scores};
+use palpate_records::felt::{FeltPath, decibels};
 use palpate_records::margin::{Limited, Margin};
 use palpate_records::measure::{Errors, path_error};
 use palpate_records::trace::{Event, Header, Ledger, Source, Trace};
@@ -179,6 +179,10 @@ pub struct Summary {
     #[serde(flatten)]
     pub conclusion: Conclusion,
     pub source: Source,
+    /// Version of the program.
+    pub version: &'static str,
+    /// When it was made, UTC; null where no clock says so.
+    pub date: Option<String>,
     pub scene: String,
     pub bench: String,
     pub seed: u64,
@@ -225,16 +229,16 @@ fn mm(um: u64) -> f64 {
 
 impl FeltSummary {
     /// Of a run whose errors by both centroids are known.
-    fn of(trace: &Trace, [energy, amplitude]: [&FeltError; 2]) -> Self {
-        let level = felt_level(trace);
+    fn of((header, path): (&Header, &FeltPath), [energy, amplitude]: [&FeltError; 2]) -> Self {
+        let level = path.level();
         let decibels = |mdb: i32| f64::from(mdb) * 1e-3;
         let error = |felt: &FeltError| {
             let (rmse, max) = (felt.rmse?, felt.max?);
             Some(PathError { rmse, max })
         };
         Self {
-            person: trace.header.person.clone(),
-            preset: trace.header.preset.clone(),
+            person: header.person.clone(),
+            preset: header.preset.clone(),
             level_db: level.map(|level| LevelDb {
                 median: decibels(level.median_mdb),
                 p5: decibels(level.p5_mdb),
@@ -298,10 +302,13 @@ pub fn finished<S: SkinEnd, D: DisplayEnd>(
             ..totals
         },
     };
+    let felt = recorder.felt.take();
+    let mut felt = felt.unwrap_or_else(|| FeltPath::new(&trace.header));
+    trace.events.iter().for_each(|event| felt.add(event));
     let health = session.projector_mut().health(end);
     let (skin, recorder) = session.seen();
     let projector = session.projector();
-    let mut summary = Summary::new(&trace, recorder, costs, &health, bench);
+    let mut summary = Summary::new(&trace, (recorder, &felt), costs, &health, bench);
     summary.texture = TextureSummary::of(recorder, projector);
     summary.boards = boards::boards(projector, |module| skin.lost_of(module));
     summary.taxels.list(projector, end);
@@ -311,7 +318,7 @@ pub fn finished<S: SkinEnd, D: DisplayEnd>(
 impl Summary {
     fn new(
         trace: &Trace,
-        recorder: &Recorder,
+        (recorder, felt): (&Recorder, &FeltPath),
         costs: &[FrameCost],
         health: &HealthSummary,
         bench: &Bench,
@@ -322,7 +329,7 @@ impl Summary {
         };
         let path = path_error(trace).map(error);
         // Without a truth there is nothing to hold the felt path against; breaks need none.
-        let [felt, felt_amplitude] = felt_scores(trace).map(|score| {
+        let [by_energy, by_amplitude] = felt.scores().map(|score| {
             let errors = score.errors.map(error).filter(|_| path.is_some());
             FeltError {
                 rmse: errors.map(|e| e.rmse),
@@ -336,14 +343,17 @@ impl Summary {
             min: decibels(min),
             max: decibels(max),
         };
-        let [requested, applied, felt_energy] =
-            energies(trace).map_or([None; 3], |all| all.map(|e| Some(energy(e))));
+        let [requested, applied, felt_energy] = felt
+            .energies()
+            .map_or([None; 3], |all| all.map(|e| Some(energy(e))));
         let ledger = &trace.ledger;
-        let emulated = trace.header.source == Source::Emulated;
+        let emulated = trace.header.source.is_emulated();
         let worst = |of| ledger.margin(of).map(Margin::worst);
         Self {
             conclusion: Conclusion::default(),
             source: trace.header.source,
+            version: env!("CARGO_PKG_VERSION"),
+            date: None,
             scene: trace.header.scene.clone(),
             bench: trace.header.bench.clone(),
             seed: trace.header.seed,
@@ -351,9 +361,9 @@ impl Summary {
             contacts: recorder.contacts,
             stimuli: ledger.driven.stimuli,
             path_error_mm: path,
-            felt: FeltSummary::of(trace, [&felt, &felt_amplitude]),
-            felt_error_mm: felt,
-            felt_error_amplitude_mm: felt_amplitude,
+            felt: FeltSummary::of((&trace.header, felt), [&by_energy, &by_amplitude]),
+            felt_error_mm: by_energy,
+            felt_error_amplitude_mm: by_amplitude,
             requested_energy_db: requested,
             applied_energy_db: applied,
             felt_energy_db: felt_energy,

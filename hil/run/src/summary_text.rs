@@ -84,14 +84,13 @@ impl Summary {
     /// What the stream says.
     pub fn write(&self, out: &mut dyn Write, colored: bool) -> io::Result<()> {
         self.conclusion.write(out, colored)?;
-        let source = match self.source {
-            Source::Emulated => "emulated",
-            Source::Real => "real",
-        };
         writeln!(
             out,
-            "{} on {} ({source}), seed {}",
-            self.scene, self.bench, self.seed
+            "{} on {} ({}), seed {}",
+            self.scene,
+            self.bench,
+            self.source.words(),
+            self.seed
         )?;
         let lines = self.felt_lines().into_iter().chain(self.heat_lines());
         for (name, value) in lines
@@ -106,12 +105,12 @@ impl Summary {
     /// Contacts, and where they are felt.
     fn felt_lines(&self) -> Vec<Line> {
         let mut lines = vec![
-            match self.source {
-                Source::Emulated => line(
+            match self.source.is_emulated() {
+                true => line(
                     "simulated",
                     format!("{:.3} s in {:.3} s", self.sim_s, self.wall_s),
                 ),
-                Source::Real => line("length", format!("{:.3} s", self.sim_s)),
+                false => line("length", format!("{:.3} s", self.sim_s)),
             },
             line(
                 "contacts",
@@ -164,7 +163,11 @@ impl Summary {
         let tissue = format!("{tissue}{limit} (modelled, 0.1 mm deep)");
         lines.push(line("hottest skin", tissue));
         lines.extend(self.texture.as_ref().map(TextureSummary::line));
-        lines.push(line("limiter events", self.limiter_events.to_string()));
+        let events = match self.source {
+            Source::Observed => format!("0 stimuli changed, {} noted", self.limiter_events),
+            Source::Emulated | Source::Real => self.limiter_events.to_string(),
+        };
+        lines.push(line("limiter events", events));
         lines
     }
 

@@ -51,3 +51,21 @@ fn a_hand_makes_one_table_per_module() {
         );
     }
 }
+
+/// What a summary does not need goes while the run goes on, and no figure changes.
+#[test]
+fn a_summary_is_the_same_without_the_trace() {
+    let setup = Setup::load("sphere-along", "emulated").unwrap();
+    let input = Input::tables(taxels(&setup, 1).unwrap());
+    let summary = |summary| {
+        let keep = crate::Keep {
+            summary,
+            ..crate::Keep::default()
+        };
+        let outcome = crate::run_with(&setup, &input, 1, keep, &mut ()).unwrap();
+        (outcome.summary, outcome.trace.events.len())
+    };
+    let ((whole, events), (thin, fewer)) = (summary(false), summary(true));
+    assert_eq!(whole, thin);
+    assert!(fewer < events / 2, "{fewer} of {events}");
+}

@@ -37,6 +37,9 @@ impl Outcome {
             let text = format!("{lost} frames not recorded, the disk was too slow");
             conclusion.add(Verdict::Incomplete, text);
         }
+        if let Some(banner) = self.trace.header.source.banner() {
+            conclusion.add(Verdict::Ok, banner);
+        }
         if summary.stimuli == 0 {
             conclusion.add(
                 Verdict::Ok,

@@ -21,6 +21,8 @@ use std::path::Path;
 
 use palpate_files::{FileError, Format, format_of, open};
 
+use crate::progress::Progress;
+
 /// Most changes of all signals of a capture, 16 bytes each.
 const MOST_CHANGES: usize = 4 << 20;
 
@@ -51,6 +53,7 @@ pub fn read(path: &Path) -> Result<Capture, FileError> {
         Some(Format::Toml) | None => named,
         Some(format) => return Err(FileError::whole(label, expected, format.noun())),
     };
+    let _shown = Progress::reading(path);
     let file = open(path, expected)?;
     let capture = match is_csv {
         true => csv::read(&label, file)?,

@@ -40,6 +40,10 @@ pub struct ListArgs {
     /// What to list (default: everything).
     #[arg(value_enum, hide_possible_values = false)]
     pub shelves: Vec<Shelf>,
+    /// The folder whose files are listed beside what is built in, with those below it; repeatable (default: this
+    /// folder alone).
+    #[arg(long, value_name = "DIR")]
+    pub dir: Vec<PathBuf>,
     /// Print a JSON array of {kind, name, description, file}.
     #[arg(long)]
     pub json: bool,
@@ -51,6 +55,13 @@ pub struct CheckArgs {
     /// Scenes, benches, layouts, limit tables, wires, persons: any settings files.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
+    /// Write what files of an earlier version become beside them (`mine.toml`: `mine.migrated.toml`), and check that.
+    /// Comments stay.
+    #[arg(long)]
+    pub migrate: bool,
+    /// With --migrate: change the files themselves, and keep what they were as `mine.toml.old`.
+    #[arg(long, requires = "migrate")]
+    pub force: bool,
     /// Print a JSON array of {file, kind, complete, errors}.
     #[arg(long)]
     pub json: bool,
@@ -80,8 +91,8 @@ pub struct NewFile {
     /// What it is, in a sentence.
     #[arg(long, value_name = "TEXT")]
     pub description: Option<String>,
-    /// File to write (default: NAME.toml).
-    #[arg(long, value_name = "FILE")]
+    /// File to write, or a folder for NAME.toml (default: this folder).
+    #[arg(long, value_name = "FILE|DIR")]
     pub out: Option<PathBuf>,
     /// Overwrite a file that is there.
     #[arg(long)]
@@ -191,6 +202,19 @@ pub struct NewWire {
 pub enum ExportKind {
     /// The raw readings of a scene's emulated skin, as a recording that `hil run --replay` takes.
     Taxels(ExportTaxels),
+    /// Ready views of a recording (.mcap): foxglove.json for Foxglove, plotjuggler.xml for PlotJuggler.
+    Views(ExportViews),
+}
+
+/// Options of `hil export views`.
+#[derive(Debug, Args)]
+pub struct ExportViews {
+    /// Folder to write them into; made where there is none.
+    #[arg(value_name = "DIR", default_value = ".")]
+    pub folder: PathBuf,
+    /// Overwrite files that are no such views.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// Options of `hil export taxels`.

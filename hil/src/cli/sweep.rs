@@ -1,4 +1,4 @@
-//! Options of the commands about many runs: `hil sweep`.
+//! Options of the commands about many runs: `hil sweep`, `hil compare`.
 
 use std::path::PathBuf;
 
@@ -72,6 +72,35 @@ pub struct SweepArgs {
     pub jobs: Option<usize>,
     /// Overwrite files that are no earlier output of hil, and rows of another sweep.
     #[arg(long)]
+    pub force: bool,
+    /// How much it says.
+    #[command(flatten)]
+    pub voice: Voice,
+}
+
+/// A part in percent.
+fn percent(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(v) if (0.0..=100.0).contains(&v) => Ok(v),
+        _ => Err("expected 0 to 100".into()),
+    }
+}
+
+/// Options of `hil compare`.
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// A summary (JSON), a table of `hil sweep`, or a folder of earlier summaries.
+    pub a: PathBuf,
+    /// Another one of its kind (default: the folder's summaries are shown over time).
+    pub b: Option<PathBuf>,
+    /// By how much numbers may differ and count as equal, percent of the larger one.
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = percent, allow_hyphen_values = true)]
+    pub tolerance_percent: f64,
+    /// Write the trends of a folder as a page with plots.
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
+    /// Overwrite files that are no earlier output of hil.
+    #[arg(long, requires = "html")]
     pub force: bool,
     /// How much it says.
     #[command(flatten)]

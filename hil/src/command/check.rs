@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 
 use palpate_core::contact::Levels;
 use palpate_files::{
-    Checked, FileError, FileKind, Setup, check as check_file, load_bench, load_scene,
+    Checked, FileError, FileKind, Setup, Source, check as check_file, load_bench, load_scene,
+    migrated,
 };
 use palpate_run::Failure;
 use serde_json::json;
 
 use crate::cli::CheckArgs;
-use crate::output::print;
+use crate::output::{note, print, write_file};
 
 use super::devices::DEFAULT_BENCH;
 
@@ -44,12 +45,16 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
             FileError::whole(label, "a settings file", error.to_string())
         })?;
     }
+    let migrated = match args.migrate {
+        true => migrate(args)?,
+        false => args.files.clone(),
+    };
     let told = |path: &PathBuf| Told {
         path: path.display().to_string(),
         checked: check_file(path),
         refused: Vec::new(),
     };
-    let mut files: Vec<Told> = args.files.iter().map(told).collect();
+    let mut files: Vec<Told> = migrated.iter().map(told).collect();
     together(&mut files);
     if args.json {
         print(|out| json(&files, out))?;
@@ -73,6 +78,44 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
         s(all)
     );
     Err(Failure::Check(text))
+}
+
+/// Brings files up to this version; the files to check.
+fn migrate(args: &CheckArgs) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = Vec::new();
+    for path in &args.files {
+        let found = migrated(&Source::open(path)?);
+        let Some(found) = found else {
+            files.push(path.clone());
+            continue;
+        };
+        let put = |path: &Path, text: &str| write_file(path, |out| out.write_all(text.as_bytes()));
+        let beside = path.with_extension("migrated.toml");
+        let target = if args.force {
+            let old = PathBuf::from(format!("{}.old", path.display()));
+            expect_new(&old)?;
+            put(&old, Source::open(path)?.text())?;
+            path.clone()
+        } else {
+            expect_new(&beside)?;
+            beside
+        };
+        put(&target, &found.text)?;
+        found.changes.iter().for_each(|text| note(text));
+        note(&format!("wrote {}", target.display()));
+        files.push(target);
+    }
+    Ok(files)
+}
+
+fn expect_new(path: &Path) -> Result<(), Failure> {
+    match path.exists() {
+        false => Ok(()),
+        true => Err(Failure::Input(format!(
+            "{}: expected no such file, --migrate writes it; move it away",
+            path.display()
+        ))),
+    }
 }
 
 /// Holds scenes against benches: those among the files, else the one that `hil run` takes.

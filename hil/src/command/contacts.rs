@@ -15,6 +15,7 @@ use serde_json::json;
 
 use crate::cli::{ContactsArgs, StaleArg, Threshold};
 use crate::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
+use crate::progress::Progress;
 use crate::recording::Reading;
 use palpate_files::{
     Columns, LayoutFile, Rows, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, Timing, is_stream, load_layout,
@@ -91,8 +92,8 @@ pub fn contacts(args: &ContactsArgs) -> Result<(), Failure> {
         None => print(|out| write_csv(&found, level, out)),
         Some((folder, table)) => {
             make_folder(folder)?;
-            write_sidecar(&table, None)?;
-            write_file(&table, |out| write_csv(&found, level, out))
+            write_file(&table, |out| write_csv(&found, level, out))?;
+            write_sidecar(&table, None)
         }
     }
 }
@@ -264,6 +265,7 @@ impl<'a> Recording<'a> {
             Baseline::new(layout, self.baseline).map_err(|e| option("reference-frames", &e))?;
         let mut compressor = Compressor::new(layout, self.compression.clone())
             .map_err(|e| option("kc, --weight-exponent", &e))?;
+        let _shown = Progress::reading(&args.file);
         let take = self.reading.take(&self.columns);
         let mut rows = Rows::open(&args.file, take, Some(&self.reading.timing))?;
         let (active, axes) = (self.active(), usize::from(self.columns.axes));

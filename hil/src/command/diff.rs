@@ -5,15 +5,16 @@ use std::path::Path;
 use std::{fs, io};
 
 use palpate_records::diff::{Contacts, Difference, Tolerance, compare, compare_contacts, tell};
+use palpate_records::schedule::check_line;
 use palpate_records::story::Story;
-use palpate_records::verdict::Verdict;
+use palpate_records::verdict::{Conclusion, Verdict};
 use serde::Serialize;
 
 use super::pins::{is_capture, pins};
-use super::schedules::{damaged, read_log, wires};
+use super::schedules::{MOST, damaged, read_log, wires};
 use crate::cli::{Color, DiffArgs};
 use crate::output::{note, print};
-use palpate_files::{FileError, Format, LONGEST_LINE, Lines};
+use palpate_files::{FileError, Format, LONGEST_LINE, Lines, format_of};
 use palpate_run::Failure;
 
 /// Compares two files.
@@ -28,6 +29,9 @@ pub fn diff(args: &DiffArgs, color: Color) -> Result<(), Failure> {
         return Err(Failure::Input(
             "--window: expected a schedule (.jsonl) and a capture (.vcd, .csv) to compare, found other files".into(),
         ));
+    }
+    if is_long_schedule(&args.a) && is_long_schedule(&args.b) {
+        return line_by_line(args, color);
     }
     let (mut a, mut b) = (open(&args.a)?, open(&args.b)?);
     let (name, found) = match (&mut a, &mut b) {
@@ -95,6 +99,50 @@ pub fn diff(args: &DiffArgs, color: Color) -> Result<(), Failure> {
         Err(Failure::Check(String::new()))
     } else {
         Ok(())
+    }
+}
+
+/// Whether a schedule is too long to be held.
+fn is_long_schedule(path: &Path) -> bool {
+    let long = fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() > MOST);
+    long && format_of(path) == Some(Format::Schedule)
+}
+
+/// Two schedules that are too long to be told in words: alike to the last line, or not.
+fn line_by_line(args: &DiffArgs, color: Color) -> Result<(), Failure> {
+    let lines = |path| Lines::open(path, "a schedule (.jsonl)", LONGEST_LINE);
+    let (mut a, mut b) = (lines(&args.a)?, lines(&args.b)?);
+    let mut conclusion = Conclusion::default();
+    loop {
+        let (x, y) = (a.advance()?, b.advance()?);
+        if x != y {
+            let line = x.or(y).map_or(0, |(number, _)| number);
+            let why = format!(
+                "line {line} is another; schedules of more than {MOST} bytes are not told in words: compare parts of them"
+            );
+            conclusion.add(Verdict::Incomplete, why);
+            break;
+        }
+        let Some((number, line)) = x else { break };
+        check_line(number, line).map_err(|damage| {
+            let label = args.a.display().to_string();
+            damaged(&label, damage)
+        })?;
+    }
+    for lines in [&a, &b] {
+        lines.note().iter().for_each(|text| note(text));
+    }
+    if args.json {
+        print(|out| {
+            serde_json::to_writer(&mut *out, &conclusion)?;
+            writeln!(out)
+        })?;
+    } else if !args.quiet {
+        print(|out| conclusion.write(out, color.on(&io::stdout())))?;
+    }
+    match conclusion.verdict {
+        Verdict::Ok => Ok(()),
+        _ => Err(Failure::Check(String::new())),
     }
 }
 

@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use palpate_files::{Columns, Format, Overrides, Setup, load_scene};
+use palpate_fixtures::VIEWS;
 use palpate_run::{Failure, taxels};
 
 use super::devices::bench_with;
-use crate::cli::{ExportKind, ExportTaxels};
-use crate::output::{Outputs, note, print};
+use crate::cli::{ExportKind, ExportTaxels, ExportViews};
+use crate::output::{Outputs, make_folder, note, print};
+use crate::progress::Progress;
 use crate::recording::write_taxel_csv;
 
 /// Writes what was asked for.
@@ -17,7 +19,38 @@ use crate::recording::write_taxel_csv;
 pub fn export(kind: &ExportKind) -> Result<(), Failure> {
     match kind {
         ExportKind::Taxels(args) => export_taxels(args),
+        ExportKind::Views(args) => export_views(args),
     }
+}
+
+fn export_views(args: &ExportViews) -> Result<(), Failure> {
+    let outputs = Outputs {
+        force: args.force,
+        inputs: &[],
+    };
+    let named = |name: &str| {
+        let json = name.ends_with(".json");
+        let format = if json { Format::Json } else { Format::Xml };
+        (args.folder.join(name), format)
+    };
+    for (name, _) in VIEWS {
+        let (path, format) = named(name);
+        outputs.check(&path, format)?;
+    }
+    make_folder(&args.folder)?;
+    for (name, text) in VIEWS {
+        let (path, format) = named(name);
+        outputs.write(&path, format, |out| out.write_all(text.as_bytes()))?;
+    }
+    print(|out| {
+        for (name, _) in VIEWS {
+            writeln!(out, "wrote {}", args.folder.join(name).display())?;
+        }
+        writeln!(
+            out,
+            "next: hil run --record run.mcap, and open it with one of them"
+        )
+    })
 }
 
 fn export_taxels(args: &ExportTaxels) -> Result<(), Failure> {
@@ -37,7 +70,9 @@ fn export_taxels(args: &ExportTaxels) -> Result<(), Failure> {
     for path in &paths {
         outputs.check(path, Format::Csv)?;
     }
+    let shown = Progress::endless("emulating the skin");
     let tables = taxels(&setup, args.seed)?;
+    drop(shown);
     if !setup.scene.value.faults.is_empty() {
         note("the scene's faults are not in its readings");
     }

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use clap::ValueEnum;
-use palpate_files::{FileKind, Listed, built_in, illusions, of_folder};
+use palpate_files::{FileError, FileKind, Listed, built_in, illusions, of_folder};
 use palpate_run::Failure;
 use serde_json::json;
 
@@ -20,16 +20,29 @@ struct Line {
     file: Option<String>,
 }
 
-/// Lists built-in files and those of the current folder.
+/// How deep a folder that is named is looked through.
+const DEPTH: usize = 8;
+
+/// Lists built-in files, and those of the current folder or of those that are named.
 ///
 /// # Errors
-/// [`Failure::Write`] where standard output takes nothing.
+/// [`Failure::Input`] for a folder that cannot be read, [`Failure::Write`] where standard output takes nothing.
 pub fn list(args: &ListArgs) -> Result<(), Failure> {
     let shelves = match args.shelves.as_slice() {
         [] => Shelf::value_variants(),
         some => some,
     };
-    let here = of_folder(Path::new("."));
+    let mut here = Vec::new();
+    for folder in &args.dir {
+        std::fs::read_dir(folder).map_err(|e| {
+            let label = folder.display().to_string();
+            FileError::whole(label, "a readable folder (--dir)", e.to_string())
+        })?;
+        here.extend(of_folder(folder, DEPTH));
+    }
+    if args.dir.is_empty() {
+        here = of_folder(Path::new("."), 0);
+    }
     let lists = shelves.iter().map(|shelf| (*shelf, lines(*shelf, &here)));
     let lists: Vec<(Shelf, Vec<Line>)> = lists.collect();
     if args.json {
@@ -61,10 +74,10 @@ fn tell(shelf: Shelf, lines: &[Line], titled: bool, out: &mut dyn Write) -> io::
     let width = lines.iter().map(|line| line.name.chars().count()).max();
     let width = width.unwrap_or(0);
     for line in lines {
-        let here = if line.file.is_some() {
-            " (in this folder)"
-        } else {
-            ""
+        let here = match &line.file {
+            Some(path) if path.contains('/') => " (a file)",
+            Some(_) => " (in this folder)",
+            None => "",
         };
         let (name, description) = (&line.name, &line.description);
         writeln!(out, "{indent}{name:<width$}  {description}{here}")?;

@@ -1,7 +1,9 @@
 //! One function a command: arguments in, files and text out.
 
 mod check;
+mod compare;
 mod contacts;
+mod design;
 mod devices;
 mod diff;
 mod doctor;
@@ -27,7 +29,9 @@ mod texture_panel;
 mod texture_train;
 
 pub use check::check;
+pub use compare::compare;
 pub use contacts::contacts;
+pub use design::design;
 pub use diff::diff;
 pub use doctor::doctor;
 pub use emulate::emulate;

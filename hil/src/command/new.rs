@@ -44,8 +44,12 @@ pub fn new(kind: &NewKind) -> Result<(), Failure> {
 }
 
 fn path(file: &NewFile) -> PathBuf {
-    let here = || PathBuf::from(format!("{}.toml", file.name));
-    file.out.clone().unwrap_or_else(here)
+    let name = format!("{}.toml", file.name);
+    match &file.out {
+        Some(folder) if folder.is_dir() => folder.join(name),
+        Some(path) => path.clone(),
+        None => name.into(),
+    }
 }
 
 /// What is wrong before anything is asked: the name, or a file that is there.

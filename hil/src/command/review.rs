@@ -8,6 +8,7 @@ use palpate_records::story::GoldenKind;
 
 use crate::cli::{Color, ReviewAction, ReviewArgs};
 use crate::output::{Outputs, print};
+use crate::progress::Progress;
 use crate::review::{BLOCKS, Pending, Scene, folder, page, pending, scenes, stacked};
 use palpate_files::Format;
 use palpate_run::Failure;
@@ -36,7 +37,9 @@ pub fn review(args: &ReviewArgs, color: Color) -> Result<(), Failure> {
             decide(&waiting, names, "rejected", Pending::reject)
         }
         None => {
+            let shown = Progress::endless("reading goldens");
             let all = scenes(waiting)?;
+            drop(shown);
             if let Some(path) = &args.html {
                 let text = page(&all);
                 let outputs = Outputs {

@@ -76,15 +76,13 @@ impl Format {
     }
 
     fn write(self, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
-        if self == Self::Contacts {
-            write_sidecar(path, Some(&outcome.trace.header))?;
-        }
         write_file(path, |out| match self {
             Self::Contacts => write_table(&outcome.trace.events, out),
             Self::Mcap => {
                 let traffic = BusTraffic {
                     can: &outcome.can,
                     i2c: &outcome.i2c,
+                    readings: outcome.readings.as_ref(),
                 };
                 write_mcap(&outcome.trace, traffic, &attachments(setup), out)
             }
@@ -97,7 +95,11 @@ impl Format {
                 serde_json::to_writer_pretty(&mut *out, &outcome.summary)?;
                 writeln!(out)
             }
-        })
+        })?;
+        match self {
+            Self::Contacts => write_sidecar(path, Some(&outcome.trace.header)),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -148,6 +150,7 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
         .junit
         .as_ref()
         .map(|path| (path, judge(&setup, &outcome)));
+    outcome.summary.date = Some(clock::date(clock::unix_us()));
     let failure = outcome.failure.take();
     outcome.notes.iter().for_each(|text| note(text));
     if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.voice.quiet) {
@@ -349,7 +352,11 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
         scene.value.touches.clear();
         scene.value.name = format!("replay of {}", first.display());
     }
-    Ok(Setup::join(scene, bench)?)
+    let setup = Setup::join(scene, bench)?;
+    Ok(match args.observe {
+        true => setup.observed()?,
+        false => setup,
+    })
 }
 
 /// The options that stand for keys of the files.

@@ -1,10 +1,12 @@
 //! What comparisons of schedules share: the words for a damaged file, and the wires of a bench.
 
 use std::fs::File;
+use std::path::Path;
 
 use palpate_files::{FileError, LayoutFile, Lines, load_bench, load_layout};
 
 use crate::output::note;
+use crate::progress::Progress;
 use palpate_records::damage::Damage;
 use palpate_records::trace::{PlaceUm, WireInfo};
 
@@ -17,6 +19,7 @@ pub(super) const MOST: u64 = 32 << 20;
 /// A file that cannot be read, or is longer than 32 MiB.
 pub(super) fn read_log(mut lines: Lines<File>) -> Result<String, FileError> {
     let label = lines.label().to_owned();
+    let _shown = Progress::reading(Path::new(&label));
     let mut text = String::new();
     while let Some((number, line)) = lines.advance()? {
         if text.len() as u64 + line.len() as u64 > MOST {

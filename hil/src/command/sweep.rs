@@ -242,10 +242,10 @@ impl Work {
         ] {
             let mut of = rows.iter().filter(|row| row.verdict == verdict);
             if let Some(first) = of.next() {
-                let (count, at) = (1 + of.count(), place(&first.key));
+                let (count, at) = (1 + of.count(), first.key.place());
                 conclusion.add(
                     verdict,
-                    format!("{count} of {wanted} runs, first {at}: {}", first.why),
+                    format!("{count} of {}, first {at}: {}", runs(wanted), first.why),
                 );
             }
         }
@@ -315,8 +315,8 @@ impl Work {
                 let (scene, bench) = scene.zip(bench).map_or(("", ""), |(s, b)| (s, b));
                 writeln!(
                     out,
-                    "{scene} on {bench} (emulated): {} runs{before}",
-                    rows.len()
+                    "{scene} on {bench} (emulated): {}{before}",
+                    runs(rows.len())
                 )?;
                 spread(&rows, out)?;
                 let html = args.html.iter();
@@ -333,15 +333,10 @@ impl Work {
     }
 }
 
-/// A run among those of its sweep: `at a=1, b=2, seed 3`.
-fn place(key: &RunKey) -> String {
-    let mut set: Vec<String> = key
-        .set
-        .iter()
-        .map(|(key, value)| format!("{key}={value}"))
-        .collect();
-    set.push(format!("seed {}", key.seed));
-    format!("at {}", set.join(", "))
+/// `1 run`, `12 runs`.
+fn runs(count: usize) -> String {
+    let s = if count == 1 { "" } else { "s" };
+    format!("{count} run{s}")
 }
 
 /// The figures that differ between runs: the least, the most, and where they are.
@@ -363,8 +358,8 @@ fn spread(rows: &[&RunRow], out: &mut dyn Write) -> io::Result<()> {
             "  {:<22}{:<24}least {}, most {}",
             measured.words,
             range.trim_end(),
-            place(least.1),
-            place(most.1)
+            least.1.place(),
+            most.1.place()
         )?;
     }
     Ok(())

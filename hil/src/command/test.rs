@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use crate::cli::{Color, TestArgs};
 use crate::output::{Outputs, print};
+use crate::progress::Progress;
 use crate::trial::{
     Goldens, Halt, Member, Suite, Trial, TrialEnd, attempt, decide, expects_anything, junit, lacks,
     last, page,
@@ -176,6 +177,7 @@ impl Run<'_> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
         let pool = pool.map_err(|e| Failure::Device(format!("--jobs {jobs}: {e}")))?;
         let (mut trials, mut halt) = (Vec::new(), None);
+        let progress = Progress::counted("test", members.len() as u64, "trials");
         for some in members.chunks(jobs) {
             let tried: Vec<Result<(Trial, Option<Halt>), Failure>> = match &halt {
                 Some(why) => {
@@ -184,7 +186,12 @@ impl Run<'_> {
                     some.iter().map(|m| Ok((skipped(m), None))).collect()
                 }
                 None => {
-                    pool.install(|| some.par_iter().map(|m| one(m, bench, self.args)).collect())
+                    let one = |m: &&Member| {
+                        let ended = one(m, bench, self.args);
+                        progress.step();
+                        ended
+                    };
+                    pool.install(|| some.par_iter().map(one).collect())
                 }
             };
             for ended in tried {

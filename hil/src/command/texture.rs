@@ -14,6 +14,7 @@ use serde_json::json;
 use super::{texture_panel, texture_train};
 use crate::cli::{EncodeArgs, ExportArgs, TextureAction};
 use crate::output::{Outputs, note, print};
+use crate::progress::Progress;
 
 /// Does what was asked with the texture model.
 ///
@@ -53,6 +54,7 @@ fn encode(args: &EncodeArgs) -> Result<(), Failure> {
         Some(prefix) => Take::Counted(prefix, model.features()),
         None => features(&model),
     };
+    let _shown = Progress::reading(&args.file);
     let mut windows = Windows::open(&model, &args.file, take, ends)?;
     let mut batch = Vec::new();
     let mut is_first = true;

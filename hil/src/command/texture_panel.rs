@@ -15,6 +15,7 @@ use serde_json::{Map, Value, json};
 
 use crate::cli::PanelArgs;
 use crate::output::{Outputs, print};
+use crate::progress::Progress;
 
 /// The scene whose texture section says how latent vectors become pulses.
 const SCENE: &str = "texture-wood";
@@ -33,6 +34,7 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
     if let Some(path) = &args.svg {
         outputs.check(path, Format::Svg)?;
     }
+    let shown = Progress::endless("panel");
     let (title, study, bare) = match (&args.recordings, args.rate) {
         (Some(folder), Some(rate_hz)) => {
             let labels = Label::all(folder)?;
@@ -52,6 +54,7 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
             )
         }
     };
+    drop(shown);
     if let Some(path) = &args.svg {
         let drawn = draw(&study, &title);
         outputs.write(path, Format::Svg, |out| out.write_all(drawn.as_bytes()))?;

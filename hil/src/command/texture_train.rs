@@ -9,6 +9,7 @@ use palpate_texture::{draw, explore, map, round};
 
 use crate::cli::{MapArgs, StrokesArgs, TrainArgs};
 use crate::output::{Outputs, make_folder, note, print};
+use crate::progress::Progress;
 
 /// The training program: a workspace member that only those build who train.
 const PROGRAM: &str = "palpate-train";
@@ -19,7 +20,9 @@ const PROGRAM: &str = "palpate-train";
 /// A table that cannot be read, a folder that cannot be written.
 pub fn strokes(args: &StrokesArgs) -> Result<(), Failure> {
     let table = load_textures(&args.of.textures)?.value;
+    let shown = Progress::endless("strokes");
     let all = explore::explore(&table, args.of.strokes, args.seed);
+    drop(shown);
     make_folder(&args.out)?;
     let outputs = Outputs {
         force: args.force,
@@ -73,8 +76,10 @@ pub fn train(args: &TrainArgs) -> Result<(), Failure> {
 pub fn map(args: &MapArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
     let table = load_textures(&args.of.textures)?.value;
+    let shown = Progress::endless("map");
     let strokes = explore::explore(&table, args.of.strokes, args.seed);
     let encoded = explore::encode(&model, &strokes)?;
+    drop(shown);
     let view = map::View::of(&model);
     let placed = map::place(&encoded, view);
     if let Some(path) = &args.svg {

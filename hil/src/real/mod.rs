@@ -28,6 +28,7 @@ use crate::clock;
 use crate::host::open_watch;
 use crate::interfaces::reports;
 use crate::output::{Outputs, note};
+use crate::progress::Progress;
 use crate::record::{About, Journal, Kind, Sink};
 use crate::watch::Watch;
 
@@ -106,6 +107,7 @@ pub fn run(
         drives: setup.scene.value.drives,
         journal,
         watch,
+        progress: Progress::of_part("run"),
     };
     let done = std::thread::scope(|scope| {
         let drive = || turns.drive(projector, skin, live);
@@ -131,6 +133,7 @@ struct Turns<'a> {
     drives: usize,
     journal: Journal,
     watch: Option<Watch>,
+    progress: Progress,
 }
 
 impl Turns<'_> {
@@ -181,8 +184,11 @@ impl Turns<'_> {
         let _ = session.skin().start_all();
         let mut pacer = Pacer::new(run_clock);
         let mut now = pacer.wait(ready);
+        let (begun, length) = (now, self.length.as_micros() as f64);
         let end = Instant::from_micros(self.length.as_micros().saturating_add(now.as_micros()));
         while now < end && self.goes_on(&mut session, now) {
+            self.progress
+                .part(now.since(begun).as_micros() as f64 / length);
             match session.turn(now)? {
                 Turn::Next(next) => {
                     if self.is_stopped(&mut session, now) {

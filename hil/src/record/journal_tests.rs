@@ -76,7 +76,7 @@ fn pieces_make_the_same_files_as_a_whole_run() {
     let mut whole = Vec::new();
     let traffic = BusTraffic {
         can: &frames,
-        i2c: &[],
+        ..BusTraffic::default()
     };
     write_mcap(&trace, traffic, &[], &mut whole).unwrap();
     let whole = mcap::read(&whole).unwrap();

@@ -12,6 +12,7 @@ use super::{About, Journal, Kind, Sink};
 use crate::clock;
 use crate::interfaces::reports;
 use crate::output::Outputs;
+use crate::progress::Progress;
 use palpate_buses::signals::Signals;
 use palpate_run::CanReport;
 use palpate_run::Failure;
@@ -53,7 +54,14 @@ pub fn record(
         .map_err(|e| Failure::Device(e.to_string()))?;
     let sinks = Sink::create_all(files, &About::Buses(interfaces), outputs)?;
     let journal = Journal::start(sinks, false)?;
+    let progress = match length {
+        Some(_) => Progress::of_part("record"),
+        None => Progress::endless("record"),
+    };
     let stop = |now: Instant| {
+        if let Some(length) = length {
+            progress.part(now.as_micros() as f64 / length.as_micros() as f64);
+        }
         signals.caught().is_some() || length.is_some_and(|l| now >= Instant::ZERO + l)
     };
     listen(can, journal, interfaces, (clock, epoch_us), stop)

@@ -5,6 +5,7 @@ use palpate_buses::served::can::Interface;
 use palpate_core::units::{Duration, Instant};
 use serde::Serialize;
 
+use crate::progress::Progress;
 use crate::recording::CanRecording;
 use palpate_buses::signals::Signals;
 use palpate_run::Failure;
@@ -39,6 +40,8 @@ pub fn play(recording: &CanRecording, interfaces: &[String]) -> Result<Played, F
     let mut open: Vec<Interface> = interfaces.iter().map(open).collect::<Result<_, _>>()?;
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
     let (clock, mut lateness) = (RunClock::start(), Lateness::default());
+    let progress = Progress::of_part("replay");
+    let end = recording.frames.end();
     let mut first = None;
     let (mut stopped, mut left) = (false, 0);
     for received in recording.frames.frames()? {
@@ -63,6 +66,8 @@ pub fn play(recording: &CanRecording, interfaces: &[String]) -> Result<Played, F
             let sent = interface.send(&received.frame);
             sent.map_err(|e| gone(interface.name(), e))?;
         }
+        let (gone, whole) = (received.at.since(first), end.since(first));
+        progress.part(gone.as_micros() as f64 / whole.as_micros().max(1) as f64);
     }
     Ok(Played {
         sent: open.iter().map(|i| i.counts().sent).sum(),

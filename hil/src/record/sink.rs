@@ -130,7 +130,7 @@ impl Sink {
                 let out = BufWriter::with_capacity(1 << 16, file);
                 let recording = match about {
                     About::Run(header, attachments) => {
-                        McapRecording::of_run(header, attachments, out)
+                        McapRecording::of_run(header, &[], attachments, out)
                     }
                     About::Buses(interfaces) => McapRecording::of_buses(interfaces, out),
                 };
@@ -205,7 +205,7 @@ impl Sink {
             Form::Mcap(recording) => {
                 let traffic = BusTraffic {
                     can: &piece.frames,
-                    i2c: &[],
+                    ..BusTraffic::default()
                 };
                 recording.piece(&piece.events, traffic)?;
                 if due { recording.flush() } else { Ok(()) }

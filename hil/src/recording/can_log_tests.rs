@@ -1,7 +1,8 @@
 //! Tests of `can_log.rs`.
 
-use palpate_files::Text;
+use palpate_files::{Lines, Text, Times};
 
+use super::super::pass::{LONGEST, Log};
 use super::*;
 
 #[derive(Debug)]
@@ -86,7 +87,9 @@ fn a_clock_that_jumps_is_named_by_its_line() {
     assert_eq!(at, [0, 10_000, 20_000]);
     assert_eq!(
         read.notes,
-        ["a.log:3: a jump of the clock, 53.9 years ahead taken out"]
+        [
+            "a.log:3: a jump of the clock, 53.9 years ahead taken out: a new piece, joined at 0.020 s of the run"
+        ]
     );
 }
 

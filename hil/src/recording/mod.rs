@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod can_log;
+mod pass;
 mod taxel_csv;
 mod taxel_write;
 
@@ -41,7 +42,7 @@ pub fn recorded(
         let buses = addresses.map(|a| usize::from(a.bus) + 1).max();
         if reading.prefix.is_some() || reading.timing.column.is_some() {
             return Err(Failure::Input(format!(
-                "{}: --columns and --time are for CSV, and this is a recording of buses",
+                "{}: expected CSV for --columns and --time, found a recording of buses",
                 log.display()
             )));
         }

@@ -11,6 +11,8 @@ use palpate_run::{Failure, NextRow, RowSource, TaxelTable};
 /// Most values of a file that are held, 2 bytes each: a quarter of an hour of 48 columns at 100 Hz.
 const HELD: usize = 4 << 20;
 
+use crate::progress::Progress;
+
 /// How recordings of taxels are read: their times, and their columns where the header is not ours.
 #[derive(Clone, Debug, Default)]
 pub struct Reading {
@@ -54,6 +56,7 @@ pub fn read_taxel_csv(
     columns: &Columns,
     reading: &Reading,
 ) -> Result<(Arc<dyn RowSource>, Vec<String>), FileError> {
+    let _shown = Progress::reading(path);
     let most = if is_stream(path) { MOST_VALUES } else { HELD };
     read_holding(path, columns, reading, most)
 }

@@ -2,7 +2,7 @@
 
 pub mod chart;
 mod growing;
-mod page;
+pub mod page;
 
 pub use growing::{Growing, form_of, read_table};
 pub use page::{foot, head, page};

@@ -7,7 +7,7 @@ fn row(set: &[(&str, &str)], seed: u64, error: f64) -> RunRow {
     let set = set.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned()));
     let mut values = Values::default();
     values[0] = Some(error);
-    values[12] = Some(5.0);
+    values[13] = Some(5.0);
     RunRow {
         key: RunKey {
             set: set.collect(),

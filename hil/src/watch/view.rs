@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use palpate_core::skin::Layout;
-use palpate_records::trace::{Event, Header, PlaceUm, Source};
+use palpate_records::trace::{Event, Header, PlaceUm};
 use palpate_records::words::texture;
 
 /// Lines of the story that are kept.
@@ -83,10 +83,7 @@ pub struct View {
 impl View {
     /// Before anything has happened.
     pub fn new(header: &Header, layout: &Layout, end_us: u64) -> Self {
-        let source = match header.source {
-            Source::Emulated => "emulated",
-            Source::Real => "real",
-        };
+        let source = header.source.words();
         let (mut taxels, mut origins) = (Vec::new(), Vec::new());
         for module in layout.modules() {
             let origin = PlaceUm::from(module.origin());

@@ -15,8 +15,11 @@ enum Takes {
     Nothing,
 }
 
+/// Options of a command.
+type Options = &'static [(&'static str, Takes)];
+
 /// Commands that are good but for the option that is tried, and their options.
-const COMMANDS: [(&[&str], &[(&str, Takes)]); 17] = [
+const COMMANDS: [(&[&str], Options); 17] = [
     (
         &["run", "scene.toml"],
         &[
@@ -166,7 +169,7 @@ const fn bad(takes: Takes) -> &'static [&'static str] {
     match takes {
         Takes::Number => &["", "seven", "nan", "-1e9", "1e99", "1,5", "0x10"],
         Takes::Word => &["", "no-such", "\u{1F980}"],
-        Takes::Named => &["", "no-such", "../../etc/shadow-no", "no\nsuch"],
+        Takes::Named => &["", "no-such", "../../etc/shadow-no", "no such"],
         Takes::Nothing => &[],
     }
 }

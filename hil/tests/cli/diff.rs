@@ -163,3 +163,26 @@ fn recorded_contacts_are_compared_by_place_and_time() {
         &["cut.csv:", ": expected a contact"],
     );
 }
+
+/// What is too long to be held is compared line by line: alike, or left open.
+#[test]
+fn schedules_of_any_length_compare() {
+    let folder = Folder::new("long-schedules");
+    let header = "{\"version\":1,\"seed\":1,\"scene_digest\":\"0\",\"limits_digest\":\"0\"}\n";
+    let line = |t: u64| format!("{{\"t_us\":{t},\"board\":0,\"pre_scale\":30}}\n");
+    let text = (0..900_000).map(line).collect::<String>();
+    folder.write("a.jsonl", &format!("{header}{text}"));
+    folder.write(
+        "b.jsonl",
+        &format!("{header}{}", text.replace("\"t_us\":7,", "\"t_us\":8,")),
+    );
+    let said = hil_in(&folder.0, &["diff", "a.jsonl", "a.jsonl"]);
+    assert_eq!((said.status, said.out.as_str()), (Some(0), "OK\n"));
+    let said = hil_in(&folder.0, &["diff", "a.jsonl", "b.jsonl"]);
+    assert_eq!(said.status, Some(1));
+    assert!(
+        said.out.starts_with("INCOMPLETE: line 9 is another"),
+        "{}",
+        said.out
+    );
+}

@@ -344,3 +344,39 @@ fn exported_taxels_replay_to_the_contacts_of_the_scene() {
         &["idle"],
     );
 }
+
+#[test]
+fn files_of_an_earlier_version_are_migrated_beside_or_in_place() {
+    let folder = Folder::new("migrate");
+    let old = "name = \"old\"\ndescription = \"d\" # mine\nlength_s = 2.0\nillusion.smallest_step = 0.2\n";
+    folder.write("old.toml", old);
+    assert_eq!(hil_in(&folder.0, &["check", "old.toml"]).status, Some(1));
+    let said = hil_in(&folder.0, &["check", "--migrate", "old.toml"]);
+    assert_eq!(said.status, Some(0), "{}", said.err);
+    assert!(
+        said.err.contains("old.toml:4: `illusion.smallest_step`"),
+        "{}",
+        said.err
+    );
+    assert_eq!(folder.text("old.toml"), old);
+    assert!(folder.text("old.migrated.toml").contains("\"d\" # mine"));
+    let again = hil_in(&folder.0, &["check", "--migrate", "old.toml"]);
+    assert_eq!(again.status, Some(2), "{}", again.err);
+    let said = hil_in(&folder.0, &["check", "--migrate", "--force", "old.toml"]);
+    assert_eq!(said.status, Some(0), "{}", said.err);
+    assert_eq!(folder.text("old.toml.old"), old);
+    assert_eq!(hil_in(&folder.0, &["check", "old.toml"]).status, Some(0));
+}
+
+#[test]
+fn lists_and_new_files_reach_into_folders() {
+    let folder = Folder::new("reach");
+    fs::create_dir_all(folder.path("mine/scenes")).unwrap();
+    let said = hil_in(&folder.0, &["new", "scene", "own", "--out", "mine/scenes"]);
+    assert_eq!(said.status, Some(0), "{}", said.err);
+    assert!(folder.path("mine/scenes/own.toml").is_file());
+    let said = hil_in(&folder.0, &["list", "scenes", "--dir", "mine"]);
+    assert!(said.out.contains("mine/scenes/own.toml"), "{}", said.out);
+    let said = hil_in(&folder.0, &["list", "--dir", "nowhere"]);
+    assert_eq!(said.status, Some(2), "{}", said.err);
+}

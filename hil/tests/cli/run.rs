@@ -114,6 +114,87 @@ fn every_built_in_scene_runs_on_every_built_in_bench() {
 }
 
 #[test]
+fn a_run_that_the_guard_only_observes_heats_more_and_says_so_everywhere() {
+    const BANNER: &str = "observed: the guard changed nothing; not for a person";
+    let folder = Folder::new("observed");
+    let run = |observe: bool, more: &[&str]| {
+        let mut args = vec!["run", "sphere-along", "--bench", "thesis"];
+        args.extend(observe.then_some("--observe"));
+        args.extend(more);
+        hil_in(&folder.0, &args)
+    };
+    let summary = |observe| {
+        let said = run(observe, &["--json"]);
+        (
+            said.status,
+            serde_json::from_str::<Value>(&said.out).unwrap(),
+        )
+    };
+    let ((guarded_status, guarded), (status, observed)) = (summary(false), summary(true));
+    assert_eq!((guarded_status, status), (Some(0), Some(1)));
+    assert_eq!(observed["verdict"], "limit-exceeded");
+    assert_eq!(observed["source"], "observed");
+    assert!(observed["why"].as_array().unwrap().contains(&BANNER.into()));
+    for hotter in ["hottest_skin_c", "hottest_wire_c", "energy_mj"] {
+        let [cool, hot] = [&guarded, &observed].map(|s| s[hotter].as_f64().unwrap());
+        assert!(hot > cool, "{hotter}: {hot} after {cool}");
+    }
+    let records = ["a.jsonl", "a.snap", "a.vcd", "a.mcap", "a.csv"];
+    let mut more = vec!["--report", "a.html"];
+    more.extend(records.iter().flat_map(|name| ["--record", name]));
+    let said = run(true, &more);
+    assert!(
+        said.out.contains(&format!("also: {BANNER}")),
+        "{}",
+        said.out
+    );
+    assert!(
+        said.out
+            .contains(&format!("sphere-along on thesis ({BANNER}), seed 1"))
+    );
+    let noted = observed["limiter_events"].as_u64().unwrap();
+    assert!(noted > 100);
+    let line = format!("limiter events  0 stimuli changed, {noted} noted");
+    assert!(said.out.contains(&line), "{}", said.out);
+    for name in [
+        "a.html",
+        "a.jsonl",
+        "a.snap",
+        "a.vcd",
+        "a.mcap",
+        "a.schema.json",
+    ] {
+        let bytes = fs::read(folder.path(name)).unwrap();
+        let text = String::from_utf8_lossy(&bytes);
+        assert!(text.contains(BANNER), "{name}");
+    }
+    let mut reasons = 0;
+    for line in folder.text("a.jsonl").lines().skip(1) {
+        let entry: Value = serde_json::from_str(line).unwrap();
+        if let Some(asked) = entry["requested"].as_u64() {
+            let applied = entry["off"].as_u64().unwrap() - entry["on"].as_u64().unwrap();
+            assert_eq!(applied, asked, "{line}");
+            reasons += u64::from(entry["reason"].is_string());
+        }
+    }
+    assert_eq!(reasons, noted);
+    // Its own schedule and golden read back, and what was noted is no difference between them.
+    let same = hil_in(&folder.0, &["diff", "a.snap", "a.snap"]);
+    assert_eq!((same.status, same.err.as_str()), (Some(0), ""));
+}
+
+#[test]
+fn hardware_and_trials_are_never_only_observed() {
+    let observe = ["run", "sphere-along", "--observe"];
+    let real = ["--can", "can0", "--i2c", "/dev/i2c-1"];
+    let words = ["kind", "\"emulated\"", "found \"real\""];
+    refused_with(&[&observe[..], &real].concat(), &words);
+    let junit = [&observe[..], &["--junit", "a.xml"]].concat();
+    assert_eq!(hil(&junit).status, Some(2));
+    assert_eq!(hil(&["test", "--observe"]).status, Some(2));
+}
+
+#[test]
 fn one_seed_is_one_outcome_byte_for_byte() {
     let folder = Folder::new("seeds");
     let scene = short(&folder, "3.0");

@@ -12,7 +12,7 @@ const GRID: [&str; 8] = [
     "sweep",
     "sphere-along",
     "--set",
-    "length_s=1",
+    "length_s=2",
     "--set",
     "illusion.shape=1,2,3",
     "--seeds",
@@ -100,7 +100,7 @@ fn a_row_is_the_run_that_hil_run_shows() {
         "run",
         "sphere-along",
         "--set",
-        "length_s=1",
+        "length_s=2",
         "--set",
         "illusion.shape=2",
         "--seed",
@@ -143,7 +143,7 @@ fn what_cannot_be_is_said_before_anything_runs() {
             &["--set: length_s: expected a number from"],
         ),
         (
-            &["--set", "length_s=1", "--set", "length_s=2"],
+            &["--set", "length_s=2", "--set", "length_s=2"],
             &["each once", "length_s"],
         ),
         (&["--set", "length_s"], &["KEY=VALUE,VALUE"]),
@@ -166,7 +166,7 @@ fn what_cannot_be_is_said_before_anything_runs() {
     good(&scene(&["--force", "--set", "length_s=1,2"]));
     let before = folder.text("t.csv");
     refused_with(
-        &scene(&["--set", "length_s=1"]),
+        &scene(&["--set", "length_s=2"]),
         &["1 of 2 rows of another", "--force"],
     );
     assert_eq!(folder.text("t.csv"), before);
@@ -240,6 +240,8 @@ fn an_interrupted_sweep_keeps_its_rows_and_goes_on() {
         "length_s=20",
         "--seeds",
         "1..300",
+        "--jobs",
+        "1",
         "--out",
         "t.csv",
     ];
@@ -256,20 +258,13 @@ fn an_interrupted_sweep_keeps_its_rows_and_goes_on() {
     assert_eq!(folder.names(), ["t.csv"]);
     let kept = folder.text("t.csv");
     assert!((4..300).contains(&rows(&kept)) && kept.ends_with('\n'));
-    let short = [
-        "sweep",
-        "sphere-along",
-        "--set",
-        "length_s=20",
-        "--seeds",
-        "1..8",
-        "--out",
-        "t.csv",
-    ];
-    let refused = hil_in(&folder.0, &short);
+    // The same grid goes on with them; a part that is there already has nothing to do.
+    let again = hil_in(&folder.0, &[&args[..], &["--part", "1/300"]].concat());
+    assert_eq!(again.status, Some(0), "{}", again.err);
     assert!(
-        refused.status == Some(0) || refused.err.contains("of another"),
+        again.out.contains("1 run, 1 of them in the table before"),
         "{}",
-        refused.err
+        again.out
     );
+    assert_eq!(folder.text("t.csv"), kept);
 }

@@ -30,7 +30,7 @@ pub fn measure(findings: &mut Findings) -> Result<(), Failure> {
     let wires = plan.display.wires().len() as u16;
     for (method, width) in [("default", 15), ("every stimulus limited", 160)] {
         let mut guard = plan.guard.clone();
-        let (mut samples, mut limited) = (Samples::default(), 0);
+        let (mut samples, mut read, mut limited) = (Samples::default(), Samples::default(), 0);
         for onset in 0..ONSETS {
             let at = Instant::ZERO + Duration::from_micros(58_500 * onset);
             let until = at + Duration::from_millis(35);
@@ -45,6 +45,11 @@ pub fn measure(findings: &mut Findings) -> Result<(), Failure> {
                 .collect();
             guard.hear(at);
             let begun = clock::now();
+            for wire in 0..usize::from(wires) {
+                black_box(guard.budget(wire, at, until));
+            }
+            let read_us = begun.elapsed().as_secs_f64() * 1e6;
+            let begun = clock::now();
             let update = guard.admit(at, Board(0), &stimuli, |entry| {
                 limited += u64::from(entry.reason.is_some());
             });
@@ -53,10 +58,13 @@ pub fn measure(findings: &mut Findings) -> Result<(), Failure> {
             black_box(guard.expire(until, Board(0)));
             if onset >= ONSETS / 10 {
                 samples.push(us);
+                read.push(read_us);
             }
         }
         let case = format!("guard, {wires} wires at one onset");
         findings.row(&case, method, NO_ERROR, samples.median());
+        let case = format!("guard, budgets of {wires} wires read");
+        findings.row(&case, method, NO_ERROR, read.median());
         let what = format!(
             "guard, {method}, {limited} of {} stimuli limited",
             ONSETS * u64::from(wires)

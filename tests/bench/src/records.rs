@@ -58,6 +58,7 @@ fn write(kind: Kind, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<()
             let traffic = BusTraffic {
                 can: &outcome.can,
                 i2c: &outcome.i2c,
+                readings: outcome.readings.as_ref(),
             };
             write_mcap(&outcome.trace, traffic, &attachments(setup), out)
         }

@@ -75,6 +75,12 @@ pub struct Levels {
 }
 
 impl Levels {
+    /// Nothing moves.
+    pub const SILENT: Self = Self {
+        vibration_db: SILENCE_DB,
+        flutter_db: SILENCE_DB,
+    };
+
     /// The higher one.
     pub const fn db(&self) -> f64 {
         self.vibration_db.max(self.flutter_db)

@@ -346,10 +346,18 @@ fn a_thinned_out_burst_that_is_widened_feels_as_strong() {
         perceiver.felt(33.0).unwrap().levels.vibration_db
     };
     let whole = level(&[0, 1, 2, 3, 4, 5, 6], 10.0);
-    for left in [&[0, 1, 2, 4, 5][..], &[0, 1, 3, 4, 6], &[0, 2, 4, 6], &[0, 3, 6]] {
+    for left in [
+        &[0, 1, 2, 4, 5][..],
+        &[0, 1, 3, 4, 6],
+        &[0, 2, 4, 6],
+        &[0, 3, 6],
+    ] {
         let gain = libm::sqrt(7.0 / left.len() as f64);
         let (widened, plain) = (level(left, 10.0 * gain) - whole, level(left, 10.0) - whole);
-        println!("{} pulses: {widened:.2} dB widened, {plain:.2} dB not", left.len());
+        println!(
+            "{} pulses: {widened:.2} dB widened, {plain:.2} dB not",
+            left.len()
+        );
         assert!(widened.abs() < 1.0 && plain < -1.0, "{widened} {plain}");
     }
 }

@@ -7,7 +7,6 @@ use super::words::{at, change, item_key, short, signed};
 use super::{Difference, Grade, Tolerance};
 use crate::figures::Figure;
 use crate::story::{Column, GoldenKind, Role, Story, Table};
-use crate::trace::Source;
 
 /// Pieces of a header that name a run and say nothing of what it did.
 const NAMES: [&str; 4] = ["bench", "seed", "scene", "limits"];
@@ -49,11 +48,7 @@ fn in_order<K: Ord + Copy>(a: impl Iterator<Item = K>, b: impl Iterator<Item = K
 /// Header lines: settings, names, errors.
 pub(super) fn heads(a: &Story, b: &Story, all: &mut Vec<Difference>) {
     if a.source != b.source {
-        let word = |s: Source| match s {
-            Source::Emulated => "emulated",
-            Source::Real => "real",
-        };
-        let text = format!("{} -> {}", word(a.source), word(b.source));
+        let text = format!("{} -> {}", a.source.word(), b.source.word());
         all.push(Difference::new(Grade::Cosmetic, false, 0, text));
     }
     let partial = a.partial || b.partial;

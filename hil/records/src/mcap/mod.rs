@@ -5,13 +5,17 @@
 //! its number, and fields are scalars: a plot of one of them is one curve.
 
 mod container;
+mod foxglove;
 pub mod proto;
 mod read;
+mod scene;
 mod schema;
+mod topics;
 
 pub use container::Attachment;
+pub use foxglove::LOG;
 pub use read::{McapReader, Read, Tear, Unreadable, read};
-pub use schema::{ALL, FieldKind, LOG, PACKAGE, Schema};
+pub use schema::{ALL, FieldKind, PACKAGE, Schema};
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -19,10 +23,13 @@ use std::io::{self, Write};
 use palpate_core::bus::Received;
 
 use crate::i2c::Transfer;
-use crate::trace::{self, Event, Header, PlaceUm, Source, Trace};
+use crate::readings::{ModulePlaces, Readings};
+use crate::trace::{self, Event, Header, Trace};
 use container::Container;
 use proto::Message;
+use scene::Scene;
 use schema::Level;
+use topics::{RunTopics, WireTopics};
 
 /// Version of the topics and what they say; grows when one changes its meaning.
 pub const VERSION: u32 = 1;
@@ -30,9 +37,11 @@ pub const VERSION: u32 = 1;
 /// The profile in the file's header, and the name of the metadata record with the versions.
 pub const PROFILE: &str = "palpate";
 
-/// What crossed the buses of a run, in the order of time.
+/// What crossed the buses of a run, in the order of time, and what came of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BusTraffic<'a> {
+    /// What taxels read, decoded; `None` where only their frames are recorded.
+    pub readings: Option<&'a Readings>,
     /// Frames on the sensor buses, as the host saw them.
     pub can: &'a [Received],
     /// Messages on the actuator buses.
@@ -49,33 +58,10 @@ pub fn write_mcap(
     attachments: &[Attachment],
     out: impl Write,
 ) -> io::Result<()> {
-    let mut recording = McapRecording::of_run(&trace.header, attachments, out)?;
+    let modules = traffic.readings.map_or(&[][..], Readings::modules);
+    let mut recording = McapRecording::of_run(&trace.header, modules, attachments, out)?;
     recording.piece(&trace.events, traffic)?;
     recording.finish().map(drop)
-}
-
-/// Topics of a wire.
-#[derive(Clone, Copy, Debug)]
-struct WireTopics {
-    schedule: u16,
-    pin: u16,
-    wire: u16,
-    skin: u16,
-}
-
-/// Topics of a run.
-#[derive(Debug)]
-struct RunTopics {
-    frames: u16,
-    contacts: u16,
-    truth: u16,
-    boards: u16,
-    felt: u16,
-    i2c: u16,
-    log: u16,
-    wires: Vec<WireTopics>,
-    /// Board and channel of each wire.
-    outputs: Vec<(u8, u8)>,
 }
 
 /// A recording that grows.
@@ -88,23 +74,21 @@ pub struct McapRecording<W> {
     message: Message,
 }
 
-/// What `source` says in the metadata.
-const fn word(source: Source) -> &'static str {
-    match source {
-        Source::Emulated => "emulated",
-        Source::Real => "real",
-    }
-}
-
 impl<W: Write> McapRecording<W> {
-    /// Begins a recording of a run: versions and digests, the files it goes back to, schemas and topics.
+    /// Begins a recording of a run: versions and digests, the files it goes back to, schemas and topics. Modules are
+    /// those whose readings will come.
     ///
     /// # Errors
     /// Whatever the writer says.
-    pub fn of_run(header: &Header, attachments: &[Attachment], out: W) -> io::Result<Self> {
-        let facts = [
+    pub fn of_run(
+        header: &Header,
+        modules: &[ModulePlaces],
+        attachments: &[Attachment],
+        out: W,
+    ) -> io::Result<Self> {
+        let mut facts = vec![
             ("trace_version", trace::VERSION.to_string()),
-            ("source", word(header.source).into()),
+            ("source", header.source.word().into()),
             ("scene", header.scene.clone()),
             ("bench", header.bench.clone()),
             ("seed", header.seed.to_string()),
@@ -116,6 +100,8 @@ impl<W: Write> McapRecording<W> {
             ("tau_d_us", header.tau_d_us.to_string()),
             ("soa_us", header.soa_us.to_string()),
         ];
+        let banner = header.source.banner();
+        facts.extend(banner.map(|text| ("banner", text.to_owned())));
         let mut recording = Self::begin(&facts, attachments, out)?;
         let container = &mut recording.container;
         let mut schemas = BTreeMap::new();
@@ -123,7 +109,8 @@ impl<W: Write> McapRecording<W> {
             let id = container.schema(&schema.full_name(), &schema.descriptor())?;
             schemas.insert(schema.name, id);
         }
-        let log = container.schema(LOG, &schema::log_descriptor())?;
+        let log = container.schema(LOG, &foxglove::descriptor())?;
+        let scene = Scene::begin(container, header, modules)?;
         let mut topic =
             |schema: &Schema, topic: &str| container.channel(schemas[schema.name], topic);
         let mut run = RunTopics {
@@ -135,6 +122,7 @@ impl<W: Write> McapRecording<W> {
             i2c: topic(&schema::I2C, "/i2c")?,
             log: 0,
             wires: Vec::new(),
+            scene,
             outputs: header.wires.iter().map(|w| (w.board, w.channel)).collect(),
         };
         for wire in 0..header.wires.len() {
@@ -185,6 +173,7 @@ impl<W: Write> McapRecording<W> {
     /// Whatever the writer says.
     pub fn piece(&mut self, events: &[Event], traffic: BusTraffic<'_>) -> io::Result<()> {
         let (mut can, mut i2c) = (traffic.can.iter().peekable(), traffic.i2c.iter().peekable());
+        let mut taxels = traffic.readings.map_or(&[][..], Readings::frames);
         let at = |r: &Received| r.at.as_micros().saturating_mul(1000);
         for event in events {
             let now = event.t_ns();
@@ -195,6 +184,13 @@ impl<W: Write> McapRecording<W> {
                 self.transfer(transfer)?;
             }
             self.event(event)?;
+            while let Some((frame, later)) = taxels.split_first().filter(|f| f.0.t_us * 1000 <= now)
+            {
+                taxels = later;
+                if let Some(run) = &mut self.run {
+                    run.scene.taxels(frame, &mut self.container)?;
+                }
+            }
         }
         for received in can {
             while let Some(transfer) = i2c.next_if(|t| t.start_ns <= at(received)) {
@@ -276,9 +272,10 @@ impl<W: Write> McapRecording<W> {
     }
 
     fn event(&mut self, event: &Event) -> io::Result<()> {
-        let Some(run) = &self.run else {
+        let Some(run) = &mut self.run else {
             return Ok(());
         };
+        run.scene.event(event, &mut self.container)?;
         let t_ns = event.t_ns();
         self.message.clear();
         let message = &mut self.message;
@@ -329,153 +326,6 @@ impl<W: Write> McapRecording<W> {
                 None => Ok(()),
             },
             _ => Ok(()),
-        }
-    }
-}
-
-fn mm(um: i32) -> f64 {
-    f64::from(um) / 1e3
-}
-
-impl RunTopics {
-    fn of_output(&self, board: u8, channel: u8) -> Option<WireTopics> {
-        let wire = self.outputs.iter().position(|o| *o == (board, channel));
-        wire.map(|w| self.wires[w])
-    }
-
-    fn of_wire(&self, wire: u16) -> Option<WireTopics> {
-        self.wires.get(usize::from(wire)).copied()
-    }
-
-    /// Fills in what the sensor end saw; the topic it goes to.
-    fn sensed(&self, event: &Event, message: &mut Message) -> Option<u16> {
-        match event {
-            Event::Frame {
-                frame,
-                in_contact,
-                peak_counts,
-                ..
-            } => {
-                message
-                    .uint(1, *frame)
-                    .uint(2, *in_contact)
-                    .uint(3, *peak_counts);
-                Some(self.frames)
-            }
-            Event::Contact {
-                frame,
-                module,
-                contact,
-                place,
-                intensity_milli,
-                level,
-                members,
-                ..
-            } => {
-                message
-                    .uint(1, *frame)
-                    .uint(2, *module)
-                    .uint(3, *contact)
-                    .double(4, mm(place.x))
-                    .double(5, mm(place.y))
-                    .double(6, f64::from(*intensity_milli) / 1e3)
-                    .uint(7, *level)
-                    .uint(8, *members);
-                Some(self.contacts)
-            }
-            Event::Truth {
-                place, force_mn, ..
-            } => {
-                message
-                    .double(1, mm(place.x))
-                    .double(2, mm(place.y))
-                    .double(3, f64::from(*force_mn) / 1e3);
-                Some(self.truth)
-            }
-            _ => None,
-        }
-    }
-
-    /// The same of what the boards were told.
-    fn told(&self, event: &Event, message: &mut Message) -> Option<u16> {
-        match event {
-            Event::Schedule(entry) => {
-                message
-                    .uint(1, entry.board.0)
-                    .uint(2, entry.channel.0)
-                    .uint(3, entry.requested.get())
-                    .uint(4, entry.width().get())
-                    .uint(5, entry.on)
-                    .uint(6, entry.off)
-                    .uint(7, entry.until.as_micros())
-                    .text(8, entry.reason.map_or("", |r| r.word()));
-                self.of_output(entry.board.0, entry.channel.0)
-                    .map(|w| w.schedule)
-            }
-            Event::PreScale {
-                board, pre_scale, ..
-            } => {
-                message.uint(1, *board).uint(2, *pre_scale);
-                Some(self.boards)
-            }
-            Event::AllOff { board, cause, .. } => {
-                message.uint(1, *board).text(3, cause);
-                Some(self.boards)
-            }
-            _ => None,
-        }
-    }
-
-    /// The same of what came of it.
-    fn came(&self, event: &Event, message: &mut Message) -> Option<u16> {
-        match event {
-            Event::Edge {
-                board,
-                channel,
-                high,
-                ..
-            } => {
-                message.uint(1, *high);
-                self.of_output(*board, *channel).map(|w| w.pin)
-            }
-            Event::Felt {
-                target,
-                inside,
-                felt,
-                level_mdb,
-                tap,
-                energy: all,
-                ..
-            } => {
-                let place =
-                    |p: Option<PlaceUm>| p.map_or((f64::NAN, f64::NAN), |p| (mm(p.x), mm(p.y)));
-                let energy = place(felt.map(|f| f.energy));
-                let amplitude = place(felt.map(|f| f.amplitude));
-                message
-                    .double(1, mm(target.x))
-                    .double(2, mm(target.y))
-                    .uint(3, *inside)
-                    .uint(4, felt.is_some())
-                    .double(5, energy.0)
-                    .double(6, energy.1)
-                    .double(7, amplitude.0)
-                    .double(8, amplitude.1)
-                    .uint(9, all.requested)
-                    .uint(10, all.applied)
-                    .uint(11, all.felt)
-                    .double(12, level_mdb.map_or(f64::NAN, |mdb| f64::from(mdb) * 1e-3))
-                    .uint(13, *tap);
-                Some(self.felt)
-            }
-            Event::Wire { wire, milli_c, .. } => {
-                message.double(1, f64::from(*milli_c) / 1e3);
-                self.of_wire(*wire).map(|w| w.wire)
-            }
-            Event::Skin { wire, milli_c, .. } => {
-                message.double(1, f64::from(*milli_c) / 1e3);
-                self.of_wire(*wire).map(|w| w.skin)
-            }
-            _ => None,
         }
     }
 }

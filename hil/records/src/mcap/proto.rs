@@ -43,6 +43,31 @@ impl Message {
         self
     }
 
+    /// `fixed32`.
+    pub fn fixed32(&mut self, field: u32, value: u32) -> &mut Self {
+        if value != 0 {
+            self.varint(u64::from(field) << 3 | 5);
+            self.0.extend(value.to_le_bytes());
+        }
+        self
+    }
+
+    /// Repeated `uint32`, packed.
+    pub fn packed(&mut self, field: u32, values: impl Iterator<Item = u16> + Clone) -> &mut Self {
+        let size = |v: u16| match v {
+            0..0x80 => 1,
+            0x80..0x4000 => 2,
+            _ => 3,
+        };
+        let length: u64 = values.clone().map(size).sum();
+        if length > 0 {
+            self.varint(u64::from(field) << 3 | 2);
+            self.varint(length);
+            values.for_each(|v| self.varint(u64::from(v)));
+        }
+        self
+    }
+
     /// `bytes`.
     pub fn data(&mut self, field: u32, value: &[u8]) -> &mut Self {
         if !value.is_empty() {

@@ -18,6 +18,8 @@ pub enum FieldKind {
     Bytes = 12,
     /// 32-bit whole number.
     Uint32 = 13,
+    /// One [`FieldKind::Uint32`] for each taxel.
+    Counts,
 }
 
 /// A message: its full name and its fields.
@@ -32,7 +34,7 @@ pub struct Schema {
 /// The package of all messages but the log's.
 pub const PACKAGE: &str = "palpate";
 
-use FieldKind::{Bool, Bytes, Double, String, Uint32, Uint64};
+use FieldKind::{Bool, Bytes, Counts, Double, String, Uint32, Uint64};
 
 /// A frame on a sensor bus.
 pub const CAN: Schema = Schema {
@@ -132,7 +134,18 @@ pub const I2C: Schema = Schema {
     ],
 };
 
-/// All of the package.
+/// What a module's taxels read in a frame, raw counts, and their distance from the reference.
+pub const TAXELS: Schema = Schema {
+    name: "Taxels",
+    fields: &[
+        ("x", Counts),
+        ("y", Counts),
+        ("z", Counts),
+        ("relative", Counts),
+    ],
+};
+
+/// All of the package but what a recording has for each module.
 pub const ALL: [Schema; 10] = [
     CAN,
     FRAME,
@@ -146,10 +159,7 @@ pub const ALL: [Schema; 10] = [
     I2C,
 ];
 
-/// Full name of the messages that log panels show.
-pub const LOG: &str = "foxglove.Log";
-
-/// Levels of [`LOG`].
+/// Levels of [`super::LOG`].
 #[derive(Clone, Copy, Debug)]
 pub enum Level {
     /// Worth a line.
@@ -158,27 +168,38 @@ pub enum Level {
     Warning = 3,
 }
 
-/// Label of a field that may be left out.
-const OPTIONAL: u32 = 1;
+/// A field of a message.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Field<'a> {
+    pub name: &'a str,
+    pub number: u32,
+    /// By its number in `descriptor.proto`.
+    pub kind: u32,
+    pub repeated: bool,
+}
 
-fn field(name: &str, number: u32, kind: u32, type_name: Option<&str>) -> Message {
+/// A field's descriptor; messages and enumerations have a name.
+pub(super) fn field(of: &Field<'_>, type_name: Option<&str>) -> Message {
+    const OPTIONAL: u32 = 1;
+    const REPEATED: u32 = 3;
     let mut field = Message::default();
     field
-        .text(1, name)
-        .uint(3, number)
-        .uint(4, OPTIONAL)
-        .uint(5, kind);
+        .text(1, of.name)
+        .uint(3, of.number)
+        .uint(4, if of.repeated { REPEATED } else { OPTIONAL })
+        .uint(5, of.kind);
     field.text(6, type_name.unwrap_or_default());
     field
 }
 
-fn file(name: &str, package: &str, dependency: &str, message: &Message) -> Message {
+/// A file's descriptor.
+pub(super) fn file(name: &str, package: &str, dependency: &str, messages: &[Message]) -> Message {
     let mut file = Message::default();
-    file.text(1, name)
-        .text(2, package)
-        .text(3, dependency)
-        .inner(4, message)
-        .text(12, "proto3");
+    file.text(1, name).text(2, package).text(3, dependency);
+    for message in messages {
+        file.inner(4, message);
+    }
+    file.text(12, "proto3");
     file
 }
 
@@ -193,61 +214,19 @@ impl Schema {
         let mut message = Message::default();
         message.text(1, self.name);
         for (number, (name, kind)) in (1..).zip(self.fields) {
-            message.inner(2, &field(name, number, *kind as u32, None));
+            let repeated = *kind == Counts;
+            let kind = if repeated { Uint32 } else { *kind } as u32;
+            let of = Field {
+                name,
+                number,
+                kind,
+                repeated,
+            };
+            message.inner(2, &field(&of, None));
         }
+        let name = format!("{PACKAGE}/{}.proto", self.name);
         let mut set = Message::default();
-        set.inner(
-            1,
-            &file(
-                &format!("{PACKAGE}/{}.proto", self.name),
-                PACKAGE,
-                "",
-                &message,
-            ),
-        );
+        set.inner(1, &file(&name, PACKAGE, "", &[message]));
         set.bytes().to_vec()
     }
-}
-
-/// The descriptors of [`LOG`], as Foxglove publishes it (`foxglove/Log.proto`).
-pub fn log_descriptor() -> Vec<u8> {
-    const INT32: u32 = 5;
-    const INT64: u32 = 3;
-    const FIXED32: u32 = 7;
-    const MESSAGE: u32 = 11;
-    const ENUM: u32 = 14;
-    const STRING: u32 = String as u32;
-    let mut timestamp = Message::default();
-    timestamp
-        .text(1, "Timestamp")
-        .inner(2, &field("seconds", 1, INT64, None))
-        .inner(2, &field("nanos", 2, INT32, None));
-    let mut level = Message::default();
-    level.text(1, "Level");
-    let names = ["UNKNOWN", "DEBUG", "INFO", "WARNING", "ERROR", "FATAL"];
-    for (number, name) in (0_u32..).zip(names) {
-        let mut value = Message::default();
-        value.text(1, name).uint(2, number);
-        level.inner(2, &value);
-    }
-    let mut log = Message::default();
-    log.text(1, "Log")
-        .inner(
-            2,
-            &field("timestamp", 1, MESSAGE, Some(".google.protobuf.Timestamp")),
-        )
-        .inner(2, &field("level", 2, ENUM, Some(".foxglove.Log.Level")))
-        .inner(2, &field("message", 3, STRING, None))
-        .inner(2, &field("name", 4, STRING, None))
-        .inner(2, &field("file", 5, STRING, None))
-        .inner(2, &field("line", 6, FIXED32, None))
-        .inner(4, &level);
-    let timestamp_file = "google/protobuf/timestamp.proto";
-    let mut set = Message::default();
-    set.inner(1, &file(timestamp_file, "google.protobuf", "", &timestamp))
-        .inner(
-            1,
-            &file("foxglove/Log.proto", "foxglove", timestamp_file, &log),
-        );
-    set.bytes().to_vec()
 }

@@ -1,6 +1,7 @@
 //! What is written is read again, as far as it is whole.
 
 use palpate_core::codec::can::CanFrame;
+use palpate_core::skin::{Layout, Module, RelativeFrame};
 use palpate_core::units::Instant;
 
 use super::*;
@@ -24,7 +25,7 @@ fn file(frames: &[Received]) -> Vec<u8> {
     };
     let traffic = BusTraffic {
         can: frames,
-        i2c: &[],
+        ..BusTraffic::default()
     };
     let mut out = Vec::new();
     write_mcap(&trace, traffic, &[attachment], &mut out).unwrap();
@@ -121,4 +122,23 @@ fn strangers_are_refused_by_name() {
     foreign.channel(schema, "/chatter").unwrap();
     let foreign = foreign.finish().unwrap();
     assert!(told(&foreign).contains("/chatter"), "{}", told(&foreign));
+}
+
+#[test]
+fn taxels_come_whole_and_their_pictures_at_most_25_times_per_second() {
+    let trace = synthetic::circle(2);
+    let layout = Layout::single(Module::grid("pad", 4, 4, 4.7).unwrap()).unwrap();
+    let frame = RelativeFrame::new(&layout);
+    let mut readings = Readings::whole(&layout, 0);
+    (0..200).for_each(|n| readings.push(n * 10_000, &frame));
+    let messages = |readings| {
+        let mut out = Vec::new();
+        let traffic = BusTraffic {
+            readings,
+            ..BusTraffic::default()
+        };
+        write_mcap(&trace, traffic, &[], &mut out).unwrap();
+        read(&out).unwrap().messages
+    };
+    assert_eq!(messages(Some(&readings)) - messages(None), 200 + 50);
 }

@@ -93,7 +93,7 @@ pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
         crate::trace::VERSION,
         trace_digest(trace),
         match trace.header.source {
-            Source::Emulated =>
+            Source::Emulated | Source::Observed =>
                 "Every value here comes from emulated hardware and a model of the skin.",
             Source::Real => "Real hardware took part; what is felt still comes from a model.",
         }

@@ -98,7 +98,7 @@ class Plot {
   }
   // Shows the interval: the drawing by its view box, the numbers below anew.
   zoom() {
-    const [from, to] = view, width = this.svg.clientWidth || 900, wanted = clamp(width / 75, 2, 10);
+    const [from, to] = view, width = this.svg.clientWidth || 900, wanted = clamp(width / 60, 2, 10);
     this.svg.setAttribute("viewBox", `${from} 0 ${to - from} ${this.tall}`);
     const raw = (to - from) / SECOND / wanted, decade = 10 ** Math.floor(Math.log10(raw));
     const step = decade * [1, 2, 5, 10].find(n => n * decade >= raw * 0.999);
@@ -183,7 +183,7 @@ function listen(plot) {
   figure.addEventListener("keydown", e => {
     const step = (view[1] - view[0]) / (e.shiftKey ? 10 : 100);
     const keys = {
-      ArrowLeft: () => moveTo((now ?? view[0]) - step), ArrowRight: () => moveTo((now ?? view[0]) + step),
+      ArrowLeft: () => stepTo((now ?? view[0]) - step), ArrowRight: () => stepTo((now ?? view[0]) + step),
       "+": () => zoomBy(0.5), "=": () => zoomBy(0.5), "-": () => zoomBy(2), 0: () => show(0, run.end),
       Escape: () => show(0, run.end), " ": play,
     };
@@ -201,7 +201,7 @@ const rows = (flat, width) => {
   for (let i = 0, t = 0; i < flat.length; i += width) found.push([t += flat[i], ...flat.slice(i + 1, i + width)]);
   return found;
 };
-const contacts = rows(run.contacts, 5), felt = rows(run.felt, 6);
+const contacts = rows(run.contacts, 6), felt = rows(run.felt, 6);
 function newest(list, t, hold) {
   let i = last(list, row => row[0], t);
   const found = [];
@@ -239,7 +239,7 @@ class Stage {
     this.over.replaceChildren();
     this.taxels.forEach((rect, i) => rect.style.setProperty("--v", scene.taxels[i] || 0));
     this.wires.forEach((wire, i) => wire.style.setProperty("--v", scene.wires[i] || 0));
-    if (this.taxels.length) for (const [, , x, y] of scene.contacts) this.dot(x, y, "contact-now");
+    if (this.taxels.length) for (const [, , , x, y] of scene.contacts) this.dot(x, y, "contact-now");
     if (this.wires.length) for (const [, x, y, is, u, v] of scene.felt) {
       this.dot(x, y, "aim-now");
       if (is) this.dot(u, v, "felt-now");
@@ -263,7 +263,9 @@ class Plane {
       const [x, y] = this.told.place(row), d = (this.stage.px(x) - at.x) ** 2 + (this.stage.py(y) - at.y) ** 2;
       if (d < best) [best, found] = [d, row];
     }
-    if (found && timer === null) moveTo(found[0]);
+    const box = this.stage.taxels.findIndex(rect => rect === event.target);
+    this.taxel = box < 0 ? null : box;
+    if (timer === null) moveTo(found ? found[0] : now ?? 0);
   }
   draw(scene) {
     this.stage.draw(scene);
@@ -271,15 +273,21 @@ class Plane {
     this.read.hidden = now === null;
     this.read.replaceChildren();
     make("b", { textContent: now === null ? "" : seconds(now) }, this.read);
-    for (const row of found) make("span", { textContent: this.told.words(row) }, this.read);
+    for (const row of found.slice(0, 4)) make("span", { textContent: this.told.words(row) }, this.read);
+    if (found.length > 4) make("span", { textContent: `and ${found.length - 4} more` }, this.read);
+    if (this.taxel != null && run.taxels.most) {
+      const counts = Math.round((scene.taxels[this.taxel] || 0) * run.taxels.most);
+      make("span", { textContent: `taxel ${this.taxel}: about ${counts} counts` }, this.read);
+    }
     if (!found.length) make("span", { textContent: this.told.nothing }, this.read);
   }
 }
+const modules = new Set(contacts.map(r => r[1])).size;
 const mm = um => (um / 1e3).toFixed(2).replace("-", "\u2212");
 const planes = [
   new Plane("pad", contacts, {
-    of: "contacts", place: r => [r[2], r[3]], nothing: "no contact",
-    words: r => `contact ${r[1]}: x ${mm(r[2])}, y ${mm(r[3])} mm, ${r[4]} counts`,
+    of: "contacts", place: r => [r[3], r[4]], nothing: "no contact",
+    words: r => `${modules > 1 ? `module ${r[1]}, ` : ""}contact ${r[2]}: x ${mm(r[3])}, y ${mm(r[4])} mm, ${r[5]} counts`,
   }, run.pad),
   new Plane("display", felt, {
     of: "felt", place: r => r[3] ? [r[4], r[5]] : [r[1], r[2]], nothing: "nothing projected",
@@ -347,6 +355,13 @@ function show(from, to) {
   for (const plot of plots) { plot.zoom(); plot.point(); }
   const [a, b] = view.map(t => (t / SECOND).toFixed(view[1] - view[0] < SECOND ? 4 : 2));
   shown.textContent = `${a} to ${b} s`;
+}
+
+// As moveTo, and the interval goes along.
+function stepTo(t) {
+  moveTo(t);
+  const beyond = Math.max(now - view[1], 0) + Math.min(now - view[0], 0);
+  if (beyond) show(view[0] + beyond, view[1] + beyond);
 }
 
 function zoomBy(scale, about = now ?? (view[0] + view[1]) / 2) {

@@ -4,11 +4,13 @@ use super::scale::Scale;
 use super::svg::{Plot, Svg, dot};
 use crate::measure::length_us;
 use crate::trace::{Event, PlaceUm, Trace};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 /// Steps of colour from the start of the run to its end.
 pub(super) const HUES: usize = 10;
+/// Most taxels that are drawn, and that are played; of more, every so many is drawn.
+pub(super) const TAXELS: usize = 4_096;
 const WIDTH: f64 = 540.0;
 const HEIGHT: f64 = 520.0;
 
@@ -62,6 +64,22 @@ fn pitch(places: &[(f64, f64)]) -> f64 {
     if best.is_finite() { best } else { 4.7 }
 }
 
+/// A way that is gone again and again is drawn once: steps between cells of two pixels.
+#[derive(Default)]
+struct Trodden(BTreeSet<[i32; 4]>);
+
+impl Trodden {
+    /// Most steps of one colour.
+    const MOST: usize = 4_000;
+
+    /// Whether this step is new, and there is room for it.
+    fn is_new(&mut self, from: (f64, f64), to: (f64, f64)) -> bool {
+        let cell = |v: f64| (v / 2.0).round() as i32;
+        let step = [from.0, from.1, to.0, to.1].map(cell);
+        self.0.len() < Self::MOST && self.0.insert(step)
+    }
+}
+
 /// A stroke in the colours of its time: thin line, and dots not closer than two pixels.
 #[derive(Default)]
 struct Stroke {
@@ -69,6 +87,8 @@ struct Stroke {
     dots: [String; HUES],
     last: Option<(f64, f64)>,
     last_dot: Option<(f64, f64)>,
+    trodden: [Trodden; HUES],
+    dotted: [Trodden; HUES],
 }
 
 impl Stroke {
@@ -76,14 +96,16 @@ impl Stroke {
         let far =
             |p: Option<(f64, f64)>, d: f64| p.is_none_or(|p| (p.0 - at.0).hypot(p.1 - at.1) >= d);
         let hue = hue.min(HUES - 1);
-        if let (Some(from), true) = (self.last, far(self.last, 0.7)) {
+        if let (Some(from), true) = (self.last, far(self.last, 0.7))
+            && self.trodden[hue].is_new(from, at)
+        {
             let line = &mut self.lines[hue];
             let _ = write!(line, "M{:.1} {:.1}L{:.1} {:.1}", from.0, from.1, at.0, at.1);
         }
         if far(self.last, 0.7) {
             self.last = Some(at);
         }
-        if far(self.last_dot, 2.0) {
+        if far(self.last_dot, 2.0) && self.dotted[hue].is_new(at, at) {
             dot(&mut self.dots[hue], at);
             self.last_dot = Some(at);
         }
@@ -122,7 +144,7 @@ pub(super) fn contact_path(trace: &Trace) -> (String, Plot) {
     let mut svg = Svg::new(WIDTH, HEIGHT, "Contact path over the taxels of the pad");
     axes(&mut plot, &mut svg, &places, pitch * 0.65, "sensor");
     let half = plot.px(pitch * 0.41) - plot.px(0.0);
-    for taxel in &taxels {
+    for taxel in taxels.iter().step_by(taxels.len().div_ceil(TAXELS).max(1)) {
         let (x, y) = plot.at(*taxel);
         svg.rect((x - half, y - half), (2.0 * half, 2.0 * half), "taxel");
     }
@@ -177,9 +199,12 @@ fn truth(trace: &Trace, plot: &Plot, svg: &mut Svg) {
     let several = points.windows(2).any(|w| matches!(w, [a, b] if a.0 == b.0));
     let mut line = String::new();
     let mut last: Option<(u64, (f64, f64))> = None;
+    let (mut trodden, mut lifted) = (Trodden::default(), false);
     for (t_us, at) in points {
         if several {
-            dot(&mut line, at);
+            if trodden.is_new(at, at) {
+                dot(&mut line, at);
+            }
             continue;
         }
         let joined = last.filter(|(t, _)| t_us - t <= 100_000);
@@ -188,12 +213,19 @@ fn truth(trace: &Trace, plot: &Plot, svg: &mut Svg) {
                 last = Some((t_us, p));
                 continue;
             }
-            Some(_) => {
+            Some((_, from)) if trodden.is_new(from, at) => {
+                if std::mem::take(&mut lifted) {
+                    let _ = write!(line, "M{:.1} {:.1}", from.0, from.1);
+                }
                 let _ = write!(line, "L{:.1} {:.1}", at.0, at.1);
             }
+            Some(_) => lifted = true,
             // A touch that rests is a dot.
             None => {
-                let _ = write!(line, "M{:.1} {:.1}h0", at.0, at.1);
+                lifted = !trodden.is_new(at, at);
+                if !lifted {
+                    let _ = write!(line, "M{:.1} {:.1}h0", at.0, at.1);
+                }
             }
         }
         last = Some((t_us, at));
@@ -221,6 +253,7 @@ pub(super) fn felt_path(trace: &Trace) -> (String, Plot) {
     axes(&mut plot, &mut svg, &places, 2.6, "display");
     let (mut target_path, mut outside) = (Stroke::default(), String::new());
     let (mut felt_path, mut crosses) = (Stroke::default(), String::new());
+    let mut crossed = Trodden::default();
     let length = length_us(trace);
     let gap = trace.header.soa_us.saturating_mul(2).max(1);
     let (mut before, mut first) = (None, None);
@@ -250,7 +283,9 @@ pub(super) fn felt_path(trace: &Trace) -> (String, Plot) {
             }
             None => {
                 felt_path.lift();
-                cross(if *inside { &mut crosses } else { &mut outside }, aim);
+                if crossed.is_new(aim, aim) {
+                    cross(if *inside { &mut crosses } else { &mut outside }, aim);
+                }
             }
         }
     }

@@ -2,6 +2,7 @@
 //!
 //! What the wires do is not here: the script reads it off the schedule's own bars.
 
+use super::paths::TAXELS;
 use super::series::scan_us;
 use super::svg::Plot;
 use super::timeplot::tenth_ms;
@@ -16,6 +17,8 @@ const FELT: usize = 3_000;
 /// Most frames with taxels, and the most bytes they may take.
 const FRAMES: usize = 3_000;
 const BYTES: usize = 300_000;
+/// A skin that never had more counts is drawn against these: noise is no touch.
+const FAINT: u16 = 100;
 /// Steps of a taxel's value, told as one letter each.
 const LEVELS: u16 = 61;
 /// The letter of the lowest step; digits are left for runs of zeros.
@@ -60,6 +63,7 @@ fn contacts(trace: &Trace) -> (String, usize) {
         if let Event::Contact {
             t_us,
             frame,
+            module,
             contact,
             place,
             intensity_milli,
@@ -69,14 +73,15 @@ fn contacts(trace: &Trace) -> (String, usize) {
         {
             let [x, y] = xy(*place);
             let counts = i64::from(*intensity_milli / 1000);
-            rows.add(*t_us, &[i64::from(*contact), x, y, counts]);
+            let (module, contact) = (i64::from(*module), i64::from(*contact));
+            rows.add(*t_us, &[module, contact, x, y, counts]);
         }
     }
     (rows.out, every)
 }
 
-/// Where every onset was aimed and felt; a break is felt nowhere.
-fn felt(trace: &Trace) -> String {
+/// Where onsets were aimed and felt, and of how many one is told; a break is felt nowhere.
+fn felt(trace: &Trace) -> (String, usize) {
     let onsets = trace.events.iter().filter_map(|e| match e {
         Event::Felt {
             t_us, target, felt, ..
@@ -89,7 +94,7 @@ fn felt(trace: &Trace) -> String {
         let ([x, y], [u, v]) = (xy(target), xy(felt.unwrap_or_default()));
         rows.add(t_us, &[x, y, i64::from(felt.is_some()), u, v]);
     }
-    rows.out
+    (rows.out, every)
 }
 
 /// A frame: a letter per taxel, and the length of each run of zeros.
@@ -112,12 +117,12 @@ fn letters(out: &mut String, frame: &[Reading], most: u16) {
     out.push('.');
 }
 
-/// The driving module's taxels over time; empty where nothing was kept or touched.
+/// The driving module's taxels over time; empty where nothing was kept.
 fn taxels(readings: &Readings) -> String {
     let largest = readings
         .driving()
         .flat_map(|(_, all)| all.iter().map(|r| r[3]));
-    let Some(most) = largest.max().filter(|m| *m > 0) else {
+    let Some(most) = largest.max().map(|m| m.max(FAINT)) else {
         return String::new();
     };
     let mut every = readings.driving().len().div_ceil(FRAMES).max(1);
@@ -153,15 +158,16 @@ pub(super) fn data(
     let scan = scan_us(trace).unwrap_or(10_000.0) as u64;
     // A contact is there until two more frames came without it.
     let hold = tenth_ms(scan.saturating_mul(every as u64).saturating_mul(5) / 2);
-    let taxels = readings.map(taxels).unwrap_or_default();
+    let (felt, every) = felt(trace);
+    let soa = tenth_ms(trace.header.soa_us.saturating_mul(every as u64)).max(1);
+    let played = readings.filter(|_| trace.header.taxels.len() <= TAXELS);
+    let taxels = played.map(taxels).unwrap_or_default();
     let [pad, display] = planes.map(to_pixels);
     let _ = writeln!(
         page,
-        "<script type=\"application/json\" id=\"run\">{{\"end\":{},\"hold\":{hold},\"soa\":{},\"pad\":{pad:?},\
-         \"display\":{display:?},\n\"contacts\":[{contacts}],\n\"felt\":[{}],\n\"taxels\":{{{taxels}}}}}</script>",
+        "<script type=\"application/json\" id=\"run\">{{\"end\":{},\"hold\":{hold},\"soa\":{soa},\"pad\":{pad:?},\
+         \"display\":{display:?},\n\"contacts\":[{contacts}],\n\"felt\":[{felt}],\n\"taxels\":{{{taxels}}}}}</script>",
         tenth_ms(length_us(trace)).max(1),
-        tenth_ms(trace.header.soa_us).max(1),
-        felt(trace),
     );
 }
 

@@ -53,12 +53,16 @@ pub(super) fn heading(page: &mut String, trace: &Trace) {
     let (class, word) = match h.source {
         Source::Emulated => ("", "EMULATED"),
         Source::Real => (" real", "REAL"),
+        Source::Observed => (" real", "OBSERVED"),
     };
     let _ = writeln!(
         page,
         "<header><h1>{}</h1><span class=\"badge{class}\">{word}</span></header>",
         escape(&title(&h.scene))
     );
+    if let Some(banner) = h.source.banner() {
+        let _ = writeln!(page, "<p role=\"note\"><strong>{banner}</strong></p>");
+    }
 }
 
 /// What was run, and how the page was made.

@@ -2,7 +2,7 @@
 
 mod read;
 
-pub use read::read_schedule;
+pub use read::{check_line, read_schedule};
 
 use crate::trace::{Event, Header, Source, Trace};
 use palpate_core::schedule::Entry;
@@ -22,6 +22,8 @@ struct HeaderLine<'a> {
     scene: &'a str,
     bench: &'a str,
     source: Source,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    banner: Option<&'static str>,
     pre_scale: u8,
     period_ns: u64,
     tau_d_us: u64,
@@ -38,6 +40,7 @@ impl<'a> HeaderLine<'a> {
             scene: &header.scene,
             bench: &header.bench,
             source: header.source,
+            banner: header.source.banner(),
             pre_scale: header.pre_scale.get(),
             period_ns: header.pre_scale.period_ns(),
             tau_d_us: header.tau_d_us,

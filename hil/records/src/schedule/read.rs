@@ -70,16 +70,9 @@ pub fn read_schedule(
     text: &str,
     wires: impl FnOnce(&str) -> Vec<WireInfo>,
 ) -> Result<Trace, Damage> {
-    const FIRST: &str = "a schedule's header: {\"version\":1,\"seed\":..}";
     let mut lines = text.lines().enumerate().map(|(n, l)| (n + 1, l));
     let (_, first) = lines.next().unwrap_or((1, ""));
-    let header: HeaderLine =
-        serde_json::from_str(first).map_err(|e| unread(1, FIRST, first, &e))?;
-    if header.version != VERSION {
-        let found = format!("version {}", header.version);
-        return Err(Damage::of_line(1, &format!("version {VERSION}"), &found));
-    }
-    check(&header)?;
+    let header = header(first)?;
     let mut events = Vec::new();
     let mut driven = Driven::default();
     for (number, line) in lines {
@@ -104,10 +97,7 @@ pub fn read_schedule(
     let wires = wires(&header.bench);
     Ok(Trace {
         header: Header {
-            source: match header.source.as_str() {
-                "real" => Source::Real,
-                _ => Source::Emulated,
-            },
+            source: Source::of(&header.source).unwrap_or(Source::Emulated),
             scene: header.scene,
             bench: header.bench,
             seed: header.seed,
@@ -130,6 +120,29 @@ pub fn read_schedule(
             ..Ledger::default()
         },
     })
+}
+
+fn header(first: &str) -> Result<HeaderLine, Damage> {
+    const FIRST: &str = "a schedule's header: {\"version\":1,\"seed\":..}";
+    let header: HeaderLine =
+        serde_json::from_str(first).map_err(|e| unread(1, FIRST, first, &e))?;
+    if header.version != VERSION {
+        let found = format!("version {}", header.version);
+        return Err(Damage::of_line(1, &format!("version {VERSION}"), &found));
+    }
+    check(&header)?;
+    Ok(header)
+}
+
+/// Refuses a line, counted from one, that no schedule has there.
+///
+/// # Errors
+/// What was expected in its place.
+pub fn check_line(number: usize, text: &str) -> Result<(), Damage> {
+    match number {
+        1 => header(text).map(drop),
+        _ => event(number, text).map(drop),
+    }
 }
 
 /// Longest schedule: that of a recording of a day, and the times that it names.

@@ -113,7 +113,7 @@ pub struct Story {
     pub bursts_untold: u64,
     /// Digests by what they are of.
     pub digests: BTreeMap<&'static str, String>,
-    /// From a schedule file, which says less: what it lacks is no difference.
+    /// From a schedule file or a golden of an earlier version, which say less: what they lack is no difference.
     pub partial: bool,
 }
 

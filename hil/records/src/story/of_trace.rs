@@ -122,26 +122,30 @@ impl Story {
     fn begun(kind: GoldenKind, trace: &Trace) -> Self {
         let h = &trace.header;
         let length = seconds(measure::length_us(trace));
-        Self {
-            head: vec![
-                head(
-                    "",
-                    [
-                        format!("bench {}", name(&h.bench)),
-                        format!("seed {}", h.seed),
-                    ],
-                ),
-                head(
-                    "",
-                    [
-                        format!("scene {}", h.scene_digest),
-                        format!("limits {}", h.limits_digest),
-                    ],
-                ),
-                head("", [format!("length {length} s")]),
-            ],
-            ..Self::empty(kind, one_line(&h.scene), h.source)
-        }
+        let mut story = Self::empty(kind, one_line(&h.scene), h.source);
+        let banner = h.source.banner().and_then(|text| text.split_once(": "));
+        story.head = banner
+            .map(|(label, text)| head(label, [text.to_owned()]))
+            .into_iter()
+            .collect();
+        story.head.extend([
+            head(
+                "",
+                [
+                    format!("bench {}", name(&h.bench)),
+                    format!("seed {}", h.seed),
+                ],
+            ),
+            head(
+                "",
+                [
+                    format!("scene {}", h.scene_digest),
+                    format!("limits {}", h.limits_digest),
+                ],
+            ),
+            head("", [format!("length {length} s")]),
+        ]);
+        story
     }
 }
 

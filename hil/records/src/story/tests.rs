@@ -142,3 +142,27 @@ fn damage_is_named_by_its_line() {
         assert!(damage.to_string().contains(word), "{word}: {damage}");
     }
 }
+
+/// Before units stood in their own column, the ledger had another heading and contacts were told in words.
+#[test]
+fn goldens_of_an_earlier_version_open_with_what_has_not_changed() {
+    let trace = synthetic::circle(1);
+    let text = schedule_golden(&trace);
+    let start = text.find("ledger ").unwrap();
+    let end = text.find("bursts: ").unwrap();
+    let old = "ledger                          value           limit\n  stimuli   0   -\n\nwire  output\n\n";
+    let old = Story::read(&format!("{}{old}{}", &text[..start], &text[end..])).unwrap();
+    let new = Story::read(&text).unwrap();
+    assert!(old.partial && !new.partial);
+    assert_eq!((&old.bursts, &old.chart), (&new.bursts, &new.chart));
+    assert!(!old.digests.contains_key("trace") && new.digests.contains_key("trace"));
+    let text = contacts_golden(&trace);
+    let start = text.find("  contact  from").unwrap();
+    let end = text.find("digest of").unwrap();
+    let old = format!(
+        "{}contacts: 1\n  0/1  0.8..9.9 s\n{}",
+        &text[..start],
+        &text[end..]
+    );
+    assert!(Story::read(&old).unwrap().partial);
+}

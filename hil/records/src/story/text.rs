@@ -4,7 +4,6 @@ use super::{COLUMNS, GoldenKind, HeadLine, LINES, Story};
 use crate::bursts::{Burst, DrivenOutput};
 use crate::figures::Figure;
 use crate::fixed::{milli, milli_u};
-use crate::trace::Source;
 
 /// Most happenings told one by one.
 const HAPPENINGS: usize = 40;
@@ -40,11 +39,7 @@ impl Story {
     /// The golden's text.
     pub fn text(&self) -> String {
         let mut out = Text::default();
-        let source = match self.source {
-            Source::Emulated => "emulated",
-            Source::Real => "real",
-        };
-        let title = self.kind.title();
+        let (title, source) = (self.kind.title(), self.source.word());
         out.put(&format!("palpate {title} of {} ({source})", self.scene));
         self.head.iter().for_each(|line| out.put(&head(line)));
         out.put("");

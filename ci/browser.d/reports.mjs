@@ -1,0 +1,130 @@
+// Opens every report of a folder in Chromium and uses it as a person would.
+//
+//   reports.mjs FOLDER [PICTURES]
+import assert from "node:assert/strict";
+import { readdirSync } from "node:fs";
+import { createRequire } from "node:module";
+import { join, resolve } from "node:path";
+
+const { chromium } = createRequire(join(process.env.PALPATE_DRIVER, "package.json"))("playwright-core");
+const [folder, pictures] = process.argv.slice(2).map(path => path && resolve(path));
+const pages = readdirSync(folder).filter(name => name.endsWith(".html")).sort();
+const browser = await chromium.launch({ executablePath: process.env.PALPATE_CHROMIUM, args: ["--no-sandbox"] });
+
+// A page that may ask nothing of anyone; what it complains about fails the check.
+async function open(name, width, colorScheme, javaScriptEnabled = true) {
+  const context = await browser.newContext({ viewport: { width, height: 900 }, colorScheme, javaScriptEnabled });
+  const page = await context.newPage(), wrong = [];
+  page.on("console", message => ["error", "warning"].includes(message.type()) && wrong.push(message.text()));
+  page.on("pageerror", error => wrong.push(error.message));
+  page.on("request", request => request.url().startsWith("file:") || wrong.push(request.url()));
+  await page.goto(`file://${join(folder, name)}`);
+  return { page, wrong, close: () => context.close() };
+}
+
+// What reaches beyond the page, and text that is cut.
+const beyond = page => page.evaluate(() => {
+  const width = document.documentElement.clientWidth, found = [];
+  if (document.documentElement.scrollWidth > width) found.push(`the page is ${document.documentElement.scrollWidth} wide`);
+  for (const element of document.querySelectorAll("main *:not(svg *):not(.spoken)")) {
+    const box = element.getBoundingClientRect();
+    if (box.width && (box.right > width + 0.5 || box.left < -0.5)) found.push(`${element.tagName} ${element.className}: ${element.textContent.slice(0, 40)}`);
+  }
+  for (const text of document.querySelectorAll("main svg text")) {
+    const box = text.getBoundingClientRect(), frame = text.ownerSVGElement.getBoundingClientRect();
+    if (text.textContent && (box.left < frame.left - 1 || box.right > frame.right + 1)) found.push(`text is cut: ${text.textContent}`);
+  }
+  return found.slice(0, 5);
+});
+
+const labels = page => page.$$eval("figure.plot[tabindex] .xs", all => all.map(x => x.textContent));
+const shown = page => page.$$eval("figure.plot[tabindex] > svg", all => all.map(s => s.getAttribute("viewBox").split(" ").filter((_, i) => i % 2 === 0).join(" ")));
+const clock = page => page.$eval(".controls input[type=range]", range => +range.value);
+
+async function use(name) {
+  const { page, wrong, close } = await open(name, 1100, "light");
+  assert.deepEqual(await beyond(page), [], `${name} at 1100`);
+  const plots = await page.$$("figure.plot[tabindex]");
+  assert(plots.length >= 4, `${name}: ${plots.length} plots`);
+
+  // Values under the pointer, in every plot at once, with the unit of each.
+  await plots[0].scrollIntoViewIfNeeded();
+  const box = await plots[0].boundingBox();
+  await page.mouse.move(box.x + box.width * 0.45, box.y + box.height / 2);
+  const reads = await page.$$eval("figure.plot[tabindex] .read", all => all.map(read => [read.hidden, read.querySelector("b").textContent, read.textContent]));
+  assert(reads.every(([hidden, at]) => !hidden && at === reads[0][1]), `${name}: one cursor: ${reads.map(r => r[1])}`);
+  assert.match(reads[0][2], /\d\.\d\d\u202f\u00b0C/, name);
+  const cursors = await page.$$eval("figure.plot[tabindex] .cursor", all => new Set(all.map(c => c.style.left)).size);
+  assert.equal(cursors, 1, `${name}: cursors apart`);
+
+  // Dragging zooms all of them to one interval; keys and wheel go on; a double click ends it.
+  const whole = await shown(page), before = await labels(page);
+  assert.equal(new Set(whole).size, 1, whole.join("; "));
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width * 0.6, box.y + box.height / 2, { steps: 4 });
+  await page.mouse.up();
+  const dragged = await shown(page);
+  assert.equal(new Set(dragged).size, 1, dragged.join("; "));
+  assert.notEqual(dragged[0], whole[0], `${name}: dragging`);
+  assert((await labels(page)).every((text, i) => text !== before[i]), `${name}: numbers of the axis`);
+  await plots[0].focus();
+  await page.keyboard.press("+");
+  const closer = await shown(page);
+  assert.notEqual(closer[0], dragged[0], `${name}: the key +`);
+  const at = await clock(page);
+  await page.keyboard.press("ArrowRight");
+  assert(await clock(page) > at, `${name}: the key to the right`);
+  assert.match(await page.$eval(".spoken", p => p.textContent), /\d/);
+  await page.mouse.move(box.x + box.width * 0.5, box.y + box.height / 2);
+  await page.mouse.wheel(0, 120);
+  assert.notEqual((await shown(page))[0], closer[0], `${name}: the wheel`);
+  await page.keyboard.press("0");
+  assert.deepEqual(await shown(page), whole, `${name}: the key 0`);
+
+  // Playback goes on by itself until it is stopped, and moves what it shows.
+  const scene = () => page.$eval(".pictures", p => p.innerHTML);
+  await page.$eval(".controls input[type=range]", range => { range.value = range.max * 0.4; range.dispatchEvent(new Event("input")); });
+  const [from, still] = [await clock(page), await scene()];
+  await page.getByRole("button", { name: "Play" }).click();
+  await page.waitForFunction(from => +document.querySelector(".controls input[type=range]").value > from + 3000, from);
+  await page.getByRole("button", { name: "Pause" }).click();
+  const paused = await clock(page);
+  await page.waitForTimeout(60);
+  assert.equal(await clock(page), paused, `${name}: pause`);
+  const touched = await page.$$eval(".pictures .taxel", all => all.some(t => +t.style.getPropertyValue("--v") > 0));
+  assert(touched || name.startsWith("idle"), `${name}: no taxel is touched`);
+  assert.notEqual(await scene(), still, `${name}: the picture stands`);
+
+  // The contact under the pointer.
+  const pad = await page.$("#pad svg"), dot = await page.$("#pad .dots");
+  if (dot) {
+    await pad.scrollIntoViewIfNeeded();
+    const place = await dot.boundingBox();
+    await page.mouse.move(place.x + place.width / 2, place.y + place.height / 2);
+    await page.$eval(".controls input[type=range]", range => { range.value = range.max * 0.5; range.dispatchEvent(new Event("input")); });
+    assert.match(await page.$eval("#pad .read", read => read.textContent), /mm|no contact/, name);
+  }
+  assert.deepEqual(wrong, [], name);
+  if (pictures) await page.screenshot({ path: join(pictures, `${name}-1100-light.png`), fullPage: true });
+  await close();
+}
+
+async function narrow(name, scheme, scripts) {
+  const { page, wrong, close } = await open(name, 390, scheme, scripts);
+  const width = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+  assert(width[0] <= width[1], `${name} at 390: ${width}`);
+  assert.deepEqual(await beyond(page), [], `${name} at 390, scripts ${scripts}`);
+  assert.equal(await page.$$eval("figure.plot > svg path[data-k]", all => all.length > 3), true);
+  assert.deepEqual(wrong, [], name);
+  if (pictures) await page.screenshot({ path: join(pictures, `${name}-390-${scripts ? scheme : "plain"}.png`), fullPage: true });
+  await close();
+}
+
+for (const name of pages) {
+  await use(name);
+  await narrow(name, "dark", true);
+  await narrow(name, "light", false);
+  console.log(`  ${name}: values, one cursor, zoom, playback, 390 pixels, no scripts`);
+}
+await browser.close();
+console.log(`browser: ${pages.length} reports answer`);

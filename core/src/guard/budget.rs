@@ -1,0 +1,114 @@
+//! What a renderer may plan with: how much each limit leaves of a stimulus, before it is handed to the guard.
+//!
+//! Reading changes nothing, and [`Guard::admit`] stays the last word. The figures are the ones by which it decides,
+//! at the worst corner of its range, for what is booked so far.
+
+use crate::schedule::Reason;
+use crate::units::{Duration, Instant, Ticks};
+
+use super::Guard;
+use super::admission::faded;
+
+/// The second that [`Guard::second_uw`] looks ahead.
+const SECOND: Duration = Duration::from_millis(1000);
+
+/// What the limits leave one wire of a stimulus between two times. A stimulus that keeps to all of it passes unchanged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WireBudget {
+    /// The widest pulse.
+    pub widest: Ticks,
+    /// The latest end: that of the stimulus, or the burst's before it.
+    pub until: Instant,
+    /// Whether the supply bears such a pulse beside the boards that are on.
+    pub supply: bool,
+    /// Electrical energy, nJ, that each row leaves until that end, as [`Guard::energy_nj`] counts it.
+    /// Rows that fill again keep back what the guard keeps back. The dose is `u64::MAX` where it limits less than
+    /// the peak.
+    pub energy_nj: [(Reason, u64); 7],
+}
+
+impl WireBudget {
+    /// The energy, nJ, that all rows leave, and the row that leaves no more.
+    pub fn least(&self) -> (Reason, u64) {
+        let [first, others @ ..] = self.energy_nj;
+        let less = |least: (Reason, u64), row: (Reason, u64)| {
+            if row.1 < least.1 { row } else { least }
+        };
+        others.into_iter().fold(first, less)
+    }
+}
+
+/// Nanojoules, rounded down; nothing left is zero.
+fn nanojoules(joules: f64) -> u64 {
+    (joules * 1e9) as u64
+}
+
+impl Guard {
+    /// What could be driven on a wire between `at` and `until` if nothing else is at that onset: each stimulus of the
+    /// same onset takes from the fingertip's row before the next. Wires of the board that are on end with the onset.
+    ///
+    /// `None` for a wire that is not there, a time that is over before it begins, and a latched guard.
+    pub fn budget(&self, wire: usize, at: Instant, until: Instant) -> Option<WireBudget> {
+        let state = self.wires.get(wire)?;
+        let burst = self.burst_at(wire, at);
+        let until = until.min(self.latest(&burst));
+        if self.latched().is_some() || until <= at {
+            return None;
+        }
+        let off = until + self.plant.surplus();
+        let booking = state.tissue.booking(at, off, self.plant.latency());
+        let heat = state.tissue.each_room(&self.budget, booking);
+        let [peak, dose, deep, mean] = heat.map(|(j, row)| match j.is_finite() {
+            true => (row, faded(nanojoules(j))),
+            false => (row, u64::MAX),
+        });
+        let burst_nj = self.limits.burst_energy_nj.saturating_sub(burst.spent_nj);
+        let left = |pj: u64| faded(pj / 1000);
+        let tip = self.fingertip.left_pj_at(at);
+        Some(WireBudget {
+            widest: self.widest(),
+            until,
+            supply: self.supply_is_free(wire),
+            energy_nj: [
+                (Reason::Burst, burst_nj),
+                peak,
+                dose,
+                deep,
+                mean,
+                (Reason::WirePower, left(state.power.left_pj_at(at))),
+                (Reason::FingertipPower, left(tip)),
+            ],
+        })
+    }
+
+    /// Mean power, uW, of one wire that each row leaves for the second from `at` on. For the rows of power that is
+    /// the most that the guard passes in it; for those of heat it is what may flow evenly, so that the limit is met at
+    /// its end. `None` for a wire that is not there.
+    pub fn second_uw(&self, wire: usize, at: Instant) -> Option<[(Reason, u64); 6]> {
+        let state = self.wires.get(wire)?;
+        let booking = (state.tissue).booking(at, at + SECOND, self.plant.latency());
+        let heat = state.tissue.each_room(&self.budget, booking);
+        let [peak, dose, deep, mean] = heat.map(|(j, row)| match j.is_finite() {
+            true => (row, nanojoules(j) / 1000),
+            false => (row, u64::MAX),
+        });
+        let (power, tip) = (state.power.second_nj(at), self.fingertip.second_nj(at));
+        Some([
+            peak,
+            dose,
+            deep,
+            mean,
+            (Reason::WirePower, power / 1000),
+            (Reason::FingertipPower, tip / 1000),
+        ])
+    }
+
+    /// Electrical energy, nJ, that a stimulus of this width and length is booked with: from above over all oscillators.
+    pub fn energy_nj(&self, width: Ticks, length: Duration) -> u64 {
+        self.plant.energy_nj(width.get(), length)
+    }
+}
+
+#[cfg(test)]
+#[path = "budget_tests.rs"]
+mod tests;

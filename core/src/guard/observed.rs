@@ -1,0 +1,107 @@
+//! A run that the guard only observes: it books what is driven, notes what it would have done, and changes nothing.
+//!
+//! For emulated benches alone. What comes of it is a type of its own that no driver takes.
+
+use crate::schedule::{Entry, Stimulus, stagger};
+use crate::units::{Board, Channel, Instant};
+
+use super::{Guard, Running, Setting};
+
+/// What the channels of one board shall do, as the guard saw it and did not judge. No driver takes it:
+///
+/// ```compile_fail,E0308
+/// # use palpate_core::{driver::Actuators, guard::Observed};
+/// fn drive<A: Actuators>(driver: &mut A, observed: &Observed) {
+///     let _ = driver.apply(observed);
+/// }
+/// ```
+///
+/// Nor is there a way to turn one into what a driver takes:
+///
+/// ```compile_fail,E0277
+/// # use palpate_core::guard::{Guarded, Observed};
+/// fn forge(observed: Observed) -> Guarded {
+///     observed.into()
+/// }
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Observed {
+    board: Board,
+    channels: [Option<Setting>; 16],
+}
+
+impl Observed {
+    /// The board it is for.
+    pub const fn board(&self) -> Board {
+        self.board
+    }
+
+    /// Every channel that carries a wire, by number, also those that stay as they are.
+    pub const fn channels(&self) -> &[Option<Setting>; 16] {
+        &self.channels
+    }
+}
+
+impl Guard {
+    /// As [`Self::admit`], but every stimulus stays as it is. Its entry has the reason for which it would have been
+    /// changed or refused. Heat, dose and energy are booked as they flow. `None` where no channel changes.
+    pub fn observe(
+        &mut self,
+        at: Instant,
+        board: Board,
+        stimuli: &[Stimulus],
+        mut ledger: impl FnMut(Entry),
+    ) -> Option<Observed> {
+        let mut changes = self.release(at, board).changes();
+        for stimulus in stimuli {
+            let index = usize::from(stimulus.wire);
+            let Some(channel) = self.channel(index, board) else {
+                continue;
+            };
+            let reason = self.note(index, at, stimulus);
+            let (on, off) = stagger(Channel(channel), stimulus.width);
+            if on < off && stimulus.until > at {
+                changes = true;
+                self.wires[index].now = Some(Running {
+                    setting: Setting { on, off },
+                    until: stimulus.until,
+                });
+            }
+            ledger(Entry {
+                at,
+                board,
+                channel: Channel(channel),
+                on,
+                off,
+                until: stimulus.until,
+                requested: stimulus.width,
+                reason,
+            });
+        }
+        changes.then(|| self.observed(board))
+    }
+
+    /// Ends what has ended by `at` on one board. `None` where nothing has.
+    pub fn observe_expiry(&mut self, at: Instant, board: Board) -> Option<Observed> {
+        let changes = self.expire(at, board).changes();
+        changes.then(|| self.observed(board))
+    }
+
+    /// What the wires of one board do now.
+    fn observed(&self, board: Board) -> Observed {
+        let mut channels = [None; 16];
+        for wire in self.wires.iter().filter(|w| w.place.0 == board) {
+            if let Some(slot) = channels.get_mut(usize::from(wire.place.1)) {
+                *slot = Some(
+                    wire.now
+                        .map_or(Setting { on: 0, off: 0 }, |now| now.setting),
+                );
+            }
+        }
+        Observed { board, channels }
+    }
+}
+
+#[cfg(test)]
+#[path = "observed_tests.rs"]
+mod tests;

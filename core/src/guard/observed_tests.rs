@@ -1,0 +1,131 @@
+//! What the guard notes of stimuli that it leaves as they are, and what it books.
+
+use alloc::vec::Vec;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::guard::{HARD, Plant};
+use crate::illusion::DisplayWire;
+use crate::schedule::Reason;
+use crate::units::{Milliamps, Point, Prescale, Ticks};
+
+const THESIS: Plant = Plant {
+    prescale: Prescale::new(30),
+    wire_milliohm: 1900,
+    peak: Milliamps(1970),
+};
+
+fn guard() -> Guard {
+    let wire = |c: u8| DisplayWire {
+        place: Point::new(f32::from(c), 0.0),
+        board: Board(c / 4),
+        channel: Channel(c % 4),
+    };
+    let wires: Vec<_> = (0..8).map(wire).collect();
+    Guard::new(HARD, THESIS, &wires).unwrap()
+}
+
+fn stimulus(wire: u16, width: u16, at_us: u64, length_us: u64) -> Stimulus {
+    Stimulus {
+        wire,
+        width: Ticks::new(width),
+        peak: Milliamps(1970),
+        at: Instant::from_micros(at_us),
+        until: Instant::from_micros(at_us + length_us),
+    }
+}
+
+fn observe(guard: &mut Guard, stimuli: &[Stimulus]) -> (Option<Observed>, Vec<Entry>) {
+    let mut entries = Vec::new();
+    let update = guard.observe(stimuli[0].at, Board(0), stimuli, |e| entries.push(e));
+    (update, entries)
+}
+
+#[test]
+fn what_is_asked_stays_and_the_reason_is_noted() {
+    let mut guard = guard();
+    let (update, entries) = observe(
+        &mut guard,
+        &[stimulus(2, 100, 0, 35_000), stimulus(1, 400, 0, 80_000)],
+    );
+    let channels = *update.unwrap().channels();
+    assert_eq!(channels[1], Some(Setting { on: 256, off: 656 }));
+    assert_eq!(channels[2], Some(Setting { on: 512, off: 612 }));
+    // The board's other wires stand there as well, off; the other board's do not.
+    assert_eq!(channels[0], Some(Setting { on: 0, off: 0 }));
+    assert_eq!(channels[4], None);
+    assert_eq!(entries[1].width(), entries[1].requested);
+    assert_eq!(entries[1].until, Instant::from_micros(80_000));
+    assert!(entries[1].reason.is_some());
+    assert_eq!(entries[0].reason, None);
+}
+
+#[test]
+fn ends_are_told_with_what_goes_on_and_nothing_is_told_without_an_end() {
+    let mut guard = guard();
+    observe(
+        &mut guard,
+        &[stimulus(1, 100, 0, 20_000), stimulus(2, 100, 0, 35_000)],
+    );
+    let early = Instant::from_micros(19_999);
+    assert_eq!(guard.observe_expiry(early, Board(0)), None);
+    let ended = guard.observe_expiry(Instant::from_micros(20_000), Board(0));
+    let channels = *ended.unwrap().channels();
+    assert_eq!(channels[1], Some(Setting { on: 0, off: 0 }));
+    assert_eq!(channels[2], Some(Setting { on: 512, off: 612 }));
+    assert_eq!(guard.next_expiry(), Some(Instant::from_micros(35_000)));
+}
+
+#[test]
+fn a_latched_guard_notes_and_lets_all_pass() {
+    let mut guard = guard();
+    guard.latch(crate::guard::Cause::StaleInput);
+    let (update, entries) = observe(&mut guard, &[stimulus(0, 100, 0, 35_000)]);
+    assert!(update.is_some());
+    assert_eq!(entries[0].reason, Some(Reason::Latched));
+    assert_eq!(entries[0].width(), Ticks::new(100));
+}
+
+#[test]
+fn what_flows_is_booked_so_that_the_prediction_passes_the_limits() {
+    let (mut observed, mut guarded) = (guard(), guard());
+    for turn in 0..100 {
+        let asked = [stimulus(0, 140, turn * 58_500, 35_000)];
+        observe(&mut observed, &asked);
+        guarded.admit(asked[0].at, Board(0), &asked, |_| {});
+        let end = asked[0].until;
+        observed.observe_expiry(end, Board(0));
+        guarded.expire(end, Board(0));
+    }
+    assert!(guarded.predicted().peak_c <= 43.0);
+    assert!(
+        observed.predicted().peak_c > 60.0,
+        "{:?}",
+        observed.predicted()
+    );
+}
+
+proptest! {
+    /// Where the guard has nothing to change, looking on is the same as letting through.
+    #[test]
+    fn observing_what_passes_is_admitting_it(
+        asked in prop::collection::vec((0u16..4, 0u16..60, 1u64..34_000, 0u64..400_000), 1..30),
+    ) {
+        let (mut observed, mut guarded) = (guard(), guard());
+        let mut at_us = 0;
+        for (wire, width, length_us, pause_us) in asked {
+            let stimuli = [stimulus(wire, width, at_us, length_us)];
+            let mut passed = None;
+            guarded.admit(stimuli[0].at, Board(0), &stimuli, |e| passed = Some(e));
+            let (_, entries) = observe(&mut observed, &stimuli);
+            prop_assert_eq!(passed.and_then(|e| e.reason), entries[0].reason);
+            if entries[0].reason.is_some() {
+                break;
+            }
+            prop_assert_eq!(passed, entries.first().copied());
+            prop_assert_eq!(alloc::format!("{observed:?}"), alloc::format!("{guarded:?}"));
+            at_us += length_us + pause_us;
+        }
+    }
+}

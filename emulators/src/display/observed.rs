@@ -1,0 +1,78 @@
+//! A writer of registers for runs that the guard only observes. It writes to the emulated bus and to no other.
+
+use embedded_hal::i2c::{Error as _, I2c};
+use palpate_core::codec::pca9685::{self as regs, CHANNELS, FULL};
+use palpate_core::driver::{DriverError, ObservedRegisters, Traffic};
+use palpate_core::guard::{Observed, Setting};
+use palpate_core::units::Board;
+
+use super::i2c::I2cHandle;
+use super::i2c::fault::Shared;
+
+/// Writes what a run asked for as bytes. The boards are started and looked after by their driver. A transfer that fails
+/// is not made again.
+#[derive(Debug)]
+pub struct RegisterWriter {
+    i2c: Shared<I2cHandle>,
+    /// 7-bit addresses by board.
+    addresses: Box<[u8]>,
+    traffic: Traffic,
+}
+
+/// The four registers of a channel; full on is never among them.
+fn registers(setting: Setting) -> [u8; 4] {
+    let [on, off] = [setting.on, setting.off].map(|ticks| ticks.min(4095).to_le_bytes());
+    let full_off = if setting.off <= setting.on { FULL } else { 0 };
+    [on[0], on[1], off[0], off[1] | full_off]
+}
+
+impl RegisterWriter {
+    /// For boards behind an emulated bus.
+    pub fn new(i2c: Shared<I2cHandle>, addresses: &[u8]) -> Self {
+        Self {
+            i2c,
+            addresses: addresses.into(),
+            traffic: Traffic::default(),
+        }
+    }
+
+    /// What it wrote.
+    pub const fn traffic(&self) -> Traffic {
+        self.traffic
+    }
+
+    fn send(&mut self, board: Board, bytes: &[u8]) -> Result<(), DriverError> {
+        let address = self.addresses.get(usize::from(board.0));
+        let address = *address.ok_or(DriverError::NoSuchBoard(board))?;
+        let sent = self.i2c.write(address, bytes);
+        sent.map_err(|e| DriverError::Bus(board, e.kind()))
+    }
+}
+
+impl ObservedRegisters for RegisterWriter {
+    type Error = DriverError;
+
+    /// One write of all channels up to the last wire's, ended by one STOP.
+    fn write(&mut self, update: &Observed) -> Result<(), DriverError> {
+        let used = update.channels().iter().rposition(Option::is_some);
+        let used = used.map_or(0, |last| last + 1);
+        let mut bytes = [0; 1 + 4 * CHANNELS as usize];
+        bytes[0] = regs::LED0_ON_L;
+        let quads = bytes[1..].chunks_exact_mut(4).zip(update.channels());
+        for (quad, setting) in quads {
+            quad.copy_from_slice(&registers(setting.unwrap_or(Setting { on: 0, off: 0 })));
+        }
+        self.traffic.writes += 1;
+        self.traffic.channels += used as u64;
+        self.send(update.board(), &bytes[..1 + 4 * used])
+    }
+
+    fn all_off(&mut self) -> Result<(), DriverError> {
+        let boards = (0..=u8::MAX).take(self.addresses.len());
+        let off = |result: Result<(), _>, board| {
+            let one = self.send(Board(board), &[regs::ALL_LED_OFF_H, FULL]);
+            result.and(one)
+        };
+        boards.fold(Ok(()), off)
+    }
+}

@@ -1,0 +1,173 @@
+//! The topics of a run, and how an event becomes the message of one of them.
+
+use super::proto::Message;
+use super::scene::{Scene, mm};
+use crate::trace::{Event, PlaceUm};
+
+/// Topics of a wire.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WireTopics {
+    pub schedule: u16,
+    pub pin: u16,
+    pub wire: u16,
+    pub skin: u16,
+}
+
+/// Topics of a run.
+#[derive(Debug)]
+pub(super) struct RunTopics {
+    pub frames: u16,
+    pub contacts: u16,
+    pub truth: u16,
+    pub boards: u16,
+    pub felt: u16,
+    pub i2c: u16,
+    pub log: u16,
+    pub wires: Vec<WireTopics>,
+    pub scene: Scene,
+    /// Board and channel of each wire.
+    pub outputs: Vec<(u8, u8)>,
+}
+
+impl RunTopics {
+    pub fn of_output(&self, board: u8, channel: u8) -> Option<WireTopics> {
+        let wire = self.outputs.iter().position(|o| *o == (board, channel));
+        wire.map(|w| self.wires[w])
+    }
+
+    pub fn of_wire(&self, wire: u16) -> Option<WireTopics> {
+        self.wires.get(usize::from(wire)).copied()
+    }
+
+    /// Fills in what the sensor end saw; the topic it goes to.
+    pub fn sensed(&self, event: &Event, message: &mut Message) -> Option<u16> {
+        match event {
+            Event::Frame {
+                frame,
+                in_contact,
+                peak_counts,
+                ..
+            } => {
+                message
+                    .uint(1, *frame)
+                    .uint(2, *in_contact)
+                    .uint(3, *peak_counts);
+                Some(self.frames)
+            }
+            Event::Contact {
+                frame,
+                module,
+                contact,
+                place,
+                intensity_milli,
+                level,
+                members,
+                ..
+            } => {
+                message
+                    .uint(1, *frame)
+                    .uint(2, *module)
+                    .uint(3, *contact)
+                    .double(4, mm(place.x))
+                    .double(5, mm(place.y))
+                    .double(6, f64::from(*intensity_milli) / 1e3)
+                    .uint(7, *level)
+                    .uint(8, *members);
+                Some(self.contacts)
+            }
+            Event::Truth {
+                place, force_mn, ..
+            } => {
+                message
+                    .double(1, mm(place.x))
+                    .double(2, mm(place.y))
+                    .double(3, f64::from(*force_mn) / 1e3);
+                Some(self.truth)
+            }
+            _ => None,
+        }
+    }
+
+    /// The same of what the boards were told.
+    pub fn told(&self, event: &Event, message: &mut Message) -> Option<u16> {
+        match event {
+            Event::Schedule(entry) => {
+                message
+                    .uint(1, entry.board.0)
+                    .uint(2, entry.channel.0)
+                    .uint(3, entry.requested.get())
+                    .uint(4, entry.width().get())
+                    .uint(5, entry.on)
+                    .uint(6, entry.off)
+                    .uint(7, entry.until.as_micros())
+                    .text(8, entry.reason.map_or("", |r| r.word()));
+                self.of_output(entry.board.0, entry.channel.0)
+                    .map(|w| w.schedule)
+            }
+            Event::PreScale {
+                board, pre_scale, ..
+            } => {
+                message.uint(1, *board).uint(2, *pre_scale);
+                Some(self.boards)
+            }
+            Event::AllOff { board, cause, .. } => {
+                message.uint(1, *board).text(3, cause);
+                Some(self.boards)
+            }
+            _ => None,
+        }
+    }
+
+    /// The same of what came of it.
+    pub fn came(&self, event: &Event, message: &mut Message) -> Option<u16> {
+        match event {
+            Event::Edge {
+                board,
+                channel,
+                high,
+                ..
+            } => {
+                message.uint(1, *high);
+                self.of_output(*board, *channel).map(|w| w.pin)
+            }
+            Event::Felt {
+                target,
+                inside,
+                felt,
+                level_mdb,
+                tap,
+                energy: all,
+                ..
+            } => {
+                let place =
+                    |p: Option<PlaceUm>| p.map_or((f64::NAN, f64::NAN), |p| (mm(p.x), mm(p.y)));
+                let energy = place(felt.map(|f| f.energy));
+                let amplitude = place(felt.map(|f| f.amplitude));
+                message
+                    .double(1, mm(target.x))
+                    .double(2, mm(target.y))
+                    .uint(3, *inside)
+                    .uint(4, felt.is_some())
+                    .double(5, energy.0)
+                    .double(6, energy.1)
+                    .double(7, amplitude.0)
+                    .double(8, amplitude.1)
+                    .uint(9, all.requested)
+                    .uint(10, all.applied)
+                    .uint(11, all.felt)
+                    .double(12, level_mdb.map_or(f64::NAN, |mdb| f64::from(mdb) * 1e-3))
+                    .uint(13, *tap);
+                Some(self.felt)
+            }
+            Event::Wire { wire, milli_c, .. } => {
+                message.double(1, f64::from(*milli_c) / 1e3);
+                self.of_wire(*wire).map(|w| w.wire)
+            }
+            Event::Skin { wire, milli_c, .. } => {
+                message.double(1, f64::from(*milli_c) / 1e3);
+                self.of_wire(*wire).map(|w| w.skin)
+            }
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Designs against what follows by hand, and against runs of the same wire.
+
+use super::*;
+
+const PERSON: Person = Person {
+    vibration_um: 0.26,
+    flutter_um: 5.0,
+    growth: [0.7, 1.0],
+};
+
+fn pattern(amps: f64, pulses: u32, cadence_ms: f64) -> PulsePattern {
+    PulsePattern {
+        amps,
+        pulses,
+        cadence_s: cadence_ms / 1e3,
+        watts: 0.02,
+    }
+}
+
+fn of(pattern: &PulsePattern) -> DesignOutcome {
+    let wire = WireParameters::FINAL;
+    outcome(&wire, &TissueParameters::DEFAULT, pattern, PERSON, 4.0).unwrap()
+}
+
+/// Widths of the same energy as seven pulses of 1.62 mJ, and levels at equal mean power: docs/felt.md.
+#[test]
+fn fewer_larger_rarer_pulses_are_felt_better_at_equal_power() {
+    let seven = of(&pattern(0.99, 7, 58.5));
+    for (other, db) in [
+        (pattern(0.99, 4, 58.5), 2.5),
+        (pattern(1.97, 2, 117.0), 9.0),
+        (pattern(0.99, 7, 117.0), 3.6),
+    ] {
+        let gained = of(&other).levels.vibration_db - seven.levels.vibration_db;
+        assert!((gained - db).abs() < 0.15, "{other:?}: {gained}");
+    }
+    let width = pattern(1.97, 2, 117.0).width_s(1.9);
+    assert!((width * 1e6 - 158.7).abs() < 0.5, "{width}");
+}
+
+#[test]
+fn a_larger_wire_keeps_its_resistivity_and_its_crimps() {
+    let wire = WireParameters::FINAL;
+    let same = resized(&wire, wire.diameter_m, wire.length_m);
+    assert!((same.resistance_ohm - wire.resistance_ohm).abs() < 1e-12);
+    // The first module's wire: 1.4 Ohm, 46 % of the heat in it, 136 W/m2K.
+    let thick = resized(&wire, 100e-6, 5e-3);
+    assert!((thick.resistance_ohm - 1.4).abs() < 0.01, "{thick:?}");
+    assert!((thick.wire_share - 0.46).abs() < 0.005, "{thick:?}");
+    assert!((thick.air_h - 136.0).abs() < 1.0, "{thick:?}");
+}
+
+#[test]
+fn the_limit_table_forbids_what_it_names() {
+    for (pattern, row) in [
+        (pattern(0.99, 1, 58.5), Some("pulse-width")),
+        (pattern(1.97, 12, 117.0), Some("burst")),
+        (pattern(1.97, 7, 50.0), Some("burst")),
+        (
+            PulsePattern {
+                watts: 0.03,
+                ..pattern(1.97, 2, 117.0)
+            },
+            Some("pulse-width"),
+        ),
+        (
+            PulsePattern {
+                watts: 0.021,
+                ..pattern(1.97, 4, 117.0)
+            },
+            Some("wire-power"),
+        ),
+        (pattern(1.97, 4, 117.0), None),
+        (pattern(1.97, 7, 468.0), None),
+    ] {
+        assert_eq!(of(&pattern).forbidden, row, "{pattern:?}");
+    }
+    // The same power on two fifths of the tissue.
+    let short = resized(&WireParameters::FINAL, 75e-6, 2e-3);
+    let pattern = PulsePattern {
+        watts: 0.02,
+        ..pattern(1.97, 7, 58.5)
+    };
+    let of = outcome(&short, &TissueParameters::DEFAULT, &pattern, PERSON, 4.0).unwrap();
+    assert_eq!(of.forbidden, Some("skin-peak"), "{of:?}");
+}
+
+#[test]
+fn what_another_point_beats_in_everything_is_dominated() {
+    let (a, b) = (pattern(0.99, 7, 58.5), pattern(0.99, 4, 58.5));
+    let points = [a, b].map(|p| (p, of(&p)));
+    let better = usize::from(points[1].1.skin_c[1] <= points[0].1.skin_c[1]);
+    assert_eq!((better, undominated(&points)), (1, vec![false, true]));
+}

@@ -1,0 +1,95 @@
+//! Options of `hil design`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::Voice;
+
+/// Most numbers of one list.
+const MOST: usize = 1000;
+
+/// Numbers between commas, within bounds.
+fn numbers(text: &str, low: f64, high: f64) -> Result<Numbers, String> {
+    let expected =
+        || format!("expected numbers from {low} to {high} between commas, at most {MOST}");
+    let one = |part: &str| {
+        let number = part.trim().parse().ok();
+        number.filter(|n: &f64| (low..=high).contains(n))
+    };
+    let all: Option<Vec<f64>> = text.split(',').map(one).collect();
+    all.filter(|all| all.len() <= MOST)
+        .map(Numbers)
+        .ok_or_else(expected)
+}
+
+/// Long enough to listen to, short enough to wait for.
+fn seconds(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok();
+    let within = number.filter(|s: &f64| (3.0..=3600.0).contains(s));
+    within.ok_or_else(|| "expected 3 to 3600 s".into())
+}
+
+/// Values that are tried, in the order of the command line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Numbers(pub Vec<f64>);
+
+/// Options of `hil design`: lists between commas, of which every combination is computed.
+#[derive(Debug, Args)]
+pub struct DesignArgs {
+    /// Wires to start from, built in or files: what they are made of and how they lie on the finger.
+    #[arg(
+        long,
+        value_name = "NAME|FILE,..",
+        value_delimiter = ',',
+        default_value = "taut,loose"
+    )]
+    pub wire: Vec<String>,
+    /// Alloys, built in or files.
+    #[arg(
+        long,
+        value_name = "NAME|FILE,..",
+        value_delimiter = ',',
+        default_value = "low"
+    )]
+    pub alloy: Vec<String>,
+    /// Diameters in place of the wire's, um. Resistance and heat to air follow.
+    #[arg(long, value_name = "UM,..", value_parser = |t: &str| numbers(t, 10.0, 1000.0))]
+    pub diameter_um: Option<Numbers>,
+    /// Lengths in place of the wire's, mm.
+    #[arg(long, value_name = "MM,..", value_parser = |t: &str| numbers(t, 0.5, 100.0))]
+    pub length_mm: Option<Numbers>,
+    /// Constant stresses in place of the wire's, MPa.
+    #[arg(long, value_name = "MPA,..", value_parser = |t: &str| numbers(t, 0.0, 1000.0))]
+    pub stress_mpa: Option<Numbers>,
+    /// Currents of a pulse, A.
+    #[arg(long, value_name = "A,..", default_value = "0.99,1.4,1.97", value_parser = |t: &str| numbers(t, 0.01, 20.0))]
+    pub current_a: Numbers,
+    /// Pulses of a burst, one per PWM period of 5.079 ms.
+    #[arg(long, value_name = "N,..", default_value = "1,2,4,7", value_parser = |t: &str| numbers(t, 1.0, 100.0))]
+    pub pulses: Numbers,
+    /// Time from burst to burst, ms.
+    #[arg(long, value_name = "MS,..", default_value = "58.5,117,234", value_parser = |t: &str| numbers(t, 5.0, 10_000.0))]
+    pub cadence_ms: Numbers,
+    /// Mean electrical power of the wire, mW: the width of the pulses follows from it.
+    #[arg(long, value_name = "MW,..", default_value = "20", value_parser = |t: &str| numbers(t, 0.01, 1000.0))]
+    pub power_mw: Numbers,
+    /// The person who feels it, built in or a file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "typical")]
+    pub person: String,
+    /// How long a wire is driven, s.
+    #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = seconds)]
+    pub seconds: f64,
+    /// Write every point, .csv.
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Write a page with the plot and the points that no other beats.
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
+    /// Overwrite files that are no earlier output of hil.
+    #[arg(long)]
+    pub force: bool,
+    /// How much it says.
+    #[command(flatten)]
+    pub voice: Voice,
+}

@@ -1,0 +1,116 @@
+//! Options of the commands about buses and what hangs on them: recording, replay, emulation, doctor, off.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use palpate_buses::guardian::{parse_bus, parse_line};
+
+use super::{Voice, positive, whole};
+
+/// Options of `hil record`.
+#[derive(Debug, Args)]
+pub struct RecordArgs {
+    /// Files to write, .log (candump) or .mcap.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// A CAN interface; repeatable, the n-th is bus n.
+    #[arg(long, value_name = "IFACE", required = true)]
+    pub can: Vec<String>,
+    /// Length of the recording in seconds (default: until Ctrl-C).
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
+    pub seconds: Option<f64>,
+    /// Overwrite files that are no earlier output of hil.
+    #[arg(long)]
+    pub force: bool,
+    /// How much it says.
+    #[command(flatten)]
+    pub voice: Voice,
+}
+
+/// Options of `hil replay`.
+#[derive(Debug, Args)]
+pub struct ReplayArgs {
+    /// The recording, .log (candump) or .mcap.
+    pub file: PathBuf,
+    /// Where the clock jumps, play what follows right after what came before.
+    #[arg(long)]
+    pub split_jumps: bool,
+    /// A CAN interface; repeatable, bus n of the recording plays on the n-th.
+    #[arg(long, value_name = "IFACE", required = true)]
+    pub can: Vec<String>,
+    /// How much it says.
+    #[command(flatten)]
+    pub voice: Voice,
+}
+
+/// Options of `hil doctor`.
+#[derive(Debug, Args)]
+pub struct DoctorArgs {
+    /// Check only the buses of this bench (default: all buses of the machine).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub bench: Option<String>,
+    /// Print one JSON object.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `hil off`.
+#[derive(Debug, Args)]
+pub struct OffArgs {
+    /// A bench of real buses: a file.
+    #[arg(long, value_name = "NAME|FILE", required_unless_present = "i2c")]
+    pub bench: Option<String>,
+    /// An I2C adapter in place of a bench; repeatable. Every chip that answers there is switched off.
+    #[arg(long, value_name = "DEVICE", conflicts_with = "bench")]
+    pub i2c: Vec<PathBuf>,
+    /// Also clear a latched stop. Look at the bench first.
+    #[arg(long)]
+    pub unlatch: bool,
+}
+
+/// Options of the guardian process.
+#[derive(Debug, Args)]
+pub struct GuardianArgs {
+    /// Adapter and addresses of its boards.
+    #[arg(long, value_name = "PATH=ADDRESS,..", value_parser = parse_bus)]
+    pub i2c: Vec<(PathBuf, Vec<u8>)>,
+    /// GPIO chip and line of the OE pins.
+    #[arg(long, value_name = "CHIP=LINE", value_parser = parse_line)]
+    pub oe: Option<(PathBuf, u32)>,
+    /// Silence after which the run counts as hung.
+    #[arg(long, value_name = "MS", value_parser = whole::<u64, 1, 10_000>)]
+    pub heartbeat_ms: u64,
+    /// What one transfer may take.
+    #[arg(long, value_name = "MS", value_parser = whole::<u64, 1, 10_000>)]
+    pub transfer_ms: u64,
+}
+
+/// Options of `hil emulate`.
+#[derive(Debug, Args)]
+pub struct EmulateArgs {
+    /// A built-in bench or a file (default: emulated).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub bench: Option<String>,
+    /// The scene that touches the boards, over and over: a built-in name or a file (default: sphere-along).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub scene: Option<String>,
+    /// A CAN interface that is up; give it once per sensor bus of the scene's layout (default: vcan0,
+    /// vcan1, ...).
+    #[arg(long, value_name = "IFACE")]
+    pub can: Vec<String>,
+    /// Let the boards wait for a start command (20f#0700). The scene begins with it.
+    #[arg(long)]
+    pub await_start: bool,
+    /// Connect pin 0 of the bridge, a GPIO line with a pull-up, to the chips' OE pins. It cuts every output.
+    #[arg(long)]
+    pub oe: bool,
+    /// Seed of all randomness.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
+    pub seed: u64,
+    /// Print what happens as JSON Lines: every edge of an output, every all-off, the record at the end.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}

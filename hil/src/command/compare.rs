@@ -1,0 +1,195 @@
+//! `hil compare`: two summaries, tables of sweeps or other JSON results, figure by figure; or a folder of earlier
+//! summaries over time.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use palpate_files::{FileError, Format, read_text};
+use palpate_records::runs::RunTable;
+use palpate_records::verdict::{Conclusion, Verdict};
+use palpate_run::Failure;
+use serde_json::{Value, json};
+
+use crate::cli::{Color, CompareArgs};
+use crate::history::{Compared, Tolerance, Trend, compare_objects, compare_tables, page, trends};
+use crate::output::{Outputs, print};
+use crate::progress::Progress;
+use crate::sweep::read_table;
+
+/// Longest result that is read as a whole.
+const MOST: u64 = 64 << 20;
+
+/// Compares two files, or shows a folder's trends.
+///
+/// # Errors
+/// [`Failure::Input`] for a file of another kind, [`Failure::Check`] where a figure differs or runs lack.
+pub fn compare(args: &CompareArgs, color: Color) -> Result<(), Failure> {
+    let outputs = Outputs {
+        force: args.force,
+        inputs: &[],
+    };
+    if let Some(path) = &args.html {
+        outputs.check(path, Format::Html)?;
+    }
+    let tolerance = Tolerance(args.tolerance_percent / 100.0);
+    let (compared, all) = match &args.b {
+        Some(b) => (two(&args.a, b, tolerance)?, Vec::new()),
+        None if args.a.is_dir() => {
+            let _shown = Progress::endless("reading summaries");
+            let all = trends(&args.a)?;
+            (newest(&all, tolerance), all)
+        }
+        None => {
+            return Err(Failure::Input(format!(
+                "{}: expected a folder of summaries, or two files, found one file",
+                args.a.display()
+            )));
+        }
+    };
+    match &args.html {
+        Some(_) if all.is_empty() => {
+            return Err(Failure::Input(
+                "--html: expected a folder of summaries, found two files".into(),
+            ));
+        }
+        Some(path) => {
+            let text = page(&all, &compared);
+            outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
+        }
+        None => {}
+    }
+    if args.voice.json {
+        print(|out| {
+            serde_json::to_writer(&mut *out, &object(&compared, &all))?;
+            writeln!(out)
+        })?;
+    } else if !args.voice.quiet {
+        print(|out| write(&compared, &all, color.on(&io::stdout()), out))?;
+    }
+    match compared.conclusion.verdict {
+        Verdict::Ok => Ok(()),
+        _ => Err(Failure::Check(String::new())),
+    }
+}
+
+/// A result in a file.
+enum Kept {
+    Table(RunTable),
+    Object(Value),
+}
+
+fn two(a: &Path, b: &Path, tolerance: Tolerance) -> Result<Compared, Failure> {
+    match (read(a)?, read(b)?) {
+        (Kept::Table(a), Kept::Table(b)) => Ok(compare_tables(&a, &b, tolerance)),
+        (Kept::Object(a), Kept::Object(b)) => Ok(compare_objects(&a, &b, tolerance)),
+        (of_a, of_b) => Err(Failure::Input(format!(
+            "{}: expected {} like {}, found {}",
+            b.display(),
+            of_a.noun(),
+            a.display(),
+            of_b.noun()
+        ))),
+    }
+}
+
+impl Kept {
+    const fn noun(&self) -> &'static str {
+        match self {
+            Self::Table(_) => "a table of a sweep",
+            Self::Object(_) => "a summary (JSON)",
+        }
+    }
+}
+
+fn read(path: &Path) -> Result<Kept, FileError> {
+    let label = path.display().to_string();
+    let expected =
+        "a summary (`hil run --json`), a table of `hil sweep`, or another result in JSON";
+    // A table may be longer than any other result.
+    if matches!(
+        path.extension().and_then(|e| e.to_str()),
+        Some("csv" | "jsonl")
+    ) {
+        let _shown = Progress::reading(path);
+        return read_table(path).map(Kept::Table);
+    }
+    let text = read_text(path, expected, MOST)?;
+    if RunTable::is_one(&text) {
+        return read_table(path).map(Kept::Table);
+    }
+    match Format::of(text.as_bytes()) {
+        Some(Format::Json) => {}
+        found => {
+            return Err(FileError::whole(
+                label,
+                expected,
+                found.map_or("something else", Format::noun),
+            ));
+        }
+    }
+    let read = serde_json::from_str(&text);
+    read.map(Kept::Object).map_err(|e| FileError {
+        line: Some(e.line()),
+        ..FileError::whole(label, "JSON", e.to_string())
+    })
+}
+
+/// The newest run of each series against the one before.
+fn newest(all: &[Trend], tolerance: Tolerance) -> Compared {
+    let mut whole = Compared::default();
+    let mut conclusion = Conclusion::default();
+    for (trend, compared) in all.iter().filter_map(|t| Some((t, t.newest(tolerance)?))) {
+        whole.figures += compared.figures;
+        let detail = format!("{}, newest against the one before", trend.name);
+        whole
+            .differences
+            .extend(compared.differences.into_iter().map(|mut d| {
+                d.detail.clone_from(&detail);
+                d
+            }));
+        if let Some(why) = compared.conclusion.why.first() {
+            conclusion.add(
+                compared.conclusion.verdict,
+                format!("{}: {why}", trend.name),
+            );
+        }
+    }
+    Compared {
+        conclusion,
+        ..whole
+    }
+}
+
+fn object(compared: &Compared, all: &[Trend]) -> Value {
+    let run = |trend: &Trend| -> Vec<Value> {
+        let runs = trend.runs.iter();
+        runs.map(|run| json!({"date": run.date, "version": run.version, "verdict": run.verdict, "file": run.file}))
+            .collect()
+    };
+    let mut object = json!(compared);
+    if !all.is_empty() {
+        let series: Vec<Value> = all
+            .iter()
+            .map(|t| json!({"series": t.name, "runs": run(t)}))
+            .collect();
+        object["trends"] = series.into();
+    }
+    object
+}
+
+fn write(compared: &Compared, all: &[Trend], colored: bool, out: &mut dyn Write) -> io::Result<()> {
+    compared.conclusion.write(out, colored)?;
+    writeln!(
+        out,
+        "{} figures compared, {} differ",
+        compared.figures,
+        compared.differences.len()
+    )?;
+    compared
+        .differences
+        .iter()
+        .try_for_each(|d| writeln!(out, "  {}", d.words()))?;
+    all.iter()
+        .flat_map(Trend::table)
+        .try_for_each(|line| writeln!(out, "{line}"))
+}

@@ -1,0 +1,364 @@
+//! `hil design`: what makes of wire are felt like, at which tissue temperature and current.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
+use palpate_files::{Format, load_alloy, load_person, load_wire};
+use palpate_records::report::scale::Scale;
+use palpate_records::report::svg::{Plot, Svg, dot, escape};
+use palpate_records::verdict::Conclusion;
+use palpate_run::design::{DesignOutcome, PulsePattern, outcome, resized, undominated};
+use palpate_run::{Failure, plan};
+use rayon::prelude::*;
+use serde_json::Value;
+
+use crate::cli::{Color, DesignArgs, Numbers};
+use crate::output::{Outputs, print};
+use crate::progress::Progress;
+use crate::sweep::page;
+
+/// Most points: an hour of two cores.
+const MOST: usize = 1_000_000;
+/// Rows of the terminal's table.
+const SHOWN: usize = 20;
+
+/// A point of the design space.
+struct DesignPoint {
+    /// Names of wire and alloy.
+    names: [String; 2],
+    wire: WireParameters,
+    pattern: PulsePattern,
+}
+
+/// A point with what came of it, and whether no other beats it.
+type Computed = (DesignPoint, DesignOutcome, bool);
+
+/// Computes every combination.
+///
+/// # Errors
+/// [`Failure`] for files and values that cannot be, and outputs that cannot be written.
+pub fn design(args: &DesignArgs, color: Color) -> Result<(), Failure> {
+    let outputs = Outputs {
+        force: args.force,
+        inputs: &[],
+    };
+    for (path, format) in [(&args.csv, Format::Csv), (&args.html, Format::Html)] {
+        path.iter()
+            .try_for_each(|path| outputs.check(path, format))?;
+    }
+    let person = load_person(&args.person)?.value;
+    let points = points(args)?;
+    let progress = Progress::counted("designs", points.len() as u64, "points");
+    let tissue = TissueParameters::DEFAULT;
+    let felt_by = plan::person(&person);
+    let of = |point: &DesignPoint| {
+        let outcome = outcome(&point.wire, &tissue, &point.pattern, felt_by, args.seconds);
+        progress.step();
+        outcome.map_err(|e: ParameterError| {
+            Failure::Input(format!("{} with {}: {e}", point.names[0], place(point)))
+        })
+    };
+    let outcomes: Vec<DesignOutcome> = points.par_iter().map(of).collect::<Result<_, _>>()?;
+    drop(progress);
+    let pairs: Vec<_> = points
+        .iter()
+        .map(|p| p.pattern)
+        .zip(outcomes.iter().copied())
+        .collect();
+    let best = undominated(&pairs);
+    let mut computed: Vec<Computed> = points
+        .into_iter()
+        .zip(outcomes)
+        .zip(best)
+        .map(|((point, outcome), best)| (point, outcome, best))
+        .collect();
+    if let Some(path) = &args.csv {
+        outputs.write(path, Format::Csv, |out| table(&computed, out))?;
+    }
+    // The most strongly felt first; those that none beats before all others of their level.
+    computed.sort_by(|a, b| b.1.levels.db().total_cmp(&a.1.levels.db()));
+    if let Some(path) = &args.html {
+        let text = html(&computed, &person.name);
+        outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
+    }
+    tell(args, &computed, &person.name, color)
+}
+
+/// All combinations, wires slowest and powers fastest.
+fn points(args: &DesignArgs) -> Result<Vec<DesignPoint>, Failure> {
+    let own = |list: &Option<Numbers>, value: f64| match list {
+        Some(numbers) => numbers.0.clone(),
+        None => vec![value],
+    };
+    let mut patterns = Vec::new();
+    for &amps in &args.current_a.0 {
+        for &pulses in &args.pulses.0 {
+            for &cadence_ms in &args.cadence_ms.0 {
+                for &milliwatts in &args.power_mw.0 {
+                    patterns.push(PulsePattern {
+                        amps,
+                        pulses: pulses as u32,
+                        cadence_s: cadence_ms / 1e3,
+                        watts: milliwatts / 1e3,
+                    });
+                }
+            }
+        }
+    }
+    let mut points = Vec::new();
+    for name in &args.wire {
+        let file = load_wire(name)?.value;
+        for alloy in &args.alloy {
+            let alloy = load_alloy(alloy)?.value;
+            let base = file.parameters(&alloy);
+            for diameter_um in own(&args.diameter_um, file.diameter_um) {
+                for length_mm in own(&args.length_mm, file.length_mm) {
+                    for stress_mpa in own(&args.stress_mpa, file.mechanical.bias_stress_mpa) {
+                        let sized = resized(&base, diameter_um / 1e6, length_mm / 1e3);
+                        let wire = WireParameters {
+                            bias_stress_pa: stress_mpa * 1e6,
+                            ..sized
+                        };
+                        if points.len() + patterns.len() > MOST {
+                            return Err(Failure::Input(format!(
+                                "hil design: expected at most {MOST} points, found more"
+                            )));
+                        }
+                        points.extend(patterns.iter().map(|&pattern| DesignPoint {
+                            names: [file.name.clone(), alloy.name.clone()],
+                            wire,
+                            pattern,
+                        }));
+                    }
+                }
+            }
+        }
+    }
+    Ok(points)
+}
+
+/// Geometry and stress of a point.
+fn place(point: &DesignPoint) -> String {
+    let wire = &point.wire;
+    format!(
+        "{:.0} um, {:.1} mm, {:.0} MPa",
+        wire.diameter_m * 1e6,
+        wire.length_m * 1e3,
+        wire.bias_stress_pa / 1e6
+    )
+}
+
+/// What a point is driven with.
+fn drive(point: &DesignPoint, outcome: &DesignOutcome) -> String {
+    let p = &point.pattern;
+    format!(
+        "{} x {:.0} us at {:.2} A every {:.1} ms",
+        p.pulses,
+        outcome.width_s * 1e6,
+        p.amps,
+        p.cadence_s * 1e3
+    )
+}
+
+/// A point as columns of the file and keys of the JSON.
+fn fields((point, of, best): &Computed) -> [(&'static str, Value); 18] {
+    let (w, p) = (&point.wire, &point.pattern);
+    let thousandth = |v: f64| Value::from((v * 1e3).round() / 1e3);
+    [
+        ("wire", point.names[0].as_str().into()),
+        ("alloy", point.names[1].as_str().into()),
+        ("diameter_um", thousandth(w.diameter_m * 1e6)),
+        ("length_mm", thousandth(w.length_m * 1e3)),
+        ("stress_mpa", thousandth(w.bias_stress_pa / 1e6)),
+        ("current_a", thousandth(p.amps)),
+        ("pulses", p.pulses.into()),
+        ("width_us", thousandth(of.width_s * 1e6)),
+        ("cadence_ms", thousandth(p.cadence_s * 1e3)),
+        ("power_mw", thousandth(p.watts * 1e3)),
+        ("felt_db", thousandth(of.levels.db())),
+        ("vibration_db", thousandth(of.levels.vibration_db)),
+        ("flutter_db", thousandth(of.levels.flutter_db)),
+        ("wire_c", thousandth(of.wire_c)),
+        ("skin_c", thousandth(of.skin_c[0])),
+        ("skin_worst_c", thousandth(of.skin_c[1])),
+        (
+            "forbidden_by",
+            of.forbidden.map_or(Value::Null, Value::from),
+        ),
+        ("undominated", (*best).into()),
+    ]
+}
+
+/// The points as a table.
+fn table(computed: &[Computed], out: &mut dyn Write) -> io::Result<()> {
+    for (n, point) in computed.iter().enumerate() {
+        let fields = fields(point);
+        if n == 0 {
+            writeln!(out, "{}", fields.each_ref().map(|f| f.0).join(","))?;
+        }
+        let text = |value: &Value| match value {
+            Value::Null => String::new(),
+            Value::String(text) => text.clone(), // names have neither commas nor quotes
+            other => other.to_string(),
+        };
+        writeln!(out, "{}", fields.each_ref().map(|f| text(&f.1)).join(","))?;
+    }
+    Ok(())
+}
+
+fn tell(
+    args: &DesignArgs,
+    computed: &[Computed],
+    person: &str,
+    color: Color,
+) -> Result<(), Failure> {
+    if args.voice.quiet {
+        return Ok(());
+    }
+    if args.voice.json {
+        let all: Vec<Value> = computed
+            .iter()
+            .map(|c| Value::from_iter(fields(c)))
+            .collect();
+        return print(|out| {
+            serde_json::to_writer(&mut *out, &all)?;
+            writeln!(out)
+        });
+    }
+    let allowed = computed.iter().filter(|c| c.1.forbidden.is_none()).count();
+    let best: Vec<&Computed> = computed.iter().filter(|c| c.2).collect();
+    print(|out| {
+        Conclusion::default().write(out, color.on(&io::stdout()))?;
+        writeln!(
+            out,
+            "{} points, {allowed} within the limit table; felt by `{person}` after {} s, one wire (emulated)",
+            computed.len(),
+            args.seconds
+        )?;
+        writeln!(
+            out,
+            "No other point is felt as strongly at tissue as cool and as small a current as these:\n"
+        )?;
+        writeln!(out, "{}", HEADING)?;
+        for (point, of, _) in best.iter().take(SHOWN) {
+            writeln!(out, "{}", line(point, of))?;
+        }
+        if best.len() > SHOWN {
+            writeln!(out, ".. and {} more; --csv has all", best.len() - SHOWN)?;
+        }
+        let written = args.csv.iter().chain(&args.html);
+        written
+            .into_iter()
+            .try_for_each(|path| writeln!(out, "  wrote           {}", path.display()))
+    })
+}
+
+const HEADING: &str =
+    "    felt   tissue, worst   wire     wire, alloy            geometry and stress       drive";
+
+fn line(point: &DesignPoint, of: &DesignOutcome) -> String {
+    let [wire, alloy] = &point.names;
+    format!(
+        "{:>+5.1} dB   {:>5.1}, {:>5.1} C  {:>5.1} C   {:<22} {:<25} {}",
+        of.levels.db(),
+        of.skin_c[0],
+        of.skin_c[1],
+        of.wire_c,
+        format!("{wire}, {alloy}"),
+        place(point),
+        drive(point, of)
+    )
+}
+
+/// The page: level over tissue temperature, and the points that none beats.
+fn html(computed: &[Computed], person: &str) -> String {
+    let mut out = page::head("Designs of a wire", &Conclusion::default());
+    let currents: Vec<f64> = {
+        let mut all: Vec<f64> = computed.iter().map(|c| c.0.pattern.amps).collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        all
+    };
+    let keys: String = currents
+        .iter()
+        .enumerate()
+        .map(|(n, amps)| format!("<span><svg viewBox=\"0 0 26 12\"><path class=\"dots big w{}\" d=\"M13 6h0\"/></svg>{amps:.2} A</span>", n % 8))
+        .collect();
+    let _ = write!(
+        out,
+        "<section><h2>Felt level over tissue temperature</h2>\n<p>{} points; those that a limit forbids are left out. The line joins what no other point beats in \
+         level and temperature. Temperatures are at 0.1 mm in the worst corner of the guard's range; the limit is 43 \u{b0}C. \
+         Felt by <code>{}</code>.</p>\n{}<div class=\"legend\">{keys}</div></section>\n",
+        computed.len(),
+        escape(person),
+        chart(computed, &currents)
+    );
+    out.push_str("<section><h2>Points that no other beats in level, temperature and current</h2>\n<div class=\"scroll\"><table><tr><th>felt [dB]</th><th>tissue, worst [\u{b0}C]</th><th>wire [\u{b0}C]</th><th>wire, alloy</th><th>geometry, stress</th><th>drive</th></tr>\n");
+    for (point, of, _) in computed.iter().filter(|c| c.2) {
+        let _ = writeln!(
+            out,
+            "<tr><td>{:+.1}</td><td>{:.1}, {:.1}</td><td>{:.1}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            of.levels.db(),
+            of.skin_c[0],
+            of.skin_c[1],
+            of.wire_c,
+            escape(&point.names.join(", ")),
+            place(point),
+            drive(point, of)
+        );
+    }
+    out.push_str("</table></div></section>\n");
+    out + &page::foot()
+}
+
+fn chart(computed: &[Computed], currents: &[f64]) -> String {
+    let allowed = || computed.iter().filter(|c| c.1.forbidden.is_none());
+    let at = |c: &Computed| (c.1.skin_c[1], c.1.levels.db().max(-30.0));
+    let ends = |of: fn((f64, f64)) -> f64| {
+        let all = || allowed().map(|c| of(at(c)));
+        (
+            all().fold(f64::INFINITY, f64::min),
+            all().fold(f64::NEG_INFINITY, f64::max),
+        )
+    };
+    let (x, y) = (ends(|p| p.0), ends(|p| p.1));
+    let plot = Plot {
+        left: 52.0,
+        top: 30.0,
+        width: 640.0,
+        height: 320.0,
+        x: Scale::round(x.0, x.1),
+        y: Scale::round(y.0.min(0.0), y.1),
+    };
+    let mut svg = Svg::new(710.0, 400.0, "Felt level over tissue temperature");
+    plot.x_axis(&mut svg, "tissue at 0.1 mm, worst corner [\u{b0}C]");
+    plot.y_axis(&mut svg, "felt level over threshold [dB]");
+    // From the coolest on, whatever is felt more strongly than all before.
+    let mut cooler: Vec<(f64, f64)> = allowed().map(at).collect();
+    cooler.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)));
+    let (mut front, mut most) = (String::new(), f64::NEG_INFINITY);
+    for (skin, level) in cooler.into_iter().filter(|p| p.0.is_finite()) {
+        if level > most {
+            most = level;
+            let (px, py) = plot.at((skin, level));
+            let _ = write!(
+                front,
+                "{}{px:.1} {py:.1}",
+                if front.is_empty() { 'M' } else { 'L' }
+            );
+        }
+    }
+    for (n, amps) in currents.iter().enumerate() {
+        let mut dots = String::new();
+        for c in allowed().filter(|c| (c.0.pattern.amps - amps).abs() < 1e-12) {
+            dot(&mut dots, plot.at(at(c)));
+        }
+        svg.path(&dots, &format!("dots big w{}", n % 8));
+    }
+    svg.path(&front, "series");
+    let zero = plot.py(0.0);
+    svg.line((plot.left, zero), (plot.left + plot.width, zero), "limit");
+    plot.frame(&mut svg);
+    svg.finish()
+}

@@ -1,0 +1,134 @@
+//! Two tables of sweeps held against each other, run by run and told figure by figure.
+
+use std::collections::BTreeMap;
+
+use palpate_records::runs::{MEASURED, RunKey, RunRow, RunTable};
+use palpate_records::verdict::Verdict;
+
+use super::difference::{Compared, Difference, Tolerance};
+
+/// What pairs runs of two tables: files and version may differ, for that is what is compared.
+fn paired(key: &RunKey) -> RunKey {
+    RunKey {
+        digest: String::new(),
+        version: String::new(),
+        ..key.clone()
+    }
+}
+
+/// Holds the runs that both tables have against each other. Runs that one of them lacks make it incomplete.
+pub fn compare_tables(a: &RunTable, b: &RunTable, tolerance: Tolerance) -> Compared {
+    let by_key = |table: &RunTable| -> BTreeMap<RunKey, RunRow> {
+        table
+            .rows
+            .iter()
+            .map(|row| (paired(&row.key), row.clone()))
+            .collect()
+    };
+    let (of_a, of_b) = (by_key(a), by_key(b));
+    let pairs: Vec<(&RunRow, &RunRow)> = of_a
+        .iter()
+        .filter_map(|(key, row)| Some((row, of_b.get(key)?)))
+        .collect();
+    let mut compared = Compared::default();
+    for (table, other, which) in [(&of_a, &of_b, "second"), (&of_b, &of_a, "first")] {
+        let lacking = table.keys().filter(|key| !other.contains_key(*key)).count();
+        if lacking > 0 {
+            let text = format!(
+                "{lacking} of {} runs are not in the {which} table",
+                table.len()
+            );
+            compared.conclusion.add(Verdict::Incomplete, text);
+        }
+    }
+    if pairs.is_empty() {
+        return compared.concluded();
+    }
+    compared.figures = MEASURED.len() + 1;
+    let verdicts = pairs.iter().filter(|(a, b)| a.verdict != b.verdict);
+    let mut verdicts = verdicts.peekable();
+    if let Some((a, b)) = verdicts.peek().copied() {
+        compared.differences.push(Difference {
+            figure: "verdict".to_owned(),
+            a: Some(a.verdict.word().to_owned()),
+            b: Some(b.verdict.word().to_owned()),
+            change: None,
+            detail: format!(
+                "{} of {} runs, first {}",
+                verdicts.count(),
+                pairs.len(),
+                a.key.place()
+            ),
+        });
+    }
+    for (n, measured) in MEASURED.iter().enumerate() {
+        compared
+            .differences
+            .extend(figure(&pairs, n, tolerance).map(|difference| {
+                Difference {
+                    figure: format!("{} {}", measured.words, measured.unit)
+                        .trim_end()
+                        .to_owned(),
+                    ..difference
+                }
+            }));
+    }
+    compared.concluded()
+}
+
+/// The means of a figure, where it differs in any run, and where it does most.
+fn figure(pairs: &[(&RunRow, &RunRow)], n: usize, tolerance: Tolerance) -> Option<Difference> {
+    let values = |(a, b): &(&RunRow, &RunRow)| (a.values[n], b.values[n]);
+    let differs = |pair: &&(&RunRow, &RunRow)| match values(pair) {
+        (Some(x), Some(y)) => !tolerance.equal(x, y),
+        (x, y) => x.is_some() != y.is_some(),
+    };
+    let differing: Vec<_> = pairs.iter().filter(differs).collect();
+    let apart = |pair: &&&(&RunRow, &RunRow)| match values(pair) {
+        (Some(x), Some(y)) => (x - y).abs(),
+        _ => f64::INFINITY,
+    };
+    let most = differing
+        .iter()
+        .copied()
+        .max_by(|a, b| apart(&a).total_cmp(&apart(&b)))?;
+    let detail = {
+        let single = Difference {
+            figure: String::new(),
+            detail: String::new(),
+            ..of(values(most))
+        };
+        let words = single.words();
+        let runs = format!("{} of {} runs", differing.len(), pairs.len());
+        format!("{runs}, most {}: {}", most.0.key.place(), words.trim())
+    };
+    let mean = |side: fn((Option<f64>, Option<f64>)) -> Option<f64>| {
+        let all: Vec<f64> = pairs.iter().filter_map(|pair| side(values(pair))).collect();
+        (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
+    };
+    Some(Difference {
+        detail,
+        ..of((mean(|v| v.0), mean(|v| v.1)))
+    })
+}
+
+/// The difference of two values, of which one may be missing.
+fn of((a, b): (Option<f64>, Option<f64>)) -> Difference {
+    match (a, b) {
+        (Some(a), Some(b)) => Difference::of_numbers(String::new(), a, b),
+        (a, b) => {
+            let said = |v: Option<f64>| v.map(palpate_records::runs::number);
+            Difference {
+                figure: String::new(),
+                a: said(a),
+                b: said(b),
+                change: None,
+                detail: String::new(),
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "tables_tests.rs"]
+mod tests;

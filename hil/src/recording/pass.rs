@@ -1,0 +1,348 @@
+//! One reading of a recording of buses, from its first frame to its last: a candump log or an MCAP file.
+
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+use palpate_core::bus::Received;
+use palpate_core::units::Instant;
+use palpate_files::{FileError, Format, Lines, OutOfTime, Times, format_of, open};
+use palpate_records::{candump, mcap};
+use palpate_run::Identifiers;
+
+/// Longest line of a log, bytes: that of a CAN FD frame has 170.
+pub(super) const LONGEST: usize = 4096;
+/// What this reads, for errors.
+const EXPECTED: &str = "a recording of buses, .log (candump) or .mcap";
+
+fn too_many(label: &str, buses: usize, found: String) -> FileError {
+    let expected = format!("at most {buses} interfaces, as the layout has buses");
+    FileError::whole(label, expected, found)
+}
+
+/// Where a run begins in a recording: its time zero, and which of the run's buses each of its buses is.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Start {
+    zero_us: u64,
+    /// By the number of the recording's bus; empty: its own.
+    buses: Vec<u8>,
+}
+
+impl Start {
+    pub(super) const fn time(&self, us: u64) -> Instant {
+        Instant::from_micros(us.saturating_sub(self.zero_us))
+    }
+
+    pub(super) fn place(&self, received: &mut Received) {
+        received.at = self.time(received.at.as_micros());
+        let bus = self.buses.get(usize::from(received.bus));
+        received.bus = bus.copied().unwrap_or(received.bus);
+    }
+}
+
+/// What reading a recording through came to.
+#[derive(Default)]
+pub(super) struct Through {
+    /// Its frames, where they are few.
+    pub(super) held: Option<Vec<Received>>,
+    count: usize,
+    pub(super) rows: Identifiers,
+    first_us: Option<u64>,
+    pub(super) newest_us: u64,
+    highest: Option<u8>,
+    pub(super) start: Start,
+}
+
+/// A recording that is read from its first frame to its last.
+pub(super) enum Pass<R> {
+    Log(Log<R>),
+    Mcap(Mcap<R>),
+}
+
+impl Pass<File> {
+    pub(super) fn open(path: &Path, split_jumps: bool) -> Result<Self, FileError> {
+        let label = path.display().to_string();
+        let times = Times::new(split_jumps);
+        let is_mcap = match format_of(path) {
+            Some(Format::Mcap) => true,
+            Some(Format::Candump) => false,
+            None => path.extension().is_some_and(|e| e == "mcap"),
+            Some(format) => return Err(FileError::whole(label, EXPECTED, format.noun())),
+        };
+        if !is_mcap {
+            let lines = Lines::open(path, EXPECTED, LONGEST)?;
+            return Ok(Self::Log(Log::new(lines, times)));
+        }
+        let reader = mcap::McapReader::new(BufReader::new(open(path, EXPECTED)?));
+        Ok(Self::Mcap(Mcap {
+            reader: reader.map_err(|e| FileError::whole(&label, e.expected, e.found))?,
+            label,
+            times,
+            count: 0,
+        }))
+    }
+}
+
+impl<R: Read> Pass<R> {
+    /// The next frame in the order of the file, with the file's time and bus.
+    pub(super) fn advance(&mut self) -> Result<Option<Received>, FileError> {
+        match self {
+            Self::Log(log) => log.advance(),
+            Self::Mcap(mcap) => mcap.advance(),
+        }
+    }
+
+    /// Reads all of it, and holds up to `most` frames: also the interfaces, and what is to be said of the file.
+    pub(super) fn through(
+        mut self,
+        buses: usize,
+        most: usize,
+        is_stream: bool,
+    ) -> Result<(Through, Vec<String>, Vec<String>), FileError> {
+        let mut through = Through {
+            held: Some(Vec::new()),
+            ..Through::default()
+        };
+        while let Some(frame) = self.advance()? {
+            let us = frame.at.as_micros();
+            through.count += 1;
+            through.rows.add(&frame);
+            through.first_us = Some(through.first_us.map_or(us, |first| first.min(us)));
+            through.newest_us = through.newest_us.max(us);
+            through.highest = through.highest.max(Some(frame.bus));
+            match &mut through.held {
+                Some(held) if held.len() < most => held.push(frame),
+                Some(_) if is_stream => {
+                    return Err(FileError::whole(
+                        self.label(),
+                        format!("a pipe of at most {most} frames, which are held"),
+                        "more (save it as a file, which is read as it is played)",
+                    ));
+                }
+                held => *held = None,
+            }
+        }
+        let (interfaces, notes) = match self {
+            Self::Log(log) => log.finish(&mut through, buses),
+            Self::Mcap(mcap) => mcap.finish(&mut through, buses),
+        }?;
+        Ok((through, interfaces, notes))
+    }
+
+    fn label(&self) -> &str {
+        match self {
+            Self::Log(log) => log.lines.label(),
+            Self::Mcap(mcap) => &mcap.label,
+        }
+    }
+}
+
+impl Through {
+    /// Whole seconds of the first frame are none of a run's business.
+    fn zero_at_first_second(&mut self) {
+        let first = self.first_us.unwrap_or(0);
+        self.start.zero_us = first - first % 1_000_000;
+    }
+}
+
+/// An MCAP file.
+pub(super) struct Mcap<R> {
+    label: String,
+    reader: mcap::McapReader<BufReader<R>>,
+    times: Times,
+    count: usize,
+}
+
+impl<R: Read> Mcap<R> {
+    fn advance(&mut self) -> Result<Option<Received>, FileError> {
+        let refused =
+            |label: &str, e: mcap::Unreadable| FileError::whole(label, e.expected, e.found);
+        let next = self.reader.advance();
+        let Some(mut frame) = next.map_err(|e| refused(&self.label, e))? else {
+            return Ok(None);
+        };
+        self.count += 1;
+        let us = frame.at.as_micros();
+        let place = format_args!("{}: frame {}", self.label, self.count).to_string();
+        let time = self.times.frame(&place, us).map_err(|e| {
+            let found = e.found.unwrap_or_else(|| format!("{us} us"));
+            FileError::whole(
+                &self.label,
+                e.expected,
+                format!("frame {}: {found}", self.count),
+            )
+        })?;
+        frame.at = Instant::from_micros(time);
+        Ok(Some(frame))
+    }
+
+    fn finish(
+        mut self,
+        through: &mut Through,
+        buses: usize,
+    ) -> Result<(Vec<String>, Vec<String>), FileError> {
+        let label = self.label;
+        let read = self.reader.into_read();
+        let read = read.map_err(|e| FileError::whole(&label, e.expected, e.found))?;
+        let mut notes = self.times.take_notes();
+        if !read.damages.is_empty() {
+            let damages = read.damages.iter().take(4).map(ToString::to_string);
+            notes.push(format!(
+                "{label}: {}; read {} messages, {} of them CAN frames, until {:.3} s",
+                damages.collect::<Vec<_>>().join("; "),
+                read.messages,
+                through.count,
+                read.last_ns as f64 * 1e-9
+            ));
+        }
+        let Some(highest) = through.highest.map(usize::from) else {
+            let expected = "frames on the topic /can";
+            let found = notes.pop().unwrap_or_else(|| "none".into());
+            return Err(FileError::whole(label, expected, found));
+        };
+        let interfaces: Vec<String> = match read.metadata.get("interfaces") {
+            Some(names) => names.split(',').map(str::to_owned).collect(),
+            None => (0..=highest).map(|bus| format!("can{bus}")).collect(),
+        };
+        if highest >= buses {
+            let found = format!("{}: {}", highest + 1, interfaces.join(", "));
+            return Err(too_many(&label, buses, found));
+        }
+        if !read.metadata.contains_key("scene") {
+            through.zero_at_first_second();
+        }
+        Ok((interfaces, notes))
+    }
+}
+
+/// A log of candump; its buses are numbered as they come.
+pub(super) struct Log<R> {
+    lines: Lines<R>,
+    times: Times,
+    names: Vec<String>,
+    count: usize,
+    other_kinds: usize,
+    /// A malformed line, which is a cut one if none follows.
+    cut: Option<(bool, FileError)>,
+}
+
+impl<R: Read> Log<R> {
+    pub(super) const fn new(lines: Lines<R>, times: Times) -> Self {
+        Self {
+            lines,
+            times,
+            names: Vec::new(),
+            count: 0,
+            other_kinds: 0,
+            cut: None,
+        }
+    }
+
+    fn advance(&mut self) -> Result<Option<Received>, FileError> {
+        let label = self.lines.label().to_owned();
+        while let Some((number, line)) = self.lines.advance()? {
+            if line.trim().is_empty() {
+                continue;
+            }
+            if let Some((_, error)) = self.cut.take() {
+                return Err(error);
+            }
+            match candump::read_line(line) {
+                Ok(Some(logged)) => {
+                    let us = logged.at.as_micros();
+                    let time = self.times.frame(&format!("{label}:{number}"), us);
+                    let time = time.map_err(|e| out_of_time(&label, number, us, e))?;
+                    let known = self.names.iter().position(|n| *n == logged.interface);
+                    let bus = known.unwrap_or_else(|| {
+                        self.names.push(logged.interface);
+                        self.names.len() - 1
+                    });
+                    let Ok(bus) = u8::try_from(bus) else {
+                        return Err(too_many(&label, 256, "more".into()));
+                    };
+                    self.count += 1;
+                    return Ok(Some(Received {
+                        at: Instant::from_micros(time),
+                        bus,
+                        frame: logged.frame,
+                    }));
+                }
+                Ok(None) => self.other_kinds += 1,
+                Err(expected) => {
+                    let error = malformed(&label, number, (expected, line), self.count);
+                    let is_cut = candump::is_cut(line) && self.count > 0;
+                    self.cut = Some((is_cut && self.lines.is_unfinished(), error));
+                }
+            }
+        }
+        match self.cut.take() {
+            Some((false, error)) => Err(error),
+            cut => {
+                self.cut = cut;
+                Ok(None)
+            }
+        }
+    }
+
+    fn finish(
+        mut self,
+        through: &mut Through,
+        buses: usize,
+    ) -> Result<(Vec<String>, Vec<String>), FileError> {
+        let label = self.lines.label();
+        let mut notes = self.times.take_notes();
+        notes.extend(self.lines.note());
+        if let Some((_, error)) = self.cut {
+            notes.push(format!(
+                "{label}:{}: the log is cut short in this line; read the {} frames before it",
+                error.line.unwrap_or(0),
+                self.count
+            ));
+        }
+        if self.names.is_empty() {
+            let found = format!("none, and {} of another kind", self.other_kinds);
+            let expected = "classic data frames with 11-bit identifiers";
+            return Err(FileError::whole(label, expected, found));
+        }
+        if self.names.len() > buses {
+            let found = format!("{}: {}", self.names.len(), self.names.join(", "));
+            return Err(too_many(label, buses, found));
+        }
+        let mut interfaces = self.names.clone();
+        interfaces.sort_unstable_by(|a, b| (a.len(), a).cmp(&(b.len(), b))); // can2 before can10
+        let bus = |name| interfaces.iter().position(|i| i == name).unwrap_or(0);
+        through.start.buses = self.names.iter().map(|name| bus(name) as u8).collect(); // at most 256
+        through.zero_at_first_second();
+        Ok((interfaces, notes))
+    }
+}
+
+fn out_of_time(label: &str, line: usize, us: u64, e: OutOfTime) -> FileError {
+    let found = e.found.unwrap_or_else(|| format!("{us} us"));
+    FileError {
+        line: Some(line),
+        ..FileError::whole(label, e.expected, found)
+    }
+}
+
+/// A line that is not what was expected, behind so many frames.
+fn malformed(
+    label: &str,
+    number: usize,
+    (expected, line): (&str, &str),
+    frames: usize,
+) -> FileError {
+    let shown: String = line.chars().take(60).collect();
+    FileError {
+        line: Some(number),
+        ..FileError::whole(label, expected, format!("`{shown}`{}", after(frames)))
+    }
+}
+
+/// What was whole before a malformed line.
+fn after(frames: usize) -> String {
+    match frames {
+        0 => String::new(),
+        n => format!(" after {n} whole frames"),
+    }
+}
