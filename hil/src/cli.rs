@@ -4,6 +4,7 @@ mod compare;
 mod design;
 mod files;
 mod hardware;
+mod identify;
 mod sweep;
 mod texture;
 
@@ -18,6 +19,7 @@ pub use files::{
     ManArgs, Motion, NewBench, NewFile, NewKind, NewLayout, NewScene, NewWire, Shelf,
 };
 pub use hardware::{DoctorArgs, EmulateArgs, GuardianArgs, OffArgs, RecordArgs, ReplayArgs};
+pub use identify::{IdentifyArgs, SignalArg};
 use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::Axes;
 use palpate_files::TimeColumn;
@@ -151,6 +153,8 @@ pub enum Command {
     /// Run a scene over a grid of values and seeds on all cores: one table with a row per run. Goes on with a table
     /// that is there.
     Sweep(SweepArgs),
+    /// Find the figures of a wire, with intervals, from a trace of its displacement or resistance (CSV).
+    Identify(IdentifyArgs),
     /// Say figure by figure how two summaries or tables of sweeps differ, or show a folder of summaries over time.
     /// Exits with 1 if a figure differs.
     Compare(CompareArgs),

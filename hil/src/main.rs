@@ -40,6 +40,7 @@ fn main() -> ExitCode {
         Some(Command::Export(kind)) => command::export(&kind),
         Some(Command::Completions(args)) => command::completions(&args),
         Some(Command::Man(args)) => command::man(&args),
+        Some(Command::Identify(args)) => command::identify(&args),
         Some(Command::Compare(args)) => command::compare(&args, cli.color),
         Some(Command::Design(args)) => command::design(&args, cli.color),
         Some(Command::Sweep(args)) => command::sweep(&args, cli.color),

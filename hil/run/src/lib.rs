@@ -16,6 +16,7 @@ pub mod failure;
 mod feel;
 mod hand;
 mod header;
+pub mod identify;
 pub mod live;
 mod margins;
 pub mod plan;

@@ -28,11 +28,23 @@ struct Tally {
     closest: [f64; 3],
 }
 
-fn one(case: u64, length_s: u64, textured: bool, tally: &mut Tally) {
+/// Which schedules, on which wires.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Load {
+    Bursts,
+    Textures,
+    /// Bursts on loose wires.
+    Loose,
+}
+
+fn one(case: u64, length_s: u64, load: Load, tally: &mut Tally) {
     let mut s = RandomStream::new(case, "hostile schedule");
-    let parameters = Parameters::draw(&mut s);
+    let mut parameters = Parameters::draw(&mut s);
+    if load == Load::Loose {
+        parameters = parameters.loose(&mut s);
+    }
     let kind = match s.next_u64() % 4 {
-        _ if textured => Kind::Textured,
+        _ if load == Load::Textures => Kind::Textured,
         0 => Kind::Dwelling,
         1 => Kind::Moving,
         _ => Kind::Wild,
@@ -73,14 +85,14 @@ fn one(case: u64, length_s: u64, textured: bool, tally: &mut Tally) {
 }
 
 /// `count` cases of one length on two threads.
-fn play(first: u64, count: u64, length_s: u64, textured: bool) -> Tally {
+fn play(first: u64, count: u64, length_s: u64, load: Load) -> Tally {
     let part = |lane: u64| {
         let mut tally = Tally {
             least_k: [f64::INFINITY; 3],
             ..Tally::default()
         };
         for case in (first..first + count).skip(lane as usize).step_by(2) {
-            one(case, length_s, textured, &mut tally);
+            one(case, length_s, load, &mut tally);
         }
         tally
     };
@@ -135,7 +147,7 @@ fn no_second_passes_a_limit() {
         setting("PALPATE_FIRST", 0),
         setting("PALPATE_SECONDS", 3_000),
         1,
-        false,
+        Load::Bursts,
     ));
 }
 
@@ -145,14 +157,27 @@ fn no_two_minutes_pass_a_limit() {
         setting("PALPATE_FIRST", 0),
         setting("PALPATE_MINUTES", 20),
         120,
-        false,
+        Load::Bursts,
     ));
+}
+
+/// Loose wires take up and give off latent heat around the skin's own temperature.
+#[test]
+fn no_loose_wire_passes_a_limit() {
+    let first = setting("PALPATE_FIRST", 0);
+    judge(&play(first, setting("PALPATE_LOOSE", 600), 1, Load::Loose));
+    judge(&play(first, 4, 120, Load::Loose));
 }
 
 /// Textures ask period by period: the guard sees hundreds of stimuli a second on every wire.
 #[test]
 fn no_texture_passes_a_limit() {
     let first = setting("PALPATE_FIRST", 0);
-    judge(&play(first, setting("PALPATE_TEXTURED", 120), 3, true));
-    judge(&play(first, 4, 60, true));
+    judge(&play(
+        first,
+        setting("PALPATE_TEXTURED", 120),
+        3,
+        Load::Textures,
+    ));
+    judge(&play(first, 4, 60, Load::Textures));
 }

@@ -1,7 +1,7 @@
 //! What latent heat adds: a wire that transforms back gives off later what it took up, so the skin may come out
 //! hotter than without. Running maxima are compared, since at one instant it may be hotter in any case.
 
-use palpate_core::physics::WireParameters;
+use palpate_core::physics::{Play, WireParameters};
 use palpate_core::random::RandomStream;
 use palpate_emulators::display::wire::Wire;
 use palpate_emulators::time::Nanos;
@@ -14,17 +14,36 @@ const PERIOD: u64 = 5_079_040;
 
 #[test]
 fn latent_heat_adds_less_than_the_table_allows() {
+    adds_less(|s| {
+        let p = Parameters::draw(s);
+        let wire = WireParameters {
+            latent_heat: pick(s, 12e3, 24e3),
+            ..p.wire
+        };
+        Parameters { wire, ..p }
+    });
+}
+
+/// A loose wire transforms around the skin's own temperature, and has two phases to take heat up and give it off.
+#[test]
+fn latent_heat_of_a_loose_wire_adds_less_as_well() {
+    adds_less(|s| Parameters::draw(s).loose(s));
+}
+
+fn adds_less(draw: impl Fn(&mut RandomStream) -> Parameters) {
     let mut s = RandomStream::new(1, "latent");
     let mut worst = [0.0f64; 3];
     for _ in 0..600 {
-        let p = Parameters::draw(&mut s);
-        let with = WireParameters {
-            latent_heat: pick(&mut s, 12e3, 24e3),
-            ..p.wire
+        let p = draw(&mut s);
+        let with = p.wire;
+        let cold = |play: Play| Play {
+            latent_heat: 0.0,
+            ..play
         };
         let without = WireParameters {
             latent_heat: 0.0,
-            ..p.wire
+            beside: with.beside.map(|play| play.map(cold)),
+            ..with
         };
         let mut pair = [with, without].map(|w| Wire::new(&w, &p.skin, 33.0).unwrap());
         let mut sums = [0.0f64; 2];

@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 
 use palpate_core::guard::{HARD, Limits};
-use palpate_core::physics::{Alloy, TissueParameters, WireParameters};
+use palpate_core::physics::{Alloy, Play, TissueParameters, WireParameters};
 use palpate_core::random::RandomStream;
 use palpate_core::units::{Channel, Milliamps};
 use palpate_emulators::display::amplifier::Amplifier;
@@ -87,6 +87,21 @@ impl Parameters {
             current: Milliamps(pick(s, 800.0, 2500.0) as u32),
             supply: Milliamps(pick(s, 2500.0, 8000.0) as u32),
         }
+    }
+
+    /// The same with loose wires: low stress, so that bands lie around the skin's own temperature, and an R phase with
+    /// latent heat of its own; that of all phases stays in the stated range.
+    pub fn loose(self, s: &mut RandomStream) -> Self {
+        let mut wire = self.wire.loose();
+        let latent_heat = pick(s, 3e3, 8e3);
+        wire.beside[0] = Some(Play {
+            latent_heat,
+            ..Play::R_PHASE
+        });
+        wire.bias_stress_pa = pick(s, 2e6, 40e6);
+        wire.reversible = pick(s, 0.002, 0.3);
+        wire.latent_heat = pick(s, 0.0, 24e3 - latent_heat);
+        Self { wire, ..self }
     }
 
     /// The limits of this bench.

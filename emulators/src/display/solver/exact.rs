@@ -236,7 +236,13 @@ impl Exact {
         }
     }
 
-    /// Resistance between the terminals now, Ohm, and its change with temperature within `branch`.
+    /// Resistance between the terminals at the time computed up to, Ohm.
+    pub fn resistance_ohm(&self) -> f64 {
+        let (branch, series) = (Branch::default(), 1.0 - self.wire.wire_share);
+        self.resistance(self.wire_c(), &branch).0 + self.wire.resistance_ohm * series
+    }
+
+    /// That of the wire alone now, Ohm, and its change with temperature within `branch`.
     fn resistance(&self, t: f64, branch: &Branch) -> (f64, f64) {
         let w = &*self.wire;
         let nominal = w.resistance_ohm * w.wire_share;
@@ -285,15 +291,7 @@ impl Exact {
         let u = self.watched.wire;
         let shell = self.modes[self.mode].first_shell(&self.z);
         let t = self.wire_c();
-        let frozen = Branch {
-            slope: 0.0,
-            latent: 0.0,
-            strain: 0.0,
-            low: t,
-            high: t,
-            one_way: false,
-        };
-        let heat = self.heat(t, &frozen);
+        let heat = self.heat(t, &Branch::default());
         let n = &*self.network;
         let out = (n.air + n.ends) * u + n.chain[0] * (u - shell);
         heat.power + heat.feedback * u + n.rest_inflow() - out

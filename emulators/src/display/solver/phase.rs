@@ -23,7 +23,7 @@ pub enum Heading {
 }
 
 /// A range of temperature in which the law is one straight line.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Branch {
     /// d xi/dT of the martensite, 1/K; never positive.
     pub slope: f64,

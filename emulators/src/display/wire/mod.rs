@@ -227,6 +227,12 @@ impl Wire {
         self.solver.tissue_c()
     }
 
+    /// Resistance between the terminals at `at`, Ohm.
+    pub fn resistance_ohm(&mut self, at: Nanos) -> f64 {
+        self.advance(at);
+        self.solver.resistance_ohm()
+    }
+
     /// Strain at `at`, by parts.
     pub fn strain(&mut self, at: Nanos) -> Strain {
         self.advance(at);

@@ -1,0 +1,43 @@
+//! Options of `hil identify`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use palpate_files::TimeColumn;
+
+use super::{Voice, rate};
+
+/// What a trace measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SignalArg {
+    /// A column displacement_um: the wire's middle, positive towards the finger.
+    Displacement,
+    /// A column resistance_ohm: between the terminals.
+    Resistance,
+}
+
+/// Options of `hil identify`.
+#[derive(Debug, Args)]
+pub struct IdentifyArgs {
+    /// The trace (CSV): time_us, current_a, and displacement_um or resistance_ohm. A current holds from its row on.
+    pub trace: PathBuf,
+    /// What it measures.
+    #[arg(long, value_enum, default_value = "displacement")]
+    pub signal: SignalArg,
+    /// The bench whose wire, mount and finger it was taken of (default: emulated).
+    #[arg(long, value_name = "NAME|FILE", default_value = "emulated")]
+    pub bench: String,
+    /// A value in place of the bench's (`wire.kind=loose`, `mount.sag_um=75`). Repeatable.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Rows per second of a trace without times.
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
+    pub rate: Option<f64>,
+    /// The column that says when each row came, and what it counts: s, ms, us or ns (default: a first column
+    /// `time_us`).
+    #[arg(long, value_name = "COLUMN[:UNIT]", conflicts_with = "rate")]
+    pub time: Option<TimeColumn>,
+    /// How much it says.
+    #[command(flatten)]
+    pub voice: Voice,
+}
