@@ -102,7 +102,8 @@ fn figure(pairs: &[(&RunRow, &RunRow)], n: usize, tolerance: Tolerance) -> Optio
         let runs = format!("{} of {} runs", differing.len(), pairs.len());
         format!("{runs}, most {}: {}", most.0.key.place(), words.trim())
     };
-    let mean = |side: fn((Option<f64>, Option<f64>)) -> Option<f64>| {
+    type Pair = (Option<f64>, Option<f64>);
+    let mean = |side: fn(Pair) -> Option<f64>| {
         let all: Vec<f64> = pairs.iter().filter_map(|pair| side(values(pair))).collect();
         (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
     };

@@ -102,10 +102,11 @@ fn search(
             .is_some_and(|name| name.to_string_lossy().starts_with('.'));
         if path.is_dir() && !hidden && !path.is_symlink() && depth > 0 {
             search(&path, depth - 1, found)?;
-        } else if path.is_file() && path.extension().is_some_and(|e| e == "json") {
-            if let Some((name, earlier)) = read(&path)? {
-                found.entry(name).or_default().push(earlier);
-            }
+        } else if path.is_file()
+            && path.extension().is_some_and(|e| e == "json")
+            && let Some((name, earlier)) = read(&path)?
+        {
+            found.entry(name).or_default().push(earlier);
         }
     }
     Ok(())

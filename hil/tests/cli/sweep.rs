@@ -199,6 +199,7 @@ fn a_run_beyond_a_limit_is_a_row_and_the_verdict() {
 }
 
 /// Interrupts a program once `ready` says so, and waits for it.
+#[allow(clippy::disallowed_methods)] // another process: it says by what it does how far it is
 pub fn interrupted(mut child: std::process::Child, ready: impl Fn() -> bool) -> Said {
     let begun = Instant::now();
     while !ready() {

@@ -14,7 +14,7 @@ use palpate_records::vcd::write_vcd;
 
 use palpate_files::Setup;
 use palpate_hil::clock;
-use palpate_hil::output::write_file;
+use palpate_hil::output::{Outputs, write_file};
 use palpate_hil::record::{About, Journal, Kind, Sink};
 use palpate_hil::recording::write_can_log;
 use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome, attachments, run_with};
@@ -46,6 +46,7 @@ const ALL: Keep = Keep {
     can: true,
     i2c: true,
     readings: KeptReadings::All,
+    summary: false,
 };
 
 fn write(kind: Kind, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
@@ -138,7 +139,11 @@ struct Turns {
 fn turns(setup: &Setup, outcome: &Outcome, path: &Path) -> Result<Turns, Failure> {
     let files = [(Kind::Mcap, PathBuf::from(path))];
     let attached = attachments(setup);
-    let sinks = Sink::create_all(&files, &About::Run(&outcome.trace.header, &attached))?;
+    let sinks = Sink::create_all(
+        &files,
+        &About::Run(&outcome.trace.header, &attached),
+        Outputs::NEW,
+    )?;
     let mut journal = Journal::start(sinks, false)?;
     let (mut samples, mut sum_us) = (Samples::default(), 0.0);
     let (mut told, mut sent, mut now) = (0, 0, Duration::from_millis(0));

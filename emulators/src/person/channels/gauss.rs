@@ -56,8 +56,8 @@ impl Gauss {
             rule.nodes[i] = (1.0 + x) / 2.0;
             rule.weights[i] = weight;
             let p = legendre(x);
-            for degree in 0..NODES {
-                rule.series[i][degree] = (2.0 * degree as f64 + 1.0) * weight * p[degree];
+            for (degree, (term, p)) in rule.series[i].iter_mut().zip(p).enumerate() {
+                *term = (2.0 * degree as f64 + 1.0) * weight * p;
             }
             for look in 0..LOOKS {
                 let at = legendre(2.0 * look as f64 / (LOOKS - 1) as f64 - 1.0);
@@ -77,9 +77,9 @@ impl Gauss {
     /// Coefficients of what has these values at the nodes.
     pub fn coefficients(&self, values: &[f64; NODES]) -> [f64; NODES] {
         let mut out = [0.0; NODES];
-        for i in 0..NODES {
-            for degree in 0..NODES {
-                out[degree] += self.series[i][degree] * values[i];
+        for (series, value) in self.series.iter().zip(values) {
+            for (sum, term) in out.iter_mut().zip(series) {
+                *sum += term * value;
             }
         }
         out

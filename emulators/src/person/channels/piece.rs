@@ -187,7 +187,7 @@ impl Tables {
             .0
             .entry(bits)
             .or_insert_with(|| Box::new(Table::new(rule, rates, seconds)));
-        if table.rates != *rates {
+        if table.rates.map(f64::to_bits) != rates.map(f64::to_bits) {
             **table = Table::new(rule, rates, seconds);
         }
         table
