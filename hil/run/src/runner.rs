@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 use std::time::Duration as Elapsed;
 
-use palpate_core::contact::{Contact, LevelTable, Levels};
+use palpate_core::contact::{Contact, Levels};
 use palpate_core::driver::Actuators;
 use palpate_core::guard::Guarded;
 use palpate_core::projector::{FrameReport, LoopError, Observer, Plan, Projector};
@@ -20,6 +20,7 @@ use crate::display_end::{EmulatedDisplay, refuse_hardware};
 use crate::effort::Effort;
 use crate::failure::Failure;
 use crate::header::header;
+use crate::levels::level_table;
 use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth, milli_c};
 use crate::replay::{CanPlayer, Rows};
@@ -349,10 +350,9 @@ fn calibrate(
         })?;
         now = projector.next().min(now + TICK);
     }
-    match LevelTable::from_intensities(&intensities.0, k) {
-        Ok(table) => Ok(Levels::Table(table)),
-        Err(_) => Ok(Levels::Off), // nothing was touched
-    }
+    // Without a table nothing was touched.
+    let table = level_table(intensities.0, k);
+    Ok(table.map_or(Levels::Off, Levels::Table))
 }
 
 /// The loop of a scene on a bench, with intensity levels found beforehand.

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::io::{self, Write};
 
-use palpate_core::contact::{Compressor, Contact, LevelTable, Settings};
+use palpate_core::contact::{Compressor, Contact, Settings};
 use palpate_core::skin::{
     Baseline, BaselinePhase, BaselineSettings, FrameError, Layout, RelativeFrame, Scan,
     ThresholdRule,
@@ -20,8 +20,8 @@ use crate::recording::Reading;
 use palpate_files::{
     Columns, LayoutFile, Rows, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, Timing, is_stream, load_layout,
 };
-use palpate_run::Failure;
 use palpate_run::plan;
+use palpate_run::{Failure, level_table};
 
 use super::rate::rate_of;
 
@@ -41,8 +41,6 @@ struct Row {
 
 /// So many contacts are held; where there are more, the recording is read again for the output.
 const HELD: usize = 1 << 16;
-/// So many intensities find the levels; of more, evenly many between the lowest and the highest are taken.
-const TELLING: usize = 1 << 17;
 
 /// Prints the contacts of every frame after the reference.
 ///
@@ -73,7 +71,7 @@ pub fn contacts(args: &ContactsArgs) -> Result<(), Failure> {
         notes.iter().for_each(|text| note(text));
     }
     // No table without a contact, and then no row asks for a level.
-    let levels = LevelTable::from_intensities(&thinned(intensities), usize::from(args.ki)).ok();
+    let levels = level_table(intensities, usize::from(args.ki));
     let level = |c: &Contact| levels.as_ref().map_or(1, |table| table.level(c.intensity));
     if count > HELD && is_stream(&args.file) {
         return Err(Failure::Input(format!(
@@ -96,18 +94,6 @@ pub fn contacts(args: &ContactsArgs) -> Result<(), Failure> {
             write_sidecar(&table, None)
         }
     }
-}
-
-/// At most [`TELLING`] of them.
-fn thinned(mut intensities: Vec<f32>) -> Vec<f32> {
-    let count = intensities.len();
-    if count <= TELLING {
-        return intensities;
-    }
-    intensities.sort_unstable_by(f32::total_cmp);
-    (0..TELLING)
-        .map(|n| intensities[n * (count - 1) / (TELLING - 1)])
-        .collect()
 }
 
 /// What takes one contact after another.
@@ -328,7 +314,3 @@ impl<'a> Recording<'a> {
         Ok(rows.notes())
     }
 }
-
-#[cfg(test)]
-#[path = "contacts_tests.rs"]
-mod tests;

@@ -1,4 +1,4 @@
-//! Tests of `contacts.rs`.
+//! Tests of `levels.rs`.
 
 use super::*;
 
