@@ -21,6 +21,8 @@ fn moving(rate_hz: f64, traverse_s: f64) -> Setup {
         rough: rate_hz,
     };
     setup.scene.value.touches[0].path.period_s = Some(2.0 * traverse_s);
+    // one who feels bursts of two pulses, too: of what is not felt there is no place
+    setup.person = palpate_files::load_person("sensitive").unwrap();
     setup
 }
 

@@ -71,26 +71,50 @@ fn the_limit_table_forbids_what_it_names() {
             Some("wire-power"),
         ),
         (pattern(1.97, 4, 117.0), None),
-        (pattern(1.97, 7, 468.0), None),
+        (pattern(1.97, 7, 468.0), Some("bow")),
     ] {
         assert_eq!(of(&pattern).excluded, row, "{pattern:?}");
     }
-    // The same power on two fifths of the tissue.
-    let short = resized(&WireParameters::FINAL, 75e-6, 2e-3);
-    let pattern = PulsePattern {
-        watts: 0.02,
-        ..pattern(1.97, 7, 58.5)
+    // The same power in fever.
+    let tissue = TissueParameters {
+        body_c: 37.0,
+        ..TissueParameters::DEFAULT
     };
-    let of = outcome(&short, &TissueParameters::DEFAULT, &pattern, PERSON, 4.0).unwrap();
+    let of = outcome(
+        &WireParameters::FINAL,
+        &tissue,
+        &pattern(1.97, 7, 58.5),
+        PERSON,
+        10.0,
+    )
+    .unwrap();
     assert_eq!(of.excluded, Some("skin-peak"), "{of:?}");
 }
 
 #[test]
 fn what_another_point_beats_in_everything_is_dominated() {
-    let (a, b) = (pattern(0.99, 7, 58.5), pattern(0.99, 4, 58.5));
-    let points = [a, b].map(|p| (p, of(&p)));
-    let better = usize::from(points[1].1.skin_c[1] <= points[0].1.skin_c[1]);
-    assert_eq!((better, undominated(&points)), (1, vec![false, true]));
+    let p = pattern(0.99, 7, 58.5);
+    let made = |db: f64, skin_c: f64, amps: f64, excluded| {
+        let levels = Levels {
+            vibration_db: db,
+            flutter_db: -200.0,
+        };
+        let of = DesignOutcome {
+            levels,
+            skin_c: [skin_c; 2],
+            excluded,
+            ..of(&p)
+        };
+        (PulsePattern { amps, ..p }, of)
+    };
+    let points = [
+        made(3.0, 40.0, 1.0, None),
+        made(2.0, 40.0, 1.0, None), // weaker than the first at the same heat
+        made(2.0, 39.0, 1.0, None), // cooler
+        made(3.0, 40.0, 0.5, Some("bow")), // beats the first, and is no design
+        made(3.0, 40.0, 1.0, None), // the first again
+    ];
+    assert_eq!(undominated(&points), [true, false, true, false, true]);
 }
 
 #[test]

@@ -182,7 +182,7 @@ fn fields((point, of, best): &Computed) -> [(&'static str, Value); 18] {
         ("wire_c", thousandth(of.wire_c)),
         ("skin_c", thousandth(of.skin_c[0])),
         ("skin_worst_c", thousandth(of.skin_c[1])),
-        ("forbidden_by", of.excluded.map_or(Value::Null, Value::from)),
+        ("excluded_by", of.excluded.map_or(Value::Null, Value::from)),
         ("undominated", (*best).into()),
     ]
 }

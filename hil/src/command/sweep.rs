@@ -107,7 +107,11 @@ fn axis(text: &str) -> Result<Axis, Failure> {
             "--set: expected KEY=VALUE,VALUE,.., found `{text}`"
         ))
     };
-    let (key, rest) = text.split_once('=').ok_or_else(expected)?;
+    let text_is_plain = !text.contains(char::is_control);
+    let (key, rest) = text
+        .split_once('=')
+        .filter(|_| text_is_plain)
+        .ok_or_else(expected)?;
     let (mut values, mut value) = (Vec::new(), String::new());
     let (mut depth, mut quote) = (0_i32, None);
     for c in rest.chars() {
@@ -126,11 +130,7 @@ fn axis(text: &str) -> Result<Axis, Failure> {
     values.push(value);
     let values: Vec<String> = values.iter().map(|v| v.trim().to_owned()).collect();
     let key = key.trim().to_owned();
-    if key.is_empty()
-        || values
-            .iter()
-            .any(|v| v.is_empty() || v.contains(char::is_control))
-    {
+    if key.is_empty() || values.iter().any(String::is_empty) {
         return Err(expected());
     }
     Ok(Axis { key, values })
