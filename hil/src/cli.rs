@@ -298,6 +298,9 @@ pub struct RunArgs {
     /// Illusion model: phantom, energy, linear, square, balanced, three-nearest, gaussian or nearest.
     #[arg(long, value_name = "NAME")]
     pub illusion: Option<String>,
+    /// The emulated person who feels it, built in (typical, sensitive, dull) or a file.
+    #[arg(long, value_name = "PERSON")]
+    pub felt: Option<String>,
     /// Shape of the illusion: s of phantom, exponent of balanced, width of gaussian.
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     pub shape: Option<f64>,

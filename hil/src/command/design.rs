@@ -346,7 +346,8 @@ fn chart(computed: &[Computed], currents: &[f64]) -> String {
             );
         }
     }
-    for (n, amps) in currents.iter().enumerate() {
+    // Equal points of several currents show the smallest.
+    for (n, amps) in currents.iter().enumerate().rev() {
         let mut dots = String::new();
         for c in allowed().filter(|c| (c.0.pattern.amps - amps).abs() < 1e-12) {
             dot(&mut dots, plot.at(at(c)));

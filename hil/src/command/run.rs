@@ -374,6 +374,7 @@ fn overrides(args: &RunArgs) -> Result<Overrides, Failure> {
     for (option, key, value) in [
         ("--layout", "layout", args.layout.clone()),
         ("--illusion", "illusion.model", args.illusion.clone()),
+        ("--felt", "illusion.person", args.felt.clone()),
         ("--shape", "illusion.shape", number(args.shape)),
         ("--alpha", "illusion.alpha", number(args.alpha)),
         ("--beta", "illusion.beta", number(args.beta)),

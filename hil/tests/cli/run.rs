@@ -253,6 +253,26 @@ fn illusion_options_change_the_run_and_are_checked() {
 }
 
 #[test]
+fn another_person_feels_the_same_run_otherwise() {
+    let felt = |person: &str| {
+        let text = good(&["run", "--json", "--felt", person]);
+        let summary: Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(summary["felt"]["person"], person);
+        summary["felt"]["level_db"]["median"].as_f64().unwrap()
+    };
+    // Their thresholds of vibration: 0.24 and 0.85 um.
+    let apart = felt("sensitive") - felt("dull");
+    assert!(
+        (apart - 20.0 * (0.85_f64 / 0.24).log10()).abs() < 0.01,
+        "{apart}"
+    );
+    refused_with(
+        &["run", "--felt", "dul"],
+        &["--felt: illusion.person", "did you mean `dull`"],
+    );
+}
+
+#[test]
 fn what_is_not_built_is_refused_and_not_ignored() {
     for option in ["--limits", "--seeds"] {
         refused_with(&["run", option], &[option]);

@@ -1,7 +1,7 @@
 //! What a person feels of moving wires: two channels of the fingertip, how far over threshold each is, and where.
 //!
 //! `docs/felt.md` has the law and where every number comes from. In short: the displacement u under each wire goes through
-//! the filters of both channels ([`filter`]). The Pacinian one adds up energy with a leak of 0.2 s, over all wires:
+//! the filters of both channels (`filter.rs`). The Pacinian one adds up energy with a leak of 0.2 s, over all wires:
 //! q' = (2 y^2 - q) / 0.2 s, L_P = 10 log10(max q / a0^2). Of NP I the strongest wire counts: L_N = 20 log10(max |y| / a_N).
 //! Something is felt where either level reaches 0 dB.
 //!
