@@ -97,8 +97,14 @@ fn long_work_shows_itself_on_a_terminal_and_nowhere_else() {
         let script = script
             .args(["-qec", &line, "/dev/null"])
             .current_dir(&folder.0)
-            .stdin(Stdio::null());
-        String::from_utf8_lossy(&script.output().unwrap().stdout).into_owned()
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped());
+        let mut script = script.spawn().unwrap();
+        // It may end with its input, so that stays open.
+        let input = script.stdin.take();
+        let shown = script.wait_with_output().unwrap().stdout;
+        drop(input);
+        String::from_utf8_lossy(&shown).into_owned()
     };
     let shown = on_terminal("shown", "env -u CI");
     assert!(
