@@ -1,4 +1,4 @@
-//! Many runs: the grid of what is varied, and a run as a row of a table. Whoever computes a row gets the same one, so
+//! Many runs: the grid of what is varied, and a run as a row of a table. Every process computes the same row, so
 //! a program, another language or a cluster can share a grid.
 
 use std::collections::BTreeMap;

@@ -141,7 +141,7 @@ struct Work {
     grid: Grid,
     /// The key of each combination, but for the seed.
     variants: Vec<RunKey>,
-    /// Rows of the grid, whoever computed them.
+    /// Rows of the grid, of this process and of earlier ones.
     rows: BTreeMap<RunKey, RunRow>,
     /// How many of the wanted ones were there.
     before: usize,

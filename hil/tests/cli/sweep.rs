@@ -1,4 +1,4 @@
-//! `hil sweep`: the table is the same bytes, whoever computed its rows and however often that was interrupted.
+//! `hil sweep`: the table is the same bytes, whichever processes computed its rows and however often they were interrupted.
 
 use std::io::Read;
 use std::time::{Duration, Instant};
