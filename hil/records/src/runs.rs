@@ -171,18 +171,20 @@ fn csv_line<'a>(fields: impl Iterator<Item = &'a str>) -> String {
 
 /// The fields of a line of CSV; none where a quote stays open.
 fn csv_fields(line: &str) -> Option<Vec<String>> {
-    let (mut fields, mut field) = (Vec::new(), String::new());
-    let (mut quoted, mut chars) = (false, line.chars().peekable());
-    while let Some(c) = chars.next() {
-        match c {
-            '"' if quoted && chars.next_if_eq(&'"').is_some() => field.push('"'),
-            '"' => quoted = !quoted,
-            ',' if !quoted => fields.push(std::mem::take(&mut field)),
-            c => field.push(c),
-        }
+    let line = format!("{line}\n");
+    let (mut text, mut ends) = (vec![0; line.len()], vec![0; line.len()]);
+    let (result, _, _, count) =
+        csv_core::Reader::new().read_record(line.as_bytes(), &mut text, &mut ends);
+    if result != csv_core::ReadRecordResult::Record {
+        return None;
     }
-    fields.push(field);
-    (!quoted).then_some(fields)
+    let starts = std::iter::once(0).chain(ends.iter().copied());
+    let fields = starts
+        .zip(&ends[..count])
+        .map(|(start, &end)| &text[start..end]);
+    fields
+        .map(|field| String::from_utf8(field.to_vec()).ok())
+        .collect()
 }
 
 /// A table that was read.
