@@ -1,6 +1,8 @@
 //! The actuator side of a bench: I2C segment, chips, amplifiers, supply, wires on a finger, and the
 //! person who wears it. The counterpart of [`crate::sensor::rig`].
 
+mod wearing;
+
 use std::collections::VecDeque;
 
 use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
@@ -11,10 +13,9 @@ use crate::display::amplifier::{Amplifier, AmplifierConfig, AmplifierFault, take
 use crate::display::i2c::{BusClock, Error as I2cError, I2cHandle, I2cSegment};
 use crate::display::pca9685::{Config, Edge, Oscillator, Pca9685, Pin};
 use crate::display::solver::record::Peaks;
-use crate::display::wire::Wire;
-use crate::display::wire::lift::um_per_kelvin;
-use crate::person::channels::{Felt, Perceiver, Person};
+use crate::person::channels::{Felt, Person};
 use crate::time::Nanos;
+use wearing::Wearing;
 
 /// Tissue temperature from which everything starts, degrees C.
 pub const START_C: f64 = 33.0;
@@ -122,9 +123,11 @@ pub struct WornDisplay {
     loads: Vec<Load>,
     places: Vec<WirePlace>,
     parameters: WireParameters,
-    wires: Vec<Wire>,
-    /// Who wears it.
-    perceiver: Option<Perceiver>,
+    tissue: TissueParameters,
+    /// The wires, and who feels them.
+    worn: Wearing,
+    /// Other wires in their place, through which the same currents flow.
+    others: Vec<Wearing>,
     now: Nanos,
     /// Edges of one step, in the order of time: the same memory for every step.
     pending: Vec<(usize, Edge)>,
@@ -152,8 +155,7 @@ impl WornDisplay {
             })
         };
         let segment = I2cSegment::new(config.clock, config.boards.iter().map(chip).collect());
-        let wire =
-            |_: &WirePlace| Wire::new(&config.wire, &config.tissue, START_C).map(Wire::with_dose);
+        let worn = Wearing::new(&config.wire, &config.tissue, config.wires.len())?;
         Ok(Self {
             i2c: I2cHandle::new(segment),
             amplifiers: vec![Amplifier::new(config.amplifier.current); config.boards.len()],
@@ -168,10 +170,11 @@ impl WornDisplay {
                 };
                 config.wires.len()
             ],
-            wires: config.wires.iter().map(wire).collect::<Result<_, _>>()?,
+            worn: worn.with_dose(),
+            others: Vec::new(),
             places: config.wires.clone(),
             parameters: config.wire,
-            perceiver: None,
+            tissue: config.tissue,
             now: Nanos::ZERO,
             pending: Vec::new(),
             rising: Vec::new(),
@@ -240,7 +243,10 @@ impl WornDisplay {
         for wire in 0..self.loads.len() {
             let load = self.loads[wire];
             sum += load.amps;
-            self.wires[wire].set_current(at, load.amps);
+            self.worn.wires[wire].set_current(at, load.amps);
+            for other in &mut self.others {
+                other.wires[wire].set_current(at, load.amps);
+            }
             let (since, before) = self.flowing[wire];
             let watts = load.amps * load.amps * self.parameters.resistance_ohm;
             if watts.to_bits() != before.to_bits() {
@@ -273,7 +279,7 @@ impl WornDisplay {
     /// Every stretch of current since they are kept or were last taken, up to now; a wire that is on now is
     /// cut there.
     pub fn take_flows(&mut self) -> Vec<Flow> {
-        for wire in 0..self.wires.len() {
+        for wire in 0..self.worn.wires.len() {
             let (since, watts) = self.flowing[wire];
             self.flowing[wire].0 = since.max(self.now);
             self.keep(wire, since, self.now, watts);
@@ -289,9 +295,9 @@ impl WornDisplay {
     /// How warm the finger was since the last sample; `None` without wires.
     pub fn sample(&mut self) -> Option<ThermalSample> {
         let now = self.now;
-        let mut integrals = Vec::with_capacity(self.wires.len());
+        let mut integrals = Vec::with_capacity(self.worn.wires.len());
         let mut worst: Option<Peaks> = None;
-        for wire in &mut self.wires {
+        for wire in &mut self.worn.wires {
             let peaks = wire.window_peaks(now);
             worst.get_or_insert(peaks).raise(&peaks);
             integrals.push(wire.dose(now).unwrap_or_default().celsius_s);
@@ -346,13 +352,13 @@ impl WornDisplay {
     /// Temperature of a wire now, degrees C; `None` if there is no such wire.
     pub fn wire_c(&mut self, wire: usize) -> Option<f64> {
         let now = self.now;
-        self.wires.get_mut(wire).map(|w| w.temperature(now))
+        self.worn.wires.get_mut(wire).map(|w| w.temperature(now))
     }
 
     /// Temperature of the tissue 0.1 mm deep under a wire now, degrees C; `None` if there is no such wire.
     pub fn tissue_c(&mut self, wire: usize) -> Option<f64> {
         let now = self.now;
-        self.wires.get_mut(wire).map(|w| w.tissue(now).0)
+        self.worn.wires.get_mut(wire).map(|w| w.tissue(now).0)
     }
 
     /// A person puts the display on, now: wires are felt from here on. Until the next [`WornDisplay::settle`] every stretch
@@ -361,39 +367,42 @@ impl WornDisplay {
     /// # Errors
     /// A parameter of the person that cannot be, by name.
     pub fn worn_by(&mut self, person: Person) -> Result<(), ParameterError> {
-        let place = |place: &WirePlace| (f64::from(place.at.x), f64::from(place.at.y));
-        let places: Vec<_> = self.places.iter().map(place).collect();
-        self.perceiver = Some(Perceiver::new(person, &places)?);
-        let um_per_k = um_per_kelvin(&self.parameters);
-        for wire in &mut self.wires {
-            wire.keep_stretches(um_per_k);
-        }
+        self.worn.by(person, &self.places_mm())
+    }
+
+    /// Puts other wires beside, at rest, through which the same currents flow from here on, and has the same person feel
+    /// them: what such wires would have given. Of chips, amplifiers and supply nothing changes.
+    ///
+    /// # Errors
+    /// A parameter of wire or person that cannot be, by name.
+    pub fn compare(&mut self, wire: &WireParameters, person: Person) -> Result<(), ParameterError> {
+        let mut other = Wearing::new(wire, &self.tissue, self.places.len())?;
+        other.by(person, &self.places_mm())?;
+        self.others.push(other);
         Ok(())
+    }
+
+    fn places_mm(&self) -> Vec<(f64, f64)> {
+        let place = |place: &WirePlace| (f64::from(place.at.x), f64::from(place.at.y));
+        self.places.iter().map(place).collect()
     }
 
     /// Sums up what was felt until now.
     pub fn settle(&mut self) {
-        let Some(perceiver) = &mut self.perceiver else {
-            return;
-        };
-        for (index, wire) in self.wires.iter_mut().enumerate() {
-            wire.take_stretches(self.now, |stretch| perceiver.pass(index, stretch));
-        }
-        perceiver.settle();
+        self.worn.settle(self.now);
+        self.others.iter_mut().for_each(|o| o.settle(self.now));
     }
 
     /// What a person met since the last onset, felt or not, and begins the next one. `None` where no wire moved or no person
     /// wears the display.
     pub fn onset(&mut self) -> Option<Felt> {
-        self.settle();
-        let count = self.wires.len() as f64;
-        // Receptors lie below the dead layer of 0.3 mm.
-        let deep = |wire: &mut Wire| wire.tissue(self.now).1;
-        let skin_c = self.wires.iter_mut().map(deep).sum::<f64>() / count;
-        let perceiver = self.perceiver.as_mut()?;
-        let felt = perceiver.felt(skin_c);
-        perceiver.onset();
-        felt
+        self.worn.onset(self.now)
+    }
+
+    /// The same of the wires beside, in the order in which they were put there.
+    pub fn other_onsets(&mut self) -> impl Iterator<Item = Option<Felt>> + '_ {
+        let now = self.now;
+        self.others.iter_mut().map(move |other| other.onset(now))
     }
 
     /// What the run came to until now.
@@ -405,7 +414,7 @@ impl WornDisplay {
             hottest_deep_c: f64::NEG_INFINITY,
             ..DisplayTotals::default()
         };
-        for (index, wire) in self.wires.iter_mut().enumerate() {
+        for (index, wire) in self.worn.wires.iter_mut().enumerate() {
             let peaks = wire.peaks(self.now);
             totals.electrical_j += wire.energy(self.now).electrical_j;
             if peaks.wire_c > totals.hottest_wire.0 {

@@ -2,13 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_files::{Setup, TextureModel, TextureTable, load_textures};
+use palpate_files::{Overrides, Setup, TextureModel, TextureTable, load_textures};
 use palpate_texture::panel::{Label, Study, bare, emulated, recorded, taped};
 
 const BENCHES: [&str; 2] = ["emulated", "three-in-line"];
 
+/// Drives and people by whom textures are felt.
 fn setup(bench: &str) -> Setup {
-    Setup::load("texture-wood", bench).unwrap()
+    let mut felt = Overrides::default();
+    match bench {
+        "emulated" => felt.bench("the test", "drive.current_ma", 1400),
+        _ => felt.scene("the test", "illusion.person", "sensitive"),
+    }
+    let setup = Setup::load("texture-wood", bench).unwrap();
+    setup.with(&felt).unwrap()
 }
 
 /// What the studies are told by: a rough texture, the one that fails, one that grips.

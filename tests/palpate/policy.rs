@@ -126,10 +126,10 @@ fn a_hand_is_felt_and_a_session_has_no_end() {
     .unwrap();
     let felt = |e: &Event| match e {
         Event::Felt {
-            felt: Some(felt),
+            met: Some(met),
             target,
             ..
-        } => Some((felt.energy, *target)),
+        } => Some((met.energy, *target)),
         _ => None,
     };
     let all: Vec<_> = events.iter().filter_map(felt).collect();

@@ -6,10 +6,9 @@
 use palpate_core::illusion::{
     Display, Drive, Illusion, IllusionError, Map, ModelSettings, Steps, build,
 };
-use palpate_core::physics::WireParameters;
+use palpate_core::physics::{Bow, TissueParameters, WireParameters};
 use palpate_core::projector::sensor_area;
 use palpate_core::units::{Milliamps, Point, Prescale, Ticks};
-use palpate_emulators::display::wire::lift::um_per_kelvin;
 use palpate_emulators::person::channels::{Kick, Perceiver, Person};
 use palpate_emulators::worn::START_C;
 use palpate_records::felt::{FeltOnset, FeltScore, scores};
@@ -69,12 +68,14 @@ impl Worn {
         let wire = WireParameters::FINAL;
         let amps = f64::from(current.0) * 1e-3;
         let tick_s = PRESCALE.tick_ns() as f64 * 1e-9;
+        let bow = Bow::new(&wire, &TissueParameters::DEFAULT).map_or(0.0, |bow| bow.gain);
+        let um_per_kelvin = bow * wire.mechanics.expansion_martensite * wire.length_m * 1e6;
         let joules = amps * amps * wire.resistance_ohm * tick_s * wire.wire_share;
         Ok(Self {
             law: build(display, settings)?,
             activation: vec![0.0; display.wires().len()],
             display: display.clone(),
-            um_per_tick: joules / wire.heat_capacity() * um_per_kelvin(&wire),
+            um_per_tick: joules / wire.heat_capacity() * um_per_kelvin,
             person,
         })
     }
@@ -122,14 +123,16 @@ impl Worn {
             let t_us = k * SOA_US;
             perceiver.onset();
             self.meet(&mut perceiver, at, |wire| touch(wire, t_us as f64 * 1e-6));
-            let met = perceiver.felt(START_C).filter(|met| met.levels.felt());
+            let met = perceiver.felt(START_C);
             FeltOnset {
                 t_us,
                 target: PlaceUm::from(at),
                 inside: self.display.contains(at, HULL_MARGIN),
-                felt: met.map(|met| FeltAt {
+                met: met.map(|met| FeltAt {
                     energy: place(met.energy_mm),
                     amplitude: place(met.amplitude_mm),
+                    level_mdb: (met.levels.db() * 1e3).round() as i32,
+                    tap: met.tap(),
                 }),
             }
         };

@@ -208,6 +208,21 @@ impl WireParameters {
         }
     }
 
+    /// The same wire under the tension at which its vendor states its temperatures, 172 MPa.
+    #[must_use]
+    pub const fn taut(self) -> Self {
+        Self {
+            bias_stress_pa: Self::FINAL.bias_stress_pa,
+            reversible: Self::FINAL.reversible,
+            beside: Self::FINAL.beside,
+            mechanics: Mechanics {
+                transformation_strain: Mechanics::DEFAULT.transformation_strain,
+                ..self.mechanics
+            },
+            ..self
+        }
+    }
+
     /// Mass, kg.
     pub fn mass(&self) -> f64 {
         let section = core::f64::consts::FRAC_PI_4 * self.diameter_m * self.diameter_m;

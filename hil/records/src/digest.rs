@@ -312,21 +312,19 @@ impl Sink {
                 t_us,
                 target,
                 inside,
-                felt,
-                level_mdb,
-                tap,
+                met,
                 energy,
             } => {
                 self.u8(8);
                 self.u64(*t_us);
                 self.place(*target);
                 self.u8(u8::from(*inside));
-                self.option(*felt, |hash, felt| {
-                    hash.place(felt.energy);
-                    hash.place(felt.amplitude);
+                self.option(*met, |hash, met| {
+                    hash.place(met.energy);
+                    hash.place(met.amplitude);
+                    hash.i32(met.level_mdb);
+                    hash.u8(u8::from(met.tap));
                 });
-                self.option(*level_mdb, Self::i32);
-                self.u8(u8::from(*tap));
                 for permille in [energy.requested, energy.applied, energy.felt] {
                     self.u32(permille);
                 }

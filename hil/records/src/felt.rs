@@ -24,12 +24,12 @@ const SILENCE_MDB: i32 = -200_000;
 pub struct FeltScore {
     /// Which.
     pub perceiver: &'static str,
-    /// Felt place against the mapped contact, display space, over the onsets with the contact inside the
-    /// display. At a break the contact counts as felt where it was felt last. `None` where nothing was felt.
+    /// Place against the mapped contact, display space, over the onsets with the contact inside the display. The place is
+    /// that of the wires' motion, whether the level reaches the threshold or not. `None` where no wire moved.
     pub errors: Option<Errors>,
     /// Onsets with the contact inside the display and a level below 0 dB.
     pub breaks: u64,
-    /// Onsets at which the felt place went further than the contact by a step that can be felt.
+    /// Onsets felt, after another that was, at which the place went further than the contact by a step that can be felt.
     pub jumps: u64,
 }
 
@@ -42,8 +42,8 @@ pub struct FeltOnset {
     pub target: PlaceUm,
     /// Whether that is inside the display.
     pub inside: bool,
-    /// Where it was felt, if it was.
-    pub felt: Option<FeltAt>,
+    /// What was met of it, felt or not; `None` where no wire moved.
+    pub met: Option<FeltAt>,
 }
 
 /// The felt path of a run by both centroids, the energy's first.
@@ -79,7 +79,6 @@ struct Followed {
     jumps: u64,
     /// The newest onset that was felt: when, where, and where the contact was.
     before: Option<(u64, PlaceUm, PlaceUm)>,
-    last: Option<PlaceUm>,
 }
 
 impl FeltPath {
@@ -112,18 +111,16 @@ impl FeltPath {
             t_us,
             target,
             inside,
-            felt,
-            level_mdb,
-            tap,
+            met,
             energy,
         } = *event
         else {
             return;
         };
         if inside {
-            let level = self.levels.entry(level_mdb.unwrap_or(SILENCE_MDB));
+            let level = self.levels.entry(met.map_or(SILENCE_MDB, |m| m.level_mdb));
             *level.or_insert(0) += 1;
-            self.taps += u64::from(tap && level_mdb.is_some());
+            self.taps += u64::from(met.is_some_and(|m| m.tap));
             let all = [energy.requested, energy.applied, energy.felt];
             let ranges = self.energies.get_or_insert([(u32::MAX, 0); 3]);
             for ((least, most), value) in ranges.iter_mut().zip(all) {
@@ -134,7 +131,7 @@ impl FeltPath {
             t_us,
             target,
             inside,
-            felt,
+            met,
         });
     }
 
@@ -183,12 +180,13 @@ impl FeltPath {
 
 impl Followed {
     fn add(&mut self, onset: &FeltOnset, place: fn(&FeltAt) -> PlaceUm, (step, soa): (u64, u64)) {
-        let (target, felt) = (onset.target, onset.felt.as_ref().map(place));
-        self.breaks += u64::from(onset.inside && felt.is_none());
-        if let (true, Some(held)) = (onset.inside, felt.or(self.last)) {
-            self.sum.add(distance2_um(held, target));
+        let target = onset.target;
+        if let (true, Some(met)) = (onset.inside, &onset.met) {
+            self.sum.add(distance2_um(place(met), target));
         }
-        self.last = felt.or(self.last);
+        let felt = onset.met.filter(FeltAt::is_felt);
+        let felt = felt.as_ref().map(place);
+        self.breaks += u64::from(onset.inside && felt.is_none());
         let next_onset = |t: u64| onset.t_us.saturating_sub(t) <= soa;
         if let (Some((_, from, aim)), Some(felt)) = (self.before.filter(|b| next_onset(b.0)), felt)
         {

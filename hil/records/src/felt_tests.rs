@@ -4,18 +4,18 @@ use super::*;
 use crate::synthetic;
 use crate::trace::EnergyPermille;
 
-fn felt(t_us: u64, target: i32, felt: Option<(i32, i32)>) -> Event {
+fn felt(t_us: u64, target: i32, felt: Option<(i32, i32, i32)>) -> Event {
     let at = |x| PlaceUm { x, y: 0 };
     Event::Felt {
         t_us,
         target: at(target),
         inside: true,
-        felt: felt.map(|(energy, amplitude)| FeltAt {
+        met: felt.map(|(energy, amplitude, level_mdb)| FeltAt {
             energy: at(energy),
             amplitude: at(amplitude),
+            level_mdb,
+            tap: t_us == 0,
         }),
-        level_mdb: felt.map(|_| 3_000),
-        tap: t_us == 0,
         energy: EnergyPermille {
             requested: 500,
             applied: 400,
@@ -28,20 +28,22 @@ fn felt(t_us: u64, target: i32, felt: Option<(i32, i32)>) -> Event {
 fn both_centroids_are_scored_apart() {
     let mut trace = synthetic::empty();
     trace.events = vec![
-        felt(0, 0, Some((3_000, 0))),
-        felt(58_500, 1_000, Some((3_000, 1_000))),
+        felt(0, 0, Some((3_000, 0, 3_000))),
+        felt(58_500, 1_000, Some((3_000, 1_000, 3_000))),
         // The energy centroid goes 3 mm where the contact goes 1 mm: 1.9 mm would be felt.
-        felt(117_000, 2_000, Some((6_000, 2_000))),
+        felt(117_000, 2_000, Some((6_000, 2_000, 3_000))),
         felt(175_500, 3_000, None),
+        // Below the threshold: a break, at a place all the same.
+        felt(234_000, 4_000, Some((4_000, 6_000, -1))),
         // After a break nothing can jump.
-        felt(234_000, 4_000, Some((9_000, 9_000))),
+        felt(292_500, 5_000, Some((9_000, 9_000, 3_000))),
     ];
     let [energy, amplitude] = felt_scores(&trace);
-    assert_eq!((energy.breaks, energy.jumps), (1, 1));
-    assert_eq!((amplitude.breaks, amplitude.jumps), (1, 0));
-    assert_eq!(energy.errors.unwrap().max_um, 5_000);
-    // 0, 0, 0, 1 mm at the break (still felt at 2 mm), 5 mm.
-    assert_eq!(amplitude.errors.unwrap().rmse_um, 2_280);
+    assert_eq!((energy.breaks, energy.jumps), (2, 1));
+    assert_eq!((amplitude.breaks, amplitude.jumps), (2, 0));
+    assert_eq!(energy.errors.unwrap().max_um, 4_000);
+    // 0, 0, 0, nothing where no wire moved, 2 mm, 4 mm.
+    assert_eq!(amplitude.errors.unwrap().rmse_um, 2_000);
     let energies = energies(&trace).unwrap();
     assert_eq!(energies[0], ("requested", (500, 500)));
     assert_eq!(energies[2], ("felt", (900, 900)));

@@ -137,7 +137,7 @@ fn felt(events: &mut Vec<Event>, t_us: u64) -> Vec<f64> {
         drive = activation(d);
         let total: f64 = drive.iter().map(|a| a * a).sum();
         let strongest = drive.iter().copied().fold(0.0, f64::max);
-        let felt = (strongest > 0.17).then(|| {
+        let met = (strongest > 0.0).then(|| {
             let mean = |pick: fn(&(f64, f64)) -> f64| {
                 WIRES
                     .iter()
@@ -150,6 +150,8 @@ fn felt(events: &mut Vec<Event>, t_us: u64) -> Vec<f64> {
             FeltAt {
                 energy: at,
                 amplitude: at,
+                level_mdb: (20e3 * (strongest / 0.17).log10()) as i32,
+                tap: false,
             }
         });
         let inside = d.0.abs() / 11.0 + d.1.abs() / 28.0 < 1.0;
@@ -157,9 +159,7 @@ fn felt(events: &mut Vec<Event>, t_us: u64) -> Vec<f64> {
             t_us,
             target: um(d.0, d.1),
             inside,
-            felt,
-            level_mdb: Some((20e3 * (strongest / 0.17).log10()) as i32),
-            tap: false,
+            met,
             energy: EnergyPermille {
                 requested: (total * 1e3) as u32,
                 applied: (total * 1e3) as u32,

@@ -81,13 +81,24 @@ impl From<Point> for PlaceUm {
     }
 }
 
-/// Where an onset is felt, by the two centroids.
+/// What a person meets of an onset: where, by the two centroids, and how far over threshold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FeltAt {
     /// Mean of the wires' places weighted by energy.
     pub energy: PlaceUm,
     /// The same weighted by amplitude.
     pub amplitude: PlaceUm,
+    /// How far over threshold all wires together are, thousandths of a decibel.
+    pub level_mdb: i32,
+    /// Whether the stimulus is so short that it feels like a tap.
+    pub tap: bool,
+}
+
+impl FeltAt {
+    /// Whether it is felt: the level is not below 0 dB.
+    pub const fn is_felt(&self) -> bool {
+        self.level_mdb >= 0
+    }
 }
 
 /// Energy of an onset in thousandths of one wire's at full drive for the same level.
@@ -229,12 +240,8 @@ pub enum Event {
         target: PlaceUm,
         /// Whether that place lies inside the display's hull.
         inside: bool,
-        /// Where it is felt; `None` is a break: the level is below 0 dB.
-        felt: Option<FeltAt>,
-        /// How far over threshold all wires together are, thousandths of a decibel; `None` where no wire moved.
-        level_mdb: Option<i32>,
-        /// Whether the stimulus is so short that it feels like a tap.
-        tap: bool,
+        /// What is met of it, felt or not; `None` where no wire moved.
+        met: Option<FeltAt>,
         /// Energy of all wires together.
         energy: EnergyPermille,
     },

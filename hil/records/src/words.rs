@@ -197,12 +197,15 @@ fn breaks(trace: &Trace, gap_us: u64) -> Vec<Happening> {
             t_us,
             target,
             inside: true,
-            felt: None,
+            met,
             ..
         } = event
         else {
             continue;
         };
+        if met.is_some_and(|m| m.is_felt()) {
+            continue;
+        }
         match list.last_mut() {
             Some((last, count)) if t_us.saturating_sub(last.last_us) <= gap_us => {
                 last.last_us = *t_us;

@@ -47,10 +47,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     for event in session.drain().0 {
         if let Event::Felt {
-            t_us, target, felt, ..
+            t_us, target, met, ..
         } = event
         {
-            let (aimed, felt) = (target, felt.map(|f| f.energy));
+            let (aimed, felt) = (target, met.map(|m| m.energy));
             println!("{t_us} us: aimed at {aimed:?}, felt at {felt:?} (um)");
         }
     }

@@ -124,7 +124,7 @@ pub fn outcome(
         Nanos::ZERO,
     );
     let mut change = 0.0;
-    worn.keep_stretches(0.0);
+    worn.keep_stretches();
     for _ in 0..2 {
         perceiver.onset();
         (end, change) = drive(&mut worn, pattern, width_s, LISTENING_S / 2.0, end);

@@ -11,12 +11,14 @@ use palpate_emulators::display::amplifier::supply::SupplySource;
 use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
 use palpate_emulators::display::i2c::{BusClock, I2cHandle};
 use palpate_emulators::display::observed::RegisterWriter;
+use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{DisplayConfig, OutputEdge, ThermalSample, WirePlace, WornDisplay};
 use palpate_files::{Bench, BenchKind, Setup};
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, Header};
 
 use crate::Keep;
+use crate::band::{Band, FeltBand};
 use crate::effects::Faultable;
 use crate::failure::Failure;
 use crate::feel::{FullDrive, feel, sample_wires};
@@ -128,6 +130,8 @@ pub struct EmulatedDisplay {
     /// Temperatures over time, if they are kept; only the warmest where a summary is enough.
     samples: Option<Vec<ThermalSample>>,
     summary: bool,
+    /// What would be felt in other corners, where that is shown.
+    band: Option<Band>,
     /// What flowed.
     currents: Currents,
 }
@@ -160,6 +164,7 @@ impl EmulatedDisplay {
             next_look: Instant::ZERO,
             samples: None,
             summary: false,
+            band: None,
             currents: Currents::new(projector.display().wires().len()),
             display,
             i2c,
@@ -180,6 +185,20 @@ impl EmulatedDisplay {
             kept.map_err(|e| Failure::Device(format!("actuator bus: {e}")))?;
         }
         Ok(())
+    }
+
+    /// Has all corners of what is not measured felt beside, for [`EmulatedDisplay::band`].
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for a wire or person that cannot be.
+    pub fn compare(&mut self, setup: &Setup, header: &Header) -> Result<(), Failure> {
+        self.band = Some(Band::new(setup, header, &mut self.display)?);
+        Ok(())
+    }
+
+    /// What all corners came to, where they are compared and a contact was inside the display; `known` where the path is.
+    pub fn band(&self, known: bool) -> Option<FeltBand> {
+        self.band.as_ref()?.finish(known)
     }
 
     /// The emulated hardware.
@@ -240,7 +259,10 @@ impl EmulatedDisplay {
     /// Scores what was felt of the newest onset, which is over.
     fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
         let felt = self.display.onset();
-        feel(self.pending.take(), felt, projector, &self.full, recorder);
+        let others: Vec<Option<Felt>> = self.display.other_onsets().collect();
+        let pending = self.pending.take();
+        let compared = (self.band.as_mut(), &*others);
+        feel(pending, felt, projector, &self.full, recorder, compared);
     }
 }
 

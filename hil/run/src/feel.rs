@@ -1,17 +1,16 @@
 //! What a run samples of the display: where an onset was felt, how warm the wires are.
 
 use palpate_core::illusion::Drive;
-use palpate_core::physics::TissueParameters;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Instant, Point};
 use palpate_emulators::display::wire::Wire;
-use palpate_emulators::display::wire::lift::um_per_kelvin;
 use palpate_emulators::person::channels::{Felt, Perceiver};
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{START_C, WornDisplay};
 use palpate_files::Setup;
 use palpate_records::trace::{EnergyPermille, Event, FeltAt, PlaceUm};
 
+use super::band::Band;
 use super::failure::Failure;
 use super::plan;
 use super::recorder::{Onset, Recorder, milli_c};
@@ -33,9 +32,10 @@ impl FullDrive {
         let drive = plan::drive(&setup.scene.value.illusion);
         let (prescale, wire) = (plan::prescale(bench)?, plan::wire(setup));
         let impossible = |e| Failure::Input(format!("bench `{}`: {e}", bench.name));
-        let mut alone =
-            Wire::new(&wire, &TissueParameters::DEFAULT, START_C).map_err(impossible)?;
-        alone.keep_stretches(um_per_kelvin(&wire));
+        let tissue = bench.tissue.parameters();
+        let alone = Wire::new(&wire, &tissue, START_C).and_then(|wire| wire.worn(&tissue));
+        let mut alone = alone.map_err(impossible)?;
+        alone.keep_stretches();
         let width = Nanos(u64::from(drive.width(1.0).get()) * prescale.tick_ns());
         let (mut at, end) = (
             Nanos::ZERO,
@@ -81,6 +81,7 @@ pub(super) fn feel(
     projector: &Projector,
     full: &FullDrive,
     recorder: &mut Recorder,
+    (band, others): (Option<&mut Band>, &[Option<Felt>]),
 ) {
     let Some(onset) = onset else {
         return;
@@ -94,19 +95,23 @@ pub(super) fn feel(
         return;
     };
     let place = |(x, y): (f64, f64)| PlaceUm::from(Point::new(x as f32, y as f32));
-    let felt = met.filter(|met| met.levels.felt()).map(|met| FeltAt {
+    let place_of = |met: &Felt| FeltAt {
         energy: place(met.energy_mm),
         amplitude: place(met.amplitude_mm),
-    });
-    recorder.events.push(Event::Felt {
+        level_mdb: (met.levels.db() * 1e3).round() as i32,
+        tap: met.tap(),
+    };
+    let event = |met: Option<&Felt>| Event::Felt {
         t_us: at.as_micros(),
         target: PlaceUm::from(true_place.unwrap_or(seen.place)),
         inside: projector.display().contains(seen.place, HULL_MARGIN),
-        felt,
-        level_mdb: met.map(|met| (met.levels.db() * 1e3).round() as i32),
-        tap: met.is_some_and(|met| met.tap()),
-        energy: full.permille(&onset, met.as_ref()),
-    });
+        met: met.map(place_of),
+        energy: full.permille(&onset, met),
+    };
+    recorder.events.push(event(met.as_ref()));
+    if let Some(band) = band {
+        band.add(event, met.as_ref(), others);
+    }
 }
 
 /// How warm every wire is now, and the skin under it.

@@ -7,6 +7,7 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod band;
 mod boards;
 pub mod design;
 pub mod display_end;
@@ -20,6 +21,7 @@ pub mod identify;
 mod levels;
 pub mod live;
 mod margins;
+mod path_error;
 pub mod plan;
 pub mod policy;
 mod recorder;
@@ -38,6 +40,7 @@ mod tape;
 mod taxels;
 mod verdict;
 
+pub use band::{FeltBand, FeltCorner};
 pub use boards::{BoardReport, BusReport, CanReport, Pacing, Spread};
 pub use failure::Failure;
 pub use hand::Hand;
@@ -126,6 +129,8 @@ pub struct Keep {
     /// The summary alone: what no figure of it needs goes while the run goes on, so that memory is bounded whatever
     /// the length. Trace, frame times and temperatures are then in part.
     pub summary: bool,
+    /// What would be felt in all corners of what is not measured: other wires beside, for what shows it.
+    pub band: bool,
 }
 
 /// Which readings of taxels a run keeps.

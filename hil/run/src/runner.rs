@@ -172,6 +172,9 @@ impl Run<'_> {
         };
         let header = header(self.setup, self.seed, &projector)?;
         recorder.felt = self.keep.summary.then(|| FeltPath::new(&header));
+        if self.keep.band {
+            display.compare(self.setup, &header)?;
+        }
         host.begin(&header, projector.layout(), end)?;
         let ends = (skin, display);
         let policy = Policy::EMULATED;
@@ -250,6 +253,7 @@ impl Run<'_> {
         let (display, projector, recorder) = session.all();
         effort.finish(projector, recorder);
         summary.faults = display.faults();
+        summary.felt.band = display.band(summary.path_error_mm.is_some());
         Ok(Outcome {
             readings: recorder.readings.take(),
             warmth: samples.iter().map(margins::warmth).collect(),

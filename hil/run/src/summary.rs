@@ -5,7 +5,7 @@ use palpate_core::skin::{Condition, HealthSummary};
 use palpate_core::units::Instant;
 use palpate_records::felt::{FeltPath, decibels};
 use palpate_records::margin::{Limited, Margin};
-use palpate_records::measure::{Errors, path_error};
+use palpate_records::measure::path_error;
 use palpate_records::trace::{Event, Header, Ledger, Source, Trace};
 use palpate_records::verdict::Conclusion;
 use serde::Serialize;
@@ -17,16 +17,9 @@ use super::recorder::{Recorder, word};
 use super::script::FaultReport;
 use super::session::Session;
 use super::skin_end::SkinEnd;
+use crate::band::FeltBand;
+use crate::path_error::PathError;
 use palpate_files::Bench;
-
-/// Root mean square and maximum of a distance, mm.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct PathError {
-    /// Root mean square.
-    pub rmse: f64,
-    /// Largest.
-    pub max: f64,
-}
 
 /// How far over threshold what was felt is, and by whom: the headline.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -45,6 +38,8 @@ pub struct FeltSummary {
     pub jumps: u64,
     /// Onsets that feel like taps.
     pub taps: u64,
+    /// Over all corners of what is not measured; null where nothing shows it.
+    pub band: Option<FeltBand>,
 }
 
 /// Level over threshold, dB.
@@ -223,10 +218,6 @@ pub struct Summary {
     pub wall_s: f64,
 }
 
-fn mm(um: u64) -> f64 {
-    um as f64 * 1e-3
-}
-
 impl FeltSummary {
     /// Of a run whose errors by both centroids are known.
     fn of((header, path): (&Header, &FeltPath), [energy, amplitude]: [&FeltError; 2]) -> Self {
@@ -248,6 +239,7 @@ impl FeltSummary {
             breaks: energy.breaks,
             jumps: energy.jumps,
             taps: level.map_or(0, |level| level.taps),
+            band: None,
         }
     }
 }
@@ -323,14 +315,10 @@ impl Summary {
         health: &HealthSummary,
         bench: &Bench,
     ) -> Self {
-        let error = |e: Errors| PathError {
-            rmse: mm(e.rmse_um),
-            max: mm(e.max_um),
-        };
-        let path = path_error(trace).map(error);
+        let path = path_error(trace).map(PathError::from);
         // Without a truth there is nothing to hold the felt path against; breaks need none.
         let [by_energy, by_amplitude] = felt.scores().map(|score| {
-            let errors = score.errors.map(error).filter(|_| path.is_some());
+            let errors = score.errors.map(PathError::from).filter(|_| path.is_some());
             FeltError {
                 rmse: errors.map(|e| e.rmse),
                 max: errors.map(|e| e.max),

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use palpate_records::margin::{Limited, Margin};
 use palpate_records::trace::Source;
 
+use crate::band::FeltBand;
 use crate::boards::{BoardReport, BusReport};
 use crate::summary::{EnergyDb, FeltError, FeltSummary, Summary, Taxels, TextureSummary};
 
@@ -57,6 +58,20 @@ impl FeltSummary {
             "{level}, {breaks}; person {}, wires {}",
             self.person, self.preset
         )
+    }
+}
+
+impl FeltBand {
+    /// The corners in one line.
+    fn line(&self) -> Line {
+        let [low, high] = self.level_db;
+        let error = self.error_mm.map_or(String::new(), |[low, high]| {
+            format!(", error {low:.2} to {high:.2} mm RMSE")
+        });
+        let words = format!(
+            "{low:+.1} to {high:+.1} dB{error}: wires taut and loose, gain 2.4 to 9, 3 persons"
+        );
+        line("felt band", words)
     }
 }
 
@@ -125,6 +140,7 @@ impl Summary {
             ),
         ];
         lines.push(line("felt level", self.felt.words()));
+        lines.extend(self.felt.band.as_ref().map(FeltBand::line));
         lines.push(line("felt error", self.felt_error_mm.words()));
         // The other reading of the literature.
         lines.push(line("", self.felt_error_amplitude_mm.words()));

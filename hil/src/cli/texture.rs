@@ -108,6 +108,9 @@ pub struct PanelArgs {
     /// An emulated bench: a built-in name or a file.
     #[arg(long, value_name = "NAME|FILE", default_value = "emulated")]
     pub bench: String,
+    /// Whose fingers feel the display: a person's name or file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "typical")]
+    pub felt: String,
     /// Seed of the people, the strokes and the draws; the default model was trained on strokes of seed 1.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,

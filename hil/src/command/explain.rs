@@ -5,7 +5,8 @@ use std::io::{self, Write};
 
 use palpate_core::contact::Scope;
 use palpate_files::{Scene, Setup, ThresholdFrom};
-use palpate_run::effort::{Effort, FrameKind};
+use palpate_run::Outcome;
+use palpate_run::effort::FrameKind;
 
 /// The plan: one line a stage.
 ///
@@ -88,7 +89,8 @@ fn contacts(setup: &Setup) -> String {
 ///
 /// # Errors
 /// What the stream says.
-pub fn done(effort: &Effort, out: &mut dyn Write) -> io::Result<()> {
+pub fn done(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
+    let effort = &outcome.effort;
     let work = &effort.compression;
     writeln!(out, "done and left out")?;
     for kind in FrameKind::ALL {
@@ -145,6 +147,13 @@ pub fn done(effort: &Effort, out: &mut dyn Write) -> io::Result<()> {
             "{} stimuli of {possible} possible; {} of {} wires stayed cold throughout",
             effort.driven, effort.cold_wires, effort.wires
         ),
+    )?;
+    row(
+        "felt band",
+        match &outcome.summary.felt.band {
+            Some(band) => format!("{} corners, on wires beside", band.corners.len()),
+            None => "corners left out: nothing shows them".into(),
+        },
     )?;
     let t = &effort.traffic;
     row(

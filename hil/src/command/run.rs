@@ -21,7 +21,10 @@ use crate::trial::{Trial, TrialEnd, judge, junit};
 use palpate_files::{
     BenchKind, DRIFT_S, Format as FileFormat, Overrides, Setup, THRESHOLD_FLOOR, Timing, load_scene,
 };
-use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome, Refresh, attachments, run_with};
+use palpate_run::{
+    Failure, FeltBand, FeltCorner, Input, Keep, KeptReadings, Outcome, Refresh, attachments,
+    run_with,
+};
 
 use crate::record::Kind as LiveKind;
 
@@ -115,7 +118,10 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
         explained(args, |out| explain::plan(&setup, out))?;
     }
     let wants = |wanted| files.iter().any(|(format, _)| *format == wanted);
+    let told =
+        !args.voice.quiet || args.voice.json || wants(Format::Report) || wants(Format::Summary);
     let keep = Keep {
+        band: told,
         can: wants(Format::Can) || wants(Format::Mcap),
         i2c: wants(Format::Mcap),
         readings: match (wants(Format::Mcap), wants(Format::Report)) {
@@ -176,7 +182,7 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     }
     tell(args, &outcome, &files, color)?;
     if args.explain {
-        explained(args, |out| explain::done(&outcome.effort, out))?;
+        explained(args, |out| explain::done(&outcome, out))?;
     }
     let conclusion = &outcome.summary.conclusion;
     match conclusion.verdict {
@@ -406,6 +412,29 @@ fn made() -> Vec<(&'static str, String)> {
     made
 }
 
+/// A row per preset and person: the level at both ends of the gain, and the place's error, which no gain moves.
+fn band_rows(band: &FeltBand) -> Vec<SummaryRow> {
+    let pair = |low: &FeltCorner| {
+        let same = |c: &&FeltCorner| (c.preset, &c.person) == (low.preset, &low.person);
+        let high = band.corners.iter().rfind(same).unwrap_or(low);
+        let error = low.error_energy_mm.map_or(String::new(), |e| {
+            format!(", error {:.2} mm RMSE by energy", e.rmse)
+        });
+        SummaryRow {
+            name: format!(
+                "felt level, median: {} wires, person {}, gain {} to {}{error}",
+                low.preset, low.person, low.gain, high.gain
+            ),
+            value: format!("{:+.1} to {:+.1}", low.level_db, high.level_db),
+            unit: "dB".into(),
+            ..SummaryRow::default()
+        }
+    };
+    let gain = band.corners.first().map(|c| c.gain);
+    let lowest = band.corners.iter().filter(|c| Some(c.gain) == gain);
+    lowest.map(pair).collect()
+}
+
 fn report(outcome: &Outcome) -> String {
     let s = &outcome.summary;
     let row = |name: &str, value: String, unit: &str| SummaryRow {
@@ -418,13 +447,14 @@ fn report(outcome: &Outcome) -> String {
         let hz = s.taxels.refresh_hz.as_ref();
         hz.map_or_else(|| "-".to_owned(), |hz| format!("{:.1}", pick(hz)))
     };
-    let rows = [
+    let mut rows = vec![
         row("taxel refresh, median", refresh(|hz| hz.median), "Hz"),
         row("taxel refresh, slowest", refresh(|hz| hz.min), "Hz"),
         row("frozen taxels", s.taxels.frozen.to_string(), ""),
         row("dead taxels", s.taxels.dead.to_string(), ""),
         row("computed in", format!("{:.3}", s.wall_s), "s"),
     ];
+    rows.extend(s.felt.band.iter().flat_map(band_rows));
     report_html(
         &outcome.trace,
         &ReportExtras {

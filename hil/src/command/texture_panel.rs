@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use palpate_emulators::person::panel::{Dimension, REPEATS, SUBJECTS, Sensation};
 use palpate_emulators::sensor::surface::spearman;
-use palpate_files::{Format, Setup, TextureModel, TextureTable, load_textures};
+use palpate_files::{Format, Overrides, Setup, TextureModel, TextureTable, load_textures};
 use palpate_run::Failure;
 use palpate_run::plan::surface;
 use palpate_texture::panel::draw::{SIGNIFICANT, draw};
@@ -26,7 +26,9 @@ const SCENE: &str = "texture-wood";
 /// A model, bench, table or recording that cannot be used; a file that cannot be written.
 pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
-    let setup = Setup::load(SCENE, &args.bench)?;
+    let mut overrides = Overrides::default();
+    overrides.scene("--felt", "illusion.person", &args.felt);
+    let setup = Setup::load(SCENE, &args.bench)?.with(&overrides)?;
     let outputs = Outputs {
         force: args.force,
         inputs: &[],
@@ -144,6 +146,7 @@ fn as_json(args: &PanelArgs, study: &Study, bare: Option<&(Study, Ranks)>) -> Va
         "source": "simulated panel on an emulated display",
         "model": args.model,
         "bench": args.bench,
+        "person": args.felt,
         "seed": args.seed,
         "subjects": SUBJECTS,
         "repeats": REPEATS,

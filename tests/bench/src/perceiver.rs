@@ -8,7 +8,6 @@ use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
 use palpate_core::units::Prescale;
 use palpate_emulators::display::solver::stretch::Stretch;
 use palpate_emulators::display::wire::Wire;
-use palpate_emulators::display::wire::lift::um_per_kelvin;
 use palpate_emulators::person::channels::{Perceiver, Person};
 use palpate_emulators::time::Nanos;
 use palpate_run::Failure;
@@ -61,9 +60,10 @@ fn edges(wires: usize, driven: usize) -> Edges {
 
 fn wires(count: usize, kept: bool) -> Result<Vec<Wire>, ParameterError> {
     let make = |_| {
-        let mut wire = Wire::new(&WireParameters::FINAL, &TissueParameters::DEFAULT, 33.0)?;
+        let tissue = TissueParameters::DEFAULT;
+        let mut wire = Wire::new(&WireParameters::FINAL, &tissue, 33.0)?.worn(&tissue)?;
         if kept {
-            wire.keep_stretches(um_per_kelvin(&WireParameters::FINAL));
+            wire.keep_stretches();
         }
         Ok(wire)
     };

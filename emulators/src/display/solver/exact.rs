@@ -14,7 +14,7 @@ use crate::display::finger::{NODES, ThermalNetwork};
 use crate::display::solver::phase::{Branch, Heading, Phase};
 use crate::display::solver::record::{Energy, Peaks};
 use crate::display::solver::strain::{Motion, Strain, Worn};
-use crate::display::solver::stretch::Stretches;
+use crate::display::solver::stretch::Stretch;
 use crate::time::Nanos;
 use palpate_core::physics::{Bow, ParameterError, TissueParameters, WireParameters};
 use palpate_core::vector::{Scalar, Vectors};
@@ -52,8 +52,8 @@ pub struct Exact {
     worn: Option<Worn>,
     /// The skin in the last stretch.
     motion: Motion,
-    /// What a person's model reads, where one does.
-    pub stretches: Option<Stretches>,
+    /// What a person's model reads, where one does, the oldest first.
+    pub stretches: Option<Vec<Stretch>>,
 }
 
 /// Temperatures above the body's at the time computed up to, K.

@@ -13,7 +13,7 @@ pub struct Stretch {
     pub seconds: f64,
     /// Whether current flows.
     pub driven: bool,
-    /// Displacement of the tissue per kelvin of the wire, um/K.
+    /// Displacement of the tissue per kelvin of the wire, um/K; 0 of a wire that is not worn.
     pub um_per_k: f64,
     /// The regime: it says what the rates are.
     pub regime: ModeKey,
@@ -45,13 +45,4 @@ impl Stretch {
             slopes,
         }
     }
-}
-
-/// The stretches of a wire since they were taken.
-#[derive(Clone, Debug)]
-pub struct Stretches {
-    /// Displacement of the tissue per kelvin of a wire that is not worn, um/K.
-    pub um_per_k: f64,
-    /// The oldest first.
-    pub kept: Vec<Stretch>,
 }

@@ -4,14 +4,13 @@
 //! time is cut by questions the answers are the same to 1e-9 K.
 
 pub mod burst;
-pub mod lift;
 
 use crate::display::finger::dose::Dose;
 use crate::display::solver::WireDrive;
 use crate::display::solver::exact::Exact;
 use crate::display::solver::record::{Energy, Peaks};
 use crate::display::solver::strain::Strain;
-use crate::display::solver::stretch::{Stretch, Stretches};
+use crate::display::solver::stretch::Stretch;
 use crate::time::Nanos;
 use burst::WireBurst;
 use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
@@ -75,20 +74,17 @@ impl Wire {
         self
     }
 
-    /// Keeps every stretch from here on for a person's model, until they are taken. The tissue is displaced as [`Wire::worn`]
-    /// says, else by `um_per_k` for each kelvin of the wire, um/K.
-    pub fn keep_stretches(&mut self, um_per_k: f64) {
-        self.solver.stretches = Some(Stretches {
-            um_per_k,
-            kept: Vec::new(),
-        });
+    /// Keeps every stretch from here on for a person's model, until they are taken. A wire moves tissue once it is
+    /// [`Wire::worn`].
+    pub fn keep_stretches(&mut self) {
+        self.solver.stretches = Some(Vec::new());
     }
 
     /// Computes up to `at` and takes the stretches since the last time, the oldest first.
     pub fn take_stretches(&mut self, at: Nanos, mut take: impl FnMut(&Stretch)) {
         self.advance(at);
         if let Some(stretches) = &mut self.solver.stretches {
-            stretches.kept.drain(..).for_each(|s| take(&s));
+            stretches.drain(..).for_each(|s| take(&s));
         }
     }
 

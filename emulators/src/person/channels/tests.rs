@@ -158,6 +158,56 @@ fn thresholds_of_steps_that_sink_are_as_stated() {
     near(peak(7), 0.744, 0.001);
 }
 
+/// The default drive of the first round on the exact wire, moved by expansion as austenite with the gain that was fitted
+/// then: section 5's row of the default bench. One burst, and bursts every 58.5 ms until 1.5 s.
+#[test]
+fn a_burst_of_the_exact_wire_is_felt_as_computed_elsewhere() {
+    use crate::display::wire::Wire;
+    use crate::time::Nanos;
+    use palpate_core::physics::{TissueParameters, WireParameters};
+    let (final_wire, tissue) = (WireParameters::FINAL, TissueParameters::DEFAULT);
+    let um_per_k = 21.6 * final_wire.mechanics.expansion_austenite * final_wire.length_m * 1e6;
+    let bursts = |count: u64| {
+        let mut wire = Wire::new(&final_wire, &tissue, 33.0).unwrap();
+        wire.keep_stretches();
+        for burst in 0..count {
+            for pulse in 0..7 {
+                let at = Nanos(burst * 58_500_000 + pulse * 5_079_040);
+                wire.set_current(at, 0.99);
+                wire.set_current(at + Nanos(124_000), 0.0);
+            }
+        }
+        let mut perceiver = Perceiver::new(
+            Person {
+                vibration_um: 0.26,
+                flutter_um: 5.0,
+                growth: [0.7, 1.0],
+            },
+            &[(0.0, 0.0)],
+        );
+        let met = perceiver.as_mut().unwrap();
+        wire.take_stretches(Nanos(count * 58_500_000), |stretch| {
+            met.pass(
+                0,
+                &Stretch {
+                    um_per_k,
+                    ..*stretch
+                },
+            );
+        });
+        met.settle();
+        let hottest = wire.peaks(wire.now()).wire_c;
+        (hottest, met.felt(33.0).unwrap().levels)
+    };
+    let (wire_c, levels) = bursts(1);
+    assert!((wire_c / 43.90 - 1.0).abs() < 0.01, "{wire_c}");
+    near(levels.vibration_db, 0.44, 0.02);
+    near(levels.flutter_db, -7.84, 0.02);
+    let (wire_c, levels) = bursts(26);
+    assert!((wire_c / 52.81 - 1.0).abs() < 0.01, "{wire_c}");
+    near(levels.vibration_db, 6.42, 0.02);
+}
+
 /// Energies of wires add up, of NP I the strongest counts.
 #[test]
 fn wires_add_up_in_one_channel_only() {

@@ -200,7 +200,9 @@ impl Scene {
                 place,
                 ..
             } => self.contacts.push((*module, *contact, *place)),
-            Event::Felt { target, felt, .. } => self.felt = Some((*target, *felt)),
+            Event::Felt { target, met, .. } => {
+                self.felt = Some((*target, met.filter(FeltAt::is_felt)));
+            }
             Event::Schedule(entry) => {
                 let output = (entry.board.0, entry.channel.0);
                 if let Some(wire) = self.wires.iter_mut().find(|w| w.output == output) {

@@ -133,21 +133,19 @@ impl RunTopics {
             Event::Felt {
                 target,
                 inside,
-                felt,
-                level_mdb,
-                tap,
+                met,
                 energy: all,
                 ..
             } => {
                 let place =
                     |p: Option<PlaceUm>| p.map_or((f64::NAN, f64::NAN), |p| (mm(p.x), mm(p.y)));
-                let energy = place(felt.map(|f| f.energy));
-                let amplitude = place(felt.map(|f| f.amplitude));
+                let energy = place(met.map(|m| m.energy));
+                let amplitude = place(met.map(|m| m.amplitude));
                 message
                     .double(1, mm(target.x))
                     .double(2, mm(target.y))
                     .uint(3, *inside)
-                    .uint(4, felt.is_some())
+                    .uint(4, met.is_some_and(|m| m.is_felt()))
                     .double(5, energy.0)
                     .double(6, energy.1)
                     .double(7, amplitude.0)
@@ -155,8 +153,8 @@ impl RunTopics {
                     .uint(9, all.requested)
                     .uint(10, all.applied)
                     .uint(11, all.felt)
-                    .double(12, level_mdb.map_or(f64::NAN, |mdb| f64::from(mdb) * 1e-3))
-                    .uint(13, *tap);
+                    .double(12, met.map_or(f64::NAN, |m| f64::from(m.level_mdb) * 1e-3))
+                    .uint(13, met.is_some_and(|m| m.tap));
                 Some(self.felt)
             }
             Event::Wire { wire, milli_c, .. } => {

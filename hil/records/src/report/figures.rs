@@ -91,10 +91,11 @@ pub(super) fn planes(page: &mut String, trace: &Trace) -> [Plot; 2] {
 fn felt_in_words(trace: &Trace) -> String {
     let (mut scored, mut breaks, mut beyond) = (0u64, 0u64, 0u64);
     for event in &trace.events {
-        if let Event::Felt { inside, felt, .. } = event {
+        if let Event::Felt { inside, met, .. } = event {
+            let is_felt = met.is_some_and(|m| m.is_felt());
             scored += 1;
-            breaks += u64::from(felt.is_none() && *inside);
-            beyond += u64::from(felt.is_none() && !*inside);
+            breaks += u64::from(!is_felt && *inside);
+            beyond += u64::from(!is_felt && !*inside);
         }
     }
     let driven = bursts(trace).iter().any(|b| b.width > 0);

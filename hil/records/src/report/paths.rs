@@ -3,7 +3,7 @@
 use super::scale::Scale;
 use super::svg::{Plot, Svg, dot};
 use crate::measure::length_us;
-use crate::trace::{Event, PlaceUm, Trace};
+use crate::trace::{Event, FeltAt, PlaceUm, Trace};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
@@ -243,8 +243,9 @@ pub(super) fn felt_path(trace: &Trace) -> (String, Plot) {
     let wires: Vec<_> = trace.header.wires.iter().map(|w| mm(w.place)).collect();
     let mut places = wires.clone();
     for event in &trace.events {
-        if let Event::Felt { target, felt, .. } = event {
+        if let Event::Felt { target, met, .. } = event {
             places.push(mm(*target));
+            let felt = met.filter(FeltAt::is_felt);
             places.extend(felt.map(|f| mm(f.energy)));
         }
     }
@@ -262,7 +263,7 @@ pub(super) fn felt_path(trace: &Trace) -> (String, Plot) {
             t_us,
             target,
             inside,
-            felt,
+            met,
             ..
         } = event
         else {
@@ -275,7 +276,7 @@ pub(super) fn felt_path(trace: &Trace) -> (String, Plot) {
         before = Some(*t_us);
         let aim = plot.at(mm(*target));
         target_path.to(aim, 0);
-        match felt {
+        match met.filter(FeltAt::is_felt) {
             Some(felt) => {
                 let at = plot.at(mm(felt.energy));
                 first.get_or_insert(at);

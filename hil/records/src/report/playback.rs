@@ -8,7 +8,7 @@ use super::svg::Plot;
 use super::timeplot::tenth_ms;
 use crate::measure::length_us;
 use crate::readings::{Reading, Readings};
-use crate::trace::{Event, PlaceUm, Trace};
+use crate::trace::{Event, FeltAt, PlaceUm, Trace};
 use std::fmt::Write;
 
 /// Most contacts and felt places: what is beyond goes frame by frame, evenly.
@@ -84,8 +84,11 @@ fn contacts(trace: &Trace) -> (String, usize) {
 fn felt(trace: &Trace) -> (String, usize) {
     let onsets = trace.events.iter().filter_map(|e| match e {
         Event::Felt {
-            t_us, target, felt, ..
-        } => Some((*t_us, *target, felt.map(|f| f.energy))),
+            t_us, target, met, ..
+        } => {
+            let felt = met.filter(FeltAt::is_felt);
+            Some((*t_us, *target, felt.map(|f| f.energy)))
+        }
         _ => None,
     });
     let every = onsets.clone().count().div_ceil(FELT).max(1);

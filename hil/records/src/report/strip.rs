@@ -182,9 +182,9 @@ fn event_row(trace: &Trace, all: &[Burst], plot: &mut TimePlot, span: (u64, u64)
             Event::Felt {
                 t_us,
                 inside: true,
-                felt: None,
+                met,
                 ..
-            } => mark(&mut breaks, *t_us, (0, BAR / 2)),
+            } if !met.is_some_and(|m| m.is_felt()) => mark(&mut breaks, *t_us, (0, BAR / 2)),
             Event::AllOff { t_us, .. } => mark(&mut off, *t_us, (0, BAR)),
             Event::Note { t_us, .. } => mark(&mut notes, *t_us, (0, BAR)),
             _ => {}

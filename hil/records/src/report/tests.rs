@@ -124,9 +124,7 @@ fn whatever_is_missing_or_absurd_leaves_a_page() {
             t_us: 2,
             target: PlaceUm::default(),
             inside: false,
-            felt: None,
-            level_mdb: None,
-            tap: false,
+            met: None,
             energy: EnergyPermille::default(),
         },
         Event::Frame {

@@ -263,9 +263,10 @@ pub(super) fn schedule(trace: &Trace) -> Vec<String> {
         if let Event::Felt {
             t_us,
             inside: true,
-            felt: None,
+            met,
             ..
         } = event
+            && !met.is_some_and(|m| m.is_felt())
         {
             marks.raise(grid.cell(*t_us), HappeningKind::Break.mark());
         }

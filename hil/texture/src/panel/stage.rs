@@ -7,19 +7,16 @@ use palpate_core::driver::Banks;
 use palpate_core::projector::{Carrier, Output};
 use palpate_core::texture::{Control, ControlMap, RoughnessDriver, along};
 use palpate_core::units::{Duration, Instant, Point};
-use palpate_emulators::display::wire::lift::um_per_kelvin;
 use palpate_emulators::person::channels::{Felt, Kick};
 use palpate_emulators::person::panel::{ScaleEnds, Sensation, apart_s, step_s};
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::WornDisplay;
 
-use palpate_files::{Setup, load_person};
+use palpate_files::Setup;
 use palpate_run::Failure;
 use palpate_run::display_end::emulated;
 use palpate_run::plan;
 
-/// Whose skin the panel has: at the drive that eight wires at once may have, the typical person feels no texture.
-const PERSON: &str = "sensitive";
 /// How long a texture is shown: a stroke of 2 s less the second of its first window, as in the loop.
 pub const SHOWN: Duration = Duration::from_millis(1000);
 /// How long the ends of the scales are shown.
@@ -113,8 +110,8 @@ impl<'a> Stage<'a> {
         let gaps = along(&places, plan.display.gap());
         let mut display = emulated(setup, plan.display.wires())?;
         display.keep_flows();
-        let person = plan::person(&load_person(PERSON)?.value);
-        let impossible = |e| Failure::Input(format!("person `{PERSON}`: {e}"));
+        let person = plan::person(&setup.person.value);
+        let impossible = |e| Failure::Input(format!("person `{}`: {e}", setup.person.value.name));
         display.worn_by(person).map_err(impossible)?;
         let boards = plan::boards(&setup.bench.value);
         let mut bank = Banks::new([(display.bus(), &*boards)], prescale);
@@ -150,7 +147,8 @@ impl<'a> Stage<'a> {
     /// Pulses of every wire since `begun`, as the skin meets them.
     fn kicks(&self, display: &mut WornDisplay, wires: usize, begun: Nanos) -> Vec<Vec<Kick>> {
         let wire = plan::wire(self.setup);
-        let um_per_j = um_per_kelvin(&wire) / wire.heat_capacity();
+        // What is read of them are their times and shares: the unit does not matter.
+        let um_per_j = 1.0 / wire.heat_capacity();
         // The supply's share may change in the midst of a pulse: stretches that touch are one.
         let mut pulses: Vec<Vec<(Nanos, Nanos, f64)>> = vec![Vec::new(); wires];
         for flow in display.take_flows() {

@@ -62,7 +62,11 @@ pub(super) fn five_five(person: Person, drive: Milliamps) -> Result<Figure, Fail
         let path = contacts_at_onsets(&setup, &outcome.trace)?;
         for ((row, law), breaks) in (2_u8..).zip(&mut laws).zip(&mut breaks) {
             let felt = trials(law, &path, display.wires().len())?;
-            for onset in felt.iter().flatten().filter(|o| o.felt.is_none()) {
+            for onset in felt
+                .iter()
+                .flatten()
+                .filter(|o| !o.met.is_some_and(|m| m.is_felt()))
+            {
                 breaks[usize::from(!onset.inside)] += 1;
             }
             let plot = felt_path(&display, &path, &felt);
@@ -191,10 +195,13 @@ fn felt_path(display: &Display, path: &[Point], trials: &[Vec<FeltOnset>]) -> Pl
     ];
     for trials in trials.chunks(TRIALS as usize) {
         let onsets = trials.iter().flatten();
-        let felt = onsets.filter_map(|o| o.felt.map(|felt| mm(felt.energy)));
+        let felt = onsets.filter_map(|o| o.met.map(|met| mm(met.energy)));
         series.push(Series::new("felt", Mark::Scatter, felt.collect()));
     }
-    let unfelt = trials.iter().flatten().filter(|o| o.felt.is_none());
+    let unfelt = trials
+        .iter()
+        .flatten()
+        .filter(|o| !o.met.is_some_and(|m| m.is_felt()));
     let missing = unfelt.map(|o| mm(o.target)).collect();
     series.push(Series::new("nothing felt", Mark::Crosses, missing));
     Plot {

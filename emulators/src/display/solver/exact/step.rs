@@ -237,13 +237,10 @@ impl Exact {
             dose.celsius_s += course.tissue + n.body_c * span;
         }
         if let Some(stretches) = &mut self.stretches {
-            stretches.kept.push(Stretch {
+            stretches.push(Stretch {
                 seconds: span,
                 driven: self.drive != WireDrive::Off,
-                um_per_k: match self.worn {
-                    Some(_) => self.motion.m_per_k * 1e6,
-                    None => stretches.um_per_k,
-                },
+                um_per_k: self.motion.m_per_k * 1e6,
                 regime: mode.key,
                 rates: mode.lambda,
                 slopes: start.slopes,

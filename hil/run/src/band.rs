@@ -1,0 +1,178 @@
+//! How far what was felt reaches over what is not measured: wires taut or loose, the gain from length to skin, and the
+//! person. Twelve corners; `docs/felt.md` says where their ends come from.
+//!
+//! Stress and latent heat change temperatures, so each preset has wires of its own, through which the same currents flow.
+//! Gain and thresholds shift levels alone: both channels are linear, and no wire is cut by a threshold of its own. What
+//! parts from the skin does so as it would at the headline's gain.
+
+use palpate_core::physics::{Bow, WireParameters};
+use palpate_emulators::person::channels::{Felt, Levels, Person};
+use palpate_emulators::worn::WornDisplay;
+use palpate_files::{Setup, load_person};
+use palpate_records::felt::FeltPath;
+use palpate_records::trace::{Event, Header};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::path_error::PathError;
+use crate::plan;
+
+/// Ends of the gain from a wire's length to the skin (`docs/wire.md`).
+const GAINS: [f64; 2] = [2.4, 9.0];
+
+/// The persons that ship.
+const PERSONS: [&str; 3] = ["dull", "sensitive", "typical"];
+
+/// Twelve corners of what is not measured, onset by onset.
+pub(crate) struct Band {
+    corners: Vec<Corner>,
+}
+
+/// One corner of the unknowns.
+struct Corner {
+    preset: &'static str,
+    gain: f64,
+    person: String,
+    /// Which wires beside feel like the preset; none where the bench's own do.
+    other: Option<usize>,
+    /// What both levels differ by from the headline's, dB.
+    shift: Levels,
+    path: FeltPath,
+}
+
+impl Band {
+    /// The corners for a setup, whose display gets the wires that it lacks.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for a wire or person that cannot be.
+    pub fn new(setup: &Setup, header: &Header, display: &mut WornDisplay) -> Result<Self, Failure> {
+        let (wire, headline) = (plan::wire(setup), plan::person(&setup.person.value));
+        let impossible = |e| Failure::Input(format!("bench `{}`: {e}", setup.bench.value.name));
+        let tissue = setup.bench.value.tissue.parameters();
+        let gain = Bow::new(&wire, &tissue).map_err(impossible)?.gain;
+        let persons = PERSONS
+            .iter()
+            .map(|&name| Ok((name, plan::person(&load_person(name)?.value))));
+        let persons: Vec<(&str, Person)> = persons.collect::<Result<_, Failure>>()?;
+        let (mut corners, mut others) = (Vec::new(), 0);
+        let presets: [(_, WireParameters); 2] = [("taut", wire.taut()), ("loose", wire.loose())];
+        for (preset, parameters) in presets {
+            let other = (parameters != wire).then_some(others);
+            if other.is_some() {
+                display.compare(&parameters, headline).map_err(impossible)?;
+                others += 1;
+            }
+            for end in GAINS {
+                for (name, person) in &persons {
+                    corners.push(Corner {
+                        preset,
+                        gain: end,
+                        person: (*name).to_owned(),
+                        other,
+                        shift: shift(end / gain, &headline, person),
+                        path: FeltPath::new(header),
+                    });
+                }
+            }
+        }
+        Ok(Self { corners })
+    }
+
+    /// Adds an onset that is over: what its event is for what was met, and what was, by the headline's wires and by those
+    /// beside.
+    pub fn add(
+        &mut self,
+        event: impl Fn(Option<&Felt>) -> Event,
+        met: Option<&Felt>,
+        others: &[Option<Felt>],
+    ) {
+        for corner in &mut self.corners {
+            let met = match corner.other {
+                None => met.copied(),
+                Some(other) => others.get(other).copied().flatten(),
+            };
+            let met = met.map(|met| Felt {
+                levels: Levels {
+                    vibration_db: met.levels.vibration_db + corner.shift.vibration_db,
+                    flutter_db: met.levels.flutter_db + corner.shift.flutter_db,
+                },
+                ..met
+            });
+            corner.path.add(&event(met.as_ref()));
+        }
+    }
+
+    /// The band of a run; `known` where it has a true path. `None` where no contact was inside the display.
+    pub fn finish(&self, known: bool) -> Option<FeltBand> {
+        let corners = self.corners.iter().map(|corner| {
+            let [energy, amplitude] = corner
+                .path
+                .scores()
+                .map(|score| score.errors.filter(|_| known).map(PathError::from));
+            Some(FeltCorner {
+                preset: corner.preset,
+                gain: corner.gain,
+                person: corner.person.clone(),
+                level_db: f64::from(corner.path.level()?.median_mdb) * 1e-3,
+                error_energy_mm: energy,
+                error_amplitude_mm: amplitude,
+            })
+        });
+        let corners: Vec<FeltCorner> = corners.collect::<Option<_>>()?;
+        let errors = corners
+            .iter()
+            .flat_map(|c| [c.error_energy_mm, c.error_amplitude_mm]);
+        Some(FeltBand {
+            level_db: ends(corners.iter().map(|c| c.level_db))?,
+            error_mm: ends(errors.flatten().map(|e| e.rmse)),
+            corners,
+        })
+    }
+}
+
+/// What a gain so many times as large and another person's thresholds add to both levels, dB.
+fn shift(gain: f64, headline: &Person, person: &Person) -> Levels {
+    let decibels = |ratio: f64| 20.0 * libm::log10(gain * ratio);
+    Levels {
+        vibration_db: decibels(headline.vibration_um / person.vibration_um),
+        flutter_db: decibels(headline.flutter_um / person.flutter_um),
+    }
+}
+
+/// Least and most.
+fn ends(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    values.fold(None, |ends, value| {
+        let [low, high] = ends.unwrap_or([value; 2]);
+        Some([low.min(value), high.max(value)])
+    })
+}
+
+/// What was felt over all corners of what is not measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FeltBand {
+    /// Least and most of the corners' median levels over threshold, dB.
+    pub level_db: [f64; 2],
+    /// Least and most error of the corners by either centroid, RMSE, mm; null where no true path is known.
+    pub error_mm: Option<[f64; 2]>,
+    /// Every corner.
+    pub corners: Vec<FeltCorner>,
+}
+
+/// One corner.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[allow(missing_docs)] // the keys say what they are, with their units
+pub struct FeltCorner {
+    /// `taut` or `loose`, on the bench's own geometry.
+    pub preset: &'static str,
+    /// Displacement of the skin over change of the wire's length, 1.
+    pub gain: f64,
+    pub person: String,
+    /// Median over the onsets with a contact inside the display.
+    pub level_db: f64,
+    pub error_energy_mm: Option<PathError>,
+    pub error_amplitude_mm: Option<PathError>,
+}
+
+#[cfg(test)]
+#[path = "band_tests.rs"]
+mod tests;

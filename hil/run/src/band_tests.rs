@@ -1,0 +1,87 @@
+//! Tests of `band.rs`.
+
+use palpate_files::Overrides;
+
+use super::*;
+use crate::{Input, Keep, run_with};
+
+fn setup(set: &[&str]) -> Setup {
+    let mut overrides = Overrides::default();
+    for text in set {
+        overrides.set("--set", text).unwrap();
+    }
+    let setup = Setup::load("sphere-circle", "emulated").unwrap();
+    setup.with(&overrides).unwrap()
+}
+
+fn felt(setup: &Setup) -> crate::summary::FeltSummary {
+    let keep = Keep {
+        band: true,
+        ..Keep::default()
+    };
+    let outcome = run_with(setup, &Input::Scene, 1, keep, &mut ()).unwrap();
+    outcome.summary.felt
+}
+
+/// Height of the bow, um, at which a wire of 5 mm on soft tissue has this gain.
+fn sag_um(setup: &Setup, gain: f64) -> f64 {
+    let (mut low, mut high) = (60.0, 900.0);
+    for _ in 0..60 {
+        let middle = f64::midpoint(low, high);
+        let mut wire = plan::wire(setup);
+        wire.mount.sag_m = middle * 1e-6;
+        let tissue = setup.bench.value.tissue.parameters();
+        match Bow::new(&wire, &tissue).unwrap().gain > gain {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    low
+}
+
+/// A corner says what a run of its own says: other wires, another gain (by another bow) and another person.
+#[test]
+fn a_corner_is_a_run_of_its_own() {
+    // Pressed on so firmly that nothing parts, on tissue so soft that a bow has the largest gain.
+    let common = [
+        "length_s=3",
+        "bench.mount.preload_mn=100",
+        "bench.tissue.modulus_kpa=5",
+        "bench.wire.kind=loose",
+    ];
+    let headline = setup(&common);
+    let band = felt(&headline).band.unwrap();
+    assert_eq!(band.corners.len(), 12);
+    for corner in &band.corners {
+        let wire = format!("bench.wire.kind={}", corner.preset);
+        let sag = format!("bench.mount.sag_um={}", sag_um(&headline, corner.gain));
+        let person = format!("illusion.person=\"{}\"", corner.person);
+        let own = [&common[..3], &[&wire, &sag, &person]].concat();
+        let own = felt(&setup(&own));
+        let level = own.level_db.unwrap().median;
+        assert!(
+            (level - corner.level_db).abs() < 0.02,
+            "{corner:?}: {level}"
+        );
+        assert_eq!(own.error_energy_mm, corner.error_energy_mm, "{corner:?}");
+        let within = |[low, high]: [f64; 2], value| (low..=high).contains(&value);
+        assert!(within(band.level_db, corner.level_db));
+        assert!(within(
+            band.error_mm.unwrap(),
+            corner.error_energy_mm.unwrap().rmse
+        ));
+    }
+    assert!(
+        band.level_db[1] - band.level_db[0] > 20.0,
+        "{:?}",
+        band.level_db
+    );
+}
+
+/// What no one is shown is not computed.
+#[test]
+fn a_band_is_computed_where_it_is_shown() {
+    let setup = setup(&["length_s=2"]);
+    let outcome = crate::run(&setup, &Input::Scene, 1).unwrap();
+    assert_eq!(outcome.summary.felt.band, None);
+}
