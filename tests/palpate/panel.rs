@@ -47,7 +47,7 @@ fn a_panel_rates_textures_on_both_displays() {
     let table = table();
     for bench in BENCHES {
         let setup = setup(bench);
-        let rate = |seed| emulated(&model, &table, taped, &setup, seed).unwrap();
+        let rate = |seed| emulated(&model, &table, taped, (&setup, seed), |_| ()).unwrap();
         let study = rate(2);
         tell(bench, &study);
         assert_eq!(study.textures.len(), 3);
@@ -81,8 +81,8 @@ fn the_sensors_friction_roughens_the_handkerchief() {
         let mut all = study.textures.iter();
         all.find(|t| t.name == "handkerchief").unwrap().driven
     };
-    let tape = of(&emulated(&model, &table, taped, &setup, 2).unwrap());
-    let skin = of(&emulated(&model, &table, bare, &setup, 2).unwrap());
+    let tape = of(&emulated(&model, &table, taped, (&setup, 2), |_| ()).unwrap());
+    let skin = of(&emulated(&model, &table, bare, (&setup, 2), |_| ()).unwrap());
     println!(
         "handkerchief: driven {tape:.3} with gripping tape, {skin:.3} with a finger's friction"
     );

@@ -7,17 +7,18 @@ use palpate_files::Setup;
 use crate::failure::Failure;
 use crate::plan;
 use crate::replay::TaxelTable;
-use crate::runner::scene_end;
+use crate::runner::{part, scene_end};
 use crate::session::TICK;
 use crate::skin;
 use crate::skin_end::{SkinEnd, Tap};
 use crate::tape::Tape;
 
-/// One table per module, as long as the scene. Its touches and noise are in them, its faults are not.
+/// One table per module, as long as the scene. Its touches and noise are in them, its faults are not. `passed` hears
+/// the part that is done, 0 to 1.
 ///
 /// # Errors
 /// [`Failure::Input`] for a layout whose modules no emulated board can carry.
-pub fn taxels(setup: &Setup, seed: u64) -> Result<Vec<TaxelTable>, Failure> {
+pub fn taxels(setup: &Setup, seed: u64, passed: impl Fn(f64)) -> Result<Vec<TaxelTable>, Failure> {
     let layout = plan::layout(&setup.sensor.value)?;
     let axes = usize::from(setup.sensor.value.axes);
     let active: Vec<Vec<usize>> = layout
@@ -47,6 +48,7 @@ pub fn taxels(setup: &Setup, seed: u64) -> Result<Vec<TaxelTable>, Failure> {
             }
         });
         read.map_err(|e| Failure::Device(format!("sensor bus: {e}")))?;
+        passed(part(now, end));
         now += TICK;
     }
     Ok(tables)

@@ -29,7 +29,7 @@ fn contacts(setup: &Setup, input: &Input) -> Vec<String> {
 #[test]
 fn a_replay_of_the_readings_finds_the_contacts_of_the_scene() {
     let setup = Setup::load("sphere-along", "emulated").unwrap();
-    let tables = taxels(&setup, 1).unwrap();
+    let tables = taxels(&setup, 1, |_| ()).unwrap();
     assert_eq!(tables.len(), 1);
     let replayed = contacts(&setup, &Input::tables(tables));
     assert_eq!(replayed, contacts(&setup, &Input::Scene));
@@ -39,7 +39,7 @@ fn a_replay_of_the_readings_finds_the_contacts_of_the_scene() {
 #[test]
 fn a_hand_makes_one_table_per_module() {
     let setup = Setup::load("allegro-four-buses", "emulated").unwrap();
-    let tables = taxels(&setup, 1).unwrap();
+    let tables = taxels(&setup, 1, |_| ()).unwrap();
     assert_eq!(tables.len(), 15);
     for (table, module) in tables.iter().zip(&setup.sensor.value.modules) {
         assert_eq!(table.columns, 3 * module.readings(), "{}", module.name);
@@ -56,7 +56,7 @@ fn a_hand_makes_one_table_per_module() {
 #[test]
 fn a_summary_is_the_same_without_the_trace() {
     let setup = Setup::load("sphere-along", "emulated").unwrap();
-    let input = Input::tables(taxels(&setup, 1).unwrap());
+    let input = Input::tables(taxels(&setup, 1, |_| ()).unwrap());
     let summary = |summary| {
         let keep = crate::Keep {
             summary,

@@ -70,8 +70,8 @@ fn export_taxels(args: &ExportTaxels) -> Result<(), Failure> {
     for path in &paths {
         outputs.check(path, Format::Csv)?;
     }
-    let shown = Progress::endless("emulating the skin");
-    let tables = taxels(&setup, args.seed)?;
+    let shown = Progress::of_part("emulating the skin");
+    let tables = taxels(&setup, args.seed, |part| shown.part(part))?;
     drop(shown);
     if !setup.scene.value.faults.is_empty() {
         note("the scene's faults are not in its readings");

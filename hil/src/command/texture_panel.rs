@@ -36,18 +36,23 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
     if let Some(path) = &args.svg {
         outputs.check(path, Format::Svg)?;
     }
-    let shown = Progress::endless("panel");
+    let shown = Progress::of_part("panel");
     let (title, study, bare) = match (&args.recordings, args.rate) {
         (Some(folder), Some(rate_hz)) => {
             let labels = Label::all(folder)?;
-            let study = panel::recorded(&model, &labels, rate_hz, &setup, args.seed)?;
+            let passed = |part| shown.part(part);
+            let study = panel::recorded(&model, &labels, rate_hz, (&setup, args.seed), passed)?;
             let title = format!("Recordings of {} rated", folder.display());
             (title, study, None)
         }
         _ => {
             let table = load_textures(&args.textures)?.value;
-            let rate = |pairing| panel::emulated(&model, &table, pairing, &setup, args.seed);
-            let (study, bare) = (rate(panel::taped)?, rate(panel::bare)?);
+            // One panel with tape, then one without.
+            let rate = |pairing, before: f64| {
+                let passed = |part: f64| shown.part((before + part) / 2.0);
+                panel::emulated(&model, &table, pairing, (&setup, args.seed), passed)
+            };
+            let (study, bare) = (rate(panel::taped, 0.0)?, rate(panel::bare, 1.0)?);
             let ranks = ranks(&study, &table);
             (
                 "The eight textures rated".to_owned(),

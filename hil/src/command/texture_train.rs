@@ -20,8 +20,8 @@ const PROGRAM: &str = "palpate-train";
 /// A table that cannot be read, a folder that cannot be written.
 pub fn strokes(args: &StrokesArgs) -> Result<(), Failure> {
     let table = load_textures(&args.of.textures)?.value;
-    let shown = Progress::endless("strokes");
-    let all = explore::explore(&table, args.of.strokes, args.seed);
+    let shown = Progress::of_part("strokes");
+    let all = explore::explore(&table, args.of.strokes, args.seed, |part| shown.part(part));
     drop(shown);
     make_folder(&args.out)?;
     let outputs = Outputs {
@@ -76,9 +76,11 @@ pub fn train(args: &TrainArgs) -> Result<(), Failure> {
 pub fn map(args: &MapArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
     let table = load_textures(&args.of.textures)?.value;
-    let shown = Progress::endless("map");
-    let strokes = explore::explore(&table, args.of.strokes, args.seed);
-    let encoded = explore::encode(&model, &strokes)?;
+    let shown = Progress::of_part("strokes");
+    let strokes = explore::explore(&table, args.of.strokes, args.seed, |part| shown.part(part));
+    drop(shown);
+    let shown = Progress::of_part("latent vectors");
+    let encoded = explore::encode(&model, &strokes, |part| shown.part(part))?;
     drop(shown);
     let view = map::View::of(&model);
     let placed = map::place(&encoded, view);

@@ -7,23 +7,33 @@ use palpate_files::{TextureEntry, TextureModel, TextureTable, taxel};
 use palpate_run::Failure;
 use palpate_run::plan::surface;
 
-/// Every texture of the table stroked `strokes` times by one person with one module.
-pub fn explore(table: &TextureTable, strokes: u32, seed: u64) -> Vec<(&TextureEntry, Recording)> {
-    explore_as(table, surface, strokes, seed)
+/// Every texture of the table stroked `strokes` times by one person with one module. `passed` hears the part that is
+/// done, 0 to 1.
+pub fn explore(
+    table: &TextureTable,
+    strokes: u32,
+    seed: u64,
+    passed: impl Fn(f64),
+) -> Vec<(&TextureEntry, Recording)> {
+    explore_as(table, surface, (strokes, seed), passed)
 }
 
 /// The same with a module of choice: `pairing` says what a texture is to it.
 pub fn explore_as(
     table: &TextureTable,
     pairing: fn(&TextureEntry) -> SurfaceTexture,
-    strokes: u32,
-    seed: u64,
+    (strokes, seed): (u32, u64),
+    passed: impl Fn(f64),
 ) -> Vec<(&TextureEntry, Recording)> {
     let mut explorer = Explorer::new(Habits::default(), table.dead_taxel, seed);
     let mut all = Vec::new();
+    let count = table.texture.len() * strokes as usize;
     for entry in &table.texture {
         let surface = pairing(entry);
-        all.extend((0..strokes).map(|number| (entry, explorer.stroke(&surface, number))));
+        for number in 0..strokes {
+            all.push((entry, explorer.stroke(&surface, number)));
+            passed(all.len() as f64 / count as f64);
+        }
     }
     all
 }
@@ -74,13 +84,14 @@ pub struct Encoded<'a> {
 /// Rows from one encoded window to the next: neighbours are nearly the same.
 const HOP: usize = 10;
 
-/// Encodes strokes.
+/// Encodes strokes. `passed` hears the part that is done, 0 to 1.
 ///
 /// # Errors
 /// A model whose features are no columns of a flat module, or whose window is longer than a stroke.
 pub fn encode<'a>(
     model: &TextureModel,
     all: &[(&'a TextureEntry, Recording)],
+    passed: impl Fn(f64),
 ) -> Result<Vec<Encoded<'a>>, Failure> {
     let encoder = model.encoder()?;
     let mut room = encoder.room(1);
@@ -103,6 +114,7 @@ pub fn encode<'a>(
             latents.push(z.to_vec());
         }
         encoded.push(Encoded { entry, latents });
+        passed(encoded.len() as f64 / all.len() as f64);
     }
     Ok(encoded)
 }

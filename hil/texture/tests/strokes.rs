@@ -18,9 +18,9 @@ fn model(features: &str, count: usize) -> TextureModel {
 #[test]
 fn strokes_are_reproduced_and_encoded_by_the_columns_names() {
     let table = load_textures("thesis").unwrap().value;
-    let all = explore(&table, 2, 5);
+    let all = explore(&table, 2, 5, |_| ());
     assert_eq!(all.len(), 16);
-    assert!(all == explore(&table, 2, 5) && all != explore(&table, 2, 6));
+    assert!(all == explore(&table, 2, 5, |_| ()) && all != explore(&table, 2, 6, |_| ()));
     let mut text = Vec::new();
     write_rows(&all[0].1, &mut text).unwrap();
     let text = String::from_utf8(text).unwrap();
@@ -28,11 +28,11 @@ fn strokes_are_reproduced_and_encoded_by_the_columns_names() {
     assert!(text.starts_with("txl1_x,txl1_y,txl1_z,txl2_x"));
     assert!(text.lines().all(|line| line.split(',').count() == 48));
 
-    let encoded = encode(&model("txl1_z,txl9_x", 2), &all).unwrap();
+    let encoded = encode(&model("txl1_z,txl9_x", 2), &all, |_| ()).unwrap();
     assert_eq!(encoded.len(), 16);
     let latents = &encoded[0].latents;
     assert_eq!((latents.len(), latents[0].len()), (11, 3));
-    let refused = encode(&model("proximity1,channel2", 2), &all);
+    let refused = encode(&model("proximity1,channel2", 2), &all, |_| ());
     assert!(refused.is_err_and(|e| e.to_string().contains("txl1_x to txl16_z")));
 
     let axis = |coordinate, sign| Axis {

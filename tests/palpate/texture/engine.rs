@@ -55,7 +55,7 @@ fn the_model_that_ships_agrees_with_f64_over_whole_strokes() {
     let encoder = model.encoder().unwrap();
     let (mut room, row) = (encoder.room(1), encoder.features());
     let table = load_textures("thesis").unwrap().value;
-    for (entry, recording) in explore::explore(&table, 2, 5) {
+    for (entry, recording) in explore::explore(&table, 2, 5, |_| ()) {
         let values = explore::features(&model, &recording).unwrap();
         for window in values.windows(encoder.window() * row).step_by(13 * row) {
             let found = encoder.encode(&mut room, window).unwrap();

@@ -159,7 +159,7 @@ impl<'a> Session<'a> {
 }
 
 /// Rates emulated textures: twelve strokes each, pushed through the model. `pairing` says what the module that
-/// strokes is covered with.
+/// strokes is covered with. `passed` hears the part that is done, 0 to 1.
 ///
 /// # Errors
 /// A model or bench that does not fit.
@@ -167,10 +167,10 @@ pub fn emulated(
     model: &TextureModel,
     table: &TextureTable,
     pairing: fn(&TextureEntry) -> SurfaceTexture,
-    setup: &Setup,
-    seed: u64,
+    (setup, seed): (&Setup, u64),
+    passed: impl Fn(f64),
 ) -> Result<Study, Failure> {
-    let strokes = explore_as(table, pairing, TRIALS, seed);
+    let strokes = explore_as(table, pairing, (TRIALS, seed), |_| ());
     let of_texture = |(entry, strokes): (&TextureEntry, &[(&TextureEntry, Recording)])| {
         let r = entry.rated;
         let source = |(_, stroke): &_| Source::of_stroke(model, &entry.name, stroke);
@@ -181,10 +181,10 @@ pub fn emulated(
         })
     };
     let all = table.texture.iter().zip(strokes.chunks(TRIALS as usize));
-    study(model, all.map(of_texture), setup, seed)
+    study(model, all.map(of_texture), (setup, seed), passed)
 }
 
-/// Rates recordings, which nobody has touched: on the display only.
+/// Rates recordings, which no finger has touched: on the display only. `passed` hears the part that is done, 0 to 1.
 ///
 /// # Errors
 /// A model or bench that does not fit, a recording that cannot be read or is shorter than a window.
@@ -192,8 +192,8 @@ pub fn recorded(
     model: &TextureModel,
     labels: &[Label],
     rate_hz: f64,
-    setup: &Setup,
-    seed: u64,
+    (setup, seed): (&Setup, u64),
+    passed: impl Fn(f64),
 ) -> Result<Study, Failure> {
     let of_label = |label: &Label| {
         Ok(Shows {
@@ -202,7 +202,7 @@ pub fn recorded(
             sources: label.pieces(model, rate_hz, TRIALS)?,
         })
     };
-    study(model, labels.iter().map(of_label), setup, seed)
+    study(model, labels.iter().map(of_label), (setup, seed), passed)
 }
 
 /// What is shown of one texture, and what the bare finger is to say of it.
@@ -214,20 +214,22 @@ struct Shows {
 
 fn study(
     model: &TextureModel,
-    all: impl Iterator<Item = Result<Shows, Failure>>,
-    setup: &Setup,
-    seed: u64,
+    all: impl ExactSizeIterator<Item = Result<Shows, Failure>>,
+    (setup, seed): (&Setup, u64),
+    passed: impl Fn(f64),
 ) -> Result<Study, Failure> {
+    let count = all.len() as f64;
     let session = Session::new(model.driver()?, setup, seed)?;
     let encoder = Arc::new(model.encoder()?);
-    let rate = |shows: Result<Shows, Failure>| {
+    let rate = |(done, shows): (u32, Result<Shows, Failure>)| {
+        passed(f64::from(done) / count);
         let shows = shows?;
         let trial = |source| Trial::new(&encoder, &session.stage.map, source);
         let trials: Result<Vec<_>, _> = shows.sources.iter().map(trial).collect();
         session.rate(&shows.name, shows.rated, &trials?)
     };
     Ok(Study {
-        textures: all.map(rate).collect::<Result<_, _>>()?,
+        textures: (0..).zip(all).map(rate).collect::<Result<_, _>>()?,
         ends: session.ends,
     })
 }

@@ -11,6 +11,7 @@ mod network;
 mod recordings;
 mod report;
 mod settings;
+mod shown;
 mod training;
 mod windows;
 

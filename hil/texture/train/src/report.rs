@@ -1,4 +1,4 @@
-//! One run from first epoch to figures: progress on stderr, the model file, and what the model is worth.
+//! One run from first epoch to figures: the model file, and what the model is worth.
 
 use std::io::Write;
 use std::process::Command;
@@ -14,6 +14,7 @@ use crate::model_file::{self, About};
 use crate::network::Network;
 use crate::recordings::Rating;
 use crate::settings::Progress;
+use crate::shown::Shown;
 use crate::training::{self, Plain};
 use crate::windows::{Place, Split, Windows};
 
@@ -34,21 +35,15 @@ pub fn run(
     let began = Instant::now();
     // of the tree as it is now: it may change while a training runs
     let revision = revision();
+    let shown = Shown::new(settings.epochs);
     let says = |progress: &Progress| {
+        shown.epoch(progress);
         let minutes = began.elapsed().as_secs_f64() / 60.0;
-        let last = |errors: &[f64]| errors.last().copied().unwrap_or(f64::NAN);
-        eprintln!(
-            "epoch {}/{}: training {:.6}, validation {:.6} (best in epoch {}), {minutes:.1} min",
-            progress.epochs,
-            settings.epochs,
-            last(&progress.train),
-            last(&progress.validation),
-            progress.best_epoch,
-        );
         arguments.minutes.is_none_or(|limit| minutes < limit)
     };
     let folder = arguments.checkpoint.as_deref();
     let (network, progress) = training::train(windows, split, ratings, settings, folder, says)?;
+    drop(shown);
     let test = windows.of(&split.test, 1);
     let test_error = training::reconstruction(&network, windows, &test);
     let latent = model_file::drivers(&network, windows, &split.train, ratings);

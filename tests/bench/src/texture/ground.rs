@@ -32,7 +32,7 @@ impl Ground {
         let table = load_textures("thesis")?.value;
         let (row, length) = (model.features(), model.window());
         let (mut values, mut ends) = (Vec::new(), Vec::new());
-        for (_, recording) in explore::explore(&table, STROKES, SEED) {
+        for (_, recording) in explore::explore(&table, STROKES, SEED, |_| ()) {
             let first = values.len() / row + length - 1;
             values.extend(explore::features(&model, &recording)?);
             ends.extend((first..values.len() / row).step_by(APART));
