@@ -1,26 +1,58 @@
 //! Static intensity levels over a whole input, with bounded memory.
 
 use palpate_core::contact::LevelTable;
+use palpate_core::random::RandomStream;
 
-/// So many intensities find the levels; of more, evenly many between the lowest and the highest are taken.
+/// So many intensities find the levels; of more, so many are drawn, each as likely as the others.
 const TELLING: usize = 1 << 17;
 
-/// The table of `k` levels of these intensities, raw counts; none where nothing was touched.
-#[must_use]
-pub fn level_table(intensities: Vec<f32>, k: usize) -> Option<LevelTable> {
-    LevelTable::from_intensities(&thinned(intensities), k).ok()
+/// The intensities of an input, raw counts.
+#[derive(Debug)]
+pub struct Intensities {
+    drawn: Vec<f32>,
+    count: u64,
+    /// The lowest and the highest.
+    ends: Option<(f32, f32)>,
+    draws: RandomStream,
 }
 
-/// At most [`TELLING`] of them.
-fn thinned(mut intensities: Vec<f32>) -> Vec<f32> {
-    let count = intensities.len();
-    if count <= TELLING {
-        return intensities;
+impl Default for Intensities {
+    fn default() -> Self {
+        Self {
+            drawn: Vec::new(),
+            count: 0,
+            ends: None,
+            draws: RandomStream::new(0, "intensities that find levels"),
+        }
     }
-    intensities.sort_unstable_by(f32::total_cmp);
-    (0..TELLING)
-        .map(|n| intensities[n * (count - 1) / (TELLING - 1)])
-        .collect()
+}
+
+impl Intensities {
+    /// Adds one.
+    pub fn add(&mut self, intensity: f32) {
+        let (least, most) = self.ends.unwrap_or((intensity, intensity));
+        self.ends = Some((least.min(intensity), most.max(intensity)));
+        self.count += 1;
+        if self.drawn.len() < TELLING {
+            self.drawn.push(intensity);
+            return;
+        }
+        // Contacts of one frame come in turn: every n-th would be of the same finger.
+        let place = (self.draws.uniform() * self.count as f64) as usize;
+        if let Some(one) = self.drawn.get_mut(place) {
+            *one = intensity;
+        }
+    }
+
+    /// The table of `k` levels; none where nothing was touched.
+    #[must_use]
+    pub fn table(mut self, k: usize) -> Option<LevelTable> {
+        if self.count > TELLING as u64 {
+            let (least, most) = self.ends?;
+            self.drawn.extend([least, most]);
+        }
+        LevelTable::from_intensities(&self.drawn, k).ok()
+    }
 }
 
 #[cfg(test)]

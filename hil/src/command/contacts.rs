@@ -21,7 +21,7 @@ use palpate_files::{
     Columns, LayoutFile, Rows, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, Timing, is_stream, load_layout,
 };
 use palpate_run::plan;
-use palpate_run::{Failure, level_table};
+use palpate_run::{Failure, Intensities};
 
 use super::rate::rate_of;
 
@@ -57,21 +57,21 @@ pub fn contacts(args: &ContactsArgs) -> Result<(), Failure> {
         outputs.check_table(table)?;
     }
     let recording = Recording::of(args)?;
-    let (mut held, mut intensities) = (Vec::new(), Vec::new());
+    let (mut held, mut intensities) = (Vec::new(), Intensities::default());
     let mut count = 0;
     let notes = recording.compress(&mut |row| {
         count += 1;
         if count <= HELD {
             held.push(row);
         }
-        intensities.push(row.contact.intensity);
+        intensities.add(row.contact.intensity);
         Ok(())
     })?;
     if !args.quiet {
         notes.iter().for_each(|text| note(text));
     }
     // No table without a contact, and then no row asks for a level.
-    let levels = level_table(intensities, usize::from(args.ki));
+    let levels = intensities.table(usize::from(args.ki));
     let level = |c: &Contact| levels.as_ref().map_or(1, |table| table.level(c.intensity));
     if count > HELD && is_stream(&args.file) {
         return Err(Failure::Input(format!(
