@@ -1,14 +1,20 @@
-//! What a run is handed from outside here: the wall clock to time frames by, and a live view if wanted.
+//! What a run is handed from outside here: the wall clock to time frames by, a live view if wanted, and the records
+//! that are written while it runs.
+
+use std::path::PathBuf;
 
 use palpate_core::skin::Layout;
 use palpate_core::units::Instant;
+use palpate_records::mcap::Attachment;
+use palpate_records::readings::Readings;
 use palpate_records::trace::Header;
 use palpate_run::effort::Stopwatch;
-use palpate_run::{BusReport, Failure, Host, TurnView};
+use palpate_run::{BusReport, Failure, Host, Passed, TurnView};
 
 use crate::clock;
-use crate::output::note;
+use crate::output::{Outputs, note};
 use crate::progress::Progress;
+use crate::record::{About, Kind, Piece, Sink};
 use crate::watch::Watch;
 
 /// A clock, and perhaps a live view.
@@ -18,16 +24,41 @@ pub struct Onlooker {
     pub watches: bool,
     watch: Option<Watch>,
     progress: Option<Progress>,
+    records: Option<Records>,
+    sinks: Vec<Sink>,
+}
+
+/// Records that are written while a run goes on.
+#[derive(Debug)]
+pub struct Records {
+    /// What, and where to.
+    pub files: Vec<(Kind, PathBuf)>,
+    /// The files that the run goes back to.
+    pub attachments: Vec<Attachment>,
+    /// Whether files that are no earlier outputs may be replaced.
+    pub force: bool,
+    /// The recordings that the run reads.
+    pub inputs: Vec<PathBuf>,
+    /// The module that drives.
+    pub drives: usize,
 }
 
 impl Onlooker {
     /// One that times frames and, if it `watches`, shows the run on a terminal.
-    pub const fn new(watches: bool) -> Self {
+    pub fn new(watches: bool, records: Option<Records>) -> Self {
         Self {
             watches,
-            watch: None,
-            progress: None,
+            records,
+            ..Self::default()
         }
+    }
+
+    /// Ends the records.
+    ///
+    /// # Errors
+    /// [`Failure::Write`] with the file and what the system said.
+    pub fn finish(self) -> Result<(), Failure> {
+        self.sinks.into_iter().try_for_each(Sink::finish)
     }
 }
 
@@ -44,7 +75,27 @@ impl Host for Onlooker {
         if self.watches {
             self.watch = open_watch(header, layout, end, true)?;
         }
+        if let Some(records) = &self.records {
+            let readings = Readings::whole(layout, records.drives);
+            let about = About::Run(header, readings.modules(), &records.attachments);
+            let outputs = Outputs {
+                force: records.force,
+                inputs: &records.inputs,
+            };
+            self.sinks = Sink::begin_all(&records.files, &about, outputs)?;
+        }
         Ok(())
+    }
+
+    fn records(&self) -> bool {
+        self.records.is_some()
+    }
+
+    fn record(&mut self, passed: Passed) -> Result<(), Failure> {
+        let piece = Piece::from(passed);
+        self.sinks
+            .iter_mut()
+            .try_for_each(|sink| sink.piece(&piece))
     }
 
     fn turn(&mut self, seen: &TurnView<'_>) -> bool {

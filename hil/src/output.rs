@@ -118,6 +118,18 @@ impl Outputs<'_> {
         })
     }
 
+    /// Opens a file that grows and is there only once it is whole, where nothing else is lost.
+    ///
+    /// # Errors
+    /// As [`Outputs::grow`].
+    pub fn begin(self, path: &Path, format: Format) -> Result<(Unfinished, fs::File), Failure> {
+        self.check(path, format)?;
+        Unfinished::create(path).map_err(|error| Failure::Write {
+            path: path.display().to_string(),
+            error,
+        })
+    }
+
     /// Whether a table of contacts and the schema beside it may be written.
     ///
     /// # Errors
@@ -138,42 +150,61 @@ pub fn write_file(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Failure> {
-    let failed = |error| Failure::Write {
-        path: path.display().to_string(),
-        error,
-    };
-    let whole = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    match fs::metadata(&whole) {
-        Ok(there) if there.is_dir() => {
-            return Err(failed(io::Error::from(io::ErrorKind::IsADirectory)));
-        }
-        Ok(there) if !there.is_file() || is_stream(path) => {
-            let stream = fs::OpenOptions::new().append(true).open(path);
-            return stream
-                .and_then(|file| {
-                    let mut out = io::BufWriter::new(file);
-                    content(&mut out)?;
-                    out.flush()
-                })
-                .map_err(failed);
-        }
-        _ => {}
-    }
-    let name = whole
-        .file_name()
-        .map(|n| n.to_string_lossy().into_owned())
-        .unwrap_or_default();
-    // Two runs at once may write the same file: each has its own neighbour.
-    let partial = whole.with_file_name(format!(".{name}.{}.partial", std::process::id()));
-    let written = Partial::create(&partial).and_then(|(partial, file)| {
+    let written = Unfinished::create(path).and_then(|(unfinished, file)| {
         let mut out = io::BufWriter::new(file);
         content(&mut out)?;
-        out.into_inner()
-            .map_err(io::IntoInnerError::into_error)?
-            .sync_all()?;
-        partial.finish(&whole)
+        let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+        unfinished.finish(&file)
     });
-    written.map_err(failed)
+    written.map_err(|error| Failure::Write {
+        path: path.display().to_string(),
+        error,
+    })
+}
+
+/// An output that is not whole yet. Dropped, its file is gone.
+#[derive(Debug)]
+pub struct Unfinished {
+    /// The neighbour, and the name that it will have; nothing of what is no ordinary file.
+    partial: Option<(Partial, PathBuf)>,
+}
+
+impl Unfinished {
+    /// Opens what [`write_file`] writes to.
+    fn create(path: &Path) -> io::Result<(Self, fs::File)> {
+        let whole = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        match fs::metadata(&whole) {
+            Ok(there) if there.is_dir() => {
+                return Err(io::Error::from(io::ErrorKind::IsADirectory));
+            }
+            Ok(there) if !there.is_file() || is_stream(path) => {
+                let stream = fs::OpenOptions::new().append(true).open(path)?;
+                return Ok((Self { partial: None }, stream));
+            }
+            _ => {}
+        }
+        let name = whole.file_name().map(|n| n.to_string_lossy().into_owned());
+        let name = name.unwrap_or_default();
+        // Two runs at once may write the same file: each has its own neighbour.
+        let partial = whole.with_file_name(format!(".{name}.{}.partial", std::process::id()));
+        let (partial, file) = Partial::create(&partial)?;
+        let partial = Some((partial, whole));
+        Ok((Self { partial }, file))
+    }
+
+    /// Gives the file its name, once it is on the disk.
+    ///
+    /// # Errors
+    /// What the system says; the file is gone then.
+    pub fn finish(self, file: &fs::File) -> io::Result<()> {
+        match self.partial {
+            None => Ok(()),
+            Some((partial, whole)) => {
+                file.sync_all()?;
+                partial.finish(&whole)
+            }
+        }
+    }
 }
 
 /// Whether a path is or will be an ordinary file, which can have others beside it.

@@ -111,6 +111,11 @@ impl Readings {
         }
     }
 
+    /// The frames since the last time, for a record that grows: nothing of them stays.
+    pub fn take_frames(&mut self) -> Vec<TaxelFrame> {
+        std::mem::take(&mut self.frames)
+    }
+
     /// Every frame that was kept.
     pub fn frames(&self) -> &[TaxelFrame] {
         &self.frames

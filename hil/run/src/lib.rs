@@ -22,6 +22,7 @@ mod levels;
 pub mod live;
 mod margins;
 mod path_error;
+mod passed;
 pub mod plan;
 pub mod policy;
 mod recorder;
@@ -45,8 +46,9 @@ pub use boards::{BoardReport, BusReport, CanReport, Pacing, Spread};
 pub use failure::Failure;
 pub use hand::Hand;
 pub use header::{attachments, header};
-pub use levels::level_table;
+pub use levels::Intensities;
 pub use live::{EmulatedSession, FedSession, press};
+pub use passed::Passed;
 pub use policy::Policy;
 pub use recorder::{Recorder, Truth};
 pub use replay::{
@@ -188,6 +190,20 @@ pub trait Host {
     fn passed(&mut self, part: f64) -> bool {
         let _ = part;
         false
+    }
+
+    /// Whether it records: it is then handed pieces of what happens, where a run keeps only what its summary needs.
+    fn records(&self) -> bool {
+        false
+    }
+
+    /// What happened since the last piece.
+    ///
+    /// # Errors
+    /// What keeps it from recording; the run ends.
+    fn record(&mut self, passed: Passed) -> Result<(), Failure> {
+        let _ = passed;
+        Ok(())
     }
 
     /// The run is over, whatever ended it.

@@ -23,7 +23,7 @@ pub(crate) fn milli_c(celsius: f64) -> Option<i32> {
 }
 
 /// So many events are looked through at once for those that a summary reads.
-const UNREAD: usize = 1 << 12;
+const UNREAD: usize = 1 << 10;
 
 /// What truly touches the driving module.
 #[derive(Debug, Default)]
@@ -98,6 +98,8 @@ pub struct Recorder {
     pub counts: Option<Vec<f32>>,
     /// What every taxel read, where that is kept.
     pub readings: Option<Readings>,
+    /// The same for a record that grows: who writes it takes it, turn by turn.
+    pub taxels: Option<Readings>,
     /// The newest onset.
     pub onset: Option<Onset>,
     /// Onsets projected, and those of them without a contact.
@@ -117,6 +119,8 @@ pub struct Recorder {
     pub felt: Option<FeltPath>,
     /// How many.
     stayed: usize,
+    /// Where a record is written while the run goes on: the events that were looked through since the last time.
+    pub handed: Option<Vec<Event>>,
     /// Events at most; the oldest go. `None`: all are kept.
     most_events: Option<usize>,
     /// Events that went so.
@@ -146,20 +150,33 @@ impl Recorder {
 
     /// Drops the older half of the events where there are too many, and what no summary reads where that is enough.
     pub fn trim(&mut self) {
-        if let Some(path) = &mut self.felt
-            && self.events.len() - self.stayed > UNREAD
-        {
-            let new = self.events.split_off(self.stayed);
-            new.iter().for_each(|event| path.add(event));
-            let notes = new.into_iter().filter(|e| matches!(e, Event::Note { .. }));
-            self.events.extend(notes);
-            self.stayed = self.events.len();
+        if self.events.len() - self.stayed > UNREAD {
+            self.pass_on();
         }
         let most = self.most_events.unwrap_or(usize::MAX);
         if self.events.len() > most {
             let surplus = self.events.len() - most / 2;
             self.events.drain(..surplus);
             self.dropped += surplus as u64;
+        }
+    }
+
+    /// Where a summary is enough: looks through the new events, keeps notes, and hands all of them on.
+    pub fn pass_on(&mut self) {
+        if self.felt.is_none() {
+            return;
+        }
+        // Else it would come when another taxel changes, which may be hours later.
+        self.tell_taxels();
+        let new = self.events.split_off(self.stayed);
+        if let Some(path) = &mut self.felt {
+            new.iter().for_each(|event| path.add(event));
+        }
+        let notes = new.iter().filter(|e| matches!(e, Event::Note { .. }));
+        self.events.extend(notes.cloned());
+        self.stayed = self.events.len();
+        if let Some(handed) = &mut self.handed {
+            handed.extend(new);
         }
     }
 
@@ -213,7 +230,7 @@ impl Observer for Recorder {
             counts.clear();
             counts.extend(readings.map(|(v, usable)| if *usable { *v } else { f32::NAN }));
         }
-        if let Some(readings) = &mut self.readings {
+        for readings in [&mut self.readings, &mut self.taxels].into_iter().flatten() {
             readings.push(t_us, report.relative);
         }
         for contact in report.contacts {

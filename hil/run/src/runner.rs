@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 use std::time::Duration as Elapsed;
 
-use palpate_core::contact::{Contact, Levels};
+use palpate_core::contact::Levels;
 use palpate_core::driver::Actuators;
 use palpate_core::guard::Guarded;
 use palpate_core::projector::{FrameReport, LoopError, Observer, Plan, Projector};
@@ -20,7 +20,8 @@ use crate::display_end::{EmulatedDisplay, refuse_hardware};
 use crate::effort::Effort;
 use crate::failure::Failure;
 use crate::header::header;
-use crate::levels::level_table;
+use crate::levels::Intensities;
+use crate::passed::Passing;
 use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth, milli_c};
 use crate::replay::{CanPlayer, Rows};
@@ -165,8 +166,13 @@ impl Run<'_> {
         let mut recorder = Recorder::new(truth, projector.layout());
         recorder.counts = host.looks_on().then(Vec::new);
         let drives = self.setup.scene.value.drives;
+        let streams = self.keep.summary && host.records();
+        recorder.handed = streams.then(Vec::new);
+        recorder.taxels = (streams && self.keep.readings == KeptReadings::All)
+            .then(|| Readings::whole(projector.layout(), drives));
         recorder.readings = match self.keep.readings {
             KeptReadings::None => None,
+            _ if streams => None,
             KeptReadings::Sampled => Some(Readings::sampled(projector.layout(), drives)),
             KeptReadings::All => Some(Readings::whole(projector.layout(), drives)),
         };
@@ -175,6 +181,7 @@ impl Run<'_> {
         if self.keep.band {
             display.compare(self.setup, &header)?;
         }
+        let mut passing = Passing::new(header.soa_us);
         host.begin(&header, projector.layout(), end)?;
         let ends = (skin, display);
         let policy = Policy::EMULATED;
@@ -190,7 +197,11 @@ impl Run<'_> {
         };
         while next < end {
             let now = next;
-            match session.turn(now)? {
+            let turn = session.turn(now)?;
+            if let Some(passed) = passing.take(&mut session, false) {
+                host.record(passed)?;
+            }
+            match turn {
                 Turn::Next(then) if !look_on(&mut session, host) && !host.passed(behind(now)) => {
                     next = then;
                 }
@@ -209,6 +220,9 @@ impl Run<'_> {
         }
         let (display, projector, recorder) = session.all();
         display.settle(last, projector, recorder)?;
+        if let Some(passed) = passing.take(&mut session, true) {
+            host.record(passed)?;
+        }
         let outcome = self.outcome(header, &mut session, last, host)?;
         Ok((outcome, session.into_skin()))
     }
@@ -293,7 +307,7 @@ fn look_on<S: SkinEnd>(session: &mut Session<S, EmulatedDisplay>, host: &mut dyn
 const HALF: f64 = 0.5;
 
 /// The part of a pass that is over at `now`.
-fn part(now: Instant, end: Instant) -> f64 {
+pub(crate) fn part(now: Instant, end: Instant) -> f64 {
     now.as_micros() as f64 / end.as_micros().max(1) as f64
 }
 
@@ -318,14 +332,9 @@ pub fn scene_levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
     calibrate(setup, seed, &mut skin, scene_end(setup), &mut ())
 }
 
-/// Intensities of all contacts, raw counts.
-#[derive(Default)]
-struct Intensities(Vec<f32>);
-
 impl Observer for Intensities {
     fn frame(&mut self, report: &FrameReport<'_>) {
-        let intensity = |c: &Contact| c.intensity;
-        self.0.extend(report.contacts.iter().map(intensity));
+        report.contacts.iter().for_each(|c| self.add(c.intensity));
     }
 }
 
@@ -355,7 +364,7 @@ fn calibrate(
         now = projector.next().min(now + TICK);
     }
     // Without a table nothing was touched.
-    let table = level_table(intensities.0, k);
+    let table = intensities.table(k);
     Ok(table.map_or(Levels::Off, Levels::Table))
 }
 

@@ -13,7 +13,7 @@ use palpate_records::verdict::Verdict;
 
 use crate::cli::{Color, RunArgs, Switch};
 use crate::clock;
-use crate::host::Onlooker;
+use crate::host::{Onlooker, Records};
 use crate::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
 use crate::real::{self, Told};
 use crate::recording::{Reading, recorded, write_can_log};
@@ -78,6 +78,18 @@ impl Format {
         }
     }
 
+    /// As a file that is written while a run goes on; none of what takes all of it.
+    const fn grows(self) -> Option<LiveKind> {
+        match self {
+            Self::Contacts => Some(LiveKind::Contacts),
+            Self::Schedule => Some(LiveKind::Schedule),
+            Self::Can => Some(LiveKind::Can),
+            Self::Mcap => Some(LiveKind::Mcap),
+            Self::Vcd => Some(LiveKind::Vcd),
+            Self::Golden | Self::Report | Self::Summary => None,
+        }
+    }
+
     fn write(self, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
         write_file(path, |out| match self {
             Self::Contacts => write_table(&outcome.trace.events, out),
@@ -85,9 +97,10 @@ impl Format {
                 let traffic = BusTraffic {
                     can: &outcome.can,
                     i2c: &outcome.i2c,
-                    readings: outcome.readings.as_ref(),
+                    ..BusTraffic::default()
                 };
-                write_mcap(&outcome.trace, traffic, &attachments(setup), out)
+                let run = (&outcome.trace, outcome.readings.as_ref());
+                write_mcap(run, traffic, &attachments(setup), out)
             }
             Self::Vcd => write_vcd(&outcome.trace, out),
             Self::Schedule => write_schedule(&outcome.trace, out),
@@ -131,15 +144,19 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
         },
         // A recording may last a day; nothing else looks at what this leaves out.
         summary: !args.replay.is_empty()
-            && files.is_empty()
+            && files.iter().all(|(format, _)| format.grows().is_some())
             && args.junit.is_none()
             && !args.watch
             && !args.explain,
     };
-    let mut outcome = if setup.bench.value.kind == BenchKind::Real {
-        let (live, later) = split(files);
-        files = later;
-        on_hardware(args, &setup, &live)?
+    let written: Vec<PathBuf> = files.iter().map(|(_, path)| path.clone()).collect();
+    let is_real = setup.bench.value.kind == BenchKind::Real;
+    let mut growing = Vec::new();
+    if is_real || keep.summary {
+        (growing, files) = split(files);
+    }
+    let mut outcome = if is_real {
+        on_hardware(args, &setup, &growing)?
     } else {
         let timing = Timing {
             column: args.time.clone(),
@@ -150,7 +167,7 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
             timing,
             prefix: args.columns.clone(),
         };
-        emulated(args, &setup, &reading, keep)?
+        emulated(args, &setup, &reading, (keep, growing))?
     };
     let checks = args
         .junit
@@ -180,7 +197,7 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
             failed = Some(Failure::Check(wrong.why.join("; ")));
         }
     }
-    tell(args, &outcome, &files, color)?;
+    tell(args, &outcome, &written, color)?;
     if args.explain {
         explained(args, |out| explain::done(&outcome, out))?;
     }
@@ -204,14 +221,21 @@ fn emulated(
     args: &RunArgs,
     setup: &Setup,
     reading: &Reading,
-    keep: Keep,
+    (keep, growing): (Keep, Vec<(LiveKind, PathBuf)>),
 ) -> Result<Outcome, Failure> {
     let (input, notes) = match args.replay.as_slice() {
         [] => (Input::Scene, Vec::new()),
         paths => recorded(paths, &setup.sensor.value, reading)?,
     };
-    let host = &mut Onlooker::new(args.watch);
-    let outcome = run_with(setup, &input, args.on.seed, keep, host);
+    let records = (!growing.is_empty()).then(|| Records {
+        files: growing,
+        attachments: attachments(setup),
+        force: args.force,
+        inputs: args.replay.clone(),
+        drives: setup.scene.value.drives,
+    });
+    let mut host = Onlooker::new(args.watch, records);
+    let outcome = run_with(setup, &input, args.on.seed, keep, &mut host);
     let outcome = outcome.map_err(|failure| match (failure, args.replay.first()) {
         // The room for runs knows no files.
         (Failure::Input(text), Some(path)) if text.starts_with("the recording") => {
@@ -219,6 +243,7 @@ fn emulated(
         }
         (failure, _) => failure,
     })?;
+    host.finish()?;
     Ok(Outcome { notes, ..outcome })
 }
 
@@ -251,7 +276,7 @@ fn on_hardware(
 fn tell(
     args: &RunArgs,
     outcome: &Outcome,
-    files: &[(Format, PathBuf)],
+    written: &[PathBuf],
     color: Color,
 ) -> Result<(), Failure> {
     if args.voice.json {
@@ -264,25 +289,21 @@ fn tell(
     } else {
         print(|out| {
             outcome.summary.write(out, color.on(&io::stdout()))?;
-            files
+            written
                 .iter()
-                .try_for_each(|(_, path)| writeln!(out, "  wrote           {}", path.display()))
+                .try_for_each(|path| writeln!(out, "  wrote           {}", path.display()))
         })
     }
 }
 
-/// The files that a real run writes while it runs, and those that come after it.
+/// The files that a real run or a replay writes while it runs, and those that come after it.
 #[allow(clippy::type_complexity)] // two lists of what `wanted` returns
 fn split(files: Vec<(Format, PathBuf)>) -> (Vec<(LiveKind, PathBuf)>, Vec<(Format, PathBuf)>) {
     let (mut live, mut later) = (Vec::new(), Vec::new());
     for (format, path) in files {
-        match format {
-            Format::Contacts => live.push((LiveKind::Contacts, path)),
-            Format::Schedule => live.push((LiveKind::Schedule, path)),
-            Format::Can => live.push((LiveKind::Can, path)),
-            Format::Mcap => live.push((LiveKind::Mcap, path)),
-            Format::Vcd => live.push((LiveKind::Vcd, path)),
-            Format::Golden | Format::Report | Format::Summary => later.push((format, path)),
+        match format.grows() {
+            Some(kind) => live.push((kind, path)),
+            None => later.push((format, path)),
         }
     }
     (live, later)

@@ -89,10 +89,14 @@ pub fn run(
     };
     let projector = build(setup, seed, levels)?;
     let (header, attached) = (header(setup, seed, &projector)?, attachments(setup));
-    let sinks = Sink::create_all(files, &About::Run(&header, &attached), outputs)?;
+    let writes = |wanted: Kind| files.iter().any(|(kind, _)| *kind == wanted);
+    let decoded = || Readings::whole(projector.layout(), scene.drives);
+    let taxels = writes(Kind::Mcap).then(decoded);
+    let modules = taxels.as_ref().map_or(&[][..], Readings::modules);
+    let about = About::Run(&header, modules, &attached);
+    let sinks = Sink::create_all(files, &about, outputs)?;
     let journal = Journal::start(sinks, !told.quiet && !told.watched)?;
-    let keeps_can = |kind: Kind| matches!(kind, Kind::Can | Kind::Mcap);
-    let keeps_can = files.iter().any(|(kind, _)| keeps_can(*kind));
+    let keeps_can = writes(Kind::Can) || writes(Kind::Mcap);
     let (live, can) = Live::open(bench, real, projector.layout())?;
     let length = Instant::from_micros((scene.length_s * 1e6).round() as u64);
     let watch = match told.watched {
@@ -104,7 +108,8 @@ pub fn run(
         real,
         signals,
         length,
-        drives: setup.scene.value.drives,
+        drives: scene.drives,
+        taxels,
         journal,
         watch,
         progress: Progress::of_part("run"),
@@ -131,6 +136,8 @@ struct Turns<'a> {
     signals: Signals,
     length: Instant,
     drives: usize,
+    /// Where decoded taxels are recorded.
+    taxels: Option<Readings>,
     journal: Journal,
     watch: Option<Watch>,
     progress: Progress,
@@ -147,6 +154,7 @@ impl Turns<'_> {
         let mut recorder = Recorder::new(Truth::Unknown, projector.layout());
         recorder.counts = self.watch.is_some().then(Vec::new);
         recorder.readings = Some(Readings::sampled(projector.layout(), self.drives));
+        recorder.taxels = self.taxels.take();
         let realtime = match self.real.realtime {
             Some(false) => false,
             None => take_priority().is_ok(),
@@ -201,8 +209,7 @@ impl Turns<'_> {
         }
         let end = run_clock.now();
         self.part(&mut session, end);
-        let frames = session.skin().take_frames();
-        self.journal.tell(&session.recorder().events, frames);
+        self.tell(&mut session);
         let not_recorded = self.journal.dropped();
         if let Err(error) = self.journal.finish() {
             session.set_failure(error);
@@ -236,9 +243,17 @@ impl Turns<'_> {
         while let Some(note) = session.skin().bus_mut().inner.0.note() {
             session.recorder().note(note.at, note.text);
         }
-        let frames = session.skin().take_frames();
-        self.journal.tell(&session.recorder().events, frames);
+        self.tell(session);
         !self.journal.has_failed()
+    }
+
+    /// Hands what is new to the records.
+    fn tell(&mut self, session: &mut RealSession) {
+        let frames = session.skin().take_frames();
+        let recorder = session.recorder();
+        let taxels = recorder.taxels.as_mut().map(Readings::take_frames);
+        self.journal
+            .tell(&recorder.events, frames, taxels.unwrap_or_default());
     }
 
     /// Shows a turn; whether the person in front of it wants no more.

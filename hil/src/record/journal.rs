@@ -8,6 +8,7 @@ use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 
 use palpate_core::bus::Received;
+use palpate_records::readings::TaxelFrame;
 use palpate_records::trace::Event;
 
 use super::piece::Piece;
@@ -19,6 +20,8 @@ use palpate_run::Failure;
 const QUEUE: usize = 1 << 10;
 /// Frames that wait for room in the queue, 24 bytes each: almost three seconds of a full hand.
 const WAITING: usize = 1 << 16;
+/// Scans of all taxels that do, 2 kB each of a full hand: five seconds of it.
+const SCANS_WAITING: usize = 1 << 9;
 
 /// Files that grow on a thread of their own.
 #[derive(Debug)]
@@ -62,17 +65,20 @@ impl Journal {
     }
 
     /// Hands over what is new, without waiting. All events of one instant have to be there.
-    pub fn tell(&mut self, events: &[Event], mut frames: Vec<Received>) {
+    pub fn tell(
+        &mut self,
+        events: &[Event],
+        mut frames: Vec<Received>,
+        mut taxels: Vec<TaxelFrame>,
+    ) {
         let events = events.get(self.told..).unwrap_or_default();
         self.told += events.len();
         if self.has_failed() {
             return;
         }
         self.waiting.events.extend_from_slice(events);
-        let room = WAITING.saturating_sub(self.waiting.frames.len());
-        self.dropped += frames.len().saturating_sub(room) as u64;
-        frames.truncate(room);
-        self.waiting.frames.append(&mut frames);
+        self.dropped += fill(&mut self.waiting.frames, &mut frames, WAITING);
+        self.dropped += fill(&mut self.waiting.taxels, &mut taxels, SCANS_WAITING);
         if self.waiting.events.is_empty() && self.waiting.frames.is_empty() {
             return;
         }
@@ -90,7 +96,7 @@ impl Journal {
         self.failed.load(Ordering::Relaxed)
     }
 
-    /// Frames for which there was no room: the disk was too slow. Events are never left out.
+    /// Frames and scans for which there was no room: the disk was too slow. Events are never left out.
     pub const fn dropped(&self) -> u64 {
         self.dropped
     }
@@ -110,6 +116,15 @@ impl Journal {
             _ => Err(Failure::Device("the journal's thread panicked".into())),
         }
     }
+}
+
+/// Appends as much as there is room for; how much there was none for.
+fn fill<T>(waiting: &mut Vec<T>, new: &mut Vec<T>, most: usize) -> u64 {
+    let room = most.saturating_sub(waiting.len());
+    let over = new.len().saturating_sub(room);
+    new.truncate(room);
+    waiting.append(new);
+    over as u64
 }
 
 /// Writes pieces until there are no more.

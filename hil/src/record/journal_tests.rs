@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use palpate_records::mcap::{self, BusTraffic, write_mcap};
+use palpate_records::readings::Readings;
 use palpate_records::trace::Trace;
 use palpate_records::{contacts_csv, schedule, vcd};
 
@@ -13,22 +14,23 @@ use super::*;
 use crate::output::Outputs;
 use crate::record::sink::{About, Kind};
 use palpate_files::Setup;
-use palpate_run::{Input, Keep, run_with};
+use palpate_run::{Input, Keep, KeptReadings, run_with};
 
 /// A run of an emulated bench; its pieces could have come from a real one.
-fn run() -> (Trace, Vec<Received>) {
+fn run() -> (Trace, Vec<Received>, Readings) {
     let setup = Setup::load("sphere-along", "emulated").unwrap();
     let keep = Keep {
         can: true,
+        readings: KeptReadings::All,
         ..Keep::default()
     };
     let outcome = run_with(&setup, &Input::Scene, 1, keep, &mut ()).unwrap();
-    (outcome.trace, outcome.can)
+    (outcome.trace, outcome.can, outcome.readings.unwrap())
 }
 
 #[test]
 fn pieces_make_the_same_files_as_a_whole_run() {
-    let (trace, frames) = run();
+    let (trace, frames, readings) = run();
     let folder = std::env::temp_dir().join(format!("palpate-journal-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let path = |name: &str| folder.join(name);
@@ -38,13 +40,13 @@ fn pieces_make_the_same_files_as_a_whole_run() {
         (Kind::Vcd, path("v.vcd")),
         (Kind::Mcap, path("m.mcap")),
     ];
-    let about = About::Run(&trace.header, &[]);
+    let about = About::Run(&trace.header, readings.modules(), &[]);
     let mut journal = Journal::start(
         Sink::create_all(&files, &about, Outputs::NEW).unwrap(),
         false,
     )
     .unwrap();
-    let mut sent = 0;
+    let (mut sent, mut read) = (0, 0);
     for end in 0..=trace.events.len() {
         let at = |i: usize| trace.events.get(i).map(Event::t_ns);
         if end == trace.events.len() || at(end) != at(end.wrapping_sub(1)) {
@@ -53,11 +55,15 @@ fn pieces_make_the_same_files_as_a_whole_run() {
             let due = due.take_while(|f| f.at.as_micros() * 1000 < until);
             let due: Vec<_> = due.copied().collect();
             sent += due.len();
-            journal.tell(&trace.events[..end], due);
+            let taxels = readings.frames()[read..].iter();
+            let taxels = taxels.take_while(|f| f.t_us * 1000 < until);
+            let taxels: Vec<_> = taxels.cloned().collect();
+            read += taxels.len();
+            journal.tell(&trace.events[..end], due, taxels);
             // The thread may be slower than this loop; nothing here is to be dropped.
             while !journal.waiting.events.is_empty() {
                 std::thread::yield_now();
-                journal.tell(&trace.events[..end], vec![]);
+                journal.tell(&trace.events[..end], vec![], vec![]);
             }
         }
     }
@@ -78,12 +84,14 @@ fn pieces_make_the_same_files_as_a_whole_run() {
         can: &frames,
         ..BusTraffic::default()
     };
-    write_mcap(&trace, traffic, &[], &mut whole).unwrap();
+    write_mcap((&trace, Some(&readings)), traffic, &[], &mut whole).unwrap();
     let whole = mcap::read(&whole).unwrap();
     assert_eq!(
         (grown.frames, grown.messages),
         (whole.frames, whole.messages)
     );
+    // The module of the scene is read at 100 Hz for ten seconds.
+    assert!(read > 900, "{read} scans");
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
@@ -92,7 +100,7 @@ fn a_full_disk_is_noticed() {
     let header = run().0.header;
     for kind in [Kind::Contacts, Kind::Mcap, Kind::Vcd] {
         let files = [(kind, PathBuf::from("/dev/full"))];
-        let refused = Sink::create_all(&files, &About::Run(&header, &[]), Outputs::NEW);
+        let refused = Sink::create_all(&files, &About::Run(&header, &[], &[]), Outputs::NEW);
         assert_eq!(refused.err().unwrap().status(), 3, "{kind:?}");
     }
 }
@@ -119,7 +127,7 @@ fn a_disk_that_does_not_follow_costs_frames_and_no_time() {
     };
     let events = vec![note; 100];
     for turn in 0..100 {
-        journal.tell(&events[..=turn], vec![frame; 1000]);
+        journal.tell(&events[..=turn], vec![frame; 1000], vec![]);
     }
     let held = 2 * 1000 + WAITING as u64;
     assert_eq!(journal.dropped(), 100_000 - held);

@@ -91,7 +91,7 @@ pub(super) fn listen(
             });
         }
         frames += fresh.len() as u64;
-        journal.tell(&[], fresh);
+        journal.tell(&[], fresh, Vec::new());
         while let Some(note) = can.note() {
             notes.push(format!(
                 "{:.3} s: {}",

@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 
 use palpate_files::Format;
 use palpate_records::mcap::{Attachment, BusTraffic, McapRecording};
+use palpate_records::readings::ModulePlaces;
 use palpate_records::trace::Header;
 use palpate_records::vcd::Vcd;
 use palpate_records::{contacts_csv, schedule};
 
 use super::piece::Piece;
-use crate::output::{Outputs, write_sidecar};
+use crate::output::{Outputs, Unfinished, write_sidecar};
 use crate::recording::write_can_log;
 use palpate_run::Failure;
 
@@ -47,8 +48,8 @@ impl Kind {
 /// What is recorded.
 #[derive(Clone, Copy, Debug)]
 pub enum About<'a> {
-    /// A run, with the files it goes back to.
-    Run(&'a Header, &'a [Attachment]),
+    /// A run, the modules whose readings will come, and the files it goes back to.
+    Run(&'a Header, &'a [ModulePlaces], &'a [Attachment]),
     /// Sensor buses alone: bus n is the n-th of these interfaces.
     Buses(&'a [String]),
 }
@@ -84,6 +85,8 @@ impl Lines {
 /// A file that grows.
 pub struct Sink {
     path: PathBuf,
+    /// Where it is there only once it is whole.
+    unfinished: Option<(Unfinished, File)>,
     form: Form,
     /// Time of the newest event, and at the last flush.
     now_us: u64,
@@ -106,7 +109,7 @@ fn failure(path: &Path, error: io::Error) -> Failure {
 }
 
 impl Sink {
-    /// Creates files with what comes first in them.
+    /// Creates files with what comes first in them. What is written until something ends the program stays.
     ///
     /// # Errors
     /// [`Failure::Write`] for the first that cannot be written, [`Failure::Input`] for one that may not be replaced and
@@ -123,14 +126,34 @@ impl Sink {
         files.iter().map(create).collect()
     }
 
+    /// The same, of files that are there only once they are whole.
+    ///
+    /// # Errors
+    /// As [`Sink::create_all`].
+    pub fn begin_all(
+        files: &[(Kind, PathBuf)],
+        about: &About<'_>,
+        outputs: Outputs<'_>,
+    ) -> Result<Vec<Self>, Failure> {
+        let begin = |(kind, path): &(Kind, PathBuf)| {
+            let (unfinished, file) = outputs.begin(path, kind.format())?;
+            let again = file.try_clone().map_err(|error| failure(path, error))?;
+            Ok(Self {
+                unfinished: Some((unfinished, file)),
+                ..Self::create(*kind, path, again, about)?
+            })
+        };
+        files.iter().map(begin).collect()
+    }
+
     fn create(kind: Kind, path: &Path, file: File, about: &About<'_>) -> Result<Self, Failure> {
         let told = |error| failure(path, error);
         let form = match (kind, about) {
             (Kind::Mcap, _) => {
                 let out = BufWriter::with_capacity(1 << 16, file);
                 let recording = match about {
-                    About::Run(header, attachments) => {
-                        McapRecording::of_run(header, &[], attachments, out)
+                    About::Run(header, modules, attachments) => {
+                        McapRecording::of_run(header, modules, attachments, out)
                     }
                     About::Buses(interfaces) => McapRecording::of_buses(interfaces, out),
                 };
@@ -138,12 +161,12 @@ impl Sink {
                 recording.flush().map_err(told)?;
                 Form::Mcap(Box::new(recording))
             }
-            (Kind::Vcd, About::Run(header, _)) => {
+            (Kind::Vcd, About::Run(header, ..)) => {
                 let mut vcd = Vcd::begin(header, BufWriter::new(file)).map_err(told)?;
                 vcd.get_mut().flush().map_err(told)?;
                 Form::Vcd(Box::new(vcd))
             }
-            (_, About::Run(header, _)) => {
+            (_, About::Run(header, ..)) => {
                 let mut first = Vec::new();
                 let rendered = match kind {
                     Kind::Contacts => {
@@ -169,6 +192,7 @@ impl Sink {
         };
         Ok(Self {
             path: path.into(),
+            unfinished: None,
             form,
             now_us: 0,
             flushed_us: 0,
@@ -205,7 +229,8 @@ impl Sink {
             Form::Mcap(recording) => {
                 let traffic = BusTraffic {
                     can: &piece.frames,
-                    ..BusTraffic::default()
+                    i2c: &piece.i2c,
+                    taxels: &piece.taxels,
                 };
                 recording.piece(&piece.events, traffic)?;
                 if due { recording.flush() } else { Ok(()) }
@@ -227,6 +252,10 @@ impl Sink {
             Form::Mcap(recording) => recording.finish().map(drop),
             Form::Vcd(vcd) => vcd.finish(self.now_us.saturating_mul(1000)),
         };
+        let closed = closed.and_then(|()| match self.unfinished {
+            Some((unfinished, file)) => unfinished.finish(&file),
+            None => Ok(()),
+        });
         closed.map_err(|error| failure(&self.path, error))
     }
 }

@@ -189,7 +189,7 @@ pub fn attempt(
         };
         real::run(setup, seed, (&[], Outputs::NEW), told)
     } else {
-        let host = &mut Onlooker::new(false);
+        let host = &mut Onlooker::default();
         run_with(setup, &Input::Scene, seed, Keep::default(), host)
     };
     match done {

@@ -1,5 +1,7 @@
 //! Records that others open: written whole, read again, and opened up to the place where they were cut.
 
+use palpate_records::mcap;
+
 use super::*;
 
 /// The records of a run of the default scene, one of each ending, and the contacts beside them.
@@ -161,4 +163,38 @@ fn a_live_view_needs_a_terminal_and_the_run_goes_on_without() {
     assert!(said.err.contains("no terminal"), "{}", said.err);
     assert!(said.out.contains("idle on emulated"), "{}", said.out);
     assert!(!said.out.contains('\u{1b}'));
+}
+
+#[test]
+fn a_replay_writes_the_same_records_while_it_runs_as_after_it() {
+    let folder = Folder::new("while");
+    recorded(&folder, &["mcap"]);
+    let endings = ["csv", "jsonl", "log", "vcd", "mcap"];
+    let replay = |name: &str, more: &[&str]| {
+        let mut args = vec!["run", "--layout", "uskin-4x4", "--quiet", "--replay"];
+        let from = folder.path("a.mcap").display().to_string();
+        let to = endings.map(|ending| folder.path(&format!("{name}.{ending}")));
+        let to = to.map(|path| path.display().to_string());
+        args.push(&from);
+        to.iter().for_each(|path| args.extend(["--record", path]));
+        args.extend(more);
+        let said = hil(&args);
+        assert_eq!((said.status, said.err.as_str()), (Some(0), ""));
+    };
+    replay("while", &[]);
+    let report = folder.path("r.html").display().to_string();
+    // A report needs the whole run, so everything is written behind it.
+    replay("after", &["--report", &report]);
+    let read = |name: &str, ending| fs::read(folder.path(&format!("{name}.{ending}"))).unwrap();
+    for ending in ["csv", "jsonl", "log"] {
+        assert!(read("while", ending) == read("after", ending), "{ending}");
+    }
+    // One that grew ends with its last event, one that was written whole with the run.
+    let (grown, whole) = (read("while", "vcd"), read("after", "vcd"));
+    assert!(grown.len() > 10_000 && whole.starts_with(&grown) || grown.starts_with(&whole));
+    let [grown, whole] = ["while", "after"].map(|name| mcap::read(&read(name, "mcap")).unwrap());
+    assert_eq!((grown.frames, grown.messages), (whole.frames, whole.messages));
+    let left = fs::read_dir(folder.path("")).unwrap().flatten();
+    let left = left.filter(|f| f.file_name().to_string_lossy().contains("partial"));
+    assert_eq!(left.count(), 0);
 }

@@ -59,9 +59,10 @@ fn write(kind: Kind, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<()
             let traffic = BusTraffic {
                 can: &outcome.can,
                 i2c: &outcome.i2c,
-                readings: outcome.readings.as_ref(),
+                ..BusTraffic::default()
             };
-            write_mcap(&outcome.trace, traffic, &attachments(setup), out)
+            let run = (&outcome.trace, outcome.readings.as_ref());
+            write_mcap(run, traffic, &attachments(setup), out)
         }
     })
 }
@@ -141,7 +142,7 @@ fn turns(setup: &Setup, outcome: &Outcome, path: &Path) -> Result<Turns, Failure
     let attached = attachments(setup);
     let sinks = Sink::create_all(
         &files,
-        &About::Run(&outcome.trace.header, &attached),
+        &About::Run(&outcome.trace.header, &[], &attached),
         Outputs::NEW,
     )?;
     let mut journal = Journal::start(sinks, false)?;
@@ -163,7 +164,7 @@ fn turns(setup: &Setup, outcome: &Outcome, path: &Path) -> Result<Turns, Failure
         }
         let frames = outcome.can[begin..sent].to_vec();
         let begun = clock::now();
-        journal.tell(&outcome.trace.events[..told], frames);
+        journal.tell(&outcome.trace.events[..told], frames, Vec::new());
         let us = begun.elapsed().as_secs_f64() * 1e6;
         samples.push(us);
         sum_us += us;

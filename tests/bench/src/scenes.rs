@@ -22,7 +22,7 @@ pub fn changed(name: &str, change: impl FnOnce(&mut Scene)) -> Result<Setup, Fai
 /// # Errors
 /// As [`run_with`].
 pub fn run(setup: &Setup, input: &Input) -> Result<Outcome, Failure> {
-    run_with(setup, input, 1, Keep::default(), &mut Onlooker::new(false))
+    run_with(setup, input, 1, Keep::default(), &mut Onlooker::default())
 }
 
 /// Median time of a frame, microseconds.

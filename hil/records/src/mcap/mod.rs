@@ -23,7 +23,7 @@ use std::io::{self, Write};
 use palpate_core::bus::Received;
 
 use crate::i2c::Transfer;
-use crate::readings::{ModulePlaces, Readings};
+use crate::readings::{ModulePlaces, Readings, TaxelFrame};
 use crate::trace::{self, Event, Header, Trace};
 use container::Container;
 use proto::Message;
@@ -40,25 +40,27 @@ pub const PROFILE: &str = "palpate";
 /// What crossed the buses of a run, in the order of time, and what came of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BusTraffic<'a> {
-    /// What taxels read, decoded; `None` where only their frames are recorded.
-    pub readings: Option<&'a Readings>,
+    /// What taxels read, decoded; empty where only their frames are recorded.
+    pub taxels: &'a [TaxelFrame],
     /// Frames on the sensor buses, as the host saw them.
     pub can: &'a [Received],
     /// Messages on the actuator buses.
     pub i2c: &'a [Transfer],
 }
 
-/// Writes a whole run.
+/// Writes a whole run, with the readings that it kept.
 ///
 /// # Errors
 /// Whatever the writer says.
 pub fn write_mcap(
-    trace: &Trace,
+    (trace, readings): (&Trace, Option<&Readings>),
     traffic: BusTraffic<'_>,
     attachments: &[Attachment],
     out: impl Write,
 ) -> io::Result<()> {
-    let modules = traffic.readings.map_or(&[][..], Readings::modules);
+    let modules = readings.map_or(&[][..], Readings::modules);
+    let taxels = readings.map_or(&[][..], Readings::frames);
+    let traffic = BusTraffic { taxels, ..traffic };
     let mut recording = McapRecording::of_run(&trace.header, modules, attachments, out)?;
     recording.piece(&trace.events, traffic)?;
     recording.finish().map(drop)
@@ -173,7 +175,7 @@ impl<W: Write> McapRecording<W> {
     /// Whatever the writer says.
     pub fn piece(&mut self, events: &[Event], traffic: BusTraffic<'_>) -> io::Result<()> {
         let (mut can, mut i2c) = (traffic.can.iter().peekable(), traffic.i2c.iter().peekable());
-        let mut taxels = traffic.readings.map_or(&[][..], Readings::frames);
+        let mut taxels = traffic.taxels;
         let at = |r: &Received| r.at.as_micros().saturating_mul(1000);
         for event in events {
             let now = event.t_ns();

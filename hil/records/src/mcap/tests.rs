@@ -28,7 +28,7 @@ fn file(frames: &[Received]) -> Vec<u8> {
         ..BusTraffic::default()
     };
     let mut out = Vec::new();
-    write_mcap(&trace, traffic, &[attachment], &mut out).unwrap();
+    write_mcap((&trace, None), traffic, &[attachment], &mut out).unwrap();
     out
 }
 
@@ -133,11 +133,7 @@ fn taxels_come_whole_and_their_pictures_at_most_25_times_per_second() {
     (0..200).for_each(|n| readings.push(n * 10_000, &frame));
     let messages = |readings| {
         let mut out = Vec::new();
-        let traffic = BusTraffic {
-            readings,
-            ..BusTraffic::default()
-        };
-        write_mcap(&trace, traffic, &[], &mut out).unwrap();
+        write_mcap((&trace, readings), BusTraffic::default(), &[], &mut out).unwrap();
         read(&out).unwrap().messages
     };
     assert_eq!(messages(Some(&readings)) - messages(None), 200 + 50);
