@@ -24,6 +24,9 @@ pub struct Outputs<'a> {
     pub inputs: &'a [PathBuf],
 }
 
+/// What a table of `hil design` begins with.
+pub const DESIGNS: &str = "wire,alloy,";
+
 /// So much of a file tells what it is.
 const START: u64 = 4096;
 
@@ -42,6 +45,7 @@ fn is_ours(start: &[u8], format: Format) -> bool {
             text.starts_with("time_us,txl1_")
                 || text.starts_with("txl1_x,")
                 || text.starts_with("label,trained,")
+                || text.starts_with(DESIGNS)
                 || RunTable::is_one(&text)
         }
         _ => text.contains("palpate"),
@@ -89,6 +93,29 @@ impl Outputs<'_> {
             _ if start.is_empty() => Ok(()),
             Some(found) if found == format => refuse("another program's"),
             found => refuse(found.map_or("something else", Format::noun)),
+        }
+    }
+
+    /// The same of a table (CSV) that begins so: an earlier output of another command is none of its kind.
+    ///
+    /// # Errors
+    /// As [`Outputs::check`].
+    pub fn check_csv(self, path: &Path, head: &str) -> Result<(), Failure> {
+        self.check(path, Format::Csv)?;
+        let mut start = Vec::new();
+        let Ok(file) = open(path, "a table") else {
+            return Ok(()); // nothing there, or writing it will say why
+        };
+        let read = file.take(START).read_to_end(&mut start);
+        if self.force || !is_ordinary(path) || read.is_err() || start.is_empty() {
+            return Ok(());
+        }
+        match String::from_utf8_lossy(&start).starts_with(head) {
+            true => Ok(()),
+            false => Err(Failure::Input(format!(
+                "{}: expected a new file, or an earlier output of this command (`{head}..`), found another table; --force replaces it",
+                path.display()
+            ))),
         }
     }
 

@@ -215,7 +215,8 @@ impl RunTable {
             whole,
         };
         let mut swept: Option<Vec<String>> = None;
-        for (number, line) in (1..).zip(text[..whole].lines()) {
+        let lines = text[..whole].trim_start_matches('\u{feff}').lines();
+        for (number, line) in (1..).zip(lines) {
             let bad = |expected: &str| Damage::of_line(number, expected, line);
             if line.is_empty() {
                 continue;
@@ -263,7 +264,7 @@ fn of_fields(line: &str, swept: &[String]) -> Option<RunRow> {
     for value in &mut values {
         *value = match text()? {
             none if none.is_empty() => None,
-            some => Some(some.parse().ok()?),
+            some => Some(some.parse().ok().filter(|v: &f64| v.is_finite())?),
         };
     }
     let key = RunKey {

@@ -4,7 +4,7 @@ use palpate_core::contact::LevelTable;
 use palpate_core::random::RandomStream;
 
 /// So many intensities find the levels; of more, so many are drawn, each as likely as the others.
-const TELLING: usize = 1 << 17;
+const TELLING: usize = 1 << 16;
 
 /// The intensities of an input, raw counts.
 #[derive(Debug)]

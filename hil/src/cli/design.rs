@@ -54,31 +54,31 @@ pub struct DesignArgs {
     )]
     pub alloy: Vec<String>,
     /// Diameters in place of the wire's, um. Resistance and heat to air follow.
-    #[arg(long, value_name = "UM,..", value_parser = |t: &str| numbers(t, 10.0, 1000.0))]
+    #[arg(long, value_name = "UM,..", value_parser = |t: &str| numbers(t, 10.0, 1000.0), allow_hyphen_values = true)]
     pub diameter_um: Option<Numbers>,
     /// Lengths in place of the wire's, mm.
-    #[arg(long, value_name = "MM,..", value_parser = |t: &str| numbers(t, 0.5, 100.0))]
+    #[arg(long, value_name = "MM,..", value_parser = |t: &str| numbers(t, 0.5, 100.0), allow_hyphen_values = true)]
     pub length_mm: Option<Numbers>,
     /// Constant stresses in place of the wire's, MPa.
-    #[arg(long, value_name = "MPA,..", value_parser = |t: &str| numbers(t, 0.0, 1000.0))]
+    #[arg(long, value_name = "MPA,..", value_parser = |t: &str| numbers(t, 0.0, 1000.0), allow_hyphen_values = true)]
     pub stress_mpa: Option<Numbers>,
     /// Currents of a pulse, A.
-    #[arg(long, value_name = "A,..", default_value = "0.99,1.4,1.97", value_parser = |t: &str| numbers(t, 0.01, 20.0))]
+    #[arg(long, value_name = "A,..", default_value = "0.99,1.4,1.97", value_parser = |t: &str| numbers(t, 0.01, 20.0), allow_hyphen_values = true)]
     pub current_a: Numbers,
     /// Pulses of a burst, one per PWM period of 5.079 ms.
-    #[arg(long, value_name = "N,..", default_value = "1,2,4,7", value_parser = |t: &str| numbers(t, 1.0, 100.0))]
+    #[arg(long, value_name = "N,..", default_value = "1,2,4,7", value_parser = |t: &str| numbers(t, 1.0, 100.0), allow_hyphen_values = true)]
     pub pulses: Numbers,
     /// Time from burst to burst, ms.
-    #[arg(long, value_name = "MS,..", default_value = "58.5,117,234", value_parser = |t: &str| numbers(t, 5.0, 10_000.0))]
+    #[arg(long, value_name = "MS,..", default_value = "58.5,117,234", value_parser = |t: &str| numbers(t, 5.0, 10_000.0), allow_hyphen_values = true)]
     pub cadence_ms: Numbers,
     /// Mean electrical power of the wire, mW: the width of the pulses follows from it.
-    #[arg(long, value_name = "MW,..", default_value = "20", value_parser = |t: &str| numbers(t, 0.01, 1000.0))]
+    #[arg(long, value_name = "MW,..", default_value = "20", value_parser = |t: &str| numbers(t, 0.01, 1000.0), allow_hyphen_values = true)]
     pub power_mw: Numbers,
     /// The person who feels it, built in or a file.
     #[arg(long, value_name = "NAME|FILE", default_value = "typical")]
     pub person: String,
     /// How long a wire is driven, s.
-    #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = seconds)]
+    #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = seconds, allow_hyphen_values = true)]
     pub seconds: f64,
     /// Write every point, .csv.
     #[arg(long, value_name = "FILE")]

@@ -52,7 +52,7 @@ pub struct SweepArgs {
     #[arg(long, value_name = "KEY=VALUE,VALUE,..")]
     pub set: Vec<String>,
     /// Seeds of every combination: 1..20 (both ends count), or 3,5,8.
-    #[arg(long, value_name = "N..M", default_value = "1", value_parser = seeds)]
+    #[arg(long, value_name = "N..M", default_value = "1", value_parser = seeds, allow_hyphen_values = true)]
     pub seeds: Seeds,
     /// A built-in emulated bench or a file (default: emulated).
     #[arg(long, value_name = "NAME|FILE")]

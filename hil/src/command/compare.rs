@@ -111,11 +111,12 @@ fn read(path: &Path) -> Result<Kept, FileError> {
         Some("csv" | "jsonl")
     ) {
         let _shown = Progress::reading(path);
-        return read_table(path).map(Kept::Table);
+        return table(path).map(Kept::Table);
     }
     let text = read_text(path, expected, MOST)?;
-    if RunTable::is_one(&text) {
-        return read_table(path).map(Kept::Table);
+    let text = text.trim_start_matches('\u{feff}');
+    if RunTable::is_one(text) {
+        return table(path).map(Kept::Table);
     }
     match Format::of(text.as_bytes()) {
         Some(Format::Json) => {}
@@ -127,11 +128,24 @@ fn read(path: &Path) -> Result<Kept, FileError> {
             ));
         }
     }
-    let read = serde_json::from_str(&text);
+    let read = serde_json::from_str(text);
     read.map(Kept::Object).map_err(|e| FileError {
         line: Some(e.line()),
         ..FileError::whole(label, "JSON", e.to_string())
     })
+}
+
+/// A table to compare: one without a row has nothing to say.
+fn table(path: &Path) -> Result<RunTable, FileError> {
+    let table = read_table(path)?;
+    match table.rows.is_empty() {
+        false => Ok(table),
+        true => Err(FileError::whole(
+            path.display().to_string(),
+            "a table of `hil sweep` with at least one whole row",
+            "none",
+        )),
+    }
 }
 
 /// The newest run of each series against the one before.

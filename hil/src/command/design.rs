@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 use crate::cli::{Color, DesignArgs, Numbers};
-use crate::output::{Outputs, print};
+use crate::output::{DESIGNS, Outputs, print};
 use crate::progress::Progress;
 use crate::sweep::page;
 
@@ -43,9 +43,11 @@ pub fn design(args: &DesignArgs, color: Color) -> Result<(), Failure> {
         force: args.force,
         inputs: &[],
     };
-    for (path, format) in [(&args.csv, Format::Csv), (&args.html, Format::Html)] {
-        path.iter()
-            .try_for_each(|path| outputs.check(path, format))?;
+    if let Some(path) = &args.csv {
+        outputs.check_csv(path, DESIGNS)?;
+    }
+    if let Some(path) = &args.html {
+        outputs.check(path, Format::Html)?;
     }
     let person = load_person(&args.person)?.value;
     let points = points(args)?;

@@ -5,11 +5,11 @@ use std::path::Path;
 use std::{fs, io};
 
 use palpate_records::diff::{Contacts, Difference, Tolerance, compare, compare_contacts, tell};
-use palpate_records::schedule::check_line;
 use palpate_records::story::Story;
-use palpate_records::verdict::{Conclusion, Verdict};
+use palpate_records::verdict::Verdict;
 use serde::Serialize;
 
+use super::long_schedules::long;
 use super::pins::{is_capture, pins};
 use super::schedules::{MOST, damaged, read_log, wires};
 use crate::cli::{Color, DiffArgs};
@@ -31,7 +31,9 @@ pub fn diff(args: &DiffArgs, color: Color) -> Result<(), Failure> {
         ));
     }
     if is_long_schedule(&args.a) && is_long_schedule(&args.b) {
-        return line_by_line(args, color);
+        let edge_us = args.tolerance_ms.map(|ms| (ms * 1e3).round() as u64);
+        let (name, found, until) = long([&args.a, &args.b], edge_us)?;
+        return told(args, color, (&name, &found), until);
     }
     let (mut a, mut b) = (open(&args.a)?, open(&args.b)?);
     let (name, found) = match (&mut a, &mut b) {
@@ -59,6 +61,17 @@ pub fn diff(args: &DiffArgs, color: Color) -> Result<(), Failure> {
             )));
         }
     };
+    told(args, color, (&name, &found), None)
+}
+
+/// Prints what was found; a difference that means something fails. `until` is where two schedules were told to,
+/// seconds, where that was not their end.
+fn told(
+    args: &DiffArgs,
+    color: Color,
+    (name, found): (&str, &[Difference]),
+    until: Option<f64>,
+) -> Result<(), Failure> {
     let means = found.iter().any(|d| d.meaning);
     if args.json {
         #[derive(Serialize)]
@@ -83,7 +96,11 @@ pub fn diff(args: &DiffArgs, color: Color) -> Result<(), Failure> {
         } else {
             ", nothing that could be felt or measured"
         };
-        let verdict = if means { Verdict::Failed } else { Verdict::Ok };
+        let verdict = match (until, means) {
+            (Some(_), _) => Verdict::Incomplete,
+            (None, true) => Verdict::Failed,
+            (None, false) => Verdict::Ok,
+        };
         print(|out| {
             let word = verdict.paint(verdict.word(), color.on(&io::stdout()));
             match found.len() {
@@ -91,7 +108,7 @@ pub fn diff(args: &DiffArgs, color: Color) -> Result<(), Failure> {
                 1 => writeln!(out, "{word}: {name}: 1 difference{cosmetic}")?,
                 n => writeln!(out, "{word}: {name}: {n} differences{cosmetic}")?,
             }
-            let lines = tell(&found);
+            let lines = tell(found);
             lines.iter().try_for_each(|line| writeln!(out, "  {line}"))
         })?;
     }
@@ -106,44 +123,6 @@ pub fn diff(args: &DiffArgs, color: Color) -> Result<(), Failure> {
 fn is_long_schedule(path: &Path) -> bool {
     let long = fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() > MOST);
     long && format_of(path) == Some(Format::Schedule)
-}
-
-/// Two schedules that are too long to be told in words: alike to the last line, or not.
-fn line_by_line(args: &DiffArgs, color: Color) -> Result<(), Failure> {
-    let lines = |path| Lines::open(path, "a schedule (.jsonl)", LONGEST_LINE);
-    let (mut a, mut b) = (lines(&args.a)?, lines(&args.b)?);
-    let mut conclusion = Conclusion::default();
-    loop {
-        let (x, y) = (a.advance()?, b.advance()?);
-        if x != y {
-            let line = x.or(y).map_or(0, |(number, _)| number);
-            let why = format!(
-                "line {line} is another; schedules of more than {MOST} bytes are not told in words: compare parts of them"
-            );
-            conclusion.add(Verdict::Incomplete, why);
-            break;
-        }
-        let Some((number, line)) = x else { break };
-        check_line(number, line).map_err(|damage| {
-            let label = args.a.display().to_string();
-            damaged(&label, damage)
-        })?;
-    }
-    for lines in [&a, &b] {
-        lines.note().iter().for_each(|text| note(text));
-    }
-    if args.json {
-        print(|out| {
-            serde_json::to_writer(&mut *out, &conclusion)?;
-            writeln!(out)
-        })?;
-    } else if !args.quiet {
-        print(|out| conclusion.write(out, color.on(&io::stdout())))?;
-    }
-    match conclusion.verdict {
-        Verdict::Ok => Ok(()),
-        _ => Err(Failure::Check(String::new())),
-    }
 }
 
 /// What was opened: a story is read as a whole, contacts are read while they are compared.

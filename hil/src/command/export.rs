@@ -68,7 +68,7 @@ fn export_taxels(args: &ExportTaxels) -> Result<(), Failure> {
         inputs: &[],
     };
     for path in &paths {
-        outputs.check(path, Format::Csv)?;
+        outputs.check_csv(path, "time_us,txl1_")?;
     }
     let shown = Progress::of_part("emulating the skin");
     let tables = taxels(&setup, args.seed, |part| shown.part(part))?;

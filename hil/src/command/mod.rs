@@ -13,6 +13,7 @@ mod export;
 mod guardian;
 mod identify;
 mod list;
+mod long_schedules;
 mod new;
 mod off;
 mod pins;

@@ -10,13 +10,13 @@ use crate::progress::Progress;
 use palpate_records::damage::Damage;
 use palpate_records::trace::{PlaceUm, WireInfo};
 
-/// Most bytes of a golden or schedule that is compared: both are held as a whole.
-pub(super) const MOST: u64 = 32 << 20;
+/// Most bytes of a golden or schedule that is held to be compared, with about three times as many for what it says.
+pub(super) const MOST: u64 = 12 << 20;
 
 /// A golden or schedule, without the tail of NULs that a power cut leaves, which a note names.
 ///
 /// # Errors
-/// A file that cannot be read, or is longer than 32 MiB.
+/// A file that cannot be read, or is longer than 12 MiB.
 pub(super) fn read_log(mut lines: Lines<File>) -> Result<String, FileError> {
     let label = lines.label().to_owned();
     let _shown = Progress::reading(Path::new(&label));

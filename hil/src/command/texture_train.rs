@@ -29,8 +29,11 @@ pub fn strokes(args: &StrokesArgs) -> Result<(), Failure> {
         inputs: &[],
     };
     for (entry, recording) in &all {
-        let name = format!("{}_{:02}.csv", entry.name, recording.number);
-        outputs.write(&args.out.join(name), Format::Csv, |out| {
+        let path = args
+            .out
+            .join(format!("{}_{:02}.csv", entry.name, recording.number));
+        outputs.check_csv(&path, "txl1_x,")?;
+        outputs.write(&path, Format::Csv, |out| {
             explore::write_rows(recording, out)
         })?;
     }

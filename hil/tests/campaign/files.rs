@@ -5,6 +5,7 @@ use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::Path;
 use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A scene of a second, short enough to run often.
 const SCENE: &str = "name = \"short\"\ndescription = \"a second\"\nlength_s = 1.5\n\
@@ -23,7 +24,11 @@ struct Reader {
 
 impl Reader {
     fn call(&self, path: &str, expect: Expect) -> Try {
-        let args = self.args.iter().map(|a| a.replace("{}", path));
+        // A sweep wants a table of its own.
+        static TABLES: AtomicUsize = AtomicUsize::new(0);
+        let table = format!("made-{}.csv", TABLES.fetch_add(1, Ordering::Relaxed));
+        let args = self.args.iter();
+        let args = args.map(|a| a.replace("{}", path).replace("{table}", &table));
         Try {
             args: args.collect(),
             around: "",
@@ -32,7 +37,7 @@ impl Reader {
     }
 }
 
-const READERS: [Reader; 21] = [
+const READERS: [Reader; 39] = [
     reader(
         "taxels.csv",
         "bad.csv",
@@ -106,7 +111,104 @@ const READERS: [Reader; 21] = [
         "bad.toml",
         &["test", "scene.toml", "--quarantine", "{}"],
     ),
+    reader("trace.csv", "bad.csv", &["identify", "{}"]),
+    reader(
+        "bench.toml",
+        "bad.toml",
+        &["identify", "trace.csv", "--bench", "{}"],
+    ),
+    reader(
+        "summary.json",
+        "bad.json",
+        &["compare", "summary.json", "{}"],
+    ),
+    reader("sweep.csv", "bad.csv", &["compare", "sweep.csv", "{}"]),
+    reader(
+        "sweep.jsonl",
+        "bad.jsonl",
+        &["compare", "{}", "sweep.jsonl"],
+    ),
+    reader(
+        "scene.toml",
+        "bad.toml",
+        &["sweep", "{}", "--out", "{table}", "--force"],
+    ),
+    reader(
+        "bench.toml",
+        "bad.toml",
+        &[
+            "sweep",
+            "scene.toml",
+            "--out",
+            "{table}",
+            "--force",
+            "--bench",
+            "{}",
+        ],
+    ),
+    reader(
+        "wire.toml",
+        "bad.toml",
+        &["design", DESIGNS[0], DESIGNS[1], "--wire", "{}"],
+    ),
+    reader(
+        "alloy.toml",
+        "bad.toml",
+        &["design", DESIGNS[0], DESIGNS[1], "--alloy", "{}"],
+    ),
+    reader(
+        "person.toml",
+        "bad.toml",
+        &["design", DESIGNS[0], DESIGNS[1], "--person", "{}"],
+    ),
+    reader(
+        "person.toml",
+        "bad.toml",
+        &["run", "scene.toml", "--felt", "{}"],
+    ),
+    reader("scene.toml", "bad.toml", &["check", "{}"]),
+    reader(
+        "layout.toml",
+        "bad.toml",
+        &["contacts", "taxels.csv", "--layout", "{}"],
+    ),
+    reader(
+        "layout.toml",
+        "bad.toml",
+        &["run", "--replay", "taxels.csv", "--layout", "{}"],
+    ),
+    reader(
+        "model.safetensors",
+        "bad.safetensors",
+        &["texture", "encode", "{}", "taxels.csv"],
+    ),
+    reader(
+        "model.safetensors",
+        "bad.safetensors",
+        &["texture", "map", "{}", "--strokes", "1"],
+    ),
+    reader(
+        "textures.toml",
+        "bad.toml",
+        &["texture", "map", "--strokes", "1", "--textures", "{}"],
+    ),
+    reader(
+        "textures.toml",
+        "bad.toml",
+        &[
+            "texture",
+            "strokes",
+            "strokes",
+            "--strokes",
+            "1",
+            "--textures",
+            "{}",
+        ],
+    ),
 ];
+
+/// Few enough points of the design space.
+const DESIGNS: [&str; 2] = ["--seconds=3", "--pulses=2"];
 
 const fn reader(good: &'static str, named: &'static str, args: &'static [&'static str]) -> Reader {
     Reader { good, named, args }
@@ -267,13 +369,18 @@ fn exception(reader: &Reader, change: &str) -> Option<Expect> {
         ("diff", "edges.csv", change) if TEXT_CHANGES.iter().any(|c| c.0 == change) => {
             Expect::Ends(1, "INCOMPLETE")
         }
+        // A figure is any number, and rows stand in any order.
+        ("compare", _, "negative") => Expect::Ends(1, "FAILED"),
+        ("compare", "sweep.csv", "nothing") => Expect::Ends(1, "FAILED"),
+        ("compare", "sweep.csv" | "sweep.jsonl", "back") => Expect::Good,
         // What loses a digit or stands elsewhere is still a setting.
         ("test", "scene.toml" | "quarantine.toml", "nothing") => {
             Expect::Ends(1, "nothing was tested")
         }
         ("test", "quarantine.toml", "back") => Expect::Ends(1, "nothing was tested"),
-        (_, "bench.toml" | "limits.toml", "back") => Expect::Good,
-        ("new", "wire.toml", "nothing") => return None,
+        (_, "bench.toml" | "limits.toml" | "alloy.toml", "back") => Expect::Good,
+        ("new" | "design", "wire.toml" | "alloy.toml", "nothing") => return None,
+        (_, "textures.toml", "nothing") => return None,
         (_, _, "nothing") if toml => Expect::Good,
         _ => return None,
     })
@@ -287,10 +394,14 @@ const HARMLESS: [(&str, Change); 3] = [
 ];
 
 /// How a command ends with a good file.
-fn harmless(reader: &Reader) -> Expect {
+fn harmless(reader: &Reader, change: &str) -> Expect {
     match (reader.args[0], reader.good) {
         ("replay", _) => Expect::Ends(3, "nocan0"),
         ("diff", "edges.csv") => Expect::Ends(1, "INCOMPLETE"),
+        // A last line that does not end was cut, maybe in a number; `crlf` ends none either.
+        ("compare", "sweep.csv" | "sweep.jsonl") if change != "bom" => {
+            Expect::Ends(1, "INCOMPLETE")
+        }
         ("test", _) => Expect::Ends(1, "nothing was tested"),
         _ => Expect::Good,
     }
@@ -315,6 +426,13 @@ pub fn prepare(folder: &Path) {
     };
     write("layout.toml", &fixture("layouts", "uskin-4x4.toml"));
     write("wire.toml", &fixture("wires", "final-75um.toml"));
+    write("alloy.toml", &fixture("alloys", "low.toml"));
+    let person = String::from_utf8(fixture("persons", "typical.toml")).unwrap();
+    let plain = |line: &str| line.split(" #").next().unwrap_or_default().to_owned();
+    let person: Vec<String> = person.lines().map(plain).collect();
+    write("person.toml", person.join("\n").as_bytes());
+    write("textures.toml", &fixture("textures", "thesis.toml"));
+    write("trace.csv", trace().as_bytes());
     write(
         "model.safetensors",
         &fixture("models", "default.safetensors"),
@@ -342,6 +460,22 @@ pub fn prepare(folder: &Path) {
     }
     hil(&args);
     hil(&["export", "taxels", "scene.toml", "--out", "taxels.csv"]);
+    hil(&["run", "scene.toml", "--quiet", "--out", "kept"]);
+    write(
+        "summary.json",
+        &fs::read(folder.join("kept/summary.json")).unwrap(),
+    );
+    for table in ["sweep.csv", "sweep.jsonl"] {
+        hil(&[
+            "sweep",
+            "scene.toml",
+            "--seeds",
+            "1..3",
+            "--quiet",
+            "--out",
+            table,
+        ]);
+    }
     fs::create_dir(folder.join("folder")).unwrap();
     symlink("loop", folder.join("loop")).unwrap();
     symlink("nowhere", folder.join("dangling")).unwrap();
@@ -356,12 +490,30 @@ pub fn prepare(folder: &Path) {
     fs::set_permissions(folder.join("locked"), fs::Permissions::from_mode(0o000)).unwrap();
 }
 
+/// A displacement that follows pulses of current.
+fn trace() -> String {
+    let mut text = "time_us,displacement_um,current_a\n".to_owned();
+    let mut um = 0.0;
+    for n in 0..100 {
+        let amps = [1.4, 1.4, 0.0, 0.0, 0.0][n % 5];
+        um = 0.9 * um + 2.0 * amps;
+        text.push_str(&format!("{},{um:.4},{amps}\n", 100 * n));
+    }
+    text
+}
+
 /// The tries; the bad files are written on the way.
 pub fn tries(folder: &Path) -> Vec<Try> {
     let mut tries = Vec::new();
     for (number, reader) in READERS.iter().enumerate() {
         let good = fs::read(folder.join(reader.good)).unwrap();
-        let call = |path: &str, expect: Expect| reader.call(path, expect);
+        let call = |path: &str, expect: Expect| match (reader.args[0], expect) {
+            // What is there has the error that it looked for.
+            ("check", Expect::Refused(_)) if !path.is_empty() && folder.join(path).exists() => {
+                reader.call(path, Expect::Ends(1, "error"))
+            }
+            (_, expect) => reader.call(path, expect),
+        };
         for place in PLACES {
             let expect = match (reader.args[0], reader.good, place) {
                 ("test", "scene.toml", "folder") => Expect::Ends(1, "nothing was tested"),
@@ -377,7 +529,7 @@ pub fn tries(folder: &Path) -> Vec<Try> {
         for (name, change) in HARMLESS.iter().filter(|_| is_text) {
             let path = format!("{number}-{name}-{}", reader.named);
             fs::write(folder.join(&path), change(&good)).unwrap();
-            tries.push(call(&path, harmless(reader)));
+            tries.push(call(&path, harmless(reader, name)));
         }
         let texts = TEXT_CHANGES.iter().filter(|_| is_text);
         for (name, change) in RUINS.iter().chain(texts) {

@@ -7,6 +7,8 @@ use super::{Expect, Try};
 enum Takes {
     /// A number within bounds.
     Number,
+    /// Numbers between commas.
+    Numbers,
     /// One of some words.
     Word,
     /// Anything that is looked up: a file, a built-in name, a device.
@@ -19,7 +21,7 @@ enum Takes {
 type Options = &'static [(&'static str, Takes)];
 
 /// Commands that are good but for the option that is tried, and their options.
-const COMMANDS: [(&[&str], Options); 17] = [
+const COMMANDS: [(&[&str], Options); 25] = [
     (
         &["run", "scene.toml"],
         &[
@@ -31,8 +33,10 @@ const COMMANDS: [(&[&str], Options); 17] = [
             ("--soa-ms", Takes::Number),
             ("--bench", Takes::Named),
             ("--illusion", Takes::Named),
+            ("--felt", Takes::Named),
             ("--set", Takes::Named),
             ("--intensity", Takes::Word),
+            ("--observe", Takes::Nothing),
             ("--color", Takes::Word),
             ("--json", Takes::Nothing),
             ("--quiet", Takes::Nothing),
@@ -159,6 +163,65 @@ const COMMANDS: [(&[&str], Options); 17] = [
         ],
     ),
     (
+        &["identify", "trace.csv"],
+        &[
+            ("--rate", Takes::Number),
+            ("--time", Takes::Named),
+            ("--signal", Takes::Word),
+            ("--bench", Takes::Named),
+            ("--set", Takes::Named),
+            ("--json", Takes::Nothing),
+        ],
+    ),
+    (
+        &["sweep", "scene.toml", "--out", "made.csv", "--force"],
+        &[
+            ("--seeds", Takes::Numbers),
+            ("--jobs", Takes::Number),
+            ("--part", Takes::Word),
+            ("--set", Takes::Named),
+            ("--bench", Takes::Named),
+            ("--quiet", Takes::Nothing),
+        ],
+    ),
+    (
+        &["compare", "summary.json", "summary.json"],
+        &[
+            ("--tolerance-percent", Takes::Number),
+            ("--json", Takes::Nothing),
+        ],
+    ),
+    (
+        &["design"],
+        &[
+            ("--diameter-um", Takes::Numbers),
+            ("--length-mm", Takes::Numbers),
+            ("--stress-mpa", Takes::Numbers),
+            ("--current-a", Takes::Numbers),
+            ("--pulses", Takes::Numbers),
+            ("--cadence-ms", Takes::Numbers),
+            ("--power-mw", Takes::Numbers),
+            ("--seconds", Takes::Number),
+            ("--wire", Takes::Named),
+            ("--alloy", Takes::Named),
+            ("--person", Takes::Named),
+        ],
+    ),
+    (&["review"], &[("--goldens", Takes::Named)]),
+    (
+        &["texture", "strokes", "strokes"],
+        &[
+            ("--strokes", Takes::Number),
+            ("--seed", Takes::Number),
+            ("--textures", Takes::Named),
+        ],
+    ),
+    (
+        &["texture", "panel", "--rate", "100"],
+        &[("--recordings", Takes::Named)],
+    ),
+    (&["doctor"], &[("--bench", Takes::Named)]),
+    (
         &["record", "made.log", "--can", "nocan0"],
         &[("--seconds", Takes::Number), ("--quiet", Takes::Nothing)],
     ),
@@ -168,6 +231,7 @@ const COMMANDS: [(&[&str], Options); 17] = [
 const fn bad(takes: Takes) -> &'static [&'static str] {
     match takes {
         Takes::Number => &["", "seven", "nan", "-1e9", "1e99", "1,5", "0x10"],
+        Takes::Numbers => &["", "seven", "nan", "-1e9", "1e99", "1,", ",", "1,x"],
         Takes::Word => &["", "no-such", "\u{1F980}"],
         Takes::Named => &["", "no-such", "../../etc/shadow-no", "no such"],
         Takes::Nothing => &[],
@@ -175,7 +239,7 @@ const fn bad(takes: Takes) -> &'static [&'static str] {
 }
 
 /// Calls that are wrong as a whole, and what their message names.
-const CALLS: [(&[&str], &str); 25] = [
+const CALLS: [(&[&str], &str); 37] = [
     (&["rnu"], "rnu"),
     (&["run", "--no-such"], "--no-such"),
     (&["run", "one", "two"], "two"),
@@ -240,6 +304,27 @@ const CALLS: [(&[&str], &str); 25] = [
     (&["export", "taxels", "scene.toml"], "--out"),
     (&["off"], "--bench"),
     (&["test", ""], "\"\""),
+    (&["identify"], "TRACE"),
+    (&["identify", "taxels.csv"], "taxels.csv"),
+    (
+        &["identify", "trace.csv", "--signal", "resistance"],
+        "resistance_ohm",
+    ),
+    (&["sweep", "scene.toml"], "--out"),
+    (
+        &["sweep", "scene.toml", "--out", "scene.toml"],
+        "scene.toml",
+    ),
+    (
+        &["sweep", "scene.toml", "--out", "taxels.csv"],
+        "taxels.csv",
+    ),
+    (&["compare", "summary.json"], "summary.json"),
+    (&["compare", "summary.json", "sweep.csv"], "sweep.csv"),
+    (&["compare", "folder"], "folder"),
+    (&["design", "--csv", "taxels.csv"], "taxels.csv"),
+    (&["design", "--html", "scene.toml"], "scene.toml"),
+    (&["emulate", "--bench", "no-such"], "no-such"),
 ];
 
 /// The tries.
@@ -265,7 +350,8 @@ pub fn tries() -> Vec<Try> {
                 Takes::Nothing => tries.push(call(&[&format!("{option}=yes")], refused())),
                 _ => tries.push(call(&[option], refused())),
             }
-            if !matches!(option, "--set" | "--pin") {
+            let repeats = matches!(option, "--set" | "--pin" | "--alloy");
+            if !repeats && (base[0], option) != ("design", "--wire") {
                 let value: &[&str] = match takes {
                     Takes::Nothing => &[option, option],
                     _ => &[option, "1", option, "1"],

@@ -3,7 +3,7 @@
 use super::{Expect, Try};
 
 /// Commands that print, each with a good input.
-const PRINTING: [&[&str]; 9] = [
+const PRINTING: [&[&str]; 12] = [
     &["run", "scene.toml"],
     &["run", "scene.toml", "--json"],
     &["contacts", "taxels.csv", "--layout", "uskin-4x4"],
@@ -12,11 +12,14 @@ const PRINTING: [&[&str]; 9] = [
     &["check", "scene.toml"],
     &["test", "scene.toml"],
     &["completions", "bash"],
+    &["identify", "trace.csv"],
+    &["compare", "summary.json", "summary.json"],
+    &["design", "--seconds", "3", "--pulses", "2"],
     &["man"],
 ];
 
 /// Commands that write a file, `{}`.
-const WRITING: [&[&str]; 9] = [
+const WRITING: [&[&str]; 15] = [
     &["run", "scene.toml", "--quiet", "--record", "{}.csv"],
     &["run", "scene.toml", "--quiet", "--record", "{}.mcap"],
     &["run", "scene.toml", "--quiet", "--schedule", "{}.jsonl"],
@@ -33,6 +36,35 @@ const WRITING: [&[&str]; 9] = [
     ],
     &["export", "taxels", "scene.toml", "--out", "{}.csv"],
     &["new", "wire", "thin", "--out", "{}.toml"],
+    &["export", "views", "{}"],
+    &["sweep", "scene.toml", "--out", "{}.csv"],
+    &[
+        "design",
+        "--seconds",
+        "3",
+        "--pulses",
+        "2",
+        "--csv",
+        "{}.csv",
+    ],
+    &[
+        "design",
+        "--seconds",
+        "3",
+        "--pulses",
+        "2",
+        "--html",
+        "{}.html",
+    ],
+    &["texture", "strokes", "{}", "--strokes", "1"],
+    &[
+        "run",
+        "--replay",
+        "taxels.csv",
+        "--quiet",
+        "--record",
+        "{}.mcap",
+    ],
 ];
 
 /// Folders in which no file can be made, for a person who may do everything too.

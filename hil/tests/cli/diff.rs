@@ -164,25 +164,54 @@ fn recorded_contacts_are_compared_by_place_and_time() {
     );
 }
 
-/// What is too long to be held is compared line by line: alike, or left open.
+/// Of what is too long to be held, the words tell what begins with the first difference.
 #[test]
 fn schedules_of_any_length_compare() {
     let folder = Folder::new("long-schedules");
-    let header = "{\"version\":1,\"seed\":1,\"scene_digest\":\"0\",\"limits_digest\":\"0\"}\n";
-    let line = |t: u64| format!("{{\"t_us\":{t},\"board\":0,\"pre_scale\":30}}\n");
-    let text = (0..900_000).map(line).collect::<String>();
-    folder.write("a.jsonl", &format!("{header}{text}"));
-    folder.write(
-        "b.jsonl",
-        &format!("{header}{}", text.replace("\"t_us\":7,", "\"t_us\":8,")),
+    let header = "{\"version\":1,\"seed\":1,\"scene_digest\":\"0\",\"limits_digest\":\"0\",\"scene\":\"long\",\"pre_scale\":30,\"tau_d_us\":35000,\"soa_us\":58500}\n";
+    let line = |n: u64, off: u16| {
+        let (from, to) = (n * 58_500, n * 58_500 + 35_000);
+        format!(
+            "{{\"t_us\":{from},\"board\":0,\"channel\":3,\"on\":0,\"off\":{off},\"until_us\":{to},\"requested\":53,\"reason\":null}}\n"
+        )
+    };
+    let write = |name: &str, other: u64, last: u64| {
+        let off = |n| if n == other { 50 } else { 53 };
+        let text = (0..last).map(|n| line(n, off(n))).collect::<String>();
+        assert!(text.len() > 13 << 20);
+        folder.write(name, &format!("{header}{text}"));
+    };
+    write("a.jsonl", u64::MAX, 250_000);
+    write("early.jsonl", 7, 250_000);
+    write("late.jsonl", 240_000, 250_000);
+    write("short.jsonl", u64::MAX, 249_999);
+    let said = |b: &str| {
+        let said = hil_in(&folder.0, &["diff", "a.jsonl", b]);
+        (said.status, said.out)
+    };
+    assert_eq!(
+        said("a.jsonl"),
+        (Some(0), "OK: long: no difference\n".into())
     );
-    let said = hil_in(&folder.0, &["diff", "a.jsonl", "a.jsonl"]);
-    assert_eq!((said.status, said.out.as_str()), (Some(0), "OK\n"));
-    let said = hil_in(&folder.0, &["diff", "a.jsonl", "b.jsonl"]);
-    assert_eq!(said.status, Some(1));
+    let (status, out) = said("late.jsonl");
+    assert_eq!(status, Some(1));
+    let words = "pulses of output 0:3 change by -3 ticks (-";
     assert!(
-        said.out.starts_with("INCOMPLETE: line 9 is another"),
-        "{}",
-        said.out
+        out.starts_with("FAILED: long: ") && out.contains(words),
+        "{out}"
     );
+    assert!(out.contains("at 14040"), "{out}");
+    let (status, out) = said("short.jsonl");
+    assert_eq!(status, Some(1));
+    assert!(
+        out.starts_with("FAILED") && out.contains("1 burst gone: output 0:3"),
+        "{out}"
+    );
+    let (status, out) = said("early.jsonl");
+    assert_eq!(status, Some(1));
+    assert!(
+        out.starts_with("INCOMPLETE: long: ") && out.contains(words),
+        "{out}"
+    );
+    assert!(out.contains("told up to "), "{out}");
 }

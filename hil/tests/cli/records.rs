@@ -193,7 +193,10 @@ fn a_replay_writes_the_same_records_while_it_runs_as_after_it() {
     let (grown, whole) = (read("while", "vcd"), read("after", "vcd"));
     assert!(grown.len() > 10_000 && whole.starts_with(&grown) || grown.starts_with(&whole));
     let [grown, whole] = ["while", "after"].map(|name| mcap::read(&read(name, "mcap")).unwrap());
-    assert_eq!((grown.frames, grown.messages), (whole.frames, whole.messages));
+    assert_eq!(
+        (grown.frames, grown.messages),
+        (whole.frames, whole.messages)
+    );
     let left = fs::read_dir(folder.path("")).unwrap().flatten();
     let left = left.filter(|f| f.file_name().to_string_lossy().contains("partial"));
     assert_eq!(left.count(), 0);

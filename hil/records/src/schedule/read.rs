@@ -134,14 +134,14 @@ fn header(first: &str) -> Result<HeaderLine, Damage> {
     Ok(header)
 }
 
-/// Refuses a line, counted from one, that no schedule has there.
+/// The time of a line, counted from one, microseconds; 0 of the header.
 ///
 /// # Errors
-/// What was expected in its place.
-pub fn check_line(number: usize, text: &str) -> Result<(), Damage> {
+/// What was expected in its place, of a line that no schedule has there.
+pub fn check_line(number: usize, text: &str) -> Result<u64, Damage> {
     match number {
-        1 => header(text).map(drop),
-        _ => event(number, text).map(drop),
+        1 => header(text).map(|_| 0),
+        _ => event(number, text).map(|event| event.t_ns() / 1000),
     }
 }
 

@@ -105,7 +105,10 @@ impl Label {
     pub fn all(folder: &Path) -> Result<Vec<Self>, Failure> {
         let bad = |e: &dyn std::fmt::Display| Failure::Input(format!("{}: {e}", folder.display()));
         let mut labels: Vec<Self> = Vec::new();
-        for (stem, file) in files(folder, "csv").map_err(|e| bad(&e))? {
+        let found = files(folder, "csv");
+        for (stem, file) in
+            found.map_err(|e| bad(&format!("expected a readable folder, found {e}")))?
+        {
             let Some((name, _)) = stem.split_once('_') else {
                 continue;
             };
