@@ -129,7 +129,7 @@ fn seven_fabrics_reach_the_wires() {
         return;
     };
     let labels = Label::all(&folder).unwrap();
-    let study = recorded(&model, &labels, 34.0, &setup("emulated"), 2).unwrap();
+    let study = recorded(&model, &labels, 34.0, (&setup("emulated"), 2), |_| ()).unwrap();
     tell("fabric", &study);
     check(&study, 7);
 }
@@ -172,8 +172,8 @@ fn twenty_materials_reach_the_wires() {
         &model,
         &Label::all(&out).unwrap(),
         50.0,
-        &setup("emulated"),
-        2,
+        (&setup("emulated"), 2),
+        |_| (),
     )
     .unwrap();
     let _ = std::fs::remove_dir_all(out);

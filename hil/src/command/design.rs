@@ -288,7 +288,7 @@ fn html(computed: &[Computed], person: &str) -> String {
         out,
         "<section><h2>Felt level over tissue temperature</h2>\n<p>{} points; those that the limit table or the bow excludes are left out. The line joins what no other point beats in \
          level and temperature. Temperatures are at 0.1 mm in the worst corner of the guard's range; the limit is 43 \u{b0}C. \
-         Felt by <code>{}</code>.</p>\n{}<div class=\"legend\">{keys}</div></section>\n",
+         Felt by <code>{}</code>.</p>\n<div class=\"plane\">{}</div><div class=\"legend\">{keys}</div></section>\n",
         computed.len(),
         escape(person),
         chart(computed, &currents)

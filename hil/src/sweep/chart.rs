@@ -38,6 +38,19 @@ pub fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     })
 }
 
+fn is_whole(value: f64) -> bool {
+    value.fract() == 0.0
+}
+
+/// Ends of an axis: one value alone lies in the middle.
+fn around(ends: Option<(f64, f64)>) -> (f64, f64) {
+    let (low, high) = ends.unwrap_or((0.0, 1.0));
+    match low < high {
+        true => (low, high),
+        false => (low - 0.5, high + 0.5),
+    }
+}
+
 /// A series by its name, from left to right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
@@ -58,16 +71,18 @@ pub fn with_unit(words: &str, unit: &str) -> String {
 /// The lines over x. Where every place has one value there is no spread to show.
 pub fn chart(lines: &[Line], x_label: &str, y_label: &str) -> String {
     let spots = || lines.iter().flat_map(|line| &line.spots);
-    let x = ends(spots().map(|s| s.x)).unwrap_or((0.0, 1.0));
-    let y = ends(spots().flat_map(|s| [s.low, s.high])).unwrap_or((0.0, 1.0));
+    let x = || spots().map(|s| s.x);
+    let y = || spots().flat_map(|s| [s.low, s.high]);
+    let counts = [x().all(is_whole), y().all(is_whole)];
+    let (x, y) = (around(ends(x())), around(ends(y())));
     let plot = Plot {
         left: 58.0,
         top: 30.0,
         width: 386.0,
         height: 170.0,
         // Room beside the first and the last place.
-        x: Scale::exact(x.0 - (x.1 - x.0) * 0.04, x.1 + (x.1 - x.0) * 0.04),
-        y: Scale::round(y.0, y.1),
+        x: Scale::exact(x.0 - (x.1 - x.0) * 0.04, x.1 + (x.1 - x.0) * 0.04).of_counts(counts[0]),
+        y: Scale::round(y.0, y.1).of_counts(counts[1]),
     };
     let mut svg = Svg::new(460.0, 246.0, &format!("{y_label} against {x_label}"));
     plot.x_axis(&mut svg, x_label);

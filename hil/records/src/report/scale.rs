@@ -6,6 +6,8 @@ pub struct Scale {
     low: f64,
     high: f64,
     log: bool,
+    /// Between ticks lies at least one.
+    whole: bool,
 }
 
 impl Scale {
@@ -18,7 +20,14 @@ impl Scale {
             low,
             high,
             log: false,
+            whole: false,
         }
+    }
+
+    /// The same of counts: nothing is written between two whole numbers.
+    #[must_use]
+    pub const fn of_counts(self, whole: bool) -> Self {
+        Self { whole, ..self }
     }
 
     /// `low` to `high` widened to round ticks.
@@ -39,6 +48,7 @@ impl Scale {
             low,
             high,
             log: true,
+            whole: false,
         }
     }
 
@@ -69,6 +79,7 @@ impl Scale {
                 .collect();
         }
         let step = step(self.high - self.low, wanted);
+        let step = if self.whole { step.max(1.0) } else { step };
         let decimals = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
         let first = (self.low / step - 1e-6).ceil();
         (0..40)

@@ -31,5 +31,7 @@ fn ticks_are_round_and_few() {
         ]
     );
     assert!(Scale::exact(f64::NAN, 3.0).ticks(5.0).len() > 2);
+    let counts = Scale::exact(0.5, 2.5).of_counts(true).ticks(5.0);
+    assert_eq!(counts, [(1.0, "1".to_owned()), (2.0, "2".to_owned())]);
     assert!(Scale::round(5.0, 5.0).ticks(5.0).len() > 2);
 }
