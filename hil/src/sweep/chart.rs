@@ -123,7 +123,8 @@ pub fn chart(lines: &[Line], x_label: &str, y_label: &str) -> String {
 
 /// What a chart needs beside the style sheet of all pages.
 pub const STYLE: &str = ".spread{fill:none;stroke-width:5;opacity:.3;stroke-linecap:round}\n\
-.charts{display:grid;grid-template-columns:repeat(auto-fit,minmax(300px,1fr));gap:14px}\n";
+.charts{display:grid;grid-template-columns:repeat(auto-fit,minmax(300px,1fr));gap:14px}\n\
+.wide th.num{white-space:normal}.wide td:nth-child(2){white-space:nowrap}\n";
 
 /// The names of lines beside their colours; nothing for one alone without a name.
 pub fn legend(lines: &[Line]) -> String {

@@ -12,17 +12,27 @@ const SCENE: &str = "name = \"short\"\ndescription = \"a second\"\nlength_s = 1.
     [[touches]]\nstart_s = 0.6\npath = { kind = \"line\", points_mm = [[-5.0, 0.0], [5.0, 0.0]], period_s = 1.0 }\n\
     force_n = { mean = 0.7, amplitude = 0.1, period_s = 1.0 }\n";
 
-/// A file that a reader takes as it is, and the commands that read it: `{}` stands for it.
+/// A file that a command takes as it is.
 struct Reader {
     /// The good file.
     good: &'static str,
+    /// The command, `{}` for the file.
+    args: Vec<&'static str>,
     /// The name of the bad ones.
-    named: &'static str,
-    /// The command.
-    args: &'static [&'static str],
+    named: String,
 }
 
 impl Reader {
+    fn all() -> impl Iterator<Item = Self> {
+        READERS.into_iter().map(|(good, args)| Self {
+            good,
+            args: args.split(' ').collect(),
+            named: good
+                .rsplit_once('.')
+                .map_or_else(String::new, |(_, e)| format!("bad.{e}")),
+        })
+    }
+
     fn call(&self, path: &str, expect: Expect) -> Try {
         // A sweep wants a table of its own.
         static TABLES: AtomicUsize = AtomicUsize::new(0);
@@ -37,182 +47,54 @@ impl Reader {
     }
 }
 
-const READERS: [Reader; 39] = [
-    reader(
-        "taxels.csv",
-        "bad.csv",
-        &["run", "--replay", "{}", "--layout", "uskin-4x4"],
-    ),
-    reader(
-        "taxels.csv",
-        "bad.csv",
-        &["contacts", "{}", "--layout", "uskin-4x4"],
-    ),
-    reader(
-        "taxels.csv",
-        "bad.csv",
-        &["texture", "encode", "default", "{}"],
-    ),
-    reader(
-        "a.log",
-        "bad.log",
-        &["run", "--replay", "{}", "--layout", "uskin-4x4"],
-    ),
-    reader("a.log", "bad.log", &["replay", "{}", "--can", "nocan0"]),
-    reader(
-        "a.mcap",
-        "bad.mcap",
-        &["run", "--replay", "{}", "--layout", "uskin-4x4"],
-    ),
-    reader("a.jsonl", "bad.jsonl", &["diff", "a.jsonl", "{}"]),
-    reader("a.snap", "bad.snap", &["diff", "{}", "a.snap"]),
-    reader("a.csv", "bad.csv", &["diff", "a.csv", "{}"]),
-    reader("a.vcd", "bad.vcd", &["diff", "a.jsonl", "{}"]),
-    reader("edges.csv", "bad.csv", &["diff", "a.jsonl", "{}"]),
-    reader("scene.toml", "bad.toml", &["run", "{}"]),
-    reader("scene.toml", "bad.toml", &["test", "{}"]),
-    reader(
-        "scene.toml",
-        "bad.toml",
-        &["export", "taxels", "{}", "--out", "made.csv"],
-    ),
-    reader(
+/// Good files, and the commands that read them: `{}` stands for the file.
+const READERS: [(&str, &str); 39] = [
+    ("taxels.csv", "run --replay {} --layout uskin-4x4"),
+    ("taxels.csv", "contacts {} --layout uskin-4x4"),
+    ("taxels.csv", "texture encode default {}"),
+    ("a.log", "run --replay {} --layout uskin-4x4"),
+    ("a.log", "replay {} --can nocan0"),
+    ("a.mcap", "run --replay {} --layout uskin-4x4"),
+    ("a.jsonl", "diff a.jsonl {}"),
+    ("a.snap", "diff {} a.snap"),
+    ("a.csv", "diff a.csv {}"),
+    ("a.vcd", "diff a.jsonl {}"),
+    ("edges.csv", "diff a.jsonl {}"),
+    ("scene.toml", "run {}"),
+    ("scene.toml", "test {}"),
+    ("scene.toml", "export taxels {} --out made.csv"),
+    ("bench.toml", "run scene.toml --bench {}"),
+    ("layout.toml", "run scene.toml --set layout={}"),
+    ("layout.toml", "new scene mine --force --layout {}"),
+    ("wire.toml", "new bench weak --force --wire {}"),
+    ("limits.toml", "run scene.toml --set bench.limits={}"),
+    ("model.safetensors", "texture export {} made.onnx"),
+    ("quarantine.toml", "test scene.toml --quarantine {}"),
+    ("trace.csv", "identify {}"),
+    ("bench.toml", "identify trace.csv --bench {}"),
+    ("summary.json", "compare summary.json {}"),
+    ("sweep.csv", "compare sweep.csv {}"),
+    ("sweep.jsonl", "compare {} sweep.jsonl"),
+    ("scene.toml", "sweep {} --out {table} --force"),
+    (
         "bench.toml",
-        "bad.toml",
-        &["run", "scene.toml", "--bench", "{}"],
+        "sweep scene.toml --out {table} --force --bench {}",
     ),
-    reader(
-        "layout.toml",
-        "bad.toml",
-        &["run", "scene.toml", "--set", "layout={}"],
-    ),
-    reader(
-        "layout.toml",
-        "bad.toml",
-        &["new", "scene", "mine", "--force", "--layout", "{}"],
-    ),
-    reader(
-        "wire.toml",
-        "bad.toml",
-        &["new", "bench", "weak", "--force", "--wire", "{}"],
-    ),
-    reader(
-        "limits.toml",
-        "bad.toml",
-        &["run", "scene.toml", "--set", "bench.limits={}"],
-    ),
-    reader(
-        "model.safetensors",
-        "bad.safetensors",
-        &["texture", "export", "{}", "made.onnx"],
-    ),
-    reader(
-        "quarantine.toml",
-        "bad.toml",
-        &["test", "scene.toml", "--quarantine", "{}"],
-    ),
-    reader("trace.csv", "bad.csv", &["identify", "{}"]),
-    reader(
-        "bench.toml",
-        "bad.toml",
-        &["identify", "trace.csv", "--bench", "{}"],
-    ),
-    reader(
-        "summary.json",
-        "bad.json",
-        &["compare", "summary.json", "{}"],
-    ),
-    reader("sweep.csv", "bad.csv", &["compare", "sweep.csv", "{}"]),
-    reader(
-        "sweep.jsonl",
-        "bad.jsonl",
-        &["compare", "{}", "sweep.jsonl"],
-    ),
-    reader(
-        "scene.toml",
-        "bad.toml",
-        &["sweep", "{}", "--out", "{table}", "--force"],
-    ),
-    reader(
-        "bench.toml",
-        "bad.toml",
-        &[
-            "sweep",
-            "scene.toml",
-            "--out",
-            "{table}",
-            "--force",
-            "--bench",
-            "{}",
-        ],
-    ),
-    reader(
-        "wire.toml",
-        "bad.toml",
-        &["design", DESIGNS[0], DESIGNS[1], "--wire", "{}"],
-    ),
-    reader(
-        "alloy.toml",
-        "bad.toml",
-        &["design", DESIGNS[0], DESIGNS[1], "--alloy", "{}"],
-    ),
-    reader(
-        "person.toml",
-        "bad.toml",
-        &["design", DESIGNS[0], DESIGNS[1], "--person", "{}"],
-    ),
-    reader(
-        "person.toml",
-        "bad.toml",
-        &["run", "scene.toml", "--felt", "{}"],
-    ),
-    reader("scene.toml", "bad.toml", &["check", "{}"]),
-    reader(
-        "layout.toml",
-        "bad.toml",
-        &["contacts", "taxels.csv", "--layout", "{}"],
-    ),
-    reader(
-        "layout.toml",
-        "bad.toml",
-        &["run", "--replay", "taxels.csv", "--layout", "{}"],
-    ),
-    reader(
-        "model.safetensors",
-        "bad.safetensors",
-        &["texture", "encode", "{}", "taxels.csv"],
-    ),
-    reader(
-        "model.safetensors",
-        "bad.safetensors",
-        &["texture", "map", "{}", "--strokes", "1"],
-    ),
-    reader(
+    ("wire.toml", "design --seconds=3 --pulses=2 --wire {}"),
+    ("alloy.toml", "design --seconds=3 --pulses=2 --alloy {}"),
+    ("person.toml", "design --seconds=3 --pulses=2 --person {}"),
+    ("person.toml", "run scene.toml --felt {}"),
+    ("scene.toml", "check {}"),
+    ("layout.toml", "contacts taxels.csv --layout {}"),
+    ("layout.toml", "run --replay taxels.csv --layout {}"),
+    ("model.safetensors", "texture encode {} taxels.csv"),
+    ("model.safetensors", "texture map {} --strokes 1"),
+    ("textures.toml", "texture map --strokes 1 --textures {}"),
+    (
         "textures.toml",
-        "bad.toml",
-        &["texture", "map", "--strokes", "1", "--textures", "{}"],
-    ),
-    reader(
-        "textures.toml",
-        "bad.toml",
-        &[
-            "texture",
-            "strokes",
-            "strokes",
-            "--strokes",
-            "1",
-            "--textures",
-            "{}",
-        ],
+        "texture strokes strokes --strokes 1 --textures {}",
     ),
 ];
-
-/// Few enough points of the design space.
-const DESIGNS: [&str; 2] = ["--seconds=3", "--pulses=2"];
-
-const fn reader(good: &'static str, named: &'static str, args: &'static [&'static str]) -> Reader {
-    Reader { good, named, args }
-}
 
 /// What is done to a good file.
 type Change = fn(&[u8]) -> Vec<u8>;
@@ -289,7 +171,7 @@ fn noise(count: usize) -> Vec<u8> {
 /// Files with damage at random places: a cut, a byte that is another, a piece that stands elsewhere.
 pub fn damaged(folder: &Path, count: u32) -> Vec<Try> {
     let mut tries = Vec::new();
-    for (number, reader) in READERS.iter().enumerate() {
+    for (number, reader) in Reader::all().enumerate() {
         let good = fs::read(folder.join(reader.good)).unwrap();
         for seed in 0..count {
             let mut draw = draws(1 + seed * 7919);
@@ -505,7 +387,7 @@ fn trace() -> String {
 /// The tries; the bad files are written on the way.
 pub fn tries(folder: &Path) -> Vec<Try> {
     let mut tries = Vec::new();
-    for (number, reader) in READERS.iter().enumerate() {
+    for (number, reader) in Reader::all().enumerate() {
         let good = fs::read(folder.join(reader.good)).unwrap();
         let call = |path: &str, expect: Expect| match (reader.args[0], expect) {
             // What is there has the error that it looked for.
@@ -529,14 +411,17 @@ pub fn tries(folder: &Path) -> Vec<Try> {
         for (name, change) in HARMLESS.iter().filter(|_| is_text) {
             let path = format!("{number}-{name}-{}", reader.named);
             fs::write(folder.join(&path), change(&good)).unwrap();
-            tries.push(call(&path, harmless(reader, name)));
+            tries.push(call(&path, harmless(&reader, name)));
         }
         let texts = TEXT_CHANGES.iter().filter(|_| is_text);
         for (name, change) in RUINS.iter().chain(texts) {
             let path = format!("{number}-{name}-{}", reader.named);
             fs::write(folder.join(&path), change(&good)).unwrap();
             let refused = || Expect::Refused(path.clone());
-            tries.push(call(&path, exception(reader, name).unwrap_or_else(refused)));
+            tries.push(call(
+                &path,
+                exception(&reader, name).unwrap_or_else(refused),
+            ));
         }
     }
     tries
