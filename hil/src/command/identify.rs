@@ -10,6 +10,7 @@ use serde_json::json;
 
 use crate::cli::{IdentifyArgs, SignalArg};
 use crate::output::print;
+use crate::progress::Progress;
 
 /// Temperature of skin and wire before the first pulse, degrees C.
 const START_C: f64 = 33.0;
@@ -24,6 +25,7 @@ pub fn identify(args: &IdentifyArgs) -> Result<(), Failure> {
         SignalArg::Resistance => (Signal::Resistance, "resistance_ohm", "Ohm"),
     };
     let samples = read(args, column)?;
+    let shown = Progress::endless("fitting the model");
     let found = find(&subject(args)?, signal, &samples).map_err(|expected| {
         let found = format!("{} samples", samples.len());
         Failure::File(FileError::whole(
@@ -32,6 +34,7 @@ pub fn identify(args: &IdentifyArgs) -> Result<(), Failure> {
             found,
         ))
     })?;
+    drop(shown);
     if args.voice.quiet {
         return Ok(());
     }
@@ -115,6 +118,7 @@ fn read(args: &IdentifyArgs, column: &str) -> Result<Vec<Sample>, Failure> {
         rate_hz: args.rate,
         split_jumps: false,
     };
+    let _shown = Progress::reading(&args.trace);
     let mut rows = Rows::open(&args.trace, take, Some(&timing))?;
     let (mut samples, mut lines, mut row) = (Vec::new(), Vec::new(), Vec::<f32>::new());
     while let Some(at) = rows.advance(&mut row)? {
