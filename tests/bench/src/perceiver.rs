@@ -6,6 +6,7 @@ use ode_solvers::dop853::Dop853 as Integrator;
 use ode_solvers::{OutputType, SVector, System};
 use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
 use palpate_core::units::Prescale;
+use palpate_emulators::display::finger::NODES;
 use palpate_emulators::display::solver::stretch::Stretch;
 use palpate_emulators::display::wire::Wire;
 use palpate_emulators::person::channels::{Perceiver, Person};
@@ -102,14 +103,20 @@ fn perceive(stretches: &[Vec<Stretch>]) -> Result<Perceiver, ParameterError> {
 /// The Pacinian filter as two band passes in a row, y'' + w y' + w^2 y = w x' each, and the leaky energy.
 struct Channel<'a>(&'a Stretch);
 
-/// The first band pass's slope and value, the second's, and the energy.
-type State = SVector<f64, 5>;
+/// The first band pass's slope and value, the second's, and the energy; then the slope of the wire's temperature by
+/// rate: as states, since the integrator loses its order where the right side depends on time.
+type State = SVector<f64, STATES>;
+const STATES: usize = OWN + NODES;
+const OWN: usize = 5;
 
 impl System<f64, State> for &Channel<'_> {
-    fn system(&self, t: f64, y: &State, dy: &mut State) {
+    fn system(&self, _t: f64, y: &State, dy: &mut State) {
         let w = std::f64::consts::TAU * 250.0;
-        let terms = self.0.slopes.iter().zip(self.0.rates);
-        let slope: f64 = terms.map(|(slope, rate)| slope * (-rate * t).exp()).sum();
+        let mut slope = 0.0;
+        for (n, rate) in (OWN..).zip(self.0.rates) {
+            slope += y[n];
+            dy[n] = -rate * y[n];
+        }
         dy[0] = w * (self.0.um_per_k * slope - y[0] - w * y[1]);
         dy[1] = y[0];
         dy[2] = w * (y[0] - y[2] - w * y[3]);
@@ -123,6 +130,7 @@ fn integrated(stretches: &[Stretch], tolerance: f64) -> Result<f64, String> {
     let mut y = State::zeros();
     for stretch in stretches {
         let (channel, end) = (Channel(stretch), stretch.seconds);
+        (OWN..).zip(stretch.slopes).for_each(|(n, slope)| y[n] = slope);
         let mut method = Integrator::from_param(
             &channel,
             0.0,

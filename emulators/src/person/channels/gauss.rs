@@ -17,6 +17,8 @@ pub struct Gauss {
     pub weights: [f64; NODES],
     /// Values at evenly spaced places from those at the nodes: `looks[node][place]`.
     pub looks: [[f64; LOOKS]; NODES],
+    /// No look is further from 0 than this times the largest value at a node.
+    pub reach: f64,
     /// Coefficients over Legendre's polynomials from values at the nodes: `series[node][degree]`.
     series: [[f64; NODES]; NODES],
 }
@@ -40,6 +42,7 @@ impl Gauss {
             nodes: [0.0; NODES],
             weights: [0.0; NODES],
             looks: [[0.0; LOOKS]; NODES],
+            reach: 0.0,
             series: [[0.0; NODES]; NODES],
         };
         let n = NODES as f64;
@@ -64,6 +67,10 @@ impl Gauss {
                 let terms = rule.series[i].iter().zip(at);
                 rule.looks[i][look] = terms.map(|(c, p)| c * p).sum();
             }
+        }
+        for look in 0..LOOKS {
+            let parts = rule.looks.iter().map(|of_node| of_node[look].abs());
+            rule.reach = rule.reach.max(parts.sum());
         }
         rule
     }

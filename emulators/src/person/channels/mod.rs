@@ -245,22 +245,19 @@ impl Perceiver {
     fn largest(&self, end: f64) -> f64 {
         let all: f64 = self.wires.iter().map(|w| w.energy).sum();
         let mut most = self.energy.max(self.leaked(end, all));
-        let bounds = |t: f64| {
-            let each = self.wires.iter().map(|w| w.bounds(t));
-            each.fold((0.0, 0.0), |sum, b| (sum.0 + b.0, sum.1 + b.1))
-        };
         let cell_s = CELL as f64 * LOOK_S;
         let cells = libm::ceil(end / cell_s) as usize;
-        // What flowed in only grows: it lies between what it was before and after.
-        let mut upper = Vec::with_capacity(cells);
-        for cell in 0..cells {
-            let (from, to) = (cell as f64 * cell_s, (cell + 1) as f64 * cell_s);
-            let to = to.min(end);
-            let (low, high) = bounds(to);
-            most = most.max(self.leaked(to, low));
-            upper.push(self.leaked(from, high));
+        let edge = |cell: usize| (cell as f64 * cell_s).min(end);
+        let mut bounds = vec![(0.0, 0.0); cells];
+        for wire in &self.wires {
+            wire.add_bounds(edge, &mut bounds);
         }
-        for (cell, upper) in upper.into_iter().enumerate() {
+        // What flowed in only grows: it lies between what it was before and after.
+        for (cell, (low, high)) in bounds.iter_mut().enumerate() {
+            most = most.max(self.leaked(edge(cell + 1), *low));
+            *high = self.leaked(edge(cell), *high);
+        }
+        for (cell, (_, upper)) in bounds.into_iter().enumerate() {
             if upper < most {
                 continue;
             }

@@ -131,8 +131,19 @@ pub struct Outputs {
     pub flow: [f64; gauss::NODES],
 }
 
+/// A parabola through three looks rises above the largest by an eighth of what they differ by, at most a quarter.
+const PARABOLA: f64 = 1.25;
+
+/// Raises `most` to the largest magnitude of what has these values at the nodes.
+pub fn raise(rule: &Gauss, vectors: Vectors, values: &[f64; gauss::NODES], most: &mut f64) {
+    let largest = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    if PARABOLA * rule.reach * largest > *most {
+        *most = most.max(peak(rule, vectors, values));
+    }
+}
+
 /// Largest magnitude of what has these values at the nodes, a parabola laid through the largest place and its neighbours.
-pub fn peak(rule: &Gauss, vectors: Vectors, values: &[f64; gauss::NODES]) -> f64 {
+fn peak(rule: &Gauss, vectors: Vectors, values: &[f64; gauss::NODES]) -> f64 {
     let looks = vectors.run(
         #[inline(always)]
         || {
@@ -193,3 +204,7 @@ impl Tables {
         table
     }
 }
+
+#[cfg(test)]
+#[path = "piece_tests.rs"]
+mod tests;

@@ -2,7 +2,7 @@
 
 use super::filter::{LIFT, STATES, State};
 use super::gauss::{self, Gauss};
-use super::piece::{LEAK_S, Tables, peak};
+use super::piece::{LEAK_S, Tables, raise};
 use crate::display::finger::NODES as MODES;
 use crate::display::solver::modal::ModeKey;
 use crate::display::solver::stretch::Stretch;
@@ -145,8 +145,8 @@ impl WireFilter {
         self.now_s += piece;
         self.energy += energy;
         self.met.energy += piece * rule.mean(&outputs.p.map(|y| y * y));
-        self.met.peak_p = self.met.peak_p.max(peak(rule, *vectors, &outputs.p));
-        self.met.peak_n = self.met.peak_n.max(peak(rule, *vectors, &outputs.n));
+        raise(rule, *vectors, &outputs.p, &mut self.met.peak_p);
+        raise(rule, *vectors, &outputs.n, &mut self.met.peak_n);
     }
 
     /// Adds the energy that had flowed in until each of these times, which rise, s.
@@ -168,12 +168,18 @@ impl WireFilter {
         }
     }
 
-    /// Bounds of the energy that had flowed in until `t`: what it was before and after the piece.
-    pub fn bounds(&self, t: f64) -> (f64, f64) {
-        let piece = self.passed.get(self.at(t));
-        piece.map_or((self.energy, self.energy), |p| {
-            (p.before, p.before + p.energy)
-        })
+    /// Adds bounds of the energy that had flowed in until the end of each cell: what it was before and after the piece.
+    pub fn add_bounds(&self, edge: impl Fn(usize) -> f64, bounds: &mut [(f64, f64)]) {
+        let mut pieces = self.passed.iter().peekable();
+        for (cell, (low, high)) in bounds.iter_mut().enumerate() {
+            let to = edge(cell + 1);
+            while pieces.next_if(|p| p.from_s + p.seconds < to).is_some() {}
+            let (before, energy) = pieces
+                .peek()
+                .map_or((self.energy, 0.0), |p| (p.before, p.energy));
+            *low += before;
+            *high += before + energy;
+        }
     }
 
     /// Index of the piece that a time is in.
