@@ -1,0 +1,384 @@
+//! Every law in the loop, with guard and heat: scenes, benches, wires and seeds, as three persons feel them.
+//!
+//! A person changes nothing that is driven. So each run is played by two probes who feel anything at all, one by each
+//! channel, and a person's level is theirs, shifted by the thresholds.
+
+use std::fmt::Write;
+use std::num::NonZeroUsize;
+use std::thread;
+
+use palpate_core::illusion::IllusionModel;
+use palpate_emulators::person::channels::Person;
+use palpate_files::{Loaded, Overrides, Scene, Setup, Source, load_bench, load_person, load_scene};
+use palpate_records::felt::FeltPath;
+use palpate_records::trace::{Event, Header};
+use palpate_run::{Failure, Input, Outcome, plan, run};
+use palpate_tests::felt::PATHS;
+
+use crate::findings::Findings;
+
+/// Benches: how they are called here, whose file, and another current in mA.
+const BENCHES: [(&str, &str, Option<f64>); 3] = [
+    ("default", "emulated", None),
+    ("1.4 A", "emulated", Some(1400.0)),
+    ("thesis", "thesis", None),
+];
+/// The wires' files.
+const WIRES: [&str; 2] = ["taut", "loose"];
+/// Persons; the table shows breaks of each and levels of the second.
+const PERSONS: [&str; 3] = ["sensitive", "typical", "dull"];
+/// Scenes beside the four paths: a contact at rest, one that presses, and two.
+const OTHERS: [&str; 3] = ["rest", "press", "two-finger-press"];
+pub(super) const SEEDS: [u64; 5] = [1, 2, 3, 4, 5];
+/// Thresholds of who feels anything, and of who feels nothing by a channel, um.
+const PROBE_UM: f64 = 1e-6;
+const NUMB_UM: f64 = 1e6;
+
+/// What is run.
+#[derive(Clone, Copy)]
+pub(super) struct Case {
+    pub(super) law: IllusionModel,
+    pub(super) bench: (&'static str, &'static str, Option<f64>),
+    /// A wire's file; the bench's own where there is none.
+    pub(super) wires: Option<&'static str>,
+    pub(super) scene: &'static str,
+}
+
+/// An onset as both probes meet it, with the level of each, thousandths of a decibel.
+type Onset = (Event, [Option<i32>; 2]);
+
+/// A run, whoever feels it.
+pub(super) struct Played {
+    pub(super) outcome: Outcome,
+    pub(super) onsets: Vec<Onset>,
+}
+
+/// A scene of the benchmark's own, or a shipped one.
+fn scene(name: &str) -> Result<Loaded<Scene>, Failure> {
+    let text = match name {
+        "rest" => include_str!("rest.toml"),
+        "press" => include_str!("press.toml"),
+        shipped => return Ok(load_scene(shipped)?),
+    };
+    let source = Source::new(&format!("{name}.toml"), text.to_owned());
+    let value = Scene::read(&source)?;
+    Ok(Loaded { value, source })
+}
+
+impl Case {
+    fn setup(&self) -> Result<Setup, Failure> {
+        let (_, file, current) = self.bench;
+        let mut overrides = Overrides::default();
+        overrides.scene("illusion", "illusion.model", self.law.name());
+        if let Some(ma) = current {
+            overrides.bench("illusion", "drive.current_ma", format!("{ma:.1}"));
+        }
+        if let Some(wires) = self.wires {
+            overrides.bench("illusion", "wire.kind", wires);
+        }
+        let setup = Setup::join(scene(self.scene)?, load_bench(file)?)?;
+        Ok(setup.with(&overrides)?)
+    }
+
+    /// Plays it to both probes.
+    pub(super) fn play(&self, seed: u64) -> Result<Played, Failure> {
+        let mut setup = self.setup()?;
+        let mut by = |vibration_um, flutter_um| {
+            setup.person.value.vibration.threshold_um.value = vibration_um;
+            setup.person.value.flutter.threshold_um.value = flutter_um;
+            let outcome = run(&setup, &Input::Scene, seed)?;
+            match outcome.failure {
+                Some(failure) => Err(failure),
+                None => Ok(outcome),
+            }
+        };
+        let (vibration, flutter) = (by(PROBE_UM, NUMB_UM)?, by(NUMB_UM, PROBE_UM)?);
+        let level = |event: &Event| match event {
+            Event::Felt { level_mdb, .. } => Some(*level_mdb),
+            _ => None,
+        };
+        let events = vibration.trace.events.iter();
+        let of_vibration = events.filter_map(|e| Some((e.clone(), level(e)?)));
+        let of_flutter = flutter.trace.events.iter().filter_map(level);
+        let both = of_vibration.zip(of_flutter);
+        Ok(Played {
+            onsets: both.map(|((e, v), f)| (e, [v, f])).collect(),
+            outcome: vibration,
+        })
+    }
+}
+
+/// Thousandths of a decibel that a threshold lies above the probes'.
+fn above_mdb(um: f64) -> i32 {
+    (20e3 * (um / PROBE_UM).log10()).round() as i32
+}
+
+/// An onset as a person feels it. Without a person its place counts whatever the level.
+pub(super) fn as_felt((event, levels): &Onset, person: Option<&Person>) -> Event {
+    let mut event = event.clone();
+    if let (
+        Some(person),
+        Event::Felt {
+            felt, level_mdb, ..
+        },
+    ) = (person, &mut event)
+    {
+        let above = [person.vibration_um, person.flutter_um].map(above_mdb);
+        let each = levels.iter().zip(above);
+        *level_mdb = each
+            .filter_map(|(level, above)| Some((*level)? - above))
+            .max();
+        *felt = felt.filter(|_| level_mdb.is_some_and(|level| level >= 0));
+    }
+    event
+}
+
+/// What a person makes of a run: errors by both centroids, level, breaks, jumps. Over seeds, the worst of each.
+#[derive(Clone, Copy, Debug, Default)]
+struct Score {
+    /// Root mean square, energy and amplitude centroid, mm.
+    mm: [Option<f64>; 2],
+    /// Median and 5 %, dB.
+    level_db: Option<[f64; 2]>,
+    breaks: u64,
+    jumps: u64,
+}
+
+impl Score {
+    fn of(header: &Header, played: &Played, person: Option<&Person>) -> Self {
+        let mut path = FeltPath::new(header);
+        played
+            .onsets
+            .iter()
+            .for_each(|onset| path.add(&as_felt(onset, person)));
+        let scores = path.scores();
+        let db = |mdb: i32| f64::from(mdb) * 1e-3;
+        Self {
+            mm: scores.map(|s| s.errors.map(|e| e.rmse_um as f64 * 1e-3)),
+            level_db: path.level().map(|l| [db(l.median_mdb), db(l.p5_mdb)]),
+            breaks: scores[0].breaks,
+            jumps: scores.map(|s| s.jumps).into_iter().max().unwrap_or(0),
+        }
+    }
+
+    /// The larger error, mm; NaN where nothing was felt.
+    fn worst_mm(&self) -> f64 {
+        let [energy, amplitude] = self.mm.map(|mm| mm.unwrap_or(f64::NAN));
+        energy.max(amplitude)
+    }
+
+    fn worse(self, other: Self) -> Self {
+        let larger = |a: Option<f64>, b: Option<f64>| match (a, b) {
+            (Some(a), Some(b)) => Some(a.max(b)),
+            (a, b) => a.or(b),
+        };
+        let lower = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].min(b[1])];
+        Self {
+            mm: [0, 1].map(|k| larger(self.mm[k], other.mm[k])),
+            level_db: match (self.level_db, other.level_db) {
+                (Some(a), Some(b)) => Some(lower(a, b)),
+                (a, b) => a.or(b),
+            },
+            breaks: self.breaks.max(other.breaks),
+            jumps: self.jumps.max(other.jumps),
+        }
+    }
+}
+
+/// What a case came to, the worst of its seeds.
+#[derive(Clone, Copy, Debug, Default)]
+struct Figures {
+    /// With thresholds off.
+    off: Score,
+    /// By each of [`PERSONS`].
+    by: [Score; 3],
+    skin_c: f64,
+    wire_c: f64,
+    limited: u32,
+    energy_mj: f64,
+}
+
+impl Figures {
+    fn of(played: &Played, persons: &[Person; 3]) -> Self {
+        let (header, summary) = (&played.outcome.trace.header, &played.outcome.summary);
+        let score = |person: Option<&Person>| Score::of(header, played, person);
+        Self {
+            off: score(None),
+            by: persons.each_ref().map(|person| score(Some(person))),
+            skin_c: summary.hottest_skin_c.unwrap_or(f64::NAN),
+            wire_c: summary.hottest_wire_c.unwrap_or(f64::NAN),
+            limited: summary.limiter_events,
+            energy_mj: summary.energy_mj.unwrap_or(f64::NAN),
+        }
+    }
+
+    fn worse(self, other: Self) -> Self {
+        Self {
+            off: self.off.worse(other.off),
+            by: [0, 1, 2].map(|k| self.by[k].worse(other.by[k])),
+            skin_c: self.skin_c.max(other.skin_c),
+            wire_c: self.wire_c.max(other.wire_c),
+            limited: self.limited.max(other.limited),
+            energy_mj: self.energy_mj.max(other.energy_mj),
+        }
+    }
+}
+
+/// Every case, scenes fastest, then laws.
+fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for bench in BENCHES {
+        for wires in WIRES {
+            for law in IllusionModel::ALL {
+                let scenes = PATHS.into_iter().chain(OTHERS);
+                cases.extend(scenes.map(|scene| Case {
+                    law,
+                    bench,
+                    wires: Some(wires),
+                    scene,
+                }));
+            }
+        }
+    }
+    cases
+}
+
+/// The worst of a case's seeds.
+fn figures(case: &Case, persons: &[Person; 3]) -> Result<Figures, Failure> {
+    let mut worst: Option<Figures> = None;
+    for seed in SEEDS {
+        let one = Figures::of(&case.play(seed)?, persons);
+        worst = Some(worst.map_or(one, |worst| worst.worse(one)));
+    }
+    Ok(worst.unwrap_or_default())
+}
+
+/// All cases on every processor; which one computes what changes no figure.
+fn all(cases: &[Case], persons: &[Person; 3]) -> Result<Vec<Figures>, Failure> {
+    let lanes = thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let lane = |first: usize| {
+        let mine = cases.iter().enumerate().skip(first).step_by(lanes);
+        mine.map(|(n, case)| Ok((n, figures(case, persons)?)))
+            .collect::<Result<Vec<_>, Failure>>()
+    };
+    let lane = &lane;
+    let parts = thread::scope(|scope| {
+        let started: Vec<_> = (0..lanes).map(|n| scope.spawn(move || lane(n))).collect();
+        let ended = started.into_iter().map(|part| match part.join() {
+            Ok(part) => part,
+            Err(panic) => std::panic::resume_unwind(panic),
+        });
+        ended.collect::<Result<Vec<_>, Failure>>()
+    })?;
+    let mut each: Vec<_> = parts.into_iter().flatten().collect();
+    each.sort_by_key(|part| part.0);
+    Ok(each.into_iter().map(|part| part.1).collect())
+}
+
+/// One of the persons.
+pub(super) fn person(name: &str) -> Result<Person, Failure> {
+    Ok(plan::person(&load_person(name)?.value))
+}
+
+/// A law's name here: the default is called so.
+pub(super) fn law(model: IllusionModel) -> &'static str {
+    match model == IllusionModel::default() {
+        true => "default",
+        false => model.name(),
+    }
+}
+
+/// Measures everything.
+///
+/// # Errors
+/// [`Failure`] where a shipped file cannot be read, or a run fails.
+pub fn measure() -> Result<Findings, Failure> {
+    let [a, b, c] = PERSONS;
+    let persons = [person(a)?, person(b)?, person(c)?];
+    let cases = cases();
+    let figures = all(&cases, &persons)?;
+    let mut found = Findings::new("felt-in-loop");
+    for (case, figures) in cases.iter().zip(&figures) {
+        let scores = PERSONS.into_iter().zip(&figures.by);
+        for (person, score) in scores.chain([("thresholds off", &figures.off)]) {
+            let wires = case.wires.unwrap_or_default();
+            let name = format!("{}, {}, {wires}, {person}", case.bench.0, case.scene);
+            let error = (score.worst_mm(), "mm RMSE, the worse centroid");
+            found.row(&name, law(case.law), error, f64::NAN);
+        }
+    }
+    found.table = table(&cases, &figures);
+    found.words.push(format!(
+        "Worst of {} seeds. Errors are by energy and amplitude centroid against the touch, with thresholds off: where an \
+         onset pulls, felt or not. Levels are the typical person's, median and 5 %. Breaks are those of {a}, {b} and {c}; \
+         jumps, over two centroids, the typical person's. A row of the JSON has a person's own error: a break counts as \
+         felt where it was felt last.",
+        SEEDS.len(),
+    ));
+    Ok(found)
+}
+
+/// A block per bench and wires: a line per law and kind of scene, the four paths as one by the worst of them.
+fn table(cases: &[Case], figures: &[Figures]) -> String {
+    let mut out = String::new();
+    let scenes = PATHS.len() + OTHERS.len();
+    let of_laws = cases.chunks(scenes).zip(figures.chunks(scenes));
+    let mut block = None;
+    for (cases, figures) in of_laws {
+        let (case, (paths, others)) = (cases[0], figures.split_at(PATHS.len()));
+        if block.replace((case.bench.0, case.wires)) != Some((case.bench.0, case.wires)) {
+            let wires = case.wires.unwrap_or_default();
+            let _ = writeln!(
+                out,
+                "\n  {}, {wires}\n    {:14} {:14} {:>11}  {:>13}  {:>13} {:>5}  {:>12}  {:>7}  {:>8}",
+                case.bench.0,
+                "law",
+                "scene",
+                "error mm",
+                "level dB",
+                "breaks",
+                "jumps",
+                "skin, wire C",
+                "limited",
+                "mJ"
+            );
+        }
+        let path = paths.iter().copied().reduce(Figures::worse);
+        let lines = path
+            .iter()
+            .chain(others)
+            .zip(["four paths"].into_iter().chain(OTHERS));
+        for (figures, scene) in lines {
+            let _ = writeln!(out, "    {:14} {scene:14} {}", law(case.law), line(figures));
+        }
+    }
+    out
+}
+
+fn line(figures: &Figures) -> String {
+    let [s, typical, d] = &figures.by;
+    // Two contacts have no one place, so nothing of them is scored.
+    let mm = |mm: Option<f64>| mm.map_or("-".to_owned(), |mm| format!("{mm:.2}"));
+    let felt = typical
+        .level_db
+        .map_or(["-".to_owned(), "-".to_owned()], |level| {
+            level.map(|db| format!("{db:.1}"))
+        });
+    let [energy, amplitude] = figures.off.mm.map(mm);
+    let [median, low] = felt;
+    format!(
+        "{energy:>5} {amplitude:>5}  {median:>6} {low:>6}  {:>4} {:>4} {:>3} {:>5}  {:>5.1} {:>6.1}  {:>7}  {:>8.0}",
+        s.breaks,
+        typical.breaks,
+        d.breaks,
+        typical.jumps,
+        figures.skin_c,
+        figures.wire_c,
+        figures.limited,
+        figures.energy_mj,
+    )
+}
+
+#[cfg(test)]
+#[path = "in_loop_tests.rs"]
+mod tests;
