@@ -1,9 +1,7 @@
 //! What every single fault does to a run: it ends or degrades as `docs/faults.md` says, and the record
 //! names it.
 
-use palpate_files::{
-    Bench, ExternalClock, FaultKind, Loaded, Overrides, Scene, Setup, Source, load_bench,
-};
+use palpate_files::{Bench, FaultKind, Loaded, Overrides, Scene, Setup, Source, load_bench};
 use palpate_records::trace::Event;
 use palpate_run::{FaultReport, Input, Outcome, run};
 
