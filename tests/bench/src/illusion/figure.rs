@@ -64,10 +64,10 @@ pub(super) fn five_five() -> Result<Figure, Failure> {
         title: "Figure 5.5: four paths, touched and felt in the loop".into(),
         words: format!(
             "Columns: {}. A: contacts found (dots) on the true path (line). B: taxels in contact, and time per frame on \
-             this machine against the 10 ms of a scan (line). C, D: felt place at each onset of {} runs by the energy \
-             centroid, on the default bench with guard and heat; pale where the typical person feels nothing. Red crosses \
-             stand on the contact there: breaks inside the wires, {broken} by (5.2) with s = 1 and {default_broken} by the \
-             default, and past the outermost wires, {beyond} and {default_beyond}.",
+             this machine against the 10 ms of a scan (line). C, D: the contact (blue) and where each onset of {} runs pulls by the energy \
+             centroid, on the default bench with guard and heat: a dot where the typical person feels it, a red cross where \
+             not. Such breaks inside the wires: {broken} by (5.2) with s = 1, {default_broken} by the default; past the \
+             outermost wires {beyond} and {default_beyond}.",
             PATHS.join(", "),
             SEEDS.len(),
         ),
@@ -173,20 +173,15 @@ fn felt_path(wires: Vec<(f64, f64)>, trials: &[Trial]) -> Plot<'static> {
         let these = trials.iter().filter(move |t| t.felt == felt);
         these.filter_map(|t| t.at).collect()
     };
-    let missed = trials.iter().filter(|t| !t.felt).map(|t| t.target);
+    let contact = trials.iter().map(|t| t.target).collect();
     Plot {
         x: Axis::linear("display x [mm]").span(-17.0, 17.0),
         y: Axis::linear("y [mm]").span(-17.0, 17.0),
         series: vec![
-            Series::new(
-                "contact",
-                Mark::Scatter,
-                trials.iter().map(|t| t.target).collect(),
-            ),
+            Series::new("contact", Mark::Scatter, contact),
             Series::new("wires", Mark::Places, wires),
-            Series::new("pulls, not felt", Mark::Scatter, places(false)),
+            Series::new("not felt", Mark::Crosses, places(false)),
             Series::new("felt", Mark::Scatter, places(true)),
-            Series::new("nothing felt", Mark::Crosses, missed.collect()),
         ],
     }
 }
