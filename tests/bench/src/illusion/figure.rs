@@ -9,15 +9,13 @@ use palpate_records::trace::{Event, PlaceUm, Trace};
 use palpate_run::{Failure, Input, Outcome};
 use palpate_tests::felt::PATHS;
 
-use super::in_loop::{Case, SEEDS, as_felt, person};
+use super::in_loop::{Case, DRIVES, SEEDS, met, person};
 use crate::findings::Figure;
 use crate::plot::{Area, Axis, Mark, Plot, Series};
 use crate::scenes::run;
 
 const COLUMN: f64 = 280.0;
 const ROW: f64 = 290.0;
-/// The bench of every panel.
-const BENCH: &str = "emulated";
 /// Time from scan to scan, microseconds.
 const SCAN_US: f64 = 10_000.0;
 
@@ -34,15 +32,15 @@ pub(super) fn five_five() -> Result<Figure, Failure> {
     for (column, scene) in (0_u8..).zip(PATHS) {
         let left = f64::from(column) * COLUMN;
         svg.text((left + 100.0, 11.0), "wire-name", scene);
-        let outcome = run(&Setup::load(scene, BENCH)?, &Input::Scene)?;
+        let outcome = run(&Setup::load(scene, DRIVES[0].file)?, &Input::Scene)?;
         contact_path(&outcome.trace).draw(&mut svg, area(left, 0.0));
         counts(&outcome, &mut svg, left);
         let laws = [IllusionModel::Phantom, IllusionModel::default()];
         for ((row, law), breaks) in (2_u8..).zip(laws).zip(&mut breaks) {
             let case = Case {
                 law,
-                bench: ("default", BENCH, None),
-                wires: None,
+                drive: DRIVES[0],
+                wires: DRIVES[0].wires[0],
                 scene,
             };
             let felt = trials(&case, &person)?;
@@ -80,8 +78,8 @@ pub(super) fn five_five() -> Result<Figure, Failure> {
 struct Trial {
     target: (f64, f64),
     inside: bool,
-    /// Where it pulls by the energy centroid; `None` where nothing moved.
-    at: Option<(f64, f64)>,
+    /// Where it pulls by the energy centroid.
+    at: (f64, f64),
     felt: bool,
 }
 
@@ -90,16 +88,18 @@ fn trials(case: &Case, person: &Person) -> Result<Vec<Trial>, Failure> {
     let mut trials = Vec::new();
     for seed in SEEDS {
         for onset in case.play(seed)?.onsets {
-            let place = |event: &Event| match event {
-                Event::Felt { felt, .. } => felt.map(|felt| mm(felt.energy)),
-                _ => None,
-            };
-            if let Event::Felt { target, inside, .. } = onset.0 {
+            if let Event::Felt {
+                target,
+                inside,
+                met: Some(met),
+                ..
+            } = met(&onset, person)
+            {
                 trials.push(Trial {
                     target: mm(target),
                     inside,
-                    at: place(&onset.0),
-                    felt: place(&as_felt(&onset, Some(person))).is_some(),
+                    at: mm(met.energy),
+                    felt: met.is_felt(),
                 });
             }
         }
@@ -171,7 +171,7 @@ fn counts(outcome: &Outcome, svg: &mut Svg, left: f64) {
 fn felt_path(wires: Vec<(f64, f64)>, trials: &[Trial]) -> Plot<'static> {
     let places = |felt: bool| {
         let these = trials.iter().filter(move |t| t.felt == felt);
-        these.filter_map(|t| t.at).collect()
+        these.map(|t| t.at).collect()
     };
     let contact = trials.iter().map(|t| t.target).collect();
     Plot {

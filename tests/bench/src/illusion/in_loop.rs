@@ -17,14 +17,38 @@ use palpate_tests::felt::PATHS;
 
 use crate::findings::Findings;
 
-/// Benches: how they are called here, whose file, and another current in mA.
-const BENCHES: [(&str, &str, Option<f64>); 3] = [
-    ("default", "emulated", None),
-    ("1.4 A", "emulated", Some(1400.0)),
-    ("thesis", "thesis", None),
+/// A bench as this comparison has it.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct Drive {
+    name: &'static str,
+    pub(super) file: &'static str,
+    /// Current in place of the file's.
+    ma: Option<f64>,
+    /// Files of its wires: loose, taut.
+    pub(super) wires: [&'static str; 2],
+}
+
+/// The default bench, the published drive, and one between.
+pub(super) const DRIVES: [Drive; 3] = [
+    Drive {
+        name: "default",
+        file: "emulated",
+        ma: None,
+        wires: ["loose-8mm", "taut"],
+    },
+    Drive {
+        name: "1.4 A",
+        file: "emulated",
+        ma: Some(1400.0),
+        wires: ["loose-8mm", "taut"],
+    },
+    Drive {
+        name: "thesis",
+        file: "thesis",
+        ma: None,
+        wires: ["loose", "taut"],
+    },
 ];
-/// The wires' files.
-const WIRES: [&str; 2] = ["taut", "loose"];
 /// Persons; the table shows breaks of each and levels of the second.
 const PERSONS: [&str; 3] = ["sensitive", "typical", "dull"];
 /// Scenes beside the four paths: a contact at rest, one that presses, and two.
@@ -38,14 +62,14 @@ const NUMB_UM: f64 = 1e6;
 #[derive(Clone, Copy)]
 pub(super) struct Case {
     pub(super) law: IllusionModel,
-    pub(super) bench: (&'static str, &'static str, Option<f64>),
-    /// A wire's file; the bench's own where there is none.
-    pub(super) wires: Option<&'static str>,
+    pub(super) drive: Drive,
+    /// Which of its wires.
+    pub(super) wires: &'static str,
     pub(super) scene: &'static str,
 }
 
-/// An onset as both probes meet it, with the level of each, thousandths of a decibel.
-type Onset = (Event, [Option<i32>; 2]);
+/// An onset as the first probe meets it, and the second one's level, thousandths of a decibel.
+type Onset = (Event, Option<i32>);
 
 /// A run, whoever feels it.
 pub(super) struct Played {
@@ -67,16 +91,13 @@ fn scene(name: &str) -> Result<Loaded<Scene>, Failure> {
 
 impl Case {
     fn setup(&self) -> Result<Setup, Failure> {
-        let (_, file, current) = self.bench;
         let mut overrides = Overrides::default();
         overrides.scene("illusion", "illusion.model", self.law.name());
-        if let Some(ma) = current {
+        if let Some(ma) = self.drive.ma {
             overrides.bench("illusion", "drive.current_ma", format!("{ma:.1}"));
         }
-        if let Some(wires) = self.wires {
-            overrides.bench("illusion", "wire.kind", wires);
-        }
-        let setup = Setup::join(scene(self.scene)?, load_bench(file)?)?;
+        overrides.bench("illusion", "wire.kind", self.wires);
+        let setup = Setup::join(scene(self.scene)?, load_bench(self.drive.file)?)?;
         Ok(setup.with(&overrides)?)
     }
 
@@ -93,16 +114,19 @@ impl Case {
             }
         };
         let (vibration, flutter) = (by(PROBE_UM, NUMB_UM)?, by(NUMB_UM, PROBE_UM)?);
-        let level = |event: &Event| match event {
-            Event::Felt { level_mdb, .. } => Some(*level_mdb),
-            _ => None,
-        };
-        let events = vibration.trace.events.iter();
-        let of_vibration = events.filter_map(|e| Some((e.clone(), level(e)?)));
-        let of_flutter = flutter.trace.events.iter().filter_map(level);
-        let both = of_vibration.zip(of_flutter);
+        let felt = |event: &&Event| matches!(event, Event::Felt { .. });
+        let of_flutter = flutter
+            .trace
+            .events
+            .iter()
+            .filter(felt)
+            .map(|event| match event {
+                Event::Felt { met, .. } => met.map(|met| met.level_mdb),
+                _ => None,
+            });
+        let of_vibration = vibration.trace.events.iter().filter(felt).cloned();
         Ok(Played {
-            onsets: both.map(|((e, v), f)| (e, [v, f])).collect(),
+            onsets: of_vibration.zip(of_flutter).collect(),
             outcome: vibration,
         })
     }
@@ -113,22 +137,13 @@ fn above_mdb(um: f64) -> i32 {
     (20e3 * (um / PROBE_UM).log10()).round() as i32
 }
 
-/// An onset as a person feels it. Without a person its place counts whatever the level.
-pub(super) fn as_felt((event, levels): &Onset, person: Option<&Person>) -> Event {
+/// An onset as a person meets it.
+pub(super) fn met((event, flutter_mdb): &Onset, person: &Person) -> Event {
     let mut event = event.clone();
-    if let (
-        Some(person),
-        Event::Felt {
-            felt, level_mdb, ..
-        },
-    ) = (person, &mut event)
-    {
-        let above = [person.vibration_um, person.flutter_um].map(above_mdb);
-        let each = levels.iter().zip(above);
-        *level_mdb = each
-            .filter_map(|(level, above)| Some((*level)? - above))
-            .max();
-        *felt = felt.filter(|_| level_mdb.is_some_and(|level| level >= 0));
+    if let Event::Felt { met: Some(met), .. } = &mut event {
+        let vibration = met.level_mdb - above_mdb(person.vibration_um);
+        let flutter = flutter_mdb.map(|mdb| mdb - above_mdb(person.flutter_um));
+        met.level_mdb = flutter.map_or(vibration, |flutter| vibration.max(flutter));
     }
     event
 }
@@ -145,12 +160,12 @@ struct Score {
 }
 
 impl Score {
-    fn of(header: &Header, played: &Played, person: Option<&Person>) -> Self {
+    fn of(header: &Header, played: &Played, person: &Person) -> Self {
         let mut path = FeltPath::new(header);
         played
             .onsets
             .iter()
-            .for_each(|onset| path.add(&as_felt(onset, person)));
+            .for_each(|onset| path.add(&met(onset, person)));
         let scores = path.scores();
         let db = |mdb: i32| f64::from(mdb) * 1e-3;
         Self {
@@ -188,8 +203,6 @@ impl Score {
 /// What a case came to, the worst of its seeds.
 #[derive(Clone, Copy, Debug, Default)]
 struct Figures {
-    /// With thresholds off.
-    off: Score,
     /// By each of [`PERSONS`].
     by: [Score; 3],
     skin_c: f64,
@@ -201,10 +214,10 @@ struct Figures {
 impl Figures {
     fn of(played: &Played, persons: &[Person; 3]) -> Self {
         let (header, summary) = (&played.outcome.trace.header, &played.outcome.summary);
-        let score = |person: Option<&Person>| Score::of(header, played, person);
         Self {
-            off: score(None),
-            by: persons.each_ref().map(|person| score(Some(person))),
+            by: persons
+                .each_ref()
+                .map(|person| Score::of(header, played, person)),
             skin_c: summary.hottest_skin_c.unwrap_or(f64::NAN),
             wire_c: summary.hottest_wire_c.unwrap_or(f64::NAN),
             limited: summary.limiter_events,
@@ -214,7 +227,6 @@ impl Figures {
 
     fn worse(self, other: Self) -> Self {
         Self {
-            off: self.off.worse(other.off),
             by: [0, 1, 2].map(|k| self.by[k].worse(other.by[k])),
             skin_c: self.skin_c.max(other.skin_c),
             wire_c: self.wire_c.max(other.wire_c),
@@ -227,14 +239,14 @@ impl Figures {
 /// Every case, scenes fastest, then laws.
 fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
-    for bench in BENCHES {
-        for wires in WIRES {
+    for drive in DRIVES {
+        for wires in drive.wires {
             for law in IllusionModel::ALL {
                 let scenes = PATHS.into_iter().chain(OTHERS);
                 cases.extend(scenes.map(|scene| Case {
                     law,
-                    bench,
-                    wires: Some(wires),
+                    drive,
+                    wires,
                     scene,
                 }));
             }
@@ -299,20 +311,18 @@ pub fn measure() -> Result<Findings, Failure> {
     let figures = all(&cases, &persons)?;
     let mut found = Findings::new("felt-in-loop");
     for (case, figures) in cases.iter().zip(&figures) {
-        let scores = PERSONS.into_iter().zip(&figures.by);
-        for (person, score) in scores.chain([("thresholds off", &figures.off)]) {
-            let wires = case.wires.unwrap_or_default();
-            let name = format!("{}, {}, {wires}, {person}", case.bench.0, case.scene);
+        for (person, score) in PERSONS.into_iter().zip(&figures.by) {
+            let (drive, scene, wires) = (case.drive.name, case.scene, case.wires);
+            let name = format!("{drive}, {scene}, {wires}, {person}");
             let error = (score.worst_mm(), "mm RMSE, the worse centroid");
             found.row(&name, law(case.law), error, f64::NAN);
         }
     }
     found.table = table(&cases, &figures);
     found.words.push(format!(
-        "Worst of {} seeds. Errors are by energy and amplitude centroid against the touch, with thresholds off: where an \
-         onset pulls, felt or not. Levels are the typical person's, median and 5 %. Breaks are those of {a}, {b} and {c}; \
-         jumps, over two centroids, the typical person's. A row of the JSON has a person's own error: a break counts as \
-         felt where it was felt last.",
+        "Worst of {} seeds. Errors are by energy and amplitude centroid against the touch, felt or not. Levels are the \
+         typical person's, median and 5 %. Breaks are those of {a}, {b} and {c}; jumps, over two centroids, the typical \
+         person's. Two contacts are scored where one is shown alone.",
         SEEDS.len(),
     ));
     Ok(found)
@@ -326,12 +336,12 @@ fn table(cases: &[Case], figures: &[Figures]) -> String {
     let mut block = None;
     for (cases, figures) in of_laws {
         let (case, (paths, others)) = (cases[0], figures.split_at(PATHS.len()));
-        if block.replace((case.bench.0, case.wires)) != Some((case.bench.0, case.wires)) {
-            let wires = case.wires.unwrap_or_default();
+        if block.replace((case.drive, case.wires)) != Some((case.drive, case.wires)) {
             let _ = writeln!(
                 out,
-                "\n  {}, {wires}\n    {:14} {:14} {:>11}  {:>13}  {:>13} {:>5}  {:>12}  {:>7}  {:>8}",
-                case.bench.0,
+                "\n  {}, {}\n    {:14} {:14} {:>11}  {:>13}  {:>13} {:>5}  {:>12}  {:>7}  {:>8}",
+                case.drive.name,
+                case.wires,
                 "law",
                 "scene",
                 "error mm",
@@ -364,7 +374,7 @@ fn line(figures: &Figures) -> String {
         .map_or(["-".to_owned(), "-".to_owned()], |level| {
             level.map(|db| format!("{db:.1}"))
         });
-    let [energy, amplitude] = figures.off.mm.map(mm);
+    let [energy, amplitude] = typical.mm.map(mm);
     let [median, low] = felt;
     format!(
         "{energy:>5} {amplitude:>5}  {median:>6} {low:>6}  {:>4} {:>4} {:>3} {:>5}  {:>5.1} {:>6.1}  {:>7}  {:>8.0}",
