@@ -84,7 +84,7 @@ fn scene(name: &str) -> Result<Loaded<Scene>, Failure> {
         "press" => include_str!("press.toml"),
         shipped => return Ok(load_scene(shipped)?),
     };
-    let source = Source::new(&format!("{name}.toml"), text.to_owned());
+    let source = Source::new(format!("{name}.toml"), text);
     let value = Scene::read(&source)?;
     Ok(Loaded { value, source })
 }
