@@ -135,47 +135,116 @@ impl Ticks {
     }
 }
 
-/// The PRE_SCALE register of a PCA9685 and with it the true PWM frequency of a whole board.
-///
-/// `f = f_osc / (4096 (PRE + 1))` (data sheet 7.3.5): asking for 200 Hz gives PRE = 30 and 196.89 Hz.
-/// The true value is carried everywhere, the wish nowhere.
+/// What counts the ticks of a board: the chip's own oscillator, or a clock of stated tolerance on its EXTCLK pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Prescale(u8);
+pub struct Clock {
+    hz: u32,
+    /// Parts per million; `None` for the internal oscillator, which promises nothing.
+    tolerance_ppm: Option<u32>,
+}
 
-impl Prescale {
-    /// Nominal internal oscillator, Hz (data sheet 7.3.5).
-    pub const NOMINAL_OSC_HZ: u32 = 25_000_000;
-    /// The smallest value the chip accepts (data sheet 7.3.5).
-    pub const MIN: Self = Self(3);
+impl Clock {
+    /// The internal oscillator, by its nominal frequency (data sheet 7.3.5). Real ones run at 23 to 27.4 MHz.
+    pub const INTERNAL: Self = Self {
+        hz: 25_000_000,
+        tolerance_ppm: None,
+    };
+    /// The fastest clock that EXTCLK takes, Hz (data sheet table 17).
+    pub const MOST_HZ: u32 = 50_000_000;
+    /// The widest tolerance that can be stated, parts per million: the internal oscillator keeps nearly that.
+    pub const MOST_PPM: u32 = 50_000;
 
-    /// From a register value; the chip clamps to 3 and so do we.
-    pub const fn new(pre: u8) -> Self {
-        Self(if pre < 3 { 3 } else { pre })
+    /// A clock on EXTCLK that stays within `tolerance_ppm` of `hz`. `None` if a chip cannot take it.
+    pub const fn external(hz: u32, tolerance_ppm: u32) -> Option<Self> {
+        if hz == 0 || hz > Self::MOST_HZ || tolerance_ppm > Self::MOST_PPM {
+            return None;
+        }
+        Some(Self {
+            hz,
+            tolerance_ppm: Some(tolerance_ppm),
+        })
     }
 
-    /// The prescale whose nominal frequency is nearest to `hz` (`round(25 MHz / (4096 hz)) - 1`),
-    /// clamped to the chip's 23.8 .. 1525.9 Hz. `None` if `hz` is not a positive number.
-    pub fn from_hz(hz: f64) -> Option<Self> {
+    /// Nominal frequency, Hz.
+    pub const fn hz(self) -> u32 {
+        self.hz
+    }
+
+    /// How far an external clock may be from it, parts per million; `None` for the internal oscillator.
+    pub const fn tolerance_ppm(self) -> Option<u32> {
+        self.tolerance_ppm
+    }
+}
+
+/// The PRE_SCALE register of a PCA9685 and the clock it divides: together the true PWM frequency of a whole board.
+///
+/// `f = f_clock / (4096 (PRE + 1))` (data sheet 7.3.5): asking for 200 Hz of 25 MHz gives PRE = 30 and 196.89 Hz.
+/// The true value is carried everywhere, the wish nowhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Prescale {
+    pre: u8,
+    clock: Clock,
+}
+
+impl Prescale {
+    /// The smallest value the chip accepts (data sheet 7.3.5).
+    pub const MIN: Self = Self::new(3);
+
+    /// From a register value, on the internal oscillator; the chip clamps to 3 and so do we.
+    pub const fn new(pre: u8) -> Self {
+        Self {
+            pre: if pre < 3 { 3 } else { pre },
+            clock: Clock::INTERNAL,
+        }
+    }
+
+    /// The same divider of another clock.
+    #[must_use]
+    pub const fn with_clock(self, clock: Clock) -> Self {
+        Self { clock, ..self }
+    }
+
+    /// The divider of `clock` whose nominal frequency is nearest to `hz` (`round(f_clock / (4096 hz)) - 1`),
+    /// clamped to the chip's 3 .. 255. `None` if `hz` is not a positive number.
+    pub fn from_hz(clock: Clock, hz: f64) -> Option<Self> {
         if !(hz.is_finite() && hz > 0.0) {
             return None;
         }
-        let pre = libm::rint(f64::from(Self::NOMINAL_OSC_HZ) / (4096.0 * hz)) - 1.0;
-        Some(Self(pre.clamp(3.0, 255.0) as u8))
+        let pre = libm::rint(f64::from(clock.hz) / (4096.0 * hz)) - 1.0;
+        let pre = pre.clamp(3.0, 255.0) as u8;
+        Some(Self { pre, clock })
     }
 
     /// The register value.
     pub const fn get(self) -> u8 {
-        self.0
+        self.pre
     }
 
-    /// Nominal length of one tick in nanoseconds: exact, 40 ns per prescaler step at 25 MHz.
+    /// The clock that is divided.
+    pub const fn clock(self) -> Clock {
+        self.clock
+    }
+
+    /// Nominal length of one tick in nanoseconds: exact at 25 MHz, 40 ns per step; else rounded down.
     pub const fn tick_ns(self) -> u64 {
-        (self.0 as u64 + 1) * 40
+        (self.pre as u64 + 1) * 1_000_000_000 / self.clock.hz as u64
     }
 
-    /// Nominal length of one period in nanoseconds: exact.
+    /// Nominal length of one period in nanoseconds: exact at 25 MHz, else rounded down.
     pub const fn period_ns(self) -> u64 {
-        self.tick_ns() * 4096
+        (self.pre as u64 + 1) * 4096 * 1_000_000_000 / self.clock.hz as u64
+    }
+
+    /// The longest stimulus up to `length` whose pulses can be counted: half a period short of a whole number of
+    /// them, so that neither the bus nor the clock's tolerance makes one more or less. On the internal oscillator there
+    /// is none, and `length` stays as it is.
+    pub fn counted(self, length: Duration) -> Duration {
+        if self.clock.tolerance_ppm.is_none() {
+            return length;
+        }
+        let (length, period) = (length.as_micros() * 1000, self.period_ns());
+        let pulses = ((length + period / 2) / period).max(1);
+        Duration::from_micros((pulses * period - period / 2) / 1000)
     }
 
     /// Nominal frequency, Hz.

@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn two_hundred_hertz_is_prescale_30_and_196_89_hz() {
-    let pre = Prescale::from_hz(200.0).unwrap();
+    let pre = Prescale::from_hz(Clock::INTERNAL, 200.0).unwrap();
     assert_eq!(pre.get(), 30);
     assert_eq!(pre.tick_ns(), 1_240);
     assert_eq!(pre.period_ns(), 5_079_040);
@@ -13,11 +13,48 @@ fn two_hundred_hertz_is_prescale_30_and_196_89_hz() {
 
 #[test]
 fn prescale_is_clamped_to_what_the_chip_can_do() {
-    assert_eq!(Prescale::from_hz(1600.0).unwrap().get(), 3);
-    assert!((Prescale::from_hz(1e9).unwrap().hz() - 1525.88).abs() < 0.01);
-    assert_eq!(Prescale::from_hz(1.0).unwrap().get(), 255);
+    assert_eq!(Prescale::from_hz(Clock::INTERNAL, 1600.0).unwrap().get(), 3);
+    assert!((Prescale::from_hz(Clock::INTERNAL, 1e9).unwrap().hz() - 1525.88).abs() < 0.01);
+    assert_eq!(Prescale::from_hz(Clock::INTERNAL, 1.0).unwrap().get(), 255);
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert_eq!(Prescale::from_hz(bad), None);
+        assert_eq!(Prescale::from_hz(Clock::INTERNAL, bad), None);
+    }
+}
+
+#[test]
+fn a_clock_on_extclk_is_divided_like_the_oscillator() {
+    let clock = Clock::external(16_000_000, 50).unwrap();
+    let pre = Prescale::from_hz(clock, 200.0).unwrap();
+    // round(16 MHz / (4096 * 200)) - 1, and 19.53 us / 20 of a tick.
+    assert_eq!(
+        (pre.get(), pre.tick_ns(), pre.period_ns()),
+        (19, 1_250, 5_120_000)
+    );
+    assert!((pre.hz() - 195.3125).abs() < 1e-9);
+    for (hz, ppm) in [(0, 50), (50_000_001, 50), (1, 50_001)] {
+        assert_eq!(Clock::external(hz, ppm), None);
+    }
+}
+
+#[test]
+fn counted_stimuli_end_half_a_period_before_a_whole_number() {
+    let free = Prescale::new(30);
+    let clocked = free.with_clock(Clock::external(25_000_000, 100).unwrap());
+    for (us, counted) in [
+        (0, 2_539),
+        (5_079, 2_539),
+        (7_618, 2_539),
+        (7_619, 7_618),
+        (35_000, 33_013),
+        (50_000, 48_250),
+    ] {
+        let length = Duration::from_micros(us);
+        assert_eq!(
+            clocked.counted(length),
+            Duration::from_micros(counted),
+            "{us}"
+        );
+        assert_eq!(free.counted(length), length);
     }
 }
 

@@ -7,7 +7,9 @@ use palpate_core::driver::{DriverError, Pca9685Bank};
 use palpate_core::guard::{Guard, HARD, Plant};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::schedule::Stimulus;
-use palpate_core::units::{Board, Channel, Instant, Milliamps, Point, Prescale, Ticks};
+use palpate_core::units::{Board, Channel, Clock, Instant, Milliamps, Point, Prescale, Ticks};
+use palpate_emulators::display::i2c::{BusClock, I2cHandle, I2cSegment};
+use palpate_emulators::display::pca9685::{Config, Pca9685};
 use proptest::prelude::*;
 
 const PRE: Prescale = Prescale::new(30);
@@ -142,11 +144,51 @@ fn start_switches_off_verifies_and_configures_asleep() {
         Transaction::write(0x40, vec![0xFE, 30]),
         Transaction::write_read(0x40, vec![0xFE], vec![30]),
         Transaction::write(0x40, vec![0x00, 0x21]),
+        Transaction::write_read(0x40, vec![0x00], vec![0x21]),
     ]);
     let mut bank = Pca9685Bank::new(mock.clone(), &[0x40], PRE);
     let ready = bank.start(Instant::from_micros(10)).unwrap();
     assert_eq!(ready, Instant::from_micros(510));
     mock.done();
+}
+
+#[test]
+fn an_external_clock_is_switched_to_asleep_and_read_back() {
+    let mut mock = Mock::new(&[
+        Transaction::write(0x70, vec![0xFD, 0x10]),
+        Transaction::write(0x40, vec![0xFD, 0x10]),
+        Transaction::write_read(0x40, vec![0x09], vec![0x10]),
+        Transaction::write(0x40, vec![0x00, 0x31, 0x04]),
+        Transaction::write(0x40, vec![0x00, 0x71]),
+        Transaction::write(0x40, vec![0xFE, 19]),
+        Transaction::write_read(0x40, vec![0xFE], vec![19]),
+        Transaction::write(0x40, vec![0x00, 0x61]),
+        Transaction::write_read(0x40, vec![0x00], vec![0x61]),
+        // A brown-out: the chip sleeps, and would wake up on its own oscillator.
+        Transaction::write_read(0x40, vec![0x00], vec![0x11]),
+    ]);
+    let clock = Clock::external(16_000_000, 50).unwrap();
+    let prescale = Prescale::from_hz(clock, 200.0).unwrap();
+    let mut bank = Pca9685Bank::new(mock.clone(), &[0x40], prescale);
+    bank.start(Instant::ZERO).unwrap();
+    let fallen = bank.verify().unwrap_err();
+    assert_eq!(fallen, DriverError::Readback(Board(0), 0x00, 0x61, 0x11));
+    mock.done();
+}
+
+/// EXTCLK outlives the program that set it; without it in the bench the guard would count by the wrong clock.
+#[test]
+fn a_chip_left_on_its_external_clock_is_refused() {
+    let chip = Pca9685::new(Config::new(0x40));
+    let mut bus = I2cHandle::new(I2cSegment::new(BusClock::Fast, vec![chip]));
+    bus.write(0x40, &[0x00, 0x51]).unwrap();
+    let mut bank = Pca9685Bank::new(bus, &[0x40], PRE);
+    let error = bank.start(Instant::ZERO).unwrap_err();
+    assert_eq!(error, DriverError::Readback(Board(0), 0x00, 0x21, 0x61));
+    assert!(
+        error.to_string().contains("or state drive.clock"),
+        "{error}"
+    );
 }
 
 #[test]

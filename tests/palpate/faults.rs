@@ -1,12 +1,16 @@
 //! What every single fault does to a run: it ends or degrades as `docs/faults.md` says, and the record
 //! names it.
 
-use palpate_files::{FaultKind, Loaded, Overrides, Scene, Setup, Source, load_bench};
+use palpate_files::{Bench, FaultKind, Loaded, Overrides, Scene, Setup, Source, load_bench};
 use palpate_records::trace::Event;
 use palpate_run::{FaultReport, Input, Outcome, run};
 
 /// A built-in scene of 10 s cut to four seconds, with faults; `pair` is a sphere on one of two boards.
-fn try_with(scene: &str, faults: &str) -> Result<Outcome, String> {
+pub(super) fn try_with(scene: &str, faults: &str) -> Result<Outcome, String> {
+    try_on(load_bench("emulated").unwrap(), scene, faults)
+}
+
+pub(super) fn try_on(bench: Loaded<Bench>, scene: &str, faults: &str) -> Result<Outcome, String> {
     let (name, layout) = match scene {
         "pair" => ("sphere-along", "uskin-4x4-pair"),
         name => (name, "uskin-4x4"),
@@ -22,7 +26,7 @@ fn try_with(scene: &str, faults: &str) -> Result<Outcome, String> {
     }
     let scene = Loaded { value, source };
     let scene = scene.with(&shorter).map_err(|e| e.to_string())?;
-    let setup = Setup::join(scene, load_bench("emulated").unwrap()).map_err(|e| e.to_string())?;
+    let setup = Setup::join(scene, bench).map_err(|e| e.to_string())?;
     Ok(run(&setup, &Input::Scene, 1).unwrap())
 }
 
@@ -52,7 +56,7 @@ fn told(outcome: &Outcome, words: &str) -> bool {
 }
 
 /// Whether the last edge of every output is a falling one.
-fn outputs_are_off(outcome: &Outcome) -> bool {
+pub(super) fn outputs_are_off(outcome: &Outcome) -> bool {
     let mut high = [false; 256];
     for event in &outcome.trace.events {
         if let Event::Edge {
@@ -72,7 +76,7 @@ fn rmse(outcome: &Outcome) -> f64 {
     outcome.summary.path_error_mm.unwrap().rmse
 }
 
-fn healthy() -> Outcome {
+pub(super) fn healthy() -> Outcome {
     with("sphere-along", "")
 }
 
@@ -330,7 +334,7 @@ fn an_oscillator_at_either_end_changes_the_pulses_and_nothing_else() {
 }
 
 /// Length of every pulse, ns.
-fn widths_ns(outcome: &Outcome) -> Vec<u64> {
+pub(super) fn widths_ns(outcome: &Outcome) -> Vec<u64> {
     let mut rose = [None; 256];
     let mut widths = Vec::new();
     for event in &outcome.trace.events {

@@ -12,6 +12,7 @@ mod dbc;
 mod diff;
 mod driver;
 mod edges;
+mod external_clock;
 mod faults;
 mod felt;
 mod goldens;

@@ -5,6 +5,8 @@
 use core::alloc::{GlobalAlloc, Layout};
 use core::panic::PanicInfo;
 
+use palpate_core::units::{Clock, Prescale};
+
 struct NoMemory;
 
 // SAFETY: never hands out memory, so there is nothing to uphold.
@@ -27,5 +29,5 @@ fn panic(_info: &PanicInfo<'_>) -> ! {
 /// Keeps the core linked: the register value of the default PWM frequency.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_default_prescale() -> u8 {
-    palpate_core::units::Prescale::from_hz(200.0).map_or(0, |p| p.get())
+    Prescale::from_hz(Clock::INTERNAL, 200.0).map_or(0, |p| p.get())
 }

@@ -53,6 +53,13 @@ impl fmt::Display for DriverError {
                 };
                 write!(f, "board {}: I2C {kind:?}{hint}", b.0)
             }
+            Self::Readback(b, regs::MODE1, want, got) if got & !want & mode1::EXTCLK != 0 => {
+                write!(
+                    f,
+                    "board {}: register 0x00 reads {got:#04x}, expected {want:#04x}: the chip counts by its EXTCLK pin until its next power-up; switch it off and on, or state drive.clock",
+                    b.0
+                )
+            }
             Self::Readback(b, reg, want, got) => write!(
                 f,
                 "board {}: register {reg:#04x} reads {got:#04x}, expected {want:#04x}: brown-out, or another program on the bus",
@@ -130,9 +137,9 @@ impl<I: I2c> Pca9685Bank<I> {
         (self.first..self.first.saturating_add(count)).map(Board)
     }
 
-    /// Everything off and verified, then each board configured: asleep, PRE_SCALE, totem-pole outputs
-    /// that change on STOP and are low while OE is high, awake with auto-increment and all-call. Returns
-    /// when the oscillators run: 500 us after `now` and the bus time (7.3.1.1); the first update must
+    /// Everything off and verified, then each board configured: asleep, on its external clock if it has one, PRE_SCALE,
+    /// totem-pole outputs that change on STOP and are low while OE is high, awake with auto-increment and all-call.
+    /// Returns when the oscillators run: 500 us after `now` and the bus time (7.3.1.1); the first update must
     /// not come earlier.
     ///
     /// # Errors
@@ -143,11 +150,23 @@ impl<I: I2c> Pca9685Bank<I> {
             self.expect(board, regs::LED0_ON_L + 3, regs::FULL)?;
             let asleep = mode1::SLEEP | mode1::AI | mode1::ALLCALL;
             self.write(board, &[regs::MODE1, asleep, mode2::OUTDRV])?;
+            if self.awake() & mode1::EXTCLK != 0 {
+                // The switch is made by a write while asleep, with both bits set (7.3.1).
+                self.write(board, &[regs::MODE1, asleep | mode1::EXTCLK])?;
+            }
             self.write(board, &[regs::PRE_SCALE, self.prescale.get()])?;
             self.expect(board, regs::PRE_SCALE, self.prescale.get())?;
-            self.write(board, &[regs::MODE1, mode1::AI | mode1::ALLCALL])?;
+            self.write(board, &[regs::MODE1, self.awake()])?;
+            self.expect(board, regs::MODE1, self.awake())?;
         }
         Ok(now + Duration::from_micros(regs::WAKE_US))
+    }
+
+    /// MODE1 of a board that was started.
+    const fn awake(&self) -> u8 {
+        let external = self.prescale.clock().tolerance_ppm().is_some();
+        let clock = if external { mode1::EXTCLK } else { 0 };
+        mode1::AI | mode1::ALLCALL | clock
     }
 
     /// Transfers made again after a transient error.
@@ -167,7 +186,7 @@ impl<I: I2c> Pca9685Bank<I> {
     /// [`DriverError`] of the first board that does not answer or does not read back.
     pub fn verify(&mut self) -> Result<(), DriverError> {
         for board in self.numbers() {
-            self.expect(board, regs::MODE1, mode1::AI | mode1::ALLCALL)?;
+            self.expect(board, regs::MODE1, self.awake())?;
         }
         Ok(())
     }

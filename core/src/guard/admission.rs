@@ -41,14 +41,20 @@ impl Guard {
         passed
     }
 
-    /// Books a stimulus as it is, whatever the limits leave of it; returns what they do.
-    pub(super) fn note(&mut self, index: usize, at: Instant, s: &Stimulus) -> Option<Reason> {
+    /// The stimulus as it is, booked whatever the limits leave of it, with the reason for which they would have.
+    pub(super) fn note(&mut self, index: usize, at: Instant, s: &Stimulus) -> Passed {
         let reason = self.judge(index, at, s).reason;
-        if s.until > at {
-            let energy = self.plant.energy_nj(s.width.get(), s.until.since(at));
-            self.book(index, at, s.until, energy);
+        let energy_nj = match s.until > at {
+            true => self.plant.energy_nj(s.width.get(), s.until.since(at)),
+            false => 0,
+        };
+        self.book(index, at, s.until, energy_nj);
+        Passed {
+            width: s.width,
+            until: s.until,
+            reason,
+            energy_nj,
         }
-        reason
     }
 
     /// What the limits leave of a stimulus; nothing is booked.
@@ -202,7 +208,7 @@ impl Guard {
             return;
         }
         let width = was.setting.off - was.setting.on;
-        let energy = self.plant.energy_nj(width, span);
+        let energy = self.plant.late_nj(width, was.until.since(was.since), span);
         self.spend(index, was.until, off, energy);
         if let Some(burst) = &mut self.wires[index].burst {
             burst.spent_nj = burst.spent_nj.saturating_add(energy);

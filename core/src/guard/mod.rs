@@ -27,9 +27,9 @@ use alloc::boxed::Box;
 
 use crate::illusion::DisplayWire;
 use crate::schedule::{Entry, Stimulus, stagger};
-use crate::units::{Board, Channel, Duration, Instant, Prescale, Ticks};
+use crate::units::{Board, Channel, Duration, Instant, Prescale};
 
-use admission::Burst;
+use admission::{Burst, Passed};
 use power::{Bucket, Window};
 use thermal::{Budget, Tissue};
 use watchdog::Watchdog;
@@ -108,6 +108,7 @@ struct WireState {
 #[derive(Clone, Copy, Debug)]
 struct Running {
     setting: Setting,
+    since: Instant,
     /// When it has to end.
     until: Instant,
 }
@@ -237,6 +238,18 @@ impl Guard {
         at: Instant,
         board: Board,
         stimuli: &[Stimulus],
+        ledger: impl FnMut(Entry),
+    ) -> Guarded {
+        self.pass(at, board, stimuli, Self::clamp, ledger)
+    }
+
+    /// The stimuli of one board, each as `judge` leaves it; those before them end.
+    fn pass(
+        &mut self,
+        at: Instant,
+        board: Board,
+        stimuli: &[Stimulus],
+        judge: impl Fn(&mut Self, usize, Instant, &Stimulus) -> Passed,
         mut ledger: impl FnMut(Entry),
     ) -> Guarded {
         let mut update = self.release(at, board);
@@ -245,12 +258,13 @@ impl Guard {
             let Some(channel) = self.channel(index, board) else {
                 continue;
             };
-            let passed = self.clamp(index, at, stimulus);
+            let passed = judge(self, index, at, stimulus);
             let (on, off) = stagger(Channel(channel), passed.width);
             let setting = Setting { on, off };
-            if passed.width > Ticks::ZERO {
+            if on < off && passed.until > at {
                 self.wires[index].now = Some(Running {
                     setting,
+                    since: at,
                     until: passed.until,
                 });
                 update.set(channel, setting);

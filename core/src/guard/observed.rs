@@ -2,10 +2,10 @@
 //!
 //! For emulated benches alone. What comes of it is a type of its own that no driver takes.
 
-use crate::schedule::{Entry, Stimulus, stagger};
-use crate::units::{Board, Channel, Instant};
+use crate::schedule::{Entry, Stimulus};
+use crate::units::{Board, Instant};
 
-use super::{Guard, Running, Setting};
+use super::{Guard, Setting};
 
 /// What the channels of one board shall do, as the guard saw it and did not judge. No driver takes it:
 ///
@@ -50,35 +50,10 @@ impl Guard {
         at: Instant,
         board: Board,
         stimuli: &[Stimulus],
-        mut ledger: impl FnMut(Entry),
+        ledger: impl FnMut(Entry),
     ) -> Option<Observed> {
-        let mut changes = self.release(at, board).changes();
-        for stimulus in stimuli {
-            let index = usize::from(stimulus.wire);
-            let Some(channel) = self.channel(index, board) else {
-                continue;
-            };
-            let reason = self.note(index, at, stimulus);
-            let (on, off) = stagger(Channel(channel), stimulus.width);
-            if on < off && stimulus.until > at {
-                changes = true;
-                self.wires[index].now = Some(Running {
-                    setting: Setting { on, off },
-                    until: stimulus.until,
-                });
-            }
-            ledger(Entry {
-                at,
-                board,
-                channel: Channel(channel),
-                on,
-                off,
-                until: stimulus.until,
-                requested: stimulus.width,
-                reason,
-            });
-        }
-        changes.then(|| self.observed(board))
+        let update = self.pass(at, board, stimuli, Self::note, ledger);
+        update.changes().then(|| self.observed(board))
     }
 
     /// Ends what has ended by `at` on one board. `None` where nothing has.

@@ -8,7 +8,7 @@ use super::*;
 use crate::guard::{HARD, Plant};
 use crate::illusion::DisplayWire;
 use crate::schedule::Reason;
-use crate::units::{Milliamps, Point, Prescale, Ticks};
+use crate::units::{Channel, Milliamps, Point, Prescale, Ticks};
 
 const THESIS: Plant = Plant {
     prescale: Prescale::new(30),

@@ -220,7 +220,7 @@ proptest! {
             let (on, off) = stagger(wires[index].channel, Ticks::new(16 * width));
             let setting = Setting { on, off };
             let bears = guard.supply_bears(index, setting);
-            guard.wires[index].now = Some(Running { setting, until: Instant::ZERO });
+            guard.wires[index].now = Some(Running { setting, since: Instant::ZERO, until: Instant::ZERO });
             let on_at = |board: u8, tick: u16| {
                 let there = guard.wires.iter().filter(|w| w.place.0 == Board(board)).filter_map(|w| w.now);
                 there.filter(|now| (now.setting.on..now.setting.off).contains(&tick)).count()

@@ -4,8 +4,10 @@ use core::fmt;
 
 use crate::units::{Duration, Milliamps, Prescale, Ticks};
 
-/// The slowest oscillator seen on a real chip, Hz: it makes the longest pulses and the longest periods.
+/// The slowest internal oscillator seen on a real chip, Hz: it makes the longest pulses and the longest periods.
 const SLOWEST_HZ: u64 = 23_000_000;
+/// Parts per million of a whole.
+const MILLION: u64 = 1_000_000;
 
 /// How much longer the bus may take to switch wires off than to switch one on: eight channels against one at
 /// 400 kbit/s, and as much again for the host.
@@ -62,19 +64,45 @@ impl Plant {
         }
     }
 
-    /// Length of a tick at the slowest oscillator, picoseconds, rounded up.
-    const fn tick_ps(&self) -> u64 {
-        ((self.prescale.get() as u64 + 1) * 1_000_000_000_000).div_ceil(SLOWEST_HZ)
+    /// Ticks' divider, PRE_SCALE + 1.
+    const fn divider(&self) -> u64 {
+        self.prescale.get() as u64 + 1
     }
 
-    /// The widest pulse that is not longer than `ns` at the slowest oscillator; never a full period.
+    /// The slowest that the boards' clock may be, Hz, rounded down.
+    const fn slowest_hz(&self) -> u64 {
+        let clock = self.prescale.clock();
+        match clock.tolerance_ppm() {
+            None => SLOWEST_HZ,
+            Some(ppm) => clock.hz() as u64 * (MILLION - ppm as u64) / MILLION,
+        }
+    }
+
+    /// Length of a tick at the slowest clock, picoseconds, rounded up.
+    const fn tick_ps(&self) -> u64 {
+        (self.divider() * 1_000_000_000_000).div_ceil(self.slowest_hz())
+    }
+
+    /// The widest pulse that is not longer than `ns` at the slowest clock; never a full period.
     pub(super) fn widest(&self, ns: u64) -> u16 {
         (ns.saturating_mul(1000) / self.tick_ps()).min(u64::from(Ticks::PER_PERIOD) - 1) as u16
     }
 
-    /// Length of a period at the slowest oscillator, rounded up.
+    /// Length of a period at the slowest clock, rounded up.
     pub(super) const fn period(&self) -> Duration {
         Duration::from_micros((self.tick_ps() * Ticks::PER_PERIOD as u64).div_ceil(1_000_000))
+    }
+
+    /// Microseconds that no period is shorter than. An internal oscillator promises nothing.
+    const fn shortest_us(&self) -> u64 {
+        let clock = self.prescale.clock();
+        match clock.tolerance_ppm() {
+            None => 0,
+            Some(ppm) => {
+                let cycles = self.divider() * Ticks::PER_PERIOD as u64 * MILLION;
+                cycles * MILLION / (clock.hz() as u64 * (MILLION + ppm as u64))
+            }
+        }
     }
 
     /// Longest time from a command to the last edge it moves: the write, the end of the period in which it
@@ -88,18 +116,20 @@ impl Plant {
         self.period() + SWITCHING
     }
 
-    /// Electrical energy, nJ, of pulses of `width` ticks for a `span`: from above over all oscillators.
+    /// Electrical energy, nJ, of pulses of `width` ticks for a `span`: from above over all clocks and phases.
     ///
     /// Each period of length T that starts within the span, lengthened by the bus to S, brings
     /// `I^2 R T width / 4096`, and `floor(S / T) + 1` can. At the slowest T that are n = ceil(S / T). A faster
-    /// oscillator fits one more in only if T <= S / n: together they last at most (n + 1) S / n.
+    /// clock fits one more in only if T <= S / n: together they last at most (n + 1) S / n. Where no clock is that
+    /// fast, n it stays.
     pub(super) fn energy_nj(&self, width: u16, span: Duration) -> u64 {
         let span = (span + SWITCHING).as_micros();
         let slowest = self.period().as_micros();
         let n = span.div_ceil(slowest);
-        let on_us = n
-            .saturating_mul(slowest)
-            .max(span.saturating_add(span.div_ceil(n)));
+        let mut on_us = n.saturating_mul(slowest);
+        if span >= n.saturating_mul(self.shortest_us()) {
+            on_us = on_us.max(span.saturating_add(span.div_ceil(n)));
+        }
         const PER_NJ: u64 = 4096 * 1_000_000;
         let current = u64::from(self.peak.0);
         // At most 1e16 for a plausible plant; the rest overflows only beyond minutes.
@@ -113,6 +143,19 @@ impl Plant {
         let long = u128::from(nanowatt) * u128::from(on_us) * u128::from(width);
         let nj = long.div_ceil(u128::from(PER_NJ));
         nj.min(u128::from(u64::MAX / 4)) as u64
+    }
+
+    /// Electrical energy, nJ, beyond what a stimulus was booked with, of one that ended `late`.
+    ///
+    /// On a clock of stated tolerance that is what the whole span counts more: the half period of
+    /// [`Prescale::counted`] is not counted twice, and a host that is a little late costs nothing. On the internal
+    /// oscillator the booking says nothing of *when* within it pulses came: what is late counts by itself.
+    pub(super) fn late_nj(&self, width: u16, planned: Duration, late: Duration) -> u64 {
+        if self.prescale.clock().tolerance_ppm().is_none() {
+            return self.energy_nj(width, late);
+        }
+        let whole = self.energy_nj(width, planned + late);
+        whole.saturating_sub(self.energy_nj(width, planned))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Tests of `plant.rs`.
 
 use super::*;
+use crate::units::Clock;
 
 const PLANT: Plant = Plant {
     prescale: Prescale::new(30),
@@ -70,6 +71,70 @@ fn no_oscillator_and_no_phase_delivers_more() {
             let starts = libm::floor((span_us + 1000) as f64 / period_us) + 1.0;
             let delivered = 7.373_71 * starts * period_us * 1e3;
             assert!(delivered <= counted as f64 + 1.0, "{span_us} us at {hz} Hz");
+        }
+    }
+}
+
+/// 25 MHz within 100 ppm on EXTCLK.
+fn clocked(ppm: u32) -> Plant {
+    let clock = Clock::external(25_000_000, ppm).unwrap();
+    Plant {
+        prescale: PLANT.prescale.with_clock(clock),
+        ..PLANT
+    }
+}
+
+#[test]
+fn a_stated_clock_counts_whole_periods_and_no_more() {
+    let plant = clocked(100);
+    // 31 / 24.9975 MHz; 4096 of them are 5.07955 ms. The widest pulse of 200 us has 161 ticks instead of 148.
+    assert_eq!(plant.tick_ps(), 1_240_125);
+    assert_eq!(
+        (plant.period().as_micros(), plant.shortest_us()),
+        (5080, 5078)
+    );
+    assert_eq!(plant.widest(200_000), 161);
+    for pulses in 1..=9 {
+        let span = plant.prescale.counted(Duration::from_micros(5079 * pulses));
+        let exact = 7_373.71 * 5.079_04 * 100.0 / 4096.0 * pulses as f64 * 1e3;
+        let counted = plant.energy_nj(100, span) as f64;
+        // Exact but for the tolerance and for the whole microseconds of a period.
+        assert!(
+            (1.0..1.0003).contains(&(counted / exact)),
+            "{counted} {exact}"
+        );
+        assert!(PLANT.energy_nj(100, span) as f64 > 1.08 * exact, "{pulses}");
+    }
+    // A tolerance as wide as the oscillator's own lets one more in.
+    let loose = clocked(Clock::MOST_PPM);
+    let span = loose.prescale.counted(Duration::from_millis(35));
+    // 34.013 ms take eight of 34.013 / 7 ms.
+    let on_us = 38_872_u64;
+    let booked = (1970 * 1970 * 1900 * on_us * 100).div_ceil(4096 * 1_000_000);
+    assert_eq!(loose.energy_nj(100, span), booked);
+}
+
+/// Counted one by one over clocks within the tolerance, and phases; what is late counts once.
+#[test]
+fn no_clock_within_its_tolerance_and_no_phase_delivers_more() {
+    for ppm in [0, 100, 5_000, 30_000, Clock::MOST_PPM] {
+        let plant = clocked(ppm);
+        for span_us in (500..50_000).step_by(499) {
+            let span = Duration::from_micros(span_us);
+            let counted = plant.energy_nj(4096, span);
+            let late = Duration::from_micros(span_us / 7);
+            let whole = plant.energy_nj(4096, span + late);
+            assert_eq!(
+                counted + plant.late_nj(4096, span, late),
+                whole.max(counted)
+            );
+            for off in [-1.0, -0.5, 0.0, 0.3, 0.7, 0.99, 1.0] {
+                let hz = 25e6 * (1.0 + off * f64::from(ppm) * 1e-6);
+                let period_us = 4096.0 * 31.0 / hz * 1e6;
+                let starts = libm::floor((span_us + 1000) as f64 / period_us) + 1.0;
+                let delivered = 7_373.71 * starts * period_us;
+                assert!(delivered <= counted as f64 + 1.0, "{span_us} us at {hz} Hz");
+            }
         }
     }
 }

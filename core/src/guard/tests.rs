@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use super::*;
 use crate::schedule::Reason;
-use crate::units::{Milliamps, Point, Prescale};
+use crate::units::{Milliamps, Point, Prescale, Ticks};
 
 const THESIS: Plant = Plant {
     prescale: Prescale::new(30),

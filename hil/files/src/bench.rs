@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use palpate_core::units::Clock;
 use serde::Deserialize;
 
 use super::address::{check_chip, check_once};
@@ -175,8 +176,21 @@ pub struct Drive {
     pub supply_limit_ma: f64,
     /// Frequency asked for; the chip's divider makes the nearest it can, 196.89 Hz for 200.
     pub pwm_hz: f64,
-    /// The chip's oscillator over its nominal 25 MHz.
+    /// The clock that counts over its nominal frequency: the chip's oscillator, or `clock`. Emulated benches only.
     pub oscillator: f64,
+    /// A clock on the chips' EXTCLK pins; left out: each chip counts by its own oscillator of about 25 MHz.
+    pub clock: Option<ExternalClock>,
+}
+
+/// A clock on the EXTCLK pin of every chip.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ExternalClock {
+    /// Its nominal frequency, Hz.
+    pub hz: u32,
+    /// How far it may be from that at any time, parts per million.
+    pub tolerance_ppm: u32,
 }
 
 impl Default for Drive {
@@ -186,6 +200,7 @@ impl Default for Drive {
             supply_limit_ma: 4000.0, // at the published 1.97 A two wires may overlap, three may not
             pwm_hz: 200.0,
             oscillator: 1.0,
+            clock: None,
         }
     }
 }
@@ -242,6 +257,12 @@ impl Amplifier {
 }
 
 impl Drive {
+    /// The clock on an emulated bench's EXTCLK pins as it truly runs, Hz; 0 for none.
+    pub fn external_hz(&self) -> u32 {
+        let hz = self.clock.map_or(0, |clock| clock.hz);
+        (f64::from(hz) * self.oscillator).round() as u32
+    }
+
     fn check(&self, source: &Source) -> Result<(), FileError> {
         source.range("drive.current_ma", self.current_ma, 1.0..=5000.0, "mA")?;
         let supply = self.supply_limit_ma;
@@ -250,9 +271,23 @@ impl Drive {
             let expected = format!("at least the current of one wire, {} mA", self.current_ma);
             return Err(source.bad("drive.supply_limit_ma", expected));
         }
-        // What dividers 3 to 255 make of 25 MHz.
-        source.range("drive.pwm_hz", self.pwm_hz, 24.0..=1526.0, "Hz")?;
-        source.range("drive.oscillator", self.oscillator, 0.8..=1.2, "")
+        let Some(clock) = self.clock else {
+            // What dividers 3 to 255 make of 25 MHz.
+            source.range("drive.pwm_hz", self.pwm_hz, 24.0..=1526.0, "Hz")?;
+            return source.range("drive.oscillator", self.oscillator, 0.8..=1.2, "");
+        };
+        let most = Clock::MOST_HZ;
+        source.range("drive.clock.hz", clock.hz, 100_000..=most, "Hz")?;
+        let most = Clock::MOST_PPM;
+        let key = "drive.clock.tolerance_ppm";
+        source.range(key, clock.tolerance_ppm, 0..=most, "ppm")?;
+        let divided = |by: f64| f64::from(clock.hz) / 4096.0 / by;
+        let reached = divided(256.0)..=divided(4.0);
+        source.range("drive.pwm_hz", self.pwm_hz, reached, "Hz")?;
+        // A clock that is not what the bench says of it: the guard would count too few pulses.
+        let off = f64::from(clock.tolerance_ppm) * 1e-6;
+        let within = 1.0 - off..=1.0 + off;
+        source.range("drive.oscillator", self.oscillator, within, "")
     }
 }
 

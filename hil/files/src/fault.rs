@@ -77,6 +77,8 @@ kinds! {
     BrownOut = "brown-out" ["board"] [],
     /// A PCA9685's oscillator runs at `factor` times its nominal frequency.
     Oscillator = "oscillator" ["board" "factor"] [],
+    /// The clock on a PCA9685's EXTCLK pin stops.
+    ClockStopped = "clock-stopped" ["board"] [],
     /// A wire's amplifier conducts whatever its input says: a shorted transistor.
     AmplifierStuckOn = "amplifier-stuck-on" ["wire"] [],
     /// A wire or its plug is broken.

@@ -52,7 +52,9 @@ mod tests;
 
 pub use activation::{ActivationFile, Both};
 pub use address::repeated_bus;
-pub use bench::{Amplifier, Bench, BenchKind, BenchWire, Drive, Output, OutputEnable, Real};
+pub use bench::{
+    Amplifier, Bench, BenchKind, BenchWire, Drive, ExternalClock, Output, OutputEnable, Real,
+};
 pub use check::{Checked, check, check_source, kind_of};
 pub use columns::{Columns, Take};
 pub use error::FileError;

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::activation::ActivationFile;
 use super::bench::{Bench, BenchKind};
 use super::error::FileError;
+use super::fault::FaultKind;
 use super::layout::{DisplayLayout, LayoutFile, SensorLayout};
 use super::limits::LimitTable;
 use super::loaded::{Loaded, load_bench, load_scene};
@@ -269,6 +270,10 @@ fn check_faults(
         below("bus", fault.bus.map(usize::from), buses)?;
         below("board", fault.board, chips)?;
         below("wire", fault.wire, bench.outputs.len())?;
+        if fault.kind == FaultKind::ClockStopped && bench.drive.clock.is_none() {
+            let expected = "a bench that states drive.clock: there is none to stop";
+            return Err(scene.source.bad(&format!("faults[{index}].kind"), expected));
+        }
         if let Some(module) = fault.module.and_then(|m| sensor.modules.get(m)) {
             below("taxel", fault.taxel, module.taxels().len())?;
             below("line", fault.line.map(usize::from), 8)?;

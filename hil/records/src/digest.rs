@@ -129,6 +129,11 @@ impl Sink {
         self.text(scene_digest);
         self.text(limits_digest);
         self.u8(pre_scale.get());
+        let clock = pre_scale.clock();
+        if let Some(ppm) = clock.tolerance_ppm() {
+            self.u32(clock.hz());
+            self.u32(ppm);
+        }
         self.u64(*tau_d_us);
         self.u64(*soa_us);
         self.text(person);

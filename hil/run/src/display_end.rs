@@ -14,7 +14,7 @@ use palpate_emulators::display::observed::RegisterWriter;
 use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{DisplayConfig, OutputEdge, ThermalSample, WirePlace, WornDisplay};
-use palpate_files::{Bench, BenchKind, Setup};
+use palpate_files::{Bench, BenchKind, Drive, Setup};
 use palpate_records::trace::{Event, Header};
 
 use crate::Keep;
@@ -119,7 +119,7 @@ pub struct EmulatedDisplay {
     /// What drives the boards in place of their driver where the guard only looks on.
     writer: Option<RegisterWriter>,
     script: Script,
-    oscillator: f64,
+    drive: Drive,
     prescale: Prescale,
     /// The onset whose stimulus is still felt.
     pending: Option<Onset>,
@@ -157,7 +157,7 @@ impl EmulatedDisplay {
             writer: setup.is_observed().then(writer),
             banks: Banks::new([(i2c.clone(), &*boards)], prescale),
             script: Script::new(&setup.scene.value.faults, projector.layout()),
-            oscillator: bench.drive.oscillator,
+            drive: bench.drive,
             prescale,
             pending: None,
             full,
@@ -317,7 +317,7 @@ impl DisplayEnd for EmulatedDisplay {
             skin,
             i2c: &self.i2c,
             display: &mut self.display,
-            oscillator: self.oscillator,
+            drive: self.drive,
         };
         if last {
             self.script.finish(now, &mut bench, events);
@@ -378,7 +378,7 @@ pub fn emulated(setup: &Setup, wires: &[DisplayWire]) -> Result<WornDisplay, Fai
         board: w.board.0,
         channel: w.channel.0,
     };
-    WornDisplay::new(&DisplayConfig {
+    let display = WornDisplay::new(&DisplayConfig {
         boards: plan::boards(bench)
             .into_iter()
             .map(|a| (a, bench.drive.oscillator))
@@ -397,5 +397,11 @@ pub fn emulated(setup: &Setup, wires: &[DisplayWire]) -> Result<WornDisplay, Fai
         tissue: bench.tissue.parameters(),
         clock: BusClock::Fast,
     })
-    .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))
+    .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
+    // Refused only from inside another look at the segment, and there is none here.
+    let _ = display.bus().with(|segment| {
+        let chips = segment.chips_mut().iter_mut();
+        chips.for_each(|chip| chip.set_external_clock(Nanos::ZERO, bench.drive.external_hz()));
+    });
+    Ok(display)
 }

@@ -11,7 +11,7 @@ use palpate_emulators::sensor::rig::Handle;
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::WornDisplay;
 
-use palpate_files::{Fault, FaultKind};
+use palpate_files::{Drive, Fault, FaultKind};
 
 /// The hardware that faults are done to.
 pub struct Faultable<'a> {
@@ -21,8 +21,8 @@ pub struct Faultable<'a> {
     pub i2c: &'a Shared<I2cHandle>,
     /// The display.
     pub display: &'a mut WornDisplay,
-    /// The factor of every chip's oscillator while nothing is wrong.
-    pub oscillator: f64,
+    /// The chips' clock while nothing is wrong.
+    pub drive: Drive,
 }
 
 /// What a fault does to identifiers.

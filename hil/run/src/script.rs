@@ -226,9 +226,16 @@ impl Script {
                 });
             }
             (FaultKind::Oscillator, _) => {
-                let factor = fault.factor.filter(|_| begins).unwrap_or(bench.oscillator);
+                let factor = fault.factor.filter(|_| begins);
+                let factor = factor.unwrap_or(bench.drive.oscillator);
                 on_chip(bench, fault.board, now, &mut |chip, at| {
                     chip.set_oscillator(at, Oscillator::from_factor(factor));
+                });
+            }
+            (FaultKind::ClockStopped, _) => {
+                let hz = if begins { 0 } else { bench.drive.external_hz() };
+                on_chip(bench, fault.board, now, &mut |chip, at| {
+                    chip.set_external_clock(at, hz);
                 });
             }
             (kind, _) => {

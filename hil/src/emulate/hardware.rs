@@ -111,7 +111,7 @@ impl<'a> Hardware<'a> {
                 skin: Some(&mut self.skin),
                 i2c: &self.i2c,
                 display: &mut self.display,
-                oscillator: self.setup.bench.value.drive.oscillator,
+                drive: self.setup.bench.value.drive,
             },
             &mut events,
         );

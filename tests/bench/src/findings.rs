@@ -51,6 +51,8 @@ pub struct Findings {
     pub family: &'static str,
     /// The table.
     pub rows: Vec<Row>,
+    /// What a person reads in its place where rows are many; empty where they read the rows.
+    pub table: String,
     /// The figures.
     pub figures: Vec<Figure>,
     /// Sentences below the table: conditions, targets met and missed.
@@ -63,6 +65,7 @@ impl Findings {
         Self {
             family,
             rows: Vec::new(),
+            table: String::new(),
             figures: Vec::new(),
             words: Vec::new(),
         }

@@ -11,7 +11,9 @@ pub fn text(findings: &Findings) -> String {
     let width = findings.rows.iter().map(|r| r.method.len()).max();
     let width = width.unwrap_or(0).max(7);
     let mut case = "";
-    for row in &findings.rows {
+    out.push_str(&findings.table);
+    let shown = findings.rows.iter().filter(|_| findings.table.is_empty());
+    for row in shown {
         if case != row.case {
             let _ = writeln!(out, "\n  {}", row.case);
             case = &row.case;

@@ -35,6 +35,8 @@ enum Load {
     Textures,
     /// Bursts on loose wires.
     Loose,
+    /// Bursts on chips with an external clock.
+    Clocked,
 }
 
 fn one(case: u64, length_s: u64, load: Load, tally: &mut Tally) {
@@ -42,6 +44,9 @@ fn one(case: u64, length_s: u64, load: Load, tally: &mut Tally) {
     let mut parameters = Parameters::draw(&mut s);
     if load == Load::Loose {
         parameters = parameters.loose(&mut s);
+    }
+    if load == Load::Clocked {
+        parameters = parameters.clocked(&mut s);
     }
     let kind = match s.next_u64() % 4 {
         _ if load == Load::Textures => Kind::Textured,
@@ -167,6 +172,15 @@ fn no_loose_wire_passes_a_limit() {
     let first = setting("PALPATE_FIRST", 0);
     judge(&play(first, setting("PALPATE_LOOSE", 600), 1, Load::Loose));
     judge(&play(first, 4, 120, Load::Loose));
+}
+
+/// An external clock of a stated tolerance is anywhere within it; fewer pulses are booked.
+#[test]
+fn no_external_clock_passes_a_limit() {
+    let first = setting("PALPATE_FIRST", 0);
+    let count = setting("PALPATE_CLOCKED", 600);
+    judge(&play(first, count, 1, Load::Clocked));
+    judge(&play(first, 4, 120, Load::Clocked));
 }
 
 /// Textures ask period by period: the guard sees hundreds of stimuli a second on every wire.

@@ -3,10 +3,11 @@
 
 use std::collections::VecDeque;
 
+use palpate_core::codec::pca9685::PRE_SCALE_RESET;
 use palpate_core::guard::{HARD, Limits};
 use palpate_core::physics::{Alloy, Play, TissueParameters, WireParameters};
 use palpate_core::random::RandomStream;
-use palpate_core::units::{Channel, Milliamps};
+use palpate_core::units::{Channel, Clock, Milliamps, Prescale};
 use palpate_emulators::display::amplifier::Amplifier;
 use palpate_emulators::display::amplifier::supply::Supply;
 use palpate_emulators::display::finger::dose::Dose;
@@ -29,6 +30,9 @@ pub struct Parameters {
     pub wire: WireParameters,
     pub skin: TissueParameters,
     pub oscillator_hz: u32,
+    pub prescale: Prescale,
+    /// On the EXTCLK pin, Hz; zero: no clock there.
+    pub external_hz: u32,
     pub updates: UpdateModel,
     pub clock: BusClock,
     pub current: Milliamps,
@@ -74,6 +78,8 @@ impl Parameters {
             wire,
             skin,
             oscillator_hz: pick(s, 23e6, 27.4e6) as u32,
+            prescale: Prescale::new(PRE_SCALE_RESET),
+            external_hz: 0,
             updates: if s.next_u64().is_multiple_of(2) {
                 UpdateModel::EndOfLow
             } else {
@@ -102,6 +108,24 @@ impl Parameters {
         wire.reversible = pick(s, 0.002, 0.3);
         wire.latent_heat = pick(s, 0.0, 24e3 - latent_heat);
         Self { wire, ..self }
+    }
+
+    /// The same with chips on an external clock, anywhere within its tolerance.
+    pub fn clocked(self, s: &mut RandomStream) -> Self {
+        let hz = pick(s, 4e6, f64::from(Clock::MOST_HZ));
+        let ppm = pick(s, 0.0, f64::from(Clock::MOST_PPM));
+        let clock = Clock::external(hz as u32, ppm as u32).unwrap();
+        let true_hz = hz.trunc() * (1.0 + pick(s, -1.0, 1.0) * ppm.trunc() * 1e-6);
+        Self {
+            prescale: Prescale::from_hz(clock, pick(s, 100.0, 400.0)).unwrap(),
+            // Rounded towards what the clock is stated to be.
+            external_hz: if true_hz < hz {
+                true_hz.ceil()
+            } else {
+                true_hz
+            } as u32,
+            ..self
+        }
     }
 
     /// The limits of this bench.
@@ -154,11 +178,12 @@ pub struct Rig {
 impl Rig {
     /// A bench at rest. Dose takes time to add up, in the skin and here: it is kept only where asked for.
     pub fn new(parameters: Parameters, dose: bool) -> Self {
-        let chip = Pca9685::new(Config {
+        let mut chip = Pca9685::new(Config {
             oscillator: Oscillator::from_hz(parameters.oscillator_hz),
             updates: parameters.updates,
             ..Config::new(ADDRESS)
         });
+        chip.set_external_clock(Nanos::ZERO, parameters.external_hz);
         let wire = Wire::new(&parameters.wire, &parameters.skin, 33.0).unwrap();
         let wire = if dose { wire.with_dose() } else { wire };
         Self {

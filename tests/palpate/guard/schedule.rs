@@ -224,7 +224,7 @@ pub fn display() -> Vec<DisplayWire> {
 /// The guard of a rig.
 pub fn guard(rig: &Rig) -> Guard {
     let plant = Plant {
-        prescale: Prescale::new(regs::PRE_SCALE_RESET),
+        prescale: rig.parameters.prescale,
         wire_milliohm: (rig.parameters.wire.resistance_ohm * 1e3).round() as u32,
         peak: rig.parameters.current,
     };
@@ -234,11 +234,7 @@ pub fn guard(rig: &Rig) -> Guard {
 /// Plays a schedule through guard and driver. The host is at most `late_us` late with each call.
 pub fn with_guard(rig: &mut Rig, schedule: &Schedule, s: &mut RandomStream, late_us: u64) -> Guard {
     let mut guard = guard(rig);
-    let mut bank = Pca9685Bank::new(
-        rig.bus.clone(),
-        &[ADDRESS],
-        Prescale::new(regs::PRE_SCALE_RESET),
-    );
+    let mut bank = Pca9685Bank::new(rig.bus.clone(), &[ADDRESS], rig.parameters.prescale);
     bank.start(Instant::ZERO).unwrap();
     rig.advance(rig.now() + 500_000);
     let mut host = |rig: &mut Rig, at: u64| {

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex};
 
 use embedded_hal::i2c::I2c as _;
 use palpate_core::driver::Pca9685Bank;
-use palpate_core::units::{Instant, Prescale};
+use palpate_core::units::{Clock, Instant, Prescale};
 
 use super::*;
 
@@ -95,7 +95,11 @@ fn the_driver_tries_passing_faults_three_times_and_others_once() {
         (FaultKind::Gone, 1),
     ] {
         let (line, writes, _) = line(Some(kind));
-        let mut bank = Pca9685Bank::new(line, &[0x40], Prescale::from_hz(200.0).unwrap());
+        let mut bank = Pca9685Bank::new(
+            line,
+            &[0x40],
+            Prescale::from_hz(Clock::INTERNAL, 200.0).unwrap(),
+        );
         bank.start(Instant::ZERO).unwrap_err();
         let own = writes
             .lock()

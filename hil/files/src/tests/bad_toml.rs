@@ -50,6 +50,26 @@ fn benches() {
                 "f.toml:12: drive.pwm_hz: expected a number from 24 to 1526 Hz, found 1600.0",
             ),
             (
+                "pwm_hz = 200.0",
+                "pwm_hz = 20.0\nclock = { hz = 25_000_000, tolerance_ppm = 100 }",
+                "f.toml:12: drive.pwm_hz: expected a number from 23.84185791015625 to 1525.87890625 Hz, found 20.0",
+            ),
+            (
+                "pwm_hz = 200.0",
+                "clock = { hz = 50_000_001, tolerance_ppm = 100 }",
+                "f.toml:12: drive.clock.hz: expected a number from 100000 to 50000000 Hz, found 50_000_001",
+            ),
+            (
+                "pwm_hz = 200.0",
+                "clock = { hz = 25_000_000, tolerance_ppm = 60_000 }",
+                "f.toml:12: drive.clock.tolerance_ppm: expected a number from 0 to 50000 ppm, found 60_000",
+            ),
+            (
+                "oscillator = 1.0",
+                "oscillator = 1.001\nclock = { hz = 25_000_000, tolerance_ppm = 100 }",
+                "f.toml:13: drive.oscillator: expected a number from 0.9999 to 1.0001, found 1.001",
+            ),
+            (
                 "alloy = \"low\"",
                 "alloy = 7",
                 "f.toml:7: wire.alloy: expected a string, found 7",

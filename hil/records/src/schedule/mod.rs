@@ -26,12 +26,18 @@ struct HeaderLine<'a> {
     banner: Option<&'static str>,
     pre_scale: u8,
     period_ns: u64,
+    /// The clock on EXTCLK; left out for chips on their own oscillators.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clock_hz: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clock_ppm: Option<u32>,
     tau_d_us: u64,
     soa_us: u64,
 }
 
 impl<'a> HeaderLine<'a> {
     fn new(header: &'a Header) -> Self {
+        let clock = header.pre_scale.clock();
         Self {
             version: VERSION,
             seed: header.seed,
@@ -43,6 +49,8 @@ impl<'a> HeaderLine<'a> {
             banner: header.source.banner(),
             pre_scale: header.pre_scale.get(),
             period_ns: header.pre_scale.period_ns(),
+            clock_hz: clock.tolerance_ppm().map(|_| clock.hz()),
+            clock_ppm: clock.tolerance_ppm(),
             tau_d_us: header.tau_d_us,
             soa_us: header.soa_us,
         }

@@ -1,7 +1,7 @@
 //! A schedule file (JSON Lines) read back into a trace.
 
 use palpate_core::schedule::{Entry, Reason};
-use palpate_core::units::{Board, Channel, Instant, Prescale, Ticks};
+use palpate_core::units::{Board, Channel, Clock, Instant, Prescale, Ticks};
 use serde::Deserialize;
 
 use super::VERSION;
@@ -25,9 +25,26 @@ struct HeaderLine {
     #[serde(default)]
     period_ns: Option<u64>,
     #[serde(default)]
+    clock_hz: Option<u32>,
+    #[serde(default)]
+    clock_ppm: Option<u32>,
+    #[serde(default)]
     tau_d_us: u64,
     #[serde(default)]
     soa_us: u64,
+}
+
+impl HeaderLine {
+    /// The clock on EXTCLK, if there was one and a chip can take it.
+    fn external(&self) -> Option<Clock> {
+        Clock::external(self.clock_hz?, self.clock_ppm.unwrap_or(0))
+    }
+
+    /// A PRE_SCALE with the clock that it divided.
+    fn divided(&self, pre_scale: u8) -> Prescale {
+        let clock = self.external().unwrap_or(Clock::INTERNAL);
+        Prescale::new(pre_scale).with_clock(clock)
+    }
 }
 
 #[derive(Deserialize)]
@@ -95,6 +112,7 @@ pub fn read_schedule(
     }
     let length_us = events.last().map_or(0, |e: &Event| e.t_ns() / 1000);
     let wires = wires(&header.bench);
+    let pre_scale = header.divided(header.pre_scale.unwrap_or_default());
     Ok(Trace {
         header: Header {
             source: Source::of(&header.source).unwrap_or(Source::Emulated),
@@ -103,7 +121,7 @@ pub fn read_schedule(
             seed: header.seed,
             scene_digest: header.scene_digest,
             limits_digest: header.limits_digest,
-            pre_scale: Prescale::new(header.pre_scale.unwrap_or_default()),
+            pre_scale,
             tau_d_us: header.tau_d_us,
             soa_us: header.soa_us,
             person: String::new(),
@@ -156,8 +174,14 @@ fn check(header: &HeaderLine) -> Result<(), Damage> {
         let expected = format!("a pre_scale from {least} to 255");
         return wrong(&expected, format!("pre_scale {n}"));
     }
+    if let Some(hz) = header.clock_hz.filter(|_| header.external().is_none()) {
+        let (hz_most, ppm_most) = (Clock::MOST_HZ, Clock::MOST_PPM);
+        let expected = format!("a clock_hz from 1 to {hz_most}, a clock_ppm up to {ppm_most}");
+        let ppm = header.clock_ppm.unwrap_or(0);
+        return wrong(&expected, format!("clock_hz {hz}, clock_ppm {ppm}"));
+    }
     if let (Some(period_ns), Some(n)) = (header.period_ns, header.pre_scale) {
-        let nominal = Prescale::new(n).period_ns();
+        let nominal = header.divided(n).period_ns();
         if period_ns != nominal {
             let expected = format!("period_ns {nominal}, as pre_scale {n} makes it");
             return wrong(&expected, format!("period_ns {period_ns}"));

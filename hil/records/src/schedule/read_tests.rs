@@ -46,6 +46,16 @@ fn damage_is_named_by_its_line() {
             "period_ns 5079040",
         ),
         (
+            good.replace("\"pre_scale\":30", "\"pre_scale\":30,\"clock_hz\":0"),
+            1,
+            "clock_hz from 1 to 50000000",
+        ),
+        (
+            good.replace("\"pre_scale\":30", "\"pre_scale\":30,\"clock_hz\":16000000"),
+            1,
+            "period_ns 7936000, as pre_scale 30 makes it",
+        ),
+        (
             good.replace("\"pre_scale\":30", "\"pre_scale\":2"),
             1,
             "from 3 to 255",

@@ -15,7 +15,7 @@ use palpate_core::physics::WireParameters;
 use palpate_core::projector::{Plan, SensingPlan, sensor_area};
 use palpate_core::skin::uskin::SCAN_GAP;
 use palpate_core::skin::{Address, BaselineSettings, HealthSettings, Layout, LayoutError, Module};
-use palpate_core::units::{Board, Channel, Duration, Milliamps, Point, Prescale};
+use palpate_core::units::{Board, Channel, Clock, Duration, Milliamps, Point, Prescale};
 
 use crate::failure::Failure;
 use palpate_files::Setup;
@@ -139,14 +139,19 @@ pub fn display_of(
         .map_err(|e| Failure::Input(format!("display `{}`: {e}", file.name)))
 }
 
-/// PRE_SCALE for the frequency a bench asks for.
+/// PRE_SCALE of the bench's clock for the frequency it asks for.
 ///
 /// # Errors
-/// [`Failure::Input`] for no frequency at all.
+/// [`Failure::Input`] for no frequency at all, or a clock that no chip takes.
 pub fn prescale(bench: &palpate_files::Bench) -> Result<Prescale, Failure> {
-    Prescale::from_hz(bench.drive.pwm_hz).ok_or_else(|| {
+    let clock = match &bench.drive.clock {
+        None => Some(Clock::INTERNAL),
+        Some(clock) => Clock::external(clock.hz, clock.tolerance_ppm),
+    };
+    let prescale = clock.and_then(|clock| Prescale::from_hz(clock, bench.drive.pwm_hz));
+    prescale.ok_or_else(|| {
         Failure::Input(format!(
-            "bench `{}`: expected a PWM frequency above 0",
+            "bench `{}`: expected a PWM frequency above 0 and a clock that a chip takes",
             bench.name
         ))
     })
@@ -235,7 +240,8 @@ pub fn untextured(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Fail
     )
     .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
 
-    let output = illusion::output(setup, &display, peak)?;
+    let mut output = illusion::output(setup, &display, peak)?;
+    output.timing.duration = prescale.counted(output.timing.duration);
     Ok(Plan {
         sensing: SensingPlan {
             layout,

@@ -1,29 +1,21 @@
-//! Figure 5.5 of the thesis: contact path (A), contacts and time per frame (B), and what two emulated users feel in five
-//! trials each, by (5.2) (C) and by the default law (D). Breaks are red.
+//! Figure 5.5 of the thesis: contact path (A), contacts and time per frame (B), and what a person feels in the loop in five
+//! runs, by (5.2) (C) and by the default law (D). Breaks are red.
 
-use palpate_core::contact::Levels;
-use palpate_core::illusion::{Display, IllusionModel, ModelSettings};
-use palpate_core::units::{Milliamps, Point};
+use palpate_core::illusion::IllusionModel;
 use palpate_emulators::person::channels::Person;
-use palpate_emulators::person::contact::WireContacts;
 use palpate_files::Setup;
-use palpate_records::felt::FeltOnset;
 use palpate_records::report::svg::Svg;
 use palpate_records::trace::{Event, PlaceUm, Trace};
-use palpate_run::{Failure, Input, Outcome, plan};
-use palpate_tests::felt::{PATHS, SOA_US, Worn};
+use palpate_run::{Failure, Input, Outcome};
+use palpate_tests::felt::PATHS;
 
+use super::in_loop::{Case, DRIVES, SEEDS, met, person};
 use crate::findings::Figure;
 use crate::plot::{Area, Axis, Mark, Plot, Series};
-use crate::scenes::{display, run};
+use crate::scenes::run;
 
 const COLUMN: f64 = 280.0;
 const ROW: f64 = 290.0;
-/// Emulated users, whose skin touches every wire a little differently, and trials of each.
-const PEOPLE: u32 = 2;
-const TRIALS: u32 = 5;
-/// Seed of their skin.
-const SEED: u64 = 1;
 /// Time from scan to scan, microseconds.
 const SCAN_US: f64 = 10_000.0;
 
@@ -31,45 +23,32 @@ fn mm(p: PlaceUm) -> (f64, f64) {
     (f64::from(p.x) * 1e-3, f64::from(p.y) * 1e-3)
 }
 
-fn place(p: &Point) -> (f64, f64) {
-    (f64::from(p.x), f64::from(p.y))
-}
-
-/// The figure, as the person feels it at this current.
-pub(super) fn five_five(person: Person, drive: Milliamps) -> Result<Figure, Failure> {
-    let display = display("thimble-8")?;
-    let worn = |model: IllusionModel| {
-        let settings = ModelSettings {
-            model,
-            ..ModelSettings::default()
-        };
-        Worn::new(&display, &settings, person, drive).map_err(|e| Failure::Input(e.to_string()))
-    };
-    let mut laws = [
-        worn(IllusionModel::Phantom)?,
-        worn(IllusionModel::default())?,
-    ];
+/// The figure, as the typical person feels it.
+pub(super) fn five_five() -> Result<Figure, Failure> {
+    let person = person("typical")?;
     let mut svg = Svg::new(4.0 * COLUMN, 4.0 * ROW, "Figure 5.5 for four paths");
     // Breaks inside the wires and past the outermost ones, by law.
     let mut breaks = [[0_usize; 2]; 2];
     for (column, scene) in (0_u8..).zip(PATHS) {
         let left = f64::from(column) * COLUMN;
-        let setup = Setup::load(scene, "emulated")?;
-        let outcome = run(&setup, &Input::Scene)?;
         svg.text((left + 100.0, 11.0), "wire-name", scene);
+        let outcome = run(&Setup::load(scene, DRIVES[0].file)?, &Input::Scene)?;
         contact_path(&outcome.trace).draw(&mut svg, area(left, 0.0));
         counts(&outcome, &mut svg, left);
-        let path = contacts_at_onsets(&setup, &outcome.trace)?;
-        for ((row, law), breaks) in (2_u8..).zip(&mut laws).zip(&mut breaks) {
-            let felt = trials(law, &path, display.wires().len())?;
-            for onset in felt
-                .iter()
-                .flatten()
-                .filter(|o| !o.met.is_some_and(|m| m.is_felt()))
-            {
+        let laws = [IllusionModel::Phantom, IllusionModel::default()];
+        for ((row, law), breaks) in (2_u8..).zip(laws).zip(&mut breaks) {
+            let case = Case {
+                law,
+                drive: DRIVES[0],
+                wires: DRIVES[0].wires[0],
+                scene,
+            };
+            let felt = trials(&case, &person)?;
+            for onset in felt.iter().filter(|o| !o.felt) {
                 breaks[usize::from(!onset.inside)] += 1;
             }
-            let plot = felt_path(&display, &path, &felt);
+            let wires = outcome.trace.header.wires.iter().map(|w| mm(w.place));
+            let plot = felt_path(wires.collect(), &felt);
             plot.draw(&mut svg, area(left, ROW * f64::from(row)));
         }
     }
@@ -80,49 +59,52 @@ pub(super) fn five_five(person: Person, drive: Milliamps) -> Result<Figure, Fail
     let [[broken, beyond], [default_broken, default_beyond]] = breaks;
     Ok(Figure {
         name: "figure-5-5".into(),
-        title: "Figure 5.5: four paths, touched and felt".into(),
+        title: "Figure 5.5: four paths, touched and felt in the loop".into(),
         words: format!(
             "Columns: {}. A: contacts found (dots) on the true path (line). B: taxels in contact, and time per frame on \
-             this machine against the 10 ms of a scan (line). C, D: felt place at each onset in {TRIALS} trials of \
-             {PEOPLE} emulated users (a colour each) by the energy centroid, at the published drive without intensity. \
-             Red crosses stand where nothing was felt: breaks inside the wires, {broken} by (5.2) with s = 1 and \
-             {default_broken} by the default, and past the outermost wires, {beyond} and {default_beyond}. Breaks come \
-             from the law; what scatters comes from the skin's uneven contact, whose size is assumed.",
+             this machine against the 10 ms of a scan (line). C, D: the contact (blue) and where each onset of {} runs pulls by the energy \
+             centroid, on the default bench with guard and heat: a dot where the typical person feels it, a red cross where \
+             not. Such breaks inside the wires: {broken} by (5.2) with s = 1, {default_broken} by the default; past the \
+             outermost wires {beyond} and {default_beyond}.",
             PATHS.join(", "),
+            SEEDS.len(),
         ),
         svg: svg.finish(),
         legend: String::new(),
     })
 }
 
-/// All trials of a path, people one after another.
-fn trials(worn: &mut Worn, path: &[Point], wires: usize) -> Result<Vec<Vec<FeltOnset>>, Failure> {
-    let each = (0..PEOPLE).flat_map(|person| (0..TRIALS).map(move |trial| (person, trial)));
-    each.map(|(person, trial)| {
-        let touching = WireContacts::new(SEED, person, trial, wires);
-        worn.follow(path, |wire, seconds| touching.factor(wire, seconds))
-    })
-    .collect()
+/// One onset of a run.
+struct Trial {
+    target: (f64, f64),
+    inside: bool,
+    /// Where it pulls by the energy centroid.
+    at: (f64, f64),
+    felt: bool,
 }
 
-/// The newest contact at each onset, on the display.
-fn contacts_at_onsets(setup: &Setup, trace: &Trace) -> Result<Vec<Point>, Failure> {
-    let plan = plan::plan(setup, 1, Levels::Off)?;
-    let found = trace.events.iter().filter_map(|e| match e {
-        Event::Contact { t_us, place, .. } => Some((*t_us, mm(*place))),
-        _ => None,
-    });
-    let found: Vec<(u64, (f64, f64))> = found.collect();
-    let (Some(first), Some(last)) = (found.first(), found.last()) else {
-        return Ok(Vec::new());
-    };
-    let onsets = (first.0.div_ceil(SOA_US)..=last.0 / SOA_US).map(|k| k * SOA_US);
-    let newest = |t: u64| {
-        let after = found.partition_point(|c| c.0 <= t);
-        let (x, y) = found[after.saturating_sub(1)].1;
-        plan.map.apply(Point::new(x as f32, y as f32))
-    };
-    Ok(onsets.map(newest).collect())
+/// All onsets of all runs of a case.
+fn trials(case: &Case, person: &Person) -> Result<Vec<Trial>, Failure> {
+    let mut trials = Vec::new();
+    for seed in SEEDS {
+        for onset in case.play(seed)?.onsets {
+            if let Event::Felt {
+                target,
+                inside,
+                met: Some(met),
+                ..
+            } = met(&onset, person)
+            {
+                trials.push(Trial {
+                    target: mm(target),
+                    inside,
+                    at: mm(met.energy),
+                    felt: met.is_felt(),
+                });
+            }
+        }
+    }
+    Ok(trials)
 }
 
 /// A square panel.
@@ -186,27 +168,20 @@ fn counts(outcome: &Outcome, svg: &mut Svg, left: f64) {
     lower.draw(svg, panel(140.0, 96.0));
 }
 
-fn felt_path(display: &Display, path: &[Point], trials: &[Vec<FeltOnset>]) -> Plot<'static> {
-    let wires = display.wires().iter().map(|w| place(&w.place)).collect();
-    let aim = path.iter().map(place).collect();
-    let mut series = vec![
-        Series::new("contact", Mark::Line, aim),
-        Series::new("wires", Mark::Places, wires),
-    ];
-    for trials in trials.chunks(TRIALS as usize) {
-        let onsets = trials.iter().flatten();
-        let felt = onsets.filter_map(|o| o.met.map(|met| mm(met.energy)));
-        series.push(Series::new("felt", Mark::Scatter, felt.collect()));
-    }
-    let unfelt = trials
-        .iter()
-        .flatten()
-        .filter(|o| !o.met.is_some_and(|m| m.is_felt()));
-    let missing = unfelt.map(|o| mm(o.target)).collect();
-    series.push(Series::new("nothing felt", Mark::Crosses, missing));
+fn felt_path(wires: Vec<(f64, f64)>, trials: &[Trial]) -> Plot<'static> {
+    let places = |felt: bool| {
+        let these = trials.iter().filter(move |t| t.felt == felt);
+        these.map(|t| t.at).collect()
+    };
+    let contact = trials.iter().map(|t| t.target).collect();
     Plot {
         x: Axis::linear("display x [mm]").span(-17.0, 17.0),
         y: Axis::linear("y [mm]").span(-17.0, 17.0),
-        series,
+        series: vec![
+            Series::new("contact", Mark::Scatter, contact),
+            Series::new("wires", Mark::Places, wires),
+            Series::new("not felt", Mark::Crosses, places(false)),
+            Series::new("felt", Mark::Scatter, places(true)),
+        ],
     }
 }

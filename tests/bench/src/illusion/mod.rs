@@ -2,6 +2,7 @@
 //! - and what an onset costs. Figure 5.5 of the thesis, for (5.2) and for the default law.
 
 mod figure;
+pub mod in_loop;
 
 use std::time::Duration;
 
@@ -117,7 +118,7 @@ pub fn measure() -> Result<Findings, Failure> {
         "The gain is fitted, the person assumed (fixtures/persons/typical.toml): nothing is measured."
             .into(),
     );
-    found.figures.push(figure::five_five(person, drive)?);
+    found.figures.push(figure::five_five()?);
     Ok(found)
 }
 

@@ -1,0 +1,394 @@
+//! Every law in the loop, with guard and heat: scenes, benches, wires and seeds, as three persons feel them.
+//!
+//! A person changes nothing that is driven. So each run is played by two probes who feel anything at all, one by each
+//! channel, and a person's level is theirs, shifted by the thresholds.
+
+use std::fmt::Write;
+use std::num::NonZeroUsize;
+use std::thread;
+
+use palpate_core::illusion::IllusionModel;
+use palpate_emulators::person::channels::Person;
+use palpate_files::{Loaded, Overrides, Scene, Setup, Source, load_bench, load_person, load_scene};
+use palpate_records::felt::FeltPath;
+use palpate_records::trace::{Event, Header};
+use palpate_run::{Failure, Input, Outcome, plan, run};
+use palpate_tests::felt::PATHS;
+
+use crate::findings::Findings;
+
+/// A bench as this comparison has it.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct Drive {
+    name: &'static str,
+    pub(super) file: &'static str,
+    /// Current in place of the file's.
+    ma: Option<f64>,
+    /// Files of its wires: loose, taut.
+    pub(super) wires: [&'static str; 2],
+}
+
+/// The default bench, the published drive, and one between.
+pub(super) const DRIVES: [Drive; 3] = [
+    Drive {
+        name: "default",
+        file: "emulated",
+        ma: None,
+        wires: ["loose-8mm", "taut"],
+    },
+    Drive {
+        name: "1.4 A",
+        file: "emulated",
+        ma: Some(1400.0),
+        wires: ["loose-8mm", "taut"],
+    },
+    Drive {
+        name: "thesis",
+        file: "thesis",
+        ma: None,
+        wires: ["loose", "taut"],
+    },
+];
+/// Persons; the table shows breaks of each and levels of the second.
+const PERSONS: [&str; 3] = ["sensitive", "typical", "dull"];
+/// Scenes beside the four paths: a contact at rest, one that presses, and two.
+const OTHERS: [&str; 3] = ["rest", "press", "two-finger-press"];
+pub(super) const SEEDS: [u64; 5] = [1, 2, 3, 4, 5];
+/// Thresholds of who feels anything, and of who feels nothing by a channel, um.
+const PROBE_UM: f64 = 1e-6;
+const NUMB_UM: f64 = 1e6;
+
+/// What is run.
+#[derive(Clone, Copy)]
+pub(super) struct Case {
+    pub(super) law: IllusionModel,
+    pub(super) drive: Drive,
+    /// Which of its wires.
+    pub(super) wires: &'static str,
+    pub(super) scene: &'static str,
+}
+
+/// An onset as the first probe meets it, and the second one's level, thousandths of a decibel.
+type Onset = (Event, Option<i32>);
+
+/// A run, whoever feels it.
+pub(super) struct Played {
+    pub(super) outcome: Outcome,
+    pub(super) onsets: Vec<Onset>,
+}
+
+/// A scene of the benchmark's own, or a shipped one.
+fn scene(name: &str) -> Result<Loaded<Scene>, Failure> {
+    let text = match name {
+        "rest" => include_str!("rest.toml"),
+        "press" => include_str!("press.toml"),
+        shipped => return Ok(load_scene(shipped)?),
+    };
+    let source = Source::new(format!("{name}.toml"), text);
+    let value = Scene::read(&source)?;
+    Ok(Loaded { value, source })
+}
+
+impl Case {
+    fn setup(&self) -> Result<Setup, Failure> {
+        let mut overrides = Overrides::default();
+        overrides.scene("illusion", "illusion.model", self.law.name());
+        if let Some(ma) = self.drive.ma {
+            overrides.bench("illusion", "drive.current_ma", format!("{ma:.1}"));
+        }
+        overrides.bench("illusion", "wire.kind", self.wires);
+        let setup = Setup::join(scene(self.scene)?, load_bench(self.drive.file)?)?;
+        Ok(setup.with(&overrides)?)
+    }
+
+    /// Plays it to both probes.
+    pub(super) fn play(&self, seed: u64) -> Result<Played, Failure> {
+        let mut setup = self.setup()?;
+        let mut by = |vibration_um, flutter_um| {
+            setup.person.value.vibration.threshold_um.value = vibration_um;
+            setup.person.value.flutter.threshold_um.value = flutter_um;
+            let outcome = run(&setup, &Input::Scene, seed)?;
+            match outcome.failure {
+                Some(failure) => Err(failure),
+                None => Ok(outcome),
+            }
+        };
+        let (vibration, flutter) = (by(PROBE_UM, NUMB_UM)?, by(NUMB_UM, PROBE_UM)?);
+        let felt = |event: &&Event| matches!(event, Event::Felt { .. });
+        let of_flutter = flutter
+            .trace
+            .events
+            .iter()
+            .filter(felt)
+            .map(|event| match event {
+                Event::Felt { met, .. } => met.map(|met| met.level_mdb),
+                _ => None,
+            });
+        let of_vibration = vibration.trace.events.iter().filter(felt).cloned();
+        Ok(Played {
+            onsets: of_vibration.zip(of_flutter).collect(),
+            outcome: vibration,
+        })
+    }
+}
+
+/// Thousandths of a decibel that a threshold lies above the probes'.
+fn above_mdb(um: f64) -> i32 {
+    (20e3 * (um / PROBE_UM).log10()).round() as i32
+}
+
+/// An onset as a person meets it.
+pub(super) fn met((event, flutter_mdb): &Onset, person: &Person) -> Event {
+    let mut event = event.clone();
+    if let Event::Felt { met: Some(met), .. } = &mut event {
+        let vibration = met.level_mdb - above_mdb(person.vibration_um);
+        let flutter = flutter_mdb.map(|mdb| mdb - above_mdb(person.flutter_um));
+        met.level_mdb = flutter.map_or(vibration, |flutter| vibration.max(flutter));
+    }
+    event
+}
+
+/// What a person makes of a run: errors by both centroids, level, breaks, jumps. Over seeds, the worst of each.
+#[derive(Clone, Copy, Debug, Default)]
+struct Score {
+    /// Root mean square, energy and amplitude centroid, mm.
+    mm: [Option<f64>; 2],
+    /// Median and 5 %, dB.
+    level_db: Option<[f64; 2]>,
+    breaks: u64,
+    jumps: u64,
+}
+
+impl Score {
+    fn of(header: &Header, played: &Played, person: &Person) -> Self {
+        let mut path = FeltPath::new(header);
+        played
+            .onsets
+            .iter()
+            .for_each(|onset| path.add(&met(onset, person)));
+        let scores = path.scores();
+        let db = |mdb: i32| f64::from(mdb) * 1e-3;
+        Self {
+            mm: scores.map(|s| s.errors.map(|e| e.rmse_um as f64 * 1e-3)),
+            level_db: path.level().map(|l| [db(l.median_mdb), db(l.p5_mdb)]),
+            breaks: scores[0].breaks,
+            jumps: scores.map(|s| s.jumps).into_iter().max().unwrap_or(0),
+        }
+    }
+
+    /// The larger error, mm; NaN where nothing was felt.
+    fn worst_mm(&self) -> f64 {
+        let [energy, amplitude] = self.mm.map(|mm| mm.unwrap_or(f64::NAN));
+        energy.max(amplitude)
+    }
+
+    fn worse(self, other: Self) -> Self {
+        let larger = |a: Option<f64>, b: Option<f64>| match (a, b) {
+            (Some(a), Some(b)) => Some(a.max(b)),
+            (a, b) => a.or(b),
+        };
+        let lower = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].min(b[1])];
+        Self {
+            mm: [0, 1].map(|k| larger(self.mm[k], other.mm[k])),
+            level_db: match (self.level_db, other.level_db) {
+                (Some(a), Some(b)) => Some(lower(a, b)),
+                (a, b) => a.or(b),
+            },
+            breaks: self.breaks.max(other.breaks),
+            jumps: self.jumps.max(other.jumps),
+        }
+    }
+}
+
+/// What a case came to, the worst of its seeds.
+#[derive(Clone, Copy, Debug, Default)]
+struct Figures {
+    /// By each of [`PERSONS`].
+    by: [Score; 3],
+    skin_c: f64,
+    wire_c: f64,
+    limited: u32,
+    energy_mj: f64,
+}
+
+impl Figures {
+    fn of(played: &Played, persons: &[Person; 3]) -> Self {
+        let (header, summary) = (&played.outcome.trace.header, &played.outcome.summary);
+        Self {
+            by: persons
+                .each_ref()
+                .map(|person| Score::of(header, played, person)),
+            skin_c: summary.hottest_skin_c.unwrap_or(f64::NAN),
+            wire_c: summary.hottest_wire_c.unwrap_or(f64::NAN),
+            limited: summary.limiter_events,
+            energy_mj: summary.energy_mj.unwrap_or(f64::NAN),
+        }
+    }
+
+    fn worse(self, other: Self) -> Self {
+        Self {
+            by: [0, 1, 2].map(|k| self.by[k].worse(other.by[k])),
+            skin_c: self.skin_c.max(other.skin_c),
+            wire_c: self.wire_c.max(other.wire_c),
+            limited: self.limited.max(other.limited),
+            energy_mj: self.energy_mj.max(other.energy_mj),
+        }
+    }
+}
+
+/// Every case, scenes fastest, then laws.
+fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for drive in DRIVES {
+        for wires in drive.wires {
+            for law in IllusionModel::ALL {
+                let scenes = PATHS.into_iter().chain(OTHERS);
+                cases.extend(scenes.map(|scene| Case {
+                    law,
+                    drive,
+                    wires,
+                    scene,
+                }));
+            }
+        }
+    }
+    cases
+}
+
+/// The worst of a case's seeds.
+fn figures(case: &Case, persons: &[Person; 3]) -> Result<Figures, Failure> {
+    let mut worst: Option<Figures> = None;
+    for seed in SEEDS {
+        let one = Figures::of(&case.play(seed)?, persons);
+        worst = Some(worst.map_or(one, |worst| worst.worse(one)));
+    }
+    Ok(worst.unwrap_or_default())
+}
+
+/// All cases on every processor; which one computes what changes no figure.
+fn all(cases: &[Case], persons: &[Person; 3]) -> Result<Vec<Figures>, Failure> {
+    let lanes = thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let lane = |first: usize| {
+        let mine = cases.iter().enumerate().skip(first).step_by(lanes);
+        mine.map(|(n, case)| Ok((n, figures(case, persons)?)))
+            .collect::<Result<Vec<_>, Failure>>()
+    };
+    let lane = &lane;
+    let parts = thread::scope(|scope| {
+        let started: Vec<_> = (0..lanes).map(|n| scope.spawn(move || lane(n))).collect();
+        let ended = started.into_iter().map(|part| match part.join() {
+            Ok(part) => part,
+            Err(panic) => std::panic::resume_unwind(panic),
+        });
+        ended.collect::<Result<Vec<_>, Failure>>()
+    })?;
+    let mut each: Vec<_> = parts.into_iter().flatten().collect();
+    each.sort_by_key(|part| part.0);
+    Ok(each.into_iter().map(|part| part.1).collect())
+}
+
+/// One of the persons.
+pub(super) fn person(name: &str) -> Result<Person, Failure> {
+    Ok(plan::person(&load_person(name)?.value))
+}
+
+/// A law's name here: the default is called so.
+pub(super) fn law(model: IllusionModel) -> &'static str {
+    match model == IllusionModel::default() {
+        true => "default",
+        false => model.name(),
+    }
+}
+
+/// Measures everything.
+///
+/// # Errors
+/// [`Failure`] where a shipped file cannot be read, or a run fails.
+pub fn measure() -> Result<Findings, Failure> {
+    let [a, b, c] = PERSONS;
+    let persons = [person(a)?, person(b)?, person(c)?];
+    let cases = cases();
+    let figures = all(&cases, &persons)?;
+    let mut found = Findings::new("felt-in-loop");
+    for (case, figures) in cases.iter().zip(&figures) {
+        for (person, score) in PERSONS.into_iter().zip(&figures.by) {
+            let (drive, scene, wires) = (case.drive.name, case.scene, case.wires);
+            let name = format!("{drive}, {scene}, {wires}, {person}");
+            let error = (score.worst_mm(), "mm RMSE, the worse centroid");
+            found.row(&name, law(case.law), error, f64::NAN);
+        }
+    }
+    found.table = table(&cases, &figures);
+    found.words.push(format!(
+        "Worst of {} seeds. Errors are by energy and amplitude centroid against the touch, felt or not. Levels are the \
+         typical person's, median and 5 %. Breaks are those of {a}, {b} and {c}; jumps, over two centroids, the typical \
+         person's. Two contacts are scored where one is shown alone.",
+        SEEDS.len(),
+    ));
+    Ok(found)
+}
+
+/// A block per bench and wires: a line per law and kind of scene, the four paths as one by the worst of them.
+fn table(cases: &[Case], figures: &[Figures]) -> String {
+    let mut out = String::new();
+    let scenes = PATHS.len() + OTHERS.len();
+    let of_laws = cases.chunks(scenes).zip(figures.chunks(scenes));
+    let mut block = None;
+    for (cases, figures) in of_laws {
+        let (case, (paths, others)) = (cases[0], figures.split_at(PATHS.len()));
+        if block.replace((case.drive, case.wires)) != Some((case.drive, case.wires)) {
+            let _ = writeln!(
+                out,
+                "\n  {}, {}\n    {:14} {:14} {:>11}  {:>13}  {:>13} {:>5}  {:>12}  {:>7}  {:>8}",
+                case.drive.name,
+                case.wires,
+                "law",
+                "scene",
+                "error mm",
+                "level dB",
+                "breaks",
+                "jumps",
+                "skin, wire C",
+                "limited",
+                "mJ"
+            );
+        }
+        let path = paths.iter().copied().reduce(Figures::worse);
+        let lines = path
+            .iter()
+            .chain(others)
+            .zip(["four paths"].into_iter().chain(OTHERS));
+        for (figures, scene) in lines {
+            let _ = writeln!(out, "    {:14} {scene:14} {}", law(case.law), line(figures));
+        }
+    }
+    out
+}
+
+fn line(figures: &Figures) -> String {
+    let [s, typical, d] = &figures.by;
+    // Two contacts have no one place, so nothing of them is scored.
+    let mm = |mm: Option<f64>| mm.map_or("-".to_owned(), |mm| format!("{mm:.2}"));
+    let felt = typical
+        .level_db
+        .map_or(["-".to_owned(), "-".to_owned()], |level| {
+            level.map(|db| format!("{db:.1}"))
+        });
+    let [energy, amplitude] = typical.mm.map(mm);
+    let [median, low] = felt;
+    format!(
+        "{energy:>5} {amplitude:>5}  {median:>6} {low:>6}  {:>4} {:>4} {:>3} {:>5}  {:>5.1} {:>6.1}  {:>7}  {:>8.0}",
+        s.breaks,
+        typical.breaks,
+        d.breaks,
+        typical.jumps,
+        figures.skin_c,
+        figures.wire_c,
+        figures.limited,
+        figures.energy_mj,
+    )
+}
+
+#[cfg(test)]
+#[path = "in_loop_tests.rs"]
+mod tests;
