@@ -24,6 +24,8 @@ const DRIVEN: usize = 3;
 const SOA: Nanos = Nanos(58_500_000);
 const END: Nanos = Nanos(1_000_000_000);
 const AMPS: f64 = 0.99;
+/// A loose wire, as on the default bench: its plays turn within each pulse.
+const WIRE: WireParameters = WireParameters::FINAL.loose();
 const PERSON: Person = Person {
     vibration_um: 0.26,
     flutter_um: 5.0,
@@ -62,7 +64,7 @@ fn edges(wires: usize, driven: usize) -> Edges {
 fn wires(count: usize, kept: bool) -> Result<Vec<Wire>, ParameterError> {
     let make = |_| {
         let tissue = TissueParameters::DEFAULT;
-        let mut wire = Wire::new(&WireParameters::FINAL, &tissue, 33.0)?.worn(&tissue)?;
+        let mut wire = Wire::new(&WIRE, &tissue, 33.0)?.worn(&tissue)?;
         if kept {
             wire.keep_stretches();
         }
@@ -130,7 +132,9 @@ fn integrated(stretches: &[Stretch], tolerance: f64) -> Result<f64, String> {
     let mut y = State::zeros();
     for stretch in stretches {
         let (channel, end) = (Channel(stretch), stretch.seconds);
-        (OWN..).zip(stretch.slopes).for_each(|(n, slope)| y[n] = slope);
+        (OWN..)
+            .zip(stretch.slopes)
+            .for_each(|(n, slope)| y[n] = slope);
         let mut method = Integrator::from_param(
             &channel,
             0.0,

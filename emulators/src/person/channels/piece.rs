@@ -22,17 +22,36 @@ const MOST: usize = 1024;
 /// Time constant of the Pacinian channel's energy, s (Zwislocki).
 pub const LEAK_S: f64 = 0.2;
 
+/// The modes of one regime, and its pieces by their length, as bits.
+#[derive(Clone, Debug)]
+struct Regime {
+    rates: [f64; MODES],
+    /// Forced states at the start of any piece, by mode.
+    forced: [[f64; WIDE]; MODES],
+    pieces: BTreeMap<u64, Box<Table>>,
+}
+
+impl Regime {
+    fn new(rates: &[f64; MODES]) -> Self {
+        let mut forced = [[0.0; WIDE]; MODES];
+        for (wide, rate) in forced.iter_mut().zip(rates) {
+            wide[..STATES].copy_from_slice(&filter::forced(*rate));
+        }
+        Self {
+            rates: *rates,
+            forced,
+            pieces: BTreeMap::new(),
+        }
+    }
+}
+
 /// What a piece of some length does, for the modes of one regime: everything but the amplitudes.
 #[derive(Clone, Debug)]
-pub struct Table {
-    rates: [f64; MODES],
+struct Table {
     /// exp(-rate t) at the end.
-    pub decay: [f64; MODES],
-    /// Forced states at the start and at the end, by mode.
-    start: [[f64; WIDE]; MODES],
-    end: [[f64; WIDE]; MODES],
-    /// Forced outputs at the nodes, by mode.
-    nodes: [[f64; BOTH]; MODES],
+    decay: [f64; MODES],
+    /// The same at the nodes, by mode.
+    nodes: [[f64; gauss::NODES]; MODES],
     /// Free outputs at the nodes, by state.
     rings: [[f64; BOTH]; STATES],
     free: Free,
@@ -43,28 +62,17 @@ pub struct Table {
 impl Table {
     fn new(rule: &Gauss, rates: &[f64; MODES], seconds: f64) -> Self {
         let mut table = Self {
-            rates: *rates,
             decay: decays(rates, seconds).0,
-            start: [[0.0; WIDE]; MODES],
-            end: [[0.0; WIDE]; MODES],
-            nodes: [[0.0; BOTH]; MODES],
+            nodes: [[0.0; gauss::NODES]; MODES],
             rings: [[0.0; BOTH]; STATES],
             free: Free::over(seconds),
             swell: rule.nodes.map(|part| libm::exp(part * seconds / LEAK_S)),
         };
-        let forced = rates.map(filter::forced);
-        for k in 0..MODES {
-            for state in 0..STATES {
-                table.start[k][state] = forced[k][state];
-                table.end[k][state] = forced[k][state] * table.decay[k];
-            }
-        }
         for (i, part) in rule.nodes.into_iter().enumerate() {
             let t = part * seconds;
             let (decay, _) = decays(rates, t);
             for k in 0..MODES {
-                table.nodes[k][i] = forced[k][OUT_P] * decay[k];
-                table.nodes[k][gauss::NODES + i] = forced[k][OUT_N] * decay[k];
+                table.nodes[k][i] = decay[k];
             }
             let free = Free::over(t);
             for state in 0..STATES {
@@ -77,6 +85,20 @@ impl Table {
         }
         table
     }
+}
+
+/// A piece that comes again and again.
+#[derive(Clone, Copy, Debug)]
+pub struct Piece<'a> {
+    forced: &'a [[f64; WIDE]; MODES],
+    table: &'a Table,
+}
+
+impl Piece<'_> {
+    /// Decay of each mode over the piece, 1.
+    pub const fn decay(&self) -> &[f64; MODES] {
+        &self.table.decay
+    }
 
     /// Lets a piece pass: the terms of the displacement's rate (um/s) at its start and the states, which go to its end.
     pub fn pass(&self, vectors: Vectors, terms: &[f64; MODES], x: &mut State) -> Outputs {
@@ -88,25 +110,36 @@ impl Table {
 
     #[inline(always)]
     fn plain_pass(&self, terms: &[f64; MODES], x: &mut State) -> Outputs {
+        let Table {
+            decay,
+            nodes,
+            rings,
+            free,
+            swell,
+        } = self.table;
+        let forced = self.forced;
         let (mut before, mut after) = ([0.0; WIDE], [0.0; WIDE]);
         let mut both = [0.0; BOTH];
         for k in 0..MODES {
+            let end = decay[k] * terms[k];
             for state in 0..WIDE {
-                before[state] += self.start[k][state] * terms[k];
-                after[state] += self.end[k][state] * terms[k];
+                before[state] += forced[k][state] * terms[k];
+                after[state] += forced[k][state] * end;
             }
-            for i in 0..BOTH {
-                both[i] += self.nodes[k][i] * terms[k];
+            let (p, n) = (forced[k][OUT_P] * terms[k], forced[k][OUT_N] * terms[k]);
+            for i in 0..gauss::NODES {
+                both[i] += nodes[k][i] * p;
+                both[gauss::NODES + i] += nodes[k][i] * n;
             }
         }
         let mut ring = [0.0; STATES];
         for state in 0..STATES {
             ring[state] = x[state] - before[state];
             for i in 0..BOTH {
-                both[i] += self.rings[state][i] * ring[state];
+                both[i] += rings[state][i] * ring[state];
             }
         }
-        let rung = self.free.step(&ring);
+        let rung = free.step(&ring);
         for state in 0..STATES {
             x[state] = after[state] + rung[state];
         }
@@ -114,7 +147,7 @@ impl Table {
         outputs.p.copy_from_slice(&both[..gauss::NODES]);
         outputs.n.copy_from_slice(&both[gauss::NODES..]);
         for i in 0..gauss::NODES {
-            outputs.flow[i] = 2.0 / LEAK_S * self.swell[i] * outputs.p[i] * outputs.p[i];
+            outputs.flow[i] = 2.0 / LEAK_S * swell[i] * outputs.p[i] * outputs.p[i];
         }
         outputs
     }
@@ -177,31 +210,39 @@ fn peak(rule: &Gauss, vectors: Vectors, values: &[f64; gauss::NODES]) -> f64 {
     }
 }
 
-/// The tables of recurring pieces.
+/// What recurring pieces do, by regime. What is kept changes no bit: it follows from its key.
 #[derive(Clone, Debug, Default)]
-pub struct Tables(BTreeMap<[u64; 3], Box<Table>>);
+pub struct Tables {
+    regimes: BTreeMap<[u64; 2], Regime>,
+    count: usize,
+}
 
 impl Tables {
-    /// The table of a regime's pieces of this length. What is kept changes no bit: a table follows from its key.
+    /// A regime's piece of this length.
     pub fn of(
         &mut self,
         rule: &Gauss,
-        regime: ModeKey,
+        key: ModeKey,
         rates: &[f64; MODES],
         seconds: f64,
-    ) -> &Table {
-        let bits = [regime.latent, regime.feedback, seconds].map(f64::to_bits);
-        if self.0.len() >= MOST {
-            self.0.clear();
+    ) -> Piece<'_> {
+        if self.count >= MOST {
+            *self = Self::default();
         }
-        let table = self
-            .0
-            .entry(bits)
-            .or_insert_with(|| Box::new(Table::new(rule, rates, seconds)));
-        if table.rates.map(f64::to_bits) != rates.map(f64::to_bits) {
-            **table = Table::new(rule, rates, seconds);
+        let bits = [key.latent, key.feedback].map(f64::to_bits);
+        let regime = self.regimes.entry(bits);
+        let regime = regime.or_insert_with(|| Regime::new(rates));
+        if regime.rates.map(f64::to_bits) != rates.map(f64::to_bits) {
+            *regime = Regime::new(rates);
         }
-        table
+        let table = regime.pieces.entry(seconds.to_bits()).or_insert_with(|| {
+            self.count += 1;
+            Box::new(Table::new(rule, rates, seconds))
+        });
+        Piece {
+            forced: &regime.forced,
+            table,
+        }
     }
 }
 

@@ -36,6 +36,11 @@ pub struct Passed {
     flow: [f64; gauss::NODES],
 }
 
+/// Whether all of them are. None is left out: so they are looked at side by side.
+fn finite(values: &[f64]) -> bool {
+    values.iter().fold(true, |all, v| all & v.is_finite())
+}
+
 /// One wire's filters, and what they gave since the last onset.
 #[derive(Clone, Debug, Default)]
 pub struct WireFilter {
@@ -80,7 +85,6 @@ impl WireFilter {
         if !(stretch.seconds.is_finite() && stretch.seconds > 0.0) {
             return;
         }
-        let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
         let moves = stretch.um_per_k.is_finite() && finite(&stretch.rates);
         let resting = Stretch::rest(stretch.seconds);
         let stretch = match moves && finite(&stretch.slopes) {
@@ -123,12 +127,12 @@ impl WireFilter {
             tables,
             vectors,
         } = shared;
-        let table = tables.of(rule, stretch.regime, &stretch.rates, piece);
-        let mut outputs = table.pass(*vectors, terms, &mut self.x);
-        for (term, decay) in terms.iter_mut().zip(&table.decay) {
+        let known = tables.of(rule, stretch.regime, &stretch.rates, piece);
+        let mut outputs = known.pass(*vectors, terms, &mut self.x);
+        for (term, decay) in terms.iter_mut().zip(known.decay()) {
             *term *= decay;
         }
-        if !self.x.iter().chain(&outputs.flow).all(|v| v.is_finite()) {
+        if !(finite(&self.x) && finite(&outputs.flow)) {
             // Beyond any number: the tissue is taken to stand still from here on.
             (self.x, *terms, outputs) = ([0.0; STATES], [0.0; MODES], <_>::default());
         }
