@@ -173,8 +173,9 @@ pub struct Drive {
     pub current_ma: f64,
     /// Most current the supply gives at any instant. A real bench states it.
     pub supply_limit_ma: f64,
-    /// Frequency asked for; the chip's divider makes the nearest it can, 196.89 Hz for 200.
-    pub pwm_hz: f64,
+    /// Frequency asked for; the chip's divider makes the nearest it can, 196.89 Hz for 200. Left out: 200, but with the
+    /// illusion `inverse` and no texture, which choose their own.
+    pub pwm_hz: Option<f64>,
     /// The chip's oscillator over its nominal 25 MHz.
     pub oscillator: f64,
 }
@@ -184,7 +185,7 @@ impl Default for Drive {
         Self {
             current_ma: 990.0,
             supply_limit_ma: 4000.0, // at the published 1.97 A two wires may overlap, three may not
-            pwm_hz: 200.0,
+            pwm_hz: None,
             oscillator: 1.0,
         }
     }
@@ -251,7 +252,9 @@ impl Drive {
             return Err(source.bad("drive.supply_limit_ma", expected));
         }
         // What dividers 3 to 255 make of 25 MHz.
-        source.range("drive.pwm_hz", self.pwm_hz, 24.0..=1526.0, "Hz")?;
+        if let Some(hz) = self.pwm_hz {
+            source.range("drive.pwm_hz", hz, 24.0..=1526.0, "Hz")?;
+        }
         source.range("drive.oscillator", self.oscillator, 0.8..=1.2, "")
     }
 }

@@ -139,12 +139,15 @@ pub fn display_of(
         .map_err(|e| Failure::Input(format!("display `{}`: {e}", file.name)))
 }
 
+/// Frequency of boards where neither bench nor illusion states one.
+const PWM_HZ: f64 = 200.0;
+
 /// PRE_SCALE for the frequency a bench asks for.
 ///
 /// # Errors
 /// [`Failure::Input`] for no frequency at all.
 pub fn prescale(bench: &palpate_files::Bench) -> Result<Prescale, Failure> {
-    Prescale::from_hz(bench.drive.pwm_hz).ok_or_else(|| {
+    Prescale::from_hz(bench.drive.pwm_hz.unwrap_or(PWM_HZ)).ok_or_else(|| {
         Failure::Input(format!(
             "bench `{}`: expected a PWM frequency above 0",
             bench.name
@@ -217,7 +220,8 @@ pub fn untextured(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Fail
     });
     let map = Map::new(sensor, stated, display.bounds()).map_err(|e| bad("map.sensor_mm", &e))?;
 
-    let (prescale, peak) = (prescale(bench)?, milliamps(bench.drive.current_ma));
+    let (pattern, peak) = (illusion::pattern(setup)?, milliamps(bench.drive.current_ma));
+    let prescale = pattern.map_or(prescale(bench), |p| Ok(p.prescale()))?;
     let wire_milliohm = (wire(setup).resistance_ohm * 1e3).round() as u32;
     let limits = Limits {
         supply: milliamps(bench.drive.supply_limit_ma),
@@ -235,7 +239,7 @@ pub fn untextured(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Fail
     )
     .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
 
-    let output = illusion::output(setup, &display, peak)?;
+    let output = illusion::output(setup, &display, &guard, peak, pattern)?;
     Ok(Plan {
         sensing: SensingPlan {
             layout,

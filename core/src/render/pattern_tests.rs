@@ -1,0 +1,58 @@
+//! Tests of `pattern.rs`.
+
+use super::*;
+
+const fn ms(ms: u64) -> Duration {
+    Duration::from_millis(ms)
+}
+
+#[test]
+fn a_vibration_of_three_pulses_lasts_30_ms_and_leaves_the_pause() {
+    let pattern = Pattern::new(CADENCE, 2).unwrap();
+    assert_eq!((pattern.prescale().get(), pattern.pulses(false)), (92, 3));
+    assert_eq!(pattern.pulses(true), 2);
+    // 15.24 ms apart: 30.5 ms from the first pulse to the last.
+    assert_eq!(pattern.timing().duration, Duration::from_micros(45_712));
+}
+
+#[test]
+fn every_cadence_gets_the_fewest_pulses_that_last_30_ms_where_any_do() {
+    for soa in 45..300 {
+        let pattern = Pattern::new(ms(soa), 2).unwrap();
+        let pulses = u64::from(pattern.pulses(false));
+        let first_to_last = (pulses - 1) * pattern.prescale().period_ns();
+        let Timing { duration, soa } = pattern.timing();
+        assert!(
+            duration <= LONGEST && duration + APART <= soa,
+            "{pattern:?}"
+        );
+        // Of n pulses (n - 1) / n of the burst lie between first and last: 30.3 of 48.8 ms take three, of 37.3 ms six.
+        if soa >= Duration::from_micros(58_500) {
+            assert!(first_to_last >= VIBRATION_US * 1000, "{pattern:?}");
+            let room = longest(soa).as_micros();
+            assert!(
+                (pulses - 1) * VIBRATION_US.div_ceil(pulses - 2) > room || pulses == 3 || {
+                    let fewer = pulses - 1;
+                    fewer * (VIBRATION_US.div_ceil(fewer - 1) + 164) > room
+                }
+            );
+        }
+    }
+    let at_58_5 = Pattern::new(Duration::from_micros(58_500), 2).unwrap();
+    assert_eq!(at_58_5.pulses(false), 6);
+}
+
+#[test]
+fn small_pulses_come_in_larger_numbers() {
+    let pattern = Pattern::new(CADENCE, 4).unwrap();
+    assert_eq!((pattern.prescale().get(), pattern.pulses(false)), (61, 4));
+}
+
+#[test]
+fn boards_with_a_spacing_of_their_own_get_what_fits() {
+    let of = |prescale, soa| Pattern::on(Prescale::new(prescale), ms(soa)).map(|p| p.pulses(false));
+    assert_eq!(of(30, 117), Ok(7)); // six periods of 5.08 ms are 30.5 ms
+    assert_eq!(of(30, 45), Ok(4));
+    assert_eq!(of(255, 117), Err(PatternError));
+    assert_eq!(Pattern::new(ms(21), 2), Err(PatternError));
+}
