@@ -16,6 +16,10 @@ const STRONG: f32 = 0.8;
 const ON_WIRE: f32 = 0.85;
 /// Times that the compromise between both centroids is corrected. Two bring it to 0.01 mm on gaps of 9 mm.
 const CORRECTIONS: u32 = 2;
+/// Gauss-Newton steps that then move every wire by itself, and the largest of a logarithm of an amplitude.
+const STEPS: (u32, f32) = (2, 0.4);
+/// Damping of a step, as a part of the matrix's trace: what no amplitudes can mend shall not move them.
+const DAMPING: f32 = 2e-3;
 
 /// Shares by the cells between wires, turned into what both centroids feel where the contact is.
 #[derive(Clone, Debug)]
@@ -66,42 +70,93 @@ impl Inverse {
     /// with a pulse less may have a little over 1.
     pub fn split(&self, at: Point, most: u8, amplitudes: &mut [f32], pulses: &mut [u8]) {
         pulses.fill(most);
-        self.solve(at, most, true, amplitudes, |wire, n| pulses[wire] = n);
+        let Some((near, scale)) = self.share(at, amplitudes) else {
+            return;
+        };
+        let largest = amplitudes.iter().copied().fold(0.0, f32::max);
+        let mut best = self.fit(near, amplitudes, most, f32::INFINITY);
+        if most > 1 && largest <= ON_WIRE {
+            let other = self.fit(near, amplitudes, most, STRONG * largest);
+            if other.1 < best.1 {
+                best = other;
+            }
+        }
+        for (share, n) in amplitudes.iter().zip(&mut *pulses) {
+            *n = best.0.pulses(*share);
+        }
+        self.settle(near, &best.0, amplitudes, |wire| f32::from(pulses[wire]));
+        let energies = amplitudes.iter().zip(pulses);
+        let energy: f32 = energies.map(|(a, n)| f32::from(*n) * a * a).sum();
+        let scale = scale * libm::sqrtf(f32::from(most) / energy);
+        amplitudes.iter_mut().for_each(|a| *a *= scale);
     }
 
-    fn solve(
-        &self,
-        at: Point,
-        most: u8,
-        unequal: bool,
-        out: &mut [f32],
-        mut count: impl FnMut(usize, u8),
-    ) {
+    /// Writes the shares of the nearest place inside the hull; that place, and the part of full level that is left there.
+    fn share(&self, at: Point, out: &mut [f32]) -> Option<(Point, f32)> {
         let (near, beyond) = self.cells.nearest(at);
         // What is no number compares false.
         let within = beyond < self.margin;
         if !within {
             out.fill(0.0);
-            return;
+            return None;
         }
         self.cells.shares(near, out);
-        let largest = out.iter().copied().fold(0.0, f32::max);
-        let mut best = self.fit(near, out, most, f32::INFINITY);
-        if unequal && most > 1 && largest <= ON_WIRE {
-            let other = self.fit(near, out, most, STRONG * largest);
-            if other.1 < best.1 {
-                best = other;
+        Some((near, 1.0 - beyond / self.margin))
+    }
+
+    /// Shares in place to amplitudes.
+    fn settle(&self, at: Point, split: &Split, out: &mut [f32], pulses: impl Fn(usize) -> f32) {
+        let mut active = 0;
+        for a in out.iter_mut().filter(|a| **a > 0.0) {
+            *a = split.amplitude(*a);
+            active += 1;
+        }
+        // Of two wires the blend says all there is to say.
+        if active > 2 {
+            for _ in 0..STEPS.0 {
+                self.step(at, out, &pulses);
             }
         }
-        let mut energy = 0.0;
-        for (wire, a) in out.iter_mut().enumerate().filter(|(_, a)| **a > 0.0) {
-            let n = best.0.pulses(*a);
-            *a = best.0.amplitude(*a);
-            energy += f32::from(n) * *a * *a;
-            count(wire, n);
+    }
+
+    /// One Gauss-Newton step of the logarithms of amplitudes towards the least squares of both misses, the smallest of all
+    /// steps that lead there.
+    fn step(&self, at: Point, amplitudes: &mut [f32], pulses: &impl Fn(usize) -> f32) {
+        let active = |a: &[f32]| -> [f32; 6] {
+            let mut sums = [0.0; 6];
+            for (wire, &a) in a.iter().enumerate().filter(|(_, a)| **a > 0.0) {
+                let (place, energy) = (self.cells.place(wire), pulses(wire) * a * a);
+                let (x, y) = (place.x - at.x, place.y - at.y);
+                let terms = [energy, energy * x, energy * y, a, a * x, a * y];
+                sums.iter_mut().zip(terms).for_each(|(s, t)| *s += t);
+            }
+            sums
+        };
+        let [e, ex, ey, p, px, py] = active(amplitudes);
+        let misses = [ex / e, ey / e, px / p, py / p];
+        // How both centroids move with the logarithm of a wire's amplitude.
+        let moves = |wire: usize, a: f32| -> [f32; 4] {
+            let place = self.cells.place(wire);
+            let (x, y) = (place.x - at.x, place.y - at.y);
+            let (energy, peak) = (2.0 * pulses(wire) * a * a / e, a / p);
+            let to = [x - misses[0], y - misses[1], x - misses[2], y - misses[3]];
+            [energy * to[0], energy * to[1], peak * to[2], peak * to[3]]
+        };
+        let mut matrix = [[0.0; 4]; 4];
+        for (wire, &a) in amplitudes.iter().enumerate().filter(|(_, a)| **a > 0.0) {
+            let moves = moves(wire, a);
+            for (row, of) in matrix.iter_mut().zip(moves) {
+                row.iter_mut().zip(moves).for_each(|(m, by)| *m += of * by);
+            }
         }
-        let scale = libm::sqrtf(f32::from(most) / energy) * (1.0 - beyond / self.margin);
-        out.iter_mut().for_each(|a| *a *= scale);
+        let trace: f32 = (0..4).map(|i| matrix[i][i]).sum();
+        (0..4).for_each(|i| matrix[i][i] += DAMPING * trace);
+        let forces = solved(matrix, misses);
+        for (wire, a) in amplitudes.iter_mut().enumerate().filter(|(_, a)| **a > 0.0) {
+            let terms = moves(wire, *a).into_iter().zip(forces);
+            let step: f32 = terms.map(|(m, f)| -m * f).sum();
+            *a *= libm::expf(step.clamp(-STEPS.1, STEPS.1));
+        }
     }
 
     /// The blend that makes the sum of both squared misses least, and that sum, mm2. Each miss grows about evenly from the
@@ -155,8 +210,34 @@ impl Inverse {
 impl Illusion for Inverse {
     /// With as many pulses on every wire.
     fn activate(&self, at: Point, out: &mut [f32]) {
-        self.solve(at, 1, false, out, |_, _| ());
+        let Some((near, scale)) = self.share(at, out) else {
+            return;
+        };
+        let (split, _) = self.fit(near, out, 1, f32::INFINITY);
+        self.settle(near, &split, out, |_| 1.0);
+        let energy: f32 = out.iter().map(|a| a * a).sum();
+        let scale = scale / libm::sqrtf(energy);
+        // One wire alone has no more than 1, whatever the rounding.
+        out.iter_mut().for_each(|a| *a = (*a * scale).min(1.0));
     }
+}
+
+/// The solution of a symmetric positive system.
+fn solved(mut matrix: [[f32; 4]; 4], mut right: [f32; 4]) -> [f32; 4] {
+    for pivot in 0..4 {
+        for row in pivot + 1..4 {
+            let part = matrix[row][pivot] / matrix[pivot][pivot];
+            for column in pivot..4 {
+                matrix[row][column] -= part * matrix[pivot][column];
+            }
+            right[row] -= part * right[pivot];
+        }
+    }
+    for row in (0..4).rev() {
+        let known: f32 = (row + 1..4).map(|c| matrix[row][c] * right[c]).sum();
+        right[row] = (right[row] - known) / matrix[row][row];
+    }
+    right
 }
 
 #[cfg(test)]

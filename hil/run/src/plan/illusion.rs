@@ -6,10 +6,11 @@ use palpate_core::illusion::{
     ShapeChoice, Steps, Stroke, build, inverse,
 };
 use palpate_core::projector::OutputSettings;
-use palpate_core::render::{CADENCE, Pattern, RenderSettings, Response};
+use palpate_core::render::{CADENCE, Pattern, RenderSettings};
 use palpate_core::units::{Duration, Instant, Milliamps};
 
 use super::point;
+use super::response::response;
 use crate::failure::Failure;
 use palpate_files::Setup;
 
@@ -120,13 +121,14 @@ fn render(
     guard: &Guard,
     calibration: &Calibration,
     pattern: Pattern,
-) -> Result<RenderSettings, IllusionError> {
+) -> Result<RenderSettings, Failure> {
     let illusion = &setup.scene.value.illusion;
+    let bad = |e: IllusionError| Failure::File(setup.scene.source.bad(key(e), e.to_string()));
     Ok(RenderSettings {
-        law: inverse(display, &settings(illusion))?,
+        law: inverse(display, &settings(illusion)).map_err(bad)?,
         style: illusion.render,
         pattern,
-        response: Response::linear(guard.widest()),
+        response: response(setup, guard, &pattern)?,
         sharing: illusion.sharing,
         calibration: calibration.clone(),
     })
@@ -158,7 +160,7 @@ pub(super) fn output(
         }
     };
     let render = pattern.map(|p| render(setup, display, guard, &calibration, p));
-    let render = render.transpose().map_err(|e| bad(key(e), e.to_string()))?;
+    let render = render.transpose()?;
     Ok(OutputSettings {
         timing,
         render,

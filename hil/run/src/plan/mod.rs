@@ -2,6 +2,7 @@
 
 mod illusion;
 mod person;
+mod response;
 mod texture;
 
 pub use illusion::drive;
