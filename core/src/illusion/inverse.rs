@@ -75,7 +75,8 @@ impl Inverse {
         };
         let largest = amplitudes.iter().copied().fold(0.0, f32::max);
         let mut best = self.fit(near, amplitudes, most, f32::INFINITY);
-        if most > 1 && largest <= ON_WIRE {
+        let is_weak = |share: &f32| *share > 0.0 && *share < STRONG * largest;
+        if most > 1 && largest <= ON_WIRE && amplitudes.iter().any(is_weak) {
             let other = self.fit(near, amplitudes, most, STRONG * largest);
             if other.1 < best.1 {
                 best = other;

@@ -84,7 +84,7 @@ pub struct RenderSettings {
 pub struct Volley {
     /// Width of a pulse; zero for a wire that stays off.
     pub width: Ticks,
-    /// How long the wire is on: so many periods.
+    /// How long the wire is on.
     pub length: Duration,
 }
 
@@ -162,7 +162,9 @@ impl Renderer {
             Style::Tap => true,
             Style::Auto => track.rests,
         };
-        let fit = length.map(|l| l.as_micros() * 1000 / guard.prescale().period_ns());
+        let period_ns = guard.prescale().period_ns();
+        let fit = length.map(|l| (l.as_micros() * 1000).div_ceil(period_ns));
+        let lasts = |pulses: u8| length.unwrap_or(pattern.lasts(pulses));
         let most = fit.map_or(pattern.pulses(tap), |n| n.clamp(1, 255) as u8);
         match length {
             None => law.split(target.place, most, &mut self.one, &mut self.counts),
@@ -178,8 +180,7 @@ impl Renderer {
         for (wire, (one, n)) in self.one.iter_mut().zip(&self.counts).enumerate() {
             if *one > 0.0 {
                 *one *= full * calibration.gain(wire);
-                let length = pattern.lasts(*n);
-                let most = bearable(guard, &self.reserves[wire], wire, at, length);
+                let most = bearable(guard, &self.reserves[wire], wire, at, lasts(*n));
                 scale = scale.min(response.amplitude(most) / *one);
             }
         }
@@ -190,7 +191,7 @@ impl Renderer {
             let mine = one * scale * target.weight;
             let all = &mut self.amplitudes[wire];
             if mine > *all {
-                self.volleys[wire].length = pattern.lasts(*n);
+                self.volleys[wire].length = lasts(*n);
             }
             *all = match sharing {
                 Sharing::Strongest | Sharing::Slices => all.max(mine),

@@ -2,6 +2,10 @@
 //!
 //! All pulses of a board are one PWM period apart, whichever wire they are for. Few large pulses are felt better than many
 //! small ones of the same energy (`docs/felt.md`), so a burst has as few as a vibration takes.
+//!
+//! Between bursts all outputs of a board are off, and its counter is held at zero (PCA9685 data sheet 7.3.3): the first period
+//! begins with the onset. A channel that goes off in the middle of period n has had n pulses, at any oscillator from 23 to
+//! 27.4 MHz and up to four pulses.
 
 use core::fmt;
 
@@ -14,8 +18,9 @@ use crate::units::{Duration, Prescale};
 const APART: Duration = Duration::from_micros(BURST_GAP.as_micros() + 1200);
 /// What lasts 30 ms feels like a vibration and not like a tap (Remache-Vinueza 2025); a hundredth more for rounding.
 const VIBRATION_US: u64 = 30_300;
-/// Pulses of a tap.
+/// Pulses of a tap, and the fewest that are no tap.
 const TAP: u8 = 2;
+const SMOOTH: u8 = 3;
 /// Most pulses of a burst that are tried.
 const MOST: u8 = 9;
 /// Between bursts where nothing is stated: apparent motion on a fingerpad wants 105 to 125 ms.
@@ -59,7 +64,7 @@ impl Pattern {
             (pulses, prescale)
         };
         let fits = |(pulses, prescale): &(u8, Prescale)| lasts(*pulses, *prescale) <= longest;
-        let vibration = (least.max(TAP)..=MOST).map(spaced).find(fits);
+        let vibration = (least.max(SMOOTH)..=MOST).map(spaced).find(fits);
         if let Some((smooth, prescale)) = vibration {
             return Ok(Self {
                 prescale,
@@ -68,7 +73,8 @@ impl Pattern {
             });
         }
         // No vibration fits in: as many pulses as make the longest burst.
-        let period_ns = longest.as_micros() * 1000 / u64::from(least.max(TAP));
+        let halves = 2 * u64::from(least.max(SMOOTH)) - 1;
+        let period_ns = longest.as_micros() * 2000 / halves;
         let steps = period_ns / (Prescale::new(3).period_ns() / 4);
         let prescale = Prescale::new(steps.saturating_sub(1).min(255) as u8);
         Self::on(prescale, soa)
@@ -81,7 +87,8 @@ impl Pattern {
     pub fn on(prescale: Prescale, soa: Duration) -> Result<Self, PatternError> {
         let longest = longest(soa);
         let enough = 1 + (VIBRATION_US * 1000).div_ceil(prescale.period_ns());
-        let fit = longest.as_micros() * 1000 / prescale.period_ns();
+        let half = prescale.period_ns() / 2;
+        let fit = (longest.as_micros() * 1000 / half).div_ceil(2);
         let smooth = enough.min(fit).min(u64::from(u8::MAX)) as u8;
         match smooth >= TAP {
             true => Ok(Self {
@@ -111,7 +118,7 @@ impl Pattern {
         if tap { TAP } else { self.smooth }
     }
 
-    /// How long a channel is on for so many pulses.
+    /// How long a channel is on for so many pulses: it goes off in the middle of the last one's period.
     pub const fn lasts(&self, pulses: u8) -> Duration {
         lasts(pulses, self.prescale)
     }
@@ -124,7 +131,8 @@ fn longest(soa: Duration) -> Duration {
 }
 
 const fn lasts(pulses: u8, prescale: Prescale) -> Duration {
-    Duration::from_micros((pulses as u64 * prescale.period_ns()).div_ceil(1000))
+    let halves = (2 * pulses as u64).saturating_sub(1);
+    Duration::from_micros(halves * prescale.period_ns() / 2000)
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ fn a_vibration_of_three_pulses_lasts_30_ms_and_leaves_the_pause() {
     assert_eq!((pattern.prescale().get(), pattern.pulses(false)), (92, 3));
     assert_eq!(pattern.pulses(true), 2);
     // 15.24 ms apart: 30.5 ms from the first pulse to the last.
-    assert_eq!(pattern.timing().duration, Duration::from_micros(45_712));
+    assert_eq!(pattern.timing().duration, Duration::from_micros(38_092));
 }
 
 #[test]
@@ -26,20 +26,30 @@ fn every_cadence_gets_the_fewest_pulses_that_last_30_ms_where_any_do() {
             duration <= LONGEST && duration + APART <= soa,
             "{pattern:?}"
         );
-        // Of n pulses (n - 1) / n of the burst lie between first and last: 30.3 of 48.8 ms take three, of 37.3 ms six.
         if soa >= Duration::from_micros(58_500) {
             assert!(first_to_last >= VIBRATION_US * 1000, "{pattern:?}");
-            let room = longest(soa).as_micros();
-            assert!(
-                (pulses - 1) * VIBRATION_US.div_ceil(pulses - 2) > room || pulses == 3 || {
-                    let fewer = pulses - 1;
-                    fewer * (VIBRATION_US.div_ceil(fewer - 1) + 164) > room
-                }
-            );
         }
     }
-    let at_58_5 = Pattern::new(Duration::from_micros(58_500), 2).unwrap();
-    assert_eq!(at_58_5.pulses(false), 6);
+    // Of three pulses 30.3 of 37.9 ms lie between first and last; 58.5 ms leave 37.3.
+    let of = |us: u64| Pattern::new(Duration::from_micros(us), 2).map(|p| p.pulses(false));
+    assert_eq!((of(58_500), of(60_000)), (Ok(4), Ok(3)));
+}
+
+#[test]
+fn pulses_are_as_many_at_every_oscillator() {
+    for soa in [45, 58, 117, 234] {
+        let pattern = Pattern::new(ms(soa), 2).unwrap();
+        for pulses in 1..=pattern.pulses(false) {
+            for mhz in [23.0, 25.0, 27.4] {
+                let period_us = pattern.prescale().period_ns() as f64 * 1e-3 * 25.0 / mhz;
+                let periods = pattern.lasts(pulses).as_micros() as f64 / period_us;
+                assert!(
+                    periods.ceil() as u8 == pulses || pulses > 4,
+                    "{pulses} at {mhz} MHz: {periods}"
+                );
+            }
+        }
+    }
 }
 
 #[test]
@@ -52,7 +62,7 @@ fn small_pulses_come_in_larger_numbers() {
 fn boards_with_a_spacing_of_their_own_get_what_fits() {
     let of = |prescale, soa| Pattern::on(Prescale::new(prescale), ms(soa)).map(|p| p.pulses(false));
     assert_eq!(of(30, 117), Ok(7)); // six periods of 5.08 ms are 30.5 ms
-    assert_eq!(of(30, 45), Ok(4));
+    assert_eq!(of(30, 45), Ok(5)); // the last of them has half a period
     assert_eq!(of(255, 117), Err(PatternError));
     assert_eq!(Pattern::new(ms(21), 2), Err(PatternError));
 }
