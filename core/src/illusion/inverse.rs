@@ -11,9 +11,11 @@ use super::law::Illusion;
 
 /// A wire whose share is at least this part of the largest is strong: it may do with a pulse less.
 const STRONG: f32 = 0.8;
-/// Of a contact on a wire that wire has more than this share. There all wires have as many pulses, so that crossing it
-/// changes nothing.
-const ON_WIRE: f32 = 0.85;
+/// Strong wires do with a pulse less where weak ones together have at least this share: what makes a burst a vibration has
+/// to be felt, and crossing a wire changes nothing.
+const WEAK: f32 = 0.2;
+/// Of so many pulses none is left out: of a tap's two, one would be half.
+const TAP: u8 = 2;
 /// Times that the compromise between both centroids is corrected. Two bring it to 0.01 mm on gaps of 9 mm.
 const CORRECTIONS: u32 = 2;
 /// Gauss-Newton steps that then move every wire by itself, and the largest of a logarithm of an amplitude.
@@ -75,8 +77,8 @@ impl Inverse {
         };
         let largest = amplitudes.iter().copied().fold(0.0, f32::max);
         let mut best = self.fit(near, amplitudes, most, f32::INFINITY);
-        let is_weak = |share: &f32| *share > 0.0 && *share < STRONG * largest;
-        if most > 1 && largest <= ON_WIRE && amplitudes.iter().any(is_weak) {
+        let weak = amplitudes.iter().filter(|s| **s < STRONG * largest);
+        if most > TAP && weak.sum::<f32>() >= WEAK {
             let other = self.fit(near, amplitudes, most, STRONG * largest);
             if other.1 < best.1 {
                 best = other;

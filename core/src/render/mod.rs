@@ -32,6 +32,8 @@ const FAST: f32 = 0.6;
 const RISE: f32 = 1.209_2;
 /// The widest pulse over one at full level on one wire: room for wires that do with a pulse less.
 const HEADROOM: f32 = 1.12;
+/// A vibration of at most so many pulses gains by becoming a tap.
+const FEW: u8 = 4;
 /// Times that widths are corrected where a fingertip bears less than all contacts want.
 const CORRECTIONS: u32 = 3;
 
@@ -43,7 +45,8 @@ pub enum Style {
     Smooth,
     /// Taps: bursts of two pulses, which are felt more strongly at the same power.
     Tap,
-    /// Taps while the contact rests, a vibration while it moves.
+    /// Taps while the contact rests, a vibration while it moves. Where the current is so small that a vibration takes many
+    /// pulses, two of them are weaker at any power, and it stays a vibration.
     Auto,
 }
 
@@ -160,7 +163,7 @@ impl Renderer {
         let tap = match style {
             Style::Smooth => false,
             Style::Tap => true,
-            Style::Auto => track.rests,
+            Style::Auto => track.rests && pattern.pulses(false) <= FEW,
         };
         let period_ns = guard.prescale().period_ns();
         let fit = length.map(|l| (l.as_micros() * 1000).div_ceil(period_ns));

@@ -48,11 +48,16 @@ impl Rig {
 
     /// One onset, through the guard, which must change nothing; what every wire got.
     fn onset(&mut self, contacts: &[Point]) -> [Volley; 8] {
+        self.weighted(contacts, 1.0)
+    }
+
+    /// The same for contacts of this weight.
+    fn weighted(&mut self, contacts: &[Point], weight: f32) -> [Volley; 8] {
         self.now = self.now + CADENCE;
         self.guard.hear(self.now);
         let target = |place: &Point| Target {
             place: *place,
-            weight: 1.0,
+            weight,
         };
         let targets: vec::Vec<Target> = contacts.iter().map(target).collect();
         let volleys = self.renderer.render(self.now, &targets, None, &self.guard);
@@ -187,6 +192,22 @@ fn a_tap_has_the_level_of_a_vibration_and_two_pulses() {
     // Two and a half periods, one and a half.
     let thirds = (3 * long[2].length.as_micros()).abs_diff(5 * short[2].length.as_micros());
     assert!(thirds < 9, "{long:?} {short:?}");
+}
+
+#[test]
+fn a_weight_is_heard_as_a_level() {
+    let mut last = None;
+    for weight in [0.35, 0.5, 0.7, 1.0] {
+        let mut rig = Rig::new(Style::Smooth);
+        let volleys = rig.weighted(&[Point::new(0.0, GAP)], weight);
+        let level = db(rig.felt(&volleys).0) - db(weight * weight);
+        // Half a tick of 15 is 0.3 dB.
+        let last: f32 = core::mem::replace(&mut last, Some(level)).unwrap_or(level);
+        assert!(
+            (level - last).abs() < 0.6,
+            "{weight}: {level} dB and {last} dB over the weight"
+        );
+    }
 }
 
 #[test]

@@ -22,8 +22,7 @@ pub(crate) fn felt_wire(setup: &Setup) -> Result<Wire, Failure> {
     let (bench, wire) = (&setup.bench.value, plan::wire(setup));
     let tissue = bench.tissue.parameters();
     let alone = Wire::new(&wire, &tissue, START_C).and_then(|wire| wire.worn(&tissue));
-    let mut alone =
-        alone.map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
+    let mut alone = alone.map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
     alone.keep_stretches();
     Ok(alone)
 }
