@@ -17,16 +17,6 @@ use super::recorder::{Onset, Recorder, milli_c};
 /// A contact this close to the display's hull counts as inside it, mm.
 const HULL_MARGIN: f32 = 1e-3;
 
-/// A setup's wire on a finger, at rest, whose motion is kept for a person to feel.
-pub(crate) fn felt_wire(setup: &Setup) -> Result<Wire, Failure> {
-    let (bench, wire) = (&setup.bench.value, plan::wire(setup));
-    let tissue = bench.tissue.parameters();
-    let alone = Wire::new(&wire, &tissue, START_C).and_then(|wire| wire.worn(&tissue));
-    let mut alone = alone.map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
-    alone.keep_stretches();
-    Ok(alone)
-}
-
 /// What one wire at full drive gives to feel, alone and from rest: what the energy of an onset is held against.
 pub(super) struct FullDrive {
     /// Integral of its squared filtered displacement, um2 s.
@@ -39,7 +29,7 @@ impl FullDrive {
         let bench = &setup.bench.value;
         let prescale = projector.guard().prescale();
         let impossible = |e| Failure::Input(format!("bench `{}`: {e}", bench.name));
-        let mut alone = felt_wire(setup)?;
+        let mut alone = plan::felt_wire(setup)?;
         let width = Nanos(u64::from(projector.width(1.0).get()) * prescale.tick_ns());
         let (mut at, end) = (
             Nanos::ZERO,

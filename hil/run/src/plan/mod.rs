@@ -7,6 +7,7 @@ mod texture;
 
 pub use illusion::drive;
 pub use person::person;
+pub(crate) use response::felt_wire;
 pub use texture::{projection, surface};
 
 use palpate_core::contact::{Levels, Settings};

@@ -3,18 +3,28 @@
 use palpate_core::guard::Guard;
 use palpate_core::render::{Pattern, Response};
 use palpate_core::units::Ticks;
+use palpate_emulators::display::wire::Wire;
 use palpate_emulators::person::channels::Perceiver;
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::START_C;
 use palpate_files::Setup;
 
 use crate::failure::Failure;
-use crate::feel::felt_wire;
 
 /// So many widths are computed; between two of them the amplitude is taken to be straight.
 const SAMPLES: u16 = 12;
 /// Bursts before the one that counts: wire and tissue have got warm.
 const BEFORE: u64 = 7;
+
+/// A setup's wire on a finger, at rest, whose motion is kept for a person to feel.
+pub(crate) fn felt_wire(setup: &Setup) -> Result<Wire, Failure> {
+    let (bench, wire) = (&setup.bench.value, super::wire(setup));
+    let tissue = bench.tissue.parameters();
+    let alone = Wire::new(&wire, &tissue, START_C).and_then(|wire| wire.worn(&tissue));
+    let mut alone = alone.map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
+    alone.keep_stretches();
+    Ok(alone)
+}
 
 /// Amplitudes by width: the root of the filtered energy per pulse, of bursts that come again and again.
 pub(super) fn response(
