@@ -2,7 +2,6 @@
 
 use palpate_core::projector::Projector;
 use palpate_core::units::{Instant, Point};
-use palpate_emulators::display::wire::Wire;
 use palpate_emulators::person::channels::{Felt, Perceiver};
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{START_C, WornDisplay};
