@@ -230,9 +230,9 @@ fn solved(mut matrix: [[f32; 4]; 4], mut right: [f32; 4]) -> [f32; 4] {
     for pivot in 0..4 {
         for row in pivot + 1..4 {
             let part = matrix[row][pivot] / matrix[pivot][pivot];
-            for column in pivot..4 {
-                matrix[row][column] -= part * matrix[pivot][column];
-            }
+            let above = matrix[pivot];
+            let columns = matrix[row].iter_mut().zip(above);
+            columns.for_each(|(m, above)| *m -= part * above);
             right[row] -= part * right[pivot];
         }
     }

@@ -53,7 +53,7 @@ impl Rig {
 
     /// The same for contacts of this weight.
     fn weighted(&mut self, contacts: &[Point], weight: f32) -> [Volley; 8] {
-        self.now = self.now + CADENCE;
+        self.now += CADENCE;
         self.guard.hear(self.now);
         let target = |place: &Point| Target {
             place: *place,
@@ -153,7 +153,7 @@ fn a_scale_rises_by_no_more_than_a_difference_that_is_just_noticeable() {
         let volleys = rig.onset(&[Point::new(0.0, y)]);
         let (energy, _) = rig.felt(&volleys);
         most = most.max(energy);
-        let last = core::mem::replace(&mut last, Some(energy)).unwrap_or(energy);
+        let last = last.replace(energy).unwrap_or(energy);
         // The widths of weak wires are whole ticks: half a decibel.
         assert!(
             db(energy) - db(last) < 1.65 + 0.5,
@@ -202,7 +202,7 @@ fn a_weight_is_heard_as_a_level() {
         let volleys = rig.weighted(&[Point::new(0.0, GAP)], weight);
         let level = db(rig.felt(&volleys).0) - db(weight * weight);
         // Half a tick of 15 is 0.3 dB.
-        let last: f32 = core::mem::replace(&mut last, Some(level)).unwrap_or(level);
+        let last: f32 = last.replace(level).unwrap_or(level);
         assert!(
             (level - last).abs() < 0.6,
             "{weight}: {level} dB and {last} dB over the weight"
