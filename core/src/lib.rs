@@ -18,6 +18,7 @@ pub mod illusion;
 pub mod physics;
 pub mod projector;
 pub mod random;
+pub mod render;
 pub mod schedule;
 pub mod skin;
 pub mod texture;

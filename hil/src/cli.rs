@@ -295,9 +295,12 @@ pub struct RunArgs {
     /// Let intensity levels change the drive.
     #[arg(long, value_name = "on|off")]
     pub intensity: Option<Switch>,
-    /// Illusion model: phantom, energy, linear, square, balanced, three-nearest, gaussian or nearest.
+    /// Illusion model: phantom, energy, linear, square, balanced, inverse, three-nearest, gaussian or nearest.
     #[arg(long, value_name = "NAME")]
     pub illusion: Option<String>,
+    /// How `inverse` renders a contact: smooth (a vibration), tap, or auto (taps while it rests).
+    #[arg(long, value_name = "STYLE")]
+    pub render: Option<String>,
     /// The emulated person who feels it, built in (typical, sensitive, dull) or a file.
     #[arg(long, value_name = "PERSON")]
     pub felt: Option<String>,

@@ -174,7 +174,7 @@ proptest! {
         shorter.scene("test", "touches[0].end_s", 3.0);
         let scene = load_scene("sphere-circle").unwrap().with(&shorter).unwrap();
         let mut bench = load_bench("emulated").unwrap();
-        bench.value.drive.pwm_hz = hz;
+        bench.value.drive.pwm_hz = Some(hz);
         bench.value.drive.oscillator = oscillator;
         bench.value.drive.current_ma = current;
         let setup = Setup::join(scene, bench).unwrap();

@@ -56,7 +56,7 @@ fn settings() -> Vec<ModelSettings> {
                 .is_ok()
         })
         .collect();
-    assert_eq!(known.len(), 16, "laws by distances");
+    assert_eq!(known.len(), 17, "laws by distances");
     known
 }
 
@@ -93,6 +93,7 @@ fn modulus(model: IllusionModel) -> Option<f32> {
         IllusionModel::Square => Some(2.0 * share + 1e-4),
         IllusionModel::Energy => Some(share.sqrt() + 4e-3),
         IllusionModel::Balanced => Some(2.0 * share.powf(0.65) + 2e-3),
+        IllusionModel::Inverse => Some(3.0 * share.powf(0.65) + 2e-3),
         IllusionModel::Gaussian => Some(0.01),
         // These two jump by nature.
         IllusionModel::ThreeNearest | IllusionModel::Nearest => None,

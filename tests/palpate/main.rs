@@ -24,6 +24,7 @@ mod paths;
 mod pca9685;
 mod policy;
 mod recordings;
+mod render;
 mod rules;
 mod scans;
 mod texture;

@@ -8,6 +8,8 @@ use crate::units::{Duration, Instant, Ticks};
 
 use super::Guard;
 use super::admission::faded;
+use super::decays::{Decays, RATES};
+use super::table::{DEEP, SHALLOW};
 
 /// The second that [`Guard::second_uw`] looks ahead.
 const SECOND: Duration = Duration::from_millis(1000);
@@ -101,6 +103,21 @@ impl Guard {
             (Reason::WirePower, power / 1000),
             (Reason::FingertipPower, tip / 1000),
         ])
+    }
+
+    /// Mean power, uW, that may flow evenly into one wire for a whole session from rest: what the rows of power and of heat
+    /// bear at its end. The dose is left out.
+    pub fn sustained_uw(&self, session: Duration) -> u64 {
+        let seconds = session.as_secs_f64();
+        let per_watt = |row: &Decays| -> f64 {
+            let each = row.iter().zip(&RATES);
+            each.map(|(c, r)| c / r * (1.0 - libm::exp(-r * seconds)))
+                .sum()
+        };
+        let heat = self.budget.even_w(per_watt(&SHALLOW), per_watt(&DEEP));
+        let power = self.wires.iter().map(|w| w.power.rate_uw());
+        let power = power.fold(self.fingertip.rate_uw(), u64::min);
+        power.min((heat * 1e6) as u64)
     }
 
     /// Electrical energy, nJ, that a stimulus of this width and length is booked with: from above over all oscillators.

@@ -263,3 +263,17 @@ fn a_supply_that_another_board_uses_up_is_told() {
     // The other wire of the board that is on ends with the onset.
     assert!(read(&guard, 3, 10_000, 45_000).unwrap().supply);
 }
+
+#[test]
+fn what_is_sustained_for_ten_minutes_is_below_what_is_sustained_for_ten_seconds() {
+    let guard = guard(HARD, 990);
+    let of = |seconds: u64| guard.sustained_uw(Duration::from_millis(1000 * seconds));
+    // 0.548 K/mW at ten minutes, and 41 C less the latent heat's part; for ten seconds the row of power says less.
+    assert_eq!((of(600) + 50) / 100, 144);
+    assert_eq!(of(10), of(1));
+    assert!(
+        of(10) > 16_000 && of(10) < limits(99).wire_10s_uw,
+        "{}",
+        of(10)
+    );
+}

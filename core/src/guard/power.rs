@@ -53,6 +53,11 @@ impl Bucket {
         }
     }
 
+    /// Power that may flow for ever, uW.
+    pub(super) const fn rate_uw(&self) -> u64 {
+        self.rate_uw
+    }
+
     /// Energy in nanojoules that may be spent at `at`. A time in the past counts as now.
     pub(super) fn left_nj(&mut self, at: Instant) -> u64 {
         self.left_pj = self.left_pj_at(at);

@@ -119,6 +119,11 @@ impl Cells {
         self.starts = starts.into();
     }
 
+    /// Where a wire lies.
+    pub(super) fn place(&self, wire: usize) -> Point {
+        self.places[wire]
+    }
+
     fn cell(&self, index: usize) -> &[Corner] {
         &self.corners[self.starts[index] as usize..self.starts[index + 1] as usize]
     }

@@ -142,6 +142,11 @@ impl Calibration {
         self.wires.is_empty()
     }
 
+    /// The part of full drive at which this wire feels as strong as the others do at theirs.
+    pub fn gain(&self, wire: usize) -> f32 {
+        self.wires.get(wire).map_or(1.0, |(gain, _)| *gain)
+    }
+
     /// The activation that this person needs for a weighted activation of a wire: 0 stays 0, everything
     /// above lies between the threshold and the gain.
     pub fn apply(&self, wire: usize, activation: f32) -> f32 {

@@ -4,6 +4,7 @@ use alloc::boxed::Box;
 
 use super::cells::Cells;
 use super::display::Display;
+use super::inverse::Inverse;
 use super::law::{Illusion, IllusionError};
 use super::phantom::{LogPhantom, RadialPhantom, Shape};
 use super::reach::{Gaussian, Metric, Nearest, ThreeNearest};
@@ -24,6 +25,8 @@ pub enum IllusionModel {
     /// Shares to a power between those of energy and linear, scaled to one energy everywhere.
     #[default]
     Balanced,
+    /// What both centroids feel at the contact, by amplitudes and numbers of pulses within what heat allows.
+    Inverse,
     /// Three nearest wires by inverse distance (Park 2016).
     ThreeNearest,
     /// A bell around each wire.
@@ -34,12 +37,13 @@ pub enum IllusionModel {
 
 impl IllusionModel {
     /// Every model, in the order of the lists.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Phantom,
         Self::Energy,
         Self::Linear,
         Self::Square,
         Self::Balanced,
+        Self::Inverse,
         Self::ThreeNearest,
         Self::Gaussian,
         Self::Nearest,
@@ -53,6 +57,7 @@ impl IllusionModel {
             Self::Linear => "linear",
             Self::Square => "square",
             Self::Balanced => "balanced",
+            Self::Inverse => "inverse",
             Self::ThreeNearest => "three-nearest",
             Self::Gaussian => "gaussian",
             Self::Nearest => "nearest",
@@ -148,20 +153,13 @@ pub fn build(
     let cells = || Cells::new(display).ok_or(IllusionError::OneWire);
     let share = |exponent: f32, level: bool| -> Result<Box<dyn Illusion>, IllusionError> {
         let power = Power { exponent, level };
-        let margin = settings.margin.unwrap_or(0.5);
-        if !(margin.is_finite() && margin > 0.0) {
-            return Err(IllusionError::Margin);
-        }
         match distances {
             Distances::Axes if !level => Ok(Box::new(AxisShares::new(display, power))),
-            Distances::Plane => {
-                let gap = metric()
-                    .gaps()
-                    .iter()
-                    .copied()
-                    .fold(f32::INFINITY, f32::min);
-                Ok(Box::new(CellShares::new(cells()?, power, margin * gap)))
-            }
+            Distances::Plane => Ok(Box::new(CellShares::new(
+                cells()?,
+                power,
+                margin_mm(display, settings)?,
+            ))),
             _ => Err(IllusionError::Distances),
         }
     };
@@ -182,6 +180,7 @@ pub fn build(
         (IllusionModel::Linear, _) => share(1.0, false),
         (IllusionModel::Square, _) => share(2.0, false),
         (IllusionModel::Balanced, _) => share(shape.unwrap_or(BALANCED), true),
+        (IllusionModel::Inverse, _) => Ok(Box::new(inverse(display, settings)?)),
         (_, Distances::Axes) => Err(IllusionError::Distances),
         (IllusionModel::ThreeNearest, _) => {
             let cells = cells()?;
@@ -193,4 +192,28 @@ pub fn build(
         (IllusionModel::Gaussian, _) => Ok(Box::new(Gaussian::new(metric(), shape.unwrap_or(0.6)))),
         (IllusionModel::Nearest, _) => Ok(Box::new(Nearest::new(metric()))),
     }
+}
+
+/// Where laws over shares end beyond the hull, mm.
+fn margin_mm(display: &Display, settings: &ModelSettings) -> Result<f32, IllusionError> {
+    let margin = settings.margin.unwrap_or(0.5);
+    match margin.is_finite() && margin > 0.0 {
+        true => Ok(margin * display.gap()),
+        false => Err(IllusionError::Margin),
+    }
+}
+
+/// The law that the renderer splits contacts with, whatever model the settings name.
+///
+/// # Errors
+/// [`IllusionError`] for a display that the law cannot be laid over, and for settings it does not know.
+pub fn inverse(display: &Display, settings: &ModelSettings) -> Result<Inverse, IllusionError> {
+    if settings.distances.is_some_and(|d| d != Distances::Plane) {
+        return Err(IllusionError::Distances);
+    }
+    if settings.shape != ShapeChoice::Model {
+        return Err(IllusionError::Shape);
+    }
+    let cells = Cells::new(display).ok_or(IllusionError::OneWire)?;
+    Ok(Inverse::new(cells, margin_mm(display, settings)?))
 }

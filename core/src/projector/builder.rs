@@ -135,6 +135,7 @@ impl OutputBuilder {
             strokes: self.strokes,
             drive: self.drive,
             peak: self.plant.peak,
+            render: None,
         };
         Ok((display, settings, guard))
     }

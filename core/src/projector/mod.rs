@@ -29,7 +29,7 @@ use crate::skin::{
     Baseline, BaselineError, BaselineSettings, Condition, HealthSettings, HealthSummary, Layout,
     ModuleScan, Monitor, RelativeFrame, ScanError, SkinSource,
 };
-use crate::units::{Board, Instant};
+use crate::units::{Board, Instant, Ticks};
 
 use outlet::{Guards, Observes, Outlet};
 use sensing::Sensing;
@@ -432,6 +432,11 @@ impl Projector {
     /// Stimulus duration and onset asynchrony in force.
     pub const fn timing(&self) -> Timing {
         self.output.timing()
+    }
+
+    /// As [`Output::width`].
+    pub fn width(&self, weight: f32) -> Ticks {
+        self.output.width(weight)
     }
 
     /// The display.

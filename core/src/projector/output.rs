@@ -7,6 +7,7 @@ use alloc::vec;
 use crate::driver::{Actuators, ObservedRegisters};
 use crate::guard::Guard;
 use crate::illusion::{Calibration, Display, Drive, Illusion, Mixer, Planned, Sharing, Target};
+use crate::render::{RenderSettings, Renderer};
 use crate::schedule::{Stimulus, Timing};
 use crate::texture::Control;
 use crate::units::{Board, Duration, Instant, Milliamps, Ticks};
@@ -34,6 +35,8 @@ pub struct OutputSettings {
     pub drive: Drive,
     /// Current while a pulse is high.
     pub peak: Milliamps,
+    /// In place of all but timing, strokes and current: pulses that are felt at the contacts within what heat allows.
+    pub render: Option<RenderSettings>,
 }
 
 /// The output half, alone or in the loop: targets on the display become stimuli, which pass the guard.
@@ -89,11 +92,14 @@ pub struct Output {
     peak: Milliamps,
     calibration: Calibration,
     mixer: Mixer,
+    renderer: Option<Renderer>,
     strokes: Strokes,
     texture: Option<Texture>,
     guard: Guard,
     /// Pulse width by wire; the same memory for every onset.
     widths: Box<[Ticks]>,
+    /// How long each wire is on, where nothing else says.
+    lengths: Box<[Duration]>,
     /// Stimuli of one board at one onset.
     stimuli: Box<[Stimulus]>,
     /// Highest board number in use.
@@ -121,7 +127,9 @@ impl Output {
             mixer: Mixer::new(settings.illusion, settings.sharing, n),
             strokes: Strokes::new(&settings.strokes),
             texture: None,
+            renderer: (settings.render).map(|render| Renderer::new(render, &guard, n)),
             guard,
+            lengths: vec![settings.timing.duration; n].into(),
             widths: vec![Ticks::ZERO; n].into(),
             stimuli: vec![blank; n].into(),
             boards,
@@ -157,6 +165,14 @@ impl Output {
 
     pub(super) const fn drive(&self) -> Drive {
         self.drive
+    }
+
+    /// Pulse width of one wire for a contact on it with this weight, where the limits bear it.
+    pub fn width(&self, weight: f32) -> Ticks {
+        let published = || self.drive.width(weight);
+        self.renderer
+            .as_ref()
+            .map_or_else(published, |r| r.width(weight))
     }
 
     /// Tells the watchdog that where targets come from was alive at `at`.
@@ -271,8 +287,8 @@ impl Output {
             if let Some(Texture::Contacts(weave)) = &mut self.texture {
                 *weave = None; // the widths are the stroke's now
             }
-            self.activate(&[target]);
-            self.render(onset, onset + dab.duration, outlet, observer)?;
+            self.activate(onset, &[target], Some(dab.duration));
+            self.render(onset, Some(onset + dab.duration), outlet, observer)?;
             observer.onset(onset, &[target]);
             return Ok(true);
         }
@@ -283,7 +299,7 @@ impl Output {
             if let Some(Texture::Contacts(Some(weave))) = &mut self.texture
                 && let Some((at, until)) = weave.due(now)
             {
-                self.render(at, until, outlet, observer)?;
+                self.render(at, Some(until), outlet, observer)?;
             } else {
                 self.expire(now, outlet)?;
             }
@@ -292,9 +308,9 @@ impl Output {
         let onset = self.advance_grid(now);
         let turn = onset.as_micros() / self.timing.soa.as_micros();
         let targets = self.mixer.rendered(targets, turn);
-        self.activate(targets);
-        let until = onset + self.timing.duration;
-        let until = self.weave(onset, texture).unwrap_or(until);
+        let woven = texture.is_some() && matches!(self.texture, Some(Texture::Contacts(_)));
+        self.activate(onset, targets, woven.then_some(self.timing.duration));
+        let until = self.weave(onset, texture);
         self.render(onset, until, outlet, observer)?;
         observer.onset(onset, targets);
         Ok(true)
@@ -347,7 +363,7 @@ impl Output {
             }
         }
         if let Some((at, until)) = due {
-            self.render(at, until, outlet, observer)?;
+            self.render(at, Some(until), outlet, observer)?;
         } else {
             self.expire(now, outlet)?;
         }
@@ -367,11 +383,11 @@ impl Output {
         Ok(())
     }
 
-    /// The wires' stimuli, from an onset to an end, through the guard and out.
+    /// The wires' stimuli, from an onset to an end or to each wire's own, through the guard and out.
     fn render<O: Outlet>(
         &mut self,
         onset: Instant,
-        until: Instant,
+        until: Option<Instant>,
         outlet: &mut O,
         observer: &mut impl Observer,
     ) -> Result<(), O::Error> {
@@ -436,8 +452,16 @@ impl Output {
         onset
     }
 
-    /// The pulse width of every wire.
-    fn activate(&mut self, targets: &[Target]) {
+    /// The pulse width of every wire and how long it is on; with `length` all are on as long.
+    fn activate(&mut self, onset: Instant, targets: &[Target], length: Option<Duration>) {
+        if let Some(renderer) = &mut self.renderer {
+            let volleys = renderer.render(onset, targets, length, &self.guard);
+            let outputs = self.widths.iter_mut().zip(&mut self.lengths);
+            for ((width, length), volley) in outputs.zip(volleys) {
+                (*width, *length) = (volley.width, volley.length);
+            }
+            return;
+        }
         let activation = self.mixer.activate(targets);
         for (wire, (width, &a)) in self.widths.iter_mut().zip(activation).enumerate() {
             *width = self.drive.width(self.calibration.apply(wire, a));
@@ -445,7 +469,7 @@ impl Output {
     }
 
     /// Stimuli of the active wires of one board; returns how many.
-    fn collect(&mut self, board: Board, onset: Instant, until: Instant) -> usize {
+    fn collect(&mut self, board: Board, onset: Instant, until: Option<Instant>) -> usize {
         let mut count = 0;
         for (index, (wire, &width)) in self.display.wires().iter().zip(&self.widths).enumerate() {
             if wire.board != board || width.get() == 0 {
@@ -456,7 +480,7 @@ impl Output {
                 width,
                 peak: self.peak,
                 at: onset,
-                until,
+                until: until.unwrap_or(onset + self.lengths[index]),
             };
             count += 1;
         }

@@ -174,8 +174,9 @@ pub struct Drive {
     pub current_ma: f64,
     /// Most current the supply gives at any instant. A real bench states it.
     pub supply_limit_ma: f64,
-    /// Frequency asked for; the chip's divider makes the nearest it can, 196.89 Hz for 200.
-    pub pwm_hz: f64,
+    /// Frequency asked for; the chip's divider makes the nearest it can, 196.89 Hz for 200. Left out: 200, but with the
+    /// illusion `inverse` and no texture, which choose their own.
+    pub pwm_hz: Option<f64>,
     /// The clock that counts over its nominal frequency: the chip's oscillator, or `clock`. Emulated benches only.
     pub oscillator: f64,
     /// A clock on the chips' EXTCLK pins; left out: each chip counts by its own oscillator of about 25 MHz.
@@ -198,7 +199,7 @@ impl Default for Drive {
         Self {
             current_ma: 990.0,
             supply_limit_ma: 4000.0, // at the published 1.97 A two wires may overlap, three may not
-            pwm_hz: 200.0,
+            pwm_hz: None,
             oscillator: 1.0,
             clock: None,
         }
@@ -271,9 +272,13 @@ impl Drive {
             let expected = format!("at least the current of one wire, {} mA", self.current_ma);
             return Err(source.bad("drive.supply_limit_ma", expected));
         }
+        let pwm = |reached| match self.pwm_hz {
+            Some(hz) => source.range("drive.pwm_hz", hz, reached, "Hz"),
+            None => Ok(()),
+        };
         let Some(clock) = self.clock else {
             // What dividers 3 to 255 make of 25 MHz.
-            source.range("drive.pwm_hz", self.pwm_hz, 24.0..=1526.0, "Hz")?;
+            pwm(24.0..=1526.0)?;
             return source.range("drive.oscillator", self.oscillator, 0.8..=1.2, "");
         };
         let most = Clock::MOST_HZ;
@@ -282,8 +287,7 @@ impl Drive {
         let key = "drive.clock.tolerance_ppm";
         source.range(key, clock.tolerance_ppm, 0..=most, "ppm")?;
         let divided = |by: f64| f64::from(clock.hz) / 4096.0 / by;
-        let reached = divided(256.0)..=divided(4.0);
-        source.range("drive.pwm_hz", self.pwm_hz, reached, "Hz")?;
+        pwm(divided(256.0)..=divided(4.0))?;
         // A clock that is not what the bench says of it: the guard would count too few pulses.
         let off = f64::from(clock.tolerance_ppm) * 1e-6;
         let within = 1.0 - off..=1.0 + off;

@@ -1,6 +1,7 @@
 //! A scene's illusion: which law, how contacts share wires, how strong, when, for whom.
 
 use palpate_core::illusion::{Distances, IllusionModel, Sharing, TimingLaw};
+use palpate_core::render::Style;
 use palpate_core::units::Duration;
 use serde::Deserialize;
 
@@ -27,6 +28,9 @@ pub struct Illusion {
     pub distances: Option<Distances>,
     /// How far outside the wires a contact is still rendered, as a share of the smallest gap; left out: 0.5.
     pub margin: Option<f64>,
+    /// How `inverse` renders a contact.
+    #[serde(with = "words::Style")]
+    pub render: Style,
     /// How several contacts share wires.
     #[serde(with = "words::Sharing")]
     pub sharing: Sharing,
@@ -37,9 +41,10 @@ pub struct Illusion {
     /// The timing law.
     #[serde(with = "words::Timing")]
     pub timing: TimingLaw,
-    /// Length of a stimulus in milliseconds; left out: by the law from `soa_ms`, 50 at most.
+    /// Length of a stimulus in milliseconds; left out: by the law from `soa_ms`, 50 at most. `inverse` finds its own.
     pub tau_d_ms: Option<f64>,
-    /// Between onsets in milliseconds; left out: by the law from `tau_d_ms`, which is 35 if that is left out too.
+    /// Between onsets in milliseconds; left out: 117 for `inverse`, else by the law from `tau_d_ms`, which is 35 if that is
+    /// left out too.
     pub soa_ms: Option<f64>,
     /// Whether a contact's level reaches the wires.
     pub intensity: bool,
@@ -61,6 +66,7 @@ impl Default for Illusion {
             flat: false,
             distances: None,
             margin: None,
+            render: Style::Smooth,
             sharing: Sharing::Strongest,
             alpha: 0.0,
             beta: 100.0 / 4096.0, // of the chip's ticks

@@ -1,7 +1,7 @@
 //! The words that settings files have for closed lists. Most lists are the core's, which knows no text format:
 //! the types here only say how its values are written.
 
-use palpate_core::{contact, illusion, physics, skin, texture};
+use palpate_core::{contact, illusion, physics, render, skin, texture};
 use serde::de::value::{Error, StrDeserializer};
 use serde::de::{Deserialize, Deserializer, IntoDeserializer};
 
@@ -45,6 +45,7 @@ words! { /** How a place between wires becomes activations. */ Model for "illusi
     /** Shares. */ Linear = "linear",
     /** Squares of shares. */ Square = "square",
     /** Shares to a power between those of energy and linear, at one energy everywhere. */ Balanced = "balanced",
+    /** Amplitudes and numbers of pulses that both centroids feel at the contact, within what heat allows. */ Inverse = "inverse",
     /** Three nearest wires by inverse distance (Park 2016). */ ThreeNearest = "three-nearest",
     /** A bell around each wire. */ Gaussian = "gaussian",
     /** The nearest wire alone. */ Nearest = "nearest",
@@ -58,6 +59,11 @@ words! { /** How several contacts share wires. */ Sharing for "illusion::Sharing
     /** A wire follows the contact that asks most of it. */ Strongest = "strongest",
     /** Energies add up, to full drive at most. */ Sum = "sum",
     /** One contact after the other, onset by onset. */ Slices = "slices",
+}}
+words! { /** How `inverse` renders a contact. */ Style for "render::Style" {
+    /** As a vibration. */ Smooth = "smooth",
+    /** As taps, which are felt more strongly at the same power. */ Tap = "tap",
+    /** As taps while it rests, as a vibration while it moves. */ Auto = "auto",
 }}
 words! { /** What the missing one of duration and onset asynchrony follows. */ Timing for "illusion::TimingLaw" {
     /** 0.32 `tau_d` + 47.3 ms. */ TactileBrush = "tactile-brush",

@@ -151,7 +151,7 @@ impl EmulatedDisplay {
         let full = FullDrive::new(setup, projector)?;
         let layer = I2cFault::new(display.bus(), I2cFaults::default(), seed, "actuator bus");
         let (i2c, boards) = (Shared::new(layer), plan::boards(bench));
-        let prescale = plan::prescale(bench)?;
+        let prescale = projector.guard().prescale();
         let writer = || RegisterWriter::new(i2c.clone(), &boards);
         Ok(Self {
             writer: setup.is_observed().then(writer),

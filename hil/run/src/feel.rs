@@ -1,9 +1,7 @@
 //! What a run samples of the display: where an onset was felt, how warm the wires are.
 
-use palpate_core::illusion::Drive;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Instant, Point};
-use palpate_emulators::display::wire::Wire;
 use palpate_emulators::person::channels::{Felt, Perceiver};
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{START_C, WornDisplay};
@@ -20,7 +18,6 @@ const HULL_MARGIN: f32 = 1e-3;
 
 /// What one wire at full drive gives to feel, alone and from rest: what the energy of an onset is held against.
 pub(super) struct FullDrive {
-    drive: Drive,
     /// Integral of its squared filtered displacement, um2 s.
     energy: f64,
 }
@@ -29,14 +26,10 @@ impl FullDrive {
     /// A burst of a setup's wire at the top level, to the end of its last period.
     pub(super) fn new(setup: &Setup, projector: &Projector) -> Result<Self, Failure> {
         let bench = &setup.bench.value;
-        let drive = plan::drive(&setup.scene.value.illusion);
-        let (prescale, wire) = (plan::prescale(bench)?, plan::wire(setup));
+        let prescale = projector.guard().prescale();
         let impossible = |e| Failure::Input(format!("bench `{}`: {e}", bench.name));
-        let tissue = bench.tissue.parameters();
-        let alone = Wire::new(&wire, &tissue, START_C).and_then(|wire| wire.worn(&tissue));
-        let mut alone = alone.map_err(impossible)?;
-        alone.keep_stretches();
-        let width = Nanos(u64::from(drive.width(1.0).get()) * prescale.tick_ns());
+        let mut alone = plan::felt_wire(setup)?;
+        let width = Nanos(u64::from(projector.width(1.0).get()) * prescale.tick_ns());
         let (mut at, end) = (
             Nanos::ZERO,
             Nanos::from_micros(projector.timing().duration.as_micros()),
@@ -51,12 +44,17 @@ impl FullDrive {
         alone.take_stretches(at, |stretch| perceiver.pass(0, stretch));
         perceiver.settle();
         let energy = perceiver.felt(START_C).map_or(0.0, |felt| felt.energy);
-        Ok(Self { drive, energy })
+        Ok(Self { energy })
     }
 
     /// Energies of an onset with these contacts in thousandths of one wire's at full drive for their levels.
-    fn permille(&self, onset: &Onset, felt: Option<&Felt>) -> EnergyPermille {
-        let square = |weight: f32| u64::from(self.drive.width(weight).get()).pow(2);
+    fn permille(
+        &self,
+        projector: &Projector,
+        onset: &Onset,
+        felt: Option<&Felt>,
+    ) -> EnergyPermille {
+        let square = |weight: f32| u64::from(projector.width(weight).get()).pow(2);
         let full = onset.targets.iter().map(|t| square(t.weight));
         let full = full.sum::<u64>().max(1);
         let [requested, applied] = onset
@@ -106,7 +104,7 @@ pub(super) fn feel(
         target: PlaceUm::from(true_place.unwrap_or(seen.place)),
         inside: projector.display().contains(seen.place, HULL_MARGIN),
         met: met.map(place_of),
-        energy: full.permille(&onset, met),
+        energy: full.permille(projector, &onset, met),
     };
     recorder.events.push(event(met.as_ref()));
     if let Some(band) = band {

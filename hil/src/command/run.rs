@@ -401,6 +401,7 @@ fn overrides(args: &RunArgs) -> Result<Overrides, Failure> {
     for (option, key, value) in [
         ("--layout", "layout", args.layout.clone()),
         ("--illusion", "illusion.model", args.illusion.clone()),
+        ("--render", "illusion.render", args.render.clone()),
         ("--felt", "illusion.person", args.felt.clone()),
         ("--shape", "illusion.shape", number(args.shape)),
         ("--alpha", "illusion.alpha", number(args.alpha)),

@@ -11,7 +11,7 @@ use palpate_core::bus::{CanBus, Received};
 use palpate_core::codec::can::CanFrame;
 use palpate_core::driver::{Banks, DriverError};
 use palpate_core::skin::Layout;
-use palpate_core::units::Instant;
+use palpate_core::units::{Instant, Prescale};
 
 use palpate_files::{Bench, Real};
 use palpate_run::display_end::{DisplayEnd, OutputEnable};
@@ -71,11 +71,11 @@ impl Live {
         bench: &Bench,
         real: &Real,
         layout: &Layout,
+        prescale: Prescale,
     ) -> Result<(Self, Interfaces), Failure> {
         let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
         let watch = watch(bench, real);
         refuse_latched(&watch)?;
-        let prescale = plan::prescale(bench)?;
         let clock = RunClock::start();
         let can = CanBuses::open(&interfaces(real, layout)?, clock).map_err(|e| device(&e))?;
         let mut lines = Vec::new();

@@ -97,7 +97,12 @@ pub fn run(
     let sinks = Sink::create_all(files, &about, outputs)?;
     let journal = Journal::start(sinks, !told.quiet && !told.watched)?;
     let keeps_can = writes(Kind::Can) || writes(Kind::Mcap);
-    let (live, can) = Live::open(bench, real, projector.layout())?;
+    let (live, can) = Live::open(
+        bench,
+        real,
+        projector.layout(),
+        projector.guard().prescale(),
+    )?;
     let length = Instant::from_micros((scene.length_s * 1e6).round() as u64);
     let watch = match told.watched {
         true => open_watch(&header, projector.layout(), length, false)?,

@@ -167,7 +167,7 @@ fn scenes() {
             (
                 "model = \"balanced\"",
                 "model = \"ghost\"",
-                "f.toml:23: illusion.model: expected one of `phantom`, `energy`, `linear`, `square`, `balanced`, `three-nearest`, `gaussian`, `nearest`, found `ghost`",
+                "f.toml:23: illusion.model: expected one of `phantom`, `energy`, `linear`, `square`, `balanced`, `inverse`, `three-nearest`, `gaussian`, `nearest`, found `ghost`",
             ),
             (
                 "intensity = true",

@@ -1,15 +1,23 @@
 //! A scene's illusion section as the core's settings.
 
+use palpate_core::guard::Guard;
 use palpate_core::illusion::{
-    Calibration, Cells, Display, Drive, IllusionError, ModelSettings, Planned, ShapeChoice, Steps,
-    Stroke, build,
+    Calibration, Cells, Display, Drive, IllusionError, IllusionModel, ModelSettings, Planned,
+    ShapeChoice, Steps, Stroke, build, inverse,
 };
 use palpate_core::projector::OutputSettings;
-use palpate_core::units::{Duration, Instant, Milliamps};
+use palpate_core::render::{CADENCE, Pattern, RenderSettings};
+use palpate_core::units::{Duration, Instant, Milliamps, Prescale};
 
 use super::point;
+use super::response::response;
 use crate::failure::Failure;
 use palpate_files::Setup;
+
+/// Power, W, of a contact that moves on: pulses are so many that they can carry it. Half the fingertip's for a minute.
+const MOVING_W: f64 = 0.03;
+/// The widest pulse that the limits let pass at the nominal oscillator, s.
+const WIDEST_S: f64 = 184e-6;
 
 fn settings(illusion: &palpate_files::Illusion) -> ModelSettings {
     ModelSettings {
@@ -77,18 +85,78 @@ fn strokes(setup: &Setup, display: &Display) -> Result<Box<[Planned]>, Failure> 
     scene.value.strokes.iter().enumerate().map(plan).collect()
 }
 
+/// Pulses and cadence where the scene's law chooses them. The spacing belongs to the boards: a bench that states its
+/// frequency keeps it, a texture has its own, and the law takes what fits.
+pub(super) fn pattern(setup: &Setup) -> Result<Option<Pattern>, Failure> {
+    let (scene, bench) = (&setup.scene, &setup.bench.value);
+    let illusion = &scene.value.illusion;
+    if illusion.model != IllusionModel::Inverse {
+        return Ok(None);
+    }
+    let bad = |key: &str, expected: String| Failure::File(scene.source.bad(key, expected));
+    let (duration, soa) = illusion.stated();
+    if duration.is_some() {
+        let expected = "nothing: `inverse` finds how long a burst is";
+        return Err(bad("illusion.tau_d_ms", expected.into()));
+    }
+    let soa = soa.unwrap_or(CADENCE);
+    let free = bench.drive.pwm_hz.is_none() && scene.value.texture.is_none();
+    let pattern = if free {
+        let amps = bench.drive.current_ma * 1e-3;
+        let pulse_j = amps * amps * super::wire(setup).resistance_ohm * WIDEST_S;
+        let burst_j = MOVING_W * soa.as_secs_f64();
+        let pattern = Pattern::new(soa, (burst_j / pulse_j).ceil() as u8);
+        let spacing = |pattern: Pattern| {
+            let prescale = super::clock(bench)
+                .and_then(|clock| Prescale::from_hz(clock, pattern.prescale().hz()));
+            Pattern::on(prescale.unwrap_or(pattern.prescale()), soa)
+        };
+        match bench.drive.clock {
+            None => pattern,
+            Some(_) => pattern.and_then(spacing),
+        }
+    } else {
+        Pattern::on(super::prescale(bench)?, soa)
+    };
+    pattern
+        .map(Some)
+        .map_err(|e| bad("illusion.soa_ms", e.to_string()))
+}
+
+/// What the law that chooses its pulses is told.
+fn render(
+    setup: &Setup,
+    display: &Display,
+    guard: &Guard,
+    calibration: &Calibration,
+    pattern: Pattern,
+) -> Result<RenderSettings, Failure> {
+    let illusion = &setup.scene.value.illusion;
+    let bad = |e: IllusionError| Failure::File(setup.scene.source.bad(key(e), e.to_string()));
+    Ok(RenderSettings {
+        law: inverse(display, &settings(illusion)).map_err(bad)?,
+        style: illusion.render,
+        pattern,
+        response: response(setup, guard, &pattern)?,
+        sharing: illusion.sharing,
+        calibration: calibration.clone(),
+    })
+}
+
 /// How stimuli are made.
 pub(super) fn output(
     setup: &Setup,
     display: &Display,
+    guard: &Guard,
     peak: Milliamps,
+    pattern: Option<Pattern>,
 ) -> Result<OutputSettings, Failure> {
     let illusion = &setup.scene.value.illusion;
     let bad = |key: &str, expected: String| Failure::File(setup.scene.source.bad(key, expected));
     let (duration, soa) = illusion.stated();
-    let timing = illusion
-        .timing
-        .timing(duration, soa)
+    let stated = || illusion.timing.timing(duration, soa);
+    let timing = pattern
+        .map_or_else(stated, |p| Ok(p.timing()))
         .map_err(|e| bad("illusion.tau_d_ms", e.to_string()))?;
     let law = build(display, &settings(illusion)).map_err(|e| bad(key(e), e.to_string()))?;
     let floats = |values: &[f64]| values.iter().map(|v| *v as f32).collect::<Vec<_>>();
@@ -100,8 +168,11 @@ pub(super) fn output(
                 .map_err(|e| wearer.source.bad("gain", e.to_string()))?
         }
     };
+    let render = pattern.map(|p| render(setup, display, guard, &calibration, p));
+    let render = render.transpose()?;
     Ok(OutputSettings {
         timing,
+        render,
         illusion: law,
         sharing: illusion.sharing,
         calibration,

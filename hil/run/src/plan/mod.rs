@@ -2,10 +2,12 @@
 
 mod illusion;
 mod person;
+mod response;
 mod texture;
 
 pub use illusion::drive;
 pub use person::person;
+pub(crate) use response::felt_wire;
 pub use texture::{projection, surface};
 
 use palpate_core::contact::{Levels, Settings};
@@ -139,16 +141,24 @@ pub fn display_of(
         .map_err(|e| Failure::Input(format!("display `{}`: {e}", file.name)))
 }
 
+/// Frequency of boards where neither bench nor illusion states one.
+const PWM_HZ: f64 = 200.0;
+
+/// The clock that a bench's boards count by.
+fn clock(bench: &palpate_files::Bench) -> Option<Clock> {
+    match &bench.drive.clock {
+        None => Some(Clock::INTERNAL),
+        Some(clock) => Clock::external(clock.hz, clock.tolerance_ppm),
+    }
+}
+
 /// PRE_SCALE of the bench's clock for the frequency it asks for.
 ///
 /// # Errors
 /// [`Failure::Input`] for no frequency at all, or a clock that no chip takes.
 pub fn prescale(bench: &palpate_files::Bench) -> Result<Prescale, Failure> {
-    let clock = match &bench.drive.clock {
-        None => Some(Clock::INTERNAL),
-        Some(clock) => Clock::external(clock.hz, clock.tolerance_ppm),
-    };
-    let prescale = clock.and_then(|clock| Prescale::from_hz(clock, bench.drive.pwm_hz));
+    let hz = bench.drive.pwm_hz.unwrap_or(PWM_HZ);
+    let prescale = clock(bench).and_then(|clock| Prescale::from_hz(clock, hz));
     prescale.ok_or_else(|| {
         Failure::Input(format!(
             "bench `{}`: expected a PWM frequency above 0 and a clock that a chip takes",
@@ -222,7 +232,8 @@ pub fn untextured(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Fail
     });
     let map = Map::new(sensor, stated, display.bounds()).map_err(|e| bad("map.sensor_mm", &e))?;
 
-    let (prescale, peak) = (prescale(bench)?, milliamps(bench.drive.current_ma));
+    let (pattern, peak) = (illusion::pattern(setup)?, milliamps(bench.drive.current_ma));
+    let prescale = pattern.map_or(prescale(bench), |p| Ok(p.prescale()))?;
     let wire_milliohm = (wire(setup).resistance_ohm * 1e3).round() as u32;
     let limits = Limits {
         supply: milliamps(bench.drive.supply_limit_ma),
@@ -240,8 +251,10 @@ pub fn untextured(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Fail
     )
     .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
 
-    let mut output = illusion::output(setup, &display, peak)?;
-    output.timing.duration = prescale.counted(output.timing.duration);
+    let mut output = illusion::output(setup, &display, &guard, peak, pattern)?;
+    if pattern.is_none() {
+        output.timing.duration = prescale.counted(output.timing.duration);
+    }
     Ok(Plan {
         sensing: SensingPlan {
             layout,

@@ -1,0 +1,257 @@
+//! The renderer: from contacts to pulses on wires that are felt at the contacts, within what heat allows.
+//!
+//! It asks the guard before it plans, so that the guard has nothing left to change. Wires of one contact are scaled
+//! together: the level gives way before the place does.
+
+mod pattern;
+mod reserve;
+mod response;
+mod tracks;
+
+pub use pattern::{CADENCE, Pattern, PatternError};
+pub use response::Response;
+
+use alloc::boxed::Box;
+use alloc::vec;
+
+use crate::guard::Guard;
+use crate::illusion::{Calibration, Illusion, Inverse, Sharing, Target};
+use crate::schedule::Reason;
+use crate::units::{Duration, Instant, Ticks};
+
+use reserve::{Reserve, SESSION};
+use tracks::Tracks;
+
+/// A burst takes at most this part of what rows of power leave, which remember many bursts: a contact that comes to rest
+/// fades slowly.
+const SLOW: f32 = 0.25;
+/// The same of the other rows.
+const FAST: f32 = 0.6;
+/// Largest rise of a contact's scale from one onset to the next: 1.65 dB, the smallest difference in intensity that was
+/// just noticeable on an index pad (Israr 2006).
+const RISE: f32 = 1.209_2;
+/// The widest pulse over one at full level on one wire: room for wires that do with a pulse less.
+const HEADROOM: f32 = 1.12;
+/// A vibration of at most so many pulses gains by becoming a tap.
+const FEW: u8 = 4;
+/// Times that widths are corrected where a fingertip bears less than all contacts want.
+const CORRECTIONS: u32 = 3;
+
+/// How a contact that is felt is rendered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Style {
+    /// A vibration: bursts of at least 30 ms.
+    #[default]
+    Smooth,
+    /// Taps: bursts of two pulses, which are felt more strongly at the same power.
+    Tap,
+    /// Taps while the contact rests, a vibration while it moves. Where the current is so small that a vibration takes many
+    /// pulses, two of them are weaker at any power, and it stays a vibration.
+    Auto,
+}
+
+impl Style {
+    /// Every style.
+    pub const ALL: [Self; 3] = [Self::Smooth, Self::Tap, Self::Auto];
+
+    /// Its name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Smooth => "smooth",
+            Self::Tap => "tap",
+            Self::Auto => "auto",
+        }
+    }
+}
+
+/// What the renderer is told.
+#[derive(Debug)]
+pub struct RenderSettings {
+    /// Where contacts are felt.
+    pub law: Inverse,
+    /// Vibration or taps.
+    pub style: Style,
+    /// Pulses and cadence.
+    pub pattern: Pattern,
+    /// What a wire makes of a pulse.
+    pub response: Response,
+    /// How several contacts share wires.
+    pub sharing: Sharing,
+    /// What this person needs of each wire. Thresholds are the published laws': here a weak wire may be below its own, since
+    /// all wires of a contact are felt together.
+    pub calibration: Calibration,
+}
+
+/// What one wire gets at an onset.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Volley {
+    /// Width of a pulse; zero for a wire that stays off.
+    pub width: Ticks,
+    /// How long the wire is on.
+    pub length: Duration,
+}
+
+/// The renderer and all its memory.
+#[derive(Debug)]
+pub struct Renderer {
+    settings: RenderSettings,
+    reserves: Box<[Reserve]>,
+    tracks: Tracks,
+    /// Amplitude of one contact on each wire, then its pulses.
+    one: Box<[f32]>,
+    counts: Box<[u8]>,
+    /// Of all contacts.
+    amplitudes: Box<[f32]>,
+    volleys: Box<[Volley]>,
+}
+
+impl Renderer {
+    /// For the wires of a guard; the last time that it allocates.
+    pub fn new(settings: RenderSettings, guard: &Guard, wires: usize) -> Self {
+        let rate_uw = guard.sustained_uw(SESSION);
+        Self {
+            settings,
+            reserves: vec![Reserve::new(rate_uw); wires].into(),
+            tracks: Tracks::default(),
+            one: vec![0.0; wires].into(),
+            counts: vec![0; wires].into(),
+            amplitudes: vec![0.0; wires].into(),
+            volleys: vec![Volley::default(); wires].into(),
+        }
+    }
+
+    /// The width of a vibration's pulses at this weight on one wire that bears them.
+    pub fn width(&self, weight: f32) -> Ticks {
+        let response = &self.settings.response;
+        response.width(full(response) * weight)
+    }
+
+    /// What every wire gets at the onset `at` for these contacts, within what the guard leaves. With `length` all bursts are
+    /// as long, such as those of a texture or a known stroke; else the pattern says.
+    pub fn render(
+        &mut self,
+        at: Instant,
+        targets: &[Target],
+        length: Option<Duration>,
+        guard: &Guard,
+    ) -> &[Volley] {
+        self.amplitudes.fill(0.0);
+        self.volleys.fill(Volley::default());
+        for target in targets {
+            self.aim(at, target, length, guard);
+        }
+        self.widen(at, guard);
+        for (reserve, volley) in self.reserves.iter_mut().zip(&self.volleys) {
+            if volley.width > Ticks::ZERO {
+                reserve.spend(at, guard.energy_nj(volley.width, volley.length));
+            }
+        }
+        &self.volleys
+    }
+
+    /// Amplitudes and pulses of one contact, scaled to what its wires bear, beside those of others.
+    fn aim(&mut self, at: Instant, target: &Target, length: Option<Duration>, guard: &Guard) {
+        let RenderSettings {
+            law,
+            style,
+            pattern,
+            response,
+            sharing,
+            calibration,
+        } = &self.settings;
+        let track = self.tracks.follow(target.place, at);
+        let tap = match style {
+            Style::Smooth => false,
+            Style::Tap => true,
+            Style::Auto => track.rests && pattern.pulses(false) <= FEW,
+        };
+        let period_ns = guard.prescale().period_ns();
+        let fit = length.map(|l| (l.as_micros() * 1000).div_ceil(period_ns));
+        let lasts = |pulses: u8| length.unwrap_or(pattern.lasts(pulses));
+        let most = fit.map_or(pattern.pulses(tap), |n| n.clamp(1, 255) as u8);
+        match length {
+            None => law.split(target.place, most, &mut self.one, &mut self.counts),
+            Some(_) => {
+                law.activate(target.place, &mut self.one);
+                self.counts.fill(most);
+            }
+        }
+        // As much energy in fewer pulses.
+        let pulses = f32::from(pattern.pulses(false)) / f32::from(most);
+        let full = full(response) * libm::sqrtf(pulses);
+        let mut scale = f32::INFINITY;
+        for (wire, (one, n)) in self.one.iter_mut().zip(&self.counts).enumerate() {
+            if *one > 0.0 {
+                *one *= full * calibration.gain(wire);
+                let most = bearable(guard, &self.reserves[wire], wire, at, lasts(*n));
+                scale = scale.min(response.amplitude(most) / *one);
+            }
+        }
+        let scale = scale.min(1.0).min(track.scale.map_or(1.0, |s| s * RISE));
+        track.scale = Some(scale);
+        let wires = self.one.iter().zip(&self.counts);
+        for (wire, (one, n)) in wires.enumerate().filter(|(_, (one, _))| **one > 0.0) {
+            let mine = one * scale * target.weight;
+            let all = &mut self.amplitudes[wire];
+            if mine > *all {
+                self.volleys[wire].length = lasts(*n);
+            }
+            *all = match sharing {
+                Sharing::Strongest | Sharing::Slices => all.max(mine),
+                Sharing::Sum => libm::sqrtf(*all * *all + mine * mine),
+            };
+        }
+    }
+
+    /// Amplitudes to widths. Where all together want more than the fingertip bears, all contacts get weaker alike: each
+    /// keeps its part of the power.
+    fn widen(&mut self, at: Instant, guard: &Guard) {
+        let bears = tip_nj(guard, at, self.settings.pattern.lasts(1));
+        for _ in 0..=CORRECTIONS {
+            let mut total = 0;
+            for (volley, amplitude) in self.volleys.iter_mut().zip(&self.amplitudes) {
+                if *amplitude > 0.0 {
+                    volley.width = self.settings.response.width(*amplitude);
+                    total += guard.energy_nj(volley.width, volley.length);
+                }
+            }
+            if total as f32 <= bears {
+                break;
+            }
+            let part = bears / total as f32;
+            self.amplitudes.iter_mut().for_each(|a| *a *= part);
+        }
+    }
+}
+
+/// Amplitude of a vibration's pulses at full level on one wire.
+fn full(response: &Response) -> f32 {
+    response.largest() / HEADROOM
+}
+
+/// The widest pulse, ticks, of which a wire bears a burst of this length.
+fn bearable(guard: &Guard, reserve: &Reserve, wire: usize, at: Instant, length: Duration) -> f32 {
+    let Some(budget) = guard.budget(wire, at, at + length) else {
+        return 0.0;
+    };
+    let part = |(row, left): &(Reason, u64)| match row {
+        Reason::WirePower | Reason::FingertipPower => SLOW * *left as f32,
+        _ => FAST * *left as f32,
+    };
+    let rows = budget.energy_nj.iter().map(part);
+    let left = rows.fold(SLOW * reserve.left_nj(at), f32::min);
+    let tick = guard.energy_nj(Ticks::new(1000), length) as f32 / 1000.0;
+    (left / tick).min(f32::from(budget.widest.get()))
+}
+
+/// What all wires together may spend, nJ.
+fn tip_nj(guard: &Guard, at: Instant, length: Duration) -> f32 {
+    let budget = guard.budget(0, at, at + length);
+    let rows = budget.iter().flat_map(|b| &b.energy_nj);
+    let tip = rows.filter(|(row, _)| *row == Reason::FingertipPower);
+    tip.fold(0.0, |_, (_, left)| SLOW * *left as f32)
+}
+
+#[cfg(test)]
+#[path = "render_tests.rs"]
+mod tests;

@@ -1,0 +1,140 @@
+//! How many pulses a burst has, how far apart they are, and how often bursts come.
+//!
+//! All pulses of a board are one PWM period apart, whichever wire they are for. Few large pulses are felt better than many
+//! small ones of the same energy (`docs/felt.md`), so a burst has as few as a vibration takes.
+//!
+//! Between bursts all outputs of a board are off, and its counter is held at zero (PCA9685 data sheet 7.3.3): the first period
+//! begins with the onset. A channel that goes off in the middle of period n has had n pulses, at any oscillator from 23 to
+//! 27.4 MHz and up to four pulses.
+
+use core::fmt;
+
+use crate::guard::BURST_GAP;
+use crate::illusion::LONGEST;
+use crate::schedule::Timing;
+use crate::units::{Duration, Prescale};
+
+/// Bursts on one wire that begin this much after the end of another are bursts of their own, whatever the bus does.
+const APART: Duration = Duration::from_micros(BURST_GAP.as_micros() + 1200);
+/// What lasts 30 ms feels like a vibration and not like a tap (Remache-Vinueza 2025); a hundredth more for rounding.
+const VIBRATION_US: u64 = 30_300;
+/// Pulses of a tap, and the fewest that are no tap.
+const TAP: u8 = 2;
+const SMOOTH: u8 = 3;
+/// Most pulses of a burst that are tried.
+const MOST: u8 = 9;
+/// Between bursts where nothing is stated: apparent motion on a fingerpad wants 105 to 125 ms.
+pub const CADENCE: Duration = Duration::from_millis(117);
+
+/// Pulses of a burst, their spacing and the time between bursts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pattern {
+    prescale: Prescale,
+    smooth: u8,
+    soa: Duration,
+}
+
+/// Bursts come too often for two pulses and the pause after which a burst is a new one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PatternError;
+
+impl fmt::Display for PatternError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let least = APART.as_micros() as f64 * 1e-3;
+        write!(
+            f,
+            "more time between onsets: two pulses and a pause of {least} ms must fit in"
+        )
+    }
+}
+
+impl core::error::Error for PatternError {}
+
+impl Pattern {
+    /// The fewest pulses, at least `least`, that make a vibration where the display has the boards' spacing to itself.
+    ///
+    /// # Errors
+    /// Onsets that come too often.
+    pub fn new(soa: Duration, least: u8) -> Result<Self, PatternError> {
+        let longest = longest(soa);
+        let spaced = |pulses: u8| {
+            let period_us = VIBRATION_US.div_ceil(u64::from(pulses) - 1);
+            let steps = (period_us * 1000).div_ceil(Prescale::new(3).period_ns() / 4);
+            let prescale = Prescale::new((steps - 1).min(255) as u8);
+            (pulses, prescale)
+        };
+        let fits = |(pulses, prescale): &(u8, Prescale)| lasts(*pulses, *prescale) <= longest;
+        let vibration = (least.max(SMOOTH)..=MOST).map(spaced).find(fits);
+        if let Some((smooth, prescale)) = vibration {
+            return Ok(Self {
+                prescale,
+                smooth,
+                soa,
+            });
+        }
+        // No vibration fits in: as many pulses as make the longest burst.
+        let halves = 2 * u64::from(least.max(SMOOTH)) - 1;
+        let period_ns = longest.as_micros() * 2000 / halves;
+        let steps = period_ns / (Prescale::new(3).period_ns() / 4);
+        let prescale = Prescale::new(steps.saturating_sub(1).min(255) as u8);
+        Self::on(prescale, soa)
+    }
+
+    /// The fewest pulses that make a vibration on boards whose spacing another has chosen; else as many as fit in.
+    ///
+    /// # Errors
+    /// Onsets that come too often.
+    pub fn on(prescale: Prescale, soa: Duration) -> Result<Self, PatternError> {
+        let longest = longest(soa);
+        let enough = 1 + (VIBRATION_US * 1000).div_ceil(prescale.period_ns());
+        let half = prescale.period_ns() / 2;
+        let fit = (longest.as_micros() * 1000 / half).div_ceil(2);
+        let smooth = enough.min(fit).min(u64::from(u8::MAX)) as u8;
+        match smooth >= TAP {
+            true => Ok(Self {
+                prescale,
+                smooth,
+                soa,
+            }),
+            false => Err(PatternError),
+        }
+    }
+
+    /// PRE_SCALE of the boards.
+    pub const fn prescale(&self) -> Prescale {
+        self.prescale
+    }
+
+    /// Length of a vibration's bursts and the time between onsets.
+    pub const fn timing(&self) -> Timing {
+        Timing {
+            duration: lasts(self.smooth, self.prescale),
+            soa: self.soa,
+        }
+    }
+
+    /// Pulses of a burst: of a tap, or of a vibration.
+    pub const fn pulses(&self, tap: bool) -> u8 {
+        if tap { TAP } else { self.smooth }
+    }
+
+    /// How long a channel is on for so many pulses: it goes off in the middle of the last one's period.
+    pub const fn lasts(&self, pulses: u8) -> Duration {
+        lasts(pulses, self.prescale)
+    }
+}
+
+/// The longest burst that leaves the pause before the next.
+fn longest(soa: Duration) -> Duration {
+    let room = soa.as_micros().saturating_sub(APART.as_micros());
+    Duration::from_micros(room).min(LONGEST)
+}
+
+const fn lasts(pulses: u8, prescale: Prescale) -> Duration {
+    let halves = (2 * pulses as u64).saturating_sub(1);
+    Duration::from_micros(halves * prescale.period_ns() / 2000)
+}
+
+#[cfg(test)]
+#[path = "pattern_tests.rs"]
+mod tests;

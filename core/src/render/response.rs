@@ -1,0 +1,60 @@
+//! What a wire makes of a pulse: the amplitude that is felt, by width.
+
+use alloc::boxed::Box;
+
+use crate::units::Ticks;
+
+/// Amplitudes by width of a pulse, any unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Response {
+    /// By ticks; never falling.
+    amplitudes: Box<[f32]>,
+}
+
+impl Response {
+    /// Of a wire that expands: in proportion to a pulse's energy, 1 for a pulse of one tick.
+    pub fn linear(widest: Ticks) -> Self {
+        Self::new((0..=widest.get()).map(f32::from).collect())
+    }
+
+    /// From an amplitude for each width from no tick on. Where a wider pulse is felt less, the narrower one's counts.
+    pub fn new(mut amplitudes: Box<[f32]>) -> Self {
+        let mut most = 0.0;
+        for amplitude in &mut amplitudes {
+            most = amplitude.max(most);
+            *amplitude = most;
+        }
+        Self { amplitudes }
+    }
+
+    /// The largest amplitude.
+    pub fn largest(&self) -> f32 {
+        self.amplitudes.last().copied().unwrap_or(0.0)
+    }
+
+    /// The amplitude of pulses not wider than `ticks`.
+    pub(super) fn amplitude(&self, ticks: f32) -> f32 {
+        // A cast saturates, and what is no number is 0.
+        let width = (ticks as usize).min(self.amplitudes.len().saturating_sub(1));
+        let amplitude = |width: usize| self.amplitudes.get(width).copied().unwrap_or(0.0);
+        let part = (ticks - width as f32).clamp(0.0, 1.0);
+        amplitude(width) + part * (amplitude(width + 1).max(amplitude(width)) - amplitude(width))
+    }
+
+    /// The width whose amplitude is nearest.
+    pub(super) fn width(&self, amplitude: f32) -> Ticks {
+        let above = self.amplitudes.partition_point(|a| *a < amplitude);
+        let of = |width: usize| self.amplitudes.get(width).copied().unwrap_or(f32::INFINITY);
+        let below = above.saturating_sub(1);
+        let nearer = if of(above) - amplitude <= amplitude - of(below) {
+            above
+        } else {
+            below
+        };
+        Ticks::new(nearer.min(self.amplitudes.len().saturating_sub(1)) as u16)
+    }
+}
+
+#[cfg(test)]
+#[path = "response_tests.rs"]
+mod tests;
