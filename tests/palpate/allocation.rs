@@ -166,7 +166,7 @@ fn the_loop_allocates_nothing() {
         let spent = ALLOCATIONS.with(Cell::get) - before;
         assert!(left > 1000, "{scene}: {left} budgets were read");
         assert!(
-            count.0 > 200,
+            count.0 > 150,
             "{scene}: only {} updates: the loop was idle",
             count.0
         );
@@ -193,7 +193,7 @@ fn the_loop_with_a_texture_allocates_nothing() {
             now = projector.next().min(now + Duration::from_millis(3));
         }
         let spent = ALLOCATIONS.with(Cell::get) - before;
-        assert!(seen.0 > 100 && count.0 > 200, "{} {}", seen.0, count.0);
+        assert!(seen.0 > 60 && count.0 > 200, "{} {}", seen.0, count.0);
         assert_eq!(spent, 0, "{carrier:?}");
     }
 }

@@ -11,8 +11,10 @@ use proptest::prelude::*;
 
 /// Scenes with bursts of many periods, and with bursts of one.
 const SCENES: [&str; 2] = ["sphere-circle", "sphere-along-wood"];
-/// A period of PRE_SCALE 30, nanoseconds.
-const PERIOD: u64 = 5_079_040;
+/// A period of the run's boards, ns.
+fn period(trace: &Trace) -> u64 {
+    trace.header.pre_scale.period_ns()
+}
 
 fn trace(scene: usize) -> &'static Trace {
     static TRACES: [OnceLock<Trace>; 2] = [OnceLock::new(), OnceLock::new()];
@@ -135,15 +137,15 @@ fn take_out(signal: &mut Signal, damage: Damage, from: u64, to: u64) {
 }
 
 /// A stretch of at least a period, from a place within a burst where a whole period is still to come.
-fn stretch(burst: (usize, u64, u64), place: f64, length: f64) -> (u64, u64) {
+fn stretch(period: u64, burst: (usize, u64, u64), place: f64, length: f64) -> (u64, u64) {
     let (_, from, to) = burst;
-    let room = (to - from).saturating_sub(PERIOD * 3 / 2);
+    let room = (to - from).saturating_sub(period * 3 / 2);
     let begin = from + (room as f64 * place) as u64;
     // The first period begins with the bus's delay behind the burst.
     let least = if room == 0 {
-        PERIOD + 1_000_000
+        period + 1_000_000
     } else {
-        PERIOD
+        period
     };
     (begin, begin + least + (length.powi(3) * 2e9) as u64)
 }
@@ -152,14 +154,14 @@ fn damaged(trace: &Trace, damage: Damage, pick: f64, place: f64, length: f64) ->
     let mut seen = capture(trace);
     let bursts = bursts(trace);
     let burst = bursts[(bursts.len() as f64 * pick) as usize];
-    let (from, to) = stretch(burst, place, length);
+    let (from, to) = stretch(period(trace), burst, place, length);
     match damage {
         Damage::Burst => {
             take_out(
                 &mut seen.signals[burst.0],
                 damage,
                 burst.1,
-                burst.2 + PERIOD,
+                burst.2 + period(trace),
             );
         }
         Damage::Channel => drop(seen.signals.remove(burst.0)),
@@ -172,7 +174,7 @@ fn damaged(trace: &Trace, damage: Damage, pick: f64, place: f64, length: f64) ->
             seen.end_ns = seen.end_ns.saturating_sub(to - from).max(from);
         }
         Damage::Begins => {
-            let begin = from + PERIOD;
+            let begin = from + period(trace);
             for signal in &mut seen.signals {
                 take_out(signal, Damage::Splice, 0, begin);
             }

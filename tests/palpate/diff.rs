@@ -217,11 +217,14 @@ proptest! {
 fn told_of_tau_d(periods: f64) -> Vec<String> {
     let scene = "sphere-along";
     let mut setup = palpate_files::Setup::load(scene, "emulated").unwrap();
-    let before = shipped(scene).trace;
+    setup.scene.value.illusion.model = palpate_core::illusion::IllusionModel::Balanced;
+    // So gently that no limit is met.
+    setup.bench.value.drive.current_ma = 850.0;
+    let input = palpate_run::Input::Scene;
+    let before = palpate_run::run(&setup, &input, 1).unwrap().trace;
     let period_ms = before.header.pre_scale.period_ns() as f64 * 1e-6;
     setup.scene.value.illusion.tau_d_ms = Some(35.0 + periods * period_ms);
     setup.scene.value.illusion.soa_ms = Some(58.5);
-    let input = palpate_run::Input::Scene;
     let after = palpate_run::run(&setup, &input, 1).unwrap().trace;
     let (a, b) = (Story::schedule(&before), Story::schedule(&after));
     let lines = tell(&compare(&a, &b, Tolerance::default()));

@@ -278,7 +278,7 @@ fn a_short_stretch_delays_and_a_long_one_starts_anew() {
 fn a_stuck_bus_that_comes_back_in_time_is_survived() {
     let outcome = one("at_s = 1.5\nuntil_s = 1.56\nkind = \"i2c-stuck\"");
     assert!(told(&outcome, "started anew") && outcome.failure.is_none());
-    assert!(outcome.summary.stimuli > 30);
+    assert!(outcome.summary.stimuli > 10);
 }
 
 #[test]
@@ -306,21 +306,21 @@ fn a_brown_out_in_mid_burst_is_noticed_between_two_bursts() {
 #[test]
 fn an_oscillator_at_either_end_changes_the_pulses_and_nothing_else() {
     let clean = healthy();
-    // The ends that have been seen, 23 and 27.4 MHz. A burst of 35 ms has longer pulses and fewer of them,
-    // or shorter ones and more.
-    for (factor, energy) in [(0.92, 1.0..1.10), (1.096, 1.0..1.08)] {
+    // The ends that have been seen, 23 and 27.4 MHz. Pulses are counted: as many of them, longer or shorter.
+    for (factor, energy) in [(0.92, 1.08..1.095), (1.096, 0.905..0.92)] {
         let outcome = one(&format!(
             "at_s = 0.0\nkind = \"oscillator\"\nboard = 0\nfactor = {factor}"
         ));
         assert!(outcome.failure.is_none());
         assert_eq!(outcome.summary.stimuli, clean.summary.stimuli);
         for (wanted, widths) in [(factor, widths_ns(&outcome)), (1.0, widths_ns(&clean))] {
-            let tick = 31.0 * 40.0 / wanted; // (30 + 1) / 25 MHz
+            let divider = f64::from(clean.trace.header.pre_scale.get()) + 1.0;
+            let tick = divider * 40.0 / wanted; // of 25 MHz
             let off = widths
                 .iter()
                 .map(|&w| (w as f64 - (w as f64 / tick).round() * tick).abs());
             assert!(
-                widths.len() > 400 && off.fold(0.0, f64::max) <= 1.0,
+                widths.len() > 100 && off.fold(0.0, f64::max) <= 1.0,
                 "{wanted}"
             );
         }

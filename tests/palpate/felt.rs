@@ -97,6 +97,8 @@ fn a_texture_that_nobody_strokes_changes_nothing() {
     let mut plain = load("sphere-along-wood");
     let mut silent = plain.clone();
     plain.scene.value.texture = None;
+    // The spacing that a texture needs.
+    plain.bench.value.drive.pwm_hz = Some(200.0);
     silent
         .scene
         .value
@@ -116,6 +118,7 @@ fn a_moving_contact_carries_its_texture() {
     for traverse_s in [2.0, 1.0, 0.5] {
         let mut plain = moving(200.0, traverse_s);
         plain.scene.value.texture = None;
+        plain.bench.value.drive.pwm_hz = Some(200.0);
         let plain = played(&plain).summary.felt_error_mm.rmse.unwrap();
         let mut more = 0.0;
         for rate_hz in [66.0, 100.0, 133.0, 200.0] {
@@ -127,7 +130,8 @@ fn a_moving_contact_carries_its_texture() {
                 14.1 / traverse_s,
             );
             assert!(pulses > more + 0.5, "{traverse_s} s: {more} {pulses}");
-            assert!(felt < 1.2 * plain, "{traverse_s} s: {plain} {felt}");
+            // A texture gives every wire the same pulses, and the counts by which the place is balanced go.
+            assert!(felt < plain + 0.5, "{traverse_s} s: {plain} {felt}");
             more = pulses;
         }
     }
@@ -160,6 +164,7 @@ fn a_contact_that_rubs_carries_its_own_texture() {
             let mut plain = rubbing(surface, traverse_s);
             plain.texture = None;
             plain.scene.value.texture = None;
+            plain.bench.value.drive.pwm_hz = Some(200.0);
             let plain = played(&plain).summary.felt_error_mm.rmse.unwrap();
             let outcome = played(&rubbing(surface, traverse_s));
             let felt = outcome.summary.felt_error_mm.rmse.unwrap();
@@ -169,7 +174,7 @@ fn a_contact_that_rubs_carries_its_own_texture() {
                 "{surface:<13} {:.0} mm/s: roughness {roughness:.3}, {pulses:.2} pulses a burst, felt {felt:.2} mm, {plain:.2} without",
                 14.1 / traverse_s,
             );
-            assert!(felt < 1.2 * plain, "{surface}: {felt} {plain}");
+            assert!(felt < plain + 0.5, "{surface}: {felt} {plain}");
             roughness
         };
         let all = SURFACES.map(|surface| (surface, rubbed(surface)));

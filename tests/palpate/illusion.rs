@@ -357,11 +357,13 @@ fn the_default_holds_on_the_default_bench() {
             summary.applied_energy_db.unwrap(),
         );
         println!("{scene}: {:?} {applied:?}", summary.felt);
-        assert!(
-            requested.min > -1.0 && requested.max < 1.0,
-            "{scene}: {requested:?}"
-        );
         assert_eq!(requested, applied, "{scene}: no limit is met");
+        let felt = &summary.felt;
+        assert_eq!(felt.breaks, 0, "{scene}");
+        assert!(felt.level_db.unwrap().p5 > 2.0, "{scene}: {felt:?}");
+        for error in [felt.error_energy_mm, felt.error_amplitude_mm] {
+            assert!(error.unwrap().rmse < 1.05, "{scene}: {felt:?}");
+        }
         assert_eq!(summary.limiter_events, 0, "{scene}");
     }
 }

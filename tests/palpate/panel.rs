@@ -10,9 +10,9 @@ const BENCHES: [&str; 2] = ["emulated", "three-in-line"];
 /// Drives and people by whom textures are felt.
 fn setup(bench: &str) -> Setup {
     let mut felt = Overrides::default();
-    match bench {
-        "emulated" => felt.bench("the test", "drive.current_ma", 1400),
-        _ => felt.scene("the test", "illusion.person", "sensitive"),
+    if bench != "emulated" {
+        felt.scene("the test", "illusion.person", "sensitive");
+        felt.scene("the test", "illusion.beta", 0.015_625);
     }
     let setup = Setup::load("texture-wood", bench).unwrap();
     setup.with(&felt).unwrap()

@@ -23,9 +23,9 @@ pub enum IllusionModel {
     /// Squares of shares: gentle on both sides of a wire, weak between.
     Square,
     /// Shares to a power between those of energy and linear, scaled to one energy everywhere.
-    #[default]
     Balanced,
     /// What both centroids feel at the contact, by amplitudes and numbers of pulses within what heat allows.
+    #[default]
     Inverse,
     /// Three nearest wires by inverse distance (Park 2016).
     ThreeNearest,

@@ -30,6 +30,9 @@ const FAST: f32 = 0.6;
 /// Largest rise of a contact's scale from one onset to the next: 1.65 dB, the smallest difference in intensity that was
 /// just noticeable on an index pad (Israr 2006).
 const RISE: f32 = 1.209_2;
+/// A scale from which a contact may begin at once: 14 dB under full level, where nothing is felt on a bench of which full level
+/// is a few just noticeable differences over threshold. What had to stop altogether comes back from here.
+const SILENT: f32 = 0.2;
 /// The widest pulse over one at full level on one wire: room for wires that do with a pulse less.
 const HEADROOM: f32 = 1.12;
 /// A vibration of at most so many pulses gains by becoming a tap.
@@ -187,7 +190,9 @@ impl Renderer {
                 scale = scale.min(response.amplitude(most) / *one);
             }
         }
-        let scale = scale.min(1.0).min(track.scale.map_or(1.0, |s| s * RISE));
+        let scale = scale
+            .min(1.0)
+            .min(track.scale.map_or(1.0, |s| (s * RISE).max(SILENT)));
         track.scale = Some(scale);
         let wires = self.one.iter().zip(&self.counts);
         for (wire, (one, n)) in wires.enumerate().filter(|(_, (one, _))| **one > 0.0) {

@@ -1,7 +1,7 @@
 //! Tests of `mod.rs`: what every wire gets, and that the guard has nothing left to change.
 
 use super::*;
-use crate::guard::{HARD, Plant};
+use crate::guard::{Cause, HARD, Plant};
 use crate::illusion::{Display, DisplayWire, ModelSettings, inverse};
 use crate::schedule::{Entry, Stimulus};
 use crate::units::{Board, Channel, Milliamps, Point};
@@ -213,11 +213,29 @@ fn a_weight_is_heard_as_a_level() {
 #[test]
 fn a_latched_guard_gets_nothing() {
     let mut rig = Rig::new(Style::Smooth);
-    rig.guard.latch(crate::guard::Cause::End);
+    rig.guard.latch(Cause::End);
     let target = Target {
         place: Point::new(0.0, 0.0),
         weight: 1.0,
     };
     let volleys = rig.renderer.render(rig.now, &[target], None, &rig.guard);
     assert!(volleys.iter().all(|v| v.width == Ticks::ZERO));
+}
+
+/// While the guard is latched there is nothing to render; afterwards a contact is felt again within a second.
+#[test]
+fn a_contact_comes_back_after_a_stop() {
+    let mut rig = Rig::new(Style::Smooth);
+    let here = [Point::new(GAP, GAP)];
+    let before = rig.onset(&here)[3].width;
+    assert!(before > Ticks::ZERO);
+    rig.guard.latch(Cause::ActuatorError);
+    rig.guard.all_off(rig.now);
+    assert_eq!(rig.onset(&here), [Volley::default(); 8]);
+    let _ = rig.guard.watch(rig.now);
+    rig.guard.reset(rig.now).unwrap();
+    let first = rig.onset(&here)[3].width;
+    assert!(first > Ticks::ZERO && first < before);
+    let after = (0..9).map(|_| rig.onset(&here)[3].width).last();
+    assert!(after >= Some(before), "{after:?} {before:?}");
 }

@@ -61,7 +61,7 @@ pub struct Illusion {
 impl Default for Illusion {
     fn default() -> Self {
         Self {
-            model: IllusionModel::Balanced,
+            model: IllusionModel::Inverse,
             shape: None,
             flat: false,
             distances: None,

@@ -111,6 +111,9 @@ pub struct PanelArgs {
     /// Whose fingers feel the display: a person's name or file.
     #[arg(long, value_name = "NAME|FILE", default_value = "typical")]
     pub felt: String,
+    /// Duty of a pulse; left out: what eight wires of the default bench bear at the densest.
+    #[arg(long, value_name = "SHARE", allow_hyphen_values = true)]
+    pub beta: Option<f64>,
     /// Seed of the people, the strokes and the draws; the default model was trained on strokes of seed 1.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,

@@ -28,6 +28,9 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
     let mut overrides = Overrides::default();
     overrides.scene("--felt", "illusion.person", &args.felt);
+    if let Some(beta) = args.beta {
+        overrides.scene("--beta", "illusion.beta", beta);
+    }
     let setup = Setup::load(SCENE, &args.bench)?.with(&overrides)?;
     let outputs = Outputs {
         force: args.force,
