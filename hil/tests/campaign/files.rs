@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A scene of a second, short enough to run often.
 const SCENE: &str = "name = \"short\"\ndescription = \"a second\"\nlength_s = 1.5\n\
+    illusion = { model = \"balanced\", beta = 0.0049 }\n\
     [[touches]]\nstart_s = 0.6\npath = { kind = \"line\", points_mm = [[-5.0, 0.0], [5.0, 0.0]], period_s = 1.0 }\n\
     force_n = { mean = 0.7, amplitude = 0.1, period_s = 1.0 }\n";
 

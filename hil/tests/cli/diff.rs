@@ -39,12 +39,16 @@ fn a_file_does_not_differ_from_itself() {
 #[test]
 fn a_shorter_stimulus_is_told_in_words_with_exit_1() {
     let folder = Folder::new("diff-tau");
-    let a = schedule(&folder, "a.jsonl", &[]);
-    let b = schedule(
-        &folder,
-        "b.jsonl",
-        &["--tau-d-ms", "30", "--soa-ms", "58.5"],
-    );
+    // So gently that no limit is met.
+    let published = [
+        "--illusion",
+        "balanced",
+        "--set",
+        "bench.drive.current_ma=850",
+    ];
+    let a = schedule(&folder, "a.jsonl", &published);
+    let shorter = ["--tau-d-ms", "30", "--soa-ms", "58.5"];
+    let b = schedule(&folder, "b.jsonl", &[&published[..], &shorter].concat());
     let said = diff(&a, &b);
     assert_eq!((said.status, said.err.as_str()), (Some(1), ""));
     for line in [

@@ -55,7 +55,7 @@ fn a_limit_table_tightens_and_never_loosens() {
     refused_with(&["run", "--bench", &bench], &[place]);
     let tight = format!("{heading}pulse.width_us = 100.0\n");
     folder.write("limits.toml", &tight);
-    let said = hil(&["run", "--bench", &bench, "--json"]);
+    let said = hil(&["run", "--illusion", "balanced", "--bench", &bench, "--json"]);
     assert_eq!(said.status, Some(0), "{}", said.err);
     let summary: serde_json::Value = serde_json::from_str(&said.out).unwrap();
     assert!(summary["limiter_events"].as_u64().unwrap() > 0);

@@ -75,7 +75,7 @@ fn json_is_one_object_with_every_key_of_the_contract() {
     for key in ["median", "min"] {
         assert!(summary["taxels"]["refresh_hz"][key].is_number());
     }
-    assert!((summary["pwm_hz"].as_f64().unwrap() - 196.89).abs() < 0.01);
+    assert!((summary["pwm_hz"].as_f64().unwrap() - 65.63).abs() < 0.01);
     assert!(summary["path_error_mm"]["rmse"].as_f64().unwrap() <= 0.5);
     assert!((summary["sim_s"].as_f64().unwrap() - 10.0).abs() < 1e-9);
 }
@@ -119,6 +119,7 @@ fn a_run_that_the_guard_only_observes_heats_more_and_says_so_everywhere() {
     let folder = Folder::new("observed");
     let run = |observe: bool, more: &[&str]| {
         let mut args = vec!["run", "sphere-along", "--bench", "thesis"];
+        args.extend(["--illusion", "phantom"]);
         args.extend(observe.then_some("--observe"));
         args.extend(more);
         hil_in(&folder.0, &args)
@@ -223,7 +224,8 @@ fn illusion_options_change_the_run_and_are_checked() {
         good(&args);
         folder.text("s.jsonl")
     };
-    let plain = schedule(&[]);
+    let balanced = |options: &[&str]| schedule(&[&["--illusion", "balanced"], options].concat());
+    let plain = balanced(&[]);
     for options in [
         ["--shape", "2"],
         ["--alpha", "0.005"],
@@ -232,11 +234,12 @@ fn illusion_options_change_the_run_and_are_checked() {
         ["--soa-ms", "70"],
         ["--intensity", "off"],
     ] {
-        assert_ne!(schedule(&options), plain, "{options:?}");
+        assert_ne!(balanced(&options), plain, "{options:?}");
     }
-    assert_eq!(schedule(&["--illusion", "balanced"]), plain);
+    assert_eq!(schedule(&["--illusion", "inverse"]), schedule(&[]));
+    assert_ne!(schedule(&[]), plain);
     assert_ne!(schedule(&["--illusion", "phantom"]), plain);
-    assert_eq!(schedule(&["--intensity", "on"]), plain);
+    assert_eq!(balanced(&["--intensity", "on"]), plain);
     for (options, word) in [
         (&["--shape", "NaN"][..], "--shape: illusion.shape: expected"),
         (

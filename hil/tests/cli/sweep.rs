@@ -14,7 +14,7 @@ const GRID: [&str; 8] = [
     "--set",
     "length_s=2",
     "--set",
-    "illusion.shape=1,2,3",
+    "illusion.soa_ms=100,117,130",
     "--seeds",
     "1..4",
 ];
@@ -92,8 +92,8 @@ fn a_row_is_the_run_that_hil_run_shows() {
     let text = folder.text("t.jsonl");
     let row: Value = serde_json::from_str(text.lines().nth(6).unwrap()).unwrap();
     assert_eq!(
-        (&row["set"]["illusion.shape"], &row["seed"]),
-        (&"2".into(), &3.into()),
+        (&row["set"]["illusion.soa_ms"], &row["seed"]),
+        (&"117".into(), &3.into()),
         "{row}"
     );
     let run = good(&[
@@ -102,7 +102,7 @@ fn a_row_is_the_run_that_hil_run_shows() {
         "--set",
         "length_s=2",
         "--set",
-        "illusion.shape=2",
+        "illusion.soa_ms=117",
         "--seed",
         "3",
         "--json",

@@ -14,6 +14,7 @@ proptest! {
         let (rule, vectors) = (Gauss::new(), Vectors::widest());
         let mut most = known;
         raise(&rule, vectors, &values, &mut most);
-        prop_assert_eq!(most, known.max(peak(&rule, vectors, &values)));
+        let every = known.max(peak(&rule, vectors, &values));
+        prop_assert_eq!(most.to_bits(), every.to_bits());
     }
 }
