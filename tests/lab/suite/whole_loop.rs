@@ -58,7 +58,7 @@ fn the_loop_through_device_nodes_is_the_loop_in_one_process() {
     let [inside_csv, outside_csv] = ["in.csv", "out.csv"].map(scratch);
     let [inside_plan, outside_plan] = ["in.jsonl", "out.jsonl"].map(scratch);
     sh(&format!(
-        "{hil} run {scene} --quiet --record {} --schedule {}",
+        "{hil} run {scene} --quiet --set bench.wire.kind=final-75um --set bench.drive.current_ma=990 --record {} --schedule {}",
         inside_csv.display(),
         inside_plan.display()
     ));
