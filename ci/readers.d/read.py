@@ -194,8 +194,8 @@ def torn():
     try:
         for _ in NonSeekingReader(io.BytesIO(whole[: len(whole) // 2])).iter_messages(log_time_order=False):
             count += 1
-    except (McapError, EOFError):
-        pass
+    except (McapError, EOFError, struct.error):
+        pass  # the last where the cut lies within a record of an index
     assert count > 1000, count
     print(f"  messages of the first half: {count}")
 
