@@ -64,7 +64,8 @@ fn edges(wires: usize, driven: usize) -> Edges {
 fn wires(count: usize, kept: bool) -> Result<Vec<Wire>, ParameterError> {
     let make = |_| {
         let tissue = TissueParameters::DEFAULT;
-        let mut wire = Wire::new(&WIRE, &tissue, 33.0)?.worn(&tissue)?;
+        // With its burn integrals, as on the emulated display.
+        let mut wire = Wire::new(&WIRE, &tissue, 33.0)?.with_dose().worn(&tissue)?;
         if kept {
             wire.keep_stretches();
         }

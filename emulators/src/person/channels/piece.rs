@@ -55,8 +55,9 @@ struct Table {
     /// Free outputs at the nodes, by state.
     rings: [[f64; BOTH]; STATES],
     free: Free,
-    /// exp(t / tau) at the nodes.
+    /// exp(t / tau) at the nodes, and at the end.
     swell: [f64; gauss::NODES],
+    swollen: f64,
 }
 
 impl Table {
@@ -67,6 +68,7 @@ impl Table {
             rings: [[0.0; BOTH]; STATES],
             free: Free::over(seconds),
             swell: rule.nodes.map(|part| libm::exp(part * seconds / LEAK_S)),
+            swollen: libm::exp(seconds / LEAK_S),
         };
         for (i, part) in rule.nodes.into_iter().enumerate() {
             let t = part * seconds;
@@ -100,6 +102,11 @@ impl Piece<'_> {
         &self.table.decay
     }
 
+    /// exp(t / tau) over the piece, 1.
+    pub const fn swollen(&self) -> f64 {
+        self.table.swollen
+    }
+
     /// Lets a piece pass: the terms of the displacement's rate (um/s) at its start and the states, which go to its end.
     pub fn pass(&self, vectors: Vectors, terms: &[f64; MODES], x: &mut State) -> Outputs {
         vectors.run(
@@ -116,6 +123,7 @@ impl Piece<'_> {
             rings,
             free,
             swell,
+            swollen: _,
         } = self.table;
         let forced = self.forced;
         let (mut before, mut after) = ([0.0; WIDE], [0.0; WIDE]);
@@ -169,7 +177,11 @@ const PARABOLA: f64 = 1.25;
 
 /// Raises `most` to the largest magnitude of what has these values at the nodes.
 pub fn raise(rule: &Gauss, vectors: Vectors, values: &[f64; gauss::NODES], most: &mut f64) {
-    let largest = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let mut largest = 0.0;
+    for value in values {
+        let value = value.abs();
+        largest = if value > largest { value } else { largest };
+    }
     if PARABOLA * rule.reach * largest > *most {
         *most = most.max(peak(rule, vectors, values));
     }

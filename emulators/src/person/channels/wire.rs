@@ -2,7 +2,7 @@
 
 use super::filter::{LIFT, STATES, State};
 use super::gauss::{self, Gauss};
-use super::piece::{LEAK_S, Tables, raise};
+use super::piece::{Tables, raise};
 use crate::display::finger::NODES as MODES;
 use crate::display::solver::modal::ModeKey;
 use crate::display::solver::stretch::Stretch;
@@ -50,8 +50,9 @@ pub struct WireFilter {
     quiet_s: f64,
     /// Since the last [`WireFilter::settle`].
     pub passed: Vec<Passed>,
-    /// Time computed up to since then, s, and energy that flowed in, um2.
+    /// Time computed up to since then, s, exp(now / tau) - 1, and energy that flowed in, um2.
     pub now_s: f64,
+    swollen: f64,
     pub energy: f64,
     /// How far lifted tissue still has to sink, um.
     pub lifted_um: f64,
@@ -129,6 +130,7 @@ impl WireFilter {
         } = shared;
         let known = tables.of(rule, stretch.regime, &stretch.rates, piece);
         let mut outputs = known.pass(*vectors, terms, &mut self.x);
+        let grown = known.swollen();
         for (term, decay) in terms.iter_mut().zip(known.decay()) {
             *term *= decay;
         }
@@ -136,7 +138,7 @@ impl WireFilter {
             // Beyond any number: the tissue is taken to stand still from here on.
             (self.x, *terms, outputs) = ([0.0; STATES], [0.0; MODES], <_>::default());
         }
-        let swollen = libm::exp(self.now_s / LEAK_S);
+        let swollen = 1.0 + self.swollen;
         let flow = outputs.flow.map(|v| v * swollen);
         let energy = piece * rule.mean(&flow);
         self.passed.push(Passed {
@@ -147,6 +149,7 @@ impl WireFilter {
             flow,
         });
         self.now_s += piece;
+        self.swollen = swollen * grown - 1.0;
         self.energy += energy;
         self.met.energy += piece * rule.mean(&outputs.p.map(|y| y * y));
         raise(rule, *vectors, &outputs.p, &mut self.met.peak_p);
@@ -194,6 +197,6 @@ impl WireFilter {
     /// Begins a new account of the leaky energy.
     pub fn settle(&mut self) {
         self.passed.clear();
-        (self.now_s, self.energy) = (0.0, 0.0);
+        (self.now_s, self.swollen, self.energy) = (0.0, 0.0, 0.0);
     }
 }

@@ -126,7 +126,7 @@ fn felt_in_words(trace: &Trace) -> String {
                 );
             }
             text.push_str(
-                " What is felt comes from a model of a person with a fitted gain.",
+                " What is felt comes from a model of a person.",
             );
             text
         }
