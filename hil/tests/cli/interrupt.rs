@@ -116,7 +116,7 @@ fn long_work_shows_itself_on_a_terminal_and_nowhere_else() {
     assert!(!logged.contains("sweep ["), "{logged}");
     let mut piped = Command::new("timeout");
     piped
-        .args(["-s", "INT", "4", env!("CARGO_BIN_EXE_hil")])
+        .args(["-s", "INT", "8", env!("CARGO_BIN_EXE_hil")])
         .args(sweep.split(' '))
         .arg("piped.csv");
     let piped = piped.current_dir(&folder.0).output().unwrap();
