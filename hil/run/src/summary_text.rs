@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use palpate_records::margin::{Limited, Margin};
 use palpate_records::trace::Source;
 
-use crate::band::FeltBand;
+use crate::band::{FeltBand, FeltCorner};
 use crate::boards::{BoardReport, BusReport};
 use crate::summary::{EnergyDb, FeltError, FeltSummary, Summary, Taxels, TextureSummary};
 
@@ -68,8 +68,20 @@ impl FeltBand {
         let error = self.error_mm.map_or(String::new(), |[low, high]| {
             format!(", error {low:.2} to {high:.2} mm RMSE")
         });
+        let distinct = |of: fn(&FeltCorner) -> String| {
+            let mut all: Vec<String> = Vec::new();
+            for name in self.corners.iter().map(of) {
+                if !all.contains(&name) {
+                    all.push(name);
+                }
+            }
+            all
+        };
+        let wires = distinct(|c| c.preset.to_owned()).join(" and ");
+        let gains = distinct(|c| c.gain.to_string()).join(" to ");
+        let persons = distinct(|c| c.person.clone()).len();
         let words = format!(
-            "{low:+.1} to {high:+.1} dB{error}: wires taut and loose, gain 2.4 to 9, 3 persons"
+            "{low:+.1} to {high:+.1} dB{error}: wires {wires}, gain {gains}, {persons} persons"
         );
         line("felt band", words)
     }
