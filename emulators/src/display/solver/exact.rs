@@ -9,6 +9,7 @@ use super::lanes::dot;
 use super::maxima::Maxima;
 use super::modal::{Mode, ModeKey};
 use super::propagators::Propagators;
+use super::regimes::{REGIMES, Regimes};
 use crate::display::finger::dose::Dose;
 use crate::display::finger::{NODES, ThermalNetwork};
 use crate::display::solver::phase::{Branch, Heading, Phase};
@@ -20,17 +21,16 @@ use palpate_core::physics::{Bow, ParameterError, TissueParameters, WireParameter
 use palpate_core::vector::{Scalar, Vectors};
 use step::Run;
 
-/// Regimes kept per wire beyond the three of plain play; the oldest is dropped.
-const MODES: usize = 96;
-
-/// The exact solver. Cloning one copies its state and caches.
+/// The exact solver. A clone has a state of its own, and shares what follows from the wire alone.
 #[derive(Clone, Debug)]
 pub struct Exact {
     wire: Arc<WireParameters>,
     network: Arc<ThermalNetwork>,
     phase: Phase,
     heading: Heading,
-    modes: Vec<Mode>,
+    /// Those of all clones, and those that this one has been in.
+    regimes: Regimes,
+    modes: Vec<Arc<Mode>>,
     mode: usize,
     oldest: usize,
     propagators: Propagators,
@@ -87,7 +87,8 @@ impl Exact {
         }
         let network = ThermalNetwork::new(wire, tissue)?;
         let phase = Phase::new(wire, start_c)?;
-        let resting = Mode::new(
+        let regimes = Regimes::default();
+        let resting = regimes.of(
             &network,
             ModeKey {
                 latent: 0.0,
@@ -100,6 +101,7 @@ impl Exact {
             network: Arc::new(network),
             phase,
             heading: Heading::Up,
+            regimes,
             modes: vec![resting],
             mode: 0,
             oldest: 1,
@@ -322,13 +324,13 @@ impl Exact {
         let nodes = self.modes[self.mode].nodes(&self.z);
         let found = self.modes.iter().position(|m| m.key == key);
         self.mode = found.unwrap_or_else(|| {
-            let mode = Mode::new(&self.network, key);
-            if self.modes.len() < MODES {
+            let mode = self.regimes.of(&self.network, key);
+            if self.modes.len() < REGIMES {
                 self.modes.push(mode);
                 return self.modes.len() - 1;
             }
             let place = self.oldest;
-            self.oldest = if place + 1 < MODES { place + 1 } else { 1 };
+            self.oldest = if place + 1 < REGIMES { place + 1 } else { 1 };
             self.modes[place] = mode;
             self.propagators.forget(place);
             place

@@ -12,6 +12,7 @@ pub mod modal;
 pub mod phase;
 mod propagators;
 pub mod record;
+mod regimes;
 pub mod strain;
 pub mod stretch;
 pub mod sum;

@@ -4,6 +4,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use super::filter::{self, Free, OUT_N, OUT_P, STATES, State};
 use super::gauss::{self, Gauss};
@@ -16,19 +17,19 @@ use palpate_core::vector::Vectors;
 const BOTH: usize = 2 * gauss::NODES;
 /// States in whole vectors.
 const WIDE: usize = 8;
-/// Tables kept. Pulses have at most some hundred widths.
+/// Lengths remembered. Pulses have at most some hundred widths; those between events are met once.
 const MOST: usize = 1024;
 
 /// Time constant of the Pacinian channel's energy, s (Zwislocki).
 pub const LEAK_S: f64 = 0.2;
 
-/// The modes of one regime, and its pieces by their length, as bits.
+/// The modes of one regime, and its pieces by their length, as bits: no table of a length that was met once.
 #[derive(Clone, Debug)]
 struct Regime {
     rates: [f64; MODES],
     /// Forced states at the start of any piece, by mode.
     forced: [[f64; WIDE]; MODES],
-    pieces: BTreeMap<u64, Box<Table>>,
+    pieces: BTreeMap<u64, Option<Box<Table>>>,
 }
 
 impl Regime {
@@ -61,7 +62,15 @@ struct Table {
 }
 
 impl Table {
-    fn new(rule: &Gauss, rates: &[f64; MODES], seconds: f64) -> Self {
+    fn new(rule: &Gauss, vectors: Vectors, rates: &[f64; MODES], seconds: f64) -> Self {
+        vectors.run(
+            #[inline(always)]
+            || Self::plain(rule, rates, seconds),
+        )
+    }
+
+    #[inline(always)]
+    fn plain(rule: &Gauss, rates: &[f64; MODES], seconds: f64) -> Self {
         let mut table = Self {
             decay: decays(rates, seconds).0,
             nodes: [[0.0; gauss::NODES]; MODES],
@@ -227,6 +236,8 @@ fn peak(rule: &Gauss, vectors: Vectors, values: &[f64; gauss::NODES]) -> f64 {
 pub struct Tables {
     regimes: BTreeMap<[u64; 2], Regime>,
     count: usize,
+    /// Of the last length that was met for the first time.
+    once: Option<Box<Table>>,
 }
 
 impl Tables {
@@ -234,6 +245,7 @@ impl Tables {
     pub fn of(
         &mut self,
         rule: &Gauss,
+        vectors: Vectors,
         key: ModeKey,
         rates: &[f64; MODES],
         seconds: f64,
@@ -247,10 +259,15 @@ impl Tables {
         if regime.rates.map(f64::to_bits) != rates.map(f64::to_bits) {
             *regime = Regime::new(rates);
         }
-        let table = regime.pieces.entry(seconds.to_bits()).or_insert_with(|| {
-            self.count += 1;
-            Box::new(Table::new(rule, rates, seconds))
-        });
+        let new = || Box::new(Table::new(rule, vectors, rates, seconds));
+        let table = match regime.pieces.entry(seconds.to_bits()) {
+            Entry::Occupied(met) => met.into_mut().get_or_insert_with(new),
+            Entry::Vacant(first) => {
+                first.insert(None);
+                self.count += 1;
+                self.once.insert(new())
+            }
+        };
         Piece {
             forced: &regime.forced,
             table,

@@ -128,7 +128,7 @@ impl WireFilter {
             tables,
             vectors,
         } = shared;
-        let known = tables.of(rule, stretch.regime, &stretch.rates, piece);
+        let known = tables.of(rule, *vectors, stretch.regime, &stretch.rates, piece);
         let mut outputs = known.pass(*vectors, terms, &mut self.x);
         let grown = known.swollen();
         for (term, decay) in terms.iter_mut().zip(known.decay()) {

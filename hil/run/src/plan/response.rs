@@ -33,11 +33,17 @@ pub(super) fn response(
     pattern: &Pattern,
 ) -> Result<Response, Failure> {
     let widest = guard.widest().get();
+    let bench = &setup.bench.value;
+    let wire = felt_wire(setup)?;
+    let perceiver = Perceiver::new(super::person(&setup.person.value), &[(0.0, 0.0)])
+        .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
+    let amps = bench.drive.current_ma * 1e-3;
     let mut known = vec![(0, 0.0)];
     for sample in 1..=SAMPLES {
         let width = (u32::from(widest) * u32::from(sample)).div_ceil(u32::from(SAMPLES)) as u16;
         if known.last().is_none_or(|(last, _)| width > *last) {
-            known.push((width, amplitude(setup, pattern, Ticks::new(width))?));
+            let worn = (wire.clone(), perceiver.clone());
+            known.push((width, amplitude(worn, amps, pattern, Ticks::new(width))));
         }
     }
     let between = |pair: &[(u16, f32)]| {
@@ -49,12 +55,12 @@ pub(super) fn response(
     Ok(Response::new(amplitudes.chain(last).collect()))
 }
 
-fn amplitude(setup: &Setup, pattern: &Pattern, width: Ticks) -> Result<f32, Failure> {
-    let bench = &setup.bench.value;
-    let impossible = |e| Failure::Input(format!("bench `{}`: {e}", bench.name));
-    let mut wire = felt_wire(setup)?;
-    let person = super::person(&setup.person.value);
-    let mut perceiver = Perceiver::new(person, &[(0.0, 0.0)]).map_err(impossible)?;
+fn amplitude(
+    (mut wire, mut perceiver): (Wire, Perceiver),
+    amps: f64,
+    pattern: &Pattern,
+    width: Ticks,
+) -> f32 {
     let (prescale, pulses) = (pattern.prescale(), pattern.pulses(false));
     let wide = Nanos(u64::from(width.get()) * prescale.tick_ns());
     let soa = pattern.timing().soa.as_micros();
@@ -66,7 +72,7 @@ fn amplitude(setup: &Setup, pattern: &Pattern, width: Ticks) -> Result<f32, Fail
         }
         for pulse in 0..u64::from(pulses) {
             let at = start + Nanos(pulse * prescale.period_ns());
-            wire.set_current(at, bench.drive.current_ma * 1e-3);
+            wire.set_current(at, amps);
             wire.set_current(at + wide, 0.0);
         }
     }
@@ -74,5 +80,5 @@ fn amplitude(setup: &Setup, pattern: &Pattern, width: Ticks) -> Result<f32, Fail
     wire.take_stretches(end, |stretch| perceiver.pass(0, stretch));
     perceiver.settle();
     let energy = perceiver.felt(START_C).map_or(0.0, |felt| felt.energy);
-    Ok(libm::sqrt(energy / f64::from(pulses)) as f32)
+    libm::sqrt(energy / f64::from(pulses)) as f32
 }
