@@ -70,6 +70,7 @@ macro_rules! scenes {
 
 scenes! {
     allegro_four_buses "allegro-four-buses",
+    allegro_grasp "allegro-grasp",
     allegro_one_bus "allegro-one-bus",
     allegro_one_bus_overwrite "allegro-one-bus-overwrite",
     brush_strokes "brush-strokes",

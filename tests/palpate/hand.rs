@@ -1,6 +1,9 @@
 //! An Allegro hand through the whole loop: what one CAN bus makes of it, and what four do.
 
+use std::collections::BTreeSet;
+
 use palpate_files::Setup;
+use palpate_records::trace::Event;
 use palpate_run::{Input, Summary, run};
 
 fn summary(scene: &str) -> Summary {
@@ -44,4 +47,23 @@ fn on_four_buses_every_taxel_keeps_100_hz_at_74_percent_load() {
     assert!((0.72..0.77).contains(&fullest), "{fullest}");
     assert_eq!((s.taxels.dead, s.taxels.frozen), (0, 0));
     assert!(s.path_error_mm.unwrap().rmse < 0.5);
+}
+
+#[test]
+fn a_grasp_is_felt_on_each_of_the_four_fingertips_within_the_limits() {
+    let mut setup = Setup::load("allegro-grasp", "emulated").unwrap();
+    for tip in [0, 4, 8, 12] {
+        setup.scene.value.drives = tip;
+        let outcome = run(&setup, &Input::Scene, 1).unwrap();
+        let s = outcome.summary;
+        assert_eq!((s.limiter_events, s.felt.breaks), (0, 0), "module {tip}");
+        assert!(s.path_error_mm.unwrap().rmse < 0.5, "module {tip}");
+        assert!(s.margins.iter().all(|m| m.used() < 1.0), "module {tip}");
+        let touched = outcome.trace.events.iter().filter_map(|event| match event {
+            Event::Contact { module, .. } => Some(*module),
+            _ => None,
+        });
+        let touched: BTreeSet<u16> = touched.collect();
+        assert_eq!(touched.len(), 15, "{touched:?}");
+    }
 }
