@@ -16,6 +16,14 @@ use palpate_run::Failure;
 /// Slowest and fastest oscillators seen of the chip, over the nominal 25 MHz.
 const OSCILLATOR: (f64, f64) = (23.0 / 25.0, 27.4 / 25.0);
 
+/// How far a chip's clock may be off: a clock on EXTCLK by its stated tolerance, else any oscillator seen.
+fn range(clock: palpate_core::units::Clock) -> (f64, f64) {
+    clock.tolerance_ppm().map_or(OSCILLATOR, |ppm| {
+        let part = f64::from(ppm) * 1e-6;
+        (1.0 - part, 1.0 + part)
+    })
+}
+
 /// One measured value with its limits.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Measurement {
@@ -73,6 +81,8 @@ struct Seen<'a> {
     pulses: BTreeMap<Output, Pulses>,
     /// PRE_SCALE's period, nanoseconds.
     nominal: f64,
+    /// Slowest and fastest clock of the chips, over the nominal one.
+    clock: (f64, f64),
     /// The true period of each board, where its pulses tell.
     periods: BTreeMap<u8, Option<f64>>,
 }
@@ -95,6 +105,7 @@ impl<'a> Seen<'a> {
             capture,
             pulses,
             nominal,
+            clock: range(trace.header.pre_scale.clock()),
             periods,
         })
     }
@@ -154,14 +165,16 @@ impl<'a> Seen<'a> {
     /// Every measurement with its limits.
     fn measurements(&self, tallies: &BTreeMap<Output, Tally>) -> Vec<Measurement> {
         let mut measurements = Vec::new();
+        let hz = 1e9 / self.nominal;
+        // A clock may be stated better than the analyser's samples tell its period.
+        let sampled = 2.0 * self.resolution() / self.nominal;
         for (board, period) in &self.periods {
-            let hz = 1e9 / self.nominal;
             measurements.push(Measurement::new(
                 format!("PWM frequency, board {board}"),
                 period.map(|p| 1e9 / p),
                 "Hz",
-                hz * OSCILLATOR.0,
-                hz * OSCILLATOR.1,
+                hz * (self.clock.0 - sampled),
+                hz * (self.clock.1 + sampled),
             ));
         }
         for (output, tally) in tallies {

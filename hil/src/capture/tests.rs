@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use palpate_core::units::Instant;
+use palpate_core::units::{Clock, Instant};
 use palpate_records::trace::{Event, Trace};
 use palpate_records::vcd::write_vcd;
 
@@ -155,6 +155,21 @@ fn what_was_spoilt_is_what_is_measured() {
         }
         let found = compare(&trace, &seen, &[], None).unwrap();
         assert_eq!(found.measurements[0].good(), good, "{mhz} MHz");
+    }
+}
+
+#[test]
+fn an_external_clock_is_held_to_its_own_tolerance() {
+    let mut trace = trace();
+    let seen = capture(&trace);
+    let clock = Clock::external(25_000_000, 100).unwrap();
+    trace.header.pre_scale = trace.header.pre_scale.with_clock(clock);
+    for (ppm, good) in [(0, true), (90, true), (120, false), (40_000, false)] {
+        let mut off = seen.clone();
+        let edges = off.signals.iter_mut().flat_map(|s| &mut s.edges);
+        edges.for_each(|edge| edge.0 += edge.0 * ppm / 1_000_000);
+        let found = compare(&trace, &off, &[], None).unwrap();
+        assert_eq!(found.measurements[0].good(), good, "{ppm} ppm slow");
     }
 }
 
