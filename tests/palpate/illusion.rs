@@ -83,10 +83,11 @@ fn place() -> impl Strategy<Value = Point> {
     (-25.0f32..25.0, -25.0f32..25.0).prop_map(|(x, y)| Point::new(x, y))
 }
 
-/// How far activations may move over 0.01 mm. Shares move by 0.3 a millimetre at most on these
-/// arrays; a root of a share is steep where the share begins, hence the power.
+/// How far activations may move over 0.01 mm. Shares move by 0.345 a millimetre at most on these arrays: on the middle wire
+/// of the line by 1 / 6.5 along it and 1 / 3.25 away from it, the margin being half a gap. A root of a share is steep where
+/// the share begins, hence the power.
 fn modulus(model: IllusionModel) -> Option<f32> {
-    let share = 0.3f32 * 0.01;
+    let share = (1.0f32 / 6.5).hypot(1.0 / 3.25) * 0.01;
     match model {
         IllusionModel::Phantom => Some(0.01),
         IllusionModel::Linear => Some(share + 1e-4),

@@ -66,7 +66,6 @@ impl Guard {
         });
         let burst_nj = self.limits.burst_energy_nj.saturating_sub(burst.spent_nj);
         let left = |pj: u64| faded(pj / 1000);
-        let tip = self.fingertip.left_pj_at(at);
         Some(WireBudget {
             widest: self.widest(),
             until,
@@ -78,9 +77,14 @@ impl Guard {
                 deep,
                 mean,
                 (Reason::WirePower, left(state.power.left_pj_at(at))),
-                (Reason::FingertipPower, left(tip)),
+                (Reason::FingertipPower, self.fingertip_nj(at)),
             ],
         })
+    }
+
+    /// Electrical energy, nJ, that the row of the fingertip's power leaves of a stimulus at `at` on any wire.
+    pub fn fingertip_nj(&self, at: Instant) -> u64 {
+        faded(self.fingertip.left_pj_at(at) / 1000)
     }
 
     /// Mean power, uW, of one wire that each row leaves for the second from `at` on. For the rows of power that is

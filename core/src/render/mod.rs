@@ -211,7 +211,7 @@ impl Renderer {
     /// Amplitudes to widths. Where all together want more than the fingertip bears, all contacts get weaker alike: each
     /// keeps its part of the power.
     fn widen(&mut self, at: Instant, guard: &Guard) {
-        let bears = tip_nj(guard, at, self.settings.pattern.lasts(1));
+        let bears = SLOW * guard.fingertip_nj(at) as f32;
         for _ in 0..=CORRECTIONS {
             let mut total = 0;
             for (volley, amplitude) in self.volleys.iter_mut().zip(&self.amplitudes) {
@@ -247,14 +247,6 @@ fn bearable(guard: &Guard, reserve: &Reserve, wire: usize, at: Instant, length: 
     let left = rows.fold(SLOW * reserve.left_nj(at), f32::min);
     let tick = guard.energy_nj(Ticks::new(1000), length) as f32 / 1000.0;
     (left / tick).min(f32::from(budget.widest.get()))
-}
-
-/// What all wires together may spend, nJ.
-fn tip_nj(guard: &Guard, at: Instant, length: Duration) -> f32 {
-    let budget = guard.budget(0, at, at + length);
-    let rows = budget.iter().flat_map(|b| &b.energy_nj);
-    let tip = rows.filter(|(row, _)| *row == Reason::FingertipPower);
-    tip.fold(0.0, |_, (_, left)| SLOW * *left as f32)
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ mod presses;
 mod projection;
 mod python;
 mod records;
+mod render;
 mod scenes;
 mod settings;
 mod table;
@@ -37,13 +38,14 @@ use findings::{Findings, Row};
 type Measure = fn() -> Result<Findings, Failure>;
 
 /// Every family as the command line spells it, in the order of the page, with what it measures.
-const FAMILIES: [(&str, &[Measure]); 8] = [
+const FAMILIES: [(&str, &[Measure]); 9] = [
     ("physics", &[physics::measure]),
     ("perceiver", &[perceiver::measure]),
     ("emulators", &[emulators::measure]),
     ("compression", &[compression::measure]),
     ("texture", &[texture::measure]),
     ("illusion", &[illusion::measure, illusion::in_loop::measure]),
+    ("render", &[render::measure]),
     ("loop", &[projection::measure]),
     ("records", &[records::measure]),
 ];

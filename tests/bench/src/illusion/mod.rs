@@ -117,7 +117,7 @@ pub fn measure() -> Result<Findings, Failure> {
 }
 
 /// Sixteen columns of eight wires, 9 mm apart.
-fn many() -> Result<Display, Failure> {
+pub fn many() -> Result<Display, Failure> {
     let wire = |i: usize| DisplayWire {
         place: Point::new(9.0 * (i / 8) as f32, 9.0 * (i % 8) as f32),
         board: Board((i / 8) as u8),
