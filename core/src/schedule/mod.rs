@@ -109,6 +109,26 @@ impl Entry {
     pub const fn width(&self) -> Ticks {
         Ticks::new(self.off.saturating_sub(self.on))
     }
+
+    /// Pulses applied: [`Self::asked_pulses`], or none where the width is none.
+    pub const fn pulses(&self, period_ns: u64) -> u64 {
+        if self.off > self.on {
+            self.asked_pulses(period_ns)
+        } else {
+            0
+        }
+    }
+
+    /// Pulses that begin before its end with such a period, whatever their width; none without a period. The chip's counter begins with the onset:
+    /// it stands still while all outputs of a board are off (data sheet 7.3.3, remark).
+    pub const fn asked_pulses(&self, period_ns: u64) -> u64 {
+        if period_ns == 0 {
+            return 0;
+        }
+        let length_ns = self.until.since(self.at).as_micros().saturating_mul(1000);
+        let first_ns = (self.on as u64).saturating_mul(period_ns) / Ticks::PER_PERIOD as u64;
+        length_ns.saturating_sub(first_ns).div_ceil(period_ns)
+    }
 }
 
 /// How long one stimulus lasts and how far apart onsets lie.

@@ -1,7 +1,8 @@
 //! What a run samples of the display: where an onset was felt, how warm the wires are.
 
 use palpate_core::projector::Projector;
-use palpate_core::units::{Instant, Point};
+use palpate_core::schedule::Entry;
+use palpate_core::units::{Instant, Point, Ticks};
 use palpate_emulators::person::channels::{Felt, Perceiver};
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{START_C, WornDisplay};
@@ -20,6 +21,8 @@ const HULL_MARGIN: f32 = 1e-3;
 pub(super) struct FullDrive {
     /// Integral of its squared filtered displacement, um2 s.
     energy: f64,
+    /// Pulses that gave it.
+    pulses: u64,
 }
 
 impl FullDrive {
@@ -30,21 +33,20 @@ impl FullDrive {
         let impossible = |e| Failure::Input(format!("bench `{}`: {e}", bench.name));
         let mut alone = plan::felt_wire(setup)?;
         let width = Nanos(u64::from(projector.width(1.0).get()) * prescale.tick_ns());
-        let (mut at, end) = (
-            Nanos::ZERO,
-            Nanos::from_micros(projector.timing().duration.as_micros()),
-        );
+        let (mut at, mut pulses) = (Nanos::ZERO, 0);
+        let end = Nanos::from_micros(projector.timing().duration.as_micros());
         while at < end {
             alone.set_current(at, bench.drive.current_ma * 1e-3);
             alone.set_current(at + width, 0.0);
             at = at + Nanos(prescale.period_ns());
+            pulses += 1;
         }
         let person = plan::person(&setup.person.value);
         let mut perceiver = Perceiver::new(person, &[(0.0, 0.0)]).map_err(impossible)?;
         alone.take_stretches(at, |stretch| perceiver.pass(0, stretch));
         perceiver.settle();
         let energy = perceiver.felt(START_C).map_or(0.0, |felt| felt.energy);
-        Ok(Self { energy })
+        Ok(Self { energy, pulses })
     }
 
     /// Energies of an onset with these contacts in thousandths of one wire's at full drive for their levels.
@@ -54,13 +56,17 @@ impl FullDrive {
         onset: &Onset,
         felt: Option<&Felt>,
     ) -> EnergyPermille {
-        let square = |weight: f32| u64::from(projector.width(weight).get()).pow(2);
-        let full = onset.targets.iter().map(|t| square(t.weight));
+        let period_ns = projector.guard().prescale().period_ns();
+        let square = |width: Ticks| u64::from(width.get()).pow(2);
+        let top = |weight: f32| self.pulses * square(projector.width(weight));
+        let full = onset.targets.iter().map(|t| top(t.weight));
         let full = full.sum::<u64>().max(1);
-        let [requested, applied] = onset
-            .squares
-            .map(|sum| u32::try_from(1000 * sum / full).unwrap_or(u32::MAX));
-        let at_full = self.energy * full as f64 / square(1.0).max(1) as f64;
+        let of = |sum: u64| u32::try_from(1000 * sum / full).unwrap_or(u32::MAX);
+        let requested = |e: &Entry| e.asked_pulses(period_ns) * square(e.requested);
+        let applied = |e: &Entry| e.pulses(period_ns) * square(e.width());
+        let requested = of(onset.entries.iter().map(requested).sum());
+        let applied = of(onset.entries.iter().map(applied).sum());
+        let at_full = self.energy * full as f64 / top(1.0).max(1) as f64;
         // Rounded; what is no number is nothing.
         let felt = felt.map_or(0.0, |felt| 1e3 * felt.energy / at_full);
         EnergyPermille {

@@ -79,8 +79,8 @@ pub struct Onset {
     pub at: Instant,
     /// The contacts on the display.
     pub targets: Vec<Target>,
-    /// Sums of the squared pulse widths that were asked for and that the guard applied, ticks.
-    pub squares: [u64; 2],
+    /// What was asked for and what the guard applied, a stimulus each.
+    pub entries: Vec<Entry>,
 }
 
 /// Collects a run.
@@ -106,10 +106,8 @@ pub struct Recorder {
     pub onsets: (u64, u64),
     /// Boards and channels of which a stimulus was asked.
     pub warmed: BTreeSet<(u8, u8)>,
-    /// Squared widths of the stimuli since: asked for, applied.
-    squares: [u64; 2],
-    /// When the newest of those stimuli began.
-    asked: Option<Instant>,
+    /// The newest stimuli of which all began at once.
+    asked: Vec<Entry>,
     /// End of the newest window of texture.
     window: Option<Instant>,
     /// Windows of texture, and the sum of their roughness, thousandths.
@@ -260,16 +258,10 @@ impl Observer for Recorder {
         self.driven.add(entry);
         self.warmed.insert((entry.board.0, entry.channel.0));
         // A burst may come in parts, all alike: the first one counts.
-        if self.asked != Some(entry.at) {
-            (self.asked, self.squares) = (Some(entry.at), [0; 2]);
+        if self.asked.first().is_some_and(|first| first.at != entry.at) {
+            self.asked.clear();
         }
-        for (sum, width) in self
-            .squares
-            .iter_mut()
-            .zip([entry.requested, entry.width()])
-        {
-            *sum += u64::from(width.get()).pow(2);
-        }
+        self.asked.push(*entry);
         self.events.push(Event::Schedule(*entry));
     }
 
@@ -277,16 +269,12 @@ impl Observer for Recorder {
         self.onsets.0 += 1;
         self.onsets.1 += u64::from(targets.is_empty());
         let targets = targets.to_vec();
-        let squares = std::mem::take(&mut self.squares);
-        let squares = if self.asked == Some(at) {
-            squares
-        } else {
-            [0; 2]
-        };
+        let mut entries = std::mem::take(&mut self.asked);
+        entries.retain(|entry| entry.at == at);
         self.onset = Some(Onset {
             at,
             targets,
-            squares,
+            entries,
         });
     }
 

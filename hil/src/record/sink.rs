@@ -59,6 +59,8 @@ const FLUSH_US: u64 = 100_000;
 
 enum Form {
     Lines(Kind, Vec<String>, Lines),
+    /// With the period of the boards, ns.
+    Schedule(u64, Lines),
     Mcap(Box<McapRecording<BufWriter<File>>>),
     Vcd(Box<Vcd<BufWriter<File>>>),
 }
@@ -178,7 +180,10 @@ impl Sink {
                 };
                 let mut lines = Lines { file, length: 0 };
                 rendered.and_then(|()| lines.append(&first)).map_err(told)?;
-                Form::Lines(kind, Vec::new(), lines)
+                match kind {
+                    Kind::Schedule => Form::Schedule(header.pre_scale.period_ns(), lines),
+                    _ => Form::Lines(kind, Vec::new(), lines),
+                }
             }
             (Kind::Can, About::Buses(interfaces)) => {
                 Form::Lines(kind, interfaces.to_vec(), Lines { file, length: 0 })
@@ -221,9 +226,13 @@ impl Sink {
                 let mut text = Vec::new();
                 match kind {
                     Kind::Contacts => contacts_csv::write_rows(&piece.events, &mut text)?,
-                    Kind::Schedule => schedule::write_records(&piece.events, &mut text)?,
                     _ => write_can_log(&piece.frames, interfaces, &mut text)?,
                 }
+                lines.append(&text)
+            }
+            Form::Schedule(period_ns, lines) => {
+                let mut text = Vec::new();
+                schedule::write_records(&piece.events, *period_ns, &mut text)?;
                 lines.append(&text)
             }
             Form::Mcap(recording) => {
@@ -248,7 +257,7 @@ impl Sink {
     /// [`Failure::Write`] with the file and what the system said.
     pub fn finish(self) -> Result<(), Failure> {
         let closed = match self.form {
-            Form::Lines(..) => Ok(()),
+            Form::Lines(..) | Form::Schedule(..) => Ok(()),
             Form::Mcap(recording) => recording.finish().map(drop),
             Form::Vcd(vcd) => vcd.finish(self.now_us.saturating_mul(1000)),
         };

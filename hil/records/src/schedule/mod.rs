@@ -11,7 +11,9 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 /// Version of the file's meaning; grows when a field changes what it says.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
+/// The first one, which is still read: without `pulses` and `period`.
+const WITHOUT_PULSES: u32 = 1;
 
 #[derive(Serialize)]
 struct HeaderLine<'a> {
@@ -64,8 +66,10 @@ enum Record {
         t_us: u64,
         board: u8,
         channel: u8,
+        pulses: u64,
         on: u16,
         off: u16,
+        period: u64,
         until_us: u64,
         requested: u16,
         reason: Option<&'static str>,
@@ -83,13 +87,15 @@ enum Record {
 }
 
 impl Record {
-    fn entry(entry: &Entry) -> Self {
+    fn entry(entry: &Entry, period_ns: u64) -> Self {
         Self::Entry {
             t_us: entry.at.as_micros(),
             board: entry.board.0,
             channel: entry.channel.0,
+            pulses: entry.pulses(period_ns),
             on: entry.on,
             off: entry.off,
+            period: period_ns,
             until_us: entry.until.as_micros(),
             requested: entry.requested.get(),
             reason: entry.reason.map(|r| r.word()),
@@ -106,7 +112,7 @@ impl Record {
 /// Whatever the writer says.
 pub fn write_schedule(trace: &Trace, mut out: impl Write) -> io::Result<()> {
     write_header(&trace.header, &mut out)?;
-    write_records(&trace.events, out)
+    write_records(&trace.events, trace.header.pre_scale.period_ns(), out)
 }
 
 /// Writes the first line.
@@ -118,12 +124,13 @@ pub fn write_header(header: &Header, mut out: impl Write) -> io::Result<()> {
     out.write_all(b"\n")
 }
 
-/// Writes the records of events, sorted: of a whole run, or of a piece that holds all events of its instants.
+/// Writes the records of events, sorted: of a whole run, or of a piece that holds all events of its instants. All boards of
+/// a run have one period.
 ///
 /// # Errors
 /// Whatever the writer says.
-pub fn write_records(events: &[Event], mut out: impl Write) -> io::Result<()> {
-    for (_, record) in sorted(events) {
+pub fn write_records(events: &[Event], period_ns: u64, mut out: impl Write) -> io::Result<()> {
+    for (_, record) in sorted(events, period_ns) {
         serde_json::to_writer(&mut out, &record)?;
         out.write_all(b"\n")?;
     }
@@ -133,7 +140,7 @@ pub fn write_records(events: &[Event], mut out: impl Write) -> io::Result<()> {
 /// Time, board, how many whole-board records came before at that instant, channel.
 type Key = (u64, u8, u32, u16);
 
-fn sorted(events: &[Event]) -> Vec<(Key, Record)> {
+fn sorted(events: &[Event], period_ns: u64) -> Vec<(Key, Record)> {
     let mut passed: BTreeMap<(u64, u8), u32> = BTreeMap::new();
     let mut whole_board = |t_us: u64, board: u8| {
         let count = passed.entry((t_us, board)).or_default();
@@ -181,7 +188,7 @@ fn sorted(events: &[Event]) -> Vec<(Key, Record)> {
         let segment = u32::try_from(before).unwrap_or(u32::MAX);
         // Channel + 1: a whole-board record opens its segment.
         let key = (t_us, board, segment, u16::from(entry.channel.0) + 1);
-        records.push((key, Record::entry(entry)));
+        records.push((key, Record::entry(entry, period_ns)));
     }
     records.extend(barriers.into_iter().map(|(_, key, record)| (key, record)));
     records.sort_by_key(|(key, _)| *key);

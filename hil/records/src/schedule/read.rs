@@ -4,7 +4,7 @@ use palpate_core::schedule::{Entry, Reason};
 use palpate_core::units::{Board, Channel, Clock, Instant, Prescale, Ticks};
 use serde::Deserialize;
 
-use super::VERSION;
+use super::{VERSION, WITHOUT_PULSES};
 use crate::damage::Damage;
 use crate::trace::{Driven, Event, Header, Ledger, Source, Trace, WireInfo};
 
@@ -52,8 +52,10 @@ struct Line {
     t_us: u64,
     board: u8,
     channel: Option<u8>,
+    pulses: Option<u64>,
     on: Option<u16>,
     off: Option<u16>,
+    period: Option<u64>,
     until_us: Option<u64>,
     requested: Option<u16>,
     #[serde(default)]
@@ -141,12 +143,13 @@ pub fn read_schedule(
 }
 
 fn header(first: &str) -> Result<HeaderLine, Damage> {
-    const FIRST: &str = "a schedule's header: {\"version\":1,\"seed\":..}";
+    const FIRST: &str = "a schedule's header: {\"version\":2,\"seed\":..}";
     let header: HeaderLine =
         serde_json::from_str(first).map_err(|e| unread(1, FIRST, first, &e))?;
-    if header.version != VERSION {
+    if ![WITHOUT_PULSES, VERSION].contains(&header.version) {
+        let expected = format!("version {VERSION} or {WITHOUT_PULSES}");
         let found = format!("version {}", header.version);
-        return Err(Damage::of_line(1, &format!("version {VERSION}"), &found));
+        return Err(Damage::of_line(1, &expected, &found));
     }
     check(&header)?;
     Ok(header)
@@ -262,7 +265,7 @@ fn entry(line: &Line, number: usize, text: &str) -> Result<Option<Entry>, Damage
         let reason = Reason::ALL.into_iter().find(|r| r.word() == word);
         reason.ok_or_else(|| Damage::of_line(number, "a reason of the guard's", word))
     };
-    Ok(Some(Entry {
+    let entry = Entry {
         at: Instant::from_micros(line.t_us),
         board: Board(line.board),
         channel: Channel(channel),
@@ -271,7 +274,23 @@ fn entry(line: &Line, number: usize, text: &str) -> Result<Option<Entry>, Damage
         until: Instant::from_micros(until_us),
         requested: Ticks::new(requested),
         reason: line.reason.as_ref().map(known).transpose()?,
-    }))
+    };
+    // Pulses and spacing follow from the rest: a line that says otherwise was changed by hand.
+    if let (Some(pulses), Some(period)) = (line.pulses, line.period) {
+        if period == 0 {
+            return Err(Damage::of_line(number, "a period above 0, ns", text));
+        }
+        let counted = entry.pulses(period);
+        if counted != pulses {
+            let expected = format!("pulses {counted}, as t_us, on, period and until_us make it");
+            return Err(Damage::of_line(
+                number,
+                &expected,
+                &format!("pulses {pulses}"),
+            ));
+        }
+    }
+    Ok(Some(entry))
 }
 
 #[cfg(test)]

@@ -18,6 +18,10 @@ fn damage_is_named_by_its_line() {
     let good = String::from_utf8(out).unwrap();
     let damaged = |text: &str| read_schedule(text, |_| Vec::new()).err();
     assert_eq!(damaged(&good), None);
+    let pulses = r#"{"t_us":20,"board":0,"channel":1,"pulses":7,"on":0,"off":5,"period":5079040,"until_us":35020,"requested":5}"#;
+    assert_eq!(damaged(&format!("{good}{pulses}")), None);
+    let before = good.replace("\"version\":2", "\"version\":1");
+    assert_eq!(damaged(&before), None);
     let entry =
         r#"{"t_us":20,"board":0,"channel":1,"on":0,"off":5000,"until_us":30,"requested":1}"#;
     let reason = r#"{"t_us":20,"board":0,"channel":1,"on":0,"off":5,"until_us":30,"requested":1,"reason":"tea"}"#;
@@ -25,7 +29,7 @@ fn damage_is_named_by_its_line() {
         (String::new(), 1, "empty line"),
         ("{}".to_owned(), 1, "header"),
         (
-            good.replace("\"version\":1", "\"version\":9"),
+            good.replace("\"version\":2", "\"version\":9"),
             1,
             "version 9",
         ),
@@ -77,6 +81,16 @@ fn damage_is_named_by_its_line() {
             ),
             4,
             "until_us",
+        ),
+        (
+            format!("{good}{}", pulses.replace("\"pulses\":7", "\"pulses\":8")),
+            4,
+            "pulses 7, as",
+        ),
+        (
+            format!("{good}{}", pulses.replace("5079040", "0")),
+            4,
+            "a period above 0",
         ),
         (
             format!("{good}{}", entry.replace("\"channel\":1", "\"channel\":16")),

@@ -17,7 +17,7 @@ fn lines(trace: &Trace) -> Vec<serde_json::Value> {
 fn every_line_is_json_of_integers_and_words_in_order() {
     let trace = synthetic::circle(2);
     let all = lines(&trace);
-    assert_eq!(all[0]["version"], 1);
+    assert_eq!(all[0]["version"], 2);
     assert_eq!(all[0]["seed"], trace.header.seed);
     assert!(all.len() > 50);
     let mut last = (0, 0);
@@ -75,7 +75,7 @@ fn the_record_is_spelled_as_promised() {
     write_schedule(&trace, &mut out).unwrap();
     let text = String::from_utf8(out).unwrap();
     let body: Vec<_> = text.lines().skip(1).collect();
-    let tail = r#""on":256,"off":356,"until_us":35000,"requested":100,"reason":null}"#;
+    let tail = r#""pulses":7,"on":256,"off":356,"period":5079040,"until_us":35000,"requested":100,"reason":null}"#;
     assert_eq!(
         body,
         [
