@@ -43,7 +43,7 @@ fn a_schedule_is_a_header_and_sorted_integers() {
         let (t, board) = (number("t_us"), number("board"));
         if record.get("channel").is_some() {
             let keys: Vec<_> = record.as_object().unwrap().keys().cloned().collect();
-            assert_eq!(keys.len(), 8, "{record}");
+            assert_eq!(keys.len(), 10, "{record}");
             let key = (t, board, number("channel"));
             assert!(last <= key, "{last:?} before {record}");
             last = key;
