@@ -3,6 +3,7 @@
 
 mod figure;
 pub mod in_loop;
+mod path;
 
 use std::time::Duration;
 
