@@ -7,7 +7,7 @@ use std::fmt::Write;
 use std::num::NonZeroUsize;
 use std::thread;
 
-use palpate_core::illusion::{IllusionModel, Map};
+use palpate_core::illusion::IllusionModel;
 use palpate_emulators::person::channels::Person;
 use palpate_files::{Loaded, Overrides, Scene, Setup, Source, load_bench, load_person, load_scene};
 use palpate_records::felt::FeltPath;
@@ -15,7 +15,6 @@ use palpate_records::trace::{Event, Header};
 use palpate_run::{Failure, Input, Outcome, plan, run};
 use palpate_tests::felt::PATHS;
 
-use super::path;
 use crate::findings::Findings;
 
 /// A bench as this comparison has it.
@@ -206,8 +205,6 @@ impl Score {
 struct Figures {
     /// By each of [`PERSONS`].
     by: [Score; 3],
-    /// Contacts against the touch, display mm.
-    path_mm: f64,
     skin_c: f64,
     wire_c: f64,
     limited: u32,
@@ -215,13 +212,12 @@ struct Figures {
 }
 
 impl Figures {
-    fn of(played: &Played, map: &Map, persons: &[Person; 3]) -> Self {
+    fn of(played: &Played, persons: &[Person; 3]) -> Self {
         let (header, summary) = (&played.outcome.trace.header, &played.outcome.summary);
         Self {
             by: persons
                 .each_ref()
                 .map(|person| Score::of(header, played, person)),
-            path_mm: path::error_mm(&played.outcome.trace, map),
             skin_c: summary.hottest_skin_c.unwrap_or(f64::NAN),
             wire_c: summary.hottest_wire_c.unwrap_or(f64::NAN),
             limited: summary.limiter_events,
@@ -232,7 +228,6 @@ impl Figures {
     fn worse(self, other: Self) -> Self {
         Self {
             by: [0, 1, 2].map(|k| self.by[k].worse(other.by[k])),
-            path_mm: self.path_mm.max(other.path_mm),
             skin_c: self.skin_c.max(other.skin_c),
             wire_c: self.wire_c.max(other.wire_c),
             limited: self.limited.max(other.limited),
@@ -262,10 +257,9 @@ fn cases() -> Vec<Case> {
 
 /// The worst of a case's seeds.
 fn figures(case: &Case, persons: &[Person; 3]) -> Result<Figures, Failure> {
-    let map = path::map(&case.setup()?)?;
     let mut worst: Option<Figures> = None;
     for seed in SEEDS {
-        let one = Figures::of(&case.play(seed)?, &map, persons);
+        let one = Figures::of(&case.play(seed)?, persons);
         worst = Some(worst.map_or(one, |worst| worst.worse(one)));
     }
     Ok(worst.unwrap_or_default())
@@ -326,9 +320,9 @@ pub fn measure() -> Result<Findings, Failure> {
     }
     found.table = table(&cases, &figures);
     found.words.push(format!(
-        "Worst of {} seeds. Errors are by energy and amplitude centroid against the touch, felt or not; \
-         the path error is that of the contacts, on the display. Levels are the typical person's, median and 5 %. \
-         Breaks are those of {a}, {b} and {c}; jumps, over two centroids, the typical person's. Two contacts are scored where one is shown alone.",
+        "Worst of {} seeds. Errors are by energy and amplitude centroid against the touch, felt or not. Levels are the \
+         typical person's, median and 5 %. Breaks are those of {a}, {b} and {c}; jumps, over two centroids, the typical \
+         person's. Two contacts are scored where one is shown alone.",
         SEEDS.len(),
     ));
     Ok(found)
@@ -345,13 +339,12 @@ fn table(cases: &[Case], figures: &[Figures]) -> String {
         if block.replace((case.drive, case.wires)) != Some((case.drive, case.wires)) {
             let _ = writeln!(
                 out,
-                "\n  {}, {}\n    {:14} {:14} {:>11}  {:>7}  {:>13}  {:>13} {:>5}  {:>12}  {:>7}  {:>8}",
+                "\n  {}, {}\n    {:14} {:14} {:>11}  {:>13}  {:>13} {:>5}  {:>12}  {:>7}  {:>8}",
                 case.drive.name,
                 case.wires,
                 "law",
                 "scene",
                 "error mm",
-                "path mm",
                 "level dB",
                 "breaks",
                 "jumps",
@@ -381,11 +374,10 @@ fn line(figures: &Figures) -> String {
         .map_or(["-".to_owned(), "-".to_owned()], |level| {
             level.map(|db| format!("{db:.1}"))
         });
-    let [energy, amplitude] = typical.mm.map(&mm);
+    let [energy, amplitude] = typical.mm.map(mm);
     let [median, low] = felt;
     format!(
-        "{energy:>5} {amplitude:>5}  {:>7}  {median:>6} {low:>6}  {:>4} {:>4} {:>3} {:>5}  {:>5.1} {:>6.1}  {:>7}  {:>8.0}",
-        mm(Some(figures.path_mm).filter(|mm| mm.is_finite())),
+        "{energy:>5} {amplitude:>5}  {median:>6} {low:>6}  {:>4} {:>4} {:>3} {:>5}  {:>5.1} {:>6.1}  {:>7}  {:>8.0}",
         s.breaks,
         typical.breaks,
         d.breaks,

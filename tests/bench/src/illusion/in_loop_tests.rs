@@ -54,8 +54,7 @@ fn own_scenes_are_felt_and_the_worst_seed_is_kept() {
             wires: "loose",
             scene,
         };
-        let map = path::map(&case.setup().unwrap()).unwrap();
-        let [one, two] = [1, 2].map(|seed| Figures::of(&case.play(seed).unwrap(), &map, &persons));
+        let [one, two] = [1, 2].map(|seed| Figures::of(&case.play(seed).unwrap(), &persons));
         let worst = one.worse(two);
         let [one, two, worst] = [one, two, worst].map(|f| {
             assert!(f.skin_c > 33.0 && f.energy_mj > 10.0, "{scene}");

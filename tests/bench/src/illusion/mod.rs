@@ -3,7 +3,6 @@
 
 mod figure;
 pub mod in_loop;
-mod path;
 
 use std::time::Duration;
 
