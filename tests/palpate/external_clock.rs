@@ -1,5 +1,8 @@
 //! Chips that count by a clock on EXTCLK in a run, and what becomes of it without that clock.
 
+use std::collections::BTreeSet;
+
+use palpate_core::units::{Instant, Ticks};
 use palpate_files::{ExternalClock, load_bench};
 use palpate_records::trace::Event;
 use palpate_records::verdict::Verdict;
@@ -15,6 +18,15 @@ fn clocked(faults: &str) -> Result<Outcome, String> {
         tolerance_ppm: 100,
     });
     try_on(bench, "sphere-along", faults)
+}
+
+/// When anything was driven.
+fn onsets(outcome: &Outcome) -> BTreeSet<Instant> {
+    let driven = |event: &Event| match event {
+        Event::Schedule(entry) if entry.width() > Ticks::ZERO => Some(entry.at),
+        _ => None,
+    };
+    outcome.trace.events.iter().filter_map(driven).collect()
 }
 
 #[test]
@@ -33,7 +45,8 @@ fn a_missing_external_clock_moves_nothing_and_the_bus_says_nothing() {
 #[test]
 fn an_external_clock_that_stops_in_mid_pulse_leaves_the_wire_on() {
     let clean = clocked("").unwrap();
-    assert_eq!(clean.summary.stimuli, healthy().summary.stimuli);
+    // The other spacing makes other widths, and a wire of one tick may have none; but every onset comes, at its time.
+    assert_eq!(onsets(&clean), onsets(&healthy()));
     let high = |e: &Event| match e {
         Event::Edge {
             t_ns, high: true, ..
