@@ -2,6 +2,7 @@
 
 use palpate_core::illusion::IllusionModel;
 use palpate_core::render::Style;
+use palpate_core::schedule::Entry;
 use palpate_files::Setup;
 use palpate_records::felt::felt_scores;
 use palpate_records::trace::Event;
@@ -114,4 +115,45 @@ fn auto_taps_a_contact_that_rests_and_vibrates_one_that_moves() {
     assert!(rest > 8 * all / 10, "{rest} of {all}");
     let (moving, all) = taps("sphere-circle");
     assert!(moving < all / 10, "{moving} of {all}");
+}
+
+/// Whatever the law and the channels, whose pulses stand later in the period.
+#[test]
+fn a_stimulus_has_the_pulses_that_its_entry_says() {
+    use IllusionModel::{Balanced, Inverse};
+    for (law, first) in [(Inverse, 0), (Inverse, 8), (Balanced, 0), (Balanced, 8)] {
+        let mut setup = strong("sphere-along");
+        setup.scene.value.illusion.model = law;
+        assert_eq!(setup.bench.value.outputs.len(), 8);
+        for (output, channel) in setup.bench.value.outputs.iter_mut().zip(first..) {
+            output.channel = channel;
+        }
+        let outcome = played(&setup);
+        let trace = &outcome.trace;
+        let period_ns = trace.header.pre_scale.period_ns();
+        let rises = |entry: &Entry| {
+            let (from, to) = (entry.at.as_micros() * 1000, entry.until.as_micros() * 1000);
+            let within = from..to + period_ns;
+            let rose = |event: &&Event| match event {
+                Event::Edge {
+                    t_ns,
+                    board,
+                    channel,
+                    high: true,
+                } => {
+                    within.contains(t_ns) && (*board, *channel) == (entry.board.0, entry.channel.0)
+                }
+                _ => false,
+            };
+            trace.events.iter().filter(rose).count() as u64
+        };
+        let mut checked = 0;
+        for event in &trace.events {
+            if let Event::Schedule(entry) = event {
+                assert_eq!(rises(entry), entry.pulses(period_ns), "{law:?}, {entry:?}");
+                checked += 1;
+            }
+        }
+        assert!(checked > 100, "{law:?}: {checked}");
+    }
 }

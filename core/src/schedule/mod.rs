@@ -119,15 +119,15 @@ impl Entry {
         }
     }
 
-    /// Pulses that begin before its end with such a period, whatever their width; none without a period. The chip's counter begins with the onset:
-    /// it stands still while all outputs of a board are off (data sheet 7.3.3, remark).
+    /// Pulses of this period that it lasts for, whatever their width; none without a period. The chip's counter begins with
+    /// the onset (it stands still while all outputs of a board are off: data sheet 7.3.3, remark), and a channel goes off with
+    /// the period that its end lies in.
     pub const fn asked_pulses(&self, period_ns: u64) -> u64 {
         if period_ns == 0 {
             return 0;
         }
         let length_ns = self.until.since(self.at).as_micros().saturating_mul(1000);
-        let first_ns = (self.on as u64).saturating_mul(period_ns) / Ticks::PER_PERIOD as u64;
-        length_ns.saturating_sub(first_ns).div_ceil(period_ns)
+        length_ns.div_ceil(period_ns)
     }
 }
 

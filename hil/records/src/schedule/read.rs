@@ -282,7 +282,7 @@ fn entry(line: &Line, number: usize, text: &str) -> Result<Option<Entry>, Damage
         }
         let counted = entry.pulses(period);
         if counted != pulses {
-            let expected = format!("pulses {counted}, as t_us, on, period and until_us make it");
+            let expected = format!("pulses {counted}, as t_us, period and until_us make it");
             return Err(Damage::of_line(
                 number,
                 &expected,
