@@ -5,11 +5,7 @@ use serde_json::Value;
 use super::*;
 
 fn summary(folder: &Folder, name: &str, more: &[&str]) {
-    let args = [
-        &["run", "sphere-along", "--set", "length_s=2", "--json"],
-        more,
-    ]
-    .concat();
+    let args = [&["run", "sphere-along", "--json"], more].concat();
     folder.write(name, &good(&args));
 }
 
