@@ -106,7 +106,7 @@ pub struct Recorder {
     pub onsets: (u64, u64),
     /// Boards and channels of which a stimulus was asked.
     pub warmed: BTreeSet<(u8, u8)>,
-    /// The newest stimuli of which all began at once.
+    /// The newest stimuli that all began at once.
     asked: Vec<Entry>,
     /// End of the newest window of texture.
     window: Option<Instant>,

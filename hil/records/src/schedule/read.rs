@@ -276,18 +276,22 @@ fn entry(line: &Line, number: usize, text: &str) -> Result<Option<Entry>, Damage
         reason: line.reason.as_ref().map(known).transpose()?,
     };
     // Pulses and spacing follow from the rest: a line that says otherwise was changed by hand.
-    if let (Some(pulses), Some(period)) = (line.pulses, line.period) {
-        if period == 0 {
+    match (line.pulses, line.period) {
+        (None, None) => {}
+        (Some(_), Some(0)) => {
             return Err(Damage::of_line(number, "a period above 0, ns", text));
         }
-        let counted = entry.pulses(period);
-        if counted != pulses {
-            let expected = format!("pulses {counted}, as t_us, period and until_us make it");
-            return Err(Damage::of_line(
-                number,
-                &expected,
-                &format!("pulses {pulses}"),
-            ));
+        (Some(pulses), Some(period)) => {
+            let counted = entry.pulses(period);
+            if counted != pulses {
+                let expected = format!("pulses {counted}, as t_us, period and until_us make it");
+                let found = format!("pulses {pulses}");
+                return Err(Damage::of_line(number, &expected, &found));
+            }
+        }
+        _ => {
+            let expected = "both pulses and period, or neither";
+            return Err(Damage::of_line(number, expected, text));
         }
     }
     Ok(Some(entry))
