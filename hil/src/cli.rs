@@ -11,7 +11,7 @@ mod texture;
 use std::io::IsTerminal;
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 pub use compare::{DiffArgs, ReviewAction, ReviewArgs, TestArgs};
 pub use design::{DesignArgs, Numbers};
 pub use files::{
@@ -225,6 +225,7 @@ pub enum Switch {
 
 /// Options of `hil run`.
 #[derive(Debug, Default, Args)]
+#[command(group = ArgGroup::new("readings").args(["replay", "stream"]).multiple(true))]
 pub struct RunArgs {
     /// A built-in scene or a file (default: sphere-along).
     pub scene: Option<String>,
@@ -235,8 +236,12 @@ pub struct RunArgs {
     /// of all buses (candump .log or .mcap).
     #[arg(long, value_name = "FILE")]
     pub replay: Vec<PathBuf>,
-    /// Sensor layout of the recording (default: the scene's).
-    #[arg(long, value_name = "NAME|FILE", requires = "replay")]
+    /// Readings of the whole skin that another machine sends over TCP, a line each, in place of the scene's touches,
+    /// until the scene's length is over.
+    #[arg(long, value_name = "HOST:PORT", conflicts_with = "replay")]
+    pub stream: Option<String>,
+    /// Sensor layout of the recording or stream (default: the scene's).
+    #[arg(long, value_name = "NAME|FILE", requires = "readings")]
     pub layout: Option<String>,
     /// Rows per second of a recording without a time_us column (default: frequency_hz of meta_data.csv
     /// beside it).

@@ -139,3 +139,17 @@ pub fn open_watch(
     }
     Ok(opened)
 }
+
+/// The command line, when and where.
+pub fn made() -> Vec<(&'static str, String)> {
+    let words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
+    let mut made = vec![
+        ("command", words.collect::<Vec<_>>().join(" ")),
+        ("palpate", env!("CARGO_PKG_VERSION").to_owned()),
+        ("date", clock::date(clock::unix_us())),
+    ];
+    if let Ok(host) = std::fs::read_to_string("/proc/sys/kernel/hostname") {
+        made.push(("host", host.trim().to_owned()));
+    }
+    made
+}

@@ -33,6 +33,8 @@ mod review;
 mod run;
 #[path = "cli/shell.rs"]
 mod shell;
+#[path = "cli/skins.rs"]
+mod skins;
 #[path = "cli/sweep.rs"]
 mod sweep;
 #[path = "cli/test.rs"]

@@ -204,10 +204,12 @@ fn skin(name: &str) -> Layout {
 #[test]
 fn skins_of_every_size_are_laid_out() {
     for (name, taxels, modules) in [
-        ("icub-forearm", 60, 2),
+        ("icub-forearm", 60, 1),
+        ("icub-patch", 168, 1),
         ("icub-body", 2040, 204),
         ("h1-body", 1260, 35),
         ("digit", 307_200, 1),
+        ("digit-64x48", 3072, 1),
         ("million", 1_000_000, 100),
     ] {
         let layout = skin(name);

@@ -164,9 +164,8 @@ fn forearm(data: &[u8]) -> Vec<Vec<u16>> {
         .collect();
     let slide = &values[..4500];
     let frame = |t: usize| {
-        // Half, row and column of the layout's taxel.
-        let taxel =
-            |i: usize| slide[(i / 30 * 5 + i % 5) * 450 + t * 6 + i % 30 / 5].round() as u16;
+        // Row and column of the layout's taxel.
+        let taxel = |i: usize| slide[i % 10 * 450 + t * 6 + i / 10].round() as u16;
         (0..60).map(taxel).collect()
     };
     (0..75).map(frame).collect()
@@ -197,13 +196,12 @@ fn a_recorded_forearm_goes_the_same_way() {
         file
     };
     let file = write("forearm.csv", 0..60);
-    let halves = vec![write("left.csv", 0..30), write("right.csv", 30..60)];
     command::contacts(&ContactsArgs {
         time: None,
         columns: None,
         split_jumps: false,
         force: true,
-        file,
+        file: file.clone(),
         layout: "icub-forearm".into(),
         kc: 3,
         ki: 10,
@@ -234,7 +232,7 @@ fn a_recorded_forearm_goes_the_same_way() {
     scene.value.compression.scope = Scope::Skin;
     scene.value.compression.axes = Axes::Z;
     let setup = Setup::join(scene, load_bench("emulated").unwrap()).unwrap();
-    let (input, _) = recorded(&halves, &setup.sensor.value, &Reading::at_rate(50.0)).unwrap();
+    let (input, _) = recorded(&[file], &setup.sensor.value, &Reading::at_rate(50.0)).unwrap();
     let summary = run(&setup, &input, 1).unwrap().summary;
     assert!(summary.contacts > 75 && summary.stimuli > 0, "{summary:?}");
     let _ = std::fs::remove_dir_all(folder);

@@ -13,6 +13,10 @@ pub const FIRST: u8 = 0x40;
 pub const SECOND: u8 = 0xC0;
 /// Taxels of a triangle.
 pub const TAXELS: usize = 12;
+/// Taxels in the first frame of a triangle.
+pub const FIRST_HALF: usize = 7;
+/// Taxels of a board: sixteen triangles.
+pub const MOST_TAXELS: usize = 16 * TAXELS;
 
 /// Half a triangle, as one frame carries it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +25,16 @@ pub enum Half {
     First([u8; 7]),
     /// Taxels 7 to 11, counts, and the board's two error bytes.
     Second([u8; 5], [u8; 2]),
+}
+
+impl Half {
+    /// The first one's place in the triangle, and the taxels from there on.
+    pub fn taxels(&self) -> (u16, &[u8]) {
+        match self {
+            Self::First(taxels) => (0, taxels),
+            Self::Second(taxels, _) => (FIRST_HALF as u16, taxels),
+        }
+    }
 }
 
 /// A frame's meaning: who sent which half.
@@ -34,6 +48,17 @@ pub struct Message {
     pub half: Half,
 }
 
+/// Identifier of a triangle; `None` for a board or triangle over 15.
+pub fn id(board: u8, triangle: u8) -> Option<u16> {
+    let fits = board <= 15 && triangle <= 15;
+    fits.then(|| CLASS | u16::from(board) << 4 | u16::from(triangle))
+}
+
+/// Board and triangle that send under an identifier; `None` for what is no skin data's.
+pub fn sender(id: u16) -> Option<(u8, u8)> {
+    (id & 0x700 == CLASS).then_some(((id >> 4 & 0xF) as u8, (id & 0xF) as u8))
+}
+
 impl Message {
     /// The meaning of a frame, or `None` if it is no skin data of this protocol.
     pub fn decode(frame: &CanFrame) -> Option<Self> {
@@ -42,19 +67,17 @@ impl Message {
             [SECOND, a, b, c, d, e, e6, e7] => Half::Second([a, b, c, d, e], [e6, e7]),
             _ => return None,
         };
-        (frame.id() & 0x700 == CLASS).then_some(Self {
-            board: (frame.id() >> 4 & 0xF) as u8,
-            triangle: (frame.id() & 0xF) as u8,
+        let (board, triangle) = sender(frame.id())?;
+        Some(Self {
+            board,
+            triangle,
             half,
         })
     }
 
     /// The frame; `None` for a board or triangle over 15.
     pub fn encode(&self) -> Option<CanFrame> {
-        if self.board > 15 || self.triangle > 15 {
-            return None;
-        }
-        let id = CLASS | u16::from(self.board) << 4 | u16::from(self.triangle);
+        let id = id(self.board, self.triangle)?;
         match self.half {
             Half::First([a, b, c, d, e, f, g]) => CanFrame::new(id, &[FIRST, a, b, c, d, e, f, g]),
             Half::Second([a, b, c, d, e], [e6, e7]) => {

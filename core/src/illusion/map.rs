@@ -26,6 +26,15 @@ impl Rect {
         })
     }
 
+    /// Its middle.
+    pub fn centre(&self) -> Point {
+        let middle = |low: f32, high: f32| 0.5 * (low + high);
+        Point::new(
+            middle(self.min.x, self.max.x),
+            middle(self.min.y, self.max.y),
+        )
+    }
+
     /// Whether `other` lies inside, to a micrometre.
     pub fn covers(&self, other: &Self) -> bool {
         const SLACK: f32 = 1e-3;
@@ -39,6 +48,7 @@ impl Rect {
 /// Sensor space to display space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Map {
+    from: Rect,
     scale: (f32, f32),
     offset: (f32, f32),
 }
@@ -94,9 +104,15 @@ impl Map {
         let (sx, ox) = axis(from.min.x, from.max.x, display.min.x, display.max.x)?;
         let (sy, oy) = axis(from.min.y, from.max.y, display.min.y, display.max.y)?;
         Ok(Self {
+            from,
             scale: (sx, sy),
             offset: (ox, oy),
         })
+    }
+
+    /// Whether a sensor place lies in the rectangle that fills the display.
+    pub fn shows(&self, s: Point) -> bool {
+        self.from.covers(&Rect { min: s, max: s })
     }
 
     /// A sensor place in display millimetres.

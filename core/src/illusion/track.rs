@@ -40,6 +40,11 @@ impl Tracks {
         }
     }
 
+    /// Forgets all contacts: what comes next comes for the first time.
+    pub fn clear(&mut self) {
+        self.slots.fill(None);
+    }
+
     /// Takes the contacts of a frame, by identity and place in display mm, at the frame's time. The same
     /// frame again changes nothing.
     pub fn observe(&mut self, at: Instant, contacts: impl Iterator<Item = (u32, Point)>) {

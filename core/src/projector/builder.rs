@@ -13,7 +13,7 @@ use crate::skin::{BaselineSettings, HealthSettings, Layout, Module};
 use crate::units::Point;
 
 use super::texture::TexturePlan;
-use super::{Output, OutputSettings, Plan, PlanError, Projector, SensingPlan};
+use super::{Output, OutputSettings, Plan, PlanError, Projector, SensingPlan, View};
 
 /// How an [`Output`] is to be built.
 #[derive(Debug)]
@@ -223,7 +223,7 @@ impl Builder {
         Projector::new(Plan {
             sensing: self.sensing,
             drives: self.drives,
-            map,
+            view: View::fixed(map),
             display,
             output,
             texture: self.texture,

@@ -7,12 +7,14 @@ mod output;
 mod sensing;
 mod strokes;
 mod texture;
+mod view;
 mod weave;
 
 pub use crate::illusion::Target;
 pub use builder::{Builder, OutputBuilder, sensor_area};
 pub use output::{Output, OutputSettings};
 pub use texture::{Carrier, TextureError, TexturePlan, TextureReport};
+pub use view::{View, Window};
 
 use alloc::boxed::Box;
 use core::fmt;
@@ -104,7 +106,7 @@ pub struct Plan {
     /// The module that drives the display.
     pub drives: u16,
     /// Sensor to display.
-    pub map: Map,
+    pub view: View,
     /// The display.
     pub display: Display,
     /// Stimuli.
@@ -215,7 +217,7 @@ pub struct Projector {
     layout: Layout,
     sensing: Sensing,
     output: Output,
-    map: Map,
+    view: View,
     drives: u16,
     targets: Box<[Target]>,
     tracks: Tracks,
@@ -250,7 +252,7 @@ impl Projector {
             layout,
             sensing,
             output,
-            map: plan.map,
+            view: plan.view,
             drives: plan.drives,
             targets: alloc::vec![Target::default(); most].into(),
             tracks: Tracks::new(most),
@@ -387,7 +389,7 @@ impl Projector {
 
     /// The newest contacts that drive the display: with K_C over the whole skin all of them, else one
     /// module's.
-    fn ours(sensing: &Sensing, drives: u16) -> impl Iterator<Item = &Contact> {
+    fn ours(sensing: &Sensing, drives: u16) -> impl Iterator<Item = &Contact> + Clone {
         let compressor = sensing.compressor();
         let whole = compressor.settings().scope == Scope::Skin;
         let contacts = compressor.contacts().iter();
@@ -399,9 +401,13 @@ impl Projector {
         let newest = self.sensing.newest_frame();
         if let Some(at) = newest.filter(|_| newest != self.tracked) {
             self.tracked = newest;
-            let placed = |c: &Contact| (c.id, self.map.apply(c.place));
-            self.tracks
-                .observe(at, Self::ours(&self.sensing, self.drives).map(placed));
+            if self.view.frame(Self::ours(&self.sensing, self.drives)) {
+                // Places before the window moved are no way that a contact went.
+                self.tracks.clear();
+            }
+            let shown = Self::ours(&self.sensing, self.drives);
+            let shown = shown.filter_map(|c| Some((c.id, self.view.place(c)?)));
+            self.tracks.observe(at, shown);
         }
     }
 
@@ -414,14 +420,12 @@ impl Projector {
         };
         let drive = self.output.drive();
         let mut count = 0;
-        for (target, contact) in self
-            .targets
-            .iter_mut()
-            .zip(Self::ours(&self.sensing, self.drives))
-        {
+        let ours = Self::ours(&self.sensing, self.drives);
+        let shown = ours.filter_map(|c| Some((c, self.view.place(c)?)));
+        for (target, (contact, place)) in self.targets.iter_mut().zip(shown) {
             let tracked = self.tracks.place(contact.id, now);
             *target = Target {
-                place: tracked.unwrap_or(self.map.apply(contact.place)),
+                place: tracked.unwrap_or(place),
                 weight: drive.weight(contact.level, levels),
             };
             count += 1;
@@ -449,9 +453,9 @@ impl Projector {
         self.output.guard()
     }
 
-    /// The sensor-to-display map.
+    /// The sensor-to-display map, as it is now.
     pub const fn map(&self) -> &Map {
-        &self.map
+        self.view.map()
     }
 
     /// Health of the skin at `now`. Sorts, so it belongs after the loop, not in it.

@@ -9,6 +9,7 @@ use core::ops::Range;
 
 pub use super::layout_error::LayoutError;
 use super::layout_error::{MOST_MODULES, MOST_TAXELS};
+use crate::codec::mtb;
 use crate::codec::uskin::Wiring;
 use crate::units::Point;
 
@@ -45,6 +46,16 @@ pub struct Address {
     pub board: u8,
 }
 
+/// How a module's board puts its readings on the bus.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Protocol {
+    /// [`crate::codec::uskin`]: one frame per taxel, as its [`Wiring`] says; waits for a command.
+    #[default]
+    Uskin,
+    /// [`crate::codec::mtb`]: two frames per triangle of twelve taxels, triangles by index; sends by itself.
+    Mtb,
+}
+
 /// One sensor module: its taxels in its own plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Module {
@@ -55,6 +66,7 @@ pub struct Module {
     grid: Option<Grid>,
     origin: Point,
     address: Option<Address>,
+    protocol: Protocol,
     spacing: f32,
 }
 
@@ -120,6 +132,7 @@ impl Module {
             grid,
             origin: Point::default(),
             address: None,
+            protocol: Protocol::Uskin,
             spacing,
         })
     }
@@ -167,6 +180,12 @@ impl Module {
         Ok(self)
     }
 
+    /// Says how its board speaks.
+    pub const fn with_protocol(mut self, protocol: Protocol) -> Self {
+        self.protocol = protocol;
+        self
+    }
+
     /// The module's name.
     pub fn name(&self) -> &str {
         &self.name
@@ -191,14 +210,33 @@ impl Module {
     pub fn origin(&self) -> Point {
         self.origin
     }
-    /// How the taxels hang on their board: a grid row by row, scattered ones in lines of four. `None` for
-    /// a skin no board can carry (cameras, whole bodies).
+    /// How the taxels hang on their uSkin board: a grid row by row, scattered ones in lines of four. `None` for
+    /// a skin no such board can carry (triangles, cameras, whole bodies).
     pub fn wiring(&self) -> Option<Wiring> {
+        if self.protocol != Protocol::Uskin {
+            return None;
+        }
         let (rows, columns) = match &self.grid {
             Some(grid) => (usize::from(grid.rows), usize::from(grid.cols)),
             None => (self.points.len().div_ceil(4), 4),
         };
         Wiring::new(u8::try_from(rows).ok()?, u8::try_from(columns).ok()?, 1)
+    }
+
+    /// A taxel's place in the order in which its board sends a scan; `None` where no board can send it.
+    pub fn sent_as(&self, taxel: usize) -> Option<usize> {
+        match self.protocol {
+            Protocol::Uskin => {
+                let wiring = self.wiring()?;
+                wiring.order(wiring.place(0, taxel)?)
+            }
+            Protocol::Mtb => (taxel < mtb::MOST_TAXELS).then_some(taxel),
+        }
+    }
+
+    /// How its board speaks, if it has one.
+    pub const fn protocol(&self) -> Protocol {
+        self.protocol
     }
 
     /// The board that sends it, if any.

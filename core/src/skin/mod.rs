@@ -18,7 +18,7 @@ pub mod uskin;
 
 pub use baseline::{Baseline, BaselineError, BaselinePhase, BaselineSettings, ThresholdRule};
 pub use health::{Condition, HealthSettings, HealthSummary, Monitor};
-pub use layout::{Address, Grid, Layout, LayoutError, Module};
+pub use layout::{Address, Grid, Layout, LayoutError, Module, Protocol};
 pub use relative::{Axes, FrameError, RelativeFrame};
 pub use scan::{Scan, WrongLength};
 pub use source::{ModuleScan, ScanError, SkinSource};

@@ -1,9 +1,12 @@
-//! An MTB3 board: reads the taxels of its modules on its own clock and sends one frame a taxel.
+//! A sensor board: reads the taxels of its modules on its own clock and sends them, one frame per taxel as uSkin boards
+//! do, or two per triangle as the iCub's.
 //!
 //! Bus face: data frames out, start and stop commands in. Physical face: [`SensorBoard::module_mut`].
 
 use palpate_core::codec::can::CanFrame;
+use palpate_core::codec::mtb;
 use palpate_core::codec::uskin::{self, ALL_BOARDS, COMMAND_ID, Message, Reading, Wiring};
+use palpate_core::skin::Protocol;
 
 use crate::sensor::EmulatedModule;
 use crate::sensor::can::{CanSegment, Filter, NodeConfig, NodeId, Order};
@@ -27,7 +30,9 @@ pub enum Overload {
 pub struct BoardConfig {
     /// Its number c on the bus, 0 ..= 15.
     pub address: u8,
-    /// How its taxels are wired.
+    /// How it speaks. An MTB board has one module, sends from power-on and takes no commands.
+    pub protocol: Protocol,
+    /// How a uSkin board's taxels are wired.
     pub wiring: Wiring,
     /// Nominal scans per second, Hz.
     pub scan_hz: f64,
@@ -45,10 +50,11 @@ pub struct BoardConfig {
 }
 
 impl Default for BoardConfig {
-    /// Board 0, a flat module, 100 Hz, waits for its commands and for the bus.
+    /// A uSkin board, number 0, a flat module, 100 Hz, waits for its commands and for the bus.
     fn default() -> Self {
         Self {
             address: 0,
+            protocol: Protocol::Uskin,
             wiring: Wiring::FLAT,
             scan_hz: 100.0,
             drift_ppm: 0.0,
@@ -57,6 +63,12 @@ impl Default for BoardConfig {
             overload: Overload::Wait,
             chip_gap: Nanos::ZERO,
         }
+    }
+}
+
+impl BoardConfig {
+    fn sends_by_itself(&self) -> bool {
+        self.autostart || self.protocol == Protocol::Mtb
     }
 }
 
@@ -83,11 +95,14 @@ impl std::fmt::Display for BoardError {
 
 impl std::error::Error for BoardError {}
 
-/// A frame of a scan: module, taxel in it, chip group, identifier.
+/// A frame of a scan: module, first taxel in it, chip group, identifier.
 type Slot = (usize, usize, u64, u16);
 
 /// The frames of a scan in the order in which they go, without the taxels that are not read.
 fn wire_order(config: &BoardConfig, modules: &[EmulatedModule]) -> Result<Vec<Slot>, BoardError> {
+    if config.protocol == Protocol::Mtb {
+        return triangles(config, modules);
+    }
     let wiring = config.wiring;
     let mut order = Vec::new();
     for place in (0..).map_while(|n| wiring.nth(n)) {
@@ -102,6 +117,36 @@ fn wire_order(config: &BoardConfig, modules: &[EmulatedModule]) -> Result<Vec<Sl
         order.push((module, taxel, group as u64, id.ok_or(BoardError::Address)?));
     }
     Ok(order)
+}
+
+/// The same of an MTB board: both halves of every triangle, thermal pads included.
+fn triangles(config: &BoardConfig, modules: &[EmulatedModule]) -> Result<Vec<Slot>, BoardError> {
+    let taxels = modules.first().map_or(0, |m| m.config().taxels.len());
+    let halves = |triangle: usize| {
+        let first = triangle * mtb::TAXELS;
+        let id = mtb::id(config.address, triangle as u8); // at most 16
+        [first, first + mtb::FIRST_HALF].map(|taxel| Some((0, taxel, triangle as u64, id?)))
+    };
+    let slots = (0..taxels.div_ceil(mtb::TAXELS)).flat_map(halves);
+    slots.collect::<Option<_>>().ok_or(BoardError::Address)
+}
+
+/// The half of a triangle that begins with `taxel`. Places beyond the module's last taxel send nothing of theirs: 0.
+fn half(board: u8, taxel: usize, readings: &[Reading]) -> Option<CanFrame> {
+    let triangle = taxel / mtb::TAXELS;
+    let count = |place| readings.get(triangle * mtb::TAXELS + place);
+    let taxels = std::array::from_fn(|place| count(place).map_or(0, |r| r.z.min(255) as u8));
+    let [first, second] = mtb::halves(&taxels);
+    let message = mtb::Message {
+        board,
+        triangle: triangle as u8, // at most 16
+        half: if taxel % mtb::TAXELS == 0 {
+            first
+        } else {
+            second
+        },
+    };
+    message.encode()
 }
 
 /// A sensor board with its modules.
@@ -133,9 +178,16 @@ impl SensorBoard {
     ) -> Result<Self, BoardError> {
         let wiring = config.wiring;
         let taxels = |m: &EmulatedModule| m.config().taxels.len();
-        if modules.len() != usize::from(wiring.modules())
-            || modules.iter().any(|m| taxels(m) != wiring.taxels())
-        {
+        let fits = match config.protocol {
+            Protocol::Uskin => {
+                modules.len() == usize::from(wiring.modules())
+                    && modules.iter().all(|m| taxels(m) == wiring.taxels())
+            }
+            Protocol::Mtb => {
+                modules.len() == 1 && modules.iter().all(|m| taxels(m) <= mtb::MOST_TAXELS)
+            }
+        };
+        if !fits {
             return Err(BoardError::Wiring);
         }
         if !(config.scan_hz.is_finite() && config.scan_hz > 0.0 && config.drift_ppm > -1e6) {
@@ -160,7 +212,7 @@ impl SensorBoard {
             node,
             readings: vec![Vec::new(); modules.len()],
             modules,
-            sending: config.autostart,
+            sending: config.sends_by_itself(),
             powered: true,
             origin: Nanos::ZERO,
             ticks: 0,
@@ -215,7 +267,7 @@ impl SensorBoard {
     /// Powers the board up again. It forgets that it was started, unless it starts by itself.
     pub fn power_on(&mut self, segment: &CanSegment) {
         self.powered = true;
-        self.sending = self.config.autostart;
+        self.sending = self.config.sends_by_itself();
         self.start_clock(segment.now());
     }
 
@@ -279,7 +331,8 @@ impl SensorBoard {
             let Ok(Message::Command(command)) = uskin::decode(&frame) else {
                 continue; // data of another board under one of our command identifiers
             };
-            if !self.powered || !command.is_for(self.config.address) {
+            let obeys = self.config.protocol == Protocol::Uskin;
+            if !self.powered || !obeys || !command.is_for(self.config.address) {
                 continue;
             }
             if command.start && !self.sending {
@@ -321,12 +374,14 @@ impl SensorBoard {
             return;
         };
         self.handed += 1;
-        let reading = self
-            .readings
-            .get(module)
-            .and_then(|r| r.get(taxel))
-            .copied();
-        let frame: Option<CanFrame> = uskin::data_frame(id, reading.unwrap_or_default());
+        let readings = self.readings.get(module).map_or(&[][..], Vec::as_slice);
+        let frame: Option<CanFrame> = match self.config.protocol {
+            Protocol::Uskin => {
+                let reading = readings.get(taxel).copied();
+                uskin::data_frame(id, reading.unwrap_or_default())
+            }
+            Protocol::Mtb => half(self.config.address, taxel, readings),
+        };
         if let Some(frame) = frame {
             let _lost_when_full = match self.config.overload {
                 Overload::Wait => segment.send(self.node, &frame),

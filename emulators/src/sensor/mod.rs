@@ -1,6 +1,7 @@
 //! The sensor end: what a touch does to the counts of a module's taxels, the boards that send them, the CAN
 //! segment between boards and host, and surfaces to stroke.
 
+mod array;
 pub mod board;
 pub mod can;
 mod mechanics;
@@ -8,6 +9,9 @@ mod module;
 pub mod port;
 pub mod rig;
 pub mod surface;
+mod transducer;
 
+pub use array::{Delivery, SkinArray};
 pub use mechanics::{Press, Silicone, Touches};
-pub use module::{EmulatedModule, Generation, ModuleConfig, grid};
+pub use module::{EmulatedModule, ModuleConfig, grid};
+pub use transducer::{Generation, Transducer};

@@ -5,30 +5,8 @@ use palpate_core::random::RandomStream;
 use palpate_core::units::Point;
 
 use super::mechanics::{Dent, Press, Silicone, Touches};
+use super::transducer::Transducer;
 use crate::time::Nanos;
-
-/// Boards of different years rest at different counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Generation {
-    /// X, Y about 16.4k, Z 32k to 36k.
-    Y2019,
-    /// X about 48.9k, Y about 16.4k, Z about 37.4k.
-    Y2021,
-    /// X, Y about 32.8k, Z about 37.4k.
-    #[default]
-    Now,
-}
-
-impl Generation {
-    /// Middle and half width of the rest values, counts, for x, y and z.
-    const fn rest(self) -> [(f64, f64); 3] {
-        match self {
-            Self::Y2019 => [(16_400.0, 600.0), (16_400.0, 600.0), (34_000.0, 2000.0)],
-            Self::Y2021 => [(48_900.0, 600.0), (16_400.0, 600.0), (37_400.0, 300.0)],
-            Self::Now => [(32_800.0, 600.0), (32_800.0, 600.0), (37_400.0, 300.0)],
-        }
-    }
-}
 
 /// How a module is built.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,8 +19,8 @@ pub struct ModuleConfig {
     pub unread: Vec<usize>,
     /// Distance of neighbouring taxels, mm.
     pub pitch_mm: f64,
-    /// Rest values.
-    pub generation: Generation,
+    /// What its taxels measure with.
+    pub transducer: Transducer,
     /// Range from which each axis of each taxel draws its noise's standard deviation, LSB.
     pub noise_lsb: (f64, f64),
     /// Largest drift, counts: each axis approaches its own share, -1 to 1 times this. 0: none.
@@ -63,7 +41,7 @@ impl Default for ModuleConfig {
             taxels: grid(4, 4, 4.7),
             unread: Vec::new(),
             pitch_mm: 4.7,
-            generation: Generation::Now,
+            transducer: Transducer::default(),
             noise_lsb: (1.0, 2.3),
             drift_counts: 0.0,
             drift_s: 180.0,
@@ -161,8 +139,9 @@ impl EmulatedModule {
         } else {
             0.0
         };
+        let most = self.config.transducer.most();
         for (taxel, response) in self.taxels.iter_mut().zip(&self.response) {
-            out.push(taxel.read(response, drift));
+            out.push(taxel.read(response, drift, most));
         }
     }
 
@@ -180,6 +159,13 @@ impl EmulatedModule {
             return; // nothing presses and nothing is left of earlier presses: all stays zero
         }
         let drag = self.touches.drag(now);
+        let drag = drag.map(|d| {
+            if self.config.transducer.shears() {
+                d
+            } else {
+                0.0
+            }
+        });
         for (taxel, direct) in self.taxels.iter().zip(&mut self.direct) {
             *direct = [0.0; 3];
             for dent in &self.dents {
@@ -258,7 +244,7 @@ impl Taxel {
         let mut per_axis = |middle: [f64; 3], half: [f64; 3]| -> [f64; 3] {
             std::array::from_fn(|axis| middle[axis] + half[axis] * (2.0 * build.uniform() - 1.0))
         };
-        let rest = config.generation.rest();
+        let rest = config.transducer.rest();
         let (low, high) = config.noise_lsb;
         Self {
             at,
@@ -266,17 +252,19 @@ impl Taxel {
             rest: per_axis(rest.map(|r| r.0), rest.map(|r| r.1)),
             noise_lsb: per_axis([(low + high) / 2.0; 3], [(high - low) / 2.0; 3]),
             drift: per_axis([0.0; 3], [config.drift_counts; 3]),
+            // A camera's thousands of taxels would look for their neighbours in vain.
             neighbours: (0..config.taxels.len())
+                .filter(|_| config.mechanics.crosstalk > 0.0)
                 .filter(|&n| n != t && config.taxels[n].distance(at) <= reach)
                 .collect(),
         }
     }
 
-    fn read(&mut self, response: &[f64; 3], drift: f64) -> Reading {
+    fn read(&mut self, response: &[f64; 3], drift: f64, most: f64) -> Reading {
         let mut axis = |axis: usize| {
             let noise = self.noise_lsb[axis] * bell(self.noise.next_u64());
             let value = self.rest[axis] + response[axis] + drift * self.drift[axis] + noise;
-            libm::rint(value) as u16 // the cast saturates at both ends, like the chip
+            libm::rint(value).min(most) as u16 // the cast saturates at both ends, like the chip
         };
         Reading {
             x: axis(0),

@@ -124,6 +124,14 @@ pub struct Fault {
     pub stretch_ms: Option<f64>,
 }
 
+impl FaultKind {
+    /// Whether it happens to sensor boards or their buses.
+    #[must_use]
+    pub fn is_of_sensors(self) -> bool {
+        self < Self::I2cAddressNack
+    }
+}
+
 impl Fault {
     /// The keys that are there, with their values.
     fn given(&self) -> Vec<(&'static str, f64)> {

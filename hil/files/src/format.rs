@@ -33,6 +33,8 @@ pub enum Format {
     Safetensors,
     /// A model in ONNX.
     Onnx,
+    /// An array of NumPy.
+    Numpy,
     /// A picture, an archive, a program: what begins with bytes that are no text. The name says which.
     Binary(&'static str),
 }
@@ -51,7 +53,7 @@ const MAGIC: [(&[u8], Format); 12] = [
     ),
     (b"\xD0\xCF\x11\xE0", Format::Binary("an old spreadsheet")),
     (b"\x89HDF", Format::Binary("HDF5")),
-    (b"\x93NUMPY", Format::Binary("a NumPy array")),
+    (b"\x93NUMPY", Format::Numpy),
     (b"\x89PNG", Format::Binary("a PNG picture")),
     (b"%PDF", Format::Binary("a PDF")),
     (b"\x7fELF", Format::Binary("a program")),
@@ -151,7 +153,7 @@ impl Format {
     pub const fn is_text(self) -> bool {
         !matches!(
             self,
-            Self::Mcap | Self::Safetensors | Self::Onnx | Self::Binary(_)
+            Self::Mcap | Self::Safetensors | Self::Onnx | Self::Numpy | Self::Binary(_)
         )
     }
 
@@ -174,6 +176,7 @@ impl Format {
             Self::Toml => "TOML settings",
             Self::Safetensors => "a model (safetensors)",
             Self::Onnx => "a model (ONNX)",
+            Self::Numpy => "a NumPy array",
             Self::Binary(what) => what,
         }
     }

@@ -6,6 +6,7 @@ use super::error::FileError;
 use super::module::{SkinModule, places};
 use super::resolve::{FileKind, resolve_from};
 use super::source::Source;
+use super::words::choice;
 
 /// Outer diameter of the eyelets that hold a wire at both ends (thesis 5.2.2).
 const EYELET_MM: f64 = 0.76;
@@ -37,6 +38,13 @@ pub(super) enum DisplayTag {
     Display,
 }
 
+choice! { /** What a skin's taxels measure with. Its boards, if it has any, speak that family's protocol. */ Transducer {
+    /** Magnets over Hall chips: three axes of 16 bits, uSkin boards. */ Magnetic = "magnetic",
+    /** Capacitors: one axis of 8 bits, MTB boards of the iCub's kind. */ Capacitive = "capacitive",
+    /** Blocks of a camera's picture: one axis of 8 bits, no boards. */ Camera = "camera",
+    /** Cells of proximity (x), acceleration (y) and normal force (z), 16 bits, no boards. */ Cells = "cells",
+}}
+
 /// A skin: modules of taxels.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -50,6 +58,9 @@ pub struct SensorLayout {
     pub description: String,
     /// What of it is an assumption; reports flag it.
     pub assumed: Option<String>,
+    /// What its taxels measure with.
+    #[serde(default = "magnetic")]
+    pub transducer: Transducer,
     /// 1 (normal only) or 3.
     #[serde(default = "three")]
     pub axes: u8,
@@ -57,6 +68,10 @@ pub struct SensorLayout {
     pub image: Option<ImageSize>,
     /// The modules; a reading's order is theirs.
     pub modules: Vec<SkinModule>,
+}
+
+const fn magnetic() -> Transducer {
+    Transducer::Magnetic
 }
 
 const fn three() -> u8 {
@@ -118,6 +133,13 @@ impl SensorLayout {
         if !matches!(self.axes, 1 | 3) {
             return Err(source.bad("axes", "1 or 3"));
         }
+        let single = matches!(self.transducer, Transducer::Capacitive | Transducer::Camera);
+        if single && self.axes != 1 {
+            return Err(source.bad("axes", "1: such taxels measure the normal axis alone"));
+        }
+        if self.transducer == Transducer::Cells && self.axes != 3 {
+            return Err(source.bad("axes", "3: a cell's three modalities"));
+        }
         if self.modules.is_empty() {
             return Err(source.bad("modules", "at least one module"));
         }
@@ -128,7 +150,7 @@ impl SensorLayout {
         let mut cells = std::collections::BTreeSet::new();
         for (index, module) in self.modules.iter().enumerate() {
             let key = format!("modules[{index}]");
-            module.check(source, &key)?;
+            module.check(source, &key, self.transducer)?;
             if module.image.is_some() != self.image.is_some() {
                 let expected = "an image for the layout and for every module, or for none";
                 return Err(source.bad(&format!("{key}.image"), expected));

@@ -36,6 +36,7 @@ mod scene;
 mod setup;
 mod shelf;
 mod source;
+mod stream;
 mod texture;
 mod texture_model;
 mod times;
@@ -62,7 +63,7 @@ pub use fault::{Fault, FaultKind};
 pub use felt::{Felt, FeltBy};
 pub use format::Format;
 pub use illusion::{Illusion, SceneStroke};
-pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
+pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout, Transducer};
 pub use limits::LimitTable;
 pub use loaded::{
     Loaded, load_activation, load_alloy, load_bench, load_layout, load_limits, load_person,
@@ -86,6 +87,7 @@ pub use scene::{
 pub use setup::{Setup, Stroked, sensor_of};
 pub use shelf::{Listed, built_in, illusions, of_folder};
 pub use source::Source;
+pub use stream::Stream;
 pub use texture::{Rated, TextureEntry, TextureTable};
 pub use texture_model::{Layer, Tensor, TextureModel, model_file, taxel};
 pub use times::{DISORDER_US, LONGEST_US, OutOfTime, TimeColumn, TimeUnit, Times};

@@ -3,12 +3,15 @@
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::layout::Transducer;
 use super::source::Source;
 
 /// The most taxels of a skin, as the core has it.
 const MOST_TAXELS: usize = 1 << 22;
-/// The most taxels one sensor board reads.
+/// The most taxels one uSkin board reads.
 const TAXELS_PER_BOARD: usize = 16;
+/// The most taxels one MTB board reads, thermal pads included: 16 triangles of 12.
+const TAXELS_PER_MTB: usize = 192;
 
 /// A module: a grid of taxels, or scattered points.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -35,7 +38,8 @@ pub struct SkinModule {
     pub place_mm: [f64; 2],
     /// The bus its boards are on; with `boards`.
     pub bus: Option<u8>,
-    /// Board addresses, 16 read taxels each, in order. Left out: recordings only.
+    /// Board addresses, 16 read taxels each, in order; one for up to 192 taxels of a capacitive skin. Left out: no
+    /// bus carries it.
     #[serde(default)]
     pub boards: Vec<u8>,
 }
@@ -173,7 +177,12 @@ impl SkinModule {
         (0..repeat.rows * repeat.columns).map(copy).collect()
     }
 
-    pub(super) fn check(&self, source: &Source, key: &str) -> Result<(), FileError> {
+    pub(super) fn check(
+        &self,
+        source: &Source,
+        key: &str,
+        transducer: Transducer,
+    ) -> Result<(), FileError> {
         let at = |name: &str| format!("{key}.{name}");
         self.check_shape(source, key)?;
         if let Some(repeat) = self.repeat {
@@ -196,7 +205,7 @@ impl SkinModule {
         for (axis, value) in self.place_mm.into_iter().enumerate() {
             source.range(&at(&format!("place_mm[{axis}]")), value, -1e5..=1e5, "mm")?;
         }
-        self.check_boards(source, key)
+        self.check_boards(source, key, transducer)
     }
 
     fn check_shape(&self, source: &Source, key: &str) -> Result<(), FileError> {
@@ -225,15 +234,37 @@ impl SkinModule {
         }
     }
 
-    fn check_boards(&self, source: &Source, key: &str) -> Result<(), FileError> {
+    fn check_boards(
+        &self,
+        source: &Source,
+        key: &str,
+        transducer: Transducer,
+    ) -> Result<(), FileError> {
         let at = |name: &str| format!("{key}.{name}");
         if self.bus.is_some() == self.boards.is_empty() {
             let missing = if self.bus.is_some() { "boards" } else { "bus" };
             return Err(source.bad(&at(missing), "bus and boards together, or neither"));
         }
-        let needed = self.readings().div_ceil(TAXELS_PER_BOARD);
+        let (taxels, readings) = (self.places().len(), self.readings());
+        let needed = match transducer {
+            Transducer::Magnetic => readings.div_ceil(TAXELS_PER_BOARD),
+            Transducer::Capacitive => 1,
+            Transducer::Camera | Transducer::Cells => 0,
+        };
+        if self.bus.is_some() && needed == 0 {
+            return Err(source.bad(&at("bus"), "no bus: no board known here sends such taxels"));
+        }
+        if self.bus.is_some() && transducer == Transducer::Capacitive && taxels > TAXELS_PER_MTB {
+            let expected = format!(
+                "at most {TAXELS_PER_MTB} taxels on a board (16 triangles of 12), here {taxels}"
+            );
+            return Err(source.bad(&at("boards"), expected));
+        }
         if self.bus.is_some() && self.boards.len() != needed {
-            let expected = format!("{needed} boards ({} taxels, 16 a board)", self.readings());
+            let expected = match transducer {
+                Transducer::Capacitive => "1 board for all of the module's triangles".to_owned(),
+                _ => format!("{needed} boards ({readings} taxels, 16 a board)"),
+            };
             return Err(source.bad(&at("boards"), expected));
         }
         for (position, board) in self.boards.iter().enumerate() {

@@ -9,6 +9,7 @@ use super::fault::Fault;
 use super::felt::Felt;
 use super::illusion::{Illusion, SceneStroke};
 use super::source::Source;
+use super::stream::Stream;
 use super::touch::Touch;
 use super::words::{self, choice};
 
@@ -74,6 +75,8 @@ pub struct Scene {
     pub map: Map,
     /// The sensor boards on their buses.
     pub boards: Boards,
+    /// The way of readings that another machine takes and sends; left out: boards on buses, where the layout has any.
+    pub stream: Option<Stream>,
     /// What touches the skin; nothing if left out.
     pub touches: Vec<Touch>,
     /// Strokes over the display that are known beforehand; none if left out.
@@ -107,6 +110,7 @@ impl Default for Scene {
             illusion: Illusion::default(),
             map: Map::default(),
             boards: Boards::default(),
+            stream: None,
             touches: Vec::new(),
             strokes: Vec::new(),
             texture: None,
@@ -155,15 +159,31 @@ impl Default for Compression {
     }
 }
 
-/// The linear map from skin to display.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+/// The linear map from skin to display. Contacts outside what it shows are not felt.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Map {
     /// Sensor rectangle (left, bottom, right, top) that fills the display; left out: the taxels' hull.
     pub sensor_mm: Option<[f64; 4]>,
+    /// Width and height of a window that follows what happens on a larger skin and fills the display; left out: it
+    /// stays.
+    pub window_mm: Option<[f64; 2]>,
+    /// The window moves to a contact outside that is stronger than all inside together by this share.
+    pub hysteresis: f64,
     /// The display layout this scene needs; left out: whatever the bench carries.
     pub display: Option<String>,
+}
+
+impl Default for Map {
+    fn default() -> Self {
+        Self {
+            sensor_mm: None,
+            window_mm: None,
+            hysteresis: 0.25,
+            display: None,
+        }
+    }
 }
 
 /// The sensor boards of an emulated skin.
@@ -212,6 +232,9 @@ impl Scene {
         scene.compression.check(source)?;
         scene.illusion.check(source)?;
         scene.check_map(source)?;
+        if let Some(stream) = &scene.stream {
+            stream.check(source)?;
+        }
         scene.check_events(source)?;
         scene.expect.check(source)?;
         Ok(scene)
@@ -275,6 +298,16 @@ impl Scene {
     }
 
     fn check_map(&self, source: &Source) -> Result<(), FileError> {
+        source.range("map.hysteresis", self.map.hysteresis, 0.0..=100.0, "")?;
+        if let Some(window) = self.map.window_mm {
+            for (axis, size) in window.into_iter().enumerate() {
+                source.range(&format!("map.window_mm[{axis}]"), size, 0.01..=1e4, "mm")?;
+            }
+            if self.map.sensor_mm.is_some() {
+                let expected = "map.sensor_mm, which stays, or map.window_mm, which follows";
+                return Err(source.bad("map.window_mm", expected));
+            }
+        }
         let Some([left, bottom, right, top]) = self.map.sensor_mm else {
             return Ok(());
         };

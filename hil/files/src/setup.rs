@@ -6,7 +6,7 @@ use super::activation::ActivationFile;
 use super::bench::{Bench, BenchKind};
 use super::error::FileError;
 use super::fault::FaultKind;
-use super::layout::{DisplayLayout, LayoutFile, SensorLayout};
+use super::layout::{DisplayLayout, LayoutFile, SensorLayout, Transducer};
 use super::limits::LimitTable;
 use super::loaded::{Loaded, load_bench, load_scene};
 use super::near::did_you_mean;
@@ -265,6 +265,17 @@ fn check_faults(
             let bad = || scene.source.bad(&key, format!("less than {count}"));
             fits.then_some(()).ok_or_else(bad)
         };
+        let of_taxels = [
+            FaultKind::TaxelFrozen,
+            FaultKind::ZeroTriplets,
+            FaultKind::SdaDead,
+            FaultKind::WrongModel,
+        ];
+        if of_taxels.contains(&fault.kind) && sensor.transducer != Transducer::Magnetic {
+            let expected =
+                "a fault that this layout's boards can have: only uSkin boards send taxel by taxel";
+            return Err(scene.source.bad(&format!("faults[{index}].kind"), expected));
+        }
         below("module", fault.module, sensor.modules.len())?;
         below("with", fault.with, sensor.modules.len())?;
         below("bus", fault.bus.map(usize::from), buses)?;

@@ -93,6 +93,7 @@ pub(super) fn feel(
     let (at, targets) = (onset.at, &onset.targets);
     let true_place = recorder
         .truth_at(at)
+        .filter(|(place, _)| projector.map().shows(*place))
         .map(|(place, _)| projector.map().apply(place));
     let strongest = targets.iter().max_by(|a, b| a.weight.total_cmp(&b.weight));
     let Some(seen) = strongest.filter(|_| targets.len() == 1 || true_place.is_some()) else {

@@ -1,7 +1,16 @@
 //! Static intensity levels over a whole input, with bounded memory.
 
-use palpate_core::contact::LevelTable;
+use palpate_core::contact::{LevelTable, Levels};
 use palpate_core::random::RandomStream;
+use palpate_files::Setup;
+
+/// Levels where the whole input cannot be seen beforehand.
+pub(crate) fn live_levels(setup: &Setup) -> Levels {
+    match setup.scene.value.compression.ki {
+        0 | 1 => Levels::Off,
+        k => Levels::Dynamic(u16::try_from(k).unwrap_or(u16::MAX)),
+    }
+}
 
 /// So many intensities find the levels; of more, so many are drawn, each as likely as the others.
 const TELLING: usize = 1 << 16;

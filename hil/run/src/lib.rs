@@ -33,6 +33,7 @@ mod scripted;
 mod session;
 pub mod skin;
 pub mod skin_end;
+mod streamed;
 mod summary;
 mod summary_text;
 mod supervisor;
@@ -83,6 +84,8 @@ pub enum Input {
     Rows(Vec<Arc<dyn RowSource>>),
     /// Recorded frames of all sensor buses.
     Frames(Arc<dyn FrameSource>),
+    /// Rows of the whole skin that come meanwhile, until the scene ends.
+    Stream(Arc<dyn RowSource>),
 }
 
 impl Input {

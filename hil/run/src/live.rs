@@ -3,7 +3,6 @@
 //! Events wait until they are drained. Where they are not, the oldest are dropped, so a session that is held for
 //! days stays as large as it is.
 
-use palpate_core::contact::Levels;
 use palpate_core::skin::{ModuleScan, ScanError, UskinCan};
 use palpate_emulators::sensor::Press;
 use palpate_emulators::sensor::can::faults::Faulty;
@@ -14,6 +13,7 @@ use palpate_records::trace::Event;
 use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::failure::Failure;
 use crate::hand::Hand;
+use crate::levels::live_levels;
 use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth};
 use crate::runner::build;
@@ -29,22 +29,13 @@ pub type EmulatedSession = Session<UskinCan<Tap<Faulty<Handle>>>, EmulatedDispla
 /// A session that readings are pushed into, on an emulated display.
 pub type FedSession = Session<(), EmulatedDisplay>;
 
-/// Levels where the whole input cannot be seen beforehand.
-fn levels(setup: &Setup) -> Levels {
-    match setup.scene.value.compression.ki {
-        0 | 1 => Levels::Off,
-        k => Levels::Dynamic(u16::try_from(k).unwrap_or(u16::MAX)),
-    }
-}
-
 impl EmulatedSession {
     /// A setup's scene with its touches and faults, run by the policy of any bench.
     ///
     /// # Errors
     /// [`Failure::Input`] for what fits no emulated hardware.
     pub fn scene(setup: &Setup, seed: u64, policy: Policy) -> Result<Self, Failure> {
-        let scene = &setup.scene.value;
-        let truth = Truth::Scene(scene.touches.clone(), scene.drives);
+        let truth = Truth::of(setup);
         let layout = plan::layout(&setup.sensor.value)?;
         let boards = skin::emulated(setup, &layout, seed)?;
         Self::on(setup, seed, boards, truth, policy)
@@ -74,7 +65,7 @@ impl EmulatedSession {
         truth: Truth,
         policy: Policy,
     ) -> Result<Self, Failure> {
-        let projector = build(setup, seed, levels(setup))?;
+        let projector = build(setup, seed, live_levels(setup))?;
         let bus = Tap::new(Faulty::new(boards, seed, "sensor bus"), false);
         let skin = skin::source(setup, projector.layout(), bus);
         let display = EmulatedDisplay::new(setup, &projector, seed)?;
@@ -95,7 +86,7 @@ impl FedSession {
     /// # Errors
     /// [`Failure::Input`] for what fits no loop.
     pub fn fed(setup: &Setup, seed: u64) -> Result<Self, Failure> {
-        let projector = build(setup, seed, levels(setup))?;
+        let projector = build(setup, seed, live_levels(setup))?;
         let display = EmulatedDisplay::new(setup, &projector, seed)?;
         let recorder = Recorder::new(Truth::Unknown, projector.layout()).bounded(MOST_EVENTS);
         let ends = ((), display);

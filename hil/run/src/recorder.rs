@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use palpate_core::contact::Scope;
 use palpate_core::projector::{Cause, FrameReport, Observer, Target, TextureReport};
 use palpate_core::schedule::Entry;
 use palpate_core::skin::{Condition, Layout};
@@ -12,7 +13,7 @@ use palpate_records::trace::{Driven, Event, PlaceUm};
 use palpate_records::words::texture;
 
 use crate::hand::Hand;
-use palpate_files::Touch;
+use palpate_files::{Setup, Touch};
 
 /// Windows of texture further apart are of different touches.
 const APART: Duration = Duration::from_millis(500);
@@ -31,33 +32,45 @@ pub enum Truth {
     /// Not known: a recording, readings that are pushed, a real skin.
     #[default]
     Unknown,
-    /// A scene's touches; the driving module.
-    Scene(Vec<Touch>, usize),
+    /// A scene's touches that drive the display, and how far right and up of the places they tell they are.
+    Scene(Vec<(Touch, [f64; 2])>),
     /// A hand on the driving module.
     Hand(Hand),
 }
 
 impl Truth {
+    /// Of a setup's scene: the driving module's touches, or where the skin is one, all of them.
+    pub fn of(setup: &Setup) -> Self {
+        let scene = &setup.scene.value;
+        let whole = scene.compression.scope == Scope::Skin;
+        let driving = |t: &&Touch| whole || t.module == scene.drives;
+        let place = |touch: &Touch| match setup.sensor.value.modules.get(touch.module) {
+            Some(module) if whole => module.place_mm,
+            _ => [0.0; 2],
+        };
+        let touches = scene.touches.iter().filter(driving);
+        Self::Scene(touches.map(|t| (t.clone(), place(t))).collect())
+    }
+
     /// Where, and how hard (N), when exactly one thing touches.
     fn at(&self, at: Instant) -> Option<(Point, f64)> {
         match self {
             Self::Unknown => None,
-            Self::Scene(touches, drives) => scripted(touches, *drives, at),
+            Self::Scene(touches) => scripted(touches, at),
             Self::Hand(hand) => hand.only(),
         }
     }
 }
 
-fn scripted(touches: &[Touch], drives: usize, at: Instant) -> Option<(Point, f64)> {
+fn scripted(touches: &[(Touch, [f64; 2])], at: Instant) -> Option<(Point, f64)> {
     let seconds = at.as_micros() as f64 * 1e-6;
-    let mut now = touches
-        .iter()
-        .filter(|t| t.module == drives)
-        .filter_map(|t| t.at(seconds));
-    let only = now.next().filter(|t| t.force_n > 0.0)?;
-    now.next()
-        .is_none()
-        .then(|| (Point::new(only.x_mm as f32, only.y_mm as f32), only.force_n))
+    let place = |(touch, offset): &(Touch, [f64; 2])| Some((touch.at(seconds)?, *offset));
+    let mut now = touches.iter().filter_map(place);
+    let (only, [x, y]) = now.next().filter(|(t, _)| t.force_n > 0.0)?;
+    now.next().is_none().then(|| {
+        let place = Point::new((only.x_mm + x) as f32, (only.y_mm + y) as f32);
+        (place, only.force_n)
+    })
 }
 
 /// A taxel's condition in a word.

@@ -20,13 +20,14 @@ use crate::display_end::{EmulatedDisplay, refuse_hardware};
 use crate::effort::Effort;
 use crate::failure::Failure;
 use crate::header::header;
-use crate::levels::Intensities;
+use crate::levels::{Intensities, live_levels};
 use crate::passed::Passing;
 use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth, milli_c};
 use crate::replay::{CanPlayer, Rows};
 use crate::session::{Session, TICK, Turn};
 use crate::skin_end::{SkinEnd, Tap};
+use crate::streamed::Streamed;
 use crate::summary::finished;
 use crate::tape::Tape;
 use crate::verdict::STOPPED_BY;
@@ -59,6 +60,13 @@ pub fn run_with(
             let end = sources.iter().map(|s| s.span_us()).max().unwrap_or(0);
             let skin = || Rows::new(sources, &setup.sensor.value, &layout);
             run.replay(skin, longest, Instant::from_micros(end), host)
+        }
+        Input::Stream(rows) => {
+            let levels = live_levels(setup);
+            let skin = Streamed::new(rows.as_ref(), &setup.sensor.value, &layout)?;
+            let end = scene_end(setup);
+            run.project(levels, skin, Truth::Unknown, end, host)
+                .map(|(outcome, _)| outcome)
         }
         Input::Frames(frames) => {
             let skin = || {
@@ -102,24 +110,30 @@ impl Run<'_> {
     fn scene(&self, host: &mut dyn Host) -> Result<Outcome, Failure> {
         let (setup, scene) = (self.setup, &self.setup.scene.value);
         let end = scene_end(setup);
+        if skin::is_array(setup) {
+            let mut skin = skin::array(setup, self.layout, self.seed)?;
+            let levels = calibrate(setup, self.seed, &mut skin, end, host)?;
+            let skin = skin::array(setup, self.layout, self.seed)?;
+            return Ok(self.project(levels, skin, Truth::of(setup), end, host)?.0);
+        }
         let emulated = || skin::emulated(setup, self.layout, self.seed);
         let mut first = on_tape(setup, self.layout, emulated()?);
         let levels = calibrate(setup, self.seed, &mut first, end, host)?;
-        let truth = || Truth::Scene(scene.touches.clone(), scene.drives);
         let tape = &mut first.bus_mut().inner;
         // What is watched is played once, also where a tape turns out to be of no use.
         if scene.faults.is_empty() && tape.is_exact() && !host.looks_on() {
             tape.rewind(end);
             let tape = std::mem::replace(tape, Tape::new(emulated()?));
             let skin = skin::source(setup, self.layout, Tap::new(tape, self.keep.can));
-            let (outcome, skin) = self.project(levels.clone(), skin, truth(), end, host)?;
+            let (outcome, skin) =
+                self.project(levels.clone(), skin, Truth::of(setup), end, host)?;
             if skin.bus().inner.is_exact() {
                 return Ok(outcome);
             }
         }
         let faulty = Faulty::new(emulated()?, self.seed, "sensor bus");
         let skin = skin::source(setup, self.layout, Tap::new(faulty, self.keep.can));
-        Ok(self.project(levels, skin, truth(), end, host)?.0)
+        Ok(self.project(levels, skin, Truth::of(setup), end, host)?.0)
     }
 
     /// A recording with `rows` rows that ends at `end`: one pass for levels, one that counts.

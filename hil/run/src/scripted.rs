@@ -1,5 +1,6 @@
 //! What a scene does to one module: touches that move, surfaces that are stroked, contacts whose surface rubs.
 
+use palpate_core::contact::Scope;
 use palpate_core::units::Point;
 use palpate_emulators::sensor::surface::{Habits, Rub, SurfaceStroke, SurfaceStrokes};
 use palpate_emulators::sensor::{Press, Touches};
@@ -51,6 +52,8 @@ impl Rubbing {
 /// A scene on one module.
 pub(super) struct Scripted {
     touches: Vec<(Touch, Option<Rubbing>)>,
+    /// From the module's millimetres to those that each touch is told in.
+    offsets: Vec<[f64; 2]>,
     strokes: SurfaceStrokes,
     /// Everything begins anew after each such span.
     repeat: Option<Nanos>,
@@ -75,7 +78,18 @@ impl Scripted {
             felt.rubs
                 .then(|| Rubbing::new(Rub::new(texture, (seed, number), lag_s), touch))
         };
-        let touches = scene.touches.iter().filter(|t| t.module == module);
+        // What is one skin is pressed as one: a touch beside a module presses it too.
+        let whole = scene.compression.scope == Scope::Skin;
+        let places = |m: usize| setup.sensor.value.modules.get(m).map(|m| m.place_mm);
+        let touches = || {
+            let all = scene.touches.iter();
+            all.filter(move |t| whole || t.module == module)
+        };
+        let offset = |touch: &Touch| {
+            let ([x, y], [u, v]) = (places(touch.module)?, places(module)?);
+            Some([x - u, y - v])
+        };
+        let offsets = touches().map(|t| offset(t).unwrap_or_default()).collect();
         let stroke = |(number, &start_s): (u32, &f64)| {
             let (felt, texture) = textured.as_ref()?;
             let span = (Nanos((start_s * 1e9).round() as u64), felt.stroke_s);
@@ -91,8 +105,9 @@ impl Scripted {
         };
         let starts = felt.iter().flat_map(|felt| &felt.strokes_s);
         Self {
+            offsets,
             touches: (0..)
-                .zip(touches)
+                .zip(touches())
                 .map(|(n, touch)| (touch.clone(), rub(n, touch)))
                 .collect(),
             strokes: SurfaceStrokes((0..).zip(starts).filter_map(stroke).collect()),
@@ -109,14 +124,14 @@ impl Touches for Scripted {
     fn touches(&self, now: Nanos, out: &mut Vec<Press>) {
         let now = self.at(now);
         let t_s = now.as_secs_f64();
-        let press = |(touch, rubbing): &(Touch, Option<Rubbing>)| {
+        let press = |((touch, rubbing), [x, y]): (&(Touch, Option<Rubbing>), &[f64; 2])| {
             let point: TouchPoint = touch.at(t_s)?;
             let more = rubbing.as_ref().map_or(0.0, |r| {
                 let (travel, speed) = r.progress(t_s);
                 r.rub.force(travel, speed)
             });
             Some(Press {
-                at: Point::new(point.x_mm as f32, point.y_mm as f32),
+                at: Point::new((point.x_mm + x) as f32, (point.y_mm + y) as f32),
                 // a contact that the relief lifts off carries nothing
                 force_n: if point.force_n > 0.0 {
                     (point.force_n + more).max(0.0)
@@ -126,7 +141,7 @@ impl Touches for Scripted {
                 diameter_mm: point.diameter_mm,
             })
         };
-        out.extend(self.touches.iter().filter_map(press));
+        out.extend(self.touches.iter().zip(&self.offsets).filter_map(press));
         self.strokes.touches(now, out);
     }
 

@@ -1,12 +1,14 @@
 //! An emulated skin under a scene's touches, as the sensor end of a run.
 
 use palpate_core::bus::CanBus;
-use palpate_core::codec::uskin::{ALL_BOARDS, Command};
-use palpate_core::skin::{Layout, UskinCan};
+use palpate_core::codec::uskin::{ALL_BOARDS, Command, Wiring};
+use palpate_core::skin::{Layout, Module, Protocol, UskinCan};
 use palpate_emulators::sensor::board::{BoardConfig, Overload};
 use palpate_emulators::sensor::can::NodeConfig;
 use palpate_emulators::sensor::rig::{Handle, SkinBus};
-use palpate_emulators::sensor::{EmulatedModule, Generation, ModuleConfig, Touches};
+use palpate_emulators::sensor::{
+    Delivery, EmulatedModule, Generation, ModuleConfig, SkinArray, Touches, Transducer,
+};
 use palpate_emulators::time::Nanos;
 
 use super::scripted::Scripted;
@@ -71,33 +73,22 @@ fn touched(
     for (number, module) in layout.modules().iter().enumerate() {
         let refuse = || unwired(&file.name, module.name());
         let address = module.address().ok_or_else(refuse)?;
-        let wiring = module
-            .wiring()
-            .filter(|w| w.taxels() == module.points().len());
-        let wiring = wiring.ok_or_else(refuse)?;
-        let mut skin = EmulatedModule::new(ModuleConfig {
-            number,
-            taxels: module.points().to_vec(),
-            unread: (0..module.points().len())
-                .filter(|&t| !module.active()[t])
-                .collect(),
-            pitch_mm: f64::from(module.spacing()),
-            generation: match scene.generation {
-                palpate_files::Generation::Y2019 => Generation::Y2019,
-                palpate_files::Generation::Y2021 => Generation::Y2021,
-                palpate_files::Generation::Current => Generation::Now,
-            },
-            noise_lsb: scene.noise_lsb.into(),
-            seed,
-            ..ModuleConfig::default()
-        });
-        skin.touch(touches(number));
+        let protocol = module.protocol();
+        let wiring = match protocol {
+            Protocol::Mtb => Wiring::FLAT, // of no meaning there
+            Protocol::Uskin => module
+                .wiring()
+                .filter(|w| w.taxels() == module.points().len())
+                .ok_or_else(refuse)?,
+        };
+        let skin = pressed(setup, (number, module), seed, touches(number));
         let bus = usize::from(address.bus);
         buses.resize_with(buses.len().max(bus + 1), || {
             SkinBus::with_host(BITRATE, host)
         });
         let config = BoardConfig {
             address: address.board,
+            protocol,
             wiring,
             scan_hz: scene.rate_hz,
             overload: match scene.boards.overload {
@@ -115,6 +106,73 @@ fn touched(
         })?;
     }
     Ok(Handle::new(buses))
+}
+
+/// An emulated module of a scene's layout under touches.
+fn pressed(
+    setup: &Setup,
+    (number, module): (usize, &Module),
+    seed: u64,
+    touches: Box<dyn Touches + Send>,
+) -> EmulatedModule {
+    let scene = &setup.scene.value;
+    let transducer = match setup.sensor.value.transducer {
+        palpate_files::Transducer::Magnetic => Transducer::Magnetic(match scene.generation {
+            palpate_files::Generation::Y2019 => Generation::Y2019,
+            palpate_files::Generation::Y2021 => Generation::Y2021,
+            palpate_files::Generation::Current => Generation::Now,
+        }),
+        palpate_files::Transducer::Capacitive => Transducer::Capacitive,
+        palpate_files::Transducer::Camera => Transducer::Camera,
+        palpate_files::Transducer::Cells => Transducer::Cells,
+    };
+    let mut skin = EmulatedModule::new(ModuleConfig {
+        number,
+        taxels: module.points().to_vec(),
+        unread: (0..module.points().len())
+            .filter(|&t| !module.active()[t])
+            .collect(),
+        pitch_mm: f64::from(module.spacing()),
+        transducer,
+        mechanics: transducer.silicone(),
+        noise_lsb: scene.noise_lsb.into(),
+        seed,
+        ..ModuleConfig::default()
+    });
+    skin.touch(touches);
+    skin
+}
+
+/// Whether a scene's readings come without an emulated bus: over a network, or from a skin that no board sends.
+pub fn is_array(setup: &Setup) -> bool {
+    let modules = &setup.sensor.value.modules;
+    setup.scene.value.stream.is_some() || modules.iter().all(|m| m.bus.is_none())
+}
+
+/// Such a skin with the scene's touches on it.
+///
+/// # Errors
+/// [`Failure::File`] for a fault that needs a sensor bus.
+pub fn array(setup: &Setup, layout: &Layout, seed: u64) -> Result<SkinArray, Failure> {
+    let scene = &setup.scene.value;
+    if let Some(index) = scene.faults.iter().position(|f| f.kind.is_of_sensors()) {
+        let key = format!("faults[{index}].kind");
+        let expected = "a fault of the display: the readings of this scene come over no sensor bus";
+        return Err(Failure::File(setup.scene.source.bad(&key, expected)));
+    }
+    let module = |(number, module): (usize, &Module)| {
+        let lag_s = ModuleConfig::default().mechanics.lag_s;
+        let touches = Scripted::new(setup, number, seed, lag_s, None);
+        pressed(setup, (number, module), seed, Box::new(touches))
+    };
+    let modules = layout.modules().iter().enumerate().map(module).collect();
+    let delivery = scene.stream.map_or(Delivery::DIRECT, |way| Delivery {
+        delay_s: way.delay_ms * 1e-3,
+        jitter_s: way.jitter_ms * 1e-3,
+        late: (way.late, way.late_ms * 1e-3),
+        loss: way.loss,
+    });
+    Ok(SkinArray::new(modules, scene.rate_hz, delivery, seed))
 }
 
 /// The boards of a scene's layout, over any bus, as the loop reads them.

@@ -6,6 +6,7 @@ use palpate_core::bus::{CanBus, Received};
 use palpate_core::codec::can::CanFrame;
 use palpate_core::skin::{SkinSource, UskinCan};
 use palpate_core::units::Instant;
+use palpate_emulators::sensor::SkinArray;
 use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::Handle;
 use palpate_emulators::time::Nanos;
@@ -44,6 +45,13 @@ pub trait SkinEnd: SkinSource<Error: fmt::Display> {
     /// Its buses, where they are emulated.
     fn buses(&self) -> Vec<BusReport> {
         Vec::new()
+    }
+}
+
+/// A skin that no bus carries.
+impl SkinEnd for SkinArray {
+    fn advance_to(&mut self, now: Instant) {
+        self.advance(now.into());
     }
 }
 

@@ -1,6 +1,5 @@
 //! The raw readings of a scene's emulated skin, as a recording of them would be.
 
-use palpate_core::skin::SkinSource;
 use palpate_core::units::Instant;
 use palpate_files::Setup;
 
@@ -32,8 +31,24 @@ pub fn taxels(setup: &Setup, seed: u64, passed: impl Fn(f64)) -> Result<Vec<Taxe
         columns: taxels.len() * axes,
     };
     let mut tables: Vec<TaxelTable> = active.iter().map(table).collect();
-    let boards = Tape::new(skin::emulated(setup, &layout, seed)?);
-    let mut source = skin::source(setup, &layout, Tap::new(boards, false));
+    let into = (&active[..], &mut tables[..], axes);
+    if skin::is_array(setup) {
+        read(setup, skin::array(setup, &layout, seed)?, into, passed)?;
+    } else {
+        let boards = Tape::new(skin::emulated(setup, &layout, seed)?);
+        let source = skin::source(setup, &layout, Tap::new(boards, false));
+        read(setup, source, into, passed)?;
+    }
+    Ok(tables)
+}
+
+/// Fills the tables with the taxels that are read, of so many axes, until the scene ends.
+fn read<S: SkinEnd>(
+    setup: &Setup,
+    mut source: S,
+    (active, tables, axes): (&[Vec<usize>], &mut [TaxelTable], usize),
+    passed: impl Fn(f64),
+) -> Result<(), Failure> {
     let end = scene_end(setup);
     let mut now = Instant::ZERO;
     while now < end {
@@ -51,7 +66,7 @@ pub fn taxels(setup: &Setup, seed: u64, passed: impl Fn(f64)) -> Result<Vec<Taxe
         passed(part(now, end));
         now += TICK;
     }
-    Ok(tables)
+    Ok(())
 }
 
 #[cfg(test)]

@@ -206,6 +206,7 @@ impl<'a> Recording<'a> {
             reading: Reading {
                 timing,
                 prefix: args.columns.clone(),
+                rest_rows: 0,
             },
             baseline: BaselineSettings {
                 reference_frames: args.reference_frames,

@@ -4,7 +4,7 @@
 use std::io::{self, Write};
 
 use palpate_core::contact::Scope;
-use palpate_files::{Scene, Setup, ThresholdFrom};
+use palpate_files::{Scene, Setup, ThresholdFrom, Transducer};
 use palpate_run::Outcome;
 use palpate_run::effort::FrameKind;
 
@@ -43,6 +43,8 @@ pub fn plan(setup: &Setup, out: &mut dyn Write) -> io::Result<()> {
             "off: levels are recorded, and no wire heeds them".into()
         },
     )?;
+    row("skin", skin(setup))?;
+    row("map", map(scene))?;
     row("texture", "no contact carries one: not built".into())?;
     row(
         "display",
@@ -51,6 +53,37 @@ pub fn plan(setup: &Setup, out: &mut dyn Write) -> io::Result<()> {
             setup.display.value.wires_mm.len()
         ),
     )
+}
+
+fn skin(setup: &Setup) -> String {
+    let layout = &setup.sensor.value;
+    let way = match (&setup.scene.value.stream, layout.transducer) {
+        (Some(_), _) => "read by another machine, over a network",
+        (None, _) if layout.modules.iter().all(|m| m.bus.is_none()) => "whole scans, no bus",
+        (None, Transducer::Capacitive) => "MTB boards on CAN",
+        (None, _) => "uSkin boards on CAN",
+    };
+    let taxels = layout.readings();
+    format!("`{}`, {taxels} taxels read: {way}", layout.name)
+}
+
+fn map(scene: &Scene) -> String {
+    let map = &scene.map;
+    match (map.window_mm, map.sensor_mm, scene.compression.scope) {
+        (Some([w, h]), _, _) => format!(
+            "a window of {w} mm by {h} mm goes to a contact outside that is {} % stronger than all inside",
+            map.hysteresis * 100.0
+        ),
+        (None, Some([x0, y0, x1, y1]), _) => {
+            format!(
+                "the region [{x0}, {y0}, {x1}, {y1}] mm fills the display; contacts outside are not felt"
+            )
+        }
+        (None, None, Scope::Skin) => "the whole skin's hull fills the display".into(),
+        (None, None, Scope::Module) => {
+            "the hull of the driving module's taxels fills the display".into()
+        }
+    }
 }
 
 fn threshold(scene: &Scene) -> String {

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use palpate_records::contacts_csv::write_table;
 use palpate_records::mcap::{BusTraffic, write_mcap};
@@ -13,10 +14,10 @@ use palpate_records::verdict::Verdict;
 
 use crate::cli::{Color, RunArgs, Switch};
 use crate::clock;
-use crate::host::{Onlooker, Records};
+use crate::host::{Onlooker, Records, made};
 use crate::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
 use crate::real::{self, Told};
-use crate::recording::{Reading, recorded, write_can_log};
+use crate::recording::{Reading, ReadingStream, recorded, write_can_log};
 use crate::trial::{Trial, TrialEnd, judge, junit};
 use palpate_files::{
     BenchKind, DRIFT_S, Format as FileFormat, Overrides, Setup, THRESHOLD_FLOOR, Timing, load_scene,
@@ -166,6 +167,7 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
         let reading = Reading {
             timing,
             prefix: args.columns.clone(),
+            rest_rows: setup.scene.value.reference_frames as usize + 1,
         };
         emulated(args, &setup, &reading, (keep, growing))?
     };
@@ -223,9 +225,13 @@ fn emulated(
     reading: &Reading,
     (keep, growing): (Keep, Vec<(LiveKind, PathBuf)>),
 ) -> Result<Outcome, Failure> {
-    let (input, notes) = match args.replay.as_slice() {
-        [] => (Input::Scene, Vec::new()),
-        paths => recorded(paths, &setup.sensor.value, reading)?,
+    let sensor = &setup.sensor.value;
+    let open = |address: &String| ReadingStream::open(address, sensor);
+    let stream = args.stream.as_ref().map(open).transpose()?;
+    let (input, notes) = match (&stream, args.replay.as_slice()) {
+        (Some(stream), _) => (Input::Stream(Arc::clone(stream) as _), Vec::new()),
+        (None, []) => (Input::Scene, Vec::new()),
+        (None, paths) => recorded(paths, sensor, reading)?,
     };
     let records = (!growing.is_empty()).then(|| Records {
         files: growing,
@@ -236,6 +242,9 @@ fn emulated(
     });
     let mut host = Onlooker::new(args.watch, records);
     let outcome = run_with(setup, &input, args.on.seed, keep, &mut host);
+    if let Some(error) = stream.and_then(|stream| stream.wrong()) {
+        return Err(error.into());
+    }
     let outcome = outcome.map_err(|failure| match (failure, args.replay.first()) {
         // The room for runs knows no files.
         (Failure::Input(text), Some(path)) if text.starts_with("the recording") => {
@@ -253,10 +262,9 @@ fn on_hardware(
     setup: &Setup,
     live: &[(LiveKind, PathBuf)],
 ) -> Result<Outcome, Failure> {
-    if !args.replay.is_empty() {
-        return Err(Failure::Input(
-            "--replay: a recording drives an emulated bench only".into(),
-        ));
+    if !args.replay.is_empty() || args.stream.is_some() {
+        let expected = "--replay, --stream: readings from elsewhere drive an emulated bench only";
+        return Err(Failure::Input(expected.into()));
     }
     if let Some(folder) = &args.out {
         make_folder(folder)?;
@@ -375,9 +383,13 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
         &args.on.can,
         &args.on.i2c,
     )?;
-    if let [first, ..] = args.replay.as_slice() {
+    let replayed = args.replay.first();
+    let replayed = replayed.map(|first| format!("replay of {}", first.display()));
+    let streamed = args.stream.as_ref();
+    let streamed = streamed.map(|address| format!("stream of {address}"));
+    if let Some(name) = replayed.or(streamed) {
         scene.value.touches.clear();
-        scene.value.name = format!("replay of {}", first.display());
+        scene.value.name = name;
     }
     let setup = Setup::join(scene, bench)?;
     Ok(match args.observe {
@@ -389,7 +401,7 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
 /// The options that stand for keys of the files.
 fn overrides(args: &RunArgs) -> Result<Overrides, Failure> {
     let mut overrides = Overrides::default();
-    if args.scene.is_none() && !args.replay.is_empty() {
+    if args.scene.is_none() && (args.stream.is_some() || !args.replay.is_empty()) {
         // Real boards are noisy, drift, and differ: the scene's own rule is for emulated ones.
         let mut recorded = |key, value: &str| overrides.scene("--replay", key, value);
         recorded("threshold", "per-taxel");
@@ -418,20 +430,6 @@ fn overrides(args: &RunArgs) -> Result<Overrides, Failure> {
         overrides.set("--set", text)?;
     }
     Ok(overrides)
-}
-
-/// The command line, when and where.
-fn made() -> Vec<(&'static str, String)> {
-    let words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
-    let mut made = vec![
-        ("command", words.collect::<Vec<_>>().join(" ")),
-        ("palpate", env!("CARGO_PKG_VERSION").to_owned()),
-        ("date", clock::date(clock::unix_us())),
-    ];
-    if let Ok(host) = std::fs::read_to_string("/proc/sys/kernel/hostname") {
-        made.push(("host", host.trim().to_owned()));
-    }
-    made
 }
 
 /// A row per preset and person: the level at both ends of the gain, and the place's error, which no gain moves.

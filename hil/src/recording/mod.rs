@@ -1,8 +1,11 @@
-//! What was recorded elsewhere and is read here: raw counts as CSV, CAN buses as candump logs and MCAP.
+//! What was recorded elsewhere and is read here: raw counts as CSV, CAN buses as candump logs and MCAP; and what another machine
+//! sends meanwhile.
 #![forbid(unsafe_code)]
 
 mod can_log;
+mod npy;
 mod pass;
+mod stream;
 mod taxel_csv;
 mod taxel_write;
 
@@ -10,13 +13,15 @@ mod taxel_write;
 mod tests;
 
 pub use can_log::{CanRecording, is_can_recording, read_can_recording, write_can_log};
+pub use stream::ReadingStream;
 pub use taxel_csv::{Reading, read_taxel_csv};
 pub use taxel_write::write_taxel_csv;
 
 use std::path::PathBuf;
 
+use npy::read_npy;
 use palpate_core::skin::Module;
-use palpate_files::{Columns, SensorLayout};
+use palpate_files::{Columns, Format, SensorLayout, format_of};
 use palpate_run::{Failure, Input, plan};
 
 /// What drives a run in place of touches: one recording per module of a layout, or one recording of all its buses;
@@ -63,7 +68,10 @@ pub fn recorded(
         let columns = Columns::of_module(file, number).ok_or_else(|| {
             Failure::Input(format!("layout `{}` has no module {number}", file.name))
         })?;
-        let (table, said) = read_taxel_csv(path, &columns, reading)?;
+        let (table, said) = match format_of(path) {
+            Some(Format::Numpy) => read_npy(path, &columns, reading)?,
+            _ => read_taxel_csv(path, &columns, reading)?,
+        };
         notes.extend(said);
         Ok(table)
     };

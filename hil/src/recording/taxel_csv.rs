@@ -20,6 +20,8 @@ pub struct Reading {
     pub timing: Timing,
     /// What the names of the columns begin with; none: `txl1_x` and so on.
     pub prefix: Option<String>,
+    /// Rows at rest that stand before readings which are compensated, and never at rest.
+    pub rest_rows: usize,
 }
 
 impl Reading {
@@ -33,6 +35,7 @@ impl Reading {
         Self {
             timing,
             prefix: None,
+            rest_rows: 0,
         }
     }
 

@@ -68,8 +68,10 @@ fn needs(command: &str) -> Option<&'static str> {
         Some("devices")
     } else if command.contains("my-bench.toml") || has("FILE") {
         Some("a bench of one's own")
-    } else if has("--recordings") {
+    } else if has("--recordings") || command.contains(".npy") {
         Some("recordings of real sensors")
+    } else if has("--stream") {
+        Some("another machine")
     } else if has("emulate") || has("off") || has("record") || has("replay") {
         Some("device nodes")
     } else if has("--watch") {

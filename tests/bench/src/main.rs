@@ -19,6 +19,7 @@ mod records;
 mod render;
 mod scenes;
 mod settings;
+mod skins;
 mod table;
 mod texture;
 mod timing;

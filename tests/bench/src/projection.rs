@@ -51,7 +51,7 @@ impl CanBus for OneScan {
 }
 
 /// An I2C bus without time and without chips, which counts what is sent, so that the loop's calls can be told apart.
-struct NullBus<'a>(&'a Cell<usize>);
+pub struct NullBus<'a>(pub &'a Cell<usize>);
 
 impl ErrorType for NullBus<'_> {
     type Error = Infallible;
@@ -176,6 +176,7 @@ pub fn measure() -> Result<Findings, Failure> {
     frames(&mut findings)?;
     crate::guard::measure(&mut findings)?;
     crate::settings::measure(&mut findings)?;
+    crate::skins::measure(&mut findings)?;
     Ok(findings)
 }
 

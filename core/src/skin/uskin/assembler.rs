@@ -1,6 +1,7 @@
 //! Scans from readings: which frames off the bus belong together.
 //!
-//! A reading carries no sequence number, so the order on the bus is all there is: chip-major, `k*4 + s`.
+//! A reading carries no sequence number, so the order on the bus is all there is: chip-major, `k*4 + s`, of uSkin
+//! boards, and by index within triangles.
 //! A scan ends with the last taxel in order, when the order goes back, or after a silence. Readings of two scans
 //! are never put together.
 
@@ -17,7 +18,7 @@ pub(super) struct TaxelReading {
     pub(super) module: u16,
     /// Taxel within the module.
     pub(super) taxel: u16,
-    /// Place in the module's order on the bus (`k*4 + s`).
+    /// Place in the module's order on the bus: a uSkin taxel's `k*4 + s`, or its index.
     pub(super) order: u16,
     /// Raw counts x, y, z; a one-axis skin uses z.
     pub(super) counts: [u16; 3],
@@ -46,14 +47,13 @@ struct Pending {
 impl Pending {
     fn new(module: &Module, from: u32) -> Self {
         let active = (0..module.points().len()).filter(|&i| module.active()[i]);
-        let wiring = module.wiring();
-        let order = |i| wiring.and_then(|w| w.order(w.place(0, i)?));
+        let order = |i| module.sent_as(i);
         Self {
             from,
             taxels: module.points().len() as u32, // a skin has at most 2^22
             order: None,
             at: Instant::ZERO,
-            last: active.clone().filter_map(order).max().unwrap_or(0) as u16, // a board has at most 64
+            last: active.clone().filter_map(order).max().unwrap_or(0) as u16, // a board has at most 192
             readings: 0,
             expected: active.count() as u32,
             lost: 0,

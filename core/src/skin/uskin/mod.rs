@@ -1,4 +1,6 @@
-//! uSkin modules over CAN as a [`SkinSource`]: frames in, scans out; boards are started and stopped here.
+//! Modules behind boards on CAN as a [`SkinSource`]: frames in, scans out; boards are started and stopped here.
+//!
+//! Most are uSkin modules. A layout may say that its boards are the iCub's MTB boards ([`Protocol::Mtb`]).
 //!
 //! Who sends what is worked out beforehand, so that a frame off the bus costs one look.
 
@@ -7,14 +9,15 @@ mod routes;
 
 use alloc::boxed::Box;
 
-use super::layout::{Address, Layout};
+use super::layout::{Address, Layout, Module, Protocol};
 use super::source::{ModuleScan, SkinSource};
 use crate::bus::{CanBus, Received};
+use crate::codec::mtb;
 use crate::codec::uskin::{Command, Raw, Reading};
 use crate::units::{Duration, Instant};
 
 use assembler::{ScanAssembler, TaxelReading};
-use routes::Routes;
+use routes::{Route, Routes};
 
 /// The silence that ends a scan, unless stated otherwise.
 pub const SCAN_GAP: Duration = Duration::from_millis(4);
@@ -25,7 +28,7 @@ pub struct UskinCan<B> {
     bus: B,
     routes: Routes,
     assembler: ScanAssembler,
-    /// The board of each module, if it has one.
+    /// The board of each module that waits for commands.
     addresses: Box<[Option<Address>]>,
     foreign: u64,
 }
@@ -33,16 +36,12 @@ pub struct UskinCan<B> {
 impl<B: CanBus> UskinCan<B> {
     /// The modules of a layout that have an address and can be wired to a board, on this bus.
     pub fn new(layout: &Layout, bus: B) -> Self {
-        let modules = || layout.modules().iter();
-        let numbered = modules().enumerate().filter_map(|(index, m)| {
-            Some((index as u16, m.address()?, m.wiring()?)) // at most 4096 modules
-        });
-        let senders: Box<[_]> = numbered.collect();
+        let obeys = |m: &Module| m.address().filter(|_| m.protocol() == Protocol::Uskin);
         Self {
             bus,
-            routes: Routes::new(&senders),
+            routes: Routes::new(layout),
             assembler: ScanAssembler::new(layout, SCAN_GAP),
-            addresses: modules().map(|m| m.address()).collect(),
+            addresses: layout.modules().iter().map(obeys).collect(),
             foreign: 0,
         }
     }
@@ -126,17 +125,48 @@ impl<B: CanBus> UskinCan<B> {
     /// Takes one frame off the bus; `None` for what is no reading of this layout.
     #[inline]
     fn take(&mut self, received: &Received, done: &mut impl FnMut(&ModuleScan<'_>)) -> Option<()> {
-        // Commands are shorter than data; nothing else tells them apart.
-        let Reading { x, y, z } = Raw::new(received.frame.data())?.reading();
-        let route = self.routes.find(received.bus, received.frame.id())?;
-        let reading = TaxelReading {
-            module: route.module,
-            taxel: route.taxel,
-            order: route.order,
-            counts: [x, y, z],
-            at: received.at,
-        };
-        self.assembler.push(&reading, done)
+        let (bus, id) = (received.bus, received.frame.id());
+        match self.routes.find(bus, id)? {
+            Route::Taxel {
+                module,
+                taxel,
+                order,
+            } => {
+                // Commands are shorter than data; nothing else tells them apart.
+                let Reading { x, y, z } = Raw::new(received.frame.data())?.reading();
+                let reading = TaxelReading {
+                    module,
+                    taxel,
+                    order,
+                    counts: [x, y, z],
+                    at: received.at,
+                };
+                self.assembler.push(&reading, done)
+            }
+            Route::Triangle {
+                module,
+                first,
+                read,
+            } => {
+                let message = mtb::Message::decode(&received.frame)?;
+                let (from, counts) = message.half.taxels();
+                for (place, count) in (from..).zip(counts) {
+                    if read >> place & 1 == 0 {
+                        continue;
+                    }
+                    let taxel = first + place;
+                    let reading = TaxelReading {
+                        module,
+                        taxel,
+                        order: taxel,
+                        counts: [0, 0, u16::from(*count)],
+                        at: received.at,
+                    };
+                    self.assembler.push(&reading, &mut *done)?;
+                }
+                Some(())
+            }
+        }
     }
 }
 

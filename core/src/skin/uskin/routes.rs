@@ -3,15 +3,31 @@
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-use crate::codec::uskin::{Wiring, sender};
-use crate::skin::layout::Address;
+use crate::codec::mtb;
+use crate::codec::uskin::sender;
+use crate::skin::layout::{Address, Layout, Module, Protocol};
 
-/// The taxel that an identifier is about.
+/// What an identifier is about.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Route {
-    pub(super) module: u16,
-    pub(super) taxel: u16,
-    pub(super) order: u16,
+pub(super) enum Route {
+    /// One taxel of a uSkin module.
+    Taxel {
+        /// Module, zero-based.
+        module: u16,
+        /// Taxel within the module.
+        taxel: u16,
+        /// Place in the module's order on the bus.
+        order: u16,
+    },
+    /// A triangle of an MTB board.
+    Triangle {
+        /// Module, zero-based.
+        module: u16,
+        /// Its first taxel within the module.
+        first: u16,
+        /// Which of its taxels are read, a bit each: of its twelve places two may be thermal pads.
+        read: u16,
+    },
 }
 
 /// What every identifier means on every bus, worked out beforehand.
@@ -22,27 +38,61 @@ pub(super) struct Routes(Vec<Box<[Option<Route>]>>);
 const IDENTIFIERS: u16 = 1 << 11;
 
 impl Routes {
-    /// For modules by index, address and wiring. Of several under one board's number the first counts.
-    pub(super) fn new(modules: &[(u16, Address, Wiring)]) -> Self {
-        let buses = modules.iter().map(|(_, address, _)| address.bus).max();
+    /// For the modules of a layout that have a board which can carry them. Of several under one board's number the
+    /// first counts.
+    pub(super) fn new(layout: &Layout) -> Self {
+        let senders: Vec<_> = (0..)
+            .zip(layout.modules())
+            .filter_map(|(index, module)| Some((index, module, module.address()?)))
+            .collect();
+        let buses = senders.iter().map(|(_, _, address)| address.bus).max();
         let of_bus = |bus: u8| {
-            let modules = || modules.iter().filter(move |m| m.1.bus == bus);
-            let route = |id: u16| {
-                let (board, place) = sender(id);
-                let (module, _, wiring) = *modules().find(|m| board == m.1.board)?;
-                Some(Route {
-                    module,
-                    taxel: wiring.taxel(place)?.1 as u16, // a board has at most 64 taxels a module
-                    order: wiring.order(place)? as u16,
-                })
+            let sent_by = |id: u16| {
+                let named = |(_, module, address): &&(u16, &Module, Address)| {
+                    address.bus == bus && number(module.protocol(), id) == Some(address.board)
+                };
+                let (index, module, _) = senders.iter().find(named)?;
+                route(id, *index, module)
             };
-            (0..IDENTIFIERS).map(route).collect()
+            (0..IDENTIFIERS).map(sent_by).collect()
         };
         Self(buses.map_or_else(Vec::new, |last| (0..=last).map(of_bus).collect()))
     }
 
     pub(super) fn find(&self, bus: u8, id: u16) -> Option<Route> {
         *self.0.get(usize::from(bus))?.get(usize::from(id))?
+    }
+}
+
+/// The board that sends under `id` where boards speak so.
+fn number(protocol: Protocol, id: u16) -> Option<u8> {
+    match protocol {
+        Protocol::Uskin => Some(sender(id).0),
+        Protocol::Mtb => mtb::sender(id).map(|(board, _)| board),
+    }
+}
+
+/// What `id` is about, of what a module's board sends.
+fn route(id: u16, module: u16, of: &Module) -> Option<Route> {
+    match of.protocol() {
+        Protocol::Uskin => {
+            let (wiring, (_, place)) = (of.wiring()?, sender(id));
+            Some(Route::Taxel {
+                module,
+                taxel: wiring.taxel(place)?.1 as u16, // a board has at most 64 taxels
+                order: wiring.order(place)? as u16,
+            })
+        }
+        Protocol::Mtb => {
+            let first = usize::from(mtb::sender(id)?.1) * mtb::TAXELS;
+            let active = of.active().get(first..)?.iter().take(mtb::TAXELS);
+            let read = active.zip(0..).map(|(read, bit)| u16::from(*read) << bit);
+            Some(Route::Triangle {
+                module,
+                first: first as u16, // at most 180
+                read: read.sum(),
+            })
+        }
     }
 }
 

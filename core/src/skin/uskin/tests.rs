@@ -7,6 +7,7 @@ use embedded_can::ErrorKind;
 
 use super::*;
 use crate::codec::can::CanFrame;
+use crate::codec::mtb::{Message, halves};
 use crate::codec::uskin::{Wiring, encode};
 use crate::skin::Module;
 
@@ -97,4 +98,52 @@ fn every_board_is_told_also_behind_one_that_cannot_be_reached() {
     assert_eq!((skin.start(1), skin.start(9)), (Ok(()), Ok(())));
     let told = [(0, 0x204, [7, 0]), (0, 0x204, [7, 1]), (0, 0x204, [7, 0])];
     assert_eq!(skin.bus().sent, told);
+}
+
+#[test]
+fn triangles_become_scans_without_their_thermal_pads_and_a_lost_half_is_counted() {
+    let mut active = [true; 24];
+    (active[6], active[10]) = (false, false);
+    let patch = Module::grid("patch", 2, 12, 6.5)
+        .and_then(|m| m.with_active(&active))
+        .and_then(|m| m.with_address(Address { bus: 0, board: 2 }))
+        .unwrap();
+    let layout = Layout::single(patch.with_protocol(Protocol::Mtb)).unwrap();
+    let mut skin = UskinCan::new(&layout, Bench::default());
+    let triangle = |scan: u64, triangle: u8| {
+        let taxels = core::array::from_fn(|t| 100 + 12 * triangle + t as u8);
+        let both = halves(&taxels).into_iter().zip(0..);
+        both.map(move |(half, n)| {
+            let message = Message {
+                board: 2,
+                triangle,
+                half,
+            };
+            Received {
+                at: Instant::from_micros(20_000 * scan + 500 * u64::from(triangle) + 130 * n),
+                bus: 0,
+                frame: message.encode().unwrap(),
+            }
+        })
+    };
+    // The second scan lacks the second half of its first triangle.
+    let whole = triangle(0, 0).chain(triangle(0, 1));
+    let torn = triangle(1, 0).take(1).chain(triangle(1, 1));
+    skin.bus_mut().frames.extend(whole.chain(torn));
+    let mut taken = Vec::new();
+    let mut take = |s: &ModuleScan<'_>| {
+        taken.push((s.counts.to_vec(), s.fresh.unwrap().to_vec()));
+    };
+    skin.scans(Instant::ZERO, &mut take).unwrap();
+    assert_eq!(taken.len(), 2);
+    let (counts, fresh) = &taken[0];
+    assert_eq!(fresh[..], active);
+    for (taxel, counts) in (0..24).zip(counts).filter(|(t, _)| active[*t as usize]) {
+        assert_eq!(*counts, [0, 0, 100 + taxel]);
+    }
+    let missing = (0..24).filter(|&t| active[t] && !taken[1].1[t]);
+    assert_eq!(missing.collect::<Vec<_>>(), [7, 8, 9, 11]);
+    assert_eq!((skin.lost(), skin.foreign()), (4, 0));
+    assert_eq!(skin.start(0), Ok(()), "it sends by itself");
+    assert!(skin.bus().sent.is_empty());
 }

@@ -1,6 +1,7 @@
 //! The emulated skin against the figures it is calibrated by.
 
 use super::*;
+use crate::sensor::Generation;
 
 const SPHERE_MM: f64 = 19.45;
 
@@ -118,7 +119,7 @@ fn noise_and_rest_values_are_those_of_the_generation() {
         (Generation::Now, 32_800.0, 32_800.0, 37_400.0),
     ] {
         let mut module = EmulatedModule::new(ModuleConfig {
-            generation,
+            transducer: Transducer::Magnetic(generation),
             seed: 3,
             ..ModuleConfig::default()
         });
@@ -220,4 +221,40 @@ fn counts_saturate_and_drift_stays_in_its_bounds() {
             .enumerate()
             .any(|(t, r)| any(r, module.rest(t).unwrap()))
     );
+}
+
+#[test]
+fn eight_bit_skins_stay_within_their_range_and_answer_in_their_own_sense() {
+    for (transducer, pitch_mm, sphere_mm, sense) in [
+        (Transducer::Capacitive, 6.5, SPHERE_MM, -1.0),
+        (Transducer::Camera, 0.3, 4.0, 1.0),
+    ] {
+        let mut module = EmulatedModule::new(ModuleConfig {
+            taxels: grid(7, 7, pitch_mm),
+            pitch_mm,
+            transducer,
+            mechanics: transducer.silicone(),
+            noise_lsb: (0.2, 0.5),
+            ..ModuleConfig::default()
+        });
+        let press = |force_n| {
+            Box::new(move |_: Nanos, out: &mut Vec<Press>| {
+                out.push(Press {
+                    at: Point::default(),
+                    force_n,
+                    diameter_mm: sphere_mm,
+                });
+            })
+        };
+        let mut readings = Vec::new();
+        module.touch(press(0.5));
+        module.sample(Nanos::ZERO, &mut readings);
+        let moved = f64::from(readings[24].z) - module.rest(24).unwrap()[2];
+        assert!(moved * sense > 15.0, "{transducer:?} {moved}");
+        assert_eq!((readings[24].x, readings[24].y), (0, 0), "one axis");
+        module.touch(press(1e4));
+        module.sample(Nanos::from_micros(1_000_000), &mut readings);
+        let end = if sense > 0.0 { 255 } else { 0 };
+        assert_eq!(readings[24].z, end, "{transducer:?}");
+    }
 }

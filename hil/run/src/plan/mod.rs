@@ -12,15 +12,17 @@ pub use texture::{projection, surface};
 
 use palpate_core::contact::{Levels, Settings};
 use palpate_core::guard::{Guard, Limits, Plant};
-use palpate_core::illusion::{Display, DisplayWire, Map, Rect, Surface};
+use palpate_core::illusion::{Display, DisplayWire, Map, MapError, Rect, Surface};
 use palpate_core::physics::WireParameters;
-use palpate_core::projector::{Plan, SensingPlan, sensor_area};
+use palpate_core::projector::{Plan, SensingPlan, View, Window, sensor_area};
 use palpate_core::skin::uskin::SCAN_GAP;
-use palpate_core::skin::{Address, BaselineSettings, HealthSettings, Layout, LayoutError, Module};
+use palpate_core::skin::{
+    Address, BaselineSettings, HealthSettings, Layout, LayoutError, Module, Protocol,
+};
 use palpate_core::units::{Board, Channel, Clock, Duration, Milliamps, Point, Prescale};
 
 use crate::failure::Failure;
-use palpate_files::Setup;
+use palpate_files::{Setup, Transducer};
 
 /// Millimetres of a file as the core counts them.
 fn point([x, y]: [f64; 2]) -> Point {
@@ -29,7 +31,11 @@ fn point([x, y]: [f64; 2]) -> Point {
 
 /// One module of a sensor layout file. A module that several boards read is one here, under the first
 /// board's address.
-fn module(file: &palpate_files::SkinModule, axes: u8) -> Result<Module, LayoutError> {
+fn module(
+    file: &palpate_files::SkinModule,
+    axes: u8,
+    protocol: Protocol,
+) -> Result<Module, LayoutError> {
     let limited = |n: usize| u16::try_from(n).unwrap_or(u16::MAX);
     let built = match (&file.grid, file.scattered()) {
         (Some(grid), _) => Module::grid(
@@ -50,7 +56,8 @@ fn module(file: &palpate_files::SkinModule, axes: u8) -> Result<Module, LayoutEr
     let built = built
         .with_active(&active)?
         .with_axes(axes)?
-        .with_origin(point(file.place_mm))?;
+        .with_origin(point(file.place_mm))?
+        .with_protocol(protocol);
     match (file.bus, file.boards.first()) {
         (Some(bus), Some(&board)) => built.with_address(Address { bus, board }),
         _ => Ok(built),
@@ -62,10 +69,14 @@ fn module(file: &palpate_files::SkinModule, axes: u8) -> Result<Module, LayoutEr
 /// # Errors
 /// [`Failure::Input`] with the file's name and what no layout can be.
 pub fn layout(file: &palpate_files::SensorLayout) -> Result<Layout, Failure> {
+    let protocol = match file.transducer {
+        Transducer::Capacitive => Protocol::Mtb,
+        Transducer::Magnetic | Transducer::Camera | Transducer::Cells => Protocol::Uskin,
+    };
     let modules = file
         .modules
         .iter()
-        .map(|m| module(m, file.axes))
+        .map(|m| module(m, file.axes, protocol))
         .collect::<Result<_, _>>();
     let built = modules.and_then(Layout::new);
     built.map_err(|e| Failure::Input(format!("layout `{}`: {e}", file.name)))
@@ -202,6 +213,52 @@ pub fn scan_gap(layout: &Layout, scene: &palpate_files::Scene) -> Duration {
     }
 }
 
+/// The part of a skin that fills the display.
+fn view(setup: &Setup, skin: Rect, display: Rect) -> Result<View, Failure> {
+    let map = &setup.scene.value.map;
+    let bad = |key: &str, expected: String| Failure::File(setup.scene.source.bad(key, expected));
+    if let Some([width, height]) = map.window_mm {
+        let window = Window {
+            size: (width as f32, height as f32),
+            hysteresis: map.hysteresis as f32,
+        };
+        return View::following(window, skin, display).map_err(|e| match e {
+            MapError::NotContained => {
+                let (w, h) = (skin.max.x - skin.min.x, skin.max.y - skin.min.y);
+                let expected = format!("a window inside the taxels' hull, {w:.2} mm by {h:.2} mm");
+                bad("map.window_mm", expected)
+            }
+            MapError::Degenerate => bad("map.window_mm", e.to_string()),
+        });
+    }
+    let stated = map.sensor_mm.map(|[x0, y0, x1, y1]| Rect {
+        min: point([x0.min(x1), y0.min(y1)]),
+        max: point([x0.max(x1), y0.max(y1)]),
+    });
+    let fixed = Map::new(skin, stated, display).map(View::fixed);
+    fixed.map_err(|e| match (e, stated) {
+        (MapError::NotContained, Some(stated)) => bad("map.sensor_mm", beyond(skin, stated)),
+        _ => bad("map.sensor_mm", e.to_string()),
+    })
+}
+
+/// What a rectangle inside the skin would be, and which edge of this one lies how far outside.
+fn beyond(skin: Rect, stated: Rect) -> String {
+    let edges = [
+        ("left", skin.min.x - stated.min.x),
+        ("bottom", skin.min.y - stated.min.y),
+        ("right", stated.max.x - skin.max.x),
+        ("top", stated.max.y - skin.max.y),
+    ];
+    let furthest = edges.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    let (edge, by) = furthest.unwrap_or(("left", 0.0));
+    let Rect { min, max } = skin;
+    format!(
+        "a rectangle inside the taxels' hull, [{:.2}, {:.2}, {:.2}, {:.2}] mm: its {edge} edge lies {by:.2} mm outside",
+        min.x, min.y, max.x, max.y
+    )
+}
+
 /// The loop of a scene on a bench, with intensity levels found beforehand (or none).
 ///
 /// # Errors
@@ -220,17 +277,10 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
 /// As [`plan`].
 pub fn untextured(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
     let (scene, bench) = (&setup.scene.value, &setup.bench.value);
-    let bad = |key: &str, e: &dyn std::fmt::Display| {
-        Failure::File(setup.scene.source.bad(key, e.to_string()))
-    };
     let layout = layout(&setup.sensor.value)?;
     let display = display(setup)?;
-    let sensor = sensor_area(&layout, scene.drives, scene.compression.scope);
-    let stated = scene.map.sensor_mm.map(|[x0, y0, x1, y1]| Rect {
-        min: point([x0.min(x1), y0.min(y1)]),
-        max: point([x0.max(x1), y0.max(y1)]),
-    });
-    let map = Map::new(sensor, stated, display.bounds()).map_err(|e| bad("map.sensor_mm", &e))?;
+    let skin = sensor_area(&layout, scene.drives, scene.compression.scope);
+    let view = view(setup, skin, display.bounds())?;
 
     let (pattern, peak) = (illusion::pattern(setup)?, milliamps(bench.drive.current_ma));
     let prescale = pattern.map_or(prescale(bench), |p| Ok(p.prescale()))?;
@@ -280,7 +330,7 @@ pub fn untextured(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Fail
             health: HealthSettings::default(),
         },
         drives: u16::try_from(scene.drives).unwrap_or(u16::MAX),
-        map,
+        view,
         display,
         output,
         texture: None,
