@@ -6,7 +6,7 @@ use super::error::FileError;
 use super::module::{SkinModule, places};
 use super::resolve::{FileKind, resolve_from};
 use super::source::Source;
-use super::words::choice;
+use super::transducer::Transducer;
 
 /// Outer diameter of the eyelets that hold a wire at both ends (thesis 5.2.2).
 const EYELET_MM: f64 = 0.76;
@@ -37,13 +37,6 @@ pub(super) enum SensorTag {
 pub(super) enum DisplayTag {
     Display,
 }
-
-choice! { /** What a skin's taxels measure with. Its boards, if it has any, speak that family's protocol. */ Transducer {
-    /** Magnets over Hall chips: three axes of 16 bits, uSkin boards. */ Magnetic = "magnetic",
-    /** Capacitors: one axis of 8 bits, MTB boards of the iCub's kind. */ Capacitive = "capacitive",
-    /** Blocks of a camera's picture: one axis of 8 bits, no boards. */ Camera = "camera",
-    /** Cells of proximity (x), acceleration (y) and normal force (z), 16 bits, no boards. */ Cells = "cells",
-}}
 
 /// A skin: modules of taxels.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

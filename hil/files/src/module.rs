@@ -3,8 +3,8 @@
 use serde::Deserialize;
 
 use super::error::FileError;
-use super::layout::Transducer;
 use super::source::Source;
+use super::transducer::Transducer;
 
 /// The most taxels of a skin, as the core has it.
 const MOST_TAXELS: usize = 1 << 22;

@@ -6,7 +6,7 @@ use super::activation::ActivationFile;
 use super::bench::{Bench, BenchKind};
 use super::error::FileError;
 use super::fault::FaultKind;
-use super::layout::{DisplayLayout, LayoutFile, SensorLayout, Transducer};
+use super::layout::{DisplayLayout, LayoutFile, SensorLayout};
 use super::limits::LimitTable;
 use super::loaded::{Loaded, load_bench, load_scene};
 use super::near::did_you_mean;
@@ -14,6 +14,7 @@ use super::person::{PersonFile, Wearer};
 use super::resolve::FileKind;
 use super::scene::Scene;
 use super::texture::{TextureEntry, TextureTable};
+use super::transducer::Transducer;
 use super::wire::{AlloyFile, WireFile};
 
 /// What a scene's texture names.

@@ -51,6 +51,7 @@ pub fn run_with(
         layout: &layout,
         seed,
         keep,
+        waits: matches!(input, Input::Stream(_)),
         began: host.stopwatch().map(|read| read()),
     };
     let outcome = match input {
@@ -101,6 +102,8 @@ struct Run<'a> {
     layout: &'a Layout,
     seed: u64,
     keep: Keep,
+    /// Whether its readings come meanwhile.
+    waits: bool,
     /// When it began, by the host's stopwatch.
     began: Option<Elapsed>,
 }
@@ -199,7 +202,9 @@ impl Run<'_> {
         host.begin(&header, projector.layout(), end)?;
         let ends = (skin, display);
         let policy = Policy::EMULATED;
-        let mut session = Session::new(projector, ends, policy, recorder, host.stopwatch());
+        // Of a stream's frames the wait for their readings would be timed as well.
+        let watch = host.stopwatch().filter(|_| !self.waits);
+        let mut session = Session::new(projector, ends, policy, recorder, watch);
         session.thin_costs(self.keep.summary);
         // The policy waits for boards that do not answer, so this cannot fail.
         let mut next = session.start(Instant::ZERO).unwrap_or_default();

@@ -184,7 +184,7 @@ fn an_array_is_a_row_per_frame() {
     let felt: Value = serde_json::from_str(&felt.out).unwrap();
     assert_eq!(
         (&felt["frames"], &felt["contacts"]),
-        (&100.into(), &50.into())
+        (&101.into(), &50.into())
     );
     for (shape, values, said) in [
         (
@@ -307,9 +307,9 @@ fn a_stream_of_another_length_is_refused_with_the_arithmetic() {
         assert_eq!(said.status, Some(2), "{}", said.err);
         said.err.replace(&address, "HOST")
     };
-    let wrong = run(press(), "icub-forearm");
+    let wrong = run(press(), "scattered-12");
     let expected = "tcp://HOST:1: ";
-    let counted = "60 taxel columns (60 taxels of 1 axes in layout `icub-forearm`)";
+    let counted = "36 taxel columns (12 taxels of 3 axes in layout `scattered-12`)";
     assert!(
         wrong.contains(expected) && wrong.contains(counted),
         "{wrong}"

@@ -8,6 +8,7 @@ mod emulators;
 mod findings;
 mod guard;
 mod illusion;
+mod null_bus;
 mod page;
 mod perceiver;
 mod physics;

@@ -12,7 +12,7 @@ use palpate_hil::clock;
 use palpate_run::{Failure, TaxelTable, build, plan, taxels};
 
 use crate::findings::{Findings, NO_ERROR};
-use crate::projection::NullBus;
+use crate::null_bus::NullBus;
 use crate::timing::Samples;
 
 const SCENES: [(&str, &str); 4] = [

@@ -5,12 +5,14 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use palpate_files::{
-    DRIFT_S, Force, Path as TouchPath, PathKind, Scene, THRESHOLD_FLOOR, ThresholdFrom, Touch,
+    DRIFT_S, Force, Path as TouchPath, PathKind, Scene, Setup, THRESHOLD_FLOOR, ThresholdFrom,
+    Touch,
 };
 use palpate_hil::recording::{Reading, recorded};
 use palpate_records::trace::Event;
 use palpate_run::{Failure, Input, Outcome};
 
+use super::panels;
 use crate::findings::Findings;
 use crate::plot::{Axis, Mark, Plot, Series};
 use crate::scenes::{changed, frame_us, run, skin};
@@ -21,14 +23,23 @@ const SENSOR_HZ: f64 = 100.0;
 /// Rows per second of the recordings, about.
 const RECORDED_HZ: f64 = 40.0;
 
-/// Things to grasp: name, diameter where a finger meets it, mm, and force per module, N (hard things press harder).
-/// Between them 75 to 125 taxels are in contact, as in the thesis.
+/// Things of the thesis's kinds, of the YCB set's sizes and weights: name, diameter where a finger meets it, mm (a flat
+/// face as a very large one), and weight, kg. The pack of foam is taken to be two of its bricks.
 const OBJECTS: [(&str, f64, f64); 4] = [
-    ("soft ball", 30.0, 0.35),
-    ("hard ball", 30.0, 0.5),
-    ("soft bottle", 60.0, 0.35),
-    ("hard bottle", 60.0, 0.48),
+    ("football", 140.0, 0.123),
+    ("baseball", 75.0, 0.148),
+    ("pack of foam", 1000.0, 0.056),
+    ("foam block", 1000.0, 0.028),
 ];
+/// Friction of a thing in the hand, assumed.
+const FRICTION: f64 = 0.5;
+/// The hand holds a thing this many times as hard as its weight asks, assumed.
+const RESERVE: f64 = 2.0;
+
+/// Force of every module on a thing of so many kg that all of them hold, N.
+fn grip(weight_kg: f64, modules: usize) -> f64 {
+    RESERVE * weight_kg * 9.81 / (FRICTION * modules as f64)
+}
 
 /// All figures.
 ///
@@ -45,7 +56,8 @@ pub(super) fn measure(findings: &mut Findings) -> Result<(), Failure> {
 struct Sweep {
     places: Vec<Series>,
     speeds: Vec<(f64, f64)>,
-    last: Option<Outcome>,
+    /// Every run with its K_C.
+    runs: Vec<(u32, Outcome)>,
 }
 
 impl Sweep {
@@ -68,7 +80,7 @@ impl Sweep {
         // The finest first, so that the coarser ones lie over it.
         self.places.insert(0, places);
         self.speeds.push((f64::from(kc), 1e6 / us));
-        self.last = Some(outcome);
+        self.runs.push((kc, outcome));
     }
 }
 
@@ -138,6 +150,14 @@ fn sphere(findings: &mut Findings) -> Result<(), Failure> {
     let words =
         "Contacts of all frames while a sphere of 19.45 mm rolls in a circle over the module.";
     map(findings, "figure-4-5", title, words, sweep.places);
+    let setup = changed("sphere-circle", |_| {})?;
+    one_module(
+        findings,
+        "",
+        "",
+        &panels::kept(&setup, &Input::Scene)?,
+        &sweep.runs,
+    );
     let fast = Series::new("4x4, sphere", Mark::Swept, sweep.speeds);
     let title = "Figure 4.6: speed on one module";
     speeds(findings, "figure-4-6", title, SENSOR_HZ, vec![fast]);
@@ -183,7 +203,8 @@ fn hand(findings: &mut Findings) -> Result<(), Failure> {
         span: 1_800_000..1_810_000,
     };
     let mut fast = Vec::new();
-    for (object, diameter, force) in OBJECTS {
+    for (object, diameter, weight) in OBJECTS {
+        let force = grip(weight, origins.len());
         let mut sweep = Sweep::default();
         let case = format!("figure 4.7 {object}");
         for kc in CLUSTERS {
@@ -193,7 +214,16 @@ fn hand(findings: &mut Findings) -> Result<(), Failure> {
             })?;
             sweep.add((findings, &case), kc, run(&setup, &Input::Scene)?, &seen);
         }
-        if let Some((least, most)) = sweep.last.as_ref().and_then(held) {
+        let setup = changed("allegro-four-buses", |scene| {
+            grasp(scene, origins.len(), diameter, force);
+        })?;
+        let outcome = panels::kept(&setup, &Input::Scene)?;
+        let named = |panel: &str| format!("figure-4-7-{}-{panel}", object.replace(' ', "-"));
+        let title = format!("Figure 4.7, top: {object}");
+        panels::histogram(findings, &named("histogram"), &title, &outcome);
+        let title = format!("Figure 4.7, bottom: {object}");
+        panels::course(findings, &named("course"), &title, &sweep.runs);
+        if let Some((least, most)) = sweep.runs.last().and_then(|(_, last)| held(last)) {
             findings.words.push(format!(
                 "figure 4.7, {object}: {least} to {most} taxels in contact while it is held (thesis: 75 to 125)"
             ));
@@ -235,6 +265,35 @@ fn trial() -> Option<PathBuf> {
     trials.filter(|file| file.is_file()).min()
 }
 
+/// How a real module's recording is run.
+fn recorded_setup(kc: u32) -> Result<Setup, Failure> {
+    changed("sphere-circle", |scene| {
+        scene.compression.kc = kc;
+        scene.touches.clear();
+        scene.threshold = ThresholdFrom::PerTaxel;
+        scene.threshold_margin = THRESHOLD_FLOOR;
+        scene.drift_s = Some(DRIFT_S);
+        scene.name = "recording".into();
+    })
+}
+
+/// The panels of figures 4.5 and 4.6 but the places of all contacts.
+fn one_module(
+    findings: &mut Findings,
+    ending: &str,
+    of: &str,
+    outcome: &Outcome,
+    clusters: &[(u32, Outcome)],
+) {
+    let named = |panel: &str| format!("figure-{panel}{ending}");
+    let titled = |panel: &str| format!("Figure {panel}{of}");
+    panels::edges(findings, &named("4-5-a"), &titled("4.5-A, edges"), outcome);
+    panels::histogram(findings, &named("4-5-b"), &titled("4.5-B"), outcome);
+    panels::raw(findings, &named("4-5-c"), &titled("4.5-C"), outcome);
+    let (name, title) = (named("4-6-a"), titled("4.6-A and C"));
+    panels::fullest(findings, &name, &title, (outcome, clusters));
+}
+
 /// The same from a real finger.
 fn recording(findings: &mut Findings) -> Result<(), Failure> {
     let Some(trial) = trial() else {
@@ -246,20 +305,17 @@ fn recording(findings: &mut Findings) -> Result<(), Failure> {
     let mut sweep = Sweep::default();
     let case = "figure 4.5 recorded grasp";
     for kc in CLUSTERS {
-        let setup = changed("sphere-circle", |scene| {
-            scene.compression.kc = kc;
-            scene.touches.clear();
-            scene.threshold = ThresholdFrom::PerTaxel;
-            scene.threshold_margin = THRESHOLD_FLOOR;
-            scene.drift_s = Some(DRIFT_S);
-            scene.name = "recording".into();
-        })?;
+        let setup = recorded_setup(kc)?;
         let (input, _) = recorded(&paths, &setup.sensor.value, &Reading::at_rate(RECORDED_HZ))?;
         sweep.add((findings, case), kc, run(&setup, &input)?, &ALL);
     }
     let title = "Figure 4.5 from a recording: a gripper's finger on a box";
     let words = "Contacts of all frames of one trial of the uSkin grasp recordings.";
     map(findings, "figure-4-5-recorded", title, words, sweep.places);
+    let setup = recorded_setup(1)?;
+    let (input, _) = recorded(&paths, &setup.sensor.value, &Reading::at_rate(RECORDED_HZ))?;
+    let outcome = panels::kept(&setup, &input)?;
+    one_module(findings, "-recorded", ", recorded", &outcome, &sweep.runs);
     let fast = Series::new("recorded 4x4", Mark::Swept, sweep.speeds);
     let (name, title) = ("figure-4-6-recorded", "Figure 4.6 from a recording");
     speeds(findings, name, title, RECORDED_HZ, vec![fast]);

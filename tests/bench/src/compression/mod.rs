@@ -5,6 +5,7 @@ mod clouds;
 mod figures;
 mod frames;
 mod kernels;
+mod panels;
 mod peers;
 mod textbook;
 
