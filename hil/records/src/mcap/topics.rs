@@ -25,6 +25,8 @@ pub(super) struct RunTopics {
     pub log: u16,
     pub wires: Vec<WireTopics>,
     pub scene: Scene,
+    /// PWM period of all boards, nanoseconds.
+    pub period_ns: u64,
     /// Board and channel of each wire.
     pub outputs: Vec<(u8, u8)>,
 }
@@ -100,7 +102,9 @@ impl RunTopics {
                     .uint(5, entry.on)
                     .uint(6, entry.off)
                     .uint(7, entry.until.as_micros())
-                    .text(8, entry.reason.map_or("", |r| r.word()));
+                    .text(8, entry.reason.map_or("", |r| r.word()))
+                    .uint(9, entry.pulses(self.period_ns))
+                    .uint(10, self.period_ns);
                 self.of_output(entry.board.0, entry.channel.0)
                     .map(|w| w.schedule)
             }
