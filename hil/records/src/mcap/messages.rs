@@ -25,8 +25,8 @@ pub(super) fn frame(t_ns: u64, message: &[u8]) -> Option<Received> {
     })
 }
 
-/// Of a line of the schedule: whether pulses and period are those that the times make; also true where an older file has neither. `None` for what is
-/// no such message.
+/// Of a line of the schedule: whether pulses and period are those that the times make; also true where an older file has
+/// neither. `None` for what is no such message.
 pub(super) fn agrees(t_ns: u64, message: &[u8]) -> Option<bool> {
     let at = Instant::from_micros(t_ns / 1000);
     let mut entry = Entry {
@@ -37,6 +37,7 @@ pub(super) fn agrees(t_ns: u64, message: &[u8]) -> Option<bool> {
         off: 0,
         until: at,
         requested: Ticks::ZERO,
+        requested_until: at,
         reason: None,
     };
     let ticks = |n: u64| u16::try_from(n).ok().filter(|t| *t <= Ticks::PER_PERIOD);
@@ -53,8 +54,12 @@ pub(super) fn agrees(t_ns: u64, message: &[u8]) -> Option<bool> {
             }
             (9, Value::Number(n)) => pulses = n,
             (10, Value::Number(ns)) => period_ns = ns,
+            (11, Value::Number(us)) => entry.requested_until = Instant::from_micros(us),
             _ => {}
         }
+    }
+    if entry.requested_until != at && entry.requested_until < entry.until {
+        return None;
     }
     Some(match period_ns {
         0 => pulses == 0,

@@ -34,6 +34,8 @@ fn pulses_of_a_line_follow_from_its_times_or_it_has_none() {
         })
     };
     assert_eq!(none(6, 4097), None);
+    assert_eq!(none(11, 70_000), Some(true), "cut by the guard");
+    assert_eq!(none(11, 35_019), None);
     assert_eq!(none(5, 1 << 20), None);
     let tea = line(|m| {
         m.text(8, "tea");

@@ -437,7 +437,10 @@ impl Contents {
             self.damage(here, what);
         }
         if !agrees {
-            self.damage(here, "pulses of a schedule message are not those of its times");
+            self.damage(
+                here,
+                "pulses of a schedule message are not those of its times",
+            );
         }
     }
 }

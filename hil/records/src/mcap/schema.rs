@@ -83,6 +83,7 @@ pub const SCHEDULE: Schema = Schema {
         ("reason", String),
         ("pulses", Uint64),
         ("period", Uint64),
+        ("requested_until_us", Uint64), // 0 where it is `until_us`
     ],
 };
 /// A board's PRE_SCALE was set, or all of its outputs went off at once.

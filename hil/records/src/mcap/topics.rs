@@ -94,6 +94,7 @@ impl RunTopics {
     pub fn told(&self, event: &Event, message: &mut Message) -> Option<u16> {
         match event {
             Event::Schedule(entry) => {
+                let cut = entry.requested_until != entry.until;
                 message
                     .uint(1, entry.board.0)
                     .uint(2, entry.channel.0)
@@ -104,7 +105,8 @@ impl RunTopics {
                     .uint(7, entry.until.as_micros())
                     .text(8, entry.reason.map_or("", |r| r.word()))
                     .uint(9, entry.pulses(self.period_ns))
-                    .uint(10, self.period_ns);
+                    .uint(10, self.period_ns)
+                    .uint(11, u64::from(cut) * entry.requested_until.as_micros());
                 self.of_output(entry.board.0, entry.channel.0)
                     .map(|w| w.schedule)
             }
