@@ -77,7 +77,7 @@ def recording(contacts, frames):
             elif channel.topic.endswith("/temperature"):
                 temperatures.append(value.celsius)
             elif channel.topic.endswith("/schedule"):
-                ticks.append((message.log_time // 1000, value.board, value.channel, value.on, value.off, value.requested))
+                ticks.append((message.log_time // 1000, value.board, value.channel, value.on, value.off, value.requested, value.pulses, value.period))
             elif kind.name == "foxglove.Log":
                 log = Log.FromString(message.data)
                 assert log.message and log.level == Log.Level.INFO, log
@@ -86,7 +86,7 @@ def recording(contacts, frames):
     columns = ["frame", "x_mm", "y_mm", "intensity"]
     assert places == list(contacts[columns].itertuples(index=False, name=None))
     same("CAN frames in MCAP", topics["/can"], frames)
-    keys = ("t_us", "board", "channel", "on", "off", "requested")
+    keys = ("t_us", "board", "channel", "on", "off", "requested", "pulses", "period")
     assert sorted(ticks) == sorted(tuple(e[k] for k in keys) for e in entries)
     same("schedule entries in MCAP", len(ticks), len(entries))
     return max(temperatures)

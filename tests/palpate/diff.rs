@@ -46,6 +46,7 @@ fn trace_of(trains: &[Vec<(u64, u64, u16)>], like: &Trace) -> Trace {
                 off: width,
                 until: Instant::from_micros(to),
                 requested: Ticks::new(width),
+                requested_until: Instant::from_micros(to),
                 reason: None,
             };
             driven.add(&entry);

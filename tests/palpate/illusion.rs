@@ -348,6 +348,26 @@ fn planned_strokes_are_played() {
     assert_eq!(outcome.summary.limiter_events, 0);
 }
 
+#[test]
+fn pulses_that_the_burst_row_cuts_are_requested_and_not_applied() {
+    let mut setup = palpate_files::Setup::load("rest-on-wire", "emulated").unwrap();
+    // So small a current that no row of power or heat has a say.
+    setup.bench.value.drive.current_ma = 300.0;
+    let illusion = &mut setup.scene.value.illusion;
+    illusion.model = IllusionModel::Nearest;
+    (illusion.tau_d_ms, illusion.soa_ms) = (Some(70.0), Some(117.0));
+    let summary = palpate_run::run(&setup, &palpate_run::Input::Scene, 1)
+        .unwrap()
+        .summary;
+    let requested = summary.requested_energy_db.unwrap();
+    let applied = summary.applied_energy_db.unwrap();
+    assert_eq!([requested.min, requested.max], [0.0, 0.0]);
+    // 48.8 of 70 ms: ten of fourteen pulses.
+    let cut = 10.0 * (10.0_f64 / 14.0).log10();
+    assert!((applied.max - cut).abs() < 0.01, "{applied:?}");
+    assert!(summary.limiter_events > 0);
+}
+
 /// The same promise through the whole loop on the default bench, with the guard in between.
 #[test]
 fn the_default_holds_on_the_default_bench() {

@@ -277,6 +277,7 @@ impl Guard {
                 off,
                 until: passed.until,
                 requested: stimulus.width,
+                requested_until: stimulus.until,
                 reason: passed.reason,
             });
         }

@@ -96,11 +96,13 @@ pub struct Entry {
     pub on: u16,
     /// Tick at which the pulse ends in each period.
     pub off: u16,
-    /// Onset + tau_d.
+    /// When the channel goes off: onset + tau_d, or earlier where the burst row cuts it.
     pub until: Instant,
     /// Width asked for, in ticks.
     pub requested: Ticks,
-    /// Why the applied width (`off - on`) is not the requested one; where the guard only observed, why it would not be.
+    /// End asked for: [`Self::until`], or later where the burst row cut it.
+    pub requested_until: Instant,
+    /// Why the applied width (`off - on`) or end is not the requested one; where the guard only observed, why it would not be.
     pub reason: Option<Reason>,
 }
 
@@ -110,25 +112,30 @@ impl Entry {
         Ticks::new(self.off.saturating_sub(self.on))
     }
 
-    /// Pulses applied: [`Self::asked_pulses`], or none where the width is none.
+    /// Pulses applied, of this period: those of its length, or none where the width is none.
     pub const fn pulses(&self, period_ns: u64) -> u64 {
         if self.off > self.on {
-            self.asked_pulses(period_ns)
+            periods(self.at, self.until, period_ns)
         } else {
             0
         }
     }
 
-    /// Pulses of this period that it lasts for, whatever their width; none without a period. The chip's counter begins with
-    /// the onset (it stands still while all outputs of a board are off: data sheet 7.3.3, remark), and a channel goes off with
-    /// the period that its end lies in.
-    pub const fn asked_pulses(&self, period_ns: u64) -> u64 {
-        if period_ns == 0 {
-            return 0;
-        }
-        let length_ns = self.until.since(self.at).as_micros().saturating_mul(1000);
-        length_ns.div_ceil(period_ns)
+    /// Pulses asked for, of this period, whatever their width.
+    pub const fn requested_pulses(&self, period_ns: u64) -> u64 {
+        periods(self.at, self.requested_until, period_ns)
     }
+}
+
+/// Periods that begin between two times; none without a period. The chip's counter begins with the onset (it stands still
+/// while all outputs of a board are off: data sheet 7.3.3, remark), and a channel goes off with the period that its end lies
+/// in.
+const fn periods(at: Instant, until: Instant, period_ns: u64) -> u64 {
+    if period_ns == 0 {
+        return 0;
+    }
+    let length_ns = until.since(at).as_micros().saturating_mul(1000);
+    length_ns.div_ceil(period_ns)
 }
 
 /// How long one stimulus lasts and how far apart onsets lie.

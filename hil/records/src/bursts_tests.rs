@@ -13,6 +13,7 @@ fn entry(at: u64, until: u64, width: u16) -> Event {
         off: 256 + width,
         until: Instant::from_micros(until),
         requested: Ticks::new(width),
+        requested_until: Instant::from_micros(until),
         reason: None,
     })
 }

@@ -277,6 +277,11 @@ impl Sink {
                 self.u64(entry.until.as_micros());
                 self.u16(entry.requested.get());
                 self.option(entry.reason, |s, reason| s.text(reason.word()));
+                // Only where it says more: digests of other runs stay.
+                if entry.requested_until != entry.until {
+                    self.u8(13);
+                    self.u64(entry.requested_until.as_micros());
+                }
             }
             Event::PreScale {
                 t_us,

@@ -62,7 +62,7 @@ impl FullDrive {
         let full = onset.targets.iter().map(|t| top(t.weight));
         let full = full.sum::<u64>().max(1);
         let of = |sum: u64| u32::try_from(1000 * sum / full).unwrap_or(u32::MAX);
-        let requested = |e: &Entry| e.asked_pulses(period_ns) * square(e.requested);
+        let requested = |e: &Entry| e.requested_pulses(period_ns) * square(e.requested);
         let applied = |e: &Entry| e.pulses(period_ns) * square(e.width());
         let requested = of(onset.entries.iter().map(requested).sum());
         let applied = of(onset.entries.iter().map(applied).sum());

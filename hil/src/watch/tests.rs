@@ -65,6 +65,7 @@ fn a_hand_on_four_buses_with_a_busy_guard() {
             off: 80,
             until: Instant::from_micros(2_935_000 + n * 10_000),
             requested: Ticks::new(100),
+            requested_until: Instant::from_micros(2_935_000 + n * 10_000),
             reason: Some(Reason::SkinMean),
         })
     };

@@ -6,6 +6,7 @@
 
 mod container;
 mod foxglove;
+mod messages;
 pub mod proto;
 mod read;
 mod scene;
@@ -125,6 +126,7 @@ impl<W: Write> McapRecording<W> {
             log: 0,
             wires: Vec::new(),
             scene,
+            period_ns: header.pre_scale.period_ns(),
             outputs: header.wires.iter().map(|w| (w.board, w.channel)).collect(),
         };
         for wire in 0..header.wires.len() {

@@ -6,12 +6,9 @@ use std::fmt;
 use std::io::{self, Read as _};
 
 use palpate_core::bus::Received;
-use palpate_core::codec::can::CanFrame;
-use palpate_core::units::Instant;
 
 use super::container::{MAGIC, op};
-use super::proto::{Fields, Value};
-use super::{PROFILE, VERSION, schema};
+use super::{PROFILE, VERSION, messages, schema};
 
 /// What could be read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -266,14 +263,24 @@ impl<R: io::Read> Counted<R> {
     }
 }
 
+/// What a message is, as far as it is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Content {
+    /// A frame on a sensor bus.
+    Frame,
+    /// A line of the schedule.
+    Entry,
+    Other,
+}
+
 /// What was read.
 #[derive(Debug, Default)]
 struct Contents {
     read: Read,
-    /// Whether schemas are those of frames, by number.
-    schemas: BTreeMap<u16, bool>,
-    /// Channels by number: the begin of the topic, and whether its messages are frames.
-    channels: BTreeMap<u16, (String, bool)>,
+    /// What the messages of a schema are, by number.
+    schemas: BTreeMap<u16, Content>,
+    /// Channels by number: the begin of the topic, and what its messages are.
+    channels: BTreeMap<u16, (String, Content)>,
     versioned: bool,
     /// Bytes of the attachments that are kept.
     attached: usize,
@@ -382,19 +389,28 @@ impl Contents {
     /// A record that may lie in a chunk.
     fn content(&mut self, kind: u8, record: &[u8], here: u64) {
         let mut cursor = Cursor(record);
+        let mut agrees = true;
         let mut parse = || match kind {
             op::SCHEMA => {
                 let id = cursor.u16()?;
-                let is_can = cursor.text()? == schema::CAN.full_name();
-                self.schemas.insert(id, is_can);
+                let name = cursor.text()?;
+                let content = match name {
+                    name if name == schema::CAN.full_name() => Content::Frame,
+                    name if name == schema::SCHEDULE.full_name() => Content::Entry,
+                    _ => Content::Other,
+                };
+                self.schemas.insert(id, content);
                 Some(())
             }
             op::CHANNEL => {
                 let (id, schema) = (cursor.u16()?, cursor.u16()?);
                 let topic = cursor.text()?;
-                let is_can = topic == "/can" && self.schemas.get(&schema) == Some(&true);
+                let content = match self.schemas.get(&schema) {
+                    Some(Content::Frame) if topic != "/can" => Content::Other,
+                    known => known.copied().unwrap_or(Content::Other),
+                };
                 let begin = topic.chars().take(60).collect();
-                self.channels.insert(id, (begin, is_can));
+                self.channels.insert(id, (begin, content));
                 Some(())
             }
             op::MESSAGE => {
@@ -402,8 +418,10 @@ impl Contents {
                 let _sequence = cursor.u32()?;
                 let time = cursor.u64()?;
                 let _published = cursor.u64()?;
-                if self.channels.get(&channel).is_some_and(|c| c.1) {
-                    self.frames.push_back(frame(time, cursor.0)?);
+                match self.channels.get(&channel).map(|c| c.1) {
+                    Some(Content::Frame) => self.frames.push_back(messages::frame(time, cursor.0)?),
+                    Some(Content::Entry) => agrees = messages::agrees(time, cursor.0)?,
+                    Some(Content::Other) | None => {}
                 }
                 self.read.messages += 1;
                 self.read.last_ns = self.read.last_ns.max(time);
@@ -417,6 +435,12 @@ impl Contents {
                 _ => "a damaged record is left out",
             };
             self.damage(here, what);
+        }
+        if !agrees {
+            self.damage(
+                here,
+                "pulses of a schedule message are not those of its times",
+            );
         }
     }
 }
@@ -460,22 +484,4 @@ fn chunk_head(record: &[u8]) -> Option<(ChunkHead, &[u8])> {
         size: cursor.u64()?,
     };
     Some((head, cursor.0))
-}
-
-/// A frame's message.
-fn frame(t_ns: u64, message: &[u8]) -> Option<Received> {
-    let (mut bus, mut id, mut data) = (0, 0, &[][..]);
-    for field in Fields::new(message) {
-        match field? {
-            (1, Value::Number(n)) => bus = u8::try_from(n).ok()?,
-            (2, Value::Number(n)) => id = u16::try_from(n).ok()?,
-            (3, Value::Data(bytes)) => data = bytes,
-            _ => {}
-        }
-    }
-    Some(Received {
-        at: Instant::from_micros(t_ns / 1000),
-        bus,
-        frame: CanFrame::new(id, data)?,
-    })
 }

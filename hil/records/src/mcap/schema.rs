@@ -69,7 +69,7 @@ pub const TRUTH: Schema = Schema {
     name: "Truth",
     fields: &[("x_mm", Double), ("y_mm", Double), ("force_n", Double)],
 };
-/// What a wire's channel was told, beside what had been asked; ticks of 4096.
+/// What a wire's channel was told, beside what had been asked; ticks of 4096 to a period, which is in ns.
 pub const SCHEDULE: Schema = Schema {
     name: "Schedule",
     fields: &[
@@ -81,6 +81,9 @@ pub const SCHEDULE: Schema = Schema {
         ("off", Uint32),
         ("until_us", Uint64),
         ("reason", String),
+        ("pulses", Uint64),
+        ("period", Uint64),
+        ("requested_until_us", Uint64), // 0 where it is `until_us`
     ],
 };
 /// A board's PRE_SCALE was set, or all of its outputs went off at once.

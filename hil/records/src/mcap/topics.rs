@@ -25,6 +25,8 @@ pub(super) struct RunTopics {
     pub log: u16,
     pub wires: Vec<WireTopics>,
     pub scene: Scene,
+    /// PWM period of all boards, nanoseconds.
+    pub period_ns: u64,
     /// Board and channel of each wire.
     pub outputs: Vec<(u8, u8)>,
 }
@@ -92,6 +94,7 @@ impl RunTopics {
     pub fn told(&self, event: &Event, message: &mut Message) -> Option<u16> {
         match event {
             Event::Schedule(entry) => {
+                let cut = entry.requested_until != entry.until;
                 message
                     .uint(1, entry.board.0)
                     .uint(2, entry.channel.0)
@@ -100,7 +103,10 @@ impl RunTopics {
                     .uint(5, entry.on)
                     .uint(6, entry.off)
                     .uint(7, entry.until.as_micros())
-                    .text(8, entry.reason.map_or("", |r| r.word()));
+                    .text(8, entry.reason.map_or("", |r| r.word()))
+                    .uint(9, entry.pulses(self.period_ns))
+                    .uint(10, self.period_ns)
+                    .uint(11, u64::from(cut) * entry.requested_until.as_micros());
                 self.of_output(entry.board.0, entry.channel.0)
                     .map(|w| w.schedule)
             }

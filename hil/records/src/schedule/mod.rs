@@ -72,6 +72,9 @@ enum Record {
         period: u64,
         until_us: u64,
         requested: u16,
+        /// Left out where it is `until_us`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        requested_until_us: Option<u64>,
         reason: Option<&'static str>,
     },
     PreScale {
@@ -98,6 +101,8 @@ impl Record {
             period: period_ns,
             until_us: entry.until.as_micros(),
             requested: entry.requested.get(),
+            requested_until_us: (entry.requested_until != entry.until)
+                .then_some(entry.requested_until.as_micros()),
             reason: entry.reason.map(|r| r.word()),
         }
     }

@@ -58,6 +58,7 @@ struct Line {
     period: Option<u64>,
     until_us: Option<u64>,
     requested: Option<u16>,
+    requested_until_us: Option<u64>,
     #[serde(default)]
     reason: Option<String>,
     pre_scale: Option<u8>,
@@ -207,11 +208,16 @@ fn check(header: &HeaderLine) -> Result<(), Damage> {
 fn event(number: usize, text: &str) -> Result<Event, Damage> {
     const RECORD: &str = "a record with t_us and board, and channel, pre_scale or all_off";
     let line: Line = serde_json::from_str(text).map_err(|e| unread(number, RECORD, text, &e))?;
-    if line.t_us > LONGEST_US || line.until_us.is_some_and(|us| us > LONGEST_US) {
+    let times = [Some(line.t_us), line.until_us, line.requested_until_us];
+    if times.into_iter().flatten().any(|us| us > LONGEST_US) {
         return Err(Damage::of_line(number, "times of at most two days", text));
     }
     if line.until_us.is_some_and(|us| us < line.t_us) {
         return Err(Damage::of_line(number, "an until_us from t_us on", text));
+    }
+    if (line.requested_until_us).is_some_and(|us| line.until_us.is_some_and(|cut| us < cut)) {
+        let expected = "a requested_until_us from until_us on";
+        return Err(Damage::of_line(number, expected, text));
     }
     if line.channel.is_some_and(|channel| channel > 15) {
         return Err(Damage::of_line(number, "a channel from 0 to 15", text));
@@ -273,6 +279,7 @@ fn entry(line: &Line, number: usize, text: &str) -> Result<Option<Entry>, Damage
         off,
         until: Instant::from_micros(until_us),
         requested: Ticks::new(requested),
+        requested_until: Instant::from_micros(line.requested_until_us.unwrap_or(until_us)),
         reason: line.reason.as_ref().map(known).transpose()?,
     };
     // Pulses and spacing follow from the rest: a line that says otherwise was changed by hand.

@@ -20,6 +20,23 @@ fn damage_is_named_by_its_line() {
     assert_eq!(damaged(&good), None);
     let pulses = r#"{"t_us":20,"board":0,"channel":1,"pulses":7,"on":0,"off":5,"period":5079040,"until_us":35020,"requested":5}"#;
     assert_eq!(damaged(&format!("{good}{pulses}")), None);
+    let cut = pulses.replace(
+        ",\"requested\"",
+        ",\"requested_until_us\":70000,\"requested\"",
+    );
+    let read = read_schedule(&format!("{good}{cut}"), |_| Vec::new()).unwrap();
+    let Some(Event::Schedule(entry)) = read.events.last() else {
+        panic!("{:?}", read.events);
+    };
+    let counts = [entry.pulses(5_079_040), entry.requested_pulses(5_079_040)];
+    assert_eq!(counts, [7, 14]);
+    let mut again = Vec::new();
+    write_schedule(&read, &mut again).unwrap();
+    assert!(
+        String::from_utf8(again)
+            .unwrap()
+            .contains("\"requested_until_us\":70000")
+    );
     let before = good.replace("\"version\":2", "\"version\":1");
     assert_eq!(damaged(&before), None);
     let entry =
@@ -86,6 +103,11 @@ fn damage_is_named_by_its_line() {
             format!("{good}{}", pulses.replace("\"pulses\":7", "\"pulses\":8")),
             4,
             "pulses 7, as",
+        ),
+        (
+            format!("{good}{}", cut.replace("70000", "35019")),
+            4,
+            "a requested_until_us from",
         ),
         (
             format!("{good}{}", pulses.replace("5079040", "0")),
