@@ -19,6 +19,8 @@ mod identify;
 mod input;
 #[path = "cli/interrupt.rs"]
 mod interrupt;
+#[path = "cli/level.rs"]
+mod level;
 #[path = "cli/outputs.rs"]
 mod outputs;
 #[path = "cli/project.rs"]

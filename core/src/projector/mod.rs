@@ -26,6 +26,7 @@ use crate::guard::{Guard, PlantError};
 use crate::illusion::{
     CalibrationError, Display, IllusionError, Map, MapError, TimingError, Tracks,
 };
+use crate::render::Renderer;
 use crate::schedule::{Entry, Timing};
 use crate::skin::{
     Baseline, BaselineError, BaselineSettings, Condition, HealthSettings, HealthSummary, Layout,
@@ -446,6 +447,11 @@ impl Projector {
     /// The display.
     pub const fn display(&self) -> &Display {
         self.output.display()
+    }
+
+    /// As [`Output::renderer`].
+    pub const fn renderer(&self) -> Option<&Renderer> {
+        self.output.renderer()
     }
 
     /// The guard.

@@ -148,6 +148,11 @@ impl Output {
         self.texture.as_ref().map_or(0, Texture::rested)
     }
 
+    /// What makes pulses of contacts, where the law chooses them.
+    pub const fn renderer(&self) -> Option<&Renderer> {
+        self.renderer.as_ref()
+    }
+
     /// The guard.
     pub const fn guard(&self) -> &Guard {
         &self.guard

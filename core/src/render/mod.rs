@@ -3,12 +3,16 @@
 //! It asks the guard before it plans, so that the guard has nothing left to change. Wires of one contact are scaled
 //! together: the level gives way before the place does.
 
+mod borne;
 mod pattern;
+mod reached;
 mod reserve;
 mod response;
 mod tracks;
 
+pub use borne::Borne;
 pub use pattern::{CADENCE, Pattern, PatternError};
+pub use reached::Reached;
 pub use response::Response;
 
 use alloc::boxed::Box;
@@ -33,8 +37,6 @@ const RISE: f32 = 1.209_2;
 /// A scale from which a contact may begin at once: 14 dB under full level, where nothing is felt on a bench of which full level
 /// is a few just noticeable differences over threshold. What had to stop altogether comes back from here.
 const SILENT: f32 = 0.2;
-/// The widest pulse over one at full level on one wire: room for wires that do with a pulse less.
-const HEADROOM: f32 = 1.12;
 /// A vibration of at most so many pulses gains by becoming a tap.
 const FEW: u8 = 4;
 /// Times that widths are corrected where a fingertip bears less than all contacts want.
@@ -65,6 +67,15 @@ impl Style {
             Self::Auto => "auto",
         }
     }
+
+    /// Whether a contact that rests or moves is rendered as taps.
+    const fn taps(self, rests: bool, pattern: &Pattern) -> bool {
+        match self {
+            Self::Smooth => false,
+            Self::Tap => true,
+            Self::Auto => rests && pattern.pulses(false) <= FEW,
+        }
+    }
 }
 
 /// What the renderer is told.
@@ -78,6 +89,9 @@ pub struct RenderSettings {
     pub pattern: Pattern,
     /// What a wire makes of a pulse.
     pub response: Response,
+    /// Amplitude of a vibration's pulses on one wire at full level, in the response's unit: what a contact of weight 1
+    /// shall have, and no more. [`Response::full`] where no level is asked for.
+    pub full: f32,
     /// How several contacts share wires.
     pub sharing: Sharing,
     /// What this person needs of each wire. Thresholds are the published laws': here a weak wire may be below its own, since
@@ -106,13 +120,16 @@ pub struct Renderer {
     /// Of all contacts.
     amplitudes: Box<[f32]>,
     volleys: Box<[Volley]>,
+    borne: Borne,
+    reached: Reached,
 }
 
 impl Renderer {
-    /// For the wires of a guard; the last time that it allocates.
+    /// For the wires of a guard at rest; the last time that it allocates.
     pub fn new(settings: RenderSettings, guard: &Guard, wires: usize) -> Self {
         let rate_uw = guard.sustained_uw(SESSION);
         Self {
+            borne: settings.borne(guard, wires),
             settings,
             reserves: vec![Reserve::new(rate_uw); wires].into(),
             tracks: Tracks::default(),
@@ -120,13 +137,23 @@ impl Renderer {
             counts: vec![0; wires].into(),
             amplitudes: vec![0.0; wires].into(),
             volleys: vec![Volley::default(); wires].into(),
+            reached: Reached::default(),
         }
+    }
+
+    /// How near contacts came to full level so far.
+    pub const fn reached(&self) -> Reached {
+        self.reached
+    }
+
+    /// How much of full level one wire bears.
+    pub const fn borne(&self) -> Borne {
+        self.borne
     }
 
     /// The width of a vibration's pulses at this weight on one wire that bears them.
     pub fn width(&self, weight: f32) -> Ticks {
-        let response = &self.settings.response;
-        response.width(full(response) * weight)
+        self.settings.response.width(self.settings.full * weight)
     }
 
     /// What every wire gets at the onset `at` for these contacts, within what the guard leaves. With `length` all bursts are
@@ -140,10 +167,12 @@ impl Renderer {
     ) -> &[Volley] {
         self.amplitudes.fill(0.0);
         self.volleys.fill(Volley::default());
+        let mut scale = f32::INFINITY;
         for target in targets {
-            self.aim(at, target, length, guard);
+            scale = scale.min(self.aim(at, target, length, guard));
         }
-        self.widen(at, guard);
+        let part = self.widen(at, guard);
+        self.reached.add(scale * part);
         for (reserve, volley) in self.reserves.iter_mut().zip(&self.volleys) {
             if volley.width > Ticks::ZERO {
                 reserve.spend(at, guard.energy_nj(volley.width, volley.length));
@@ -152,22 +181,26 @@ impl Renderer {
         &self.volleys
     }
 
-    /// Amplitudes and pulses of one contact, scaled to what its wires bear, beside those of others.
-    fn aim(&mut self, at: Instant, target: &Target, length: Option<Duration>, guard: &Guard) {
+    /// Amplitudes and pulses of one contact, scaled to what its wires bear, beside those of others. Returns the part of
+    /// full level that is left to it; infinite for a contact beyond the display.
+    fn aim(
+        &mut self,
+        at: Instant,
+        target: &Target,
+        length: Option<Duration>,
+        guard: &Guard,
+    ) -> f32 {
         let RenderSettings {
             law,
             style,
             pattern,
             response,
+            full,
             sharing,
             calibration,
         } = &self.settings;
         let track = self.tracks.follow(target.place, at);
-        let tap = match style {
-            Style::Smooth => false,
-            Style::Tap => true,
-            Style::Auto => track.rests && pattern.pulses(false) <= FEW,
-        };
+        let tap = style.taps(track.rests, pattern);
         let period_ns = guard.prescale().period_ns();
         let fit = length.map(|l| (l.as_micros() * 1000).div_ceil(period_ns));
         let lasts = |pulses: u8| length.unwrap_or(pattern.lasts(pulses));
@@ -181,7 +214,7 @@ impl Renderer {
         }
         // As much energy in fewer pulses.
         let pulses = f32::from(pattern.pulses(false)) / f32::from(most);
-        let full = full(response) * libm::sqrtf(pulses);
+        let full = full * libm::sqrtf(pulses);
         let mut scale = f32::INFINITY;
         for (wire, (one, n)) in self.one.iter_mut().zip(&self.counts).enumerate() {
             if *one > 0.0 {
@@ -190,6 +223,7 @@ impl Renderer {
                 scale = scale.min(response.amplitude(most) / *one);
             }
         }
+        let borne = scale;
         let scale = scale
             .min(1.0)
             .min(track.scale.map_or(1.0, |s| (s * RISE).max(SILENT)));
@@ -206,12 +240,15 @@ impl Renderer {
                 Sharing::Sum => libm::sqrtf(*all * *all + mine * mine),
             };
         }
+        // No wire of it is on: nothing bounded its scale.
+        if borne.is_finite() { scale } else { borne }
     }
 
     /// Amplitudes to widths. Where all together want more than the fingertip bears, all contacts get weaker alike: each
-    /// keeps its part of the power.
-    fn widen(&mut self, at: Instant, guard: &Guard) {
+    /// keeps its part of the power. Returns what is left of every amplitude.
+    fn widen(&mut self, at: Instant, guard: &Guard) -> f32 {
         let bears = SLOW * guard.fingertip_nj(at) as f32;
+        let mut left = 1.0;
         for _ in 0..=CORRECTIONS {
             let mut total = 0;
             for (volley, amplitude) in self.volleys.iter_mut().zip(&self.amplitudes) {
@@ -225,13 +262,10 @@ impl Renderer {
             }
             let part = bears / total as f32;
             self.amplitudes.iter_mut().for_each(|a| *a *= part);
+            left *= part;
         }
+        left
     }
-}
-
-/// Amplitude of a vibration's pulses at full level on one wire.
-fn full(response: &Response) -> f32 {
-    response.largest() / HEADROOM
 }
 
 /// The widest pulse, ticks, of which a wire bears a burst of this length.

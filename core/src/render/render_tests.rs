@@ -35,6 +35,7 @@ impl Rig {
             law: inverse(&display, &ModelSettings::default()).unwrap(),
             style,
             pattern,
+            full: Response::linear(guard.widest()).full(),
             response: Response::linear(guard.widest()),
             sharing: Sharing::default(),
             calibration: Calibration::even(8),
@@ -206,6 +207,58 @@ fn a_weight_is_heard_as_a_level() {
         assert!(
             (level - last).abs() < 0.6,
             "{weight}: {level} dB and {last} dB over the weight"
+        );
+    }
+}
+
+#[test]
+fn a_level_asked_for_takes_no_more() {
+    let mut rig = Rig::new(Style::Smooth);
+    rig.renderer.settings.full /= 4.0;
+    for place in [Point::new(0.0, GAP), Point::new(GAP / 2.0, 1.5 * GAP)] {
+        let volleys = rig.onset(&[place]);
+        let level = db(rig.felt(&volleys).0);
+        // Half a tick of 6.
+        assert!(level.abs() < 0.9, "{level} dB at {place:?}");
+    }
+    assert_eq!(
+        rig.renderer.reached(),
+        Reached {
+            onsets: 2,
+            ..Reached::default()
+        }
+    );
+}
+
+/// Beside a test that plays ten minutes: what a contact at rest settles at is what the arithmetic says.
+#[test]
+fn what_is_borne_at_rest_is_what_a_contact_settles_at() {
+    for style in Style::ALL {
+        let mut rig = Rig::new(style);
+        let Borne {
+            once,
+            moving,
+            resting,
+        } = rig.renderer.borne();
+        assert!(resting < moving && moving <= once, "{style:?}");
+        let mut level = 0.0;
+        for _ in 0..1000 {
+            let volleys = rig.onset(&[Point::new(0.0, GAP)]);
+            level = db(rig.felt(&volleys).0);
+        }
+        let told = 2.0 * db(resting);
+        assert!(
+            (level - told).abs() < 1.0,
+            "{style:?}: {level} dB, {told} dB"
+        );
+        let reached = rig.renderer.reached();
+        assert!(
+            reached.onsets == 1000 && reached.weaker > 900,
+            "{reached:?}"
+        );
+        assert!(
+            (2.0 * db(reached.least / resting)).abs() < 1.4,
+            "{reached:?}"
         );
     }
 }

@@ -12,7 +12,7 @@ const FULL_NJ: f32 = 25e6;
 
 /// The part of that power that fills a reserve. The guard's mean over 10 s counts up to a bin of 0.25 s too much, and what
 /// is left has to stay larger than a burst: with less of a margin the level would beat with the bins.
-const PART: f32 = 0.93;
+pub(super) const PART: f32 = 0.93;
 
 /// Energy that a wire may spend.
 #[derive(Clone, Copy, Debug)]

@@ -4,6 +4,9 @@ use alloc::boxed::Box;
 
 use crate::units::Ticks;
 
+/// The widest pulse over one at full level on one wire: room for wires that do with a pulse less.
+const HEADROOM: f32 = 1.12;
+
 /// Amplitudes by width of a pulse, any unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
@@ -30,6 +33,11 @@ impl Response {
     /// The largest amplitude.
     pub fn largest(&self) -> f32 {
         self.amplitudes.last().copied().unwrap_or(0.0)
+    }
+
+    /// The most that full level can be, so that wires that do with a pulse less reach it too.
+    pub fn full(&self) -> f32 {
+        self.largest() / HEADROOM
     }
 
     /// The amplitude of pulses not wider than `ticks`.

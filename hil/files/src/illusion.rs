@@ -31,6 +31,9 @@ pub struct Illusion {
     /// How `inverse` renders a contact.
     #[serde(with = "words::Style")]
     pub render: Style,
+    /// How strongly `inverse` lets a contact at the top level be felt, dB over the wearer's threshold. Left out: as
+    /// strongly as the limits let it.
+    pub level_db: Option<f64>,
     /// How several contacts share wires.
     #[serde(with = "words::Sharing")]
     pub sharing: Sharing,
@@ -67,6 +70,7 @@ impl Default for Illusion {
             distances: None,
             margin: None,
             render: Style::Smooth,
+            level_db: None,
             sharing: Sharing::Strongest,
             alpha: 0.0,
             beta: 100.0 / 4096.0, // of the chip's ticks
@@ -111,6 +115,13 @@ impl Illusion {
         }
         if let Some(margin) = self.margin {
             source.range("illusion.margin", margin, 0.01..=10.0, "gaps")?;
+        }
+        if let Some(level) = self.level_db {
+            source.range("illusion.level_db", level, 0.0..=60.0, "dB over threshold")?;
+            if self.model != IllusionModel::Inverse {
+                let expected = "nothing: only `inverse` aims at a level";
+                return Err(source.bad("illusion.level_db", expected));
+            }
         }
         source.range("illusion.alpha", self.alpha, 0.0..=1.0, "")?;
         source.range("illusion.beta", self.beta, 0.0..=1.0, "")?;

@@ -53,7 +53,12 @@ impl Overrides {
         let other = |change: &&Change| change.value.as_deref().map(unquoted) != Some(name);
         if let Some(model) = last("illusion.model").filter(other) {
             // They were meant for the file's own model.
-            let keys = ["illusion.shape", "illusion.distances", "illusion.flat"];
+            let keys = [
+                "illusion.shape",
+                "illusion.distances",
+                "illusion.flat",
+                "illusion.level_db",
+            ];
             dropped.extend(keys.map(|key| change(&model.by, key, None)));
         }
         if let Some(shape) = last("illusion.shape") {

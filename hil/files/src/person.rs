@@ -6,6 +6,9 @@ use serde::Deserialize;
 use super::error::FileError;
 use super::source::Source;
 
+/// The largest threshold that a file may state, um.
+const MOST_UM: f64 = 1e3;
+
 /// A person's value, and where nine of ten people lie.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -44,7 +47,7 @@ impl FeltChannel {
     fn check(&self, source: &Source, key: &str) -> Result<(), FileError> {
         let at = |name: &str| format!("{key}.{name}");
         let threshold = at("threshold_um");
-        self.threshold_um.check(source, &threshold, 1e3, "um")?;
+        self.threshold_um.check(source, &threshold, MOST_UM, "um")?;
         self.growth.check(source, &at("growth"), 10.0, "")
     }
 }
@@ -93,6 +96,11 @@ pub struct Wearer {
     pub gain: Vec<f64>,
     /// The part of full drive at which this person begins to feel the wire.
     pub threshold: Vec<f64>,
+    /// Displacement that this wearer just feels as vibration, um: the amplitude of a long sine at 250 Hz. Left out: that
+    /// of the person `typical`. What `level_db` of a scene counts from.
+    pub vibration_um: Option<f64>,
+    /// The same as flutter or tap: the peak of the filtered displacement, um.
+    pub flutter_um: Option<f64>,
 }
 
 impl Wearer {
@@ -103,6 +111,14 @@ impl Wearer {
     pub fn read(source: &Source) -> Result<Self, FileError> {
         let file: Self = source.read()?;
         source.heading(&file.name, &file.description)?;
+        for (key, um) in [
+            ("vibration_um", file.vibration_um),
+            ("flutter_um", file.flutter_um),
+        ] {
+            if let Some(um) = um {
+                source.range(key, um, 1e-3..=MOST_UM, "um")?;
+            }
+        }
         if file.threshold.len() != file.gain.len() {
             let expected = format!("{} thresholds, one a gain", file.gain.len());
             let found = file.threshold.len().to_string();

@@ -58,7 +58,7 @@ pub use replay::{
 pub use runner::{build, run_with, scene_levels};
 pub use script::FaultReport;
 pub use session::{Session, Turn};
-pub use summary::{IllTaxel, Refresh, Summary, Taxels, finished};
+pub use summary::{AskedLevel, IllTaxel, Refresh, Summary, Taxels, finished};
 pub use taxels::taxels;
 pub use verdict::stopped_by;
 

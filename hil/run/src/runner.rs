@@ -28,7 +28,7 @@ use crate::replay::{CanPlayer, Rows};
 use crate::session::{Session, TICK, Turn};
 use crate::skin_end::{SkinEnd, Tap};
 use crate::streamed::Streamed;
-use crate::summary::finished;
+use crate::summary::{AskedLevel, finished};
 use crate::tape::Tape;
 use crate::verdict::STOPPED_BY;
 use crate::{Host, Input, Keep, KeptReadings, Outcome, TurnView, boards, margins, plan, skin};
@@ -78,7 +78,7 @@ pub fn run_with(
         }
     }?;
     let replayed = !matches!(input, Input::Scene);
-    Ok(outcome.concluded(&setup.scene.value, replayed))
+    Ok(outcome.concluded(setup, replayed))
 }
 
 /// Nothing is driven: for a pass that only looks at contacts.
@@ -286,6 +286,11 @@ impl Run<'_> {
         let (display, projector, recorder) = session.all();
         effort.finish(projector, recorder);
         summary.faults = display.faults();
+        summary.felt.asked = AskedLevel::of(&setup.scene.value, projector);
+        if summary.felt.level_db.is_some_and(|l| l.median < 0.0) {
+            let missing = -plan::strongest(setup, projector)?;
+            summary.felt.missing_db = Some(missing).filter(|db| *db > 0.0);
+        }
         summary.felt.band = display.band(summary.path_error_mm.is_some());
         Ok(Outcome {
             readings: recorder.readings.take(),

@@ -19,7 +19,8 @@ use super::session::Session;
 use super::skin_end::SkinEnd;
 use crate::band::FeltBand;
 use crate::path_error::PathError;
-use palpate_files::Bench;
+use crate::plan;
+use palpate_files::{Bench, Scene};
 
 /// How far over threshold what was felt is, and by whom: the headline.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -38,8 +39,47 @@ pub struct FeltSummary {
     pub jumps: u64,
     /// Onsets that feel like taps.
     pub taps: u64,
+    /// The level that the scene asks for; null where it asks for none.
+    pub asked: Option<AskedLevel>,
+    /// What one wire at the limits lacks for this person to feel it, dB; null where something was felt, or would be.
+    pub missing_db: Option<f64>,
     /// Over all corners of what is not measured; null where nothing shows it.
     pub band: Option<FeltBand>,
+}
+
+/// A level that a scene asks for, and what heat leaves of it: all in dB over the threshold that the loop believes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct AskedLevel {
+    /// Of a contact at the top level.
+    pub level_db: f64,
+    /// What ten minutes sustain of it on one wire, by the limits' arithmetic: moving over all wires.
+    pub moving_db: f64,
+    /// The same at rest.
+    pub resting_db: f64,
+    /// Onsets with a contact on the display.
+    pub onsets: u64,
+    /// Of them, those that heat made weaker by more than a just noticeable difference.
+    pub weaker: u64,
+    /// The least that was left.
+    pub least_db: f64,
+}
+
+impl AskedLevel {
+    /// Of a run that is over.
+    #[must_use]
+    pub fn of(scene: &Scene, projector: &Projector) -> Option<Self> {
+        let (level_db, renderer) = scene.illusion.level_db.zip(projector.renderer())?;
+        let (reached, borne) = (renderer.reached(), renderer.borne());
+        let of = |part: f32| level_db + plan::decibels(part.min(1.0));
+        Some(Self {
+            level_db,
+            moving_db: of(borne.moving),
+            resting_db: of(borne.resting),
+            onsets: reached.onsets,
+            weaker: reached.weaker,
+            least_db: of(reached.least),
+        })
+    }
 }
 
 /// Level over threshold, dB.
@@ -239,6 +279,8 @@ impl FeltSummary {
             breaks: energy.breaks,
             jumps: energy.jumps,
             taps: level.map_or(0, |level| level.taps),
+            asked: None,
+            missing_db: None,
             band: None,
         }
     }

@@ -7,7 +7,9 @@ use palpate_records::trace::Source;
 
 use crate::band::{FeltBand, FeltCorner};
 use crate::boards::{BoardReport, BusReport};
-use crate::summary::{EnergyDb, FeltError, FeltSummary, Summary, Taxels, TextureSummary};
+use crate::summary::{
+    AskedLevel, EnergyDb, FeltError, FeltSummary, Summary, Taxels, TextureSummary,
+};
 
 /// Three digits or so, whatever the size.
 fn short(v: f64) -> String {
@@ -57,6 +59,22 @@ impl FeltSummary {
         format!(
             "{level}, {breaks}; person {}, wires {}",
             self.person, self.preset
+        )
+    }
+}
+
+impl AskedLevel {
+    fn line(&self) -> Line {
+        let weaker = match self.weaker {
+            0 => "had by every onset".to_owned(),
+            n => format!(
+                "heat left less to {n} of {} onsets, {:+.1} dB at least",
+                self.onsets, self.least_db
+            ),
+        };
+        line(
+            "asked",
+            format!("{:+.1} dB over threshold, {weaker}", self.level_db),
         )
     }
 }
@@ -152,6 +170,7 @@ impl Summary {
             ),
         ];
         lines.push(line("felt level", self.felt.words()));
+        lines.extend(self.felt.asked.as_ref().map(AskedLevel::line));
         lines.extend(self.felt.band.as_ref().map(FeltBand::line));
         lines.push(line("felt error", self.felt_error_mm.words()));
         // The other reading of the literature.

@@ -1,15 +1,18 @@
 //! The verdict on a run: a limit that was passed, what failed or stopped it, what never came; and why nothing was
 //! driven, where nothing was.
 
-use palpate_files::Scene;
+use palpate_files::{Scene, Setup};
 use palpate_records::trace::{Event, Trace};
 use palpate_records::verdict::{Conclusion, Verdict};
 
-use crate::summary::Summary;
+use crate::summary::{AskedLevel, Summary};
 use crate::{Failure, Outcome};
 
 /// Modules and boards named one by one.
 const NAMED: usize = 3;
+
+/// A level that lacks less than this is had, dB: the arithmetic is no nearer.
+const NEAR_DB: f64 = 0.5;
 
 /// What the note of a run begins with that a person ended; a signal or the person follows.
 pub(crate) const STOPPED_BY: &str = "stopped by ";
@@ -17,7 +20,8 @@ pub(crate) const STOPPED_BY: &str = "stopped by ";
 impl Outcome {
     /// With its verdict. `replayed` is whether a recording drove the run, not the scene's touches.
     #[must_use]
-    pub fn concluded(mut self, scene: &Scene, replayed: bool) -> Self {
+    pub fn concluded(mut self, setup: &Setup, replayed: bool) -> Self {
+        let scene = &setup.scene.value;
         let summary = &self.summary;
         let mut conclusion = Conclusion::default();
         conclusion.add_margins(&summary.margins);
@@ -46,9 +50,33 @@ impl Outcome {
                 format!("no stimulus: {}", undriven(summary, scene, replayed)),
             );
         }
+        if let Some(missing) = summary.felt.missing_db {
+            let file = setup.person.source.label();
+            conclusion.add(Verdict::Ok, format!(
+                "person `{}` feels nothing: one wire at the limits is {missing:.1} dB below the threshold ({file}: vibration.threshold_um)",
+                summary.felt.person
+            ));
+        }
+        if let Some(why) = summary.felt.asked.as_ref().and_then(unsustained) {
+            conclusion.add(Verdict::Ok, why);
+        }
         self.summary.conclusion = conclusion;
         self
     }
+}
+
+/// A level that the limits do not bear for a session, with the one that they do.
+fn unsustained(asked: &AskedLevel) -> Option<String> {
+    let AskedLevel {
+        level_db,
+        moving_db,
+        resting_db,
+        ..
+    } = *asked;
+    let least = moving_db.min(resting_db);
+    (level_db - least > NEAR_DB).then(|| format!(
+        "illusion.level_db = {level_db}: for ten minutes one wire bears {resting_db:+.1} dB at rest and {moving_db:+.1} dB of a contact that moves"
+    ))
 }
 
 /// The signal or person that ended a run before its time, if one did.

@@ -20,8 +20,8 @@ use palpate_run::display_end::DisplayEnd;
 use palpate_run::effort::Effort;
 use palpate_run::skin_end::{SkinEnd, Tap};
 use palpate_run::{
-    CanReport, Failure, Outcome, Pacing, Policy, Recorder, Session, Truth, Turn, attachments,
-    build, finished, header, scene_levels, skin,
+    AskedLevel, CanReport, Failure, Outcome, Pacing, Policy, Recorder, Session, Truth, Turn,
+    attachments, build, finished, header, scene_levels, skin,
 };
 
 use crate::clock;
@@ -338,6 +338,7 @@ fn outcome(setup: &Setup, header: Header, mut done: Done) -> Outcome {
     let (trace, mut summary) = finished(session, header, ledger, &costs, &setup.bench.value);
     let (_, projector, recorder) = session.all();
     effort.finish(projector, recorder);
+    summary.felt.asked = AskedLevel::of(&setup.scene.value, projector);
     let readings = recorder.readings.take();
     summary.pacing = Some(pacing(&done.lateness, done.realtime));
     let names = setup.bench.value.real.as_ref().map(|real| &*real.can);
@@ -357,5 +358,5 @@ fn outcome(setup: &Setup, header: Header, mut done: Done) -> Outcome {
         notes: Vec::new(),
         failure,
     }
-    .concluded(&setup.scene.value, false)
+    .concluded(setup, false)
 }

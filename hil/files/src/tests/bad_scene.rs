@@ -170,6 +170,26 @@ fn scenes() {
                 "f.toml:23: illusion.model: expected one of `phantom`, `energy`, `linear`, `square`, `balanced`, `inverse`, `three-nearest`, `gaussian`, `nearest`, found `ghost`",
             ),
             (
+                "model = \"balanced\"\nshape = 0.65",
+                "model = \"inverse\"\nlevel_db = -1.0",
+                "f.toml:24: illusion.level_db: expected a number from 0 to 60 dB over threshold, found -1.0",
+            ),
+            (
+                "model = \"balanced\"\nshape = 0.65",
+                "model = \"inverse\"\nlevel_db = 1e9",
+                "f.toml:24: illusion.level_db: expected a number from 0 to 60 dB over threshold, found 1e9",
+            ),
+            (
+                "model = \"balanced\"\nshape = 0.65",
+                "model = \"inverse\"\nlevel_db = nan",
+                "f.toml:24: illusion.level_db: expected a finite number, found nan",
+            ),
+            (
+                "shape = 0.65",
+                "level_db = 6.0",
+                "f.toml:24: illusion.level_db: expected nothing: only `inverse` aims at a level, found 6.0",
+            ),
+            (
                 "intensity = true",
                 "intensity = \"on\"",
                 "f.toml:28: illusion.intensity: expected true or false, found \"on\"",

@@ -348,6 +348,16 @@ fn people_have_thresholds_and_wearers_begin_below_full_scale() {
                 "gain = [1.0,",
                 "f.toml:5: threshold: expected 7 thresholds, one a gain, found 8",
             ),
+            (
+                "gain =",
+                "vibration_um = 0.0\ngain =",
+                "f.toml:4: vibration_um: expected a number from 0.001 to 1000 um, found 0.0",
+            ),
+            (
+                "gain =",
+                "flutter_um = nan\ngain =",
+                "f.toml:4: flutter_um: expected a finite number, found nan",
+            ),
         ],
     );
 }

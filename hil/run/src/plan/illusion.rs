@@ -9,8 +9,8 @@ use palpate_core::projector::OutputSettings;
 use palpate_core::render::{CADENCE, Pattern, RenderSettings};
 use palpate_core::units::{Duration, Instant, Milliamps, Prescale};
 
-use super::point;
 use super::response::response;
+use super::{level, point};
 use crate::failure::Failure;
 use palpate_files::Setup;
 
@@ -133,14 +133,18 @@ fn render(
 ) -> Result<RenderSettings, Failure> {
     let illusion = &setup.scene.value.illusion;
     let bad = |e: IllusionError| Failure::File(setup.scene.source.bad(key(e), e.to_string()));
-    Ok(RenderSettings {
+    let felt = response(setup, guard, &pattern)?;
+    let mut settings = RenderSettings {
         law: inverse(display, &settings(illusion)).map_err(bad)?,
         style: illusion.render,
         pattern,
-        response: response(setup, guard, &pattern)?,
+        response: felt.response,
+        full: felt.threshold,
         sharing: illusion.sharing,
         calibration: calibration.clone(),
-    })
+    };
+    level::ask(setup, guard, display.wires().len(), &mut settings)?;
+    Ok(settings)
 }
 
 /// How stimuli are made.

@@ -1,11 +1,13 @@
 //! From checked files to the core's own types.
 
 mod illusion;
+mod level;
 mod person;
 mod response;
 mod texture;
 
 pub use illusion::drive;
+pub(crate) use level::{decibels, strongest};
 pub use person::person;
 pub(crate) use response::felt_wire;
 pub use texture::{projection, surface};

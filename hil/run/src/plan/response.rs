@@ -2,9 +2,9 @@
 
 use palpate_core::guard::Guard;
 use palpate_core::render::{Pattern, Response};
-use palpate_core::units::Ticks;
+use palpate_core::units::{Duration, Prescale, Ticks};
 use palpate_emulators::display::wire::Wire;
-use palpate_emulators::person::channels::Perceiver;
+use palpate_emulators::person::channels::{Felt, Perceiver, Person};
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::START_C;
 use palpate_files::Setup;
@@ -26,24 +26,33 @@ pub(crate) fn felt_wire(setup: &Setup) -> Result<Wire, Failure> {
     Ok(alone)
 }
 
-/// Amplitudes by width: the root of the filtered energy per pulse, of bursts that come again and again.
+/// What a wire makes of a pulse, and what a wearer feels of it.
+pub(super) struct FeltResponse {
+    /// Amplitudes by width: the root of the filtered energy per pulse, of bursts that come again and again.
+    pub response: Response,
+    /// The amplitude of which such bursts on one wire are at the wearer's threshold.
+    pub threshold: f32,
+}
+
+/// The response of a setup's wire, by what the loop believes of its wearer.
 pub(super) fn response(
     setup: &Setup,
     guard: &Guard,
     pattern: &Pattern,
-) -> Result<Response, Failure> {
+) -> Result<FeltResponse, Failure> {
     let widest = guard.widest().get();
-    let bench = &setup.bench.value;
-    let wire = felt_wire(setup)?;
-    let perceiver = Perceiver::new(super::person(&setup.person.value), &[(0.0, 0.0)])
-        .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
-    let amps = bench.drive.current_ma * 1e-3;
-    let mut known = vec![(0, 0.0)];
+    let bursts = Bursts::new(setup, super::person::believed(setup)?)?;
+    let (timing, pulses) = (pattern.timing(), u64::from(pattern.pulses(false)));
+    let (mut known, mut threshold) = (vec![(0, 0.0)], None);
     for sample in 1..=SAMPLES {
         let width = (u32::from(widest) * u32::from(sample)).div_ceil(u32::from(SAMPLES)) as u16;
         if known.last().is_none_or(|(last, _)| width > *last) {
-            let worn = (wire.clone(), perceiver.clone());
-            known.push((width, amplitude(worn, amps, pattern, Ticks::new(width))));
+            let felt = bursts.felt(Ticks::new(width), pattern.prescale(), (pulses, timing.soa));
+            let (energy, db) = felt.map_or((0.0, 0.0), |f| (f.energy, f.levels.db()));
+            let amplitude = libm::sqrt(energy / pulses as f64);
+            known.push((width, amplitude as f32));
+            // Levels go with amplitudes. Narrow pulses, which come first, warm the wire least: bursts there are alike.
+            threshold.get_or_insert(amplitude * libm::pow(10.0, -db / 20.0));
         }
     }
     let between = |pair: &[(u16, f32)]| {
@@ -52,33 +61,56 @@ pub(super) fn response(
     };
     let amplitudes = known.windows(2).flat_map(between);
     let last = known.last().map(|(_, amplitude)| *amplitude);
-    Ok(Response::new(amplitudes.chain(last).collect()))
+    Ok(FeltResponse {
+        response: Response::new(amplitudes.chain(last).collect()),
+        threshold: threshold.map_or(f32::INFINITY, |amplitude| amplitude as f32),
+    })
 }
 
-fn amplitude(
-    (mut wire, mut perceiver): (Wire, Perceiver),
+/// Bursts on one wire of a setup, alone, as a person feels them.
+pub(crate) struct Bursts {
+    wire: Wire,
+    perceiver: Perceiver,
     amps: f64,
-    pattern: &Pattern,
-    width: Ticks,
-) -> f32 {
-    let (prescale, pulses) = (pattern.prescale(), pattern.pulses(false));
-    let wide = Nanos(u64::from(width.get()) * prescale.tick_ns());
-    let soa = pattern.timing().soa.as_micros();
-    for burst in 0..=BEFORE {
-        let start = Nanos::from_micros(burst * soa);
-        if burst == BEFORE {
-            wire.take_stretches(start, |stretch| perceiver.pass(0, stretch));
-            perceiver.onset();
-        }
-        for pulse in 0..u64::from(pulses) {
-            let at = start + Nanos(pulse * prescale.period_ns());
-            wire.set_current(at, amps);
-            wire.set_current(at + wide, 0.0);
-        }
+}
+
+impl Bursts {
+    /// Of a setup's wire and current on this person.
+    pub fn new(setup: &Setup, person: Person) -> Result<Self, Failure> {
+        let bench = &setup.bench.value;
+        let perceiver = Perceiver::new(person, &[(0.0, 0.0)])
+            .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
+        Ok(Self {
+            wire: felt_wire(setup)?,
+            perceiver,
+            amps: bench.drive.current_ma * 1e-3,
+        })
     }
-    let end = Nanos::from_micros((BEFORE + 1) * soa);
-    wire.take_stretches(end, |stretch| perceiver.pass(0, stretch));
-    perceiver.settle();
-    let energy = perceiver.felt(START_C).map_or(0.0, |felt| felt.energy);
-    libm::sqrt(energy / f64::from(pulses)) as f32
+
+    /// What is felt of so many pulses of this width, once wire and tissue have got warm.
+    pub fn felt(
+        &self,
+        width: Ticks,
+        prescale: Prescale,
+        (pulses, soa): (u64, Duration),
+    ) -> Option<Felt> {
+        let (mut wire, mut perceiver) = (self.wire.clone(), self.perceiver.clone());
+        let wide = Nanos(u64::from(width.get()) * prescale.tick_ns());
+        let soa = soa.as_micros();
+        for burst in 0..=BEFORE {
+            let start = Nanos::from_micros(burst * soa);
+            wire.take_stretches(start, |stretch| perceiver.pass(0, stretch));
+            perceiver.settle();
+            perceiver.onset();
+            for pulse in 0..pulses {
+                let at = start + Nanos(pulse * prescale.period_ns());
+                wire.set_current(at, self.amps);
+                wire.set_current(at + wide, 0.0);
+            }
+        }
+        let end = Nanos::from_micros((BEFORE + 1) * soa);
+        wire.take_stretches(end, |stretch| perceiver.pass(0, stretch));
+        perceiver.settle();
+        perceiver.felt(START_C)
+    }
 }
