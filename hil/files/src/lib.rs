@@ -12,6 +12,7 @@ mod bench;
 mod change;
 mod check;
 mod columns;
+mod displays;
 mod error;
 mod fault;
 mod felt;
@@ -57,6 +58,7 @@ pub use bench::{
 };
 pub use check::{Checked, check, check_source, kind_of};
 pub use columns::{Columns, Take};
+pub use displays::{BenchDisplay, Finger, FingerRule, SceneFinger};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
 pub use felt::{Felt, FeltBy};
