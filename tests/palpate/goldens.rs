@@ -15,7 +15,7 @@ pub fn shipped(scene: &str) -> Outcome {
     run(&Setup::load(scene, "emulated").unwrap(), &Input::Scene, 1).unwrap()
 }
 
-fn keep(name: &str, kind: &str, story: &Story) {
+pub(super) fn keep(name: &str, kind: &str, story: &Story) {
     let text = story.text();
     let read = Story::read(&text).unwrap();
     assert_eq!(

@@ -15,6 +15,7 @@ mod edges;
 mod external_clock;
 mod faults;
 mod felt;
+mod fingers;
 mod goldens;
 mod guard;
 mod hand;

@@ -172,6 +172,12 @@ impl Guard {
         self.plant.prescale
     }
 
+    /// How much longer than its stimulus a channel may be on: what is left of a period at the slowest clock, and the
+    /// bus.
+    pub fn surplus(&self) -> Duration {
+        self.plant.surplus()
+    }
+
     /// The most that was predicted under any wire so far, for what has been passed.
     pub const fn predicted(&self) -> &Predicted {
         &self.predicted

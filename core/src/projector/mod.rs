@@ -261,6 +261,11 @@ impl Projector {
         })
     }
 
+    /// As [`Output::begin_at`].
+    pub const fn begin_at(&mut self, first: Instant) {
+        self.output.begin_at(first);
+    }
+
     /// When the loop has to be called next, whatever comes in; earlier calls do no harm.
     pub fn next(&self) -> Instant {
         self.output.next()

@@ -138,6 +138,11 @@ impl Output {
         }
     }
 
+    /// With a grid of onsets that begins at `first`, not at t = 0: the offset of one finger among several.
+    pub const fn begin_at(&mut self, first: Instant) {
+        self.next_onset = first;
+    }
+
     /// With a texture on this carrier.
     pub fn carry(&mut self, carrier: Carrier) {
         self.texture = Some(Texture::new(carrier, self.guard.prescale()));

@@ -6,6 +6,7 @@ use palpate_core::units::Clock;
 use serde::Deserialize;
 
 use super::address::{check_chip, check_once};
+use super::displays::BenchDisplay;
 use super::error::FileError;
 use super::layout::DisplayLayout;
 use super::mount::{BenchMount, BenchTissue};
@@ -42,6 +43,8 @@ pub struct Bench {
     /// One entry per wire, in the display's order; left out: the outputs of one chip after the other, from 0x40 on.
     /// A real bench states them.
     pub outputs: Vec<Output>,
+    /// Several displays, a fingertip each, in place of one; emulated benches only.
+    pub displays: Vec<BenchDisplay>,
 }
 
 impl Default for Bench {
@@ -61,6 +64,7 @@ impl Default for Bench {
             drive: Drive::default(),
             amplifier: Amplifier::default(),
             outputs: Vec::new(),
+            displays: Vec::new(),
         }
     }
 }
@@ -237,7 +241,7 @@ pub struct Output {
 
 impl Output {
     /// Where wire `index` is connected if the file does not say: chips of sixteen outputs, one after the other.
-    const fn nth(index: usize) -> Self {
+    pub(super) const fn nth(index: usize) -> Self {
         Self {
             bus: 0,
             board: 0x40 + (index / 16) as u8, // a display has at most 256 wires
@@ -325,6 +329,7 @@ impl Bench {
         bench.mount.check(source)?;
         bench.tissue.check(source)?;
         bench.check_outputs(source, adapters)?;
+        bench.join_displays(source)?;
         if bench.outputs.is_empty() {
             let (display, _) = DisplayLayout::named(&bench.display, source, "display")?;
             bench.outputs = (0..display.wires_mm.len()).map(Output::nth).collect();

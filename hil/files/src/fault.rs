@@ -62,17 +62,17 @@ kinds! {
     /// A board's clock runs fast or slow.
     ClockDrift = "clock-drift" ["module" "ppm"] [],
     /// A chip does not acknowledge its address.
-    I2cAddressNack = "i2c-address-nack" [] ["rate"],
+    I2cAddressNack = "i2c-address-nack" [] ["rate" "bus"],
     /// A data byte is not acknowledged: half an update arrives.
-    I2cDataNack = "i2c-data-nack" [] ["rate"],
+    I2cDataNack = "i2c-data-nack" [] ["rate" "bus"],
     /// Another controller wins the bus.
-    I2cArbitrationLoss = "i2c-arbitration-loss" [] ["rate"],
+    I2cArbitrationLoss = "i2c-arbitration-loss" [] ["rate" "bus"],
     /// The adapter fails after the transfer.
-    I2cEio = "i2c-eio" [] ["rate"],
+    I2cEio = "i2c-eio" [] ["rate" "bus"],
     /// The clock is held low for `stretch_ms`.
-    I2cStretch = "i2c-stretch" ["stretch_ms"] ["rate"],
+    I2cStretch = "i2c-stretch" ["stretch_ms"] ["rate" "bus"],
     /// A line is stuck low.
-    I2cStuck = "i2c-stuck" [] [],
+    I2cStuck = "i2c-stuck" [] ["bus"],
     /// A PCA9685 falls back to its reset values.
     BrownOut = "brown-out" ["board"] [],
     /// A PCA9685's oscillator runs at `factor` times its nominal frequency.
@@ -83,6 +83,28 @@ kinds! {
     AmplifierStuckOn = "amplifier-stuck-on" ["wire"] [],
     /// A wire or its plug is broken.
     OpenWire = "open-wire" ["wire"] [],
+}
+
+impl FaultKind {
+    /// Whether it is done to the display's side: boards, their bus, amplifiers, wires.
+    #[must_use]
+    pub const fn is_of_display(self) -> bool {
+        use FaultKind as K;
+        matches!(
+            self,
+            K::I2cAddressNack
+                | K::I2cDataNack
+                | K::I2cArbitrationLoss
+                | K::I2cEio
+                | K::I2cStretch
+                | K::I2cStuck
+                | K::BrownOut
+                | K::Oscillator
+                | K::ClockStopped
+                | K::AmplifierStuckOn
+                | K::OpenWire
+        )
+    }
 }
 
 /// One fault.
@@ -110,11 +132,11 @@ pub struct Fault {
     pub line: Option<u8>,
     /// The module whose board's number is taken.
     pub with: Option<usize>,
-    /// A sensor bus.
+    /// A sensor bus; of an I2C fault the boards' bus, all of them if left out.
     pub bus: Option<u8>,
-    /// A PCA9685, counted from zero in the order of addresses.
+    /// A PCA9685, counted from zero in the order of buses and addresses.
     pub board: Option<usize>,
-    /// A wire of the display, counted from zero.
+    /// A wire, counted from zero: of several displays first those of the first one.
     pub wire: Option<usize>,
     /// Parts per million, positive is fast.
     pub ppm: Option<f64>,

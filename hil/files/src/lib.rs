@@ -12,6 +12,7 @@ mod bench;
 mod change;
 mod check;
 mod columns;
+mod displays;
 mod error;
 mod fault;
 mod felt;
@@ -59,12 +60,13 @@ pub use bench::{
 };
 pub use check::{Checked, check, check_source, kind_of};
 pub use columns::{Columns, Take};
+pub use displays::{BenchDisplay, Finger, FingerRule, SceneFinger};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
 pub use felt::{Felt, FeltBy};
 pub use format::Format;
 pub use illusion::{Illusion, SceneStroke};
-pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout, Transducer};
+pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
 pub use limits::LimitTable;
 pub use loaded::{
     Loaded, load_activation, load_alloy, load_bench, load_layout, load_limits, load_person,

@@ -4,6 +4,7 @@ use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::{Axes, ThresholdRule};
 use serde::Deserialize;
 
+use super::displays::SceneFinger;
 use super::error::FileError;
 use super::fault::Fault;
 use super::felt::Felt;
@@ -65,8 +66,10 @@ pub struct Scene {
     pub drift_s: Option<f64>,
     /// A taxel this many standard deviations from the mean of its axis is faulty; left out: none is.
     pub faulty_deviations: Option<f64>,
-    /// The module that drives the display, counted from zero.
+    /// On a bench of one display: the module that drives it, counted from zero.
     pub drives: usize,
+    /// On a bench of several displays: the modules of each, in place of `drives`.
+    pub fingers: Vec<SceneFinger>,
     /// Contacts and levels.
     pub compression: Compression,
     /// Activations and timing.
@@ -106,6 +109,7 @@ impl Default for Scene {
             drift_s: None,
             faulty_deviations: None,
             drives: 0,
+            fingers: Vec::new(),
             compression: Compression::default(),
             illusion: Illusion::default(),
             map: Map::default(),

@@ -1,9 +1,8 @@
 //! What a run needs, read together and checked against one another.
 
-use std::collections::BTreeSet;
-
 use super::activation::ActivationFile;
 use super::bench::{Bench, BenchKind};
+use super::displays::{Finger, fingers_of};
 use super::error::FileError;
 use super::fault::FaultKind;
 use super::layout::{DisplayLayout, LayoutFile, SensorLayout};
@@ -49,6 +48,8 @@ pub struct Setup {
     pub wearer: Option<Loaded<Wearer>>,
     /// The texture, if the scene has one.
     pub texture: Option<Stroked>,
+    /// The displays that the scene drives, where the bench has several.
+    pub fingers: Vec<Finger>,
     observed: bool,
 }
 
@@ -73,9 +74,11 @@ impl Setup {
         let limits = limits_of(&bench)?;
         let (wire, alloy) = mounted_of(&bench)?;
         let texture = texture_of(&scene, sensor.value.modules.len())?;
-        let (person, wearer) = people_of(&scene)?;
+        let people = people_of(&scene)?;
+        let fingers = fingers_of(&scene, &bench, &people)?;
+        let (person, wearer) = people;
         let wires = display.value.wires_mm.len();
-        if let Some(wearer) = &wearer {
+        if let Some(wearer) = wearer.as_ref().filter(|_| fingers.is_empty()) {
             wearer.value.fits(&wearer.source, wires)?;
         }
         check_outputs(&bench, &display.value)?;
@@ -97,6 +100,7 @@ impl Setup {
             person,
             wearer,
             texture,
+            fingers,
             observed: false,
         })
     }
@@ -153,7 +157,7 @@ pub(super) fn check_outputs(
     display: &DisplayLayout,
 ) -> Result<(), FileError> {
     let (outputs, wires) = (bench.value.outputs.len(), display.wires_mm.len());
-    if outputs == wires {
+    if outputs == wires || !bench.value.displays.is_empty() {
         return Ok(());
     }
     let expected = format!("{wires} outputs, one per wire of `{}`", display.name);
@@ -232,6 +236,7 @@ pub fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileErro
             return Err(scene.source.bad("boards.bus", expected));
         }
     }
+    scene.value.check_fingers(&scene.source, &sensor)?;
     let modules = sensor.modules.len();
     let touched = scene.value.touches.iter().enumerate();
     let named = touched
@@ -255,8 +260,8 @@ fn check_faults(
     sensor: &SensorLayout,
     bench: &Bench,
 ) -> Result<(), FileError> {
-    let chips: BTreeSet<u8> = bench.outputs.iter().map(|o| o.board).collect();
-    let chips = chips.len();
+    let chips = bench.boards();
+    let adapters = bench.outputs.iter().map(|o| usize::from(o.bus) + 1).max();
     let buses = sensor.modules.iter().filter_map(|m| m.bus);
     let buses = buses.max().map_or(0, |last| usize::from(last) + 1);
     for (index, fault) in scene.value.faults.iter().enumerate() {
@@ -279,6 +284,10 @@ fn check_faults(
         }
         below("module", fault.module, sensor.modules.len())?;
         below("with", fault.with, sensor.modules.len())?;
+        let buses = match fault.kind.is_of_display() {
+            true => adapters.unwrap_or(0),
+            false => buses,
+        };
         below("bus", fault.bus.map(usize::from), buses)?;
         below("board", fault.board, chips)?;
         below("wire", fault.wire, bench.outputs.len())?;

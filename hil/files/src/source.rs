@@ -255,12 +255,18 @@ impl Source {
 
     /// The file's own name and description: lower case with hyphens, and not empty.
     pub(super) fn heading(&self, name: &str, description: &str) -> Result<(), FileError> {
-        let lower = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
-        if name.is_empty() || !name.chars().all(lower) {
-            return Err(self.bad("name", "lower-case letters, digits and hyphens"));
-        }
+        self.name("name", name)?;
         if description.trim().is_empty() {
             return Err(self.bad("description", "a sentence"));
+        }
+        Ok(())
+    }
+
+    /// A name of a file or of something in it.
+    pub(super) fn name(&self, key: &str, name: &str) -> Result<(), FileError> {
+        let lower = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+        if name.is_empty() || !name.chars().all(lower) {
+            return Err(self.bad(key, "lower-case letters, digits and hyphens"));
         }
         Ok(())
     }

@@ -116,6 +116,7 @@ impl Sink {
             kc,
             taxels,
             wires,
+            displays,
         } = header;
         self.u32(VERSION);
         self.u8(match source {
@@ -146,6 +147,12 @@ impl Sink {
             self.place(wire.place);
             self.u8(wire.board);
             self.u8(wire.channel);
+        }
+        for display in displays {
+            self.text(&display.name);
+            self.u64(display.wires as u64);
+            self.u64(display.modules.len() as u64);
+            display.modules.iter().for_each(|m| self.u16(*m));
         }
     }
 

@@ -63,6 +63,7 @@ pub(crate) fn empty() -> Trace {
             kc: 1,
             taxels,
             wires,
+            displays: Vec::new(),
         },
         events: Vec::new(),
         ledger: Ledger::default(),

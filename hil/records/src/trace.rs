@@ -155,8 +155,21 @@ pub struct Header {
     pub kc: u16,
     /// Taxels of the module that drives the display.
     pub taxels: Vec<PlaceUm>,
-    /// The display's wires.
+    /// The display's wires; of several displays one after the other.
     pub wires: Vec<WireInfo>,
+    /// Several displays; empty for one.
+    pub displays: Vec<DisplayInfo>,
+}
+
+/// One of several displays: a fingertip.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct DisplayInfo {
+    /// Its name on the bench.
+    pub name: String,
+    /// How many of the wires are its own: those after the wires of the displays before it.
+    pub wires: usize,
+    /// Its modules, zero-based.
+    pub modules: Vec<u16>,
 }
 
 /// Something that happened. Times are microseconds since the start of the run unless they say `ns`.

@@ -189,8 +189,8 @@ pub fn buses(buses: &[SkinBus]) -> Vec<BusReport> {
     buses.iter().enumerate().map(report).collect()
 }
 
-/// What crossed a display's bus, if that was kept.
-pub fn transfers(display: &WornDisplay) -> Vec<Transfer> {
+/// What crossed a display's bus of this number, if that was kept.
+pub fn transfers(display: &WornDisplay, bus: u8) -> Vec<Transfer> {
     // Refused only from inside another look at the bus.
     let log = display.bus().with(|bus| bus.take_log()).unwrap_or_default();
     let messages = log.into_iter().flat_map(|record| {
@@ -198,7 +198,7 @@ pub fn transfers(display: &WornDisplay) -> Vec<Transfer> {
         record.messages.into_iter().map(move |message| Transfer {
             start_ns: record.start.0,
             end_ns: record.end.0,
-            bus: 0,
+            bus,
             address: message.address,
             read: message.read,
             data: message.bytes,

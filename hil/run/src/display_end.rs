@@ -15,14 +15,17 @@ use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{DisplayConfig, OutputEdge, ThermalSample, WirePlace, WornDisplay};
 use palpate_files::{Bench, BenchKind, Drive, Setup};
+use palpate_records::i2c::Transfer;
 use palpate_records::trace::{Event, Header};
 
 use crate::Keep;
 use crate::band::{Band, FeltBand};
-use crate::effects::Faultable;
+use crate::boards;
+use crate::effects::{Faultable, FaultyDisplay};
 use crate::failure::Failure;
 use crate::feel::{FullDrive, feel, sample_wires};
 use crate::margins::Currents;
+use crate::place::Place;
 use crate::plan;
 use crate::recorder::{Onset, Recorder};
 use crate::script::{FaultReport, Script};
@@ -119,6 +122,8 @@ pub struct EmulatedDisplay {
     /// What drives the boards in place of their driver where the guard only looks on.
     writer: Option<RegisterWriter>,
     script: Script,
+    /// Where it stands among the displays of the bench.
+    place: Place,
     drive: Drive,
     prescale: Prescale,
     /// The onset whose stimulus is still felt.
@@ -142,6 +147,19 @@ impl EmulatedDisplay {
     /// # Errors
     /// [`Failure::Input`] for a bench that cannot be, or one of hardware.
     pub fn new(setup: &Setup, projector: &Projector, seed: u64) -> Result<Self, Failure> {
+        Self::at(setup, Place::whole(&setup.bench.value), projector, seed)
+    }
+
+    /// The same at its place among several displays of a bench.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn at(
+        setup: &Setup,
+        place: Place,
+        projector: &Projector,
+        seed: u64,
+    ) -> Result<Self, Failure> {
         let bench = &setup.bench.value;
         refuse_hardware(bench)?;
         let mut display = emulated(setup, projector.display().wires())?;
@@ -149,7 +167,7 @@ impl EmulatedDisplay {
         let impossible = |e| Failure::Input(format!("person `{}`: {e}", setup.person.value.name));
         display.worn_by(person).map_err(impossible)?;
         let full = FullDrive::new(setup, projector)?;
-        let layer = I2cFault::new(display.bus(), I2cFaults::default(), seed, "actuator bus");
+        let layer = I2cFault::new(display.bus(), I2cFaults::default(), seed, &place.dice());
         let (i2c, boards) = (Shared::new(layer), plan::boards(bench));
         let prescale = projector.guard().prescale();
         let writer = || RegisterWriter::new(i2c.clone(), &boards);
@@ -158,6 +176,7 @@ impl EmulatedDisplay {
             banks: Banks::new([(i2c.clone(), &*boards)], prescale),
             script: Script::new(&setup.scene.value.faults, projector.layout()),
             drive: bench.drive,
+            place,
             prescale,
             pending: None,
             full,
@@ -199,6 +218,11 @@ impl EmulatedDisplay {
     /// What all corners came to, where they are compared and a contact was inside the display; `known` where the path is.
     pub fn band(&self, known: bool) -> Option<FeltBand> {
         self.band.as_ref()?.finish(known)
+    }
+
+    /// What crossed its bus, if that was kept.
+    pub fn transfers(&self) -> Vec<Transfer> {
+        boards::transfers(&self.display, self.place.bus)
     }
 
     /// The emulated hardware.
@@ -315,9 +339,12 @@ impl DisplayEnd for EmulatedDisplay {
     fn fail(&mut self, now: Instant, last: bool, skin: FaultySkin<'_>, events: &mut Vec<Event>) {
         let mut bench = Faultable {
             skin,
-            i2c: &self.i2c,
-            display: &mut self.display,
-            drive: self.drive,
+            display: Some(FaultyDisplay {
+                i2c: &self.i2c,
+                worn: &mut self.display,
+                drive: self.drive,
+                place: &self.place,
+            }),
         };
         if last {
             self.script.finish(now, &mut bench, events);

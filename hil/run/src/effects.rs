@@ -13,16 +13,26 @@ use palpate_emulators::worn::WornDisplay;
 
 use palpate_files::{Drive, Fault, FaultKind};
 
+use crate::place::Place;
+
 /// The hardware that faults are done to.
 pub struct Faultable<'a> {
     /// The skin behind its fault layer; `None` for a recording.
     pub skin: Option<&'a mut Faulty<Handle>>,
+    /// The display; `None` where its faults are done elsewhere.
+    pub display: Option<FaultyDisplay<'a>>,
+}
+
+/// A display that faults are done to.
+pub struct FaultyDisplay<'a> {
     /// The actuators' fault layer.
     pub i2c: &'a Shared<I2cHandle>,
     /// The display.
-    pub display: &'a mut WornDisplay,
+    pub worn: &'a mut WornDisplay,
     /// The chips' clock while nothing is wrong.
     pub drive: Drive,
+    /// Its boards and wires among those of the bench, by which faults name them.
+    pub place: &'a Place,
 }
 
 /// What a fault does to identifiers.
@@ -75,7 +85,8 @@ pub(super) const fn i2c_kind(kind: FaultKind) -> Option<I2cFaultKind> {
 /// How much a kind has hit so far, where a layer counts it.
 pub(super) fn counter(fault: &Fault, bench: &Faultable<'_>) -> u64 {
     if let Some(kind) = i2c_kind(fault.kind) {
-        return bench.i2c.with(|layer| layer.counts()[kind as usize]);
+        let display = bench.display.as_ref();
+        return display.map_or(0, |d| d.i2c.with(|layer| layer.counts()[kind as usize]));
     }
     let counts = bench
         .skin
@@ -101,9 +112,13 @@ pub(super) fn on_chip(
     now: Instant,
     work: &mut dyn FnMut(&mut Pca9685, Nanos),
 ) {
+    let Some(display) = &bench.display else {
+        return;
+    };
+    let own = chip.and_then(|board| display.place.own_board(board));
     // Refused only from inside another look at the segment, and there is none here.
-    let _ = bench.display.bus().with(|segment| {
-        if let Some(chip) = chip.and_then(|c| segment.chips_mut().get_mut(c)) {
+    let _ = display.worn.bus().with(|segment| {
+        if let Some(chip) = own.and_then(|c| segment.chips_mut().get_mut(c)) {
             let at = chip.now().max(Nanos::from(now));
             work(chip, at);
         }

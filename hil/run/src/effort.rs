@@ -157,6 +157,39 @@ impl Effort {
         self.cold_wires = self.wires.saturating_sub(recorder.warmed.len());
     }
 
+    /// Of several loops together.
+    pub(crate) fn sum<'a>(parts: impl Iterator<Item = &'a Self>) -> Self {
+        let mut sum = Self::default();
+        for part in parts {
+            let (work, own) = (&mut sum.compression, &part.compression);
+            work.frames += own.frames;
+            work.repeats += own.repeats;
+            work.untouched += own.untouched;
+            work.repeated += own.repeated;
+            work.passed += own.passed;
+            work.means += own.means;
+            work.solves += own.solves;
+            work.seeded += own.seeded;
+            work.iterations += own.iterations;
+            work.passes += own.passes;
+            let (traffic, own) = (&mut sum.traffic, &part.traffic);
+            traffic.writes += own.writes;
+            traffic.unchanged_updates += own.unchanged_updates;
+            traffic.channels += own.channels;
+            traffic.unchanged_channels += own.unchanged_channels;
+            sum.onsets += part.onsets;
+            sum.silent_onsets += part.silent_onsets;
+            sum.driven += part.driven;
+            sum.wires += part.wires;
+            sum.cold_wires += part.cold_wires;
+            sum.calibrated |= part.calibrated;
+            for (all, own) in sum.times.iter_mut().zip(&part.times) {
+                all.extend(own);
+            }
+        }
+        sum
+    }
+
     /// Of what frames cost, and what the driver did.
     pub fn of(costs: &[FrameCost], traffic: Traffic) -> Self {
         let mut effort = Self {

@@ -72,5 +72,6 @@ pub fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header,
             .map(PlaceUm::from)
             .collect(),
         wires: projector.display().wires().iter().map(wire).collect(),
+        displays: Vec::new(),
     })
 }

@@ -18,11 +18,14 @@ mod feel;
 mod hand;
 mod header;
 pub mod identify;
+mod join;
 mod levels;
 pub mod live;
 mod margins;
+mod pads;
 mod passed;
 mod path_error;
+pub mod place;
 pub mod plan;
 pub mod policy;
 mod recorder;
@@ -58,7 +61,9 @@ pub use replay::{
 pub use runner::{build, run_with, scene_levels};
 pub use script::FaultReport;
 pub use session::{Session, Turn};
-pub use summary::{AskedLevel, IllTaxel, Refresh, Summary, Taxels, finished};
+pub use summary::{
+    AskedLevel, DisplaySummary, IllTaxel, Refresh, Summary, Taxels, finished,
+};
 pub use taxels::taxels;
 pub use verdict::stopped_by;
 
@@ -120,6 +125,17 @@ pub struct Outcome {
     pub readings: Option<Readings>,
     /// Remarks for the user, such as a recording that ends too early.
     pub notes: Vec<String>,
+    /// The same of every finger, where the bench has several displays.
+    pub displays: Vec<DisplayOutcome>,
+}
+
+/// The run of one of several displays. Wires have the display's own numbers, boards and modules those of bench and skin.
+#[derive(Debug)]
+pub struct DisplayOutcome {
+    /// The display's name on the bench.
+    pub name: String,
+    /// What it came to.
+    pub outcome: Outcome,
 }
 
 /// What a run keeps beside its trace.

@@ -6,7 +6,6 @@ use palpate_records::i2c::Transfer;
 use palpate_records::readings::{Readings, TaxelFrame};
 use palpate_records::trace::Event;
 
-use crate::boards;
 use crate::display_end::EmulatedDisplay;
 use crate::session::Session;
 use crate::skin_end::SkinEnd;
@@ -66,7 +65,7 @@ impl Passing {
         waiting
             .taxels
             .extend(taxels.map(Readings::take_frames).unwrap_or_default());
-        let transfers = boards::transfers(session.display().hardware());
+        let transfers = session.display().transfers();
         waiting.i2c.extend(transfers);
         let until_us = match end {
             true => u64::MAX,

@@ -41,9 +41,14 @@ pub enum Truth {
 impl Truth {
     /// Of a setup's scene: the driving module's touches, or where the skin is one, all of them.
     pub fn of(setup: &Setup) -> Self {
+        Self::on(setup, setup.scene.value.drives)
+    }
+
+    /// The same where this module drives.
+    pub fn on(setup: &Setup, module: usize) -> Self {
         let scene = &setup.scene.value;
         let whole = scene.compression.scope == Scope::Skin;
-        let driving = |t: &&Touch| whole || t.module == scene.drives;
+        let driving = |t: &&Touch| whole || t.module == module;
         let place = |touch: &Touch| match setup.sensor.value.modules.get(touch.module) {
             Some(module) if whole => module.place_mm,
             _ => [0.0; 2],

@@ -1,5 +1,7 @@
 //! Whole runs of scenes and recordings on an emulated bench: a pass that finds intensity levels, a pass that counts.
 
+mod several;
+
 use std::convert::Infallible;
 use std::time::Duration as Elapsed;
 
@@ -22,6 +24,7 @@ use crate::failure::Failure;
 use crate::header::header;
 use crate::levels::{Intensities, live_levels};
 use crate::passed::Passing;
+use crate::place::{Place, looking};
 use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth, milli_c};
 use crate::replay::{CanPlayer, Rows};
@@ -31,7 +34,7 @@ use crate::streamed::Streamed;
 use crate::summary::{AskedLevel, finished};
 use crate::tape::Tape;
 use crate::verdict::STOPPED_BY;
-use crate::{Host, Input, Keep, KeptReadings, Outcome, TurnView, boards, margins, plan, skin};
+use crate::{Host, Input, Keep, KeptReadings, Outcome, TurnView, margins, plan, skin};
 
 /// [`crate::run()`], keeping more, with a host that measures and looks on.
 ///
@@ -97,6 +100,7 @@ impl Actuators for Silence {
 }
 
 /// What every pass of a run shares.
+#[derive(Clone, Copy)]
 struct Run<'a> {
     setup: &'a Setup,
     layout: &'a Layout,
@@ -115,13 +119,13 @@ impl Run<'_> {
         let end = scene_end(setup);
         if skin::is_array(setup) {
             let mut skin = skin::array(setup, self.layout, self.seed)?;
-            let levels = calibrate(setup, self.seed, &mut skin, end, host)?;
+            let levels = calibrate(&looking(setup), self.seed, &mut skin, end, host)?;
             let skin = skin::array(setup, self.layout, self.seed)?;
-            return Ok(self.project(levels, skin, Truth::of(setup), end, host)?.0);
+            return Ok(self.count(levels, skin, Truth::of(setup), end, host)?.0);
         }
         let emulated = || skin::emulated(setup, self.layout, self.seed);
         let mut first = on_tape(setup, self.layout, emulated()?);
-        let levels = calibrate(setup, self.seed, &mut first, end, host)?;
+        let levels = calibrate(&looking(setup), self.seed, &mut first, end, host)?;
         let tape = &mut first.bus_mut().inner;
         // What is watched is played once, also where a tape turns out to be of no use.
         if scene.faults.is_empty() && tape.is_exact() && !host.looks_on() {
@@ -129,14 +133,14 @@ impl Run<'_> {
             let tape = std::mem::replace(tape, Tape::new(emulated()?));
             let skin = skin::source(setup, self.layout, Tap::new(tape, self.keep.can));
             let (outcome, skin) =
-                self.project(levels.clone(), skin, Truth::of(setup), end, host)?;
+                self.count(levels.clone(), skin, Truth::of(setup), end, host)?;
             if skin.bus().inner.is_exact() {
                 return Ok(outcome);
             }
         }
         let faulty = Faulty::new(emulated()?, self.seed, "sensor bus");
         let skin = skin::source(setup, self.layout, Tap::new(faulty, self.keep.can));
-        Ok(self.project(levels, skin, Truth::of(setup), end, host)?.0)
+        Ok(self.count(levels, skin, Truth::of(setup), end, host)?.0)
     }
 
     /// A recording with `rows` rows that ends at `end`: one pass for levels, one that counts.
@@ -161,15 +165,15 @@ impl Run<'_> {
             ..=1 => (Levels::Off, first),
             _ => {
                 let mut first = first;
-                let levels = calibrate(self.setup, self.seed, &mut first, end, host)?;
+                let levels = calibrate(&looking(self.setup), self.seed, &mut first, end, host)?;
                 (levels, skin()?)
             }
         };
-        Ok(self.project(levels, skin, Truth::Unknown, end, host)?.0)
+        Ok(self.count(levels, skin, Truth::Unknown, end, host)?.0)
     }
 
-    /// The pass that counts: the loop between the skin and the emulated display until `end`.
-    fn project<S: SkinEnd>(
+    /// The pass that counts, on one display or on several.
+    fn count<S: SkinEnd>(
         &self,
         levels: Levels,
         skin: S,
@@ -177,8 +181,23 @@ impl Run<'_> {
         end: Instant,
         host: &mut dyn Host,
     ) -> Result<(Outcome, S), Failure> {
+        match self.setup.fingers.is_empty() {
+            true => self.project(levels, skin, truth, end, host),
+            false => self.several(&levels, skin, &truth, end, host),
+        }
+    }
+
+    /// The loop between a skin and an emulated display that has not begun.
+    fn assemble<S: SkinEnd>(
+        &self,
+        levels: Levels,
+        skin: S,
+        truth: Truth,
+        place: Place,
+        host: &dyn Host,
+    ) -> Result<(Header, Session<S, EmulatedDisplay>), Failure> {
         let projector = build(self.setup, self.seed, levels)?;
-        let mut display = EmulatedDisplay::new(self.setup, &projector, self.seed)?;
+        let mut display = EmulatedDisplay::at(self.setup, place, &projector, self.seed)?;
         display.keep(self.keep)?;
         let mut recorder = Recorder::new(truth, projector.layout());
         recorder.counts = host.looks_on().then(Vec::new);
@@ -198,14 +217,28 @@ impl Run<'_> {
         if self.keep.band {
             display.compare(self.setup, &header)?;
         }
-        let mut passing = Passing::new(header.soa_us);
-        host.begin(&header, projector.layout(), end)?;
         let ends = (skin, display);
         let policy = Policy::EMULATED;
         // Of a stream's frames the wait for their readings would be timed as well.
         let watch = host.stopwatch().filter(|_| !self.waits);
         let mut session = Session::new(projector, ends, policy, recorder, watch);
         session.thin_costs(self.keep.summary);
+        Ok((header, session))
+    }
+
+    /// The loop between the skin and the emulated display until `end`.
+    fn project<S: SkinEnd>(
+        &self,
+        levels: Levels,
+        skin: S,
+        truth: Truth,
+        end: Instant,
+        host: &mut dyn Host,
+    ) -> Result<(Outcome, S), Failure> {
+        let place = Place::whole(&self.setup.bench.value);
+        let (header, mut session) = self.assemble(levels, skin, truth, place, host)?;
+        let mut passing = Passing::new(header.soa_us);
+        host.begin(&header, session.projector().layout(), end)?;
         // The policy waits for boards that do not answer, so this cannot fail.
         let mut next = session.start(Instant::ZERO).unwrap_or_default();
         let mut last = end;
@@ -295,7 +328,7 @@ impl Run<'_> {
         Ok(Outcome {
             readings: recorder.readings.take(),
             warmth: samples.iter().map(margins::warmth).collect(),
-            i2c: boards::transfers(display.hardware()),
+            i2c: display.transfers(),
             trace,
             summary,
             frame_us: costs.iter().map(|c| c.us).collect(),
@@ -303,6 +336,7 @@ impl Run<'_> {
             failure,
             can,
             notes: Vec::new(),
+            displays: Vec::new(),
         })
     }
 }

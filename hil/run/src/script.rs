@@ -13,7 +13,7 @@ use palpate_records::trace::Event;
 use serde::Serialize;
 
 use super::effects::{Faultable, counter, i2c_kind, on_chip, rules};
-use palpate_files::{Fault, FaultKind};
+use palpate_files::{Drive, Fault, FaultKind};
 
 /// How long what happens for a moment lasts, where the scene does not say: a reboot, a bus-off host.
 const MOMENT: Duration = Duration::from_millis(100);
@@ -64,7 +64,7 @@ fn instant(seconds: f64) -> Instant {
 
 impl Script {
     /// The faults of a scene on a skin of this layout.
-    pub fn new(faults: &[Fault], layout: &Layout) -> Self {
+    pub fn new<'a>(faults: impl IntoIterator<Item = &'a Fault>, layout: &Layout) -> Self {
         let entry = |fault: &Fault| {
             let at = instant(fault.at_s);
             let until = fault.until_s.map(instant);
@@ -85,7 +85,7 @@ impl Script {
             }
         };
         Self {
-            entries: faults.iter().map(entry).collect(),
+            entries: faults.into_iter().map(entry).collect(),
             layout: layout.clone(),
         }
     }
@@ -216,8 +216,10 @@ impl Script {
                     FaultKind::OpenWire => AmplifierFault::OpenWire,
                     _ => AmplifierFault::StuckOn,
                 };
-                if let Some(wire) = fault.wire {
-                    bench.display.set_fault(wire, begins.then_some(defect));
+                if let Some(display) = &mut bench.display
+                    && let Some(wire) = fault.wire.and_then(|w| display.place.own_wire(w))
+                {
+                    display.worn.set_fault(wire, begins.then_some(defect));
                 }
             }
             (FaultKind::BrownOut, _) if begins => {
@@ -227,13 +229,21 @@ impl Script {
             }
             (FaultKind::Oscillator, _) => {
                 let factor = fault.factor.filter(|_| begins);
-                let factor = factor.unwrap_or(bench.drive.oscillator);
+                let drive = bench
+                    .display
+                    .as_ref()
+                    .map_or_else(Drive::default, |d| d.drive);
+                let factor = factor.unwrap_or(drive.oscillator);
                 on_chip(bench, fault.board, now, &mut |chip, at| {
                     chip.set_oscillator(at, Oscillator::from_factor(factor));
                 });
             }
             (FaultKind::ClockStopped, _) => {
-                let hz = if begins { 0 } else { bench.drive.external_hz() };
+                let drive = bench
+                    .display
+                    .as_ref()
+                    .map_or_else(Drive::default, |d| d.drive);
+                let hz = if begins { 0 } else { drive.external_hz() };
                 on_chip(bench, fault.board, now, &mut |chip, at| {
                     chip.set_external_clock(at, hz);
                 });
@@ -251,7 +261,10 @@ impl Script {
     /// Lets a fault of the actuator bus strike the next transfer; a stuck bus stays until it ends.
     fn strike(&self, kind: I2cFaultKind, begins: bool, bench: &mut Faultable<'_>) {
         self.set_layers(bench);
-        bench.i2c.with(|layer| match (begins, kind) {
+        let Some(display) = &bench.display else {
+            return;
+        };
+        display.i2c.with(|layer| match (begins, kind) {
             (true, _) => layer.strike(kind),
             (false, I2cFaultKind::StuckBus) => layer.free(),
             (false, _) => {}
@@ -281,7 +294,9 @@ impl Script {
                 dice.stretch_ns = dice.stretch_ns.max(ms(fault.stretch_ms));
             }
         }
-        bench.i2c.with(|layer| layer.set_faults(dice));
+        if let Some(display) = &bench.display {
+            display.i2c.with(|layer| layer.set_faults(dice));
+        }
         let late = on().map(|f| ms(f.late_ms)).max().unwrap_or(0);
         let rates = Rates {
             lost: rate(FaultKind::FramesLost),

@@ -106,6 +106,26 @@ pub struct FeltError {
     pub perceiver: &'static str,
 }
 
+/// One of several displays.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[allow(missing_docs)] // the keys say what they are, with their units
+pub struct DisplaySummary {
+    pub name: String,
+    pub modules: Vec<usize>,
+    pub boards: Vec<u8>,
+    pub path_error_mm: Option<PathError>,
+    pub felt: FeltSummary,
+    pub stimuli: u64,
+    pub limiter_events: u32,
+    pub hottest_skin_c: Option<f64>,
+    /// What of the supply's current is its own.
+    pub supply_share_a: f64,
+    /// Times that it was switched off for a cause of its own.
+    pub stops: u64,
+    /// What ended it before the run.
+    pub failure: Option<String>,
+}
+
 /// Energy of all wires together over one wire's, dB, over the onsets inside the display.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EnergyDb {
@@ -159,6 +179,35 @@ pub struct IllTaxel {
 }
 
 impl Taxels {
+    /// Of several fingers, each with its modules' numbers in the skin.
+    pub(crate) fn joined<'a>(parts: impl Iterator<Item = (&'a [usize], &'a Self)> + Clone) -> Self {
+        let mut sum = Self::default();
+        let mut rates: Vec<(usize, Vec<f32>)> = Vec::new();
+        for (modules, part) in parts.clone() {
+            sum.frozen += part.frozen;
+            sum.dead += part.dead;
+            sum.saturated += part.saturated;
+            sum.jumping += part.jumping;
+            sum.never_seen += part.never_seen;
+            sum.ill.extend(part.ill.iter().cloned());
+            let each = part.refresh_each_hz.iter().cloned();
+            rates.extend(modules.iter().copied().zip(each));
+        }
+        sum.ill.sort_by_key(|t| (t.module, t.taxel));
+        rates.sort_by_key(|(module, _)| *module);
+        let mut sorted: Vec<f32> = rates.iter().flat_map(|(_, hz)| hz.clone()).collect();
+        sorted.sort_by(f32::total_cmp);
+        let read = parts.clone().any(|(_, part)| part.refresh_hz.is_some());
+        sum.refresh_hz = sorted.first().filter(|_| read).map(|min| Refresh {
+            median: f64::from(sorted[sorted.len() / 2]),
+            min: f64::from(*min),
+        });
+        let count = parts.clone().count().max(1) as f64;
+        sum.repeated = parts.map(|(_, part)| part.repeated).sum::<f64>() / count;
+        sum.refresh_each_hz = rates.into_iter().map(|(_, hz)| hz).collect();
+        sum
+    }
+
     /// Fills in what is known of every single taxel at `now`.
     fn list(&mut self, projector: &Projector, now: Instant) {
         let (layout, monitor) = (projector.layout(), projector.monitor());
@@ -248,6 +297,9 @@ pub struct Summary {
     pub buses: Vec<BusReport>,
     pub faults: Vec<FaultReport>,
     pub margins: Vec<Margin>,
+    /// Several displays; left out for one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub displays: Vec<DisplaySummary>,
     /// How a real run kept its time; null for an emulated one.
     pub pacing: Option<Pacing>,
     /// The CAN interfaces of a real run.
@@ -300,8 +352,8 @@ impl TextureSummary {
 
 impl FrameTime {
     /// Of measured times; `None` for none.
-    fn of(costs: &[FrameCost]) -> Option<Self> {
-        let mut sorted: Vec<f32> = costs.iter().map(|c| c.us).collect();
+    pub(crate) fn of(costs_us: impl Iterator<Item = f32>) -> Option<Self> {
+        let mut sorted: Vec<f32> = costs_us.collect();
         sorted.sort_by(f32::total_cmp);
         let at = |part: f64| {
             sorted
@@ -404,7 +456,7 @@ impl Summary {
             pwm_hz: trace.header.pre_scale.hz() * bench.drive.oscillator,
             limiter_events: ledger.driven.limiter_events,
             texture: None,
-            frame_us: FrameTime::of(costs),
+            frame_us: FrameTime::of(costs.iter().map(|c| c.us)),
             taxels: Taxels {
                 refresh_hz: (recorder.frames > 0).then_some(Refresh {
                     median: f64::from(health.refresh_median_hz),
@@ -423,6 +475,7 @@ impl Summary {
             buses: Vec::new(),
             faults: Vec::new(),
             margins: ledger.margins.clone(),
+            displays: Vec::new(),
             pacing: None,
             can: Vec::new(),
             frames_not_recorded: 0,

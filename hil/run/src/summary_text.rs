@@ -8,7 +8,7 @@ use palpate_records::trace::Source;
 use crate::band::{FeltBand, FeltCorner};
 use crate::boards::{BoardReport, BusReport};
 use crate::summary::{
-    AskedLevel, EnergyDb, FeltError, FeltSummary, Summary, Taxels, TextureSummary,
+    AskedLevel, DisplaySummary, EnergyDb, FeltError, FeltSummary, Summary, Taxels, TextureSummary,
 };
 
 /// Three digits or so, whatever the size.
@@ -105,6 +105,30 @@ impl FeltBand {
     }
 }
 
+impl DisplaySummary {
+    /// What it came to; the worst of all displays stands in the lines before.
+    fn line(&self) -> Line {
+        let end = match (&self.failure, self.stops) {
+            (Some(failure), _) => format!("; ENDED: {failure}"),
+            (None, 0) => String::new(),
+            (None, stops) => format!("; stopped {}", counted(stops, "time")),
+        };
+        let error = self.felt.error_energy_mm.as_ref();
+        let error = error.map_or_else(|| "-".into(), |e| format!("{:.2} mm RMSE", e.rmse));
+        let level = self.felt.level_db.as_ref();
+        let level = level.map_or_else(|| "-".into(), |l| format!("{:+.1} dB", l.median));
+        let words = format!(
+            "felt {level}, {error}, {}; {} stimuli, {} limited; skin {}; person {}{end}",
+            counted(self.felt.breaks, "break"),
+            self.stimuli,
+            self.limiter_events,
+            celsius(self.hottest_skin_c),
+            self.felt.person
+        );
+        line(&self.name, words)
+    }
+}
+
 impl EnergyDb {
     fn words(&self) -> String {
         format!("{:.1} to {:.1}", self.min, self.max)
@@ -137,7 +161,9 @@ impl Summary {
             self.source.words(),
             self.seed
         )?;
-        let lines = self.felt_lines().into_iter().chain(self.heat_lines());
+        let felt = self.felt_lines().into_iter();
+        let displays = self.displays.iter().map(DisplaySummary::line);
+        let lines = felt.chain(displays).chain(self.heat_lines());
         for (name, value) in lines
             .chain(self.hardware_lines())
             .chain(self.margin_lines())

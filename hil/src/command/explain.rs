@@ -4,7 +4,7 @@
 use std::io::{self, Write};
 
 use palpate_core::contact::Scope;
-use palpate_files::{Scene, Setup, ThresholdFrom, Transducer};
+use palpate_files::{Finger, Scene, Setup, ThresholdFrom, Transducer};
 use palpate_run::Outcome;
 use palpate_run::effort::FrameKind;
 
@@ -48,10 +48,13 @@ pub fn plan(setup: &Setup, out: &mut dyn Write) -> io::Result<()> {
     row("texture", "no contact carries one: not built".into())?;
     row(
         "display",
-        format!(
-            "{} wires, written only where registers change",
-            setup.display.value.wires_mm.len()
-        ),
+        match setup.fingers.as_slice() {
+            [] => format!(
+                "{} wires, written only where registers change",
+                setup.display.value.wires_mm.len()
+            ),
+            fingers => several(setup, fingers),
+        },
     )
 }
 
@@ -84,6 +87,18 @@ fn map(scene: &Scene) -> String {
             "the hull of the driving module's taxels fills the display".into()
         }
     }
+}
+
+fn several(setup: &Setup, fingers: &[Finger]) -> String {
+    let names = |names: Vec<&str>| names.join(", ");
+    let driven: Vec<&str> = fingers.iter().map(|f| &*f.name).collect();
+    let displays = setup.bench.value.displays.iter().map(|d| &*d.name);
+    let idle: Vec<&str> = displays.filter(|name| !driven.contains(name)).collect();
+    let left_out = match idle.is_empty() {
+        true => String::new(),
+        false => format!("; {} driven by nothing: not built", names(idle)),
+    };
+    format!("a loop of its own for each of {}{left_out}", names(driven))
 }
 
 fn threshold(scene: &Scene) -> String {

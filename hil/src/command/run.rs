@@ -91,7 +91,34 @@ impl Format {
         }
     }
 
+    /// Whether several displays have a file each.
+    const fn is_per_display(self) -> bool {
+        matches!(self, Self::Golden | Self::Mcap | Self::Vcd | Self::Report)
+    }
+
+    /// The files that it makes of the one that was asked for.
+    fn paths(self, path: &Path, setup: &Setup) -> Vec<PathBuf> {
+        let of = |name: &str| {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            let ending = path.extension().unwrap_or_default().to_string_lossy();
+            path.with_file_name(format!("{stem}-{name}.{ending}"))
+        };
+        match self.is_per_display() && !setup.fingers.is_empty() {
+            true => setup.fingers.iter().map(|f| of(&f.name)).collect(),
+            false => vec![path.to_owned()],
+        }
+    }
+
     fn write(self, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
+        if !self.is_per_display() || outcome.displays.is_empty() {
+            return self.write_one(path, setup, outcome);
+        }
+        let paths = self.paths(path, setup);
+        let mut each = paths.iter().zip(&outcome.displays);
+        each.try_for_each(|(path, display)| self.write_one(path, setup, &display.outcome))
+    }
+
+    fn write_one(self, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
         write_file(path, |out| match self {
             Self::Contacts => write_table(&outcome.trace.events, out),
             Self::Mcap => {
@@ -127,7 +154,7 @@ impl Format {
 pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     let setup = setup(args)?;
     let rate = rate_of(args.rate, unclocked(args))?;
-    let mut files = wanted(args)?;
+    let mut files = wanted(args, &setup)?;
     if args.explain {
         explained(args, |out| explain::plan(&setup, out))?;
     }
@@ -145,12 +172,16 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
         },
         // A recording may last a day; nothing else looks at what this leaves out.
         summary: !args.replay.is_empty()
+            && setup.fingers.is_empty()
             && files.iter().all(|(format, _)| format.grows().is_some())
             && args.junit.is_none()
             && !args.watch
             && !args.explain,
     };
-    let written: Vec<PathBuf> = files.iter().map(|(_, path)| path.clone()).collect();
+    let written = files
+        .iter()
+        .flat_map(|(format, path)| format.paths(path, &setup));
+    let written: Vec<PathBuf> = written.collect();
     let is_real = setup.bench.value.kind == BenchKind::Real;
     let mut growing = Vec::new();
     if is_real || keep.summary {
@@ -333,7 +364,7 @@ fn explained(
 }
 
 /// The files to write, checked before anything runs.
-fn wanted(args: &RunArgs) -> Result<Vec<(Format, PathBuf)>, Failure> {
+fn wanted(args: &RunArgs, setup: &Setup) -> Result<Vec<(Format, PathBuf)>, Failure> {
     let mut files = Vec::new();
     if let Some(folder) = &args.out {
         for (format, name) in [
@@ -357,7 +388,11 @@ fn wanted(args: &RunArgs) -> Result<Vec<(Format, PathBuf)>, Failure> {
     for (n, (format, path)) in files.iter().enumerate() {
         match format {
             Format::Contacts => outputs.check_table(path)?,
-            format => outputs.check(path, format.on_disk())?,
+            format => {
+                let paths = format.paths(path, setup);
+                let mut each = paths.iter();
+                each.try_for_each(|path| outputs.check(path, format.on_disk()))?;
+            }
         }
         if files[..n].iter().any(|(_, before)| before == path) {
             return Err(Failure::Input(format!(

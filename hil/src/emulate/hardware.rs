@@ -20,7 +20,8 @@ use palpate_records::trace::Event;
 use palpate_files::Setup;
 use palpate_run::Failure;
 use palpate_run::display_end::{self, OutputEnable};
-use palpate_run::effects::Faultable;
+use palpate_run::effects::{Faultable, FaultyDisplay};
+use palpate_run::place::Place;
 use palpate_run::plan;
 use palpate_run::script::Script;
 use palpate_run::skin;
@@ -37,6 +38,7 @@ pub(super) struct Hardware<'a> {
     /// When the scene began; the skin's own time starts there.
     scene_zero: Nanos,
     script: Script,
+    place: Place,
     /// The actuator side, for whoever reads what it came to.
     pub(super) display: WornDisplay,
     i2c: Shared<I2cHandle>,
@@ -58,6 +60,7 @@ impl<'a> Hardware<'a> {
             skin: boards(setup, &layout, seed)?,
             scene_zero: Nanos::ZERO,
             script: Script::new(&setup.scene.value.faults, &layout),
+            place: Place::whole(&setup.bench.value),
             setup,
             layout,
             seed,
@@ -109,9 +112,12 @@ impl<'a> Hardware<'a> {
             Instant::from_micros(scene_now.as_micros()),
             &mut Faultable {
                 skin: Some(&mut self.skin),
-                i2c: &self.i2c,
-                display: &mut self.display,
-                drive: self.setup.bench.value.drive,
+                display: Some(FaultyDisplay {
+                    i2c: &self.i2c,
+                    worn: &mut self.display,
+                    drive: self.setup.bench.value.drive,
+                    place: &self.place,
+                }),
             },
             &mut events,
         );

@@ -356,6 +356,7 @@ fn outcome(setup: &Setup, header: Header, mut done: Done) -> Outcome {
         can: Vec::new(),
         i2c: Vec::new(),
         notes: Vec::new(),
+        displays: Vec::new(),
         failure,
     }
     .concluded(setup, false)

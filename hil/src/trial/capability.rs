@@ -10,6 +10,9 @@ pub fn lacks(scene: &Scene, sensor: &SensorLayout, bench: &Bench) -> Vec<String>
     {
         missing.push(format!("display {display}"));
     }
+    if !bench.displays.is_empty() && scene.fingers.is_empty() {
+        missing.push("one display: the scene has no [[fingers]]".to_owned());
+    }
     let (BenchKind::Real, Some(real)) = (bench.kind, &bench.real) else {
         return missing;
     };

@@ -4,7 +4,7 @@ mod read;
 
 pub use read::{check_line, read_schedule};
 
-use crate::trace::{Event, Header, Source, Trace};
+use crate::trace::{DisplayInfo, Event, Header, Source, Trace};
 use palpate_core::schedule::Entry;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -35,6 +35,28 @@ struct HeaderLine<'a> {
     clock_ppm: Option<u32>,
     tau_d_us: u64,
     soa_us: u64,
+    /// Left out where there is one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    displays: Vec<DisplayLine<'a>>,
+}
+
+/// One of several displays: which board and channel drives each of its wires.
+#[derive(Serialize)]
+struct DisplayLine<'a> {
+    #[serde(flatten)]
+    display: &'a DisplayInfo,
+    outputs: Vec<(u8, u8)>,
+}
+
+impl<'a> DisplayLine<'a> {
+    fn all(header: &'a Header) -> Vec<Self> {
+        let mut wires = header.wires.iter().map(|w| (w.board, w.channel));
+        let line = |display: &'a DisplayInfo| Self {
+            display,
+            outputs: wires.by_ref().take(display.wires).collect(),
+        };
+        header.displays.iter().map(line).collect()
+    }
 }
 
 impl<'a> HeaderLine<'a> {
@@ -55,6 +77,7 @@ impl<'a> HeaderLine<'a> {
             clock_ppm: clock.tolerance_ppm(),
             tau_d_us: header.tau_d_us,
             soa_us: header.soa_us,
+            displays: DisplayLine::all(header),
         }
     }
 }

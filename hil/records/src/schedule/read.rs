@@ -133,6 +133,7 @@ pub fn read_schedule(
             kc: 0,
             taxels: Vec::new(),
             wires,
+            displays: Vec::new(),
         },
         events,
         ledger: Ledger {

@@ -118,6 +118,14 @@ fn board(buses: &[Vec<u8>], output: &palpate_files::Output) -> Board {
 /// # Errors
 /// [`Failure::Input`] with what no display can be.
 pub fn display(setup: &Setup) -> Result<Display, Failure> {
+    if !setup.bench.value.displays.is_empty() {
+        let expected = "one display: only `hil run` and `hil test` drive several";
+        return Err(Failure::File(setup.bench.source.bad_found(
+            "displays",
+            expected,
+            format!("{} displays", setup.bench.value.displays.len()),
+        )));
+    }
     let buses = buses(&setup.bench.value);
     let outputs = &setup.bench.value.outputs;
     display_of(&setup.display.value, |wire| {

@@ -13,8 +13,12 @@ use crate::failure::Failure;
 
 /// So many widths are computed; between two of them the amplitude is taken to be straight.
 const SAMPLES: u16 = 12;
-/// Bursts before the one that counts: wire and tissue have got warm.
-const BEFORE: u64 = 7;
+/// Bursts before the ones that count: wire and tissue have got warm. A loose wire moves up to ten times as far at the same
+/// pulse while its mean temperature still rises and takes up the play, so no table by width alone is right at every burst. Of
+/// those tried this one has the fewest jumps (docs/render.md).
+const BEFORE: u64 = 8;
+/// Bursts that count.
+const COUNTED: usize = 2;
 
 /// A setup's wire on a finger, at rest, whose motion is kept for a person to feel.
 pub(crate) fn felt_wire(setup: &Setup) -> Result<Wire, Failure> {
@@ -48,8 +52,10 @@ pub(super) fn response(
         let width = (u32::from(widest) * u32::from(sample)).div_ceil(u32::from(SAMPLES)) as u16;
         if known.last().is_none_or(|(last, _)| width > *last) {
             let felt = bursts.felt(Ticks::new(width), pattern.prescale(), (pulses, timing.soa));
-            let (energy, db) = felt.map_or((0.0, 0.0), |f| (f.energy, f.levels.db()));
-            let amplitude = libm::sqrt(energy / pulses as f64);
+            let energies = felt.map(|felt| felt.map_or(0.0, |f| f.energy / pulses as f64));
+            // The root of their geometric mean.
+            let amplitude = libm::sqrt(libm::sqrt(energies.iter().product()));
+            let db = felt[COUNTED - 1].map_or(0.0, |f| f.levels.db());
             known.push((width, amplitude as f32));
             // Levels go with amplitudes. Narrow pulses, which come first, warm the wire least: bursts there are alike.
             threshold.get_or_insert(amplitude * libm::pow(10.0, -db / 20.0));
@@ -87,30 +93,32 @@ impl Bursts {
         })
     }
 
-    /// What is felt of so many pulses of this width, once wire and tissue have got warm.
+    /// What is felt of each of two bursts of so many pulses of this width, once wire and tissue have got warm.
     pub fn felt(
         &self,
         width: Ticks,
         prescale: Prescale,
         (pulses, soa): (u64, Duration),
-    ) -> Option<Felt> {
+    ) -> [Option<Felt>; COUNTED] {
         let (mut wire, mut perceiver) = (self.wire.clone(), self.perceiver.clone());
         let wide = Nanos(u64::from(width.get()) * prescale.tick_ns());
         let soa = soa.as_micros();
-        for burst in 0..=BEFORE {
-            let start = Nanos::from_micros(burst * soa);
-            wire.take_stretches(start, |stretch| perceiver.pass(0, stretch));
-            perceiver.settle();
+        let mut burst = |n: u64| {
+            let start = Nanos::from_micros(n * soa);
             perceiver.onset();
             for pulse in 0..pulses {
                 let at = start + Nanos(pulse * prescale.period_ns());
                 wire.set_current(at, self.amps);
                 wire.set_current(at + wide, 0.0);
             }
+            let end = Nanos::from_micros((n + 1) * soa);
+            wire.take_stretches(end, |stretch| perceiver.pass(0, stretch));
+            perceiver.settle();
+            perceiver.felt(START_C)
+        };
+        for n in 0..BEFORE {
+            burst(n);
         }
-        let end = Nanos::from_micros((BEFORE + 1) * soa);
-        wire.take_stretches(end, |stretch| perceiver.pass(0, stretch));
-        perceiver.settle();
-        perceiver.felt(START_C)
+        core::array::from_fn(|n| burst(BEFORE + n as u64))
     }
 }

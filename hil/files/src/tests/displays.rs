@@ -1,0 +1,158 @@
+//! Benches of several displays, and scenes that drive them.
+
+use crate::{Bench, FingerRule, Loaded, Scene, Setup, Source, load_bench, load_scene};
+
+const HEAD: &str = "name = \"hand\"\ndescription = \"A hand.\"\n";
+
+fn bench(text: &str) -> Result<Loaded<Bench>, String> {
+    let source = Source::new("b.toml", format!("{HEAD}{text}"));
+    let value = Bench::read(&source).map_err(|e| e.to_string())?;
+    Ok(Loaded { value, source })
+}
+
+/// `allegro-grasp` with other [[fingers]].
+fn grasp(fingers: &str) -> Loaded<Scene> {
+    let text = palpate_fixtures::scene("allegro-grasp").unwrap();
+    let first = text.find("[[fingers]]").unwrap();
+    let (head, rest) = text.split_at(first);
+    let rest = &rest[rest.find("# A tennis ball").unwrap()..];
+    let source = Source::new("s.toml", format!("{head}{fingers}\n{rest}"));
+    let value = Scene::read(&source).unwrap();
+    Loaded { value, source }
+}
+
+fn refused(fingers: &str) -> String {
+    let hand = load_bench("allegro-hand").unwrap();
+    Setup::join(grasp(fingers), hand).unwrap_err().to_string()
+}
+
+fn finger(display: &str, modules: &str, rule: &str) -> String {
+    format!("[[fingers]]\ndisplay = \"{display}\"\nmodules = {modules}\n{rule}\n")
+}
+
+#[test]
+fn displays_take_the_outputs_of_one_chip_after_the_other() {
+    let bench = load_bench("allegro-hand").unwrap().value;
+    let outputs: Vec<_> = bench.outputs.iter().map(|o| (o.board, o.channel)).collect();
+    let counted = (0..32).map(|n| (0x40 + n / 16, n % 16));
+    assert_eq!(outputs, counted.collect::<Vec<_>>());
+    assert_eq!((bench.displays.len(), bench.boards()), (4, 2));
+}
+
+#[test]
+fn a_scene_says_which_modules_drive_which_display() {
+    let hand = load_bench("allegro-hand").unwrap();
+    let setup = Setup::join(load_scene("allegro-grasp").unwrap(), hand).unwrap();
+    let fingers: Vec<_> = setup
+        .fingers
+        .iter()
+        .map(|f| (&*f.name, f.wires.clone()))
+        .collect();
+    let wires = [0..8, 8..16, 16..24, 24..32];
+    let names = ["index", "middle", "ring", "thumb"];
+    assert_eq!(fingers, names.into_iter().zip(wires).collect::<Vec<_>>());
+    assert_eq!(setup.fingers[3].modules, [12, 13, 14]);
+    assert_eq!(setup.scene.value.fingers[0].rule, Some(FingerRule::First));
+    // A bench of one display has `drives`.
+    let one = load_bench("emulated").unwrap();
+    let setup = Setup::join(load_scene("allegro-grasp").unwrap(), one).unwrap();
+    assert!(setup.fingers.is_empty());
+}
+
+#[test]
+fn benches_that_cannot_be_are_refused() {
+    let two =
+        |keys: &str| format!("{keys}\n[[displays]]\nname = \"a\"\n[[displays]]\nname = \"b\"\n");
+    let on = |name: &str, channels: [u8; 3]| {
+        let output = |c| format!("{{ board = 0x40, channel = {c} }}");
+        let outputs = channels.map(output).join(", ");
+        format!(
+            "[[displays]]\nname = \"{name}\"\nlayout = \"three-in-line\"\noutputs = [{outputs}]\n"
+        )
+    };
+    for (text, expected) in [
+        (
+            on("a", [0, 1, 2]) + &on("b", [3, 1, 4]),
+            "displays[1].outputs[1].channel: expected an output of its own: display `a` has channel 1 of board 0x40",
+        ),
+        (
+            on("a", [0, 1, 2]) + &on("a", [3, 4, 5]),
+            "displays[1].name: expected a name of its own",
+        ),
+        (
+            on("a", [0, 1, 2]).replace("three-in-line", "thimble-8"),
+            "displays[0].outputs: expected 8 outputs, one per wire of `thimble-8`, found 3",
+        ),
+        (
+            on("a", [0, 1, 2]).replacen("{ board", "{ bus = 1, board", 1),
+            "displays[0].outputs[1].bus: expected 1: the wires of one display are on one bus",
+        ),
+        (
+            two("drive.current_ma = 1970.0\ndrive.supply_limit_ma = 1975.0")
+                + "[[displays]]\nname = \"c\"\n",
+            "drive.supply_limit_ma: expected at least 3940 mA: 2 boards with one wire of 1970 mA each, which are not in step, found 1975 mA",
+        ),
+        (
+            two("outputs = [{ board = 0x40, channel = 0 }]"),
+            "outputs: expected nothing: every one of [[displays]] has its own",
+        ),
+        (
+            "[[displays]]\nname = \"Index\"\n".to_owned(),
+            "displays[0].name: expected lower-case letters",
+        ),
+        (
+            "[[displays]]\nname = \"a\"\nlayout = \"uskin-4x4\"\n".to_owned(),
+            "displays[0].layout: expected a layout of kind \"display\"",
+        ),
+    ] {
+        let error = bench(&text).unwrap_err();
+        assert!(error.contains(expected), "{error}\n{expected}");
+    }
+}
+
+#[test]
+fn scenes_that_cannot_drive_them_are_refused() {
+    let first = "rule = \"first\"";
+    let all = "[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14]";
+    for (fingers, expected) in [
+        (
+            String::new(),
+            "fingers: expected [[fingers]]: what drives the bench's displays `index`",
+        ),
+        (
+            finger("index", "[0, 1, 2, 3]", first),
+            "fingers: expected all 15 modules of `allegro`, each once",
+        ),
+        (
+            finger("index", "[0, 1, 2, 3]", first),
+            "found none with module 4 (`middle-tip`), which drives nothing",
+        ),
+        (
+            finger("index", all, first) + &finger("ring", "[8]", ""),
+            "fingers[1].modules[0]: expected a module of one finger: it drives `index` already, found 8",
+        ),
+        (
+            finger("index", all, ""),
+            "fingers[0].rule: expected \"first\" or \"merged\"",
+        ),
+        (
+            finger("index", "[0]", first),
+            "fingers[0].rule: expected nothing: one module needs no rule",
+        ),
+        (
+            finger("index", "[15]", ""),
+            "fingers[0].modules[0]: expected a number from 0 to 14",
+        ),
+        (
+            finger("index", "[]", ""),
+            "fingers[0].modules: expected at least one module",
+        ),
+        (
+            finger("toe", all, first),
+            "fingers[0].display: expected a display of bench `allegro-hand`: `index`, `middle`, `ring`, `thumb`, found \"toe\"",
+        ),
+    ] {
+        let error = refused(&fingers);
+        assert!(error.contains(expected), "{error}\n{expected}");
+    }
+}

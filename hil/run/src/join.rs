@@ -1,0 +1,329 @@
+//! What the fingers of a run came to, as one trace and one summary in the numbers of bench and scene.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use palpate_core::bus::Received;
+use palpate_core::guard::Limits;
+use palpate_core::units::Board;
+use palpate_files::Setup;
+use palpate_records::margin::{Limited, Margin, sort};
+use palpate_records::trace::{DisplayInfo, Event, Ledger, Trace};
+
+use crate::boards::BusReport;
+use crate::effort::Effort;
+use crate::failure::Failure;
+use crate::path_error::PathError;
+use crate::place::Place;
+use crate::script::FaultReport;
+use crate::summary::{DisplaySummary, FrameTime, Summary, Taxels};
+use crate::{DisplayOutcome, Outcome};
+
+/// A finger's run, in its own numbers.
+pub(crate) struct Part {
+    pub(crate) place: Place,
+    pub(crate) limits: Limits,
+    pub(crate) outcome: Outcome,
+}
+
+/// What all fingers have in common.
+#[derive(Default)]
+pub(crate) struct Common {
+    /// Notes of the skin's faults.
+    pub(crate) events: Vec<Event>,
+    /// What became of these.
+    pub(crate) faults: Vec<FaultReport>,
+    pub(crate) can: Vec<Received>,
+    pub(crate) buses: Vec<BusReport>,
+}
+
+impl Part {
+    fn name(&self) -> &str {
+        self.place.name.as_deref().unwrap_or_default()
+    }
+
+    /// With boards and modules by the numbers of bench and skin; wires stay the display's own.
+    fn renumber(&mut self) {
+        let place = self.place.clone();
+        let of_board = |own: u8| place.boards.get(usize::from(own)).copied().unwrap_or(own);
+        let of_module = |own: usize| place.modules.get(own).copied().unwrap_or(own);
+        let outcome = &mut self.outcome;
+        for wire in &mut outcome.trace.header.wires {
+            wire.board = of_board(wire.board);
+        }
+        for event in &mut outcome.trace.events {
+            match event {
+                Event::Schedule(entry) => entry.board = Board(of_board(entry.board.0)),
+                Event::PreScale { board, .. }
+                | Event::AllOff { board, .. }
+                | Event::Edge { board, .. } => *board = of_board(*board),
+                Event::Contact { module, .. } => *module = of_module(usize::from(*module)) as u16,
+                _ => {}
+            }
+        }
+        let summary = &mut outcome.summary;
+        summary
+            .boards
+            .iter_mut()
+            .for_each(|b| b.module = of_module(b.module));
+        summary
+            .taxels
+            .ill
+            .iter_mut()
+            .for_each(|t| t.module = of_module(t.module));
+    }
+
+    /// Most current of its supply at one instant, A.
+    fn peak_a(&self) -> f64 {
+        self.outcome.summary.peak_supply_a.unwrap_or(0.0)
+    }
+}
+
+/// Joins the fingers' runs.
+pub(crate) fn join(setup: &Setup, mut parts: Vec<Part>, common: Common) -> Outcome {
+    parts.iter_mut().for_each(Part::renumber);
+    let mut events = common.events.clone();
+    events.extend(whole_boards(&parts));
+    for part in &parts {
+        events.extend(
+            part.outcome
+                .trace
+                .events
+                .iter()
+                .filter_map(|e| shared(part, e)),
+        );
+    }
+    events.sort_by_key(Event::t_ns);
+    let ledger = ledger(setup, &parts);
+    let mut header = parts[0].outcome.trace.header.clone();
+    header.bench.clone_from(&setup.bench.value.name);
+    header.wires = all(&parts, |o| o.trace.header.wires.clone());
+    header.displays = parts.iter().map(displayed).collect();
+    let mut summary = summary(&parts, &ledger, &common);
+    summary.bench.clone_from(&header.bench);
+    let mut i2c = all(&parts, |o| o.i2c.clone());
+    i2c.sort_by_key(|t| t.start_ns);
+    Outcome {
+        trace: Trace {
+            header,
+            events,
+            ledger,
+        },
+        summary,
+        frame_us: all(&parts, |o| o.frame_us.clone()),
+        warmth: Vec::new(),
+        effort: Effort::sum(parts.iter().map(|p| &p.outcome.effort)),
+        failure: parts.iter().find_map(failed),
+        can: common.can,
+        i2c,
+        readings: None,
+        notes: Vec::new(),
+        displays: parts
+            .into_iter()
+            .map(|part| DisplayOutcome {
+                name: part.name().to_owned(),
+                outcome: part.outcome,
+            })
+            .collect(),
+    }
+}
+
+fn all<T>(parts: &[Part], of: impl Fn(&Outcome) -> Vec<T>) -> Vec<T> {
+    parts.iter().flat_map(|p| of(&p.outcome)).collect()
+}
+
+fn displayed(part: &Part) -> DisplayInfo {
+    DisplayInfo {
+        name: part.name().to_owned(),
+        wires: part.place.wires,
+        modules: part.place.modules.iter().map(|m| *m as u16).collect(),
+    }
+}
+
+/// A failure of one finger, which says whose it is.
+fn failed(part: &Part) -> Option<Failure> {
+    let failure = part.outcome.failure.as_ref()?;
+    let text = format!("display `{}`: {failure}", part.name());
+    Some(match failure {
+        Failure::Guard(_) => Failure::Guard(text),
+        _ => Failure::Device(text),
+    })
+}
+
+/// Records of whole boards, where all displays on a board have them alike, once.
+fn whole_boards(parts: &[Part]) -> Vec<Event> {
+    let mut alike: BTreeMap<(u64, u8, String), (usize, Event)> = BTreeMap::new();
+    for event in parts.iter().flat_map(|p| &p.outcome.trace.events) {
+        if let Event::AllOff { t_us, board, .. } | Event::PreScale { t_us, board, .. } = event {
+            let key = (*t_us, *board, format!("{event:?}"));
+            alike.entry(key).or_insert_with(|| (0, event.clone())).0 += 1;
+        }
+    }
+    let on = |board: u8| {
+        parts
+            .iter()
+            .filter(|p| p.place.boards.contains(&board))
+            .count()
+    };
+    let whole = alike
+        .into_iter()
+        .filter(|((_, board, _), (count, _))| *count == on(*board));
+    whole.map(|(_, (_, event))| event).collect()
+}
+
+/// An event as the common trace has it: notes say whose they are; what is felt of which touch is each display's own.
+fn shared(part: &Part, event: &Event) -> Option<Event> {
+    let first = part.place.first_wire as u16;
+    match event.clone() {
+        Event::Truth { .. } | Event::Felt { .. } | Event::Latent { .. } => None,
+        Event::PreScale { .. } => None,
+        Event::AllOff { t_us, board, cause } => match cause {
+            "start" | "end" => None,
+            _ => Some(Event::Note {
+                t_us,
+                text: format!("{}: its wires on board {board} off: {cause}", part.name()),
+            }),
+        },
+        Event::Note { t_us, text } => Some(Event::Note {
+            t_us,
+            text: format!("{}: {text}", part.name()),
+        }),
+        Event::Wire {
+            t_us,
+            wire,
+            milli_c,
+        } => Some(Event::Wire {
+            t_us,
+            wire: first + wire,
+            milli_c,
+        }),
+        Event::Skin {
+            t_us,
+            wire,
+            milli_c,
+        } => Some(Event::Skin {
+            t_us,
+            wire: first + wire,
+            milli_c,
+        }),
+        event => Some(event),
+    }
+}
+
+fn ledger(setup: &Setup, parts: &[Part]) -> Ledger {
+    let mut sum = Ledger::default();
+    for part in parts {
+        let own = &part.outcome.trace.ledger;
+        sum.driven.stimuli += own.driven.stimuli;
+        sum.driven.limiter_events += own.driven.limiter_events;
+        sum.driven.widest = sum.driven.widest.max(own.driven.widest);
+        sum.energy_uj += own.energy_uj;
+        sum.length_us = sum.length_us.max(own.length_us);
+        let first = part.place.first_wire as u16;
+        let hottest = own.hottest_wire.map(|(t, wire)| (t, first + wire));
+        sum.hottest_wire = sum.hottest_wire.max(hottest);
+        for margin in &own.margins {
+            match sum.margins.iter_mut().find(|m| m.of == margin.of) {
+                Some(worst) if worst.worst() < margin.worst() => *worst = margin.clone(),
+                Some(_) => {}
+                None => sum.margins.push(margin.clone()),
+            }
+        }
+    }
+    let supply = setup.bench.value.drive.supply_limit_ma * 1e-3;
+    for margin in sum
+        .margins
+        .iter_mut()
+        .filter(|m| m.of == Limited::SupplyCurrent)
+    {
+        *margin = Margin::new(margin.of, peak_supply_a(parts), supply);
+    }
+    sort(&mut sum.margins);
+    sum
+}
+
+/// The most that the supply may have given: boards run asynchronously, so the peaks of all of them add.
+fn peak_supply_a(parts: &[Part]) -> f64 {
+    let boards: BTreeSet<u8> = parts.iter().flat_map(|p| p.place.boards.clone()).collect();
+    let of_board = |board: u8| {
+        let on = parts.iter().filter(|p| p.place.boards.contains(&board));
+        // The peak of a display on several boards is that of all of them together.
+        on.map(|p| p.peak_a() / p.place.boards.len() as f64)
+            .fold(0.0, f64::max)
+    };
+    boards.into_iter().map(of_board).sum()
+}
+
+/// A path, and what is felt of it, are those of the display with the largest error; sums and maxima are of all.
+fn summary(parts: &[Part], ledger: &Ledger, common: &Common) -> Summary {
+    let each = || parts.iter().map(|p| &p.outcome.summary);
+    let rmse = |e: &Option<PathError>| e.as_ref().map_or(f64::NEG_INFINITY, |e| e.rmse);
+    let farthest = |of: fn(&Summary) -> &Option<PathError>| {
+        let mut all: Vec<&Summary> = each().collect();
+        all.sort_by(|a, b| rmse(of(b)).total_cmp(&rmse(of(a))));
+        all[0]
+    };
+    let mut sum = farthest(|s| &s.felt.error_energy_mm).clone();
+    sum.path_error_mm = farthest(|s| &s.path_error_mm).path_error_mm;
+    sum.frames = each().map(|s| s.frames).max().unwrap_or(0);
+    sum.contacts = each().map(|s| s.contacts).sum();
+    sum.stimuli = ledger.driven.stimuli;
+    sum.limiter_events = ledger.driven.limiter_events;
+    sum.energy_mj = Some(ledger.energy_uj as f64 * 1e-3);
+    sum.peak_supply_a = Some(peak_supply_a(parts));
+    sum.hottest_wire_c = ledger.hottest_wire.map(|(t, _)| f64::from(t) * 1e-3);
+    let hottest = each().filter_map(|s| s.hottest_skin_c);
+    sum.hottest_skin_c = hottest.reduce(f64::max);
+    sum.margins.clone_from(&ledger.margins);
+    sum.frame_us = FrameTime::of(parts.iter().flat_map(|p| &p.outcome.frame_us).copied());
+    sum.boards = each().flat_map(|s| s.boards.clone()).collect();
+    sum.boards.sort_by_key(|b| b.module);
+    sum.taxels = Taxels::joined(
+        parts
+            .iter()
+            .map(|p| (&*p.place.modules, &p.outcome.summary.taxels)),
+    );
+    sum.buses.clone_from(&common.buses);
+    sum.faults = faults(parts, common);
+    sum.displays = parts.iter().map(of_display).collect();
+    sum
+}
+
+/// Faults of the skin, then of the displays: one that meets several displays is one fault.
+fn faults(parts: &[Part], common: &Common) -> Vec<FaultReport> {
+    let mut all = common.faults.clone();
+    let mut met: Vec<FaultReport> = Vec::new();
+    for report in parts.iter().flat_map(|p| &p.outcome.summary.faults) {
+        let same = |r: &&mut FaultReport| (&r.what, r.at_s) == (&report.what, report.at_s);
+        match met.iter_mut().find(same) {
+            Some(first) => first.count += report.count,
+            None => met.push(report.clone()),
+        }
+    }
+    all.append(&mut met);
+    all
+}
+
+fn of_display(part: &Part) -> DisplaySummary {
+    let summary = &part.outcome.summary;
+    let stops: BTreeSet<(u64, &str)> = (part.outcome.trace.events.iter())
+        .filter_map(|event| match event {
+            Event::AllOff { t_us, cause, .. } if !["start", "end"].contains(cause) => {
+                Some((*t_us, *cause))
+            }
+            _ => None,
+        })
+        .collect();
+    DisplaySummary {
+        name: part.name().to_owned(),
+        modules: part.place.modules.clone(),
+        boards: part.place.boards.clone(),
+        path_error_mm: summary.path_error_mm,
+        felt: summary.felt.clone(),
+        stimuli: summary.stimuli,
+        limiter_events: summary.limiter_events,
+        hottest_skin_c: summary.hottest_skin_c,
+        supply_share_a: f64::from(part.limits.supply.0) * 1e-3,
+        stops: stops.len() as u64,
+        failure: part.outcome.failure.as_ref().map(ToString::to_string),
+    }
+}

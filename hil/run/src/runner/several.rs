@@ -1,0 +1,226 @@
+//! A run of several displays: one skin, and a session per finger. No session knows of another, so what befalls one
+//! finger changes nothing of the others'; what they share, boards and supply, is shared out before the run begins.
+
+use palpate_core::contact::Levels;
+use palpate_core::skin::Layout;
+use palpate_core::units::{Duration, Instant};
+use palpate_files::Setup;
+use palpate_records::trace::{Event, Header};
+
+use super::{Run, part};
+use crate::display_end::EmulatedDisplay;
+use crate::effects::Faultable;
+use crate::failure::Failure;
+use crate::join::{Common, Part, join};
+use crate::pads::Pads;
+use crate::place::{Place, fingers};
+use crate::plan;
+use crate::recorder::Truth;
+use crate::script::Script;
+use crate::session::{Session, TICK, Turn};
+use crate::skin_end::SkinEnd;
+use crate::{Host, Outcome};
+
+/// A finger's session, and whether it has ended before the run.
+struct Finger {
+    place: Place,
+    header: Header,
+    session: Session<Pads, EmulatedDisplay>,
+    ended: bool,
+}
+
+impl Finger {
+    /// A turn, if one is due; something that ends it ends no other finger.
+    fn turn(&mut self, now: Instant, skin: &mut impl SkinEnd) -> Result<(), Failure> {
+        if self.ended || self.session.next() > now {
+            return Ok(());
+        }
+        if self.session.turn(now)? == Turn::Last {
+            self.end(now);
+        }
+        self.session.skin().exchange(skin);
+        Ok(())
+    }
+
+    /// Everything of it off at `now`, once.
+    fn end(&mut self, now: Instant) {
+        if std::mem::replace(&mut self.ended, true) {
+            return;
+        }
+        if let Err(e) = self.session.switch_off(now)
+            && self.session.failure().is_none()
+        {
+            self.session.lose(&e);
+            self.session.set_failure(Failure::Device(e.to_string()));
+        }
+    }
+}
+
+impl Run<'_> {
+    /// The pass that counts, of every finger, on one skin until `end`.
+    pub(super) fn several<S: SkinEnd>(
+        &self,
+        levels: &Levels,
+        mut skin: S,
+        truth: &Truth,
+        end: Instant,
+        host: &mut dyn Host,
+    ) -> Result<(Outcome, S), Failure> {
+        if host.looks_on() {
+            let expected = "--watch: expected a bench of one display";
+            return Err(Failure::Input(expected.into()));
+        }
+        let alone = fingers(self.setup);
+        let layouts = alone.iter().map(|(_, s)| plan::layout(&s.sensor.value));
+        let layouts: Vec<Layout> = layouts.collect::<Result<_, _>>()?;
+        let runs = alone.iter().zip(&layouts).map(|((_, setup), layout)| Run {
+            setup,
+            layout,
+            ..*self
+        });
+        let runs: Vec<Run<'_>> = runs.collect();
+        let mut fingers = Vec::new();
+        for ((run, (place, _)), finger) in runs.iter().zip(&alone).zip(&self.setup.fingers) {
+            let truth = match truth {
+                // One felt place is held against one touched module.
+                Truth::Scene(_) if !finger.merged => Truth::on(self.setup, finger.modules[0]),
+                _ => Truth::Unknown,
+            };
+            let pads = Pads::new(&place.modules);
+            let (header, session) =
+                run.assemble(levels.clone(), pads, truth, place.clone(), host)?;
+            fingers.push(Finger {
+                place: place.clone(),
+                header,
+                session,
+                ended: false,
+            });
+        }
+        stagger(self.setup, &mut fingers)?;
+        let (last, common) = self.play(&mut fingers, &mut skin, end, host)?;
+        let replayed = matches!(truth, Truth::Unknown);
+        let mut parts = Vec::new();
+        for (run, mut finger) in runs.iter().zip(fingers) {
+            finger.end(last);
+            let (display, projector, recorder) = finger.session.all();
+            display.settle(last, projector, recorder)?;
+            let outcome = run.outcome(finger.header, &mut finger.session, last, host)?;
+            parts.push(Part {
+                place: finger.place,
+                limits: *finger.session.projector().guard().limits(),
+                outcome: outcome.concluded(run.setup, replayed),
+            });
+        }
+        let common = Common {
+            can: skin.take_frames(),
+            buses: skin.buses(),
+            ..common
+        };
+        Ok((join(self.setup, parts, common), skin))
+    }
+
+    /// Turn after turn. The skin is read at times that no finger sets: each then finds what it would find alone.
+    fn play<S: SkinEnd>(
+        &self,
+        fingers: &mut [Finger],
+        skin: &mut S,
+        end: Instant,
+        host: &mut dyn Host,
+    ) -> Result<(Instant, Common), Failure> {
+        let faults = self.setup.scene.value.faults.iter();
+        let of_skin = faults.filter(|fault| !fault.kind.is_of_display());
+        let mut script = Script::new(of_skin, self.layout);
+        let mut events = Vec::new();
+        let mut fail = |now, skin: &mut S, events: &mut Vec<Event>| {
+            let mut bench = Faultable {
+                skin: skin.emulated(),
+                display: None,
+            };
+            if now < end {
+                script.step(now, &mut bench, events);
+            } else {
+                script.finish(now, &mut bench, events);
+            }
+            script.next()
+        };
+        for finger in &mut *fingers {
+            // The policy waits for boards that do not answer, so this cannot fail.
+            let _ = finger.session.start(Instant::ZERO);
+        }
+        let mut due = fail(Instant::ZERO, skin, &mut events).min(Instant::ZERO + TICK);
+        let mut now = Instant::ZERO;
+        while !host.passed(part(now, end)) {
+            let turns = fingers.iter().filter(|f| !f.ended);
+            let next = turns.map(|f| f.session.next()).fold(due, Instant::min);
+            if next >= end {
+                now = end;
+                break;
+            }
+            now = next;
+            if now >= due {
+                skin.advance_to(now);
+                let read = skin.scans(now, &mut |scan| {
+                    fingers
+                        .iter_mut()
+                        .for_each(|f| f.session.skin().offer(scan));
+                });
+                if let Err(e) = read {
+                    let failed = || Failure::Device(format!("sensor bus: {e}"));
+                    fingers
+                        .iter_mut()
+                        .for_each(|f| f.session.set_failure(failed()));
+                    break;
+                }
+                due = fail(now, skin, &mut events).min(now + TICK);
+            }
+            for finger in &mut *fingers {
+                finger.turn(now, skin)?;
+            }
+        }
+        skin.advance_to(now);
+        let _ = fail(end, skin, &mut events);
+        let common = Common {
+            events,
+            faults: script.report(),
+            ..Common::default()
+        };
+        Ok((now, common))
+    }
+}
+
+/// Gives every finger its place on the grid of onsets: bursts of those that share a board never meet. Within a burst
+/// the guard keeps a board's wires apart, so at most one wire's current flows per board.
+fn stagger(setup: &Setup, fingers: &mut [Finger]) -> Result<(), Failure> {
+    let mut ranks: Vec<u64> = Vec::new();
+    for (index, finger) in fingers.iter().enumerate() {
+        let shares = |other: &Finger| {
+            let mut boards = other.place.boards.iter();
+            boards.any(|board| finger.place.boards.contains(board))
+        };
+        let earlier = fingers[..index].iter().zip(&ranks);
+        let taken: Vec<u64> = earlier.filter(|(f, _)| shares(f)).map(|f| *f.1).collect();
+        ranks.extend((0..).find(|rank| !taken.contains(rank)));
+    }
+    let slots = ranks.iter().max().map_or(1, |most| most + 1);
+    for (finger, rank) in fingers.iter_mut().zip(ranks) {
+        let projector = finger.session.projector_mut();
+        let (timing, off) = (projector.timing(), projector.guard().surplus());
+        let soa_us = timing.soa.as_micros();
+        let burst = timing.duration + off;
+        if slots > 1 && soa_us / slots < burst.as_micros() {
+            let ms = |d: Duration| d.as_micros() as f64 * 1e-3;
+            let most = soa_us / burst.as_micros();
+            let expected = format!(
+                "at most {most} displays per board: bursts of {} ms and {} ms until all is off, one after the other within {} ms from onset to onset",
+                ms(timing.duration),
+                ms(off),
+                ms(timing.soa)
+            );
+            let found = format!("{slots} that share boards");
+            let error = setup.bench.source.bad_found("displays", expected, found);
+            return Err(Failure::File(error));
+        }
+        projector.begin_at(Instant::from_micros(soa_us * rank / slots));
+    }
+    Ok(())
+}
