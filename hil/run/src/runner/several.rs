@@ -105,10 +105,15 @@ impl Run<'_> {
             let (display, projector, recorder) = finger.session.all();
             display.settle(last, projector, recorder)?;
             let outcome = run.outcome(finger.header, &mut finger.session, last, host)?;
+            // The whole scene's faults say what may be missing; the person is the finger's.
+            let judged = Setup {
+                person: run.setup.person.clone(),
+                ..self.setup.clone()
+            };
             parts.push(Part {
                 place: finger.place,
                 limits: *finger.session.projector().guard().limits(),
-                outcome: outcome.concluded(run.setup, replayed),
+                outcome: outcome.concluded(&judged, replayed),
             });
         }
         let common = Common {
