@@ -35,12 +35,16 @@ pub struct Inverse {
 /// One way to distribute pulses over wires, and the amplitudes that go best with it.
 #[derive(Clone, Copy, Debug)]
 struct Split {
+    /// Pulses of a wire, or one less.
     most: u8,
-    /// Wires of this share or more have a pulse less.
-    fewer_from: f32,
+    /// Logarithm of the part of all pulses that a wire with a pulse less has.
+    fewer: f32,
     /// From 0, where the energy centroid is exact, to 1, where the amplitude centroid is.
     blend: f32,
 }
+
+/// The logarithm of no share.
+const NO_SHARE: f32 = f32::NEG_INFINITY;
 
 /// Distances of both centroids from the contact, mm.
 #[derive(Clone, Copy, Debug)]
@@ -50,15 +54,10 @@ struct Misses {
 }
 
 impl Split {
-    fn pulses(&self, share: f32) -> u8 {
-        self.most - u8::from(share >= self.fewer_from)
-    }
-
     /// Between the two exact laws, sqrt(share / pulses) and share.
-    fn amplitude(&self, share: f32) -> f32 {
-        let fewer = f32::from(self.pulses(share)) / f32::from(self.most);
-        let exponent =
-            (1.0 + self.blend) * libm::logf(share) - (1.0 - self.blend) * libm::logf(fewer);
+    fn amplitude(&self, log_share: f32, pulses: u8) -> f32 {
+        let fewer = if pulses < self.most { self.fewer } else { 0.0 };
+        let exponent = (1.0 + self.blend) * log_share - (1.0 - self.blend) * fewer;
         libm::expf(0.5 * exponent)
     }
 }
@@ -77,18 +76,24 @@ impl Inverse {
             return;
         };
         let largest = amplitudes.iter().copied().fold(0.0, f32::max);
-        let mut best = self.fit(near, amplitudes, most, f32::INFINITY);
         let weak = amplitudes.iter().filter(|s| **s < STRONG * largest);
-        if most > TAP && weak.sum::<f32>() >= WEAK {
-            let other = self.fit(near, amplitudes, most, STRONG * largest);
+        let spares = most > TAP && weak.sum::<f32>() >= WEAK;
+        for (share, n) in amplitudes.iter().zip(&mut *pulses) {
+            *n -= u8::from(spares && *share >= STRONG * largest);
+        }
+        logarithms(amplitudes);
+        let mut best = self.fit(near, amplitudes, most, |_| most);
+        let mut spared = false;
+        if spares {
+            let other = self.fit(near, amplitudes, most, |wire| pulses[wire]);
             if other.1 < best.1 {
-                best = other;
+                (best, spared) = (other, true);
             }
         }
-        for (share, n) in amplitudes.iter().zip(&mut *pulses) {
-            *n = best.0.pulses(*share);
+        if !spared {
+            pulses.fill(most);
         }
-        self.settle(near, &best.0, amplitudes, |wire| f32::from(pulses[wire]));
+        self.settle(near, &best.0, amplitudes, |wire| pulses[wire]);
         let energies = amplitudes.iter().zip(pulses);
         let energy: f32 = energies.map(|(a, n)| f32::from(*n) * a * a).sum();
         let scale = scale * libm::sqrtf(f32::from(most) / energy);
@@ -108,12 +113,16 @@ impl Inverse {
         Some((near, 1.0 - beyond / self.margin))
     }
 
-    /// Shares in place to amplitudes.
-    fn settle(&self, at: Point, split: &Split, out: &mut [f32], pulses: impl Fn(usize) -> f32) {
+    /// Logarithms of shares in place to amplitudes.
+    fn settle(&self, at: Point, split: &Split, out: &mut [f32], pulses: impl Fn(usize) -> u8) {
         let mut active = 0;
-        for a in out.iter_mut().filter(|a| **a > 0.0) {
-            *a = split.amplitude(*a);
-            active += 1;
+        for (wire, a) in out.iter_mut().enumerate() {
+            if *a > NO_SHARE {
+                *a = split.amplitude(*a, pulses(wire));
+                active += 1;
+            } else {
+                *a = 0.0;
+            }
         }
         // Of two wires the blend says all there is to say.
         if active > 2 {
@@ -125,11 +134,11 @@ impl Inverse {
 
     /// One Gauss-Newton step of the logarithms of amplitudes towards the least squares of both misses, the smallest of all
     /// steps that lead there.
-    fn step(&self, at: Point, amplitudes: &mut [f32], pulses: &impl Fn(usize) -> f32) {
+    fn step(&self, at: Point, amplitudes: &mut [f32], pulses: &impl Fn(usize) -> u8) {
         let active = |a: &[f32]| -> [f32; 6] {
             let mut sums = [0.0; 6];
             for (wire, &a) in a.iter().enumerate().filter(|(_, a)| **a > 0.0) {
-                let (place, energy) = (self.cells.place(wire), pulses(wire) * a * a);
+                let (place, energy) = (self.cells.place(wire), f32::from(pulses(wire)) * a * a);
                 let (x, y) = (place.x - at.x, place.y - at.y);
                 let terms = [energy, energy * x, energy * y, a, a * x, a * y];
                 sums.iter_mut().zip(terms).for_each(|(s, t)| *s += t);
@@ -142,7 +151,7 @@ impl Inverse {
         let moves = |wire: usize, a: f32| -> [f32; 4] {
             let place = self.cells.place(wire);
             let (x, y) = (place.x - at.x, place.y - at.y);
-            let (energy, peak) = (2.0 * pulses(wire) * a * a / e, a / p);
+            let (energy, peak) = (2.0 * f32::from(pulses(wire)) * a * a / e, a / p);
             let to = [x - misses[0], y - misses[1], x - misses[2], y - misses[3]];
             [energy * to[0], energy * to[1], peak * to[2], peak * to[3]]
         };
@@ -165,15 +174,22 @@ impl Inverse {
 
     /// The blend that makes the sum of both squared misses least, and that sum, mm2. Each miss grows about evenly from the
     /// end where it is none, so the least is known in closed form; measuring there again corrects it.
-    fn fit(&self, at: Point, shares: &[f32], most: u8, fewer_from: f32) -> (Split, f32) {
+    fn fit(
+        &self,
+        at: Point,
+        log_shares: &[f32],
+        most: u8,
+        pulses: impl Fn(usize) -> u8,
+    ) -> (Split, f32) {
         let mut split = Split {
             most,
-            fewer_from,
+            fewer: libm::logf(f32::from(most.saturating_sub(1)) / f32::from(most)),
             blend: 0.0,
         };
-        let amplitude = self.misses(at, shares, &split).amplitude;
+        let misses = |split: &Split| self.misses(at, log_shares, split, &pulses);
+        let amplitude = misses(&split).amplitude;
         split.blend = 1.0;
-        let energy = self.misses(at, shares, &split).energy;
+        let energy = misses(&split).energy;
         let mut slopes = Misses { energy, amplitude };
         let mut sum = 0.0;
         for _ in 0..=CORRECTIONS {
@@ -183,7 +199,7 @@ impl Inverse {
             );
             // Where neither centroid misses, any blend will do.
             split.blend = if e2 + a2 > 0.0 { a2 / (e2 + a2) } else { 0.5 };
-            let misses = self.misses(at, shares, &split);
+            let misses = misses(&split);
             sum = misses.energy * misses.energy + misses.amplitude * misses.amplitude;
             if split.blend > 0.0 && split.blend < 1.0 {
                 slopes.energy = misses.energy / split.blend;
@@ -193,13 +209,19 @@ impl Inverse {
         (split, sum)
     }
 
-    fn misses(&self, at: Point, shares: &[f32], split: &Split) -> Misses {
+    fn misses(
+        &self,
+        at: Point,
+        log_shares: &[f32],
+        split: &Split,
+        pulses: &impl Fn(usize) -> u8,
+    ) -> Misses {
         let mut sums = [[0.0f32; 3]; 2];
-        let active = shares.iter().enumerate().filter(|(_, s)| **s > 0.0);
-        for (wire, &share) in active {
-            let place = self.cells.place(wire);
-            let a = split.amplitude(share);
-            let weights = [f32::from(split.pulses(share)) * a * a, a];
+        let active = log_shares.iter().enumerate();
+        for (wire, &log) in active.filter(|(_, log)| **log > NO_SHARE) {
+            let (place, n) = (self.cells.place(wire), pulses(wire));
+            let a = split.amplitude(log, n);
+            let weights = [f32::from(n) * a * a, a];
             for (sum, weight) in sums.iter_mut().zip(weights) {
                 sum[0] += weight;
                 sum[1] += weight * (place.x - at.x);
@@ -217,12 +239,23 @@ impl Illusion for Inverse {
         let Some((near, scale)) = self.share(at, out) else {
             return;
         };
-        let (split, _) = self.fit(near, out, 1, f32::INFINITY);
-        self.settle(near, &split, out, |_| 1.0);
+        logarithms(out);
+        let (split, _) = self.fit(near, out, 1, |_| 1);
+        self.settle(near, &split, out, |_| 1);
         let energy: f32 = out.iter().map(|a| a * a).sum();
         let scale = scale / libm::sqrtf(energy);
         // One wire alone has no more than 1, whatever the rounding.
         out.iter_mut().for_each(|a| *a = (*a * scale).min(1.0));
+    }
+}
+
+/// Shares in place to their logarithms, which every blend needs.
+fn logarithms(shares: &mut [f32]) {
+    for share in shares {
+        *share = match *share > 0.0 {
+            true => libm::logf(*share),
+            false => NO_SHARE,
+        };
     }
 }
 

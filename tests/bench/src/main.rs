@@ -46,7 +46,14 @@ const FAMILIES: [(&str, &[Measure]); 9] = [
     ("emulators", &[emulators::measure]),
     ("compression", &[compression::measure]),
     ("texture", &[texture::measure]),
-    ("illusion", &[illusion::measure, illusion::in_loop::measure]),
+    (
+        "illusion",
+        &[
+            illusion::measure,
+            illusion::in_loop::measure,
+            illusion::equal_power::measure,
+        ],
+    ),
     ("render", &[render::measure]),
     ("loop", &[projection::measure]),
     ("records", &[records::measure]),

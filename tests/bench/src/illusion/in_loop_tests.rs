@@ -54,7 +54,9 @@ fn own_scenes_are_felt_and_the_worst_seed_is_kept() {
             wires: "loose",
             scene,
         };
-        let [one, two] = [1, 2].map(|seed| Figures::of(&case.play(seed).unwrap(), &persons));
+        let map = *build(&case.setup().unwrap(), 1, Levels::Off).unwrap().map();
+        let of = |seed| Figures::of(&case.play(seed).unwrap(), &persons, (&case, &map));
+        let [one, two] = [1, 2].map(of);
         let worst = one.worse(two);
         let [one, two, worst] = [one, two, worst].map(|f| {
             assert!(f.skin_c > 33.0 && f.energy_mj > 10.0, "{scene}");

@@ -1,6 +1,8 @@
 //! Illusions: every law on every array by both centroids - where it is felt, how even, how often nothing is
 //! - and what an onset costs. Figure 5.5 of the thesis, for (5.2) and for the default law.
 
+mod bound;
+pub mod equal_power;
 mod figure;
 pub mod in_loop;
 
