@@ -64,7 +64,7 @@ pub use fault::{Fault, FaultKind};
 pub use felt::{Felt, FeltBy};
 pub use format::Format;
 pub use illusion::{Illusion, SceneStroke};
-pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout, Transducer};
+pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
 pub use limits::LimitTable;
 pub use loaded::{
     Loaded, load_activation, load_alloy, load_bench, load_layout, load_limits, load_person,

@@ -5,3 +5,4 @@ mod bad_toml;
 mod overrides;
 mod shipped;
 mod touches;
+mod transducers;
