@@ -140,7 +140,7 @@ fn half(board: u8, taxel: usize, readings: &[Reading]) -> Option<CanFrame> {
     let message = mtb::Message {
         board,
         triangle: triangle as u8, // at most 16
-        half: if taxel % mtb::TAXELS == 0 {
+        half: if taxel.is_multiple_of(mtb::TAXELS) {
             first
         } else {
             second

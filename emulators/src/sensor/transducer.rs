@@ -89,7 +89,6 @@ impl Transducer {
                 shear: 0.0,
                 crosstalk: 0.0,
                 lag_s: 0.0,
-                ..Silicone::default()
             },
             // Stiff cells under thick foam that reaches from cell to cell.
             Self::Cells => Silicone {

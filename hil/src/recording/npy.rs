@@ -43,7 +43,7 @@ pub(super) fn read_npy(
         .collect();
     let shape = shape(header);
     let [rows, wide, steps] = SLIDE;
-    let whole = shape.iter().product::<usize>() == values.len() && data.len() % 4 == 0;
+    let whole = shape.iter().product::<usize>() == values.len() && data.len().is_multiple_of(4);
     let frames = match shape[..] {
         [frames, width] if whole && width == columns.count() => frames,
         [slides, r, c, s] if whole && [r, c, s] == SLIDE && columns.count() == r * c => slides * s,

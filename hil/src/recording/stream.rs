@@ -34,9 +34,14 @@ impl ReadingStream {
     /// Connects, and reads the header or first line.
     ///
     /// # Errors
-    /// [`Failure::Device`] for a machine that is not reached, [`Failure::File`] for lines that are not of this skin.
+    /// [`Failure::Input`] for what is no address, [`Failure::Device`] for a machine that is not reached, [`Failure::File`] for lines that are not of this skin.
     pub fn open(address: &str, skin: &SensorLayout) -> Result<Arc<Self>, Failure> {
         let columns = &Columns::of_skin(skin);
+        let parts = address.rsplit_once(':');
+        if !parts.is_some_and(|(host, port)| !host.is_empty() && port.parse::<u16>().is_ok()) {
+            let expected = format!("--stream: expected HOST:PORT, found `{address}`");
+            return Err(Failure::Input(expected));
+        }
         let label = format!("tcp://{address}");
         let lost = |e: std::io::Error| Failure::Device(format!("{label}: {e}"));
         let mut reached = Err(std::io::Error::other("no such address"));

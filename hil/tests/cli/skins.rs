@@ -249,7 +249,7 @@ fn a_map_outside_its_skin_is_refused_with_the_arithmetic() {
     assert!(refused.err.contains("no sensor bus"), "{}", refused.err);
 }
 
-/// A machine that sends these lines, each a moment after the one before, to whoever connects.
+/// A machine that sends these lines, each a moment after the one before, to the first host that connects.
 fn sender(lines: Vec<String>) -> String {
     use std::io::Write;
     let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
@@ -322,6 +322,12 @@ fn a_stream_of_another_length_is_refused_with_the_arithmetic() {
         torn.contains("tcp://HOST:101") && torn.contains("48"),
         "{torn}"
     );
-    let nobody = hil(&["run", "--stream", "127.0.0.1:1"]);
-    assert_eq!(nobody.status, Some(3), "{}", nobody.err);
+    let unreached = hil(&["run", "--stream", "127.0.0.1:1"]);
+    assert_eq!(unreached.status, Some(3), "{}", unreached.err);
+    for address in ["host", "host:", ":80", "host:70000"] {
+        refused_with(
+            &["run", "--stream", address],
+            &["expected HOST:PORT", address],
+        );
+    }
 }

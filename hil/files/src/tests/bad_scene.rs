@@ -226,6 +226,16 @@ fn scenes() {
             ),
             (
                 "[expect]",
+                "[map]\nsensor_mm = [0, 0, 2, 2]\nwindow_mm = [1, 1]\n[expect]",
+                "f.toml:41: map.window_mm: expected map.sensor_mm, which stays, or map.window_mm, which follows, found [1, 1]",
+            ),
+            (
+                "[expect]",
+                "[stream]\nloss = 1.0\n[expect]",
+                "f.toml:40: stream.loss: expected a number from 0 to 0.99, found 1.0",
+            ),
+            (
+                "[expect]",
                 "[map]\nsensor_mm = [1, 0, -1, 2]\n[expect]",
                 "f.toml:40: map.sensor_mm: expected [left, bottom, right, top] with an area, found [1, 0, -1, 2]",
             ),

@@ -6,3 +6,4 @@ mod displays;
 mod overrides;
 mod shipped;
 mod touches;
+mod transducers;
