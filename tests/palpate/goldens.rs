@@ -86,6 +86,7 @@ scenes! {
     sphere_diagonal "sphere-diagonal",
     sphere_rubs_sponge1 "sphere-rubs-sponge1",
     stuck_amplifier "stuck-amplifier",
+    ten_fingers "ten-fingers",
     texture_cardboard "texture-cardboard",
     texture_catalogue "texture-catalogue",
     texture_handkerchief "texture-handkerchief",

@@ -57,7 +57,7 @@ pub use recorder::{Recorder, Truth};
 pub use replay::{
     CanFrames, FrameSource, Frames, Identifiers, NextRow, RowSource, Rows, TaxelTable,
 };
-pub use runner::{build, run_with, scene_levels};
+pub use runner::{build, fits, run_with, scene_levels};
 pub use script::FaultReport;
 pub use session::{Session, Turn};
 pub use summary::{DisplaySummary, IllTaxel, Refresh, Summary, Taxels, finished};

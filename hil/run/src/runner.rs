@@ -410,6 +410,17 @@ pub fn build(setup: &Setup, seed: u64, levels: Levels) -> Result<Projector, Fail
     made(setup, plan::plan(setup, seed, levels)?)
 }
 
+/// Whether a setup can be run: its loop, or that of each of its fingers, is built and let go.
+///
+/// # Errors
+/// As [`build`], and for fingers that cannot take turns on a board.
+pub fn fits(setup: &Setup) -> Result<(), Failure> {
+    match setup.fingers.is_empty() {
+        true => build(setup, 1, Levels::Off).map(drop),
+        false => several::fits(setup),
+    }
+}
+
 fn made(setup: &Setup, plan: Plan) -> Result<Projector, Failure> {
     Projector::new(plan).map_err(|e| Failure::Input(format!("{}: {e}", setup.scene.source.label())))
 }
