@@ -92,6 +92,7 @@ scenes! {
     sphere_rubs_sponge1 "sphere-rubs-sponge1",
     sphere_streamed "sphere-streamed",
     stuck_amplifier "stuck-amplifier",
+    ten_fingers "ten-fingers",
     texture_cardboard "texture-cardboard",
     texture_catalogue "texture-catalogue",
     texture_handkerchief "texture-handkerchief",

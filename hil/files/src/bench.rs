@@ -1,16 +1,18 @@
 //! Benches: which hardware a scene runs on, and what drives its wires.
 
+mod displays;
+
 use std::path::{Path, PathBuf};
 
 use palpate_core::units::Clock;
 use serde::Deserialize;
 
 use super::address::{check_chip, check_once};
-use super::displays::BenchDisplay;
 use super::error::FileError;
 use super::layout::DisplayLayout;
 use super::mount::{BenchMount, BenchTissue};
 use super::source::Source;
+pub use displays::BenchDisplay;
 
 /// A bench. A file states what differs from [`Bench::default`], and its name and description.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -241,7 +243,7 @@ pub struct Output {
 
 impl Output {
     /// Where wire `index` is connected if the file does not say: chips of sixteen outputs, one after the other.
-    pub(super) const fn nth(index: usize) -> Self {
+    const fn nth(index: usize) -> Self {
         Self {
             bus: 0,
             board: 0x40 + (index / 16) as u8, // a display has at most 256 wires

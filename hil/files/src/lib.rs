@@ -12,10 +12,10 @@ mod bench;
 mod change;
 mod check;
 mod columns;
-mod displays;
 mod error;
 mod fault;
 mod felt;
+mod finger;
 mod format;
 mod illusion;
 mod layout;
@@ -56,14 +56,15 @@ mod tests;
 pub use activation::{ActivationFile, Both};
 pub use address::repeated_bus;
 pub use bench::{
-    Amplifier, Bench, BenchKind, BenchWire, Drive, ExternalClock, Output, OutputEnable, Real,
+    Amplifier, Bench, BenchDisplay, BenchKind, BenchWire, Drive, ExternalClock, Output,
+    OutputEnable, Real,
 };
 pub use check::{Checked, check, check_source, kind_of};
 pub use columns::{Columns, Take};
-pub use displays::{BenchDisplay, Finger, FingerRule, SceneFinger};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
 pub use felt::{Felt, FeltBy};
+pub use finger::{FingerRule, SceneFinger};
 pub use format::Format;
 pub use illusion::{Illusion, SceneStroke};
 pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
@@ -87,7 +88,7 @@ pub use scene::{
     Boards, Compression, DRIFT_S, Expect, Generation, Map, Overload, Scene, THRESHOLD_FLOOR,
     THRESHOLD_SIGMAS, ThresholdFrom,
 };
-pub use setup::{Setup, Stroked, sensor_of};
+pub use setup::{Finger, Setup, Stroked, sensor_of};
 pub use shelf::{Listed, built_in, illusions, of_folder};
 pub use source::Source;
 pub use stream::Stream;

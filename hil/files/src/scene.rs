@@ -4,10 +4,10 @@ use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::{Axes, ThresholdRule};
 use serde::Deserialize;
 
-use super::displays::SceneFinger;
 use super::error::FileError;
 use super::fault::Fault;
 use super::felt::Felt;
+use super::finger::SceneFinger;
 use super::illusion::{Illusion, SceneStroke};
 use super::source::Source;
 use super::stream::Stream;

@@ -1,8 +1,9 @@
 //! What a run needs, read together and checked against one another.
 
+mod fingers;
+
 use super::activation::ActivationFile;
 use super::bench::{Bench, BenchKind};
-use super::displays::{Finger, fingers_of};
 use super::error::FileError;
 use super::fault::FaultKind;
 use super::layout::{DisplayLayout, LayoutFile, SensorLayout};
@@ -15,6 +16,7 @@ use super::scene::Scene;
 use super::texture::{TextureEntry, TextureTable};
 use super::transducer::Transducer;
 use super::wire::{AlloyFile, WireFile};
+pub use fingers::Finger;
 
 /// What a scene's texture names.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,7 +77,7 @@ impl Setup {
         let (wire, alloy) = mounted_of(&bench)?;
         let texture = texture_of(&scene, sensor.value.modules.len())?;
         let people = people_of(&scene)?;
-        let fingers = fingers_of(&scene, &bench, &people)?;
+        let fingers = fingers::of(&scene, &bench, &people)?;
         let (person, wearer) = people;
         let wires = display.value.wires_mm.len();
         if let Some(wearer) = wearer.as_ref().filter(|_| fingers.is_empty()) {
@@ -236,7 +238,7 @@ pub fn sensor_of(scene: &Loaded<Scene>) -> Result<Loaded<SensorLayout>, FileErro
             return Err(scene.source.bad("boards.bus", expected));
         }
     }
-    scene.value.check_fingers(&scene.source, &sensor)?;
+    fingers::check(scene, &sensor)?;
     let modules = sensor.modules.len();
     let touched = scene.value.touches.iter().enumerate();
     let named = touched

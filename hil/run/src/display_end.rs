@@ -5,7 +5,7 @@ use palpate_core::driver::{Banks, DriverError, Traffic};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::projector::{LoopError, Projector};
 use palpate_core::skin::SkinSource;
-use palpate_core::units::{Duration, Instant, Prescale};
+use palpate_core::units::{Board, Duration, Instant, Prescale};
 use palpate_emulators::display::amplifier::AmplifierConfig;
 use palpate_emulators::display::amplifier::supply::SupplySource;
 use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
@@ -355,6 +355,22 @@ impl DisplayEnd for EmulatedDisplay {
 
     fn next_fault(&self) -> Instant {
         self.script.next()
+    }
+
+    /// With the board's number on the bench.
+    fn explain(&self, error: &DriverError) -> String {
+        let of = |own: Board| {
+            let board = self.place.boards.get(usize::from(own.0));
+            Board(board.copied().unwrap_or(own.0))
+        };
+        let error = match *error {
+            DriverError::NoSuchBoard(board) => DriverError::NoSuchBoard(of(board)),
+            DriverError::Bus(board, kind) => DriverError::Bus(of(board), kind),
+            DriverError::Readback(board, register, expected, found) => {
+                DriverError::Readback(of(board), register, expected, found)
+            }
+        };
+        error.to_string()
     }
 }
 

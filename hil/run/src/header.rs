@@ -23,12 +23,23 @@ pub fn attachments(setup: &Setup) -> Vec<Attachment> {
         ("person", &setup.person.source),
     ];
     let wearer = setup.wearer.as_ref().map(|w| ("wearer", &w.source));
-    let attached = |(name, source): (&str, &palpate_files::Source)| Attachment {
+    let own = files.into_iter().chain(wearer);
+    let own = own.map(|(name, source)| (name.to_owned(), source));
+    let of_fingers = setup.fingers.iter().flat_map(|finger| {
+        let worn = finger.wearer.as_ref().map(|w| ("wearer", &w.source));
+        let files = [
+            ("display", &finger.display.source),
+            ("person", &finger.person.source),
+        ];
+        let files = files.into_iter().chain(worn);
+        files.map(|(name, source)| (format!("{}-{name}", finger.name), source))
+    });
+    let attached = |(name, source): (String, &palpate_files::Source)| Attachment {
         name: format!("{name}.toml"),
         media_type: "application/toml",
         text: source.text().into(),
     };
-    files.into_iter().chain(wearer).map(attached).collect()
+    own.chain(of_fingers).map(attached).collect()
 }
 
 /// What was run, on what.

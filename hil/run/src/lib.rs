@@ -58,12 +58,10 @@ pub use recorder::{Recorder, Truth};
 pub use replay::{
     CanFrames, FrameSource, Frames, Identifiers, NextRow, RowSource, Rows, TaxelTable,
 };
-pub use runner::{build, run_with, scene_levels};
+pub use runner::{build, fits, run_with, scene_levels};
 pub use script::FaultReport;
 pub use session::{Session, Turn};
-pub use summary::{
-    AskedLevel, DisplaySummary, IllTaxel, Refresh, Summary, Taxels, finished,
-};
+pub use summary::{AskedLevel, DisplaySummary, IllTaxel, Refresh, Summary, Taxels, finished};
 pub use taxels::taxels;
 pub use verdict::stopped_by;
 

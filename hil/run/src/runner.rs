@@ -132,8 +132,7 @@ impl Run<'_> {
             tape.rewind(end);
             let tape = std::mem::replace(tape, Tape::new(emulated()?));
             let skin = skin::source(setup, self.layout, Tap::new(tape, self.keep.can));
-            let (outcome, skin) =
-                self.count(levels.clone(), skin, Truth::of(setup), end, host)?;
+            let (outcome, skin) = self.count(levels.clone(), skin, Truth::of(setup), end, host)?;
             if skin.bus().inner.is_exact() {
                 return Ok(outcome);
             }
@@ -432,6 +431,17 @@ fn calibrate(
 /// [`Failure::Input`] for what fits no hardware.
 pub fn build(setup: &Setup, seed: u64, levels: Levels) -> Result<Projector, Failure> {
     made(setup, plan::plan(setup, seed, levels)?)
+}
+
+/// Whether a setup can be run: its loop, or that of each of its fingers, is built and let go.
+///
+/// # Errors
+/// As [`build`], and for fingers that cannot take turns on a board.
+pub fn fits(setup: &Setup) -> Result<(), Failure> {
+    match setup.fingers.is_empty() {
+        true => build(setup, 1, Levels::Off).map(drop),
+        false => several::fits(setup),
+    }
 }
 
 fn made(setup: &Setup, plan: Plan) -> Result<Projector, Failure> {

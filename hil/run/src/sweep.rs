@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 
-use palpate_core::contact::Levels;
 use palpate_files::{Overrides, Setup};
 use palpate_records::digest::short_digest;
 use palpate_records::runs::{RunKey, RunRow, Values};
@@ -11,7 +10,7 @@ use palpate_records::runs::{RunKey, RunRow, Values};
 use crate::display_end::refuse_hardware;
 use crate::header::attachments;
 use crate::summary::Summary;
-use crate::{Failure, Host, Input, Keep, build, run_with};
+use crate::{Failure, Host, Input, Keep, fits, run_with};
 
 /// Most points of a grid.
 const MOST: usize = 10_000_000;
@@ -115,7 +114,7 @@ impl Variant {
         }
         let setup = base.clone().with(&overrides)?;
         refuse_hardware(&setup.bench.value)?;
-        build(&setup, 1, Levels::Off)?;
+        fits(&setup)?;
         let key = RunKey {
             scene: setup.scene.value.name.clone(),
             digest: digest(&setup),

@@ -3,7 +3,6 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use palpate_core::contact::Levels;
 use palpate_files::{
     Checked, FileError, FileKind, Setup, Source, check as check_file, load_bench, load_scene,
     migrated,
@@ -147,7 +146,7 @@ fn fits(scene: &str, bench: &str, given: bool) -> Result<(), Failure> {
         return Ok(());
     }
     let setup = Setup::join(scene, bench)?;
-    palpate_run::build(&setup, 1, Levels::Off).map(drop)
+    palpate_run::fits(&setup)
 }
 
 fn tell(file: &Told, quiet: bool, out: &mut dyn Write) -> io::Result<()> {

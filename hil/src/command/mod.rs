@@ -19,6 +19,7 @@ mod off;
 mod pins;
 mod rate;
 mod record;
+mod report;
 mod review;
 mod run;
 mod schedules;

@@ -12,22 +12,25 @@ use crate::timing::Race;
 /// Whole runs of each scene; the hand is to run at least a hundred times faster than real time on one core.
 const RUNS: usize = 15;
 
-/// Scenes from one module of 16 taxels to a hand of 240 on four buses, each with eight wires.
-const SCENES: [&str; 4] = [
-    "sphere-along",
-    "allegro-one-bus",
-    "allegro-one-bus-overwrite",
-    "allegro-four-buses",
+/// Scenes and benches: from one module of 16 taxels to a hand of 240 on four buses with eight wires, then several
+/// displays of eight wires each.
+const RUN: [(&str, &str); 6] = [
+    ("sphere-along", "emulated"),
+    ("allegro-one-bus", "emulated"),
+    ("allegro-one-bus-overwrite", "emulated"),
+    ("allegro-four-buses", "emulated"),
+    ("allegro-grasp", "allegro-hand"),
+    ("ten-fingers", "ten-fingers"),
 ];
 
-/// Times every scene of [`SCENES`].
+/// Times every scene of [`RUN`].
 ///
 /// # Errors
 /// [`Failure`] for a scene that does not run.
 pub fn measure() -> Result<Findings, Failure> {
     let mut findings = Findings::new("emulators");
     let failed = RefCell::new(None);
-    let setups = SCENES.map(|name| Setup::load(name, "emulated"));
+    let setups = RUN.map(|(scene, bench)| Setup::load(scene, bench));
     let setups = setups.into_iter().collect::<Result<Vec<_>, _>>()?;
     let mut race = Race::default();
     for setup in &setups {
@@ -42,24 +45,25 @@ pub fn measure() -> Result<Findings, Failure> {
     if let Some(failure) = failed.into_inner() {
         return Err(failure);
     }
-    for ((name, setup), times) in SCENES.iter().zip(&setups).zip(&samples) {
+    for (((name, bench), setup), times) in RUN.iter().zip(&setups).zip(&samples) {
         findings.row(
-            &format!("a whole run of {name}, calibration included"),
+            &format!("a whole run of {name} on {bench}, calibration included"),
             "default",
             NO_ERROR,
             times.median(),
         );
         let faster = |us: f64| setup.scene.value.length_s * 1e6 / us;
         findings.words.push(format!(
-            "{name}: {:.0} times faster than real time (median of {}; {:.0} to {:.0})",
+            "{name} on {bench}: {:.0} times faster than real time (median of {}; {:.0} to {:.0})",
             faster(times.median()),
             times.len(),
             faster(times.quantile(1.0)),
             faster(times.quantile(0.0)),
         ));
     }
-    findings
-        .words
-        .push("target: allegro-four-buses at least 100 times, on one core (`taskset -c 0`)".into());
+    findings.words.push(
+        "targets: allegro-four-buses and allegro-hand at least 100 times, ten-fingers 40, on one core (`taskset -c 0`)"
+            .into(),
+    );
     Ok(findings)
 }

@@ -460,7 +460,7 @@ fn files_that_do_not_fit_together() {
     );
     assert_eq!(
         join(("uskin-4x4", "uskin"), same),
-        "s.toml:5: layout: expected a layout (allegro, digit, digit-64x48, h1-body, icub-body, icub-forearm, icub-patch, million, mtb-finger, scattered-12, tactile-brush-4x3, thimble-8, three-in-line, uskin-4x4, uskin-4x4-pair, uskin-4x6) or a file, found \"uskin\"; did you mean `uskin-4x4`?"
+        "s.toml:5: layout: expected a layout (allegro, digit, digit-64x48, h1-body, icub-body, icub-forearm, icub-patch, million, mtb-finger, scattered-12, tactile-brush-4x3, ten-fingertips, thimble-8, three-in-line, uskin-4x4, uskin-4x4-pair, uskin-4x6) or a file, found \"uskin\"; did you mean `uskin-4x4`?"
     );
     assert_eq!(
         join(

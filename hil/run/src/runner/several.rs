@@ -2,13 +2,14 @@
 //! finger changes nothing of the others'; what they share, boards and supply, is shared out before the run begins.
 
 use palpate_core::contact::Levels;
+use palpate_core::projector::Projector;
 use palpate_core::skin::Layout;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Setup;
 use palpate_records::trace::{Event, Header};
 
-use super::{Run, part};
-use crate::display_end::EmulatedDisplay;
+use super::{Run, build, part};
+use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::effects::Faultable;
 use crate::failure::Failure;
 use crate::join::{Common, Part, join};
@@ -32,13 +33,25 @@ struct Finger {
 impl Finger {
     /// A turn, if one is due; something that ends it ends no other finger.
     fn turn(&mut self, now: Instant, skin: &mut impl SkinEnd) -> Result<(), Failure> {
-        if self.ended || self.session.next() > now {
+        if self.ended {
+            return self.rest(now);
+        }
+        if self.session.next() > now {
             return Ok(());
         }
         if self.session.turn(now)? == Turn::Last {
             self.end(now);
         }
         self.session.skin().exchange(skin);
+        Ok(())
+    }
+
+    /// What no loop drives any more is looked at to the end: its wires cool, and a shorted amplifier heats on.
+    fn rest(&mut self, now: Instant) -> Result<(), Failure> {
+        let (display, projector, recorder) = self.session.all();
+        display.fail(now, false, None, &mut recorder.events);
+        display.advance_to(now, &mut recorder.events)?;
+        display.look(now, false, projector, recorder);
         Ok(())
     }
 
@@ -96,7 +109,11 @@ impl Run<'_> {
                 ended: false,
             });
         }
-        stagger(self.setup, &mut fingers)?;
+        let loops = fingers.iter_mut().map(|finger| {
+            let Finger { place, session, .. } = finger;
+            (&*place, session.projector_mut())
+        });
+        stagger(self.setup, loops.collect())?;
         let (last, common) = self.play(&mut fingers, &mut skin, end, host)?;
         let replayed = matches!(truth, Truth::Unknown);
         let mut parts = Vec::new();
@@ -106,10 +123,8 @@ impl Run<'_> {
             display.settle(last, projector, recorder)?;
             let outcome = run.outcome(finger.header, &mut finger.session, last, host)?;
             // The whole scene's faults say what may be missing; the person is the finger's.
-            let judged = Setup {
-                person: run.setup.person.clone(),
-                ..self.setup.clone()
-            };
+            let mut judged = self.setup.clone();
+            judged.person.clone_from(&run.setup.person);
             parts.push(Part {
                 place: finger.place,
                 limits: *finger.session.projector().guard().limits(),
@@ -193,22 +208,31 @@ impl Run<'_> {
     }
 }
 
+/// Builds every finger's loop and gives it its place on the grid of onsets, and lets go of them.
+///
+/// # Errors
+/// [`Failure`] for what fits no hardware, or no grid.
+pub(super) fn fits(setup: &Setup) -> Result<(), Failure> {
+    let alone = fingers(setup);
+    let loops = alone.iter().map(|(_, setup)| build(setup, 1, Levels::Off));
+    let mut loops: Vec<Projector> = loops.collect::<Result<_, _>>()?;
+    let places = alone.iter().map(|(place, _)| place);
+    stagger(setup, places.zip(&mut loops).collect())
+}
+
 /// Gives every finger its place on the grid of onsets: bursts of those that share a board never meet. Within a burst
 /// the guard keeps a board's wires apart, so at most one wire's current flows per board.
-fn stagger(setup: &Setup, fingers: &mut [Finger]) -> Result<(), Failure> {
+fn stagger(setup: &Setup, fingers: Vec<(&Place, &mut Projector)>) -> Result<(), Failure> {
     let mut ranks: Vec<u64> = Vec::new();
-    for (index, finger) in fingers.iter().enumerate() {
-        let shares = |other: &Finger| {
-            let mut boards = other.place.boards.iter();
-            boards.any(|board| finger.place.boards.contains(board))
-        };
+    for (index, (place, _)) in fingers.iter().enumerate() {
+        let shares = |other: &Place| other.boards.iter().any(|b| place.boards.contains(b));
         let earlier = fingers[..index].iter().zip(&ranks);
-        let taken: Vec<u64> = earlier.filter(|(f, _)| shares(f)).map(|f| *f.1).collect();
+        let taken = earlier.filter(|((other, _), _)| shares(other));
+        let taken: Vec<u64> = taken.map(|(_, rank)| *rank).collect();
         ranks.extend((0..).find(|rank| !taken.contains(rank)));
     }
     let slots = ranks.iter().max().map_or(1, |most| most + 1);
-    for (finger, rank) in fingers.iter_mut().zip(ranks) {
-        let projector = finger.session.projector_mut();
+    for ((_, projector), rank) in fingers.into_iter().zip(ranks) {
         let (timing, off) = (projector.timing(), projector.guard().surplus());
         let soa_us = timing.soa.as_micros();
         let burst = timing.duration + off;
@@ -216,7 +240,7 @@ fn stagger(setup: &Setup, fingers: &mut [Finger]) -> Result<(), Failure> {
             let ms = |d: Duration| d.as_micros() as f64 * 1e-3;
             let most = soa_us / burst.as_micros();
             let expected = format!(
-                "at most {most} displays per board: bursts of {} ms and {} ms until all is off, one after the other within {} ms from onset to onset",
+                "at most {most} per board: bursts of {} ms and {} ms until all is off, one after the other within {} ms from onset to onset",
                 ms(timing.duration),
                 ms(off),
                 ms(timing.soa)

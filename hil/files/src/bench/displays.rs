@@ -1,0 +1,143 @@
+//! Several displays of an emulated bench: a fingertip each, on boards and a supply that they share.
+
+use serde::Deserialize;
+
+use super::{Bench, BenchKind, Output};
+use crate::address::check_chip;
+use crate::error::FileError;
+use crate::layout::DisplayLayout;
+use crate::source::Source;
+
+/// A bench has at most so many displays, and as many boards.
+const MOST: usize = 16;
+
+/// One of several displays of an emulated bench: a fingertip.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct BenchDisplay {
+    /// Lower case with hyphens.
+    pub name: String,
+    /// A display layout: a built-in name or a file; left out: the bench's `display`.
+    pub layout: Option<String>,
+    /// The emulated person who wears it: a built-in name or a file; left out: the scene's.
+    pub person: Option<String>,
+    /// That person's calibration: a built-in name or a file; left out: the scene's.
+    pub wearer: Option<String>,
+    /// One entry per wire; left out of all displays: the outputs of one chip after the other, from 0x40 on.
+    #[serde(default)]
+    pub outputs: Vec<Output>,
+}
+
+impl Bench {
+    /// Checks the displays, and says in `outputs` what is connected to all of them.
+    pub(super) fn join_displays(&mut self, source: &Source) -> Result<(), FileError> {
+        if self.displays.is_empty() {
+            return Ok(());
+        }
+        if self.kind == BenchKind::Real {
+            let expected = "nothing: a bench of hardware has one display, `display` and `outputs`";
+            return Err(source.bad_found("displays", expected, "[[displays]]"));
+        }
+        if !self.outputs.is_empty() {
+            let expected = "nothing: every one of [[displays]] has its own";
+            return Err(source.bad_found("outputs", expected, "outputs of the bench"));
+        }
+        source.range("displays", self.displays.len(), 1..=MOST, "displays")?;
+        let stated = self.displays.iter().any(|d| !d.outputs.is_empty());
+        let mut displays = std::mem::take(&mut self.displays);
+        for (index, display) in displays.iter_mut().enumerate() {
+            let at = |key: &str| format!("displays[{index}].{key}");
+            source.name(&at("name"), &display.name)?;
+            let (layout, _) = self.layout_of(source, index, display)?;
+            let first = self.outputs.len();
+            let wires = layout.wires_mm.len();
+            if !stated {
+                display.outputs = (first..first + wires).map(Output::nth).collect();
+            }
+            if display.outputs.len() != wires {
+                let expected = format!("{wires} outputs, one per wire of `{}`", layout.name);
+                let found = display.outputs.len().to_string();
+                return Err(source.bad_found(&at("outputs"), expected, found));
+            }
+            self.outputs.append(&mut display.outputs.clone());
+        }
+        self.displays = displays;
+        self.check_displays(source)?;
+        self.check_supply(source)
+    }
+
+    /// Every name, and every channel of a board, belongs to one display alone.
+    fn check_displays(&self, source: &Source) -> Result<(), FileError> {
+        let mut taken: Vec<(Output, &str)> = Vec::new();
+        for (index, display) in self.displays.iter().enumerate() {
+            let key = format!("displays[{index}]");
+            if self.displays[..index]
+                .iter()
+                .any(|d| d.name == display.name)
+            {
+                let expected = "a name of its own: another display has this one";
+                return Err(source.bad(&format!("{key}.name"), expected));
+            }
+            for (wire, output) in display.outputs.iter().enumerate() {
+                let at = |name: &str| format!("{key}.outputs[{wire}].{name}");
+                source.range(&at("bus"), usize::from(output.bus), 0..=MOST - 1, "")?;
+                check_chip(source, &at("board"), output.board)?;
+                source.range(&at("channel"), output.channel, 0..=15, "")?;
+                if output.bus != display.outputs[0].bus {
+                    let bus = display.outputs[0].bus;
+                    let expected = format!("{bus}: the wires of one display are on one bus");
+                    return Err(source.bad(&at("bus"), expected));
+                }
+                if let Some((_, owner)) = taken.iter().find(|(other, _)| other == output) {
+                    let expected = format!(
+                        "an output of its own: display `{owner}` has channel {} of board 0x{:02x}",
+                        output.channel, output.board
+                    );
+                    return Err(source.bad(&at("channel"), expected));
+                }
+                taken.push((*output, &display.name));
+            }
+        }
+        let boards = self.boards();
+        let expected = format!("at most {MOST} boards");
+        let found = boards.to_string();
+        let many = || source.bad_found("displays", expected, found);
+        (boards <= MOST).then_some(()).ok_or_else(many)
+    }
+
+    /// How many boards the outputs are on.
+    #[must_use]
+    pub fn boards(&self) -> usize {
+        let boards = self.outputs.iter().map(|o| (o.bus, o.board));
+        boards.collect::<std::collections::BTreeSet<_>>().len()
+    }
+
+    /// Boards run asynchronously, so that the currents of one wire each may flow at one instant.
+    fn check_supply(&self, source: &Source) -> Result<(), FileError> {
+        let (boards, wire) = (self.boards(), self.drive.current_ma);
+        let needed = boards as f64 * wire;
+        if self.drive.supply_limit_ma >= needed {
+            return Ok(());
+        }
+        let expected = format!(
+            "at least {needed} mA: {boards} boards with one wire of {wire} mA each, which are not in step"
+        );
+        let found = format!("{} mA", self.drive.supply_limit_ma);
+        Err(source.bad_found("drive.supply_limit_ma", expected, found))
+    }
+
+    /// The layout of a display, and its text.
+    pub(crate) fn layout_of(
+        &self,
+        source: &Source,
+        index: usize,
+        display: &BenchDisplay,
+    ) -> Result<(DisplayLayout, Source), FileError> {
+        let (name, key) = match &display.layout {
+            Some(name) => (name, format!("displays[{index}].layout")),
+            None => (&self.display, "display".to_owned()),
+        };
+        DisplayLayout::named(name, source, &key)
+    }
+}

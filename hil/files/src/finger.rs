@@ -1,0 +1,23 @@
+//! What drives the displays of a bench that has several, as a scene says it.
+
+use serde::Deserialize;
+
+use super::words::choice;
+
+choice! { /** How several modules drive one display. */ FingerRule {
+    /** The first one drives; the others are compressed and recorded. */ First = "first",
+    /** All drive: `kc` contacts over all of them, as they lie in the layout's plane. */ Merged = "merged",
+}}
+
+/// What drives one of a bench's displays.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct SceneFinger {
+    /// The display, by its name on the bench.
+    pub display: String,
+    /// Its modules, counted from zero.
+    pub modules: Vec<usize>,
+    /// How they drive it, where there are several.
+    pub rule: Option<FingerRule>,
+}

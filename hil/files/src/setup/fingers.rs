@@ -1,0 +1,150 @@
+//! The displays of a bench with the modules of a scene that drive them.
+
+use std::ops::Range;
+
+use super::People;
+use crate::bench::{Bench, BenchDisplay};
+use crate::error::FileError;
+use crate::finger::{FingerRule, SceneFinger};
+use crate::layout::{DisplayLayout, SensorLayout};
+use crate::loaded::Loaded;
+use crate::person::{PersonFile, Wearer};
+use crate::resolve::FileKind;
+use crate::scene::Scene;
+
+/// A display of the bench with the modules that drive it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finger {
+    /// The display's name on the bench.
+    pub name: String,
+    /// Where its wires are.
+    pub display: Loaded<DisplayLayout>,
+    /// Who wears it.
+    pub person: Loaded<PersonFile>,
+    /// That person's calibration, if there is one.
+    pub wearer: Option<Loaded<Wearer>>,
+    /// Its wires among all outputs of the bench.
+    pub wires: Range<usize>,
+    /// Its modules.
+    pub modules: Vec<usize>,
+    /// Whether all of them drive it; else the first does.
+    pub merged: bool,
+}
+
+/// Every module of a scene's skin belongs to one finger, by a rule where it is not alone.
+pub(super) fn check(scene: &Loaded<Scene>, sensor: &SensorLayout) -> Result<(), FileError> {
+    let (fingers, source) = (&scene.value.fingers, &scene.source);
+    let mut owners: Vec<Option<&str>> = vec![None; sensor.modules.len()];
+    for (index, finger) in fingers.iter().enumerate() {
+        let at = |key: &str| format!("fingers[{index}].{key}");
+        if fingers[..index].iter().any(|f| f.display == finger.display) {
+            let expected = "a display of its own: another of [[fingers]] has this one";
+            return Err(source.bad(&at("display"), expected));
+        }
+        for (position, &module) in finger.modules.iter().enumerate() {
+            let here = at(&format!("modules[{position}]"));
+            source.range(&here, module, 0..=sensor.modules.len() - 1, "")?;
+            if let Some(owner) = owners[module].replace(&finger.display) {
+                let expected = format!("a module of one finger: it drives `{owner}` already");
+                return Err(source.bad(&here, expected));
+            }
+        }
+        let several = finger.modules.len() > 1;
+        match (finger.modules.len(), finger.rule) {
+            (0, _) => return Err(source.bad(&at("modules"), "at least one module")),
+            (2.., None) => {
+                let expected = "\"first\" or \"merged\": how several modules drive one display";
+                return Err(source.bad(&at("rule"), expected));
+            }
+            (_, Some(_)) if !several => {
+                return Err(source.bad(&at("rule"), "nothing: one module needs no rule"));
+            }
+            _ => {}
+        }
+    }
+    let idle = owners.iter().position(Option::is_none);
+    match idle.filter(|_| !fingers.is_empty()) {
+        None => Ok(()),
+        Some(module) => {
+            let name = &sensor.modules[module].name;
+            let expected = format!(
+                "all {} modules of `{}`, each once: a finger's `rule = \"first\"` records modules that do not drive",
+                sensor.modules.len(),
+                sensor.name
+            );
+            let found = format!("none with module {module} (`{name}`), which drives nothing");
+            Err(source.bad_found("fingers", expected, found))
+        }
+    }
+}
+
+/// The displays of a bench that a scene drives; none where the bench has one display.
+pub(super) fn of(
+    scene: &Loaded<Scene>,
+    bench: &Loaded<Bench>,
+    people: &People,
+) -> Result<Vec<Finger>, FileError> {
+    let displays = &bench.value.displays;
+    if displays.is_empty() {
+        return Ok(Vec::new());
+    }
+    let names: Vec<String> = displays.iter().map(|d| format!("`{}`", d.name)).collect();
+    let names = names.join(", ");
+    let source = &scene.source;
+    if scene.value.fingers.is_empty() {
+        let expected = format!("[[fingers]]: what drives the bench's displays {names}");
+        return Err(source.bad_found("fingers", expected, "none"));
+    }
+    for (key, there) in [
+        ("texture", scene.value.texture.is_some()),
+        ("strokes", !scene.value.strokes.is_empty()),
+    ] {
+        if there {
+            let expected = "nothing: it is felt on a bench of one display only";
+            return Err(source.bad_found(key, expected, format!("`{key}`")));
+        }
+    }
+    let finger = |(index, file): (usize, &SceneFinger)| {
+        let found = displays.iter().position(|d| d.name == file.display);
+        let number = found.ok_or_else(|| {
+            let expected = format!("a display of bench `{}`: {names}", bench.value.name);
+            source.bad(&format!("fingers[{index}].display"), expected)
+        })?;
+        let display = &displays[number];
+        let first = displays[..number].iter().map(|d| d.outputs.len()).sum();
+        let (value, source) = bench.value.layout_of(&bench.source, number, display)?;
+        let (person, wearer) = worn_by(bench, number, display, people)?;
+        let wires = value.wires_mm.len();
+        if let Some(wearer) = &wearer {
+            wearer.value.fits(&wearer.source, wires)?;
+        }
+        Ok(Finger {
+            name: file.display.clone(),
+            display: Loaded { value, source },
+            person,
+            wearer,
+            wires: first..first + wires,
+            modules: file.modules.clone(),
+            merged: file.rule == Some(FingerRule::Merged),
+        })
+    };
+    scene.value.fingers.iter().enumerate().map(finger).collect()
+}
+
+/// Who wears a display: whom it names, else whom the scene names.
+fn worn_by(
+    bench: &Loaded<Bench>,
+    number: usize,
+    display: &BenchDisplay,
+    people: &People,
+) -> Result<People, FileError> {
+    let (mut person, mut wearer) = people.clone();
+    let at = |key: &str| format!("displays[{number}].{key}");
+    if let Some(name) = &display.person {
+        person = bench.refer(FileKind::Person, PersonFile::read, name, &at("person"))?;
+    }
+    if let Some(name) = &display.wearer {
+        wearer = Some(bench.refer(FileKind::Wearer, Wearer::read, name, &at("wearer"))?);
+    }
+    Ok((person, wearer))
+}
