@@ -3,21 +3,7 @@
 use palpate_records::report::{ReportExtras, SummaryRow, report_html};
 use palpate_run::{FeltBand, FeltCorner, Outcome, Refresh};
 
-use crate::clock;
-
-/// The command line, when and where.
-fn made() -> Vec<(&'static str, String)> {
-    let words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
-    let mut made = vec![
-        ("command", words.collect::<Vec<_>>().join(" ")),
-        ("palpate", env!("CARGO_PKG_VERSION").to_owned()),
-        ("date", clock::date(clock::unix_us())),
-    ];
-    if let Ok(host) = std::fs::read_to_string("/proc/sys/kernel/hostname") {
-        made.push(("host", host.trim().to_owned()));
-    }
-    made
-}
+use crate::host::made;
 
 /// A row per preset and person: the level at both ends of the gain, and the place's error, which no gain moves.
 fn band_rows(band: &FeltBand) -> Vec<SummaryRow> {
