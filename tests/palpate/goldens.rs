@@ -75,6 +75,7 @@ scenes! {
     allegro_one_bus_overwrite "allegro-one-bus-overwrite",
     brush_strokes "brush-strokes",
     idle "idle",
+    press_levels "press-levels",
     rest_between "rest-between",
     rest_in_cell "rest-in-cell",
     rest_on_wire "rest-on-wire",
