@@ -79,6 +79,7 @@ scenes! {
     h1_patch "h1-patch",
     icub_patch_stroke "icub-patch-stroke",
     idle "idle",
+    press_levels "press-levels",
     rest_between "rest-between",
     rest_in_cell "rest-in-cell",
     rest_on_wire "rest-on-wire",

@@ -157,3 +157,39 @@ fn a_stimulus_has_the_pulses_that_its_entry_says() {
         assert!(checked > 100, "{law:?}: {checked}");
     }
 }
+
+/// Median of the felt levels between two times, dB.
+fn median_db(outcome: &Outcome, [from_s, to_s]: [f64; 2]) -> f64 {
+    let within = |t_us: u64| (from_s..to_s).contains(&(t_us as f64 * 1e-6));
+    let mut mdb: Vec<i32> = levels(outcome)
+        .into_iter()
+        .filter(|(t_us, _)| within(*t_us))
+        .map(|(_, mdb)| mdb)
+        .collect();
+    mdb.sort_unstable();
+    f64::from(mdb[mdb.len() / 2]) * 1e-3
+}
+
+/// Smallest difference in intensity that was just noticeable on an index pad, dB (Israr 2006).
+const NOTICED_DB: f64 = 1.65;
+
+#[test]
+fn how_hard_a_contact_presses_is_heard_as_steps_that_can_be_noticed() {
+    for weber in [0.3, 0.35, 0.4] {
+        let mut setup = Setup::load("press-levels", "emulated").unwrap();
+        setup.scene.value.illusion.weber = Some(weber);
+        let outcome = played(&setup);
+        assert_eq!(outcome.summary.felt.breaks, 0, "{weber}");
+        assert_eq!(outcome.summary.limiter_events, 0, "{weber}");
+        // Without the ramps and the first onsets, when wires are cold.
+        let presses = setup.scene.value.touches.iter();
+        let felt: Vec<f64> = presses
+            .map(|touch| median_db(&outcome, [touch.start_s + 0.6, touch.end_s - 0.3]))
+            .collect();
+        let steps = felt.windows(2).map(|pair| pair[1] - pair[0]);
+        assert!(
+            felt.len() == 3 && steps.clone().all(|step| step > NOTICED_DB),
+            "{weber}: {felt:?}"
+        );
+    }
+}
