@@ -37,8 +37,10 @@ impl ReadingStream {
     /// [`Failure::Input`] for what is no address, [`Failure::Device`] for a machine that is not reached, [`Failure::File`] for lines that are not of this skin.
     pub fn open(address: &str, skin: &SensorLayout) -> Result<Arc<Self>, Failure> {
         let columns = &Columns::of_skin(skin);
-        let parts = address.rsplit_once(':');
-        if !parts.is_some_and(|(host, port)| !host.is_empty() && port.parse::<u16>().is_ok()) {
+        let is_port = |port: &str| port.parse::<u16>().is_ok();
+        let whole = |(host, port): (&str, &str)| !host.is_empty() && is_port(port);
+        let known = address.rsplit_once(':').is_some_and(whole);
+        if !known {
             let expected = format!("--stream: expected HOST:PORT, found `{address}`");
             return Err(Failure::Input(expected));
         }
