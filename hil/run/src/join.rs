@@ -223,9 +223,9 @@ fn ledger(setup: &Setup, parts: &[Part]) -> Ledger {
         sum.hottest_wire = sum.hottest_wire.max(hottest);
         for margin in &own.margins {
             match sum.margins.iter_mut().find(|m| m.of == margin.of) {
-                Some(worst) if worst.worst() < margin.worst() => *worst = margin.clone(),
+                Some(worst) if worst.worst() < margin.worst() => *worst = *margin,
                 Some(_) => {}
-                None => sum.margins.push(margin.clone()),
+                None => sum.margins.push(*margin),
             }
         }
     }
