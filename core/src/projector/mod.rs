@@ -334,8 +334,7 @@ impl Projector {
         self.sensing.take(scan, &self.layout, observer)
     }
 
-    /// What is due at `now` once the scans that have come are pushed: projects the newest contacts when an onset is
-    /// due, ends what has ended. Returns whether an onset was.
+    /// As [`Self::poll`], once the scans that have come are pushed.
     ///
     /// # Errors
     /// The driver's first error, after switching everything off.

@@ -37,6 +37,8 @@ const RISE: f32 = 1.209_2;
 /// A scale from which a contact may begin at once: 14 dB under full level, where nothing is felt on a bench of which full level
 /// is a few just noticeable differences over threshold. What had to stop altogether comes back from here.
 const SILENT: f32 = 0.2;
+/// Time constant of the energy that the Pacinian channel adds up, s (`docs/felt.md`).
+const LEAK_S: f32 = 0.2;
 /// A vibration of at most so many pulses gains by becoming a tap.
 const FEW: u8 = 4;
 /// Times that widths are corrected where a fingertip bears less than all contacts want.
@@ -224,10 +226,12 @@ impl Renderer {
             }
         }
         let borne = scale;
-        let scale = scale
-            .min(1.0)
-            .min(track.scale.map_or(1.0, |s| (s * RISE).max(SILENT)));
-        track.scale = Some(scale);
+        let most = match track.scale {
+            None => first(pattern),
+            Some(before) => (before * RISE).clamp(SILENT, 1.0),
+        };
+        let scale = scale.min(most);
+        track.scale = Some(scale.min(1.0));
         let wires = self.one.iter().zip(&self.counts);
         for (wire, (one, n)) in wires.enumerate().filter(|(_, (one, _))| **one > 0.0) {
             let mine = one * scale * target.weight;
@@ -241,7 +245,11 @@ impl Renderer {
             };
         }
         // No wire of it is on: nothing bounded its scale.
-        if borne.is_finite() { scale } else { borne }
+        if borne.is_finite() {
+            scale.min(1.0)
+        } else {
+            borne
+        }
     }
 
     /// Amplitudes to widths. Where all together want more than the fingertip bears, all contacts get weaker alike: each
@@ -266,6 +274,12 @@ impl Renderer {
         }
         left
     }
+}
+
+/// A contact's first burst over those that follow: a person adds up energy with a leak, and bursts before it have left none.
+fn first(pattern: &Pattern) -> f32 {
+    let soa_s = pattern.timing().soa.as_micros() as f32 * 1e-6;
+    libm::sqrtf(1.0 / (1.0 - libm::expf(-soa_s / LEAK_S)))
 }
 
 /// The widest pulse, ticks, of which a wire bears a burst of this length.

@@ -14,7 +14,7 @@ fn two_summaries_differ_figure_by_figure() {
     let folder = Folder::new("compare");
     summary(&folder, "a.json", &[]);
     summary(&folder, "again.json", &[]);
-    summary(&folder, "b.json", &["--set", "illusion.soa_ms=100"]);
+    summary(&folder, "b.json", &["--set", "illusion.soa_ms=120"]);
     let same = hil_in(&folder.0, &["compare", "a.json", "again.json"]);
     assert_eq!(
         (same.status, same.err.as_str()),
@@ -133,7 +133,7 @@ fn a_folder_of_summaries_gives_trends() {
     dated(
         "new.json",
         "2026-03-01 10:00 UTC",
-        &["--set", "illusion.soa_ms=100"],
+        &["--set", "illusion.soa_ms=120"],
     );
     fs::create_dir_all(folder.path("old")).unwrap();
     dated("old/summary.json", "2026-01-01 10:00 UTC", &[]);

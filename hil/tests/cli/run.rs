@@ -95,6 +95,17 @@ fn every_built_in_scene_runs_on_every_built_in_bench() {
     for scene in palpate_fixtures::scene_names() {
         for bench in palpate_fixtures::bench_names() {
             let said = hil(&["run", scene, "--bench", bench, "--json"]);
+            let bench_file = palpate_files::load_bench(bench).unwrap().value;
+            let fingers = palpate_files::load_scene(scene).unwrap().value.fingers;
+            let fits = |f: &palpate_files::SceneFinger| {
+                bench_file.displays.iter().any(|d| d.name == f.display)
+            };
+            if !bench_file.displays.is_empty() && (fingers.is_empty() || !fingers.iter().all(fits))
+            {
+                assert_eq!(said.status, Some(2), "{scene} on {bench}");
+                assert!(said.err.contains("fingers"), "{}", said.err);
+                continue;
+            }
             let summary: Value = serde_json::from_str(&said.out).unwrap();
             let burns = scene == "stuck-amplifier";
             let (verdict, status) = if burns {

@@ -231,7 +231,7 @@ pub(super) fn fullest(
         .iter()
         .zip(here.map_or(Vec::new(), |(_, magnitudes)| magnitudes))
         .collect();
-    strongest.sort_by(|a, b| b.1.cmp(&a.1));
+    strongest.sort_by_key(|s| std::cmp::Reverse(s.1));
     let mm = |um: i32| f64::from(um) * 1e-3;
     let touched = strongest
         .iter()
