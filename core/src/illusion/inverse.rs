@@ -13,7 +13,7 @@ use super::law::Illusion;
 const STRONG: f32 = 0.8;
 /// Strong wires do with a pulse less where weak ones together have at least this share: what makes a burst a vibration has
 /// to be felt, and crossing a wire changes nothing. With a fifth, numbers change where the weak wire already moves the place,
-/// which jumps then; with 6 %, the amplitude centroid of a circle on the thesis's bench is 0.2 mm further off.
+/// which jumps then.
 const WEAK: f32 = 0.1;
 /// Of so many pulses none is left out: of a tap's two, one would be half.
 const TAP: u8 = 2;

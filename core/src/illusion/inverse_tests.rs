@@ -73,9 +73,9 @@ fn both_centroids_are_near_the_contact_and_nearer_with_unequal_pulses() {
         law.activate(at, amplitudes);
         pulses.fill(1);
     });
-    // As measured, and a little more: 0.38, 0.45 and at most 0.80 mm; with equal pulses 0.45, 0.60 and 0.91.
+    // As measured, and a little more: 0.34, 0.43 and at most 0.73 mm; with equal pulses 0.45, 0.60 and 0.91.
     let within = |found: [f32; 3], most: [f32; 3]| found.iter().zip(most).all(|(f, m)| *f < m);
-    assert!(within(unequal, [0.39, 0.47, 0.83]), "{unequal:?}");
+    assert!(within(unequal, [0.36, 0.45, 0.76]), "{unequal:?}");
     assert!(within(equal, [0.47, 0.62, 0.93]), "{equal:?}");
     assert!(
         within(unequal, equal.map(|v| 0.9 * v)),
