@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use palpate_core::illusion::IllusionModel;
 use palpate_core::render::Style;
-use palpate_files::Setup;
+use palpate_files::{LevelsFrom, Scene, Setup};
 use palpate_records::felt::felt_scores;
 use palpate_records::trace::Event;
 use palpate_run::{Input, Outcome, run};
@@ -209,4 +209,50 @@ fn how_hard_a_contact_presses_is_heard_as_steps_that_can_be_noticed() {
             "{weber}: {felt:?}"
         );
     }
+}
+
+#[test]
+fn the_strongest_contact_of_a_frame_has_the_top_level_where_levels_are_dynamic() {
+    let spent = |scene: &str, change: &dyn Fn(&mut Scene)| {
+        let mut setup = Setup::load(scene, "emulated").unwrap();
+        setup.scene.value.illusion.intensity_floor = 0.5;
+        change(&mut setup.scene.value);
+        played(&setup).trace.ledger.energy_uj
+    };
+    let dynamic = |scene: &mut Scene| scene.compression.levels = LevelsFrom::Dynamic;
+    let without = |scene: &mut Scene| scene.illusion.intensity = false;
+    // A single one is always the strongest.
+    assert_eq!(
+        spent("sphere-along", &dynamic),
+        spent("sphere-along", &without)
+    );
+    // Of two, one is a level lower: by the Weber fraction, or down to the floor. Without heat as a bound, under which a
+    // lower level has the power that it saves.
+    let cool = |scene: &mut Scene| {
+        scene.length_s = 3.0;
+        scene.illusion.level_db = Some(4.0);
+    };
+    let top = |scene: &mut Scene| {
+        cool(scene);
+        without(scene);
+    };
+    let coarse = |scene: &mut Scene| {
+        cool(scene);
+        dynamic(scene);
+        scene.illusion.weber = Some(0.35);
+    };
+    let lowest = |scene: &mut Scene| {
+        cool(scene);
+        dynamic(scene);
+        scene.compression.ki = 2;
+    };
+    let [both, weaker, weakest] = [
+        spent("two-finger-press", &top),
+        spent("two-finger-press", &coarse),
+        spent("two-finger-press", &lowest),
+    ];
+    assert!(
+        both > weaker && weaker > weakest,
+        "{both} {weaker} {weakest} uJ"
+    );
 }

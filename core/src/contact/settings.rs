@@ -34,7 +34,8 @@ pub enum Levels {
     Off,
     /// The nearest level of a table: static levels, or just-noticeable differences.
     Table(LevelTable),
-    /// K_I levels found anew in every frame, exactly; never more than the intensities in scope.
+    /// K_I levels found anew in every frame, exactly; never more than the intensities in scope. On the wires the frame's
+    /// highest counts as K_I.
     Dynamic(u16),
 }
 

@@ -418,21 +418,21 @@ impl Projector {
 
     /// Where the newest contacts are on the display at `now`; returns how many there are.
     fn aim(&mut self, now: Instant) -> usize {
-        let levels = match &self.sensing.compressor().settings().levels {
-            Levels::Off => 1,
-            Levels::Table(table) => u16::try_from(table.values().len()).unwrap_or(u16::MAX),
-            Levels::Dynamic(k) => *k,
+        let ours = || Self::ours(&self.sensing, self.drives);
+        let (levels, top) = match &self.sensing.compressor().settings().levels {
+            Levels::Off => (1, None),
+            Levels::Table(table) => (table.values().len().try_into().unwrap_or(u16::MAX), None),
+            // As few as the frame's contacts: the strongest has the top one.
+            Levels::Dynamic(k) => (*k, ours().map(|c| c.level).max()),
         };
+        let above = levels.saturating_sub(top.unwrap_or(levels));
         let drive = self.output.drive();
         let mut count = 0;
-        let ours = Self::ours(&self.sensing, self.drives);
-        let shown = ours.filter_map(|c| Some((c, self.view.place(c)?)));
+        let shown = ours().filter_map(|c| Some((c, self.view.place(c)?)));
         for (target, (contact, place)) in self.targets.iter_mut().zip(shown) {
-            let tracked = self.tracks.place(contact.id, now);
-            *target = Target {
-                place: tracked.unwrap_or(place),
-                weight: drive.weight(contact.level, levels),
-            };
+            let place = self.tracks.place(contact.id, now).unwrap_or(place);
+            let weight = drive.weight(contact.level.saturating_add(above), levels);
+            *target = Target { place, weight };
             count += 1;
         }
         count

@@ -85,8 +85,8 @@ pub use reading::{LONGEST_LINE, Lines, Text, format_of, is_stream, open, read_by
 pub use resolve::{FileKind, resolve, resolve_from};
 pub use rows::{MOST_VALUES, Number, RowAt, Rows, Timing};
 pub use scene::{
-    Boards, Compression, DRIFT_S, Expect, Generation, Map, Overload, Scene, THRESHOLD_FLOOR,
-    THRESHOLD_SIGMAS, ThresholdFrom,
+    Boards, Compression, DRIFT_S, Expect, Generation, LevelsFrom, Map, Overload, Scene,
+    THRESHOLD_FLOOR, THRESHOLD_SIGMAS, ThresholdFrom,
 };
 pub use setup::{Finger, Setup, Stroked, sensor_of};
 pub use shelf::{Listed, built_in, illusions, of_folder};

@@ -29,6 +29,12 @@ choice! { /** What a board does when a scan is due and frames of the last one ha
     /** Every scan replaces what still waits; high identifiers starve. */ Overwrite = "overwrite",
 }}
 
+choice! { /** Where intensity levels are found. */ LevelsFrom {
+    /** In the whole input: an emulated or replayed run has a pass more, a real one goes by the scene's touches. */
+    Static = "static",
+    /** In every frame anew, among its contacts: the strongest has the top level. */ Dynamic = "dynamic",
+}}
+
 /// Standard deviations of a taxel's noise that its own threshold lies above its reference.
 pub const THRESHOLD_SIGMAS: f64 = 6.0;
 /// Counts that a recording's thresholds lie above that: fainter differences on real boards are not touch.
@@ -133,6 +139,8 @@ pub struct Compression {
     pub kc: u32,
     /// Intensity levels.
     pub ki: u32,
+    /// Where levels are found.
+    pub levels: LevelsFrom,
     /// Weight = norm to this power.
     pub weight_exponent: f64,
     /// The weight's norm.
@@ -154,6 +162,7 @@ impl Default for Compression {
         Self {
             kc: 1,
             ki: 10,
+            levels: LevelsFrom::Static,
             weight_exponent: 2.0,
             norm: Norm::L2,
             axes: Axes::XYZ,

@@ -1,19 +1,26 @@
-//! Static intensity levels over a whole input, with bounded memory.
+//! Static intensity levels over a whole input, with bounded memory; and levels that need none.
 
 use palpate_core::contact::{LevelTable, Levels};
 use palpate_core::random::RandomStream;
-use palpate_files::Setup;
+use palpate_files::{Compression, LevelsFrom};
 
-/// Levels where the whole input cannot be seen beforehand.
-pub(crate) fn live_levels(setup: &Setup) -> Levels {
-    match setup.scene.value.compression.ki {
+/// So many intensities find the levels; of more, so many are drawn, each as likely as the others.
+const TELLING: usize = 1 << 16;
+
+/// Levels that are known without the input; `None` for those that are found in it.
+pub fn known_levels(compression: &Compression) -> Option<Levels> {
+    let needs_input = compression.ki > 1 && compression.levels == LevelsFrom::Static;
+    (!needs_input).then(|| dynamic_levels(compression))
+}
+
+/// Levels found anew in every frame.
+pub fn dynamic_levels(compression: &Compression) -> Levels {
+    match compression.ki {
+        // Every contact has the one level there is.
         0 | 1 => Levels::Off,
         k => Levels::Dynamic(u16::try_from(k).unwrap_or(u16::MAX)),
     }
 }
-
-/// So many intensities find the levels; of more, so many are drawn, each as likely as the others.
-const TELLING: usize = 1 << 16;
 
 /// The intensities of an input, raw counts.
 #[derive(Debug)]

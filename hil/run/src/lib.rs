@@ -50,7 +50,7 @@ pub use boards::{BoardReport, BusReport, CanReport, Pacing, Spread};
 pub use failure::Failure;
 pub use hand::Hand;
 pub use header::{attachments, header};
-pub use levels::Intensities;
+pub use levels::{Intensities, dynamic_levels};
 pub use live::{EmulatedSession, FedSession, press};
 pub use passed::Passed;
 pub use policy::Policy;

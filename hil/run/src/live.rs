@@ -13,7 +13,7 @@ use palpate_records::trace::Event;
 use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::failure::Failure;
 use crate::hand::Hand;
-use crate::levels::live_levels;
+use crate::levels::dynamic_levels;
 use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth};
 use crate::runner::build;
@@ -65,7 +65,7 @@ impl EmulatedSession {
         truth: Truth,
         policy: Policy,
     ) -> Result<Self, Failure> {
-        let projector = build(setup, seed, live_levels(setup))?;
+        let projector = build(setup, seed, dynamic_levels(&setup.scene.value.compression))?;
         let bus = Tap::new(Faulty::new(boards, seed, "sensor bus"), false);
         let skin = skin::source(setup, projector.layout(), bus);
         let display = EmulatedDisplay::new(setup, &projector, seed)?;
@@ -86,7 +86,7 @@ impl FedSession {
     /// # Errors
     /// [`Failure::Input`] for what fits no loop.
     pub fn fed(setup: &Setup, seed: u64) -> Result<Self, Failure> {
-        let projector = build(setup, seed, live_levels(setup))?;
+        let projector = build(setup, seed, dynamic_levels(&setup.scene.value.compression))?;
         let display = EmulatedDisplay::new(setup, &projector, seed)?;
         let recorder = Recorder::new(Truth::Unknown, projector.layout()).bounded(MOST_EVENTS);
         let ends = ((), display);

@@ -22,7 +22,7 @@ use crate::display_end::{EmulatedDisplay, refuse_hardware};
 use crate::effort::Effort;
 use crate::failure::Failure;
 use crate::header::header;
-use crate::levels::{Intensities, live_levels};
+use crate::levels::{Intensities, dynamic_levels, known_levels};
 use crate::passed::Passing;
 use crate::place::{Place, looking};
 use crate::policy::Policy;
@@ -66,7 +66,7 @@ pub fn run_with(
             run.replay(skin, longest, Instant::from_micros(end), host)
         }
         Input::Stream(rows) => {
-            let levels = live_levels(setup);
+            let levels = dynamic_levels(&setup.scene.value.compression);
             let skin = Streamed::new(rows.as_ref(), &setup.sensor.value, &layout)?;
             let end = scene_end(setup);
             run.project(levels, skin, Truth::Unknown, end, host)
@@ -158,11 +158,9 @@ impl Run<'_> {
             )));
         }
         let end = end + Duration::from_millis(100);
-        let ki = self.setup.scene.value.compression.ki;
-        let (levels, skin) = match ki {
-            // Every contact has the one level there is.
-            ..=1 => (Levels::Off, first),
-            _ => {
+        let (levels, skin) = match known_levels(&self.setup.scene.value.compression) {
+            Some(known) => (known, first),
+            None => {
                 let mut first = first;
                 let levels = calibrate(&looking(self.setup), self.seed, &mut first, end, host)?;
                 (levels, skin()?)
@@ -241,7 +239,7 @@ impl Run<'_> {
         // The policy waits for boards that do not answer, so this cannot fail.
         let mut next = session.start(Instant::ZERO).unwrap_or_default();
         let mut last = end;
-        let calibrated = self.setup.scene.value.compression.ki > 1;
+        let calibrated = known_levels(&self.setup.scene.value.compression).is_none();
         let behind = |now| match calibrated {
             true => HALF + HALF * part(now, end),
             false => part(now, end),
@@ -292,7 +290,7 @@ impl Run<'_> {
         session.skin().advance_to(end);
         let can = session.skin().take_frames();
         let mut effort = Effort::of(&costs, session.traffic());
-        effort.calibrated = setup.scene.value.compression.ki > 1;
+        effort.calibrated = known_levels(&setup.scene.value.compression).is_none();
         let bench = &setup.bench.value;
         let (display, projector, _) = session.all();
         let (samples, currents) = display.take_samples();
@@ -395,7 +393,7 @@ impl Observer for Intensities {
     }
 }
 
-/// A first pass that finds the static intensity levels over the whole input.
+/// A first pass that finds the static intensity levels over the whole input, where the scene has such.
 fn calibrate(
     setup: &Setup,
     seed: u64,
@@ -403,9 +401,9 @@ fn calibrate(
     end: Instant,
     host: &mut dyn Host,
 ) -> Result<Levels, Failure> {
-    let k = setup.scene.value.compression.ki as usize;
-    if k <= 1 {
-        return Ok(Levels::Off); // every contact has the one level there is
+    let compression = &setup.scene.value.compression;
+    if let Some(known) = known_levels(compression) {
+        return Ok(known);
     }
     let mut projector = made(setup, plan::untextured(setup, seed, Levels::Off)?)?;
     let mut intensities = Intensities::default();
@@ -421,7 +419,7 @@ fn calibrate(
         now = projector.next().min(now + TICK);
     }
     // Without a table nothing was touched.
-    let table = intensities.table(k);
+    let table = intensities.table(compression.ki as usize);
     Ok(table.map_or(Levels::Off, Levels::Table))
 }
 

@@ -4,7 +4,7 @@
 use std::io::{self, Write};
 
 use palpate_core::contact::Scope;
-use palpate_files::{Finger, Scene, Setup, ThresholdFrom, Transducer};
+use palpate_files::{Finger, LevelsFrom, Scene, Setup, ThresholdFrom, Transducer};
 use palpate_run::Outcome;
 use palpate_run::effort::FrameKind;
 
@@ -30,9 +30,14 @@ pub fn plan(setup: &Setup, out: &mut dyn Write) -> io::Result<()> {
     row("contacts", contacts(setup))?;
     row(
         "levels",
-        match scene.compression.ki {
-            1 => "one: none to find, no first pass".into(),
-            k => format!("{k}, static: a first pass over the whole input finds them exactly"),
+        match (scene.compression.ki, scene.compression.levels) {
+            (1, _) => "one: none to find, no first pass".into(),
+            (k, LevelsFrom::Dynamic) => {
+                format!("{k}, dynamic: found anew in every frame, no first pass")
+            }
+            (k, LevelsFrom::Static) => {
+                format!("{k}, static: a first pass over the whole input finds them exactly")
+            }
         },
     )?;
     row(

@@ -9,7 +9,6 @@ use std::path::PathBuf;
 use palpate_buses::pacer::{Lateness, Pacer};
 use palpate_buses::signals::Signals;
 use palpate_buses::sys::{forbid_core_dumps, lock_memory, set_fifo_priority};
-use palpate_core::contact::Levels;
 use palpate_core::projector::Projector;
 use palpate_core::skin::UskinCan;
 use palpate_core::units::Instant;
@@ -21,7 +20,7 @@ use palpate_run::effort::Effort;
 use palpate_run::skin_end::{SkinEnd, Tap};
 use palpate_run::{
     AskedLevel, CanReport, Failure, Outcome, Pacing, Policy, Recorder, Session, Truth, Turn,
-    attachments, build, finished, header, scene_levels, skin,
+    attachments, build, dynamic_levels, finished, header, scene_levels, skin,
 };
 
 use crate::clock;
@@ -83,7 +82,7 @@ pub fn run(
     std::panic::set_hook(Box::new(|panic| note(&panic.to_string())));
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
     let levels = if scene.touches.is_empty() {
-        Levels::Dynamic(u16::try_from(scene.compression.ki).unwrap_or(u16::MAX))
+        dynamic_levels(&scene.compression)
     } else {
         scene_levels(setup, seed)?
     };

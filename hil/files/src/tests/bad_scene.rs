@@ -27,7 +27,7 @@ fn scenes() {
             (
                 "kc = 1",
                 "kc = 1\nkx = 2",
-                "f.toml:16: compression.kx: expected one of the keys `kc`, `ki`, `weight_exponent`, `norm`, `axes`, `scope`, `iterations`, found the unknown key `kx`",
+                "f.toml:16: compression.kx: expected one of the keys `kc`, `ki`, `levels`, `weight_exponent`, `norm`, `axes`, `scope`, `iterations`, found the unknown key `kx`",
             ),
             (
                 "ramp_s",
@@ -43,6 +43,11 @@ fn scenes() {
                 "kc = 1",
                 "kc = 0",
                 "f.toml:15: compression.kc: expected a number from 1 to 1024, found 0",
+            ),
+            (
+                "kc = 1",
+                "kc = 1\nlevels = \"often\"",
+                "f.toml:16: compression.levels: expected `static` or `dynamic`, found `often`",
             ),
             (
                 "kc = 1",
