@@ -28,5 +28,6 @@ mod recordings;
 mod render;
 mod rules;
 mod scans;
+mod shared_boards;
 mod texture;
 mod tidy;
