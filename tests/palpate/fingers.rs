@@ -137,9 +137,12 @@ fn transfers_of_all_fingers_take_each_others_time() {
     };
     let outcome = run_with(&setup, &Input::Scene, 1, keep, &mut ()).unwrap();
     let of = |address: u8| outcome.i2c.iter().filter(|t| t.address == address).count();
-    assert!(of(0x40) > 200 && of(0x41) > 200, "{} {}", of(0x40), of(0x41));
+    assert!(of(0x40) > 150 && of(0x41) > 150, "{} {}", of(0x40), of(0x41));
     assert_eq!(of(0x40) + of(0x41), outcome.i2c.len());
-    for pair in outcome.i2c.windows(2) {
+    // Messages of one transaction have its time.
+    let mut whole = outcome.i2c.clone();
+    whole.dedup_by_key(|t| (t.start_ns, t.end_ns));
+    for pair in whole.windows(2) {
         assert!(pair[0].end_ns <= pair[1].start_ns, "{pair:?}");
     }
     // A burst is written where it begins: nothing waits for another finger's.

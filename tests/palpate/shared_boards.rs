@@ -76,15 +76,15 @@ fn an_all_off_of_one_leaves_the_others_burst() {
     let now = Instant::from_micros(10_000);
     drive(&mut left, &mut lower, now);
     drive(&mut right, &mut upper, now);
-    let both = rises(&bus, 22);
+    let both = rises(&bus, 30);
     assert!(both[0] >= 2 && both[8] >= 2, "{both:?}");
     lower.all_off().unwrap();
-    rises(&bus, 28); // the end of the period
-    let after = rises(&bus, 40);
+    rises(&bus, 36); // the end of the period
+    let after = rises(&bus, 50);
     assert!(after[0] == 0 && after[8] >= 2, "{after:?}");
     // A restart by one of them does not reach the other either.
-    lower.start(Instant::from_micros(40_000)).unwrap();
-    let after = rises(&bus, 50);
+    lower.start(Instant::from_micros(50_000)).unwrap();
+    let after = rises(&bus, 60);
     assert!(after[0] == 0 && after[8] >= 1, "{after:?}");
 }
 
