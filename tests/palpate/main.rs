@@ -15,6 +15,7 @@ mod edges;
 mod external_clock;
 mod faults;
 mod felt;
+mod finger_campaign;
 mod fingers;
 mod goldens;
 mod guard;
