@@ -26,6 +26,7 @@ fn guard(first: u8) -> Guard {
         prescale: PRE,
         wire_milliohm: 1900,
         peak: Milliamps(990),
+        bus: palpate_core::units::Duration::ZERO,
     };
     let mut guard = Guard::new(HARD, plant, &wires).unwrap();
     guard.hear(Instant::ZERO);
@@ -139,6 +140,7 @@ fn an_update_is_written_around_channels_of_others() {
         prescale: PRE,
         wire_milliohm: 1900,
         peak: Milliamps(990),
+        bus: palpate_core::units::Duration::ZERO,
     };
     let mut guard = Guard::new(HARD, plant, &[wire(0), wire(2)]).unwrap();
     guard.hear(Instant::ZERO);

@@ -5,6 +5,8 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use palpate_core::contact::Scope;
+use palpate_core::units::Duration;
+use palpate_emulators::display::i2c::BusClock;
 use palpate_files::{Bench, Fault, Finger, Setup};
 
 /// A display's boards, wires and modules, by the numbers that bench and scene have for them.
@@ -90,6 +92,16 @@ impl Place {
         }
     }
 
+    /// The longest that the transfers of one of these may hold up its own: another display of its bus switches its channels
+    /// off one by one and starts its boards anew, ten transfers each.
+    fn wait_for(&self, all: &[Self]) -> Duration {
+        let off = BusClock::Fast.write_time(2).as_micros();
+        let other = BusClock::Fast.write_time(3).as_micros();
+        let others = all.iter().filter(|o| o.name != self.name && o.bus == self.bus);
+        let restarts = others.map(|o| o.wires as u64 * off + 10 * o.boards.len() as u64 * other);
+        Duration::from_micros(restarts.max().unwrap_or(0))
+    }
+
     /// Its own number of a board of the bench, if it is on that board.
     #[must_use]
     pub fn own_board(&self, board: usize) -> Option<usize> {
@@ -128,6 +140,7 @@ pub(crate) fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
         place.beside(&places);
         let mut alone = setup.clone();
         alone.fingers.clear();
+        alone.bus_wait = place.wait_for(&places);
         alone.display = finger.display.clone();
         alone.person = finger.person.clone();
         alone.wearer.clone_from(&finger.wearer);

@@ -308,6 +308,7 @@ pub fn untextured(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Fail
             prescale,
             wire_milliohm,
             peak,
+            bus: setup.bus_wait,
         },
         display.wires(),
     )
