@@ -298,6 +298,34 @@ fn merged_modules_drive_one_display_by_their_places() {
         _ => None,
     };
     assert!(trace.events.iter().filter_map(right).all(|right| right));
+    let path = a.path_error_mm.expect("both pads lie in one plane");
+    assert!(path.rmse < 1.0, "{path:?}");
+}
+
+/// `scope = "skin"` is for a bench with one display: a finger's contacts are held against touches of its own module.
+#[test]
+fn a_finger_knows_the_touches_of_its_own_module_alone() {
+    let grasp = |scope: &str| {
+        let mut overrides = Overrides::default();
+        overrides
+            .set("test", &format!("compression.scope={scope}"))
+            .unwrap();
+        overrides.set("test", "length_s=6").unwrap();
+        let scene = load_scene("allegro-grasp")
+            .unwrap()
+            .with(&overrides)
+            .unwrap();
+        let setup = Setup::join(scene, load_bench("allegro-hand").unwrap()).unwrap();
+        run(&setup, &Input::Scene, 1).unwrap()
+    };
+    let (module, skin) = (grasp("module"), grasp("skin"));
+    for (a, b) in module.summary.displays.iter().zip(&skin.summary.displays) {
+        let (a, b) = (a.path_error_mm.unwrap(), b.path_error_mm.unwrap());
+        assert!(
+            a.rmse < 0.5 && (a.rmse - b.rmse).abs() < 0.05,
+            "{a:?} {b:?}"
+        );
+    }
 }
 
 #[test]

@@ -41,7 +41,7 @@ pub enum Condition {
     Dead,
     /// Received, but its value stands still.
     Frozen,
-    /// An axis is at the end of its range.
+    /// An axis is at the end of its range, and that is not where its skin rests.
     Saturated,
     /// Three jumps without 16 quiet readings after each.
     Jumping,
@@ -94,6 +94,10 @@ pub struct Monitor {
     settings: HealthSettings,
     active: Vec<bool>,
     single_axis: Vec<bool>,
+    /// Whether it is known where a taxel's skin rests.
+    learned: Vec<bool>,
+    /// The end of the range that a single-axis taxel's skin rests at, if it rests at one.
+    rests_at: Vec<Option<u16>>,
     /// The newest reading of every taxel; 0 before the first.
     counts: Vec<[u16; 3]>,
     taxels: Vec<Taxel>,
@@ -114,6 +118,8 @@ impl Monitor {
             single_axis: modules()
                 .flat_map(|m| m.points().iter().map(move |_| m.axes() == 1))
                 .collect(),
+            learned: alloc::vec![false; layout.taxels()],
+            rests_at: alloc::vec![None; layout.taxels()],
             counts: alloc::vec![[0; 3]; layout.taxels()],
             taxels: alloc::vec![Taxel::default(); layout.taxels()],
             vectors: Vectors::widest(),
@@ -141,6 +147,7 @@ impl Monitor {
         self.started.get_or_insert(at);
         let end = range.end.min(self.taxels.len()).min(scan.counts().len());
         let range = range.start.min(end)..end;
+        self.learn(scan, range.clone());
         let (jump, frozen_after) = (self.settings.jump_counts, self.settings.frozen_after);
         let (old, new) = (
             &mut self.counts[range.clone()],
@@ -192,6 +199,29 @@ impl Monitor {
         well
     }
 
+    /// Finds out from the first scan of most of a module whether it rests at an end of its range: compensated readings
+    /// of 8-bit skins are 0 without a touch. Only skins of one axis do; three zeros are a broken board's.
+    fn learn(&mut self, scan: &Scan, range: core::ops::Range<usize>) {
+        let known = self.learned.get(range.start).is_none_or(|known| *known);
+        if known || range.is_empty() {
+            return;
+        }
+        let active = self.active[range.clone()].iter().filter(|a| **a).count();
+        let heard = |i: &usize| self.active[*i] && self.single_axis[*i] && scan.fresh()[*i];
+        let heard_of = range.clone().filter(heard).count();
+        if 2 * heard_of < active {
+            return;
+        }
+        let most = |end: &u16| {
+            let there = range.clone().filter(heard);
+            let there = there.filter(|i| scan.counts()[*i][2] == *end);
+            2 * there.count() > heard_of
+        };
+        let end = [0, u16::MAX].into_iter().find(most);
+        self.learned[range.clone()].fill(true);
+        self.rests_at[range].fill(end);
+    }
+
     /// What is wrong with a taxel at `now`; the worst of several.
     pub fn condition(&self, index: usize, now: Instant) -> Condition {
         let Some(t) = self.taxels.get(index).filter(|_| self.active[index]) else {
@@ -210,7 +240,7 @@ impl Monitor {
         } else if t.received > 0
             && self.counts[index][used]
                 .iter()
-                .any(|c| *c == 0 || *c == u16::MAX)
+                .any(|c| (*c == 0 || *c == u16::MAX) && self.rests_at[index] != Some(*c))
         {
             Condition::Saturated
         } else if t.jumps >= JUMPING {

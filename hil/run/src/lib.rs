@@ -51,7 +51,7 @@ pub use failure::Failure;
 pub use hand::Hand;
 pub use header::{attachments, header};
 pub use levels::{Intensities, dynamic_levels};
-pub use live::{EmulatedSession, FedSession, press};
+pub use live::{EmulatedSession, EmulatedSkin, FedSession, press};
 pub use passed::Passed;
 pub use policy::Policy;
 pub use recorder::{Recorder, Truth};

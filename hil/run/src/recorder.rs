@@ -13,7 +13,7 @@ use palpate_records::trace::{Driven, Event, PlaceUm};
 use palpate_records::words::texture;
 
 use crate::hand::Hand;
-use palpate_files::{Setup, Touch};
+use palpate_files::{Finger, Setup, Touch};
 
 /// Windows of texture further apart are of different touches.
 const APART: Duration = Duration::from_millis(500);
@@ -41,20 +41,32 @@ pub enum Truth {
 impl Truth {
     /// Of a setup's scene: the driving module's touches, or where the skin is one, all of them.
     pub fn of(setup: &Setup) -> Self {
-        Self::on(setup, setup.scene.value.drives)
+        let scene = &setup.scene.value;
+        match scene.compression.scope {
+            Scope::Skin => Self::on(setup, true, |_| true),
+            Scope::Module => Self::on(setup, false, |module| module == scene.drives),
+        }
     }
 
-    /// The same where this module drives.
-    pub fn on(setup: &Setup, module: usize) -> Self {
-        let scene = &setup.scene.value;
-        let whole = scene.compression.scope == Scope::Skin;
-        let driving = |t: &&Touch| whole || t.module == module;
+    /// Of one of several fingers: the touches of the module that drives it, or where its modules are one skin, of all
+    /// of them.
+    pub fn of_finger(setup: &Setup, finger: &Finger) -> Self {
+        let driving = match finger.merged {
+            true => finger.modules.as_slice(),
+            false => &finger.modules[..1],
+        };
+        Self::on(setup, finger.merged, |module| driving.contains(&module))
+    }
+
+    /// The touches of modules that drive; where these are one skin, in its plane.
+    fn on(setup: &Setup, whole: bool, drives: impl Fn(usize) -> bool) -> Self {
         let place = |touch: &Touch| match setup.sensor.value.modules.get(touch.module) {
             Some(module) if whole => module.place_mm,
             _ => [0.0; 2],
         };
-        let touches = scene.touches.iter().filter(driving);
-        Self::Scene(touches.map(|t| (t.clone(), place(t))).collect())
+        let touches = setup.scene.value.touches.iter();
+        let driving = touches.filter(|touch| drives(touch.module));
+        Self::Scene(driving.map(|t| (t.clone(), place(t))).collect())
     }
 
     /// Where, and how hard (N), when exactly one thing touches.

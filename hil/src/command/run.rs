@@ -28,7 +28,7 @@ use crate::record::Kind as LiveKind;
 use super::devices::bench_with;
 use super::explain;
 use super::rate::rate_of;
-use super::report::report;
+use super::report::{hand, report};
 
 /// The scene of `hil run` without a name.
 pub(super) const DEFAULT_SCENE: &str = "sphere-along";
@@ -100,9 +100,13 @@ impl Format {
             let ending = path.extension().unwrap_or_default().to_string_lossy();
             path.with_file_name(format!("{stem}-{name}.{ending}"))
         };
-        match self.is_per_display() && !setup.fingers.is_empty() {
-            true => setup.fingers.iter().map(|f| of(&f.name)).collect(),
-            false => vec![path.to_owned()],
+        let whole = || path.to_owned();
+        let each = setup.fingers.iter().map(|f| of(&f.name));
+        match self {
+            _ if setup.fingers.is_empty() || !self.is_per_display() => vec![whole()],
+            // The hand's page stands before those of its fingers.
+            Self::Report => std::iter::once(whole()).chain(each).collect(),
+            _ => each.collect(),
         }
     }
 
@@ -110,14 +114,19 @@ impl Format {
         if !self.is_per_display() || outcome.displays.is_empty() {
             return self.write_one(path, setup, outcome);
         }
-        let paths = self.paths(path, setup);
+        let mut paths = self.paths(path, setup);
+        if self == Self::Report {
+            let whole = paths.remove(0);
+            let page = hand(setup, outcome, &paths);
+            write_file(&whole, |out| out.write_all(page.as_bytes()))?;
+        }
         let mut each = paths.iter().zip(&outcome.displays);
         each.try_for_each(|(path, display)| self.write_one(path, setup, &display.outcome))
     }
 
     fn write_one(self, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
         write_file(path, |out| match self {
-            Self::Contacts => write_table(&outcome.trace.events, out),
+            Self::Contacts => write_table(&outcome.trace, out),
             Self::Mcap => {
                 let traffic = BusTraffic {
                     can: &outcome.can,

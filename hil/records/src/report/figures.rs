@@ -8,7 +8,7 @@ use crate::trace::{Event, Trace};
 use std::fmt::Write;
 
 /// A legend's entry: a swatch drawn with the figure's own classes, and its meaning.
-fn key(out: &mut String, shape: &str, text: &str) {
+pub(super) fn key(out: &mut String, shape: &str, text: &str) {
     let _ = write!(
         out,
         "<span><svg viewBox=\"0 0 26 12\">{shape}</svg>{}</span>",
@@ -24,7 +24,7 @@ pub(super) fn line_key(out: &mut String, class: &str, text: &str) {
     );
 }
 
-fn path_key(out: &mut String, class: &str, data: &str, text: &str) {
+pub(super) fn path_key(out: &mut String, class: &str, data: &str, text: &str) {
     key(
         out,
         &format!("<path class=\"{class}\" d=\"{data}\"/>"),
@@ -32,7 +32,7 @@ fn path_key(out: &mut String, class: &str, data: &str, text: &str) {
     );
 }
 
-const RAMP: &str = "start <i class=\"ramp\"></i> end of the run";
+pub(super) const RAMP: &str = "start <i class=\"ramp\"></i> end of the run";
 
 /// Figures A and C side by side; their planes.
 pub(super) fn planes(page: &mut String, trace: &Trace) -> [Plot; 2] {

@@ -14,7 +14,7 @@ pub(super) const TAXELS: usize = 4_096;
 const WIDTH: f64 = 540.0;
 const HEIGHT: f64 = 520.0;
 
-fn mm(p: PlaceUm) -> (f64, f64) {
+pub(super) fn mm(p: PlaceUm) -> (f64, f64) {
     (f64::from(p.x) / 1000.0, f64::from(p.y) / 1000.0)
 }
 
@@ -51,7 +51,7 @@ fn axes(plot: &mut Plot, svg: &mut Svg, places: &[(f64, f64)], rim: f64, what: &
 }
 
 /// Smallest distance of two of the places, or a fallback.
-fn pitch(places: &[(f64, f64)]) -> f64 {
+pub(super) fn pitch(places: &[(f64, f64)]) -> f64 {
     let mut best = f64::INFINITY;
     for (i, a) in places.iter().enumerate().take(400) {
         for b in places.iter().skip(i + 1).take(400) {
@@ -66,14 +66,14 @@ fn pitch(places: &[(f64, f64)]) -> f64 {
 
 /// A way that is gone again and again is drawn once: steps between cells of two pixels.
 #[derive(Default)]
-struct Trodden(BTreeSet<[i32; 4]>);
+pub(super) struct Trodden(BTreeSet<[i32; 4]>);
 
 impl Trodden {
     /// Most steps of one colour.
     const MOST: usize = 4_000;
 
     /// Whether this step is new, and there is room for it.
-    fn is_new(&mut self, from: (f64, f64), to: (f64, f64)) -> bool {
+    pub(super) fn is_new(&mut self, from: (f64, f64), to: (f64, f64)) -> bool {
         let cell = |v: f64| (v / 2.0).round() as i32;
         let step = [from.0, from.1, to.0, to.1].map(cell);
         self.0.len() < Self::MOST && self.0.insert(step)
@@ -82,7 +82,7 @@ impl Trodden {
 
 /// A stroke in the colours of its time: thin line, and dots not closer than two pixels.
 #[derive(Default)]
-struct Stroke {
+pub(super) struct Stroke {
     lines: [String; HUES],
     dots: [String; HUES],
     last: Option<(f64, f64)>,
@@ -92,7 +92,7 @@ struct Stroke {
 }
 
 impl Stroke {
-    fn to(&mut self, at: (f64, f64), hue: usize) {
+    pub(super) fn to(&mut self, at: (f64, f64), hue: usize) {
         let far =
             |p: Option<(f64, f64)>, d: f64| p.is_none_or(|p| (p.0 - at.0).hypot(p.1 - at.1) >= d);
         let hue = hue.min(HUES - 1);
@@ -111,11 +111,11 @@ impl Stroke {
         }
     }
 
-    fn lift(&mut self) {
+    pub(super) fn lift(&mut self) {
         self.last = None;
     }
 
-    fn draw(&self, svg: &mut Svg, dots: &str) {
+    pub(super) fn draw(&self, svg: &mut Svg, dots: &str) {
         for (hue, line) in self.lines.iter().enumerate() {
             svg.path(line, &format!("trail h{hue}"));
         }
@@ -125,7 +125,7 @@ impl Stroke {
     }
 }
 
-fn hue(t_us: u64, length: u64) -> usize {
+pub(super) fn hue(t_us: u64, length: u64) -> usize {
     let tenth = u128::from(t_us) * HUES as u128 / u128::from(length.max(1));
     usize::try_from(tenth).unwrap_or(HUES - 1).min(HUES - 1)
 }
@@ -233,7 +233,7 @@ fn truth(trace: &Trace, plot: &Plot, svg: &mut Svg) {
     svg.path(&line, if several { "truth-dots" } else { "truth" });
 }
 
-fn cross(out: &mut String, (x, y): (f64, f64)) {
+pub(super) fn cross(out: &mut String, (x, y): (f64, f64)) {
     let (left, top, bottom) = (x - 4.5, y - 4.5, y + 4.5);
     let _ = write!(out, "M{left:.1} {top:.1}l9 9M{left:.1} {bottom:.1}l9 -9");
 }

@@ -95,8 +95,7 @@ impl Run<'_> {
         let mut fingers = Vec::new();
         for ((run, (place, _)), finger) in runs.iter().zip(&alone).zip(&self.setup.fingers) {
             let truth = match truth {
-                // One felt place is held against one touched module.
-                Truth::Scene(_) if !finger.merged => Truth::on(self.setup, finger.modules[0]),
+                Truth::Scene(_) => Truth::of_finger(self.setup, finger),
                 _ => Truth::Unknown,
             };
             let pads = Pads::new(&place.modules);
