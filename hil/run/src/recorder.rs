@@ -13,7 +13,7 @@ use palpate_records::trace::{Driven, Event, PlaceUm};
 use palpate_records::words::texture;
 
 use crate::hand::Hand;
-use palpate_files::{Finger, Setup, Touch};
+use palpate_files::{Finger, Joint, Setup, Touch};
 
 /// Windows of texture further apart are of different touches.
 const APART: Duration = Duration::from_millis(500);
@@ -155,6 +155,8 @@ pub struct Recorder {
     pub dropped: u64,
     /// The skin, for naming its taxels.
     layout: Option<Layout>,
+    /// Joints whose angles are kept.
+    pub joints: Vec<Joint>,
     /// Taxels whose health changed alike: when, module, condition, taxels. Not yet told.
     changed: Option<(Instant, usize, Condition, Vec<usize>)>,
 }
@@ -272,6 +274,14 @@ impl Observer for Recorder {
                 intensity_milli: (f64::from(contact.intensity) * 1e3).round() as u32,
                 level: contact.level,
                 members: contact.members,
+            });
+        }
+        let t_s = report.at.as_micros() as f64 * 1e-6;
+        for (number, joint) in (0..).zip(&self.joints) {
+            self.events.push(Event::Joint {
+                t_us,
+                joint: number,
+                milli_deg: (joint.at(t_s) * 1e3).round() as i32,
             });
         }
         if let Some((place, force_n)) = self.truth_at(report.at) {

@@ -197,6 +197,7 @@ impl Run<'_> {
         let mut display = EmulatedDisplay::at(self.setup, place, &projector, self.seed)?;
         display.keep(self.keep)?;
         let mut recorder = Recorder::new(truth, projector.layout());
+        recorder.joints.clone_from(&self.setup.scene.value.joints);
         recorder.counts = host.looks_on().then(Vec::new);
         let drives = self.setup.scene.value.drives;
         let streams = self.keep.summary && host.records();
@@ -347,6 +348,7 @@ fn look_on<S: SkinEnd>(session: &mut Session<S, EmulatedDisplay>, host: &mut dyn
     let (skin, recorder) = session.seen();
     let ended = host.turn(&TurnView {
         now,
+        display: 0,
         events: &recorder.events,
         counts: recorder.counts.as_deref().unwrap_or_default(),
         buses: &|| skin.buses(),

@@ -16,7 +16,7 @@ use crate::clock;
 use crate::host::{Onlooker, Records};
 use crate::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
 use crate::real::{self, Told};
-use crate::recording::{Reading, ReadingStream, recorded, write_can_log};
+use crate::recording::{Reading, ReadingStream, read_joints, recorded, write_can_log};
 use crate::trial::{Trial, TrialEnd, judge, junit};
 use palpate_files::{
     BenchKind, DRIFT_S, Format as FileFormat, Overrides, Setup, THRESHOLD_FLOOR, Timing, load_scene,
@@ -158,8 +158,13 @@ impl Format {
 /// # Errors
 /// [`Failure`] with its exit status.
 pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
-    let setup = setup(args)?;
     let rate = rate_of(args.rate, unclocked(args))?;
+    let timing = Timing {
+        column: args.time.clone(),
+        rate_hz: rate.hz,
+        split_jumps: args.split_jumps,
+    };
+    let setup = setup(args, &timing)?;
     let mut files = wanted(args, &setup)?;
     if args.explain {
         explained(args, |out| explain::plan(&setup, out))?;
@@ -196,11 +201,6 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     let mut outcome = if is_real {
         on_hardware(args, &setup, &growing)?
     } else {
-        let timing = Timing {
-            column: args.time.clone(),
-            rate_hz: rate.hz,
-            split_jumps: args.split_jumps,
-        };
         let reading = Reading {
             timing,
             prefix: args.columns.clone(),
@@ -414,7 +414,7 @@ fn wanted(args: &RunArgs, setup: &Setup) -> Result<Vec<(Format, PathBuf)>, Failu
 }
 
 /// Scene and bench with the command line's changes, checked like a file of that content.
-fn setup(args: &RunArgs) -> Result<Setup, Failure> {
+fn setup(args: &RunArgs, timing: &Timing) -> Result<Setup, Failure> {
     let overrides = overrides(args)?;
     let scene = load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
     let mut scene = scene.with(&overrides)?;
@@ -431,6 +431,10 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
     if let Some(name) = replayed.or(streamed) {
         scene.value.touches.clear();
         scene.value.name = name;
+    }
+    let recorded = read_joints(&args.replay, timing)?;
+    if !recorded.is_empty() {
+        scene.value.joints = recorded;
     }
     let setup = Setup::join(scene, bench)?;
     Ok(match args.observe {

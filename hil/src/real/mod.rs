@@ -272,7 +272,7 @@ impl Turns<'_> {
             let all = reports(&self.real.can, &tallies);
             all.iter().map(CanReport::words).collect()
         };
-        let stopped = watch.turn(now, &recorder.events, counts, buses);
+        let stopped = watch.turn(0, now, &recorder.events, counts, buses);
         if stopped {
             let note = "stopped by the person who watched".into();
             session.recorder().note(now, note);

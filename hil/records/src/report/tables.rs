@@ -74,12 +74,19 @@ pub(super) fn facts(page: &mut String, trace: &Trace, made: &[(&'static str, Str
         .iter()
         .filter(|e| matches!(e, Event::Frame { .. }))
         .count();
+    let of_all = match h.displays.as_slice() {
+        [] => "frames",
+        _ => "frames of all displays",
+    };
     let facts = [
         ("bench", h.bench.clone()),
         ("seed", h.seed.to_string()),
         (
             "length",
-            format!("{} s, {frames} frames", seconds(measure::length_us(trace))),
+            format!(
+                "{} s, {frames} {of_all}",
+                seconds(measure::length_us(trace))
+            ),
         ),
         (
             "PWM, true",

@@ -24,6 +24,8 @@ const ROOM_PADS: (f64, f64) = (23.0, 140.0);
 const ROOM_WIRES: (f64, f64) = (30.0, 46.0);
 /// From the edge of pads or wires to the tip of the finger, mm.
 const TIP: f64 = 6.0;
+/// From a fingertip to what is written there, mm.
+const LABEL: f64 = 7.0;
 /// Half the length of a wire's mark, mm.
 const BAR: f64 = 2.5;
 
@@ -209,7 +211,7 @@ fn sheet(hand: &Hand, width: f64, label: &str) -> (Svg, Plot) {
 
 /// Two lines at a fingertip: the finger's name, and a figure.
 fn label(svg: &mut Svg, plot: &Plot, digit: &Digit, (name, figure): (&str, &str)) {
-    let (x, y) = plot.at(digit.at((0.0, digit.length + 5.0)));
+    let (x, y) = plot.at(digit.at((0.0, digit.length + LABEL)));
     svg.text((x, y - 17.0), "label middle name", name);
     svg.text((x, y), "tick middle", figure);
 }
