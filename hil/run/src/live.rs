@@ -6,7 +6,7 @@
 use core::fmt;
 
 use palpate_core::bus::Received;
-use palpate_core::skin::{Layout, ModuleScan, ScanError, SkinSource, UskinCan};
+use palpate_core::skin::{CanSkin, Layout, ModuleScan, ScanError, SkinSource};
 use palpate_core::units::Instant;
 use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::Handle;
@@ -33,7 +33,7 @@ const MOST_EVENTS: usize = 1 << 16;
 #[allow(clippy::large_enum_variant)] // a session has one
 pub enum EmulatedSkin {
     /// Boards on sensor buses.
-    Boards(UskinCan<Tap<Faulty<Handle>>>),
+    Boards(CanSkin<Tap<Faulty<Handle>>>),
     /// Whole scans of a skin that no bus carries.
     Array(SkinArray),
 }
@@ -48,7 +48,7 @@ impl fmt::Debug for EmulatedSkin {
 }
 
 impl SkinSource for EmulatedSkin {
-    type Error = <UskinCan<Tap<Faulty<Handle>>> as SkinSource>::Error;
+    type Error = <CanSkin<Tap<Faulty<Handle>>> as SkinSource>::Error;
 
     fn scans(
         &mut self,

@@ -9,7 +9,7 @@ use palpate_core::contact::Levels;
 use palpate_core::driver::Actuators;
 use palpate_core::guard::Guarded;
 use palpate_core::projector::{FrameReport, LoopError, Observer, Plan, Projector};
-use palpate_core::skin::{Layout, UskinCan};
+use palpate_core::skin::{CanSkin, Layout};
 use palpate_core::units::{Duration, Instant};
 use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::Handle;
@@ -374,7 +374,7 @@ pub(crate) fn scene_end(setup: &Setup) -> Instant {
 }
 
 /// A skin that is recorded while it is emulated.
-fn on_tape(setup: &Setup, layout: &Layout, handle: Handle) -> UskinCan<Tap<Tape>> {
+fn on_tape(setup: &Setup, layout: &Layout, handle: Handle) -> CanSkin<Tap<Tape>> {
     skin::source(setup, layout, Tap::new(Tape::new(handle), false))
 }
 

@@ -2,7 +2,7 @@
 
 use palpate_core::bus::CanBus;
 use palpate_core::codec::uskin::{ALL_BOARDS, Command, Wiring};
-use palpate_core::skin::{Layout, Module, Protocol, UskinCan};
+use palpate_core::skin::{CanSkin, Layout, Module, Protocol};
 use palpate_emulators::sensor::board::{BoardConfig, Overload};
 use palpate_emulators::sensor::can::NodeConfig;
 use palpate_emulators::sensor::rig::{Handle, SkinBus};
@@ -188,8 +188,8 @@ pub fn array_under(
 }
 
 /// The boards of a scene's layout, over any bus, as the loop reads them.
-pub fn source<B: CanBus>(setup: &Setup, layout: &Layout, bus: B) -> UskinCan<B> {
-    UskinCan::new(layout, bus).with_gap(plan::scan_gap(layout, &setup.scene.value))
+pub fn source<B: CanBus>(setup: &Setup, layout: &Layout, bus: B) -> CanSkin<B> {
+    CanSkin::new(layout, bus).with_gap(plan::scan_gap(layout, &setup.scene.value))
 }
 
 /// Emulated boards with the scene's touches on them, sending from the start.
