@@ -181,7 +181,7 @@ fn shared(part: &Part, event: &Event) -> Option<Event> {
                 text: format!("{}: its wires on board {board} off: {cause}", part.name()),
             }),
         },
-        // Whoever stops the run stops all of it: one note says so.
+        // A run is stopped as a whole: one note says so.
         Event::Note { text, .. } if text.starts_with(STOPPED_BY) => None,
         Event::Note { t_us, text } => Some(Event::Note {
             t_us,

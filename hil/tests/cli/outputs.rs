@@ -67,7 +67,7 @@ fn a_schedule_is_a_header_and_sorted_integers() {
     assert!(offs >= 2, "off at the start and at the end");
 }
 
-/// Several displays: the hand under the name that was asked for, and a page per finger that it leads to.
+/// Several displays: the hand under the name given, and a page per finger that it leads to.
 #[test]
 fn a_hand_has_a_page_that_leads_to_its_fingers() {
     let folder = Folder::new("hand");

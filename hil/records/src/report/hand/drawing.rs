@@ -1,17 +1,16 @@
 //! The drawn hands: the robot's with what its skin found, the wearer's with what the thimbles let feel.
 
-use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::skeleton::{Digit, Hand, hands};
 use super::{FingerReport, HandReport, link};
 use crate::felt::felt_level;
 use crate::measure::{length_us, path_error};
-use crate::report::figures::{RAMP, key, line_key, path_key};
-use crate::report::paths::{Stroke, TAXELS, Trodden, cross, hue, mm, pitch};
+use crate::report::figures::{RAMP, break_key, line_key, taxel_key};
+use crate::report::paths::{TAXELS, felt, mm, pitch, touched};
 use crate::report::scale::Scale;
 use crate::report::svg::{Plot, Svg};
-use crate::trace::{Event, FeltAt, Trace};
+use crate::trace::Event;
 
 const WIDTH: f64 = 560.0;
 /// Room above fingertips for their names, and at the sides, mm.
@@ -257,16 +256,17 @@ fn robot(hand: &HandReport<'_>, drawn: &Hand, pads: &Worn) -> String {
                 svg.path(&squares, "taxel");
             }
         }
-        touched(&mut svg, finger, length, |module, place| {
+        let (strokes, _) = touched(finger.trace, length, |module, place| {
             let (x, y) = if finger.merged {
                 // Places are those of the plane of the whole skin.
                 let first = finger.modules.first().and_then(|m| hand.pads.get(*m));
                 first.map_or((0.0, 0.0), |pad| (-pad.place_mm[0], -pad.place_mm[1]))
             } else {
-                offset(hand, finger, module)
+                offset(hand, finger, usize::from(module))
             };
             plot.at(pads.at(digit, (place.0 + x, place.1 + y)))
         });
+        strokes.iter().for_each(|s| s.draw(&mut svg, "dots"));
         let figure = path_error(finger.trace).map_or_else(
             || format!("{} contacts", contacts(finger)),
             |e| format!("{:.2} mm", e.rmse_um as f64 * 1e-3),
@@ -281,37 +281,6 @@ fn robot(hand: &HandReport<'_>, drawn: &Hand, pads: &Worn) -> String {
 pub(super) fn contacts(finger: &FingerReport<'_>) -> usize {
     let is_contact = |e: &&Event| matches!(e, Event::Contact { .. });
     finger.trace.events.iter().filter(is_contact).count()
-}
-
-/// Paths of a finger's contacts.
-fn touched(
-    svg: &mut Svg,
-    finger: &FingerReport<'_>,
-    length: u64,
-    at: impl Fn(usize, (f64, f64)) -> (f64, f64),
-) {
-    let mut strokes: BTreeMap<(u16, u32), (Stroke, u32)> = BTreeMap::new();
-    for event in &finger.trace.events {
-        if let Event::Contact {
-            t_us,
-            frame,
-            module,
-            contact,
-            place,
-            ..
-        } = event
-        {
-            let (stroke, before) = strokes.entry((*module, *contact)).or_default();
-            if frame.saturating_sub(*before) > 1 {
-                stroke.lift();
-            }
-            *before = *frame;
-            stroke.to(at(usize::from(*module), mm(*place)), hue(*t_us, length));
-        }
-    }
-    for (stroke, _) in strokes.values() {
-        stroke.draw(svg, "dots");
-    }
 }
 
 /// The wearer's hand: thimbles, and where they were felt.
@@ -340,9 +309,11 @@ fn wearer(hand: &HandReport<'_>, drawn: &Hand, thimbles: &Worn) -> String {
             );
         }
         svg.path(&wires, "wire thin");
-        felt(&mut svg, report.trace, length, |place| {
+        let felt = felt(report.trace, length, |place| {
             plot.at(thimbles.at(digit, place))
         });
+        felt.path.draw(&mut svg, "dots");
+        svg.path(&felt.crosses, "cross");
         let figure = felt_level(report.trace).map_or_else(
             || "nothing felt".to_owned(),
             |level| format!("{:+.1} dB", f64::from(level.median_mdb) * 1e-3),
@@ -351,41 +322,6 @@ fn wearer(hand: &HandReport<'_>, drawn: &Hand, thimbles: &Worn) -> String {
         svg.close_link();
     }
     svg.finish()
-}
-
-/// The felt path of a finger, with crosses where a contact on the display is not felt.
-fn felt(svg: &mut Svg, trace: &Trace, length: u64, at: impl Fn((f64, f64)) -> (f64, f64)) {
-    let (mut stroke, mut crosses) = (Stroke::default(), String::new());
-    let gap = trace.header.soa_us.saturating_mul(2).max(1);
-    let (mut before, mut crossed) = (None, Trodden::default());
-    for event in &trace.events {
-        let Event::Felt {
-            t_us,
-            target,
-            inside,
-            met,
-            ..
-        } = event
-        else {
-            continue;
-        };
-        if before.is_some_and(|b: u64| t_us.saturating_sub(b) > gap) {
-            stroke.lift();
-        }
-        before = Some(*t_us);
-        match met.filter(FeltAt::is_felt) {
-            Some(felt) => stroke.to(at(mm(felt.energy)), hue(*t_us, length)),
-            None => {
-                stroke.lift();
-                let aim = at(mm(*target));
-                if *inside && crossed.is_new(aim, aim) {
-                    cross(&mut crosses, aim);
-                }
-            }
-        }
-    }
-    stroke.draw(svg, "dots");
-    svg.path(&crosses, "cross");
 }
 
 /// Both hands with their legends.
@@ -403,11 +339,7 @@ pub(super) fn section(page: &mut String, hand: &HandReport<'_>) {
     for drawn in &robots {
         let mut legend = String::new();
         let _ = write!(legend, "<span>contact: {RAMP}</span>");
-        key(
-            &mut legend,
-            "<rect class=\"taxel\" x=\"7\" y=\"0\" width=\"12\" height=\"12\"/>",
-            "taxel",
-        );
+        taxel_key(&mut legend);
         let _ = writeln!(
             page,
             "<section><h2>{}: touched</h2><p class=\"sub\">Pads of the skin, palm up. Beside a name: \
@@ -421,12 +353,7 @@ pub(super) fn section(page: &mut String, hand: &HandReport<'_>) {
     for drawn in &wearers {
         let mut legend = String::new();
         let _ = write!(legend, "<span>felt: {RAMP}</span>");
-        path_key(
-            &mut legend,
-            "cross",
-            "M8 1l10 10M8 11l10 -10",
-            "break: nothing felt",
-        );
+        break_key(&mut legend);
         line_key(&mut legend, "wire thin", "wire");
         let _ = writeln!(
             page,

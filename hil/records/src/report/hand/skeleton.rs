@@ -158,7 +158,7 @@ mod tests {
             .unwrap();
         let order: Vec<usize> = hand.digits.iter().map(|d| d.finger).collect();
         assert_eq!(order, [0, 1, 2]);
-        assert_eq!(hand.digits[1].length, 150.0);
+        assert!((hand.digits[1].length - 150.0).abs() < 1e-9);
         assert!(hands(&[], &[]).is_empty());
     }
 }
