@@ -100,9 +100,11 @@ pub(crate) fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
         scene.drives = 0;
         scene.fingers.clear();
         scene.faults.retain(|fault| place.meets(fault));
-        if finger.merged {
-            scene.compression.scope = Scope::Skin;
-        }
+        // A finger's rule says what is one skin, whatever the scene says of a bench with one display.
+        scene.compression.scope = match finger.merged {
+            true => Scope::Skin,
+            false => Scope::Module,
+        };
         let own = &mut alone.bench.value;
         own.name = format!("{}: {}", bench.name, finger.name);
         own.displays.clear();
