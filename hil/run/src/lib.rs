@@ -7,6 +7,7 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod actuator_bus;
 mod band;
 mod boards;
 pub mod design;
