@@ -97,6 +97,16 @@ pub struct Traffic {
     pub unchanged_channels: u64,
 }
 
+impl Traffic {
+    /// Takes in that of another driver.
+    pub fn add(&mut self, other: &Self) {
+        self.writes += other.writes;
+        self.unchanged_updates += other.unchanged_updates;
+        self.channels += other.channels;
+        self.unchanged_channels += other.unchanged_channels;
+    }
+}
+
 /// Up to 16 PCA9685 boards on one bus.
 #[derive(Debug)]
 pub struct Pca9685Bank<I> {

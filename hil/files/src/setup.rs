@@ -75,6 +75,10 @@ impl Setup {
         let sensor = sensor_of(&scene)?;
         let display = display_of(&bench)?;
         check_faults(&scene, &sensor.value, &bench.value)?;
+        if scene.value.stream.is_some() && bench.value.kind == BenchKind::Real {
+            let expected = "nothing on a bench of hardware, whose boards are on its own buses: [stream] emulates a network";
+            return Err(scene.source.bad("stream", expected));
+        }
         let hardware = &bench.value;
         let limits = limits_of(&bench)?;
         let (wire, alloy) = mounted_of(&bench)?;

@@ -17,6 +17,7 @@ use crate::path_error::PathError;
 use crate::place::Place;
 use crate::script::FaultReport;
 use crate::summary::{DisplaySummary, FrameTime, Summary, Taxels};
+use crate::verdict::STOPPED_BY;
 use crate::{DisplayOutcome, Outcome};
 
 /// A finger's run, in its own numbers.
@@ -89,13 +90,10 @@ pub(crate) fn join(setup: &Setup, mut parts: Vec<Part>, common: Common) -> Outco
     let mut events = common.events.clone();
     events.extend(whole_boards(&parts));
     for part in &parts {
-        events.extend(
-            part.outcome
-                .trace
-                .events
-                .iter()
-                .filter_map(|e| shared(part, e)),
-        );
+        // Joints are the hand's: every finger has them alike.
+        let own = part.outcome.trace.events.iter();
+        let own = own.filter(|e| part.place == parts[0].place || !matches!(e, Event::Joint { .. }));
+        events.extend(own.filter_map(|e| shared(part, e)));
     }
     events.sort_by_key(Event::t_ns);
     let ledger = ledger(setup, &parts);
@@ -188,6 +186,8 @@ fn shared(part: &Part, event: &Event) -> Option<Event> {
                 text: format!("{}: its wires on board {board} off: {cause}", part.name()),
             }),
         },
+        // A run is stopped as a whole: one note says so.
+        Event::Note { text, .. } if text.starts_with(STOPPED_BY) => None,
         Event::Note { t_us, text } => Some(Event::Note {
             t_us,
             text: format!("{}: {text}", part.name()),

@@ -156,9 +156,11 @@ pub(crate) fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
         scene.drives = 0;
         scene.fingers.clear();
         scene.faults.retain(|fault| place.is_of_wires(fault));
-        if finger.merged {
-            scene.compression.scope = Scope::Skin;
-        }
+        // A finger's rule says what is one skin, whatever the scene says of a bench with one display.
+        scene.compression.scope = match finger.merged {
+            true => Scope::Skin,
+            false => Scope::Module,
+        };
         let limits = &mut alone.limits.value.limits;
         *limits = limits.of_hand(hand_of(setup, finger).count() as u64);
         let own = &mut alone.bench.value;

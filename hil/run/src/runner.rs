@@ -9,7 +9,7 @@ use palpate_core::contact::Levels;
 use palpate_core::driver::Actuators;
 use palpate_core::guard::Guarded;
 use palpate_core::projector::{FrameReport, LoopError, Observer, Plan, Projector};
-use palpate_core::skin::{Layout, UskinCan};
+use palpate_core::skin::{CanSkin, Layout};
 use palpate_core::units::{Duration, Instant};
 use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::Handle;
@@ -198,6 +198,7 @@ impl Run<'_> {
         let mut display = EmulatedDisplay::at(self.setup, place, &projector, self.seed)?;
         display.keep(self.keep)?;
         let mut recorder = Recorder::new(truth, projector.layout());
+        recorder.joints.clone_from(&self.setup.scene.value.joints);
         recorder.counts = host.looks_on().then(Vec::new);
         let drives = self.setup.scene.value.drives;
         let streams = self.keep.summary && host.records();
@@ -348,6 +349,7 @@ fn look_on<S: SkinEnd>(session: &mut Session<S, EmulatedDisplay>, host: &mut dyn
     let (skin, recorder) = session.seen();
     let ended = host.turn(&TurnView {
         now,
+        display: 0,
         events: &recorder.events,
         counts: recorder.counts.as_deref().unwrap_or_default(),
         buses: &|| skin.buses(),
@@ -373,7 +375,7 @@ pub(crate) fn scene_end(setup: &Setup) -> Instant {
 }
 
 /// A skin that is recorded while it is emulated.
-fn on_tape(setup: &Setup, layout: &Layout, handle: Handle) -> UskinCan<Tap<Tape>> {
+fn on_tape(setup: &Setup, layout: &Layout, handle: Handle) -> CanSkin<Tap<Tape>> {
     skin::source(setup, layout, Tap::new(Tape::new(handle), false))
 }
 

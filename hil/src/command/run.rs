@@ -16,7 +16,7 @@ use crate::clock;
 use crate::host::{Onlooker, Records};
 use crate::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
 use crate::real::{self, Told};
-use crate::recording::{Reading, ReadingStream, recorded, write_can_log};
+use crate::recording::{Reading, ReadingStream, read_joints, recorded, write_can_log};
 use crate::trial::{Trial, TrialEnd, judge, junit};
 use palpate_files::{
     BenchKind, DRIFT_S, Format as FileFormat, Overrides, Setup, THRESHOLD_FLOOR, Timing, load_scene,
@@ -28,7 +28,7 @@ use crate::record::Kind as LiveKind;
 use super::devices::bench_with;
 use super::explain;
 use super::rate::rate_of;
-use super::report::report;
+use super::report::{hand, report};
 
 /// The scene of `hil run` without a name.
 pub(super) const DEFAULT_SCENE: &str = "sphere-along";
@@ -100,9 +100,13 @@ impl Format {
             let ending = path.extension().unwrap_or_default().to_string_lossy();
             path.with_file_name(format!("{stem}-{name}.{ending}"))
         };
-        match self.is_per_display() && !setup.fingers.is_empty() {
-            true => setup.fingers.iter().map(|f| of(&f.name)).collect(),
-            false => vec![path.to_owned()],
+        let whole = || path.to_owned();
+        let each = setup.fingers.iter().map(|f| of(&f.name));
+        match self {
+            _ if setup.fingers.is_empty() || !self.is_per_display() => vec![whole()],
+            // The hand's page stands before those of its fingers.
+            Self::Report => std::iter::once(whole()).chain(each).collect(),
+            _ => each.collect(),
         }
     }
 
@@ -110,14 +114,19 @@ impl Format {
         if !self.is_per_display() || outcome.displays.is_empty() {
             return self.write_one(path, setup, outcome);
         }
-        let paths = self.paths(path, setup);
+        let mut paths = self.paths(path, setup);
+        if self == Self::Report {
+            let whole = paths.remove(0);
+            let page = hand(setup, outcome, &paths);
+            write_file(&whole, |out| out.write_all(page.as_bytes()))?;
+        }
         let mut each = paths.iter().zip(&outcome.displays);
         each.try_for_each(|(path, display)| self.write_one(path, setup, &display.outcome))
     }
 
     fn write_one(self, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
         write_file(path, |out| match self {
-            Self::Contacts => write_table(&outcome.trace.events, out),
+            Self::Contacts => write_table(&outcome.trace, out),
             Self::Mcap => {
                 let traffic = BusTraffic {
                     can: &outcome.can,
@@ -149,8 +158,13 @@ impl Format {
 /// # Errors
 /// [`Failure`] with its exit status.
 pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
-    let setup = setup(args)?;
     let rate = rate_of(args.rate, unclocked(args))?;
+    let timing = Timing {
+        column: args.time.clone(),
+        rate_hz: rate.hz,
+        split_jumps: args.split_jumps,
+    };
+    let setup = setup(args, &timing)?;
     let mut files = wanted(args, &setup)?;
     if args.explain {
         explained(args, |out| explain::plan(&setup, out))?;
@@ -187,11 +201,6 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     let mut outcome = if is_real {
         on_hardware(args, &setup, &growing)?
     } else {
-        let timing = Timing {
-            column: args.time.clone(),
-            rate_hz: rate.hz,
-            split_jumps: args.split_jumps,
-        };
         let reading = Reading {
             timing,
             prefix: args.columns.clone(),
@@ -405,7 +414,7 @@ fn wanted(args: &RunArgs, setup: &Setup) -> Result<Vec<(Format, PathBuf)>, Failu
 }
 
 /// Scene and bench with the command line's changes, checked like a file of that content.
-fn setup(args: &RunArgs) -> Result<Setup, Failure> {
+fn setup(args: &RunArgs, timing: &Timing) -> Result<Setup, Failure> {
     let overrides = overrides(args)?;
     let scene = load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
     let mut scene = scene.with(&overrides)?;
@@ -422,6 +431,10 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
     if let Some(name) = replayed.or(streamed) {
         scene.value.touches.clear();
         scene.value.name = name;
+    }
+    let recorded = read_joints(&args.replay, timing)?;
+    if !recorded.is_empty() {
+        scene.value.joints = recorded;
     }
     let setup = Setup::join(scene, bench)?;
     Ok(match args.observe {

@@ -6,7 +6,7 @@ use palpate_core::projector::Projector;
 use palpate_core::skin::Layout;
 use palpate_core::units::{Duration, Instant};
 use palpate_emulators::display::i2c::BusClock;
-use palpate_files::{Fault, Setup};
+use palpate_files::{Fault, Gate, Setup};
 use palpate_records::i2c::Transfer;
 use palpate_records::trace::{Event, Header};
 
@@ -23,7 +23,8 @@ use crate::recorder::Truth;
 use crate::script::Script;
 use crate::session::{Session, TICK, Turn};
 use crate::skin_end::SkinEnd;
-use crate::{Host, Outcome};
+use crate::verdict::STOPPED_BY;
+use crate::{Host, Outcome, TurnView};
 
 /// A finger's session, and whether it has ended before the run.
 struct Finger {
@@ -33,6 +34,8 @@ struct Finger {
     /// How far its bus may be behind at its turn: what the guard counts with.
     bus_wait: Duration,
     ended: bool,
+    /// The joint that it depends on, and whether it was felt in the last turn.
+    gate: Option<(Gate, bool)>,
 }
 
 impl Finger {
@@ -61,11 +64,29 @@ impl Finger {
         if self.due() > now {
             return Ok(());
         }
+        self.look_at_joint(now);
         if self.session.turn(now)? == Turn::Last {
             self.end(now);
         }
         self.session.skin().exchange(skin);
         Ok(())
+    }
+
+    /// Shows the finger's skin, or hides it, as its joint stands.
+    fn look_at_joint(&mut self, now: Instant) {
+        let Some((gate, was_open)) = &mut self.gate else {
+            return;
+        };
+        let t_s = now.as_micros() as f64 * 1e-6;
+        let (_, projector, recorder) = self.session.all();
+        let is_open = gate.is_open(&recorder.joints, t_s);
+        if std::mem::replace(was_open, is_open) != is_open {
+            projector.show(is_open);
+            let joint = recorder.joints.get(gate.joint).map_or("?", |j| &*j.name);
+            let word = if is_open { "felt" } else { "not felt" };
+            let text = format!("{word}: joint {joint}");
+            recorder.note(now, text);
+        }
     }
 
     /// What no loop drives any more is looked at to the end: its wires cool, and a shorted amplifier heats on.
@@ -75,6 +96,27 @@ impl Finger {
         display.advance_to(now, &mut recorder.events)?;
         display.look(now, false, projector, recorder);
         Ok(())
+    }
+
+    /// Shows its turn to the host; whether the host wants no more.
+    fn show(
+        &mut self,
+        display: usize,
+        now: Instant,
+        skin: &impl SkinEnd,
+        host: &mut dyn Host,
+    ) -> bool {
+        if !host.looks_on() {
+            return false;
+        }
+        let (_, recorder) = self.session.seen();
+        host.turn(&TurnView {
+            now,
+            display,
+            events: &recorder.events,
+            counts: recorder.counts.as_deref().unwrap_or_default(),
+            buses: &|| skin.buses(),
+        })
     }
 
     /// Everything of it off at `now`, once.
@@ -101,10 +143,6 @@ impl Run<'_> {
         end: Instant,
         host: &mut dyn Host,
     ) -> Result<(Outcome, S), Failure> {
-        if host.looks_on() {
-            let expected = "--watch: expected a bench of one display";
-            return Err(Failure::Input(expected.into()));
-        }
         let alone = fingers(self.setup);
         let layouts = alone.iter().map(|(_, s)| plan::layout(&s.sensor.value));
         let layouts: Vec<Layout> = layouts.collect::<Result<_, _>>()?;
@@ -118,19 +156,20 @@ impl Run<'_> {
         let mut fingers = Vec::new();
         for ((run, (place, _)), finger) in runs.iter().zip(&alone).zip(&self.setup.fingers) {
             let truth = match truth {
-                // One felt place is held against one touched module.
-                Truth::Scene(_) if !finger.merged => Truth::on(self.setup, finger.modules[0]),
+                Truth::Scene(_) => Truth::of_finger(self.setup, finger),
                 _ => Truth::Unknown,
             };
             let pads = Pads::new(&place.modules);
             let on = (place.clone(), buses.iter().find(|bus| bus.carries(place)));
             let (header, session) = run.assemble(levels.clone(), pads, truth, on, host)?;
+            host.begin(&header, run.layout, end)?;
             fingers.push(Finger {
                 place: place.clone(),
                 header,
                 session,
                 bus_wait: run.setup.bus_wait,
                 ended: false,
+                gate: finger.when.map(|gate| (gate, true)),
             });
         }
         let loops = fingers.iter_mut().map(|finger| {
@@ -144,7 +183,9 @@ impl Run<'_> {
             script: Script::new(self.of_skin(), self.layout),
             events: Vec::new(),
         };
-        let (last, common) = self.play(&mut fingers, hardware, end, host)?;
+        let played = self.play(&mut fingers, hardware, end, host);
+        host.end();
+        let (last, common) = played?;
         let replayed = matches!(truth, Truth::Unknown);
         let mut parts = Vec::new();
         // Boards that fingers share go off before any of them is looked at.
@@ -220,8 +261,18 @@ impl Run<'_> {
                 }
                 due = hardware.fail(now, false).min(now + TICK);
             }
-            for finger in &mut *fingers {
+            let mut is_stopped = false;
+            for (number, finger) in fingers.iter_mut().enumerate() {
                 finger.turn(now, hardware.skin)?;
+                is_stopped |= finger.show(number, now, hardware.skin, host);
+            }
+            if is_stopped {
+                let text = format!("{STOPPED_BY}the person who watched");
+                let fingers = fingers.iter_mut();
+                fingers.for_each(|f| f.session.recorder().note(now, text.clone()));
+                let t_us = now.as_micros();
+                hardware.events.push(Event::Note { t_us, text });
+                break;
             }
         }
         hardware.skin.advance_to(now);
