@@ -89,7 +89,7 @@ fn an_all_off_of_one_leaves_the_others_burst() {
     assert!(after[0] == 0 && after[8] >= 1, "{after:?}");
 }
 
-/// Whoever finds a chip without its settings switches it off whole and starts it for both.
+/// The driver that finds a chip without its settings switches it off whole and starts it for both.
 #[test]
 fn a_chip_that_lost_its_settings_is_started_for_both() {
     let (bus, [mut lower, mut upper]) = shared();
