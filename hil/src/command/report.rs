@@ -29,7 +29,7 @@ fn band_rows(band: &FeltBand) -> Vec<SummaryRow> {
 }
 
 /// The page of a run.
-pub(super) fn report(outcome: &Outcome) -> String {
+pub fn report(outcome: &Outcome) -> String {
     let s = &outcome.summary;
     let row = |name: &str, value: String, unit: &str| SummaryRow {
         name: name.into(),
