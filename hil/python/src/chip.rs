@@ -118,7 +118,10 @@ impl I2cBus {
         self.with(|segment| {
             let chip = chip.and_then(|chip| segment.chips().get(chip));
             let hazards = chip.map_or(&[][..], Pca9685::hazards);
-            hazards.iter().map(|(at, what)| (at.0, words(*what))).collect()
+            hazards
+                .iter()
+                .map(|(at, what)| (at.0, words(*what)))
+                .collect()
         })
     }
 }

@@ -86,7 +86,9 @@ impl Wanted {
                 }
             },
         };
-        let drift = self.drift_s.map(|s| Duration::from_micros((s * 1e6).round() as u64));
+        let drift = self
+            .drift_s
+            .map(|s| Duration::from_micros((s * 1e6).round() as u64));
         Ok(Search {
             baseline: BaselineSettings {
                 reference_frames: self.reference_frames,

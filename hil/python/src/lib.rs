@@ -4,12 +4,15 @@
 mod chip;
 mod contacts;
 mod errors;
+mod guard;
+mod load;
 mod run;
 mod session;
 mod setup;
 mod sweep;
 mod table;
 mod tables;
+mod texture;
 
 use pyo3::prelude::pymodule;
 
@@ -20,6 +23,10 @@ mod _palpate {
     #[pymodule_export]
     use crate::contacts::Finder;
     #[pymodule_export]
+    use crate::guard::guard;
+    #[pymodule_export]
+    use crate::load::{kind, load_buses, load_schedule, load_taxels};
+    #[pymodule_export]
     use crate::run::{Run, run};
     #[pymodule_export]
     use crate::session::{Happened, Loop};
@@ -29,6 +36,8 @@ mod _palpate {
     use crate::sweep::{Sweep, sweep_rows};
     #[pymodule_export]
     use crate::table::arrow_stream;
+    #[pymodule_export]
+    use crate::texture::Texture;
 
     /// Version of the rust crates: what a row of a sweep is keyed by.
     #[pymodule_export]

@@ -7,8 +7,8 @@ use palpate_core::units::{Instant, Point};
 use palpate_emulators::sensor::Press;
 use palpate_records::trace::Event;
 use palpate_run::{
-    EmulatedSession, Failure, FedSession, Hand, Session, Turn, header,
-    display_end::EmulatedDisplay, skin_end::SkinEnd,
+    EmulatedSession, Failure, FedSession, Hand, Session, Turn, display_end::EmulatedDisplay,
+    header, skin_end::SkinEnd,
 };
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -153,7 +153,8 @@ impl State {
     fn push(&mut self, module: usize, time_us: u64, counts: &[u8]) -> Result<(), Failure> {
         let Held::Fed(_) = &self.held else {
             let Held::Gone = &self.held else {
-                let text = "Loop.push: expected skin=\"pushed\", found an emulated skin, which is touched";
+                let text =
+                    "Loop.push: expected skin=\"pushed\", found an emulated skin, which is touched";
                 return Err(input(text));
             };
             return Err(closed());
@@ -161,7 +162,9 @@ impl State {
         let modules = self.newest.len();
         let newest = self.newest.get_mut(module);
         let newest = newest.ok_or_else(|| {
-            input(format!("module: expected less than {modules}, found {module}"))
+            input(format!(
+                "module: expected less than {modules}, found {module}"
+            ))
         })?;
         if let Some(before) = newest.filter(|before| time_us <= *before) {
             return Err(input(format!(
@@ -183,7 +186,9 @@ impl State {
         let at = Instant::from_micros(time_us);
         let scan = ModuleScan::whole(module as u16, at, &self.counts);
         if let Held::Fed(session) = &mut self.held {
-            session.push(&scan).map_err(|e| input(format!("Loop.push: {e}")))?;
+            session
+                .push(&scan)
+                .map_err(|e| input(format!("Loop.push: {e}")))?;
         }
         self.turn_at(time_us)
     }
@@ -198,7 +203,10 @@ impl State {
             Held::Gone => return Err(closed()),
         };
         let hand = hands.get(module).ok_or_else(|| {
-            input(format!("module: expected less than {}, found {module}", hands.len()))
+            input(format!(
+                "module: expected less than {}, found {module}",
+                hands.len()
+            ))
         })?;
         let press = |&[x, y, force_n, diameter_mm]: &[f64; 4]| Press {
             at: Point::new(x as f32, y as f32),
@@ -275,7 +283,12 @@ impl Loop {
                 let ready = session.start(Instant::ZERO).map_err(not_ready)?;
                 let header = header(&setup, seed, session.projector())?;
                 let modules = hands.len();
-                (Held::Touched(Box::new(session), hands), ready, header, modules)
+                (
+                    Held::Touched(Box::new(session), hands),
+                    ready,
+                    header,
+                    modules,
+                )
             } else {
                 let mut session = FedSession::fed(&setup, seed)?;
                 let ready = session.start(Instant::ZERO).map_err(not_ready)?;

@@ -94,7 +94,10 @@ impl Sweep {
                 let table = state.table.take().ok_or_else(ended)?;
                 state.work.finish(table)?;
                 let rows = state.work.there();
-                Ok(rows.into_iter().map(|row| TableForm::Lines.line(row)).collect())
+                Ok(rows
+                    .into_iter()
+                    .map(|row| TableForm::Lines.line(row))
+                    .collect())
             })
         })
     }

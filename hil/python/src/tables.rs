@@ -114,7 +114,8 @@ fn truth(events: &[Event]) -> Table {
         .with("force_n", &rows, |r| milli(r.2))
 }
 
-fn stimuli(events: &[Event], about: &About) -> Table {
+/// What the wires were told.
+pub fn stimuli(events: &[Event], about: &About) -> Table {
     let entry = |event: &Event| match event {
         Event::Schedule(entry) => Some(*entry),
         _ => None,

@@ -72,7 +72,7 @@ length_s = 1.5
 [[touches]]
 start_s = 0.8
 end_s = 1.4
-path = { kind = "rest", at_mm = [0.0, 0.0] }
+path = { kind = "hold", points_mm = [[0.0, 0.0]] }
 diameter_mm = 8.0
 force_n = { mean = 0.7 }
 """
@@ -84,7 +84,7 @@ force_n = { mean = 0.7 }
 def test_an_array_replays_as_its_file_does(tmp_path: Path) -> None:
     rows, taxels = 300, 16
     counts = np.full((rows, taxels, 3), 30_000, dtype=np.uint16)
-    counts[:, :, 2] += (np.arange(rows)[:, None] + np.arange(taxels)) % 2
+    counts[:, :, 2] += ((np.arange(rows)[:, None] + np.arange(taxels)) % 2).astype(np.uint16)
     counts[100:, 5, 2] += 600
     path = tmp_path / "press.csv"
     head = ",".join(f"txl{t + 1}_{axis}" for t in range(taxels) for axis in "xyz")

@@ -44,9 +44,8 @@ impl Finder {
     /// # Errors
     /// [`Failure::Input`] for settings that cannot be, by the options of `hil contacts`.
     pub fn new(layout: &Layout, columns: &Columns, search: Search) -> Result<Self, Failure> {
-        let option = |name: &str, e: &dyn std::fmt::Display| {
-            Failure::Input(format!("--{name}: {e}"))
-        };
+        let option =
+            |name: &str, e: &dyn std::fmt::Display| Failure::Input(format!("--{name}: {e}"));
         let modules = layout.modules().iter().enumerate();
         let of_module = |(m, module): (usize, &Module)| {
             let start = layout.range(m).start;

@@ -205,27 +205,27 @@ impl<'a> Recording<'a> {
             },
             search: Search {
                 baseline: BaselineSettings {
-                reference_frames: args.reference_frames,
-                fault_sigmas: args.faulty_deviations.map(|k| k as f32),
-                threshold: match args.threshold {
-                    Threshold::Auto => ThresholdRule::Auto { margin: 0.0 },
-                    Threshold::PerTaxel => PER_TAXEL,
-                    Threshold::Counts(counts) => ThresholdRule::Fixed { counts },
+                    reference_frames: args.reference_frames,
+                    fault_sigmas: args.faulty_deviations.map(|k| k as f32),
+                    threshold: match args.threshold {
+                        Threshold::Auto => ThresholdRule::Auto { margin: 0.0 },
+                        Threshold::PerTaxel => PER_TAXEL,
+                        Threshold::Counts(counts) => ThresholdRule::Fixed { counts },
+                    },
+                    axes: args.axes,
+                    drift: args
+                        .drift_s
+                        .map(|s| Duration::from_micros((s * 1e6).round() as u64)),
                 },
-                axes: args.axes,
-                drift: args
-                    .drift_s
-                    .map(|s| Duration::from_micros((s * 1e6).round() as u64)),
-            },
-            compression: Settings {
-                clusters: args.kc,
-                exponent: args.weight_exponent as f32,
-                norm: args.norm,
-                scope: args.scope,
-                seed: args.seed,
-                ..Settings::default()
-            },
-            skips_repeats: args.replay_stale == StaleArg::Skip,
+                compression: Settings {
+                    clusters: args.kc,
+                    exponent: args.weight_exponent as f32,
+                    norm: args.norm,
+                    scope: args.scope,
+                    seed: args.seed,
+                    ..Settings::default()
+                },
+                skips_repeats: args.replay_stale == StaleArg::Skip,
             },
         })
     }

@@ -168,21 +168,15 @@ fn conclusion(rows: &[&RunRow], wanted: usize, caught: Option<&str>) -> Conclusi
     }
     if let Some(signal) = caught {
         let there = rows.len();
-        let text = format!(
-            "by {signal}: {there} of {wanted} rows are there, the same command goes on"
-        );
+        let text =
+            format!("by {signal}: {there} of {wanted} rows are there, the same command goes on");
         conclusion.add(Verdict::Stopped, text);
     }
     conclusion
 }
 
 /// Says what the sweep came to.
-fn tell(
-    work: &Work,
-    args: &SweepArgs,
-    color: Color,
-    caught: Option<&str>,
-) -> Result<(), Failure> {
+fn tell(work: &Work, args: &SweepArgs, color: Color, caught: Option<&str>) -> Result<(), Failure> {
     let wanted = work.wanted_count();
     let rows = work.there();
     let conclusion = conclusion(&rows, wanted, caught);

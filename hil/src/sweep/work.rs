@@ -33,11 +33,7 @@ impl Work {
     ///
     /// # Errors
     /// [`Failure`] for the first combination that cannot run.
-    pub fn read(
-        base: &Setup,
-        grid: Grid,
-        part: Option<(usize, usize)>,
-    ) -> Result<Self, Failure> {
+    pub fn read(base: &Setup, grid: Grid, part: Option<(usize, usize)>) -> Result<Self, Failure> {
         let all = (0..grid.combinations()).into_par_iter();
         let variants: Vec<Result<RunKey, Failure>> = all
             .map(|n| Ok(Variant::new(base, grid.set(n))?.key(0)))

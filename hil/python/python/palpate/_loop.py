@@ -73,7 +73,8 @@ class Loop:
     Args:
         layout: The skin, a name or a file. Default: the scene's.
         bench: The emulated bench whose display is driven. Default: ``emulated``.
-        scene: Where the other settings come from. Default: ``idle``; its touches do not come.
+        scene: Where the other settings come from; its touches do not come. Default: what ``hil run --replay``
+            takes, with a contact threshold from every taxel's own noise.
         set: Values in place of the files' own, as for :func:`run`.
         seed: Seed of all randomness.
         skin: ``"pushed"``: readings come by :meth:`push`. ``"emulated"``: boards are emulated, and :meth:`touch` says
@@ -85,14 +86,14 @@ class Loop:
         layout: Name | None = None,
         bench: Name | None = None,
         *,
-        scene: Name = "idle",
+        scene: Name | None = None,
         set: Mapping[str, object] | None = None,
         seed: int = 1,
         skin: Literal["pushed", "emulated"] = "pushed",
     ) -> None:
         if skin not in ("pushed", "emulated"):
             raise InputError.of("skin", '"pushed" or "emulated"', repr(skin))
-        made = setup(scene, bench=bench, set=set, layout=layout)
+        made = setup(scene, bench=bench, set=set, layout=layout, replay=["readings of a loop"])
         taxels, axes = made.shape()
         self._shapes = [(count, axes) for count in taxels]
         self._inner = _palpate.Loop(made, checked_seed(seed), skin == "emulated")
@@ -110,7 +111,7 @@ class Loop:
     def push(self, time_us: int, counts: npt.ArrayLike, *, module: int = 0) -> Step:
         """Hands over one module's scan. Virtual time goes on until then, and what the scan makes due is done.
 
-        The first scans make the reference: nothing touches meanwhile.
+        The first scans make the reference (``reference_frames`` of the scene, 50): nothing touches meanwhile.
 
         Args:
             time_us: When the scan was whole, microseconds; more than that of the module's scan before.
