@@ -102,7 +102,7 @@ def test_a_loop_goes_from_thread_to_thread_and_holds_one_at_a_time() -> None:
         (lambda l: l.touch([0, 0], 1.0), 'skin="emulated"'),
         (lambda l: (l.close(), l.advance(10)), "closed"),
         (lambda l: palpate.Loop("none-such"), "none-such"),
-        (lambda l: palpate.Loop(skin="real"), "pushed"),
+        (lambda l: palpate.Loop(skin="real"), "pushed"),  # type: ignore[arg-type]
         (lambda l: palpate.Loop("uskin-4x4", skin="emulated").push(1, still(1)[0]), 'skin="pushed"'),
         (lambda l: palpate.Loop("uskin-4x4", skin="emulated").touch([[0, 0]], [np.nan]), "forces"),
         (lambda l: palpate.Loop("uskin-4x4", skin="emulated").touch([[0, 0, 0]], [1]), "places"),

@@ -8,7 +8,7 @@
 True
 """
 
-from . import emulators
+from . import emulators, texture
 from ._contacts import contacts
 from ._errors import (
     BugError,
@@ -19,6 +19,8 @@ from ._errors import (
     GuardError,
     InputError,
 )
+from ._guard import Verdict, guard
+from ._load import Recording, load
 from ._loop import Loop, Step
 from ._palpate import VERSION as __version__
 from ._run import Run, run
@@ -35,12 +37,17 @@ __all__ = [
     "InputError",
     "Loop",
     "RayExecutor",
+    "Recording",
     "Run",
     "Step",
     "Table",
+    "Verdict",
     "__version__",
     "contacts",
     "emulators",
+    "guard",
+    "load",
     "run",
     "sweep",
+    "texture",
 ]

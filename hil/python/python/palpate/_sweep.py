@@ -169,8 +169,8 @@ def _rows(lines: list[str], keys: list[str]) -> Table:
         values = [row[name] for row in rows]
         columns[name] = np.array([np.nan if v is None else v for v in values], np.float64)
     made = np.empty(len(rows), [(name, values.dtype) for name, values in columns.items()])
-    for name, values in columns.items():
-        made[name] = values
+    for name, column in columns.items():
+        made[name] = column
     made.flags.writeable = False
     return made.view(Table)
 

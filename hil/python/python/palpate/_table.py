@@ -37,7 +37,10 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
         """As a data frame of pandas, which has to be installed."""
         import pandas
 
-        return pandas.DataFrame({name: np.asarray(self[name]) for name in self.columns})
+        frame: pandas.DataFrame = pandas.DataFrame(
+            {name: np.asarray(self[name]) for name in self.columns}
+        )
+        return frame
 
     def to_polars(self) -> polars.DataFrame:
         """As a data frame of polars, which has to be installed."""
