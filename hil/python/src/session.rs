@@ -38,7 +38,12 @@ struct State {
     axes: usize,
     /// A scan in the loop's own form.
     counts: Vec<[u16; 3]>,
+    /// What a signal raised.
+    raised: Option<PyErr>,
 }
+
+/// So much virtual time passes between two looks for Ctrl-C, microseconds: some milliseconds of computing.
+const PIECE_US: u64 = 1_000_000;
 
 /// A loop between readings or touches and an emulated display, in virtual time.
 #[pyclass(frozen, module = "palpate._palpate")]
@@ -127,13 +132,24 @@ impl State {
         self.turn_at(until_us)
     }
 
-    /// The turns that are due before `until_us`.
+    /// The turns that are due before `until_us`; between pieces of them Python may raise a signal.
     fn pass(&mut self, until_us: u64) -> Result<(), Failure> {
-        let until = Instant::from_micros(until_us);
-        match &mut self.held {
-            Held::Fed(session) => turn(session, None, until),
-            Held::Touched(session, _) => turn(session, None, until),
-            Held::Gone => Err(closed()),
+        let mut piece_us = self.now()?.saturating_add(PIECE_US);
+        loop {
+            let until = Instant::from_micros(piece_us.min(until_us));
+            match &mut self.held {
+                Held::Fed(session) => turn(session, None, until)?,
+                Held::Touched(session, _) => turn(session, None, until)?,
+                Held::Gone => return Err(closed()),
+            }
+            if piece_us >= until_us {
+                return Ok(());
+            }
+            piece_us = piece_us.saturating_add(PIECE_US);
+            if let Err(raised) = Python::attach(|py| py.check_signals()) {
+                self.raised = Some(raised);
+                return Err(Failure::Stopped("a signal".into()));
+            }
         }
     }
 
@@ -266,7 +282,10 @@ impl Loop {
             // What a panic leaves between two turns is no loop.
             state.held = Held::Gone;
         }
-        done
+        match state.raised.take() {
+            Some(raised) => Err(raised),
+            None => done,
+        }
     }
 }
 
@@ -304,6 +323,7 @@ impl Loop {
                 newest: vec![None; modules],
                 axes: usize::from(setup.sensor.value.axes),
                 counts: Vec::new(),
+                raised: None,
             })))
         })
     }

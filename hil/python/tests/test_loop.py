@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -90,6 +94,24 @@ def test_a_loop_goes_from_thread_to_thread_and_holds_one_at_a_time() -> None:
     assert loop.time_us == 20_000_000 or errors
 
 
+def test_ctrl_c_ends_a_long_advance() -> None:
+    code = """
+import palpate
+loop = palpate.Loop("uskin-4x4", skin="emulated")
+print("begun", flush=True)
+try:
+    loop.advance(10**12)
+except KeyboardInterrupt:
+    print("interrupted", 0 < loop.time_us < 10**12)
+"""
+    program = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    assert program.stdout is not None
+    assert program.stdout.readline() == "begun\n"
+    time.sleep(0.3)
+    program.send_signal(signal.SIGINT)
+    assert program.communicate(timeout=20)[0] == "interrupted True\n"
+
+
 @pytest.mark.parametrize(
     ("work", "words"),
     [
@@ -102,6 +124,7 @@ def test_a_loop_goes_from_thread_to_thread_and_holds_one_at_a_time() -> None:
         (lambda l: l.touch([0, 0], 1.0), 'skin="emulated"'),
         (lambda l: (l.close(), l.advance(10)), "closed"),
         (lambda l: palpate.Loop("none-such"), "none-such"),
+        (lambda l: palpate.Loop(set={"bench.kind": "real"}), "emulated"),
         (lambda l: palpate.Loop(skin="real"), "pushed"),  # type: ignore[arg-type]
         (lambda l: palpate.Loop("uskin-4x4", skin="emulated").push(1, still(1)[0]), 'skin="pushed"'),
         (lambda l: palpate.Loop("uskin-4x4", skin="emulated").touch([[0, 0]], [np.nan]), "forces"),

@@ -8,7 +8,7 @@
 True
 """
 
-from . import emulators, texture
+from . import emulators, physics, texture
 from ._contacts import contacts
 from ._errors import (
     BugError,
@@ -47,6 +47,7 @@ __all__ = [
     "emulators",
     "guard",
     "load",
+    "physics",
     "run",
     "sweep",
     "texture",

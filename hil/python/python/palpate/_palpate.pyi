@@ -3,6 +3,26 @@ from typing import Any, final
 
 VERSION: str
 
+__all__ = [
+    "Finder",
+    "Happened",
+    "I2cBus",
+    "Loop",
+    "Run",
+    "Setup",
+    "Sweep",
+    "Texture",
+    "VERSION",
+    "arrow_stream",
+    "guard",
+    "kind",
+    "load_buses",
+    "load_schedule",
+    "load_taxels",
+    "run",
+    "sweep_rows",
+]
+
 _Columns = list[tuple[str, str | None, bytes | list[str]]]
 
 def arrow_stream(columns: Sequence[tuple[str, str, bytes | list[str]]]) -> object: ...

@@ -12,7 +12,7 @@ from . import _palpate
 from ._errors import InputError
 from ._setup import Name
 
-__all__ = ["Latents", "encode"]
+__all__ = ["Latents", "encode", "features"]
 
 
 class Latents(NamedTuple):
@@ -27,6 +27,11 @@ class Latents(NamedTuple):
     z: npt.NDArray[np.float32]
 
 
+def features(model: Name = "default") -> list[str]:
+    """The columns that a model reads, in their order, as a recording names them."""
+    return _palpate.Texture(os.fspath(model)).features()
+
+
 def encode(
     readings: npt.ArrayLike,
     *,
@@ -37,16 +42,16 @@ def encode(
     """Encodes every window of a recording, or those that end at an onset.
 
     Args:
-        readings: Raw counts, shape (rows, features); the columns are the model's features in their order.
+        readings: Raw counts, shape (rows, features); the columns are the model's :func:`features`.
         model: A built-in model, or a file.
         soa_ms: From onset to onset, ms: only the newest window at each onset. Needs ``rate_hz``.
         rate_hz: Rows per second.
     """
     made = _palpate.Texture(os.fspath(model))
-    window, features, latents = made.shape()
+    window, columns, latents = made.shape()
     rows = np.asarray(readings)
-    if rows.ndim != 2 or rows.shape[1] != features or rows.dtype.kind not in "uif":
-        expected = f"raw counts of shape (rows, {features}), the features {', '.join(made.features())}"
+    if rows.ndim != 2 or rows.shape[1] != columns or rows.dtype.kind not in "uif":
+        expected = f"raw counts of shape (rows, {columns}), a column for each of palpate.texture.features()"
         raise InputError.of("readings", expected, f"shape {rows.shape} of {rows.dtype}")
     if len(rows) < window:
         raise InputError.of("readings", f"at least {window} rows, one window", f"{len(rows)} rows")
