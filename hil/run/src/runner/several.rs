@@ -31,37 +31,18 @@ struct Finger {
     place: Place,
     header: Header,
     session: Session<Pads, EmulatedDisplay>,
-    /// How far its bus may be behind at its turn: what the guard counts with.
-    bus_wait: Duration,
     ended: bool,
     /// The joint that it depends on, and whether it was felt in the last turn.
     gate: Option<(Gate, bool)>,
 }
 
 impl Finger {
-    /// When its next turn is due. A host waits for an adapter that is still busy with other fingers' transfers: what it
-    /// wrote later it must not believe to be written now.
-    fn due(&mut self) -> Instant {
-        let next = self.session.next();
-        if self.place.alone {
-            return next;
-        }
-        let bus = self.session.display().hardware().bus();
-        // Refused only from inside another look at the segment, and there is none here.
-        let busy = bus.with(|segment| segment.now()).unwrap_or_default();
-        let waits_us = busy
-            .0
-            .div_ceil(1000)
-            .saturating_sub(self.bus_wait.as_micros());
-        next.max(Instant::from_micros(waits_us))
-    }
-
     /// A turn, if one is due; something that ends it ends no other finger.
     fn turn(&mut self, now: Instant, skin: &mut impl SkinEnd) -> Result<(), Failure> {
         if self.ended {
             return self.rest(now);
         }
-        if self.due() > now {
+        if self.session.next() > now {
             return Ok(());
         }
         self.look_at_joint(now);
@@ -167,7 +148,6 @@ impl Run<'_> {
                 place: place.clone(),
                 header,
                 session,
-                bus_wait: run.setup.bus_wait,
                 ended: false,
                 gate: finger.when.map(|gate| (gate, true)),
             });
@@ -238,8 +218,8 @@ impl Run<'_> {
             let _ = finger.session.start(now);
         }
         while !host.passed(part(now, end)) {
-            let turns = fingers.iter_mut().filter(|f| !f.ended);
-            let next = turns.map(Finger::due).fold(due, Instant::min);
+            let turns = fingers.iter().filter(|f| !f.ended);
+            let next = turns.map(|f| f.session.next()).fold(due, Instant::min);
             if next >= end {
                 now = end;
                 break;
