@@ -315,12 +315,12 @@ fn a_finger_knows_the_touches_of_its_own_module_alone() {
         overrides
             .set("test", &format!("compression.scope={scope}"))
             .unwrap();
-        overrides.set("test", "length_s=6").unwrap();
         let scene = load_scene("allegro-grasp")
             .unwrap()
             .with(&overrides)
             .unwrap();
-        let setup = Setup::join(scene, load_bench("allegro-hand").unwrap()).unwrap();
+        let mut setup = Setup::join(scene, load_bench("allegro-hand").unwrap()).unwrap();
+        setup.scene.value.length_s = 6.0;
         run(&setup, &Input::Scene, 1).unwrap()
     };
     let (module, skin) = (grasp("module"), grasp("skin"));
