@@ -98,17 +98,11 @@ pub struct Monitor {
     settings: HealthSettings,
     active: Vec<bool>,
     single_axis: Vec<bool>,
-<<<<<<< HEAD
     /// Whether it is known where a taxel's skin rests.
     learned: Vec<bool>,
     /// The end of the range that a single-axis taxel's skin rests at, if it rests at one.
     rests_at: Vec<Option<u16>>,
-    /// The newest reading of every taxel; 0 before the first.
-    counts: Vec<[u16; 3]>,
-    taxels: Vec<Taxel>,
-=======
     taxels: Taxels,
->>>>>>> main
     vectors: Vectors,
     started: Option<Instant>,
     frames: u64,
@@ -142,14 +136,9 @@ impl Monitor {
             single_axis: modules()
                 .flat_map(|m| m.points().iter().map(move |_| m.axes() == 1))
                 .collect(),
-<<<<<<< HEAD
             learned: alloc::vec![false; layout.taxels()],
             rests_at: alloc::vec![None; layout.taxels()],
-            counts: alloc::vec![[0; 3]; layout.taxels()],
-            taxels: alloc::vec![Taxel::default(); layout.taxels()],
-=======
             taxels: Taxels::new(layout.taxels()),
->>>>>>> main
             vectors: Vectors::widest(),
             started: None,
             frames: 0,
@@ -174,62 +163,13 @@ impl Monitor {
         self.started.get_or_insert(scan.at());
         let end = range.end.min(self.active.len()).min(scan.counts().len());
         let range = range.start.min(end)..end;
-<<<<<<< HEAD
         self.learn(scan, range.clone());
-        let (jump, frozen_after) = (self.settings.jump_counts, self.settings.frozen_after);
-        let (old, new) = (
-            &mut self.counts[range.clone()],
-            &scan.counts()[range.clone()],
-        );
-        let (before, now) = (old.as_flattened(), new.as_flattened());
-        // One look at all of it, without a branch: mostly no value jumps and none is at an end of its range.
-        let steady = self.vectors.run(
-            #[inline(always)]
-            || {
-                let values = before.iter().zip(now);
-                values.fold(true, |all, (a, b)| {
-                    all & (a.abs_diff(*b) <= jump) & (b.wrapping_add(1) > 1)
-                })
-            },
-        );
-        let (mut well, mut any) = (steady, false);
-        let listening = self.active[range.clone()].iter();
-        let listening = listening.zip(&scan.fresh()[range.clone()]);
-        let taxels = self.taxels[range].iter_mut().zip(old).zip(new);
-        for (((t, old), new), (active, fresh)) in taxels.zip(listening) {
-            if !(*active && *fresh) {
-                well &= !active;
-                continue;
-            }
-            if t.received == 0 {
-                (t.first_at, t.changed_at) = (at, at);
-                any = true;
-            } else if new != old {
-                t.changed = t.changed.saturating_add(1);
-                t.changed_at = at;
-                any = true;
-                t.jumped = !steady && new.iter().zip(*old).any(|(a, b)| a.abs_diff(b) > jump);
-                t.jumps = if t.jumped {
-                    t.jumps.saturating_add(16).min(64)
-                } else {
-                    t.jumps.saturating_sub(1)
-                };
-            } else {
-                t.jumped = false;
-            }
-            *old = *new;
-            t.last_at = at;
-            t.received = t.received.saturating_add(1);
-            well &= (t.jumps < JUMPING) & (at.since(t.changed_at) <= frozen_after);
-        }
-=======
         let steady = self.is_steady(scan, range.clone());
         let (any, well) = if steady && self.listens_whole(scan, range.clone()) {
             self.observe_whole(scan, range)
         } else {
             self.observe_each(scan, range, steady)
         };
->>>>>>> main
         self.frames += 1;
         self.repeated += u64::from(!any);
         well && steady
@@ -347,7 +287,7 @@ impl Monitor {
 
     /// Finds out from the first scan of most of a module whether it rests at an end of its range: compensated readings
     /// of 8-bit skins are 0 without a touch. Only skins of one axis do; three zeros are a broken board's.
-    fn learn(&mut self, scan: &Scan, range: core::ops::Range<usize>) {
+    fn learn(&mut self, scan: &Scan, range: Range<usize>) {
         let known = self.learned.get(range.start).is_none_or(|known| *known);
         if known || range.is_empty() {
             return;
@@ -381,20 +321,13 @@ impl Monitor {
             now.since(self.started.unwrap_or(now))
         };
         let used = if self.single_axis[index] { 2.. } else { 0.. };
-        let at_an_end = |c: &u16| *c == 0 || *c == u16::MAX;
+        let rests_at = self.rests_at[index];
+        let at_an_end = |c: &u16| (*c == 0 || *c == u16::MAX) && rests_at != Some(*c);
         if silent > self.settings.dead_after {
             Condition::Dead
         } else if received && last_at.since(t.changed_at[index]) > self.settings.frozen_after {
             Condition::Frozen
-<<<<<<< HEAD
-        } else if t.received > 0
-            && self.counts[index][used]
-                .iter()
-                .any(|c| (*c == 0 || *c == u16::MAX) && self.rests_at[index] != Some(*c))
-        {
-=======
         } else if received && t.counts[index][used].iter().any(at_an_end) {
->>>>>>> main
             Condition::Saturated
         } else if t.jumps[index] >= JUMPING {
             Condition::Jumping
