@@ -9,13 +9,14 @@ use std::path::{Path, PathBuf};
 type Module = Vec<String>;
 
 /// Crates of the workspace with source below `src`.
-const CRATES: [&str; 11] = [
+const CRATES: [&str; 12] = [
     "core",
     "emulators",
     "fixtures",
     "hil",
     "hil/buses",
     "hil/files",
+    "hil/python",
     "hil/records",
     "hil/run",
     "hil/texture",

@@ -1,6 +1,6 @@
 //! Several displays: four fingertips of a hand on four thimbles, each felt and guarded alone.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use palpate_core::schedule::Entry;
 use palpate_core::skin::Layout;
@@ -108,7 +108,9 @@ fn one_wire_of_a_board_is_on_at_a_time() {
         match event {
             Event::Schedule(e) => {
                 let turn = u64::from(e.channel.0 / 8);
-                assert_eq!(e.at.as_micros() % soa_us, turn * soa_us / 2, "{e:?}");
+                // The second board is written once the first one has been.
+                let first = turn * soa_us / 2 + 1000 * u64::from(e.board.0);
+                assert_eq!(e.at.as_micros() % soa_us, first, "{e:?}");
             }
             Event::Edge {
                 board,
@@ -127,6 +129,67 @@ fn one_wire_of_a_board_is_on_at_a_time() {
         }
     }
     assert_eq!(high.len(), 2);
+}
+
+/// Both boards hang on one bus: no transfer begins before the last one has ended, and none is made to all boards at once.
+#[test]
+fn transfers_of_all_fingers_take_each_others_time() {
+    let mut setup = Setup::load("allegro-grasp", "allegro-hand").unwrap();
+    setup.scene.value.length_s = 4.0;
+    let keep = Keep {
+        i2c: true,
+        ..Keep::default()
+    };
+    let outcome = run_with(&setup, &Input::Scene, 1, keep, &mut ()).unwrap();
+    let of = |address: u8| outcome.i2c.iter().filter(|t| t.address == address).count();
+    assert!(of(0x40) > 150 && of(0x41) > 150, "{} {}", of(0x40), of(0x41));
+    assert_eq!(of(0x40) + of(0x41), outcome.i2c.len());
+    // Messages of one transaction have its time.
+    let mut whole = outcome.i2c.clone();
+    whole.dedup_by_key(|t| (t.start_ns, t.end_ns));
+    for pair in whole.windows(2) {
+        assert!(pair[0].end_ns <= pair[1].start_ns, "{pair:?}");
+    }
+    // A burst is written where it begins: nothing waits for another finger's.
+    let writes = outcome.i2c.iter().filter(|t| t.data.len() > 4);
+    let starts: BTreeSet<u64> = writes.map(|t| t.start_ns).collect();
+    let driven = entries(&outcome.trace).into_iter().filter(|e| e.off > e.on);
+    for entry in driven {
+        let at = entry.at.as_micros() * 1000;
+        assert!(starts.contains(&at), "{entry:?}");
+    }
+    // Each display's own record has the transfers to its boards.
+    let index = &outcome.displays[0].outcome.i2c;
+    assert!(index.len() == of(0x40) && index.iter().all(|t| t.address == 0x40));
+}
+
+/// A chip that falls back to reset values is one chip: both of its fingers notice, the other board's do not.
+#[test]
+fn a_board_that_browns_out_is_lost_to_both_of_its_fingers() {
+    let (well, ill) = (
+        with(""),
+        with("[[faults]]\nat_s = 3.05\nkind = \"brown-out\"\nboard = 1"),
+    );
+    let [fault] = &ill.summary.faults[..] else {
+        panic!("{:?}", ill.summary.faults);
+    };
+    assert_eq!((fault.kind, fault.count), ("brown-out", 1));
+    assert!(ill.failure.is_none(), "{:?}", ill.failure);
+    let told = notes(&ill.trace);
+    let found = |name: &str| {
+        let start = format!("{name}: actuators: board 1: register 0x00 reads");
+        told.iter().any(|text| text.starts_with(&start))
+    };
+    // The one that finds out first starts the chip anew for both.
+    assert!(found("ring") || found("thumb"), "{told:?}");
+    assert!(!found("index") && !found("middle"), "{told:?}");
+    for (number, (well, ill)) in well.displays.iter().zip(&ill.displays).enumerate() {
+        if number < 2 {
+            assert_eq!(entries(&well.outcome.trace), entries(&ill.outcome.trace));
+        }
+        let rises = |e: &&Event| matches!(e, Event::Edge { t_ns, high: true, .. } if *t_ns > 4_000_000_000);
+        assert!(ill.outcome.trace.events.iter().filter(rises).count() > 10);
+    }
 }
 
 #[test]
@@ -453,6 +516,13 @@ fn what_does_not_fit_is_refused() {
         close.contains("displays: expected at most 1 per board"),
         "{close}"
     );
+    // Four fingertips of one hand share its power evenly.
+    let mut setup = Setup::load("allegro-grasp", "allegro-hand").unwrap();
+    setup.limits.value.limits.hand_60s_uw = 100_000;
+    let weak = run(&setup, &Input::Scene, 1).unwrap_err();
+    let expected = "hand_power.over_60s_mw: expected at least 120 mW: 4 displays on one hand with a moving contact of 30 mW each, found 100 mW";
+    assert!(weak.to_string().contains(expected), "{weak}");
+    assert_eq!(weak.status(), 2);
     // What runs one display says so.
     let setup = Setup::load("allegro-grasp", "allegro-hand").unwrap();
     let one = EmulatedSession::scene(&setup, 1, Policy::EMULATED)

@@ -7,6 +7,7 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod actuator_bus;
 mod band;
 mod boards;
 pub mod design;
@@ -15,6 +16,7 @@ pub mod effects;
 pub mod effort;
 pub mod failure;
 mod feel;
+mod finder;
 mod hand;
 mod header;
 pub mod identify;
@@ -48,6 +50,7 @@ mod verdict;
 pub use band::{FeltBand, FeltCorner};
 pub use boards::{BoardReport, BusReport, CanReport, Pacing, Spread};
 pub use failure::Failure;
+pub use finder::{Finder, Search};
 pub use hand::Hand;
 pub use header::{attachments, header};
 pub use levels::{Intensities, dynamic_levels};

@@ -18,6 +18,7 @@ use palpate_records::felt::FeltPath;
 use palpate_records::readings::Readings;
 use palpate_records::trace::{Header, Ledger};
 
+use crate::actuator_bus::ActuatorBus;
 use crate::display_end::{EmulatedDisplay, refuse_hardware};
 use crate::effort::Effort;
 use crate::failure::Failure;
@@ -190,7 +191,7 @@ impl Run<'_> {
         levels: Levels,
         skin: S,
         truth: Truth,
-        place: Place,
+        place: (Place, Option<&ActuatorBus>),
         host: &dyn Host,
     ) -> Result<(Header, Session<S, EmulatedDisplay>), Failure> {
         let projector = build(self.setup, self.seed, levels)?;
@@ -234,7 +235,7 @@ impl Run<'_> {
         host: &mut dyn Host,
     ) -> Result<(Outcome, S), Failure> {
         let place = Place::whole(&self.setup.bench.value);
-        let (header, mut session) = self.assemble(levels, skin, truth, place, host)?;
+        let (header, mut session) = self.assemble(levels, skin, truth, (place, None), host)?;
         let mut passing = Passing::new(header.soa_us);
         host.begin(&header, session.projector().layout(), end)?;
         // The policy waits for boards that do not answer, so this cannot fail.

@@ -70,7 +70,7 @@ fn file_name(path: &Path) -> String {
 }
 
 /// The page of a run.
-pub(super) fn report(outcome: &Outcome) -> String {
+pub fn report(outcome: &Outcome) -> String {
     let s = &outcome.summary;
     let row = |name: &str, value: String, unit: &str| SummaryRow {
         name: name.into(),

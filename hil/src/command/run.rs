@@ -19,7 +19,8 @@ use crate::real::{self, Told};
 use crate::recording::{Reading, ReadingStream, read_joints, recorded, write_can_log};
 use crate::trial::{Trial, TrialEnd, judge, junit};
 use palpate_files::{
-    BenchKind, DRIFT_S, Format as FileFormat, Overrides, Setup, THRESHOLD_FLOOR, Timing, load_scene,
+    BenchKind, DRIFT_S, Format as FileFormat, Loaded, Overrides, Scene, Setup, THRESHOLD_FLOOR,
+    Timing, load_scene,
 };
 use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome, attachments, run_with};
 
@@ -35,7 +36,7 @@ pub(super) const DEFAULT_SCENE: &str = "sphere-along";
 
 /// What to write, by the ending of a file's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
+pub(super) enum Format {
     Contacts,
     Schedule,
     Can,
@@ -47,7 +48,7 @@ enum Format {
 }
 
 impl Format {
-    fn of(path: &Path) -> Result<Self, Failure> {
+    pub(super) fn of(path: &Path) -> Result<Self, Failure> {
         match path.extension().and_then(|e| e.to_str()) {
             Some("csv") => Ok(Self::Contacts),
             Some("jsonl") => Ok(Self::Schedule),
@@ -63,7 +64,7 @@ impl Format {
     }
 
     /// As a file of it is known again.
-    const fn on_disk(self) -> FileFormat {
+    pub(super) const fn on_disk(self) -> FileFormat {
         match self {
             Self::Contacts => FileFormat::Contacts,
             Self::Schedule => FileFormat::Schedule,
@@ -94,7 +95,7 @@ impl Format {
     }
 
     /// The files that it makes of the one that was asked for.
-    fn paths(self, path: &Path, setup: &Setup) -> Vec<PathBuf> {
+    pub(super) fn paths(self, path: &Path, setup: &Setup) -> Vec<PathBuf> {
         let of = |name: &str| {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
             let ending = path.extension().unwrap_or_default().to_string_lossy();
@@ -110,7 +111,13 @@ impl Format {
         }
     }
 
-    fn write(self, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
+    /// Writes it of a run that is over.
+    pub(super) fn write(
+        self,
+        path: &Path,
+        setup: &Setup,
+        outcome: &Outcome,
+    ) -> Result<(), Failure> {
         if !self.is_per_display() || outcome.displays.is_empty() {
             return self.write_one(path, setup, outcome);
         }
@@ -158,13 +165,8 @@ impl Format {
 /// # Errors
 /// [`Failure`] with its exit status.
 pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
-    let rate = rate_of(args.rate, unclocked(args))?;
-    let timing = Timing {
-        column: args.time.clone(),
-        rate_hz: rate.hz,
-        split_jumps: args.split_jumps,
-    };
-    let setup = setup(args, &timing)?;
+    let timing = timing(args)?;
+    let setup = setup(args)?;
     let mut files = wanted(args, &setup)?;
     if args.explain {
         explained(args, |out| explain::plan(&setup, out))?;
@@ -215,6 +217,7 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     outcome.summary.date = Some(clock::date(clock::unix_us()));
     let failure = outcome.failure.take();
     outcome.notes.iter().for_each(|text| note(text));
+    let rate = rate_of(args.rate, unclocked(args))?;
     if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.voice.quiet) {
         note(&format!("{hz} rows a second, from {}", meta.display()));
     }
@@ -413,10 +416,29 @@ fn wanted(args: &RunArgs, setup: &Setup) -> Result<Vec<(Format, PathBuf)>, Failu
     Ok(files)
 }
 
+/// How rows of a recording are timed.
+fn timing(args: &RunArgs) -> Result<Timing, Failure> {
+    Ok(Timing {
+        column: args.time.clone(),
+        rate_hz: rate_of(args.rate, unclocked(args))?.hz,
+        split_jumps: args.split_jumps,
+    })
+}
+
 /// Scene and bench with the command line's changes, checked like a file of that content.
-fn setup(args: &RunArgs, timing: &Timing) -> Result<Setup, Failure> {
+fn setup(args: &RunArgs) -> Result<Setup, Failure> {
+    setup_of(
+        load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?,
+        args,
+    )
+}
+
+/// The same with a scene that is read already.
+///
+/// # Errors
+/// [`Failure`] for what cannot be in the files, or does not fit together.
+pub fn setup_of(scene: Loaded<Scene>, args: &RunArgs) -> Result<Setup, Failure> {
     let overrides = overrides(args)?;
-    let scene = load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
     let mut scene = scene.with(&overrides)?;
     let bench = bench_with(
         args.on.bench.as_deref(),
@@ -432,7 +454,7 @@ fn setup(args: &RunArgs, timing: &Timing) -> Result<Setup, Failure> {
         scene.value.touches.clear();
         scene.value.name = name;
     }
-    let recorded = read_joints(&args.replay, timing)?;
+    let recorded = read_joints(&args.replay, &timing(args)?)?;
     if !recorded.is_empty() {
         scene.value.joints = recorded;
     }

@@ -24,6 +24,8 @@ pub struct Finger {
     pub person: Loaded<PersonFile>,
     /// That person's calibration, if there is one.
     pub wearer: Option<Loaded<Wearer>>,
+    /// The hand that wears it.
+    pub hand: Option<String>,
     /// Its wires among all outputs of the bench.
     pub wires: Range<usize>,
     /// Its modules.
@@ -132,6 +134,7 @@ pub(super) fn of(
         }
         Ok(Finger {
             name: file.display.clone(),
+            hand: display.hand.clone(),
             display: Loaded { value, source },
             person,
             wearer,

@@ -119,7 +119,7 @@ fn a_module_is_well_where_all_of_its_taxels_are() {
         s.load(at, &row).unwrap();
         for module in 0..2 {
             let range = l.range(module);
-            let said = m.observe_range(&s, range.clone());
+            let said = m.observe_module(&s, module);
             let good = |i: usize| {
                 let condition = m.condition(i, at);
                 condition == Condition::Inactive
