@@ -142,6 +142,10 @@ fn joints_that_cannot_be_are_refused() {
         ),
         (
             joint("mcp", "[[0.0, nan]]"),
+            "joints[0].points_s_deg[0][1]: expected a finite number, found nan",
+        ),
+        (
+            joint("mcp", "[[0.0, 361.0]]"),
             "joints[0].points_s_deg[0]: expected a number from -360 to 360 degrees",
         ),
         (
