@@ -94,6 +94,11 @@ impl Way {
         }
     }
 
+    /// Changes what the network does to datagrams to come.
+    pub const fn set_profile(&mut self, profile: Profile) {
+        self.profile = profile;
+    }
+
     /// Cuts the way, or opens it again. What already flies lands.
     pub const fn set_cut(&mut self, cut: bool) {
         self.cut = cut;

@@ -7,7 +7,8 @@ use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
 use embedded_hal::i2c::I2c;
 use palpate_core::codec::link::{Buffer, MOST};
 use palpate_core::units::Instant;
-use palpate_unit::{Datagrams, Settings, SettingsError, Unit};
+use palpate_unit::{Datagrams, Unit};
+pub use palpate_unit::{Settings, SettingsError};
 
 use crate::display::i2c::I2cHandle;
 use crate::network::{Profile, Way};
@@ -146,6 +147,12 @@ impl<I: I2c, P: OutputPin> EmulatedUnit<I, P> {
         self.there.lost() + self.back.lost()
     }
 
+    /// Changes what the network does, both ways.
+    pub const fn set_profile(&mut self, profile: Profile) {
+        self.there.set_profile(profile);
+        self.back.set_profile(profile);
+    }
+
     /// Cuts the network, or opens it again.
     pub const fn set_cut(&mut self, cut: bool) {
         self.there.set_cut(cut);
@@ -199,3 +206,7 @@ impl<I: I2c, P: OutputPin> EmulatedUnit<I, P> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+#[path = "unit_tests.rs"]
+mod tests;

@@ -30,3 +30,4 @@ mod rules;
 mod scans;
 mod texture;
 mod tidy;
+mod unit;

@@ -166,15 +166,21 @@ impl Guard {
         spent_nj: u64,
     ) -> (u64, Reason) {
         let (heat_nj, cause) = self.heat_left(index, at, until);
+        // What fades has faded in the whole guard, and the stimuli of an onset may come here in another order.
+        let part = if self.heat.is_some() {
+            faded
+        } else {
+            |left| left
+        };
         let wire = &mut self.wires[index];
         let rows = [
             (
                 self.limits.burst_energy_nj.saturating_sub(spent_nj),
                 Reason::Burst,
             ),
-            (faded(heat_nj), cause),
-            (faded(wire.power.left_nj(at)), Reason::WirePower),
-            (faded(self.fingertip.left_nj(at)), Reason::FingertipPower),
+            (part(heat_nj), cause),
+            (part(wire.power.left_nj(at)), Reason::WirePower),
+            (part(self.fingertip.left_nj(at)), Reason::FingertipPower),
         ];
         rows.into_iter()
             .fold((u64::MAX, Reason::Burst), |least, row| {

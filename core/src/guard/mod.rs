@@ -166,7 +166,7 @@ impl Guard {
 
     /// A guard of the integer rows alone: pulse, burst, energy, power, supply, staleness and latch. It is the last word of
     /// a driver unit whose processor has no floating point, behind a whole guard: what that passed, this one passes
-    /// unchanged.
+    /// unchanged. A burst may take all that is left of a budget here.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -427,6 +427,8 @@ impl Guard {
     }
 }
 
+#[cfg(test)]
+mod last_word_tests;
 #[cfg(test)]
 mod plain_tests;
 #[cfg(test)]

@@ -3,15 +3,22 @@
 use palpate_core::schedule::{Entry, Reason};
 
 /// Counters since the start; each stays at its end.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Counts {
-    pub(crate) applied: u32,
-    pub(crate) limited: u32,
-    pub(crate) reasons: u16,
-    pub(crate) dropped: u32,
-    pub(crate) late_us: u32,
-    pub(crate) refused: u32,
-    pub(crate) stops: u32,
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Stimuli begun.
+    pub applied: u32,
+    /// Of them, those that the guard changed or refused.
+    pub limited: u32,
+    /// Why, a bit for each of [`Reason::ALL`].
+    pub reasons: u16,
+    /// Stimuli left out: too late, after too old a reading, while stopped, without a wire.
+    pub dropped: u32,
+    /// The latest beginning after its time, microseconds.
+    pub late_us: u32,
+    /// Datagrams refused.
+    pub refused: u32,
+    /// Stops.
+    pub stops: u32,
 }
 
 impl Counts {

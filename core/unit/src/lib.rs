@@ -12,6 +12,7 @@ mod schedule;
 mod session;
 mod unit;
 
+pub use counts::Counts;
 pub use unit::{Datagrams, NoPin, Settings, SettingsError, Unit};
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use embedded_hal::i2c::I2c;
 use palpate_core::codec::link::{
     Buffer, Command, Header, Hello, Key, Kind, MOST, Planned, Refusal, Request, State, Status,
 };
-use palpate_core::driver::{Actuators, Pca9685Bank};
+use palpate_core::driver::{Actuators, Pca9685Bank, Traffic};
 use palpate_core::guard::{Cause, Guard, Guarded, Limits, Plant, PlantError};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::schedule::Stimulus;
@@ -207,6 +207,16 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
     /// The guard, to look at.
     pub const fn guard(&self) -> &Guard {
         &self.guard
+    }
+
+    /// What it counted.
+    pub const fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// What updates came to on its bus.
+    pub const fn traffic(&self) -> Traffic {
+        self.bank.traffic()
     }
 
     /// When the next turn is due at the latest; a datagram may come before.

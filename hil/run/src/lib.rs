@@ -11,6 +11,7 @@ mod band;
 mod boards;
 pub mod design;
 pub mod display_end;
+pub mod driver;
 pub mod effects;
 pub mod effort;
 pub mod failure;
@@ -43,6 +44,7 @@ mod supervisor;
 pub mod sweep;
 mod tape;
 mod taxels;
+pub mod unit;
 mod verdict;
 
 pub use band::{FeltBand, FeltCorner};

@@ -117,6 +117,7 @@ impl<'a> Hardware<'a> {
                     worn: &mut self.display,
                     drive: self.setup.bench.value.drive,
                     place: &self.place,
+                    unit: None,
                 }),
             },
             &mut events,
