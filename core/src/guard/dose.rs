@@ -81,6 +81,14 @@ impl Dose {
         self.rates = after;
     }
 
+    /// What lasts for [`HORIZON_S`] at the present temperature: with less left, a burst that ends so is too warm.
+    pub(super) const fn kept_back(&self) -> DoseLimits {
+        DoseLimits {
+            omega: HORIZON_S * self.rates.omega,
+            cem43_min: HORIZON_S * self.rates.cem43_min,
+        }
+    }
+
     /// Whether more than `least` is left of both doses: [`Self::ceiling_c`] takes two logarithms to tell.
     pub(super) fn leaves(&self, limits: &DoseLimits, least: &DoseLimits) -> bool {
         limits.omega - self.omega > least.omega

@@ -8,6 +8,7 @@ mod admission;
 mod budget;
 mod decays;
 mod dose;
+mod lasting;
 mod limits;
 mod observed;
 mod plant;
@@ -17,6 +18,7 @@ mod thermal;
 mod watchdog;
 
 pub use budget::WireBudget;
+pub use lasting::Booked;
 pub use limits::{BURST_GAP, HARD, Limits};
 pub use observed::Observed;
 pub use plant::{Plant, PlantError};

@@ -169,6 +169,11 @@ impl Budget {
         }
     }
 
+    /// Most dose of a session.
+    pub(super) const fn doses(&self) -> DoseLimits {
+        self.dose
+    }
+
     /// The power, W, that may flow evenly where a watt warms tissue by so many K at 0.1 and at 0.4 mm.
     pub(super) fn even_w(&self, shallow: f64, deep: f64) -> f64 {
         (self.mean_k / shallow).min(self.deep_k / deep)

@@ -37,7 +37,8 @@ const RISE: f32 = 1.209_2;
 /// A scale from which a contact may begin at once: 14 dB under full level, where nothing is felt on a bench of which full level
 /// is a few just noticeable differences over threshold. What had to stop altogether comes back from here.
 const SILENT: f32 = 0.2;
-/// Time constant of the energy that the Pacinian channel adds up, s (`docs/felt.md`).
+/// Time constant with which a wearer is believed to add up energy in the Pacinian channel, s (`docs/felt.md`). An emulated
+/// person has its own, which may differ.
 const LEAK_S: f32 = 0.2;
 /// A vibration of at most so many pulses gains by becoming a tap.
 const FEW: u8 = 4;
@@ -231,7 +232,10 @@ impl Renderer {
             Some(before) => (before * RISE).clamp(SILENT, 1.0),
         };
         let scale = scale.min(most);
-        track.scale = Some(scale.min(1.0));
+        // Beyond the display nothing is felt: the burst with which a contact comes in is its first.
+        if borne.is_finite() {
+            track.scale = Some(scale.min(1.0));
+        }
         let wires = self.one.iter().zip(&self.counts);
         for (wire, (one, n)) in wires.enumerate().filter(|(_, (one, _))| **one > 0.0) {
             let mine = one * scale * target.weight;

@@ -273,6 +273,8 @@ fn summary(parts: &[Part], ledger: &Ledger, common: &Common) -> Summary {
     sum.hottest_wire_c = ledger.hottest_wire.map(|(t, _)| f64::from(t) * 1e-3);
     let hottest = each().filter_map(|s| s.hottest_skin_c);
     sum.hottest_skin_c = hottest.reduce(f64::max);
+    let sessions = each().filter_map(|s| s.longest_session_s);
+    sum.longest_session_s = sessions.reduce(f64::min);
     sum.margins.clone_from(&ledger.margins);
     sum.frame_us = FrameTime::of(parts.iter().flat_map(|p| &p.outcome.frame_us).copied());
     sum.boards = each().flat_map(|s| s.boards.clone()).collect();

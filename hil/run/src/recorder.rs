@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use palpate_core::contact::Scope;
+use palpate_core::guard::Guard;
 use palpate_core::projector::{Cause, FrameReport, Observer, Target, TextureReport};
 use palpate_core::schedule::Entry;
 use palpate_core::skin::{Condition, Layout};
@@ -22,6 +23,9 @@ const APART: Duration = Duration::from_millis(500);
 pub(crate) fn milli_c(celsius: f64) -> Option<i32> {
     celsius.is_finite().then(|| (celsius * 1e3).round() as i32)
 }
+
+/// So many stimuli stand for a run, 2 MB of them: a quarter of an hour on all wires of a fingertip.
+const ROUND: usize = 1 << 15;
 
 /// So many events are looked through at once for those that a summary reads.
 const UNREAD: usize = 1 << 10;
@@ -124,6 +128,8 @@ pub struct Recorder {
     pub onsets: (u64, u64),
     /// Boards and channels of which a stimulus was asked.
     pub warmed: BTreeSet<(u8, u8)>,
+    /// The first stimuli, [`ROUND`] at most: what a longest session is told from.
+    pub first: Vec<Entry>,
     /// The newest stimuli that all began at once.
     asked: Vec<Entry>,
     /// End of the newest window of texture.
@@ -194,6 +200,19 @@ impl Recorder {
         if let Some(handed) = &mut self.handed {
             handed.extend(new);
         }
+    }
+
+    /// How long a session may be, s, that is this run until `end` over and over; `None` for a day and more.
+    pub fn longest_session_s(&self, guard: &Guard, end: Instant) -> Option<f64> {
+        let whole = self.first.len() < ROUND;
+        let end = if whole { end } else { self.first.last()?.at };
+        let wires = self.warmed.iter().filter_map(|wire| {
+            let own = self.first.iter();
+            let own = own.filter(|e| (e.board.0, e.channel.0) == *wire);
+            let bursts: Vec<_> = own.map(|entry| guard.booked(entry)).collect();
+            guard.lasts(&bursts, end.since(Instant::ZERO))
+        });
+        Some(wires.min()?.as_secs_f64())
     }
 
     /// Writes down the taxels whose health changed last.
@@ -275,6 +294,9 @@ impl Observer for Recorder {
     fn entry(&mut self, entry: &Entry) {
         self.driven.add(entry);
         self.warmed.insert((entry.board.0, entry.channel.0));
+        if self.first.len() < ROUND {
+            self.first.push(*entry);
+        }
         // A burst may come in parts, all alike: the first one counts.
         if self.asked.first().is_some_and(|first| first.at != entry.at) {
             self.asked.clear();

@@ -288,6 +288,9 @@ pub struct Summary {
     pub peak_supply_a: Option<f64>,
     pub hottest_wire_c: Option<f64>,
     pub hottest_skin_c: Option<f64>,
+    /// How long the run may be done over and over until a wire's dose is used up, as the guard counts; null where that takes
+    /// a day or more, or nothing was driven.
+    pub longest_session_s: Option<f64>,
     pub pwm_hz: f64,
     pub limiter_events: u32,
     /// Null where no texture was felt.
@@ -400,6 +403,7 @@ pub fn finished<S: SkinEnd, D: DisplayEnd>(
     let projector = session.projector();
     let mut summary = Summary::new(&trace, (recorder, &felt), costs, &health, bench);
     summary.texture = TextureSummary::of(recorder, projector);
+    summary.longest_session_s = recorder.longest_session_s(projector.guard(), end);
     summary.boards = boards::boards(projector, |module| skin.lost_of(module));
     summary.taxels.list(projector, end);
     (trace, summary)
@@ -457,6 +461,7 @@ impl Summary {
             peak_supply_a: worst(Limited::SupplyCurrent),
             hottest_wire_c: ledger.hottest_wire.map(|(t, _)| f64::from(t) * 1e-3),
             hottest_skin_c: worst(Limited::SkinPeak),
+            longest_session_s: None,
             pwm_hz: trace.header.pre_scale.hz() * bench.drive.oscillator,
             limiter_events: ledger.driven.limiter_events,
             texture: None,

@@ -235,6 +235,9 @@ impl Summary {
         let tissue = celsius(self.hottest_skin_c);
         let tissue = format!("{tissue}{limit} (modelled, 0.1 mm deep)");
         lines.push(line("hottest skin", tissue));
+        if self.stimuli > 0 {
+            lines.push(line("longest session", self.session_words()));
+        }
         lines.extend(self.texture.as_ref().map(TextureSummary::line));
         let events = match self.source {
             Source::Observed => format!("0 stimuli changed, {} noted", self.limiter_events),
@@ -242,6 +245,18 @@ impl Summary {
         };
         lines.push(line("limiter events", events));
         lines
+    }
+
+    fn session_words(&self) -> String {
+        let Some(seconds) = self.longest_session_s else {
+            return "a day and more of this".into();
+        };
+        let long = match (seconds / 3600.0, seconds / 60.0) {
+            (hours, _) if hours >= 2.0 => format!("{hours:.1} h"),
+            (_, minutes) if minutes >= 2.0 => format!("{minutes:.0} min"),
+            _ => format!("{seconds:.0} s"),
+        };
+        format!("{long} of this, then a wire's dose runs out")
     }
 
     /// Computing time, taxels, buses, records and faults.

@@ -13,15 +13,25 @@ use palpate_emulators::time::Nanos;
 use super::boards::{self, BusReport};
 use super::skin_end::CanEnd;
 
-/// Frames that a tape holds at most, 24 bytes each: three minutes of a hand of 240 taxels at 100 Hz. What is
+/// Frames that a tape holds at most, 24 bytes each ([`Kept`]): three minutes of a hand of 240 taxels at 100 Hz. What is
 /// longer is emulated twice.
 const LIMIT: usize = 1 << 22;
+
+/// A frame with the moment from which it can be received. What a host receives is made of it: as kept, a frame takes a
+/// quarter less memory, and fresh memory is what a tape costs.
+#[derive(Clone, Copy)]
+struct Kept {
+    at: Nanos,
+    bus: u8,
+    frame: CanFrame,
+}
+
+const _: () = assert!(size_of::<Kept>() == 24);
 
 /// A skin that is recorded while it is emulated, then played back.
 pub struct Tape {
     skin: Handle,
-    /// Frames with the moment from which each can be received.
-    frames: Vec<(Nanos, Received)>,
+    frames: Vec<Kept>,
     /// The next frame to play; `None` while recording.
     next: Option<usize>,
     now: Nanos,
@@ -71,15 +81,20 @@ impl CanBus for Tape {
 
     fn receive(&mut self) -> Result<Option<Received>, HostError> {
         if let Some(next) = &mut self.next {
-            let due = self.frames.get(*next).filter(|(at, _)| *at <= self.now);
+            let due = self.frames.get(*next).filter(|kept| kept.at <= self.now);
             *next += usize::from(due.is_some());
-            return Ok(due.map(|(_, received)| *received));
+            return Ok(due.map(|kept| Received {
+                at: Instant::from_micros(kept.at.as_micros()),
+                bus: kept.bus,
+                frame: kept.frame,
+            }));
         }
         let Some((at, received)) = self.skin.receive_at() else {
             return Ok(None);
         };
         if self.frames.len() < LIMIT {
-            self.frames.push((at, received));
+            let Received { bus, frame, .. } = received;
+            self.frames.push(Kept { at, bus, frame });
         } else {
             self.exact = false;
         }

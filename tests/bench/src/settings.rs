@@ -47,12 +47,10 @@ pub const SWEEPS: [Sweep; 7] = [
     },
     Sweep {
         name: "cadence",
-        values: &[40.0, 80.0, 105.0, 125.0],
+        values: &[60.0, 80.0, 105.0, 125.0],
         method: |ms| format!("SOA {ms} ms"),
         change: |s, ms| {
             s.illusion.soa_ms = Some(ms);
-            // the usual burst at every cadence: the law would give none under 47.3 ms
-            s.illusion.tau_d_ms = Some(35.0);
         },
         drawn: true,
     },

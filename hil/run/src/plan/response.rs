@@ -15,7 +15,7 @@ use crate::failure::Failure;
 const SAMPLES: u16 = 12;
 /// Bursts before the ones that count: wire and tissue have got warm. A loose wire moves up to ten times as far at the same
 /// pulse while its mean temperature still rises and takes up the play, so no table by width alone is right at every burst. Of
-/// those tried this one has the fewest jumps (docs/render.md).
+/// those tried no other has fewer jumps (docs/render.md).
 const BEFORE: u64 = 8;
 /// Bursts that count.
 const COUNTED: usize = 2;
@@ -52,9 +52,11 @@ pub(super) fn response(
         let width = (u32::from(widest) * u32::from(sample)).div_ceil(u32::from(SAMPLES)) as u16;
         if known.last().is_none_or(|(last, _)| width > *last) {
             let felt = bursts.felt(Ticks::new(width), pattern.prescale(), (pulses, timing.soa));
-            let energies = felt.map(|felt| felt.map_or(0.0, |f| f.energy / pulses as f64));
-            // The root of their geometric mean.
-            let amplitude = libm::sqrt(libm::sqrt(energies.iter().product()));
+            let amplitudes =
+                felt.map(|felt| libm::sqrt(felt.map_or(0.0, |f| f.energy / pulses as f64)));
+            let [first, second] = amplitudes;
+            // Their geometric mean, as levels are in dB.
+            let amplitude = libm::sqrt(first * second);
             let db = felt[COUNTED - 1].map_or(0.0, |f| f.levels.db());
             known.push((width, amplitude as f32));
             // Levels go with amplitudes. Narrow pulses, which come first, warm the wire least: bursts there are alike.

@@ -1,0 +1,152 @@
+//! How long a session may last: when the dose row would begin to fade bursts that come over and over.
+//!
+//! The tissue's memory is linear: after m rounds of the same bursts each decay holds its energy of one round times a
+//! geometric sum. So a day of rounds is told from a few dozen of them, at the temperatures by which the guard decides.
+
+use crate::schedule::Entry;
+use crate::units::{Duration, Instant};
+
+use super::Guard;
+use super::decays::{Decays, RATES, Stretches, dot};
+use super::dose::{Dose, DoseLimits};
+use super::table::{LATENT_K, REST_C, SHALLOW};
+
+/// Longest session that is told apart from an endless one.
+const DAY: Duration = Duration::from_millis(24 * 3_600_000);
+/// First stretch in which tissue is taken to cool along a chord. The guard's own end with bins of twice that, wherever a
+/// burst lies in one.
+const STRIDE: Duration = Duration::from_millis(125);
+
+/// A burst on one wire, as the guard books it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Booked {
+    /// When the wire goes on.
+    pub on: Instant,
+    /// When it is off at the latest.
+    pub off: Instant,
+    /// Electrical energy, nJ, from above over all oscillators.
+    pub energy_nj: u64,
+}
+
+/// One round of bursts.
+struct Round {
+    /// What each decay holds at its end.
+    energy: Decays,
+    /// Dose of this round alone.
+    dose: Dose,
+    /// With less left than this, the guard would make the mean burst weaker.
+    kept: DoseLimits,
+}
+
+/// Tissue 0.1 mm deep, degrees C.
+fn shallow_c(energy: &Decays) -> f64 {
+    REST_C + LATENT_K[0] + dot(&SHALLOW, energy)
+}
+
+impl Round {
+    fn of(bursts: &[Booked], period: Duration, energy: Decays, known: &mut Stretches) -> Self {
+        let mut round = Self {
+            energy,
+            dose: Dose::new(shallow_c(&energy)),
+            kept: DoseLimits {
+                omega: 0.0,
+                cem43_min: 0.0,
+            },
+        };
+        let (begun, mut now) = (
+            bursts.first().map_or(Instant::ZERO, |b| b.on),
+            Instant::ZERO,
+        );
+        for burst in bursts {
+            let on = Instant::ZERO + burst.on.since(begun);
+            round.relax(now, on, known);
+            now = now.max(on);
+            let span = (Instant::ZERO + burst.off.since(begun)).since(now);
+            round.energy = known
+                .of(span)
+                .end(&round.energy, burst.energy_nj as f64 * 1e-9);
+            round
+                .dose
+                .heat(shallow_c(&round.energy), span.as_secs_f64());
+            let kept = round.dose.kept_back();
+            round.kept.omega += kept.omega / bursts.len() as f64;
+            round.kept.cem43_min += kept.cem43_min / bursts.len() as f64;
+            now += span;
+        }
+        round.relax(now, Instant::ZERO + period, known);
+        round
+    }
+
+    fn relax(&mut self, mut now: Instant, to: Instant, known: &mut Stretches) {
+        let mut stride = STRIDE;
+        while now < to {
+            let span = to.since(now).min(stride);
+            self.energy = known.of(span).end(&self.energy, 0.0);
+            self.dose.relax(shallow_c(&self.energy), span.as_secs_f64());
+            now += span;
+            stride = stride + stride;
+        }
+    }
+}
+
+impl Guard {
+    /// How an entry of a schedule was booked.
+    pub fn booked(&self, entry: &Entry) -> Booked {
+        Booked {
+            on: entry.at,
+            off: entry.until + self.surplus(),
+            energy_nj: self.energy_nj(entry.width(), entry.until.since(entry.at)),
+        }
+    }
+
+    /// How long a session from rest may last in which a wire has these bursts again every `period`, in order of time:
+    /// until so little of the dose is left that the guard would make the mean burst weaker. `None` where that takes a day or more.
+    /// Other rows are left out. The period counts from the first burst; one that is shorter than all of them is as long.
+    pub fn lasts(&self, bursts: &[Booked], period: Duration) -> Option<Duration> {
+        let begun = bursts.first()?.on;
+        let all = bursts.iter().map(|b| b.off.since(begun)).max()?;
+        let period = period.max(all).max(Duration::from_micros(1));
+        let seconds = period.as_secs_f64();
+        let limits = self.budget.doses();
+        let mut known = Stretches::new();
+        let first = Round::of(bursts, period, Decays::default(), &mut known);
+        let after = |rounds: u64| -> Decays {
+            core::array::from_fn(|k| {
+                let left = |n: f64| 1.0 - libm::exp(-RATES[k] * seconds * n);
+                first.energy[k] * left(rounds as f64) / left(1.0)
+            })
+        };
+        let most = DAY.as_micros() / period.as_micros();
+        let (mut rounds, mut here) = (0, Round::of(bursts, period, after(0), &mut known));
+        let (mut omega, mut cem43_min) = (0.0, 0.0);
+        while rounds < most {
+            let next = rounds + (rounds / 2).max(1);
+            let there = Round::of(bursts, period, after(next), &mut known);
+            let n = (next - rounds) as f64;
+            // Rounds between the two are taken to differ evenly.
+            let mean = |a: f64, b: f64| f64::midpoint(a, b);
+            let more = (
+                n * mean(here.dose.omega, there.dose.omega),
+                n * mean(here.dose.cem43_min, there.dose.cem43_min),
+            );
+            let kept = there.kept;
+            let part = |used: f64, more: f64, limit: f64| ((limit - used) / more).max(0.0);
+            let share = part(omega, more.0, limits.omega - kept.omega).min(part(
+                cem43_min,
+                more.1,
+                limits.cem43_min - kept.cem43_min,
+            ));
+            if share < 1.0 {
+                let s = (rounds as f64 + share * n) * seconds;
+                return Some(Duration::from_millis((s * 1e3) as u64)).filter(|d| *d < DAY);
+            }
+            (omega, cem43_min) = (omega + more.0, cem43_min + more.1);
+            (rounds, here) = (next, there);
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+#[path = "lasting_tests.rs"]
+mod tests;
