@@ -22,7 +22,10 @@ fn a_crystal_shows_what_it_will_show() {
         for ns in [0, 1, 999, 1_000_000_007, 86_400_000_000_000] {
             let shown = crystal.shows(Nanos(ns));
             let when = crystal.when(shown);
-            assert!(when <= Nanos(ns) && crystal.shows(when) == shown, "{ppm} {ns}");
+            assert!(
+                when <= Nanos(ns) && crystal.shows(when) == shown,
+                "{ppm} {ns}"
+            );
         }
     }
 }
@@ -34,7 +37,10 @@ fn lateness(jitter_us: u32, ppm: i32, seed: u64) -> Vec<i64> {
         board: Board(0),
         channel: Channel(0),
     }];
-    let bus = I2cHandle::new(I2cSegment::new(BusClock::Fast, vec![Pca9685::new(Config::new(0x40))]));
+    let bus = I2cHandle::new(I2cSegment::new(
+        BusClock::Fast,
+        vec![Pca9685::new(Config::new(0x40))],
+    ));
     let settings = Settings {
         key: &KEY,
         boot: seed,
@@ -45,14 +51,22 @@ fn lateness(jitter_us: u32, ppm: i32, seed: u64) -> Vec<i64> {
         heat: false,
     };
     let profile = Profile {
-        delay_us: [2000, jitter_us / 2, jitter_us, jitter_us, 2000 + jitter_us].map(|us| us.max(2000)),
+        delay_us: [2000, jitter_us / 2, jitter_us, jitter_us, 2000 + jitter_us]
+            .map(|us| us.max(2000)),
         loss_ppm: 10_000,
         burst: 1.0,
         twice_ppm: 10_000,
     };
     let lines = (bus.clone(), OeLine(bus.clone()));
     let mut unit = EmulatedUnit::new(&settings, lines, (profile, Crystal { ppm }), seed).unwrap();
-    let mut driver = UnitDriver::new(&KEY, seed, UnitSettings { delay: DELAY, resumes: true });
+    let mut driver = UnitDriver::new(
+        &KEY,
+        seed,
+        UnitSettings {
+            delay: DELAY,
+            resumes: true,
+        },
+    );
     let mut guard = Guard::new(HARD, Plant::default(), &wires).unwrap();
     let mut dice = RandomStream::new(seed, "onsets");
     let (mut late, mut expected, mut onset) = (Vec::new(), None, 1_000_000);
@@ -108,6 +122,9 @@ fn with_10_ms_of_jitter_a_pulse_is_at_most_a_period_late() {
         assert!(late.len() > 25, "{}", late.len());
         // A chip's outputs change with its period, 5.08 ms, which begins with a first pulse; the clock is known to half of
         // what two ways differ by.
-        assert!(late.iter().all(|us| (-5080..=5080).contains(us)), "{late:?}");
+        assert!(
+            late.iter().all(|us| (-5080..=5080).contains(us)),
+            "{late:?}"
+        );
     }
 }

@@ -30,14 +30,21 @@ fn behind_wifi_as_much_is_felt_as_on_a_wire_and_no_limiter_acts() {
     let [wired, unit] = ["emulated", "unit"].map(|bench| played("sphere-along", bench));
     let report = unit.summary.unit.unwrap();
     assert!(report.late_us <= PERIOD_US, "{report:?}");
-    assert_eq!((report.limited, report.stops, report.sessions), (0, 0, 1), "{report:?}");
+    assert_eq!(
+        (report.limited, report.stops, report.sessions),
+        (0, 0, 1),
+        "{report:?}"
+    );
     assert!(report.begun > 100 && report.lost > 5, "{report:?}");
     // Losses and delays leave few out: a way of 58 ms is one of many thousands.
     assert!(report.dropped * 100 < report.begun, "{report:?}");
     assert_eq!(unit.summary.limiter_events, wired.summary.limiter_events);
     let felt = |outcome: &Outcome| outcome.summary.felt.error_energy_mm.unwrap().rmse;
     let (wired, unit) = (felt(&wired), felt(&unit));
-    assert!(unit < wired + 0.3, "felt: {wired} mm on a wire, {unit} mm through the air");
+    assert!(
+        unit < wired + 0.3,
+        "felt: {wired} mm on a wire, {unit} mm through the air"
+    );
 }
 
 #[test]
@@ -106,7 +113,12 @@ fn vectors() -> String {
     ];
     let mut lines = Vec::new();
     let mut seal = |name: &str, kind, unit, sequence, plain: &[u8]| {
-        let header = Header { kind, host, unit, sequence };
+        let header = Header {
+            kind,
+            host,
+            unit,
+            sequence,
+        };
         let mut buffer = [0; MOST];
         let write = |out: &mut [u8]| {
             out[..plain.len()].copy_from_slice(plain);
@@ -130,12 +142,19 @@ fn vectors() -> String {
 
 #[test]
 fn vectors_for_other_languages_are_what_is_sent() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/link/vectors.jsonl");
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../fixtures/link/vectors.jsonl"
+    );
     if std::env::var_os("PALPATE_WRITE_VECTORS").is_some() {
         std::fs::write(path, vectors()).unwrap();
     }
     let kept = std::fs::read_to_string(path).unwrap();
-    assert_eq!(kept, vectors(), "PALPATE_WRITE_VECTORS=1 cargo test -p palpate-tests vectors");
+    assert_eq!(
+        kept,
+        vectors(),
+        "PALPATE_WRITE_VECTORS=1 cargo test -p palpate-tests vectors"
+    );
     // Longest of all: what the description says of sizes.
     let most = HEADER + TAG + 22 + 9 * palpate_core::codec::link::MOST_PLANNED;
     assert!(most <= MOST, "{most}");

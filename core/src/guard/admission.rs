@@ -167,10 +167,9 @@ impl Guard {
     ) -> (u64, Reason) {
         let (heat_nj, cause) = self.heat_left(index, at, until);
         // What fades has faded in the whole guard, and the stimuli of an onset may come here in another order.
-        let part = if self.heat.is_some() {
-            faded
-        } else {
-            |left| left
+        let part = match self.fades {
+            true => faded,
+            false => |left| left,
         };
         let wire = &mut self.wires[index];
         let rows = [

@@ -26,6 +26,7 @@ pub use thermal::Predicted;
 pub use watchdog::Cause;
 
 use alloc::boxed::Box;
+use alloc::vec;
 
 use crate::illusion::DisplayWire;
 use crate::schedule::{Entry, Stimulus, stagger};
@@ -125,6 +126,16 @@ struct Running {
     until: Instant,
 }
 
+impl Heat {
+    fn new(limits: &Limits, wires: usize) -> Self {
+        Self {
+            budget: Budget::new(limits),
+            tissues: vec![Tissue::new(); wires].into(),
+            predicted: Predicted::REST,
+        }
+    }
+}
+
 /// The guard of one fingertip: every limit of the table, from above.
 ///
 /// Heat and dose count from its making; neither the way back nor anything else clears them.
@@ -136,6 +147,8 @@ pub struct Guard {
     fingertip: Bucket,
     /// The rows of heat and dose; `None` in a guard that is another one's last word.
     heat: Option<Box<Heat>>,
+    /// A burst leaves a part of each budget that fills again.
+    fades: bool,
     watchdog: Watchdog,
 }
 
@@ -154,21 +167,15 @@ impl Guard {
     /// # Errors
     /// When the plant's figures are none a wire can have.
     pub fn new(limits: Limits, plant: Plant, wires: &[DisplayWire]) -> Result<Self, PlantError> {
-        let rest = Self::last_word(limits, plant, wires)?;
-        let heat = Heat {
-            budget: Budget::new(&rest.limits),
-            tissues: wires.iter().map(|_| Tissue::new()).collect(),
-            predicted: Predicted::REST,
-        };
         Ok(Self {
-            heat: Some(Box::new(heat)),
-            ..rest
+            fades: true,
+            ..Self::last_word(limits, plant, wires, true)?
         })
     }
 
-    /// A guard of the integer rows alone: pulse, burst, energy, power, supply, staleness and latch. It is the last word of
-    /// a driver unit whose processor has no floating point, behind a whole guard: what that passed, this one passes
-    /// unchanged. A burst may take all that is left of a budget here.
+    /// The last word of a driver unit, behind a whole guard: what that passed, this one passes unchanged, since a burst may
+    /// take all that is left of a budget here. Without `heat` it has the integer rows alone, for a processor without
+    /// floating point: pulse, burst, energy, power, supply, staleness and latch.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -176,6 +183,7 @@ impl Guard {
         limits: Limits,
         plant: Plant,
         wires: &[DisplayWire],
+        heat: bool,
     ) -> Result<Self, PlantError> {
         plant.check()?;
         let limits = limits.tightened();
@@ -199,7 +207,8 @@ impl Guard {
             plant,
             wires: wires.iter().map(state).collect(),
             fingertip: bucket((1, limits.fingertip_1s_uw), (60, limits.fingertip_60s_uw)),
-            heat: None,
+            heat: heat.then(|| Box::new(Heat::new(&limits, wires.len()))),
+            fades: false,
             watchdog: Watchdog::new(limits.stale, plant.latency()),
         })
     }

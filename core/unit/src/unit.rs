@@ -156,11 +156,8 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
     /// What no unit can be.
     pub fn new(settings: &Settings<'_>, bus: I, cut: P) -> Result<Self, SettingsError> {
         settings.check()?;
-        let make = match settings.heat {
-            true => Guard::new,
-            false => Guard::last_word,
-        };
-        let guard = make(settings.limits, settings.plant, settings.wires);
+        let (limits, plant) = (settings.limits, settings.plant);
+        let guard = Guard::last_word(limits, plant, settings.wires, settings.heat);
         Ok(Self {
             key: Key::new(settings.key),
             sessions: Sessions::new(settings.boot),
