@@ -142,7 +142,12 @@ fn transfers_of_all_fingers_take_each_others_time() {
     };
     let outcome = run_with(&setup, &Input::Scene, 1, keep, &mut ()).unwrap();
     let of = |address: u8| outcome.i2c.iter().filter(|t| t.address == address).count();
-    assert!(of(0x40) > 150 && of(0x41) > 150, "{} {}", of(0x40), of(0x41));
+    assert!(
+        of(0x40) > 150 && of(0x41) > 150,
+        "{} {}",
+        of(0x40),
+        of(0x41)
+    );
     assert_eq!(of(0x40) + of(0x41), outcome.i2c.len());
     // Messages of one transaction have its time.
     let mut whole = outcome.i2c.clone();
@@ -187,7 +192,8 @@ fn a_board_that_browns_out_is_lost_to_both_of_its_fingers() {
         if number < 2 {
             assert_eq!(entries(&well.outcome.trace), entries(&ill.outcome.trace));
         }
-        let rises = |e: &&Event| matches!(e, Event::Edge { t_ns, high: true, .. } if *t_ns > 4_000_000_000);
+        let rises =
+            |e: &&Event| matches!(e, Event::Edge { t_ns, high: true, .. } if *t_ns > 4_000_000_000);
         assert!(ill.outcome.trace.events.iter().filter(rises).count() > 10);
     }
 }

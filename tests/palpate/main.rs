@@ -32,3 +32,4 @@ mod scans;
 mod shared_boards;
 mod texture;
 mod tidy;
+mod unit;
