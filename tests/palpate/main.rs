@@ -33,3 +33,4 @@ mod scans;
 mod shared_boards;
 mod texture;
 mod tidy;
+mod unit;
