@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 type Module = Vec<String>;
 
 /// Crates of the workspace with source below `src`.
-const CRATES: [&str; 12] = [
+const CRATES: [&str; 13] = [
     "core",
     "core/unit",
     "emulators",
@@ -17,6 +17,7 @@ const CRATES: [&str; 12] = [
     "hil",
     "hil/buses",
     "hil/files",
+    "hil/python",
     "hil/records",
     "hil/run",
     "hil/texture",

@@ -1,14 +1,10 @@
 //! `hil contacts`: (4.1) to (4.10) on a recording, and nothing else.
 
-use std::fmt;
 use std::io::{self, Write};
 
-use palpate_core::contact::{Compressor, Contact, Settings};
-use palpate_core::skin::{
-    Baseline, BaselinePhase, BaselineSettings, FrameError, Layout, RelativeFrame, Scan,
-    ThresholdRule,
-};
-use palpate_core::units::{Duration, Instant};
+use palpate_core::contact::{Contact, Settings};
+use palpate_core::skin::{BaselineSettings, Layout, ThresholdRule};
+use palpate_core::units::Duration;
 use palpate_records::contacts_csv;
 use palpate_records::trace::{Event, PlaceUm};
 use serde_json::json;
@@ -21,7 +17,7 @@ use palpate_files::{
     Columns, LayoutFile, Rows, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, Timing, is_stream, load_layout,
 };
 use palpate_run::plan;
-use palpate_run::{Failure, Intensities};
+use palpate_run::{Failure, Finder, Intensities, Search};
 
 use super::rate::rate_of;
 
@@ -173,8 +169,7 @@ struct Recording<'a> {
     layout: Layout,
     columns: Columns,
     reading: Reading,
-    baseline: BaselineSettings,
-    compression: Settings,
+    search: Search,
 }
 
 impl<'a> Recording<'a> {
@@ -208,91 +203,49 @@ impl<'a> Recording<'a> {
                 prefix: args.columns.clone(),
                 rest_rows: 0,
             },
-            baseline: BaselineSettings {
-                reference_frames: args.reference_frames,
-                fault_sigmas: args.faulty_deviations.map(|k| k as f32),
-                threshold: match args.threshold {
-                    Threshold::Auto => ThresholdRule::Auto { margin: 0.0 },
-                    Threshold::PerTaxel => PER_TAXEL,
-                    Threshold::Counts(counts) => ThresholdRule::Fixed { counts },
+            search: Search {
+                baseline: BaselineSettings {
+                    reference_frames: args.reference_frames,
+                    fault_sigmas: args.faulty_deviations.map(|k| k as f32),
+                    threshold: match args.threshold {
+                        Threshold::Auto => ThresholdRule::Auto { margin: 0.0 },
+                        Threshold::PerTaxel => PER_TAXEL,
+                        Threshold::Counts(counts) => ThresholdRule::Fixed { counts },
+                    },
+                    axes: args.axes,
+                    drift: args
+                        .drift_s
+                        .map(|s| Duration::from_micros((s * 1e6).round() as u64)),
                 },
-                axes: args.axes,
-                drift: args
-                    .drift_s
-                    .map(|s| Duration::from_micros((s * 1e6).round() as u64)),
-            },
-            compression: Settings {
-                clusters: args.kc,
-                exponent: args.weight_exponent as f32,
-                norm: args.norm,
-                scope: args.scope,
-                seed: args.seed,
-                ..Settings::default()
+                compression: Settings {
+                    clusters: args.kc,
+                    exponent: args.weight_exponent as f32,
+                    norm: args.norm,
+                    scope: args.scope,
+                    seed: args.seed,
+                    ..Settings::default()
+                },
+                skips_repeats: args.replay_stale == StaleArg::Skip,
             },
         })
     }
 
-    /// The taxels that columns are of: the active ones of all modules, module after module.
-    fn active(&self) -> Vec<usize> {
-        let modules = self.layout.modules().iter().enumerate();
-        let of_module = |(m, module): (usize, &palpate_core::skin::Module)| {
-            let start = self.layout.range(m).start;
-            let active = (0..module.points().len()).filter(|&i| module.active()[i]);
-            active.map(|i| start + i).collect::<Vec<_>>()
-        };
-        modules.flat_map(of_module).collect()
-    }
-
     /// Hands every contact to `each`, row by row; what is to be said of the file comes back.
     fn compress(&self, each: &mut Each<'_>) -> Result<Vec<String>, Failure> {
-        let (args, layout) = (self.args, &self.layout);
+        let args = self.args;
         let file = args.file.display();
-        let option = |name: &str, e: &dyn fmt::Display| Failure::Input(format!("--{name}: {e}"));
-        let mut baseline =
-            Baseline::new(layout, self.baseline).map_err(|e| option("reference-frames", &e))?;
-        let mut compressor = Compressor::new(layout, self.compression.clone())
-            .map_err(|e| option("kc, --weight-exponent", &e))?;
+        let of_file = |failure: Failure| match failure {
+            Failure::Input(text) => Failure::Input(format!("{file}: {text}")),
+            other => other,
+        };
+        let mut finder = Finder::new(&self.layout, &self.columns, self.search.clone())?;
         let _shown = Progress::reading(&args.file);
         let take = self.reading.take(&self.columns);
         let mut rows = Rows::open(&args.file, take, Some(&self.reading.timing))?;
-        let (active, axes) = (self.active(), usize::from(self.columns.axes));
-        let mut counts = vec![[0u16; 3]; layout.taxels()];
-        let (mut scan, mut relative): (Scan, Option<RelativeFrame>) = (Scan::new(layout), None);
-        let (mut row, mut before): (Vec<u16>, Vec<u16>) = (Vec::new(), Vec::new());
+        let mut row: Vec<u16> = Vec::new();
         while let Some(at) = rows.advance(&mut row)? {
             let frame = rows.count() - 1;
-            let repeats = frame > 0 && row == before;
-            before.clone_from(&row);
-            if repeats && args.replay_stale == StaleArg::Skip && relative.is_some() {
-                continue;
-            }
-            for (column, &taxel) in active.iter().enumerate() {
-                counts[taxel] = match row[column * axes..][..axes] {
-                    [x, y, z] => [x, y, z],
-                    [z, ..] => [0, 0, z],
-                    [] => [0; 3],
-                };
-            }
-            let loaded = scan.load(Instant::from_micros(at.time_us), &counts);
-            loaded.map_err(|e| Failure::Input(format!("{file}: {e}")))?;
-            if baseline.phase() != BaselinePhase::Ready {
-                baseline.feed(&scan);
-            }
-            // The reference rows count and emit nothing; the row that sets the threshold is a frame.
-            let is_reference = frame < args.reference_frames as usize;
-            if is_reference || baseline.phase() != BaselinePhase::Ready {
-                continue;
-            }
-            let relative = relative.get_or_insert_with(|| baseline.frame(layout));
-            let mut compress = || {
-                if baseline.advance(&scan, relative)? || !compressor.repeat() {
-                    compressor.compress(relative)?;
-                }
-                Ok(())
-            };
-            compress()
-                .map_err(|e: FrameError| Failure::Input(format!("{file}: row {frame}: {e}")))?;
-            for &contact in compressor.contacts() {
+            for &contact in finder.row(at.time_us, &row).map_err(of_file)? {
                 let row = Row {
                     frame,
                     time_us: at.time_us,

@@ -16,10 +16,11 @@ use crate::clock;
 use crate::host::{Onlooker, Records};
 use crate::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
 use crate::real::{self, Told};
-use crate::recording::{Reading, ReadingStream, recorded, write_can_log};
+use crate::recording::{Reading, ReadingStream, read_joints, recorded, write_can_log};
 use crate::trial::{Trial, TrialEnd, judge, junit};
 use palpate_files::{
-    BenchKind, DRIFT_S, Format as FileFormat, Overrides, Setup, THRESHOLD_FLOOR, Timing, load_scene,
+    BenchKind, DRIFT_S, Format as FileFormat, Loaded, Overrides, Scene, Setup, THRESHOLD_FLOOR,
+    Timing, load_scene,
 };
 use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome, attachments, run_with};
 
@@ -28,14 +29,14 @@ use crate::record::Kind as LiveKind;
 use super::devices::bench_with;
 use super::explain;
 use super::rate::rate_of;
-use super::report::report;
+use super::report::{hand, report};
 
 /// The scene of `hil run` without a name.
 pub(super) const DEFAULT_SCENE: &str = "sphere-along";
 
 /// What to write, by the ending of a file's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
+pub(super) enum Format {
     Contacts,
     Schedule,
     Can,
@@ -47,7 +48,7 @@ enum Format {
 }
 
 impl Format {
-    fn of(path: &Path) -> Result<Self, Failure> {
+    pub(super) fn of(path: &Path) -> Result<Self, Failure> {
         match path.extension().and_then(|e| e.to_str()) {
             Some("csv") => Ok(Self::Contacts),
             Some("jsonl") => Ok(Self::Schedule),
@@ -63,7 +64,7 @@ impl Format {
     }
 
     /// As a file of it is known again.
-    const fn on_disk(self) -> FileFormat {
+    pub(super) const fn on_disk(self) -> FileFormat {
         match self {
             Self::Contacts => FileFormat::Contacts,
             Self::Schedule => FileFormat::Schedule,
@@ -94,30 +95,45 @@ impl Format {
     }
 
     /// The files that it makes of the one that was asked for.
-    fn paths(self, path: &Path, setup: &Setup) -> Vec<PathBuf> {
+    pub(super) fn paths(self, path: &Path, setup: &Setup) -> Vec<PathBuf> {
         let of = |name: &str| {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
             let ending = path.extension().unwrap_or_default().to_string_lossy();
             path.with_file_name(format!("{stem}-{name}.{ending}"))
         };
-        match self.is_per_display() && !setup.fingers.is_empty() {
-            true => setup.fingers.iter().map(|f| of(&f.name)).collect(),
-            false => vec![path.to_owned()],
+        let whole = || path.to_owned();
+        let each = setup.fingers.iter().map(|f| of(&f.name));
+        match self {
+            _ if setup.fingers.is_empty() || !self.is_per_display() => vec![whole()],
+            // The hand's page stands before those of its fingers.
+            Self::Report => std::iter::once(whole()).chain(each).collect(),
+            _ => each.collect(),
         }
     }
 
-    fn write(self, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
+    /// Writes it of a run that is over.
+    pub(super) fn write(
+        self,
+        path: &Path,
+        setup: &Setup,
+        outcome: &Outcome,
+    ) -> Result<(), Failure> {
         if !self.is_per_display() || outcome.displays.is_empty() {
             return self.write_one(path, setup, outcome);
         }
-        let paths = self.paths(path, setup);
+        let mut paths = self.paths(path, setup);
+        if self == Self::Report {
+            let whole = paths.remove(0);
+            let page = hand(setup, outcome, &paths);
+            write_file(&whole, |out| out.write_all(page.as_bytes()))?;
+        }
         let mut each = paths.iter().zip(&outcome.displays);
         each.try_for_each(|(path, display)| self.write_one(path, setup, &display.outcome))
     }
 
     fn write_one(self, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
         write_file(path, |out| match self {
-            Self::Contacts => write_table(&outcome.trace.events, out),
+            Self::Contacts => write_table(&outcome.trace, out),
             Self::Mcap => {
                 let traffic = BusTraffic {
                     can: &outcome.can,
@@ -149,8 +165,8 @@ impl Format {
 /// # Errors
 /// [`Failure`] with its exit status.
 pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
+    let timing = timing(args)?;
     let setup = setup(args)?;
-    let rate = rate_of(args.rate, unclocked(args))?;
     let mut files = wanted(args, &setup)?;
     if args.explain {
         explained(args, |out| explain::plan(&setup, out))?;
@@ -187,11 +203,6 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     let mut outcome = if is_real {
         on_hardware(args, &setup, &growing)?
     } else {
-        let timing = Timing {
-            column: args.time.clone(),
-            rate_hz: rate.hz,
-            split_jumps: args.split_jumps,
-        };
         let reading = Reading {
             timing,
             prefix: args.columns.clone(),
@@ -206,6 +217,7 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     outcome.summary.date = Some(clock::date(clock::unix_us()));
     let failure = outcome.failure.take();
     outcome.notes.iter().for_each(|text| note(text));
+    let rate = rate_of(args.rate, unclocked(args))?;
     if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.voice.quiet) {
         note(&format!("{hz} rows a second, from {}", meta.display()));
     }
@@ -404,10 +416,29 @@ fn wanted(args: &RunArgs, setup: &Setup) -> Result<Vec<(Format, PathBuf)>, Failu
     Ok(files)
 }
 
+/// How rows of a recording are timed.
+fn timing(args: &RunArgs) -> Result<Timing, Failure> {
+    Ok(Timing {
+        column: args.time.clone(),
+        rate_hz: rate_of(args.rate, unclocked(args))?.hz,
+        split_jumps: args.split_jumps,
+    })
+}
+
 /// Scene and bench with the command line's changes, checked like a file of that content.
 fn setup(args: &RunArgs) -> Result<Setup, Failure> {
+    setup_of(
+        load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?,
+        args,
+    )
+}
+
+/// The same with a scene that is read already.
+///
+/// # Errors
+/// [`Failure`] for what cannot be in the files, or does not fit together.
+pub fn setup_of(scene: Loaded<Scene>, args: &RunArgs) -> Result<Setup, Failure> {
     let overrides = overrides(args)?;
-    let scene = load_scene(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
     let mut scene = scene.with(&overrides)?;
     let bench = bench_with(
         args.on.bench.as_deref(),
@@ -422,6 +453,10 @@ fn setup(args: &RunArgs) -> Result<Setup, Failure> {
     if let Some(name) = replayed.or(streamed) {
         scene.value.touches.clear();
         scene.value.name = name;
+    }
+    let recorded = read_joints(&args.replay, &timing(args)?)?;
+    if !recorded.is_empty() {
+        scene.value.joints = recorded;
     }
     let setup = Setup::join(scene, bench)?;
     Ok(match args.observe {

@@ -1,13 +1,12 @@
 //! `hil sweep`: a scene over a grid of values and seeds, one row per run.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use palpate_buses::signals::Signals;
 use palpate_files::{Format, Setup, load_scene};
-use palpate_records::runs::{MEASURED, RunKey, RunRow, number};
+use palpate_records::runs::{MEASURED, RunRow, number};
 use palpate_records::verdict::{Conclusion, Verdict};
 use palpate_run::sweep::{Axis, Grid, Variant};
 use palpate_run::{Failure, Host};
@@ -18,7 +17,7 @@ use super::devices::bench;
 use crate::cli::{Color, SweepArgs};
 use crate::output::{Outputs, print};
 use crate::progress::Progress;
-use crate::sweep::{Growing, page};
+use crate::sweep::{Growing, Work, page};
 
 /// Most runs that share what is read for a combination of values.
 const TOGETHER: usize = 16;
@@ -50,54 +49,16 @@ pub fn sweep(args: &SweepArgs, color: Color) -> Result<(), Failure> {
     let jobs = args.jobs.unwrap_or_else(cores);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
     let pool = pool.map_err(|e| Failure::Device(format!("--jobs {jobs}: {e}")))?;
-    // Every combination is read before anything runs, and what it needs is read again when it does: a scene has more
-    // text than a row, and a grid many combinations.
-    let variants: Vec<Result<RunKey, Failure>> = pool.install(|| {
-        let all = (0..grid.combinations()).into_par_iter();
-        all.map(|n| Ok(Variant::new(&base, grid.set(n))?.key(0)))
-            .collect()
-    });
-    let variants = variants.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let mut work = pool.install(|| Work::read(&base, grid, args.part))?;
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
-    let mut work = Work {
-        grid,
-        variants,
-        rows: BTreeMap::new(),
-        before: 0,
-        part: args.part,
-    };
-    let swept = work
-        .variants
-        .first()
-        .map(|key| key.set.clone())
-        .unwrap_or_default();
-    let keys = swept.keys().map(String::as_str);
-    let (all, seeds): (BTreeSet<&RunKey>, BTreeSet<&u64>) = (
-        work.variants.iter().collect(),
-        work.grid.seeds().iter().collect(),
-    );
-    let is_of_grid = |row: &RunRow| {
-        let variant = RunKey {
-            seed: 0,
-            ..row.key.clone()
-        };
-        seeds.contains(&row.key.seed) && all.contains(&variant)
-    };
-    let (table, rows) = Growing::open(&args.out, keys, outputs, is_of_grid)?;
-    work.rows = rows.into_iter().map(|row| (row.key.clone(), row)).collect();
-    work.before = work
-        .wanted()
-        .filter(|key| work.rows.contains_key(key))
-        .count();
-    let (table, fresh) = pool.install(|| work.run(&base, table, jobs, &signals))?;
+    let table = work.open(&args.out, outputs)?;
+    let (table, fresh) = pool.install(|| run(&work, &base, table, jobs, &signals))?;
     let caught = signals.caught();
     // From here on a signal ends the program, and what is half-written goes.
     drop(signals);
-    work.rows
-        .extend(fresh.into_iter().map(|row| (row.key.clone(), row)));
-    let ordered = work.keys().filter_map(|(_, key)| work.rows.get(&key));
-    table.finish(ordered)?;
-    work.tell(args, color, caught)
+    work.take(fresh);
+    work.finish(table)?;
+    tell(&work, args, color, caught)
 }
 
 /// `KEY=VALUE,VALUE`; commas between brackets or quotes belong to a value.
@@ -136,18 +97,6 @@ fn axis(text: &str) -> Result<Axis, Failure> {
     Ok(Axis { key, values })
 }
 
-/// What is to run, and what has.
-struct Work {
-    grid: Grid,
-    /// The key of each combination, but for the seed.
-    variants: Vec<RunKey>,
-    /// Rows of the grid, of this process and of earlier ones.
-    rows: BTreeMap<RunKey, RunRow>,
-    /// How many of the wanted ones were there.
-    before: usize,
-    part: Option<(usize, usize)>,
-}
-
 /// Ends a run when a signal came.
 struct Stopping<'a>(&'a Signals);
 
@@ -157,179 +106,138 @@ impl Host for Stopping<'_> {
     }
 }
 
-impl Work {
-    /// All keys of the grid in its order, each with its combination.
-    fn keys(&self) -> impl Iterator<Item = (usize, RunKey)> {
-        let seeds = self.grid.seeds();
-        let of = move |(n, key): (usize, &RunKey)| {
-            let key = key.clone();
-            seeds.iter().map(move |&seed| {
-                (
-                    n,
-                    RunKey {
-                        seed,
-                        ..key.clone()
-                    },
-                )
-            })
-        };
-        self.variants.iter().enumerate().flat_map(of)
+/// Runs what is wanted and not there. A signal ends it; runs under way are then as if they had not begun.
+fn run(
+    work: &Work,
+    base: &Setup,
+    table: Growing,
+    jobs: usize,
+    signals: &Signals,
+) -> Result<(Growing, Vec<RunRow>), Failure> {
+    let lacking = work.lacking();
+    // Enough pieces that no core waits long for the last one.
+    let together = (lacking.len() / (jobs * 4)).clamp(1, TOGETHER);
+    let mut pieces: Vec<&[(usize, u64)]> = Vec::new();
+    for of_one in lacking.chunk_by(|a, b| a.0 == b.0) {
+        pieces.extend(of_one.chunks(together));
     }
-
-    /// Those that this command computes: all, or every N-th.
-    fn wanted(&self) -> impl Iterator<Item = RunKey> {
-        let (k, n) = self.part.unwrap_or((1, 1));
-        self.keys().skip(k - 1).step_by(n).map(|(_, key)| key)
-    }
-
-    /// Runs what is wanted and not there. A signal ends it; runs under way are then as if they had not begun.
-    fn run(
-        &self,
-        base: &Setup,
-        table: Growing,
-        jobs: usize,
-        signals: &Signals,
-    ) -> Result<(Growing, Vec<RunRow>), Failure> {
-        let (k, n) = self.part.unwrap_or((1, 1));
-        let lacking = self
-            .keys()
-            .skip(k - 1)
-            .step_by(n)
-            .filter(|(_, key)| !self.rows.contains_key(key));
-        let lacking: Vec<(usize, u64)> =
-            lacking.map(|(variant, key)| (variant, key.seed)).collect();
-        // Enough pieces that no core waits long for the last one.
-        let together = (lacking.len() / (jobs * 4)).clamp(1, TOGETHER);
-        let mut pieces: Vec<&[(usize, u64)]> = Vec::new();
-        for of_one in lacking.chunk_by(|a, b| a.0 == b.0) {
-            pieces.extend(of_one.chunks(together));
-        }
-        let grown = Mutex::new((table, Vec::new()));
-        let next = AtomicUsize::new(0);
-        let progress = Progress::counted("sweep", lacking.len() as u64, "runs");
-        let worker = || -> Result<(), Failure> {
-            while let Some(piece) = pieces.get(next.fetch_add(1, Ordering::Relaxed)) {
-                let variant = Variant::new(base, self.grid.set(piece[0].0))?;
-                for (_, seed) in *piece {
-                    let row = variant.row(*seed, &mut Stopping(signals))?;
-                    if signals.caught().is_some() {
-                        return Ok(());
-                    }
-                    let mut grown = grown.lock().unwrap_or_else(|broken| broken.into_inner());
-                    grown.0.add(&row)?;
-                    grown.1.push(row);
-                    progress.step();
+    let grown = Mutex::new((table, Vec::new()));
+    let next = AtomicUsize::new(0);
+    let progress = Progress::counted("sweep", lacking.len() as u64, "runs");
+    let worker = || -> Result<(), Failure> {
+        while let Some(piece) = pieces.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let variant = Variant::new(base, work.grid().set(piece[0].0))?;
+            for (_, seed) in *piece {
+                let row = variant.row(*seed, &mut Stopping(signals))?;
+                if signals.caught().is_some() {
+                    return Ok(());
                 }
-            }
-            Ok(())
-        };
-        // In the order of the grid, so that an interrupted table is its beginning.
-        let ended: Vec<Result<(), Failure>> = (0..jobs).into_par_iter().map(|_| worker()).collect();
-        ended.into_iter().collect::<Result<(), _>>()?;
-        Ok(grown
-            .into_inner()
-            .unwrap_or_else(|broken| broken.into_inner()))
-    }
-
-    /// The gravest of the rows, each verdict with its first one.
-    fn conclusion(&self, rows: &[&RunRow], wanted: usize, caught: Option<&str>) -> Conclusion {
-        let mut conclusion = Conclusion::default();
-        for verdict in [
-            Verdict::LimitExceeded,
-            Verdict::Failed,
-            Verdict::Stopped,
-            Verdict::Incomplete,
-        ] {
-            let mut of = rows.iter().filter(|row| row.verdict == verdict);
-            if let Some(first) = of.next() {
-                let (count, at) = (1 + of.count(), first.key.place());
-                conclusion.add(
-                    verdict,
-                    format!("{count} of {}, first {at}: {}", runs(wanted), first.why),
-                );
+                let mut grown = grown.lock().unwrap_or_else(|broken| broken.into_inner());
+                grown.0.add(&row)?;
+                grown.1.push(row);
+                progress.step();
             }
         }
-        if let Some(signal) = caught {
-            let there = rows.len();
-            let text = format!(
-                "by {signal}: {there} of {wanted} rows are there, the same command goes on"
+        Ok(())
+    };
+    // In the order of the grid, so that an interrupted table is its beginning.
+    let ended: Vec<Result<(), Failure>> = (0..jobs).into_par_iter().map(|_| worker()).collect();
+    ended.into_iter().collect::<Result<(), _>>()?;
+    Ok(grown
+        .into_inner()
+        .unwrap_or_else(|broken| broken.into_inner()))
+}
+
+/// The gravest of the rows, each verdict with its first one.
+fn conclusion(rows: &[&RunRow], wanted: usize, caught: Option<&str>) -> Conclusion {
+    let mut conclusion = Conclusion::default();
+    for verdict in [
+        Verdict::LimitExceeded,
+        Verdict::Failed,
+        Verdict::Stopped,
+        Verdict::Incomplete,
+    ] {
+        let mut of = rows.iter().filter(|row| row.verdict == verdict);
+        if let Some(first) = of.next() {
+            let (count, at) = (1 + of.count(), first.key.place());
+            conclusion.add(
+                verdict,
+                format!("{count} of {}, first {at}: {}", runs(wanted), first.why),
             );
-            conclusion.add(Verdict::Stopped, text);
         }
-        conclusion
     }
+    if let Some(signal) = caught {
+        let there = rows.len();
+        let text =
+            format!("by {signal}: {there} of {wanted} rows are there, the same command goes on");
+        conclusion.add(Verdict::Stopped, text);
+    }
+    conclusion
+}
 
-    /// Says what the sweep came to.
-    fn tell(&self, args: &SweepArgs, color: Color, caught: Option<&str>) -> Result<(), Failure> {
-        let wanted = self.wanted().count();
-        let rows: Vec<&RunRow> = self
-            .wanted()
-            .filter_map(|key| self.rows.get(&key))
-            .collect();
-        let conclusion = self.conclusion(&rows, wanted, caught);
-        if let Some(path) = &args.html {
-            let text = page(&conclusion, &rows);
-            let outputs = Outputs {
-                force: args.force,
-                inputs: &[],
+/// Says what the sweep came to.
+fn tell(work: &Work, args: &SweepArgs, color: Color, caught: Option<&str>) -> Result<(), Failure> {
+    let wanted = work.wanted_count();
+    let rows = work.there();
+    let conclusion = conclusion(&rows, wanted, caught);
+    if let Some(path) = &args.html {
+        let text = page(&conclusion, &rows);
+        let outputs = Outputs {
+            force: args.force,
+            inputs: &[],
+        };
+        outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
+    }
+    let names = work.names();
+    if args.voice.json {
+        #[derive(Serialize)]
+        struct All<'a> {
+            #[serde(flatten)]
+            conclusion: &'a Conclusion,
+            scene: Option<&'a str>,
+            bench: Option<&'a str>,
+            rows: usize,
+            wanted: usize,
+            there_before: usize,
+            table: String,
+        }
+        let all = All {
+            conclusion: &conclusion,
+            scene: names.map(|names| names.0),
+            bench: names.map(|names| names.1),
+            rows: rows.len(),
+            wanted,
+            there_before: work.before(),
+            table: args.out.display().to_string(),
+        };
+        print(|out| {
+            serde_json::to_writer(&mut *out, &all)?;
+            writeln!(out)
+        })?;
+    } else if !args.voice.quiet {
+        print(|out| {
+            conclusion.write(out, color.on(&io::stdout()))?;
+            let before = match work.before() {
+                0 => String::new(),
+                n => format!(", {n} of them in the table before"),
             };
-            outputs.write(path, Format::Html, |out| out.write_all(text.as_bytes()))?;
-        }
-        let (scene, bench) = self
-            .variants
-            .first()
-            .map(|key| (&key.scene, &key.bench))
-            .unzip();
-        if args.voice.json {
-            #[derive(Serialize)]
-            struct All<'a> {
-                #[serde(flatten)]
-                conclusion: &'a Conclusion,
-                scene: Option<&'a String>,
-                bench: Option<&'a String>,
-                rows: usize,
-                wanted: usize,
-                there_before: usize,
-                table: String,
-            }
-            let all = All {
-                conclusion: &conclusion,
-                scene,
-                bench,
-                rows: rows.len(),
-                wanted,
-                there_before: self.before,
-                table: args.out.display().to_string(),
-            };
-            print(|out| {
-                serde_json::to_writer(&mut *out, &all)?;
-                writeln!(out)
-            })?;
-        } else if !args.voice.quiet {
-            print(|out| {
-                conclusion.write(out, color.on(&io::stdout()))?;
-                let before = match self.before {
-                    0 => String::new(),
-                    n => format!(", {n} of them in the table before"),
-                };
-                let (scene, bench) = scene.zip(bench).map_or(("", ""), |(s, b)| (s, b));
-                writeln!(
-                    out,
-                    "{scene} on {bench} (emulated): {}{before}",
-                    runs(rows.len())
-                )?;
-                spread(&rows, out)?;
-                let html = args.html.iter();
-                html.chain([&args.out])
-                    .try_for_each(|path| writeln!(out, "  wrote           {}", path.display()))
-            })?;
-        }
-        match conclusion.verdict {
-            _ if caught.is_some() => Err(Failure::Stopped(conclusion.line())),
-            Verdict::Ok => Ok(()),
-            Verdict::Stopped => Err(Failure::Guard(conclusion.line())),
-            _ => Err(Failure::Check(conclusion.line())),
-        }
+            let (scene, bench) = names.unwrap_or_default();
+            writeln!(
+                out,
+                "{scene} on {bench} (emulated): {}{before}",
+                runs(rows.len())
+            )?;
+            spread(&rows, out)?;
+            let html = args.html.iter();
+            html.chain([&args.out])
+                .try_for_each(|path| writeln!(out, "  wrote           {}", path.display()))
+        })?;
+    }
+    match conclusion.verdict {
+        _ if caught.is_some() => Err(Failure::Stopped(conclusion.line())),
+        Verdict::Ok => Ok(()),
+        Verdict::Stopped => Err(Failure::Guard(conclusion.line())),
+        _ => Err(Failure::Check(conclusion.line())),
     }
 }
 

@@ -3,6 +3,8 @@
 pub mod chart;
 mod growing;
 pub mod page;
+mod work;
 
 pub use growing::{Growing, form_of, read_table};
 pub use page::{foot, head, page};
+pub use work::Work;

@@ -51,6 +51,7 @@ impl Hello {
             prescale: Prescale::new(pre).with_clock(clock),
             wire_milliohm: reader.u32()?,
             peak: Milliamps(reader.u32()?),
+            bus: Duration::from_micros(reader.u32()?.into()),
         };
         let mut row = || reader.u64();
         let limits = Limits {
@@ -61,6 +62,7 @@ impl Hello {
             wire_10s_uw: row()?,
             fingertip_1s_uw: row()?,
             fingertip_60s_uw: row()?,
+            hand_60s_uw: row()?,
             skin_mean_mc: row()?,
             skin_peak_mc: row()?,
             skin_deep_mc: row()?,
@@ -97,6 +99,7 @@ impl Hello {
         writer.u32(clock.tolerance_ppm().unwrap_or(INTERNAL));
         writer.u32(plant.wire_milliohm);
         writer.u32(plant.peak.0);
+        writer.u32(u32::try_from(plant.bus.as_micros()).unwrap_or(u32::MAX));
         for row in [
             limits.pulse_width_ns,
             limits.burst.as_micros(),
@@ -105,6 +108,7 @@ impl Hello {
             limits.wire_10s_uw,
             limits.fingertip_1s_uw,
             limits.fingertip_60s_uw,
+            limits.hand_60s_uw,
             limits.skin_mean_mc,
             limits.skin_peak_mc,
             limits.skin_deep_mc,

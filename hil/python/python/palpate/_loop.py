@@ -1,0 +1,198 @@
+"""The loop, held open."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import TracebackType
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _palpate
+from ._errors import InputError
+from ._setup import Name, counts as checked_counts, seed as checked_seed, setup
+from ._table import Table, table
+
+
+class Step:
+    """What happened since the step before. Its tables are those of :class:`Run`, made when they are looked at."""
+
+    __slots__ = ("_happened",)
+
+    def __init__(self, happened: _palpate.Happened) -> None:
+        self._happened = happened
+
+    @property
+    def time_us(self) -> int:
+        """Virtual time, microseconds."""
+        return self._happened.time_us
+
+    @property
+    def dropped(self) -> int:
+        """Events that were dropped because they were not taken in time."""
+        return self._happened.dropped
+
+    @property
+    def contacts(self) -> Table:
+        """As :attr:`Run.contacts`."""
+        return table(self._happened.table("contacts"))
+
+    @property
+    def stimuli(self) -> Table:
+        """As :attr:`Run.stimuli`."""
+        return table(self._happened.table("stimuli"))
+
+    @property
+    def felt(self) -> Table:
+        """As :attr:`Run.felt`: of an onset, once the one after it begins."""
+        return table(self._happened.table("felt"))
+
+    @property
+    def edges(self) -> Table:
+        """As :attr:`Run.edges`."""
+        return table(self._happened.table("edges"))
+
+    @property
+    def frames(self) -> Table:
+        """As :attr:`Run.frames`."""
+        return table(self._happened.table("frames"))
+
+    @property
+    def events(self) -> Table:
+        """As :attr:`Run.events`."""
+        return table(self._happened.table("notes"))
+
+
+class Loop:
+    """The whole loop in virtual time: from readings, or touches, to what a person feels.
+
+    Time moves with :meth:`push` and :meth:`advance` alone, as fast as the processor computes. A loop may go from
+    thread to thread, and one thread at a time may be inside.
+
+    Args:
+        layout: The skin, a name or a file. Default: the scene's.
+        bench: The emulated bench whose display is driven. Default: ``emulated``.
+        scene: Where the other settings come from; its touches do not come. Default: what ``hil run --replay``
+            takes, with a contact threshold from every taxel's own noise.
+        set: Values in place of the files' own, as for :func:`run`.
+        seed: Seed of all randomness.
+        skin: ``"pushed"``: readings come by :meth:`push`. ``"emulated"``: boards are emulated, and :meth:`touch` says
+            what presses on their skin.
+    """
+
+    def __init__(
+        self,
+        layout: Name | None = None,
+        bench: Name | None = None,
+        *,
+        scene: Name | None = None,
+        set: Mapping[str, object] | None = None,
+        seed: int = 1,
+        skin: Literal["pushed", "emulated"] = "pushed",
+    ) -> None:
+        if skin not in ("pushed", "emulated"):
+            raise InputError.of("skin", '"pushed" or "emulated"', repr(skin))
+        made = setup(scene, bench=bench, set=set, layout=layout, replay=["readings of a loop"])
+        taxels, axes = made.shape()
+        self._shapes = [(count, axes) for count in taxels]
+        self._inner = _palpate.Loop(made, checked_seed(seed), skin == "emulated")
+
+    @property
+    def shapes(self) -> list[tuple[int, int]]:
+        """Of every module (taxels, axes): the shape that :meth:`push` takes."""
+        return list(self._shapes)
+
+    @property
+    def time_us(self) -> int:
+        """Virtual time, microseconds."""
+        return self._inner.time_us()
+
+    def push(self, time_us: int, counts: npt.ArrayLike, *, module: int = 0) -> Step:
+        """Hands over one module's scan. Virtual time goes on until then, and what the scan makes due is done.
+
+        The first scans make the reference (``reference_frames`` of the scene, 50): nothing touches meanwhile.
+
+        Args:
+            time_us: When the scan was whole, microseconds; more than that of the module's scan before.
+            counts: Raw counts, shape (taxels, axes) or (taxels * axes,).
+            module: The module, zero-based.
+        """
+        if not 0 <= module < len(self._shapes):
+            expected = f"0 to {len(self._shapes) - 1}"
+            raise InputError.of("module", expected, repr(module))
+        found = checked_counts(counts, "counts")
+        shape = self._shapes[module]
+        if found.shape != shape and found.shape != (shape[0] * shape[1],):
+            expected = f"shape {shape} or {(shape[0] * shape[1],)}"
+            raise InputError.of("counts", expected, f"shape {found.shape}")
+        return Step(self._inner.push(module, _time(time_us, "time_us"), found.tobytes()))
+
+    def advance(self, until_us: int) -> Step:
+        """Lets virtual time go on until ``until_us``, microseconds."""
+        return Step(self._inner.advance(_time(until_us, "until_us")))
+
+    def touch(
+        self,
+        places: npt.ArrayLike,
+        forces: npt.ArrayLike,
+        *,
+        diameter_mm: npt.ArrayLike = 8.0,
+        module: int = 0,
+    ) -> None:
+        """Presses on the emulated skin from now on, until the next call. Without places nothing presses.
+
+        Args:
+            places: Places on the module, mm, shape (touches, 2), or (2,) for one.
+            forces: Normal forces, N, shape (touches,), or a number for all.
+            diameter_mm: How wide what presses is, mm, shape (touches,), or a number for all.
+            module: The module, zero-based.
+        """
+        at = np.asarray(places, dtype=np.float64)
+        if at.size == 0:
+            at = at.reshape(0, 2)
+        at = np.atleast_2d(at)
+        if at.ndim != 2 or at.shape[1] != 2:
+            raise InputError.of("places", "shape (touches, 2)", f"shape {np.shape(places)}")
+        presses = np.empty((len(at), 4))
+        presses[:, :2] = at
+        for column, name, values, low, high in (
+            (2, "forces", forces, 0.0, 1000.0),
+            (3, "diameter_mm", diameter_mm, 0.01, 1e6),
+        ):
+            each = np.asarray(values, dtype=np.float64)
+            if each.shape not in ((), (len(at),)):
+                raise InputError.of(name, f"a number or shape ({len(at)},)", f"shape {each.shape}")
+            if not ((each >= low) & (each <= high)).all():
+                raise InputError.of(name, f"{low} to {high}", repr(values))
+            presses[:, column] = each
+        if not (np.abs(presses[:, :2]) <= 1e6).all():
+            raise InputError.of("places", "places on the module, mm", repr(places))
+        self._inner.touch(module, presses.tolist())
+
+    def temperatures(self) -> Table:
+        """Of each wire now: wire_c, skin_c (0.1 mm deep under it), degrees C."""
+        now = self._inner.temperatures()
+        made = np.array(now, dtype=[("wire_c", "<f8"), ("skin_c", "<f8")])
+        return made.view(Table)
+
+    def close(self) -> None:
+        """Lets everything go. Every later call is an error."""
+        self._inner.close()
+
+    def __enter__(self) -> Loop:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def _time(value: int, what: str) -> int:
+    if not 0 <= value < 2**62:
+        raise InputError.of(what, "whole microseconds from 0", repr(value))
+    return int(value)

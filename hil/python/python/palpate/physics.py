@@ -1,0 +1,57 @@
+"""Contacts of any simulator as presses on the emulated skin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._errors import InputError
+
+__all__ = ["Pad"]
+
+
+@dataclass(frozen=True)
+class Pad:
+    """Where a module's skin lies in a simulator's world.
+
+    Attributes:
+        origin_m: The module's centre on the skin, m, shape (3,).
+        rotation: Its axes as columns, shape (3, 3): x to the right, y up, z out of the skin. Default: the world's.
+    """
+
+    origin_m: npt.ArrayLike
+    rotation: npt.ArrayLike = field(default_factory=lambda: np.eye(3))
+
+    def presses(
+        self, points_m: npt.ArrayLike, forces_n: npt.ArrayLike
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Places (mm, shape (n, 2)) and normal forces (N, shape (n,)) for ``Loop.touch``.
+
+        Contacts that do not press are left out, and friction is: the emulated skin takes normal forces.
+
+        Args:
+            points_m: Contact points in the world, m, shape (contacts, 3).
+            forces_n: Forces on the skin in the world, N, shape (contacts, 3).
+        """
+        points, forces = _vectors(points_m, "points_m"), _vectors(forces_n, "forces_n")
+        if len(points) != len(forces):
+            raise InputError.of("forces_n", f"{len(points)} forces, one per point", f"{len(forces)}")
+        axes = np.asarray(self.rotation, dtype=np.float64)
+        if axes.shape != (3, 3) or not np.allclose(axes.T @ axes, np.eye(3), atol=1e-6):
+            raise InputError.of("rotation", "a rotation of shape (3, 3)", repr(self.rotation))
+        local = (points - np.asarray(self.origin_m, dtype=np.float64)) @ axes
+        normal = -(forces @ axes[:, 2])
+        pressing = normal > 0
+        return local[pressing, :2] * 1e3, normal[pressing]
+
+
+def _vectors(values: npt.ArrayLike, what: str) -> npt.NDArray[np.float64]:
+    found: npt.NDArray[Any] = np.asarray(values, dtype=np.float64)
+    if found.size == 0:
+        return found.reshape(0, 3)
+    if found.ndim != 2 or found.shape[1] != 3 or not np.isfinite(found).all():
+        raise InputError.of(what, "finite numbers of shape (contacts, 3)", f"shape {found.shape}")
+    return found

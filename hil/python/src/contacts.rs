@@ -1,0 +1,195 @@
+//! Compression alone: the contacts of rows of raw counts, as `hil contacts` finds them.
+
+use std::sync::{Mutex, PoisonError};
+
+use palpate_core::contact::{Contact, Settings};
+use palpate_core::skin::{BaselineSettings, ThresholdRule};
+use palpate_core::units::Duration;
+use palpate_files::{
+    Columns, LayoutFile, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, axes_named, load_layout, norm, scope,
+};
+use palpate_records::trace::{Event, PlaceUm};
+use palpate_run::{Failure, Intensities, Search, plan};
+use pyo3::prelude::*;
+
+use crate::errors::free;
+use crate::table::Table;
+use crate::tables;
+
+/// A contact and the row that it is of.
+type Found = (u32, u64, Contact);
+
+struct State {
+    finder: palpate_run::Finder,
+    /// Counts per row.
+    columns: usize,
+    found: Vec<Found>,
+    intensities: Intensities,
+}
+
+/// Finds the contacts of one piece of a recording after another.
+#[pyclass(frozen, module = "palpate._palpate")]
+pub struct Finder {
+    taxels: usize,
+    axes: u8,
+    reference_frames: u32,
+    state: Mutex<State>,
+}
+
+/// Settings as `hil contacts` names them.
+#[derive(FromPyObject)]
+pub struct Wanted {
+    #[pyo3(item)]
+    kc: u16,
+    #[pyo3(item)]
+    reference_frames: u32,
+    /// `auto`, `per-taxel`, or a number.
+    #[pyo3(item)]
+    threshold: String,
+    #[pyo3(item)]
+    weight_exponent: f64,
+    #[pyo3(item)]
+    norm: String,
+    #[pyo3(item)]
+    axes: String,
+    #[pyo3(item)]
+    scope: String,
+    #[pyo3(item)]
+    drift_s: Option<f64>,
+    #[pyo3(item)]
+    faulty_deviations: Option<f64>,
+    #[pyo3(item)]
+    skip_repeats: bool,
+    #[pyo3(item)]
+    seed: u64,
+}
+
+fn named<T>(what: &str, read: Result<T, String>) -> Result<T, Failure> {
+    read.map_err(|text| Failure::Input(format!("{what}: {text}")))
+}
+
+impl Wanted {
+    fn search(&self) -> Result<Search, Failure> {
+        let threshold = match self.threshold.as_str() {
+            "auto" => ThresholdRule::Auto { margin: 0.0 },
+            "per-taxel" => ThresholdRule::PerTaxel {
+                sigmas: THRESHOLD_SIGMAS as f32,
+                floor: THRESHOLD_FLOOR as f32,
+            },
+            text => match text.parse() {
+                Ok(counts) if (0.0..=1e6).contains(&counts) => ThresholdRule::Fixed { counts },
+                _ => {
+                    let text = format!(
+                        "threshold: expected \"auto\", \"per-taxel\" or raw counts from 0 to 1000000, found {text}"
+                    );
+                    return Err(Failure::Input(text));
+                }
+            },
+        };
+        let drift = self
+            .drift_s
+            .map(|s| Duration::from_micros((s * 1e6).round() as u64));
+        Ok(Search {
+            baseline: BaselineSettings {
+                reference_frames: self.reference_frames,
+                fault_sigmas: self.faulty_deviations.map(|k| k as f32),
+                threshold,
+                axes: named("axes", axes_named(&self.axes))?,
+                drift,
+            },
+            compression: Settings {
+                clusters: self.kc,
+                exponent: self.weight_exponent as f32,
+                norm: named("norm", norm(&self.norm))?,
+                scope: named("scope", scope(&self.scope))?,
+                seed: self.seed,
+                ..Settings::default()
+            },
+            skips_repeats: self.skip_repeats,
+        })
+    }
+}
+
+#[pymethods]
+impl Finder {
+    /// For recordings of this skin.
+    #[new]
+    fn new(py: Python<'_>, layout: &str, wanted: Wanted) -> PyResult<Self> {
+        free(py, || {
+            let loaded = load_layout(layout)?;
+            let LayoutFile::Sensor(file) = &loaded.value else {
+                return Err(Failure::Input(format!(
+                    "layout: {layout}: expected a layout of kind \"sensor\", found a display"
+                )));
+            };
+            let columns = Columns::of_skin(file);
+            let skin = plan::layout(file)?;
+            let finder = palpate_run::Finder::new(&skin, &columns, wanted.search()?)?;
+            Ok(Self {
+                taxels: columns.taxels,
+                axes: columns.axes,
+                reference_frames: wanted.reference_frames,
+                state: Mutex::new(State {
+                    finder,
+                    columns: columns.count(),
+                    found: Vec::new(),
+                    intensities: Intensities::default(),
+                }),
+            })
+        })
+    }
+
+    /// Taxels per row and their axes.
+    fn shape(&self) -> (usize, u8) {
+        (self.taxels, self.axes)
+    }
+
+    /// Goes through rows: bytes of their times (u64, microseconds) and of their counts (u16).
+    fn rows(&self, py: Python<'_>, times: &[u8], counts: &[u8]) -> PyResult<()> {
+        let times: Vec<u64> = bytemuck::pod_collect_to_vec(times);
+        let counts: Vec<u16> = bytemuck::pod_collect_to_vec(counts);
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let state = &mut *state;
+        free(py, || {
+            for (time_us, row) in times.iter().zip(counts.chunks_exact(state.columns)) {
+                let frame = u32::try_from(state.finder.rows()).unwrap_or(u32::MAX);
+                for contact in state.finder.row(*time_us, row)? {
+                    state.intensities.add(contact.intensity);
+                    state.found.push((frame, *time_us, *contact));
+                }
+            }
+            Ok(())
+        })
+    }
+
+    /// The contacts so far, with `ki` levels found over all of them.
+    fn contacts(&self, py: Python<'_>, ki: usize) -> PyResult<Table> {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let state = &mut *state;
+        let needed = self.reference_frames as usize + 1;
+        free(py, || {
+            if state.finder.rows() < needed {
+                return Err(Failure::Input(format!(
+                    "counts: expected at least {needed} rows ({} for the reference, one for the threshold), found {}",
+                    self.reference_frames,
+                    state.finder.rows()
+                )));
+            }
+            let levels = std::mem::take(&mut state.intensities).table(ki);
+            let level = |c: &Contact| levels.as_ref().map_or(1, |table| table.level(c.intensity));
+            let found = std::mem::take(&mut state.found);
+            let event = |(frame, t_us, contact): Found| Event::Contact {
+                t_us,
+                frame,
+                module: contact.module,
+                contact: contact.id,
+                place: PlaceUm::from(contact.place),
+                intensity_milli: (f64::from(contact.intensity) * 1e3).round() as u32,
+                level: level(&contact),
+                members: contact.members,
+            };
+            let events: Vec<Event> = found.into_iter().map(event).collect();
+            Ok(tables::contacts(&events))
+        })
+    }
+}

@@ -1,0 +1,187 @@
+//! A scene or a recording on an emulated bench, to its end.
+
+use std::path::PathBuf;
+
+use palpate_files::{Columns, Timing};
+use palpate_hil::clock;
+use palpate_hil::command::{rate_of, report, save};
+use palpate_hil::recording::{Reading, recorded};
+use palpate_records::digest::{contacts_digest, schedule_digest, trace_digest};
+use palpate_run::effort::Stopwatch;
+use palpate_run::{Failure, Host, Input, Keep, KeptReadings, Outcome, TaxelTable, run_with};
+use pyo3::exceptions::PyKeyError;
+use pyo3::prelude::*;
+
+use crate::errors::{self, free};
+use crate::setup::Setup;
+use crate::table::Table;
+use crate::tables::{self, About};
+
+/// A run that is over.
+#[pyclass(frozen, module = "palpate._palpate")]
+#[derive(Debug)]
+pub struct Run {
+    setup: palpate_files::Setup,
+    outcome: Outcome,
+    about: About,
+}
+
+/// So many turns pass between two looks for Ctrl-C: some milliseconds.
+const TURNS: u32 = 1024;
+
+/// Ends a run when Python has a signal to raise.
+#[derive(Debug, Default)]
+pub struct Interruptible {
+    turns: u32,
+    /// What is to be raised.
+    pub raised: Option<PyErr>,
+}
+
+impl Host for Interruptible {
+    fn stopwatch(&self) -> Option<Stopwatch> {
+        Some(clock::elapsed)
+    }
+
+    fn passed(&mut self, _part: f64) -> bool {
+        self.turns += 1;
+        if self.turns.is_multiple_of(TURNS) && self.raised.is_none() {
+            self.raised = Python::attach(|py| py.check_signals()).err();
+        }
+        self.raised.is_some()
+    }
+}
+
+/// What drives a run in place of touches.
+#[derive(Debug)]
+pub enum Readings {
+    Touches,
+    Files(Vec<PathBuf>, Option<f64>),
+    Arrays(Vec<TaxelTable>),
+}
+
+impl Readings {
+    fn input(self, setup: &palpate_files::Setup) -> Result<(Input, Vec<String>), Failure> {
+        match self {
+            Self::Touches => Ok((Input::Scene, Vec::new())),
+            Self::Arrays(tables) => Ok((Input::tables(tables), Vec::new())),
+            Self::Files(paths, hz) => {
+                let rate = rate_of(hz, &paths)?;
+                let reading = Reading {
+                    timing: Timing {
+                        rate_hz: rate.hz,
+                        ..Timing::default()
+                    },
+                    prefix: None,
+                    rest_rows: setup.scene.value.reference_frames as usize + 1,
+                };
+                recorded(&paths, &setup.sensor.value, &reading)
+            }
+        }
+    }
+}
+
+/// Rows of raw counts of each module: bytes of times (u64) and of counts (u16).
+pub fn arrays(setup: &Setup, modules: Vec<(Vec<u8>, Vec<u8>)>) -> PyResult<Vec<TaxelTable>> {
+    let sensor = &setup.inner.sensor.value;
+    let table = |(number, (times, counts)): (usize, (Vec<u8>, Vec<u8>))| {
+        let columns = Columns::of_module(sensor, number).ok_or_else(|| {
+            let text = format!("layout `{}` has no module {number}", sensor.name);
+            errors::raise("InputError", &text)
+        })?;
+        Ok(TaxelTable {
+            time_us: bytemuck::pod_collect_to_vec(&times),
+            counts: bytemuck::pod_collect_to_vec(&counts),
+            columns: columns.count(),
+        })
+    };
+    modules.into_iter().enumerate().map(table).collect()
+}
+
+/// Runs a setup, in place of its touches from files (one per module, or one of all buses) or from arrays.
+#[pyfunction]
+pub fn run(
+    py: Python<'_>,
+    setup: &Bound<'_, Setup>,
+    seed: u64,
+    files: Vec<PathBuf>,
+    rate_hz: Option<f64>,
+    rows: Vec<(Vec<u8>, Vec<u8>)>,
+) -> PyResult<Run> {
+    let setup = setup.get();
+    let readings = match (files.is_empty(), rows.is_empty()) {
+        (false, _) => Readings::Files(files, rate_hz),
+        (true, false) => Readings::Arrays(arrays(setup, rows)?),
+        (true, true) => Readings::Touches,
+    };
+    let setup = setup.inner.clone();
+    let keep = Keep {
+        can: true,
+        i2c: true,
+        readings: KeptReadings::All,
+        band: true,
+        summary: false,
+    };
+    let mut host = Interruptible::default();
+    let run = free(py, || {
+        let (input, notes) = readings.input(&setup)?;
+        let mut outcome = run_with(&setup, &input, seed, keep, &mut host)?;
+        outcome.notes.extend(notes);
+        outcome.summary.date = Some(clock::date(clock::unix_us()));
+        let about = About::new(&outcome.trace.header);
+        Ok(Run {
+            setup,
+            outcome,
+            about,
+        })
+    });
+    match host.raised {
+        Some(raised) => Err(raised),
+        None => run,
+    }
+}
+
+#[pymethods]
+impl Run {
+    /// The columns of a table.
+    fn table(&self, name: &str) -> PyResult<Table> {
+        let outcome = &self.outcome;
+        match name {
+            "margins" => Ok(tables::margins(&outcome.summary.margins)),
+            "warmth" => Ok(tables::warmth(&outcome.warmth)),
+            "taxels" => Ok(tables::taxels(outcome.readings.as_ref())),
+            name => tables::of(name, &outcome.trace.events, &self.about)
+                .ok_or_else(|| PyKeyError::new_err(name.to_owned())),
+        }
+    }
+
+    /// The object that `hil run --json` prints, as text.
+    fn summary(&self) -> PyResult<String> {
+        serde_json::to_string(&self.outcome.summary)
+            .map_err(|error| errors::raise("BugError", &error.to_string()))
+    }
+
+    /// Remarks, such as a recording that ends too early.
+    fn notes(&self) -> Vec<String> {
+        self.outcome.notes.clone()
+    }
+
+    /// The report: one page of HTML.
+    fn html(&self, py: Python<'_>) -> PyResult<String> {
+        free(py, || Ok(report(&self.outcome)))
+    }
+
+    /// First 16 hex digits of the SHA-256 over the whole trace, its contacts, its schedule.
+    fn digests(&self) -> (String, String, String) {
+        let trace = &self.outcome.trace;
+        (
+            trace_digest(trace),
+            contacts_digest(trace),
+            schedule_digest(trace),
+        )
+    }
+
+    /// Writes a record; the ending says which.
+    fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
+        free(py, || save(&path, &self.setup, &self.outcome, force))
+    }
+}

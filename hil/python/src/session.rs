@@ -1,0 +1,375 @@
+//! The loop, held open: readings are pushed or touches change, virtual time goes on, and what happened is handed out.
+
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+
+use palpate_core::skin::ModuleScan;
+use palpate_core::units::{Instant, Point};
+use palpate_emulators::sensor::Press;
+use palpate_records::trace::Event;
+use palpate_run::{
+    EmulatedSession, Failure, FedSession, Hand, Session, Turn, display_end::EmulatedDisplay,
+    header, skin_end::SkinEnd,
+};
+use pyo3::exceptions::PyKeyError;
+use pyo3::prelude::*;
+
+use crate::errors::{self, free};
+use crate::setup::Setup;
+use crate::table::Table;
+use crate::tables::{self, About};
+
+/// The session behind a loop.
+enum Held {
+    Fed(Box<FedSession>),
+    Touched(Box<EmulatedSession>, Vec<Hand>),
+    /// Closed, or left by a panic.
+    Gone,
+}
+
+/// What is in a loop at any time.
+struct State {
+    held: Held,
+    /// When the boards have started.
+    ready: Instant,
+    about: About,
+    wires: usize,
+    /// When the newest scan of each module came, microseconds.
+    newest: Vec<Option<u64>>,
+    axes: usize,
+    /// A scan in the loop's own form.
+    counts: Vec<[u16; 3]>,
+    /// What a signal raised.
+    raised: Option<PyErr>,
+}
+
+/// So much virtual time passes between two looks for Ctrl-C, microseconds: some milliseconds of computing.
+const PIECE_US: u64 = 1_000_000;
+
+/// A loop between readings or touches and an emulated display, in virtual time.
+#[pyclass(frozen, module = "palpate._palpate")]
+pub struct Loop(Mutex<State>);
+
+/// What happened since the last time.
+#[pyclass(frozen, module = "palpate._palpate")]
+#[derive(Debug)]
+pub struct Happened {
+    events: Vec<Event>,
+    about: About,
+    /// Events before these that were dropped.
+    #[pyo3(get)]
+    dropped: u64,
+    /// Virtual time, microseconds.
+    #[pyo3(get)]
+    time_us: u64,
+}
+
+#[pymethods]
+impl Happened {
+    /// The columns of a table of these events.
+    fn table(&self, name: &str) -> PyResult<Table> {
+        tables::of(name, &self.events, &self.about)
+            .ok_or_else(|| PyKeyError::new_err(name.to_owned()))
+    }
+}
+
+fn input(text: impl Into<String>) -> Failure {
+    Failure::Input(text.into())
+}
+
+fn closed() -> Failure {
+    input("Loop: expected one that is open, found a closed one; make another")
+}
+
+/// A turn, or what ended the loop before its time.
+fn turn<S: SkinEnd>(
+    session: &mut Session<S, EmulatedDisplay>,
+    now: Option<Instant>,
+    until: Instant,
+) -> Result<(), Failure> {
+    let turned = match now {
+        Some(now) => session.turn(now)?,
+        None => session.advance(until)?,
+    };
+    match turned {
+        Turn::Next(_) => Ok(()),
+        Turn::Last => Err(session
+            .take_failure()
+            .unwrap_or_else(|| Failure::Device("the loop ended".into()))),
+    }
+}
+
+impl State {
+    fn now(&self) -> Result<u64, Failure> {
+        match &self.held {
+            Held::Fed(session) => Ok(session.now().as_micros()),
+            Held::Touched(session, _) => Ok(session.now().as_micros()),
+            Held::Gone => Err(closed()),
+        }
+    }
+
+    fn happened(&mut self) -> Result<Happened, Failure> {
+        let (events, dropped) = match &mut self.held {
+            Held::Fed(session) => session.drain(),
+            Held::Touched(session, _) => session.drain(),
+            Held::Gone => return Err(closed()),
+        };
+        Ok(Happened {
+            events,
+            about: self.about.clone(),
+            dropped,
+            time_us: self.now()?,
+        })
+    }
+
+    fn advance(&mut self, until_us: u64) -> Result<(), Failure> {
+        let now = self.now()?;
+        if until_us < now {
+            return Err(input(format!(
+                "until_us: expected a time from {now} us on, found {until_us} us"
+            )));
+        }
+        self.pass(until_us)?;
+        self.turn_at(until_us)
+    }
+
+    /// The turns that are due before `until_us`; between pieces of them Python may raise a signal.
+    fn pass(&mut self, until_us: u64) -> Result<(), Failure> {
+        let mut piece_us = self.now()?.saturating_add(PIECE_US);
+        loop {
+            let until = Instant::from_micros(piece_us.min(until_us));
+            match &mut self.held {
+                Held::Fed(session) => turn(session, None, until)?,
+                Held::Touched(session, _) => turn(session, None, until)?,
+                Held::Gone => return Err(closed()),
+            }
+            if piece_us >= until_us {
+                return Ok(());
+            }
+            piece_us = piece_us.saturating_add(PIECE_US);
+            if let Err(raised) = Python::attach(|py| py.check_signals()) {
+                self.raised = Some(raised);
+                return Err(Failure::Stopped("a signal".into()));
+            }
+        }
+    }
+
+    /// A turn at this time, unless it is later already, or the boards are not ready.
+    fn turn_at(&mut self, at_us: u64) -> Result<(), Failure> {
+        let at = Instant::from_micros(at_us.max(self.now()?));
+        if at < self.ready {
+            return Ok(());
+        }
+        match &mut self.held {
+            Held::Fed(session) => turn(session, Some(at), at),
+            Held::Touched(session, _) => turn(session, Some(at), at),
+            Held::Gone => Err(closed()),
+        }
+    }
+
+    fn push(&mut self, module: usize, time_us: u64, counts: &[u8]) -> Result<(), Failure> {
+        let Held::Fed(_) = &self.held else {
+            let Held::Gone = &self.held else {
+                let text =
+                    "Loop.push: expected skin=\"pushed\", found an emulated skin, which is touched";
+                return Err(input(text));
+            };
+            return Err(closed());
+        };
+        let modules = self.newest.len();
+        let newest = self.newest.get_mut(module);
+        let newest = newest.ok_or_else(|| {
+            input(format!(
+                "module: expected less than {modules}, found {module}"
+            ))
+        })?;
+        if let Some(before) = newest.filter(|before| time_us <= *before) {
+            return Err(input(format!(
+                "time_us: expected more than {before} us, the time of the scan before, found {time_us} us"
+            )));
+        }
+        *newest = Some(time_us);
+        // The time before the scan passes without it.
+        self.pass(time_us)?;
+        let axes = self.axes;
+        self.counts.clear();
+        for reading in counts.chunks_exact(2 * axes) {
+            let mut taxel = [0; 3];
+            for (axis, bytes) in taxel[3 - axes..].iter_mut().zip(reading.chunks_exact(2)) {
+                *axis = u16::from_le_bytes([bytes[0], bytes[1]]);
+            }
+            self.counts.push(taxel);
+        }
+        let at = Instant::from_micros(time_us);
+        let scan = ModuleScan::whole(module as u16, at, &self.counts);
+        if let Held::Fed(session) = &mut self.held {
+            session
+                .push(&scan)
+                .map_err(|e| input(format!("Loop.push: {e}")))?;
+        }
+        self.turn_at(time_us)
+    }
+
+    fn touch(&self, module: usize, presses: &[[f64; 4]]) -> Result<(), Failure> {
+        let hands = match &self.held {
+            Held::Touched(_, hands) => hands,
+            Held::Fed(_) => {
+                let text = "Loop.touch: expected skin=\"emulated\", found a loop whose readings are pushed";
+                return Err(input(text));
+            }
+            Held::Gone => return Err(closed()),
+        };
+        let hand = hands.get(module).ok_or_else(|| {
+            input(format!(
+                "module: expected less than {}, found {module}",
+                hands.len()
+            ))
+        })?;
+        let press = |&[x, y, force_n, diameter_mm]: &[f64; 4]| Press {
+            at: Point::new(x as f32, y as f32),
+            force_n,
+            diameter_mm,
+        };
+        let presses: Vec<Press> = presses.iter().map(press).collect();
+        hand.press(&presses);
+        Ok(())
+    }
+
+    fn temperatures(&mut self) -> Result<Vec<(f64, f64)>, Failure> {
+        let wires = self.wires;
+        let display = match &mut self.held {
+            Held::Fed(session) => session.display(),
+            Held::Touched(session, _) => session.display(),
+            Held::Gone => return Err(closed()),
+        };
+        let worn = display.hardware();
+        let of = |wire| {
+            let missing = || Failure::Device(format!("the display has no wire {wire}"));
+            let wire_c = worn.wire_c(wire).ok_or_else(missing)?;
+            Ok((wire_c, worn.tissue_c(wire).ok_or_else(missing)?))
+        };
+        (0..wires).map(of).collect()
+    }
+}
+
+impl Loop {
+    /// The state, if no other thread is inside.
+    fn state(&self) -> PyResult<MutexGuard<'_, State>> {
+        match self.0.try_lock() {
+            Ok(state) => Ok(state),
+            Err(TryLockError::Poisoned(broken)) => Ok(PoisonError::into_inner(broken)),
+            Err(TryLockError::WouldBlock) => Err(errors::raise(
+                "BusyError",
+                "Loop: expected one thread at a time, found another inside; use a lock, or a loop per thread",
+            )),
+        }
+    }
+
+    /// Does something with the state, without the interpreter's lock.
+    fn within<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut State) -> Result<T, Failure> + Send,
+    ) -> PyResult<T> {
+        let mut state = self.state()?;
+        let state = &mut *state;
+        let mut whole = false;
+        let done = free(py, || {
+            let done = work(state);
+            whole = true;
+            done
+        });
+        if !whole {
+            // What a panic leaves between two turns is no loop.
+            state.held = Held::Gone;
+        }
+        match state.raised.take() {
+            Some(raised) => Err(raised),
+            None => done,
+        }
+    }
+}
+
+#[pymethods]
+impl Loop {
+    /// The loop of a setup; `emulated`: its skin is emulated and is touched.
+    #[new]
+    fn new(py: Python<'_>, setup: &Bound<'_, Setup>, seed: u64, emulated: bool) -> PyResult<Self> {
+        let setup = setup.get().inner.clone();
+        free(py, || {
+            let not_ready = |e: palpate_core::driver::DriverError| Failure::Device(e.to_string());
+            let (held, ready, header, modules) = if emulated {
+                let (mut session, hands) = EmulatedSession::touched(&setup, seed)?;
+                let ready = session.start(Instant::ZERO).map_err(not_ready)?;
+                let header = header(&setup, seed, session.projector())?;
+                let modules = hands.len();
+                (
+                    Held::Touched(Box::new(session), hands),
+                    ready,
+                    header,
+                    modules,
+                )
+            } else {
+                let mut session = FedSession::fed(&setup, seed)?;
+                let ready = session.start(Instant::ZERO).map_err(not_ready)?;
+                let header = header(&setup, seed, session.projector())?;
+                let modules = session.projector().layout().modules().len();
+                (Held::Fed(Box::new(session)), ready, header, modules)
+            };
+            Ok(Self(Mutex::new(State {
+                held,
+                ready,
+                about: About::new(&header),
+                wires: header.wires.len(),
+                newest: vec![None; modules],
+                axes: usize::from(setup.sensor.value.axes),
+                counts: Vec::new(),
+                raised: None,
+            })))
+        })
+    }
+
+    /// One module's scan: its time, and the bytes of its counts (u16), taxel by taxel.
+    fn push(
+        &self,
+        py: Python<'_>,
+        module: usize,
+        time_us: u64,
+        counts: &[u8],
+    ) -> PyResult<Happened> {
+        self.within(py, |state| {
+            state.push(module, time_us, counts)?;
+            state.happened()
+        })
+    }
+
+    /// Virtual time goes on.
+    fn advance(&self, py: Python<'_>, until_us: u64) -> PyResult<Happened> {
+        self.within(py, |state| {
+            state.advance(until_us)?;
+            state.happened()
+        })
+    }
+
+    /// What presses on a module from now on: x and y (mm), force (N), diameter (mm).
+    fn touch(&self, py: Python<'_>, module: usize, presses: Vec<[f64; 4]>) -> PyResult<()> {
+        self.within(py, |state| state.touch(module, &presses))
+    }
+
+    /// Of each wire its temperature and that of the skin under it, degrees C.
+    fn temperatures(&self, py: Python<'_>) -> PyResult<Vec<(f64, f64)>> {
+        self.within(py, State::temperatures)
+    }
+
+    /// Virtual time, microseconds.
+    fn time_us(&self, py: Python<'_>) -> PyResult<u64> {
+        self.within(py, |state| state.now())
+    }
+
+    /// Lets everything go.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        self.within(py, |state| {
+            state.held = Held::Gone;
+            Ok(())
+        })
+    }
+}

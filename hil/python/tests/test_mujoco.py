@@ -1,0 +1,55 @@
+"""The simulator's contacts are found where it has them."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+import palpate
+from palpate.physics import Pad
+
+
+def example(name: str) -> ModuleType:
+    root = os.environ.get("PALPATE_ROOT")
+    if root is None:
+        pytest.skip("PALPATE_ROOT names no checkout, whose examples are run")
+    spec = importlib.util.spec_from_file_location(name, Path(root) / "hil/python/examples" / f"{name}.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_a_ball_of_mujoco_is_found_within_a_fifth_of_a_millimetre() -> None:
+    pytest.importorskip("mujoco")
+    ball = example("mujoco_ball")
+    found, true = ball.roll()
+    away = ball.error_mm(found, true)
+    assert len(found) > 350
+    assert np.ptp(true[:, 2]) > 8
+    assert np.sqrt(np.mean(away**2)) < 0.2
+
+
+def test_presses_are_seen_from_the_pad() -> None:
+    # A pad whose skin looks along the world's x, its right is the world's y.
+    pad = Pad(origin_m=(1, 2, 3), rotation=[[0, 0, 1], [1, 0, 0], [0, 1, 0]])
+    points = np.array([[1, 2.002, 2.996], [1, 2, 3], [1, 2, 3]])
+    forces = np.array([[-0.7, 5, 0], [0.1, 0, 0], [0, 1, 1]])
+    places, normal = pad.presses(points, forces)
+    np.testing.assert_allclose(places, [[2, -4]], atol=1e-9)
+    np.testing.assert_allclose(normal, [0.7])
+    assert pad.presses([], [])[0].shape == (0, 2)
+    for arguments, words in (
+        (([[0, 0]], [[0, 0, 0]]), "points_m"),
+        (([[0, 0, np.nan]], [[0, 0, 0]]), "points_m"),
+        (([[0, 0, 0]], []), "one per point"),
+    ):
+        with pytest.raises(palpate.InputError, match=words):
+            pad.presses(*arguments)
+    with pytest.raises(palpate.InputError, match="rotation"):
+        Pad((0, 0, 0), np.ones((3, 3))).presses([], [])
