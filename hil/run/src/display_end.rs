@@ -1,6 +1,6 @@
 //! The display end of a run: boards behind a bus, the line that cuts them, and what hangs on their outputs.
 
-use palpate_core::driver::{Banks, DriverError, Traffic};
+use palpate_core::driver::{DriverError, Traffic};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::physics::ParameterError;
 use palpate_core::projector::{LoopError, Projector};
@@ -13,7 +13,6 @@ use palpate_emulators::display::i2c::{BusClock, I2cHandle};
 use palpate_emulators::display::observed::RegisterWriter;
 use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
-use palpate_emulators::unit::OeLine;
 use palpate_emulators::worn::{DisplayConfig, OutputEdge, ThermalSample, WirePlace, WornDisplay};
 use palpate_files::{Bench, BenchKind, Drive, Setup};
 use palpate_records::i2c::Transfer;
@@ -23,9 +22,7 @@ use crate::Keep;
 use crate::actuator_bus::ActuatorBus;
 use crate::band::{Band, FeltBand};
 use crate::boards;
-pub use crate::driver::OutputEnable;
-
-use crate::driver::Driver;
+pub use crate::driver::{Driver, OutputEnable};
 use crate::effects::{Faultable, FaultyDisplay};
 use crate::failure::Failure;
 use crate::feel::{FullDrive, feel, sample_wires};
@@ -35,7 +32,7 @@ use crate::plan;
 use crate::recorder::{Onset, Recorder};
 use crate::script::{FaultReport, Script};
 use crate::skin_end::FaultySkin;
-use crate::unit::{EmulatedDriver, NoLine, RemoteUnit, UnitReport};
+use crate::unit::{EmulatedDriver, NoLine, UnitReport};
 
 /// The finger is looked at no less often than this, even where no stimulus comes.
 const LOOK: Duration = Duration::from_millis(250);
@@ -189,20 +186,8 @@ impl EmulatedDisplay {
                 false => writer.sharing(&place.channels),
             }
         };
-        let driver = match &bench.unit {
-            None => {
-                let banks = Banks::new([(i2c.clone(), &*boards)], prescale);
-                EmulatedDriver::Wired(match place.alone {
-                    true => banks,
-                    false => banks.sharing(&place.channels),
-                })
-            }
-            Some(unit) => {
-                let lines = (i2c.clone(), OeLine(display.bus()));
-                let unit = RemoteUnit::new(unit, projector, &boards, lines, seed)?;
-                EmulatedDriver::Unit(Box::new(unit))
-            }
-        };
+        let lines = (i2c.clone(), display.bus());
+        let driver = EmulatedDriver::new(bench, projector, lines, &place, seed)?;
         Ok(Self {
             writer: setup.is_observed().then(writer),
             driver,
@@ -438,16 +423,6 @@ impl DisplayEnd for EmulatedDisplay {
             DriverError::Unit(fault) => DriverError::Unit(fault),
         };
         error.to_string()
-    }
-}
-
-impl OutputEnable for WornDisplay {
-    fn set_enabled(&self, now: Instant, enabled: bool) {
-        self.set_outputs(Nanos::from(now), enabled);
-    }
-
-    fn words(&self) -> &'static str {
-        "outputs off by the OE line"
     }
 }
 

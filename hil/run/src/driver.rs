@@ -3,6 +3,8 @@
 use embedded_hal::i2c::I2c;
 use palpate_core::driver::{Actuators, Banks, DriverError, Traffic};
 use palpate_core::units::{Board, Instant};
+use palpate_emulators::time::Nanos;
+use palpate_emulators::worn::WornDisplay;
 
 /// Boards that can be started, read back and driven.
 pub trait Driver: Actuators<Error = DriverError> {
@@ -57,4 +59,14 @@ pub trait OutputEnable {
 
     /// How notes say that the outputs were cut, or that they could not be.
     fn words(&self) -> &'static str;
+}
+
+impl OutputEnable for WornDisplay {
+    fn set_enabled(&self, now: Instant, enabled: bool) {
+        self.set_outputs(Nanos::from(now), enabled);
+    }
+
+    fn words(&self) -> &'static str {
+        "outputs off by the OE line"
+    }
 }

@@ -12,12 +12,14 @@ use palpate_emulators::display::i2c::fault::Shared;
 use palpate_emulators::network::Profile;
 use palpate_emulators::time::Nanos;
 use palpate_emulators::unit::{Crystal, EmulatedUnit, OeLine, Settings};
-use palpate_files::{BenchUnit, Network};
+use palpate_files::{Bench, BenchUnit, Network};
 use palpate_records::trace::Event;
 use serde::Serialize;
 
 use crate::driver::{Driver, OutputEnable};
 use crate::failure::Failure;
+use crate::place::Place;
+use crate::plan;
 
 /// The key of an emulated unit, which no datagram of leaves the process.
 const KEY: [u8; 32] = [0x5A; 32];
@@ -256,6 +258,30 @@ pub enum EmulatedDriver {
 }
 
 impl EmulatedDriver {
+    /// What a bench has: a unit, or nothing between the host and its boards.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for what no unit can be.
+    pub fn new(
+        bench: &Bench,
+        projector: &Projector,
+        (i2c, bus): (Shared<I2cHandle>, I2cHandle),
+        place: &Place,
+        seed: u64,
+    ) -> Result<Self, Failure> {
+        let boards = plan::boards(bench);
+        let Some(unit) = &bench.unit else {
+            let banks = Banks::new([(i2c, &*boards)], projector.guard().prescale());
+            return Ok(Self::Wired(match place.alone {
+                true => banks,
+                false => banks.sharing(&place.channels),
+            }));
+        };
+        let lines = (i2c, OeLine(bus));
+        let unit = RemoteUnit::new(unit, projector, &boards, lines, seed)?;
+        Ok(Self::Unit(Box::new(unit)))
+    }
+
     /// The unit, where there is one.
     pub const fn unit(&mut self) -> Option<&mut RemoteUnit> {
         match self {
