@@ -96,6 +96,7 @@ impl ActuatorBus {
                 worn: None,
                 drive: self.drive,
                 place: &self.place,
+                unit: None,
             }),
         };
         if last {
