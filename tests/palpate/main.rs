@@ -16,6 +16,7 @@ mod external_clock;
 mod faults;
 mod felt;
 mod finger_campaign;
+mod finger_pads;
 mod fingers;
 mod goldens;
 mod guard;
