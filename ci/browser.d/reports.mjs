@@ -120,7 +120,28 @@ async function narrow(name, scheme, scripts) {
   await close();
 }
 
+// The page of a hand: both hands drawn, and every name leads to the page of its finger.
+async function hand(name) {
+  const { page, wrong, close } = await open(name, 1100, "light");
+  assert.deepEqual(await beyond(page), [], `${name} at 1100`);
+  const links = await page.$$eval("svg a", all => all.map(a => a.getAttribute("href")));
+  assert(links.length >= 8, `${name}: ${links}`);
+  for (const link of links) assert(pages.includes(decodeURIComponent(link.slice(2))), `${name}: ${link}`);
+  await page.click("section h2 a");
+  assert.match(page.url(), /hand-\w+\.html$/);
+  assert.deepEqual(wrong, [], name);
+  await close();
+  for (const scheme of ["dark", "light"]) await narrow(name, scheme, true);
+  console.log(`  ${name}: both hands, links to fingers, 390 pixels`);
+}
+
 for (const name of pages) {
+  // Those of its fingers are pages like any other.
+  if (name.startsWith("hand-")) continue;
+  if (name === "hand.html") {
+    await hand(name);
+    continue;
+  }
   await use(name);
   await narrow(name, "dark", true);
   await narrow(name, "light", false);

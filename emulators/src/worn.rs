@@ -1,7 +1,10 @@
 //! The actuator side of a bench: I2C segment, chips, amplifiers, supply, wires on a finger, and the
 //! person who wears it. The counterpart of [`crate::sensor::rig`].
 
+mod rack;
 mod wearing;
+
+pub use rack::Rack;
 
 use std::collections::VecDeque;
 
@@ -10,11 +13,12 @@ use palpate_core::units::{Channel, Milliamps, Point};
 
 use crate::display::amplifier::supply::{Load, Supply, SupplySource};
 use crate::display::amplifier::{Amplifier, AmplifierConfig, AmplifierFault, takes_effect};
-use crate::display::i2c::{BusClock, Error as I2cError, I2cHandle, I2cSegment};
-use crate::display::pca9685::{Config, Edge, Oscillator, Pca9685, Pin};
+use crate::display::i2c::{BusClock, Error as I2cError, I2cHandle};
+use crate::display::pca9685::{Edge, Pca9685, Pin};
 use crate::display::solver::record::Peaks;
 use crate::person::channels::{Felt, Person};
 use crate::time::Nanos;
+use rack::Connection;
 use wearing::Wearing;
 
 /// Tissue temperature from which everything starts, degrees C.
@@ -114,7 +118,7 @@ pub struct DisplayTotals {
 /// The display side of a bench.
 #[derive(Debug)]
 pub struct WornDisplay {
-    i2c: I2cHandle,
+    chips: Connection,
     amplifiers: Vec<Amplifier>,
     rise: Nanos,
     source: SupplySource,
@@ -147,18 +151,25 @@ impl WornDisplay {
     /// # Errors
     /// A physical parameter that cannot be computed with, by name.
     pub fn new(config: &DisplayConfig) -> Result<Self, ParameterError> {
-        let chip = |&(address, factor): &(u8, f64)| {
-            let oscillator = Oscillator::from_factor(factor);
-            Pca9685::new(Config {
-                oscillator,
-                ..Config::new(address)
-            })
-        };
-        let segment = I2cSegment::new(config.clock, config.boards.iter().map(chip).collect());
+        let rack = Rack::new(&config.boards, config.clock);
+        let whole = (0..config.boards.len()).map(|chip| (chip, u16::MAX));
+        Self::on(&rack, &whole.collect::<Vec<_>>(), config)
+    }
+
+    /// The same on chips that other displays use too: for each of its boards the place on the rack's bus, and a bit for
+    /// each channel that is its own. `boards` and `clock` of `config` are the rack's to say.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn on(
+        rack: &Rack,
+        boards: &[(usize, u16)],
+        config: &DisplayConfig,
+    ) -> Result<Self, ParameterError> {
         let worn = Wearing::new(&config.wire, &config.tissue, config.wires.len())?;
         Ok(Self {
-            i2c: I2cHandle::new(segment),
-            amplifiers: vec![Amplifier::new(config.amplifier.current); config.boards.len()],
+            chips: rack.connect(boards),
+            amplifiers: vec![Amplifier::new(config.amplifier.current); boards.len()],
             rise: config.amplifier.rise,
             source: config.source,
             supply: Supply::default(),
@@ -186,7 +197,17 @@ impl WornDisplay {
 
     /// The bus that a driver holds.
     pub fn bus(&self) -> I2cHandle {
-        self.i2c.clone()
+        self.chips.bus()
+    }
+
+    /// Cuts the OE lines of its boards, or lets go of them. A board that displays share drives once none holds it cut.
+    pub fn set_outputs(&self, now: Nanos, enabled: bool) {
+        self.chips.set_outputs(now, enabled);
+    }
+
+    /// Does something to a chip, by its number among this display's.
+    pub fn on_chip(&self, board: usize, work: impl FnOnce(&mut Pca9685)) {
+        self.chips.on_chip(board, work);
     }
 
     /// Lets time pass until `to`; edges go through the amplifiers into the wires and to `sink`.
@@ -198,15 +219,8 @@ impl WornDisplay {
         to: Nanos,
         sink: &mut impl FnMut(OutputEdge),
     ) -> Result<(), I2cError> {
-        let pending = &mut self.pending;
-        self.i2c.with(|segment| {
-            segment.advance(to, &mut |board, edge| pending.push((board, edge)));
-        })?;
-        // Stable: of edges at one instant the lower board comes first.
-        self.pending.sort_by_key(|(_, edge)| edge.at);
-        let mut until = to;
+        self.chips.take(to, &mut self.pending)?;
         for &(board, edge) in &self.pending {
-            until = until.max(edge.at);
             let at = takes_effect(&edge, self.rise);
             self.rising.push((at, board, edge));
             sink(OutputEdge {
@@ -218,7 +232,7 @@ impl WornDisplay {
         }
         self.pending.clear();
         self.rising.sort_by_key(|(at, ..)| *at);
-        let due = self.rising.partition_point(|(at, ..)| *at <= until);
+        let due = self.rising.partition_point(|(at, ..)| *at <= to);
         for index in 0..due {
             let (at, board, edge) = self.rising[index];
             let change = self.amplifiers.get_mut(board).and_then(|a| a.edge(edge));

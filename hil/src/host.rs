@@ -23,6 +23,8 @@ pub struct Onlooker {
     /// Whether a live view is wanted; virtual time is then held to the wall clock.
     pub watches: bool,
     watch: Option<Watch>,
+    /// Whether a terminal was looked for.
+    sought: bool,
     progress: Option<Progress>,
     records: Option<Records>,
     sinks: Vec<Sink>,
@@ -72,7 +74,10 @@ impl Host for Onlooker {
     }
 
     fn begin(&mut self, header: &Header, layout: &Layout, end: Instant) -> Result<(), Failure> {
-        if self.watches {
+        if let Some(watch) = &mut self.watch {
+            watch.add(header, layout, end);
+        } else if self.watches && !self.sought {
+            self.sought = true;
             self.watch = open_watch(header, layout, end, true)?;
         }
         if let Some(records) = &self.records {
@@ -103,7 +108,7 @@ impl Host for Onlooker {
             return false;
         };
         let buses = || (seen.buses)().iter().map(BusReport::words).collect();
-        watch.turn(seen.now, seen.events, seen.counts, buses)
+        watch.turn(seen.display, seen.now, seen.events, seen.counts, buses)
     }
 
     fn passed(&mut self, part: f64) -> bool {

@@ -13,6 +13,8 @@ mod diff;
 mod docs;
 #[path = "cli/files.rs"]
 mod files;
+#[path = "cli/fingers.rs"]
+mod fingers;
 #[path = "cli/identify.rs"]
 mod identify;
 #[path = "cli/input.rs"]

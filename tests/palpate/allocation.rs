@@ -16,7 +16,7 @@ use palpate_core::contact::{LevelTable, Levels};
 use palpate_core::driver::Actuators;
 use palpate_core::guard::Guarded;
 use palpate_core::projector::{Observer, Projector, TextureReport};
-use palpate_core::skin::UskinCan;
+use palpate_core::skin::CanSkin;
 use palpate_core::texture::{Activation, Control, Draw, Encoder, Pulses, Stream};
 use palpate_core::units::{Duration, Instant, Prescale};
 use palpate_files::{FeltBy, Setup};
@@ -152,7 +152,7 @@ fn the_loop_allocates_nothing() {
         setup.scene.value.compression.kc = kc;
         let table = LevelTable::from_intensities(&[10.0, 100.0, 200.0, 300.0, 400.0], 4).unwrap();
         let mut projector = Projector::new(plan(&setup, 1, Levels::Table(table)).unwrap()).unwrap();
-        let mut skin = UskinCan::new(projector.layout(), tape());
+        let mut skin = CanSkin::new(projector.layout(), tape());
         let (mut count, mut now, mut left) = (Count::default(), Instant::ZERO, 0);
         let before = ALLOCATIONS.with(Cell::get);
         while now < Instant::from_micros(10_000_000) {
@@ -181,7 +181,7 @@ fn the_loop_with_a_texture_allocates_nothing() {
         let mut setup = Setup::load("texture-wood", "emulated").unwrap();
         setup.scene.value.texture.as_mut().unwrap().carrier = carrier;
         let mut projector = Projector::new(plan(&setup, 1, Levels::Off).unwrap()).unwrap();
-        let mut skin = UskinCan::new(projector.layout(), tape());
+        let mut skin = CanSkin::new(projector.layout(), tape());
         let (mut count, mut now) = (Count::default(), Instant::ZERO);
         let mut seen = Windows(0);
         let before = ALLOCATIONS.with(Cell::get);

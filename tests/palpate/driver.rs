@@ -19,6 +19,7 @@ fn guard(outputs: &[(u8, u8)]) -> Guard {
         prescale: PRE,
         wire_milliohm: 1900,
         peak: Milliamps(1970),
+        bus: palpate_core::units::Duration::ZERO,
     };
     let wire = |(i, &(board, channel)): (usize, &(u8, u8))| DisplayWire {
         place: Point::new(i as f32, 0.0),

@@ -1,14 +1,19 @@
 //! Several displays: four fingertips of a hand on four thimbles, each felt and guarded alone.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use palpate_core::schedule::Entry;
+use palpate_core::skin::Layout;
+use palpate_core::units::Instant;
 use palpate_files::{Bench, Loaded, Overrides, Scene, Setup, Source, load_bench, load_scene};
 use palpate_records::margin::Limited;
 use palpate_records::schedule::write_schedule;
 use palpate_records::story::Story;
-use palpate_records::trace::{Event, Trace};
-use palpate_run::{EmulatedSession, Input, Outcome, Policy, run};
+use palpate_records::trace::{Event, Header, Trace};
+use palpate_records::verdict::Verdict;
+use palpate_run::{
+    EmulatedSession, Failure, Host, Input, Keep, Outcome, Policy, TurnView, run, run_with,
+};
 use proptest::prelude::*;
 
 use super::goldens::keep;
@@ -103,7 +108,9 @@ fn one_wire_of_a_board_is_on_at_a_time() {
         match event {
             Event::Schedule(e) => {
                 let turn = u64::from(e.channel.0 / 8);
-                assert_eq!(e.at.as_micros() % soa_us, turn * soa_us / 2, "{e:?}");
+                // The second board is written once the first one has been.
+                let first = turn * soa_us / 2 + 1000 * u64::from(e.board.0);
+                assert_eq!(e.at.as_micros() % soa_us, first, "{e:?}");
             }
             Event::Edge {
                 board,
@@ -122,6 +129,67 @@ fn one_wire_of_a_board_is_on_at_a_time() {
         }
     }
     assert_eq!(high.len(), 2);
+}
+
+/// Both boards hang on one bus: no transfer begins before the last one has ended, and none is made to all boards at once.
+#[test]
+fn transfers_of_all_fingers_take_each_others_time() {
+    let mut setup = Setup::load("allegro-grasp", "allegro-hand").unwrap();
+    setup.scene.value.length_s = 4.0;
+    let keep = Keep {
+        i2c: true,
+        ..Keep::default()
+    };
+    let outcome = run_with(&setup, &Input::Scene, 1, keep, &mut ()).unwrap();
+    let of = |address: u8| outcome.i2c.iter().filter(|t| t.address == address).count();
+    assert!(of(0x40) > 150 && of(0x41) > 150, "{} {}", of(0x40), of(0x41));
+    assert_eq!(of(0x40) + of(0x41), outcome.i2c.len());
+    // Messages of one transaction have its time.
+    let mut whole = outcome.i2c.clone();
+    whole.dedup_by_key(|t| (t.start_ns, t.end_ns));
+    for pair in whole.windows(2) {
+        assert!(pair[0].end_ns <= pair[1].start_ns, "{pair:?}");
+    }
+    // A burst is written where it begins: nothing waits for another finger's.
+    let writes = outcome.i2c.iter().filter(|t| t.data.len() > 4);
+    let starts: BTreeSet<u64> = writes.map(|t| t.start_ns).collect();
+    let driven = entries(&outcome.trace).into_iter().filter(|e| e.off > e.on);
+    for entry in driven {
+        let at = entry.at.as_micros() * 1000;
+        assert!(starts.contains(&at), "{entry:?}");
+    }
+    // Each display's own record has the transfers to its boards.
+    let index = &outcome.displays[0].outcome.i2c;
+    assert!(index.len() == of(0x40) && index.iter().all(|t| t.address == 0x40));
+}
+
+/// A chip that falls back to reset values is one chip: both of its fingers notice, the other board's do not.
+#[test]
+fn a_board_that_browns_out_is_lost_to_both_of_its_fingers() {
+    let (well, ill) = (
+        with(""),
+        with("[[faults]]\nat_s = 3.05\nkind = \"brown-out\"\nboard = 1"),
+    );
+    let [fault] = &ill.summary.faults[..] else {
+        panic!("{:?}", ill.summary.faults);
+    };
+    assert_eq!((fault.kind, fault.count), ("brown-out", 1));
+    assert!(ill.failure.is_none(), "{:?}", ill.failure);
+    let told = notes(&ill.trace);
+    let found = |name: &str| {
+        let start = format!("{name}: actuators: board 1: register 0x00 reads");
+        told.iter().any(|text| text.starts_with(&start))
+    };
+    // The one that finds out first starts the chip anew for both.
+    assert!(found("ring") || found("thumb"), "{told:?}");
+    assert!(!found("index") && !found("middle"), "{told:?}");
+    for (number, (well, ill)) in well.displays.iter().zip(&ill.displays).enumerate() {
+        if number < 2 {
+            assert_eq!(entries(&well.outcome.trace), entries(&ill.outcome.trace));
+        }
+        let rises = |e: &&Event| matches!(e, Event::Edge { t_ns, high: true, .. } if *t_ns > 4_000_000_000);
+        assert!(ill.outcome.trace.events.iter().filter(rises).count() > 10);
+    }
 }
 
 #[test]
@@ -298,6 +366,128 @@ fn merged_modules_drive_one_display_by_their_places() {
         _ => None,
     };
     assert!(trace.events.iter().filter_map(right).all(|right| right));
+    let path = a.path_error_mm.expect("both pads lie in one plane");
+    assert!(path.rmse < 1.0, "{path:?}");
+}
+
+/// `scope = "skin"` is for a bench with one display: a finger's contacts are held against touches of its own module.
+#[test]
+fn a_finger_knows_the_touches_of_its_own_module_alone() {
+    let grasp = |scope: &str| {
+        let mut overrides = Overrides::default();
+        overrides
+            .set("test", &format!("compression.scope={scope}"))
+            .unwrap();
+        overrides.set("test", "length_s=6").unwrap();
+        let scene = load_scene("allegro-grasp")
+            .unwrap()
+            .with(&overrides)
+            .unwrap();
+        let setup = Setup::join(scene, load_bench("allegro-hand").unwrap()).unwrap();
+        run(&setup, &Input::Scene, 1).unwrap()
+    };
+    let (module, skin) = (grasp("module"), grasp("skin"));
+    for (a, b) in module.summary.displays.iter().zip(&skin.summary.displays) {
+        let (a, b) = (a.path_error_mm.unwrap(), b.path_error_mm.unwrap());
+        assert!(
+            a.rmse < 0.5 && (a.rmse - b.rmse).abs() < 0.05,
+            "{a:?} {b:?}"
+        );
+    }
+}
+
+/// A finger is felt while its joint says so; its contacts are found all the time, and no other finger takes notice.
+#[test]
+fn a_joint_lets_its_finger_be_felt() {
+    let gated = |when: &str| {
+        let text = palpate_fixtures::scene("allegro-grasp").unwrap();
+        let index = "modules = [0, 1, 2, 3]\nrule = \"first\"\n";
+        let joint = "[[joints]]\nname = \"index_mcp\"\npoints_s_deg = [[3.0, 0.0], [5.0, 40.0]]\n";
+        let text = text.replacen(index, &format!("{index}{when}\n"), 1);
+        let source = Source::new("scene.toml", format!("{text}\n{joint}"));
+        let value = Scene::read(&source).unwrap();
+        let mut setup = Setup::join(
+            Loaded { value, source },
+            load_bench("allegro-hand").unwrap(),
+        )
+        .unwrap();
+        setup.scene.value.length_s = 6.0;
+        run(&setup, &Input::Scene, 1).unwrap()
+    };
+    let [always, bent] = ["", "when = { joint = \"index_mcp\", above_deg = 20 }"].map(gated);
+    let trace = |outcome: &Outcome, n: usize| outcome.displays[n].outcome.trace.clone();
+    let times = |trace: &Trace| {
+        entries(trace)
+            .iter()
+            .map(|e| e.at.as_micros())
+            .collect::<Vec<_>>()
+    };
+    // Twenty degrees are passed at 4 s.
+    let index = trace(&bent, 0);
+    assert!(times(&index).iter().all(|t| *t >= 4_000_000) && times(&index).len() > 20);
+    assert!(times(&trace(&always, 0)).iter().any(|t| *t < 3_000_000));
+    let contacts = |trace: &Trace| {
+        let contact = |e: &&Event| matches!(e, Event::Contact { .. });
+        trace.events.iter().filter(contact).count()
+    };
+    assert_eq!(contacts(&index), contacts(&trace(&always, 0)));
+    assert!((1..4).all(|n| entries(&trace(&bent, n)) == entries(&trace(&always, n))));
+    let felt: Vec<_> = notes(&bent.trace)
+        .into_iter()
+        .filter(|n| n.contains("joint"))
+        .collect();
+    assert_eq!(
+        felt,
+        [
+            "index: not felt: joint index_mcp",
+            "index: felt: joint index_mcp"
+        ]
+    );
+    let angles = |e: &Event| match e {
+        Event::Joint { milli_deg, .. } => Some(*milli_deg),
+        _ => None,
+    };
+    let angles: Vec<i32> = bent.trace.events.iter().filter_map(angles).collect();
+    // Once per frame of one finger, however many fingers there are.
+    assert!((500..=600).contains(&angles.len()), "{}", angles.len());
+    assert!(angles.is_sorted() && angles.last() == Some(&40_000));
+}
+
+/// Looks on, and ends the run after two seconds.
+#[derive(Default)]
+struct Watcher {
+    began: usize,
+    seen: BTreeMap<usize, usize>,
+}
+
+impl Host for Watcher {
+    fn looks_on(&self) -> bool {
+        true
+    }
+
+    fn begin(&mut self, _: &Header, _: &Layout, _: Instant) -> Result<(), Failure> {
+        self.began += 1;
+        Ok(())
+    }
+
+    fn turn(&mut self, seen: &TurnView<'_>) -> bool {
+        assert!(seen.counts.len() <= 4 * 24);
+        *self.seen.entry(seen.display).or_insert(0) = seen.events.len();
+        seen.now.as_micros() >= 2_000_000
+    }
+}
+
+#[test]
+fn every_display_can_be_looked_at_and_the_run_ended() {
+    let setup = Setup::load("allegro-grasp", "allegro-hand").unwrap();
+    let mut watcher = Watcher::default();
+    let outcome = run_with(&setup, &Input::Scene, 1, Keep::default(), &mut watcher).unwrap();
+    assert_eq!(watcher.began, 4);
+    assert!(watcher.seen.len() == 4 && watcher.seen.values().all(|events| *events > 100));
+    assert_eq!(outcome.summary.conclusion.verdict, Verdict::Stopped);
+    let stopped = "stopped by the person who watched";
+    assert_eq!(notes(&outcome.trace), [stopped]);
+    assert!(outcome.trace.ledger.length_us < 2_100_000);
 }
 
 #[test]
@@ -326,6 +516,13 @@ fn what_does_not_fit_is_refused() {
         close.contains("displays: expected at most 1 per board"),
         "{close}"
     );
+    // Four fingertips of one hand share its power evenly.
+    let mut setup = Setup::load("allegro-grasp", "allegro-hand").unwrap();
+    setup.limits.value.limits.hand_60s_uw = 100_000;
+    let weak = run(&setup, &Input::Scene, 1).unwrap_err();
+    let expected = "hand_power.over_60s_mw: expected at least 120 mW: 4 displays on one hand with a moving contact of 30 mW each, found 100 mW";
+    assert!(weak.to_string().contains(expected), "{weak}");
+    assert_eq!(weak.status(), 2);
     // What runs one display says so.
     let setup = Setup::load("allegro-grasp", "allegro-hand").unwrap();
     let one = EmulatedSession::scene(&setup, 1, Policy::EMULATED)

@@ -154,6 +154,25 @@ fn events_that_nothing_drains_are_dropped_and_counted() {
     assert!(dropped > 0, "{held} then {}", events.len());
 }
 
+/// A skin without boards is touched like any other.
+#[test]
+fn a_camera_is_felt_under_a_scene_and_under_a_hand() {
+    let setup = Setup::load("digit-circle", "emulated").unwrap();
+    let mut scene = EmulatedSession::scene(&setup, 1, Policy::EMULATED).unwrap();
+    let (mut touched, hands) = EmulatedSession::touched(&setup, 1).unwrap();
+    for session in [&mut scene, &mut touched] {
+        session.start(Instant::ZERO).unwrap();
+        // Thirty pictures make the reference.
+        session.advance(at(1500)).unwrap();
+        hands[0].press(&[press(0.0, 0.0, 0.3, 4.0)]);
+        session.advance(at(4000)).unwrap();
+        let (events, _) = session.drain();
+        let contact = |e: &&Event| matches!(e, Event::Contact { .. });
+        assert!(events.iter().filter(contact).count() > 50);
+        assert!(pulses(&events, at(2000), at(4000)) > 10);
+    }
+}
+
 /// Readings of a skin without boards enter as they are.
 #[test]
 fn pushed_readings_are_felt() {

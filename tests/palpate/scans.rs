@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use palpate_core::bus::{CanBus, Received};
 use palpate_core::codec::can::CanFrame;
 use palpate_core::codec::uskin::{Message, Reading, data_frame, decode};
-use palpate_core::skin::{Address, Layout, Module as Pad, ModuleScan, SkinSource, UskinCan};
+use palpate_core::skin::{Address, CanSkin, Layout, Module as Pad, ModuleScan, SkinSource};
 use palpate_core::units::{Duration, Instant};
 use palpate_emulators::sensor::board::BoardConfig;
 use palpate_emulators::sensor::rig::{Handle, SkinBus};
@@ -69,13 +69,13 @@ impl CanBus for Left {
     }
 }
 
-fn skin(boards: u8, gap_us: u64, left: VecDeque<Received>) -> UskinCan<Left> {
+fn skin(boards: u8, gap_us: u64, left: VecDeque<Received>) -> CanSkin<Left> {
     let pad = |board| {
         let pad = Pad::grid(&format!("pad-{board}"), 4, 4, 4.7).unwrap();
         pad.with_address(Address { bus: 0, board }).unwrap()
     };
     let layout = Layout::new((0..boards).map(pad).collect()).unwrap();
-    UskinCan::new(&layout, Left(left)).with_gap(Duration::from_micros(gap_us))
+    CanSkin::new(&layout, Left(left)).with_gap(Duration::from_micros(gap_us))
 }
 
 /// Makes scans of what is left after losing and doubling frames; returns those that hold readings of two.

@@ -45,7 +45,10 @@ pub struct Work {
 }
 
 impl Work {
-    pub(super) fn add(&mut self, other: &Self) {
+    /// Takes in what another compressor, or a part of one, did.
+    pub fn add(&mut self, other: &Self) {
+        self.frames += other.frames;
+        self.repeats += other.repeats;
         self.untouched += other.untouched;
         self.repeated += other.repeated;
         self.passed += other.passed;

@@ -29,6 +29,20 @@ impl<I: I2c> Banks<I> {
         }
     }
 
+    /// The same on buses that other drivers use too, as [`Pca9685Bank::sharing`]: the channels of all boards.
+    #[must_use]
+    pub fn sharing(self, channels: &[u16]) -> Self {
+        let mut rest = channels;
+        let share = |bank: Pca9685Bank<I>| {
+            let (own, others) = rest.split_at(bank.numbers().count().min(rest.len()));
+            rest = others;
+            bank.sharing(own)
+        };
+        Self {
+            banks: self.banks.into_iter().map(share).collect(),
+        }
+    }
+
     /// Everything off on every bus, then [`Pca9685Bank::start`] for each.
     ///
     /// # Errors

@@ -79,6 +79,8 @@ const ATTEMPTS: u32 = 3;
 #[derive(Clone, Debug)]
 pub(super) struct BoardState {
     address: u8,
+    /// Channels that are this driver's, a bit each.
+    own: u16,
     shadow: [Option<[u8; 4]>; 16],
 }
 
@@ -95,6 +97,16 @@ pub struct Traffic {
     pub unchanged_channels: u64,
 }
 
+impl Traffic {
+    /// Takes in that of another driver.
+    pub fn add(&mut self, other: &Self) {
+        self.writes += other.writes;
+        self.unchanged_updates += other.unchanged_updates;
+        self.channels += other.channels;
+        self.unchanged_channels += other.unchanged_channels;
+    }
+}
+
 /// Up to 16 PCA9685 boards on one bus.
 #[derive(Debug)]
 pub struct Pca9685Bank<I> {
@@ -103,15 +115,25 @@ pub struct Pca9685Bank<I> {
     /// Number of the first board: a bench with several buses counts its boards through.
     first: u8,
     prescale: Prescale,
+    /// Whether other drivers use the bus too.
+    shared: bool,
     retries: u64,
     traffic: Traffic,
 }
+
+/// Every channel of a board.
+const WHOLE: u16 = u16::MAX;
+/// The four registers of a channel that is off.
+const OFF: [u8; 4] = [0, 0, 0, regs::FULL];
+/// The write that switches a whole board off.
+const ALL_OFF: [u8; 2] = [regs::ALL_LED_OFF_H, regs::FULL];
 
 impl<I: I2c> Pca9685Bank<I> {
     /// A bank over the boards' 7-bit addresses; nothing is sent yet.
     pub fn new(i2c: I, addresses: &[u8], prescale: Prescale) -> Self {
         let board = |&address: &u8| BoardState {
             address,
+            own: WHOLE,
             shadow: [None; 16],
         };
         Self {
@@ -119,6 +141,7 @@ impl<I: I2c> Pca9685Bank<I> {
             boards: addresses.iter().map(board).collect(),
             first: 0,
             prescale,
+            shared: false,
             retries: 0,
             traffic: Traffic::default(),
         }
@@ -128,6 +151,18 @@ impl<I: I2c> Pca9685Bank<I> {
     #[must_use]
     pub fn numbered_from(mut self, first: u8) -> Self {
         self.first = first;
+        self
+    }
+
+    /// The same on a bus that other drivers use too. `channels` has a bit for each channel that is this driver's, board by
+    /// board. It then sends nothing by all-call and writes no other channel. A board that it shares is configured only
+    /// where that has lost its settings.
+    #[must_use]
+    pub fn sharing(mut self, channels: &[u16]) -> Self {
+        self.shared = true;
+        for (state, own) in self.boards.iter_mut().zip(channels) {
+            state.own = *own;
+        }
         self
     }
 
@@ -147,7 +182,16 @@ impl<I: I2c> Pca9685Bank<I> {
     pub fn start(&mut self, now: Instant) -> Result<Instant, DriverError> {
         self.switch_off()?;
         for board in self.numbers() {
-            self.expect(board, regs::LED0_ON_L + 3, regs::FULL)?;
+            let own = self.own(board);
+            let first = own.trailing_zeros() as u8; // below 16: a driver has a channel of each of its boards
+            self.expect(board, regs::led(first) + 3, regs::FULL)?;
+            if own != WHOLE {
+                if self.is_started(board)? {
+                    continue;
+                }
+                // What others had on it is lost as well, and they are about to find out.
+                self.write(board, &ALL_OFF)?;
+            }
             let asleep = mode1::SLEEP | mode1::AI | mode1::ALLCALL;
             self.write(board, &[regs::MODE1, asleep, mode2::OUTDRV])?;
             if self.awake() & mode1::EXTCLK != 0 {
@@ -160,6 +204,22 @@ impl<I: I2c> Pca9685Bank<I> {
             self.expect(board, regs::MODE1, self.awake())?;
         }
         Ok(now + Duration::from_micros(regs::WAKE_US))
+    }
+
+    /// Whether a board has its settings, from another driver's start.
+    fn is_started(&mut self, board: Board) -> Result<bool, DriverError> {
+        let settings = [
+            (regs::MODE1, self.awake()),
+            (regs::MODE2, mode2::OUTDRV),
+            (regs::PRE_SCALE, self.prescale.get()),
+        ];
+        for (register, want) in settings {
+            match self.expect(board, register, want) {
+                Err(DriverError::Readback(..)) => return Ok(false),
+                other => other?,
+            }
+        }
+        Ok(true)
     }
 
     /// MODE1 of a board that was started.
@@ -199,6 +259,11 @@ impl<I: I2c> Pca9685Bank<I> {
     /// Where a board of this number stands in the bank; past its end for another's.
     fn index(&self, board: Board) -> usize {
         usize::from(board.0).wrapping_sub(self.first.into())
+    }
+
+    /// The channels of a board that are this driver's, a bit each.
+    fn own(&self, board: Board) -> u16 {
+        self.boards.get(self.index(board)).map_or(0, |b| b.own)
     }
 
     pub(super) fn address(&self, board: Board) -> Result<u8, DriverError> {
@@ -246,20 +311,44 @@ impl<I: I2c> Pca9685Bank<I> {
     }
 
     /// All-call full off, then each board by its own address, so that one that does not listen to
-    /// all-call is off too. Every board is tried whatever the others answer; the first error of an own
-    /// address is returned.
+    /// all-call is off too. Of boards that others use as well, own channels alone. Every board is tried whatever the
+    /// others answer; the first error of an own address is returned.
     fn switch_off(&mut self) -> Result<(), DriverError> {
-        const OFF: [u8; 2] = [regs::ALL_LED_OFF_H, regs::FULL];
-        // No chip listens to all-call if every ALLCALL bit is clear: the writes below decide.
-        let _ = self.i2c.write(regs::ALLCALL_ADDRESS, &OFF);
+        if !self.shared {
+            // No chip listens to all-call if every ALLCALL bit is clear: the writes below decide.
+            let _ = self.i2c.write(regs::ALLCALL_ADDRESS, &ALL_OFF);
+        }
         let mut result = Ok(());
         self.boards.iter_mut().for_each(|b| b.shadow = [None; 16]);
         for board in self.numbers() {
-            let written = self.write(board, &OFF);
+            let written = match self.own(board) {
+                WHOLE => self.write(board, &ALL_OFF),
+                own => self.write_off(board, own),
+            };
             result = result.and(written);
         }
         result
     }
+
+    /// Switches channels off, one by one: a register each, so that it works whether or not the chip counts addresses up.
+    fn write_off(&mut self, board: Board, channels: u16) -> Result<(), DriverError> {
+        let each = (0..regs::CHANNELS).filter(|c| channels >> c & 1 == 1);
+        each.fold(Ok(()), |result, channel| {
+            let one = self.write(board, &[regs::led(channel) + 3, regs::FULL]);
+            result.and(one)
+        })
+    }
+}
+
+/// Each run of neighbours among channels, a bit each.
+fn runs(mut channels: u16) -> impl Iterator<Item = u16> {
+    core::iter::from_fn(move || {
+        let first = channels.trailing_zeros();
+        let length = channels.checked_shr(first)?.trailing_ones();
+        let run = ((1_u32 << length) - 1) << first;
+        channels &= !(run as u16);
+        Some(run as u16)
+    })
 }
 
 /// The four registers of a channel.
@@ -279,44 +368,46 @@ impl<I: I2c> Actuators for Pca9685Bank<I> {
     fn apply(&mut self, update: &Guarded) -> Result<(), DriverError> {
         let board = update.board();
         let index = self.index(board);
-        let Some(state) = self.boards.get_mut(index) else {
+        let Some(state) = self.boards.get(index) else {
             return Err(DriverError::NoSuchBoard(board));
         };
-        // What every channel shall hold, and the range of those that do not hold it yet.
-        let mut wanted = state.shadow;
+        let (address, own, held) = (state.address, state.own, state.shadow);
+        // What every channel shall hold, and those that do not hold it yet.
+        let mut wanted = held;
         for (slot, setting) in wanted.iter_mut().zip(update.channels()) {
             if let Some(setting) = setting {
                 *slot = Some(registers(*setting));
             }
         }
-        let differs = |c: &usize| wanted[*c] != state.shadow[*c];
+        let differing = (0..16).filter(|c| wanted[*c] != held[*c]);
+        let differing = differing.fold(0_u16, |all, channel| all | 1 << channel);
         let asked = update.channels().iter().flatten().count() as u64;
-        let (Some(first), Some(last)) = ((0..16).find(differs), (0..16).rev().find(differs)) else {
+        if differing == 0 {
             self.traffic.unchanged_updates += 1;
             self.traffic.unchanged_channels += asked;
             return Ok(());
-        };
-        let changed = (first..=last).filter(differs).count() as u64;
-        self.traffic.writes += 1;
+        }
+        let changed = u64::from(differing.count_ones());
         self.traffic.channels += changed;
         self.traffic.unchanged_channels += asked.saturating_sub(changed);
-        // One write, so unknown channels in between are written too: off, as they were left.
-        const OFF: [u8; 4] = [0, 0, 0, regs::FULL];
-        let mut bytes = [0; 65];
-        bytes[0] = regs::led(first as u8);
-        for (quad, channel) in bytes[1..].chunks_exact_mut(4).zip(first..=last) {
-            quad.copy_from_slice(wanted[channel].get_or_insert(OFF));
+        // One write for neighbours, so unknown channels in between are written too: off, as they were left.
+        for run in runs(own).filter(|run| run & differing != 0) {
+            let written = differing & run;
+            let first = written.trailing_zeros() as usize;
+            let last = written.ilog2() as usize;
+            let mut bytes = [0; 65];
+            bytes[0] = regs::led(first as u8);
+            for (quad, channel) in bytes[1..].chunks_exact_mut(4).zip(first..=last) {
+                quad.copy_from_slice(wanted[channel].get_or_insert(OFF));
+            }
+            let length = 1 + 4 * (last - first + 1);
+            // Part of it may arrive: nothing in this range is known until all of it has.
+            self.boards[index].shadow[first..=last].fill(None);
+            self.traffic.writes += 1;
+            self.patiently(board, |i2c| i2c.write(address, &bytes[..length]))?;
+            self.boards[index].shadow[first..=last].copy_from_slice(&wanted[first..=last]);
         }
-        let length = 1 + 4 * (last - first + 1);
-        let (address, old) = (state.address, state.shadow);
-        state.shadow = wanted;
-        let written = self.patiently(board, |i2c| i2c.write(address, &bytes[..length]));
-        written.inspect_err(|_| {
-            // Part of it may have arrived: nothing in this range is known any more.
-            let shadow = &mut self.boards[index].shadow;
-            *shadow = old;
-            shadow[first..=last].fill(None);
-        })
+        Ok(())
     }
 
     fn all_off(&mut self) -> Result<(), DriverError> {

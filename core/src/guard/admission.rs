@@ -4,7 +4,6 @@ use crate::schedule::{Reason, Stimulus, stagger};
 use crate::units::{Channel, Duration, Instant, Ticks};
 
 use super::limits::BURST_GAP;
-use super::plant::SWITCHING;
 use super::{Guard, Running, Setting};
 
 /// A burst leaves this part of what is left of a budget, one in four: what rests fades.
@@ -218,7 +217,7 @@ impl Guard {
 
     /// How much longer a burst may be, and its gap shorter, than asked: a pulse and the bus.
     fn burst_slack(&self) -> Duration {
-        Duration::from_micros(self.limits.pulse_width_ns.div_ceil(1000)) + SWITCHING
+        Duration::from_micros(self.limits.pulse_width_ns.div_ceil(1000)) + self.plant.switching()
     }
 
     /// Whether the supply bears wire `index` set as given beside all that is on.

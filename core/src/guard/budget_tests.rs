@@ -24,6 +24,7 @@ fn guard(limits: Limits, milliamps: u32) -> Guard {
         prescale: Prescale::new(30),
         wire_milliohm: 1900,
         peak: Milliamps(milliamps),
+        bus: Duration::ZERO,
     };
     Guard::new(limits, plant, &wires).unwrap()
 }

@@ -17,6 +17,7 @@ fn guard(limits: Limits) -> Guard {
         prescale: Prescale::new(30),
         wire_milliohm: 1900,
         peak: Milliamps(990),
+        bus: Duration::ZERO,
     };
     Guard::new(limits, plant, &[wire]).unwrap()
 }

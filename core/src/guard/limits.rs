@@ -22,6 +22,8 @@ pub struct Limits {
     pub fingertip_1s_uw: u64,
     /// Mean power of a fingertip over 60 s, microwatts.
     pub fingertip_60s_uw: u64,
+    /// Mean power of all fingertips of one hand over 60 s, microwatts: [`Self::of_hand`] shares it out to them.
+    pub hand_60s_uw: u64,
     /// Skin 0.1 mm deep as a mean over 10 s, millidegrees Celsius.
     pub skin_mean_mc: u64,
     /// Skin 0.1 mm deep at any time, millidegrees Celsius.
@@ -41,7 +43,8 @@ pub struct Limits {
 /// Pause after which the next pulse on a wire starts a new burst.
 pub const BURST_GAP: Duration = Duration::from_millis(20);
 
-/// The hard limits. The supply's is the bench's to state, hence unlimited here.
+/// The hard limits. A hand's is a tenth of the 6.6 W that a resting hand gives off by radiation and convection in air of
+/// 27 degrees C (150 W/m2 of 0.044 m2: Taylor et al. 2014), rounded down. The supply's is the bench's to state, hence unlimited here.
 pub const HARD: Limits = Limits {
     pulse_width_ns: 200_000,
     burst: Duration::from_millis(50),
@@ -50,6 +53,7 @@ pub const HARD: Limits = Limits {
     wire_10s_uw: 20_000,
     fingertip_1s_uw: 110_000,
     fingertip_60s_uw: 60_000,
+    hand_60s_uw: 600_000,
     skin_mean_mc: 41_000,
     skin_peak_mc: 43_000,
     skin_deep_mc: 41_000,
@@ -60,6 +64,17 @@ pub const HARD: Limits = Limits {
 };
 
 impl Limits {
+    /// The limits of one of so many fingertips of a hand: each has an equal share of the hand's power, whatever the others
+    /// do with theirs.
+    #[must_use]
+    pub fn of_hand(self, fingertips: u64) -> Self {
+        let share_uw = self.hand_60s_uw / fingertips.max(1);
+        Self {
+            fingertip_60s_uw: self.fingertip_60s_uw.min(share_uw),
+            ..self
+        }
+    }
+
     /// The stricter of both in every row: however a table was made, it cannot loosen [`HARD`].
     pub fn tightened(self) -> Self {
         Self {
@@ -70,6 +85,7 @@ impl Limits {
             wire_10s_uw: self.wire_10s_uw.min(HARD.wire_10s_uw),
             fingertip_1s_uw: self.fingertip_1s_uw.min(HARD.fingertip_1s_uw),
             fingertip_60s_uw: self.fingertip_60s_uw.min(HARD.fingertip_60s_uw),
+            hand_60s_uw: self.hand_60s_uw.min(HARD.hand_60s_uw),
             skin_mean_mc: self.skin_mean_mc.min(HARD.skin_mean_mc),
             skin_peak_mc: self.skin_peak_mc.min(HARD.skin_peak_mc),
             skin_deep_mc: self.skin_deep_mc.min(HARD.skin_deep_mc),

@@ -12,6 +12,7 @@ fn nothing_loosens() {
         wire_10s_uw: 20_001,
         fingertip_1s_uw: 110_001,
         fingertip_60s_uw: 60_001,
+        hand_60s_uw: 600_001,
         skin_mean_mc: 41_001,
         skin_peak_mc: 43_001,
         skin_deep_mc: 41_001,
@@ -37,6 +38,7 @@ fn what_is_tighter_stays() {
         wire_10s_uw: 5,
         fingertip_1s_uw: 6,
         fingertip_60s_uw: 7,
+        hand_60s_uw: 15,
         skin_mean_mc: 8,
         skin_peak_mc: 9,
         skin_deep_mc: 10,
@@ -46,4 +48,15 @@ fn what_is_tighter_stays() {
         supply: Milliamps(14),
     };
     assert_eq!(tight.tightened(), tight);
+}
+
+#[test]
+fn fingertips_of_a_hand_share_its_power() {
+    let share = |fingertips| HARD.of_hand(fingertips).fingertip_60s_uw;
+    assert_eq!([0, 1, 10, 11, 16].map(share), [60_000, 60_000, 60_000, 54_545, 37_500]);
+    let others = Limits {
+        fingertip_60s_uw: HARD.fingertip_60s_uw,
+        ..HARD.of_hand(16)
+    };
+    assert_eq!(others, HARD);
 }

@@ -8,12 +8,13 @@ use super::*;
 use crate::guard::{HARD, Plant};
 use crate::illusion::DisplayWire;
 use crate::schedule::Reason;
-use crate::units::{Channel, Milliamps, Point, Prescale, Ticks};
+use crate::units::{Channel, Duration, Milliamps, Point, Prescale, Ticks};
 
 const THESIS: Plant = Plant {
     prescale: Prescale::new(30),
     wire_milliohm: 1900,
     peak: Milliamps(1970),
+    bus: Duration::ZERO,
 };
 
 fn guard() -> Guard {

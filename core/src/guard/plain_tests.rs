@@ -207,7 +207,7 @@ proptest! {
             channel: Channel(5 * i % 16),
         };
         let wires: Vec<DisplayWire> = (0..10).map(place).collect();
-        let plant = Plant { prescale: Prescale::MIN, wire_milliohm: 1900, peak: Milliamps(1000) };
+        let plant = Plant { prescale: Prescale::MIN, wire_milliohm: 1900, peak: Milliamps(1000), bus: crate::units::Duration::ZERO };
         let limits = Limits { supply: Milliamps(supply), ..HARD };
         let mut guard = Guard::new(limits, plant, &wires).unwrap();
         for (index, width, drive) in wishes {

@@ -11,7 +11,7 @@ const MILLION: u64 = 1_000_000;
 
 /// How much longer the bus may take to switch wires off than to switch one on: eight channels against one at
 /// 400 kbit/s, and as much again for the host.
-pub(super) const SWITCHING: Duration = Duration::from_micros(1000);
+const SWITCHING: Duration = Duration::from_micros(1000);
 
 /// What the guard must know of the hardware it protects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +22,8 @@ pub struct Plant {
     pub wire_milliohm: u32,
     /// Current that the amplifiers are set to, and give whenever a pulse is high.
     pub peak: Milliamps,
+    /// How long transfers of other displays may hold one of these boards up, on a bus that they share; else zero.
+    pub bus: Duration,
 }
 
 impl Default for Plant {
@@ -31,6 +33,7 @@ impl Default for Plant {
             prescale: Prescale::new(30),
             wire_milliohm: 1900,
             peak: Milliamps(990),
+            bus: Duration::ZERO,
         }
     }
 }
@@ -105,15 +108,20 @@ impl Plant {
         }
     }
 
+    /// How much longer the bus may take to switch wires off than to switch one on.
+    pub(super) fn switching(&self) -> Duration {
+        SWITCHING + self.bus
+    }
+
     /// Longest time from a command to the last edge it moves: the write, the end of the period in which it
     /// arrives, and the pulse's place in the next.
     pub(super) fn latency(&self) -> Duration {
-        self.period() + self.period() + SWITCHING
+        self.period() + self.period() + self.switching()
     }
 
     /// How much longer than asked a channel may be on, as its energy counts: one period and the bus.
     pub(super) fn surplus(&self) -> Duration {
-        self.period() + SWITCHING
+        self.period() + self.switching()
     }
 
     /// Electrical energy, nJ, of pulses of `width` ticks for a `span`: from above over all clocks and phases.
@@ -123,7 +131,7 @@ impl Plant {
     /// clock fits one more in only if T <= S / n: together they last at most (n + 1) S / n. Where no clock is that
     /// fast, n it stays.
     pub(super) fn energy_nj(&self, width: u16, span: Duration) -> u64 {
-        let span = (span + SWITCHING).as_micros();
+        let span = (span + self.switching()).as_micros();
         let slowest = self.period().as_micros();
         let n = span.div_ceil(slowest);
         let mut on_us = n.saturating_mul(slowest);

@@ -7,6 +7,7 @@ const PLANT: Plant = Plant {
     prescale: Prescale::new(30),
     wire_milliohm: 1900,
     peak: Milliamps(1970),
+    bus: Duration::ZERO,
 };
 
 #[test]
@@ -157,4 +158,15 @@ fn implausible_plants_are_refused() {
         assert_eq!(plant.check().is_ok(), good);
     }
     assert!(alloc::format!("{}", PlantError::OutOfRange).contains("1 to 100000 mA"));
+}
+
+/// On a bus that other displays use, a channel may be on for as much longer as their transfers take.
+#[test]
+fn transfers_of_others_on_the_bus_count_as_time_on() {
+    let bus = Duration::from_micros(1580);
+    let shared = Plant { bus, ..PLANT };
+    assert_eq!(shared.surplus(), PLANT.surplus() + bus);
+    assert_eq!(shared.latency(), PLANT.latency() + bus);
+    let span = Duration::from_millis(35);
+    assert_eq!(shared.energy_nj(100, span), PLANT.energy_nj(100, span + bus));
 }

@@ -10,6 +10,7 @@ const THESIS: Plant = Plant {
     prescale: Prescale::new(30),
     wire_milliohm: 1900,
     peak: Milliamps(1970),
+    bus: Duration::ZERO,
 };
 
 fn wires(n: u8) -> Vec<DisplayWire> {

@@ -286,6 +286,7 @@ fn plant(milliamps: u32) -> Plant {
         prescale: Prescale::new(30),
         wire_milliohm: 1900,
         peak: Milliamps(milliamps),
+        bus: Duration::ZERO,
     }
 }
 

@@ -53,7 +53,7 @@ impl Pipeline {
     fn frame(&mut self, scan: &Scan, module: u16, layout: &Layout, observer: &mut impl Observer) {
         self.watch_for_new_board(usize::from(module), layout);
         let range = layout.range(usize::from(module));
-        let well = self.monitor.observe_range(scan, range.clone());
+        let well = self.monitor.observe_module(scan, usize::from(module));
         if !(well && self.is_used_whole(range)) {
             self.examine(scan.at(), usize::from(module), layout, observer);
         }

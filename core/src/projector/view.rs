@@ -1,5 +1,6 @@
 //! Which part of the skin the display shows: one rectangle for good, or one that goes where most happens.
 
+use super::Projector;
 use crate::contact::Contact;
 use crate::illusion::{Map, MapError, Rect};
 use crate::units::Point;
@@ -26,12 +27,25 @@ struct Moving {
 pub struct View {
     map: Map,
     moving: Option<Moving>,
+    /// Whether nothing is shown.
+    hidden: bool,
+}
+
+impl Projector {
+    /// Shows the skin on the display, or hides it: contacts of a skin that is hidden are found and reported, and not felt.
+    pub const fn show(&mut self, shown: bool) {
+        self.view.hidden = !shown;
+    }
 }
 
 impl View {
     /// One rectangle for good.
     pub const fn fixed(map: Map) -> Self {
-        Self { map, moving: None }
+        Self {
+            map,
+            moving: None,
+            hidden: false,
+        }
     }
 
     /// A window that goes where most happens on a `skin` (mm), shown on `display` (mm); in the middle, as long as
@@ -48,6 +62,7 @@ impl View {
         Ok(Self {
             map: moving.around(skin.centre())?,
             moving: Some(moving),
+            hidden: false,
         })
     }
 
@@ -58,7 +73,7 @@ impl View {
 
     /// Where a contact is on the display; `None` for one that is not shown.
     pub(super) fn place(&self, contact: &Contact) -> Option<Point> {
-        let shown = self.map.shows(contact.place);
+        let shown = !self.hidden && self.map.shows(contact.place);
         shown.then(|| self.map.apply(contact.place))
     }
 

@@ -22,4 +22,4 @@ pub use layout::{Address, Grid, Layout, LayoutError, Module, Protocol};
 pub use relative::{Axes, FrameError, RelativeFrame};
 pub use scan::{Scan, WrongLength};
 pub use source::{ModuleScan, ScanError, SkinSource};
-pub use uskin::UskinCan;
+pub use uskin::CanSkin;

@@ -16,6 +16,8 @@ pub struct RegisterWriter {
     i2c: Shared<I2cHandle>,
     /// 7-bit addresses by board.
     addresses: Box<[u8]>,
+    /// Of boards that others drive too, by board: its own channels, a bit each.
+    own: Option<Box<[u16]>>,
     traffic: Traffic,
 }
 
@@ -32,8 +34,16 @@ impl RegisterWriter {
         Self {
             i2c,
             addresses: addresses.into(),
+            own: None,
             traffic: Traffic::default(),
         }
+    }
+
+    /// The same on boards that others drive too: of each the channels that are its own, a bit each.
+    #[must_use]
+    pub fn sharing(mut self, channels: &[u16]) -> Self {
+        self.own = Some(channels.into());
+        self
     }
 
     /// What it wrote.
@@ -52,8 +62,21 @@ impl RegisterWriter {
 impl ObservedRegisters for RegisterWriter {
     type Error = DriverError;
 
-    /// One write of all channels up to the last wire's, ended by one STOP.
+    /// One write of all channels up to the last wire's, ended by one STOP. On boards that others drive too one write for
+    /// each channel.
     fn write(&mut self, update: &Observed) -> Result<(), DriverError> {
+        if self.own.is_some() {
+            for (channel, setting) in (0..CHANNELS).zip(update.channels()) {
+                let Some(setting) = setting else {
+                    continue;
+                };
+                let [a, b, c, d] = registers(*setting);
+                self.traffic.writes += 1;
+                self.traffic.channels += 1;
+                self.send(update.board(), &[regs::led(channel), a, b, c, d])?;
+            }
+            return Ok(());
+        }
         let used = update.channels().iter().rposition(Option::is_some);
         let used = used.map_or(0, |last| last + 1);
         let mut bytes = [0; 1 + 4 * CHANNELS as usize];
@@ -70,7 +93,14 @@ impl ObservedRegisters for RegisterWriter {
     fn all_off(&mut self) -> Result<(), DriverError> {
         let boards = (0..=u8::MAX).take(self.addresses.len());
         let off = |result: Result<(), _>, board| {
-            let one = self.send(Board(board), &[regs::ALL_LED_OFF_H, FULL]);
+            let own = self.own.as_ref().and_then(|o| o.get(usize::from(board)));
+            let one = match own.copied().filter(|own| *own != u16::MAX) {
+                None => self.send(Board(board), &[regs::ALL_LED_OFF_H, FULL]),
+                Some(own) => (0..CHANNELS)
+                    .filter(|channel| own >> channel & 1 == 1)
+                    .map(|channel| self.send(Board(board), &[regs::led(channel) + 3, FULL]))
+                    .fold(Ok(()), Result::and),
+            };
             result.and(one)
         };
         boards.fold(Ok(()), off)

@@ -100,6 +100,9 @@ pub(super) struct Taken {
 /// Columns that say when, not what.
 pub(super) const TIMES: [&str; 3] = ["time_us", "timestamp", "time"];
 
+/// What the name of a joint's column begins with.
+pub const JOINT: &str = "joint_";
+
 /// Key, expected and found.
 pub(super) type Wrong = (Option<String>, String, String);
 
@@ -185,7 +188,7 @@ impl Take<'_> {
     }
 }
 
-/// The columns of a recording of taxels, which has no others but a time.
+/// The columns of a recording of taxels, which has no others but a time and, at the end, joints.
 fn taxels(first: &[&str], columns: &Columns, time: Option<usize>) -> Result<Vec<Taken>, Wrong> {
     let places = (0..first.len()).filter(|place| Some(*place) != time);
     let mut taken = Vec::new();
@@ -209,7 +212,8 @@ fn taxels(first: &[&str], columns: &Columns, time: Option<usize>) -> Result<Vec<
         }
         taken.push(Taken { place, name });
     }
-    let found = first.len() - usize::from(time.is_some());
+    let joints = first.iter().filter(|name| name.starts_with(JOINT)).count();
+    let found = first.len() - usize::from(time.is_some()) - joints;
     if found != columns.count() {
         return Err((None, columns.expected(), found.to_string()));
     }

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use super::joint::When;
 use super::words::choice;
 
 choice! { /** How several modules drive one display. */ FingerRule {
@@ -10,7 +11,7 @@ choice! { /** How several modules drive one display. */ FingerRule {
 }}
 
 /// What drives one of a bench's displays.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SceneFinger {
@@ -20,4 +21,6 @@ pub struct SceneFinger {
     pub modules: Vec<usize>,
     /// How they drive it, where there are several.
     pub rule: Option<FingerRule>,
+    /// The joint angles at which it is felt; left out: always.
+    pub when: Option<When>,
 }

@@ -18,6 +18,7 @@ mod felt;
 mod finger;
 mod format;
 mod illusion;
+mod joint;
 mod layout;
 mod limits;
 mod loaded;
@@ -60,13 +61,14 @@ pub use bench::{
     OutputEnable, Real,
 };
 pub use check::{Checked, check, check_source, kind_of};
-pub use columns::{Columns, Take};
+pub use columns::{Columns, JOINT, Take};
 pub use error::FileError;
 pub use fault::{Fault, FaultKind};
 pub use felt::{Felt, FeltBy};
 pub use finger::{FingerRule, SceneFinger};
 pub use format::Format;
 pub use illusion::{Illusion, SceneStroke};
+pub use joint::{Gate, Joint, MOST_DEG, When};
 pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayout};
 pub use limits::LimitTable;
 pub use loaded::{

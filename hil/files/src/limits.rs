@@ -35,6 +35,8 @@ section! { /** Mean electrical power of one wire. */ WirePower:
 section! { /** Mean electrical power of all wires of a fingertip. */ FingertipPower:
 /** Milliwatts over one second. */ over_1s_mw = HARD.fingertip_1s_uw as f64 / 1e3,
 /** Milliwatts over sixty seconds. */ over_60s_mw = HARD.fingertip_60s_uw as f64 / 1e3 }
+section! { /** Mean electrical power of all fingertips of one hand, which share it evenly. */ HandPower:
+/** Milliwatts over sixty seconds. */ over_60s_mw = HARD.hand_60s_uw as f64 / 1e3 }
 section! { /** Modelled skin temperature. */ Skin:
 /** Ten-second mean at 0.1 mm in degrees Celsius. */ mean_10s_c = HARD.skin_mean_mc as f64 / 1e3,
 /** At any time at 0.1 mm in degrees Celsius. */ peak_c = HARD.skin_peak_mc as f64 / 1e3,
@@ -64,6 +66,8 @@ pub(super) struct Limiting {
     wire_power: WirePower,
     /// Mean power of a fingertip.
     fingertip_power: FingertipPower,
+    /// Mean power of a hand.
+    hand_power: HandPower,
     /// Modelled skin temperature.
     skin: Skin,
     /// Dose over a session.
@@ -74,7 +78,7 @@ pub(super) struct Limiting {
 
 impl Limiting {
     /// Every row: its key, its value, and what the value has to be above.
-    fn rows(&self) -> [(&'static str, f64, f64); 13] {
+    fn rows(&self) -> [(&'static str, f64, f64); 14] {
         // A skin limit at or below the 33 C of resting skin could never be met.
         const REST: f64 = 33.0;
         let (wire, finger) = (&self.wire_power, &self.fingertip_power);
@@ -86,6 +90,7 @@ impl Limiting {
             ("wire_power.over_10s_mw", wire.over_10s_mw, 0.0),
             ("fingertip_power.over_1s_mw", finger.over_1s_mw, 0.0),
             ("fingertip_power.over_60s_mw", finger.over_60s_mw, 0.0),
+            ("hand_power.over_60s_mw", self.hand_power.over_60s_mw, 0.0),
             ("skin.mean_10s_c", self.skin.mean_10s_c, REST),
             ("skin.peak_c", self.skin.peak_c, REST),
             ("skin.deep_c", self.skin.deep_c, REST),
@@ -106,6 +111,7 @@ impl Limiting {
             wire_10s_uw: scaled(self.wire_power.over_10s_mw, 1e3),
             fingertip_1s_uw: scaled(self.fingertip_power.over_1s_mw, 1e3),
             fingertip_60s_uw: scaled(self.fingertip_power.over_60s_mw, 1e3),
+            hand_60s_uw: scaled(self.hand_power.over_60s_mw, 1e3),
             skin_mean_mc: scaled(self.skin.mean_10s_c, 1e3),
             skin_peak_mc: scaled(self.skin.peak_c, 1e3),
             skin_deep_mc: scaled(self.skin.deep_c, 1e3),

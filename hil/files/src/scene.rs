@@ -9,6 +9,7 @@ use super::fault::Fault;
 use super::felt::Felt;
 use super::finger::SceneFinger;
 use super::illusion::{Illusion, SceneStroke};
+use super::joint::{self, Joint};
 use super::source::Source;
 use super::stream::Stream;
 use super::touch::Touch;
@@ -76,6 +77,8 @@ pub struct Scene {
     pub drives: usize,
     /// On a bench of several displays: the modules of each, in place of `drives`.
     pub fingers: Vec<SceneFinger>,
+    /// Angles of joints over time, kept in records; a finger may depend on them. None if left out.
+    pub joints: Vec<Joint>,
     /// Contacts and levels.
     pub compression: Compression,
     /// Activations and timing.
@@ -116,6 +119,7 @@ impl Default for Scene {
             faulty_deviations: None,
             drives: 0,
             fingers: Vec::new(),
+            joints: Vec::new(),
             compression: Compression::default(),
             illusion: Illusion::default(),
             map: Map::default(),
@@ -248,6 +252,7 @@ impl Scene {
         if let Some(stream) = &scene.stream {
             stream.check(source)?;
         }
+        joint::check(&scene.joints, source)?;
         scene.check_events(source)?;
         scene.expect.check(source)?;
         Ok(scene)

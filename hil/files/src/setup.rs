@@ -16,6 +16,7 @@ use super::scene::Scene;
 use super::texture::{TextureEntry, TextureTable};
 use super::transducer::Transducer;
 use super::wire::{AlloyFile, WireFile};
+use palpate_core::units::Duration;
 pub use fingers::Finger;
 
 /// What a scene's texture names.
@@ -52,6 +53,8 @@ pub struct Setup {
     pub texture: Option<Stroked>,
     /// The displays that the scene drives, where the bench has several.
     pub fingers: Vec<Finger>,
+    /// How long transfers of other displays may hold up those of this one, where they share a bus.
+    pub bus_wait: Duration,
     observed: bool,
 }
 
@@ -72,6 +75,10 @@ impl Setup {
         let sensor = sensor_of(&scene)?;
         let display = display_of(&bench)?;
         check_faults(&scene, &sensor.value, &bench.value)?;
+        if scene.value.stream.is_some() && bench.value.kind == BenchKind::Real {
+            let expected = "nothing on a bench of hardware, whose boards are on its own buses: [stream] emulates a network";
+            return Err(scene.source.bad("stream", expected));
+        }
         let hardware = &bench.value;
         let limits = limits_of(&bench)?;
         let (wire, alloy) = mounted_of(&bench)?;
@@ -103,6 +110,7 @@ impl Setup {
             wearer,
             texture,
             fingers,
+            bus_wait: Duration::ZERO,
             observed: false,
         })
     }

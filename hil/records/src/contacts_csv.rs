@@ -1,26 +1,47 @@
-//! Contacts as CSV: `frame,time_us,module,contact,x_mm,y_mm,intensity,level,members`.
+//! Contacts as CSV: `frame,time_us,module,contact,x_mm,y_mm,intensity,level,members`, and with several displays
+//! `display`, the one that the module belongs to.
 
 use crate::fixed::{milli, milli_u};
-use crate::trace::Event;
+use crate::trace::{DisplayInfo, Event, Trace};
 use std::io::{self, Write};
 
 /// First line of the file.
 pub const HEADER: &str = "frame,time_us,module,contact,x_mm,y_mm,intensity,level,members";
 
-/// Writes every contact among the events, in their order; millimetres and raw counts with three decimals.
+/// The column that tables of several displays have after those of [`HEADER`].
+pub const DISPLAY: &str = "display";
+
+/// Writes every contact of a run, in their order; millimetres and raw counts with three decimals.
 ///
 /// # Errors
 /// Whatever the writer says.
-pub fn write_table(events: &[Event], mut out: impl Write) -> io::Result<()> {
-    writeln!(out, "{HEADER}")?;
-    write_rows(events, out)
+pub fn write_table(trace: &Trace, mut out: impl Write) -> io::Result<()> {
+    match trace.header.displays.as_slice() {
+        [] => writeln!(out, "{HEADER}")?,
+        _ => writeln!(out, "{HEADER},{DISPLAY}")?,
+    }
+    rows(&trace.events, &trace.header.displays, out)
 }
 
-/// Writes the rows of events alone.
+/// Writes the rows of events alone, of a run with one display.
 ///
 /// # Errors
 /// Whatever the writer says.
-pub fn write_rows(events: &[Event], mut out: impl Write) -> io::Result<()> {
+pub fn write_rows(events: &[Event], out: impl Write) -> io::Result<()> {
+    rows(events, &[], out)
+}
+
+/// The name of the display that a module belongs to, as a field.
+fn display_of(displays: &[DisplayInfo], module: u16) -> String {
+    let own = displays.iter().find(|d| d.modules.contains(&module));
+    let name = own.map_or("", |d| d.name.as_str());
+    match name.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", name.replace('"', "\"\"")),
+        false => name.to_owned(),
+    }
+}
+
+fn rows(events: &[Event], displays: &[DisplayInfo], mut out: impl Write) -> io::Result<()> {
     for event in events {
         if let Event::Contact {
             t_us,
@@ -36,10 +57,14 @@ pub fn write_rows(events: &[Event], mut out: impl Write) -> io::Result<()> {
             let x = milli(i64::from(place.x));
             let y = milli(i64::from(place.y));
             let intensity = milli_u(u64::from(*intensity_milli));
-            writeln!(
+            write!(
                 out,
                 "{frame},{t_us},{module},{contact},{x},{y},{intensity},{level},{members}"
             )?;
+            match displays {
+                [] => writeln!(out)?,
+                several => writeln!(out, ",{}", display_of(several, *module))?,
+            }
         }
     }
     Ok(())

@@ -117,7 +117,10 @@ impl Sink {
             taxels,
             wires,
             displays,
+            joints,
         } = header;
+        // What a run without joints comes to is what it came to before there were any.
+        joints.iter().for_each(|name| self.text(name));
         self.u32(VERSION);
         self.u8(match source {
             Source::Emulated => 0,
@@ -199,6 +202,7 @@ impl Sink {
             Event::Frame { .. }
             | Event::Contact { .. }
             | Event::Truth { .. }
+            | Event::Joint { .. }
             | Event::Latent { .. } => self.sensed(event),
             Event::Schedule(_) | Event::PreScale { .. } | Event::AllOff { .. } => self.told(event),
             Event::Edge { .. }
@@ -253,6 +257,16 @@ impl Sink {
                 self.u64(*t_us);
                 self.place(*place);
                 self.u32(*force_mn);
+            }
+            Event::Joint {
+                t_us,
+                joint,
+                milli_deg,
+            } => {
+                self.u8(14);
+                self.u64(*t_us);
+                self.u16(*joint);
+                self.i32(*milli_deg);
             }
             Event::Latent {
                 t_us,

@@ -19,6 +19,8 @@ pub enum Limited {
     FingertipPower1s,
     /// The same over a minute.
     FingertipPower60s,
+    /// Mean power of all fingertips of a hand over a minute.
+    HandPower60s,
     /// Current of the supply.
     SupplyCurrent,
     /// Skin 0.1 mm deep, mean over ten seconds.
@@ -47,6 +49,7 @@ impl Limited {
             Self::WirePower10s => "wire power, 10 s",
             Self::FingertipPower1s => "fingertip power, 1 s",
             Self::FingertipPower60s => "fingertip power, 60 s",
+            Self::HandPower60s => "hand power, 60 s",
             Self::SupplyCurrent => "supply current",
             Self::SkinMean => "skin at 0.1 mm, 10 s mean",
             Self::SkinPeak => "skin at 0.1 mm",
@@ -65,7 +68,8 @@ impl Limited {
             Self::WirePower1s
             | Self::WirePower10s
             | Self::FingertipPower1s
-            | Self::FingertipPower60s => "mW",
+            | Self::FingertipPower60s
+            | Self::HandPower60s => "mW",
             Self::SupplyCurrent => "A",
             Self::SkinMean | Self::SkinPeak | Self::SkinDeep => "C",
             Self::Henriques => "Omega",

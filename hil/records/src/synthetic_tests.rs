@@ -64,6 +64,7 @@ pub(crate) fn empty() -> Trace {
             taxels,
             wires,
             displays: Vec::new(),
+            joints: Vec::new(),
         },
         events: Vec::new(),
         ledger: Ledger::default(),

@@ -9,11 +9,11 @@ use crate::trace::Header;
 /// Version of the columns' meaning; grows when one changes what it says.
 pub const VERSION: u32 = 1;
 
-/// A column: name, type (integer or number), unit (UCUM; 1 for a count) and what it says.
+/// A column: name, type (integer, number or string), unit (UCUM; 1 for a count) and what it says.
 type Column = (&'static str, &'static str, &'static str, &'static str);
 
 /// The columns of the contacts, in their order.
-const CONTACTS: [Column; 9] = [
+const CONTACTS: [Column; 10] = [
     (
         "frame",
         "integer",
@@ -48,6 +48,13 @@ const CONTACTS: [Column; 9] = [
     ),
     ("level", "integer", "1", "Intensity level from 1 to K_I"),
     ("members", "integer", "1", "Taxels in the contact's cluster"),
+    // Of a run with several displays alone.
+    (
+        contacts_csv::DISPLAY,
+        "string",
+        "1",
+        "Display that the module belongs to",
+    ),
 ];
 
 #[derive(Serialize)]
@@ -89,11 +96,12 @@ struct Run<'a> {
 
 /// The schema of a contacts CSV, as JSON.
 pub fn contacts_schema(header: Option<&Header>) -> String {
-    debug_assert!(
-        contacts_csv::HEADER
-            .split(',')
-            .eq(CONTACTS.iter().map(|c| c.0))
-    );
+    let names = contacts_csv::HEADER
+        .split(',')
+        .chain([contacts_csv::DISPLAY]);
+    debug_assert!(names.eq(CONTACTS.iter().map(|c| c.0)));
+    let several = header.is_some_and(|h| !h.displays.is_empty());
+    let columns = CONTACTS.len() - usize::from(!several);
     let schema = Schema {
         standard: "https://datapackage.org/profiles/2.0/tableschema.json",
         version: VERSION,
@@ -106,7 +114,7 @@ pub fn contacts_schema(header: Option<&Header>) -> String {
             scene_digest: &h.scene_digest,
             limits_digest: &h.limits_digest,
         }),
-        fields: CONTACTS
+        fields: CONTACTS[..columns]
             .iter()
             .map(|&(name, r#type, unit, description)| Field {
                 name,

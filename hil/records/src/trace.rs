@@ -159,6 +159,8 @@ pub struct Header {
     pub wires: Vec<WireInfo>,
     /// Several displays; empty for one.
     pub displays: Vec<DisplayInfo>,
+    /// Names of the joints whose angles are kept.
+    pub joints: Vec<String>,
 }
 
 /// One of several displays: a fingertip.
@@ -276,6 +278,15 @@ pub enum Event {
         /// Thousandths of a degree Celsius.
         milli_c: i32,
     },
+    /// A joint's angle when a scan ended.
+    Joint {
+        /// End of the scan.
+        t_us: u64,
+        /// Which of the header's joints.
+        joint: u16,
+        /// Thousandths of a degree.
+        milli_deg: i32,
+    },
     /// A window of texture ended: where it lies in the latent space, and what that asks of the wires.
     Latent {
         /// End of the window.
@@ -310,6 +321,7 @@ impl Event {
             | Self::Felt { t_us, .. }
             | Self::Wire { t_us, .. }
             | Self::Skin { t_us, .. }
+            | Self::Joint { t_us, .. }
             | Self::Latent { t_us, .. }
             | Self::Note { t_us, .. } => t_us.saturating_mul(1000),
         }

@@ -1,8 +1,8 @@
 //! Rate and loss of every board, bus and interface, and how a real run kept its time.
 
 use palpate_core::projector::Projector;
+use palpate_emulators::display::i2c::I2cHandle;
 use palpate_emulators::sensor::rig::SkinBus;
-use palpate_emulators::worn::WornDisplay;
 use palpate_records::i2c::Transfer;
 use serde::Serialize;
 
@@ -189,10 +189,10 @@ pub fn buses(buses: &[SkinBus]) -> Vec<BusReport> {
     buses.iter().enumerate().map(report).collect()
 }
 
-/// What crossed a display's bus of this number, if that was kept.
-pub fn transfers(display: &WornDisplay, bus: u8) -> Vec<Transfer> {
+/// What crossed the boards' bus of this number, if that was kept.
+pub fn transfers(i2c: &I2cHandle, bus: u8) -> Vec<Transfer> {
     // Refused only from inside another look at the bus.
-    let log = display.bus().with(|bus| bus.take_log()).unwrap_or_default();
+    let log = i2c.with(|bus| bus.take_log()).unwrap_or_default();
     let messages = log.into_iter().flat_map(|record| {
         let error = record.result.err().map(|e| e.to_string());
         record.messages.into_iter().map(move |message| Transfer {

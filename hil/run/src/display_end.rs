@@ -3,6 +3,7 @@
 use embedded_hal::i2c::I2c;
 use palpate_core::driver::{Banks, DriverError, Traffic};
 use palpate_core::illusion::DisplayWire;
+use palpate_core::physics::ParameterError;
 use palpate_core::projector::{LoopError, Projector};
 use palpate_core::skin::SkinSource;
 use palpate_core::units::{Board, Duration, Instant, Prescale};
@@ -19,6 +20,7 @@ use palpate_records::i2c::Transfer;
 use palpate_records::trace::{Event, Header};
 
 use crate::Keep;
+use crate::actuator_bus::ActuatorBus;
 use crate::band::{Band, FeltBand};
 use crate::boards;
 use crate::effects::{Faultable, FaultyDisplay};
@@ -147,33 +149,47 @@ impl EmulatedDisplay {
     /// # Errors
     /// [`Failure::Input`] for a bench that cannot be, or one of hardware.
     pub fn new(setup: &Setup, projector: &Projector, seed: u64) -> Result<Self, Failure> {
-        Self::at(setup, Place::whole(&setup.bench.value), projector, seed)
+        let whole = Place::whole(&setup.bench.value);
+        Self::at(setup, (whole, None), projector, seed)
     }
 
-    /// The same at its place among several displays of a bench.
+    /// The same at its place among several displays of a bench, on the bus that carries its boards.
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn at(
+    pub(crate) fn at(
         setup: &Setup,
-        place: Place,
+        (place, bus): (Place, Option<&ActuatorBus>),
         projector: &Projector,
         seed: u64,
     ) -> Result<Self, Failure> {
         let bench = &setup.bench.value;
         refuse_hardware(bench)?;
-        let mut display = emulated(setup, projector.display().wires())?;
+        let wires = projector.display().wires();
+        let (mut display, i2c) = match bus {
+            Some(bus) => (bus.connect(&place, &config(setup, wires))).map_err(no_bench(bench))?,
+            None => {
+                let display = emulated(setup, wires)?;
+                let none = I2cFaults::default();
+                let layer = I2cFault::new(display.bus(), none, seed, "actuator bus");
+                (display, Shared::new(layer))
+            }
+        };
         let person = plan::person(&setup.person.value);
         let impossible = |e| Failure::Input(format!("person `{}`: {e}", setup.person.value.name));
         display.worn_by(person).map_err(impossible)?;
         let full = FullDrive::new(setup, projector)?;
-        let layer = I2cFault::new(display.bus(), I2cFaults::default(), seed, &place.dice());
-        let (i2c, boards) = (Shared::new(layer), plan::boards(bench));
+        let boards = plan::boards(bench);
         let prescale = projector.guard().prescale();
-        let writer = || RegisterWriter::new(i2c.clone(), &boards);
+        let mut writer = RegisterWriter::new(i2c.clone(), &boards);
+        let mut banks = Banks::new([(i2c.clone(), &*boards)], prescale);
+        if !place.alone {
+            writer = writer.sharing(&place.channels);
+            banks = banks.sharing(&place.channels);
+        }
         Ok(Self {
-            writer: setup.is_observed().then(writer),
-            banks: Banks::new([(i2c.clone(), &*boards)], prescale),
+            writer: setup.is_observed().then_some(writer),
+            banks,
             script: Script::new(&setup.scene.value.faults, projector.layout()),
             drive: bench.drive,
             place,
@@ -220,9 +236,12 @@ impl EmulatedDisplay {
         self.band.as_ref()?.finish(known)
     }
 
-    /// What crossed its bus, if that was kept.
+    /// What crossed its bus, if that was kept and no other display is on it.
     pub fn transfers(&self) -> Vec<Transfer> {
-        boards::transfers(&self.display, self.place.bus)
+        match self.place.name {
+            None => boards::transfers(&self.display.bus(), self.place.bus),
+            Some(_) => Vec::new(),
+        }
     }
 
     /// The emulated hardware.
@@ -341,7 +360,8 @@ impl DisplayEnd for EmulatedDisplay {
             skin,
             display: Some(FaultyDisplay {
                 i2c: &self.i2c,
-                worn: &mut self.display,
+                chips: self.display.bus(),
+                worn: Some(&mut self.display),
                 drive: self.drive,
                 place: &self.place,
             }),
@@ -376,13 +396,7 @@ impl DisplayEnd for EmulatedDisplay {
 
 impl OutputEnable for WornDisplay {
     fn set_enabled(&self, now: Instant, enabled: bool) {
-        // Refused only from inside another look at the segment, and there is none here.
-        let _ = self.bus().with(|segment| {
-            for chip in segment.chips_mut() {
-                let at = chip.now().max(Nanos::from(now));
-                chip.set_output_enable_pin(at, !enabled);
-            }
-        });
+        self.set_outputs(Nanos::from(now), enabled);
     }
 
     fn words(&self) -> &'static str {
@@ -416,12 +430,28 @@ pub(crate) fn refuse_hardware(bench: &Bench) -> Result<(), Failure> {
 /// [`Failure::Input`] for a bench that cannot be.
 pub fn emulated(setup: &Setup, wires: &[DisplayWire]) -> Result<WornDisplay, Failure> {
     let bench = &setup.bench.value;
+    let display = WornDisplay::new(&config(setup, wires)).map_err(no_bench(bench))?;
+    // Refused only from inside another look at the segment, and there is none here.
+    let _ = display.bus().with(|segment| {
+        let chips = segment.chips_mut().iter_mut();
+        chips.for_each(|chip| chip.set_external_clock(Nanos::ZERO, bench.drive.external_hz()));
+    });
+    Ok(display)
+}
+
+fn no_bench(bench: &Bench) -> impl Fn(ParameterError) -> Failure {
+    move |e| Failure::Input(format!("bench `{}`: {e}", bench.name))
+}
+
+/// How a bench's display is built, with `wires` on a finger.
+fn config(setup: &Setup, wires: &[DisplayWire]) -> DisplayConfig {
+    let bench = &setup.bench.value;
     let place = |w: &DisplayWire| WirePlace {
         at: w.place,
         board: w.board.0,
         channel: w.channel.0,
     };
-    let display = WornDisplay::new(&DisplayConfig {
+    DisplayConfig {
         boards: plan::boards(bench)
             .into_iter()
             .map(|a| (a, bench.drive.oscillator))
@@ -439,12 +469,5 @@ pub fn emulated(setup: &Setup, wires: &[DisplayWire]) -> Result<WornDisplay, Fai
         wire: plan::wire(setup),
         tissue: bench.tissue.parameters(),
         clock: BusClock::Fast,
-    })
-    .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
-    // Refused only from inside another look at the segment, and there is none here.
-    let _ = display.bus().with(|segment| {
-        let chips = segment.chips_mut().iter_mut();
-        chips.for_each(|chip| chip.set_external_clock(Nanos::ZERO, bench.drive.external_hz()));
-    });
-    Ok(display)
+    }
 }

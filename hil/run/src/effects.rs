@@ -27,8 +27,10 @@ pub struct Faultable<'a> {
 pub struct FaultyDisplay<'a> {
     /// The actuators' fault layer.
     pub i2c: &'a Shared<I2cHandle>,
-    /// The display.
-    pub worn: &'a mut WornDisplay,
+    /// Its chips.
+    pub chips: I2cHandle,
+    /// Amplifiers and wires; `None` where their faults are done elsewhere.
+    pub worn: Option<&'a mut WornDisplay>,
     /// The chips' clock while nothing is wrong.
     pub drive: Drive,
     /// Its boards and wires among those of the bench, by which faults name them.
@@ -117,7 +119,7 @@ pub(super) fn on_chip(
     };
     let own = chip.and_then(|board| display.place.own_board(board));
     // Refused only from inside another look at the segment, and there is none here.
-    let _ = display.worn.bus().with(|segment| {
+    let _ = display.chips.with(|segment| {
         if let Some(chip) = own.and_then(|c| segment.chips_mut().get_mut(c)) {
             let at = chip.now().max(Nanos::from(now));
             work(chip, at);

@@ -161,22 +161,8 @@ impl Effort {
     pub(crate) fn sum<'a>(parts: impl Iterator<Item = &'a Self>) -> Self {
         let mut sum = Self::default();
         for part in parts {
-            let (work, own) = (&mut sum.compression, &part.compression);
-            work.frames += own.frames;
-            work.repeats += own.repeats;
-            work.untouched += own.untouched;
-            work.repeated += own.repeated;
-            work.passed += own.passed;
-            work.means += own.means;
-            work.solves += own.solves;
-            work.seeded += own.seeded;
-            work.iterations += own.iterations;
-            work.passes += own.passes;
-            let (traffic, own) = (&mut sum.traffic, &part.traffic);
-            traffic.writes += own.writes;
-            traffic.unchanged_updates += own.unchanged_updates;
-            traffic.channels += own.channels;
-            traffic.unchanged_channels += own.unchanged_channels;
+            sum.compression.add(&part.compression);
+            sum.traffic.add(&part.traffic);
             sum.onsets += part.onsets;
             sum.silent_onsets += part.silent_onsets;
             sum.driven += part.driven;

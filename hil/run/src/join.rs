@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use palpate_core::bus::Received;
 use palpate_core::guard::Limits;
 use palpate_core::units::Board;
-use palpate_files::Setup;
+use palpate_files::{Finger, Setup};
+use palpate_records::i2c::Transfer;
 use palpate_records::margin::{Limited, Margin, sort};
 use palpate_records::trace::{DisplayInfo, Event, Ledger, Trace};
 
@@ -16,6 +17,7 @@ use crate::path_error::PathError;
 use crate::place::Place;
 use crate::script::FaultReport;
 use crate::summary::{DisplaySummary, FrameTime, Summary, Taxels};
+use crate::verdict::STOPPED_BY;
 use crate::{DisplayOutcome, Outcome};
 
 /// A finger's run, in its own numbers.
@@ -32,6 +34,10 @@ pub(crate) struct Common {
     pub(crate) events: Vec<Event>,
     /// What became of these.
     pub(crate) faults: Vec<FaultReport>,
+    /// What became of the faults of boards and their buses, bus by bus.
+    pub(crate) board_faults: Vec<FaultReport>,
+    /// What crossed the boards' buses, if that was kept.
+    pub(crate) i2c: Vec<Transfer>,
     pub(crate) can: Vec<Received>,
     pub(crate) buses: Vec<BusReport>,
 }
@@ -84,13 +90,10 @@ pub(crate) fn join(setup: &Setup, mut parts: Vec<Part>, common: Common) -> Outco
     let mut events = common.events.clone();
     events.extend(whole_boards(&parts));
     for part in &parts {
-        events.extend(
-            part.outcome
-                .trace
-                .events
-                .iter()
-                .filter_map(|e| shared(part, e)),
-        );
+        // Joints are the hand's: every finger has them alike.
+        let own = part.outcome.trace.events.iter();
+        let own = own.filter(|e| part.place == parts[0].place || !matches!(e, Event::Joint { .. }));
+        events.extend(own.filter_map(|e| shared(part, e)));
     }
     events.sort_by_key(Event::t_ns);
     let ledger = ledger(setup, &parts);
@@ -100,7 +103,7 @@ pub(crate) fn join(setup: &Setup, mut parts: Vec<Part>, common: Common) -> Outco
     header.displays = parts.iter().map(displayed).collect();
     let mut summary = summary(&parts, &ledger, &common);
     summary.bench.clone_from(&header.bench);
-    let mut i2c = all(&parts, |o| o.i2c.clone());
+    let mut i2c = common.i2c;
     i2c.sort_by_key(|t| t.start_ns);
     Outcome {
         trace: Trace {
@@ -183,6 +186,8 @@ fn shared(part: &Part, event: &Event) -> Option<Event> {
                 text: format!("{}: its wires on board {board} off: {cause}", part.name()),
             }),
         },
+        // A run is stopped as a whole: one note says so.
+        Event::Note { text, .. } if text.starts_with(STOPPED_BY) => None,
         Event::Note { t_us, text } => Some(Event::Note {
             t_us,
             text: format!("{}: {text}", part.name()),
@@ -237,8 +242,26 @@ fn ledger(setup: &Setup, parts: &[Part]) -> Ledger {
     {
         *margin = Margin::new(margin.of, peak_supply_a(parts), supply);
     }
+    let hand_mw = setup.limits.value.limits.hand_60s_uw as f64 * 1e-3;
+    let hand = Margin::new(Limited::HandPower60s, hand_power_mw(setup, parts), hand_mw);
+    sum.margins.push(hand);
     sort(&mut sum.margins);
     sum
+}
+
+/// The most that a hand may have taken over a minute, mW: as if the worst minutes of its fingertips were the same one.
+fn hand_power_mw(setup: &Setup, parts: &[Part]) -> f64 {
+    let worst_mw = |part: &Part| {
+        let margins = part.outcome.trace.ledger.margins.iter();
+        let mut tip = margins.filter(|m| m.of == Limited::FingertipPower60s);
+        tip.next().map_or(0.0, Margin::worst)
+    };
+    let of_hand = |one: &Finger| -> f64 {
+        let fingers = setup.fingers.iter().zip(parts);
+        let same = fingers.filter(|(finger, _)| finger.hand == one.hand);
+        same.map(|(_, part)| worst_mw(part)).sum()
+    };
+    setup.fingers.iter().map(of_hand).fold(0.0, f64::max)
 }
 
 /// The most that the supply may have given: boards run asynchronously, so the peaks of all of them add.
@@ -290,11 +313,12 @@ fn summary(parts: &[Part], ledger: &Ledger, common: &Common) -> Summary {
     sum
 }
 
-/// Faults of the skin, then of the displays: one that meets several displays is one fault.
+/// Faults of the skin, then of the displays: one that meets several buses is one fault.
 fn faults(parts: &[Part], common: &Common) -> Vec<FaultReport> {
     let mut all = common.faults.clone();
     let mut met: Vec<FaultReport> = Vec::new();
-    for report in parts.iter().flat_map(|p| &p.outcome.summary.faults) {
+    let of_wires = parts.iter().flat_map(|p| &p.outcome.summary.faults);
+    for report in common.board_faults.iter().chain(of_wires) {
         let same = |r: &&mut FaultReport| (&r.what, r.at_s) == (&report.what, report.at_s);
         match met.iter_mut().find(same) {
             Some(first) => first.count += report.count,

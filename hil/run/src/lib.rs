@@ -7,6 +7,7 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod actuator_bus;
 mod band;
 mod boards;
 pub mod design;
@@ -53,7 +54,7 @@ pub use finder::{Finder, Search};
 pub use hand::Hand;
 pub use header::{attachments, header};
 pub use levels::{Intensities, dynamic_levels};
-pub use live::{EmulatedSession, FedSession, press};
+pub use live::{EmulatedSession, EmulatedSkin, FedSession, press};
 pub use passed::Passed;
 pub use policy::Policy;
 pub use recorder::{Recorder, Truth};
@@ -170,6 +171,8 @@ pub enum KeptReadings {
 pub struct TurnView<'a> {
     /// The time of the turn.
     pub now: Instant,
+    /// Whose turn it is, where the bench has several displays: they are counted as they began.
+    pub display: usize,
     /// Everything that happened so far.
     pub events: &'a [Event],
     /// The newest relative reading of every taxel, raw counts, NaN for one that is left out.
@@ -190,7 +193,7 @@ pub trait Host {
         false
     }
 
-    /// The run is about to begin, and will end at `end`.
+    /// The run is about to begin, and will end at `end`. Of several displays each begins by itself.
     ///
     /// # Errors
     /// What keeps it from looking on; the run does not begin.

@@ -3,13 +3,18 @@
 //! Events wait until they are drained. Where they are not, the oldest are dropped, so a session that is held for
 //! days stays as large as it is.
 
-use palpate_core::skin::{ModuleScan, ScanError, UskinCan};
-use palpate_emulators::sensor::Press;
+use core::fmt;
+
+use palpate_core::bus::Received;
+use palpate_core::skin::{CanSkin, Layout, ModuleScan, ScanError, SkinSource};
+use palpate_core::units::Instant;
 use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::Handle;
+use palpate_emulators::sensor::{Press, SkinArray, Touches};
 use palpate_files::Setup;
 use palpate_records::trace::Event;
 
+use crate::boards::BusReport;
 use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::failure::Failure;
 use crate::hand::Hand;
@@ -18,14 +23,90 @@ use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth};
 use crate::runner::build;
 use crate::session::Session;
-use crate::skin_end::{SkinEnd, Tap};
+use crate::skin_end::{FaultySkin, SkinEnd, Tap};
 use crate::{plan, skin};
 
 /// Events that wait to be drained at most: a minute or two of touches, 6 MB.
 const MOST_EVENTS: usize = 1 << 16;
 
-/// A session on emulated boards and an emulated display.
-pub type EmulatedSession = Session<UskinCan<Tap<Faulty<Handle>>>, EmulatedDisplay>;
+/// An emulated skin of any kind.
+#[allow(clippy::large_enum_variant)] // a session has one
+pub enum EmulatedSkin {
+    /// Boards on sensor buses.
+    Boards(CanSkin<Tap<Faulty<Handle>>>),
+    /// Whole scans of a skin that no bus carries.
+    Array(SkinArray),
+}
+
+impl fmt::Debug for EmulatedSkin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Boards(_) => "EmulatedSkin::Boards",
+            Self::Array(_) => "EmulatedSkin::Array",
+        })
+    }
+}
+
+impl SkinSource for EmulatedSkin {
+    type Error = <CanSkin<Tap<Faulty<Handle>>> as SkinSource>::Error;
+
+    fn scans(
+        &mut self,
+        now: Instant,
+        take: &mut impl FnMut(&ModuleScan<'_>),
+    ) -> Result<(), Self::Error> {
+        match self {
+            Self::Boards(boards) => boards.scans(now, take),
+            Self::Array(array) => array.scans(now, take).map_err(|never| match never {}),
+        }
+    }
+}
+
+impl SkinEnd for EmulatedSkin {
+    fn advance_to(&mut self, now: Instant) {
+        match self {
+            Self::Boards(boards) => boards.advance_to(now),
+            Self::Array(array) => array.advance_to(now),
+        }
+    }
+
+    fn start(&mut self, module: usize) {
+        if let Self::Boards(boards) = self {
+            SkinEnd::start(boards, module);
+        }
+    }
+
+    fn lost_of(&self, module: usize) -> u64 {
+        match self {
+            Self::Boards(boards) => SkinEnd::lost_of(boards, module),
+            Self::Array(_) => 0,
+        }
+    }
+
+    fn take_frames(&mut self) -> Vec<Received> {
+        match self {
+            Self::Boards(boards) => boards.take_frames(),
+            Self::Array(_) => Vec::new(),
+        }
+    }
+
+    fn emulated(&mut self) -> FaultySkin<'_> {
+        match self {
+            Self::Boards(boards) => boards.emulated(),
+            Self::Array(_) => None,
+        }
+    }
+
+    fn buses(&self) -> Vec<BusReport> {
+        match self {
+            Self::Boards(boards) => SkinEnd::buses(boards),
+            Self::Array(_) => Vec::new(),
+        }
+    }
+}
+
+/// A session on an emulated skin and an emulated display.
+pub type EmulatedSession = Session<EmulatedSkin, EmulatedDisplay>;
 /// A session that readings are pushed into, on an emulated display.
 pub type FedSession = Session<(), EmulatedDisplay>;
 
@@ -37,8 +118,11 @@ impl EmulatedSession {
     pub fn scene(setup: &Setup, seed: u64, policy: Policy) -> Result<Self, Failure> {
         let truth = Truth::of(setup);
         let layout = plan::layout(&setup.sensor.value)?;
-        let boards = skin::emulated(setup, &layout, seed)?;
-        Self::on(setup, seed, boards, truth, policy)
+        let skin = match skin::is_array(setup) {
+            true => EmulatedSkin::Array(skin::array(setup, &layout, seed)?),
+            false => boards(setup, &layout, seed, skin::emulated(setup, &layout, seed)?),
+        };
+        Self::on(setup, seed, skin, truth, policy)
     }
 
     /// A setup's hardware under a hand, which presses on every module as [`Hand::press`] says. The scene's own
@@ -49,25 +133,30 @@ impl EmulatedSession {
     pub fn touched(setup: &Setup, seed: u64) -> Result<(Self, Vec<Hand>), Failure> {
         let layout = plan::layout(&setup.sensor.value)?;
         let hands: Vec<Hand> = layout.modules().iter().map(|_| Hand::default()).collect();
-        let boards = skin::under(setup, &layout, seed, |module| {
-            Box::new(hands[module].clone())
-        })?;
+        let hand = |module: usize| -> Box<dyn Touches + Send> { Box::new(hands[module].clone()) };
+        let skin = match skin::is_array(setup) {
+            true => EmulatedSkin::Array(skin::array_under(setup, &layout, seed, hand)),
+            false => boards(
+                setup,
+                &layout,
+                seed,
+                skin::under(setup, &layout, seed, hand)?,
+            ),
+        };
         let truth = hands.get(setup.scene.value.drives).cloned();
         let truth = truth.map_or(Truth::Unknown, Truth::Hand);
-        let session = Self::on(setup, seed, boards, truth, Policy::EMULATED)?;
+        let session = Self::on(setup, seed, skin, truth, Policy::EMULATED)?;
         Ok((session, hands))
     }
 
     fn on(
         setup: &Setup,
         seed: u64,
-        boards: Handle,
+        skin: EmulatedSkin,
         truth: Truth,
         policy: Policy,
     ) -> Result<Self, Failure> {
         let projector = build(setup, seed, dynamic_levels(&setup.scene.value.compression))?;
-        let bus = Tap::new(Faulty::new(boards, seed, "sensor bus"), false);
-        let skin = skin::source(setup, projector.layout(), bus);
         let display = EmulatedDisplay::new(setup, &projector, seed)?;
         let recorder = Recorder::new(truth, projector.layout()).bounded(MOST_EVENTS);
         Ok(Self::new(
@@ -78,6 +167,12 @@ impl EmulatedSession {
             None,
         ))
     }
+}
+
+/// Emulated boards as the loop reads them.
+fn boards(setup: &Setup, layout: &Layout, seed: u64, boards: Handle) -> EmulatedSkin {
+    let bus = Tap::new(Faulty::new(boards, seed, "sensor bus"), false);
+    EmulatedSkin::Boards(skin::source(setup, layout, bus))
 }
 
 impl FedSession {

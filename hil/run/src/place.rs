@@ -2,8 +2,11 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use palpate_core::contact::Scope;
+use palpate_core::units::Duration;
+use palpate_emulators::display::i2c::BusClock;
 use palpate_files::{Bench, Fault, Finger, Setup};
 
 /// A display's boards, wires and modules, by the numbers that bench and scene have for them.
@@ -15,6 +18,10 @@ pub struct Place {
     pub bus: u8,
     /// Its boards, in its own order.
     pub boards: Vec<u8>,
+    /// Of each of its boards the channels that are its own, a bit each: all of them where no other display is on it.
+    pub channels: Vec<u16>,
+    /// Whether no other display is on its bus.
+    pub alone: bool,
     /// Its first wire.
     pub first_wire: usize,
     /// How many wires it has.
@@ -31,6 +38,8 @@ impl Place {
             name: None,
             bus: 0,
             boards: (0..bench.boards() as u8).collect(), // at most 16
+            channels: vec![u16::MAX; bench.boards()],
+            alone: true,
             first_wire: 0,
             wires: bench.outputs.len(),
             modules: Vec::new(),
@@ -42,14 +51,55 @@ impl Place {
         let outputs = &bench.outputs[finger.wires.clone()];
         let own: BTreeSet<(u8, u8)> = outputs.iter().map(|o| (o.bus, o.board)).collect();
         let numbered = all.iter().zip(0..).filter(|(board, _)| own.contains(board));
+        let channels = |board: &(u8, u8)| {
+            let here = outputs.iter().filter(|o| (o.bus, o.board) == *board);
+            here.fold(0, |all, output| all | 1 << output.channel)
+        };
         Self {
             name: Some(finger.name.clone()),
             bus: outputs.first().map_or(0, |o| o.bus),
             boards: numbered.map(|(_, number)| number).collect(),
+            channels: own.iter().map(channels).collect(),
+            alone: true,
             first_wire: finger.wires.start,
             wires: finger.wires.len(),
             modules: finger.modules.clone(),
         }
+    }
+
+    /// Of a whole bus, with its boards but without displays.
+    pub(crate) fn of_bus(bus: u8, boards: Range<u8>) -> Self {
+        Self {
+            name: None,
+            bus,
+            channels: vec![u16::MAX; boards.len()],
+            boards: boards.collect(),
+            alone: true,
+            first_wire: 0,
+            wires: 0,
+            modules: Vec::new(),
+        }
+    }
+
+    /// Says what it shares with these, itself among them.
+    fn beside(&mut self, all: &[Self]) {
+        let others = || all.iter().filter(|other| other.name != self.name);
+        self.alone = others().all(|other| other.bus != self.bus);
+        for (board, channels) in self.boards.iter().zip(&mut self.channels) {
+            if !all.iter().any(|o| o.name != self.name && o.boards.contains(board)) {
+                *channels = u16::MAX;
+            }
+        }
+    }
+
+    /// The longest that the transfers of one of these may hold up its own: another display of its bus switches its channels
+    /// off one by one and starts its boards anew, ten transfers each.
+    fn wait_for(&self, all: &[Self]) -> Duration {
+        let off = BusClock::Fast.write_time(2).as_micros();
+        let other = BusClock::Fast.write_time(3).as_micros();
+        let others = all.iter().filter(|o| o.name != self.name && o.bus == self.bus);
+        let restarts = others.map(|o| o.wires as u64 * off + 10 * o.boards.len() as u64 * other);
+        Duration::from_micros(restarts.max().unwrap_or(0))
     }
 
     /// Its own number of a board of the bench, if it is on that board.
@@ -65,31 +115,32 @@ impl Place {
         own.filter(|own| *own < self.wires)
     }
 
-    /// Whether a fault is done to it.
-    fn meets(&self, fault: &Fault) -> bool {
+    /// Whether a fault is done to its bus or boards.
+    pub(crate) fn is_of_boards(&self, fault: &Fault) -> bool {
         fault.kind.is_of_display()
+            && fault.wire.is_none()
             && fault.bus.is_none_or(|bus| bus == self.bus)
             && fault.board.is_none_or(|b| self.own_board(b).is_some())
-            && fault.wire.is_none_or(|w| self.own_wire(w).is_some())
     }
 
-    /// The identity of the dice that its bus throws: no display's luck depends on another's.
-    pub(crate) fn dice(&self) -> String {
-        let bus = "actuator bus";
-        let named = self.name.as_ref().map(|name| format!("{bus} of {name}"));
-        named.unwrap_or_else(|| bus.to_owned())
+    /// Whether a fault is done to one of its wires.
+    fn is_of_wires(&self, fault: &Fault) -> bool {
+        fault.kind.is_of_display() && fault.wire.is_some_and(|w| self.own_wire(w).is_some())
     }
 }
 
 /// Every finger of a setup with the setup that it would have alone: its modules, its wires, and its static share of the
 /// supply. That share is a wire's current per board, so that no two wires of a board are on at one instant, and the
-/// voltage that is left while a wire of every other board is on.
+/// voltage that is left while a wire of every other board is on. Of its hand's power it has an equal share. Faults of boards and their buses are no finger's.
 pub(crate) fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
     let bench = &setup.bench.value;
-    let alone = |finger: &Finger| {
-        let place = Place::of(finger, bench);
+    let places: Vec<Place> = setup.fingers.iter().map(|f| Place::of(f, bench)).collect();
+    let alone = |(finger, place): (&Finger, &Place)| {
+        let mut place = place.clone();
+        place.beside(&places);
         let mut alone = setup.clone();
         alone.fingers.clear();
+        alone.bus_wait = place.wait_for(&places);
         alone.display = finger.display.clone();
         alone.person = finger.person.clone();
         alone.wearer.clone_from(&finger.wearer);
@@ -99,10 +150,14 @@ pub(crate) fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
         let scene = &mut alone.scene.value;
         scene.drives = 0;
         scene.fingers.clear();
-        scene.faults.retain(|fault| place.meets(fault));
-        if finger.merged {
-            scene.compression.scope = Scope::Skin;
-        }
+        scene.faults.retain(|fault| place.is_of_wires(fault));
+        // A finger's rule says what is one skin, whatever the scene says of a bench with one display.
+        scene.compression.scope = match finger.merged {
+            true => Scope::Skin,
+            false => Scope::Module,
+        };
+        let limits = &mut alone.limits.value.limits;
+        *limits = limits.of_hand(hand_of(setup, finger).count() as u64);
         let own = &mut alone.bench.value;
         own.name = format!("{}: {}", bench.name, finger.name);
         own.displays.clear();
@@ -113,7 +168,13 @@ pub(crate) fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
         own.amplifier.supply_v = bench.amplifier.supply_v.map(|volts| volts - sag);
         (place, alone)
     };
-    setup.fingers.iter().map(alone).collect()
+    setup.fingers.iter().zip(&places).map(alone).collect()
+}
+
+/// The fingers on the hand of this one, itself among them.
+pub(crate) fn hand_of<'a>(setup: &'a Setup, one: &'a Finger) -> impl Iterator<Item = &'a Finger> {
+    let fingers = setup.fingers.iter();
+    fingers.filter(|finger| finger.hand == one.hand)
 }
 
 /// The setup of a pass that looks at contacts alone: with any one of several displays, on the whole skin.

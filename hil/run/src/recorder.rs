@@ -14,7 +14,7 @@ use palpate_records::trace::{Driven, Event, PlaceUm};
 use palpate_records::words::texture;
 
 use crate::hand::Hand;
-use palpate_files::{Setup, Touch};
+use palpate_files::{Finger, Joint, Setup, Touch};
 
 /// Windows of texture further apart are of different touches.
 const APART: Duration = Duration::from_millis(500);
@@ -45,20 +45,32 @@ pub enum Truth {
 impl Truth {
     /// Of a setup's scene: the driving module's touches, or where the skin is one, all of them.
     pub fn of(setup: &Setup) -> Self {
-        Self::on(setup, setup.scene.value.drives)
+        let scene = &setup.scene.value;
+        match scene.compression.scope {
+            Scope::Skin => Self::on(setup, true, |_| true),
+            Scope::Module => Self::on(setup, false, |module| module == scene.drives),
+        }
     }
 
-    /// The same where this module drives.
-    pub fn on(setup: &Setup, module: usize) -> Self {
-        let scene = &setup.scene.value;
-        let whole = scene.compression.scope == Scope::Skin;
-        let driving = |t: &&Touch| whole || t.module == module;
+    /// Of one of several fingers: the touches of the module that drives it, or where its modules are one skin, of all
+    /// of them.
+    pub fn of_finger(setup: &Setup, finger: &Finger) -> Self {
+        let driving = match finger.merged {
+            true => finger.modules.as_slice(),
+            false => &finger.modules[..1],
+        };
+        Self::on(setup, finger.merged, |module| driving.contains(&module))
+    }
+
+    /// The touches of modules that drive; where these are one skin, in its plane.
+    fn on(setup: &Setup, whole: bool, drives: impl Fn(usize) -> bool) -> Self {
         let place = |touch: &Touch| match setup.sensor.value.modules.get(touch.module) {
             Some(module) if whole => module.place_mm,
             _ => [0.0; 2],
         };
-        let touches = scene.touches.iter().filter(driving);
-        Self::Scene(touches.map(|t| (t.clone(), place(t))).collect())
+        let touches = setup.scene.value.touches.iter();
+        let driving = touches.filter(|touch| drives(touch.module));
+        Self::Scene(driving.map(|t| (t.clone(), place(t))).collect())
     }
 
     /// Where, and how hard (N), when exactly one thing touches.
@@ -149,6 +161,8 @@ pub struct Recorder {
     pub dropped: u64,
     /// The skin, for naming its taxels.
     layout: Option<Layout>,
+    /// Joints whose angles are kept.
+    pub joints: Vec<Joint>,
     /// Taxels whose health changed alike: when, module, condition, taxels. Not yet told.
     changed: Option<(Instant, usize, Condition, Vec<usize>)>,
 }
@@ -279,6 +293,14 @@ impl Observer for Recorder {
                 intensity_milli: (f64::from(contact.intensity) * 1e3).round() as u32,
                 level: contact.level,
                 members: contact.members,
+            });
+        }
+        let t_s = report.at.as_micros() as f64 * 1e-6;
+        for (number, joint) in (0..).zip(&self.joints) {
+            self.events.push(Event::Joint {
+                t_us,
+                joint: number,
+                milli_deg: (joint.at(t_s) * 1e3).round() as i32,
             });
         }
         if let Some((place, force_n)) = self.truth_at(report.at) {

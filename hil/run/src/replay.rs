@@ -148,14 +148,19 @@ struct Module<'a> {
     counts: Box<[[u16; 3]]>,
 }
 
+/// A taxel's counts as they stand in a row: three, or the normal one alone.
+pub(crate) fn axes(counts: &[u16]) -> [u16; 3] {
+    match *counts {
+        [x, y, z] => [x, y, z],
+        _ => [0, 0, counts.first().copied().unwrap_or(0)],
+    }
+}
+
 impl Module<'_> {
     /// Takes the row that is due, and looks up the one after it.
     fn load(&mut self) -> Result<(), Failure> {
         for (taxel, counts) in self.active.iter().zip(self.row.chunks_exact(self.axes)) {
-            self.counts[*taxel] = match *counts {
-                [x, y, z] => [x, y, z],
-                _ => [0, 0, counts[0]],
-            };
+            self.counts[*taxel] = axes(counts);
         }
         let time = self.rows.next_row(&mut self.row)?;
         self.due = time.map(|time| time.saturating_sub(self.first));

@@ -9,7 +9,7 @@ use palpate_core::contact::Levels;
 use palpate_core::driver::Actuators;
 use palpate_core::guard::Guarded;
 use palpate_core::projector::{FrameReport, LoopError, Observer, Plan, Projector};
-use palpate_core::skin::{Layout, UskinCan};
+use palpate_core::skin::{CanSkin, Layout};
 use palpate_core::units::{Duration, Instant};
 use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::Handle;
@@ -18,6 +18,7 @@ use palpate_records::felt::FeltPath;
 use palpate_records::readings::Readings;
 use palpate_records::trace::{Header, Ledger};
 
+use crate::actuator_bus::ActuatorBus;
 use crate::display_end::{EmulatedDisplay, refuse_hardware};
 use crate::effort::Effort;
 use crate::failure::Failure;
@@ -190,13 +191,14 @@ impl Run<'_> {
         levels: Levels,
         skin: S,
         truth: Truth,
-        place: Place,
+        place: (Place, Option<&ActuatorBus>),
         host: &dyn Host,
     ) -> Result<(Header, Session<S, EmulatedDisplay>), Failure> {
         let projector = build(self.setup, self.seed, levels)?;
         let mut display = EmulatedDisplay::at(self.setup, place, &projector, self.seed)?;
         display.keep(self.keep)?;
         let mut recorder = Recorder::new(truth, projector.layout());
+        recorder.joints.clone_from(&self.setup.scene.value.joints);
         recorder.counts = host.looks_on().then(Vec::new);
         let drives = self.setup.scene.value.drives;
         let streams = self.keep.summary && host.records();
@@ -233,7 +235,7 @@ impl Run<'_> {
         host: &mut dyn Host,
     ) -> Result<(Outcome, S), Failure> {
         let place = Place::whole(&self.setup.bench.value);
-        let (header, mut session) = self.assemble(levels, skin, truth, place, host)?;
+        let (header, mut session) = self.assemble(levels, skin, truth, (place, None), host)?;
         let mut passing = Passing::new(header.soa_us);
         host.begin(&header, session.projector().layout(), end)?;
         // The policy waits for boards that do not answer, so this cannot fail.
@@ -347,6 +349,7 @@ fn look_on<S: SkinEnd>(session: &mut Session<S, EmulatedDisplay>, host: &mut dyn
     let (skin, recorder) = session.seen();
     let ended = host.turn(&TurnView {
         now,
+        display: 0,
         events: &recorder.events,
         counts: recorder.counts.as_deref().unwrap_or_default(),
         buses: &|| skin.buses(),
@@ -372,7 +375,7 @@ pub(crate) fn scene_end(setup: &Setup) -> Instant {
 }
 
 /// A skin that is recorded while it is emulated.
-fn on_tape(setup: &Setup, layout: &Layout, handle: Handle) -> UskinCan<Tap<Tape>> {
+fn on_tape(setup: &Setup, layout: &Layout, handle: Handle) -> CanSkin<Tap<Tape>> {
     skin::source(setup, layout, Tap::new(Tape::new(handle), false))
 }
 

@@ -218,8 +218,9 @@ impl Script {
                 };
                 if let Some(display) = &mut bench.display
                     && let Some(wire) = fault.wire.and_then(|w| display.place.own_wire(w))
+                    && let Some(worn) = &mut display.worn
                 {
-                    display.worn.set_fault(wire, begins.then_some(defect));
+                    worn.set_fault(wire, begins.then_some(defect));
                 }
             }
             (FaultKind::BrownOut, _) if begins => {

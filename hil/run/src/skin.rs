@@ -2,7 +2,7 @@
 
 use palpate_core::bus::CanBus;
 use palpate_core::codec::uskin::{ALL_BOARDS, Command, Wiring};
-use palpate_core::skin::{Layout, Module, Protocol, UskinCan};
+use palpate_core::skin::{CanSkin, Layout, Module, Protocol};
 use palpate_emulators::sensor::board::{BoardConfig, Overload};
 use palpate_emulators::sensor::can::NodeConfig;
 use palpate_emulators::sensor::rig::{Handle, SkinBus};
@@ -160,10 +160,22 @@ pub fn array(setup: &Setup, layout: &Layout, seed: u64) -> Result<SkinArray, Fai
         let expected = "a fault of the display: the readings of this scene come over no sensor bus";
         return Err(Failure::File(setup.scene.source.bad(&key, expected)));
     }
+    let lag_s = ModuleConfig::default().mechanics.lag_s;
+    Ok(array_under(setup, layout, seed, |module| {
+        Box::new(Scripted::new(setup, module, seed, lag_s, None))
+    }))
+}
+
+/// Such a skin, each module under the touches that `touches` gives for it.
+pub fn array_under(
+    setup: &Setup,
+    layout: &Layout,
+    seed: u64,
+    touches: impl Fn(usize) -> Box<dyn Touches + Send>,
+) -> SkinArray {
+    let scene = &setup.scene.value;
     let module = |(number, module): (usize, &Module)| {
-        let lag_s = ModuleConfig::default().mechanics.lag_s;
-        let touches = Scripted::new(setup, number, seed, lag_s, None);
-        pressed(setup, (number, module), seed, Box::new(touches))
+        pressed(setup, (number, module), seed, touches(number))
     };
     let modules = layout.modules().iter().enumerate().map(module).collect();
     let delivery = scene.stream.map_or(Delivery::DIRECT, |way| Delivery {
@@ -172,12 +184,12 @@ pub fn array(setup: &Setup, layout: &Layout, seed: u64) -> Result<SkinArray, Fai
         late: (way.late, way.late_ms * 1e-3),
         loss: way.loss,
     });
-    Ok(SkinArray::new(modules, scene.rate_hz, delivery, seed))
+    SkinArray::new(modules, scene.rate_hz, delivery, seed)
 }
 
 /// The boards of a scene's layout, over any bus, as the loop reads them.
-pub fn source<B: CanBus>(setup: &Setup, layout: &Layout, bus: B) -> UskinCan<B> {
-    UskinCan::new(layout, bus).with_gap(plan::scan_gap(layout, &setup.scene.value))
+pub fn source<B: CanBus>(setup: &Setup, layout: &Layout, bus: B) -> CanSkin<B> {
+    CanSkin::new(layout, bus).with_gap(plan::scan_gap(layout, &setup.scene.value))
 }
 
 /// Emulated boards with the scene's touches on them, sending from the start.

@@ -4,7 +4,7 @@ use core::fmt;
 
 use palpate_core::bus::{CanBus, Received};
 use palpate_core::codec::can::CanFrame;
-use palpate_core::skin::{SkinSource, UskinCan};
+use palpate_core::skin::{CanSkin, SkinSource};
 use palpate_core::units::Instant;
 use palpate_emulators::sensor::SkinArray;
 use palpate_emulators::sensor::can::faults::Faulty;
@@ -91,7 +91,7 @@ impl CanEnd for Faulty<Handle> {
 }
 
 /// uSkin boards on a bus.
-impl<B: CanEnd> SkinEnd for UskinCan<Tap<B>> {
+impl<B: CanEnd> SkinEnd for CanSkin<Tap<B>> {
     fn advance_to(&mut self, now: Instant) {
         let tap = self.bus_mut();
         tap.now = tap.now.max(now);
@@ -100,11 +100,11 @@ impl<B: CanEnd> SkinEnd for UskinCan<Tap<B>> {
 
     fn start(&mut self, module: usize) {
         // A full queue or a host that is bus-off: a board that stays silent is told again.
-        let _ = UskinCan::start(self, module);
+        let _ = CanSkin::start(self, module);
     }
 
     fn lost_of(&self, module: usize) -> u64 {
-        UskinCan::lost_of(self, module)
+        CanSkin::lost_of(self, module)
     }
 
     fn take_frames(&mut self) -> Vec<Received> {

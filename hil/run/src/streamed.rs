@@ -8,7 +8,7 @@ use palpate_core::units::Instant;
 use palpate_files::SensorLayout;
 
 use crate::failure::Failure;
-use crate::replay::{NextRow, RowSource};
+use crate::replay::{NextRow, RowSource, axes};
 use crate::skin_end::SkinEnd;
 
 /// A module's share of a row.
@@ -96,10 +96,7 @@ impl SkinSource for Streamed<'_> {
             let mut readings = self.row.chunks_exact(self.axes);
             for (number, module) in (0..).zip(&mut self.modules) {
                 for (taxel, reading) in module.read.iter().zip(&mut readings) {
-                    module.counts[*taxel] = match *reading {
-                        [x, y, z] => [x, y, z],
-                        _ => [0, 0, reading[0]],
-                    };
+                    module.counts[*taxel] = axes(reading);
                 }
                 take(&ModuleScan {
                     module: number,

@@ -81,8 +81,13 @@ fn export_taxels(args: &ExportTaxels) -> Result<(), Failure> {
         let columns = columns.ok_or_else(|| {
             Failure::Input(format!("layout `{}` has no module {module}", sensor.name))
         })?;
+        // Joints are the hand's: the first file has them.
+        let joints = match module {
+            0 => setup.scene.value.joints.as_slice(),
+            _ => &[],
+        };
         outputs.write(path, Format::Csv, |out| {
-            write_taxel_csv(table, &columns, out)
+            write_taxel_csv(table, &columns, joints, out)
         })?;
     }
     print(|out| {

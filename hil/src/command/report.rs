@@ -1,6 +1,11 @@
 //! The report of a run: what its summary adds to the trace, and how it was made.
 
-use palpate_records::report::{ReportExtras, SummaryRow, report_html};
+use std::path::{Path, PathBuf};
+
+use palpate_files::Setup;
+use palpate_records::report::{
+    FingerReport, HandReport, Pad, ReportExtras, SummaryRow, hand_html, report_html,
+};
 use palpate_run::{FeltBand, FeltCorner, Outcome, Refresh};
 
 use crate::host::made;
@@ -26,6 +31,42 @@ fn band_rows(band: &FeltBand) -> Vec<SummaryRow> {
     let gain = band.corners.first().map(|c| c.gain);
     let lowest = band.corners.iter().filter(|c| Some(c.gain) == gain);
     lowest.map(pair).collect()
+}
+
+/// The page of a run of several displays: the hand, with a link to every finger's own page in these files beside it.
+pub(super) fn hand(setup: &Setup, outcome: &Outcome, files: &[PathBuf]) -> String {
+    let pads = setup.sensor.value.modules.iter().map(|module| {
+        let read = module.taxels().into_iter().filter(|taxel| taxel.active);
+        Pad {
+            name: module.name.clone(),
+            place_mm: module.place_mm,
+            taxels_mm: read.map(|taxel| [taxel.x_mm, taxel.y_mm]).collect(),
+        }
+    });
+    let pads: Vec<Pad> = pads.collect();
+    let files: Vec<_> = files.iter().map(|f| file_name(f)).collect();
+    let displays = outcome.displays.iter().zip(&setup.fingers).zip(&files);
+    let fingers = displays.map(|((display, finger), file)| FingerReport {
+        name: &display.name,
+        file,
+        trace: &display.outcome.trace,
+        modules: &finger.modules,
+        merged: finger.merged,
+        conclusion: &display.outcome.summary.conclusion,
+    });
+    let fingers: Vec<FingerReport<'_>> = fingers.collect();
+    hand_html(&HandReport {
+        trace: &outcome.trace,
+        pads: &pads,
+        fingers: &fingers,
+        made: &made(),
+        conclusion: &outcome.summary.conclusion,
+    })
+}
+
+fn file_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
 }
 
 /// The page of a run.

@@ -16,7 +16,7 @@ use crate::clock;
 use crate::host::{Onlooker, Records};
 use crate::output::{Outputs, make_folder, note, print, write_file, write_sidecar};
 use crate::real::{self, Told};
-use crate::recording::{Reading, ReadingStream, recorded, write_can_log};
+use crate::recording::{Reading, ReadingStream, read_joints, recorded, write_can_log};
 use crate::trial::{Trial, TrialEnd, judge, junit};
 use palpate_files::{
     BenchKind, DRIFT_S, Format as FileFormat, Loaded, Overrides, Scene, Setup, THRESHOLD_FLOOR,
@@ -29,7 +29,7 @@ use crate::record::Kind as LiveKind;
 use super::devices::bench_with;
 use super::explain;
 use super::rate::rate_of;
-use super::report::report;
+use super::report::{hand, report};
 
 /// The scene of `hil run` without a name.
 pub(super) const DEFAULT_SCENE: &str = "sphere-along";
@@ -101,9 +101,13 @@ impl Format {
             let ending = path.extension().unwrap_or_default().to_string_lossy();
             path.with_file_name(format!("{stem}-{name}.{ending}"))
         };
-        match self.is_per_display() && !setup.fingers.is_empty() {
-            true => setup.fingers.iter().map(|f| of(&f.name)).collect(),
-            false => vec![path.to_owned()],
+        let whole = || path.to_owned();
+        let each = setup.fingers.iter().map(|f| of(&f.name));
+        match self {
+            _ if setup.fingers.is_empty() || !self.is_per_display() => vec![whole()],
+            // The hand's page stands before those of its fingers.
+            Self::Report => std::iter::once(whole()).chain(each).collect(),
+            _ => each.collect(),
         }
     }
 
@@ -117,14 +121,19 @@ impl Format {
         if !self.is_per_display() || outcome.displays.is_empty() {
             return self.write_one(path, setup, outcome);
         }
-        let paths = self.paths(path, setup);
+        let mut paths = self.paths(path, setup);
+        if self == Self::Report {
+            let whole = paths.remove(0);
+            let page = hand(setup, outcome, &paths);
+            write_file(&whole, |out| out.write_all(page.as_bytes()))?;
+        }
         let mut each = paths.iter().zip(&outcome.displays);
         each.try_for_each(|(path, display)| self.write_one(path, setup, &display.outcome))
     }
 
     fn write_one(self, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
         write_file(path, |out| match self {
-            Self::Contacts => write_table(&outcome.trace.events, out),
+            Self::Contacts => write_table(&outcome.trace, out),
             Self::Mcap => {
                 let traffic = BusTraffic {
                     can: &outcome.can,
@@ -156,8 +165,8 @@ impl Format {
 /// # Errors
 /// [`Failure`] with its exit status.
 pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
+    let timing = timing(args)?;
     let setup = setup(args)?;
-    let rate = rate_of(args.rate, unclocked(args))?;
     let mut files = wanted(args, &setup)?;
     if args.explain {
         explained(args, |out| explain::plan(&setup, out))?;
@@ -194,11 +203,6 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     let mut outcome = if is_real {
         on_hardware(args, &setup, &growing)?
     } else {
-        let timing = Timing {
-            column: args.time.clone(),
-            rate_hz: rate.hz,
-            split_jumps: args.split_jumps,
-        };
         let reading = Reading {
             timing,
             prefix: args.columns.clone(),
@@ -213,6 +217,7 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     outcome.summary.date = Some(clock::date(clock::unix_us()));
     let failure = outcome.failure.take();
     outcome.notes.iter().for_each(|text| note(text));
+    let rate = rate_of(args.rate, unclocked(args))?;
     if let (Some(hz), Some(meta), false) = (rate.hz, &rate.found_in, args.voice.quiet) {
         note(&format!("{hz} rows a second, from {}", meta.display()));
     }
@@ -411,6 +416,15 @@ fn wanted(args: &RunArgs, setup: &Setup) -> Result<Vec<(Format, PathBuf)>, Failu
     Ok(files)
 }
 
+/// How rows of a recording are timed.
+fn timing(args: &RunArgs) -> Result<Timing, Failure> {
+    Ok(Timing {
+        column: args.time.clone(),
+        rate_hz: rate_of(args.rate, unclocked(args))?.hz,
+        split_jumps: args.split_jumps,
+    })
+}
+
 /// Scene and bench with the command line's changes, checked like a file of that content.
 fn setup(args: &RunArgs) -> Result<Setup, Failure> {
     setup_of(
@@ -439,6 +453,10 @@ pub fn setup_of(scene: Loaded<Scene>, args: &RunArgs) -> Result<Setup, Failure> 
     if let Some(name) = replayed.or(streamed) {
         scene.value.touches.clear();
         scene.value.name = name;
+    }
+    let recorded = read_joints(&args.replay, &timing(args)?)?;
+    if !recorded.is_empty() {
+        scene.value.joints = recorded;
     }
     let setup = Setup::join(scene, bench)?;
     Ok(match args.observe {

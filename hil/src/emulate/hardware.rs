@@ -114,7 +114,8 @@ impl<'a> Hardware<'a> {
                 skin: Some(&mut self.skin),
                 display: Some(FaultyDisplay {
                     i2c: &self.i2c,
-                    worn: &mut self.display,
+                    chips: self.display.bus(),
+                    worn: Some(&mut self.display),
                     drive: self.setup.bench.value.drive,
                     place: &self.place,
                 }),

@@ -10,7 +10,7 @@ use palpate_buses::pacer::{Lateness, Pacer};
 use palpate_buses::signals::Signals;
 use palpate_buses::sys::{forbid_core_dumps, lock_memory, set_fifo_priority};
 use palpate_core::projector::Projector;
-use palpate_core::skin::UskinCan;
+use palpate_core::skin::CanSkin;
 use palpate_core::units::Instant;
 use palpate_files::{Real, Setup};
 use palpate_records::readings::Readings;
@@ -46,7 +46,7 @@ pub struct Told {
 }
 
 /// A session on hardware.
-type RealSession = Session<UskinCan<Tap<Interfaces>>, Live>;
+type RealSession = Session<CanSkin<Tap<Interfaces>>, Live>;
 
 /// What the loop leaves behind.
 struct Done {
@@ -152,7 +152,7 @@ impl Turns<'_> {
     fn drive(
         mut self,
         projector: Projector,
-        skin: UskinCan<Tap<Interfaces>>,
+        skin: CanSkin<Tap<Interfaces>>,
         mut live: Live,
     ) -> Result<Done, Failure> {
         let mut recorder = Recorder::new(Truth::Unknown, projector.layout());
@@ -272,7 +272,7 @@ impl Turns<'_> {
             let all = reports(&self.real.can, &tallies);
             all.iter().map(CanReport::words).collect()
         };
-        let stopped = watch.turn(now, &recorder.events, counts, buses);
+        let stopped = watch.turn(0, now, &recorder.events, counts, buses);
         if stopped {
             let note = "stopped by the person who watched".into();
             session.recorder().note(now, note);

@@ -69,7 +69,7 @@ fn pieces_make_the_same_files_as_a_whole_run() {
     }
     journal.finish().unwrap();
     let (mut contacts, mut plan) = (Vec::new(), Vec::new());
-    contacts_csv::write_table(&trace.events, &mut contacts).unwrap();
+    contacts_csv::write_table(&trace, &mut contacts).unwrap();
     schedule::write_schedule(&trace, &mut plan).unwrap();
     assert_eq!(std::fs::read(path("c.csv")).unwrap(), contacts);
     assert_eq!(std::fs::read(path("s.jsonl")).unwrap(), plan);

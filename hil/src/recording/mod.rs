@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 mod can_log;
+mod joints;
 mod npy;
 mod pass;
 mod stream;
@@ -13,6 +14,7 @@ mod taxel_write;
 mod tests;
 
 pub use can_log::{CanRecording, is_can_recording, read_can_recording, write_can_log};
+pub use joints::read_joints;
 pub use stream::ReadingStream;
 pub use taxel_csv::{Reading, read_taxel_csv};
 pub use taxel_write::write_taxel_csv;

@@ -4,26 +4,33 @@ use std::io::{self, Write};
 
 use palpate_run::TaxelTable;
 
-use palpate_files::Columns;
+use palpate_files::{Columns, JOINT, Joint};
 
-/// Writes a table with its times.
+/// Writes a table with its times, and the angles of joints at them.
 ///
 /// # Errors
 /// What the stream says.
 pub fn write_taxel_csv(
     table: &TaxelTable,
     columns: &Columns,
+    joints: &[Joint],
     out: &mut dyn Write,
 ) -> io::Result<()> {
     write!(out, "time_us")?;
     for index in 0..table.columns {
         write!(out, ",{}", columns.name(index))?;
     }
+    for joint in joints {
+        write!(out, ",{JOINT}{}", joint.name)?;
+    }
     writeln!(out)?;
     for (row, time) in table.time_us.iter().enumerate() {
         write!(out, "{time}")?;
         for count in table.frame(row).unwrap_or_default() {
             write!(out, ",{count}")?;
+        }
+        for joint in joints {
+            write!(out, ",{:.3}", joint.at(*time as f64 * 1e-6))?;
         }
         writeln!(out)?;
     }

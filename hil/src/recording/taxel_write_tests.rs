@@ -18,7 +18,7 @@ fn what_is_written_is_read_back() {
             columns: width,
         };
         let mut text = Vec::new();
-        write_taxel_csv(&table, &columns, &mut text).unwrap();
+        write_taxel_csv(&table, &columns, &[], &mut text).unwrap();
         let path =
             std::env::temp_dir().join(format!("palpate-write-{axes}-{}.csv", std::process::id()));
         std::fs::write(&path, text).unwrap();

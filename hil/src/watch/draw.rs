@@ -80,6 +80,10 @@ fn head(view: &View, buffer: &mut Buffer) {
         view.stimuli
     );
     line(buffer, 0, 1, &counts, Style::new());
+    if let Some((display, of)) = view.which {
+        let text = format!("display {} of {of}; Tab shows the next", display + 1);
+        line(buffer, 0, 2, &text, Style::new());
+    }
     if !view.texture.is_empty() {
         let text = format!("texture {}", view.texture);
         line(buffer, 0, 2, &text, Style::new());

@@ -10,7 +10,7 @@ pub use view::View;
 
 use std::io::{self, BufWriter, Stdout};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
@@ -31,16 +31,69 @@ const EVERY: Duration = Duration::from_millis(50);
 /// Time between two looks at the keys.
 const KEYS: std::time::Duration = std::time::Duration::from_millis(50);
 
-/// The run's end of a live view.
+/// What is drawn: a display's view, and its skin's raster.
+type Picture = (View, Arc<Raster>);
+
+/// A display of the run.
+#[derive(Debug)]
+struct Shown {
+    view: View,
+    raster: Arc<Raster>,
+    next: Instant,
+    /// How many of its events the view has seen.
+    told: usize,
+}
+
+impl Shown {
+    fn new(header: &Header, layout: &Layout, end: Instant) -> Self {
+        let view = View::new(header, layout, end.as_micros());
+        let (columns, rows) = skin_size();
+        Self {
+            raster: Arc::new(Raster::new(&view.taxels, columns, rows)),
+            view,
+            next: Instant::ZERO,
+            told: 0,
+        }
+    }
+}
+
+/// What keys ask for.
+#[derive(Debug, Default)]
+struct Asked {
+    stop: AtomicBool,
+    /// Which display is shown; beyond the last one, counted on from the first.
+    display: AtomicUsize,
+}
+
+impl Asked {
+    /// Takes a key: `q` ends the run, Tab shows the next display, 1 to 9 and 0 one of the first ten.
+    fn key(&self, key: u8) {
+        match key {
+            b'q' | b'Q' => self.stop.store(true, Ordering::Relaxed),
+            b'\t' => {
+                self.display.fetch_add(1, Ordering::Relaxed);
+            }
+            b'0' => self.display.store(9, Ordering::Relaxed),
+            b'1'..=b'9' => self
+                .display
+                .store(usize::from(key - b'1'), Ordering::Relaxed),
+            _ => {}
+        }
+    }
+
+    /// Which of so many displays is shown.
+    fn display(&self, of: usize) -> usize {
+        self.display.load(Ordering::Relaxed) % of.max(1)
+    }
+}
+
+/// The run's end of a live view: of several displays one is shown at a time.
 #[derive(Debug)]
 pub struct Watch {
-    view: View,
-    next: Instant,
-    /// How many of the run's events it has seen.
-    told: usize,
-    views: Option<SyncSender<View>>,
+    shown: Vec<Shown>,
+    views: Option<SyncSender<Picture>>,
     thread: Option<JoinHandle<()>>,
-    stop: Arc<AtomicBool>,
+    asked: Arc<Asked>,
     /// For a run in virtual time: the clock that it is held to, and what ends it.
     pace: Option<(RunClock, Signals)>,
 }
@@ -64,51 +117,57 @@ impl Watch {
             false => None,
         };
         let (views, arriving) = sync_channel(1);
-        let stop = Arc::new(AtomicBool::new(false));
-        let asked = Arc::clone(&stop);
-        let view = View::new(header, layout, end.as_micros());
-        let (columns, rows) = skin_size();
-        let raster = Raster::new(&view.taxels, columns, rows);
+        let asked = Arc::new(Asked::default());
+        let keys = Arc::clone(&asked);
         let thread = std::thread::Builder::new()
             .name("watch".into())
-            .spawn(move || show(&terminal, &raster, &arriving, &asked))?;
+            .spawn(move || show(&terminal, &arriving, &keys))?;
         Ok(Some(Self {
-            view,
-            next: Instant::ZERO,
-            told: 0,
+            shown: vec![Shown::new(header, layout, end)],
             views: Some(views),
             thread: Some(thread),
-            stop,
+            asked,
             pace,
         }))
     }
 
-    /// Shows the run at `now` and, for one in virtual time, waits until it is that late. `counts` are the
-    /// readings of all taxels. True when somebody wants the run to end.
+    /// One more display of the same run.
+    pub fn add(&mut self, header: &Header, layout: &Layout, end: Instant) {
+        self.shown.push(Shown::new(header, layout, end));
+    }
+
+    /// Shows a display at `now` if it is the one to be shown and, for a run in virtual time, waits until it is that
+    /// late. `counts` are the readings of all its taxels. True when the watcher wants the run to end.
     pub fn turn(
         &mut self,
+        display: usize,
         now: Instant,
         events: &[Event],
         counts: &[f32],
         buses: impl FnOnce() -> Vec<String>,
     ) -> bool {
-        let mut asked = self.stop.load(Ordering::Relaxed);
+        let mut asked = self.asked.stop.load(Ordering::Relaxed);
         if let Some((clock, signals)) = &self.pace {
             clock.sleep_until(now);
             asked |= signals.caught().is_some();
         }
-        if now >= self.next {
-            self.next = now + EVERY;
-            self.view
-                .observe(events.get(self.told..).unwrap_or_default());
-            self.told = events.len();
-            self.view.now_us = now.as_micros();
-            self.view.counts.clear();
-            self.view.counts.extend_from_slice(counts);
-            self.view.buses = buses();
+        let of = self.shown.len();
+        if display != self.asked.display(of) {
+            return asked;
+        }
+        if let Some(shown) = self.shown.get_mut(display).filter(|s| now >= s.next) {
+            shown.next = now + EVERY;
+            let view = &mut shown.view;
+            view.observe(events.get(shown.told..).unwrap_or_default());
+            shown.told = events.len();
+            view.now_us = now.as_micros();
+            view.which = (of > 1).then_some((display, of));
+            view.counts.clear();
+            view.counts.extend_from_slice(counts);
+            view.buses = buses();
             if let Some(views) = &self.views {
                 // Full: it is still drawing, and the next view is newer.
-                let _ = views.try_send(self.view.clone());
+                let _ = views.try_send((view.clone(), Arc::clone(&shown.raster)));
             }
         }
         asked
@@ -126,7 +185,7 @@ impl Drop for Watch {
 }
 
 /// Draws views until there are no more.
-fn show(terminal: &Terminal, raster: &Raster, views: &Receiver<View>, stop: &AtomicBool) {
+fn show(terminal: &Terminal, views: &Receiver<Picture>, asked: &Asked) {
     let size = || terminal.size().unwrap_or(SMALLEST);
     let (columns, rows) = size();
     let backend: Ansi<BufWriter<Stdout>> = Ansi::new(BufWriter::new(io::stdout()), columns, rows);
@@ -135,18 +194,18 @@ fn show(terminal: &Terminal, raster: &Raster, views: &Receiver<View>, stop: &Ato
     };
     loop {
         match views.recv_timeout(KEYS) {
-            Ok(view) => {
+            Ok((view, raster)) => {
                 let (columns, rows) = size();
                 screen.backend_mut().size.width = columns;
                 screen.backend_mut().size.height = rows;
                 // A terminal that has gone away ends nothing.
-                let _ = screen.draw(|frame| draw(&view, raster, frame.buffer_mut()));
+                let _ = screen.draw(|frame| draw(&view, &raster, frame.buffer_mut()));
             }
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return,
         }
-        if matches!(terminal.key(), Some(b'q' | b'Q')) {
-            stop.store(true, Ordering::Relaxed);
+        if let Some(key) = terminal.key() {
+            asked.key(key);
         }
     }
 }

@@ -105,3 +105,24 @@ fn any_skin_fits_on_the_raster() {
         let _ = raster.counts(0, 0, &counts);
     }
 }
+
+#[test]
+fn keys_choose_among_displays() {
+    let asked = Asked::default();
+    assert_eq!((asked.display(4), asked.display(0)), (0, 0));
+    asked.key(b'\t');
+    assert_eq!(asked.display(4), 1);
+    asked.key(b'4');
+    assert_eq!(asked.display(4), 3);
+    asked.key(b'\t');
+    assert_eq!(asked.display(4), 0);
+    asked.key(b'0');
+    assert_eq!(asked.display(10), 9);
+    asked.key(b'x');
+    assert!(!asked.stop.load(Ordering::Relaxed));
+    asked.key(b'q');
+    assert!(asked.stop.load(Ordering::Relaxed));
+    let mut view = at("idle", 1_000_000);
+    view.which = Some((1, 4));
+    assert!(screen(&view, 80, 24).contains("display 2 of 4; Tab shows the next"));
+}

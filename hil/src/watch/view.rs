@@ -76,6 +76,8 @@ pub struct View {
     pub story: VecDeque<(u64, String)>,
     /// The newest window of texture in words; empty without one.
     pub texture: String,
+    /// Which of several displays this is of, from 0, and how many there are.
+    pub which: Option<(usize, usize)>,
     /// A line a sensor bus.
     pub buses: Vec<String>,
 }

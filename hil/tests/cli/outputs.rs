@@ -67,6 +67,38 @@ fn a_schedule_is_a_header_and_sorted_integers() {
     assert!(offs >= 2, "off at the start and at the end");
 }
 
+/// Several displays: the hand under the name given, and a page per finger that it leads to.
+#[test]
+fn a_hand_has_a_page_that_leads_to_its_fingers() {
+    let folder = Folder::new("hand");
+    let path = folder.path("r.html").display().to_string();
+    let table = folder.path("c.csv").display().to_string();
+    let hand = ["allegro-grasp", "--bench", "allegro-hand", "--quiet"];
+    let short = ["--set", "length_s=6", "--report", &path, "--record", &table];
+    good(&[&["run"], &hand[..], &short].concat());
+    let fingers = ["index", "middle", "ring", "thumb"];
+    let page = folder.text("r.html");
+    for finger in fingers {
+        let file = format!("r-{finger}.html");
+        assert_eq!(
+            page.matches(&format!("href=\"./{file}\"")).count(),
+            3,
+            "{file}"
+        );
+        assert!(folder.text(&file).contains("<svg"));
+    }
+    let table = folder.text("c.csv");
+    assert!(
+        table.starts_with(
+            "frame,time_us,module,contact,x_mm,y_mm,intensity,level,members,display\n"
+        )
+    );
+    assert!(table.contains(",index\n") && table.contains(",thumb\n"));
+    // Read again by what compares tables.
+    let same = folder.path("c.csv").display().to_string();
+    good(&["diff", &same, &same]);
+}
+
 #[test]
 fn a_report_is_one_page_without_network() {
     let folder = Folder::new("report");

@@ -42,6 +42,8 @@ pub struct Figure {
     pub svg: String,
     /// What the colours mean, as HTML.
     pub legend: String,
+    /// The drawing as a file has it, with title and legend; left out: as the page has it.
+    pub alone: Option<String>,
 }
 
 /// What a family found.

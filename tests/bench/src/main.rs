@@ -127,7 +127,7 @@ fn write(folder: &Path, found: &[Findings], rows: &[&Row]) -> Result<(), Failure
         for figure in &findings.figures {
             let path = folder.join(format!("{}-{}.svg", findings.family, figure.name));
             write_file(&path, |out| {
-                out.write_all(page::styled(&figure.svg).as_bytes())
+                out.write_all(page::styled(figure.alone.as_ref().unwrap_or(&figure.svg)).as_bytes())
             })?;
         }
     }

@@ -44,6 +44,8 @@ pub fn html(found: &[Findings]) -> String {
 
 /// A drawing with the page's colours inside, to stand as a file of its own.
 pub fn styled(svg: &str) -> String {
-    let style = format!("<style>{STYLE}svg{{background:var(--card)}}</style>\n<");
+    let style = format!(
+        "<style>{STYLE}svg{{background:var(--card);font-family:system-ui,sans-serif}}</style>\n<"
+    );
     svg.replacen("\n<", &format!("\n{style}"), 1)
 }

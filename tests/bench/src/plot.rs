@@ -7,6 +7,10 @@ use std::fmt::Write;
 use crate::findings::Figure;
 
 const SIZE: (f64, f64) = (860.0, 430.0);
+/// Of a plane, which is about square.
+const PLANE: (f64, f64) = (704.0, 680.0);
+/// Where rows of a legend begin, pixels.
+const LEGEND: f64 = 64.0;
 /// What decades reach beyond the outermost points at least.
 const MARGIN: f64 = 2.0;
 /// Colours of the style sheet.
@@ -23,6 +27,8 @@ pub enum Mark {
     Line,
     /// Small dots, not joined: places.
     Scatter,
+    /// Bars from the lower edge, as wide as their distance: how often.
+    Bars,
     /// Large dots, not joined: what stands where it is.
     Places,
     /// Red crosses, not joined: places where something is missing.
@@ -57,6 +63,7 @@ pub struct Axis<'a> {
     label: &'a str,
     log: bool,
     span: Option<(f64, f64)>,
+    plane: bool,
 }
 
 impl<'a> Axis<'a> {
@@ -66,6 +73,7 @@ impl<'a> Axis<'a> {
             label,
             log: false,
             span: None,
+            plane: false,
         }
     }
 
@@ -73,6 +81,14 @@ impl<'a> Axis<'a> {
     pub const fn decades(label: &'a str) -> Self {
         Self {
             log: true,
+            ..Self::linear(label)
+        }
+    }
+
+    /// A direction of a plane: a millimetre is as long on both axes.
+    pub const fn plane(label: &'a str) -> Self {
+        Self {
+            plane: true,
             ..Self::linear(label)
         }
     }
@@ -132,23 +148,107 @@ impl<'a> Plot<'a> {
         }
     }
 
+    /// Places on a plane, mm.
+    pub const fn of_plane(series: Vec<Series>) -> Self {
+        Self {
+            x: Axis::plane("x [mm]"),
+            y: Axis::plane("y [mm]"),
+            series,
+        }
+    }
+
+    /// Courses over time, s.
+    pub const fn over_time(y: Axis<'a>, series: Vec<Series>) -> Self {
+        Self {
+            x: Axis::linear("time [s]"),
+            y,
+            series,
+        }
+    }
+
     /// A figure of its own; `words` say what it shows.
     pub fn figure(&self, name: &str, title: &str, words: &str) -> Figure {
-        let (width, height) = SIZE;
+        let (width, height) = match self.x.plane {
+            true => PLANE,
+            false => SIZE,
+        };
+        let area = |top: f64| Area {
+            at: (64.0, 30.0 + top),
+            size: (width - 104.0, height - 80.0),
+        };
         let mut svg = Svg::new(width, height, title);
-        self.draw(
-            &mut svg,
-            Area {
-                at: (64.0, 30.0),
-                size: (width - 104.0, height - 80.0),
-            },
-        );
+        self.draw(&mut svg, area(0.0));
+        // A file stands alone: it has title and legend in the drawing.
+        let (rows, title_height) = (self.legend_rows(width), 26.0);
+        let below = height + title_height;
+        let whole = below + 20.0 * rows.len() as f64 + 6.0;
+        let mut alone = Svg::new(width, whole, title);
+        alone.text((20.0, 20.0), "label name", title);
+        self.draw(&mut alone, area(title_height));
+        for (row, entries) in rows.iter().enumerate() {
+            let y = below + 20.0 * row as f64;
+            for (x, index) in entries {
+                self.legend_entry(&mut alone, (*x, y), *index);
+            }
+        }
         Figure {
             name: name.into(),
             title: title.into(),
             words: words.into(),
             svg: svg.finish(),
             legend: self.legend(),
+            alone: Some(alone.finish()),
+        }
+    }
+
+    /// Entries of a legend in rows: where each begins, and which series it is of.
+    fn legend_rows(&self, width: f64) -> Vec<Vec<(f64, usize)>> {
+        let (mut rows, mut x) = (vec![Vec::new()], LEGEND);
+        for (index, series) in self.series.iter().enumerate() {
+            let wide = 44.0 + 7.0 * self.named(index, series).chars().count() as f64;
+            if x > LEGEND && x + wide > width - 20.0 {
+                rows.push(Vec::new());
+                x = LEGEND;
+            }
+            if let Some(row) = rows.last_mut() {
+                row.push((x, index));
+            }
+            x += wide;
+        }
+        rows
+    }
+
+    fn legend_entry(&self, svg: &mut Svg, (x, y): (f64, f64), index: usize) {
+        let series = &self.series[index];
+        let mut mark = String::new();
+        match series.mark {
+            Mark::Bars => {
+                svg.path(&format!("M{x:.1} {y:.1}v-9h22v9z"), &bars_class(index));
+            }
+            Mark::Crosses => {
+                let (left, up, down) = (x + 8.0, y - 8.0, y - 2.0);
+                let cross = format!("M{left:.1} {up:.1}l6 6M{left:.1} {down:.1}l6 -6");
+                svg.path(&cross, "cross");
+            }
+            _ => {
+                if is_joined(series.mark) {
+                    let class = format!("series {}", colour(index));
+                    svg.line((x, y - 5.0), (x + 22.0, y - 5.0), &class);
+                }
+                dot(&mut mark, (x + 11.0, y - 5.0));
+                if series.mark != Mark::Line {
+                    svg.path(&mark, &dots_class(series, index));
+                }
+            }
+        }
+        svg.text((x + 28.0, y - 1.0), "tick", &self.named(index, series));
+    }
+
+    /// A series as a legend says it: one of a single point has its number, as colours repeat.
+    fn named(&self, index: usize, series: &Series) -> String {
+        match series.points.len() {
+            1 if self.series.len() > 1 => format!("{} {}", index + 1, series.name),
+            _ => series.name.clone(),
         }
     }
 
@@ -156,7 +256,7 @@ impl<'a> Plot<'a> {
     pub fn draw(&self, svg: &mut Svg, area: Area) {
         let shown = |p: &&(f64, f64)| self.x.can_show(p.0) && self.y.can_show(p.1);
         let all = || self.series.iter().flat_map(|s| &s.points).filter(shown);
-        let frame = Frame {
+        let mut frame = Frame {
             left: area.at.0,
             top: area.at.1,
             width: area.size.0,
@@ -164,11 +264,30 @@ impl<'a> Plot<'a> {
             x: self.x.scale(all().map(|p| p.0)),
             y: self.y.scale(all().map(|p| p.1)),
         };
+        if self.x.plane {
+            let ends = |values: &mut dyn Iterator<Item = f64>| {
+                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+                    (low.min(v), high.max(v))
+                })
+            };
+            let (left, right) = ends(&mut all().map(|p| p.0));
+            let (lower, upper) = ends(&mut all().map(|p| p.1));
+            if left <= right {
+                // So much room that no mark is cut.
+                let rim = 0.06 * (right - left).max(upper - lower).max(1.0);
+                frame.equal((left - rim, lower - rim), (right + rim, upper + rim));
+            }
+        }
         frame.x_axis(svg, self.x.label);
         frame.y_axis(svg, self.y.label);
         frame.frame(svg);
         for (i, series) in self.series.iter().enumerate() {
             let (mut line, mut dots, mut crosses) = (String::new(), String::new(), String::new());
+            let mut bars = String::new();
+            let base = frame.top + frame.height;
+            let steps = series.points.windows(2);
+            let wide = steps.map(|w| frame.px(w[1].0) - frame.px(w[0].0));
+            let wide = wide.fold(f64::INFINITY, f64::min).clamp(2.0, 60.0) - 1.0;
             for &point in series.points.iter().filter(shown) {
                 let (x, y) = frame.at(point);
                 let step = if line.is_empty() { 'M' } else { 'L' };
@@ -176,15 +295,18 @@ impl<'a> Plot<'a> {
                 let (left, up, down) = (x - 3.0, y - 3.0, y + 3.0);
                 let _ = write!(crosses, "M{left:.1} {up:.1}l6 6M{left:.1} {down:.1}l6 -6");
                 dot(&mut dots, (x, y));
-                if series.points.len() == 1 {
+                let left = x - wide / 2.0;
+                let _ = write!(bars, "M{left:.1} {base:.1}V{y:.1}h{wide:.1}V{base:.1}z");
+                if series.points.len() == 1 && self.series.len() > 1 {
                     svg.text((x + 7.0, y + 4.0), "label", &(i + 1).to_string());
                 }
             }
-            if matches!(series.mark, Mark::Ours | Mark::Swept | Mark::Line) {
+            if is_joined(series.mark) {
                 svg.path(&line, &format!("series {}", colour(i)));
             }
             match series.mark {
                 Mark::Line => {}
+                Mark::Bars => svg.path(&bars, &bars_class(i)),
                 Mark::Crosses => svg.path(&crosses, "cross"),
                 _ => svg.path(&dots, &dots_class(series, i)),
             }
@@ -195,25 +317,37 @@ impl<'a> Plot<'a> {
     pub fn legend(&self) -> String {
         let mut out = String::from("<div class=\"legend\">");
         for (i, series) in self.series.iter().enumerate() {
-            let dots = match series.mark {
-                Mark::Line => String::new(),
-                _ => format!("<path class=\"{}\" d=\"M13 6h0\"/>", dots_class(series, i)),
-            };
-            let number = match series.points.len() {
-                1 => format!("{} ", i + 1),
-                _ => String::new(),
+            let line = format!(
+                "<line class=\"series {}\" x1=\"1\" y1=\"6\" x2=\"25\" y2=\"6\"/>",
+                colour(i)
+            );
+            let dots = format!("<path class=\"{}\" d=\"M13 6h0\"/>", dots_class(series, i));
+            let drawn = match series.mark {
+                Mark::Line => line,
+                Mark::Ours | Mark::Swept => line + &dots,
+                Mark::Scatter | Mark::Places => dots,
+                Mark::Bars => format!("<path class=\"{}\" d=\"M3 11v-9h20v9z\"/>", bars_class(i)),
+                Mark::Crosses => "<path class=\"cross\" d=\"M9 2l8 8M9 10l8 -8\"/>".to_owned(),
             };
             let _ = write!(
                 out,
-                "<span><svg viewBox=\"0 0 26 12\"><line class=\"series {}\" x1=\"1\" y1=\"6\" x2=\"25\" \
-                 y2=\"6\"/>{dots}</svg>{number}{}</span>",
-                colour(i),
-                escape(&series.name)
+                "<span><svg viewBox=\"0 0 26 12\">{drawn}</svg>{}</span>",
+                escape(&self.named(i, series))
             );
         }
         out.push_str("</div>");
         out
     }
+}
+
+/// Whether a mark's points are joined.
+const fn is_joined(mark: Mark) -> bool {
+    matches!(mark, Mark::Ours | Mark::Swept | Mark::Line)
+}
+
+/// Bars in the colour of series `i`, hollow: those of two series may stand in one place.
+fn bars_class(i: usize) -> String {
+    format!("series {}", colour(i))
 }
 
 /// The colour of series `i`; from the ninth on they repeat.

@@ -11,7 +11,7 @@ use palpate_core::contact::{LevelTable, Levels};
 use palpate_core::driver::Pca9685Bank;
 use palpate_core::projector::{Observer, Projector};
 use palpate_core::schedule::Entry;
-use palpate_core::skin::{Module, UskinCan};
+use palpate_core::skin::{CanSkin, Module};
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Setup;
 use palpate_hil::clock;
@@ -85,7 +85,7 @@ fn run(setup: &Setup, rest: &[Vec<CanFrame>], scans: &[Vec<CanFrame>]) -> Result
         at: Instant::ZERO,
         taken: 0,
     };
-    let mut skin = UskinCan::new(projector.layout(), bus);
+    let mut skin = CanSkin::new(projector.layout(), bus);
     let (mut times, mut now, mut next_scan) = (Times::default(), Instant::ZERO, Instant::ZERO);
     for step in 0..STEPS {
         let source = match step.checked_sub(rest.len()) {

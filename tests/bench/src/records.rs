@@ -52,7 +52,7 @@ const ALL: Keep = Keep {
 
 fn write(kind: Kind, path: &Path, setup: &Setup, outcome: &Outcome) -> Result<(), Failure> {
     write_file(path, |out| match kind {
-        Kind::Contacts => write_table(&outcome.trace.events, out),
+        Kind::Contacts => write_table(&outcome.trace, out),
         Kind::Schedule => write_schedule(&outcome.trace, out),
         Kind::Can => write_can_log(&outcome.can, &[], out),
         Kind::Vcd => write_vcd(&outcome.trace, out),

@@ -44,6 +44,7 @@ impl Rig {
             prescale,
             wire_milliohm: MILLIOHM,
             peak: PEAK,
+            bus: Duration::ZERO,
         };
         let wire = |&channel: &u8| DisplayWire {
             place: Point::new(f32::from(channel), 0.0),

@@ -227,6 +227,7 @@ pub fn guard(rig: &Rig) -> Guard {
         prescale: rig.parameters.prescale,
         wire_milliohm: (rig.parameters.wire.resistance_ohm * 1e3).round() as u32,
         peak: rig.parameters.current,
+        bus: Duration::ZERO,
     };
     Guard::new(rig.parameters.limits(), plant, &display()).unwrap()
 }

@@ -114,6 +114,7 @@ fn driven(file: BenchFile) -> Result<Vec<BTreeSet<Place>>, String> {
         prescale,
         wire_milliohm: 1900,
         peak: Milliamps(990),
+        bus: palpate_core::units::Duration::ZERO,
     };
     let mut guard = Guard::new(HARD, plant, display.wires()).map_err(|e| format!("{e:?}"))?;
     let buses = plan::buses(bench);

@@ -24,7 +24,7 @@ pub const SCAN_GAP: Duration = Duration::from_millis(4);
 
 /// The modules of a layout that boards on a CAN bus read.
 #[derive(Debug)]
-pub struct UskinCan<B> {
+pub struct CanSkin<B> {
     bus: B,
     routes: Routes,
     assembler: ScanAssembler,
@@ -33,7 +33,7 @@ pub struct UskinCan<B> {
     foreign: u64,
 }
 
-impl<B: CanBus> UskinCan<B> {
+impl<B: CanBus> CanSkin<B> {
     /// The modules of a layout that have an address and can be wired to a board, on this bus.
     pub fn new(layout: &Layout, bus: B) -> Self {
         let obeys = |m: &Module| m.address().filter(|_| m.protocol() == Protocol::Uskin);
@@ -170,7 +170,7 @@ impl<B: CanBus> UskinCan<B> {
     }
 }
 
-impl<B: CanBus> SkinSource for UskinCan<B> {
+impl<B: CanBus> SkinSource for CanSkin<B> {
     type Error = B::Error;
 
     fn scans(

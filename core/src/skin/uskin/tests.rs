@@ -44,7 +44,7 @@ impl CanBus for Bench {
     }
 }
 
-fn skin() -> UskinCan<Bench> {
+fn skin() -> CanSkin<Bench> {
     let at = |bus, board| Address { bus, board };
     let pad = |name| Module::grid(name, 4, 4, 4.7).unwrap();
     let modules = alloc::vec![
@@ -52,7 +52,7 @@ fn skin() -> UskinCan<Bench> {
         pad("bare"),
         pad("tip").with_address(at(0, 4)).unwrap(),
     ];
-    UskinCan::new(&Layout::new(modules).unwrap(), Bench::default())
+    CanSkin::new(&Layout::new(modules).unwrap(), Bench::default())
 }
 
 #[test]
@@ -109,7 +109,7 @@ fn triangles_become_scans_without_their_thermal_pads_and_a_lost_half_is_counted(
         .and_then(|m| m.with_address(Address { bus: 0, board: 2 }))
         .unwrap();
     let layout = Layout::single(patch.with_protocol(Protocol::Mtb)).unwrap();
-    let mut skin = UskinCan::new(&layout, Bench::default());
+    let mut skin = CanSkin::new(&layout, Bench::default());
     let triangle = |scan: u64, triangle: u8| {
         let taxels = core::array::from_fn(|t| 100 + 12 * triangle + t as u8);
         let both = halves(&taxels).into_iter().zip(0..);

@@ -24,6 +24,8 @@ pub struct BenchDisplay {
     pub person: Option<String>,
     /// That person's calibration: a built-in name or a file; left out: the scene's.
     pub wearer: Option<String>,
+    /// The hand that wears it, lower case with hyphens; left out: all such displays are on one hand.
+    pub hand: Option<String>,
     /// One entry per wire; left out of all displays: the outputs of one chip after the other, from 0x40 on.
     #[serde(default)]
     pub outputs: Vec<Output>,
@@ -49,6 +51,9 @@ impl Bench {
         for (index, display) in displays.iter_mut().enumerate() {
             let at = |key: &str| format!("displays[{index}].{key}");
             source.name(&at("name"), &display.name)?;
+            if let Some(hand) = &display.hand {
+                source.name(&at("hand"), hand)?;
+            }
             let (layout, _) = self.layout_of(source, index, display)?;
             let first = self.outputs.len();
             let wires = layout.wires_mm.len();

@@ -6,6 +6,7 @@ use super::People;
 use crate::bench::{Bench, BenchDisplay};
 use crate::error::FileError;
 use crate::finger::{FingerRule, SceneFinger};
+use crate::joint::Gate;
 use crate::layout::{DisplayLayout, SensorLayout};
 use crate::loaded::Loaded;
 use crate::person::{PersonFile, Wearer};
@@ -23,12 +24,16 @@ pub struct Finger {
     pub person: Loaded<PersonFile>,
     /// That person's calibration, if there is one.
     pub wearer: Option<Loaded<Wearer>>,
+    /// The hand that wears it.
+    pub hand: Option<String>,
     /// Its wires among all outputs of the bench.
     pub wires: Range<usize>,
     /// Its modules.
     pub modules: Vec<usize>,
     /// Whether all of them drive it; else the first does.
     pub merged: bool,
+    /// When it is felt; always where there is none.
+    pub when: Option<Gate>,
 }
 
 /// Every module of a scene's skin belongs to one finger, by a rule where it is not alone.
@@ -48,6 +53,9 @@ pub(super) fn check(scene: &Loaded<Scene>, sensor: &SensorLayout) -> Result<(), 
                 let expected = format!("a module of one finger: it drives `{owner}` already");
                 return Err(source.bad(&here, expected));
             }
+        }
+        if let Some(when) = &finger.when {
+            when.check(source, &at("when"))?;
         }
         let several = finger.modules.len() > 1;
         match (finger.modules.len(), finger.rule) {
@@ -104,6 +112,12 @@ pub(super) fn of(
             return Err(source.bad_found(key, expected, format!("`{key}`")));
         }
     }
+    let gate = |index: usize, file: &SceneFinger| {
+        let key = format!("fingers[{index}].when");
+        let joints = &scene.value.joints;
+        let of = |when| Gate::of(when, joints, &scene.source, &key);
+        file.when.as_ref().map(of).transpose()
+    };
     let finger = |(index, file): (usize, &SceneFinger)| {
         let found = displays.iter().position(|d| d.name == file.display);
         let number = found.ok_or_else(|| {
@@ -120,12 +134,14 @@ pub(super) fn of(
         }
         Ok(Finger {
             name: file.display.clone(),
+            hand: display.hand.clone(),
             display: Loaded { value, source },
             person,
             wearer,
             wires: first..first + wires,
             modules: file.modules.clone(),
             merged: file.rule == Some(FingerRule::Merged),
+            when: gate(index, file)?,
         })
     };
     scene.value.fingers.iter().enumerate().map(finger).collect()

@@ -110,6 +110,29 @@ fn benches_that_cannot_be_are_refused() {
     }
 }
 
+fn joint(name: &str, points: &str) -> String {
+    format!("[[joints]]\nname = \"{name}\"\npoints_s_deg = {points}\n")
+}
+
+#[test]
+fn a_joint_is_straight_between_its_points() {
+    let joint = crate::Joint {
+        name: "mcp".to_owned(),
+        points_s_deg: vec![[1.0, 10.0], [3.0, 30.0]],
+    };
+    let angles = [0.0, 1.0, 2.0, 3.0, 9.0].map(|t| joint.at(t).to_string());
+    assert_eq!(angles, ["10", "10", "20", "30", "30"]);
+    let gate = crate::Gate {
+        joint: 0,
+        above_deg: 15.0,
+        below_deg: 30.0,
+    };
+    let joints = [joint];
+    let open = [1.0, 2.0, 3.0].map(|t| gate.is_open(&joints, t));
+    assert_eq!(open, [false, true, false]);
+    assert!(!gate.is_open(&[], 2.0));
+}
+
 #[test]
 fn scenes_that_cannot_drive_them_are_refused() {
     let first = "rule = \"first\"";
@@ -138,6 +161,46 @@ fn scenes_that_cannot_drive_them_are_refused() {
         (
             finger("index", "[0]", first),
             "fingers[0].rule: expected nothing: one module needs no rule",
+        ),
+        (
+            finger(
+                "index",
+                all,
+                "rule = \"first\"\nwhen = { joint = \"mcp\", above_deg = 5 }",
+            ),
+            "fingers[0].when.joint: expected a joint of [[joints]], or of a recording with a column joint_NAME: there is none, found `mcp`",
+        ),
+        (
+            finger("index", all, "rule = \"first\"\nwhen = { joint = \"mcp\" }"),
+            "fingers[0].when: expected above_deg, below_deg or both",
+        ),
+        (
+            finger(
+                "index",
+                all,
+                "rule = \"first\"\nwhen = { joint = \"mcp\", above_deg = 5, below_deg = 5 }",
+            ),
+            "fingers[0].when.below_deg: expected more than above_deg, 5 degrees",
+        ),
+        (
+            joint("mcp", "[[0.0, 1.0], [0.0, 2.0]]"),
+            "joints[0].points_s_deg[1]: expected a time after 0 s",
+        ),
+        (
+            joint("mcp", "[[0.0, nan]]"),
+            "joints[0].points_s_deg[0]: expected a number from -360 to 360 degrees",
+        ),
+        (
+            joint("mcp", "[]"),
+            "joints[0].points_s_deg: expected at least one point",
+        ),
+        (
+            joint("m cp", "[[0.0, 1.0]]"),
+            "joints[0].name: expected a name of letters",
+        ),
+        (
+            joint("mcp", "[[0.0, 1.0]]") + &joint("mcp", "[[0.0, 1.0]]"),
+            "joints[1].name: expected a name of its own",
         ),
         (
             finger("index", "[15]", ""),

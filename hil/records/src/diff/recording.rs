@@ -5,7 +5,7 @@ use std::fmt;
 
 use super::words::{at, count, short};
 use super::{Difference, Grade, Tolerance};
-use crate::contacts_csv::HEADER;
+use crate::contacts_csv::{DISPLAY, HEADER};
 use crate::damage::Damage;
 use crate::fixed::thousandths;
 
@@ -28,6 +28,8 @@ pub struct Contacts<'a, E> {
     lines: Box<dyn FnMut() -> Result<Option<String>, E> + 'a>,
     damaged: Box<dyn Fn(Damage) -> E + 'a>,
     number: usize,
+    /// Whether it is of several displays: each row then ends with the name of one.
+    several: bool,
     /// The first row of the time after the one that was read last.
     next: Option<Row>,
 }
@@ -53,10 +55,12 @@ impl<'a, E> Contacts<'a, E> {
             lines: Box::new(lines),
             damaged: Box::new(damaged),
             number: 1,
+            several: false,
             next: None,
         };
         match (all.lines)()? {
             Some(line) if line.trim_end() == HEADER => {}
+            Some(line) if is_of_several(line.trim_end()) => all.several = true,
             found => return Err(all.damage(HEADER, &found.unwrap_or_default())),
         }
         all.next = all.row(0)?;
@@ -73,8 +77,12 @@ impl<'a, E> Contacts<'a, E> {
             return Ok(None);
         };
         self.number += 1;
-        let Some(row) = row(&line) else {
-            return Err(self.damage("a contact: nine numbers", &line));
+        let Some(row) = row(&line, self.several) else {
+            let expected = match self.several {
+                true => "a contact: nine numbers and a display's name",
+                false => "a contact: nine numbers",
+            };
+            return Err(self.damage(expected, &line));
         };
         if row.t_us < before_us {
             return Err(self.damage(&format!("a time from {before_us} us on"), &line));
@@ -113,8 +121,20 @@ impl<'a, E> Contacts<'a, E> {
     }
 }
 
-fn row(line: &str) -> Option<Row> {
-    let fields: Vec<&str> = line.trim_end().split(',').collect();
+/// Whether the table of several displays begins so.
+fn is_of_several(line: &str) -> bool {
+    let more = line.strip_prefix(HEADER).and_then(|m| m.strip_prefix(','));
+    more == Some(DISPLAY)
+}
+
+/// A row; the name that it has with several displays says what its module says already.
+fn row(line: &str, several: bool) -> Option<Row> {
+    let most = if several { 10 } else { usize::MAX };
+    let mut fields: Vec<&str> = line.trim_end().splitn(most, ',').collect();
+    if several {
+        fields.get(9)?;
+        fields.truncate(9);
+    }
     let &[
         frame,
         time,

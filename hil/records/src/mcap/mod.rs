@@ -125,6 +125,7 @@ impl<W: Write> McapRecording<W> {
             i2c: topic(&schema::I2C, "/i2c")?,
             log: 0,
             wires: Vec::new(),
+            joints: Vec::new(),
             scene,
             period_ns: header.pre_scale.period_ns(),
             outputs: header.wires.iter().map(|w| (w.board, w.channel)).collect(),
@@ -138,6 +139,13 @@ impl<W: Write> McapRecording<W> {
             });
         }
         run.log = container.channel(log, "/events")?;
+        if !header.joints.is_empty() {
+            let id = container.schema(&schema::JOINT.full_name(), &schema::JOINT.descriptor())?;
+            for name in &header.joints {
+                run.joints
+                    .push(container.channel(id, &format!("/joints/{name}"))?);
+            }
+        }
         recording.run = Some(run);
         Ok(recording)
     }
@@ -285,9 +293,10 @@ impl<W: Write> McapRecording<W> {
         let message = &mut self.message;
         // Every variant has its place here: a new one does not compile until it is recorded.
         let channel = match event {
-            Event::Frame { .. } | Event::Contact { .. } | Event::Truth { .. } => {
-                run.sensed(event, message)
-            }
+            Event::Frame { .. }
+            | Event::Contact { .. }
+            | Event::Truth { .. }
+            | Event::Joint { .. } => run.sensed(event, message),
             Event::Schedule(_) | Event::PreScale { .. } | Event::AllOff { .. } => {
                 run.told(event, message)
             }

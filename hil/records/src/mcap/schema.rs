@@ -148,7 +148,13 @@ pub const TAXELS: Schema = Schema {
     ],
 };
 
-/// All of the package but what a recording has for each module.
+/// A joint's angle; in a recording of a run with joints.
+pub const JOINT: Schema = Schema {
+    name: "Joint",
+    fields: &[("degrees", Double)],
+};
+
+/// All of the package but what a recording has for each module and of joints.
 pub const ALL: [Schema; 10] = [
     CAN,
     FRAME,

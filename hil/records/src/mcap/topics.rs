@@ -24,6 +24,8 @@ pub(super) struct RunTopics {
     pub i2c: u16,
     pub log: u16,
     pub wires: Vec<WireTopics>,
+    /// Of each joint.
+    pub joints: Vec<u16>,
     pub scene: Scene,
     /// PWM period of all boards, nanoseconds.
     pub period_ns: u64,
@@ -85,6 +87,12 @@ impl RunTopics {
                     .double(2, mm(place.y))
                     .double(3, f64::from(*force_mn) / 1e3);
                 Some(self.truth)
+            }
+            Event::Joint {
+                joint, milli_deg, ..
+            } => {
+                message.double(1, f64::from(*milli_deg) / 1e3);
+                self.joints.get(usize::from(*joint)).copied()
             }
             _ => None,
         }

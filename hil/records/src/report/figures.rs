@@ -8,7 +8,7 @@ use crate::trace::{Event, Trace};
 use std::fmt::Write;
 
 /// A legend's entry: a swatch drawn with the figure's own classes, and its meaning.
-fn key(out: &mut String, shape: &str, text: &str) {
+pub(super) fn key(out: &mut String, shape: &str, text: &str) {
     let _ = write!(
         out,
         "<span><svg viewBox=\"0 0 26 12\">{shape}</svg>{}</span>",
@@ -24,7 +24,7 @@ pub(super) fn line_key(out: &mut String, class: &str, text: &str) {
     );
 }
 
-fn path_key(out: &mut String, class: &str, data: &str, text: &str) {
+pub(super) fn path_key(out: &mut String, class: &str, data: &str, text: &str) {
     key(
         out,
         &format!("<path class=\"{class}\" d=\"{data}\"/>"),
@@ -32,7 +32,17 @@ fn path_key(out: &mut String, class: &str, data: &str, text: &str) {
     );
 }
 
-const RAMP: &str = "start <i class=\"ramp\"></i> end of the run";
+pub(super) fn taxel_key(out: &mut String) {
+    let taxel = "<rect class=\"taxel\" x=\"7\" y=\"0\" width=\"12\" height=\"12\"/>";
+    key(out, taxel, "taxel");
+}
+
+pub(super) fn break_key(out: &mut String) {
+    let cross = "M8 1l10 10M8 11l10 -10";
+    path_key(out, "cross", cross, "break: nothing felt");
+}
+
+pub(super) const RAMP: &str = "start <i class=\"ramp\"></i> end of the run";
 
 /// Figures A and C side by side; their planes.
 pub(super) fn planes(page: &mut String, trace: &Trace) -> [Plot; 2] {
@@ -52,11 +62,7 @@ pub(super) fn planes(page: &mut String, trace: &Trace) -> [Plot; 2] {
         "<circle class=\"start\" cx=\"13\" cy=\"6\" r=\"5\"/>",
         "first contact",
     );
-    key(
-        &mut legend,
-        "<rect class=\"taxel\" x=\"7\" y=\"0\" width=\"12\" height=\"12\"/>",
-        "taxel",
-    );
+    taxel_key(&mut legend);
     let _ = writeln!(
         page,
         "<div class=\"pair\"><section><h2>A \u{b7} Contact path on the sensor</h2>\n\
@@ -65,12 +71,7 @@ pub(super) fn planes(page: &mut String, trace: &Trace) -> [Plot; 2] {
     let mut legend = String::new();
     line_key(&mut legend, "aim", "contact, mapped");
     let _ = write!(legend, "<span>felt, energy centroid: {RAMP}</span>");
-    path_key(
-        &mut legend,
-        "cross",
-        "M8 1l10 10M8 11l10 -10",
-        "break: nothing felt",
-    );
+    break_key(&mut legend);
     path_key(
         &mut legend,
         "cross dim",

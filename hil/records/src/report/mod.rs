@@ -5,6 +5,7 @@
 //! frames (B), the felt path (C); then wire temperatures and the schedule as a strip chart.
 
 mod figures;
+mod hand;
 mod paths;
 mod playback;
 pub mod scale;
@@ -20,6 +21,7 @@ use crate::digest::trace_digest;
 use crate::readings::Readings;
 use crate::trace::{Source, Trace};
 use crate::verdict::Conclusion;
+pub use hand::{FingerReport, HandReport, Pad, hand_html};
 use std::fmt::Write;
 use svg::escape;
 pub use thermal::Warmth;
@@ -67,14 +69,8 @@ pub struct ReportExtras<'a> {
 
 /// The report as one HTML page.
 pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
-    let scene = escape(&tables::title(&trace.header.scene));
     let mut page = String::with_capacity(256 * 1024);
-    let _ = writeln!(
-        page,
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-         <title>{scene} \u{b7} palpate</title>\n<style>\n{STYLE}</style></head>\n<body><main>"
-    );
+    page_begins(&mut page, trace);
     tables::heading(&mut page, trace);
     tables::verdict(&mut page, trace, extras.conclusion);
     tables::facts(&mut page, trace, extras.made);
@@ -86,6 +82,25 @@ pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
     figures::schedule(&mut page, trace);
     tables::summary(&mut page, trace, extras);
     tables::events(&mut page, trace);
+    page_ends(&mut page, trace);
+    playback::data(&mut page, trace, extras.readings, [&pad, &display]);
+    let _ = writeln!(page, "<script>\n{SCRIPT}</script></body></html>");
+    page
+}
+
+/// A page's head, and the start of its body.
+fn page_begins(page: &mut String, trace: &Trace) {
+    let scene = escape(&tables::title(&trace.header.scene));
+    let _ = writeln!(
+        page,
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
+         <title>{scene} \u{b7} palpate</title>\n<style>\n{STYLE}</style></head>\n<body><main>"
+    );
+}
+
+/// The end of what a page says: which version made it, of what.
+fn page_ends(page: &mut String, trace: &Trace) {
     let _ = writeln!(
         page,
         "<footer>palpate {}, trace version {}, digest of the exact trace {}. {}</footer>\n</main>",
@@ -98,9 +113,6 @@ pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
             Source::Real => "Real hardware took part; what is felt still comes from a model.",
         }
     );
-    playback::data(&mut page, trace, extras.readings, [&pad, &display]);
-    let _ = writeln!(page, "<script>\n{SCRIPT}</script></body></html>");
-    page
 }
 
 #[cfg(test)]

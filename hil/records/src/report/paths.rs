@@ -14,7 +14,7 @@ pub(super) const TAXELS: usize = 4_096;
 const WIDTH: f64 = 540.0;
 const HEIGHT: f64 = 520.0;
 
-fn mm(p: PlaceUm) -> (f64, f64) {
+pub(super) fn mm(p: PlaceUm) -> (f64, f64) {
     (f64::from(p.x) / 1000.0, f64::from(p.y) / 1000.0)
 }
 
@@ -51,7 +51,7 @@ fn axes(plot: &mut Plot, svg: &mut Svg, places: &[(f64, f64)], rim: f64, what: &
 }
 
 /// Smallest distance of two of the places, or a fallback.
-fn pitch(places: &[(f64, f64)]) -> f64 {
+pub(super) fn pitch(places: &[(f64, f64)]) -> f64 {
     let mut best = f64::INFINITY;
     for (i, a) in places.iter().enumerate().take(400) {
         for b in places.iter().skip(i + 1).take(400) {
@@ -82,7 +82,7 @@ impl Trodden {
 
 /// A stroke in the colours of its time: thin line, and dots not closer than two pixels.
 #[derive(Default)]
-struct Stroke {
+pub(super) struct Stroke {
     lines: [String; HUES],
     dots: [String; HUES],
     last: Option<(f64, f64)>,
@@ -115,7 +115,7 @@ impl Stroke {
         self.last = None;
     }
 
-    fn draw(&self, svg: &mut Svg, dots: &str) {
+    pub(super) fn draw(&self, svg: &mut Svg, dots: &str) {
         for (hue, line) in self.lines.iter().enumerate() {
             svg.path(line, &format!("trail h{hue}"));
         }
@@ -150,30 +150,8 @@ pub(super) fn contact_path(trace: &Trace) -> (String, Plot) {
     }
     // A broad band below the contacts: a path that is followed well hides no thin line.
     truth(trace, &plot, &mut svg);
-    let length = length_us(trace);
-    let mut strokes: BTreeMap<(u16, u32), (Stroke, u32)> = BTreeMap::new();
-    let mut first = None;
-    for event in &trace.events {
-        if let Event::Contact {
-            t_us,
-            frame,
-            module,
-            contact,
-            place,
-            ..
-        } = event
-        {
-            let at = plot.at(mm(*place));
-            first.get_or_insert(at);
-            let (stroke, before) = strokes.entry((*module, *contact)).or_default();
-            if frame.saturating_sub(*before) > 1 {
-                stroke.lift();
-            }
-            *before = *frame;
-            stroke.to(at, hue(*t_us, length));
-        }
-    }
-    for (stroke, _) in strokes.values() {
+    let (strokes, first) = touched(trace, length_us(trace), |_, place| plot.at(place));
+    for stroke in strokes {
         stroke.draw(&mut svg, "dots");
     }
     if let Some(at) = first {
@@ -186,6 +164,99 @@ pub(super) fn contact_path(trace: &Trace) -> (String, Plot) {
         );
     }
     (svg.finish(), plot)
+}
+
+/// The paths of a run's contacts in the colours of their time, and where the first one is; `at` says where a place on a
+/// module is drawn.
+pub(super) fn touched(
+    trace: &Trace,
+    length: u64,
+    at: impl Fn(u16, (f64, f64)) -> (f64, f64),
+) -> (Vec<Stroke>, Option<(f64, f64)>) {
+    let mut strokes: BTreeMap<(u16, u32), (Stroke, u32)> = BTreeMap::new();
+    let mut first = None;
+    for event in &trace.events {
+        if let Event::Contact {
+            t_us,
+            frame,
+            module,
+            contact,
+            place,
+            ..
+        } = event
+        {
+            let at = at(*module, mm(*place));
+            first.get_or_insert(at);
+            let (stroke, before) = strokes.entry((*module, *contact)).or_default();
+            if frame.saturating_sub(*before) > 1 {
+                stroke.lift();
+            }
+            *before = *frame;
+            stroke.to(at, hue(*t_us, length));
+        }
+    }
+    (strokes.into_values().map(|(s, _)| s).collect(), first)
+}
+
+/// What was felt of a run, and what was not.
+#[derive(Default)]
+pub(super) struct Felt {
+    /// Where contacts were.
+    target: Stroke,
+    /// Where they were felt.
+    pub(super) path: Stroke,
+    /// Contacts inside the display that were not felt.
+    pub(super) crosses: String,
+    /// The same outside.
+    outside: String,
+    /// The first felt place.
+    first: Option<(f64, f64)>,
+}
+
+/// The felt path of a run; `at` says where a place on the display is drawn.
+pub(super) fn felt(trace: &Trace, length: u64, at: impl Fn((f64, f64)) -> (f64, f64)) -> Felt {
+    let mut all = Felt::default();
+    let mut crossed = Trodden::default();
+    let gap = trace.header.soa_us.saturating_mul(2).max(1);
+    let mut before = None;
+    for event in &trace.events {
+        let Event::Felt {
+            t_us,
+            target,
+            inside,
+            met,
+            ..
+        } = event
+        else {
+            continue;
+        };
+        if before.is_some_and(|b: u64| t_us.saturating_sub(b) > gap) {
+            all.target.lift();
+            all.path.lift();
+        }
+        before = Some(*t_us);
+        let aim = at(mm(*target));
+        all.target.to(aim, 0);
+        match met.filter(FeltAt::is_felt) {
+            Some(felt) => {
+                let at = at(mm(felt.energy));
+                all.first.get_or_insert(at);
+                all.path.to(at, hue(*t_us, length));
+            }
+            None => {
+                all.path.lift();
+                if crossed.is_new(aim, aim) {
+                    let into = if *inside {
+                        &mut all.crosses
+                    } else {
+                        &mut all.outside
+                    };
+                    cross(into, aim);
+                }
+            }
+        }
+    }
+    all
 }
 
 fn truth(trace: &Trace, plot: &Plot, svg: &mut Svg) {
@@ -252,44 +323,13 @@ pub(super) fn felt_path(trace: &Trace) -> (String, Plot) {
     let mut plot = plane();
     let mut svg = Svg::new(WIDTH, HEIGHT, "Felt path on the display");
     axes(&mut plot, &mut svg, &places, 2.6, "display");
-    let (mut target_path, mut outside) = (Stroke::default(), String::new());
-    let (mut felt_path, mut crosses) = (Stroke::default(), String::new());
-    let mut crossed = Trodden::default();
-    let length = length_us(trace);
-    let gap = trace.header.soa_us.saturating_mul(2).max(1);
-    let (mut before, mut first) = (None, None);
-    for event in &trace.events {
-        let Event::Felt {
-            t_us,
-            target,
-            inside,
-            met,
-            ..
-        } = event
-        else {
-            continue;
-        };
-        if before.is_some_and(|b: u64| t_us.saturating_sub(b) > gap) {
-            target_path.lift();
-            felt_path.lift();
-        }
-        before = Some(*t_us);
-        let aim = plot.at(mm(*target));
-        target_path.to(aim, 0);
-        match met.filter(FeltAt::is_felt) {
-            Some(felt) => {
-                let at = plot.at(mm(felt.energy));
-                first.get_or_insert(at);
-                felt_path.to(at, hue(*t_us, length));
-            }
-            None => {
-                felt_path.lift();
-                if crossed.is_new(aim, aim) {
-                    cross(if *inside { &mut crosses } else { &mut outside }, aim);
-                }
-            }
-        }
-    }
+    let Felt {
+        target: target_path,
+        path: felt_path,
+        crosses,
+        outside,
+        first,
+    } = felt(trace, length_us(trace), |place| plot.at(place));
     svg.path(&target_path.lines.concat(), "aim");
     let bar = plot.px(2.5) - plot.px(0.0);
     for (index, wire) in wires.iter().enumerate() {

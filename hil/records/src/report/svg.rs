@@ -88,6 +88,16 @@ impl Svg {
         );
     }
 
+    /// What is drawn from here on is a link, until [`Svg::close_link`].
+    pub fn open_link(&mut self, to: &str) {
+        let _ = writeln!(self.body, "<a href=\"{}\">", escape(to));
+    }
+
+    /// The link ends here.
+    pub fn close_link(&mut self) {
+        self.body.push_str("</a>\n");
+    }
+
     /// The drawing as text, for a page that has the style sheet.
     pub fn finish(mut self) -> String {
         self.body.push_str("</svg>\n");

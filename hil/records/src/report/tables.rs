@@ -74,12 +74,19 @@ pub(super) fn facts(page: &mut String, trace: &Trace, made: &[(&'static str, Str
         .iter()
         .filter(|e| matches!(e, Event::Frame { .. }))
         .count();
+    let of_all = match h.displays.as_slice() {
+        [] => "frames",
+        _ => "frames of all displays",
+    };
     let facts = [
         ("bench", h.bench.clone()),
         ("seed", h.seed.to_string()),
         (
             "length",
-            format!("{} s, {frames} frames", seconds(measure::length_us(trace))),
+            format!(
+                "{} s, {frames} {of_all}",
+                seconds(measure::length_us(trace))
+            ),
         ),
         (
             "PWM, true",
@@ -233,18 +240,21 @@ fn short(figure: &Figure) -> String {
     }
 }
 
+/// A used part, thousandths of a percent, as a bar and in words; `None` is a limit at rest.
+pub(super) fn meter(used: Option<i64>) -> String {
+    let bar = used.map_or(100, |used| (used / 1000).clamp(0, 100));
+    let words = used_words(used).replace(' ', "\u{a0}");
+    format!("<span class=\"meter\"><i style=\"width:{bar}%\"></i></span>{words}")
+}
+
 /// Totals, then the margins.
-fn ledger(page: &mut String, trace: &Trace) {
+pub(super) fn ledger(page: &mut String, trace: &Trace) {
     page.push_str(
         "<section><h2>Ledger against its limits</h2><table><tr><th>spent</th>\
          <th class=\"num\">value</th><th>unit</th><th class=\"num\">limit</th><th>used</th></tr>\n",
     );
     for f in figures(trace) {
-        let used = f.used.map_or_else(String::new, |used| {
-            let bar = (used / 1000).clamp(0, 100);
-            let words = used_words(Some(used)).replace(' ', "\u{a0}");
-            format!("<span class=\"meter\"><i style=\"width:{bar}%\"></i></span>{words}")
-        });
+        let used = f.used.map_or_else(String::new, |used| meter(Some(used)));
         let unit = match f.unit.as_str() {
             "C" => "\u{b0}C",
             "Omega" => "\u{3a9}",

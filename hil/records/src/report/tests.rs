@@ -17,6 +17,11 @@ fn timing(n: u64) -> Vec<f32> {
 fn sound(page: &str) {
     // The page's own script and numbers, whatever names a run has.
     assert_eq!(page.matches("<script").count(), 2);
+    written(page);
+}
+
+/// A whole page that loads nothing, of numbers that are ones.
+pub(super) fn written(page: &str) {
     for bad in ["@import", "url(", "src=", "fetch", "import("] {
         assert!(!page.contains(bad), "{bad}");
     }
@@ -34,7 +39,7 @@ fn sound(page: &str) {
     assert!(page.ends_with("</html>\n"));
 }
 
-fn show(name: &str, page: &str) {
+pub(super) fn show(name: &str, page: &str) {
     if let Some(folder) = std::env::var_os("PALPATE_SHOW") {
         std::fs::write(std::path::Path::new(&folder).join(name), page).unwrap();
     }

@@ -134,6 +134,7 @@ pub fn read_schedule(
             taxels: Vec::new(),
             wires,
             displays: Vec::new(),
+            joints: Vec::new(),
         },
         events,
         ledger: Ledger {

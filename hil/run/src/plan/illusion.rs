@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use palpate_files::Setup;
 
 /// Power, W, of a contact that moves on: pulses are so many that they can carry it. Half the fingertip's for a minute.
-const MOVING_W: f64 = 0.03;
+pub(crate) const MOVING_W: f64 = 0.03;
 /// The widest pulse that the limits let pass at the nominal oscillator, s.
 const WIDEST_S: f64 = 184e-6;
 

@@ -6,6 +6,7 @@ mod person;
 mod response;
 mod texture;
 
+pub(crate) use illusion::MOVING_W;
 pub use illusion::drive;
 pub(crate) use level::{decibels, strongest};
 pub use person::person;
@@ -299,13 +300,15 @@ pub fn untextured(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Fail
         supply: milliamps(bench.drive.supply_limit_ma),
         ..setup.limits.value.limits
     }
-    .tightened();
+    .tightened()
+    .of_hand(1);
     let guard = Guard::new(
         limits,
         Plant {
             prescale,
             wire_milliohm,
             peak,
+            bus: setup.bus_wait,
         },
         display.wires(),
     )

@@ -1,49 +1,89 @@
-//! A run of several displays: one skin, and a session per finger. No session knows of another, so what befalls one
-//! finger changes nothing of the others'; what they share, boards and supply, is shared out before the run begins.
+//! A run of several displays: one skin, the buses with their boards, and a session per finger. No session knows of another.
+//! What they share, boards, buses and supply, is shared out before the run begins.
 
 use palpate_core::contact::Levels;
 use palpate_core::projector::Projector;
 use palpate_core::skin::Layout;
 use palpate_core::units::{Duration, Instant};
-use palpate_files::Setup;
+use palpate_emulators::display::i2c::BusClock;
+use palpate_files::{Fault, Gate, Setup};
+use palpate_records::i2c::Transfer;
 use palpate_records::trace::{Event, Header};
 
 use super::{Run, build, part};
+use crate::actuator_bus::ActuatorBus;
 use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::effects::Faultable;
 use crate::failure::Failure;
 use crate::join::{Common, Part, join};
 use crate::pads::Pads;
-use crate::place::{Place, fingers};
+use crate::place::{Place, fingers, hand_of};
 use crate::plan;
 use crate::recorder::Truth;
 use crate::script::Script;
 use crate::session::{Session, TICK, Turn};
 use crate::skin_end::SkinEnd;
-use crate::{Host, Outcome};
+use crate::verdict::STOPPED_BY;
+use crate::{Host, Outcome, TurnView};
 
 /// A finger's session, and whether it has ended before the run.
 struct Finger {
     place: Place,
     header: Header,
     session: Session<Pads, EmulatedDisplay>,
+    /// How far its bus may be behind at its turn: what the guard counts with.
+    bus_wait: Duration,
     ended: bool,
+    /// The joint that it depends on, and whether it was felt in the last turn.
+    gate: Option<(Gate, bool)>,
 }
 
 impl Finger {
+    /// When its next turn is due. A host waits for an adapter that is still busy with other fingers' transfers: what it
+    /// wrote later it must not believe to be written now.
+    fn due(&mut self) -> Instant {
+        let next = self.session.next();
+        if self.place.alone {
+            return next;
+        }
+        let bus = self.session.display().hardware().bus();
+        // Refused only from inside another look at the segment, and there is none here.
+        let busy = bus.with(|segment| segment.now()).unwrap_or_default();
+        let waits_us = busy.0.div_ceil(1000).saturating_sub(self.bus_wait.as_micros());
+        next.max(Instant::from_micros(waits_us))
+    }
+
     /// A turn, if one is due; something that ends it ends no other finger.
     fn turn(&mut self, now: Instant, skin: &mut impl SkinEnd) -> Result<(), Failure> {
         if self.ended {
             return self.rest(now);
         }
-        if self.session.next() > now {
+        if self.due() > now {
             return Ok(());
         }
+        self.look_at_joint(now);
         if self.session.turn(now)? == Turn::Last {
             self.end(now);
         }
         self.session.skin().exchange(skin);
         Ok(())
+    }
+
+    /// Shows the finger's skin, or hides it, as its joint stands.
+    fn look_at_joint(&mut self, now: Instant) {
+        let Some((gate, was_open)) = &mut self.gate else {
+            return;
+        };
+        let t_s = now.as_micros() as f64 * 1e-6;
+        let (_, projector, recorder) = self.session.all();
+        let is_open = gate.is_open(&recorder.joints, t_s);
+        if std::mem::replace(was_open, is_open) != is_open {
+            projector.show(is_open);
+            let joint = recorder.joints.get(gate.joint).map_or("?", |j| &*j.name);
+            let word = if is_open { "felt" } else { "not felt" };
+            let text = format!("{word}: joint {joint}");
+            recorder.note(now, text);
+        }
     }
 
     /// What no loop drives any more is looked at to the end: its wires cool, and a shorted amplifier heats on.
@@ -53,6 +93,27 @@ impl Finger {
         display.advance_to(now, &mut recorder.events)?;
         display.look(now, false, projector, recorder);
         Ok(())
+    }
+
+    /// Shows its turn to the host; whether the host wants no more.
+    fn show(
+        &mut self,
+        display: usize,
+        now: Instant,
+        skin: &impl SkinEnd,
+        host: &mut dyn Host,
+    ) -> bool {
+        if !host.looks_on() {
+            return false;
+        }
+        let (_, recorder) = self.session.seen();
+        host.turn(&TurnView {
+            now,
+            display,
+            events: &recorder.events,
+            counts: recorder.counts.as_deref().unwrap_or_default(),
+            buses: &|| skin.buses(),
+        })
     }
 
     /// Everything of it off at `now`, once.
@@ -79,10 +140,6 @@ impl Run<'_> {
         end: Instant,
         host: &mut dyn Host,
     ) -> Result<(Outcome, S), Failure> {
-        if host.looks_on() {
-            let expected = "--watch: expected a bench of one display";
-            return Err(Failure::Input(expected.into()));
-        }
         let alone = fingers(self.setup);
         let layouts = alone.iter().map(|(_, s)| plan::layout(&s.sensor.value));
         let layouts: Vec<Layout> = layouts.collect::<Result<_, _>>()?;
@@ -92,21 +149,24 @@ impl Run<'_> {
             ..*self
         });
         let runs: Vec<Run<'_>> = runs.collect();
+        let mut buses = ActuatorBus::all(self.setup, self.layout, self.seed);
         let mut fingers = Vec::new();
         for ((run, (place, _)), finger) in runs.iter().zip(&alone).zip(&self.setup.fingers) {
             let truth = match truth {
-                // One felt place is held against one touched module.
-                Truth::Scene(_) if !finger.merged => Truth::on(self.setup, finger.modules[0]),
+                Truth::Scene(_) => Truth::of_finger(self.setup, finger),
                 _ => Truth::Unknown,
             };
             let pads = Pads::new(&place.modules);
-            let (header, session) =
-                run.assemble(levels.clone(), pads, truth, place.clone(), host)?;
+            let on = (place.clone(), buses.iter().find(|bus| bus.carries(place)));
+            let (header, session) = run.assemble(levels.clone(), pads, truth, on, host)?;
+            host.begin(&header, run.layout, end)?;
             fingers.push(Finger {
                 place: place.clone(),
                 header,
                 session,
+                bus_wait: run.setup.bus_wait,
                 ended: false,
+                gate: finger.when.map(|gate| (gate, true)),
             });
         }
         let loops = fingers.iter_mut().map(|finger| {
@@ -114,14 +174,28 @@ impl Run<'_> {
             (&*place, session.projector_mut())
         });
         stagger(self.setup, loops.collect())?;
-        let (last, common) = self.play(&mut fingers, &mut skin, end, host)?;
+        let hardware = Hardware {
+            skin: &mut skin,
+            buses: &mut buses,
+            script: Script::new(self.of_skin(), self.layout),
+            events: Vec::new(),
+        };
+        let played = self.play(&mut fingers, hardware, end, host);
+        host.end();
+        let (last, common) = played?;
         let replayed = matches!(truth, Truth::Unknown);
         let mut parts = Vec::new();
+        // Boards that fingers share go off before any of them is looked at.
+        fingers.iter_mut().for_each(|finger| finger.end(last));
+        let i2c: Vec<Transfer> = buses.iter().flat_map(ActuatorBus::transfers).collect();
         for (run, mut finger) in runs.iter().zip(fingers) {
-            finger.end(last);
             let (display, projector, recorder) = finger.session.all();
             display.settle(last, projector, recorder)?;
-            let outcome = run.outcome(finger.header, &mut finger.session, last, host)?;
+            let mut outcome = run.outcome(finger.header, &mut finger.session, last, host)?;
+            let own = plan::boards(&run.setup.bench.value);
+            let of_boards =
+                |t: &&Transfer| t.bus == finger.place.bus && own.contains(&t.address);
+            outcome.i2c = i2c.iter().filter(of_boards).cloned().collect();
             // The whole scene's faults say what may be missing; the person is the finger's.
             let mut judged = self.setup.clone();
             judged.person.clone_from(&run.setup.person);
@@ -134,52 +208,44 @@ impl Run<'_> {
         let common = Common {
             can: skin.take_frames(),
             buses: skin.buses(),
+            board_faults: buses.iter().flat_map(ActuatorBus::faults).collect(),
+            i2c,
             ..common
         };
         Ok((join(self.setup, parts, common), skin))
+    }
+
+    /// The scene's faults of the skin.
+    fn of_skin(&self) -> impl Iterator<Item = &Fault> {
+        let faults = self.setup.scene.value.faults.iter();
+        faults.filter(|fault| !fault.kind.is_of_display())
     }
 
     /// Turn after turn. The skin is read at times that no finger sets: each then finds what it would find alone.
     fn play<S: SkinEnd>(
         &self,
         fingers: &mut [Finger],
-        skin: &mut S,
+        mut hardware: Hardware<'_, S>,
         end: Instant,
         host: &mut dyn Host,
     ) -> Result<(Instant, Common), Failure> {
-        let faults = self.setup.scene.value.faults.iter();
-        let of_skin = faults.filter(|fault| !fault.kind.is_of_display());
-        let mut script = Script::new(of_skin, self.layout);
-        let mut events = Vec::new();
-        let mut fail = |now, skin: &mut S, events: &mut Vec<Event>| {
-            let mut bench = Faultable {
-                skin: skin.emulated(),
-                display: None,
-            };
-            if now < end {
-                script.step(now, &mut bench, events);
-            } else {
-                script.finish(now, &mut bench, events);
-            }
-            script.next()
-        };
+        let mut now = Instant::ZERO;
+        let mut due = hardware.fail(now, false).min(now + TICK);
         for finger in &mut *fingers {
             // The policy waits for boards that do not answer, so this cannot fail.
-            let _ = finger.session.start(Instant::ZERO);
+            let _ = finger.session.start(now);
         }
-        let mut due = fail(Instant::ZERO, skin, &mut events).min(Instant::ZERO + TICK);
-        let mut now = Instant::ZERO;
         while !host.passed(part(now, end)) {
-            let turns = fingers.iter().filter(|f| !f.ended);
-            let next = turns.map(|f| f.session.next()).fold(due, Instant::min);
+            let turns = fingers.iter_mut().filter(|f| !f.ended);
+            let next = turns.map(Finger::due).fold(due, Instant::min);
             if next >= end {
                 now = end;
                 break;
             }
             now = next;
             if now >= due {
-                skin.advance_to(now);
-                let read = skin.scans(now, &mut |scan| {
+                hardware.skin.advance_to(now);
+                let read = hardware.skin.scans(now, &mut |scan| {
                     fingers
                         .iter_mut()
                         .for_each(|f| f.session.skin().offer(scan));
@@ -191,20 +257,60 @@ impl Run<'_> {
                         .for_each(|f| f.session.set_failure(failed()));
                     break;
                 }
-                due = fail(now, skin, &mut events).min(now + TICK);
+                due = hardware.fail(now, false).min(now + TICK);
             }
-            for finger in &mut *fingers {
-                finger.turn(now, skin)?;
+            let mut is_stopped = false;
+            for (number, finger) in fingers.iter_mut().enumerate() {
+                finger.turn(now, hardware.skin)?;
+                is_stopped |= finger.show(number, now, hardware.skin, host);
+            }
+            if is_stopped {
+                let text = format!("{STOPPED_BY}the person who watched");
+                let fingers = fingers.iter_mut();
+                fingers.for_each(|f| f.session.recorder().note(now, text.clone()));
+                let t_us = now.as_micros();
+                hardware.events.push(Event::Note { t_us, text });
+                break;
             }
         }
-        skin.advance_to(now);
-        let _ = fail(end, skin, &mut events);
+        hardware.skin.advance_to(now);
+        let _ = hardware.fail(end, true);
         let common = Common {
-            events,
-            faults: script.report(),
+            events: hardware.events,
+            faults: hardware.script.report(),
             ..Common::default()
         };
         Ok((now, common))
+    }
+}
+
+/// What the fingers have in common, and the scene's faults of it.
+struct Hardware<'a, S> {
+    skin: &'a mut S,
+    buses: &'a mut [ActuatorBus],
+    /// The skin's faults.
+    script: Script,
+    events: Vec<Event>,
+}
+
+impl<S: SkinEnd> Hardware<'_, S> {
+    /// Lets faults begin and end that are due at `now`; with `last` those that are on end. Returns when the next one is due.
+    fn fail(&mut self, now: Instant, last: bool) -> Instant {
+        let mut bench = Faultable {
+            skin: self.skin.emulated(),
+            display: None,
+        };
+        if last {
+            self.script.finish(now, &mut bench, &mut self.events);
+        } else {
+            self.script.step(now, &mut bench, &mut self.events);
+        }
+        let events = &mut self.events;
+        let buses = self.buses.iter_mut().map(|bus| {
+            bus.fail(now, last, events);
+            bus.next_fault()
+        });
+        buses.fold(self.script.next(), Instant::min)
     }
 }
 
@@ -220,19 +326,65 @@ pub(super) fn fits(setup: &Setup) -> Result<(), Failure> {
     stagger(setup, places.zip(&mut loops).collect())
 }
 
-/// Gives every finger its place on the grid of onsets: bursts of those that share a board never meet. Within a burst
-/// the guard keeps a board's wires apart, so at most one wire's current flows per board.
-fn stagger(setup: &Setup, fingers: Vec<(&Place, &mut Projector)>) -> Result<(), Failure> {
-    let mut ranks: Vec<u64> = Vec::new();
-    for (index, (place, _)) in fingers.iter().enumerate() {
+/// Which fingers share boards, directly or through others: fingers of one such group have the same number.
+fn groups(places: &[&Place]) -> Vec<usize> {
+    let mut groups: Vec<usize> = Vec::new();
+    for (index, place) in places.iter().enumerate() {
         let shares = |other: &Place| other.boards.iter().any(|b| place.boards.contains(b));
-        let earlier = fingers[..index].iter().zip(&ranks);
-        let taken = earlier.filter(|((other, _), _)| shares(other));
+        let joined = (0..index).filter(|other| shares(places[*other]));
+        let joined: Vec<usize> = joined.map(|other| groups[other]).collect();
+        let group = joined.iter().copied().min().unwrap_or(index);
+        let all = groups.iter_mut().filter(|g| joined.contains(g));
+        all.for_each(|g| *g = group);
+        groups.push(group);
+    }
+    groups
+}
+
+/// How long a bus is taken by a write of all channels of a display, in whole turns of the loop.
+fn write_time(places: &[&Place]) -> Duration {
+    let most = places.iter().map(|p| p.wires).max().unwrap_or(0) as u64;
+    let write = BusClock::Fast.write_time(1 + 4 * most.min(16));
+    Duration::from_micros(write.as_micros().next_multiple_of(TICK.as_micros()))
+}
+
+/// The power of a hand, shared out, carries a moving contact on each of its fingertips.
+fn check_hands(setup: &Setup) -> Result<(), Failure> {
+    let limits = &setup.limits;
+    let hand_mw = limits.value.limits.hand_60s_uw as f64 * 1e-3;
+    let moving_mw = plan::MOVING_W * 1e3;
+    let counts = setup.fingers.iter().map(|f| hand_of(setup, f).count());
+    let most = counts.max().unwrap_or(0);
+    let needed = most as f64 * moving_mw;
+    if hand_mw >= needed {
+        return Ok(());
+    }
+    let expected = format!(
+        "at least {needed} mW: {most} displays on one hand with a moving contact of {moving_mw} mW each"
+    );
+    let key = "hand_power.over_60s_mw";
+    let found = format!("{hand_mw} mW");
+    Err(Failure::File(limits.source.bad_found(key, expected, found)))
+}
+
+/// Gives every finger its place on the grid of onsets. Bursts of those that share a board never meet; within a burst the
+/// guard keeps a board's wires apart, so at most one wire's current flows per board. Boards of one bus are written one
+/// after the other, so that no onset and no end of one waits for another's.
+fn stagger(setup: &Setup, fingers: Vec<(&Place, &mut Projector)>) -> Result<(), Failure> {
+    check_hands(setup)?;
+    let places: Vec<&Place> = fingers.iter().map(|(place, _)| *place).collect();
+    let groups = groups(&places);
+    let write = write_time(&places);
+    let mut ranks: Vec<u64> = Vec::new();
+    for (index, place) in places.iter().enumerate() {
+        let shares = |other: &Place| other.boards.iter().any(|b| place.boards.contains(b));
+        let earlier = places[..index].iter().zip(&ranks);
+        let taken = earlier.filter(|(other, _)| shares(other));
         let taken: Vec<u64> = taken.map(|(_, rank)| *rank).collect();
         ranks.extend((0..).find(|rank| !taken.contains(rank)));
     }
     let slots = ranks.iter().max().map_or(1, |most| most + 1);
-    for ((_, projector), rank) in fingers.into_iter().zip(ranks) {
+    for (index, (place, projector)) in fingers.into_iter().enumerate() {
         let (timing, off) = (projector.timing(), projector.guard().surplus());
         let soa_us = timing.soa.as_micros();
         let burst = timing.duration + off;
@@ -249,7 +401,11 @@ fn stagger(setup: &Setup, fingers: Vec<(&Place, &mut Projector)>) -> Result<(), 
             let error = setup.bench.source.bad_found("displays", expected, found);
             return Err(Failure::File(error));
         }
-        projector.begin_at(Instant::from_micros(soa_us * rank / slots));
+        // Groups of the same bus before its own.
+        let first = |other: &usize| groups[*other] == *other && *other < groups[index];
+        let before = (0..index).filter(|other| first(other) && places[*other].bus == place.bus);
+        let wait_us = before.count() as u64 * write.as_micros();
+        projector.begin_at(Instant::from_micros(soa_us * ranks[index] / slots + wait_us));
     }
     Ok(())
 }

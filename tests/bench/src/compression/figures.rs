@@ -118,11 +118,7 @@ const ALL: Seen<'_> = Seen {
 };
 
 fn map(findings: &mut Findings, name: &str, title: &str, words: &str, series: Vec<Series>) {
-    let plot = Plot {
-        x: Axis::linear("x [mm]"),
-        y: Axis::linear("y [mm]"),
-        series,
-    };
+    let plot = Plot::of_plane(series);
     findings.figures.push(plot.figure(name, title, words));
 }
 
@@ -130,7 +126,7 @@ fn speeds(findings: &mut Findings, name: &str, title: &str, rate: f64, mut serie
     let sensor = CLUSTERS.iter().map(|k| (f64::from(*k), rate)).collect();
     series.push(Series::new("the sensor", Mark::Line, sensor));
     let plot = Plot {
-        x: Axis::decades("K_C"),
+        x: Axis::linear("most contacts, K_C").span(0.0, 17.0),
         y: Axis::decades("frames per second [Hz]"),
         series,
     };

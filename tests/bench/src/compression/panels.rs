@@ -14,6 +14,8 @@ use crate::plot::{Axis, Mark, Plot, Series};
 
 /// Bars of a histogram, as in figure 4.7.
 const BARS: usize = 24;
+/// Where the intensity levels stand, below the bars.
+const RUG: f64 = 0.5;
 /// Of so many frames one is drawn over time.
 const DRAWN: usize = 4;
 
@@ -29,6 +31,21 @@ pub(super) fn kept(setup: &Setup, input: &Input) -> Result<Outcome, Failure> {
     run_with(setup, input, 1, keep, &mut Onlooker::default())
 }
 
+/// Taxels in contact of every frame, by its time in microseconds.
+fn in_contact(outcome: &Outcome) -> BTreeMap<u64, usize> {
+    let frame = |event: &Event| match event {
+        Event::Frame {
+            t_us, in_contact, ..
+        } => Some((*t_us, usize::from(*in_contact))),
+        _ => None,
+    };
+    outcome.trace.events.iter().filter_map(frame).collect()
+}
+
+fn seconds(t_us: u64) -> f64 {
+    t_us as f64 * 1e-6
+}
+
 /// What every frame read: time, and each taxel's distance from its reference, strongest first, with those in contact.
 struct Frames<'a> {
     readings: &'a Readings,
@@ -37,15 +54,9 @@ struct Frames<'a> {
 
 impl<'a> Frames<'a> {
     fn of(outcome: &'a Outcome) -> Option<Self> {
-        let frame = |event: &Event| match event {
-            Event::Frame {
-                t_us, in_contact, ..
-            } => Some((*t_us, usize::from(*in_contact))),
-            _ => None,
-        };
         Some(Self {
             readings: outcome.readings.as_ref()?,
-            in_contact: outcome.trace.events.iter().filter_map(frame).collect(),
+            in_contact: in_contact(outcome),
         })
     }
 
@@ -168,13 +179,14 @@ pub(super) fn histogram(findings: &mut Findings, name: &str, title: &str, outcom
             *count += 1.0;
         }
     }
-    let rug = levels.values().map(|(sum, count)| (sum / count, 1.0));
+    let rug = levels.values().map(|(sum, count)| (sum / count, RUG));
+    let tallest = (idle.len() + active.len()).max(1) as f64;
     let plot = Plot {
-        x: Axis::linear("distance from the reference [counts]"),
-        y: Axis::decades("readouts"),
+        x: Axis::linear("distance from the reference [counts]").span(0.0, width * BARS as f64),
+        y: Axis::decades("readouts").span(RUG, tallest * 2.0),
         series: vec![
-            Series::new("not in contact", Mark::Swept, bars(&idle)),
-            Series::new("in contact", Mark::Swept, bars(&active)),
+            Series::new("not in contact", Mark::Bars, bars(&idle)),
+            Series::new("in contact", Mark::Bars, bars(&active)),
             Series::new("intensity levels", Mark::Crosses, rug.collect()),
         ],
     };
@@ -187,7 +199,6 @@ pub(super) fn raw(findings: &mut Findings, name: &str, title: &str, outcome: &Ou
     let Some(frames) = Frames::of(outcome) else {
         return;
     };
-    let seconds = |t_us: u64| t_us as f64 * 1e-6;
     let mut taxels: Vec<Vec<(f64, f64)>> = Vec::new();
     for (t_us, magnitudes) in frames.magnitudes().step_by(DRAWN) {
         taxels.resize_with(magnitudes.len(), Vec::new);
@@ -202,11 +213,7 @@ pub(super) fn raw(findings: &mut Findings, name: &str, title: &str, outcome: &Ou
     let marks = marks.into_iter().flatten().map(|t| (seconds(t), 0.0));
     let marked = "first contact, fullest frame";
     series.push(Series::new(marked, Mark::Crosses, marks.collect()));
-    let plot = Plot {
-        x: Axis::linear("time [s]"),
-        y: Axis::linear("distance from the reference [counts]"),
-        series,
-    };
+    let plot = Plot::over_time(Axis::linear("distance from the reference [counts]"), series);
     let words = "Every taxel of the driving module, one frame of four.";
     findings.figures.push(plot.figure(name, title, words));
 }
@@ -250,46 +257,41 @@ pub(super) fn fullest(
         let places = outcome.trace.events.iter().filter_map(place).collect();
         series.push(Series::new(format!("K_C = {kc}"), Mark::Places, places));
     }
-    let plot = Plot {
-        x: Axis::linear("x [mm]"),
-        y: Axis::linear("y [mm]"),
-        series,
-    };
+    let plot = Plot::of_plane(series);
     let words =
         "One frame: where contacts are found with K_C from 1 to as many as there are taxels.";
     findings.figures.push(plot.figure(name, title, words));
 }
 
-/// The bottom of figure 4.7: taxels in contact and frames per second, over time.
+/// The bottom of figure 4.7: taxels in contact and, in a figure of its own, frames per second, over time.
 pub(super) fn course(
     findings: &mut Findings,
     name: &str,
     title: &str,
     clusters: &[(u32, Outcome)],
 ) {
-    let mut series = Vec::new();
-    for (kc, outcome) in clusters {
-        let frame = |event: &Event| match event {
-            Event::Frame {
-                t_us, in_contact, ..
-            } => Some((*t_us as f64 * 1e-6, f64::from(*in_contact))),
-            _ => None,
-        };
-        let contacts: Vec<_> = outcome.trace.events.iter().filter_map(frame).collect();
-        let speeds = contacts.iter().zip(&outcome.frame_us);
-        let speeds = speeds.map(|((t, _), us)| (*t, 1e6 / f64::from(*us)));
-        let speeds = speeds.step_by(DRAWN).collect();
-        if series.is_empty() {
-            series.push(Series::new("taxels in contact", Mark::Line, contacts));
-        }
-        let named = format!("frames per second, K_C = {kc}");
-        series.push(Series::new(named, Mark::Line, speeds));
-    }
-    let plot = Plot {
-        x: Axis::linear("time [s]"),
-        y: Axis::decades("taxels, or frames per second"),
-        series,
+    let Some((_, first)) = clusters.first() else {
+        return;
     };
-    let words = "Taxels in contact, and the speed of the whole loop frame by frame.";
+    let held = in_contact(first).into_iter();
+    let held = held.map(|(t_us, count)| (seconds(t_us), count as f64));
+    let plot = Plot::over_time(
+        Axis::linear("taxels in contact"),
+        vec![Series::new("taxels in contact", Mark::Line, held.collect())],
+    );
+    let words = "Taxels above the contact threshold, frame by frame.";
     findings.figures.push(plot.figure(name, title, words));
+    let speed = |(kc, outcome): &(u32, Outcome)| {
+        let times = in_contact(outcome).into_keys().zip(&outcome.frame_us);
+        let speeds = times.map(|(t_us, us)| (seconds(t_us), 1e6 / f64::from(*us)));
+        let speeds = speeds.step_by(DRAWN).collect();
+        Series::new(format!("K_C = {kc}"), Mark::Line, speeds)
+    };
+    let plot = Plot::over_time(
+        Axis::decades("frames per second [Hz]"),
+        clusters.iter().map(speed).collect(),
+    );
+    let words = "Speed of the whole loop, one frame of four, on this machine.";
+    let (name, title) = (format!("{name}-speed"), format!("{title}, speed"));
+    findings.figures.push(plot.figure(&name, &title, words));
 }

@@ -71,6 +71,7 @@ pub(super) fn five_five() -> Result<Figure, Failure> {
         ),
         svg: svg.finish(),
         legend: String::new(),
+        alone: None,
     })
 }
 

@@ -37,6 +37,34 @@ fn every_condition_is_told_apart() {
     assert_eq!(m.condition(0, later), Saturated);
 }
 
+/// Compensated readings of an 8-bit skin are 0 without a touch: that is no end of the range to be ill at.
+#[test]
+fn the_end_of_the_range_that_a_skin_rests_at_is_no_saturation() {
+    let condition = |axes: u8, first: [u16; 4], then: [u16; 4]| {
+        let pad = Module::grid("pad", 1, 4, 1.0).unwrap();
+        let l = Layout::single(pad.with_axes(axes).unwrap()).unwrap();
+        let mut m = Monitor::new(&l, HealthSettings::default());
+        let mut s = Scan::new(&l);
+        for (k, z) in [first, then].into_iter().enumerate() {
+            let at = Instant::from_micros(k as u64 * 10_000);
+            s.load(at, &z.map(|z| [0, 0, z])).unwrap();
+            m.observe(&s);
+        }
+        [0, 1, 2, 3].map(|i| m.condition(i, s.at()))
+    };
+    use Condition::*;
+    assert_eq!(
+        condition(1, [0, 0, 1, 0], [0, 40, u16::MAX, 0]),
+        [Good, Good, Saturated, Good]
+    );
+    // One that reads 0 where the others do not is ill, and so is a board that sends zeros on three axes.
+    assert_eq!(
+        condition(1, [0, 90, 91, 92], [0, 90, 91, 0]),
+        [Saturated, Good, Good, Saturated]
+    );
+    assert_eq!(condition(3, [0; 4], [0; 4]), [Saturated; 4]);
+}
+
 #[test]
 fn never_seen_is_dead_and_repeats_are_counted() {
     let l = Layout::single(Module::grid("pad", 1, 2, 1.0).unwrap()).unwrap();
@@ -91,7 +119,7 @@ fn a_module_is_well_where_all_of_its_taxels_are() {
         s.load(at, &row).unwrap();
         for module in 0..2 {
             let range = l.range(module);
-            let said = m.observe_range(&s, range.clone());
+            let said = m.observe_module(&s, module);
             let good = |i: usize| {
                 let condition = m.condition(i, at);
                 condition == Condition::Inactive

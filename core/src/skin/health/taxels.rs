@@ -1,0 +1,327 @@
+//! What is known of every taxel, and how a scan adds to it: mostly many taxels in one go, else taxel by taxel.
+
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use super::super::layout::Layout;
+use super::super::scan::Scan;
+use super::{HealthSettings, JUMPING};
+use crate::units::Instant;
+use crate::vector::Vectors;
+
+/// All readings but two: both ends, or one end and what is beside the other.
+const SPAN: u16 = u16::MAX - 2;
+
+/// A module's taxels together.
+#[derive(Clone, Debug)]
+struct Together {
+    range: Range<usize>,
+    /// Scans that were taken in one go, and when the newest of them came: on top of what its taxels know.
+    scans: u32,
+    at: Instant,
+    /// Whether every active taxel was received and none has jumped lately.
+    calm: bool,
+    /// No active taxel has last changed before this.
+    moved_at: Instant,
+    /// Whether it is known where its skin rests, and the end of the range that this is, if it is one.
+    learned: bool,
+    rests_at: Option<u16>,
+}
+
+/// A list per quantity, so that many taxels are looked at in one go.
+#[derive(Clone, Debug)]
+pub(super) struct Taxels {
+    settings: HealthSettings,
+    modules: Vec<Together>,
+    /// Each taxel's module.
+    module: Vec<u16>,
+    pub(super) active: Vec<bool>,
+    single_axis: Vec<bool>,
+    /// Readings from here on, [`SPAN`] of them, need no closer look.
+    low: Vec<[u16; 3]>,
+    /// The newest readings; 0 before the first.
+    counts: Vec<[u16; 3]>,
+    received: Vec<u32>,
+    changed: Vec<u32>,
+    first_at: Vec<Instant>,
+    last_at: Vec<Instant>,
+    changed_at: Vec<Instant>,
+    /// 16 a jump, one less a quiet reading.
+    jumps: Vec<u16>,
+    /// Whether the newest reading was a jump.
+    jumped: Vec<bool>,
+    /// Of the scan that is looked at: bits that differ from before, then 1 where any of a taxel's do.
+    bits: Vec<[u16; 3]>,
+    news: Vec<u16>,
+    vectors: Vectors,
+}
+
+/// What a scan says of a module.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Seen {
+    /// Whether any taxel changed.
+    pub(super) any: bool,
+    /// Whether every active taxel is in it, is well, and has not jumped; false says nothing.
+    pub(super) well: bool,
+}
+
+impl Taxels {
+    pub(super) fn new(layout: &Layout, settings: HealthSettings) -> Self {
+        let n = layout.taxels();
+        let modules = || layout.modules().iter();
+        let never = || alloc::vec![Instant::ZERO; n];
+        let together = |module: usize| Together {
+            range: layout.range(module),
+            scans: 0,
+            at: Instant::ZERO,
+            calm: false,
+            moved_at: Instant::ZERO,
+            learned: false,
+            rests_at: None,
+        };
+        let active: Vec<bool> = modules().flat_map(|m| m.active()).copied().collect();
+        let single_axis: Vec<bool> = modules()
+            .flat_map(|m| m.points().iter().map(move |_| m.axes() == 1))
+            .collect();
+        // An axis that a taxel does not have reads 0, and one that takes no part may read anything.
+        let kinds = || active.iter().zip(&single_axis);
+        let low = kinds().map(|(active, single)| match (active, single) {
+            (true, true) => [0, 0, 1],
+            (true, false) => [1; 3],
+            (false, _) => [0; 3],
+        });
+        Self {
+            modules: (0..layout.modules().len()).map(together).collect(),
+            module: (0..layout.modules().len())
+                .flat_map(|m| layout.range(m).map(move |_| m as u16))
+                .collect(),
+            low: low.collect(),
+            counts: alloc::vec![[0; 3]; n],
+            received: alloc::vec![0; n],
+            changed: alloc::vec![0; n],
+            first_at: never(),
+            last_at: never(),
+            changed_at: never(),
+            jumps: alloc::vec![0; n],
+            jumped: alloc::vec![false; n],
+            bits: alloc::vec![[0; 3]; n],
+            news: alloc::vec![0; n],
+            vectors: Vectors::widest(),
+            settings,
+            active,
+            single_axis,
+        }
+    }
+
+    /// Whether an axis of the newest reading is at an end of its range where the skin does not rest.
+    pub(super) fn is_at_an_end(&self, index: usize) -> bool {
+        let used = if self.single_axis[index] { 2.. } else { 0.. };
+        let rests_at = self.modules[usize::from(self.module[index])].rests_at;
+        let ill = |c: &u16| (*c == 0 || *c == u16::MAX) && rests_at != Some(*c);
+        self.counts[index][used].iter().any(ill)
+    }
+
+    pub(super) fn has_jumped(&self, index: usize) -> bool {
+        self.jumped.get(index).is_some_and(|jumped| *jumped)
+    }
+
+    pub(super) fn is_jumping(&self, index: usize) -> bool {
+        self.jumps[index] >= JUMPING
+    }
+
+    /// Readings so far, and when the newest came.
+    pub(super) fn received(&self, index: usize) -> Option<(u32, Instant)> {
+        let own = *self.received.get(index).filter(|n| **n > 0)?;
+        let together = &self.modules[usize::from(self.module[index])];
+        let received = own.saturating_add(together.scans);
+        Some((received, self.last_at[index].max(together.at)))
+    }
+
+    /// When the reading last became another.
+    pub(super) fn changed_at(&self, index: usize) -> Instant {
+        self.changed_at[index]
+    }
+
+    /// Changes so far, and when the first reading came.
+    pub(super) fn changes(&self, index: usize) -> (u32, Instant) {
+        (self.changed[index], self.first_at[index])
+    }
+
+    /// Takes a module's scan.
+    pub(super) fn observe(&mut self, scan: &Scan, module: usize) -> Seen {
+        self.learn(scan, module);
+        let steady = self.compare(scan, module);
+        if steady && self.modules[module].calm && self.is_whole(scan, module) {
+            return self.observe_together(scan, module);
+        }
+        let seen = self.observe_each(scan, module);
+        Seen {
+            well: seen.well && steady,
+            ..seen
+        }
+    }
+
+    /// How many modules there are.
+    pub(super) fn modules(&self) -> usize {
+        self.modules.len()
+    }
+
+    /// Finds out from the first scan of most of a module whether it rests at an end of its range: compensated readings
+    /// of 8-bit skins are 0 without a touch. Only skins of one axis do; three zeros are a broken board's.
+    fn learn(&mut self, scan: &Scan, module: usize) {
+        let range = self.modules[module].range.clone();
+        if self.modules[module].learned || range.is_empty() {
+            return;
+        }
+        let active = self.active[range.clone()].iter().filter(|a| **a).count();
+        let heard = |i: &usize| self.active[*i] && self.single_axis[*i] && scan.fresh()[*i];
+        let heard_of = range.clone().filter(heard).count();
+        if 2 * heard_of < active {
+            return;
+        }
+        self.modules[module].learned = true;
+        let most = |end: &u16| {
+            let there = range.clone().filter(heard);
+            let there = there.filter(|i| scan.counts()[*i][2] == *end);
+            2 * there.count() > heard_of
+        };
+        let rests_at = [0, u16::MAX].into_iter().find(most);
+        self.modules[module].rests_at = rests_at;
+        let low = match rests_at {
+            None => return,
+            Some(0) => 0,
+            Some(_) => u16::MAX - SPAN,
+        };
+        self.low[range].iter_mut().for_each(|axes| axes[2] = low);
+    }
+
+    /// Notes which bits are other than before. Where it returns true, no value jumps and none is at an end of its range:
+    /// one look at all of it, without a branch.
+    fn compare(&mut self, scan: &Scan, module: usize) -> bool {
+        let range = self.modules[module].range.clone();
+        let before = self.counts[range.clone()].as_flattened();
+        let now = scan.counts()[range.clone()].as_flattened();
+        let low = self.low[range.clone()].as_flattened();
+        let step = self.settings.jump_counts;
+        let bits = self.bits[range].as_flattened_mut();
+        self.vectors.run(
+            #[inline(always)]
+            || {
+                let values = before.iter().zip(now).zip(low).zip(bits);
+                values.fold(true, |all, (((a, b), low), bits)| {
+                    *bits = a ^ b;
+                    all & (a.abs_diff(*b) <= step) & (b.wrapping_sub(*low) <= SPAN)
+                })
+            },
+        )
+    }
+
+    /// Whether every active taxel is in the scan.
+    fn is_whole(&self, scan: &Scan, module: usize) -> bool {
+        let range = self.modules[module].range.clone();
+        let listening = self.active[range.clone()].iter().zip(&scan.fresh()[range]);
+        listening.fold(true, |all, (active, fresh)| all & (!active | fresh))
+    }
+
+    /// As [`Self::observe_each`] of a calm module that is steady and whole: without a branch.
+    fn observe_together(&mut self, scan: &Scan, module: usize) -> Seen {
+        let at = scan.at();
+        let range = self.modules[module].range.clone();
+        let (bits, active) = (&self.bits[range.clone()], &self.active[range.clone()]);
+        let news = &mut self.news[range.clone()];
+        let changed = &mut self.changed[range.clone()];
+        let changed_at = &mut self.changed_at[range.clone()];
+        let any = self.vectors.run(
+            #[inline(always)]
+            || {
+                for ((news, [x, y, z]), active) in news.iter_mut().zip(bits).zip(active) {
+                    *news = u16::from((x | y | z) != 0) & u16::from(*active);
+                }
+                for (changed, news) in changed.iter_mut().zip(&*news) {
+                    *changed = changed.saturating_add(u32::from(*news));
+                }
+                for (changed_at, news) in changed_at.iter_mut().zip(&*news) {
+                    *changed_at = if *news != 0 { at } else { *changed_at };
+                }
+                news.iter().fold(0, |any, news| any | news) != 0
+            },
+        );
+        self.counts[range.clone()].copy_from_slice(&scan.counts()[range]);
+        let together = &mut self.modules[module];
+        (together.scans, together.at) = (together.scans.saturating_add(1), at);
+        // Taxels only ever change later: what none was before, none is.
+        if at.since(together.moved_at) > self.settings.frozen_after {
+            self.find_moved(module);
+        }
+        let still = at.since(self.modules[module].moved_at);
+        Seen {
+            any,
+            well: still <= self.settings.frozen_after,
+        }
+    }
+
+    /// Since when every active taxel has changed.
+    fn find_moved(&mut self, module: usize) {
+        let range = self.modules[module].range.clone();
+        let active = range.filter(|i| self.active[*i]);
+        let moved_at = active.map(|i| self.changed_at[i]).min();
+        self.modules[module].moved_at = moved_at.unwrap_or(Instant::ZERO);
+    }
+
+    /// Taxel by taxel.
+    fn observe_each(&mut self, scan: &Scan, module: usize) -> Seen {
+        let at = scan.at();
+        let HealthSettings {
+            jump_counts,
+            frozen_after,
+            ..
+        } = self.settings;
+        let mut seen = Seen {
+            any: false,
+            well: true,
+        };
+        let mut calm = true;
+        for i in self.modules[module].range.clone() {
+            if !self.active[i] {
+                continue;
+            }
+            if !scan.fresh()[i] {
+                seen.well = false;
+                calm &= self.received[i] > 0 && self.jumps[i] == 0 && !self.jumped[i];
+                continue;
+            }
+            let (old, new) = (self.counts[i], scan.counts()[i]);
+            if self.received[i] == 0 {
+                (self.first_at[i], self.changed_at[i]) = (at, at);
+                seen.any = true;
+            } else if new != old {
+                self.changed[i] = self.changed[i].saturating_add(1);
+                self.changed_at[i] = at;
+                seen.any = true;
+                let jumped = new
+                    .iter()
+                    .zip(old)
+                    .any(|(a, b)| a.abs_diff(b) > jump_counts);
+                self.jumped[i] = jumped;
+                self.jumps[i] = match jumped {
+                    true => self.jumps[i].saturating_add(16).min(64),
+                    false => self.jumps[i].saturating_sub(1),
+                };
+            } else {
+                self.jumped[i] = false;
+            }
+            self.counts[i] = new;
+            self.last_at[i] = at;
+            self.received[i] = self.received[i].saturating_add(1);
+            calm &= self.jumps[i] == 0 && !self.jumped[i];
+            seen.well &= self.jumps[i] < JUMPING && at.since(self.changed_at[i]) <= frozen_after;
+        }
+        self.modules[module].calm = calm;
+        self.find_moved(module);
+        seen
+    }
+}
+
+#[cfg(test)]
+#[path = "taxels_tests.rs"]
+mod tests;

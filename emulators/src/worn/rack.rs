@@ -1,0 +1,162 @@
+//! The chips of one I2C bus, and the displays that hang on them: one segment, so that transfers take each other's time,
+//! and what befalls a chip reaches all of its displays.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use crate::display::i2c::{BusClock, Error as I2cError, I2cHandle, I2cSegment};
+use crate::display::pca9685::{Config, Edge, Oscillator, Pca9685};
+use crate::time::Nanos;
+
+/// The chips of a bus.
+#[derive(Clone, Debug)]
+pub struct Rack(Arc<Mutex<Shelf>>);
+
+#[derive(Debug)]
+struct Shelf {
+    i2c: I2cHandle,
+    /// By chip and channel: the display on that output, and that display's own number of the chip.
+    owners: Vec<[Option<(usize, usize)>; 16]>,
+    /// By display: edges of its outputs that it has yet to take, with its own numbers of the chips.
+    waiting: Vec<Vec<(usize, Edge)>>,
+    /// By chip: the displays that hold its OE line cut.
+    cut_by: Vec<Vec<usize>>,
+    /// How far all chips have come.
+    now: Nanos,
+}
+
+impl Rack {
+    /// Chips by 7-bit address and oscillator factor, at rest, with nothing on their outputs.
+    pub fn new(boards: &[(u8, f64)], clock: BusClock) -> Self {
+        let chip = |&(address, factor): &(u8, f64)| {
+            let oscillator = Oscillator::from_factor(factor);
+            Pca9685::new(Config {
+                oscillator,
+                ..Config::new(address)
+            })
+        };
+        let segment = I2cSegment::new(clock, boards.iter().map(chip).collect());
+        Self(Arc::new(Mutex::new(Shelf {
+            i2c: I2cHandle::new(segment),
+            owners: vec![[None; 16]; boards.len()],
+            waiting: Vec::new(),
+            cut_by: vec![Vec::new(); boards.len()],
+            now: Nanos::ZERO,
+        })))
+    }
+
+    /// The bus that drivers hold.
+    pub fn bus(&self) -> I2cHandle {
+        self.shelf().i2c.clone()
+    }
+
+    /// Connects a display: for each of its chips the place on this bus, and a bit for each channel that is its own.
+    pub(super) fn connect(&self, boards: &[(usize, u16)]) -> Connection {
+        let mut shelf = self.shelf();
+        let display = shelf.waiting.len();
+        shelf.waiting.push(Vec::new());
+        for (own, (chip, channels)) in boards.iter().enumerate() {
+            for (channel, owner) in shelf.owners.iter_mut().nth(*chip).into_iter().flatten().enumerate() {
+                if channels >> channel & 1 == 1 {
+                    *owner = Some((display, own));
+                }
+            }
+        }
+        drop(shelf);
+        Connection {
+            rack: self.clone(),
+            display,
+            chips: boards.iter().map(|(chip, _)| *chip).collect(),
+        }
+    }
+
+    fn shelf(&self) -> MutexGuard<'_, Shelf> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Shelf {
+    /// Lets time pass until `to`, once for all displays.
+    fn advance(&mut self, to: Nanos) -> Result<(), I2cError> {
+        if to <= self.now && self.waiting.len() > 1 {
+            return Ok(());
+        }
+        self.now = self.now.max(to);
+        let Self {
+            i2c,
+            owners,
+            waiting,
+            ..
+        } = self;
+        i2c.with(|segment| {
+            segment.advance(to, &mut |chip, edge| {
+                let owner = owners.get(chip).and_then(|o| o.get(usize::from(edge.channel.0)));
+                if let Some((display, own)) = owner.copied().flatten()
+                    && let Some(waiting) = waiting.get_mut(display)
+                {
+                    waiting.push((own, edge));
+                }
+            });
+        })
+    }
+}
+
+/// A display on a rack.
+#[derive(Debug)]
+pub(super) struct Connection {
+    rack: Rack,
+    display: usize,
+    /// Its chips by their place on the bus.
+    chips: Vec<usize>,
+}
+
+impl Connection {
+    /// The bus.
+    pub(super) fn bus(&self) -> I2cHandle {
+        self.rack.bus()
+    }
+
+    /// Lets time pass until `to`, and takes the edges of its own outputs until then, in the order of time, with its own
+    /// numbers of the chips. What a transaction has carried a chip through beyond `to` comes later.
+    ///
+    /// # Errors
+    /// [`I2cError::BusBusy`] from inside a look at the segment.
+    pub(super) fn take(&self, to: Nanos, edges: &mut Vec<(usize, Edge)>) -> Result<(), I2cError> {
+        let mut shelf = self.rack.shelf();
+        shelf.advance(to)?;
+        if let Some(waiting) = shelf.waiting.get_mut(self.display) {
+            // Stable: of edges at one instant the lower board comes first.
+            waiting.sort_by_key(|(_, edge)| edge.at);
+            let due = waiting.partition_point(|(_, edge)| edge.at <= to);
+            edges.extend(waiting.drain(..due));
+        }
+        Ok(())
+    }
+
+    /// Cuts the OE lines of its chips, or lets go of them: outputs are on again once no display holds them cut.
+    pub(super) fn set_outputs(&self, now: Nanos, enabled: bool) {
+        let mut shelf = self.rack.shelf();
+        let Shelf { i2c, cut_by, .. } = &mut *shelf;
+        // Refused only from inside another look at the segment, and there is none here.
+        let _ = i2c.with(|segment| {
+            for &number in &self.chips {
+                let chip = segment.chips_mut().get_mut(number);
+                let Some((chip, cut_by)) = chip.zip(cut_by.get_mut(number)) else {
+                    continue;
+                };
+                cut_by.retain(|display| *display != self.display);
+                cut_by.extend((!enabled).then_some(self.display));
+                let at = chip.now().max(now);
+                chip.set_output_enable_pin(at, !cut_by.is_empty());
+            }
+        });
+    }
+
+    /// Does something to one of its chips, by its own number.
+    pub(super) fn on_chip(&self, own: usize, work: impl FnOnce(&mut Pca9685)) {
+        let number = self.chips.get(own).copied();
+        // Refused only from inside another look at the segment, and there is none here.
+        let _ = self.bus().with(|segment| {
+            number.and_then(|n| segment.chips_mut().get_mut(n)).map(work)
+        });
+    }
+}

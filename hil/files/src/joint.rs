@@ -1,0 +1,153 @@
+//! Joints of the hand that a skin is on: their angles over time, and what of a scene depends on them.
+
+use serde::Deserialize;
+
+use super::error::FileError;
+use super::source::Source;
+
+/// Largest angle of a joint, degrees either way.
+pub const MOST_DEG: f64 = 360.0;
+
+/// A joint's angle over time.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Joint {
+    /// Its name: letters, digits, `_` and `-`.
+    pub name: String,
+    /// Times in seconds, ascending, and angles in degrees; straight lines between, and the ends hold.
+    pub points_s_deg: Vec<[f64; 2]>,
+}
+
+impl Joint {
+    /// The angle at a time in seconds, degrees; 0 for a joint without a point.
+    #[must_use]
+    pub fn at(&self, t_s: f64) -> f64 {
+        let next = self.points_s_deg.partition_point(|[t, _]| *t <= t_s);
+        let before = next.checked_sub(1).and_then(|n| self.points_s_deg.get(n));
+        match (before, self.points_s_deg.get(next)) {
+            (Some([t, a]), Some([u, b])) => a + (b - a) * (t_s - t) / (u - t),
+            (Some([_, only]), None) | (None, Some([_, only])) => *only,
+            (None, None) => 0.0,
+        }
+    }
+
+    fn check(&self, source: &Source, key: &str) -> Result<(), FileError> {
+        let letter = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+        if self.name.is_empty() || !self.name.chars().all(letter) {
+            let expected = "a name of letters, digits, `_` and `-`";
+            return Err(source.bad(&format!("{key}.name"), expected));
+        }
+        let points = format!("{key}.points_s_deg");
+        if self.points_s_deg.is_empty() {
+            return Err(source.bad(&points, "at least one point: [seconds, degrees]"));
+        }
+        let mut from = 0.0;
+        for (index, [t_s, deg]) in self.points_s_deg.iter().enumerate() {
+            let key = format!("{points}[{index}]");
+            source.range(&key, *t_s, 0.0..=86_400.0, "s")?;
+            source.range(&key, *deg, -MOST_DEG..=MOST_DEG, "degrees")?;
+            if index > 0 && *t_s <= from {
+                return Err(source.bad(&key, format!("a time after {from} s")));
+            }
+            from = *t_s;
+        }
+        Ok(())
+    }
+}
+
+/// Checks all joints of a scene.
+pub(super) fn check(joints: &[Joint], source: &Source) -> Result<(), FileError> {
+    for (index, joint) in joints.iter().enumerate() {
+        let key = format!("joints[{index}]");
+        joint.check(source, &key)?;
+        if joints[..index].iter().any(|j| j.name == joint.name) {
+            return Err(source.bad(&format!("{key}.name"), "a name of its own"));
+        }
+    }
+    Ok(())
+}
+
+/// When a finger is felt: while a joint's angle is in a range.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct When {
+    /// The joint's name.
+    pub joint: String,
+    /// Felt above this angle, degrees; left out: no lower bound.
+    pub above_deg: Option<f64>,
+    /// Felt below this angle, degrees; left out: no upper bound.
+    pub below_deg: Option<f64>,
+}
+
+impl When {
+    /// Checks the bounds by themselves.
+    pub(super) fn check(&self, source: &Source, key: &str) -> Result<(), FileError> {
+        let bounds = [("above_deg", self.above_deg), ("below_deg", self.below_deg)];
+        for (name, bound) in bounds {
+            if let Some(deg) = bound {
+                let key = format!("{key}.{name}");
+                source.range(&key, deg, -MOST_DEG..=MOST_DEG, "degrees")?;
+            }
+        }
+        match (self.above_deg, self.below_deg) {
+            (None, None) => Err(source.bad(key, "above_deg, below_deg or both")),
+            (Some(above), Some(below)) if above >= below => {
+                let expected = format!("more than above_deg, {above} degrees");
+                Err(source.bad(&format!("{key}.below_deg"), expected))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A condition on one of a scene's joints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gate {
+    /// The joint, counted from zero.
+    pub joint: usize,
+    /// Open above this, degrees.
+    pub above_deg: f64,
+    /// Open below this, degrees.
+    pub below_deg: f64,
+}
+
+impl Gate {
+    /// The gate of a condition, on these joints.
+    pub(super) fn of(
+        when: &When,
+        joints: &[Joint],
+        source: &Source,
+        key: &str,
+    ) -> Result<Self, FileError> {
+        let joint = joints.iter().position(|j| j.name == when.joint);
+        let joint = joint.ok_or_else(|| {
+            let names: Vec<&str> = joints.iter().map(|j| &*j.name).collect();
+            let there = match names.as_slice() {
+                [] => "there is none".to_owned(),
+                names => names.join(", "),
+            };
+            let expected = format!(
+                "a joint of [[joints]], or of a recording with a column joint_NAME: {there}"
+            );
+            source.bad_found(
+                &format!("{key}.joint"),
+                expected,
+                format!("`{}`", when.joint),
+            )
+        })?;
+        Ok(Self {
+            joint,
+            above_deg: when.above_deg.unwrap_or(f64::NEG_INFINITY),
+            below_deg: when.below_deg.unwrap_or(f64::INFINITY),
+        })
+    }
+
+    /// Whether a finger is felt at a time in seconds.
+    #[must_use]
+    pub fn is_open(&self, joints: &[Joint], t_s: f64) -> bool {
+        let angle = joints.get(self.joint).map(|joint| joint.at(t_s));
+        angle.is_some_and(|deg| deg > self.above_deg && deg < self.below_deg)
+    }
+}

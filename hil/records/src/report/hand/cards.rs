@@ -1,0 +1,146 @@
+//! What every finger came to, a card each.
+
+use std::fmt::Write;
+
+use super::drawing::contacts;
+use super::{FingerReport, HandReport, link};
+use crate::felt::{felt_level, felt_scores};
+use crate::measure::path_error;
+use crate::report::svg::escape;
+use crate::report::tables::meter;
+use crate::trace::Event;
+
+/// So many of a finger's limits stand on its card: those used up most.
+const LIMITS: usize = 4;
+
+/// All cards.
+pub(super) fn section(page: &mut String, hand: &HandReport<'_>) {
+    page.push_str("<h2 class=\"next\">Finger by finger</h2>\n<div class=\"cards\">");
+    for finger in hand.fingers {
+        card(page, hand, finger);
+    }
+    page.push_str("</div>\n");
+}
+
+fn card(page: &mut String, hand: &HandReport<'_>, finger: &FingerReport<'_>) {
+    let _ = writeln!(
+        page,
+        "<section><h2><a href=\"{}\">{}</a> <span class=\"badge {}\">{}</span></h2><p class=\"sub\">{}</p>",
+        link(finger.file),
+        escape(finger.name),
+        finger.conclusion.verdict.key(),
+        finger.conclusion.verdict.word(),
+        escape(&driven_by(hand, finger))
+    );
+    if let Some(why) = finger.conclusion.why.first() {
+        let _ = writeln!(page, "<p class=\"sub\">{}</p>", escape(why));
+    }
+    page.push_str("<table>");
+    for (name, value, unit) in figures(finger) {
+        let _ = writeln!(
+            page,
+            "<tr><td>{name}</td><td class=\"num\">{value}</td><td>{unit}</td></tr>"
+        );
+    }
+    page.push_str(
+        "</table>\n<table><tr><th>limit</th><th class=\"num\">worst</th><th>used</th></tr>",
+    );
+    for margin in finger.trace.ledger.margins.iter().take(LIMITS) {
+        let _ = writeln!(
+            page,
+            "<tr{}><td>{}</td><td class=\"num\">{:.1} {}</td><td>{}</td></tr>",
+            if margin.over() { " class=\"over\"" } else { "" },
+            margin.of.name(),
+            margin.worst(),
+            match margin.of.unit() {
+                "C" => "\u{b0}C",
+                unit => unit,
+            },
+            meter(margin.used_milli_percent())
+        );
+    }
+    page.push_str("</table></section>\n");
+}
+
+/// Modules, wires and boards of a finger in words.
+fn driven_by(hand: &HandReport<'_>, finger: &FingerReport<'_>) -> String {
+    let name = |m: &usize| hand.pads.get(*m).map_or("?", |pad| &*pad.name);
+    let names: Vec<&str> = finger.modules.iter().map(name).collect();
+    let modules = match names.as_slice() {
+        [first, rest @ ..] if !rest.is_empty() && !finger.merged => {
+            format!("{first} drives; {} recorded", rest.join(", "))
+        }
+        all => format!("{} drives", all.join(" and ")),
+    };
+    let wires = &finger.trace.header.wires;
+    let mut boards: Vec<u8> = wires.iter().map(|w| w.board).collect();
+    boards.sort_unstable();
+    boards.dedup();
+    let boards: Vec<String> = boards.iter().map(u8::to_string).collect();
+    let plural = if boards.len() == 1 { "" } else { "s" };
+    format!(
+        "{modules}. {} wires on board{plural} {}.",
+        wires.len(),
+        boards.join(", ")
+    )
+}
+
+/// Rows of a card: what, how much, unit.
+fn figures(finger: &FingerReport<'_>) -> Vec<(&'static str, String, &'static str)> {
+    let trace = finger.trace;
+    let none = || "\u{2013}".to_owned();
+    let mm = |um: u64| format!("{:.2}", um as f64 * 1e-3);
+    let drives = |e: &&Event| matches!(e, Event::Contact { module, .. } if finger.drives(*module));
+    let driving = trace.events.iter().filter(drives).count();
+    let [energy, _] = felt_scores(trace);
+    let level = felt_level(trace);
+    let skin = trace.events.iter().filter_map(|e| match e {
+        Event::Skin { milli_c, .. } => Some(*milli_c),
+        _ => None,
+    });
+    let db = |mdb: i32| format!("{:+.1}", f64::from(mdb) * 1e-3);
+    let driven = trace.ledger.driven;
+    // Without a true path there is nothing to hold the felt path against.
+    let known = trace
+        .events
+        .iter()
+        .any(|e| matches!(e, Event::Truth { .. }));
+    let error = energy.errors.filter(|_| known);
+    let mut rows = vec![
+        ("contacts that drive", driving.to_string(), ""),
+        ("contacts, all", contacts(finger).to_string(), ""),
+        (
+            "path error, RMSE",
+            path_error(trace).map_or_else(none, |e| mm(e.rmse_um)),
+            "mm",
+        ),
+        (
+            "felt level, median",
+            level.map_or_else(none, |l| db(l.median_mdb)),
+            "dB",
+        ),
+        (
+            "felt level, 5 %",
+            level.map_or_else(none, |l| db(l.p5_mdb)),
+            "dB",
+        ),
+        (
+            "felt error, RMSE",
+            error.map_or_else(none, |e| mm(e.rmse_um)),
+            "mm",
+        ),
+        ("breaks", energy.breaks.to_string(), "onsets"),
+        ("stimuli", driven.stimuli.to_string(), ""),
+        ("limiter events", driven.limiter_events.to_string(), ""),
+        (
+            "energy",
+            format!("{:.0}", trace.ledger.energy_uj as f64 * 1e-3),
+            "mJ",
+        ),
+    ];
+    if let Some(hottest) = skin.max() {
+        let hottest = format!("{:.1}", f64::from(hottest) * 1e-3);
+        rows.push(("skin at onsets, hottest", hottest, "\u{b0}C"));
+    }
+    rows
+}

@@ -1,0 +1,103 @@
+//! The report of a run with several displays: one page with the robot's hand and the wearer's drawn, what every finger
+//! came to, and a link to the page of each.
+
+mod cards;
+mod drawing;
+mod lanes;
+mod skeleton;
+
+use std::fmt::Write;
+
+use super::{page_begins, page_ends, tables};
+use crate::trace::Trace;
+use crate::verdict::Conclusion;
+
+/// A module of the robot's skin.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pad {
+    /// Its name in the layout.
+    pub name: String,
+    /// Its centre in the plane of the whole skin, mm.
+    pub place_mm: [f64; 2],
+    /// The taxels that are read, from its centre, mm.
+    pub taxels_mm: Vec<[f64; 2]>,
+}
+
+/// What a finger came to.
+#[derive(Clone, Copy, Debug)]
+pub struct FingerReport<'a> {
+    /// Its display's name.
+    pub name: &'a str,
+    /// The file of its own page, beside this one.
+    pub file: &'a str,
+    /// Its run: boards and modules by the numbers of bench and skin.
+    pub trace: &'a Trace,
+    /// Its modules by their numbers in the skin; the first drives unless all are merged.
+    pub modules: &'a [usize],
+    /// Whether all its modules drive, as one skin in the plane of all.
+    pub merged: bool,
+    /// How it ended.
+    pub conclusion: &'a Conclusion,
+}
+
+impl FingerReport<'_> {
+    /// Whether contacts of this module drive the display.
+    fn drives(&self, module: u16) -> bool {
+        self.merged || self.modules.first() == Some(&usize::from(module))
+    }
+}
+
+/// What the page of a hand shows.
+#[derive(Clone, Copy, Debug)]
+pub struct HandReport<'a> {
+    /// The run of all fingers.
+    pub trace: &'a Trace,
+    /// Every module of the skin.
+    pub pads: &'a [Pad],
+    /// Every finger, in the bench's order.
+    pub fingers: &'a [FingerReport<'a>],
+    /// How the page was made, such as command, date and host: names and values.
+    pub made: &'a [(&'static str, String)],
+    /// How the run ended.
+    pub conclusion: &'a Conclusion,
+}
+
+/// The page of a hand, which needs no other file; it links to the fingers' own pages.
+pub fn hand_html(hand: &HandReport<'_>) -> String {
+    let mut page = String::with_capacity(512 * 1024);
+    page_begins(&mut page, hand.trace);
+    tables::heading(&mut page, hand.trace);
+    tables::verdict(&mut page, hand.trace, Some(hand.conclusion));
+    drawing::section(&mut page, hand);
+    lanes::section(&mut page, hand);
+    cards::section(&mut page, hand);
+    let _ = writeln!(page, "<div class=\"pair\">");
+    tables::ledger(&mut page, hand.trace);
+    page.push_str("<section><h2>How it was run</h2>");
+    tables::facts(&mut page, hand.trace, hand.made);
+    page.push_str("</section></div>\n");
+    tables::events(&mut page, hand.trace);
+    page_ends(&mut page, hand.trace);
+    page.push_str("</body></html>\n");
+    page
+}
+
+/// A file's name as a link from a page beside it.
+fn link(file: &str) -> String {
+    let mut out = String::from("./");
+    for byte in file.bytes() {
+        match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' => {
+                out.push(char::from(byte));
+            }
+            other => {
+                let _ = write!(out, "%{other:02X}");
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+#[path = "hand_tests.rs"]
+mod tests;

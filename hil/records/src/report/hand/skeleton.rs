@@ -1,0 +1,164 @@
+//! Where the fingers of a drawn hand are: a right hand, or a left one, with its palm towards the reader. Millimetres.
+//!
+//! A skin's layout says where modules are in a plane, not how a hand is built. So the hand is drawn after a person's,
+//! by the names of its fingers; names that no hand has stand side by side.
+
+/// Distance of two fingers' axes.
+const PITCH: f64 = 40.0;
+/// Length of a palm below the knuckles.
+const PALM: f64 = 84.0;
+/// A thumb's direction: 37 degrees off the others'.
+const ASIDE: (f64, f64) = (0.6, 0.8);
+
+/// A finger: its axis starts at its base and points to its tip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Digit {
+    /// Which of the page's fingers it is.
+    pub finger: usize,
+    base: (f64, f64),
+    /// The axis's direction, a unit vector.
+    axis: (f64, f64),
+    /// From base to tip.
+    pub length: f64,
+}
+
+impl Digit {
+    /// Where a place is that lies `across` to the right of the axis and `along` it from the base.
+    pub fn at(&self, (across, along): (f64, f64)) -> (f64, f64) {
+        let (x, y) = self.axis;
+        (
+            self.base.0 + across * y + along * x,
+            self.base.1 - across * x + along * y,
+        )
+    }
+}
+
+/// A hand to be drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Hand {
+    /// What it is called, such as `left`; empty for the only one.
+    pub name: &'static str,
+    /// Its fingers.
+    pub digits: Vec<Digit>,
+    /// The palm's left, lower, right and upper edge.
+    pub palm: [f64; 4],
+}
+
+/// A finger's place in a right hand from the left, and its length; `None` for a name that no hand has.
+fn anatomy(name: &str) -> Option<(u8, f64)> {
+    match name {
+        "little" => Some((0, 82.0)),
+        "ring" => Some((1, 98.0)),
+        "middle" => Some((2, 104.0)),
+        "index" => Some((3, 96.0)),
+        "thumb" => Some((4, 86.0)),
+        _ => None,
+    }
+}
+
+/// A name's hand, and the rest of it.
+fn side(name: &str) -> (&'static str, &str) {
+    for side in ["left", "right"] {
+        if let Some(rest) = name.strip_prefix(side).and_then(|n| n.strip_prefix('-')) {
+            return (side, rest);
+        }
+    }
+    ("", name)
+}
+
+/// The hands of fingers with these names, each at least so long.
+pub(super) fn hands(names: &[&str], least: &[f64]) -> Vec<Hand> {
+    let mut sides: Vec<&'static str> = Vec::new();
+    for name in names {
+        let (side, _) = side(name);
+        if !sides.contains(&side) {
+            sides.push(side);
+        }
+    }
+    sides.into_iter().map(|s| hand(s, names, least)).collect()
+}
+
+fn hand(name: &'static str, names: &[&str], least: &[f64]) -> Hand {
+    let own = names.iter().enumerate().filter(|(_, n)| side(n).0 == name);
+    let mut own: Vec<(usize, Option<(u8, f64)>)> =
+        own.map(|(f, n)| (f, anatomy(side(n).1))).collect();
+    let known = own.iter().all(|(_, a)| a.is_some());
+    let mirrored = name == "left";
+    if known {
+        own.sort_by_key(|(_, a)| a.map_or(0, |(place, _)| place));
+        if mirrored {
+            own.reverse();
+        }
+    }
+    let is_thumb = |a: &Option<(u8, f64)>| known && a.is_some_and(|(place, _)| place == 4);
+    let straight = own.iter().filter(|(_, a)| !is_thumb(a)).count();
+    let half = PITCH * straight.max(1) as f64 / 2.0;
+    let mut left = -half + PITCH / 2.0;
+    let mut digits = Vec::new();
+    for (finger, anatomy) in own {
+        let usual = anatomy.filter(|_| known).map_or(98.0, |(_, length)| length);
+        let length = usual.max(least.get(finger).copied().unwrap_or(0.0));
+        let (base, axis) = if is_thumb(&anatomy) {
+            let out = if mirrored { -1.0 } else { 1.0 };
+            (
+                (out * (half - 14.0), -PALM * 0.62),
+                (out * ASIDE.0, ASIDE.1),
+            )
+        } else {
+            left += PITCH;
+            ((left - PITCH, -12.0), (0.0, 1.0))
+        };
+        digits.push(Digit {
+            finger,
+            base,
+            axis,
+            length,
+        });
+    }
+    Hand {
+        name,
+        digits,
+        palm: [-half + 2.0, -PALM, half - 2.0, 0.0],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_right_hand_has_its_thumb_on_the_right_and_a_left_one_on_the_left() {
+        let names = ["index", "middle", "ring", "thumb"];
+        let [right] = hands(&names, &[0.0; 4]).try_into().unwrap();
+        let order: Vec<usize> = right.digits.iter().map(|d| d.finger).collect();
+        assert_eq!(order, [2, 1, 0, 3]);
+        let tips: Vec<f64> = right
+            .digits
+            .iter()
+            .map(|d| d.at((0.0, d.length)).0)
+            .collect();
+        assert!(tips.is_sorted(), "{tips:?}");
+
+        let names = ["left-thumb", "left-index", "right-thumb", "right-index"];
+        let both = hands(&names, &[0.0; 4]);
+        let order = |hand: &Hand| hand.digits.iter().map(|d| d.finger).collect::<Vec<_>>();
+        assert_eq!(
+            both.iter().map(|h| h.name).collect::<Vec<_>>(),
+            ["left", "right"]
+        );
+        assert_eq!([order(&both[0]), order(&both[1])], [[0, 1], [3, 2]]);
+        let thumb = both[0].digits[0];
+        assert!(thumb.at((0.0, thumb.length)).0 < both[0].palm[0]);
+    }
+
+    #[test]
+    fn fingers_that_no_hand_has_stand_in_their_own_order() {
+        let [hand] = hands(&["b", "thumb", "a"], &[0.0, 150.0, 0.0])
+            .try_into()
+            .unwrap();
+        let order: Vec<usize> = hand.digits.iter().map(|d| d.finger).collect();
+        assert_eq!(order, [0, 1, 2]);
+        assert!((hand.digits[1].length - 150.0).abs() < 1e-9);
+        assert!(hands(&[], &[]).is_empty());
+    }
+}
