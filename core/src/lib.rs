@@ -16,11 +16,14 @@ pub mod driver;
 pub mod guard;
 pub mod illusion;
 pub mod physics;
+// Its textures share a network between modules by `Arc`, which needs a processor that compares and swaps.
+#[cfg(target_has_atomic = "ptr")]
 pub mod projector;
 pub mod random;
 pub mod render;
 pub mod schedule;
 pub mod skin;
+#[cfg(target_has_atomic = "ptr")]
 pub mod texture;
 pub mod units;
 pub mod vector;

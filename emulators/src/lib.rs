@@ -8,9 +8,11 @@
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
 
 pub mod display;
+pub mod network;
 pub mod person;
 pub mod sensor;
 pub mod time;
+pub mod unit;
 pub mod worn;
 
 /// What a bench is made of crosses to another thread: checked when this crate is compiled.

@@ -9,8 +9,9 @@ use std::path::{Path, PathBuf};
 type Module = Vec<String>;
 
 /// Crates of the workspace with source below `src`.
-const CRATES: [&str; 12] = [
+const CRATES: [&str; 13] = [
     "core",
+    "core/unit",
     "emulators",
     "fixtures",
     "hil",

@@ -29,7 +29,10 @@ fn setup(faults: &str) -> Setup {
     let bench = load_bench("allegro-hand").unwrap();
     let text = bench.source.text();
     let mut text = text[..text.find("[[displays]]").unwrap()].to_owned();
-    text = text.replace("[amplifier]", "drive.supply_limit_ma = 6000.0\n\n[amplifier]");
+    text = text.replace(
+        "[amplifier]",
+        "drive.supply_limit_ma = 6000.0\n\n[amplifier]",
+    );
     for (name, bus, board, first) in FINGERS {
         let address = 0x40 + board % 2;
         let output = |c| format!("{{ bus = {bus}, board = {address}, channel = {c} }}");
@@ -72,26 +75,53 @@ impl Kill {
         let (bus, board, module, wire) = (below(2), below(3), below(15), below(32));
         let on_bus = FINGERS.map(|f| f.1 == bus);
         let (kind, met) = match (what, below(4)) {
-            (0, 0) => (format!("\"i2c-address-nack\"\nrate = 0.3\nbus = {bus}"), on_bus),
-            (0, 1) => (format!("\"i2c-data-nack\"\nrate = 0.3\nbus = {bus}"), on_bus),
+            (0, 0) => (
+                format!("\"i2c-address-nack\"\nrate = 0.3\nbus = {bus}"),
+                on_bus,
+            ),
+            (0, 1) => (
+                format!("\"i2c-data-nack\"\nrate = 0.3\nbus = {bus}"),
+                on_bus,
+            ),
             (0, _) => (format!("\"i2c-stuck\"\nbus = {bus}"), on_bus),
-            (1, 0) => (format!("\"i2c-stretch\"\nrate = 0.5\nstretch_ms = 4.0\nbus = {bus}"), on_bus),
+            (1, 0) => (
+                format!("\"i2c-stretch\"\nrate = 0.5\nstretch_ms = 4.0\nbus = {bus}"),
+                on_bus,
+            ),
             (1, _) => (format!("\"i2c-eio\"\nrate = 1.0\nbus = {bus}"), on_bus),
             (2, _) => {
                 until.clear();
-                (format!("\"brown-out\"\nboard = {board}"), FINGERS.map(|f| f.2 == board))
+                (
+                    format!("\"brown-out\"\nboard = {board}"),
+                    FINGERS.map(|f| f.2 == board),
+                )
             }
             // Each finger's modules have a CAN bus of their own.
-            (3, 0) => (format!("\"bus-off\"\nbus = {}", module / 4), of_finger(module / 4)),
-            (3, 1) => (format!("\"wrong-model\"\nmodule = {module}"), of_finger(module / 4)),
-            (3, _) => (format!("\"board-reboot\"\nmodule = {module}"), of_finger(module / 4)),
-            (_, 0) => (format!("\"amplifier-stuck-on\"\nwire = {wire}"), of_finger(wire / 8)),
+            (3, 0) => (
+                format!("\"bus-off\"\nbus = {}", module / 4),
+                of_finger(module / 4),
+            ),
+            (3, 1) => (
+                format!("\"wrong-model\"\nmodule = {module}"),
+                of_finger(module / 4),
+            ),
+            (3, _) => (
+                format!("\"board-reboot\"\nmodule = {module}"),
+                of_finger(module / 4),
+            ),
+            (_, 0) => (
+                format!("\"amplifier-stuck-on\"\nwire = {wire}"),
+                of_finger(wire / 8),
+            ),
             (_, _) => (format!("\"open-wire\"\nwire = {wire}"), of_finger(wire / 8)),
         };
         Self {
             what,
             heats: kind.starts_with("\"amplifier"),
-            fault: format!("[[faults]]\nat_s = {}\n{until}kind = {kind}\n", at_ms as f64 * 1e-3),
+            fault: format!(
+                "[[faults]]\nat_s = {}\n{until}kind = {kind}\n",
+                at_ms as f64 * 1e-3
+            ),
             met,
         }
     }

@@ -10,9 +10,14 @@ use palpate_records::story::{COLUMNS, LINES, Story, SurfacePoint};
 use palpate_records::trace::{Driven, Event};
 use palpate_run::{Input, Outcome, run};
 
-/// A shipped scene on the default bench with the default seed.
+/// A shipped scene on the default bench with the default seed; on a driver unit where it is about the network to one.
 pub fn shipped(scene: &str) -> Outcome {
-    run(&Setup::load(scene, "emulated").unwrap(), &Input::Scene, 1).unwrap()
+    let bench = if scene.contains("wifi") {
+        "unit"
+    } else {
+        "emulated"
+    };
+    run(&Setup::load(scene, bench).unwrap(), &Input::Scene, 1).unwrap()
 }
 
 pub(super) fn keep(name: &str, kind: &str, story: &Story) {
@@ -86,6 +91,7 @@ scenes! {
     scattered_circle "scattered-circle",
     sphere_across "sphere-across",
     sphere_along "sphere-along",
+    sphere_along_wifi "sphere-along-wifi",
     sphere_along_wood "sphere-along-wood",
     sphere_circle "sphere-circle",
     sphere_circle_sponge1 "sphere-circle-sponge1",
@@ -103,6 +109,7 @@ scenes! {
     texture_towel "texture-towel",
     texture_wood "texture-wood",
     two_finger_press "two-finger-press",
+    wifi_outage "wifi-outage",
 }
 
 /// One way across the pad, mm.

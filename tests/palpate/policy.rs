@@ -164,7 +164,9 @@ fn a_camera_is_felt_under_a_scene_and_under_a_hand() {
         session.start(Instant::ZERO).unwrap();
         // Thirty pictures make the reference.
         session.advance(at(1500)).unwrap();
-        hands[0].press(&[press(0.0, 0.0, 0.3, 4.0)]);
+    }
+    hands[0].press(&[press(0.0, 0.0, 0.3, 4.0)]);
+    for session in [&mut scene, &mut touched] {
         session.advance(at(4000)).unwrap();
         let (events, _) = session.drain();
         let contact = |e: &&Event| matches!(e, Event::Contact { .. });

@@ -65,7 +65,8 @@ fn dependencies_run_one_way() {
     let allowed: &[(&str, &[&str])] = &[
         ("core", &[]),
         ("core/nostd", &["core"]),
-        ("emulators", &["core"]),
+        ("core/unit", &["core"]),
+        ("emulators", &["core", "unit"]),
         ("fixtures", &[]),
         ("hil/files", &["core", "fixtures"]),
         ("hil/records", &["core"]),

@@ -4,8 +4,10 @@ mod actuators;
 mod banks;
 mod look;
 mod pca9685;
+mod unit;
 
 pub use actuators::{Actuators, ObservedRegisters};
 pub use banks::Banks;
 pub use look::Seen;
 pub use pca9685::{DriverError, Pca9685Bank, Traffic};
+pub use unit::{LinkCounts, UnitDriver, UnitFault, UnitSettings};

@@ -9,7 +9,7 @@ use core::fmt;
 
 use embedded_hal::i2c::{Error as I2cError, ErrorKind, I2c, NoAcknowledgeSource};
 
-use super::Actuators;
+use super::{Actuators, UnitFault};
 use crate::codec::pca9685::{self as regs, mode1, mode2};
 use crate::guard::{Guarded, Setting};
 use crate::units::{Board, Duration, Instant, Prescale};
@@ -23,6 +23,8 @@ pub enum DriverError {
     Bus(Board, ErrorKind),
     /// The board did not read back what was written: register, expected, found.
     Readback(Board, u8, u8, u8),
+    /// The driver unit that has the boards cannot be driven.
+    Unit(UnitFault),
 }
 
 impl DriverError {
@@ -65,6 +67,7 @@ impl fmt::Display for DriverError {
                 "board {}: register {reg:#04x} reads {got:#04x}, expected {want:#04x}: brown-out, or another program on the bus",
                 b.0
             ),
+            Self::Unit(fault) => fault.fmt(f),
         }
     }
 }

@@ -164,21 +164,21 @@ impl Guard {
         until: Instant,
         spent_nj: u64,
     ) -> (u64, Reason) {
-        let latency = self.plant.latency();
-        let off = until + self.plant.surplus();
+        let (heat_nj, cause) = self.heat_left(index, at, until);
+        // What fades has faded in the whole guard, and the stimuli of an onset may come here in another order.
+        let part = match self.fades {
+            true => faded,
+            false => |left| left,
+        };
         let wire = &mut self.wires[index];
-        let booking = wire.tissue.booking(at, off, latency);
-        let (joules, cause) = wire.tissue.room(&mut self.budget, booking);
-        // The cast saturates: nothing left is zero.
-        let heat_nj = (joules * 1e9) as u64;
         let rows = [
             (
                 self.limits.burst_energy_nj.saturating_sub(spent_nj),
                 Reason::Burst,
             ),
-            (faded(heat_nj), cause),
-            (faded(wire.power.left_nj(at)), Reason::WirePower),
-            (faded(self.fingertip.left_nj(at)), Reason::FingertipPower),
+            (part(heat_nj), cause),
+            (part(wire.power.left_nj(at)), Reason::WirePower),
+            (part(self.fingertip.left_nj(at)), Reason::FingertipPower),
         ];
         rows.into_iter()
             .fold((u64::MAX, Reason::Burst), |least, row| {
@@ -186,18 +186,31 @@ impl Guard {
             })
     }
 
+    /// The least energy, nJ, that the rows of heat leave, and which; without them there is no end to it.
+    fn heat_left(&mut self, index: usize, at: Instant, until: Instant) -> (u64, Reason) {
+        let off = until + self.plant.surplus();
+        let latency = self.plant.latency();
+        let Some(heat) = &mut self.heat else {
+            return (u64::MAX, Reason::SkinPeak);
+        };
+        let tissue = &mut heat.tissues[index];
+        let booking = tissue.booking(at, off, latency);
+        let (joules, cause) = tissue.room(&mut heat.budget, booking);
+        // The cast saturates: nothing left is zero.
+        ((joules * 1e9) as u64, cause)
+    }
+
     /// Books energy that a wire is on for between `at` and `until`.
     fn spend(&mut self, index: usize, at: Instant, until: Instant, energy_nj: u64) {
-        let latency = self.plant.latency();
-        let off = until + self.plant.surplus();
-        let wire = &mut self.wires[index];
-        wire.power.spend(energy_nj);
+        self.wires[index].power.spend(energy_nj);
         self.fingertip.spend(energy_nj);
-        let booking = wire.tissue.booking(at, off, latency);
-        let predicted = wire
-            .tissue
-            .heat(&mut self.budget, booking, energy_nj as f64 * 1e-9);
-        self.predicted.raise(&predicted);
+        if let Some(heat) = &mut self.heat {
+            let off = until + self.plant.surplus();
+            let tissue = &mut heat.tissues[index];
+            let booking = tissue.booking(at, off, self.plant.latency());
+            let predicted = tissue.heat(&mut heat.budget, booking, energy_nj as f64 * 1e-9);
+            heat.predicted.raise(&predicted);
+        }
     }
 
     /// Books what a wire got beyond the end of its stimulus because it was switched off late.

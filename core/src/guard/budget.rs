@@ -49,7 +49,8 @@ impl Guard {
     /// What could be driven on a wire between `at` and `until` if nothing else is at that onset: each stimulus of the
     /// same onset takes from the fingertip's row before the next. Wires of the board that are on end with the onset.
     ///
-    /// `None` for a wire that is not there, a time that is over before it begins, and a latched guard.
+    /// `None` for a wire that is not there, a time that is over before it begins, a latched guard, and one without thermal
+    /// rows: a renderer plans with a whole guard.
     pub fn budget(&self, wire: usize, at: Instant, until: Instant) -> Option<WireBudget> {
         let state = self.wires.get(wire)?;
         let burst = self.burst_at(wire, at);
@@ -58,12 +59,12 @@ impl Guard {
             return None;
         }
         let off = until + self.plant.surplus();
-        let booking = state.tissue.booking(at, off, self.plant.latency());
-        let heat = state.tissue.each_room(&self.budget, booking);
-        let [peak, dose, deep, mean] = heat.map(|(j, row)| match j.is_finite() {
-            true => (row, faded(nanojoules(j))),
-            false => (row, u64::MAX),
-        });
+        let [peak, dose, deep, mean] =
+            self.rooms(wire, at, off)?
+                .map(|(j, row)| match j.is_finite() {
+                    true => (row, faded(nanojoules(j))),
+                    false => (row, u64::MAX),
+                });
         let burst_nj = self.limits.burst_energy_nj.saturating_sub(burst.spent_nj);
         let left = |pj: u64| faded(pj / 1000);
         Some(WireBudget {
@@ -82,6 +83,14 @@ impl Guard {
         })
     }
 
+    /// Energy, J, that each row of heat leaves a wire that is on between two times.
+    fn rooms(&self, wire: usize, at: Instant, off: Instant) -> Option<[(f64, Reason); 4]> {
+        let heat = self.heat.as_ref()?;
+        let tissue = heat.tissues.get(wire)?;
+        let booking = tissue.booking(at, off, self.plant.latency());
+        Some(tissue.each_room(&heat.budget, booking))
+    }
+
     /// Electrical energy, nJ, that the row of the fingertip's power leaves of a stimulus at `at` on any wire.
     pub fn fingertip_nj(&self, at: Instant) -> u64 {
         faded(self.fingertip.left_pj_at(at) / 1000)
@@ -89,12 +98,11 @@ impl Guard {
 
     /// Mean power, uW, of one wire that each row leaves for the second from `at` on. For the rows of power that is
     /// the most that the guard passes in it; for those of heat it is what may flow evenly, so that the limit is met at
-    /// its end. `None` for a wire that is not there.
+    /// its end. `None` for a wire that is not there, and without thermal rows.
     pub fn second_uw(&self, wire: usize, at: Instant) -> Option<[(Reason, u64); 6]> {
         let state = self.wires.get(wire)?;
-        let booking = (state.tissue).booking(at, at + SECOND, self.plant.latency());
-        let heat = state.tissue.each_room(&self.budget, booking);
-        let [peak, dose, deep, mean] = heat.map(|(j, row)| match j.is_finite() {
+        let rooms = self.rooms(wire, at, at + SECOND)?;
+        let [peak, dose, deep, mean] = rooms.map(|(j, row)| match j.is_finite() {
             true => (row, nanojoules(j) / 1000),
             false => (row, u64::MAX),
         });
@@ -118,7 +126,9 @@ impl Guard {
             each.map(|(c, r)| c / r * (1.0 - libm::exp(-r * seconds)))
                 .sum()
         };
-        let heat = self.budget.even_w(per_watt(&SHALLOW), per_watt(&DEEP));
+        let heat = self.heat.as_ref().map_or(f64::INFINITY, |heat| {
+            heat.budget.even_w(per_watt(&SHALLOW), per_watt(&DEEP))
+        });
         let power = self.wires.iter().map(|w| w.power.rate_uw());
         let power = power.fold(self.fingertip.rate_uw(), u64::min);
         power.min((heat * 1e6) as u64)

@@ -198,11 +198,10 @@ fn heat_that_flows_evenly_for_a_second_ends_at_the_limit() {
             .iter()
             .fold(rows[0], |a, b| if b.1 < a.1 { *b } else { a });
         let latency = guard.plant.latency();
-        let booking = guard.wires[0].tissue.booking(at, at + SECOND, latency);
+        let heat = guard.heat.as_mut().unwrap();
+        let booking = heat.tissues[0].booking(at, at + SECOND, latency);
         let joules = uw as f64 * 1e-6;
-        let reached = guard.wires[0]
-            .tissue
-            .heat(&mut guard.budget, booking, joules);
+        let reached = heat.tissues[0].heat(&mut heat.budget, booking, joules);
         let (limit, is) = match row {
             Reason::SkinPeak => (34.2, reached.peak_c),
             Reason::SkinMean => (33.3, reached.mean_c),

@@ -100,14 +100,15 @@ impl Guard {
     }
 
     /// How long a session from rest may last in which a wire has these bursts again every `period`, in order of time:
-    /// until so little of the dose is left that the guard would make the mean burst weaker. `None` where that takes a day or more.
+    /// until so little of the dose is left that the guard would make the mean burst weaker. `None` where that takes a day or more,
+    /// and without thermal rows.
     /// Other rows are left out. The period counts from the first burst; one that is shorter than all of them is as long.
     pub fn lasts(&self, bursts: &[Booked], period: Duration) -> Option<Duration> {
         let begun = bursts.first()?.on;
         let all = bursts.iter().map(|b| b.off.since(begun)).max()?;
         let period = period.max(all).max(Duration::from_micros(1));
         let seconds = period.as_secs_f64();
-        let limits = self.budget.doses();
+        let limits = self.heat.as_ref()?.budget.doses();
         let mut known = Stretches::new();
         let first = Round::of(bursts, period, Decays::default(), &mut known);
         let after = |rounds: u64| -> Decays {

@@ -53,7 +53,10 @@ fn what_is_tighter_stays() {
 #[test]
 fn fingertips_of_a_hand_share_its_power() {
     let share = |fingertips| HARD.of_hand(fingertips).fingertip_60s_uw;
-    assert_eq!([0, 1, 10, 11, 16].map(share), [60_000, 60_000, 60_000, 54_545, 37_500]);
+    assert_eq!(
+        [0, 1, 10, 11, 16].map(share),
+        [60_000, 60_000, 60_000, 54_545, 37_500]
+    );
     let others = Limits {
         fingertip_60s_uw: HARD.fingertip_60s_uw,
         ..HARD.of_hand(16)

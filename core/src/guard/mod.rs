@@ -26,6 +26,7 @@ pub use thermal::Predicted;
 pub use watchdog::Cause;
 
 use alloc::boxed::Box;
+use alloc::vec;
 
 use crate::illusion::DisplayWire;
 use crate::schedule::{Entry, Stimulus, stagger};
@@ -57,13 +58,15 @@ impl Setting {
 ///
 /// ```compile_fail
 /// # use palpate_core::{guard::Guarded, units::{Board, Instant}};
-/// let forged = Guarded { at: Instant::ZERO, board: Board(0), channels: [None; 16] };
+/// let forged = Guarded { at: Instant::ZERO, board: Board(0), channels: [None; 16], ends: [Instant::ZERO; 16] };
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Guarded {
     at: Instant,
     board: Board,
     channels: [Option<Setting>; 16],
+    /// When each channel that goes on ends.
+    ends: [Instant; 16],
 }
 
 impl Guarded {
@@ -77,15 +80,24 @@ impl Guarded {
         self.board
     }
 
-    /// Changes one channel; a display has none beyond the sixteenth.
-    fn set(&mut self, channel: u8, setting: Setting) {
-        if let Some(slot) = self.channels.get_mut(usize::from(channel)) {
-            *slot = Some(setting);
+    /// Changes one channel until `end`; a display has none beyond the sixteenth.
+    fn set(&mut self, channel: u8, setting: Setting, end: Instant) {
+        let channel = usize::from(channel);
+        if let (Some(slot), Some(until)) =
+            (self.channels.get_mut(channel), self.ends.get_mut(channel))
+        {
+            (*slot, *until) = (Some(setting), end);
         }
     }
 
+    /// When each channel that goes on will end, by number: what a driver far away must know beforehand. Of a channel that
+    /// goes off it is the time of the update.
+    pub const fn ends(&self) -> &[Instant; 16] {
+        &self.ends
+    }
+
     /// Whether any channel is to change.
-    pub(crate) fn changes(&self) -> bool {
+    pub fn changes(&self) -> bool {
         self.channels.iter().any(Option::is_some)
     }
 
@@ -100,7 +112,6 @@ impl Guarded {
 struct WireState {
     place: (Board, u8),
     power: Bucket,
-    tissue: Tissue,
     burst: Option<Burst>,
     /// What the channel does now.
     now: Option<Running>,
@@ -115,6 +126,16 @@ struct Running {
     until: Instant,
 }
 
+impl Heat {
+    fn new(limits: &Limits, wires: usize) -> Self {
+        Self {
+            budget: Budget::new(limits),
+            tissues: vec![Tissue::new(); wires].into(),
+            predicted: Predicted::REST,
+        }
+    }
+}
+
 /// The guard of one fingertip: every limit of the table, from above.
 ///
 /// Heat and dose count from its making; neither the way back nor anything else clears them.
@@ -122,11 +143,22 @@ struct Running {
 pub struct Guard {
     limits: Limits,
     plant: Plant,
-    budget: Budget,
     wires: Box<[WireState]>,
     fingertip: Bucket,
-    predicted: Predicted,
+    /// The rows of heat and dose; `None` in a guard that is another one's last word.
+    heat: Option<Box<Heat>>,
+    /// A burst leaves a part of each budget that fills again.
+    fades: bool,
     watchdog: Watchdog,
+}
+
+/// The thermal rows: all of the guard that needs floating point.
+#[derive(Clone, Debug)]
+struct Heat {
+    budget: Budget,
+    /// One per wire.
+    tissues: Box<[Tissue]>,
+    predicted: Predicted,
 }
 
 impl Guard {
@@ -135,6 +167,24 @@ impl Guard {
     /// # Errors
     /// When the plant's figures are none a wire can have.
     pub fn new(limits: Limits, plant: Plant, wires: &[DisplayWire]) -> Result<Self, PlantError> {
+        Ok(Self {
+            fades: true,
+            ..Self::last_word(limits, plant, wires, true)?
+        })
+    }
+
+    /// The last word of a driver unit, behind a whole guard: what that passed, this one passes unchanged, since a burst may
+    /// take all that is left of a budget here. Without `heat` it has the integer rows alone, for a processor without
+    /// floating point: pulse, burst, energy, power, supply, staleness and latch.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn last_word(
+        limits: Limits,
+        plant: Plant,
+        wires: &[DisplayWire],
+        heat: bool,
+    ) -> Result<Self, PlantError> {
         plant.check()?;
         let limits = limits.tightened();
         // What is booked at an onset reaches as far beyond it.
@@ -149,17 +199,16 @@ impl Guard {
         let state = |w: &DisplayWire| WireState {
             place: (w.board, w.channel.0),
             power: bucket((1, limits.wire_1s_uw), (10, limits.wire_10s_uw)),
-            tissue: Tissue::new(),
             burst: None,
             now: None,
         };
         Ok(Self {
             limits,
             plant,
-            budget: Budget::new(&limits),
             wires: wires.iter().map(state).collect(),
             fingertip: bucket((1, limits.fingertip_1s_uw), (60, limits.fingertip_60s_uw)),
-            predicted: Predicted::REST,
+            heat: heat.then(|| Box::new(Heat::new(&limits, wires.len()))),
+            fades: false,
             watchdog: Watchdog::new(limits.stale, plant.latency()),
         })
     }
@@ -180,14 +229,32 @@ impl Guard {
         self.plant.surplus()
     }
 
-    /// The most that was predicted under any wire so far, for what has been passed.
-    pub const fn predicted(&self) -> &Predicted {
-        &self.predicted
+    /// The most that was predicted under any wire so far, for what has been passed; skin at rest where
+    /// [`Self::has_heat`] is false.
+    pub fn predicted(&self) -> &Predicted {
+        self.heat
+            .as_ref()
+            .map_or(&Predicted::REST, |heat| &heat.predicted)
+    }
+
+    /// Whether it has the thermal rows.
+    pub const fn has_heat(&self) -> bool {
+        self.heat.is_some()
+    }
+
+    /// What it knows of the boards.
+    pub const fn plant(&self) -> &Plant {
+        &self.plant
     }
 
     /// Tells the watchdog of a sensor frame received at `at`.
     pub fn hear(&mut self, at: Instant) {
         self.watchdog.hear(at);
+    }
+
+    /// When the newest sensor frame was received.
+    pub const fn heard(&self) -> Option<Instant> {
+        self.watchdog.heard()
     }
 
     /// Whether no sensor frame has come for so long that nothing may be driven.
@@ -248,19 +315,32 @@ impl Guard {
         stimuli: &[Stimulus],
         ledger: impl FnMut(Entry),
     ) -> Guarded {
-        self.pass(at, board, stimuli, Self::clamp, ledger)
+        let update = self.release(at, board);
+        self.pass(update, stimuli, Self::clamp, ledger)
     }
 
-    /// The stimuli of one board, each as `judge` leaves it; those before them end.
-    fn pass(
+    /// As [`Self::admit`], but wires without a stimulus go on as they are. A stimulus without width ends its wire.
+    pub fn change(
         &mut self,
         at: Instant,
         board: Board,
         stimuli: &[Stimulus],
+        ledger: impl FnMut(Entry),
+    ) -> Guarded {
+        let named = |wire: usize| stimuli.iter().any(|s| usize::from(s.wire) == wire);
+        let update = self.switch_off(at, board, |wire, _| named(wire));
+        self.pass(update, stimuli, Self::clamp, ledger)
+    }
+
+    /// The stimuli of one board, each as `judge` leaves it, added to an `update` that ended those before them.
+    fn pass(
+        &mut self,
+        mut update: Guarded,
+        stimuli: &[Stimulus],
         judge: impl Fn(&mut Self, usize, Instant, &Stimulus) -> Passed,
         mut ledger: impl FnMut(Entry),
     ) -> Guarded {
-        let mut update = self.release(at, board);
+        let (at, board) = (update.at, update.board);
         for stimulus in stimuli {
             let index = usize::from(stimulus.wire);
             let Some(channel) = self.channel(index, board) else {
@@ -275,7 +355,7 @@ impl Guard {
                     since: at,
                     until: passed.until,
                 });
-                update.set(channel, setting);
+                update.set(channel, setting, passed.until);
             }
             ledger(Entry {
                 at,
@@ -300,12 +380,12 @@ impl Guard {
 
     /// Switches off every wire of one board that is on. Always passes.
     pub fn release(&mut self, at: Instant, board: Board) -> Guarded {
-        self.switch_off(at, board, |_| true)
+        self.switch_off(at, board, |_, _| true)
     }
 
     /// Switches off the wires of one board whose stimulus has ended by `at`. Always passes.
     pub fn expire(&mut self, at: Instant, board: Board) -> Guarded {
-        self.switch_off(at, board, |running| running.until <= at)
+        self.switch_off(at, board, |_, running| running.until <= at)
     }
 
     /// When the next stimulus ends.
@@ -321,12 +401,13 @@ impl Guard {
         &mut self,
         at: Instant,
         board: Board,
-        which: impl Fn(&Running) -> bool,
+        which: impl Fn(usize, &Running) -> bool,
     ) -> Guarded {
         let mut update = Guarded {
             at,
             board,
             channels: [None; 16],
+            ends: [at; 16],
         };
         for index in 0..self.wires.len() {
             let wire = &mut self.wires[index];
@@ -334,7 +415,7 @@ impl Guard {
             if owner != board {
                 continue;
             }
-            let Some(was) = wire.now.take_if(|now| which(now)) else {
+            let Some(was) = wire.now.take_if(|now| which(index, now)) else {
                 continue;
             };
             self.overrun(index, &was, at);
@@ -342,7 +423,7 @@ impl Guard {
                 on: was.setting.on,
                 off: was.setting.on,
             };
-            update.set(channel, ended);
+            update.set(channel, ended, at);
         }
         update
     }
@@ -357,6 +438,8 @@ impl Guard {
     }
 }
 
+#[cfg(test)]
+mod last_word_tests;
 #[cfg(test)]
 mod plain_tests;
 #[cfg(test)]

@@ -52,7 +52,8 @@ impl Guard {
         stimuli: &[Stimulus],
         ledger: impl FnMut(Entry),
     ) -> Option<Observed> {
-        let update = self.pass(at, board, stimuli, Self::note, ledger);
+        let update = self.release(at, board);
+        let update = self.pass(update, stimuli, Self::note, ledger);
         update.changes().then(|| self.observed(board))
     }
 

@@ -168,5 +168,8 @@ fn transfers_of_others_on_the_bus_count_as_time_on() {
     assert_eq!(shared.surplus(), PLANT.surplus() + bus);
     assert_eq!(shared.latency(), PLANT.latency() + bus);
     let span = Duration::from_millis(35);
-    assert_eq!(shared.energy_nj(100, span), PLANT.energy_nj(100, span + bus));
+    assert_eq!(
+        shared.energy_nj(100, span),
+        PLANT.energy_nj(100, span + bus)
+    );
 }

@@ -59,6 +59,11 @@ impl Watchdog {
         self.heard = self.heard.max(Some(at));
     }
 
+    /// When the newest frame was received.
+    pub(super) const fn heard(&self) -> Option<Instant> {
+        self.heard
+    }
+
     /// Whether the newest frame is too old, or there is none.
     pub(super) fn is_stale(&self, now: Instant) -> bool {
         self.heard.is_none_or(|at| now.since(at) >= self.patience)

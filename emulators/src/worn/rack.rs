@@ -55,7 +55,14 @@ impl Rack {
         let display = shelf.waiting.len();
         shelf.waiting.push(Vec::new());
         for (own, (chip, channels)) in boards.iter().enumerate() {
-            for (channel, owner) in shelf.owners.iter_mut().nth(*chip).into_iter().flatten().enumerate() {
+            for (channel, owner) in shelf
+                .owners
+                .iter_mut()
+                .nth(*chip)
+                .into_iter()
+                .flatten()
+                .enumerate()
+            {
                 if channels >> channel & 1 == 1 {
                     *owner = Some((display, own));
                 }
@@ -89,7 +96,9 @@ impl Shelf {
         } = self;
         i2c.with(|segment| {
             segment.advance(to, &mut |chip, edge| {
-                let owner = owners.get(chip).and_then(|o| o.get(usize::from(edge.channel.0)));
+                let owner = owners
+                    .get(chip)
+                    .and_then(|o| o.get(usize::from(edge.channel.0)));
                 if let Some((display, own)) = owner.copied().flatten()
                     && let Some(waiting) = waiting.get_mut(display)
                 {
@@ -156,7 +165,9 @@ impl Connection {
         let number = self.chips.get(own).copied();
         // Refused only from inside another look at the segment, and there is none here.
         let _ = self.bus().with(|segment| {
-            number.and_then(|n| segment.chips_mut().get_mut(n)).map(work)
+            number
+                .and_then(|n| segment.chips_mut().get_mut(n))
+                .map(work)
         });
     }
 }

@@ -1,6 +1,7 @@
 //! Benches: which hardware a scene runs on, and what drives its wires.
 
 mod displays;
+mod unit;
 
 use std::path::{Path, PathBuf};
 
@@ -13,6 +14,7 @@ use super::layout::DisplayLayout;
 use super::mount::{BenchMount, BenchTissue};
 use super::source::Source;
 pub use displays::BenchDisplay;
+pub use unit::{BenchUnit, Network};
 
 /// A bench. A file states what differs from [`Bench::default`], and its name and description.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -47,6 +49,9 @@ pub struct Bench {
     pub outputs: Vec<Output>,
     /// Several displays, a fingertip each, in place of one; emulated benches only.
     pub displays: Vec<BenchDisplay>,
+    /// A driver unit that has the chips, behind a network; left out: they hang on the host's own bus. Emulated benches of
+    /// one display only.
+    pub unit: Option<BenchUnit>,
 }
 
 impl Default for Bench {
@@ -67,6 +72,7 @@ impl Default for Bench {
             amplifier: Amplifier::default(),
             outputs: Vec::new(),
             displays: Vec::new(),
+            unit: None,
         }
     }
 }
@@ -330,6 +336,7 @@ impl Bench {
         bench.amplifier.check(source)?;
         bench.mount.check(source)?;
         bench.tissue.check(source)?;
+        bench.check_unit(source)?;
         bench.check_outputs(source, adapters)?;
         bench.join_displays(source)?;
         if bench.outputs.is_empty() {
@@ -337,6 +344,21 @@ impl Bench {
             bench.outputs = (0..display.wires_mm.len()).map(Output::nth).collect();
         }
         Ok(bench)
+    }
+
+    fn check_unit(&self, source: &Source) -> Result<(), FileError> {
+        let Some(unit) = &self.unit else {
+            return Ok(());
+        };
+        if self.kind == BenchKind::Real {
+            let expected =
+                "nothing: this bench is of kind \"real\", and its chips hang on [real] i2c";
+            return Err(source.bad("unit", expected));
+        }
+        if !self.displays.is_empty() {
+            return Err(source.bad("unit", "one display: a unit has a guard of one fingertip"));
+        }
+        unit.check(source)
     }
 
     /// How many I2C adapters there are, and whether the kind of bench has what it needs.

@@ -83,6 +83,10 @@ kinds! {
     AmplifierStuckOn = "amplifier-stuck-on" ["wire"] [],
     /// A wire or its plug is broken.
     OpenWire = "open-wire" ["wire"] [],
+    /// The network to a driver unit is gone, both ways.
+    LinkOutage = "link-outage" [] [],
+    /// The network to a driver unit is that of a worse radio.
+    LinkRough = "link-rough" [] [],
 }
 
 impl FaultKind {
@@ -103,6 +107,8 @@ impl FaultKind {
                 | K::ClockStopped
                 | K::AmplifierStuckOn
                 | K::OpenWire
+                | K::LinkOutage
+                | K::LinkRough
         )
     }
 }

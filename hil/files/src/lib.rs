@@ -57,8 +57,8 @@ mod tests;
 pub use activation::{ActivationFile, Both};
 pub use address::repeated_bus;
 pub use bench::{
-    Amplifier, Bench, BenchDisplay, BenchKind, BenchWire, Drive, ExternalClock, Output,
-    OutputEnable, Real,
+    Amplifier, Bench, BenchDisplay, BenchKind, BenchUnit, BenchWire, Drive, ExternalClock, Network,
+    Output, OutputEnable, Real,
 };
 pub use check::{Checked, check, check_source, kind_of};
 pub use columns::{Columns, JOINT, Take};

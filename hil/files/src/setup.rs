@@ -16,8 +16,8 @@ use super::scene::Scene;
 use super::texture::{TextureEntry, TextureTable};
 use super::transducer::Transducer;
 use super::wire::{AlloyFile, WireFile};
-use palpate_core::units::Duration;
 pub use fingers::Finger;
+use palpate_core::units::Duration;
 
 /// What a scene's texture names.
 #[derive(Debug, Clone, PartialEq)]

@@ -80,7 +80,10 @@ impl ActuatorBus {
         let on_bus = |board: &u8| self.place.own_board(usize::from(*board));
         let chips = place.boards.iter().filter_map(on_bus);
         let chips: Vec<_> = chips.zip(place.channels.iter().copied()).collect();
-        Ok((WornDisplay::on(&self.rack, &chips, config)?, self.i2c.clone()))
+        Ok((
+            WornDisplay::on(&self.rack, &chips, config)?,
+            self.i2c.clone(),
+        ))
     }
 
     /// Lets faults begin and end that are due at `now`; with `last` those that are on end.
@@ -93,6 +96,7 @@ impl ActuatorBus {
                 worn: None,
                 drive: self.drive,
                 place: &self.place,
+                unit: None,
             }),
         };
         if last {

@@ -1,7 +1,6 @@
 //! The display end of a run: boards behind a bus, the line that cuts them, and what hangs on their outputs.
 
-use embedded_hal::i2c::I2c;
-use palpate_core::driver::{Banks, DriverError, Traffic};
+use palpate_core::driver::{DriverError, Traffic};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::physics::ParameterError;
 use palpate_core::projector::{LoopError, Projector};
@@ -23,6 +22,7 @@ use crate::Keep;
 use crate::actuator_bus::ActuatorBus;
 use crate::band::{Band, FeltBand};
 use crate::boards;
+pub use crate::driver::{Driver, OutputEnable};
 use crate::effects::{Faultable, FaultyDisplay};
 use crate::failure::Failure;
 use crate::feel::{FullDrive, feel, sample_wires};
@@ -32,6 +32,7 @@ use crate::plan;
 use crate::recorder::{Onset, Recorder};
 use crate::script::{FaultReport, Script};
 use crate::skin_end::FaultySkin;
+use crate::unit::{EmulatedDriver, NoLine, UnitReport};
 
 /// The finger is looked at no less often than this, even where no stimulus comes.
 const LOOK: Duration = Duration::from_millis(250);
@@ -40,22 +41,13 @@ const LOOKS: usize = 1 << 12;
 /// Transfers kept of a run's actuator bus, the last ones: some hours of them.
 const I2C_LOG: usize = 1 << 20;
 
-/// The line that cuts every output whatever the chips' registers say, and needs no bus.
-pub trait OutputEnable {
-    /// Releases it, or cuts.
-    fn set_enabled(&self, now: Instant, enabled: bool);
-
-    /// How notes say that the outputs were cut, or that they could not be.
-    fn words(&self) -> &'static str;
-}
-
 /// The display end of a session. What has an empty default is what only emulated hardware can do.
 pub trait DisplayEnd {
-    /// The bus of the boards.
-    type I2c: I2c;
+    /// What drives the boards.
+    type Driver: Driver;
 
     /// The boards, and the line that cuts them.
-    fn parts(&mut self) -> (&mut Banks<Self::I2c>, &dyn OutputEnable);
+    fn parts(&mut self) -> (&mut Self::Driver, &dyn OutputEnable);
 
     /// One call of the loop, through the guard to the boards.
     ///
@@ -120,7 +112,7 @@ pub trait DisplayEnd {
 pub struct EmulatedDisplay {
     display: WornDisplay,
     i2c: Shared<I2cHandle>,
-    banks: Banks<Shared<I2cHandle>>,
+    driver: EmulatedDriver,
     /// What drives the boards in place of their driver where the guard only looks on.
     writer: Option<RegisterWriter>,
     script: Script,
@@ -165,6 +157,12 @@ impl EmulatedDisplay {
     ) -> Result<Self, Failure> {
         let bench = &setup.bench.value;
         refuse_hardware(bench)?;
+        if setup.is_observed() && bench.unit.is_some() {
+            return Err(Failure::Input(format!(
+                "bench `{}`: expected a bench without [unit] for --observe: a unit has a guard of its own",
+                bench.name
+            )));
+        }
         let wires = projector.display().wires();
         let (mut display, i2c) = match bus {
             Some(bus) => (bus.connect(&place, &config(setup, wires))).map_err(no_bench(bench))?,
@@ -181,15 +179,18 @@ impl EmulatedDisplay {
         let full = FullDrive::new(setup, projector)?;
         let boards = plan::boards(bench);
         let prescale = projector.guard().prescale();
-        let mut writer = RegisterWriter::new(i2c.clone(), &boards);
-        let mut banks = Banks::new([(i2c.clone(), &*boards)], prescale);
-        if !place.alone {
-            writer = writer.sharing(&place.channels);
-            banks = banks.sharing(&place.channels);
-        }
+        let writer = || {
+            let writer = RegisterWriter::new(i2c.clone(), &boards);
+            match place.alone {
+                true => writer,
+                false => writer.sharing(&place.channels),
+            }
+        };
+        let lines = (i2c.clone(), display.bus());
+        let driver = EmulatedDriver::new(bench, projector, lines, &place, seed)?;
         Ok(Self {
-            writer: setup.is_observed().then_some(writer),
-            banks,
+            writer: setup.is_observed().then(writer),
+            driver,
             script: Script::new(&setup.scene.value.faults, projector.layout()),
             drive: bench.drive,
             place,
@@ -276,8 +277,12 @@ impl EmulatedDisplay {
         recorder: &mut Recorder,
     ) -> Result<(), Failure> {
         self.score(projector, recorder);
-        let until = Nanos::from(end) + Nanos(2 * self.prescale.period_ns());
-        self.pass(until, &mut recorder.events)?;
+        let mut until = Nanos::from(end) + Nanos(2 * self.prescale.period_ns());
+        if self.driver.unit().is_some() {
+            // Whatever the network does to the last datagram, the unit is off by then.
+            until = until + Nanos::from_micros(projector.guard().limits().stale.as_micros());
+        }
+        self.pass_with_unit(until, &mut recorder.events)?;
         self.sample();
         Ok(())
     }
@@ -292,6 +297,22 @@ impl EmulatedDisplay {
             let flows = self.display.ended_flows();
             self.currents.add(flows);
         }
+    }
+
+    /// Lets time pass until `until`, and a unit's program run whenever it is due.
+    fn pass_with_unit(&mut self, until: Nanos, events: &mut Vec<Event>) -> Result<(), Failure> {
+        while let Some(at) = self.driver.unit().and_then(|unit| unit.due(until)) {
+            self.pass(at, events)?;
+            if let Some(unit) = self.driver.unit() {
+                unit.run(at, events);
+            }
+        }
+        self.pass(until, events)
+    }
+
+    /// What came of the bench's driver unit, where it has one.
+    pub fn unit(&mut self) -> Option<UnitReport> {
+        self.driver.unit().map(|unit| unit.report())
     }
 
     fn pass(&mut self, until: Nanos, events: &mut Vec<Event>) -> Result<(), Failure> {
@@ -310,10 +331,13 @@ impl EmulatedDisplay {
 }
 
 impl DisplayEnd for EmulatedDisplay {
-    type I2c = Shared<I2cHandle>;
+    type Driver = EmulatedDriver;
 
-    fn parts(&mut self) -> (&mut Banks<Shared<I2cHandle>>, &dyn OutputEnable) {
-        (&mut self.banks, &self.display)
+    fn parts(&mut self) -> (&mut EmulatedDriver, &dyn OutputEnable) {
+        match &self.driver {
+            EmulatedDriver::Wired(_) => (&mut self.driver, &self.display),
+            EmulatedDriver::Unit(_) => (&mut self.driver, &NoLine),
+        }
     }
 
     fn poll<S: SkinSource>(
@@ -325,7 +349,13 @@ impl DisplayEnd for EmulatedDisplay {
     ) -> Result<bool, LoopError<S::Error, DriverError>> {
         match &mut self.writer {
             Some(writer) => projector.observe(now, skin, writer, recorder),
-            None => projector.poll(now, skin, &mut self.banks, recorder),
+            None => {
+                let polled = projector.poll(now, skin, &mut self.driver, recorder);
+                if let Some(unit) = self.driver.unit() {
+                    unit.tell(now, projector.guard().heard());
+                }
+                polled
+            }
         }
     }
 
@@ -335,11 +365,11 @@ impl DisplayEnd for EmulatedDisplay {
 
     fn traffic(&mut self) -> Traffic {
         let written = self.writer.as_ref().map(RegisterWriter::traffic);
-        written.unwrap_or_else(|| self.banks.traffic())
+        written.unwrap_or_else(|| self.driver.traffic())
     }
 
     fn advance_to(&mut self, now: Instant, events: &mut Vec<Event>) -> Result<(), Failure> {
-        self.pass(Nanos::from(now), events)
+        self.pass_with_unit(Nanos::from(now), events)
     }
 
     fn look(&mut self, now: Instant, onset: bool, projector: &Projector, recorder: &mut Recorder) {
@@ -364,6 +394,7 @@ impl DisplayEnd for EmulatedDisplay {
                 worn: Some(&mut self.display),
                 drive: self.drive,
                 place: &self.place,
+                unit: self.driver.unit(),
             }),
         };
         if last {
@@ -389,18 +420,9 @@ impl DisplayEnd for EmulatedDisplay {
             DriverError::Readback(board, register, expected, found) => {
                 DriverError::Readback(of(board), register, expected, found)
             }
+            DriverError::Unit(fault) => DriverError::Unit(fault),
         };
         error.to_string()
-    }
-}
-
-impl OutputEnable for WornDisplay {
-    fn set_enabled(&self, now: Instant, enabled: bool) {
-        self.set_outputs(Nanos::from(now), enabled);
-    }
-
-    fn words(&self) -> &'static str {
-        "outputs off by the OE line"
     }
 }
 

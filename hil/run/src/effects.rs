@@ -14,6 +14,7 @@ use palpate_emulators::worn::WornDisplay;
 use palpate_files::{Drive, Fault, FaultKind};
 
 use crate::place::Place;
+use crate::unit::RemoteUnit;
 
 /// The hardware that faults are done to.
 pub struct Faultable<'a> {
@@ -35,6 +36,8 @@ pub struct FaultyDisplay<'a> {
     pub drive: Drive,
     /// Its boards and wires among those of the bench, by which faults name them.
     pub place: &'a Place,
+    /// The driver unit and its network, where the bench has one.
+    pub unit: Option<&'a mut RemoteUnit>,
 }
 
 /// What a fault does to identifiers.

@@ -12,6 +12,7 @@ mod band;
 mod boards;
 pub mod design;
 pub mod display_end;
+pub mod driver;
 pub mod effects;
 pub mod effort;
 pub mod failure;
@@ -45,6 +46,7 @@ mod supervisor;
 pub mod sweep;
 mod tape;
 mod taxels;
+pub mod unit;
 mod verdict;
 
 pub use band::{FeltBand, FeltCorner};

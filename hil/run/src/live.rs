@@ -145,7 +145,8 @@ impl EmulatedSession {
         };
         let truth = hands.get(setup.scene.value.drives).cloned();
         let truth = truth.map_or(Truth::Unknown, Truth::Hand);
-        let session = Self::on(setup, seed, skin, truth, Policy::EMULATED)?;
+        let policy = Policy::emulated(setup.bench.value.unit.is_some());
+        let session = Self::on(setup, seed, skin, truth, policy)?;
         Ok((session, hands))
     }
 
@@ -185,7 +186,8 @@ impl FedSession {
         let display = EmulatedDisplay::new(setup, &projector, seed)?;
         let recorder = Recorder::new(Truth::Unknown, projector.layout()).bounded(MOST_EVENTS);
         let ends = ((), display);
-        Ok(Self::new(projector, ends, Policy::EMULATED, recorder, None))
+        let policy = Policy::emulated(setup.bench.value.unit.is_some());
+        Ok(Self::new(projector, ends, policy, recorder, None))
     }
 
     /// Takes one module's scan; what it makes due happens with the next turn.

@@ -86,7 +86,10 @@ impl Place {
         let others = || all.iter().filter(|other| other.name != self.name);
         self.alone = others().all(|other| other.bus != self.bus);
         for (board, channels) in self.boards.iter().zip(&mut self.channels) {
-            if !all.iter().any(|o| o.name != self.name && o.boards.contains(board)) {
+            if !all
+                .iter()
+                .any(|o| o.name != self.name && o.boards.contains(board))
+            {
                 *channels = u16::MAX;
             }
         }
@@ -97,7 +100,9 @@ impl Place {
     fn wait_for(&self, all: &[Self]) -> Duration {
         let off = BusClock::Fast.write_time(2).as_micros();
         let other = BusClock::Fast.write_time(3).as_micros();
-        let others = all.iter().filter(|o| o.name != self.name && o.bus == self.bus);
+        let others = all
+            .iter()
+            .filter(|o| o.name != self.name && o.bus == self.bus);
         let restarts = others.map(|o| o.wires as u64 * off + 10 * o.boards.len() as u64 * other);
         Duration::from_micros(restarts.max().unwrap_or(0))
     }

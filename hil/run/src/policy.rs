@@ -33,6 +33,17 @@ impl Policy {
         waits_at_start: true,
         latch: LatchPolicy::Reopens,
     };
+    /// An emulated driver unit: a network that is gone comes back.
+    pub const UNIT: Self = Self {
+        give_up: Duration::from_millis(3000),
+        ..Self::EMULATED
+    };
+    /// Of an emulated bench, with a driver unit or without.
+    #[must_use]
+    pub const fn emulated(unit: bool) -> Self {
+        if unit { Self::UNIT } else { Self::EMULATED }
+    }
+
     /// Hardware: a USB plug that was pulled may come back, a person has to look after a stop.
     pub const REAL: Self = Self {
         give_up: Duration::from_millis(3000),

@@ -140,7 +140,7 @@ pub struct Recorder {
     pub onsets: (u64, u64),
     /// Boards and channels of which a stimulus was asked.
     pub warmed: BTreeSet<(u8, u8)>,
-    /// The first stimuli, [`ROUND`] at most: what a longest session is told from.
+    /// The first stimuli, `ROUND` at most: what a longest session is told from.
     pub first: Vec<Entry>,
     /// The newest stimuli that all began at once.
     asked: Vec<Entry>,

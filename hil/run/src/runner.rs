@@ -217,7 +217,7 @@ impl Run<'_> {
             display.compare(self.setup, &header)?;
         }
         let ends = (skin, display);
-        let policy = Policy::EMULATED;
+        let policy = Policy::emulated(self.setup.bench.value.unit.is_some());
         // Of a stream's frames the wait for their readings would be timed as well.
         let watch = host.stopwatch().filter(|_| !self.waits);
         let mut session = Session::new(projector, ends, policy, recorder, watch);
@@ -318,6 +318,7 @@ impl Run<'_> {
         let (display, projector, recorder) = session.all();
         effort.finish(projector, recorder);
         summary.faults = display.faults();
+        summary.unit = display.unit();
         summary.felt.asked = AskedLevel::of(&setup.scene.value, projector);
         if summary.felt.level_db.is_some_and(|l| l.median < 0.0) {
             let missing = -plan::strongest(setup, projector)?;

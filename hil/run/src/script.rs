@@ -249,6 +249,16 @@ impl Script {
                     chip.set_external_clock(at, hz);
                 });
             }
+            (FaultKind::LinkOutage | FaultKind::LinkRough, _) => {
+                let unit = bench.display.as_mut().and_then(|d| d.unit.as_deref_mut());
+                once = begins && unit.is_some();
+                if let Some(unit) = unit {
+                    match fault.kind {
+                        FaultKind::LinkRough => unit.set_rough(begins),
+                        _ => unit.set_cut(begins),
+                    }
+                }
+            }
             (kind, _) => {
                 once = false;
                 if let Some(kind) = i2c_kind(kind).filter(|_| fault.rate.is_none()) {

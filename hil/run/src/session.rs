@@ -11,6 +11,7 @@ use palpate_core::units::{Duration, Instant};
 use palpate_records::trace::Event;
 
 use crate::display_end::DisplayEnd;
+use crate::driver::Driver;
 use crate::effort::{FrameCost, FrameTimes, Stopwatch};
 use crate::failure::Failure;
 use crate::policy::{LatchPolicy, Policy};

@@ -20,6 +20,7 @@ use super::skin_end::SkinEnd;
 use crate::band::FeltBand;
 use crate::path_error::PathError;
 use crate::plan;
+use crate::unit::UnitReport;
 use palpate_files::{Bench, Scene};
 
 /// How far over threshold what was felt is, and by whom: the headline.
@@ -303,6 +304,9 @@ pub struct Summary {
     /// Several displays; left out for one.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub displays: Vec<DisplaySummary>,
+    /// A driver unit and its link; left out where the host has the boards.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<UnitReport>,
     /// How a real run kept its time; null for an emulated one.
     pub pacing: Option<Pacing>,
     /// The CAN interfaces of a real run.
@@ -481,6 +485,7 @@ impl Summary {
             faults: Vec::new(),
             margins: ledger.margins.clone(),
             displays: Vec::new(),
+            unit: None,
             pacing: None,
             can: Vec::new(),
             frames_not_recorded: 0,

@@ -275,6 +275,7 @@ impl Summary {
             );
             lines.push(line("records", lost));
         }
+        lines.extend(self.unit.as_ref().map(|u| line("unit", u.words())));
         lines.extend(self.pacing.as_ref().map(|p| line("pacing", p.words())));
         let fault = self.faults.iter();
         lines.extend(fault.map(|f| line("fault", format!("{}: count {}", f.what, f.count))));

@@ -1,12 +1,12 @@
 //! What a run does about hardware that stops answering: outputs off at once, a bounded wait, a way back.
 
-use embedded_hal::i2c::I2c;
-use palpate_core::driver::{Actuators, Banks};
+use palpate_core::driver::Actuators;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant};
 use palpate_records::trace::Event;
 
 use crate::display_end::OutputEnable;
+use crate::driver::Driver;
 use crate::failure::Failure;
 use crate::skin_end::SkinEnd;
 
@@ -65,10 +65,10 @@ impl Supervisor {
     ///
     /// # Errors
     /// [`Failure::Device`] once the bus has been dead for too long.
-    pub fn recover<I: I2c>(
+    pub fn recover(
         &mut self,
         now: Instant,
-        bank: &mut Banks<I>,
+        bank: &mut impl Driver,
         oe: &dyn OutputEnable,
         events: &mut Vec<Event>,
     ) -> Result<Option<Instant>, Failure> {

@@ -118,6 +118,7 @@ impl<'a> Hardware<'a> {
                     worn: Some(&mut self.display),
                     drive: self.setup.bench.value.drive,
                     place: &self.place,
+                    unit: None,
                 }),
             },
             &mut events,

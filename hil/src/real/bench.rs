@@ -105,7 +105,7 @@ impl Live {
 }
 
 impl DisplayEnd for Live {
-    type I2c = Blocking;
+    type Driver = Banks<Blocking>;
 
     fn parts(&mut self) -> (&mut Banks<Blocking>, &dyn OutputEnable) {
         (&mut self.banks, &self.watchman)

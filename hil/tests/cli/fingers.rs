@@ -10,8 +10,16 @@ fn run(name: &str, scene: impl Fn(String) -> String, bench: impl Fn(String) -> S
     let bench = bench(text(palpate_fixtures::bench("allegro-hand")));
     let scene = folder.write("scene.toml", &scene);
     let bench = folder.write("hand.toml", &bench);
-    folder.write("weak.toml", "name = \"weak\"\ndescription = \"A weak hand.\"\n\n[hand_power]\nover_60s_mw = 100.0\n");
-    let args = [OsStr::new("run"), scene.as_os_str(), OsStr::new("--bench"), bench.as_os_str()];
+    folder.write(
+        "weak.toml",
+        "name = \"weak\"\ndescription = \"A weak hand.\"\n\n[hand_power]\nover_60s_mw = 100.0\n",
+    );
+    let args = [
+        OsStr::new("run"),
+        scene.as_os_str(),
+        OsStr::new("--bench"),
+        bench.as_os_str(),
+    ];
     refused(&args)
 }
 
@@ -34,36 +42,63 @@ fn displays_that_cannot_be_end_with_status_2() {
     };
     let twice = |text: String| {
         let (head, _) = text.split_once("[[displays]]").unwrap();
-        let display = |name: &str, first| format!("[[displays]]\nname = \"{name}\"\n{}", on_channels(first));
+        let display =
+            |name: &str, first| format!("[[displays]]\nname = \"{name}\"\n{}", on_channels(first));
         format!("{head}{}{}", display("index", 0), display("middle", 7))
     };
     says(
         &run("channel", as_is, twice),
-        &["hand.toml:", "displays[1].outputs[0].channel: expected an output of its own: display `index` has channel 7 of board 0x40, found 7"],
+        &[
+            "hand.toml:",
+            "displays[1].outputs[0].channel: expected an output of its own: display `index` has channel 7 of board 0x40, found 7",
+        ],
     );
-    let supply = |text: String| text.replace("[amplifier]", "drive.supply_limit_ma = 3000.0\n\n[amplifier]");
+    let supply = |text: String| {
+        text.replace(
+            "[amplifier]",
+            "drive.supply_limit_ma = 3000.0\n\n[amplifier]",
+        )
+    };
     says(
         &run("supply", as_is, supply),
-        &["hand.toml:", "drive.supply_limit_ma: expected at least 3940 mA: 2 boards with one wire of 1970 mA each", "found 3000 mA"],
+        &[
+            "hand.toml:",
+            "drive.supply_limit_ma: expected at least 3940 mA: 2 boards with one wire of 1970 mA each",
+            "found 3000 mA",
+        ],
     );
     let idle = |text: String| text.replace("modules = [12, 13, 14]", "modules = [12, 13]");
     says(
         &run("idle", idle, as_is),
-        &["scene.toml:", "fingers: expected all 15 modules of `allegro`, each once", "found none with module 14 (`thumb-middle`), which drives nothing"],
+        &[
+            "scene.toml:",
+            "fingers: expected all 15 modules of `allegro`, each once",
+            "found none with module 14 (`thumb-middle`), which drives nothing",
+        ],
     );
     let no_rule = |text: String| text.replacen("rule = \"first\"\n", "", 1);
     says(
         &run("rule", no_rule, as_is),
-        &["scene.toml:", "fingers[0].rule: expected \"first\" or \"merged\": how several modules drive one display"],
+        &[
+            "scene.toml:",
+            "fingers[0].rule: expected \"first\" or \"merged\": how several modules drive one display",
+        ],
     );
-    let close = |text: String| format!("illusion = {{ model = \"balanced\", soa_ms = 60.0, tau_d_ms = 38.0 }}\n{text}");
+    let close = |text: String| {
+        format!("illusion = {{ model = \"balanced\", soa_ms = 60.0, tau_d_ms = 38.0 }}\n{text}")
+    };
     says(
         &run("stagger", close, as_is),
-        &["hand.toml:", "displays: expected at most 1 per board: bursts of 38"],
+        &[
+            "hand.toml:",
+            "displays: expected at most 1 per board: bursts of 38",
+        ],
     );
     let weak = |text: String| text.replacen("wire.kind", "limits = \"weak.toml\"\nwire.kind", 1);
     says(
         &run("hand", as_is, weak),
-        &["weak.toml:5: hand_power.over_60s_mw: expected at least 120 mW: 4 displays on one hand with a moving contact of 30 mW each, found 100 mW"],
+        &[
+            "weak.toml:5: hand_power.over_60s_mw: expected at least 120 mW: 4 displays on one hand with a moving contact of 30 mW each, found 100 mW",
+        ],
     );
 }

@@ -74,8 +74,8 @@ fn a_hand_has_a_page_that_leads_to_its_fingers() {
     let path = folder.path("r.html").display().to_string();
     let table = folder.path("c.csv").display().to_string();
     let hand = ["allegro-grasp", "--bench", "allegro-hand", "--quiet"];
-    let short = ["--set", "length_s=6", "--report", &path, "--record", &table];
-    good(&[&["run"], &hand[..], &short].concat());
+    let written = ["--report", &path, "--record", &table];
+    good(&[&["run"], &hand[..], &written].concat());
     let fingers = ["index", "middle", "ring", "thumb"];
     let page = folder.text("r.html");
     for finger in fingers {

@@ -134,6 +134,40 @@ fn a_joint_is_straight_between_its_points() {
 }
 
 #[test]
+fn joints_that_cannot_be_are_refused() {
+    for (joints, expected) in [
+        (
+            joint("mcp", "[[0.0, 1.0], [0.0, 2.0]]"),
+            "joints[0].points_s_deg[1]: expected a time after 0 s",
+        ),
+        (
+            joint("mcp", "[[0.0, nan]]"),
+            "joints[0].points_s_deg[0][1]: expected a finite number, found nan",
+        ),
+        (
+            joint("mcp", "[[0.0, 361.0]]"),
+            "joints[0].points_s_deg[0]: expected a number from -360 to 360 degrees",
+        ),
+        (
+            joint("mcp", "[]"),
+            "joints[0].points_s_deg: expected at least one point",
+        ),
+        (
+            joint("m cp", "[[0.0, 1.0]]"),
+            "joints[0].name: expected a name of letters",
+        ),
+        (
+            joint("mcp", "[[0.0, 1.0]]") + &joint("mcp", "[[0.0, 1.0]]"),
+            "joints[1].name: expected a name of its own",
+        ),
+    ] {
+        let text = format!("name = \"s\"\ndescription = \"A scene.\"\n{joints}");
+        let error = Scene::read(&Source::new("s.toml", text)).unwrap_err();
+        assert!(error.to_string().contains(expected), "{error}\n{expected}");
+    }
+}
+
+#[test]
 fn scenes_that_cannot_drive_them_are_refused() {
     let first = "rule = \"first\"";
     let all = "[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14]";
@@ -181,26 +215,6 @@ fn scenes_that_cannot_drive_them_are_refused() {
                 "rule = \"first\"\nwhen = { joint = \"mcp\", above_deg = 5, below_deg = 5 }",
             ),
             "fingers[0].when.below_deg: expected more than above_deg, 5 degrees",
-        ),
-        (
-            joint("mcp", "[[0.0, 1.0], [0.0, 2.0]]"),
-            "joints[0].points_s_deg[1]: expected a time after 0 s",
-        ),
-        (
-            joint("mcp", "[[0.0, nan]]"),
-            "joints[0].points_s_deg[0]: expected a number from -360 to 360 degrees",
-        ),
-        (
-            joint("mcp", "[]"),
-            "joints[0].points_s_deg: expected at least one point",
-        ),
-        (
-            joint("m cp", "[[0.0, 1.0]]"),
-            "joints[0].name: expected a name of letters",
-        ),
-        (
-            joint("mcp", "[[0.0, 1.0]]") + &joint("mcp", "[[0.0, 1.0]]"),
-            "joints[1].name: expected a name of its own",
         ),
         (
             finger("index", "[15]", ""),

@@ -49,7 +49,10 @@ impl Finger {
         let bus = self.session.display().hardware().bus();
         // Refused only from inside another look at the segment, and there is none here.
         let busy = bus.with(|segment| segment.now()).unwrap_or_default();
-        let waits_us = busy.0.div_ceil(1000).saturating_sub(self.bus_wait.as_micros());
+        let waits_us = busy
+            .0
+            .div_ceil(1000)
+            .saturating_sub(self.bus_wait.as_micros());
         next.max(Instant::from_micros(waits_us))
     }
 
@@ -193,8 +196,7 @@ impl Run<'_> {
             display.settle(last, projector, recorder)?;
             let mut outcome = run.outcome(finger.header, &mut finger.session, last, host)?;
             let own = plan::boards(&run.setup.bench.value);
-            let of_boards =
-                |t: &&Transfer| t.bus == finger.place.bus && own.contains(&t.address);
+            let of_boards = |t: &&Transfer| t.bus == finger.place.bus && own.contains(&t.address);
             outcome.i2c = i2c.iter().filter(of_boards).cloned().collect();
             // The whole scene's faults say what may be missing; the person is the finger's.
             let mut judged = self.setup.clone();
@@ -405,7 +407,9 @@ fn stagger(setup: &Setup, fingers: Vec<(&Place, &mut Projector)>) -> Result<(), 
         let first = |other: &usize| groups[*other] == *other && *other < groups[index];
         let before = (0..index).filter(|other| first(other) && places[*other].bus == place.bus);
         let wait_us = before.count() as u64 * write.as_micros();
-        projector.begin_at(Instant::from_micros(soa_us * ranks[index] / slots + wait_us));
+        projector.begin_at(Instant::from_micros(
+            soa_us * ranks[index] / slots + wait_us,
+        ));
     }
     Ok(())
 }

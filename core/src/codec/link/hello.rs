@@ -1,0 +1,125 @@
+//! What a unit says of itself: what it drives, and by which limits.
+
+use super::Refusal;
+use super::bytes::{Reader, Writer};
+use crate::guard::{Limits, Plant};
+use crate::units::{Clock, Duration, Instant, Milliamps, Prescale};
+
+/// What stands for the chips' own oscillator in place of a tolerance.
+const INTERNAL: u32 = u32::MAX;
+
+/// A unit's answer to a knock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hello {
+    /// Its clock as it answered.
+    pub now: Instant,
+    /// Another host drives it.
+    pub busy: bool,
+    /// Its guard has the thermal rows.
+    pub heat: bool,
+    /// The stops so far; a host that takes over acknowledges them.
+    pub stops: u32,
+    /// What its guard knows of boards and wires.
+    pub plant: Plant,
+    /// The limits that were burnt in.
+    pub limits: Limits,
+    /// Channels that carry a wire, a bit each, by board.
+    pub wires: [u16; 16],
+}
+
+impl Hello {
+    /// A body's meaning.
+    ///
+    /// # Errors
+    /// [`Refusal::Body`] for another length, or a clock or divider that no chip takes.
+    pub fn read(body: &[u8]) -> Result<Self, Refusal> {
+        Self::parse(body).ok_or(Refusal::Body)
+    }
+
+    fn parse(body: &[u8]) -> Option<Self> {
+        let mut reader = Reader::new(body);
+        let now = Instant::from_micros(reader.u64()?);
+        let flags = reader.u8()?;
+        let stops = reader.u32()?;
+        let pre = reader.u8()?;
+        let hz = reader.u32()?;
+        let clock = match reader.u32()? {
+            INTERNAL => Clock::INTERNAL,
+            ppm => Clock::external(hz, ppm)?,
+        };
+        let plant = Plant {
+            prescale: Prescale::new(pre).with_clock(clock),
+            wire_milliohm: reader.u32()?,
+            peak: Milliamps(reader.u32()?),
+            bus: Duration::from_micros(reader.u32()?.into()),
+        };
+        let mut row = || reader.u64();
+        let limits = Limits {
+            pulse_width_ns: row()?,
+            burst: Duration::from_micros(row()?),
+            burst_energy_nj: row()?,
+            wire_1s_uw: row()?,
+            wire_10s_uw: row()?,
+            fingertip_1s_uw: row()?,
+            fingertip_60s_uw: row()?,
+            hand_60s_uw: row()?,
+            skin_mean_mc: row()?,
+            skin_peak_mc: row()?,
+            skin_deep_mc: row()?,
+            dose_omega_ppm: row()?,
+            dose_cem43_ms: row()?,
+            stale: Duration::from_micros(row()?),
+            supply: Milliamps(u32::try_from(row()?).ok()?),
+        };
+        let mut wires = [0; 16];
+        for board in &mut wires {
+            *board = reader.u16()?;
+        }
+        (reader.is_done() && flags <= 3).then_some(Self {
+            now,
+            busy: flags & 1 != 0,
+            heat: flags & 2 != 0,
+            stops,
+            plant,
+            limits,
+            wires,
+        })
+    }
+
+    /// Writes the body; its length.
+    pub fn write(&self, out: &mut [u8]) -> usize {
+        let mut writer = Writer::new(out);
+        writer.u64(self.now.as_micros());
+        writer.u8(u8::from(self.busy) | u8::from(self.heat) << 1);
+        writer.u32(self.stops);
+        let (plant, limits) = (&self.plant, &self.limits);
+        let clock = plant.prescale.clock();
+        writer.u8(plant.prescale.get());
+        writer.u32(clock.hz());
+        writer.u32(clock.tolerance_ppm().unwrap_or(INTERNAL));
+        writer.u32(plant.wire_milliohm);
+        writer.u32(plant.peak.0);
+        writer.u32(u32::try_from(plant.bus.as_micros()).unwrap_or(u32::MAX));
+        for row in [
+            limits.pulse_width_ns,
+            limits.burst.as_micros(),
+            limits.burst_energy_nj,
+            limits.wire_1s_uw,
+            limits.wire_10s_uw,
+            limits.fingertip_1s_uw,
+            limits.fingertip_60s_uw,
+            limits.hand_60s_uw,
+            limits.skin_mean_mc,
+            limits.skin_peak_mc,
+            limits.skin_deep_mc,
+            limits.dose_omega_ppm,
+            limits.dose_cem43_ms,
+            limits.stale.as_micros(),
+            limits.supply.0.into(),
+        ] {
+            writer.u64(row);
+        }
+        self.wires.iter().for_each(|board| writer.u16(*board));
+        writer.length()
+    }
+}

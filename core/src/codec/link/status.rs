@@ -1,0 +1,117 @@
+//! What became of commands: a unit's answer to each.
+
+use super::Refusal;
+use super::bytes::{Reader, Writer};
+use crate::guard::Cause;
+use crate::units::Instant;
+
+/// Whether a unit drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// It does what it is commanded, as far as its guard lets it.
+    Ready,
+    /// Its guard is latched: off until the stop is acknowledged and its cause is gone.
+    Stopped(Cause),
+}
+
+impl State {
+    const fn number(self) -> u8 {
+        match self {
+            Self::Ready => 0,
+            Self::Stopped(Cause::StaleInput) => 1,
+            Self::Stopped(Cause::ActuatorError) => 2,
+            Self::Stopped(Cause::SensorError) => 3,
+            Self::Stopped(Cause::LateTick) => 4,
+            Self::Stopped(Cause::End) => 5,
+        }
+    }
+
+    fn from_number(number: u8) -> Option<Self> {
+        let causes = [
+            Cause::StaleInput,
+            Cause::ActuatorError,
+            Cause::SensorError,
+            Cause::LateTick,
+            Cause::End,
+        ];
+        let stopped = causes.into_iter().map(Self::Stopped);
+        let mut all = core::iter::once(Self::Ready).chain(stopped);
+        all.find(|s| s.number() == number)
+    }
+}
+
+/// A unit's report. Counters run since its start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Status {
+    /// Its clock as it answered.
+    pub now: Instant,
+    /// The sequence of the newest command that it took.
+    pub echo: u64,
+    /// When it took that.
+    pub taken: Instant,
+    /// Whether it drives.
+    pub state: State,
+    /// Its stops so far.
+    pub stops: u32,
+    /// Stimuli begun.
+    pub applied: u32,
+    /// Of them, those that its guard changed or refused.
+    pub limited: u32,
+    /// Why, a bit for each of [`Reason::ALL`](crate::schedule::Reason::ALL).
+    pub reasons: u16,
+    /// Stimuli left out: too late, with too old a reading, or while stopped.
+    pub dropped: u32,
+    /// The latest beginning, microseconds after its time.
+    pub late_us: u32,
+    /// Datagrams refused.
+    pub refused: u32,
+    /// Skin 0.1 mm deep, the most predicted so far, millidegrees C; zero without thermal rows.
+    pub skin_mc: u32,
+}
+
+impl Status {
+    /// A body's meaning.
+    ///
+    /// # Errors
+    /// [`Refusal::Body`] for another length or an unknown state.
+    pub fn read(body: &[u8]) -> Result<Self, Refusal> {
+        Self::parse(body).ok_or(Refusal::Body)
+    }
+
+    fn parse(body: &[u8]) -> Option<Self> {
+        let mut reader = Reader::new(body);
+        let status = Self {
+            now: Instant::from_micros(reader.u64()?),
+            echo: reader.u64()?,
+            taken: Instant::from_micros(reader.u64()?),
+            state: State::from_number(reader.u8()?)?,
+            stops: reader.u32()?,
+            applied: reader.u32()?,
+            limited: reader.u32()?,
+            reasons: reader.u16()?,
+            dropped: reader.u32()?,
+            late_us: reader.u32()?,
+            refused: reader.u32()?,
+            skin_mc: reader.u32()?,
+        };
+        reader.is_done().then_some(status)
+    }
+
+    /// Writes the body; its length.
+    pub fn write(&self, out: &mut [u8]) -> usize {
+        let mut writer = Writer::new(out);
+        writer.u64(self.now.as_micros());
+        writer.u64(self.echo);
+        writer.u64(self.taken.as_micros());
+        writer.u8(self.state.number());
+        writer.u32(self.stops);
+        writer.u32(self.applied);
+        writer.u32(self.limited);
+        writer.u16(self.reasons);
+        writer.u32(self.dropped);
+        writer.u32(self.late_us);
+        writer.u32(self.refused);
+        writer.u32(self.skin_mc);
+        writer.length()
+    }
+}

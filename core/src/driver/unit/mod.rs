@@ -1,0 +1,423 @@
+//! The host's end of a driver unit's link: guarded updates in, datagrams out. It sends nothing itself and knows no
+//! clock: its owner has the socket.
+//!
+//! An update takes effect a *delay* after its onset, which hides the jitter of the network. Every command carries all
+//! stimuli that have yet to begin, so that a lost one costs nothing.
+
+mod sync;
+
+use core::fmt;
+
+use super::{Actuators, DriverError};
+use crate::codec::link::{
+    Buffer, Command, Header, Hello, Key, Kind, MOST_PLANNED, Planned, Refusal, Request, State,
+    Status,
+};
+use crate::guard::{Cause, Guarded};
+use crate::units::{Board, Channel, Duration, Instant, Ticks};
+use sync::{Exchange, Sync};
+
+/// A command goes out this often at the least.
+const HEARTBEAT: Duration = Duration::from_millis(10);
+/// A host that has no session knocks this often.
+const KNOCK: Duration = Duration::from_millis(20);
+/// A unit that has not answered for this long has switched off by itself.
+const SILENT: Duration = Duration::from_millis(150);
+/// After this the session is given up, and begun anew.
+const LOST: Duration = Duration::from_millis(300);
+/// A line stays in the plan for this long after its onset at the least: the unit begins none later.
+const KEPT: Duration = Duration::from_millis(10);
+/// Commands whose sending times are remembered, to be found by an answer.
+const REMEMBERED: usize = 64;
+
+/// What keeps a unit from being driven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UnitFault {
+    /// No answer yet, or none for 150 ms.
+    Silent,
+    /// Another host has it.
+    Busy,
+    /// Its guard stopped it, and this host may not go on by itself.
+    Stopped(Cause),
+    /// A board that it does not have, or a channel without a wire.
+    NoSuchOutput(Board, Channel),
+    /// More stimuli at once than a command carries.
+    Full,
+    /// Its clock is not known yet.
+    NoTime,
+}
+
+impl fmt::Display for UnitFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Silent => f.write_str(
+                "unit: no answer; check its power, the network, its address and the key",
+            ),
+            Self::Busy => f.write_str(
+                "unit: another host drives it; end that one, or wait half a second after its end",
+            ),
+            Self::Stopped(cause) => write!(
+                f,
+                "unit: stopped by its own guard, {}; look at the wearer, then start again",
+                cause.word()
+            ),
+            Self::NoSuchOutput(board, channel) => write!(
+                f,
+                "unit: expected a channel that carries a wire there, found channel {} of board {}; make bench and unit agree",
+                channel.0, board.0
+            ),
+            Self::Full => write!(f, "unit: expected at most {MOST_PLANNED} stimuli at a time"),
+            Self::NoTime => f.write_str("unit: its clock is not known yet"),
+        }
+    }
+}
+
+/// How a host treats its unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnitSettings {
+    /// From an onset to its effect: more than the network's usual way.
+    pub delay: Duration,
+    /// Whether a stop of the unit is acknowledged without a person.
+    pub resumes: bool,
+}
+
+/// What the link came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LinkCounts {
+    /// Commands sent.
+    pub sent: u64,
+    /// Answers taken.
+    pub answered: u64,
+    /// Datagrams refused.
+    pub refused: u64,
+    /// Sessions begun.
+    pub sessions: u64,
+}
+
+/// A session that a unit has answered.
+#[derive(Clone, Copy, Debug)]
+struct Open {
+    unit: u64,
+    hello: Hello,
+    /// Sequence of the unit's newest datagram.
+    heard: u64,
+    /// When it came.
+    at: Instant,
+}
+
+/// The driver of a unit far away.
+#[derive(Debug)]
+pub struct UnitDriver {
+    key: Key,
+    settings: UnitSettings,
+    /// This host's half of the session.
+    host: u64,
+    sequence: u64,
+    open: Option<Open>,
+    status: Option<Status>,
+    sync: Sync,
+    plan: [Planned; MOST_PLANNED],
+    count: usize,
+    /// The plan was changed since the last command.
+    fresh: bool,
+    /// Everything off: until a command with this sequence or a later one was taken.
+    off: Option<u64>,
+    sent: [(u64, Instant); REMEMBERED],
+    last: Option<Instant>,
+    counts: LinkCounts,
+}
+
+impl UnitDriver {
+    /// A driver under a unit's key. `nonce` is a number that no driver with this key had before: 64 random bits.
+    pub fn new(key: &[u8; 32], nonce: u64, settings: UnitSettings) -> Self {
+        Self {
+            key: Key::new(key),
+            settings,
+            host: nonce,
+            sequence: 0,
+            open: None,
+            status: None,
+            sync: Sync::default(),
+            plan: [Planned::NONE; MOST_PLANNED],
+            count: 0,
+            fresh: false,
+            off: None,
+            sent: [(0, Instant::ZERO); REMEMBERED],
+            last: None,
+            counts: LinkCounts::default(),
+        }
+    }
+
+    /// What the unit says of itself, once it has answered.
+    pub fn hello(&self) -> Option<&Hello> {
+        self.open.as_ref().map(|open| &open.hello)
+    }
+
+    /// The unit's newest report.
+    pub const fn status(&self) -> Option<&Status> {
+        self.status.as_ref()
+    }
+
+    /// What the link came to.
+    pub const fn counts(&self) -> LinkCounts {
+        self.counts
+    }
+
+    /// How far the unit's time may be from what it is taken for.
+    pub fn clock_error(&self) -> Option<Duration> {
+        self.sync.error()
+    }
+
+    /// Whether the unit can be driven at `now`.
+    ///
+    /// # Errors
+    /// What keeps it from that.
+    pub fn ready(&self, now: Instant) -> Result<(), UnitFault> {
+        let Some(open) = &self.open else {
+            return Err(UnitFault::Silent);
+        };
+        let Some(status) = &self.status else {
+            let busy = open.hello.busy;
+            return Err(if busy {
+                UnitFault::Busy
+            } else {
+                UnitFault::Silent
+            });
+        };
+        if now.since(open.at) > SILENT {
+            return Err(UnitFault::Silent);
+        }
+        match status.state {
+            State::Stopped(cause) if !self.settings.resumes => Err(UnitFault::Stopped(cause)),
+            _ => Ok(()),
+        }
+    }
+
+    /// When [`Self::datagram`] has one at the latest, if the plan stays as it is.
+    pub fn next(&self) -> Instant {
+        let every = if self.open.is_some() {
+            HEARTBEAT
+        } else {
+            KNOCK
+        };
+        self.last.map_or(Instant::ZERO, |last| last + every)
+    }
+
+    /// The datagram that is due at `now`; `reading` is when the newest reading of the skin was received.
+    pub fn datagram<'b>(
+        &mut self,
+        now: Instant,
+        reading: Option<Instant>,
+        buffer: &'b mut Buffer,
+    ) -> Option<&'b [u8]> {
+        let silent = |open: &Open| now.since(open.at) > LOST;
+        if self.open.as_ref().is_some_and(silent) {
+            self.give_up();
+        }
+        if now < self.next() && !self.fresh {
+            return None;
+        }
+        self.last = Some(now);
+        self.sequence += 1;
+        let Some(open) = &self.open else {
+            let knock = self.header(Kind::Knock, 0);
+            return Some(self.key.seal(&knock, buffer, |_| 0));
+        };
+        let header = self.header(Kind::Command, open.unit);
+        self.forget_over(now);
+        self.fresh = false;
+        self.counts.sent += 1;
+        let slot = (self.sequence as usize) % REMEMBERED;
+        self.sent[slot] = (self.sequence, now);
+        let stops = self.acknowledged();
+        let reading = reading.and_then(|at| self.sync.earliest(at));
+        let request = match &mut self.off {
+            None => Request::Play,
+            Some(first) => {
+                *first = self.sequence.min(*first);
+                Request::Off
+            }
+        };
+        let plan = match request {
+            Request::Play => &self.plan[..self.count],
+            _ => &[],
+        };
+        let write = |out: &mut [u8]| {
+            Command::write(out, reading.unwrap_or_default(), (stops, request), plan)
+        };
+        Some(self.key.seal(&header, buffer, write))
+    }
+
+    const fn header(&self, kind: Kind, unit: u64) -> Header {
+        Header {
+            kind,
+            host: self.host,
+            unit,
+            sequence: self.sequence,
+        }
+    }
+
+    /// The stops of the unit that are over for this host.
+    fn acknowledged(&self) -> u32 {
+        let begun = self.hello().map_or(0, |hello| hello.stops);
+        match &self.status {
+            Some(status) if self.settings.resumes => status.stops,
+            _ => begun,
+        }
+    }
+
+    /// Ends the session and prepares another.
+    pub fn give_up(&mut self) {
+        (self.open, self.status) = (None, None);
+        (self.sync, self.last) = (Sync::default(), None);
+        self.host = self.host.wrapping_add(1);
+        (self.sequence, self.count) = (0, 0);
+        self.off = self.off.map(|_| u64::MAX);
+    }
+
+    /// Stimuli that are over leave the plan. Those that run stay, for an update may end them before their time.
+    fn forget_over(&mut self, now: Instant) {
+        let Some(now) = self.sync.of(now) else {
+            return;
+        };
+        let mut kept = 0;
+        for index in 0..self.count {
+            let planned = self.plan[index];
+            if planned.until.max(planned.at + KEPT) > now {
+                self.plan[kept] = planned;
+                kept += 1;
+            }
+        }
+        self.count = kept;
+    }
+
+    /// Takes a datagram that came at `now`.
+    ///
+    /// # Errors
+    /// Why it counts as none.
+    pub fn hear(&mut self, now: Instant, datagram: &mut [u8]) -> Result<(), Refusal> {
+        let heard = self.take(now, datagram);
+        if heard.is_err() {
+            self.counts.refused += 1;
+        }
+        heard
+    }
+
+    fn take(&mut self, now: Instant, datagram: &mut [u8]) -> Result<(), Refusal> {
+        let header = Header::read(datagram)?;
+        if header.host != self.host {
+            return Err(Refusal::Stale);
+        }
+        match (header.kind, &mut self.open) {
+            (Kind::Hello, None) => {
+                let hello = Hello::read(self.key.open(datagram)?)?;
+                self.open = Some(Open {
+                    unit: header.unit,
+                    hello,
+                    heard: header.sequence,
+                    at: now,
+                });
+                // The first command opens the session.
+                self.fresh = true;
+                Ok(())
+            }
+            (Kind::Status, Some(open)) => {
+                let newer = header.unit == open.unit && header.sequence > open.heard;
+                if !newer {
+                    return Err(Refusal::Stale);
+                }
+                let status = Status::read(self.key.open(datagram)?)?;
+                (open.heard, open.at) = (header.sequence, now);
+                self.answered(now, &status);
+                Ok(())
+            }
+            (Kind::Hello | Kind::Status, _) => Err(Refusal::Stale),
+            (Kind::Knock, _) => Err(Refusal::Kind(1)),
+            (Kind::Command, _) => Err(Refusal::Kind(3)),
+        }
+    }
+
+    fn answered(&mut self, now: Instant, status: &Status) {
+        self.counts.answered += 1;
+        self.counts.sessions += u64::from(self.status.is_none());
+        let (sequence, sent) = self.sent[(status.echo as usize) % REMEMBERED];
+        if sequence == status.echo {
+            self.sync.add(Exchange {
+                sent,
+                taken: status.taken,
+                answered: status.now,
+                heard: now,
+            });
+        }
+        if self.off.is_some_and(|first| status.echo >= first) {
+            self.off = None;
+        }
+        self.status = Some(*status);
+    }
+
+    /// Puts a stimulus into the plan, in place of one of the same channel and time.
+    fn put(&mut self, planned: Planned) -> Result<(), UnitFault> {
+        let same = |p: &Planned| {
+            (p.board, p.channel, p.at) == (planned.board, planned.channel, planned.at)
+        };
+        let place = self.plan[..self.count].iter().position(same);
+        let place = place.unwrap_or(self.count);
+        let slot = self.plan.get_mut(place).ok_or(UnitFault::Full)?;
+        *slot = planned;
+        self.count = self.count.max(place + 1);
+        Ok(())
+    }
+
+    fn plan(&mut self, update: &Guarded) -> Result<(), UnitFault> {
+        let open = self.open.as_ref().ok_or(UnitFault::Silent)?;
+        let wires = open.hello.wires;
+        let at = self.sync.of(update.at() + self.settings.delay);
+        let at = at.ok_or(UnitFault::NoTime)?;
+        let board = update.board();
+        let carried = wires.get(usize::from(board.0)).copied().unwrap_or(0);
+        for (number, (setting, end)) in (0..).zip(update.channels().iter().zip(update.ends())) {
+            let Some(setting) = setting else {
+                continue;
+            };
+            let channel = Channel(number);
+            if carried >> number & 1 == 0 {
+                return Err(UnitFault::NoSuchOutput(board, channel));
+            }
+            let width = Ticks::new(setting.off.saturating_sub(setting.on));
+            let until = at + end.since(update.at());
+            let planned = Planned {
+                board,
+                channel,
+                width,
+                at,
+                until,
+            };
+            // The unit ends each stimulus by itself: only what ends one before its time is told.
+            let ends = |p: &Planned| p.board == board && p.channel == channel && p.until > at;
+            if width > Ticks::ZERO || self.plan[..self.count].iter().any(ends) {
+                self.put(planned)?;
+            }
+        }
+        self.fresh = true;
+        Ok(())
+    }
+}
+
+impl Actuators for UnitDriver {
+    type Error = DriverError;
+
+    fn apply(&mut self, update: &Guarded) -> Result<(), DriverError> {
+        self.plan(update).map_err(DriverError::Unit)
+    }
+
+    /// What the unit does is known once it has answered; it switches off by itself if it does not hear this.
+    fn all_off(&mut self) -> Result<(), DriverError> {
+        self.count = 0;
+        self.fresh = true;
+        self.off = Some(u64::MAX);
+        match &self.open {
+            Some(_) => Ok(()),
+            None => Err(DriverError::Unit(UnitFault::Silent)),
+        }
+    }
+}

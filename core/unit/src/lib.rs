@@ -1,0 +1,19 @@
+//! The driver unit: what a worn microcontroller does between a host's datagrams and the boards. What belongs here is
+//! the same in an emulator, a process and an image: link, schedule, guard, boards. No clock, socket or peripheral does.
+//!
+#![doc = include_str!("../README.md")]
+#![no_std]
+#![forbid(unsafe_code)]
+
+extern crate alloc;
+
+mod counts;
+mod schedule;
+mod session;
+mod unit;
+
+pub use counts::Counts;
+pub use unit::{Datagrams, NoPin, Settings, SettingsError, Unit};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,460 @@
+//! The unit itself: one turn after the other.
+
+use core::convert::Infallible;
+use core::fmt;
+
+use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
+use embedded_hal::i2c::I2c;
+use palpate_core::codec::link::{
+    Buffer, Command, Header, Hello, Key, Kind, MOST, Planned, Refusal, Request, State, Status,
+};
+use palpate_core::driver::{Actuators, Pca9685Bank, Traffic};
+use palpate_core::guard::{Cause, Guard, Guarded, Limits, Plant, PlantError};
+use palpate_core::illusion::DisplayWire;
+use palpate_core::schedule::Stimulus;
+use palpate_core::units::{Board, Channel, Duration, Instant, Ticks};
+
+use crate::counts::Counts;
+use crate::schedule::Schedule;
+use crate::session::Sessions;
+
+/// A turn takes no more datagrams than this: the rest waits, so that a flood delays no end of a pulse.
+const MOST_AT_ONCE: usize = 8;
+/// A stimulus that is later than this is left out: about a PWM period, so that a hand does not feel two at once.
+const LATEST: Duration = Duration::from_millis(6);
+/// A lost bus is tried again this often.
+const RETRY: Duration = Duration::from_millis(20);
+/// Registers are read back this often, where nothing is driven.
+const VERIFY: Duration = Duration::from_millis(250);
+/// The same where something always is.
+const VERIFY_AT_LAST: Duration = Duration::from_millis(1000);
+
+/// How datagrams reach the unit and leave it. Neither call waits.
+pub trait Datagrams {
+    /// Who sent a datagram.
+    type Peer: Copy;
+
+    /// Puts the oldest datagram that waits into `buffer`; its length and its sender, or `None`.
+    fn receive(&mut self, buffer: &mut Buffer) -> Option<(usize, Self::Peer)>;
+
+    /// Sends a datagram. One that cannot be sent is lost, as any datagram may be.
+    fn send(&mut self, datagram: &[u8], to: Self::Peer);
+}
+
+/// The OE pin of a unit that has none wired: a dead bus then ends with the hardware watchdog alone.
+#[derive(Clone, Copy, Debug)]
+pub struct NoPin;
+
+impl PinErrorType for NoPin {
+    type Error = Infallible;
+}
+
+impl OutputPin for NoPin {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+/// What is burnt into a unit.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings<'a> {
+    /// Shared with its host.
+    pub key: &'a [u8; 32],
+    /// A number that no start of this unit under this key has had: 64 random bits, or a count kept in flash.
+    pub boot: u64,
+    /// The wires on its boards.
+    pub wires: &'a [DisplayWire],
+    /// 7-bit addresses of the boards, by number.
+    pub addresses: &'a [u8],
+    /// Its limits; looser than the hard ones they cannot be.
+    pub limits: Limits,
+    /// What its guard knows of boards and wires.
+    pub plant: Plant,
+    /// Whether its processor bears the guard's thermal rows.
+    pub heat: bool,
+}
+
+/// Why a unit cannot be built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SettingsError {
+    /// The guard's.
+    Plant(PlantError),
+    /// No board, or more than sixteen.
+    Boards(usize),
+    /// Two boards at one address.
+    SameAddress(u8),
+    /// A wire on a board or channel that is not there.
+    NoSuchOutput(Board, Channel),
+}
+
+impl fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Plant(e) => e.fmt(f),
+            Self::Boards(found) => write!(f, "boards: expected 1 to 16 addresses, found {found}"),
+            Self::SameAddress(address) => write!(
+                f,
+                "boards: expected an address of its own for each, found {address:#04x} twice: set the straps of one board otherwise"
+            ),
+            Self::NoSuchOutput(board, channel) => write!(
+                f,
+                "wires: expected a channel 0 to 15 of a board of this unit, found channel {} of board {}",
+                channel.0, board.0
+            ),
+        }
+    }
+}
+
+impl core::error::Error for SettingsError {}
+
+impl Settings<'_> {
+    fn check(&self) -> Result<(), SettingsError> {
+        let count = self.addresses.len();
+        if !(1..=16).contains(&count) {
+            return Err(SettingsError::Boards(count));
+        }
+        let twice = (1..count).find(|&n| self.addresses[..n].contains(&self.addresses[n]));
+        if let Some(n) = twice {
+            return Err(SettingsError::SameAddress(self.addresses[n]));
+        }
+        let absent = |w: &&DisplayWire| usize::from(w.board.0) >= count || w.channel.0 > 15;
+        match self.wires.iter().find(absent) {
+            Some(wire) => Err(SettingsError::NoSuchOutput(wire.board, wire.channel)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A driver unit over a bus and the pin that cuts all outputs while it is high.
+#[derive(Debug)]
+pub struct Unit<I, P> {
+    key: Key,
+    sessions: Sessions,
+    schedule: Schedule,
+    guard: Guard,
+    boards: u8,
+    bank: Pca9685Bank<I>,
+    cut: P,
+    counts: Counts,
+    /// When a lost bus is tried again; `None` while it is whole.
+    lost: Option<Instant>,
+    /// Nothing begins before the oscillators run.
+    ready: Instant,
+    verified: Instant,
+    /// When the newest command was taken.
+    taken: Instant,
+}
+
+impl<I: I2c, P: OutputPin> Unit<I, P> {
+    /// A unit that has not begun. All that it will ever allocate, it allocates here.
+    ///
+    /// # Errors
+    /// What no unit can be.
+    pub fn new(settings: &Settings<'_>, bus: I, cut: P) -> Result<Self, SettingsError> {
+        settings.check()?;
+        let (limits, plant) = (settings.limits, settings.plant);
+        let guard = Guard::last_word(limits, plant, settings.wires, settings.heat);
+        Ok(Self {
+            key: Key::new(settings.key),
+            sessions: Sessions::new(settings.boot),
+            schedule: Schedule::new(settings.wires),
+            guard: guard.map_err(SettingsError::Plant)?,
+            boards: settings.addresses.len() as u8, // at most 16
+            bank: Pca9685Bank::new(bus, settings.addresses, settings.plant.prescale),
+            cut,
+            counts: Counts::default(),
+            lost: None,
+            ready: Instant::ZERO,
+            verified: Instant::ZERO,
+            taken: Instant::ZERO,
+        })
+    }
+
+    /// Everything off first, whatever was before; then the boards are set up. A bus that does not answer is tried again
+    /// by the turns to come.
+    pub fn start(&mut self, now: Instant) {
+        self.bring_up(now);
+    }
+
+    fn bring_up(&mut self, now: Instant) {
+        match self.bank.start(now) {
+            Ok(ready) => {
+                (self.lost, self.ready) = (None, ready);
+                self.set_cut(false);
+            }
+            Err(_) => {
+                self.set_cut(true);
+                self.lost = Some(now + RETRY);
+            }
+        }
+    }
+
+    fn set_cut(&mut self, cut: bool) {
+        // A pin of the processor itself does not fail.
+        let _ = match cut {
+            true => self.cut.set_high(),
+            false => self.cut.set_low(),
+        };
+    }
+
+    /// The guard, to look at.
+    pub const fn guard(&self) -> &Guard {
+        &self.guard
+    }
+
+    /// What it counted.
+    pub const fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// What updates came to on its bus.
+    pub const fn traffic(&self) -> Traffic {
+        self.bank.traffic()
+    }
+
+    /// When the next turn is due at the latest; a datagram may come before.
+    pub fn next(&self) -> Instant {
+        if let Some(retry) = self.lost {
+            return retry;
+        }
+        let begin = self.schedule.next().map(|at| at.max(self.ready));
+        let times = [begin, self.guard.next_expiry(), self.guard.deadline()];
+        let verify = self.verified + VERIFY_AT_LAST;
+        times.into_iter().flatten().fold(verify, Instant::min)
+    }
+
+    /// Does what is due at `now`: looks at the watchdog, takes datagrams, ends and begins stimuli, answers. Never waits
+    /// for anything but the bus.
+    pub fn turn<D: Datagrams>(&mut self, now: Instant, link: &mut D) {
+        if let Some(cause) = self.guard.watch(now) {
+            self.stop(now, cause);
+        }
+        let asker = self.receive(now, link);
+        if self.lost.is_some_and(|retry| now >= retry) {
+            self.bring_up(now);
+        }
+        self.begin(now);
+        self.expire(now);
+        self.verify(now);
+        if let Some(peer) = asker {
+            self.report(now, link, peer);
+        }
+    }
+
+    /// Takes the datagrams that wait; whose command was the newest.
+    fn receive<D: Datagrams>(&mut self, now: Instant, link: &mut D) -> Option<D::Peer> {
+        let mut buffer = [0; MOST];
+        let mut asker = None;
+        for _ in 0..MOST_AT_ONCE {
+            let Some((length, peer)) = link.receive(&mut buffer) else {
+                break;
+            };
+            let length = length.min(MOST);
+            let opened = self.open(now, &mut buffer[..length]);
+            match opened {
+                Ok(Some(knock)) => self.greet(now, &knock, link, peer),
+                Ok(None) => asker = Some(peer),
+                Err(_) => self.counts.refused = self.counts.refused.saturating_add(1),
+            }
+        }
+        asker
+    }
+
+    /// Opens a datagram and does what it says; a knock's header is handed back.
+    fn open(&mut self, now: Instant, datagram: &mut [u8]) -> Result<Option<Header>, Refusal> {
+        let header = Header::read(datagram)?;
+        self.sessions.expects(&header)?;
+        let body = self.key.open(datagram)?;
+        if header.kind == Kind::Knock {
+            return body.is_empty().then_some(Some(header)).ok_or(Refusal::Body);
+        }
+        let command = Command::read(body)?;
+        let begins = self.sessions.take(now, &header, command.request)?;
+        if begins {
+            // What another session drove is not this host's.
+            self.all_off(now);
+        }
+        self.taken = now;
+        self.obey(now, &command);
+        Ok(None)
+    }
+
+    fn obey(&mut self, now: Instant, command: &Command<'_>) {
+        // A reading from the future would keep outputs on beyond their time.
+        if command.reading > Instant::ZERO {
+            self.guard.hear(command.reading.min(now));
+        }
+        match command.request {
+            Request::Play => {}
+            Request::Off => return self.all_off(now),
+            Request::Stop => {
+                self.stop(now, Cause::End);
+                return self.sessions.end();
+            }
+        }
+        let whole = self.lost.is_none() && command.stops == self.counts.stops;
+        if self.guard.latched().is_some() && whole {
+            // Refused while its cause lasts; the next command tries again.
+            let _ = self.guard.reset(now);
+        }
+        if self.guard.latched().is_some() {
+            self.schedule.clear();
+            return;
+        }
+        let left_out = self.schedule.replace(now, command.planned());
+        self.counts.dropped = self.counts.dropped.saturating_add(left_out);
+    }
+
+    /// Answers a knock.
+    fn greet<D: Datagrams>(&mut self, now: Instant, knock: &Header, link: &mut D, to: D::Peer) {
+        let hello = Hello {
+            now,
+            busy: self.sessions.is_kept(now),
+            heat: self.guard.has_heat(),
+            stops: self.counts.stops,
+            plant: *self.guard.plant(),
+            limits: *self.guard.limits(),
+            wires: self.schedule.wires().bits(),
+        };
+        let header = self.sessions.hello(knock);
+        let mut buffer = [0; MOST];
+        link.send(
+            self.key.seal(&header, &mut buffer, |out| hello.write(out)),
+            to,
+        );
+    }
+
+    /// Answers the newest command.
+    fn report<D: Datagrams>(&mut self, now: Instant, link: &mut D, to: D::Peer) {
+        let Some((header, echo)) = self.sessions.status() else {
+            return;
+        };
+        let counts = &self.counts;
+        let skin_c = self.guard.has_heat().then(|| self.guard.predicted().peak_c);
+        let status = Status {
+            now,
+            echo,
+            taken: self.taken,
+            state: self.guard.latched().map_or(State::Ready, State::Stopped),
+            stops: counts.stops,
+            applied: counts.applied,
+            limited: counts.limited,
+            reasons: counts.reasons,
+            dropped: counts.dropped,
+            late_us: counts.late_us,
+            refused: counts.refused,
+            skin_mc: skin_c.map_or(0, |c| (c * 1e3) as u32),
+        };
+        let mut buffer = [0; MOST];
+        link.send(
+            self.key.seal(&header, &mut buffer, |out| status.write(out)),
+            to,
+        );
+    }
+
+    /// Begins what is due.
+    fn begin(&mut self, now: Instant) {
+        let mut due = [(0, Planned::NONE); 16];
+        while let Some((board, at, count)) = self.begins(now, &mut due) {
+            let late = now.since(at);
+            let over = |planned: &Planned| planned.width > Ticks::ZERO && planned.until <= now;
+            if late > LATEST || self.guard.is_stale(now) || self.guard.latched().is_some() {
+                self.counts.dropped = self.counts.dropped.saturating_add(count as u32);
+                continue;
+            }
+            let mut stimuli = [Stimulus {
+                wire: 0,
+                width: Ticks::ZERO,
+                peak: self.guard.plant().peak,
+                at: now,
+                until: now,
+            }; 16];
+            let mut used = 0;
+            for (wire, planned) in due[..count].iter().filter(|(_, p)| !over(p)) {
+                stimuli[used].wire = *wire;
+                stimuli[used].width = planned.width;
+                stimuli[used].until = planned.until;
+                used += 1;
+            }
+            let late_us = u32::try_from(late.as_micros()).unwrap_or(u32::MAX);
+            self.counts.late_us = self.counts.late_us.max(late_us);
+            let counts = &mut self.counts;
+            let judged = |entry| counts.judged(&entry);
+            let update = self.guard.change(now, board, &stimuli[..used], judged);
+            self.apply(now, &update);
+        }
+    }
+
+    fn begins(
+        &mut self,
+        now: Instant,
+        due: &mut [(u16, Planned); 16],
+    ) -> Option<(Board, Instant, usize)> {
+        let able = self.lost.is_none() && now >= self.ready;
+        able.then(|| self.schedule.due(now, due)).flatten()
+    }
+
+    /// Ends what is over.
+    fn expire(&mut self, now: Instant) {
+        if self.guard.next_expiry().is_some_and(|end| end <= now) {
+            for board in 0..self.boards {
+                let update = self.guard.expire(now, Board(board));
+                self.apply(now, &update);
+            }
+        }
+    }
+
+    fn apply(&mut self, now: Instant, update: &Guarded) {
+        if update.changes() && self.bank.apply(update).is_err() {
+            self.lose(now);
+        }
+    }
+
+    /// Reads registers back when that is due: a chip that fell back to reset values answers, and sleeps.
+    fn verify(&mut self, now: Instant) {
+        let since = now.since(self.verified);
+        let quiet = self.guard.next_expiry().is_none();
+        if self.lost.is_some() || since < VERIFY || !(quiet || since >= VERIFY_AT_LAST) {
+            return;
+        }
+        self.verified = now;
+        if self.bank.verify().is_err() {
+            self.lose(now);
+        }
+    }
+
+    /// The bus failed, or a chip: cut, off, and tried again.
+    fn lose(&mut self, now: Instant) {
+        self.set_cut(true);
+        self.stop(now, Cause::ActuatorError);
+        self.lost = Some(now + RETRY);
+    }
+
+    /// Everything off, and off until the host has acknowledged it.
+    fn stop(&mut self, now: Instant, cause: Cause) {
+        self.latch(cause);
+        self.all_off(now);
+    }
+
+    fn latch(&mut self, cause: Cause) {
+        if self.guard.latched().is_none() {
+            self.counts.stops = self.counts.stops.saturating_add(1);
+        }
+        self.guard.latch(cause);
+    }
+
+    /// Everything off now, and nothing planned.
+    fn all_off(&mut self, now: Instant) {
+        self.schedule.clear();
+        self.guard.all_off(now);
+        if self.lost.is_none() && self.bank.all_off().is_err() {
+            self.set_cut(true);
+            self.latch(Cause::ActuatorError);
+            self.lost = Some(now + RETRY);
+        }
+    }
+}
