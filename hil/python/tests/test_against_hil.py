@@ -9,7 +9,7 @@ import pytest
 
 import palpate
 
-from hil import hil
+from hil import hil, root
 
 TIMES = ("date", "wall_s", "frame_us")
 
@@ -58,3 +58,20 @@ def test_a_recording_replays_as_the_program_replays_it(tmp_path: Path) -> None:
         run.save(tmp_path / f"{name}.own.jsonl")
         assert (tmp_path / f"{name}.own.jsonl").read_bytes() == theirs.read_bytes()
         assert run.summary["contacts"] > 100
+
+
+def test_a_bench_of_hardware_is_refused(tmp_path: Path) -> None:
+    page = (root() / "docs/bench.md").read_text()
+    blocks = [block.split("```")[0] for block in page.split("```toml\n")[1:]]
+    bench = tmp_path / "my-bench.toml"
+    text = next(block for block in blocks if 'kind = "real"' in block)
+    # The page shows the first of its eight outputs.
+    more = "".join(f"[[outputs]]\nbus = 0\nboard = 0x40\nchannel = {n}\n" for n in range(1, 8))
+    bench.write_text(text + more)
+    for work in (
+        lambda: palpate.run("sphere-along", bench=bench),
+        lambda: palpate.Loop("uskin-4x4", bench),
+        lambda: palpate.sweep("sphere-along", {"seed": [1]}, bench=bench, out=tmp_path / "runs.jsonl"),
+    ):
+        with pytest.raises(palpate.InputError, match="only the program `hil` opens hardware"):
+            work()

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from hil import root
 
 
 def blocks(page: Path) -> list[str]:
@@ -17,10 +18,7 @@ def blocks(page: Path) -> list[str]:
 
 @pytest.mark.parametrize(("page", "least"), [("docs/python.md", 7), ("hil/python/README.md", 1)])
 def test_every_block_runs(page: str, least: int, tmp_path: Path) -> None:
-    root = os.environ.get("PALPATE_ROOT")
-    if root is None:
-        pytest.skip("PALPATE_ROOT names no checkout, whose pages are run")
-    found = blocks(Path(root) / page)
+    found = blocks(root() / page)
     assert len(found) >= least
     for text in found:
         done = subprocess.run([sys.executable, "-c", text], cwd=tmp_path, capture_output=True, text=True)

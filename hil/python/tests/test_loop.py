@@ -124,7 +124,6 @@ except KeyboardInterrupt:
         (lambda l: l.touch([0, 0], 1.0), 'skin="emulated"'),
         (lambda l: (l.close(), l.advance(10)), "closed"),
         (lambda l: palpate.Loop("none-such"), "none-such"),
-        (lambda l: palpate.Loop(set={"bench.kind": "real"}), "emulated"),
         (lambda l: palpate.Loop(skin="real"), "pushed"),  # type: ignore[arg-type]
         (lambda l: palpate.Loop("uskin-4x4", skin="emulated").push(1, still(1)[0]), 'skin="pushed"'),
         (lambda l: palpate.Loop("uskin-4x4", skin="emulated").touch([[0, 0]], [np.nan]), "forces"),

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import os
-from pathlib import Path
 from types import ModuleType
 
 import numpy as np
@@ -13,12 +11,11 @@ import pytest
 import palpate
 from palpate.physics import Pad
 
+from hil import root
+
 
 def example(name: str) -> ModuleType:
-    root = os.environ.get("PALPATE_ROOT")
-    if root is None:
-        pytest.skip("PALPATE_ROOT names no checkout, whose examples are run")
-    spec = importlib.util.spec_from_file_location(name, Path(root) / "hil/python/examples" / f"{name}.py")
+    spec = importlib.util.spec_from_file_location(name, root() / "hil/python/examples" / f"{name}.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

@@ -132,7 +132,6 @@ def test_a_notebook_shows_the_report(rolled: palpate.Run) -> None:
         ({"set": {"a\n": 1}}, None, "expected"),
         ({"set": {"illusion.model": object()}}, None, "a number, a truth, a text"),
         ({"seed": -1}, None, "0 to 2"),
-        ({"set": {"bench.kind": "real", "bench.real": {"can": ["can0"], "i2c": ["/dev/i2c-1"]}}}, None, "only the program"),
         ({"replay": "/nonexistent.csv", "layout": "uskin-4x4"}, None, "nonexistent.csv"),
         ({"replay": np.zeros((9, 15, 3), np.uint16), "layout": "uskin-4x4", "rate_hz": 100}, None, r"shape \(rows, 16, 3\)"),
         ({"replay": np.full((9, 16, 3), 0.7), "layout": "uskin-4x4", "rate_hz": 100}, None, "newtons"),

@@ -44,7 +44,7 @@ def load(
     Returns:
         Of taxels a :class:`Recording`, of several files a list of them. Of buses a table time_us, bus, id, data
         (hexadecimal); the readings in it are ``palpate.run(replay=path, layout=..).taxels``. Of a schedule a table as
-        ``Run.stimuli``, of contacts one as ``Run.contacts``.
+        ``Run.stimuli``, of contacts one as ``Run.contacts``, with the display where there are several.
     """
     several = not isinstance(path, str | os.PathLike)
     paths = [os.fspath(one) for one in path] if not isinstance(path, str | os.PathLike) else [os.fspath(path)]
@@ -88,8 +88,12 @@ _CONTACTS = (
 
 
 def _contacts(path: str) -> Table:
+    with open(path, encoding="utf-8") as file:
+        columns = file.readline().strip().split(",")
+    # Tables of several displays say the display of each contact.
+    fields = [*_CONTACTS, ("display", "<U64")][: len(columns)]
     try:
-        rows = np.loadtxt(path, delimiter=",", skiprows=1, dtype=np.dtype(list(_CONTACTS)), ndmin=1)
+        rows = np.loadtxt(path, delimiter=",", skiprows=1, dtype=np.dtype(fields), ndmin=1)
     except ValueError as error:
         raise InputError(f"{path}: {error}", file=path) from error
     return rows.view(Table)
