@@ -335,11 +335,13 @@ impl<I: I2c> Pca9685Bank<I> {
 
     /// Switches channels off, one by one: a register each, so that it works whether or not the chip counts addresses up.
     fn write_off(&mut self, board: Board, channels: u16) -> Result<(), DriverError> {
-        let each = (0..regs::CHANNELS).filter(|c| channels >> c & 1 == 1);
-        each.fold(Ok(()), |result, channel| {
-            let one = self.write(board, &[regs::led(channel) + 3, regs::FULL]);
-            result.and(one)
-        })
+        // One that fails keeps none of the others on.
+        let mut result = Ok(());
+        for channel in (0..regs::CHANNELS).filter(|c| channels >> c & 1 == 1) {
+            let written = self.write(board, &[regs::led(channel) + 3, regs::FULL]);
+            result = result.and(written);
+        }
+        result
     }
 }
 

@@ -55,14 +55,8 @@ impl Rack {
         let display = shelf.waiting.len();
         shelf.waiting.push(Vec::new());
         for (own, (chip, channels)) in boards.iter().enumerate() {
-            for (channel, owner) in shelf
-                .owners
-                .iter_mut()
-                .nth(*chip)
-                .into_iter()
-                .flatten()
-                .enumerate()
-            {
+            let owners = shelf.owners.get_mut(*chip).into_iter().flatten();
+            for (channel, owner) in owners.enumerate() {
                 if channels >> channel & 1 == 1 {
                     *owner = Some((display, own));
                 }

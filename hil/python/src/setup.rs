@@ -51,6 +51,10 @@ impl Stated {
 impl Setup {
     /// Reads a scene by name, path or text on a bench; `set` are pairs of a key and a value in TOML.
     #[new]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "keyword arguments of Python, one each"
+    )]
     fn new(
         py: Python<'_>,
         scene: Option<String>,
