@@ -11,8 +11,6 @@ use super::decays::{Decays, RATES, Stretches, dot};
 use super::dose::{Dose, DoseLimits};
 use super::table::{LATENT_K, REST_C, SHALLOW};
 
-/// Longest session that is told apart from an endless one.
-const DAY: Duration = Duration::from_millis(24 * 3_600_000);
 /// First stretch in which tissue is taken to cool along a chord. The guard's own end with bins of twice that, wherever a
 /// burst lies in one.
 const STRIDE: Duration = Duration::from_millis(125);
@@ -103,7 +101,7 @@ impl Guard {
     /// until so little of the dose is left that the guard would make the mean burst weaker. `None` where that takes a day or more,
     /// and without thermal rows.
     /// Other rows are left out. The period counts from the first burst; one that is shorter than all of them is as long.
-    pub fn lasts(&self, bursts: &[Booked], period: Duration) -> Option<Duration> {
+    pub fn lasts(&self, bursts: &[Booked], period: Duration, most: Duration) -> Option<Duration> {
         let begun = bursts.first()?.on;
         let all = bursts.iter().map(|b| b.off.since(begun)).max()?;
         let period = period.max(all).max(Duration::from_micros(1));
@@ -117,10 +115,18 @@ impl Guard {
                 first.energy[k] * left(rounds as f64) / left(1.0)
             })
         };
-        let most = DAY.as_micros() / period.as_micros();
+        let last = most.as_micros() / period.as_micros();
+        // No round has more dose than a later one.
+        let hottest = Round::of(bursts, period, after(last), &mut known);
+        let (dose, kept, n) = (&hottest.dose, &hottest.kept, last as f64);
+        if n * dose.omega + kept.omega <= limits.omega
+            && n * dose.cem43_min + kept.cem43_min <= limits.cem43_min
+        {
+            return None;
+        }
         let (mut rounds, mut here) = (0, Round::of(bursts, period, after(0), &mut known));
         let (mut omega, mut cem43_min) = (0.0, 0.0);
-        while rounds < most {
+        while rounds <= last {
             let next = rounds + (rounds / 2).max(1);
             let there = Round::of(bursts, period, after(next), &mut known);
             let n = (next - rounds) as f64;
@@ -139,7 +145,7 @@ impl Guard {
             ));
             if share < 1.0 {
                 let s = (rounds as f64 + share * n) * seconds;
-                return Some(Duration::from_millis((s * 1e3) as u64)).filter(|d| *d < DAY);
+                return Some(Duration::from_millis((s * 1e3) as u64)).filter(|d| *d < most);
             }
             (omega, cem43_min) = (omega + more.0, cem43_min + more.1);
             (rounds, here) = (next, there);

@@ -6,6 +6,8 @@ use crate::illusion::DisplayWire;
 use crate::schedule::{Reason, Stimulus};
 use crate::units::{Board, Channel, Milliamps, Point, Prescale, Ticks};
 
+const DAY: Duration = Duration::from_millis(24 * 3_600_000);
+
 /// One wire.
 fn guard(limits: Limits) -> Guard {
     let wire = DisplayWire {
@@ -70,9 +72,11 @@ fn a_session_lasts_until_the_guard_makes_bursts_weaker() {
         let mut guard = guard(limits);
         let fresh = guard.clone();
         let (round, seconds) = drive(&mut guard, bursts, period_ms);
-        let said = fresh
-            .lasts(&round, Duration::from_millis(period_ms))
-            .unwrap();
+        let period = Duration::from_millis(period_ms);
+        let said = fresh.lasts(&round, period, DAY).unwrap();
+        let longer = said + Duration::from_millis(1);
+        assert_eq!(fresh.lasts(&round, period, longer), Some(said));
+        assert_eq!(fresh.lasts(&round, period, said), None);
         let error = said.as_secs_f64() / seconds - 1.0;
         // Chords between temperatures end elsewhere.
         assert!(error.abs() < 0.03, "{bursts:?}: {said:?} said, {seconds} s");
@@ -88,9 +92,9 @@ fn what_hardly_warms_lasts_a_day_and_nonsense_does_no_harm() {
         energy_nj,
     };
     let period = Duration::from_millis(117);
-    assert_eq!(guard.lasts(&[], period), None);
-    assert_eq!(guard.lasts(&[burst(0, 35_000, 1000)], period), None);
+    assert_eq!(guard.lasts(&[], period, DAY), None);
+    assert_eq!(guard.lasts(&[burst(0, 35_000, 1000)], period, DAY), None);
     let endless = [burst(9, 3, u64::MAX), burst(0, 0, u64::MAX)];
-    let at_once = guard.lasts(&endless, Duration::ZERO).unwrap();
+    let at_once = guard.lasts(&endless, Duration::ZERO, DAY).unwrap();
     assert!(at_once <= Duration::from_millis(1), "{at_once:?}");
 }

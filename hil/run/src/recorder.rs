@@ -26,6 +26,8 @@ pub(crate) fn milli_c(celsius: f64) -> Option<i32> {
 
 /// So many stimuli stand for a run, 2 MB of them: a quarter of an hour on all wires of a fingertip.
 const ROUND: usize = 1 << 15;
+/// Longest session that is told apart from an endless one.
+const DAY: Duration = Duration::from_millis(24 * 3_600_000);
 
 /// So many events are looked through at once for those that a summary reads.
 const UNREAD: usize = 1 << 10;
@@ -220,13 +222,14 @@ impl Recorder {
     pub fn longest_session_s(&self, guard: &Guard, end: Instant) -> Option<f64> {
         let whole = self.first.len() < ROUND;
         let end = if whole { end } else { self.first.last()?.at };
-        let wires = self.warmed.iter().filter_map(|wire| {
+        let shortest = self.warmed.iter().fold(DAY, |most, wire| {
             let own = self.first.iter();
             let own = own.filter(|e| (e.board.0, e.channel.0) == *wire);
             let bursts: Vec<_> = own.map(|entry| guard.booked(entry)).collect();
-            guard.lasts(&bursts, end.since(Instant::ZERO))
+            let lasts = guard.lasts(&bursts, end.since(Instant::ZERO), most);
+            lasts.unwrap_or(most)
         });
-        Some(wires.min()?.as_secs_f64())
+        (shortest < DAY).then(|| shortest.as_secs_f64())
     }
 
     /// Writes down the taxels whose health changed last.

@@ -31,18 +31,37 @@ struct Finger {
     place: Place,
     header: Header,
     session: Session<Pads, EmulatedDisplay>,
+    /// How far its bus may be behind at its turn: what the guard counts with.
+    bus_wait: Duration,
     ended: bool,
     /// The joint that it depends on, and whether it was felt in the last turn.
     gate: Option<(Gate, bool)>,
 }
 
 impl Finger {
+    /// When its next turn is due. A host waits for an adapter that is still busy with other fingers' transfers: what it
+    /// wrote later it must not believe to be written now. Looked at when a turn is there, not before.
+    fn due(&mut self, now: Instant) -> Instant {
+        let next = self.session.next();
+        if self.place.alone || next > now {
+            return next;
+        }
+        let bus = self.session.display().hardware().bus();
+        // Refused only from inside another look at the segment, and there is none here.
+        let busy = bus.with(|segment| segment.now()).unwrap_or_default();
+        let waits_us = busy
+            .0
+            .div_ceil(1000)
+            .saturating_sub(self.bus_wait.as_micros());
+        next.max(Instant::from_micros(waits_us))
+    }
+
     /// A turn, if one is due; something that ends it ends no other finger.
     fn turn(&mut self, now: Instant, skin: &mut impl SkinEnd) -> Result<(), Failure> {
         if self.ended {
             return self.rest(now);
         }
-        if self.session.next() > now {
+        if self.due(now) > now {
             return Ok(());
         }
         self.look_at_joint(now);
@@ -148,6 +167,7 @@ impl Run<'_> {
                 place: place.clone(),
                 header,
                 session,
+                bus_wait: run.setup.bus_wait,
                 ended: false,
                 gate: finger.when.map(|gate| (gate, true)),
             });
@@ -218,8 +238,8 @@ impl Run<'_> {
             let _ = finger.session.start(now);
         }
         while !host.passed(part(now, end)) {
-            let turns = fingers.iter().filter(|f| !f.ended);
-            let next = turns.map(|f| f.session.next()).fold(due, Instant::min);
+            let turns = fingers.iter_mut().filter(|f| !f.ended);
+            let next = turns.map(|f| f.due(now)).fold(due, Instant::min);
             if next >= end {
                 now = end;
                 break;
@@ -242,7 +262,10 @@ impl Run<'_> {
                 due = hardware.fail(now, false).min(now + TICK);
             }
             let mut is_stopped = false;
-            for (number, finger) in fingers.iter_mut().enumerate() {
+            // What waits longest comes first: tries to bring a board back must not hold up the end of a burst.
+            let mut order: Vec<_> = fingers.iter_mut().enumerate().collect();
+            order.sort_by_key(|(_, finger)| finger.session.next());
+            for (number, finger) in order {
                 finger.turn(now, hardware.skin)?;
                 is_stopped |= finger.show(number, now, hardware.skin, host);
             }
