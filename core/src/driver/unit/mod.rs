@@ -114,6 +114,8 @@ pub struct UnitDriver {
     host: u64,
     sequence: u64,
     open: Option<Open>,
+    /// The unit's stops before this driver first met it: who started the program has seen to those.
+    met: Option<u32>,
     status: Option<Status>,
     sync: Sync,
     plan: [Planned; MOST_PLANNED],
@@ -136,6 +138,7 @@ impl UnitDriver {
             host: nonce,
             sequence: 0,
             open: None,
+            met: None,
             status: None,
             sync: Sync::default(),
             plan: [Planned::NONE; MOST_PLANNED],
@@ -257,13 +260,14 @@ impl UnitDriver {
         }
     }
 
-    /// The stops of the unit that are over for this host.
+    /// The stops of the unit that are over for this host. A session that it begins anew by itself must not end another
+    /// host's stop.
     fn acknowledged(&self) -> u32 {
-        let begun = self.hello().map_or(0, |hello| hello.stops);
-        match &self.status {
-            Some(status) if self.settings.resumes => status.stops,
-            _ => begun,
+        if !self.settings.resumes {
+            return self.met.unwrap_or(0);
         }
+        let greeted = self.hello().map_or(0, |hello| hello.stops);
+        self.status.map_or(greeted, |status| status.stops)
     }
 
     /// Ends the session and prepares another.
@@ -311,6 +315,7 @@ impl UnitDriver {
         match (header.kind, &mut self.open) {
             (Kind::Hello, None) => {
                 let hello = Hello::read(self.key.open(datagram)?)?;
+                self.met.get_or_insert(hello.stops);
                 self.open = Some(Open {
                     unit: header.unit,
                     hello,

@@ -72,13 +72,16 @@ fn a_stop_by_another_host_stays_until_it_is_acknowledged() {
     rig.unit.turn(unit_now, &mut rig.air);
     assert!(!rig.any_on());
     assert_eq!(rig.unit.guard().latched(), Some(Cause::End));
-    // The first host begins a session anew, for it alone has been told nothing of the stop.
+    // The first host finds its session gone and begins another, by itself: that ends no stop.
     rig.run(1000, true);
-    assert_eq!(
-        rig.unit.guard().latched(),
-        None,
-        "a new session has seen the stop"
-    );
+    assert_eq!(rig.unit.guard().latched(), Some(Cause::End));
+    let ready = rig.driver.ready(Instant::from_micros(rig.now));
+    assert_eq!(ready, Err(UnitFault::Stopped(Cause::End)));
+    // A person starts the program again.
+    rig.driver = driver(900, false);
+    rig.run(1000, true);
+    assert_eq!(rig.unit.guard().latched(), None);
+    assert_eq!(rig.driver.ready(Instant::from_micros(rig.now)), Ok(()));
 }
 
 #[test]
