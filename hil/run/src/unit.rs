@@ -21,7 +21,7 @@ use crate::failure::Failure;
 use crate::place::Place;
 use crate::plan;
 
-/// The key of an emulated unit, which no datagram of leaves the process.
+/// The key of an emulated unit, none of whose datagrams leaves the process.
 const KEY: [u8; 32] = [0x5A; 32];
 
 /// What came of a driver unit and its link.
