@@ -98,9 +98,8 @@ impl Guard {
     }
 
     /// How long a session from rest may last in which a wire has these bursts again every `period`, in order of time:
-    /// until so little of the dose is left that the guard would make the mean burst weaker. `None` where that takes a day or more,
-    /// and without thermal rows.
-    /// Other rows are left out. The period counts from the first burst; one that is shorter than all of them is as long.
+    /// until so little of the dose is left that the guard would make the mean burst weaker. `None` where that takes `most`
+    /// or longer, and without thermal rows. Other rows are left out. The period counts from the first burst; one that is shorter than all of them is as long.
     pub fn lasts(&self, bursts: &[Booked], period: Duration, most: Duration) -> Option<Duration> {
         let begun = bursts.first()?.on;
         let all = bursts.iter().map(|b| b.off.since(begun)).max()?;
@@ -109,10 +108,11 @@ impl Guard {
         let limits = self.heat.as_ref()?.budget.doses();
         let mut known = Stretches::new();
         let first = Round::of(bursts, period, Decays::default(), &mut known);
+        let energy = first.energy;
         let after = |rounds: u64| -> Decays {
             core::array::from_fn(|k| {
                 let left = |n: f64| 1.0 - libm::exp(-RATES[k] * seconds * n);
-                first.energy[k] * left(rounds as f64) / left(1.0)
+                energy[k] * left(rounds as f64) / left(1.0)
             })
         };
         let last = most.as_micros() / period.as_micros();
@@ -124,7 +124,7 @@ impl Guard {
         {
             return None;
         }
-        let (mut rounds, mut here) = (0, Round::of(bursts, period, after(0), &mut known));
+        let (mut rounds, mut here) = (0, first);
         let (mut omega, mut cem43_min) = (0.0, 0.0);
         while rounds <= last {
             let next = rounds + (rounds / 2).max(1);
@@ -136,7 +136,7 @@ impl Guard {
                 n * mean(here.dose.omega, there.dose.omega),
                 n * mean(here.dose.cem43_min, there.dose.cem43_min),
             );
-            let kept = there.kept;
+            let kept = &there.kept;
             let part = |used: f64, more: f64, limit: f64| ((limit - used) / more).max(0.0);
             let share = part(omega, more.0, limits.omega - kept.omega).min(part(
                 cem43_min,
