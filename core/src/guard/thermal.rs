@@ -289,7 +289,11 @@ impl Tissue {
         raise(&mut used.skin_peak, shallow_k, budget.peak_k);
         raise(&mut used.skin_deep, deep_k, budget.deep_k);
         raise(&mut used.omega, tissue.dose.omega, budget.dose.omega);
-        raise(&mut used.cem43, tissue.dose.cem43_min, budget.dose.cem43_min);
+        raise(
+            &mut used.cem43,
+            tissue.dose.cem43_min,
+            budget.dose.cem43_min,
+        );
     }
 
     /// Lets time pass until `to` without heat. Before the last window nothing but energy and dose matters:

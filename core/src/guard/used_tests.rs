@@ -47,7 +47,13 @@ fn drive(guard: &mut Guard, wire: u16, width: u16, at_us: u64, length_us: u64) {
 
 #[test]
 fn rest_uses_nothing() {
-    assert_eq!(guard(true).used(Instant::from_micros(5_000_000)).rows().map(|r| r.1)[..9], [0.0; 9]);
+    assert_eq!(
+        guard(true)
+            .used(Instant::from_micros(5_000_000))
+            .rows()
+            .map(|r| r.1)[..9],
+        [0.0; 9]
+    );
     assert_eq!(guard(false).used(Instant::ZERO), Used::default());
 }
 
@@ -68,7 +74,10 @@ fn a_burst_is_told_while_it_goes_on() {
     assert!(half.skin_peak > half.skin_deep && half.skin_deep > 0.0);
     guard.expire(Instant::from_micros(1_041_000), Board(0));
     let after = guard.used(Instant::from_micros(2_000_000));
-    assert_eq!((after.pulse, after.burst, after.burst_energy, after.supply), (0.0, 0.0, 0.0, 0.0));
+    assert_eq!(
+        (after.pulse, after.burst, after.burst_energy, after.supply),
+        (0.0, 0.0, 0.0, 0.0)
+    );
 }
 
 #[test]

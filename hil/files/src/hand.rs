@@ -52,7 +52,15 @@ pub(super) fn check(
     key: &str,
     length_s: f64,
 ) -> Result<(), FileError> {
-    for name in ["force_n", "ramp_s", "diameter_mm", "path.period_s", "path.points_mm", "path.centre_mm", "path.radius_mm"] {
+    for name in [
+        "force_n",
+        "ramp_s",
+        "diameter_mm",
+        "path.period_s",
+        "path.points_mm",
+        "path.centre_mm",
+        "path.radius_mm",
+    ] {
         let key = format!("{key}.{name}");
         if source.states(&key) {
             return Err(source.bad(&key, "nothing: the samples of a hand say it"));
@@ -61,7 +69,8 @@ pub(super) fn check(
     let samples = &touch.path.samples;
     let at = |rest: &str| format!("{key}.path.samples{rest}");
     if samples.is_empty() || samples.len() > MOST_SAMPLES {
-        let expected = format!("1 to {MOST_SAMPLES} samples [t_us, x_um, y_um, force_mn, diameter_um]");
+        let expected =
+            format!("1 to {MOST_SAMPLES} samples [t_us, x_um, y_um, force_mn, diameter_um]");
         let found = format!("{} samples", samples.len());
         return Err(source.bad_found(&at(""), expected, found));
     }

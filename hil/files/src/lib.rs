@@ -35,6 +35,7 @@ mod quarantine;
 mod reading;
 mod resolve;
 mod rows;
+mod saved;
 mod scene;
 mod setup;
 mod shelf;

@@ -4,8 +4,8 @@ use core::f64::consts::TAU;
 
 use serde::Deserialize;
 
-use super::hand::{self, HandSample};
 use super::error::FileError;
+use super::hand::{self, HandSample};
 use super::source::Source;
 
 /// One sphere on one module.

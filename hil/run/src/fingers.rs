@@ -46,12 +46,19 @@ impl Fingers {
                 sample[0]
             ));
         }
-        for (_, touch) in log.touches.iter_mut().filter(|(n, t)| *n == finger && t.module != module) {
+        for (_, touch) in log
+            .touches
+            .iter_mut()
+            .filter(|(n, t)| *n == finger && t.module != module)
+        {
             if let Some(last) = touch.path.samples.last().copied().filter(|s| s[3] > 0) {
                 log.samples += put(touch, [sample[0], last[1], last[2], 0, last[4]]);
             }
         }
-        let known = log.touches.iter().position(|(n, t)| *n == finger && t.module == module);
+        let known = log
+            .touches
+            .iter()
+            .position(|(n, t)| *n == finger && t.module == module);
         log.samples += match known {
             Some(place) => put(&mut log.touches[place].1, sample),
             None => {
@@ -62,19 +69,21 @@ impl Fingers {
         Ok(())
     }
 
-    /// The touches so far, as a scene of `length_s` seconds has them; those without a sample in it are left out.
+    /// The touches until `now_us`, as a scene of `length_s` seconds has them, which is no shorter. What presses then is
+    /// lifted.
     #[must_use]
-    pub fn touches(&self, length_s: f64) -> Vec<Touch> {
+    pub fn touches(&self, now_us: i64, length_s: f64) -> Vec<Touch> {
         let log = self.log();
-        let began = log.touches.iter().filter(|(_, touch)| touch.start_s < length_s);
-        let ended = |(_, touch): &(usize, Touch)| {
-            let mut touch = touch.clone();
+        let mut touches: Vec<Touch> = log.touches.iter().map(|(_, touch)| touch.clone()).collect();
+        for touch in &mut touches {
             touch.end_s = length_s;
-            let within = |s: &HandSample| s[0] as f64 <= length_s * 1e6;
-            touch.path.samples.retain(within);
-            touch
-        };
-        began.map(ended).collect()
+            let samples = &mut touch.path.samples;
+            samples.retain(|sample| sample[0] < now_us);
+            let last = samples.last().copied().filter(|s| s[3] > 0);
+            samples.extend(last.map(|[_, x, y, _, d]| [now_us, x, y, 0, d]));
+        }
+        touches.retain(|touch| !touch.path.samples.is_empty());
+        touches
     }
 
     /// Does something with every touch, in the order in which they began.

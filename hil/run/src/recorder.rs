@@ -15,7 +15,7 @@ use palpate_records::words::texture;
 
 use crate::fingers::Fingers;
 use crate::hand::Hand;
-use palpate_files::{Finger, Joint, Setup, Touch};
+use palpate_files::{Finger, Joint, Setup, Touch, TouchPoint};
 
 /// Windows of texture further apart are of different touches.
 const APART: Duration = Duration::from_millis(500);
@@ -99,30 +99,36 @@ impl Truth {
     fn at(&self, at: Instant) -> Option<(Point, f64)> {
         match self {
             Self::Unknown => None,
-            Self::Scene(touches) => {
-                let touches = touches.iter().map(|(touch, offset)| (touch, *offset));
-                only(touches, at)
-            }
+            Self::Scene(touches) => only(touching(touches, seconds(at))),
             Self::Played(touches, fingers, drives) => {
-                let mut all = touches.clone();
+                let t_s = seconds(at);
+                let mut here: Vec<_> = touching(touches, t_s).collect();
                 fingers.each(|touch| {
                     let offset = drives.get(touch.module).copied().flatten();
-                    all.extend(offset.map(|offset| (touch.clone(), offset)));
+                    here.extend(touch.at(t_s).zip(offset));
                 });
-                only(all.iter().map(|(touch, offset)| (touch, *offset)), at)
+                only(here.into_iter())
             }
             Self::Hand(hand) => hand.only(),
         }
     }
 }
 
-/// The only one of `touches` at a time, if it presses.
-fn only<'a>(
-    touches: impl Iterator<Item = (&'a Touch, [f64; 2])>,
-    at: Instant,
-) -> Option<(Point, f64)> {
-    let seconds = at.as_micros() as f64 * 1e-6;
-    let mut now = touches.filter_map(|(touch, offset)| Some((touch.at(seconds)?, offset)));
+fn seconds(at: Instant) -> f64 {
+    at.as_micros() as f64 * 1e-6
+}
+
+/// What touches at a time.
+fn touching(
+    touches: &[(Touch, [f64; 2])],
+    t_s: f64,
+) -> impl Iterator<Item = (TouchPoint, [f64; 2])> {
+    let here = move |(touch, offset): &(Touch, [f64; 2])| Some((touch.at(t_s)?, *offset));
+    touches.iter().filter_map(here)
+}
+
+/// The only one of what touches, if it presses.
+fn only(mut now: impl Iterator<Item = (TouchPoint, [f64; 2])>) -> Option<(Point, f64)> {
     let (only, [x, y]) = now.next().filter(|(t, _)| t.force_n > 0.0)?;
     now.next().is_none().then(|| {
         let place = Point::new((only.x_mm + x) as f32, (only.y_mm + y) as f32);

@@ -199,7 +199,14 @@ pub fn played(
     }
     let lag_s = ModuleConfig::default().mechanics.lag_s;
     let boards = under(setup, layout, seed, |module| {
-        Box::new(Scripted::new(setup, module, seed, lag_s, None, Some(fingers)))
+        Box::new(Scripted::new(
+            setup,
+            module,
+            seed,
+            lag_s,
+            None,
+            Some(fingers),
+        ))
     });
     boards.map(Played::Boards)
 }
