@@ -81,7 +81,7 @@ pub(super) fn check(
             return Err(source.bad_found(&place, expected, sample[column].to_string()));
         }
         let from_us = newest.map_or(0, |t: i64| t + 1);
-        if sample[0] < from_us || sample[0] as f64 > length_s * 1e6 {
+        if sample[0] < from_us || sample[0] as f64 > length_s * 1e6 + 0.5 {
             let expected = format!("t_us: a time from {from_us} us to the end of the scene");
             let place = at(&format!("[{index}][0]"));
             return Err(source.bad_found(&place, expected, sample[0].to_string()));

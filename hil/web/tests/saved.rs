@@ -119,7 +119,7 @@ fn what_cannot_be_is_a_sentence() {
             "nowhere",
         ),
         (
-            "{\"do\":\"open\",\"scene\":\"idle\",\"bench\":\"allegro-hand\"}",
+            "{\"do\":\"open\",\"scene\":\"allegro-grasp\",\"bench\":\"allegro-hand\"}",
             "one display",
         ),
         (
