@@ -31,11 +31,14 @@ function rgb(color) {
   return parsed.get(color);
 }
 
-// A colour between two, and darker or lighter.
-export function mix(from, to, part) {
-  const [a, b] = [rgb(from), rgb(to)], p = Math.max(0, Math.min(1, part));
-  return `rgb(${a.map((v, i) => Math.round(v + (b[i] - v) * p)).join(",")})`;
+// Between two colours, in numbers.
+export function between(from, to, part) {
+  const [a, b] = [from, to].map(c => (typeof c === "string" ? rgb(c) : c)), p = Math.max(0, Math.min(1, part));
+  return a.map((v, i) => v + (b[i] - v) * p);
 }
+
+export const css = parts => `rgb(${parts.map(Math.round).join(",")})`;
+export const mix = (from, to, part) => css(between(from, to, part));
 
 export function disc(context, x, y, radius, fill, stroke, width = 2) {
   context.beginPath();

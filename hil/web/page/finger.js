@@ -1,5 +1,5 @@
 // The person's finger, unrolled and in three dimensions, with wires, warmth and what is felt.
-import { calm, colors, disc, fit, mix, wireColor } from "palpate/draw.js";
+import { between, calm, colors, css, disc, fit, mix, wireColor } from "palpate/draw.js";
 
 const REST = 33, HOT = 43;
 // How far a wire's warmth is drawn, mm, and how long a driven wire stays bright, us.
@@ -27,7 +27,7 @@ export class Finger {
 
   take(picture) {
     for (const burst of picture.bursts)
-      if (burst.ticks) this.driven[burst.wire] = { until: burst.until_us, part: Math.min(1, burst.ticks / 160) };
+      if (burst.ticks) this.driven[burst.wire] = { until: burst.until_us, part: Math.min(1, 0.35 + 0.65 * burst.ticks / this.head.widest_ticks) };
     for (const felt of picture.felt) if (felt.at_mm && felt.level_db >= 0) this.trail.push(felt);
     if (this.trail.length > 12) this.trail.splice(0, this.trail.length - 12);
     this.felt = picture.felt.at(-1) ?? this.felt;
@@ -138,16 +138,16 @@ export class Finger {
       const [x0, x1] = [column, column + 1].map(n => -half + 2 * half * n / columns), [y0, y1] = [row, row + 1].map(n => low + (end - low) * n / rows);
       const [mx, my] = [(x0 + x1) / 2, (y0 + y1) / 2], [, , seen, , normal] = to([mx, my]);
       if (!seen) continue;
-      const light = Math.max(0, 0.45 * normal[0] * -0.6 + 0.5 * normal[1] + 0.8 * normal[2]), shade = mix(colors["finger-dark"], colors.finger, 0.25 + 0.75 * light);
+      const light = Math.max(0, 0.45 * normal[0] * -0.6 + 0.5 * normal[1] + 0.8 * normal[2]), shade = between(colors["finger-dark"], colors.finger, 0.25 + 0.75 * light);
       const heat = this.warmth(picture, mx, my), corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(to);
       context.beginPath();
       corners.forEach(([px, py], i) => (i ? context.lineTo(px, py) : context.moveTo(px, py)));
       context.closePath();
-      context.fillStyle = context.strokeStyle = shade;
-      context.lineWidth = 0.8;
+      // The outline closes the seams between the pieces.
+      context.fillStyle = context.strokeStyle = css(between(shade, colors.hot, Math.min(0.92, heat * 1.3)));
+      context.lineWidth = 1;
       context.fill();
       context.stroke();
-      if (heat > 0.01) { context.globalAlpha = Math.min(0.92, heat * 1.3); context.fillStyle = colors.hot; context.fill(); context.globalAlpha = 1; }
     }
     context.lineCap = "round";
     this.head.wires_mm.forEach(([wx, wy], i) => {

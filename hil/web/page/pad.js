@@ -33,6 +33,7 @@ export class Pad {
     this.pointers.clear();
     this.keys = { x: 0, y: 0 };
     this.most = 200;
+    this.element.classList.remove("touched");
   }
 
   scale() {
@@ -56,6 +57,7 @@ export class Pad {
   }
 
   put(number, finger) {
+    this.element.classList.add("touched");
     this.fingers.set(number, { ...this.fingers.get(number), ...finger });
     this.changed.add(number);
   }

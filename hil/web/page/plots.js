@@ -45,7 +45,7 @@ export class Plots {
     this.head.wires_mm.forEach((_, i) => { context.beginPath(); context.moveTo(0, (i + 1) * lane - 0.5); context.lineTo(width, (i + 1) * lane - 0.5); context.stroke(); });
     for (const { at_us, until_us, wire, ticks, asked } of this.bursts) {
       if (until_us < from) continue;
-      const [left, right] = [x(at_us), x(Math.min(until_us, Math.max(picture.now_us, at_us)))], tall = part => Math.max(2, (lane - 6) * Math.min(1, part / 200)), base = (wire + 1) * lane - 2;
+      const [left, right] = [x(at_us), x(Math.min(until_us, Math.max(picture.now_us, at_us)))], tall = part => Math.max(2, (lane - 6) * Math.min(1, part / this.head.widest_ticks)), base = (wire + 1) * lane - 2;
       context.globalAlpha = single ? 0.28 : 1;
       context.fillStyle = wireColor(wire);
       if (ticks) context.fillRect(left, base - tall(ticks), Math.max(right - left, 1.5), tall(ticks));

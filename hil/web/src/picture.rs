@@ -35,7 +35,8 @@ pub struct Head {
     pub wire_mm: f64,
     /// Diameter, and the y at which the tip begins; none for a flat display.
     pub finger_mm: Option<[f64; 2]>,
-    /// Sensor rectangle that the display shows, by its corners mapped: what a touch beyond does not reach.
+    /// The widest pulse that the guard passes, of 4096.
+    pub widest_ticks: u16,
     pub limits_c: LimitsC,
 }
 

@@ -169,6 +169,7 @@ impl Played {
                 .value
                 .surface
                 .map(|s| [s.diameter_mm, s.tip_mm]),
+            widest_ticks: projector.guard().widest().get(),
             limits_c: LimitsC {
                 mean: celsius(limits.skin_mean_mc),
                 peak: celsius(limits.skin_peak_mc),
