@@ -93,6 +93,7 @@ fn dependencies_run_one_way() {
                 "texture",
             ],
         ),
+        ("hil/web", &["core", "files", "fixtures", "records", "run"]),
         (
             "hil/python",
             &["core", "emulators", "files", "hil", "records", "run"],

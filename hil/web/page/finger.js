@@ -17,6 +17,11 @@ export class Finger {
     this.head = head;
     this.driven = head.wires_mm.map(() => ({ until: -1, part: 0 }));
     this.trail = [];
+    for (const label of this.labels ?? []) label.remove();
+    // Numbers are text of the page, so that they can be read out and marked.
+    this.labels = head.wires_mm.map((_, i) => Object.assign(document.createElement("span"), { textContent: i }));
+    this.flat.after(...this.labels);
+    this.labelled = "";
     const xs = head.wires_mm.map(w => w[0]), ys = head.wires_mm.map(w => w[1]), half = head.wire_mm / 2;
     const round = head.finger_mm ? Math.PI * head.finger_mm[0] / 2 : 0;
     const wide = Math.max(...xs.map(Math.abs)) + half + 2;
@@ -58,6 +63,10 @@ export class Finger {
     const [context, width, height] = fit(this.flat), { left, right, bottom, top } = this.box, rim = 10;
     const k = Math.min((width - 2 * rim) / (right - left), (height - 2 * rim) / (top - bottom));
     const x = mm => width / 2 + (mm - (left + right) / 2) * k, y = mm => height / 2 - (mm - (bottom + top) / 2) * k;
+    if (this.labelled !== `${width} ${height}`) {
+      this.labelled = `${width} ${height}`;
+      this.head.wires_mm.forEach(([wx, wy], i) => Object.assign(this.labels[i].style, { left: `${x(wx)}px`, top: `${y(wy)}px` }));
+    }
     context.beginPath();
     const r = Math.min((right - left) / 2, 14) * k * (this.head.finger_mm ? 1 : 0.15);
     context.roundRect(x(left), y(top), (right - left) * k, (top - bottom) * k, [r, r, 6, 6]);

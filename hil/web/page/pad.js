@@ -152,6 +152,12 @@ export class Pad {
       if (count === null) disc(context, ...at, radius * 0.3, null, colors.edge, 1);
       else disc(context, ...at, radius * (0.34 + 0.66 * part), mix(colors.soft, colors.accent, part));
     });
+    for (const [sx, sy, force, diameter] of picture.spheres) {
+      context.globalAlpha = 0.1;
+      disc(context, x(sx), y(sy), diameter / 2 * k, colors.accent);
+      context.globalAlpha = 1;
+      if (force > 0.02) disc(context, x(sx), y(sy), diameter / 2 * k, null, colors.accent, 1 + Math.min(force, 3) * 1.6);
+    }
     const [ox, oy] = this.origin;
     for (const { x: fx, y: fy, force, size, held } of this.fingers.values()) {
       if (!force) continue;

@@ -71,6 +71,8 @@ pub struct Picture {
     pub contacts: Vec<Contact>,
     /// Every finger that presses on the driving module, where the display would show it; with its number.
     pub fingers: Vec<(usize, [f32; 2])>,
+    /// What the scene itself presses with, on the skin's plane: x, y (mm), force (N), diameter (mm).
+    pub spheres: Vec<[f64; 4]>,
     /// Wire and skin under it, degrees C.
     pub warm: Vec<[f64; 2]>,
     /// Each limit's share.

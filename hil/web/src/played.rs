@@ -3,11 +3,13 @@
 use std::collections::BTreeMap;
 
 use palpate_core::contact::Scope;
+use palpate_core::guard::Cause;
 use palpate_core::skin::Module;
 use palpate_core::units::{Instant, Point};
-use palpate_files::Setup;
+use palpate_files::{Loaded, Scene, Setup, Source, Touch};
+use palpate_records::digest::schedule_digest;
 use palpate_records::trace::{Event, Header, PlaceUm};
-use palpate_run::{EmulatedSession, Failure, Fingers, Turn, header};
+use palpate_run::{EmulatedSession, Failure, Fingers, Input, Turn, header};
 use serde::Serialize;
 
 use crate::picture::{Burst, Contact, Felt, Head, LimitsC, ModuleHead, Picture};
@@ -257,6 +259,7 @@ impl Played {
             frames: 0,
             contacts: Vec::new(),
             fingers: self.pressing.values().filter_map(presses).collect(),
+            spheres: self.spheres(),
             warm,
             used: guard.used(self.mark).rows().to_vec(),
             hottest: [
@@ -270,9 +273,26 @@ impl Played {
             edges: Vec::new(),
             felt: Vec::new(),
             notes: Vec::new(),
-            stopped: guard.latched().map(palpate_core::guard::Cause::word),
+            stopped: guard.latched().map(Cause::word),
             dropped,
         }
+    }
+
+    /// What the scene presses with now.
+    fn spheres(&self) -> Vec<[f64; 4]> {
+        let (scene, modules) = (&self.setup.scene.value, &self.setup.sensor.value.modules);
+        let t_s = self.mark.as_micros() as f64 * 1e-6;
+        let touches = scene.touches.iter();
+        let here = touches.filter(|touch| self.shown.contains(&touch.module));
+        let sphere = |touch: &Touch| {
+            let [x, y] = match scene.compression.scope {
+                Scope::Skin => modules.get(touch.module)?.place_mm,
+                Scope::Module => [0.0; 2],
+            };
+            let at = touch.at(t_s)?;
+            Some([at.x_mm + x, at.y_mm + y, at.force_n, at.diameter_mm])
+        };
+        here.filter_map(sphere).collect()
     }
 
     /// The newest readings of the shown modules.
@@ -385,14 +405,14 @@ impl Played {
         let fingers = self.fingers.touches(fingers, length_s);
         let text = self.setup.scene.saved(length_s, &fingers)?;
         let mut setup = self.setup.clone();
-        let source = palpate_files::Source::new("the session", text.clone());
-        let value = palpate_files::Scene::read(&source)?;
-        setup.scene = palpate_files::Loaded { value, source };
-        let trace = palpate_run::run(&setup, &palpate_run::Input::Scene, self.seed)?.trace;
+        let source = Source::new("the session", text.clone());
+        let value = Scene::read(&source)?;
+        setup.scene = Loaded { value, source };
+        let trace = palpate_run::run(&setup, &Input::Scene, self.seed)?.trace;
         Ok(Saved {
             text,
             length_s,
-            digest: palpate_records::digest::schedule_digest(&trace),
+            digest: schedule_digest(&trace),
         })
     }
 }
