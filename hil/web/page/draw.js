@@ -9,6 +9,12 @@ function read() {
 read();
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", read);
 
+// How much wider than on a plain screen marks and lines are: they grow with the text.
+export let unit = 1;
+const measure = () => { unit = parseFloat(getComputedStyle(document.documentElement).fontSize) / 15; };
+measure();
+addEventListener("resize", measure);
+
 export const wireColor = wire => colors[`w${wire % 8}`];
 
 // A canvas at the screen's own resolution, cleared: its context, width and height in CSS pixels.
@@ -44,7 +50,7 @@ export function disc(context, x, y, radius, fill, stroke, width = 2) {
   context.beginPath();
   context.arc(x, y, Math.max(radius, 0), 0, 2 * Math.PI);
   if (fill) { context.fillStyle = fill; context.fill(); }
-  if (stroke) { context.strokeStyle = stroke; context.lineWidth = width; context.stroke(); }
+  if (stroke) { context.strokeStyle = stroke; context.lineWidth = width * unit; context.stroke(); }
 }
 
 export const number = (value, digits) => value.toFixed(digits).replace("-", "\u2212");

@@ -1,5 +1,5 @@
 // The person's finger, unrolled and in three dimensions, with wires, warmth and what is felt.
-import { between, calm, colors, css, disc, fit, mix, wireColor } from "palpate/draw.js";
+import { between, calm, colors, css, disc, fit, mix, unit, wireColor } from "palpate/draw.js";
 
 const REST = 33, HOT = 43;
 // How far a wire's warmth is drawn, mm, and how long a driven wire stays bright, us.
@@ -90,7 +90,7 @@ export class Finger {
     this.head.wires_mm.forEach(([wx, wy], i) => {
       const glow = this.glow(i, picture.now_us), half = this.head.wire_mm / 2;
       context.strokeStyle = glow ? wireColor(i) : colors.edge;
-      context.lineWidth = 3 + 5 * glow;
+      context.lineWidth = (3 + 5 * glow) * unit;
       context.beginPath();
       context.moveTo(x(wx - half), y(wy)); context.lineTo(x(wx + half), y(wy));
       context.stroke();
@@ -102,12 +102,12 @@ export class Finger {
   marks(context, picture, to, k) {
     for (const contact of picture.contacts) {
       const at = contact.on_mm && to(contact.on_mm);
-      if (at?.[2]) disc(context, at[0], at[1], 11, null, colors.truth, 3);
+      if (at?.[2]) disc(context, at[0], at[1], 11 * unit, null, colors.truth, 3);
     }
     this.trail.forEach((felt, i) => {
       const at = to(felt.at_mm);
       context.globalAlpha = 0.12 + 0.3 * i / this.trail.length;
-      if (at[2]) disc(context, at[0], at[1], 3.5, colors.bad);
+      if (at[2]) disc(context, at[0], at[1], 3.5 * unit, colors.bad);
     });
     context.globalAlpha = 1;
     const newest = this.felt;
@@ -117,7 +117,7 @@ export class Finger {
     context.globalAlpha = 0.22;
     if (felt) disc(context, at[0], at[1], (1.2 + newest.level_db * 0.12) * k, colors.bad);
     context.globalAlpha = 1;
-    disc(context, at[0], at[1], 7, felt ? colors.bad : null, felt ? colors.card : colors.bad, 2);
+    disc(context, at[0], at[1], 7 * unit, felt ? colors.bad : null, felt ? colors.card : colors.bad, 2);
   }
 
   // From the unrolled surface to space: a cylinder whose end is a half sphere, or a plane.
@@ -162,7 +162,7 @@ export class Finger {
     this.head.wires_mm.forEach(([wx, wy], i) => {
       const glow = this.glow(i, picture.now_us);
       context.strokeStyle = glow ? wireColor(i) : colors.edge;
-      context.lineWidth = 3.5 + 5 * glow;
+      context.lineWidth = (3.5 + 5 * glow) * unit;
       context.beginPath();
       let down = false;
       for (let n = 0; n <= 8; n++) {

@@ -1,5 +1,5 @@
 // The robot's skin: what is drawn of it, and the fingers that a person puts on it.
-import { colors, disc, fit, mix } from "palpate/draw.js";
+import { colors, disc, fit, mix, unit } from "palpate/draw.js";
 
 const KEY_FINGER = 9;
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
@@ -178,7 +178,7 @@ export class Pad {
     }
     for (const contact of picture.contacts) {
       const module = this.head.modules.find(m => m.number === contact.module);
-      if (module) disc(context, x(contact.at_mm[0] + module.place_mm[0]), y(contact.at_mm[1] + module.place_mm[1]), 7, colors.bad, colors.card, 2.5);
+      if (module) disc(context, x(contact.at_mm[0] + module.place_mm[0]), y(contact.at_mm[1] + module.place_mm[1]), 7 * unit, colors.bad, colors.card, 2.5);
     }
   }
 }
