@@ -400,7 +400,7 @@ impl Played {
     /// As reading and running that scene.
     pub fn save(&self) -> Result<Saved, Failure> {
         let now_us = self.mark.as_micros();
-        let length_s = now_us.max(self.scene_us()).max(self.quiet_us()) as f64 * 1e-6;
+        let length_s = now_us.max(self.scene_us()).max(self.quiet_us()) as f64 / 1e6;
         let fingers = i64::try_from(now_us).unwrap_or(i64::MAX);
         let fingers = self.fingers.touches(fingers, length_s);
         let text = self.setup.scene.saved(length_s, &fingers)?;
