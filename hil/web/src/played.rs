@@ -17,6 +17,9 @@ use crate::picture::{Burst, Contact, Felt, Head, LimitsC, ModuleHead, Picture};
 /// A picture is of so much virtual time at most, microseconds: a page that slept does not make up for it.
 const MOST_STEP_US: u64 = 2_000_000;
 
+/// Peaks and doses are summed up this often, microseconds: no one reads them faster.
+const TOTALS_US: u64 = 100_000;
+
 /// A finger: its number, module, x, y (um), force (mN), diameter (um).
 type Finger = (usize, usize, i64, i64, i64, i64);
 
@@ -35,6 +38,8 @@ pub struct Played {
     pressing: BTreeMap<usize, Finger>,
     contacts: Vec<Contact>,
     frames: u32,
+    /// When they are summed up next, and what peaks, doses and energy came to.
+    totals: (u64, [f64; 4], f64),
 }
 
 /// A session as a scene.
@@ -91,6 +96,7 @@ impl Played {
             pressing: BTreeMap::new(),
             contacts: Vec::new(),
             frames: 0,
+            totals: (0, [0.0; 4], 0.0),
         })
     }
 
@@ -244,7 +250,14 @@ impl Played {
             celsius.map(|c| c.unwrap_or(f64::NAN))
         });
         let warm = warm.collect();
-        let totals = hardware.totals();
+        let now_us = self.mark.as_micros();
+        if now_us >= self.totals.0 {
+            let totals = hardware.totals();
+            let (omega, cem43) = totals.dose;
+            let peaks = [totals.hottest_tissue_c, totals.hottest_deep_c, omega, cem43];
+            self.totals = (now_us + TOTALS_US, peaks, totals.electrical_j);
+        }
+        let (_, hottest, energy_j) = self.totals;
         let projector = self.session.projector();
         let map = projector.map();
         let presses = |&(number, module, x, y, ..): &Finger| {
@@ -254,7 +267,7 @@ impl Played {
         };
         let guard = projector.guard();
         Picture {
-            now_us: self.mark.as_micros(),
+            now_us,
             counts: self.counts(),
             frames: 0,
             contacts: Vec::new(),
@@ -262,13 +275,8 @@ impl Played {
             spheres: self.spheres(),
             warm,
             used: guard.used(self.mark).rows().to_vec(),
-            hottest: [
-                totals.hottest_tissue_c,
-                totals.hottest_deep_c,
-                totals.dose.0,
-                totals.dose.1,
-            ],
-            energy_j: totals.electrical_j,
+            hottest,
+            energy_j,
             bursts: Vec::new(),
             edges: Vec::new(),
             felt: Vec::new(),
