@@ -12,7 +12,7 @@ mod status;
 
 pub use command::{Command, Planned, Request};
 pub use hello::Hello;
-pub use status::{State, Status};
+pub use status::{HELD, State, Status};
 
 use core::fmt;
 
@@ -151,6 +151,24 @@ impl Header {
             unit,
             sequence: sequence & !FROM_UNIT,
         })
+    }
+
+    /// What a unit answers to a knock of a version that it does not speak: its own version, nothing that is sealed, no more
+    /// bytes than came. `None` for any other datagram.
+    pub fn other_version(datagram: &[u8]) -> Option<[u8; HEADER + TAG]> {
+        let mut reader = bytes::Reader::new(datagram);
+        let magic = [reader.u8()?, reader.u8()?];
+        let (version, kind, host) = (reader.u8()?, reader.u8()?, reader.u64()?);
+        let knocks = magic == MAGIC && version != VERSION && kind == Kind::Knock.number();
+        let header = Self {
+            kind: Kind::Hello,
+            host,
+            unit: 0,
+            sequence: 0,
+        };
+        let mut answer = [0; HEADER + TAG];
+        answer[..HEADER].copy_from_slice(&header.bytes());
+        (knocks && datagram.len() >= answer.len()).then_some(answer)
     }
 
     fn bytes(&self) -> [u8; HEADER] {
