@@ -57,6 +57,13 @@ impl Kind {
         }
     }
 
+    /// What a datagram says that it is.
+    pub fn of(datagram: &[u8]) -> Option<Self> {
+        let kinds = [Self::Knock, Self::Hello, Self::Command, Self::Status];
+        let number = datagram.get(3)?;
+        kinds.into_iter().find(|k| k.number() == *number)
+    }
+
     const fn is_from_unit(self) -> bool {
         matches!(self, Self::Hello | Self::Status)
     }
@@ -136,9 +143,7 @@ impl Header {
             return Err(Refusal::Version(version));
         }
         let number = reader.u8().ok_or(short)?;
-        let kinds = [Kind::Knock, Kind::Hello, Kind::Command, Kind::Status];
-        let kind = kinds.into_iter().find(|k| k.number() == number);
-        let kind = kind.ok_or(Refusal::Kind(number))?;
+        let kind = Kind::of(datagram).ok_or(Refusal::Kind(number))?;
         let host = reader.u64().ok_or(short)?;
         let unit = reader.u64().ok_or(short)?;
         let sequence = reader.u64().ok_or(short)?;
