@@ -30,7 +30,7 @@ def episode(env: Any, policy: Any, seed: int) -> tuple[float, list[dict[str, Any
 
 
 def between(env: Felt) -> Any:
-    """Activates wires by how near they are to the middle of the taxels that are pressed."""
+    """Activates the three wires that are nearest to the middle of the taxels that are pressed."""
     wires, taxels = (np.stack([t["x_mm"], t["y_mm"]], axis=1) for t in (env.loop.wires, env.loop.taxels))
     # Each taxel where the skin, laid over the display, has it.
     parts = (taxels - taxels.min(axis=0)) / np.ptp(taxels, axis=0)
@@ -42,8 +42,9 @@ def between(env: Felt) -> Any:
             return np.zeros(len(wires), np.float32)
         place = weights @ at / weights.sum()
         away = np.hypot(*(wires - place).T)
-        near = np.sqrt(np.clip(1 - away / 12.0, 0, 1))
-        return (near / near.max()).astype(np.float32)
+        near = np.where(away <= np.sort(away)[2], np.sqrt(np.clip(1 - away / 14.0, 0, 1)), 0)
+        # A fifth of full drive is what the guard lets three wires have all the time.
+        return (0.2 * near / near.max()).astype(np.float32)
 
     return policy
 
@@ -73,7 +74,8 @@ def test_a_renderer_that_looks_is_better_than_none_and_than_chance() -> None:
     assert nothing < chance < looking
     assert not any(info["felt"] for info in dark)
     felt = [info["error_mm"] for info in infos if info["felt"]]
-    assert len(felt) > 20 and np.median(felt) < 3.0
+    assert len(felt) > 25 and np.median(felt) < 2.5
+    assert not any(info["limited"] for info in infos)
     # What is felt was where the touch was, in a place that moved.
     assert np.ptp([info["target_mm"] for info in infos], axis=0).max() > 2.0
     assert max(info["skin_c"] for info in infos) > dark[-1]["skin_c"]

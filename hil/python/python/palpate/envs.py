@@ -28,13 +28,22 @@ _PIECE_US = 10_000
 # What the environment looks at lies just before an onset, so that the action is for that onset.
 _BEFORE_US = 1_000
 
+# Activations are taken as they are: an intensity of the contact would weight them. The cadence leaves the guard little
+# to limit at full drive.
+_OWN: dict[str, object] = {
+    "illusion.model": "balanced",
+    "illusion.intensity": False,
+    "illusion.tau_d_ms": 38.0,
+    "illusion.soa_ms": 117.0,
+}
+
 Array = npt.NDArray[np.float32]
 
 
 class Felt(gymnasium.Env[Array, Array]):
     """Something round slides over the skin, and a renderer says what the wires do about it.
 
-    A step is one onset, 58.5 ms by default. Drive, guard, chip, amplifier, wires, tissue and person are emulated as in
+    A step is one onset, 117 ms by default. Drive, guard, chip, amplifier, wires, tissue and person are emulated as in
     every run, so an action that the guard limits is felt as far as the guard lets it.
 
     Observation: how far every taxel is from its reference when the onset is due, counts, shape (taxels,). A taxel that is
@@ -69,7 +78,7 @@ class Felt(gymnasium.Env[Array, Array]):
         set: dict[str, object] | None = None,
         steps: int = 60,
         heat_mm_per_c: float = 0.1,
-        reach_mm: float = 6.0,
+        reach_mm: float = 4.0,
     ) -> None:
         for name, value, least in (
             ("steps", steps, 1),
@@ -78,9 +87,7 @@ class Felt(gymnasium.Env[Array, Array]):
         ):
             if not least <= value < 1e6:
                 raise InputError.of(name, f"{least} to 1e6", repr(value))
-        # Activations are taken as they are: an intensity of the contact would weight them.
-        own = {"illusion.model": "balanced", "illusion.intensity": False}
-        self._made: dict[str, Any] = {"layout": layout, "bench": bench, "set": own | (set or {})}
+        self._made: dict[str, Any] = {"layout": layout, "bench": bench, "set": _OWN | (set or {})}
         self._steps, self._heat, self._reach = steps, heat_mm_per_c, reach_mm
         #: The loop of the episode: it says where taxels and wires lie.
         self.loop = loop = self._new(0)
