@@ -326,8 +326,8 @@ impl EmulatedDisplay {
         advanced.map_err(|e| Failure::Device(e.to_string()))
     }
 
-    /// Scores what was felt of the newest onset, which is over.
-    fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
+    /// Scores what was felt of the newest onset until now; its successor scores it otherwise.
+    pub fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
         let felt = self.display.onset();
         let others: Vec<Option<Felt>> = self.display.other_onsets().collect();
         let pending = self.pending.take();

@@ -7,6 +7,7 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod activations;
 mod actuator_bus;
 mod band;
 mod boards;
@@ -50,6 +51,7 @@ mod taxels;
 pub mod unit;
 mod verdict;
 
+pub use activations::Activations;
 pub use band::{FeltBand, FeltCorner};
 pub use boards::{BoardReport, BusReport, CanReport, Pacing, Spread};
 pub use failure::Failure;

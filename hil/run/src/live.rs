@@ -6,6 +6,7 @@
 use core::fmt;
 
 use palpate_core::bus::Received;
+use palpate_core::projector::Projector;
 use palpate_core::skin::{CanSkin, Layout, ModuleScan, ScanError, SkinSource};
 use palpate_core::units::Instant;
 use palpate_emulators::sensor::can::faults::Faulty;
@@ -14,6 +15,7 @@ use palpate_emulators::sensor::{Press, SkinArray, Touches};
 use palpate_files::Setup;
 use palpate_records::trace::Event;
 
+use crate::activations::{self, Activations};
 use crate::boards::BusReport;
 use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::failure::Failure;
@@ -124,7 +126,7 @@ impl EmulatedSession {
             true => EmulatedSkin::Array(skin::array(setup, &layout, seed)?),
             false => boards(setup, &layout, seed, skin::emulated(setup, &layout, seed)?),
         };
-        Self::on(setup, seed, skin, truth, policy)
+        Self::on(setup, seed, of_setup(setup, seed)?, (skin, truth), policy)
     }
 
     /// A setup's scene with its touches and faults, and fingers that join them while it runs. The scene's end is no end
@@ -141,7 +143,9 @@ impl EmulatedSession {
         };
         let truth = Truth::played(setup, &fingers);
         let policy = Policy::emulated(setup.bench.value.unit.is_some());
-        Ok((Self::on(setup, seed, skin, truth, policy)?, fingers))
+        let projector = of_setup(setup, seed)?;
+        let session = Self::on(setup, seed, projector, (skin, truth), policy)?;
+        Ok((session, fingers))
     }
 
     /// A setup's hardware under a hand, which presses on every module as [`Hand::press`] says. The scene's own
@@ -150,6 +154,27 @@ impl EmulatedSession {
     /// # Errors
     /// [`Failure::Input`] for what fits no emulated hardware.
     pub fn touched(setup: &Setup, seed: u64) -> Result<(Self, Vec<Hand>), Failure> {
+        let projector = of_setup(setup, seed)?;
+        Self::under_hands(setup, seed, projector)
+    }
+
+    /// The same, with activations from outside in place of the scene's illusion.
+    ///
+    /// # Errors
+    /// As [`Self::touched`]; a scene whose pulses no illusion chooses.
+    pub fn activated(setup: &Setup, seed: u64) -> Result<(Self, Vec<Hand>, Activations), Failure> {
+        let levels = dynamic_levels(&setup.scene.value.compression);
+        let (projector, activations) = activations::build(setup, seed, levels)?;
+        let (mut session, hands) = Self::under_hands(setup, seed, projector)?;
+        session.recorder().counts = Some(Vec::new());
+        Ok((session, hands, activations))
+    }
+
+    fn under_hands(
+        setup: &Setup,
+        seed: u64,
+        projector: Projector,
+    ) -> Result<(Self, Vec<Hand>), Failure> {
         let layout = plan::layout(&setup.sensor.value)?;
         let hands: Vec<Hand> = layout.modules().iter().map(|_| Hand::default()).collect();
         let hand = |module: usize| -> Box<dyn Touches + Send> { Box::new(hands[module].clone()) };
@@ -165,18 +190,17 @@ impl EmulatedSession {
         let truth = hands.get(setup.scene.value.drives).cloned();
         let truth = truth.map_or(Truth::Unknown, Truth::Hand);
         let policy = Policy::emulated(setup.bench.value.unit.is_some());
-        let session = Self::on(setup, seed, skin, truth, policy)?;
+        let session = Self::on(setup, seed, projector, (skin, truth), policy)?;
         Ok((session, hands))
     }
 
     fn on(
         setup: &Setup,
         seed: u64,
-        skin: EmulatedSkin,
-        truth: Truth,
+        projector: Projector,
+        (skin, truth): (EmulatedSkin, Truth),
         policy: Policy,
     ) -> Result<Self, Failure> {
-        let projector = build(setup, seed, dynamic_levels(&setup.scene.value.compression))?;
         let display = EmulatedDisplay::new(setup, &projector, seed)?;
         let recorder = Recorder::new(truth, projector.layout()).bounded(MOST_EVENTS);
         Ok(Self::new(
@@ -187,6 +211,11 @@ impl EmulatedSession {
             None,
         ))
     }
+}
+
+/// The loop of a setup, with levels by what has come so far.
+fn of_setup(setup: &Setup, seed: u64) -> Result<Projector, Failure> {
+    build(setup, seed, dynamic_levels(&setup.scene.value.compression))
 }
 
 /// Emulated boards as the loop reads them.
@@ -201,7 +230,7 @@ impl FedSession {
     /// # Errors
     /// [`Failure::Input`] for what fits no loop.
     pub fn fed(setup: &Setup, seed: u64) -> Result<Self, Failure> {
-        let projector = build(setup, seed, dynamic_levels(&setup.scene.value.compression))?;
+        let projector = of_setup(setup, seed)?;
         let display = EmulatedDisplay::new(setup, &projector, seed)?;
         let recorder = Recorder::new(Truth::Unknown, projector.layout()).bounded(MOST_EVENTS);
         let ends = ((), display);

@@ -446,6 +446,6 @@ pub fn fits(setup: &Setup) -> Result<(), Failure> {
     }
 }
 
-fn made(setup: &Setup, plan: Plan) -> Result<Projector, Failure> {
+pub(crate) fn made(setup: &Setup, plan: Plan) -> Result<Projector, Failure> {
     Projector::new(plan).map_err(|e| Failure::Input(format!("{}: {e}", setup.scene.source.label())))
 }

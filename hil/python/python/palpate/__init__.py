@@ -23,7 +23,7 @@ from ._guard import Verdict, guard
 from ._load import Recording, load
 from ._loop import Loop, Step
 from ._palpate import VERSION as __version__
-from ._run import Run, run
+from ._run import Display, Run, run
 from ._sweep import RayExecutor, sweep
 from ._table import Table
 
@@ -32,6 +32,7 @@ __all__ = [
     "BusyError",
     "CheckError",
     "DeviceError",
+    "Display",
     "Error",
     "GuardError",
     "InputError",
