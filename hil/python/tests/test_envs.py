@@ -44,7 +44,8 @@ def between(env: Felt) -> Any:
         away = np.hypot(*(wires - place).T)
         near = np.where(away <= np.sort(away)[2], np.sqrt(np.clip(1 - away / 14.0, 0, 1)), 0)
         # A fifth of full drive is what the guard lets three wires have all the time.
-        return (0.2 * near / near.max()).astype(np.float32)
+        made: np.ndarray[Any, Any] = (0.2 * near / near.max()).astype(np.float32)
+        return made
 
     return policy
 

@@ -64,7 +64,7 @@ def test_its_guardian_is_a_process_of_its_own(tmp_path: Path) -> None:
     # A folder whose files must not be taken for modules.
     (tmp_path / "numpy.py").write_text("raise SystemExit('not this one')")
     guard = [sys.executable, _program.__file__, "guardian", f"--i2c={tmp_path}/none=40", "--heartbeat-ms=100", "--transfer-ms=5"]
-    with subprocess.Popen(guard, stdin=theirs, cwd=tmp_path, stderr=subprocess.PIPE) as process:
+    with subprocess.Popen(guard, stdin=theirs.fileno(), cwd=tmp_path, stderr=subprocess.PIPE) as process:
         theirs.close()
         ours.settimeout(20)
         answer = ours.recv(65536)
