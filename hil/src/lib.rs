@@ -18,5 +18,7 @@ pub mod record;
 pub mod recording;
 pub mod review;
 pub mod sweep;
+pub mod telling;
 pub mod trial;
+pub mod unit;
 pub mod watch;

@@ -75,6 +75,7 @@ fn run(cli: Cli) -> Result<u8, palpate_run::Failure> {
         Some(Command::Run(args)) => command::run(&args, cli.color),
         Some(Command::Contacts(args)) => command::contacts(&args),
         Some(Command::Emulate(args)) => command::emulate(&args),
+        Some(Command::Unit(args)) => command::unit(&args),
         Some(Command::Doctor(args)) => command::doctor(&args),
         Some(Command::Record(args)) => command::record(&args),
         Some(Command::Replay(args)) => command::replay(&args),

@@ -91,6 +91,7 @@ fn dependencies_run_one_way() {
                 "records",
                 "run",
                 "texture",
+                "unit",
             ],
         ),
         (

@@ -8,6 +8,7 @@
 extern crate alloc;
 
 mod counts;
+mod phases;
 mod schedule;
 mod session;
 mod unit;

@@ -15,6 +15,7 @@ use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Channel, Duration, Instant, Ticks};
 
 use crate::counts::Counts;
+use crate::phases::Phases;
 use crate::schedule::Schedule;
 use crate::session::Sessions;
 
@@ -140,6 +141,7 @@ pub struct Unit<I, P> {
     bank: Pca9685Bank<I>,
     cut: P,
     counts: Counts,
+    phases: Phases,
     /// When a lost bus is tried again; `None` while it is whole.
     lost: Option<Instant>,
     /// Nothing begins before the oscillators run.
@@ -167,6 +169,7 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             bank: Pca9685Bank::new(bus, settings.addresses, settings.plant.prescale),
             cut,
             counts: Counts::default(),
+            phases: Phases::default(),
             lost: None,
             ready: Instant::ZERO,
             verified: Instant::ZERO,
@@ -209,6 +212,17 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
     /// What it counted.
     pub const fn counts(&self) -> &Counts {
         &self.counts
+    }
+
+    /// Whether a host has it.
+    pub fn is_kept(&self, now: Instant) -> bool {
+        self.sessions.is_kept(now)
+    }
+
+    /// Everything off, before its program ends. Whether every board took it.
+    pub fn end(&mut self, now: Instant) -> bool {
+        self.stop(now, Cause::End);
+        self.lost.is_none()
     }
 
     /// What updates came to on its bus.
@@ -258,7 +272,12 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             match opened {
                 Ok(Some(knock)) => self.greet(now, &knock, link, peer),
                 Ok(None) => asker = Some(peer),
-                Err(_) => self.counts.refused = self.counts.refused.saturating_add(1),
+                Err(_) => {
+                    self.counts.refused = self.counts.refused.saturating_add(1);
+                    if let Some(answer) = Header::other_version(&buffer[..length]) {
+                        link.send(&answer, peer);
+                    }
+                }
             }
         }
         asker
@@ -277,6 +296,8 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
         if begins {
             // What another session drove is not this host's.
             self.all_off(now);
+            self.counts.sessions = self.counts.sessions.saturating_add(1);
+            self.counts.late_us = 0;
         }
         self.taken = now;
         self.obey(now, &command);
@@ -293,7 +314,7 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             Request::Off => return self.all_off(now),
             Request::Stop => {
                 self.stop(now, Cause::End);
-                return self.sessions.end();
+                return self.sessions.release();
             }
         }
         let whole = self.lost.is_none() && command.stops == self.counts.stops;
@@ -315,6 +336,7 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             now,
             busy: self.sessions.is_kept(now),
             heat: self.guard.has_heat(),
+            state: self.state(),
             stops: self.counts.stops,
             plant: *self.guard.plant(),
             limits: *self.guard.limits(),
@@ -328,6 +350,10 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
         );
     }
 
+    fn state(&self) -> State {
+        self.guard.latched().map_or(State::Ready, State::Stopped)
+    }
+
     /// Answers the newest command.
     fn report<D: Datagrams>(&mut self, now: Instant, link: &mut D, to: D::Peer) {
         let Some((header, echo)) = self.sessions.status() else {
@@ -339,7 +365,7 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             now,
             echo,
             taken: self.taken,
-            state: self.guard.latched().map_or(State::Ready, State::Stopped),
+            state: self.state(),
             stops: counts.stops,
             applied: counts.applied,
             limited: counts.limited,
@@ -348,6 +374,7 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             late_us: counts.late_us,
             refused: counts.refused,
             skin_mc: skin_c.map_or(0, |c| (c * 1e3) as u32),
+            phase_us: self.phases.at(now, self.guard.plant().prescale),
         };
         let mut buffer = [0; MOST];
         link.send(
@@ -409,8 +436,12 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
     }
 
     fn apply(&mut self, now: Instant, update: &Guarded) {
-        if update.changes() && self.bank.apply(update).is_err() {
-            self.lose(now);
+        if !update.changes() {
+            return;
+        }
+        match self.bank.apply(update) {
+            Ok(()) => self.phases.apply(now, update),
+            Err(_) => self.lose(now),
         }
     }
 
@@ -451,6 +482,7 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
     fn all_off(&mut self, now: Instant) {
         self.schedule.clear();
         self.guard.all_off(now);
+        self.phases.all_off();
         if self.lost.is_none() && self.bank.all_off().is_err() {
             self.set_cut(true);
             self.latch(Cause::ActuatorError);

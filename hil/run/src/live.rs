@@ -19,12 +19,14 @@ use crate::activations::{self, Activations};
 use crate::boards::BusReport;
 use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::failure::Failure;
+use crate::fingers::Fingers;
 use crate::hand::Hand;
 use crate::levels::dynamic_levels;
 use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth};
 use crate::runner::build;
 use crate::session::Session;
+use crate::skin::Played;
 use crate::skin_end::{FaultySkin, SkinEnd, Tap};
 use crate::{plan, skin};
 
@@ -125,6 +127,25 @@ impl EmulatedSession {
             false => boards(setup, &layout, seed, skin::emulated(setup, &layout, seed)?),
         };
         Self::on(setup, seed, of_setup(setup, seed)?, (skin, truth), policy)
+    }
+
+    /// A setup's scene with its touches and faults, and fingers that join them while it runs. The scene's end is no end
+    /// here. A run of the scene with [`Fingers::touches`] among its own, and dynamic levels, comes to the same bits.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for what fits no emulated hardware.
+    pub fn played(setup: &Setup, seed: u64) -> Result<(Self, Fingers), Failure> {
+        let layout = plan::layout(&setup.sensor.value)?;
+        let fingers = Fingers::default();
+        let skin = match skin::played(setup, &layout, seed, &fingers)? {
+            Played::Boards(handle) => boards(setup, &layout, seed, handle),
+            Played::Array(array) => EmulatedSkin::Array(array),
+        };
+        let truth = Truth::played(setup, &fingers);
+        let policy = Policy::emulated(setup.bench.value.unit.is_some());
+        let projector = of_setup(setup, seed)?;
+        let session = Self::on(setup, seed, projector, (skin, truth), policy)?;
+        Ok((session, fingers))
     }
 
     /// A setup's hardware under a hand, which presses on every module as [`Hand::press`] says. The scene's own

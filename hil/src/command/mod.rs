@@ -30,6 +30,7 @@ mod test;
 mod texture;
 mod texture_panel;
 mod texture_train;
+mod unit;
 
 pub use check::check;
 pub use compare::compare;
@@ -54,3 +55,4 @@ pub use shell::{completions, man};
 pub use sweep::sweep;
 pub use test::test;
 pub use texture::texture;
+pub use unit::unit;

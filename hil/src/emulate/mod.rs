@@ -22,8 +22,11 @@ use palpate_run::Failure;
 use palpate_run::plan;
 
 use hardware::{Hardware, starts};
-pub use record::{CanRecord, Record, Telling, WireRecord};
-use record::{Teller, Told};
+pub(crate) use hardware::drives;
+pub use record::{CanRecord, Record, WireRecord};
+use record::Told;
+
+use crate::telling::{Teller, Telling};
 
 /// Frames leave together when the last of so long a time has ended on the emulated wire: a turn a frame
 /// would be too many on a full bus.

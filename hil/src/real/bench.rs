@@ -32,7 +32,10 @@ pub fn watch(bench: &Bench, real: &Real) -> Watch {
 }
 
 /// Refuses while a stop is latched.
-fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
+///
+/// # Errors
+/// [`Failure::Guard`] with what stopped it and how that is cleared.
+pub fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
     for (path, _) in &watch.buses {
         if let Some(held) = Latch::of(path).read() {
             let known = if held.verified {

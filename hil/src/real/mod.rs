@@ -2,7 +2,7 @@
 
 mod bench;
 
-pub use bench::watch;
+pub use bench::{refuse_latched, watch};
 
 use std::path::PathBuf;
 
@@ -303,7 +303,10 @@ impl Turns<'_> {
 }
 
 /// Real-time priority for this thread, memory that is never paged out for the program.
-fn take_priority() -> Result<(), Failure> {
+///
+/// # Errors
+/// [`Failure::Device`] where the system does not allow it.
+pub fn take_priority() -> Result<(), Failure> {
     let locked = lock_memory().and_then(|()| set_fifo_priority(PRIORITY));
     locked.map_err(|errno| {
         Failure::Device(format!(

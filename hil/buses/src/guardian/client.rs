@@ -58,8 +58,8 @@ pub struct Guardian {
 }
 
 impl Guardian {
-    /// Starts a guardian by the program `hil`, to which its command is added, and returns when everything is off and read back, with what was found driving,
-    /// a line each.
+    /// Starts a guardian by the program `hil`, to which its command is added, and returns when everything is off and read
+    /// back, with what was found driving, a line each.
     ///
     /// # Errors
     /// [`StartError`].

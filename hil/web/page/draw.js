@@ -1,0 +1,48 @@
+// What all drawings share: sharp canvases, colours of the style sheet, and numbers in words.
+const NAMES = ["bg", "card", "fg", "muted", "grid", "edge", "truth", "accent", "bad", "warn", "soft", "finger", "finger-dark", "hot", "w0", "w1", "w2", "w3", "w4", "w5", "w6", "w7"];
+export const colors = {};
+
+function read() {
+  const style = getComputedStyle(document.documentElement);
+  for (const name of NAMES) colors[name] = style.getPropertyValue(`--${name}`).trim();
+}
+read();
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", read);
+
+export const wireColor = wire => colors[`w${wire % 8}`];
+
+// A canvas at the screen's own resolution, cleared: its context, width and height in CSS pixels.
+export function fit(canvas) {
+  const ratio = Math.min(devicePixelRatio || 1, 3), width = canvas.clientWidth, height = canvas.clientHeight;
+  const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
+  if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
+  const context = canvas.getContext("2d");
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.clearRect(0, 0, width, height);
+  return [context, width, height];
+}
+
+const parsed = new Map();
+function rgb(color) {
+  if (!parsed.has(color)) {
+    const hex = color.slice(1), step = hex.length === 3 ? 1 : 2;
+    parsed.set(color, [0, 1, 2].map(i => parseInt(hex.slice(i * step, (i + 1) * step).padStart(2, hex[i * step]), 16)));
+  }
+  return parsed.get(color);
+}
+
+// A colour between two, and darker or lighter.
+export function mix(from, to, part) {
+  const [a, b] = [rgb(from), rgb(to)], p = Math.max(0, Math.min(1, part));
+  return `rgb(${a.map((v, i) => Math.round(v + (b[i] - v) * p)).join(",")})`;
+}
+
+export function disc(context, x, y, radius, fill, stroke, width = 2) {
+  context.beginPath();
+  context.arc(x, y, Math.max(radius, 0), 0, 2 * Math.PI);
+  if (fill) { context.fillStyle = fill; context.fill(); }
+  if (stroke) { context.strokeStyle = stroke; context.lineWidth = width; context.stroke(); }
+}
+
+export const number = (value, digits) => value.toFixed(digits).replace("-", "\u2212");
+export const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;

@@ -1,0 +1,37 @@
+//! A whole run, for those who compare bits: digests and the schedule.
+
+use palpate_files::Setup;
+use palpate_records::digest::{contacts_digest, schedule_digest, trace_digest};
+use palpate_records::schedule::write_schedule;
+use palpate_run::{Failure, Input};
+use serde::Serialize;
+
+/// What a run came to.
+#[derive(Debug, Serialize)]
+pub struct Digests {
+    /// Of everything.
+    trace: String,
+    /// Of taxels, frames, contacts and truth.
+    contacts: String,
+    /// Of what was sent to the boards.
+    schedule: String,
+    /// The schedule itself, JSON Lines.
+    lines: String,
+}
+
+/// Runs a setup's scene.
+///
+/// # Errors
+/// What the run ends with.
+pub fn run(setup: &Setup, seed: u64) -> Result<Digests, Failure> {
+    let trace = palpate_run::run(setup, &Input::Scene, seed)?.trace;
+    let mut lines = Vec::new();
+    write_schedule(&trace, &mut lines)
+        .map_err(|e| Failure::Device(format!("the schedule: {e}")))?;
+    Ok(Digests {
+        trace: trace_digest(&trace),
+        contacts: contacts_digest(&trace),
+        schedule: schedule_digest(&trace),
+        lines: String::from_utf8_lossy(&lines).into_owned(),
+    })
+}
