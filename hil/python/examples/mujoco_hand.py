@@ -86,7 +86,7 @@ class Tip:
 
 
 def grasp(seconds: float = 5.0) -> dict[str, Tip]:
-    """Closes the hand, and turns the box to and fro once."""
+    """Closes the hand, and turns the box one way and then the other."""
     model = mujoco.MjModel.from_xml_string(world())
     data = mujoco.MjData(model)
     tips = [Tip(n, model.geom(f"{n}-skin").id, model.body(f"{n}-tip").id) for n in FINGERS]

@@ -69,3 +69,7 @@ pub(crate) fn build(
     plan.output.illusion = Box::new(activations.clone());
     Ok((runner::made(setup, plan)?, activations))
 }
+
+#[cfg(test)]
+#[path = "activations_tests.rs"]
+mod tests;

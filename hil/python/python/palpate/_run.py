@@ -147,7 +147,7 @@ class Run(_Tables):
     def _table(self, name: str) -> Table:
         if not self.displays or name not in _OWN:
             return super()._table(name)
-        each = [display._table(name) for display in self.displays.values()]
+        each: list[npt.NDArray[Any]] = [display._table(name) for display in self.displays.values()]
         if name in _NAMED:
             each = [_of(display, rows) for display, rows in zip(self.displays, each, strict=True)]
         rows = np.concatenate(each)
@@ -207,12 +207,12 @@ class Run(_Tables):
         )
 
 
-def _of(display: str, rows: Table) -> npt.NDArray[Any]:
+def _of(display: str, rows: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """The rows of a display with a first column that names it."""
-    kind = [("display", f"<U{len(display)}"), *((name, rows.dtype[name]) for name in rows.columns)]
+    kind = [("display", f"<U{len(display)}"), *((name, rows.dtype[name]) for name in rows.dtype.names or ())]
     made = np.empty(len(rows), kind)
     made["display"] = display
-    for name in rows.columns:
+    for name in rows.dtype.names or ():
         made[name] = rows[name]
     return made
 
