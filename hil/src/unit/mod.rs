@@ -4,6 +4,7 @@
 mod boards;
 pub mod key;
 mod record;
+pub mod remote;
 
 use std::net::SocketAddr;
 
@@ -188,13 +189,13 @@ impl Process {
     ) -> Result<(), Failure> {
         unit.start(shown(monotonic_ns()));
         let turned = self.turns(&mut unit, &mut boards, &mut teller);
+        self.record.counts(unit.counts());
         let took = unit.end(shown(monotonic_ns()));
         let t_ns = monotonic_ns();
         let last = boards.advance(t_ns.saturating_sub(self.epoch_ns), &mut teller);
         let off = boards.finish(took);
         self.record.source = source;
         self.record.served_s = t_ns.saturating_sub(self.epoch_ns) as f64 / 1e9;
-        self.record.counts(unit.counts());
         self.record.off = off == Ok(true);
         self.record.emulated = boards.flowed();
         teller.tell(&Told::Record(&self.record))?;
