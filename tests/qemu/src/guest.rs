@@ -97,7 +97,10 @@ impl Guest {
         }
         let child = command.spawn().map_err(|e| {
             let program = machine.program;
-            io::Error::new(e.kind(), format!("{program}: {e}; expected QEMU to be installed"))
+            io::Error::new(
+                e.kind(),
+                format!("{program}: {e}; expected QEMU to be installed"),
+            )
         })?;
         let (sender, questions) = sync_channel(1);
         // It ends with its first failure, or with the receiver.

@@ -123,7 +123,9 @@ impl Host {
             let _ = self.driver.hear(self.now, &mut datagram);
         }
         let mut buffer = [0; MOST];
-        let datagram = self.driver.datagram(self.now, Some(self.reading), &mut buffer);
+        let datagram = self
+            .driver
+            .datagram(self.now, Some(self.reading), &mut buffer);
         if let Some(datagram) = datagram {
             self.sent.push(datagram.to_vec());
             self.there.send(at, datagram);

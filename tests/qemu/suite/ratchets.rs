@@ -111,12 +111,19 @@ fn an_image_takes_no_more_than_it_did() {
     let (compiler, figures) = measured(machine);
     println!("{}, rustc {compiler}: {figures:#?}", machine.name);
     for (name, most) in HARD {
-        assert!(figures[name] <= most, "{name}: {}, at most {most}", figures[name]);
+        assert!(
+            figures[name] <= most,
+            "{name}: {}, at most {most}",
+            figures[name]
+        );
     }
     let [variables, stack] = ["variables", "stack"].map(|name| figures[name]);
     assert!(variables + stack <= machine.memory.1 as u64);
     if compiler != kept.compiler {
-        println!("ratchets.toml is of rustc {}: no ratchet for this one", kept.compiler);
+        println!(
+            "ratchets.toml is of rustc {}: no ratchet for this one",
+            kept.compiler
+        );
         return;
     }
     let mut worse = Vec::new();

@@ -36,7 +36,11 @@ impl Worn {
     fn start() -> Self {
         let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
         // A port that is free now; QEMU takes it in a moment.
-        let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let port = UdpSocket::bind("127.0.0.1:0")
+            .unwrap()
+            .local_addr()
+            .unwrap()
+            .port();
         socket.connect(("127.0.0.1", port)).unwrap();
         socket.set_read_timeout(Some(Span::from_millis(1))).unwrap();
         let image = image(&LM3S6965EVB, "unit");
@@ -112,7 +116,9 @@ impl Worn {
             until: at + Duration::from_millis(38),
         };
         self.guard.hear(at);
-        let update = self.guard.admit(at, Board((wire / 8) as u8), &[stimulus], |_| ());
+        let update = self
+            .guard
+            .admit(at, Board((wire / 8) as u8), &[stimulus], |_| ());
         let _ = self.driver.apply(&update);
     }
 
