@@ -223,8 +223,7 @@ impl EmulatedDisplay {
         Ok(())
     }
 
-    /// Has all corners of what is not measured felt beside: for [`EmulatedDisplay::band`] of a `whole` run, else for
-    /// [`EmulatedDisplay::newest_band_db`].
+    /// Has all corners felt beside: for [`EmulatedDisplay::band`] of a `whole` run, else for its newest onset alone.
     ///
     /// # Errors
     /// [`Failure::Input`] for a wire or person that cannot be.
@@ -235,7 +234,7 @@ impl EmulatedDisplay {
 
     /// Least and most level of the newest onset in all corners, dB over threshold.
     pub fn newest_band_db(&self) -> Option<[f64; 2]> {
-        self.band.as_ref()?.newest_db()
+        self.band.as_ref().and_then(Band::newest_db)
     }
 
     /// What all corners came to, where they are compared and a contact was inside the display; `known` where the path is.

@@ -1,5 +1,7 @@
 //! A session that is saved and run again comes to the same bits.
 
+#![allow(clippy::unwrap_used)]
+
 use palpate_web::Page;
 use proptest::prelude::*;
 use serde_json::{Value, json};
