@@ -19,7 +19,7 @@ use crate::phases::Phases;
 use crate::schedule::Schedule;
 use crate::session::Sessions;
 
-/// A turn takes no more datagrams than this: the rest waits, so that a flood delays no end of a pulse.
+/// A turn takes no more datagrams than this, and opens one: the rest waits, so that a flood delays no end of a pulse.
 const MOST_AT_ONCE: usize = 8;
 /// A stimulus that is later than this is left out: about a PWM period, so that a hand does not feel two at once.
 const LATEST: Duration = Duration::from_millis(6);
@@ -267,8 +267,14 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             let Some((length, peer)) = link.receive(&mut buffer) else {
                 break;
             };
-            let length = length.min(MOST);
-            let opened = self.open(now, &mut buffer[..length]);
+            let datagram = &mut buffer[..length.min(MOST)];
+            let opened = match self.expected(datagram) {
+                Ok(header) => self.open(now, &header, datagram),
+                Err(_) => {
+                    self.counts.refused = self.counts.refused.saturating_add(1);
+                    continue;
+                }
+            };
             match opened {
                 Ok(Some(knock)) => self.greet(now, &knock, link, peer),
                 Ok(None) => asker = Some(peer),
@@ -279,20 +285,35 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
                     }
                 }
             }
+            // A seal takes a small processor milliseconds: what is due now does not wait for a second one.
+            break;
         }
         asker
     }
 
-    /// Opens a datagram and does what it says; a knock's header is handed back.
-    fn open(&mut self, now: Instant, datagram: &mut [u8]) -> Result<Option<Header>, Refusal> {
+    /// The header of a datagram that may be of use, before its seal is looked at.
+    fn expected(&self, datagram: &[u8]) -> Result<Header, Refusal> {
         let header = Header::read(datagram)?;
         self.sessions.expects(&header)?;
+        Ok(header)
+    }
+
+    /// Opens a datagram and does what it says; a knock's header is handed back.
+    fn open(
+        &mut self,
+        now: Instant,
+        header: &Header,
+        datagram: &mut [u8],
+    ) -> Result<Option<Header>, Refusal> {
         let body = self.key.open(datagram)?;
         if header.kind == Kind::Knock {
-            return body.is_empty().then_some(Some(header)).ok_or(Refusal::Body);
+            return body
+                .is_empty()
+                .then_some(Some(*header))
+                .ok_or(Refusal::Body);
         }
         let command = Command::read(body)?;
-        let begins = self.sessions.take(now, &header, command.request)?;
+        let begins = self.sessions.take(now, header, command.request)?;
         if begins {
             // What another session drove is not this host's.
             self.all_off(now);

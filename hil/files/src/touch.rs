@@ -134,7 +134,7 @@ impl Touch {
         Self {
             module,
             diameter_mm: sphere_mm(),
-            start_s: first[0] as f64 * 1e-6,
+            start_s: first[0] as f64 / 1e6,
             end_s: with_the_scene(),
             ramp_s: ramp_s(),
             path: Path {

@@ -9,6 +9,12 @@ function read() {
 read();
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", read);
 
+// How much wider than on a plain screen marks and lines are: they grow with the text.
+export let unit = 1;
+const measure = () => { unit = parseFloat(getComputedStyle(document.documentElement).fontSize) / 15; };
+measure();
+addEventListener("resize", measure);
+
 export const wireColor = wire => colors[`w${wire % 8}`];
 
 // A canvas at the screen's own resolution, cleared: its context, width and height in CSS pixels.
@@ -31,17 +37,20 @@ function rgb(color) {
   return parsed.get(color);
 }
 
-// A colour between two, and darker or lighter.
-export function mix(from, to, part) {
-  const [a, b] = [rgb(from), rgb(to)], p = Math.max(0, Math.min(1, part));
-  return `rgb(${a.map((v, i) => Math.round(v + (b[i] - v) * p)).join(",")})`;
+// Between two colours, in numbers.
+export function between(from, to, part) {
+  const [a, b] = [from, to].map(c => (typeof c === "string" ? rgb(c) : c)), p = Math.max(0, Math.min(1, part));
+  return a.map((v, i) => v + (b[i] - v) * p);
 }
+
+export const css = parts => `rgb(${parts.map(Math.round).join(",")})`;
+export const mix = (from, to, part) => css(between(from, to, part));
 
 export function disc(context, x, y, radius, fill, stroke, width = 2) {
   context.beginPath();
   context.arc(x, y, Math.max(radius, 0), 0, 2 * Math.PI);
   if (fill) { context.fillStyle = fill; context.fill(); }
-  if (stroke) { context.strokeStyle = stroke; context.lineWidth = width; context.stroke(); }
+  if (stroke) { context.strokeStyle = stroke; context.lineWidth = width * unit; context.stroke(); }
 }
 
 export const number = (value, digits) => value.toFixed(digits).replace("-", "\u2212");

@@ -1,5 +1,5 @@
 // The person's finger, unrolled and in three dimensions, with wires, warmth and what is felt.
-import { calm, colors, disc, fit, mix, wireColor } from "palpate/draw.js";
+import { between, calm, colors, css, disc, fit, mix, unit, wireColor } from "palpate/draw.js";
 
 const REST = 33, HOT = 43;
 // How far a wire's warmth is drawn, mm, and how long a driven wire stays bright, us.
@@ -17,6 +17,11 @@ export class Finger {
     this.head = head;
     this.driven = head.wires_mm.map(() => ({ until: -1, part: 0 }));
     this.trail = [];
+    for (const label of this.labels ?? []) label.remove();
+    // Numbers are text of the page, so that they can be read out and marked.
+    this.labels = head.wires_mm.map((_, i) => Object.assign(document.createElement("span"), { textContent: i }));
+    this.flat.after(...this.labels);
+    this.labelled = "";
     const xs = head.wires_mm.map(w => w[0]), ys = head.wires_mm.map(w => w[1]), half = head.wire_mm / 2;
     const round = head.finger_mm ? Math.PI * head.finger_mm[0] / 2 : 0;
     const wide = Math.max(...xs.map(Math.abs)) + half + 2;
@@ -27,7 +32,7 @@ export class Finger {
 
   take(picture) {
     for (const burst of picture.bursts)
-      if (burst.ticks) this.driven[burst.wire] = { until: burst.until_us, part: Math.min(1, burst.ticks / 160) };
+      if (burst.ticks) this.driven[burst.wire] = { until: burst.until_us, part: Math.min(1, 0.35 + 0.65 * burst.ticks / this.head.widest_ticks) };
     for (const felt of picture.felt) if (felt.at_mm && felt.level_db >= 0) this.trail.push(felt);
     if (this.trail.length > 12) this.trail.splice(0, this.trail.length - 12);
     this.felt = picture.felt.at(-1) ?? this.felt;
@@ -58,6 +63,10 @@ export class Finger {
     const [context, width, height] = fit(this.flat), { left, right, bottom, top } = this.box, rim = 10;
     const k = Math.min((width - 2 * rim) / (right - left), (height - 2 * rim) / (top - bottom));
     const x = mm => width / 2 + (mm - (left + right) / 2) * k, y = mm => height / 2 - (mm - (bottom + top) / 2) * k;
+    if (this.labelled !== `${width} ${height}`) {
+      this.labelled = `${width} ${height}`;
+      this.head.wires_mm.forEach(([wx, wy], i) => Object.assign(this.labels[i].style, { left: `${x(wx)}px`, top: `${y(wy)}px` }));
+    }
     context.beginPath();
     const r = Math.min((right - left) / 2, 14) * k * (this.head.finger_mm ? 1 : 0.15);
     context.roundRect(x(left), y(top), (right - left) * k, (top - bottom) * k, [r, r, 6, 6]);
@@ -81,7 +90,7 @@ export class Finger {
     this.head.wires_mm.forEach(([wx, wy], i) => {
       const glow = this.glow(i, picture.now_us), half = this.head.wire_mm / 2;
       context.strokeStyle = glow ? wireColor(i) : colors.edge;
-      context.lineWidth = 3 + 5 * glow;
+      context.lineWidth = (3 + 5 * glow) * unit;
       context.beginPath();
       context.moveTo(x(wx - half), y(wy)); context.lineTo(x(wx + half), y(wy));
       context.stroke();
@@ -93,12 +102,12 @@ export class Finger {
   marks(context, picture, to, k) {
     for (const contact of picture.contacts) {
       const at = contact.on_mm && to(contact.on_mm);
-      if (at?.[2]) disc(context, at[0], at[1], 11, null, colors.truth, 3);
+      if (at?.[2]) disc(context, at[0], at[1], 11 * unit, null, colors.truth, 3);
     }
     this.trail.forEach((felt, i) => {
       const at = to(felt.at_mm);
       context.globalAlpha = 0.12 + 0.3 * i / this.trail.length;
-      if (at[2]) disc(context, at[0], at[1], 3.5, colors.bad);
+      if (at[2]) disc(context, at[0], at[1], 3.5 * unit, colors.bad);
     });
     context.globalAlpha = 1;
     const newest = this.felt;
@@ -108,7 +117,7 @@ export class Finger {
     context.globalAlpha = 0.22;
     if (felt) disc(context, at[0], at[1], (1.2 + newest.level_db * 0.12) * k, colors.bad);
     context.globalAlpha = 1;
-    disc(context, at[0], at[1], 7, felt ? colors.bad : null, felt ? colors.card : colors.bad, 2);
+    disc(context, at[0], at[1], 7 * unit, felt ? colors.bad : null, felt ? colors.card : colors.bad, 2);
   }
 
   // From the unrolled surface to space: a cylinder whose end is a half sphere, or a plane.
@@ -138,22 +147,22 @@ export class Finger {
       const [x0, x1] = [column, column + 1].map(n => -half + 2 * half * n / columns), [y0, y1] = [row, row + 1].map(n => low + (end - low) * n / rows);
       const [mx, my] = [(x0 + x1) / 2, (y0 + y1) / 2], [, , seen, , normal] = to([mx, my]);
       if (!seen) continue;
-      const light = Math.max(0, 0.45 * normal[0] * -0.6 + 0.5 * normal[1] + 0.8 * normal[2]), shade = mix(colors["finger-dark"], colors.finger, 0.25 + 0.75 * light);
+      const light = Math.max(0, 0.45 * normal[0] * -0.6 + 0.5 * normal[1] + 0.8 * normal[2]), shade = between(colors["finger-dark"], colors.finger, 0.25 + 0.75 * light);
       const heat = this.warmth(picture, mx, my), corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(to);
       context.beginPath();
       corners.forEach(([px, py], i) => (i ? context.lineTo(px, py) : context.moveTo(px, py)));
       context.closePath();
-      context.fillStyle = context.strokeStyle = shade;
-      context.lineWidth = 0.8;
+      // The outline closes the seams between the pieces.
+      context.fillStyle = context.strokeStyle = css(between(shade, colors.hot, Math.min(0.92, heat * 1.3)));
+      context.lineWidth = 1;
       context.fill();
       context.stroke();
-      if (heat > 0.01) { context.globalAlpha = Math.min(0.92, heat * 1.3); context.fillStyle = colors.hot; context.fill(); context.globalAlpha = 1; }
     }
     context.lineCap = "round";
     this.head.wires_mm.forEach(([wx, wy], i) => {
       const glow = this.glow(i, picture.now_us);
       context.strokeStyle = glow ? wireColor(i) : colors.edge;
-      context.lineWidth = 3.5 + 5 * glow;
+      context.lineWidth = (3.5 + 5 * glow) * unit;
       context.beginPath();
       let down = false;
       for (let n = 0; n <= 8; n++) {

@@ -205,7 +205,8 @@ try {
   // For tests and the curious.
   globalThis.palpate = page;
   await page.arrive();
-  page.frame(performance.now());
+  page.first = performance.now();
+  page.frame(page.first);
 } catch (error) {
   const old = error instanceof WebAssembly.CompileError;
   say(old ? `This browser cannot run the module (${error.message}); it needs WebAssembly with SIMD, which browsers have since 2023.` : error.message);

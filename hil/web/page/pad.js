@@ -1,5 +1,5 @@
 // The robot's skin: what is drawn of it, and the fingers that a person puts on it.
-import { colors, disc, fit, mix } from "palpate/draw.js";
+import { colors, disc, fit, mix, unit } from "palpate/draw.js";
 
 const KEY_FINGER = 9;
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
@@ -33,6 +33,7 @@ export class Pad {
     this.pointers.clear();
     this.keys = { x: 0, y: 0 };
     this.most = 200;
+    this.element.classList.remove("touched");
   }
 
   scale() {
@@ -56,6 +57,7 @@ export class Pad {
   }
 
   put(number, finger) {
+    this.element.classList.add("touched");
     this.fingers.set(number, { ...this.fingers.get(number), ...finger });
     this.changed.add(number);
   }
@@ -150,6 +152,12 @@ export class Pad {
       if (count === null) disc(context, ...at, radius * 0.3, null, colors.edge, 1);
       else disc(context, ...at, radius * (0.34 + 0.66 * part), mix(colors.soft, colors.accent, part));
     });
+    for (const [sx, sy, force, diameter] of picture.spheres) {
+      context.globalAlpha = 0.1;
+      disc(context, x(sx), y(sy), diameter / 2 * k, colors.accent);
+      context.globalAlpha = 1;
+      if (force > 0.02) disc(context, x(sx), y(sy), diameter / 2 * k, null, colors.accent, 1 + Math.min(force, 3) * 1.6);
+    }
     const [ox, oy] = this.origin;
     for (const { x: fx, y: fy, force, size, held } of this.fingers.values()) {
       if (!force) continue;
@@ -170,7 +178,7 @@ export class Pad {
     }
     for (const contact of picture.contacts) {
       const module = this.head.modules.find(m => m.number === contact.module);
-      if (module) disc(context, x(contact.at_mm[0] + module.place_mm[0]), y(contact.at_mm[1] + module.place_mm[1]), 7, colors.bad, colors.card, 2.5);
+      if (module) disc(context, x(contact.at_mm[0] + module.place_mm[0]), y(contact.at_mm[1] + module.place_mm[1]), 7 * unit, colors.bad, colors.card, 2.5);
     }
   }
 }

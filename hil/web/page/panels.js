@@ -5,7 +5,7 @@ const by = id => document.getElementById(id);
 const make = (tag, about, ...children) => { const element = Object.assign(document.createElement(tag), about); element.append(...children); return element; };
 const LIMITS = {
   pulse: "pulse width", burst: "burst length", burst_energy: "burst energy", wire_power: "wire power", fingertip_power: "fingertip power", supply: "supply current",
-  skin_mean: "skin, 10 s mean", skin_peak: "skin, 0.1 mm", skin_deep: "skin, 0.4 mm", omega: "dose, Henriques", cem43: "dose, CEM43",
+  skin_mean: "skin, 10 s mean", skin_peak: "skin, 0.1 mm", skin_deep: "skin, 0.4 mm", omega: "dose, \u03a9", cem43: "dose, CEM43",
 };
 const NOTES = 60, EVERY = 6;
 const db = value => `${number(value, 1)} dB`;

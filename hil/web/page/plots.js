@@ -1,5 +1,5 @@
 // What goes by in time: pulses of every wire, and temperatures.
-import { colors, fit, number, wireColor } from "palpate/draw.js";
+import { colors, fit, number, unit, wireColor } from "palpate/draw.js";
 
 const WARM_US = 30e6, WARM_EVERY_US = 100000, KEEP_US = 4e6;
 // The axis of temperatures, degrees C; it grows where the skin burns.
@@ -45,7 +45,7 @@ export class Plots {
     this.head.wires_mm.forEach((_, i) => { context.beginPath(); context.moveTo(0, (i + 1) * lane - 0.5); context.lineTo(width, (i + 1) * lane - 0.5); context.stroke(); });
     for (const { at_us, until_us, wire, ticks, asked } of this.bursts) {
       if (until_us < from) continue;
-      const [left, right] = [x(at_us), x(Math.min(until_us, Math.max(picture.now_us, at_us)))], tall = part => Math.max(2, (lane - 6) * Math.min(1, part / 200)), base = (wire + 1) * lane - 2;
+      const [left, right] = [x(at_us), x(Math.min(until_us, Math.max(picture.now_us, at_us)))], tall = part => Math.max(2, (lane - 6) * Math.min(1, part / this.head.widest_ticks)), base = (wire + 1) * lane - 2;
       context.globalAlpha = single ? 0.28 : 1;
       context.fillStyle = wireColor(wire);
       if (ticks) context.fillRect(left, base - tall(ticks), Math.max(right - left, 1.5), tall(ticks));
@@ -65,13 +65,13 @@ export class Plots {
     const x = at => width * (1 - (picture.now_us - at) / WARM_US), y = celsius => height * (high - celsius) / (high - LOW);
     [this.high.textContent, this.low.textContent] = [`${high} \u00b0C`, `${LOW} \u00b0C`];
     context.strokeStyle = colors.bad;
-    context.lineWidth = 1.5;
+    context.lineWidth = 1.5 * unit;
     context.setLineDash([7, 5]);
     context.beginPath(); context.moveTo(0, y(this.head.limits_c.peak)); context.lineTo(width, y(this.head.limits_c.peak)); context.stroke();
     context.setLineDash([]);
     this.head.wires_mm.forEach((_, wire) => {
       context.strokeStyle = wireColor(wire);
-      context.lineWidth = 2;
+      context.lineWidth = 2 * unit;
       context.beginPath();
       this.warmed.forEach(([at, celsius], i) => (i ? context.lineTo(x(at), y(celsius[wire])) : context.moveTo(x(at), y(celsius[wire]))));
       context.stroke();

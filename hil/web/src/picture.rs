@@ -35,7 +35,8 @@ pub struct Head {
     pub wire_mm: f64,
     /// Diameter, and the y at which the tip begins; none for a flat display.
     pub finger_mm: Option<[f64; 2]>,
-    /// Sensor rectangle that the display shows, by its corners mapped: what a touch beyond does not reach.
+    /// The widest pulse that the guard passes, of 4096.
+    pub widest_ticks: u16,
     pub limits_c: LimitsC,
 }
 
@@ -70,6 +71,8 @@ pub struct Picture {
     pub contacts: Vec<Contact>,
     /// Every finger that presses on the driving module, where the display would show it; with its number.
     pub fingers: Vec<(usize, [f32; 2])>,
+    /// What the scene itself presses with, on the skin's plane: x, y (mm), force (N), diameter (mm).
+    pub spheres: Vec<[f64; 4]>,
     /// Wire and skin under it, degrees C.
     pub warm: Vec<[f64; 2]>,
     /// Each limit's share.

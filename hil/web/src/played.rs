@@ -3,17 +3,22 @@
 use std::collections::BTreeMap;
 
 use palpate_core::contact::Scope;
+use palpate_core::guard::Cause;
 use palpate_core::skin::Module;
 use palpate_core::units::{Instant, Point};
-use palpate_files::Setup;
+use palpate_files::{Loaded, Scene, Setup, Source, Touch};
+use palpate_records::digest::schedule_digest;
 use palpate_records::trace::{Event, Header, PlaceUm};
-use palpate_run::{EmulatedSession, Failure, Fingers, Turn, header};
+use palpate_run::{EmulatedSession, Failure, Fingers, Input, Turn, header};
 use serde::Serialize;
 
 use crate::picture::{Burst, Contact, Felt, Head, LimitsC, ModuleHead, Picture};
 
 /// A picture is of so much virtual time at most, microseconds: a page that slept does not make up for it.
 const MOST_STEP_US: u64 = 2_000_000;
+
+/// Peaks and doses are summed up this often, microseconds: no one reads them faster.
+const TOTALS_US: u64 = 100_000;
 
 /// A finger: its number, module, x, y (um), force (mN), diameter (um).
 type Finger = (usize, usize, i64, i64, i64, i64);
@@ -33,6 +38,8 @@ pub struct Played {
     pressing: BTreeMap<usize, Finger>,
     contacts: Vec<Contact>,
     frames: u32,
+    /// When they are summed up next, and what peaks, doses and energy came to.
+    totals: (u64, [f64; 4], f64),
 }
 
 /// A session as a scene.
@@ -89,6 +96,7 @@ impl Played {
             pressing: BTreeMap::new(),
             contacts: Vec::new(),
             frames: 0,
+            totals: (0, [0.0; 4], 0.0),
         })
     }
 
@@ -169,6 +177,7 @@ impl Played {
                 .value
                 .surface
                 .map(|s| [s.diameter_mm, s.tip_mm]),
+            widest_ticks: projector.guard().widest().get(),
             limits_c: LimitsC {
                 mean: celsius(limits.skin_mean_mc),
                 peak: celsius(limits.skin_peak_mc),
@@ -241,7 +250,14 @@ impl Played {
             celsius.map(|c| c.unwrap_or(f64::NAN))
         });
         let warm = warm.collect();
-        let totals = hardware.totals();
+        let now_us = self.mark.as_micros();
+        if now_us >= self.totals.0 {
+            let totals = hardware.totals();
+            let (omega, cem43) = totals.dose;
+            let peaks = [totals.hottest_tissue_c, totals.hottest_deep_c, omega, cem43];
+            self.totals = (now_us + TOTALS_US, peaks, totals.electrical_j);
+        }
+        let (_, hottest, energy_j) = self.totals;
         let projector = self.session.projector();
         let map = projector.map();
         let presses = |&(number, module, x, y, ..): &Finger| {
@@ -251,27 +267,40 @@ impl Played {
         };
         let guard = projector.guard();
         Picture {
-            now_us: self.mark.as_micros(),
+            now_us,
             counts: self.counts(),
             frames: 0,
             contacts: Vec::new(),
             fingers: self.pressing.values().filter_map(presses).collect(),
+            spheres: self.spheres(),
             warm,
             used: guard.used(self.mark).rows().to_vec(),
-            hottest: [
-                totals.hottest_tissue_c,
-                totals.hottest_deep_c,
-                totals.dose.0,
-                totals.dose.1,
-            ],
-            energy_j: totals.electrical_j,
+            hottest,
+            energy_j,
             bursts: Vec::new(),
             edges: Vec::new(),
             felt: Vec::new(),
             notes: Vec::new(),
-            stopped: guard.latched().map(palpate_core::guard::Cause::word),
+            stopped: guard.latched().map(Cause::word),
             dropped,
         }
+    }
+
+    /// What the scene presses with now.
+    fn spheres(&self) -> Vec<[f64; 4]> {
+        let (scene, modules) = (&self.setup.scene.value, &self.setup.sensor.value.modules);
+        let t_s = self.mark.as_micros() as f64 * 1e-6;
+        let touches = scene.touches.iter();
+        let here = touches.filter(|touch| self.shown.contains(&touch.module));
+        let sphere = |touch: &Touch| {
+            let [x, y] = match scene.compression.scope {
+                Scope::Skin => modules.get(touch.module)?.place_mm,
+                Scope::Module => [0.0; 2],
+            };
+            let at = touch.at(t_s)?;
+            Some([at.x_mm + x, at.y_mm + y, at.force_n, at.diameter_mm])
+        };
+        here.filter_map(sphere).collect()
     }
 
     /// The newest readings of the shown modules.
@@ -379,19 +408,19 @@ impl Played {
     /// As reading and running that scene.
     pub fn save(&self) -> Result<Saved, Failure> {
         let now_us = self.mark.as_micros();
-        let length_s = now_us.max(self.scene_us()).max(self.quiet_us()) as f64 * 1e-6;
+        let length_s = now_us.max(self.scene_us()).max(self.quiet_us()) as f64 / 1e6;
         let fingers = i64::try_from(now_us).unwrap_or(i64::MAX);
         let fingers = self.fingers.touches(fingers, length_s);
         let text = self.setup.scene.saved(length_s, &fingers)?;
         let mut setup = self.setup.clone();
-        let source = palpate_files::Source::new("the session", text.clone());
-        let value = palpate_files::Scene::read(&source)?;
-        setup.scene = palpate_files::Loaded { value, source };
-        let trace = palpate_run::run(&setup, &palpate_run::Input::Scene, self.seed)?.trace;
+        let source = Source::new("the session", text.clone());
+        let value = Scene::read(&source)?;
+        setup.scene = Loaded { value, source };
+        let trace = palpate_run::run(&setup, &Input::Scene, self.seed)?.trace;
         Ok(Saved {
             text,
             length_s,
-            digest: palpate_records::digest::schedule_digest(&trace),
+            digest: schedule_digest(&trace),
         })
     }
 }

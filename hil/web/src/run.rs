@@ -1,6 +1,7 @@
 //! A whole run, for those who compare bits: digests and the schedule.
 
 use palpate_files::Setup;
+use palpate_records::contacts_csv::write_table;
 use palpate_records::digest::{contacts_digest, schedule_digest, trace_digest};
 use palpate_records::schedule::write_schedule;
 use palpate_run::{Failure, Input};
@@ -17,6 +18,8 @@ pub struct Digests {
     schedule: String,
     /// The schedule itself, JSON Lines.
     lines: String,
+    /// The contacts themselves, CSV.
+    table: String,
 }
 
 /// Runs a setup's scene.
@@ -25,13 +28,18 @@ pub struct Digests {
 /// What the run ends with.
 pub fn run(setup: &Setup, seed: u64) -> Result<Digests, Failure> {
     let trace = palpate_run::run(setup, &Input::Scene, seed)?.trace;
-    let mut lines = Vec::new();
-    write_schedule(&trace, &mut lines)
-        .map_err(|e| Failure::Device(format!("the schedule: {e}")))?;
+    let (mut lines, mut table) = (Vec::new(), Vec::new());
+    let written = write_schedule(&trace, &mut lines).and_then(|()| write_table(&trace, &mut table));
+    written.map_err(|e| Failure::Device(format!("the records: {e}")))?;
     Ok(Digests {
         trace: trace_digest(&trace),
         contacts: contacts_digest(&trace),
         schedule: schedule_digest(&trace),
-        lines: String::from_utf8_lossy(&lines).into_owned(),
+        lines: text(&lines),
+        table: text(&table),
     })
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
 }

@@ -1,16 +1,15 @@
 //! What a page offers to choose from: the built-in files, each with its own description.
 
+use palpate_core::illusion::IllusionModel;
 use palpate_core::render::Style;
-use palpate_files::{
-    FileKind, LayoutFile, built_in, illusions, load_bench, load_layout, load_scene,
-};
+use palpate_files::{FileKind, LayoutFile, built_in, load_bench, load_layout, load_scene};
 use palpate_run::Failure;
 use serde::Serialize;
 
 /// The most taxels of a skin that a page offers: what it draws at 60 pictures per second.
 const MOST_OFFERED: usize = 4096;
 
-/// Everything, in alphabetical order but for illusions.
+/// Everything, in alphabetical order but for illusions and renderers.
 #[derive(Debug, Serialize)]
 pub struct Shelves {
     version: &'static str,
@@ -18,7 +17,7 @@ pub struct Shelves {
     skins: Vec<Offer>,
     displays: Vec<Offer>,
     benches: Vec<Offer>,
-    illusions: Vec<Offer>,
+    illusions: [&'static str; 9],
     renderers: [&'static str; 3],
     persons: Vec<Offer>,
     wires: Vec<Offer>,
@@ -39,17 +38,13 @@ const fn is_false(value: &bool) -> bool {
     !*value
 }
 
-fn offer(name: impl Into<String>, description: impl Into<String>) -> Offer {
-    Offer {
-        name: name.into(),
-        description: description.into(),
-        texture: false,
-    }
-}
-
 fn shelf(kind: FileKind) -> impl Iterator<Item = Offer> {
     let listed = built_in(kind).into_iter();
-    listed.map(|file| offer(file.name, file.description))
+    listed.map(|file| Offer {
+        name: file.name,
+        description: file.description,
+        texture: false,
+    })
 }
 
 /// Reads the shelves.
@@ -76,14 +71,13 @@ pub fn shelves() -> Result<Shelves, Failure> {
             benches.push(bench);
         }
     }
-    let laws = illusions().into_iter();
     Ok(Shelves {
         version: env!("CARGO_PKG_VERSION"),
         scenes,
         skins,
         displays,
         benches,
-        illusions: laws.map(|(name, what)| offer(name, what)).collect(),
+        illusions: IllusionModel::ALL.map(IllusionModel::name),
         renderers: [Style::Smooth, Style::Tap, Style::Auto].map(word),
         persons: shelf(FileKind::Person).collect(),
         wires: shelf(FileKind::Wire).collect(),

@@ -9,9 +9,10 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
 use std::time::Duration;
 
+use nix::fcntl::{FcntlArg, OFlag, fcntl};
 use nix::sys::stat::Mode;
 use nix::unistd::mkfifo;
-use palpate_image::rig::{ANSWERS, HEAD, Head, Outcome, QUESTIONS};
+use palpate_image::rig::{ANSWERS, HEAD, Head, Kind, Outcome, QUESTIONS};
 
 /// How long a guest may think about its next question, by the wall: a busy machine is patient.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -40,7 +41,7 @@ pub struct Machine {
 pub enum Network {
     /// By instructions; a rest takes none of the host's time. The rig has all datagrams.
     Rig,
-    /// By the host's clock; this UDP port of the host is the unit's.
+    /// By instructions as well, but a rest takes as long as it says; this UDP port of the host is the unit's.
     Udp(u16),
 }
 
@@ -74,13 +75,15 @@ impl Guest {
             OpenOptions::new().read(true).write(true).open(path)
         };
         let (mut asked, answers) = (pipe(QUESTIONS)?, pipe(ANSWERS)?);
-        let shift = format!("shift={},sleep=off", machine.shift);
-        let card = match network {
-            Network::Rig => "none".to_owned(),
+        fcntl(&answers, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))?;
+        let (card, sleep) = match network {
+            Network::Rig => ("none".to_owned(), ",sleep=off"),
             Network::Udp(port) => {
-                format!("user,model=stellaris,hostfwd=udp:127.0.0.1:{port}-:4000")
+                let card = format!("user,model=stellaris,hostfwd=udp:127.0.0.1:{port}-:4000");
+                (card, "")
             }
         };
+        let count = format!("shift={}{sleep}", machine.shift);
         let mut command = Command::new(machine.program);
         command
             .args(machine.arguments)
@@ -89,15 +92,17 @@ impl Guest {
             .args(["-display", "none", "-monitor", "stdio", "-serial", "null"])
             .args(["-semihosting-config", "enable=on,target=native"])
             .args(["-nic", &card])
+            // By the host's clock alone, a host that stands still would make the watchdog bite.
+            .args(["-icount", &count])
             .current_dir(&folder)
             .stdin(Stdio::piped())
             .stdout(Stdio::null());
-        if network == Network::Rig {
-            command.args(["-icount", &shift]);
-        }
         let child = command.spawn().map_err(|e| {
             let program = machine.program;
-            io::Error::new(e.kind(), format!("{program}: {e}; expected QEMU to be installed"))
+            io::Error::new(
+                e.kind(),
+                format!("{program}: {e}; expected QEMU to be installed"),
+            )
         })?;
         let (sender, questions) = sync_channel(1);
         // It ends with its first failure, or with the receiver.
@@ -118,7 +123,13 @@ impl Guest {
 
     /// Its next question; `None` if it ended or says nothing for a minute.
     pub fn question(&mut self) -> Option<(Head, Vec<u8>)> {
-        self.questions.recv_timeout(PATIENCE).ok()
+        let question = self.questions.recv_timeout(PATIENCE).ok()?;
+        if question.0.kind() == Some(Kind::Boot) {
+            // An answer that a reset kept the guest from reading is none to its first question.
+            let mut old = [0; 4096];
+            while self.answers.read(&mut old).is_ok_and(|length| length > 0) {}
+        }
+        Some(question)
     }
 
     /// Answers the question.

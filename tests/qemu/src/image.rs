@@ -40,7 +40,9 @@ impl Image {
         let comment = file.section_by_name(".comment");
         let comment = comment.map_or(Ok(&[][..]), |s| s.data()).map_err(wrong)?;
         let text = String::from_utf8_lossy(comment);
-        let rustc = text.split('\0').find_map(|part| part.strip_prefix("rustc version "));
+        let rustc = text
+            .split('\0')
+            .find_map(|part| part.strip_prefix("rustc version "));
         Ok(Self {
             flash,
             variables,

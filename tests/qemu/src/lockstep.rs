@@ -123,7 +123,9 @@ impl Host {
             let _ = self.driver.hear(self.now, &mut datagram);
         }
         let mut buffer = [0; MOST];
-        let datagram = self.driver.datagram(self.now, Some(self.reading), &mut buffer);
+        let datagram = self
+            .driver
+            .datagram(self.now, Some(self.reading), &mut buffer);
         if let Some(datagram) = datagram {
             self.sent.push(datagram.to_vec());
             self.there.send(at, datagram);
@@ -141,10 +143,10 @@ pub struct Lockstep {
     pub host: Host,
     /// When the host's program last looked.
     looked: Nanos,
-    /// Longest of the guest's own time between two questions.
-    pub longest: Duration,
-    /// The guest's time at the last answer.
-    answered: Nanos,
+    /// Longest that the guest was busy with a datagram before it asked again.
+    pub longest: Nanos,
+    /// When the guest was given a datagram, if that was the last answer.
+    given: Option<Nanos>,
     /// A question that waits for the next run.
     waiting: Option<(Head, Vec<u8>)>,
 }
@@ -160,8 +162,8 @@ impl Lockstep {
             chips,
             host,
             looked: Nanos::ZERO,
-            longest: Duration::ZERO,
-            answered: Nanos::ZERO,
+            longest: Nanos::ZERO,
+            given: None,
             waiting: None,
         })
     }
@@ -190,7 +192,12 @@ impl Lockstep {
                 self.chips.advance(until);
                 return Ok(());
             }
+            if let Some(given) = self.given.take() {
+                self.longest = self.longest.max(Nanos(head.ns).since(given));
+            }
             let (ns, outcome, bytes) = self.answer(&head, bytes);
+            let takes = head.kind() == Some(Kind::Receive) && outcome == Outcome::Done;
+            self.given = takes.then_some(Nanos(head.ns));
             self.guest.answer(ns, outcome, &bytes)?;
         }
     }

@@ -44,6 +44,11 @@ impl Pair {
         u32::from_le_bytes(*took)
     }
 
+    /// What the image runs on.
+    pub const fn machine(&self) -> &Machine {
+        self.guest.machine()
+    }
+
     /// The guard here, to look at.
     pub fn here(&self) -> &Guard {
         &self.here
@@ -67,7 +72,11 @@ fn stimuli(s: &mut RandomStream, board: u8) -> Vec<(u16, Ticks, Duration)> {
             0 => s.next_u64() % 5_000_000,
             _ => s.next_u64() % 60_000,
         };
-        (wire as u16, Ticks::new(width as u16), Duration::from_micros(length))
+        (
+            wire as u16,
+            Ticks::new(width as u16),
+            Duration::from_micros(length),
+        )
     };
     (0..count).map(one).collect()
 }
@@ -110,5 +119,8 @@ fn an_image_decides_as_the_guard_does_here() {
         }
     }
     println!("{schedules} schedules of 20 questions; {on} left wires on, {latched} met a latch");
-    assert!(on > 4 * schedules && latched * 4 > schedules, "too tame: {on} {latched}");
+    assert!(
+        on > 4 * schedules && latched * 4 > schedules,
+        "too tame: {on} {latched}"
+    );
 }

@@ -27,7 +27,11 @@ pub fn image(machine: &Machine, program: &str) -> PathBuf {
         PathBuf::from,
     );
     let path = built.join(machine.target).join("release").join(program);
-    assert!(path.exists(), "{}: expected an image; ci/unit builds it", path.display());
+    assert!(
+        path.exists(),
+        "{}: expected an image; ci/unit builds it",
+        path.display()
+    );
     path.canonicalize().unwrap()
 }
 

@@ -12,7 +12,7 @@ use palpate_core::guard::{Guard, Plant};
 use palpate_core::random::RandomStream;
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Duration, Instant, Ticks};
-use palpate_qemu::{Chips, Guest, LIMITS, Network, WIRES};
+use palpate_qemu::{Chips, Guest, Image, LIMITS, Network, WIRES, free_of};
 
 use super::machines::{KEY, LM3S6965EVB, image};
 
@@ -24,7 +24,7 @@ struct Worn {
     guard: Guard,
     began: Wall,
     sent: Vec<Vec<u8>>,
-    server: Option<JoinHandle<()>>,
+    server: Option<JoinHandle<Guest>>,
     end: Arc<Mutex<bool>>,
 }
 
@@ -36,7 +36,11 @@ impl Worn {
     fn start() -> Self {
         let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
         // A port that is free now; QEMU takes it in a moment.
-        let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let port = UdpSocket::bind("127.0.0.1:0")
+            .unwrap()
+            .local_addr()
+            .unwrap()
+            .port();
         socket.connect(("127.0.0.1", port)).unwrap();
         socket.set_read_timeout(Some(Span::from_millis(1))).unwrap();
         let image = image(&LM3S6965EVB, "unit");
@@ -50,6 +54,7 @@ impl Worn {
                 let (ns, outcome, bytes) = locked(&served).answer(&head, &bytes).unwrap();
                 guest.answer(ns, outcome, &bytes).unwrap();
             }
+            guest
         });
         let settings = UnitSettings {
             delay: Duration::from_millis(20),
@@ -112,12 +117,31 @@ impl Worn {
             until: at + Duration::from_millis(38),
         };
         self.guard.hear(at);
-        let update = self.guard.admit(at, Board((wire / 8) as u8), &[stimulus], |_| ());
+        let update = self
+            .guard
+            .admit(at, Board((wire / 8) as u8), &[stimulus], |_| ());
         let _ = self.driver.apply(&update);
     }
 
     fn rises(&self) -> usize {
         locked(&self.chips).levels.iter().filter(|l| l.high).count()
+    }
+}
+
+impl Worn {
+    /// The guest's memory at the end.
+    fn memory(mut self) -> Vec<u8> {
+        *locked(&self.end) = true;
+        let mut guest = self.server.take().unwrap().join().unwrap();
+        guest.save_memory().unwrap();
+        loop {
+            let (head, bytes) = guest.question().unwrap();
+            let (ns, outcome, bytes) = locked(&self.chips).answer(&head, &bytes).unwrap();
+            guest.answer(ns, outcome, &bytes).unwrap();
+            if let Some(memory) = guest.memory() {
+                return memory;
+            }
+        }
     }
 }
 
@@ -150,6 +174,12 @@ fn a_host_plays_by_udp_and_leaves_nothing_on() {
     let chips = locked(&worn.chips);
     assert!(!chips.any_high());
     assert_eq!(chips.boots.len(), 1);
+    drop(chips);
+    // Variables, the network's among them, and the deepest stack leave room.
+    let file = Image::read(&image(&LM3S6965EVB, "unit"), LM3S6965EVB.memory.0).unwrap();
+    let free = free_of(&worn.memory(), &file);
+    println!("{} bytes of variables, {free} never used", file.variables);
+    assert!(free >= 4096, "{free} bytes are left");
 }
 
 #[test]

@@ -7,6 +7,7 @@ use cortex_m::asm;
 use palpate_core::units::{Duration, Instant};
 use palpate_image::Processor;
 
+use crate::ethernet::Ethernet;
 use crate::register::Register;
 
 /// Run-mode clock: system divider 4, used: 50 MHz in QEMU, 20 ns per tick.
@@ -32,8 +33,12 @@ const TIMER_CONTROL: Register = Register(0x4003_000C);
 const TIMER_MASK: Register = Register(0x4003_0018);
 const TIMER_CLEAR: Register = Register(0x4003_0024);
 const TIMER_LOAD: Register = Register(0x4003_0028);
-const TIMER_INTERRUPT: u32 = 19;
-const ETHERNET_INTERRUPT: u32 = 42;
+const TIMER_INTERRUPT: usize = 19;
+const ETHERNET_INTERRUPT: usize = 42;
+/// Registers of the interrupt controller.
+const ENABLE: usize = 0xE000_E100;
+const DISABLE: usize = 0xE000_E180;
+const UNPEND: usize = 0xE000_E280;
 
 /// What the clock has counted. It lies outside what a start clears: after a reset by the watchdog it goes on, and with it
 /// the rig's chips, which were not reset.
@@ -99,16 +104,10 @@ impl Machine {
         ticks() as u32
     }
 
-    fn enable(interrupt: u32, on: bool) {
-        let [set, clear, unpend] = [0xE000_E100, 0xE000_E180, 0xE000_E280];
-        let word = 4 * (interrupt as usize / 32);
-        let bit = 1 << (interrupt % 32);
-        if on {
-            // A pending bit from before would end the rest at once.
-            Register(unpend + word).write(bit);
-            Register(set + word).write(bit);
-        } else {
-            Register(clear + word).write(bit);
+    /// Writes the bits of the interrupts that end a rest to one of the interrupt controller's sets of registers.
+    fn interrupts(set: usize) {
+        for interrupt in [TIMER_INTERRUPT, ETHERNET_INTERRUPT] {
+            Register(set + 4 * (interrupt / 32)).write(1 << (interrupt % 32));
         }
     }
 }
@@ -124,15 +123,15 @@ impl Processor for Machine {
             return;
         }
         TIMER_CLEAR.write(1);
+        // Bits from before would end the rest at once; from here on none is cleared, and none is missed.
+        Self::interrupts(UNPEND);
+        Self::interrupts(ENABLE);
         TIMER_LOAD.write(span.as_micros() as u32 * (1000 / TICK_NS as u32));
         TIMER_CONTROL.write(1);
-        for interrupt in [TIMER_INTERRUPT, ETHERNET_INTERRUPT] {
-            Self::enable(interrupt, true);
+        if !Ethernet::is_waiting() {
+            asm::wfi();
         }
-        asm::wfi();
-        for interrupt in [TIMER_INTERRUPT, ETHERNET_INTERRUPT] {
-            Self::enable(interrupt, false);
-        }
+        Self::interrupts(DISABLE);
         TIMER_CONTROL.write(0);
     }
 

@@ -9,14 +9,14 @@ pub mod settings;
 mod udp;
 
 pub use clock::Machine;
-pub use udp::{Memory, Udp};
+pub use udp::{Bytes, Memory, Udp};
 
 use palpate_image::Arena;
 use palpate_image::rig::{Pipes, Rig};
 
 /// What the unit is built in: the guard takes most of it.
 #[global_allocator]
-pub static HEAP: Arena<{ 12 * 1024 }> = Arena::new();
+pub static HEAP: Arena<{ 6 * 1024 }> = Arena::new();
 
 /// The rig of this machine.
 pub type Bench = Rig<Pipes, fn() -> u64>;

@@ -21,9 +21,10 @@ pub struct Memory {
     sockets: [SocketStorage<'static>; 1],
     came: [PacketMetadata; 2],
     goes: [PacketMetadata; 1],
-    came_bytes: [u8; 2 * MOST],
-    goes_bytes: [u8; MOST],
 }
+
+/// Bytes of the same datagrams, in a static of their own, which then takes no flash.
+pub type Bytes = ([u8; 2 * MOST], [u8; MOST]);
 
 impl Memory {
     /// Unused.
@@ -32,8 +33,6 @@ impl Memory {
             sockets: [SocketStorage::EMPTY],
             came: [PacketMetadata::EMPTY; 2],
             goes: [PacketMetadata::EMPTY; 1],
-            came_bytes: [0; 2 * MOST],
-            goes_bytes: [0; MOST],
         }
     }
 }
@@ -58,7 +57,7 @@ fn time() -> SmoltcpInstant {
 
 impl Udp {
     /// Starts the network. Any other bytes of `seed` are as good.
-    pub fn start(memory: &'static mut Memory, seed: u64) -> Self {
+    pub fn start(memory: &'static mut Memory, bytes: &'static mut Bytes, seed: u64) -> Self {
         let mut ethernet = Ethernet::start();
         let address = HardwareAddress::Ethernet(EthernetAddress(Ethernet::address()));
         let mut config = Config::new(address);
@@ -68,8 +67,8 @@ impl Udp {
             // The list has room for one at least.
             let _ = addresses.push(IpCidr::new(Ipv4Address::new(10, 0, 2, 15).into(), 24));
         });
-        let came = PacketBuffer::new(&mut memory.came[..], &mut memory.came_bytes[..]);
-        let goes = PacketBuffer::new(&mut memory.goes[..], &mut memory.goes_bytes[..]);
+        let came = PacketBuffer::new(&mut memory.came[..], &mut bytes.0[..]);
+        let goes = PacketBuffer::new(&mut memory.goes[..], &mut bytes.1[..]);
         let mut socket = Socket::new(came, goes);
         // Refused for port 0 alone.
         let _ = socket.bind(PORT);

@@ -12,6 +12,8 @@ use palpate_unit::Datagrams;
 use super::{HEAD, Head, Kind, Outcome};
 use crate::serve::Link;
 
+/// Most bytes of a question.
+const QUESTION: usize = HEAD + MOST;
 /// Most bytes of the operations of a transfer: the longest write of the driver, 65, and a read.
 const OPERATIONS: usize = 80;
 
@@ -27,7 +29,7 @@ pub trait Wires {
 /// The rig, with a clock in nanoseconds that goes on over a reset.
 #[derive(Debug)]
 pub struct Rig<W, C> {
-    wires: RefCell<W>,
+    wires: RefCell<(W, [u8; QUESTION])>,
     clock_ns: C,
 }
 
@@ -35,7 +37,7 @@ impl<W: Wires, C: Fn() -> u64> Rig<W, C> {
     /// A rig over its pipes.
     pub const fn new(wires: W, clock_ns: C) -> Self {
         Self {
-            wires: RefCell::new(wires),
+            wires: RefCell::new((wires, [0; QUESTION])),
             clock_ns,
         }
     }
@@ -47,17 +49,24 @@ impl<W: Wires, C: Fn() -> u64> Rig<W, C> {
         parts: &[&[u8]],
         reply: &mut [u8],
     ) -> Option<(u64, Outcome, usize)> {
-        let mut wires = self.wires.borrow_mut();
+        let (wires, question) = &mut *self.wires.borrow_mut();
+        let length: usize = parts.iter().map(|part| part.len()).sum();
         let head = Head {
             ns: (self.clock_ns)(),
             what: kind as u8,
             argument,
-            length: parts.iter().map(|part| part.len()).sum::<usize>() as u16, // a datagram at most
+            length: length as u16, // a datagram at most
         };
-        wires.send(&head.bytes())?;
-        for part in parts.iter().filter(|part| !part.is_empty()) {
-            wires.send(part)?;
+        let question = question.get_mut(..HEAD + length)?;
+        let (first, mut room) = question.split_at_mut(HEAD);
+        first.copy_from_slice(&head.bytes());
+        for part in parts {
+            let (own, rest) = room.split_at_mut(part.len());
+            own.copy_from_slice(part);
+            room = rest;
         }
+        // At once: a reset in the middle of a question would leave the rig waiting for its end.
+        wires.send(question)?;
         let mut head = [0; HEAD];
         wires.receive(&mut head)?;
         let head = Head::read(&head);
