@@ -28,7 +28,7 @@ pub use sweep::{CompareArgs, Seeds, SweepArgs};
 pub use texture::{
     EncodeArgs, ExportArgs, MapArgs, PanelArgs, StrokesArgs, TextureAction, TrainArgs,
 };
-pub use unit::UnitArgs;
+pub use unit::{UnitArgs, UnitOn};
 
 /// Tactile feedback with hardware in the loop: from a robot's touched skin to heated wires on a finger.
 #[derive(Debug, Parser)]
@@ -237,6 +237,9 @@ pub struct RunArgs {
     /// On which bench.
     #[command(flatten)]
     pub on: Buses,
+    /// Its driver unit.
+    #[command(flatten)]
+    pub unit: UnitOn,
     /// Recorded taxels in place of the scene's touches: one CSV per module of the layout, or one recording
     /// of all buses (candump .log or .mcap).
     #[arg(long, value_name = "FILE")]

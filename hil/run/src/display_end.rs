@@ -443,6 +443,12 @@ const fn edge(e: &OutputEdge) -> Event {
 
 /// Refuses hardware: what is emulated must not be recorded as real.
 pub(crate) fn refuse_hardware(bench: &Bench) -> Result<(), Failure> {
+    if bench.unit_address().is_some() {
+        return Err(Failure::Input(format!(
+            "bench `{}`: expected a bench without [unit] address: only `hil run` drives a unit over a network",
+            bench.name
+        )));
+    }
     match bench.kind {
         BenchKind::Emulated => Ok(()),
         BenchKind::Real => Err(Failure::Input(format!(

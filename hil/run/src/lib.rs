@@ -65,7 +65,7 @@ pub use passed::Passed;
 pub use policy::Policy;
 pub use recorder::{Recorder, Truth};
 pub use replay::{
-    CanFrames, FrameSource, Frames, Identifiers, NextRow, RowSource, Rows, TaxelTable,
+    CanFrames, CanPlayer, FrameSource, Frames, Identifiers, NextRow, RowSource, Rows, TaxelTable,
 };
 pub use runner::{build, fits, run_with, scene_levels};
 pub use script::FaultReport;

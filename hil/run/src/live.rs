@@ -66,6 +66,20 @@ impl SkinSource for EmulatedSkin {
     }
 }
 
+impl EmulatedSkin {
+    /// A setup's skin under its scene's touches, sending from the start.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for what fits no emulated skin.
+    pub fn scene(setup: &Setup, seed: u64) -> Result<Self, Failure> {
+        let layout = plan::layout(&setup.sensor.value)?;
+        Ok(match skin::is_array(setup) {
+            true => Self::Array(skin::array(setup, &layout, seed)?),
+            false => boards(setup, &layout, seed, skin::emulated(setup, &layout, seed)?),
+        })
+    }
+}
+
 impl SkinEnd for EmulatedSkin {
     fn advance_to(&mut self, now: Instant) {
         match self {
@@ -121,11 +135,7 @@ impl EmulatedSession {
     /// [`Failure::Input`] for what fits no emulated hardware.
     pub fn scene(setup: &Setup, seed: u64, policy: Policy) -> Result<Self, Failure> {
         let truth = Truth::of(setup);
-        let layout = plan::layout(&setup.sensor.value)?;
-        let skin = match skin::is_array(setup) {
-            true => EmulatedSkin::Array(skin::array(setup, &layout, seed)?),
-            false => boards(setup, &layout, seed, skin::emulated(setup, &layout, seed)?),
-        };
+        let skin = EmulatedSkin::scene(setup, seed)?;
         Self::on(setup, seed, of_setup(setup, seed)?, (skin, truth), policy)
     }
 

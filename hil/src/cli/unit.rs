@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use palpate_buses::datagrams::address;
+use palpate_files::Overrides;
 
 /// Options of `hil unit`.
 #[derive(Debug, Args)]
@@ -30,4 +31,27 @@ pub struct UnitArgs {
     /// Print nothing but errors.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
+}
+
+/// A driver unit in place of a bench's boards.
+#[derive(Clone, Debug, Default, Args)]
+pub struct UnitOn {
+    /// A driver unit that has the boards (`hil unit`, or firmware): ADDRESS or ADDRESS:PORT.
+    #[arg(long, value_name = "ADDRESS", requires = "key")]
+    pub unit: Option<String>,
+    /// The file of the key that is shared with the unit.
+    #[arg(long, value_name = "FILE", requires = "unit")]
+    pub key: Option<PathBuf>,
+}
+
+impl UnitOn {
+    /// Puts the unit into a bench.
+    pub fn change(&self, overrides: &mut Overrides) {
+        let quoted =
+            |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
+        if let (Some(unit), Some(key)) = (&self.unit, &self.key) {
+            overrides.bench("--unit", "unit.address", quoted(unit));
+            overrides.bench("--key", "unit.key", quoted(&key.to_string_lossy()));
+        }
+    }
 }

@@ -22,6 +22,7 @@ mod record;
 mod report;
 mod review;
 mod run;
+mod run_files;
 mod save;
 mod schedules;
 mod shell;

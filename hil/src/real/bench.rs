@@ -61,7 +61,6 @@ pub(super) struct Watchman {
 
 /// The actuators' end of the loop, its clock, and the guardian.
 pub(super) struct Live {
-    pub(super) clock: RunClock,
     banks: Banks<Blocking>,
     pub(super) watchman: Watchman,
     /// The adapters, for the way out of a stop.
@@ -71,18 +70,11 @@ pub(super) struct Live {
 }
 
 impl Live {
-    /// Opens everything, interfaces too, guardian last: from then on it can say off.
-    pub(super) fn open(
-        bench: &Bench,
-        real: &Real,
-        layout: &Layout,
-        prescale: Prescale,
-    ) -> Result<(Self, Interfaces), Failure> {
+    /// Opens the adapters, guardian last: from then on it can say off.
+    pub(super) fn open(bench: &Bench, real: &Real, prescale: Prescale) -> Result<Self, Failure> {
         let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
         let watch = watch(bench, real);
         refuse_latched(&watch)?;
-        let clock = RunClock::start();
-        let can = CanBuses::open(&interfaces(real, layout)?, clock).map_err(|e| device(&e))?;
         let mut lines = Vec::new();
         for (path, addresses) in &watch.buses {
             let adapter = LinuxAdapter::open(path, addresses).map_err(|e| device(&e))?;
@@ -95,8 +87,7 @@ impl Live {
             .for_each(|line| line.set_pulse(guardian.pulse()));
         let addresses = watch.buses.iter().map(|(_, addresses)| &**addresses);
         let banks = Banks::new(lines.into_iter().zip(addresses), prescale);
-        let live = Self {
-            clock,
+        Ok(Self {
             banks,
             watchman: Watchman {
                 guardian,
@@ -104,8 +95,7 @@ impl Live {
             },
             adapters: real.i2c.clone(),
             found,
-        };
-        Ok((live, Interfaces(can)))
+        })
     }
 }
 
@@ -139,6 +129,14 @@ impl DisplayEnd for Live {
 
 /// The interfaces of a bench: time passes there by itself.
 pub(super) struct Interfaces(pub(super) CanBuses);
+
+impl Interfaces {
+    /// Opens the interfaces of a bench, one for each bus of the layout.
+    pub(super) fn open(real: &Real, layout: &Layout, clock: RunClock) -> Result<Self, Failure> {
+        let opened = CanBuses::open(&interfaces(real, layout)?, clock);
+        opened.map(Self).map_err(|e| Failure::Device(e.to_string()))
+    }
+}
 
 impl CanBus for Interfaces {
     type Error = <CanBuses as CanBus>::Error;

@@ -4,6 +4,7 @@
 mod boards;
 pub mod key;
 mod record;
+pub mod remote;
 
 use std::net::SocketAddr;
 
@@ -25,8 +26,8 @@ use std::os::fd::AsFd;
 use crate::real::take_priority;
 use crate::telling::{Teller, Telling};
 use boards::{Boards, Emulated, Guarded};
-pub use record::{Flowed, Record};
 use record::Told;
+pub use record::{Flowed, Record};
 
 /// Between two turns at the most, nanoseconds.
 const TURN_NS: u64 = 1_000_000;
@@ -188,13 +189,13 @@ impl Process {
     ) -> Result<(), Failure> {
         unit.start(shown(monotonic_ns()));
         let turned = self.turns(&mut unit, &mut boards, &mut teller);
+        self.record.counts(unit.counts());
         let took = unit.end(shown(monotonic_ns()));
         let t_ns = monotonic_ns();
         let last = boards.advance(t_ns.saturating_sub(self.epoch_ns), &mut teller);
         let off = boards.finish(took);
         self.record.source = source;
         self.record.served_s = t_ns.saturating_sub(self.epoch_ns) as f64 / 1e9;
-        self.record.counts(unit.counts());
         self.record.off = off == Ok(true);
         self.record.emulated = boards.flowed();
         teller.tell(&Told::Record(&self.record))?;
@@ -202,7 +203,9 @@ impl Process {
         turned.and(last)?;
         match off {
             Ok(true) => Ok(()),
-            Ok(false) => Err(Failure::Device("not every output is known to be off".into())),
+            Ok(false) => Err(Failure::Device(
+                "not every output is known to be off".into(),
+            )),
             Err(cause) => Err(Failure::Device(format!(
                 "not every output is known to be off: {cause}"
             ))),

@@ -166,6 +166,11 @@ impl UnitDriver {
         self.counts
     }
 
+    /// This host's half of the session.
+    pub const fn session(&self) -> u64 {
+        self.host
+    }
+
     /// How far the unit's time may be from what it is taken for.
     pub fn clock_error(&self) -> Option<Duration> {
         self.sync.error()
@@ -191,7 +196,10 @@ impl UnitDriver {
             return Err(UnitFault::Silent);
         }
         match status.state {
-            State::Stopped(cause) if !self.settings.resumes => Err(UnitFault::Stopped(cause)),
+            // A stop from before this host began ends with its first reading.
+            State::Stopped(cause) if status.stops > self.acknowledged() => {
+                Err(UnitFault::Stopped(cause))
+            }
             _ => Ok(()),
         }
     }
