@@ -268,22 +268,20 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
                 break;
             };
             let datagram = &mut buffer[..length.min(MOST)];
-            let opened = match self.expected(datagram) {
-                Ok(header) => self.open(now, &header, datagram),
+            let header = match self.expected(datagram) {
+                Ok(header) => header,
                 Err(_) => {
                     self.counts.refused = self.counts.refused.saturating_add(1);
+                    if let Some(answer) = Header::other_version(datagram) {
+                        link.send(&answer, peer);
+                    }
                     continue;
                 }
             };
-            match opened {
+            match self.open(now, &header, datagram) {
                 Ok(Some(knock)) => self.greet(now, &knock, link, peer),
                 Ok(None) => asker = Some(peer),
-                Err(_) => {
-                    self.counts.refused = self.counts.refused.saturating_add(1);
-                    if let Some(answer) = Header::other_version(&buffer[..length]) {
-                        link.send(&answer, peer);
-                    }
-                }
+                Err(_) => self.counts.refused = self.counts.refused.saturating_add(1),
             }
             // A seal takes a small processor milliseconds: what is due now does not wait for a second one.
             break;
