@@ -390,7 +390,10 @@ impl Bench {
                 let missing = HARDWARE.into_iter().find(|key| !source.states(key));
                 let expected = "a value: no default stands for a real bench's hardware";
                 let unit = self.unit.is_some();
-                missing.map_or_else(|| real.check(source, unit), |key| Err(source.bad(key, expected)))
+                missing.map_or_else(
+                    || real.check(source, unit),
+                    |key| Err(source.bad(key, expected)),
+                )
             }
         }
     }

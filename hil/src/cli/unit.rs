@@ -47,7 +47,8 @@ pub struct UnitOn {
 impl UnitOn {
     /// Puts the unit into a bench.
     pub fn change(&self, overrides: &mut Overrides) {
-        let quoted = |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
+        let quoted =
+            |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
         if let (Some(unit), Some(key)) = (&self.unit, &self.key) {
             overrides.bench("--unit", "unit.address", quoted(unit));
             overrides.bench("--key", "unit.key", quoted(&key.to_string_lossy()));

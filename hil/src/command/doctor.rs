@@ -116,7 +116,11 @@ fn unit(place: &UnitPlace) -> Vec<Finding> {
     let half_ms = trip.as_micros() as f64 / 2e3;
     let wires: u32 = hello.wires.iter().map(|bits| bits.count_ones()).sum();
     let boards = hello.wires.iter().filter(|bits| **bits != 0).count();
-    let rows = if hello.heat { "all rows" } else { "the integer rows" };
+    let rows = if hello.heat {
+        "all rows"
+    } else {
+        "the integer rows"
+    };
     let mut found = vec![
         finding(
             "unit",
@@ -131,7 +135,10 @@ fn unit(place: &UnitPlace) -> Vec<Finding> {
         finding(
             "unit clock",
             true,
-            format!("runs for {:.3} s, known to {half_ms:.2} ms; {ahead_s:+.3} s from this program's", hello.now.as_micros() as f64 * 1e-6),
+            format!(
+                "runs for {:.3} s, known to {half_ms:.2} ms; {ahead_s:+.3} s from this program's",
+                hello.now.as_micros() as f64 * 1e-6
+            ),
             None,
         ),
         finding(

@@ -14,8 +14,7 @@ use crate::real::{self, Told, Wanted};
 use crate::recording::{Reading, ReadingStream, read_joints, recorded};
 use crate::trial::{Trial, TrialEnd, judge, junit};
 use palpate_files::{
-    DRIFT_S, Loaded, Overrides, Scene, Setup, THRESHOLD_FLOOR,
-    Timing, load_scene,
+    DRIFT_S, Loaded, Overrides, Scene, Setup, THRESHOLD_FLOOR, Timing, load_scene,
 };
 use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome, attachments, run_with};
 
@@ -174,7 +173,10 @@ fn on_hardware(
 ) -> Result<Outcome, Failure> {
     let sensor = &setup.sensor.value;
     let (input, notes) = match (&args.stream, args.replay.as_slice()) {
-        (Some(address), _) => (Input::Stream(ReadingStream::open(address, sensor)? as _), Vec::new()),
+        (Some(address), _) => (
+            Input::Stream(ReadingStream::open(address, sensor)? as _),
+            Vec::new(),
+        ),
         (None, []) => (Input::Scene, Vec::new()),
         (None, paths) => recorded(paths, sensor, reading)?,
     };

@@ -144,7 +144,9 @@ impl Format {
 
 /// The files that a real run or a replay writes while it runs, and those that come after it.
 #[allow(clippy::type_complexity)] // two lists of what `wanted` returns
-pub(super) fn split(files: Vec<(Format, PathBuf)>) -> (Vec<(LiveKind, PathBuf)>, Vec<(Format, PathBuf)>) {
+pub(super) fn split(
+    files: Vec<(Format, PathBuf)>,
+) -> (Vec<(LiveKind, PathBuf)>, Vec<(Format, PathBuf)>) {
     let (mut live, mut later) = (Vec::new(), Vec::new());
     for (format, path) in files {
         match format.grows() {

@@ -22,7 +22,10 @@ impl LinkEnd {
         let place = self.0.place();
         // The unit keeps it in any case.
         if let Err(e) = place.latch().set(cause, true) {
-            note(&format!("unit {}: the stop is not kept here: {e}", place.name));
+            note(&format!(
+                "unit {}: the stop is not kept here: {e}",
+                place.name
+            ));
         }
         format!(
             "{cause}. Look at the wearer, then clear the stop: hil off --unlatch --unit {} --key FILE",

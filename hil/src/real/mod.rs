@@ -95,9 +95,10 @@ pub fn run(
 /// The buses of a real bench.
 fn real_of(setup: &Setup) -> Result<&Real, Failure> {
     let bench = &setup.bench.value;
-    bench.real.as_ref().ok_or_else(|| {
-        Failure::Input(format!("bench `{}`: expected kind = \"real\"", bench.name))
-    })
+    bench
+        .real
+        .as_ref()
+        .ok_or_else(|| Failure::Input(format!("bench `{}`: expected kind = \"real\"", bench.name)))
 }
 
 /// On boards of this computer.
@@ -109,7 +110,8 @@ fn wired(
     wanted: Wanted<'_>,
 ) -> Result<Outcome, Failure> {
     if !matches!(input, Input::Scene) {
-        let expected = "--replay, --stream: readings from elsewhere drive an emulated bench or a unit only";
+        let expected =
+            "--replay, --stream: readings from elsewhere drive an emulated bench or a unit only";
         return Err(Failure::Input(expected.into()));
     }
     let real = real_of(setup)?;
@@ -139,7 +141,8 @@ fn on_unit(
     setup.unit = Some(met.0);
     let mut notes = differences(&setup)?;
     if !setup.scene.value.faults.is_empty() {
-        notes.push("the scene's faults are left out: a unit's hardware is not emulated here".into());
+        notes
+            .push("the scene's faults are left out: a unit's hardware is not emulated here".into());
     }
     if !wanted.told.quiet {
         notes.iter().for_each(|text| note(text));
@@ -490,11 +493,7 @@ fn pacing(lateness: &Lateness, realtime: bool) -> Pacing {
 }
 
 /// The run on paper.
-fn outcome<S: Sensed, D: Watched>(
-    setup: &Setup,
-    header: Header,
-    mut done: Done<S, D>,
-) -> Outcome {
+fn outcome<S: Sensed, D: Watched>(setup: &Setup, header: Header, mut done: Done<S, D>) -> Outcome {
     let session = &mut done.session;
     let costs = session.take_costs();
     let failure = session.take_failure();

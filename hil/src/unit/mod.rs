@@ -26,8 +26,8 @@ use std::os::fd::AsFd;
 use crate::real::take_priority;
 use crate::telling::{Teller, Telling};
 use boards::{Boards, Emulated, Guarded};
-pub use record::{Flowed, Record};
 use record::Told;
+pub use record::{Flowed, Record};
 
 /// Between two turns at the most, nanoseconds.
 const TURN_NS: u64 = 1_000_000;
@@ -203,7 +203,9 @@ impl Process {
         turned.and(last)?;
         match off {
             Ok(true) => Ok(()),
-            Ok(false) => Err(Failure::Device("not every output is known to be off".into())),
+            Ok(false) => Err(Failure::Device(
+                "not every output is known to be off".into(),
+            )),
             Err(cause) => Err(Failure::Device(format!(
                 "not every output is known to be off: {cause}"
             ))),

@@ -9,9 +9,7 @@ use palpate_buses::pacer::RunClock;
 use palpate_core::codec::link::{
     Buffer, Header, Hello, Key, Kind, MOST, Refusal, State, Status, VERSION,
 };
-use palpate_core::driver::{
-    Actuators, DriverError, Traffic, UnitDriver, UnitFault, UnitSettings,
-};
+use palpate_core::driver::{Actuators, DriverError, Traffic, UnitDriver, UnitFault, UnitSettings};
 use palpate_core::guard::Guarded;
 use palpate_core::units::{Board, Duration, Instant};
 use palpate_files::{Bench, Loaded};
@@ -209,7 +207,9 @@ impl RemoteUnit {
                 };
                 let mut buffer = [0; MOST];
                 match is_closed(at, self.key.seal(&knock, &mut buffer, |_| 0), CLOSED) {
-                    true => format!("expected a unit at {at}, nothing listens there: start it, or name its address"),
+                    true => format!(
+                        "expected a unit at {at}, nothing listens there: start it, or name its address"
+                    ),
                     false => format!(
                         "expected an answer under this key within {seconds} s, found none: check its power, the network, the address {at}, and that both have the same key (`hil unit` says what it refuses)"
                     ),

@@ -135,7 +135,9 @@ impl Model {
             seen.edge(high, channel, edge.at.0, edge.pin == Pin::High);
         };
         let to = Nanos(self.now * 1000);
-        self.bus.with(|segment| segment.advance(to, &mut each)).unwrap();
+        self.bus
+            .with(|segment| segment.advance(to, &mut each))
+            .unwrap();
     }
 }
 
@@ -223,7 +225,14 @@ impl Process {
         let folder = Folder::new();
         write_key(&folder.0.join("unit.key"), &KEY);
         let mut command = hil(&folder);
-        command.args(["unit", "--json", "--key", "unit.key", "--listen", "127.0.0.1:0"]);
+        command.args([
+            "unit",
+            "--json",
+            "--key",
+            "unit.key",
+            "--listen",
+            "127.0.0.1:0",
+        ]);
         let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
         let mut lines = BufReader::new(child.stdout.take().unwrap());
         let mut first = String::new();

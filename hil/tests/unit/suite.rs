@@ -59,7 +59,10 @@ fn plays_what_it_is_told(mut subject: impl Subject) {
     let period_us = plant.prescale.period_ns() / 1000;
     let bursts = 35_000 / period_us;
     let pulses = seen.rising.len() as u64;
-    assert!((bursts - 1..=bursts + 2).contains(&pulses), "{pulses} of {bursts}");
+    assert!(
+        (bursts - 1..=bursts + 2).contains(&pulses),
+        "{pulses} of {bursts}"
+    );
     let width_us = 40.0 * plant.prescale.period_ns() as f64 / 4096e3;
     assert!((seen.longest_us - width_us).abs() < 2.0, "{seen:?}");
     assert_eq!(seen.high, 0);
@@ -102,9 +105,8 @@ fn hostile(dice: &mut RandomStream, hello: Option<Header>) -> Vec<u8> {
         .collect();
     let key = Key::new(if draw(2) == 0 { &KEY } else { &[1; 32] });
     let mut buffer = [0; MOST];
-    let write = |out: &mut [u8]| {
-        Command::write(out, Instant::FAR_FUTURE, (0, Request::Play), &plan)
-    };
+    let write =
+        |out: &mut [u8]| Command::write(out, Instant::FAR_FUTURE, (0, Request::Play), &plan);
     let mut datagram = key.seal(&header, &mut buffer, write).to_vec();
     match draw(4) {
         0 => datagram.truncate(draw(60) as usize),
@@ -133,7 +135,9 @@ fn drives_nothing_without_a_session(mut subject: impl Subject) {
     };
     subject.send(key.seal(&knock, &mut buffer, |_| 0));
     let answers = subject.pass(Duration::from_millis(20));
-    let hello = answers.iter().find_map(|datagram| Header::read(datagram).ok());
+    let hello = answers
+        .iter()
+        .find_map(|datagram| Header::read(datagram).ok());
     let total = datagrams();
     for n in 0..total {
         subject.send(&hostile(&mut dice, hello));
@@ -148,7 +152,11 @@ fn drives_nothing_without_a_session(mut subject: impl Subject) {
     assert_eq!(after.ready(subject.now()), Ok(()));
     let seen = subject.end();
     assert_eq!((seen.rising.len(), seen.high), (0, 0), "{seen:?}");
-    assert!(seen.refused > total as u64 / 2, "{} of {total}", seen.refused);
+    assert!(
+        seen.refused > total as u64 / 2,
+        "{} of {total}",
+        seen.refused
+    );
 }
 
 #[test]
@@ -192,9 +200,8 @@ fn limits_a_host_that_lies(mut subject: impl Subject) {
                 until: unit_now + Duration::from_millis(10_000),
             })
             .collect();
-        let write = |out: &mut [u8]| {
-            Command::write(out, Instant::FAR_FUTURE, (0, Request::Play), &plan)
-        };
+        let write =
+            |out: &mut [u8]| Command::write(out, Instant::FAR_FUTURE, (0, Request::Play), &plan);
         subject.send(key.seal(&header, &mut buffer, write));
         let before = subject.now();
         subject.pass(Duration::from_millis(10));
@@ -202,7 +209,10 @@ fn limits_a_host_that_lies(mut subject: impl Subject) {
     }
     let seen = subject.end();
     // The clock of an emulated chip is exact; the guard counts with the slowest it may be.
-    assert!(!seen.rising.is_empty() && seen.longest_us <= 200.0, "{seen:?}");
+    assert!(
+        !seen.rising.is_empty() && seen.longest_us <= 200.0,
+        "{seen:?}"
+    );
     assert_eq!(seen.high, 0);
 }
 

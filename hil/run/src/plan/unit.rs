@@ -25,7 +25,8 @@ pub(super) fn agreed(
     };
     let name = &setup.bench.value.name;
     if unit.plant.prescale != plant.prescale {
-        let [here, there] = [plant.prescale, unit.plant.prescale].map(|p| (p.get(), 1e9 / p.period_ns() as f64));
+        let [here, there] =
+            [plant.prescale, unit.plant.prescale].map(|p| (p.get(), 1e9 / p.period_ns() as f64));
         return Err(Failure::Input(format!(
             "bench `{name}`: expected PRE_SCALE {} ({:.2} Hz) as the scene and its illusion need, found a unit with {} ({:.2} Hz): start the unit with a bench of that drive.pwm_hz and drive.clock, or state the unit's here",
             here.0, here.1, there.0, there.1
@@ -55,7 +56,12 @@ pub fn differences(setup: &Setup) -> Result<Vec<String>, Failure> {
     let (limits, plant) = guarded(setup, Some(unit.plant.prescale))?;
     let lower = limit_rows(&limits, unit);
     let higher = [
-        ("current of a pulse", "mA", plant.peak.0.into(), unit.plant.peak.0.into()),
+        (
+            "current of a pulse",
+            "mA",
+            plant.peak.0.into(),
+            unit.plant.peak.0.into(),
+        ),
         (
             "resistance of a wire",
             "milliohms",
@@ -72,7 +78,9 @@ pub fn differences(setup: &Setup) -> Result<Vec<String>, Failure> {
         }
     };
     lower.into_iter().for_each(|row| say(row, row.2.min(row.3)));
-    higher.into_iter().for_each(|row| say(row, row.2.max(row.3)));
+    higher
+        .into_iter()
+        .for_each(|row| say(row, row.2.max(row.3)));
     Ok(said)
 }
 
@@ -80,18 +88,58 @@ fn limit_rows(host: &Limits, unit: &Hello) -> [Row; 15] {
     let unit = &unit.limits;
     let us = |d: palpate_core::units::Duration| d.as_micros();
     [
-        ("longest pulse", "ns", host.pulse_width_ns, unit.pulse_width_ns),
+        (
+            "longest pulse",
+            "ns",
+            host.pulse_width_ns,
+            unit.pulse_width_ns,
+        ),
         ("longest burst", "us", us(host.burst), us(unit.burst)),
-        ("energy of a burst", "nJ", host.burst_energy_nj, unit.burst_energy_nj),
+        (
+            "energy of a burst",
+            "nJ",
+            host.burst_energy_nj,
+            unit.burst_energy_nj,
+        ),
         ("wire over 1 s", "uW", host.wire_1s_uw, unit.wire_1s_uw),
         ("wire over 10 s", "uW", host.wire_10s_uw, unit.wire_10s_uw),
-        ("fingertip over 1 s", "uW", host.fingertip_1s_uw, unit.fingertip_1s_uw),
-        ("fingertip over 60 s", "uW", host.fingertip_60s_uw, unit.fingertip_60s_uw),
+        (
+            "fingertip over 1 s",
+            "uW",
+            host.fingertip_1s_uw,
+            unit.fingertip_1s_uw,
+        ),
+        (
+            "fingertip over 60 s",
+            "uW",
+            host.fingertip_60s_uw,
+            unit.fingertip_60s_uw,
+        ),
         ("hand over 60 s", "uW", host.hand_60s_uw, unit.hand_60s_uw),
-        ("skin, mean", "millidegrees C", host.skin_mean_mc, unit.skin_mean_mc),
-        ("skin, peak", "millidegrees C", host.skin_peak_mc, unit.skin_peak_mc),
-        ("skin, deep", "millidegrees C", host.skin_deep_mc, unit.skin_deep_mc),
-        ("dose, Omega", "millionths", host.dose_omega_ppm, unit.dose_omega_ppm),
+        (
+            "skin, mean",
+            "millidegrees C",
+            host.skin_mean_mc,
+            unit.skin_mean_mc,
+        ),
+        (
+            "skin, peak",
+            "millidegrees C",
+            host.skin_peak_mc,
+            unit.skin_peak_mc,
+        ),
+        (
+            "skin, deep",
+            "millidegrees C",
+            host.skin_deep_mc,
+            unit.skin_deep_mc,
+        ),
+        (
+            "dose, Omega",
+            "millionths",
+            host.dose_omega_ppm,
+            unit.dose_omega_ppm,
+        ),
         ("dose, CEM43", "ms", host.dose_cem43_ms, unit.dose_cem43_ms),
         ("age of a reading", "us", us(host.stale), us(unit.stale)),
         ("supply", "mA", host.supply.0.into(), unit.supply.0.into()),
