@@ -11,6 +11,7 @@ pub mod host;
 pub mod interfaces;
 pub mod output;
 pub mod parallel;
+pub mod program;
 pub mod progress;
 pub mod real;
 pub mod record;

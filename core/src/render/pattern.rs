@@ -5,7 +5,7 @@
 //!
 //! Between bursts all outputs of a board are off, and its counter is held at zero (PCA9685 data sheet 7.3.3): the first period
 //! begins with the onset. A channel that goes off in the middle of period n has had n pulses, at any oscillator from 23 to
-//! 27.4 MHz and up to four pulses.
+//! 27.4 MHz and up to four pulses. Up to three it may go off at a quarter: at 23 MHz the third begins 2.17 periods in.
 
 use core::fmt;
 
@@ -21,6 +21,8 @@ const VIBRATION_US: u64 = 30_300;
 /// Pulses of a tap, and the fewest that are no tap.
 const TAP: u8 = 2;
 const SMOOTH: u8 = 3;
+/// Pulses that may go off at a quarter, whatever the oscillator.
+const QUARTERS: u8 = 3;
 /// Most pulses of a burst that are tried.
 const MOST: u8 = 9;
 /// Between bursts where nothing is stated: apparent motion on a fingerpad wants 105 to 125 ms.
@@ -32,6 +34,16 @@ pub struct Pattern {
     prescale: Prescale,
     smooth: u8,
     soa: Duration,
+    off: Off,
+}
+
+/// Where in its last pulse's period a channel goes off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Off {
+    /// As far from the next pulse as from the last one.
+    Middle,
+    /// Where the pause before the next burst needs the rest of the period.
+    Quarter,
 }
 
 /// Bursts come too often for two pulses and the pause after which a burst is a new one.
@@ -61,16 +73,21 @@ impl Pattern {
             let period_us = VIBRATION_US.div_ceil(u64::from(pulses) - 1);
             let steps = (period_us * 1000).div_ceil(Prescale::new(3).period_ns() / 4);
             let prescale = Prescale::new((steps - 1).min(255) as u8);
-            (pulses, prescale)
-        };
-        let fits = |(pulses, prescale): &(u8, Prescale)| lasts(*pulses, *prescale) <= longest;
-        let vibration = (least.max(SMOOTH)..=MOST).map(spaced).find(fits);
-        if let Some((smooth, prescale)) = vibration {
-            return Ok(Self {
+            let ends = [Off::Middle, Off::Quarter];
+            ends.map(|off| Self {
                 prescale,
-                smooth,
+                smooth: pulses,
                 soa,
-            });
+                off,
+            })
+        };
+        let fits = |p: &Self| {
+            let counted = p.off == Off::Middle || p.smooth <= QUARTERS;
+            counted && p.timing().duration <= longest
+        };
+        let vibration = (least.max(SMOOTH)..=MOST).flat_map(spaced).find(fits);
+        if let Some(pattern) = vibration {
+            return Ok(pattern);
         }
         // No vibration fits in: as many pulses as make the longest burst.
         let halves = 2 * u64::from(least.max(SMOOTH)) - 1;
@@ -95,6 +112,7 @@ impl Pattern {
                 prescale,
                 smooth,
                 soa,
+                off: Off::Middle,
             }),
             false => Err(PatternError),
         }
@@ -108,7 +126,7 @@ impl Pattern {
     /// Length of a vibration's bursts and the time between onsets.
     pub const fn timing(&self) -> Timing {
         Timing {
-            duration: lasts(self.smooth, self.prescale),
+            duration: self.lasts(self.smooth),
             soa: self.soa,
         }
     }
@@ -118,9 +136,14 @@ impl Pattern {
         if tap { TAP } else { self.smooth }
     }
 
-    /// How long a channel is on for so many pulses: it goes off in the middle of the last one's period.
+    /// How long a channel is on for so many pulses: it goes off within the last one's period.
     pub const fn lasts(&self, pulses: u8) -> Duration {
-        lasts(pulses, self.prescale)
+        let quarters = match self.off {
+            Off::Middle => 2,
+            Off::Quarter => 1,
+        };
+        let quarters = (4 * (pulses as u64)).saturating_sub(4 - quarters);
+        Duration::from_micros(quarters * self.prescale.period_ns() / 4000)
     }
 }
 
@@ -128,11 +151,6 @@ impl Pattern {
 fn longest(soa: Duration) -> Duration {
     let room = soa.as_micros().saturating_sub(APART.as_micros());
     Duration::from_micros(room).min(LONGEST)
-}
-
-const fn lasts(pulses: u8, prescale: Prescale) -> Duration {
-    let halves = (2 * pulses as u64).saturating_sub(1);
-    Duration::from_micros(halves * prescale.period_ns() / 2000)
 }
 
 #[cfg(test)]

@@ -26,13 +26,18 @@ fn every_cadence_gets_the_fewest_pulses_that_last_30_ms_where_any_do() {
             duration <= LONGEST && duration + APART <= soa,
             "{pattern:?}"
         );
-        if soa >= Duration::from_micros(58_500) {
+        if soa >= Duration::from_micros(56_000) {
             assert!(first_to_last >= VIBRATION_US * 1000, "{pattern:?}");
         }
     }
-    // Of three pulses 30.3 of 37.9 ms lie between first and last; 58.5 ms leave 37.3.
-    let of = |us: u64| Pattern::new(Duration::from_micros(us), 2).map(|p| p.pulses(false));
-    assert_eq!((of(58_500), of(60_000)), (Ok(4), Ok(3)));
+    // Of three pulses 30.5 of 38.1 ms lie between first and last. 58.5 ms leave 37.3, in which they end early.
+    let of = |us: u64| {
+        let pattern = Pattern::new(Duration::from_micros(us), 2).unwrap();
+        (pattern.pulses(false), pattern.lasts(3).as_micros())
+    };
+    assert_eq!(of(58_500), (3, 34_283));
+    assert_eq!(of(60_000), (3, 38_092));
+    assert_eq!(of(55_000).0, 6);
 }
 
 #[test]

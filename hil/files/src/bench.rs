@@ -5,7 +5,7 @@ mod unit;
 
 use std::path::{Path, PathBuf};
 
-use palpate_core::units::Clock;
+use palpate_core::units::{Clock, Duration};
 use serde::Deserialize;
 
 use super::address::{check_chip, check_once};
@@ -189,6 +189,8 @@ pub struct Drive {
     /// Frequency asked for; the chip's divider makes the nearest it can, 196.89 Hz for 200. Left out: 200, but with the
     /// illusion `inverse` and no texture, which choose their own.
     pub pwm_hz: Option<f64>,
+    /// Between onsets in milliseconds where the illusion is `inverse` and a scene says nothing; left out: 117.
+    pub soa_ms: Option<f64>,
     /// The clock that counts over its nominal frequency: the chip's oscillator, or `clock`. Emulated benches only.
     pub oscillator: f64,
     /// A clock on the chips' EXTCLK pins; left out: each chip counts by its own oscillator of about 25 MHz.
@@ -212,6 +214,7 @@ impl Default for Drive {
             current_ma: 990.0,
             supply_limit_ma: 4000.0, // at the published 1.97 A two wires may overlap, three may not
             pwm_hz: None,
+            soa_ms: None,
             oscillator: 1.0,
             clock: None,
         }
@@ -270,6 +273,12 @@ impl Amplifier {
 }
 
 impl Drive {
+    /// Between onsets where a scene says nothing, in the core's unit.
+    pub fn soa(&self) -> Option<Duration> {
+        let us = |ms: f64| Duration::from_micros((ms * 1e3).round() as u64);
+        self.soa_ms.map(us)
+    }
+
     /// The clock on an emulated bench's EXTCLK pins as it truly runs, Hz; 0 for none.
     pub fn external_hz(&self) -> u32 {
         let hz = self.clock.map_or(0, |clock| clock.hz);
@@ -283,6 +292,9 @@ impl Drive {
         if supply < self.current_ma {
             let expected = format!("at least the current of one wire, {} mA", self.current_ma);
             return Err(source.bad("drive.supply_limit_ma", expected));
+        }
+        if let Some(soa) = self.soa_ms {
+            source.range("drive.soa_ms", soa, 1.0..=10_000.0, "ms")?;
         }
         let pwm = |reached| match self.pwm_hz {
             Some(hz) => source.range("drive.pwm_hz", hz, reached, "Hz"),

@@ -223,13 +223,19 @@ impl EmulatedDisplay {
         Ok(())
     }
 
-    /// Has all corners of what is not measured felt beside, for [`EmulatedDisplay::band`].
+    /// Has all corners of what is not measured felt beside: for [`EmulatedDisplay::band`] of a `whole` run, else for
+    /// [`EmulatedDisplay::newest_band_db`].
     ///
     /// # Errors
     /// [`Failure::Input`] for a wire or person that cannot be.
-    pub fn compare(&mut self, setup: &Setup, header: &Header) -> Result<(), Failure> {
-        self.band = Some(Band::new(setup, header, &mut self.display)?);
+    pub fn compare(&mut self, setup: &Setup, header: &Header, whole: bool) -> Result<(), Failure> {
+        self.band = Some(Band::new(setup, header, &mut self.display, whole)?);
         Ok(())
+    }
+
+    /// Least and most level of the newest onset in all corners, dB over threshold.
+    pub fn newest_band_db(&self) -> Option<[f64; 2]> {
+        self.band.as_ref()?.newest_db()
     }
 
     /// What all corners came to, where they are compared and a contact was inside the display; `known` where the path is.
@@ -320,8 +326,8 @@ impl EmulatedDisplay {
         advanced.map_err(|e| Failure::Device(e.to_string()))
     }
 
-    /// Scores what was felt of the newest onset, which is over.
-    fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
+    /// Scores what was felt of the newest onset until now; its successor scores it otherwise.
+    pub fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
         let felt = self.display.onset();
         let others: Vec<Option<Felt>> = self.display.other_onsets().collect();
         let pending = self.pending.take();
@@ -435,7 +441,7 @@ const fn edge(e: &OutputEdge) -> Event {
     }
 }
 
-/// Refuses a bench of hardware: what is emulated must not be recorded as real.
+/// Refuses hardware: what is emulated must not be recorded as real.
 pub(crate) fn refuse_hardware(bench: &Bench) -> Result<(), Failure> {
     if bench.unit_address().is_some() {
         return Err(Failure::Input(format!(

@@ -214,7 +214,7 @@ impl Run<'_> {
         let header = header(self.setup, self.seed, &projector)?;
         recorder.felt = self.keep.summary.then(|| FeltPath::new(&header));
         if self.keep.band {
-            display.compare(self.setup, &header)?;
+            display.compare(self.setup, &header, true)?;
         }
         let ends = (skin, display);
         let policy = Policy::emulated(self.setup.bench.value.unit.is_some());
@@ -446,6 +446,6 @@ pub fn fits(setup: &Setup) -> Result<(), Failure> {
     }
 }
 
-fn made(setup: &Setup, plan: Plan) -> Result<Projector, Failure> {
+pub(crate) fn made(setup: &Setup, plan: Plan) -> Result<Projector, Failure> {
     Projector::new(plan).map_err(|e| Failure::Input(format!("{}: {e}", setup.scene.source.label())))
 }

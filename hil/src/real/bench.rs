@@ -18,6 +18,8 @@ use palpate_run::display_end::{DisplayEnd, OutputEnable};
 use palpate_run::skin_end::CanEnd;
 use palpate_run::{Failure, plan};
 
+use crate::program;
+
 /// The guardian's view of a bench.
 pub fn watch(bench: &Bench, real: &Real) -> Watch {
     let ms = |ms: u32| Duration::from_millis(ms.into());
@@ -78,8 +80,8 @@ impl Live {
             let adapter = LinuxAdapter::open(path, addresses).map_err(|e| device(&e))?;
             lines.push(Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?);
         }
-        let program = std::env::current_exe().map_err(|e| device(&e))?;
-        let (guardian, found) = Guardian::start(&program, &watch).map_err(|e| device(&e))?;
+        let program = program::again().map_err(|e| device(&e))?;
+        let (guardian, found) = Guardian::start(program, &watch).map_err(|e| device(&e))?;
         lines
             .iter_mut()
             .for_each(|line| line.set_pulse(guardian.pulse()));

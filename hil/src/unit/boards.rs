@@ -148,8 +148,8 @@ impl Guarded {
         refuse_latched(&watch)?;
         let adapter = LinuxAdapter::open(path, addresses).map_err(|e| device(&e))?;
         let mut line = Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?;
-        let program = std::env::current_exe().map_err(|e| device(&e))?;
-        let (guardian, found) = Guardian::start(&program, &watch).map_err(|e| device(&e))?;
+        let program = crate::program::again().map_err(|e| device(&e))?;
+        let (guardian, found) = Guardian::start(program, &watch).map_err(|e| device(&e))?;
         line.set_pulse(guardian.pulse());
         let opened = Self {
             guardian: Rc::new(RefCell::new(guardian)),

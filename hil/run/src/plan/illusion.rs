@@ -94,12 +94,12 @@ pub(super) fn pattern(setup: &Setup) -> Result<Option<Pattern>, Failure> {
         return Ok(None);
     }
     let bad = |key: &str, expected: String| Failure::File(scene.source.bad(key, expected));
-    let (duration, soa) = illusion.stated();
+    let (duration, stated) = illusion.stated();
     if duration.is_some() {
         let expected = "nothing: `inverse` finds how long a burst is";
         return Err(bad("illusion.tau_d_ms", expected.into()));
     }
-    let soa = soa.unwrap_or(CADENCE);
+    let soa = stated.or(bench.drive.soa()).unwrap_or(CADENCE);
     let free = bench.drive.pwm_hz.is_none() && scene.value.texture.is_none();
     let pattern = if free {
         let amps = bench.drive.current_ma * 1e-3;
@@ -120,7 +120,10 @@ pub(super) fn pattern(setup: &Setup) -> Result<Option<Pattern>, Failure> {
     };
     pattern
         .map(Some)
-        .map_err(|e| bad("illusion.soa_ms", e.to_string()))
+        .map_err(|e| match (stated, bench.drive.soa_ms) {
+            (None, Some(_)) => Failure::File(setup.bench.source.bad("drive.soa_ms", e.to_string())),
+            _ => bad("illusion.soa_ms", e.to_string()),
+        })
 }
 
 /// What the law that chooses its pulses is told.
