@@ -14,7 +14,9 @@ pub const PORT: u16 = 4817;
 /// What was expected.
 pub fn address(text: &str) -> Result<SocketAddr, String> {
     let expected = |why: &str| {
-        format!("expected ADDRESS or ADDRESS:PORT, such as 192.168.1.40:{PORT}, found `{text}`{why}")
+        format!(
+            "expected ADDRESS or ADDRESS:PORT, such as 192.168.1.40:{PORT}, found `{text}`{why}"
+        )
     };
     if let Ok(ip) = text.parse::<IpAddr>() {
         return Ok((ip, PORT).into());

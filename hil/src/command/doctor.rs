@@ -12,7 +12,7 @@ use palpate_buses::pacer::RunClock;
 use palpate_core::codec::link::{State, VERSION};
 
 use super::devices::{bench, unit_of};
-use crate::unit::remote::{RemoteUnit, UnitPlace};
+use crate::link::{RemoteUnit, UnitPlace};
 
 /// Exchanges with a unit, the shortest of which counts.
 const EXCHANGES: usize = 8;

@@ -21,10 +21,10 @@ use palpate_files::Setup;
 use palpate_run::Failure;
 use palpate_run::plan;
 
-use hardware::{Hardware, starts};
 pub(crate) use hardware::drives;
-pub use record::{CanRecord, Record, WireRecord};
+use hardware::{Hardware, starts};
 use record::Told;
+pub use record::{CanRecord, Record, WireRecord};
 
 use crate::telling::{Teller, Telling};
 

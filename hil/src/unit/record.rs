@@ -158,7 +158,11 @@ impl Record {
                 flowed.peak_supply_a
             )?;
         }
-        let off = if self.off { "off" } else { "NOT KNOWN TO BE OFF" };
+        let off = if self.off {
+            "off"
+        } else {
+            "NOT KNOWN TO BE OFF"
+        };
         writeln!(out, "  outputs        {off}")
     }
 }
@@ -175,7 +179,10 @@ impl Say for Told<'_> {
                 wires,
                 ..
             } => {
-                write!(out, "unit at {address} ({source}): {wires} wires of bench {bench} on PCA9685 at")?;
+                write!(
+                    out,
+                    "unit at {address} ({source}): {wires} wires of bench {bench} on PCA9685 at"
+                )?;
                 for board in *boards {
                     write!(out, " {board:#04x}")?;
                 }

@@ -19,10 +19,20 @@ fn a_key_is_read_as_it_was_made_and_only_if_no_one_else_can_read_it() {
     assert_eq!(read(&path).unwrap(), key);
     fs::set_permissions(&path, Permissions::from_mode(0o640)).unwrap();
     let seen = read(&path).unwrap_err().to_string();
-    assert!(seen.contains("mode 640") && seen.contains("chmod 600"), "{seen}");
+    assert!(
+        seen.contains("mode 640") && seen.contains("chmod 600"),
+        "{seen}"
+    );
     fs::set_permissions(&path, Permissions::from_mode(0o600)).unwrap();
     let text = fs::read_to_string(&path).unwrap();
-    for bad in ["", "00", &text[1..], &format!("{text}00"), &text.replace(&text[..1], "g"), &"é".repeat(32)] {
+    for bad in [
+        "",
+        "00",
+        &text[1..],
+        &format!("{text}00"),
+        &text.replace(&text[..1], "g"),
+        &"é".repeat(32),
+    ] {
         fs::write(&path, bad).unwrap();
         let said = read(&path).unwrap_err().to_string();
         assert!(said.contains("64 hexadecimal digits"), "{bad}: {said}");
