@@ -77,6 +77,6 @@ fn what_is_no_activation_changes_nothing() {
 fn a_law_that_chooses_pulses_is_refused() {
     let scene = load_scene("sphere-along").unwrap();
     let setup = Setup::join(scene, load_bench("emulated").unwrap()).unwrap();
-    let error = EmulatedSession::activated(&setup, 1).unwrap_err();
+    let error = EmulatedSession::activated(&setup, 1).err().unwrap();
     assert_eq!(error.key(), Some("illusion.model"));
 }
