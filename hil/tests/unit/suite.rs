@@ -179,11 +179,13 @@ fn limits_a_host_that_lies(mut subject: impl Subject) {
         sequence: 1,
     };
     let mut buffer = [0; MOST];
+    let asked = subject.now();
     subject.send(key.seal(&knock, &mut buffer, |_| 0));
     let answers = subject.pass(Duration::from_millis(30));
     let greeted = Header::read(answers.last().unwrap()).unwrap();
     let mut datagram = answers.last().unwrap().clone();
-    let mut unit_now = Hello::read(key.open(&mut datagram).unwrap()).unwrap().now;
+    let hello = Hello::read(key.open(&mut datagram).unwrap()).unwrap();
+    let mut unit_now = hello.now + subject.now().since(asked);
     for n in 0..150_u64 {
         let header = Header {
             kind: Kind::Command,
@@ -205,7 +207,7 @@ fn limits_a_host_that_lies(mut subject: impl Subject) {
         subject.send(key.seal(&header, &mut buffer, write));
         let before = subject.now();
         subject.pass(Duration::from_millis(10));
-        unit_now += subject.now().since(before);
+        unit_now = unit_now + subject.now().since(before);
     }
     let seen = subject.end();
     // The clock of an emulated chip is exact; the guard counts with the slowest it may be.
