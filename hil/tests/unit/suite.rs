@@ -207,7 +207,7 @@ fn limits_a_host_that_lies(mut subject: impl Subject) {
         subject.send(key.seal(&header, &mut buffer, write));
         let before = subject.now();
         subject.pass(Duration::from_millis(10));
-        unit_now = unit_now + subject.now().since(before);
+        unit_now += subject.now().since(before);
     }
     let seen = subject.end();
     // The clock of an emulated chip is exact; the guard counts with the slowest it may be.
