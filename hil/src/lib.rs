@@ -9,6 +9,7 @@ pub mod ending;
 pub mod history;
 pub mod host;
 pub mod interfaces;
+pub mod link;
 pub mod output;
 pub mod parallel;
 pub mod program;

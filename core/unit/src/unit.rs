@@ -1,7 +1,6 @@
 //! The unit itself: one turn after the other.
 
 use core::convert::Infallible;
-use core::fmt;
 
 use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
 use embedded_hal::i2c::I2c;
@@ -9,15 +8,15 @@ use palpate_core::codec::link::{
     Buffer, Command, Header, Hello, Key, Kind, MOST, Planned, Refusal, Request, State, Status,
 };
 use palpate_core::driver::{Actuators, Pca9685Bank, Traffic};
-use palpate_core::guard::{Cause, Guard, Guarded, Limits, Plant, PlantError};
-use palpate_core::illusion::DisplayWire;
+use palpate_core::guard::{Cause, Guard, Guarded};
 use palpate_core::schedule::Stimulus;
-use palpate_core::units::{Board, Channel, Duration, Instant, Ticks};
+use palpate_core::units::{Board, Duration, Instant, Ticks};
 
 use crate::counts::Counts;
 use crate::phases::Phases;
 use crate::schedule::Schedule;
 use crate::session::Sessions;
+use crate::settings::{Settings, SettingsError};
 
 /// A turn takes no more datagrams than this, and opens one: the rest waits, so that a flood delays no end of a pulse.
 const MOST_AT_ONCE: usize = 8;
@@ -57,76 +56,6 @@ impl OutputPin for NoPin {
 
     fn set_high(&mut self) -> Result<(), Infallible> {
         Ok(())
-    }
-}
-
-/// What is burnt into a unit.
-#[derive(Clone, Copy, Debug)]
-pub struct Settings<'a> {
-    /// Shared with its host.
-    pub key: &'a [u8; 32],
-    /// A number that no start of this unit under this key has had: 64 random bits, or a count kept in flash.
-    pub boot: u64,
-    /// The wires on its boards.
-    pub wires: &'a [DisplayWire],
-    /// 7-bit addresses of the boards, by number.
-    pub addresses: &'a [u8],
-    /// Its limits; looser than the hard ones they cannot be.
-    pub limits: Limits,
-    /// What its guard knows of boards and wires.
-    pub plant: Plant,
-    /// Whether its processor bears the guard's thermal rows.
-    pub heat: bool,
-}
-
-/// Why a unit cannot be built.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SettingsError {
-    /// The guard's.
-    Plant(PlantError),
-    /// No board, or more than sixteen.
-    Boards(usize),
-    /// Two boards at one address.
-    SameAddress(u8),
-    /// A wire on a board or channel that is not there.
-    NoSuchOutput(Board, Channel),
-}
-
-impl fmt::Display for SettingsError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Plant(e) => e.fmt(f),
-            Self::Boards(found) => write!(f, "boards: expected 1 to 16 addresses, found {found}"),
-            Self::SameAddress(address) => write!(
-                f,
-                "boards: expected an address of its own for each, found {address:#04x} twice: set the straps of one board otherwise"
-            ),
-            Self::NoSuchOutput(board, channel) => write!(
-                f,
-                "wires: expected a channel 0 to 15 of a board of this unit, found channel {} of board {}",
-                channel.0, board.0
-            ),
-        }
-    }
-}
-
-impl core::error::Error for SettingsError {}
-
-impl Settings<'_> {
-    fn check(&self) -> Result<(), SettingsError> {
-        let count = self.addresses.len();
-        if !(1..=16).contains(&count) {
-            return Err(SettingsError::Boards(count));
-        }
-        let twice = (1..count).find(|&n| self.addresses[..n].contains(&self.addresses[n]));
-        if let Some(n) = twice {
-            return Err(SettingsError::SameAddress(self.addresses[n]));
-        }
-        let absent = |w: &&DisplayWire| usize::from(w.board.0) >= count || w.channel.0 > 15;
-        match self.wires.iter().find(absent) {
-            Some(wire) => Err(SettingsError::NoSuchOutput(wire.board, wire.channel)),
-            None => Ok(()),
-        }
     }
 }
 

@@ -14,7 +14,7 @@ use palpate_emulators::display::observed::RegisterWriter;
 use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{DisplayConfig, OutputEdge, ThermalSample, WirePlace, WornDisplay};
-use palpate_files::{Bench, BenchKind, Drive, Setup};
+use palpate_files::{Bench, Drive, Setup};
 use palpate_records::i2c::Transfer;
 use palpate_records::trace::{Event, Header};
 
@@ -29,6 +29,7 @@ use crate::feel::{FullDrive, feel, sample_wires};
 use crate::margins::Currents;
 use crate::place::Place;
 use crate::plan;
+use crate::policy::refuse_hardware;
 use crate::recorder::{Onset, Recorder};
 use crate::script::{FaultReport, Script};
 use crate::skin_end::FaultySkin;
@@ -437,23 +438,6 @@ const fn edge(e: &OutputEdge) -> Event {
         board: e.board,
         channel: e.channel,
         high: e.high,
-    }
-}
-
-/// Refuses hardware: what is emulated must not be recorded as real.
-pub(crate) fn refuse_hardware(bench: &Bench) -> Result<(), Failure> {
-    if bench.unit_address().is_some() {
-        return Err(Failure::Input(format!(
-            "bench `{}`: expected a bench without [unit] address: only `hil run` drives a unit over a network",
-            bench.name
-        )));
-    }
-    match bench.kind {
-        BenchKind::Emulated => Ok(()),
-        BenchKind::Real => Err(Failure::Input(format!(
-            "bench `{}`: expected kind = \"emulated\", found \"real\": only the program `hil` opens hardware",
-            bench.name
-        ))),
     }
 }
 

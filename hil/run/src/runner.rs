@@ -19,14 +19,14 @@ use palpate_records::readings::Readings;
 use palpate_records::trace::{Header, Ledger};
 
 use crate::actuator_bus::ActuatorBus;
-use crate::display_end::{EmulatedDisplay, refuse_hardware};
+use crate::display_end::EmulatedDisplay;
 use crate::effort::Effort;
 use crate::failure::Failure;
 use crate::header::header;
 use crate::levels::{Intensities, dynamic_levels, known_levels};
 use crate::passed::Passing;
 use crate::place::{Place, looking};
-use crate::policy::Policy;
+use crate::policy::{Policy, refuse_hardware};
 use crate::recorder::{Recorder, Truth, milli_c};
 use crate::replay::{CanPlayer, Rows};
 use crate::session::{Session, TICK, Turn};

@@ -6,7 +6,7 @@ use palpate_files::{Bench, BenchKind, Loaded, Overrides, Real, load_bench, repea
 use palpate_run::Failure;
 
 use crate::cli::UnitOn;
-use crate::unit::remote::UnitPlace;
+use crate::link::UnitPlace;
 
 /// The bench of a command without one.
 pub(super) const DEFAULT_BENCH: &str = "emulated";

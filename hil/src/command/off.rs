@@ -7,9 +7,9 @@ use palpate_buses::lock::BusLock;
 use palpate_buses::oe::OeLine;
 
 use crate::cli::OffArgs;
+use crate::link::{RemoteUnit, UnitPlace};
 use crate::output::{note, print};
 use crate::real::watch;
-use crate::unit::remote::{RemoteUnit, UnitPlace};
 use palpate_buses::pacer::RunClock;
 use palpate_core::codec::link::State;
 use palpate_run::Failure;

@@ -6,9 +6,10 @@ use palpate_run::Failure;
 use super::devices::bench;
 use super::run::DEFAULT_SCENE;
 use crate::cli::UnitArgs;
+use crate::link::key;
 use crate::output::print;
 use crate::telling::Telling;
-use crate::unit::{self, Options, key};
+use crate::unit::{self, Options};
 
 /// Serves a driver unit until stopped, or makes a key for one.
 ///

@@ -10,8 +10,8 @@ use palpate_run::unit::{NoLine, UnitReport};
 use palpate_run::{Failure, Recorder};
 
 use super::ends::Watched;
+use crate::link::RemoteUnit;
 use crate::output::note;
-use crate::unit::remote::RemoteUnit;
 
 /// A unit with which a session has begun.
 pub(super) struct LinkEnd(pub(super) RemoteUnit);

@@ -3,12 +3,13 @@
 mod bench;
 mod ends;
 mod link;
+mod turns;
 
 pub use bench::{refuse_latched, watch};
 
 use std::path::PathBuf;
 
-use palpate_buses::pacer::{Lateness, Pacer, RunClock};
+use palpate_buses::pacer::{Lateness, RunClock};
 use palpate_buses::signals::Signals;
 use palpate_buses::sys::{forbid_core_dumps, lock_memory, set_fifo_priority};
 use palpate_core::projector::Projector;
@@ -20,23 +21,22 @@ use palpate_run::effort::Effort;
 use palpate_run::plan::differences;
 use palpate_run::skin_end::Tap;
 use palpate_run::{
-    AskedLevel, CanPlayer, CanReport, EmulatedSkin, Failure, Input, Outcome, Pacing, Policy,
-    Recorder, Rows, Session, Truth, Turn, attachments, build, dynamic_levels, finished, header,
-    scene_levels, skin,
+    AskedLevel, CanPlayer, EmulatedSkin, Failure, Input, Outcome, Pacing, Rows, Truth, attachments,
+    build, dynamic_levels, finished, header, scene_levels, skin,
 };
 
 use crate::clock;
 use crate::host::open_watch;
 use crate::interfaces::reports;
+use crate::link::{RemoteUnit, UnitPlace};
 use crate::output::{Outputs, note};
 use crate::progress::Progress;
 use crate::record::{About, Journal, Kind, Sink};
-use crate::unit::remote::{RemoteUnit, UnitPlace};
-use crate::watch::Watch;
 
 use bench::{Interfaces, Live};
 use ends::{Sensed, Watched};
 use link::LinkEnd;
+use turns::{Done, Turns};
 
 /// Real-time priority of the loop, below the guardian's.
 const PRIORITY: u8 = 50;
@@ -48,15 +48,6 @@ pub struct Told {
     pub quiet: bool,
     /// A live view, which notes would tear.
     pub watched: bool,
-}
-
-/// What the loop leaves behind.
-struct Done<S, D> {
-    session: Session<S, D>,
-    lateness: Lateness,
-    realtime: bool,
-    not_recorded: u64,
-    end: Instant,
 }
 
 /// What a run writes and says while it goes on.
@@ -294,176 +285,6 @@ impl<'a> Running<'a> {
         let mut outcome = outcome(setup, self.header, done);
         outcome.summary.wall_s = clock::elapsed().saturating_sub(self.started).as_secs_f64();
         Ok(outcome)
-    }
-}
-
-/// What paces a session on hardware and watches over it.
-struct Turns<'a> {
-    /// The bench's CAN interfaces.
-    can: &'a [String],
-    /// Whether real-time priority is insisted on, or done without.
-    realtime: Option<bool>,
-    clock: RunClock,
-    signals: Signals,
-    length: Instant,
-    drives: usize,
-    truth: Truth,
-    /// Where decoded taxels are recorded.
-    taxels: Option<Readings>,
-    journal: Journal,
-    watch: Option<Watch>,
-    progress: Progress,
-}
-
-impl Turns<'_> {
-    /// The loop on its own thread, until the scene's end, a signal, or a failure.
-    fn drive<S: Sensed, D: Watched>(
-        mut self,
-        projector: Projector,
-        (skin, mut display): (S, D),
-    ) -> Result<Done<S, D>, Failure> {
-        let truth = std::mem::take(&mut self.truth);
-        let mut recorder = Recorder::new(truth, projector.layout());
-        recorder.counts = self.watch.is_some().then(Vec::new);
-        recorder.readings = Some(Readings::sampled(projector.layout(), self.drives));
-        recorder.taxels = self.taxels.take();
-        let realtime = match self.realtime {
-            Some(false) => false,
-            None => take_priority().is_ok(),
-            Some(true) => match take_priority() {
-                Ok(()) => true,
-                Err(refused) => {
-                    // Nothing is on yet: the good-bye cannot fail in a way that matters more than this.
-                    let _ = display.part(Ok(()), true);
-                    return Err(refused);
-                }
-            },
-        };
-        for line in display.found().lines() {
-            recorder.note(Instant::ZERO, format!("{line}; switched off"));
-        }
-        let run_clock = self.clock;
-        let ends = (skin, display);
-        let mut session = Session::new(
-            projector,
-            ends,
-            Policy::REAL,
-            recorder,
-            Some(clock::elapsed),
-        );
-        let ready = match session.start(run_clock.now()) {
-            Ok(ready) => ready,
-            Err(error) => {
-                let display = session.display();
-                let cause = display.explain(&error);
-                display.abandon(&cause);
-                return Err(Failure::Device(cause));
-            }
-        };
-        session.skin().begin();
-        let mut pacer = Pacer::new(run_clock);
-        let mut now = pacer.wait(ready);
-        let (begun, length) = (now, self.length.as_micros() as f64);
-        let end = Instant::from_micros(self.length.as_micros().saturating_add(now.as_micros()));
-        while now < end && self.goes_on(&mut session, now) {
-            self.progress
-                .part(now.since(begun).as_micros() as f64 / length);
-            match session.turn(now)? {
-                Turn::Next(next) => {
-                    if self.is_stopped(&mut session, now) {
-                        break;
-                    }
-                    now = pacer.wait(next);
-                }
-                Turn::Last => break,
-            }
-        }
-        let end = run_clock.now();
-        self.part(&mut session, end);
-        self.tell(&mut session);
-        let not_recorded = self.journal.dropped();
-        if let Err(error) = self.journal.finish() {
-            session.set_failure(error);
-        }
-        drop(self.watch);
-        Ok(Done {
-            session,
-            lateness: pacer.lateness().clone(),
-            realtime,
-            not_recorded,
-            end,
-        })
-    }
-
-    /// Before a turn: the display's heartbeat, signals, records.
-    fn goes_on<S: Sensed, D: Watched>(
-        &mut self,
-        session: &mut Session<S, D>,
-        now: Instant,
-    ) -> bool {
-        if let Err(failure) = session.display().beat(now) {
-            session.set_failure(failure);
-            return false;
-        }
-        if let Some(signal) = self.signals.caught() {
-            session.recorder().note(now, format!("stopped by {signal}"));
-            return false;
-        }
-        assert!(
-            !self.signals.wants_panic(),
-            "a drill, by PALPATE_DRILL and SIGUSR1"
-        );
-        while let Some(note) = session.skin().note() {
-            session.recorder().note(note.at, note.text);
-        }
-        self.tell(session);
-        !self.journal.has_failed()
-    }
-
-    /// Hands what is new to the records.
-    fn tell<S: Sensed, D: Watched>(&mut self, session: &mut Session<S, D>) {
-        let frames = session.skin().take_frames();
-        let recorder = session.recorder();
-        let taxels = recorder.taxels.as_mut().map(Readings::take_frames);
-        self.journal
-            .tell(&recorder.events, frames, taxels.unwrap_or_default());
-    }
-
-    /// Shows a turn; whether the person in front of it wants no more.
-    fn is_stopped<S: Sensed, D: Watched>(
-        &mut self,
-        session: &mut Session<S, D>,
-        now: Instant,
-    ) -> bool {
-        let Some(watch) = &mut self.watch else {
-            return false;
-        };
-        let (skin, recorder) = session.seen();
-        let counts = recorder.counts.as_deref().unwrap_or_default();
-        let tallies = skin.tallies();
-        let buses = || {
-            let all = reports(self.can, &tallies);
-            all.iter().map(CanReport::words).collect()
-        };
-        let stopped = watch.turn(0, now, &recorder.events, counts, buses);
-        if stopped {
-            let note = "stopped by the person who watched".into();
-            session.recorder().note(now, note);
-        }
-        stopped
-    }
-
-    /// Everything off, and the display's leave. The screen may take its time; the outputs do not wait for it.
-    fn part<S: Sensed, D: Watched>(&self, session: &mut Session<S, D>, end: Instant) {
-        let off = session.switch_off(end);
-        let failed = session.failure().is_some();
-        let display = session.display();
-        let off = off.map_err(|error| display.explain(&error));
-        if let Err(cause) = display.part(off, failed) {
-            let text = format!("not everything is known to be off: {cause}");
-            session.recorder().note(end, text);
-            session.set_failure(Failure::Device(cause));
-        }
     }
 }
 

@@ -219,7 +219,10 @@ pub fn attempt(
 pub fn judge(setup: &Setup, outcome: &Outcome) -> Try {
     let bench = &setup.bench.value;
     let is_real = bench.is_hardware();
-    let health = if is_real {
+    let health = if bench.unit_address().is_some() {
+        // Its own stops are failures of the run; nothing of it hangs on this computer.
+        Vec::new()
+    } else if is_real {
         after_real(bench, outcome)
     } else {
         after_emulated(&setup.scene.value, outcome)

@@ -2,9 +2,7 @@
 //! I2C adapter. One thread, a turn each millisecond and for each datagram.
 
 mod boards;
-pub mod key;
 mod record;
-pub mod remote;
 
 use std::net::SocketAddr;
 
@@ -23,6 +21,7 @@ use palpate_run::{Failure, build, plan};
 use palpate_unit::{Datagrams, Settings, Unit};
 use std::os::fd::AsFd;
 
+use crate::link::key;
 use crate::real::take_priority;
 use crate::telling::{Teller, Telling};
 use boards::{Boards, Emulated, Guarded};

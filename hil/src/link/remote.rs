@@ -49,7 +49,10 @@ impl UnitPlace {
         let (Some(name), Some(path)) = (bench.value.unit_address(), bench.unit_key()) else {
             return Ok(None);
         };
-        let at = address(name).map_err(|e| Failure::File(bench.source.bad("unit.address", e)))?;
+        let at = address(name).map_err(|expected| {
+            let expected = expected.trim_start_matches("expected ");
+            Failure::File(bench.source.bad("unit.address", expected))
+        })?;
         Ok(Some(Self {
             name: name.into(),
             at,
