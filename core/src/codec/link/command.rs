@@ -6,10 +6,6 @@ use super::bytes::{Reader, Writer};
 use super::{MOST_PLANNED, Refusal};
 use crate::units::{Board, Channel, Duration, Instant, Ticks};
 
-/// Everything off now.
-const OFF: u8 = 1;
-/// Everything off, and off until this stop is acknowledged.
-const STOP: u8 = 2;
 /// Bytes of one stimulus.
 const EACH: usize = 9;
 
@@ -51,6 +47,22 @@ pub enum Request {
     Stop,
 }
 
+impl Request {
+    /// Its byte.
+    pub const fn number(self) -> u8 {
+        match self {
+            Self::Play => 0,
+            Self::Off => 1,
+            Self::Stop => 2,
+        }
+    }
+
+    fn from_number(number: u8) -> Option<Self> {
+        let mut all = [Self::Play, Self::Off, Self::Stop].into_iter();
+        all.find(|r| r.number() == number)
+    }
+}
+
 /// A command as it was received: the stimuli stay bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Command<'a> {
@@ -78,12 +90,7 @@ impl<'a> Command<'a> {
         let reading = Instant::from_micros(reader.u64()?);
         let base = Instant::from_micros(reader.u64()?);
         let stops = reader.u32()?;
-        let request = match reader.u8()? {
-            0 => Request::Play,
-            OFF => Request::Off,
-            STOP => Request::Stop,
-            _ => return None,
-        };
+        let request = Request::from_number(reader.u8()?)?;
         let count = usize::from(reader.u8()?);
         let entries = reader.rest();
         let command = Self {
@@ -135,11 +142,7 @@ impl<'a> Command<'a> {
         writer.u64(reading.as_micros());
         writer.u64(base.as_micros());
         writer.u32(stops);
-        writer.u8(match request {
-            Request::Play => 0,
-            Request::Off => OFF,
-            Request::Stop => STOP,
-        });
+        writer.u8(request.number());
         writer.u8(plan.len() as u8); // at most 128
         for planned in plan {
             writer.u8(planned.board.0 << 4 | planned.channel.0 & 15);

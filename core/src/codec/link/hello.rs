@@ -5,8 +5,12 @@ use super::{Refusal, State};
 use crate::guard::{Limits, Plant};
 use crate::units::{Clock, Duration, Instant, Milliamps, Prescale};
 
+/// The flag of a unit that another host drives.
+pub const BUSY: u8 = 1;
+/// The flag of a unit whose guard has the thermal rows.
+pub const HEAT: u8 = 2;
 /// What stands for the chips' own oscillator in place of a tolerance.
-const INTERNAL: u32 = u32::MAX;
+pub const INTERNAL: u32 = u32::MAX;
 
 /// A unit's answer to a knock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,10 +82,10 @@ impl Hello {
         for board in &mut wires {
             *board = reader.u16()?;
         }
-        (reader.is_done() && flags <= 3).then_some(Self {
+        (reader.is_done() && flags <= BUSY | HEAT).then_some(Self {
             now,
-            busy: flags & 1 != 0,
-            heat: flags & 2 != 0,
+            busy: flags & BUSY != 0,
+            heat: flags & HEAT != 0,
             state,
             stops,
             plant,
@@ -94,7 +98,7 @@ impl Hello {
     pub fn write(&self, out: &mut [u8]) -> usize {
         let mut writer = Writer::new(out);
         writer.u64(self.now.as_micros());
-        writer.u8(u8::from(self.busy) | u8::from(self.heat) << 1);
+        writer.u8(u8::from(self.busy) * BUSY | u8::from(self.heat) * HEAT);
         writer.u8(self.state.number());
         writer.u32(self.stops);
         let (plant, limits) = (&self.plant, &self.limits);

@@ -8,10 +8,14 @@
 mod bytes;
 mod command;
 mod hello;
+mod layout;
 mod status;
 
 pub use command::{Command, Planned, Request};
-pub use hello::Hello;
+pub use hello::{BUSY, HEAT, Hello, INTERNAL};
+pub use layout::{
+    COMMAND_FIELDS, Field, HEADER_FIELDS, HELLO_FIELDS, PLANNED_FIELDS, STATUS_FIELDS,
+};
 pub use status::{HELD, State, Status};
 
 use core::fmt;
@@ -32,7 +36,7 @@ pub const MOST: usize = 1400;
 pub const MOST_PLANNED: usize = 128;
 
 /// The bit of a sequence that says that the unit sent it.
-const FROM_UNIT: u64 = 1 << 63;
+pub const FROM_UNIT: u64 = 1 << 63;
 
 /// What a datagram is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +52,8 @@ pub enum Kind {
 }
 
 impl Kind {
-    const fn number(self) -> u8 {
+    /// Its byte.
+    pub const fn number(self) -> u8 {
         match self {
             Self::Knock => 1,
             Self::Hello => 2,

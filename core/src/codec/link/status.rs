@@ -15,7 +15,8 @@ pub enum State {
 }
 
 impl State {
-    pub(super) const fn number(self) -> u8 {
+    /// Its byte.
+    pub const fn number(self) -> u8 {
         match self {
             Self::Ready => 0,
             Self::Stopped(Cause::StaleInput) => 1,
