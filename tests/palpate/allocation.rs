@@ -23,6 +23,8 @@ use palpate_files::{FeltBy, Setup};
 use palpate_run::plan::plan;
 use palpate_tests::seeded::{Seeded, stroke};
 
+mod unit;
+
 thread_local! {
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
 }

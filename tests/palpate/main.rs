@@ -22,6 +22,7 @@ mod goldens;
 mod guard;
 mod hand;
 mod illusion;
+mod link;
 mod panel;
 mod paths;
 mod pca9685;

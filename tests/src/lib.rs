@@ -5,3 +5,4 @@ pub mod felt;
 
 pub mod reference;
 pub mod seeded;
+pub mod unit;

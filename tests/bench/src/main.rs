@@ -24,6 +24,7 @@ mod skins;
 mod table;
 mod texture;
 mod timing;
+mod unit;
 mod units;
 
 use std::io::Write;
@@ -40,7 +41,7 @@ use findings::{Findings, Row};
 type Measure = fn() -> Result<Findings, Failure>;
 
 /// Every family as the command line spells it, in the order of the page, with what it measures.
-const FAMILIES: [(&str, &[Measure]); 9] = [
+const FAMILIES: [(&str, &[Measure]); 10] = [
     ("physics", &[physics::measure]),
     ("perceiver", &[perceiver::measure]),
     ("emulators", &[emulators::measure]),
@@ -56,6 +57,7 @@ const FAMILIES: [(&str, &[Measure]); 9] = [
     ),
     ("render", &[render::measure]),
     ("loop", &[projection::measure]),
+    ("unit", &[unit::measure]),
     ("records", &[records::measure]),
 ];
 
