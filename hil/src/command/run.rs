@@ -24,7 +24,7 @@ use palpate_files::{
 };
 use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome, attachments, run_with};
 
-use crate::record::Kind as LiveKind;
+use crate::record::{Kind as LiveKind, path_of};
 
 use super::devices::bench_with;
 use super::explain;
@@ -96,13 +96,8 @@ impl Format {
 
     /// The files that it makes of the one that was asked for.
     pub(super) fn paths(self, path: &Path, setup: &Setup) -> Vec<PathBuf> {
-        let of = |name: &str| {
-            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-            let ending = path.extension().unwrap_or_default().to_string_lossy();
-            path.with_file_name(format!("{stem}-{name}.{ending}"))
-        };
         let whole = || path.to_owned();
-        let each = setup.fingers.iter().map(|f| of(&f.name));
+        let each = setup.fingers.iter().map(|f| path_of(path, &f.name));
         match self {
             _ if setup.fingers.is_empty() || !self.is_per_display() => vec![whole()],
             // The hand's page stands before those of its fingers.

@@ -16,7 +16,9 @@ use palpate_core::units::{Instant, Prescale};
 use palpate_files::{Bench, Real};
 use palpate_run::display_end::{DisplayEnd, OutputEnable};
 use palpate_run::skin_end::CanEnd;
-use palpate_run::{Failure, plan};
+use palpate_run::{CanReport, Failure, plan};
+
+use crate::interfaces::reports;
 
 /// The guardian's view of a bench.
 pub fn watch(bench: &Bench, real: &Real) -> Watch {
@@ -30,7 +32,7 @@ pub fn watch(bench: &Bench, real: &Real) -> Watch {
 }
 
 /// Refuses while a stop is latched.
-fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
+pub(super) fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
     for (path, _) in &watch.buses {
         if let Some(held) = Latch::of(path).read() {
             let known = if held.verified {
@@ -46,6 +48,19 @@ fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// Every adapter, and the guardian over them, last: from then on it can say off. Then what it found driving.
+pub(super) fn guarded(watch: &Watch) -> Result<(Vec<Blocking>, Guardian, String), Failure> {
+    let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
+    let mut lines = Vec::new();
+    for (path, addresses) in &watch.buses {
+        let adapter = LinuxAdapter::open(path, addresses).map_err(|e| device(&e))?;
+        lines.push(Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?);
+    }
+    let program = std::env::current_exe().map_err(|e| device(&e))?;
+    let (guardian, found) = Guardian::start(&program, watch).map_err(|e| device(&e))?;
+    Ok((lines, guardian, found))
 }
 
 /// The guardian, and whether it has an OE line to cut.
@@ -73,18 +88,11 @@ impl Live {
         layout: &Layout,
         prescale: Prescale,
     ) -> Result<(Self, Interfaces), Failure> {
-        let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
         let watch = watch(bench, real);
         refuse_latched(&watch)?;
         let clock = RunClock::start();
-        let can = CanBuses::open(&interfaces(real, layout)?, clock).map_err(|e| device(&e))?;
-        let mut lines = Vec::new();
-        for (path, addresses) in &watch.buses {
-            let adapter = LinuxAdapter::open(path, addresses).map_err(|e| device(&e))?;
-            lines.push(Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?);
-        }
-        let program = std::env::current_exe().map_err(|e| device(&e))?;
-        let (guardian, found) = Guardian::start(&program, &watch).map_err(|e| device(&e))?;
+        let can = Interfaces::open(interfaces(real, layout)?, clock)?;
+        let (mut lines, guardian, found) = guarded(&watch)?;
         lines
             .iter_mut()
             .for_each(|line| line.set_pulse(guardian.pulse()));
@@ -100,7 +108,7 @@ impl Live {
             adapters: real.i2c.clone(),
             found,
         };
-        Ok((live, Interfaces(can)))
+        Ok((live, can))
     }
 }
 
@@ -132,18 +140,73 @@ impl DisplayEnd for Live {
     }
 }
 
-/// The interfaces of a bench: time passes there by itself.
-pub(super) struct Interfaces(pub(super) CanBuses);
+/// How notes say that outputs were cut, or that they could not be.
+pub(super) const fn cut_words(has_oe: bool) -> &'static str {
+    match has_oe {
+        true => "outputs off by the OE line",
+        false => {
+            "no OE line is wired, so boards drive what they were last told until the bus answers"
+        }
+    }
+}
+
+/// Interfaces of a bench: time passes there by itself.
+pub(super) struct Interfaces {
+    pub(super) buses: CanBuses,
+    /// Each one's name, and its number on the bench.
+    names: Vec<String>,
+    numbers: Vec<u8>,
+}
+
+impl Interfaces {
+    /// Interfaces with the boards that are read there.
+    pub(super) fn open(all: Vec<(String, Vec<u8>)>, clock: RunClock) -> Result<Self, Failure> {
+        Self::numbered((0..).zip(all).collect(), clock)
+    }
+
+    /// Those alone that carry boards of this layout.
+    pub(super) fn of_boards(
+        real: &Real,
+        layout: &Layout,
+        clock: RunClock,
+    ) -> Result<Self, Failure> {
+        let all = (0..).zip(interfaces(real, layout)?);
+        let needed = all.filter(|(_, (_, boards))| !boards.is_empty());
+        Self::numbered(needed.collect(), clock)
+    }
+
+    fn numbered(all: Vec<(u8, (String, Vec<u8>))>, clock: RunClock) -> Result<Self, Failure> {
+        let (numbers, all): (Vec<u8>, Vec<_>) = all.into_iter().unzip();
+        let buses = CanBuses::open(&all, clock).map_err(|e| Failure::Device(e.to_string()))?;
+        Ok(Self {
+            buses,
+            names: all.into_iter().map(|(name, _)| name).collect(),
+            numbers,
+        })
+    }
+
+    /// What has happened on each.
+    pub(super) fn reports(&self) -> Vec<CanReport> {
+        reports(&self.names, &self.buses.tallies())
+    }
+}
 
 impl CanBus for Interfaces {
     type Error = <CanBuses as CanBus>::Error;
 
     fn receive(&mut self) -> Result<Option<Received>, Self::Error> {
-        self.0.receive()
+        let numbered = |received: Received| Received {
+            bus: (self.numbers.get(usize::from(received.bus)).copied()).unwrap_or(received.bus),
+            ..received
+        };
+        Ok(self.buses.receive()?.map(numbered))
     }
 
     fn transmit(&mut self, bus: u8, frame: &CanFrame) -> Result<(), Self::Error> {
-        self.0.transmit(bus, frame)
+        let own = self.numbers.iter().position(|number| *number == bus);
+        // A bus that is none of these is refused below, as one that is not there.
+        self.buses
+            .transmit(own.map_or(u8::MAX, |own| own as u8), frame)
     }
 }
 
@@ -159,11 +222,7 @@ impl OutputEnable for Watchman {
     }
 
     fn words(&self) -> &'static str {
-        if self.has_oe {
-            "outputs off by the OE line"
-        } else {
-            "no OE line is wired, so boards drive what they were last told until the bus answers"
-        }
+        cut_words(self.has_oe)
     }
 }
 

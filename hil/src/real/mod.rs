@@ -1,6 +1,10 @@
 //! A run on a real bench: the same session, held to the wall clock, between SocketCAN and Linux I2C adapters.
 
 mod bench;
+mod hand;
+mod loops;
+mod records;
+mod warden;
 
 pub use bench::watch;
 
@@ -9,6 +13,7 @@ use std::path::PathBuf;
 use palpate_buses::pacer::{Lateness, Pacer};
 use palpate_buses::signals::Signals;
 use palpate_buses::sys::{forbid_core_dumps, lock_memory, set_fifo_priority};
+use palpate_core::contact::Levels;
 use palpate_core::projector::Projector;
 use palpate_core::skin::CanSkin;
 use palpate_core::units::Instant;
@@ -25,7 +30,6 @@ use palpate_run::{
 
 use crate::clock;
 use crate::host::open_watch;
-use crate::interfaces::reports;
 use crate::output::{Outputs, note};
 use crate::progress::Progress;
 use crate::record::{About, Journal, Kind, Sink};
@@ -46,11 +50,11 @@ pub struct Told {
 }
 
 /// A session on hardware.
-type RealSession = Session<CanSkin<Tap<Interfaces>>, Live>;
+type RealSession<D = Live> = Session<CanSkin<Tap<Interfaces>>, D>;
 
-/// What the loop leaves behind.
-struct Done {
-    session: RealSession,
+/// What a loop leaves behind.
+struct Done<D = Live> {
+    session: RealSession<D>,
     lateness: Lateness,
     realtime: bool,
     not_recorded: u64,
@@ -69,24 +73,55 @@ pub fn run(
     told: Told,
 ) -> Result<Outcome, Failure> {
     let started = clock::elapsed();
-    let (scene, bench) = (&setup.scene.value, &setup.bench.value);
+    let bench = &setup.bench.value;
     let Some(real) = &bench.real else {
         return Err(Failure::Input(format!(
             "bench `{}`: expected kind = \"real\"",
             bench.name
         )));
     };
+    let run = match setup.fingers.is_empty() {
+        true => alone,
+        false => hand::run,
+    };
+    let mut outcome = run((setup, real), seed, (files, outputs), told)?;
+    outcome.summary.wall_s = clock::elapsed().saturating_sub(started).as_secs_f64();
+    Ok(outcome)
+}
+
+/// Makes the process ready for wires that a person wears; the signals that end it.
+fn prepare() -> Result<Signals, Failure> {
     // An abort in the middle of a burst must be noticed at once; refused, it is noticed by the heartbeat.
     let _ = forbid_core_dumps();
     // A backtrace takes its time, and outputs are on while it is made: the place has to do.
     std::panic::set_hook(Box::new(|panic| note(&panic.to_string())));
-    let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
-    let levels = if scene.touches.is_empty() {
-        dynamic_levels(&scene.compression)
-    } else {
-        scene_levels(setup, seed)?
-    };
-    let projector = build(setup, seed, levels)?;
+    Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))
+}
+
+/// The intensity levels of a scene's own touches; without touches they are found frame by frame.
+fn levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
+    let scene = &setup.scene.value;
+    match scene.touches.is_empty() {
+        true => Ok(dynamic_levels(&scene.compression)),
+        false => scene_levels(setup, seed),
+    }
+}
+
+/// How long a scene is.
+fn length(setup: &Setup) -> Instant {
+    Instant::from_micros((setup.scene.value.length_s * 1e6).round() as u64)
+}
+
+/// A run of the only display of a bench.
+fn alone(
+    (setup, real): (&Setup, &Real),
+    seed: u64,
+    (files, outputs): (&[(Kind, PathBuf)], Outputs<'_>),
+    told: Told,
+) -> Result<Outcome, Failure> {
+    let signals = prepare()?;
+    let (scene, bench) = (&setup.scene.value, &setup.bench.value);
+    let projector = build(setup, seed, levels(setup, seed)?)?;
     let (header, attached) = (header(setup, seed, &projector)?, attachments(setup));
     let writes = |wanted: Kind| files.iter().any(|(kind, _)| *kind == wanted);
     let decoded = || Readings::whole(projector.layout(), scene.drives);
@@ -102,7 +137,7 @@ pub fn run(
         projector.layout(),
         projector.guard().prescale(),
     )?;
-    let length = Instant::from_micros((scene.length_s * 1e6).round() as u64);
+    let length = length(setup);
     let watch = match told.watched {
         true => open_watch(&header, projector.layout(), length, false)?,
         false => None,
@@ -129,9 +164,7 @@ pub fn run(
             |_| Failure::Device("the loop panicked; the guardian switches everything off".into());
         thread.join().map_err(panicked)?
     })?;
-    let mut outcome = outcome(setup, header, done);
-    outcome.summary.wall_s = clock::elapsed().saturating_sub(started).as_secs_f64();
-    Ok(outcome)
+    Ok(outcome(setup, header, done))
 }
 
 /// What paces a session on hardware and watches over it.
@@ -244,7 +277,7 @@ impl Turns<'_> {
             !self.signals.wants_panic(),
             "a drill, by PALPATE_DRILL and SIGUSR1"
         );
-        while let Some(note) = session.skin().bus_mut().inner.0.note() {
+        while let Some(note) = session.skin().bus_mut().inner.buses.note() {
             session.recorder().note(note.at, note.text);
         }
         self.tell(session);
@@ -267,9 +300,8 @@ impl Turns<'_> {
         };
         let (skin, recorder) = session.seen();
         let counts = recorder.counts.as_deref().unwrap_or_default();
-        let tallies = skin.bus().inner.0.tallies();
         let buses = || {
-            let all = reports(&self.real.can, &tallies);
+            let all = skin.bus().inner.reports();
             all.iter().map(CanReport::words).collect()
         };
         let stopped = watch.turn(0, now, &recorder.events, counts, buses);
@@ -325,7 +357,7 @@ fn pacing(lateness: &Lateness, realtime: bool) -> Pacing {
 }
 
 /// The run on paper.
-fn outcome(setup: &Setup, header: Header, mut done: Done) -> Outcome {
+fn outcome<D: DisplayEnd>(setup: &Setup, header: Header, mut done: Done<D>) -> Outcome {
     let session = &mut done.session;
     let costs = session.take_costs();
     let failure = session.take_failure();
@@ -340,9 +372,7 @@ fn outcome(setup: &Setup, header: Header, mut done: Done) -> Outcome {
     summary.felt.asked = AskedLevel::of(&setup.scene.value, projector);
     let readings = recorder.readings.take();
     summary.pacing = Some(pacing(&done.lateness, done.realtime));
-    let names = setup.bench.value.real.as_ref().map(|real| &*real.can);
-    let tallies = session.skin().bus().inner.0.tallies();
-    summary.can = reports(names.unwrap_or_default(), &tallies);
+    summary.can = session.skin().bus().inner.reports();
     summary.frames_not_recorded = done.not_recorded;
     Outcome {
         // Nothing measures a real finger.

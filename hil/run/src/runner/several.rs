@@ -4,7 +4,7 @@
 use palpate_core::contact::Levels;
 use palpate_core::skin::Layout;
 use palpate_core::units::{Duration, Instant};
-use palpate_files::{Fault, Gate, Setup};
+use palpate_files::{Fault, Gate};
 use palpate_records::i2c::Transfer;
 use palpate_records::trace::{Event, Header};
 
