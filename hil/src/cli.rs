@@ -7,6 +7,7 @@ mod hardware;
 mod identify;
 mod sweep;
 mod texture;
+mod unit;
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -27,6 +28,7 @@ pub use sweep::{CompareArgs, Seeds, SweepArgs};
 pub use texture::{
     EncodeArgs, ExportArgs, MapArgs, PanelArgs, StrokesArgs, TextureAction, TrainArgs,
 };
+pub use unit::{UnitArgs, UnitOn};
 
 /// Tactile feedback with hardware in the loop: from a robot's touched skin to heated wires on a finger.
 #[derive(Debug, Parser)]
@@ -138,6 +140,9 @@ pub enum Command {
     /// Serve the emulators to other programs until stopped: boards on CAN interfaces, the display behind
     /// a /dev/i2c-N.
     Emulate(EmulateArgs),
+    /// Be a driver unit until stopped: it plays what a host sends over UDP, with a guard of its own, on emulated boards or
+    /// those of an I2C adapter.
+    Unit(UnitArgs),
     /// Record every frame on live CAN interfaces until stopped.
     Record(RecordArgs),
     /// Send a recording onto CAN interfaces, each frame at its time.
@@ -232,6 +237,9 @@ pub struct RunArgs {
     /// On which bench.
     #[command(flatten)]
     pub on: Buses,
+    /// Its driver unit.
+    #[command(flatten)]
+    pub unit: UnitOn,
     /// Recorded taxels in place of the scene's touches: one CSV per module of the layout, or one recording
     /// of all buses (candump .log or .mcap).
     #[arg(long, value_name = "FILE")]

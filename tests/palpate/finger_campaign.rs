@@ -241,6 +241,10 @@ fn what_is_killed_under_one_finger_changes_no_other() {
             wrong.len()
         );
     }
+    // A bus in trouble may hold up another finger's transfer, now and then. Drivers that switch off what is not theirs
+    // would move the pins of one in fifteen.
+    let (beside, moved) = (sum(|t| t.beside), sum(|t| t.moved));
+    assert!(100 * moved <= beside, "{moved} of {beside}");
     // Faults do something: more than every second run changes the schedule of a finger that is under one.
     assert!(2 * sum(|t| t.hit) > runs, "{} of {runs}", sum(|t| t.hit));
     let first: Vec<&&String> = wrong.iter().take(5).collect();

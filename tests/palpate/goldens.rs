@@ -79,6 +79,7 @@ scenes! {
     allegro_one_bus "allegro-one-bus",
     allegro_one_bus_overwrite "allegro-one-bus-overwrite",
     brush_strokes "brush-strokes",
+    by_hand "by-hand",
     digit_circle "digit-circle",
     h1_follow "h1-follow",
     h1_patch "h1-patch",

@@ -23,6 +23,7 @@ fn roll(points: &[[f64; 2]], force_n: f64, length_s: f64, noise: [f64; 2], seed:
             centre_mm: None,
             radius_mm: None,
             period_s: None,
+            samples: Vec::new(),
         },
         force_n: Force {
             mean: force_n,

@@ -66,6 +66,7 @@ fn dependencies_run_one_way() {
         ("core", &[]),
         ("core/nostd", &["core"]),
         ("core/unit", &["core"]),
+        ("core/unit/images/shared", &["core", "unit"]),
         ("emulators", &["core", "unit"]),
         ("fixtures", &[]),
         ("hil/files", &["core", "fixtures"]),
@@ -91,8 +92,10 @@ fn dependencies_run_one_way() {
                 "records",
                 "run",
                 "texture",
+                "unit",
             ],
         ),
+        ("hil/web", &["core", "files", "fixtures", "records", "run"]),
         (
             "hil/python",
             &["core", "emulators", "files", "hil", "records", "run"],

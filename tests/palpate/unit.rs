@@ -1,9 +1,9 @@
 //! A driver unit in the loop: against the wired bench, through an outage, and its link as other languages meet it.
 
 use palpate_core::codec::link::{
-    Command, HEADER, Header, Hello, Key, Kind, MOST, Planned, Request, State, Status, TAG,
+    Command, HEADER, HELD, Header, Hello, Key, Kind, MOST, Planned, Request, State, Status, TAG,
 };
-use palpate_core::guard::{HARD, Plant};
+use palpate_core::guard::{Cause, HARD, Plant};
 use palpate_core::units::{Board, Channel, Instant, Ticks};
 use palpate_files::Setup;
 use palpate_records::trace::Event;
@@ -86,6 +86,7 @@ fn vectors() -> String {
         now: at(5_000_000),
         busy: false,
         heat: false,
+        state: State::Stopped(Cause::End),
         stops: 2,
         plant: Plant::default(),
         limits: HARD,
@@ -104,6 +105,7 @@ fn vectors() -> String {
         late_us: 450,
         refused: 4,
         skin_mc: 0,
+        phase_us: std::array::from_fn(|board| if board == 0 { 1234 } else { HELD }),
     };
     let mut body = [0; MOST];
     let plan = [planned(3, 148), planned(4, 0)];

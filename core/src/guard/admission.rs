@@ -22,9 +22,16 @@ pub(super) struct Passed {
 /// A burst in progress or the last one of a wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Burst {
-    start: Instant,
+    pub(super) start: Instant,
     pub(super) spent_nj: u64,
     end: Instant,
+}
+
+impl Burst {
+    /// How far it has come at `now`.
+    pub(super) fn until(&self, now: Instant) -> Instant {
+        self.end.min(now)
+    }
 }
 
 /// What a burst may take of what is left.
@@ -266,7 +273,7 @@ impl Guard {
 
     /// Largest current, mA, at any instant of a period with the wires set as given. Boards run asynchronously, so
     /// their peaks add.
-    fn supply_peak(&self, running: impl Fn(usize) -> Option<Setting>) -> u64 {
+    pub(super) fn supply_peak(&self, running: impl Fn(usize) -> Option<Setting>) -> u64 {
         // By board, and boards are 0 ..= 15 by construction of a display.
         let mut most = [0; 16];
         for (i, wire) in self.wires.iter().enumerate() {

@@ -75,24 +75,31 @@ impl Limits {
         }
     }
 
-    /// The stricter of both in every row: however a table was made, it cannot loosen [`HARD`].
+    /// The stricter of this and [`HARD`] in every row: however a table was made, it cannot loosen that.
+    #[must_use]
     pub fn tightened(self) -> Self {
+        self.stricter(&HARD)
+    }
+
+    /// The stricter of both in every row.
+    #[must_use]
+    pub fn stricter(self, other: &Self) -> Self {
         Self {
-            pulse_width_ns: self.pulse_width_ns.min(HARD.pulse_width_ns),
-            burst: self.burst.min(HARD.burst),
-            burst_energy_nj: self.burst_energy_nj.min(HARD.burst_energy_nj),
-            wire_1s_uw: self.wire_1s_uw.min(HARD.wire_1s_uw),
-            wire_10s_uw: self.wire_10s_uw.min(HARD.wire_10s_uw),
-            fingertip_1s_uw: self.fingertip_1s_uw.min(HARD.fingertip_1s_uw),
-            fingertip_60s_uw: self.fingertip_60s_uw.min(HARD.fingertip_60s_uw),
-            hand_60s_uw: self.hand_60s_uw.min(HARD.hand_60s_uw),
-            skin_mean_mc: self.skin_mean_mc.min(HARD.skin_mean_mc),
-            skin_peak_mc: self.skin_peak_mc.min(HARD.skin_peak_mc),
-            skin_deep_mc: self.skin_deep_mc.min(HARD.skin_deep_mc),
-            dose_omega_ppm: self.dose_omega_ppm.min(HARD.dose_omega_ppm),
-            dose_cem43_ms: self.dose_cem43_ms.min(HARD.dose_cem43_ms),
-            stale: self.stale.min(HARD.stale),
-            supply: self.supply.min(HARD.supply),
+            pulse_width_ns: self.pulse_width_ns.min(other.pulse_width_ns),
+            burst: self.burst.min(other.burst),
+            burst_energy_nj: self.burst_energy_nj.min(other.burst_energy_nj),
+            wire_1s_uw: self.wire_1s_uw.min(other.wire_1s_uw),
+            wire_10s_uw: self.wire_10s_uw.min(other.wire_10s_uw),
+            fingertip_1s_uw: self.fingertip_1s_uw.min(other.fingertip_1s_uw),
+            fingertip_60s_uw: self.fingertip_60s_uw.min(other.fingertip_60s_uw),
+            hand_60s_uw: self.hand_60s_uw.min(other.hand_60s_uw),
+            skin_mean_mc: self.skin_mean_mc.min(other.skin_mean_mc),
+            skin_peak_mc: self.skin_peak_mc.min(other.skin_peak_mc),
+            skin_deep_mc: self.skin_deep_mc.min(other.skin_deep_mc),
+            dose_omega_ppm: self.dose_omega_ppm.min(other.dose_omega_ppm),
+            dose_cem43_ms: self.dose_cem43_ms.min(other.dose_cem43_ms),
+            stale: self.stale.min(other.stale),
+            supply: self.supply.min(other.supply),
         }
     }
 }

@@ -15,6 +15,7 @@ mod plant;
 mod power;
 mod table;
 mod thermal;
+mod used;
 mod watchdog;
 
 pub use budget::WireBudget;
@@ -23,6 +24,7 @@ pub use limits::{BURST_GAP, HARD, Limits};
 pub use observed::Observed;
 pub use plant::{Plant, PlantError};
 pub use thermal::Predicted;
+pub use used::Used;
 pub use watchdog::Cause;
 
 use alloc::boxed::Box;

@@ -67,6 +67,17 @@ impl Plant {
         }
     }
 
+    /// What heats more of both, board by board alike: the larger current, resistance and wait. The divider stays.
+    #[must_use]
+    pub fn worse(self, other: &Self) -> Self {
+        Self {
+            prescale: self.prescale,
+            wire_milliohm: self.wire_milliohm.max(other.wire_milliohm),
+            peak: self.peak.max(other.peak),
+            bus: self.bus.max(other.bus),
+        }
+    }
+
     /// Ticks' divider, PRE_SCALE + 1.
     const fn divider(&self) -> u64 {
         self.prescale.get() as u64 + 1

@@ -77,6 +77,14 @@ impl Bucket {
         self.left_pj_at(at).saturating_add(refill) / 1000
     }
 
+    /// The part of what may be spent at once that is spent at `at`; all of nothing.
+    pub(super) fn used_at(&self, at: Instant) -> f64 {
+        match self.capacity_pj {
+            0 => 1.0,
+            capacity => 1.0 - self.left_pj_at(at) as f64 / capacity as f64,
+        }
+    }
+
     /// Books energy, at most what is left.
     pub(super) fn spend(&mut self, nj: u64) {
         self.left_pj = self.left_pj.saturating_sub(nj.saturating_mul(1000));

@@ -15,6 +15,7 @@ use super::decays::{DECAYS, Decays, RATES, Stretch, Stretches, Sums, dot};
 use super::dose::{Dose, DoseLimits};
 use super::limits::Limits;
 use super::table::{DEEP, LATENT_K, REST_C, SHALLOW};
+use super::used::Used;
 
 /// Window of the mean.
 const WINDOW: Duration = Duration::from_millis(10_000);
@@ -275,6 +276,24 @@ impl Tissue {
             omega: self.dose.omega,
             cem43_min: self.dose.cem43_min,
         }
+    }
+
+    /// Raises the rows of heat to their shares here at `now`, or where more is booked, at the end of that.
+    pub(super) fn add_used(&self, budget: &Budget, now: Instant, used: &mut Used) {
+        let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
+        tissue.relax(&mut stretches, now);
+        let mean_k = tissue.pasts(tissue.at)[0] / WINDOW.as_secs_f64();
+        let raise = |row: &mut f64, part: f64, limit: f64| *row = row.max(part / limit);
+        raise(&mut used.skin_mean, mean_k, budget.mean_k);
+        let (shallow_k, deep_k) = (dot(&SHALLOW, &tissue.energy), dot(&DEEP, &tissue.energy));
+        raise(&mut used.skin_peak, shallow_k, budget.peak_k);
+        raise(&mut used.skin_deep, deep_k, budget.deep_k);
+        raise(&mut used.omega, tissue.dose.omega, budget.dose.omega);
+        raise(
+            &mut used.cem43,
+            tissue.dose.cem43_min,
+            budget.dose.cem43_min,
+        );
     }
 
     /// Lets time pass until `to` without heat. Before the last window nothing but energy and dose matters:

@@ -13,12 +13,14 @@ pub struct Counts {
     pub reasons: u16,
     /// Stimuli left out: too late, after too old a reading, while stopped, without a wire.
     pub dropped: u32,
-    /// The latest beginning after its time, microseconds.
+    /// The latest beginning of this session after its time, microseconds.
     pub late_us: u32,
     /// Datagrams refused.
     pub refused: u32,
     /// Stops.
     pub stops: u32,
+    /// Sessions begun.
+    pub sessions: u32,
 }
 
 impl Counts {

@@ -8,12 +8,15 @@
 extern crate alloc;
 
 mod counts;
+mod phases;
 mod schedule;
 mod session;
+mod settings;
 mod unit;
 
 pub use counts::Counts;
-pub use unit::{Datagrams, NoPin, Settings, SettingsError, Unit};
+pub use settings::{Settings, SettingsError};
+pub use unit::{Datagrams, NoPin, Unit};
 
 #[cfg(test)]
 mod tests;

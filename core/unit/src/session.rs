@@ -18,6 +18,8 @@ struct Live {
     /// The newest command's.
     sequence: u64,
     heard: Instant,
+    /// Whether it keeps the unit from other hosts.
+    kept: bool,
 }
 
 /// The sessions of a unit.
@@ -43,7 +45,8 @@ impl Sessions {
 
     /// Whether a host is there.
     pub(crate) fn is_kept(&self, now: Instant) -> bool {
-        self.live.is_some_and(|live| now.since(live.heard) < KEEP)
+        self.live
+            .is_some_and(|live| live.kept && now.since(live.heard) < KEEP)
     }
 
     /// Whether a datagram with this header may be of use, before its seal is looked at.
@@ -96,13 +99,16 @@ impl Sessions {
             unit: header.unit,
             sequence: header.sequence,
             heard: now,
+            kept: true,
         });
         Ok(begins)
     }
 
-    /// The session is over; its host knocks again.
-    pub(crate) const fn end(&mut self) {
-        self.live = None;
+    /// Its host is done with the unit, which any host may have from now on. What was sent before stays refused.
+    pub(crate) const fn release(&mut self) {
+        if let Some(live) = &mut self.live {
+            live.kept = false;
+        }
     }
 
     /// The header of an answer to a knock.

@@ -1,6 +1,6 @@
 //! A unit and a host's driver, joined by what a test does to the datagrams between them.
 
-use alloc::collections::VecDeque;
+use alloc::collections::{BTreeSet, VecDeque};
 use alloc::rc::Rc;
 use alloc::vec::Vec;
 use core::cell::RefCell;
@@ -9,7 +9,7 @@ use core::convert::Infallible;
 use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
 use embedded_hal::i2c::{Error, ErrorKind, ErrorType, I2c, Operation};
 use palpate_core::codec::link::{
-    Buffer, Command, Header, Key, Kind, MOST, Planned, Request, State,
+    Buffer, Command, HELD, Header, Key, Kind, MOST, Planned, Request, State,
 };
 use palpate_core::driver::{Actuators, UnitDriver, UnitFault, UnitSettings};
 use palpate_core::guard::{Cause, Guard, HARD, Plant};
@@ -296,14 +296,21 @@ fn a_burst_begins_and_ends_at_its_time() {
     assert_eq!(rig.driver.ready(Instant::from_micros(rig.now)), Ok(()));
     let from = rig.now;
     rig.burst(0, &[3], 100);
-    let mut on = Vec::new();
+    let (mut on, mut phases) = (Vec::new(), BTreeSet::new());
     for _ in 0..500 {
         rig.step(true);
         if rig.chips.0.borrow().width(0, 3) > 0 {
             on.push(rig.now - from);
+            phases.insert(rig.driver.status().unwrap().phase_us[0]);
         }
     }
     assert_eq!(rig.chips.0.borrow().width(0, 2), 0);
+    // A report each 10 ms, of a period of 5.08 ms that began with the first pulse.
+    phases.remove(&HELD);
+    assert!(
+        phases.len() >= 3 && phases.iter().all(|us| *us < 5080),
+        "{phases:?}"
+    );
     let (first, last) = (on[0], on[on.len() - 1]);
     assert!((20_000..=20_000 + 2 * STEP).contains(&first), "{first}");
     assert!(
@@ -313,6 +320,7 @@ fn a_burst_begins_and_ends_at_its_time() {
     let status = rig.driver.status().unwrap();
     assert_eq!((status.applied, status.limited, status.dropped), (1, 0, 0));
     assert!(u64::from(status.late_us) <= STEP);
+    assert_eq!(status.phase_us, [HELD; 16]);
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! The unit itself: one turn after the other.
 
 use core::convert::Infallible;
-use core::fmt;
 
 use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
 use embedded_hal::i2c::I2c;
@@ -9,16 +8,17 @@ use palpate_core::codec::link::{
     Buffer, Command, Header, Hello, Key, Kind, MOST, Planned, Refusal, Request, State, Status,
 };
 use palpate_core::driver::{Actuators, Pca9685Bank, Traffic};
-use palpate_core::guard::{Cause, Guard, Guarded, Limits, Plant, PlantError};
-use palpate_core::illusion::DisplayWire;
+use palpate_core::guard::{Cause, Guard, Guarded};
 use palpate_core::schedule::Stimulus;
-use palpate_core::units::{Board, Channel, Duration, Instant, Ticks};
+use palpate_core::units::{Board, Duration, Instant, Ticks};
 
 use crate::counts::Counts;
+use crate::phases::Phases;
 use crate::schedule::Schedule;
 use crate::session::Sessions;
+use crate::settings::{Settings, SettingsError};
 
-/// A turn takes no more datagrams than this: the rest waits, so that a flood delays no end of a pulse.
+/// A turn takes no more datagrams than this, and opens one: the rest waits, so that a flood delays no end of a pulse.
 const MOST_AT_ONCE: usize = 8;
 /// A stimulus that is later than this is left out: about a PWM period, so that a hand does not feel two at once.
 const LATEST: Duration = Duration::from_millis(6);
@@ -59,76 +59,6 @@ impl OutputPin for NoPin {
     }
 }
 
-/// What is burnt into a unit.
-#[derive(Clone, Copy, Debug)]
-pub struct Settings<'a> {
-    /// Shared with its host.
-    pub key: &'a [u8; 32],
-    /// A number that no start of this unit under this key has had: 64 random bits, or a count kept in flash.
-    pub boot: u64,
-    /// The wires on its boards.
-    pub wires: &'a [DisplayWire],
-    /// 7-bit addresses of the boards, by number.
-    pub addresses: &'a [u8],
-    /// Its limits; looser than the hard ones they cannot be.
-    pub limits: Limits,
-    /// What its guard knows of boards and wires.
-    pub plant: Plant,
-    /// Whether its processor bears the guard's thermal rows.
-    pub heat: bool,
-}
-
-/// Why a unit cannot be built.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SettingsError {
-    /// The guard's.
-    Plant(PlantError),
-    /// No board, or more than sixteen.
-    Boards(usize),
-    /// Two boards at one address.
-    SameAddress(u8),
-    /// A wire on a board or channel that is not there.
-    NoSuchOutput(Board, Channel),
-}
-
-impl fmt::Display for SettingsError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Plant(e) => e.fmt(f),
-            Self::Boards(found) => write!(f, "boards: expected 1 to 16 addresses, found {found}"),
-            Self::SameAddress(address) => write!(
-                f,
-                "boards: expected an address of its own for each, found {address:#04x} twice: set the straps of one board otherwise"
-            ),
-            Self::NoSuchOutput(board, channel) => write!(
-                f,
-                "wires: expected a channel 0 to 15 of a board of this unit, found channel {} of board {}",
-                channel.0, board.0
-            ),
-        }
-    }
-}
-
-impl core::error::Error for SettingsError {}
-
-impl Settings<'_> {
-    fn check(&self) -> Result<(), SettingsError> {
-        let count = self.addresses.len();
-        if !(1..=16).contains(&count) {
-            return Err(SettingsError::Boards(count));
-        }
-        let twice = (1..count).find(|&n| self.addresses[..n].contains(&self.addresses[n]));
-        if let Some(n) = twice {
-            return Err(SettingsError::SameAddress(self.addresses[n]));
-        }
-        let absent = |w: &&DisplayWire| usize::from(w.board.0) >= count || w.channel.0 > 15;
-        match self.wires.iter().find(absent) {
-            Some(wire) => Err(SettingsError::NoSuchOutput(wire.board, wire.channel)),
-            None => Ok(()),
-        }
-    }
-}
-
 /// A driver unit over a bus and the pin that cuts all outputs while it is high.
 #[derive(Debug)]
 pub struct Unit<I, P> {
@@ -140,6 +70,7 @@ pub struct Unit<I, P> {
     bank: Pca9685Bank<I>,
     cut: P,
     counts: Counts,
+    phases: Phases,
     /// When a lost bus is tried again; `None` while it is whole.
     lost: Option<Instant>,
     /// Nothing begins before the oscillators run.
@@ -167,6 +98,7 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             bank: Pca9685Bank::new(bus, settings.addresses, settings.plant.prescale),
             cut,
             counts: Counts::default(),
+            phases: Phases::default(),
             lost: None,
             ready: Instant::ZERO,
             verified: Instant::ZERO,
@@ -211,6 +143,17 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
         &self.counts
     }
 
+    /// Whether a host has it.
+    pub fn is_kept(&self, now: Instant) -> bool {
+        self.sessions.is_kept(now)
+    }
+
+    /// Everything off, before its program ends. Whether every board took it.
+    pub fn end(&mut self, now: Instant) -> bool {
+        self.stop(now, Cause::End);
+        self.lost.is_none()
+    }
+
     /// What updates came to on its bus.
     pub const fn traffic(&self) -> Traffic {
         self.bank.traffic()
@@ -253,30 +196,56 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             let Some((length, peer)) = link.receive(&mut buffer) else {
                 break;
             };
-            let length = length.min(MOST);
-            let opened = self.open(now, &mut buffer[..length]);
-            match opened {
+            let datagram = &mut buffer[..length.min(MOST)];
+            let header = match self.expected(datagram) {
+                Ok(header) => header,
+                Err(_) => {
+                    self.counts.refused = self.counts.refused.saturating_add(1);
+                    if let Some(answer) = Header::other_version(datagram) {
+                        link.send(&answer, peer);
+                    }
+                    continue;
+                }
+            };
+            match self.open(now, &header, datagram) {
                 Ok(Some(knock)) => self.greet(now, &knock, link, peer),
                 Ok(None) => asker = Some(peer),
                 Err(_) => self.counts.refused = self.counts.refused.saturating_add(1),
             }
+            // A seal takes a small processor milliseconds: what is due now does not wait for a second one.
+            break;
         }
         asker
     }
 
-    /// Opens a datagram and does what it says; a knock's header is handed back.
-    fn open(&mut self, now: Instant, datagram: &mut [u8]) -> Result<Option<Header>, Refusal> {
+    /// The header of a datagram that may be of use, before its seal is looked at.
+    fn expected(&self, datagram: &[u8]) -> Result<Header, Refusal> {
         let header = Header::read(datagram)?;
         self.sessions.expects(&header)?;
+        Ok(header)
+    }
+
+    /// Opens a datagram and does what it says; a knock's header is handed back.
+    fn open(
+        &mut self,
+        now: Instant,
+        header: &Header,
+        datagram: &mut [u8],
+    ) -> Result<Option<Header>, Refusal> {
         let body = self.key.open(datagram)?;
         if header.kind == Kind::Knock {
-            return body.is_empty().then_some(Some(header)).ok_or(Refusal::Body);
+            return body
+                .is_empty()
+                .then_some(Some(*header))
+                .ok_or(Refusal::Body);
         }
         let command = Command::read(body)?;
-        let begins = self.sessions.take(now, &header, command.request)?;
+        let begins = self.sessions.take(now, header, command.request)?;
         if begins {
             // What another session drove is not this host's.
             self.all_off(now);
+            self.counts.sessions = self.counts.sessions.saturating_add(1);
+            self.counts.late_us = 0;
         }
         self.taken = now;
         self.obey(now, &command);
@@ -293,7 +262,7 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             Request::Off => return self.all_off(now),
             Request::Stop => {
                 self.stop(now, Cause::End);
-                return self.sessions.end();
+                return self.sessions.release();
             }
         }
         let whole = self.lost.is_none() && command.stops == self.counts.stops;
@@ -315,6 +284,7 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             now,
             busy: self.sessions.is_kept(now),
             heat: self.guard.has_heat(),
+            state: self.state(),
             stops: self.counts.stops,
             plant: *self.guard.plant(),
             limits: *self.guard.limits(),
@@ -328,6 +298,10 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
         );
     }
 
+    fn state(&self) -> State {
+        self.guard.latched().map_or(State::Ready, State::Stopped)
+    }
+
     /// Answers the newest command.
     fn report<D: Datagrams>(&mut self, now: Instant, link: &mut D, to: D::Peer) {
         let Some((header, echo)) = self.sessions.status() else {
@@ -339,7 +313,7 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             now,
             echo,
             taken: self.taken,
-            state: self.guard.latched().map_or(State::Ready, State::Stopped),
+            state: self.state(),
             stops: counts.stops,
             applied: counts.applied,
             limited: counts.limited,
@@ -348,6 +322,7 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             late_us: counts.late_us,
             refused: counts.refused,
             skin_mc: skin_c.map_or(0, |c| (c * 1e3) as u32),
+            phase_us: self.phases.at(now, self.guard.plant().prescale),
         };
         let mut buffer = [0; MOST];
         link.send(
@@ -409,8 +384,12 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
     }
 
     fn apply(&mut self, now: Instant, update: &Guarded) {
-        if update.changes() && self.bank.apply(update).is_err() {
-            self.lose(now);
+        if !update.changes() {
+            return;
+        }
+        match self.bank.apply(update) {
+            Ok(()) => self.phases.apply(now, update),
+            Err(_) => self.lose(now),
         }
     }
 
@@ -451,6 +430,7 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
     fn all_off(&mut self, now: Instant) {
         self.schedule.clear();
         self.guard.all_off(now);
+        self.phases.all_off();
         if self.lost.is_none() && self.bank.all_off().is_err() {
             self.set_cut(true);
             self.latch(Cause::ActuatorError);

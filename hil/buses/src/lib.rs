@@ -1,6 +1,7 @@
 //! Buses that the operating system gives: the ones a bench has, and the ones served to other programs.
 
 pub mod can;
+pub mod datagrams;
 pub mod guardian;
 pub mod i2c;
 pub mod lock;

@@ -49,8 +49,8 @@ pub struct Bench {
     pub outputs: Vec<Output>,
     /// Several displays, a fingertip each, in place of one.
     pub displays: Vec<BenchDisplay>,
-    /// A driver unit that has the chips, behind a network; left out: they hang on the host's own bus. Emulated benches of
-    /// one display only.
+    /// A driver unit that has the chips, behind a network; left out: they hang on the host's own bus. Benches of one
+    /// display only.
     pub unit: Option<BenchUnit>,
 }
 
@@ -324,17 +324,20 @@ impl Drive {
 
 impl Real {
     /// Checks it; returns how many I2C adapters there are.
-    fn check(&self, source: &Source) -> Result<u8, FileError> {
+    fn check(&self, source: &Source, unit: bool) -> Result<u8, FileError> {
         // One board listens on each address of a bus, and a bench has at most 16.
         let adapters = u8::try_from(self.i2c.len()).unwrap_or(u8::MAX);
-        source.range("real.i2c", adapters, 1..=16, "adapters")?;
+        match unit {
+            true => source.range("real.i2c", adapters, 0..=0, "adapters: the unit has them")?,
+            false => source.range("real.i2c", adapters, 1..=16, "adapters")?,
+        }
         let interfaces = u8::try_from(self.can.len()).unwrap_or(u8::MAX);
         source.range("real.can", interfaces, 1..=16, "interfaces")?;
         check_once(source, "real.i2c", self.i2c.iter().map(PathBuf::as_path))?;
         check_once(source, "real.can", self.can.iter().map(Path::new))?;
         source.range("real.heartbeat_ms", self.heartbeat_ms, 10..=1000, "ms")?;
         source.range("real.transfer_ms", self.transfer_ms, 1..=10_000, "ms")?;
-        Ok(adapters)
+        Ok(adapters.max(1))
     }
 }
 
@@ -361,14 +364,26 @@ impl Bench {
         Ok(bench)
     }
 
+    /// Where its driver unit listens, if that is not emulated.
+    #[must_use]
+    pub fn unit_address(&self) -> Option<&str> {
+        self.unit.as_ref()?.address.as_deref()
+    }
+
+    /// Whether anything of it is hardware, or may be: devices of this computer, or a driver unit on a network.
+    #[must_use]
+    pub fn is_hardware(&self) -> bool {
+        self.kind == BenchKind::Real || self.unit_address().is_some()
+    }
+
     fn check_unit(&self, source: &Source) -> Result<(), FileError> {
         let Some(unit) = &self.unit else {
             return Ok(());
         };
-        if self.kind == BenchKind::Real {
+        if self.kind == BenchKind::Real && unit.address.is_none() {
             let expected =
-                "nothing: this bench is of kind \"real\", and its chips hang on [real] i2c";
-            return Err(source.bad("unit", expected));
+                "the address of a unit: this bench is of kind \"real\", and emulates none";
+            return Err(source.bad("unit.address", expected));
         }
         if !self.displays.is_empty() {
             return Err(source.bad("unit", "one display: a unit has a guard of one fingertip"));
@@ -390,7 +405,11 @@ impl Bench {
                 let of_display = DISPLAY.into_iter().filter(|_| self.displays.is_empty());
                 let mut needed = HARDWARE.into_iter().chain(of_display);
                 let missing = needed.find(|key| !source.states(key));
-                missing.map_or_else(|| real.check(source), |key| Err(source.bad(key, STATED)))
+                let unit = self.unit.is_some();
+                missing.map_or_else(
+                    || real.check(source, unit),
+                    |key| Err(source.bad(key, STATED)),
+                )
             }
         }
     }

@@ -17,6 +17,7 @@ use super::texture::{TextureEntry, TextureTable};
 use super::transducer::Transducer;
 use super::wire::{AlloyFile, WireFile};
 pub use fingers::Finger;
+use palpate_core::codec::link::Hello;
 use palpate_core::units::Duration;
 
 /// What a scene's texture names.
@@ -55,6 +56,8 @@ pub struct Setup {
     pub fingers: Vec<Finger>,
     /// How long transfers of other displays may hold up those of this one, where they share a bus.
     pub bus_wait: Duration,
+    /// What the bench's driver unit said of itself, once it was met: the stricter of both is played by.
+    pub unit: Option<Hello>,
     observed: bool,
 }
 
@@ -111,6 +114,7 @@ impl Setup {
             texture,
             fingers,
             bus_wait: Duration::ZERO,
+            unit: None,
             observed: false,
         })
     }
@@ -120,6 +124,10 @@ impl Setup {
     /// # Errors
     /// A bench of hardware.
     pub fn observed(mut self) -> Result<Self, FileError> {
+        if self.bench.value.unit_address().is_some() {
+            let expected = "nothing for --observe: a unit has a guard of its own";
+            return Err(self.bench.source.bad("unit.address", expected));
+        }
         if self.bench.value.kind == BenchKind::Real {
             let expected = "\"emulated\": on hardware the guard never only observes";
             return Err(self.bench.source.bad_found("kind", expected, "\"real\""));

@@ -145,6 +145,21 @@ impl Source {
 
     /// Deserialises the whole text; numbers that no machine holds are refused first, since the plain value has no place for them.
     pub(super) fn read<T: DeserializeOwned>(&self) -> Result<T, FileError> {
+        let value = self.value()?;
+        serde_path_to_error::deserialize(value).map_err(|error| {
+            let path = error.path().to_string();
+            let path = if path == "." { "" } else { &path };
+            let wrong = expectation(path, error.inner().message());
+            let found = wrong.found.unwrap_or_else(|| {
+                self.value_text(&wrong.key)
+                    .unwrap_or_else(|| "nothing".into())
+            });
+            self.bad_found(&wrong.key, wrong.expected, found)
+        })
+    }
+
+    /// What the text says, with all changes.
+    pub(super) fn value(&self) -> Result<toml::Value, FileError> {
         let table = self.parse()?;
         refuse_numbers(&mut String::new(), table.get_ref())
             .map_err(|(key, expected)| self.bad(&key, expected))?;
@@ -156,16 +171,7 @@ impl Source {
             let applied = change.apply(&mut value);
             applied.map_err(|expected| self.bad(&change.key, expected))?;
         }
-        serde_path_to_error::deserialize(value).map_err(|error| {
-            let path = error.path().to_string();
-            let path = if path == "." { "" } else { &path };
-            let wrong = expectation(path, error.inner().message());
-            let found = wrong.found.unwrap_or_else(|| {
-                self.value_text(&wrong.key)
-                    .unwrap_or_else(|| "nothing".into())
-            });
-            self.bad_found(&wrong.key, wrong.expected, found)
-        })
+        Ok(value)
     }
 
     /// The text of one top-level string, before anything else is known about the file.

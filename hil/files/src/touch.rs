@@ -5,6 +5,7 @@ use core::f64::consts::TAU;
 use serde::Deserialize;
 
 use super::error::FileError;
+use super::hand::{self, HandSample};
 use super::source::Source;
 
 /// One sphere on one module.
@@ -28,7 +29,8 @@ pub struct Touch {
     pub ramp_s: f64,
     /// Where.
     pub path: Path,
-    /// How hard.
+    /// How hard; a hand's samples say it themselves.
+    #[serde(default = "no_force")]
     pub force_n: Force,
 }
 
@@ -50,6 +52,15 @@ const fn wave_s() -> f64 {
     1.0
 }
 
+/// Of a hand; [`Touch::check`] refuses any other touch without a force.
+const fn no_force() -> Force {
+    Force {
+        mean: 0.0,
+        amplitude: 0.0,
+        period_s: wave_s(),
+    }
+}
+
 /// Where a touch is, in the module's millimetres.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -66,6 +77,9 @@ pub struct Path {
     pub radius_mm: Option<f64>,
     /// line and polyline: there and back; circle: one turn. Left out: once, from start to end.
     pub period_s: Option<f64>,
+    /// hand: what a finger did, `[t_us, x_um, y_um, force_mn, diameter_um]` each, from then on until the next one.
+    #[serde(default)]
+    pub samples: Vec<HandSample>,
 }
 
 /// The shapes of a path.
@@ -81,6 +95,8 @@ pub enum PathKind {
     Polyline,
     /// Anticlockwise from the right.
     Circle,
+    /// As a person moved it: where, how hard and how wide by its samples, without ramps.
+    Hand,
 }
 
 /// mean + amplitude sin(2 pi t / period), t from the touch's start.
@@ -112,11 +128,35 @@ pub struct TouchPoint {
 }
 
 impl Touch {
+    /// A touch by hand on a module, which begins with its first sample and has no other yet. It does not end.
+    #[must_use]
+    pub fn by_hand(module: usize, first: HandSample) -> Self {
+        Self {
+            module,
+            diameter_mm: sphere_mm(),
+            start_s: first[0] as f64 / 1e6,
+            end_s: with_the_scene(),
+            ramp_s: ramp_s(),
+            path: Path {
+                kind: PathKind::Hand,
+                points_mm: Vec::new(),
+                centre_mm: None,
+                radius_mm: None,
+                period_s: None,
+                samples: vec![first],
+            },
+            force_n: no_force(),
+        }
+    }
+
     /// The touch at `t_s` seconds of the scene; none before its start and after its end.
     #[must_use]
     pub fn at(&self, t_s: f64) -> Option<TouchPoint> {
         if !(self.start_s..=self.end_s).contains(&t_s) {
             return None;
+        }
+        if self.path.kind == PathKind::Hand {
+            return hand::at(&self.path.samples, t_s);
         }
         let since = t_s - self.start_s;
         let [x_mm, y_mm] = self.path.at(since, self.end_s - self.start_s);
@@ -154,6 +194,15 @@ impl Touch {
                 format!("more than start_s = {}", self.start_s),
             ));
         }
+        if self.path.kind == PathKind::Hand {
+            return hand::check(self, source, key, length_s);
+        }
+        if !self.path.samples.is_empty() {
+            return Err(source.bad(&at("path.samples"), "this key for a hand only"));
+        }
+        if !source.states(&at("force_n")) {
+            return Err(source.bad(&at("force_n"), "a force, such as { mean = 0.7 }"));
+        }
         let longest = (self.end_s - self.start_s) / 2.0;
         source.range(&at("ramp_s"), self.ramp_s, 0.001..=longest, "s")?;
         source.range(&at("force_n.mean"), self.force_n.mean, 0.0..=20.0, "N")?;
@@ -178,6 +227,7 @@ impl Path {
     fn at(&self, since: f64, whole: f64) -> [f64; 2] {
         let period = self.period_s;
         match self.kind {
+            PathKind::Hand => [0.0; 2], // its samples say where
             PathKind::Hold => self.points_mm.first().copied().unwrap_or_default(),
             PathKind::Circle => {
                 let [x, y] = self.centre_mm.unwrap_or_default();
@@ -204,6 +254,7 @@ impl Path {
             PathKind::Line => (2..=2, "two points for a line"),
             PathKind::Polyline => (2..=1000, "2 to 1000 points for a polyline"),
             PathKind::Circle => (0..=0, "no points for a circle"),
+            PathKind::Hand => (0..=0, "no points for a hand, whose samples say where"),
         };
         if !points.contains(&self.points_mm.len()) {
             return Err(source.bad(&at("points_mm"), expected));

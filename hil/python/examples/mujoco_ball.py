@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 import palpate
-from palpate.physics import Pad
+from palpate.physics import Pad, mujoco_contacts
 
 DIAMETER_MM = 19.45
 # The pad's surface is the plane z = 0; the ball is held along y and pressed down.
@@ -38,21 +38,6 @@ WORLD = f"""
 """
 
 
-def contacts(model: mujoco.MjModel, data: mujoco.MjData, skin: int) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Contact points in the world, and the forces on the skin's geom there."""
-    points, forces = [], []
-    wrench = np.zeros(6)
-    for number, contact in enumerate(data.contact):
-        if skin not in contact.geom:
-            continue
-        mujoco.mj_contactForce(model, data, number, wrench)
-        # In the contact's frame, on the second geom; the rows of `frame` are its axes.
-        on_second = contact.frame.reshape(3, 3).T @ wrench[:3]
-        points.append(contact.pos.copy())
-        forces.append(on_second if contact.geom[1] == skin else -on_second)
-    return points, forces
-
-
 def roll(seconds: float = 4.0) -> tuple[palpate.Table, np.ndarray]:
     """What the loop finds, and MuJoCo's own contact places: rows of time (us), x and y (mm)."""
     model = mujoco.MjModel.from_xml_string(WORLD)
@@ -69,7 +54,7 @@ def roll(seconds: float = 4.0) -> tuple[palpate.Table, np.ndarray]:
         data.ctrl[1] = 0.4 + 0.3 * (1 - np.cos(2 * np.pi * t / seconds))
         for _ in range(4):
             mujoco.mj_step(model, data)
-        places, forces = pad.presses(*contacts(model, data, skin))
+        places, forces = pad.presses(*mujoco_contacts(model, data, skin))
         loop.touch(places, forces, diameter_mm=DIAMETER_MM)
         now_us = begin_us + (step + 1) * step_us
         found.append(loop.advance(now_us).contacts)

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use palpate_core::contact::{Contact, Settings};
+use palpate_core::contact::{Contact, LevelTable, Settings};
 use palpate_core::skin::{BaselineSettings, ThresholdRule};
 use palpate_core::units::Duration;
 use palpate_files::{
@@ -25,6 +25,8 @@ struct State {
     columns: usize,
     found: Vec<Found>,
     intensities: Intensities,
+    /// Found over all of them, at the end.
+    levels: Option<LevelTable>,
 }
 
 /// Finds the contacts of one piece of a recording after another.
@@ -134,6 +136,7 @@ impl Finder {
                     columns: columns.count(),
                     found: Vec::new(),
                     intensities: Intensities::default(),
+                    levels: None,
                 }),
             })
         })
@@ -162,8 +165,8 @@ impl Finder {
         })
     }
 
-    /// The contacts so far, with `ki` levels found over all of them.
-    fn contacts(&self, py: Python<'_>, ki: usize) -> PyResult<Table> {
+    /// Ends the recording: finds `ki` levels over all contacts, and says how many there are.
+    fn end(&self, py: Python<'_>, ki: usize) -> PyResult<usize> {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let state = &mut *state;
         let needed = self.reference_frames as usize + 1;
@@ -175,10 +178,19 @@ impl Finder {
                     state.finder.rows()
                 )));
             }
-            let levels = std::mem::take(&mut state.intensities).table(ki);
-            let level = |c: &Contact| levels.as_ref().map_or(1, |table| table.level(c.intensity));
-            let found = std::mem::take(&mut state.found);
-            let event = |(frame, t_us, contact): Found| Event::Contact {
+            state.levels = std::mem::take(&mut state.intensities).table(ki);
+            Ok(state.found.len())
+        })
+    }
+
+    /// So many contacts from this one on. Piece by piece, so that they are not in memory twice.
+    fn contacts(&self, py: Python<'_>, begin: usize, count: usize) -> PyResult<Table> {
+        let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let state = &*state;
+        free(py, || {
+            let levels = state.levels.as_ref();
+            let level = |c: &Contact| levels.map_or(1, |table| table.level(c.intensity));
+            let event = |&(frame, t_us, contact): &Found| Event::Contact {
                 t_us,
                 frame,
                 module: contact.module,
@@ -188,7 +200,8 @@ impl Finder {
                 level: level(&contact),
                 members: contact.members,
             };
-            let events: Vec<Event> = found.into_iter().map(event).collect();
+            let found = state.found.iter().skip(begin).take(count);
+            let events: Vec<Event> = found.map(event).collect();
             Ok(tables::contacts(&events))
         })
     }

@@ -6,6 +6,7 @@ mod contacts;
 mod errors;
 mod guard;
 mod load;
+mod program;
 mod run;
 mod session;
 mod setup;
@@ -26,6 +27,8 @@ mod _palpate {
     use crate::guard::guard;
     #[pymodule_export]
     use crate::load::{kind, load_buses, load_schedule, load_taxels};
+    #[pymodule_export]
+    use crate::program::main;
     #[pymodule_export]
     use crate::run::{Run, run};
     #[pymodule_export]

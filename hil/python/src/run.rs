@@ -23,7 +23,6 @@ use crate::tables::{self, About};
 pub struct Run {
     setup: palpate_files::Setup,
     outcome: Outcome,
-    about: About,
 }
 
 /// So many turns pass between two looks for Ctrl-C: some milliseconds.
@@ -127,12 +126,7 @@ pub fn run(
         let mut outcome = run_with(&setup, &input, seed, keep, &mut host)?;
         outcome.notes.extend(notes);
         outcome.summary.date = Some(clock::date(clock::unix_us()));
-        let about = About::new(&outcome.trace.header);
-        Ok(Run {
-            setup,
-            outcome,
-            about,
-        })
+        Ok(Run { setup, outcome })
     });
     match host.raised {
         Some(raised) => Err(raised),
@@ -140,18 +134,52 @@ pub fn run(
     }
 }
 
+impl Run {
+    /// Of one of several displays, or of all of them.
+    fn of(&self, display: Option<usize>) -> PyResult<&Outcome> {
+        let Some(number) = display else {
+            return Ok(&self.outcome);
+        };
+        let display = self.outcome.displays.get(number);
+        display
+            .map(|display| &display.outcome)
+            .ok_or_else(|| PyKeyError::new_err(number))
+    }
+
+    /// The modules that are read for a display, by the skin's numbers.
+    fn modules(&self, display: Option<usize>) -> &[u16] {
+        let displays = &self.outcome.trace.header.displays;
+        let display = display.and_then(|number| displays.get(number));
+        display.map_or(&[], |display| &display.modules)
+    }
+}
+
 #[pymethods]
 impl Run {
-    /// The columns of a table.
-    fn table(&self, name: &str) -> PyResult<Table> {
-        let outcome = &self.outcome;
+    /// The columns of a table: of the run, or of one of several displays.
+    #[pyo3(signature = (name, display=None))]
+    fn table(&self, name: &str, display: Option<usize>) -> PyResult<Table> {
+        let outcome = self.of(display)?;
         match name {
-            "margins" => Ok(tables::margins(&outcome.summary.margins)),
+            "margins" => Ok(tables::margins(&outcome.trace.ledger.margins)),
             "warmth" => Ok(tables::warmth(&outcome.warmth)),
-            "taxels" => Ok(tables::taxels(outcome.readings.as_ref())),
-            name => tables::of(name, &outcome.trace.events, &self.about)
-                .ok_or_else(|| PyKeyError::new_err(name.to_owned())),
+            "taxels" => Ok(tables::taxels(
+                outcome.readings.as_ref(),
+                self.modules(display),
+            )),
+            name => tables::of(
+                name,
+                &outcome.trace.events,
+                &About::new(&outcome.trace.header),
+            )
+            .ok_or_else(|| PyKeyError::new_err(name.to_owned())),
         }
+    }
+
+    /// The names of several displays; none where there is one.
+    fn displays(&self) -> Vec<String> {
+        let displays = self.outcome.displays.iter();
+        displays.map(|display| display.name.clone()).collect()
     }
 
     /// The object that `hil run --json` prints, as text.
@@ -165,9 +193,11 @@ impl Run {
         self.outcome.notes.clone()
     }
 
-    /// The report: one page of HTML.
-    fn html(&self, py: Python<'_>) -> PyResult<String> {
-        free(py, || Ok(report(&self.outcome)))
+    /// The report: one page of HTML, of the run or of one of several displays.
+    #[pyo3(signature = (display=None))]
+    fn html(&self, py: Python<'_>, display: Option<usize>) -> PyResult<String> {
+        let outcome = self.of(display)?;
+        free(py, || Ok(report(outcome)))
     }
 
     /// First 16 hex digits of the SHA-256 over the whole trace, its contacts, its schedule.

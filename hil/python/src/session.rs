@@ -2,16 +2,17 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
-use palpate_core::skin::ModuleScan;
+use palpate_core::skin::{Layout, ModuleScan};
 use palpate_core::units::{Instant, Point};
 use palpate_emulators::sensor::Press;
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, WireInfo};
 use palpate_run::{
-    EmulatedSession, Failure, FedSession, Hand, Session, Turn, display_end::EmulatedDisplay,
-    header, skin_end::SkinEnd,
+    Activations, EmulatedSession, Failure, FedSession, Hand, Session, Turn,
+    display_end::EmulatedDisplay, header, plan, skin_end::SkinEnd,
 };
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::errors::{self, free};
 use crate::setup::Setup;
@@ -32,12 +33,19 @@ struct State {
     /// When the boards have started.
     ready: Instant,
     about: About,
-    wires: usize,
+    /// Module of each taxel, and where it lies there, mm.
+    taxels: Vec<(u16, f64, f64)>,
+    /// Where the wires lie on the display, mm.
+    wires: Vec<(f64, f64)>,
     /// When the newest scan of each module came, microseconds.
     newest: Vec<Option<u64>>,
     axes: usize,
     /// A scan in the loop's own form.
     counts: Vec<[u16; 3]>,
+    /// What the wires get in place of the scene's illusion, where that comes from outside.
+    activations: Option<Activations>,
+    /// From onset to onset, microseconds.
+    soa_us: u64,
     /// What a signal raised.
     raised: Option<PyErr>,
 }
@@ -74,6 +82,21 @@ impl Happened {
 
 fn input(text: impl Into<String>) -> Failure {
     Failure::Input(text.into())
+}
+
+/// Where a wire lies, mm.
+fn place(wire: &WireInfo) -> (f64, f64) {
+    let mm = |um: i32| f64::from(um) * 1e-3;
+    (mm(wire.place.x), mm(wire.place.y))
+}
+
+fn taxels(layout: &Layout) -> Vec<(u16, f64, f64)> {
+    let mut taxels = Vec::new();
+    for (number, module) in (0..).zip(layout.modules()) {
+        let points = module.points().iter();
+        taxels.extend(points.map(|p| (number, f64::from(p.x), f64::from(p.y))));
+    }
+    taxels
 }
 
 fn closed() -> Failure {
@@ -234,8 +257,33 @@ impl State {
         Ok(())
     }
 
+    fn activate(&self, values: &[f32]) -> Result<(), Failure> {
+        let own = self.activations.as_ref().ok_or_else(|| {
+            input("Loop.activate: expected illusion=\"own\", found the scene's illusion")
+        })?;
+        own.set(values)
+    }
+
+    /// What was felt of the newest onset until now is all that is told of it.
+    fn conclude(&mut self) -> Result<(), Failure> {
+        let Held::Touched(session, _) = &mut self.held else {
+            return Err(closed());
+        };
+        let (display, projector, recorder) = session.all();
+        display.score(projector, recorder);
+        Ok(())
+    }
+
+    /// How far every taxel is from its reference, counts; NaN for one that is left out. Empty before the first frame.
+    fn changes(&self) -> Result<Vec<f32>, Failure> {
+        let Held::Touched(session, _) = &self.held else {
+            return Err(closed());
+        };
+        Ok(session.seen().1.counts.clone().unwrap_or_default())
+    }
+
     fn temperatures(&mut self) -> Result<Vec<(f64, f64)>, Failure> {
-        let wires = self.wires;
+        let wires = self.wires.len();
         let display = match &mut self.held {
             Held::Fed(session) => session.display(),
             Held::Touched(session, _) => session.display(),
@@ -292,13 +340,29 @@ impl Loop {
 #[pymethods]
 impl Loop {
     /// The loop of a setup; `emulated`: its skin is emulated and is touched.
+    ///
+    /// `activated`: its wires' activations come from outside.
     #[new]
-    fn new(py: Python<'_>, setup: &Bound<'_, Setup>, seed: u64, emulated: bool) -> PyResult<Self> {
+    fn new(
+        py: Python<'_>,
+        setup: &Bound<'_, Setup>,
+        seed: u64,
+        emulated: bool,
+        activated: bool,
+    ) -> PyResult<Self> {
         let setup = setup.get().inner.clone();
         free(py, || {
             let not_ready = |e: palpate_core::driver::DriverError| Failure::Device(e.to_string());
+            let mut own = None;
+            let taxels = taxels(&plan::layout(&setup.sensor.value)?);
             let (held, ready, header, modules) = if emulated {
-                let (mut session, hands) = EmulatedSession::touched(&setup, seed)?;
+                let (mut session, hands) = if activated {
+                    let (session, hands, activations) = EmulatedSession::activated(&setup, seed)?;
+                    own = Some(activations);
+                    (session, hands)
+                } else {
+                    EmulatedSession::touched(&setup, seed)?
+                };
                 let ready = session.start(Instant::ZERO).map_err(not_ready)?;
                 let header = header(&setup, seed, session.projector())?;
                 let modules = hands.len();
@@ -319,10 +383,13 @@ impl Loop {
                 held,
                 ready,
                 about: About::new(&header),
-                wires: header.wires.len(),
+                taxels,
+                wires: header.wires.iter().map(place).collect(),
                 newest: vec![None; modules],
                 axes: usize::from(setup.sensor.value.axes),
                 counts: Vec::new(),
+                activations: own,
+                soa_us: header.soa_us,
                 raised: None,
             })))
         })
@@ -353,6 +420,40 @@ impl Loop {
     /// What presses on a module from now on: x and y (mm), force (N), diameter (mm).
     fn touch(&self, py: Python<'_>, module: usize, presses: Vec<[f64; 4]>) -> PyResult<()> {
         self.within(py, |state| state.touch(module, &presses))
+    }
+
+    /// Of each wire its activation from the next onset on.
+    fn activate(&self, py: Python<'_>, values: Vec<f32>) -> PyResult<()> {
+        self.within(py, |state| state.activate(&values))
+    }
+
+    /// Ends what is felt of the newest onset, and hands out what happened.
+    fn conclude(&self, py: Python<'_>) -> PyResult<Happened> {
+        self.within(py, |state| {
+            state.conclude()?;
+            state.happened()
+        })
+    }
+
+    /// How far every taxel is from its reference, counts, as bytes (f32); NaN for one that is left out.
+    fn changes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let changes = self.within(py, |state| state.changes())?;
+        Ok(PyBytes::new(py, bytemuck::cast_slice(&changes)))
+    }
+
+    /// Module of each taxel, and where it lies there, mm.
+    fn taxels(&self, py: Python<'_>) -> PyResult<Vec<(u16, f64, f64)>> {
+        self.within(py, |state| Ok(state.taxels.clone()))
+    }
+
+    /// Where the wires lie on the display, mm.
+    fn wires(&self, py: Python<'_>) -> PyResult<Vec<(f64, f64)>> {
+        self.within(py, |state| Ok(state.wires.clone()))
+    }
+
+    /// From onset to onset, microseconds.
+    fn soa_us(&self, py: Python<'_>) -> PyResult<u64> {
+        self.within(py, |state| Ok(state.soa_us))
     }
 
     /// Of each wire its temperature and that of the skin under it, degrees C.

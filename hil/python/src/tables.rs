@@ -262,12 +262,15 @@ pub fn warmth(rows: &[Warmth]) -> Table {
         .with("mean_c", rows, |w| w.mean_c)
 }
 
-/// What every taxel read, frame by frame.
-pub fn taxels(readings: Option<&Readings>) -> Table {
+/// What every taxel read, frame by frame; its modules by these numbers, where they are another's.
+pub fn taxels(readings: Option<&Readings>, numbers: &[u16]) -> Table {
     let modules = readings.map_or(&[][..], Readings::modules);
     let places: Vec<(u16, u16)> = (0u16..)
         .zip(modules)
-        .flat_map(|(m, module)| (0..module.taxels.len() as u16).map(move |taxel| (m, taxel)))
+        .flat_map(|(m, module)| {
+            let number = numbers.get(usize::from(m)).copied().unwrap_or(m);
+            (0..module.taxels.len() as u16).map(move |taxel| (number, taxel))
+        })
         .collect();
     let frames = readings.map_or(&[][..], Readings::frames);
     let rows: Vec<(u64, (u16, u16), [u16; 4])> = frames

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import sys
 from types import ModuleType
 
 import numpy as np
@@ -18,6 +19,7 @@ def example(name: str) -> ModuleType:
     spec = importlib.util.spec_from_file_location(name, root() / "hil/python/examples" / f"{name}.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # where dataclasses look for the names of annotations
     spec.loader.exec_module(module)
     return module
 
@@ -30,6 +32,27 @@ def test_a_ball_of_mujoco_is_found_within_a_fifth_of_a_millimetre() -> None:
     assert len(found) > 350
     assert np.ptp(true[:, 2]) > 8
     assert np.sqrt(np.mean(away**2)) < 0.2
+
+
+def test_a_hand_of_mujoco_that_turns_a_box_is_felt_on_four_thimbles() -> None:
+    pytest.importorskip("mujoco")
+    hand = example("mujoco_hand")
+    tips = hand.grasp()
+    assert list(tips) == ["index", "middle", "ring", "thumb"]
+    for tip in tips.values():
+        away = hand.error_mm(tip)
+        assert len(away) > 400
+        assert np.sqrt(np.mean(away**2)) < 0.2
+        true = np.array(tip.true)
+        # The box turns: what is touched wanders over the skin.
+        assert np.ptp(true[:, 2]) > 3
+        felt = np.concatenate(tip.felt)
+        assert felt["felt"].sum() > 30
+        error = np.hypot(felt["x_mm"] - felt["target_x_mm"], felt["y_mm"] - felt["target_y_mm"])
+        assert np.nanmedian(error) < 2
+    # The thumb holds against three.
+    force = {name: np.median(np.array(tip.true)[:, 3]) for name, tip in tips.items()}
+    assert force["thumb"] == pytest.approx(sum(force[n] for n in ("index", "middle", "ring")), rel=0.1)
 
 
 def test_presses_are_seen_from_the_pad() -> None:

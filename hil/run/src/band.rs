@@ -26,6 +26,10 @@ const PERSONS: [&str; 3] = ["dull", "sensitive", "typical"];
 /// Twelve corners of what is not measured, onset by onset.
 pub(crate) struct Band {
     corners: Vec<Corner>,
+    /// Whether every onset is kept, for [`Self::finish`].
+    whole: bool,
+    /// Least and most level of the newest onset, dB.
+    newest_db: Option<[f64; 2]>,
 }
 
 /// One corner of the unknowns.
@@ -41,11 +45,17 @@ struct Corner {
 }
 
 impl Band {
-    /// The corners for a setup, whose display gets the wires that it lacks.
+    /// The corners for a setup, whose display gets the wires that it lacks. Of a run that is not `whole` the newest onset alone
+    /// is known.
     ///
     /// # Errors
     /// [`Failure::Input`] for a wire or person that cannot be.
-    pub fn new(setup: &Setup, header: &Header, display: &mut WornDisplay) -> Result<Self, Failure> {
+    pub fn new(
+        setup: &Setup,
+        header: &Header,
+        display: &mut WornDisplay,
+        whole: bool,
+    ) -> Result<Self, Failure> {
         let (wire, headline) = (plan::wire(setup), plan::person(&setup.person.value));
         let impossible = |e| Failure::Input(format!("bench `{}`: {e}", setup.bench.value.name));
         let tissue = setup.bench.value.tissue.parameters();
@@ -75,7 +85,16 @@ impl Band {
                 }
             }
         }
-        Ok(Self { corners })
+        Ok(Self {
+            corners,
+            whole,
+            newest_db: None,
+        })
+    }
+
+    /// Least and most level over threshold of the newest onset in all corners, dB, where it moved a wire.
+    pub const fn newest_db(&self) -> Option<[f64; 2]> {
+        self.newest_db
     }
 
     /// Adds an onset that is over: what its event is for what was met, and what was, by the headline's wires and by those
@@ -86,6 +105,7 @@ impl Band {
         met: Option<&Felt>,
         others: &[Option<Felt>],
     ) {
+        self.newest_db = None;
         for corner in &mut self.corners {
             let met = match corner.other {
                 None => met.copied(),
@@ -98,7 +118,13 @@ impl Band {
                 },
                 ..met
             });
-            corner.path.add(&event(met.as_ref()));
+            if let Some(db) = met.map(|met| met.levels.db()) {
+                let [low, high] = self.newest_db.unwrap_or([db; 2]);
+                self.newest_db = Some([low.min(db), high.max(db)]);
+            }
+            if self.whole {
+                corner.path.add(&event(met.as_ref()));
+            }
         }
     }
 

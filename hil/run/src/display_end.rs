@@ -14,7 +14,7 @@ use palpate_emulators::display::observed::RegisterWriter;
 use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{DisplayConfig, OutputEdge, ThermalSample, WirePlace, WornDisplay};
-use palpate_files::{Bench, BenchKind, Drive, Setup};
+use palpate_files::{Bench, Drive, Setup};
 use palpate_records::i2c::Transfer;
 use palpate_records::trace::{Event, Header};
 
@@ -29,6 +29,7 @@ use crate::feel::{FullDrive, feel, sample_wires};
 use crate::margins::Currents;
 use crate::place::Place;
 use crate::plan;
+use crate::policy::refuse_hardware;
 use crate::recorder::{Onset, Recorder};
 use crate::script::{FaultReport, Script};
 use crate::skin_end::FaultySkin;
@@ -223,13 +224,18 @@ impl EmulatedDisplay {
         Ok(())
     }
 
-    /// Has all corners of what is not measured felt beside, for [`EmulatedDisplay::band`].
+    /// Has all corners felt beside: for [`EmulatedDisplay::band`] of a `whole` run, else for its newest onset alone.
     ///
     /// # Errors
     /// [`Failure::Input`] for a wire or person that cannot be.
-    pub fn compare(&mut self, setup: &Setup, header: &Header) -> Result<(), Failure> {
-        self.band = Some(Band::new(setup, header, &mut self.display)?);
+    pub fn compare(&mut self, setup: &Setup, header: &Header, whole: bool) -> Result<(), Failure> {
+        self.band = Some(Band::new(setup, header, &mut self.display, whole)?);
         Ok(())
+    }
+
+    /// Least and most level of the newest onset in all corners, dB over threshold.
+    pub fn newest_band_db(&self) -> Option<[f64; 2]> {
+        self.band.as_ref().and_then(Band::newest_db)
     }
 
     /// What all corners came to, where they are compared and a contact was inside the display; `known` where the path is.
@@ -320,8 +326,8 @@ impl EmulatedDisplay {
         advanced.map_err(|e| Failure::Device(e.to_string()))
     }
 
-    /// Scores what was felt of the newest onset, which is over.
-    fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
+    /// Scores what was felt of the newest onset until now; its successor scores it otherwise.
+    pub fn score(&mut self, projector: &Projector, recorder: &mut Recorder) {
         let felt = self.display.onset();
         let others: Vec<Option<Felt>> = self.display.other_onsets().collect();
         let pending = self.pending.take();
@@ -432,17 +438,6 @@ const fn edge(e: &OutputEdge) -> Event {
         board: e.board,
         channel: e.channel,
         high: e.high,
-    }
-}
-
-/// Refuses a bench of hardware: what is emulated must not be recorded as real.
-pub(crate) fn refuse_hardware(bench: &Bench) -> Result<(), Failure> {
-    match bench.kind {
-        BenchKind::Emulated => Ok(()),
-        BenchKind::Real => Err(Failure::Input(format!(
-            "bench `{}`: expected kind = \"emulated\", found \"real\": only the program `hil` opens hardware",
-            bench.name
-        ))),
     }
 }
 

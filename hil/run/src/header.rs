@@ -60,9 +60,9 @@ pub fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header,
     };
     Ok(Header {
         source: match bench.kind {
+            _ if bench.is_hardware() => trace::Source::Real,
             BenchKind::Emulated if setup.is_observed() => trace::Source::Observed,
-            BenchKind::Emulated => trace::Source::Emulated,
-            BenchKind::Real => trace::Source::Real,
+            _ => trace::Source::Emulated,
         },
         scene: scene.name.clone(),
         bench: bench.name.clone(),

@@ -7,6 +7,7 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod activations;
 mod actuator_bus;
 mod band;
 mod boards;
@@ -18,6 +19,7 @@ pub mod effort;
 pub mod failure;
 mod feel;
 mod finder;
+mod fingers;
 mod hand;
 mod header;
 pub mod identify;
@@ -51,10 +53,12 @@ mod taxels;
 pub mod unit;
 mod verdict;
 
+pub use activations::Activations;
 pub use band::{FeltBand, FeltCorner};
 pub use boards::{BoardReport, BusReport, CanReport, Pacing, Spread};
 pub use failure::Failure;
 pub use finder::{Finder, Search};
+pub use fingers::Fingers;
 pub use hand::Hand;
 pub use header::{attachments, header};
 pub use levels::{Intensities, dynamic_levels};
@@ -64,7 +68,7 @@ pub use passed::Passed;
 pub use policy::Policy;
 pub use recorder::{Recorder, Truth};
 pub use replay::{
-    CanFrames, FrameSource, Frames, Identifiers, NextRow, RowSource, Rows, TaxelTable,
+    CanFrames, CanPlayer, FrameSource, Frames, Identifiers, NextRow, RowSource, Rows, TaxelTable,
 };
 pub use runner::{build, fits, run_with, scene_levels};
 pub use script::FaultReport;

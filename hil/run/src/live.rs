@@ -6,6 +6,7 @@
 use core::fmt;
 
 use palpate_core::bus::Received;
+use palpate_core::projector::Projector;
 use palpate_core::skin::{CanSkin, Layout, ModuleScan, ScanError, SkinSource};
 use palpate_core::units::Instant;
 use palpate_emulators::sensor::can::faults::Faulty;
@@ -14,15 +15,18 @@ use palpate_emulators::sensor::{Press, SkinArray, Touches};
 use palpate_files::Setup;
 use palpate_records::trace::Event;
 
+use crate::activations::{self, Activations};
 use crate::boards::BusReport;
 use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::failure::Failure;
+use crate::fingers::Fingers;
 use crate::hand::Hand;
 use crate::levels::dynamic_levels;
 use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth};
 use crate::runner::build;
 use crate::session::Session;
+use crate::skin::Played;
 use crate::skin_end::{FaultySkin, SkinEnd, Tap};
 use crate::{plan, skin};
 
@@ -59,6 +63,20 @@ impl SkinSource for EmulatedSkin {
             Self::Boards(boards) => boards.scans(now, take),
             Self::Array(array) => array.scans(now, take).map_err(|never| match never {}),
         }
+    }
+}
+
+impl EmulatedSkin {
+    /// A setup's skin under its scene's touches, sending from the start.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for what fits no emulated skin.
+    pub fn scene(setup: &Setup, seed: u64) -> Result<Self, Failure> {
+        let layout = plan::layout(&setup.sensor.value)?;
+        Ok(match skin::is_array(setup) {
+            true => Self::Array(skin::array(setup, &layout, seed)?),
+            false => boards(setup, &layout, seed, skin::emulated(setup, &layout, seed)?),
+        })
     }
 }
 
@@ -117,12 +135,27 @@ impl EmulatedSession {
     /// [`Failure::Input`] for what fits no emulated hardware.
     pub fn scene(setup: &Setup, seed: u64, policy: Policy) -> Result<Self, Failure> {
         let truth = Truth::of(setup);
+        let skin = EmulatedSkin::scene(setup, seed)?;
+        Self::on(setup, seed, of_setup(setup, seed)?, (skin, truth), policy)
+    }
+
+    /// A setup's scene with its touches and faults, and fingers that join them while it runs. The scene's end is no end
+    /// here. A run of the scene with [`Fingers::touches`] among its own, and dynamic levels, comes to the same bits.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for what fits no emulated hardware.
+    pub fn played(setup: &Setup, seed: u64) -> Result<(Self, Fingers), Failure> {
         let layout = plan::layout(&setup.sensor.value)?;
-        let skin = match skin::is_array(setup) {
-            true => EmulatedSkin::Array(skin::array(setup, &layout, seed)?),
-            false => boards(setup, &layout, seed, skin::emulated(setup, &layout, seed)?),
+        let fingers = Fingers::default();
+        let skin = match skin::played(setup, &layout, seed, &fingers)? {
+            Played::Boards(handle) => boards(setup, &layout, seed, handle),
+            Played::Array(array) => EmulatedSkin::Array(array),
         };
-        Self::on(setup, seed, skin, truth, policy)
+        let truth = Truth::played(setup, &fingers);
+        let policy = Policy::emulated(setup.bench.value.unit.is_some());
+        let projector = of_setup(setup, seed)?;
+        let session = Self::on(setup, seed, projector, (skin, truth), policy)?;
+        Ok((session, fingers))
     }
 
     /// A setup's hardware under a hand, which presses on every module as [`Hand::press`] says. The scene's own
@@ -131,6 +164,27 @@ impl EmulatedSession {
     /// # Errors
     /// [`Failure::Input`] for what fits no emulated hardware.
     pub fn touched(setup: &Setup, seed: u64) -> Result<(Self, Vec<Hand>), Failure> {
+        let projector = of_setup(setup, seed)?;
+        Self::under_hands(setup, seed, projector)
+    }
+
+    /// The same, with activations from outside in place of the scene's illusion.
+    ///
+    /// # Errors
+    /// As [`Self::touched`]; a scene whose pulses no illusion chooses.
+    pub fn activated(setup: &Setup, seed: u64) -> Result<(Self, Vec<Hand>, Activations), Failure> {
+        let levels = dynamic_levels(&setup.scene.value.compression);
+        let (projector, activations) = activations::build(setup, seed, levels)?;
+        let (mut session, hands) = Self::under_hands(setup, seed, projector)?;
+        session.recorder().counts = Some(Vec::new());
+        Ok((session, hands, activations))
+    }
+
+    fn under_hands(
+        setup: &Setup,
+        seed: u64,
+        projector: Projector,
+    ) -> Result<(Self, Vec<Hand>), Failure> {
         let layout = plan::layout(&setup.sensor.value)?;
         let hands: Vec<Hand> = layout.modules().iter().map(|_| Hand::default()).collect();
         let hand = |module: usize| -> Box<dyn Touches + Send> { Box::new(hands[module].clone()) };
@@ -146,18 +200,17 @@ impl EmulatedSession {
         let truth = hands.get(setup.scene.value.drives).cloned();
         let truth = truth.map_or(Truth::Unknown, Truth::Hand);
         let policy = Policy::emulated(setup.bench.value.unit.is_some());
-        let session = Self::on(setup, seed, skin, truth, policy)?;
+        let session = Self::on(setup, seed, projector, (skin, truth), policy)?;
         Ok((session, hands))
     }
 
     fn on(
         setup: &Setup,
         seed: u64,
-        skin: EmulatedSkin,
-        truth: Truth,
+        projector: Projector,
+        (skin, truth): (EmulatedSkin, Truth),
         policy: Policy,
     ) -> Result<Self, Failure> {
-        let projector = build(setup, seed, dynamic_levels(&setup.scene.value.compression))?;
         let display = EmulatedDisplay::new(setup, &projector, seed)?;
         let recorder = Recorder::new(truth, projector.layout()).bounded(MOST_EVENTS);
         Ok(Self::new(
@@ -168,6 +221,11 @@ impl EmulatedSession {
             None,
         ))
     }
+}
+
+/// The loop of a setup, with levels by what has come so far.
+fn of_setup(setup: &Setup, seed: u64) -> Result<Projector, Failure> {
+    build(setup, seed, dynamic_levels(&setup.scene.value.compression))
 }
 
 /// Emulated boards as the loop reads them.
@@ -182,7 +240,7 @@ impl FedSession {
     /// # Errors
     /// [`Failure::Input`] for what fits no loop.
     pub fn fed(setup: &Setup, seed: u64) -> Result<Self, Failure> {
-        let projector = build(setup, seed, dynamic_levels(&setup.scene.value.compression))?;
+        let projector = of_setup(setup, seed)?;
         let display = EmulatedDisplay::new(setup, &projector, seed)?;
         let recorder = Recorder::new(Truth::Unknown, projector.layout()).bounded(MOST_EVENTS);
         let ends = ((), display);

@@ -1,6 +1,9 @@
 //! What differs between an emulated, a replayed and a real bench: values. Every line that acts on them is shared.
 
 use palpate_core::units::Duration;
+use palpate_files::{Bench, BenchKind};
+
+use crate::failure::Failure;
 
 /// Which stops of the guard end by themselves once their cause is gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,4 +54,21 @@ impl Policy {
         waits_at_start: false,
         latch: LatchPolicy::Stays,
     };
+}
+
+/// Refuses hardware: what is emulated must not be recorded as real.
+pub(crate) fn refuse_hardware(bench: &Bench) -> Result<(), Failure> {
+    if bench.unit_address().is_some() {
+        return Err(Failure::Input(format!(
+            "bench `{}`: expected a bench without [unit] address: only `hil run` drives a unit over a network",
+            bench.name
+        )));
+    }
+    match bench.kind {
+        BenchKind::Emulated => Ok(()),
+        BenchKind::Real => Err(Failure::Input(format!(
+            "bench `{}`: expected kind = \"emulated\", found \"real\": only the program `hil` opens hardware",
+            bench.name
+        ))),
+    }
 }

@@ -13,8 +13,9 @@ use palpate_records::readings::Readings;
 use palpate_records::trace::{Driven, Event, PlaceUm};
 use palpate_records::words::texture;
 
+use crate::fingers::Fingers;
 use crate::hand::Hand;
-use palpate_files::{Finger, Joint, Setup, Touch};
+use palpate_files::{Finger, Joint, Setup, Touch, TouchPoint};
 
 /// Windows of texture further apart are of different touches.
 const APART: Duration = Duration::from_millis(500);
@@ -42,6 +43,9 @@ pub enum Truth {
     Scene(Vec<(Touch, [f64; 2])>),
     /// A hand on the driving module.
     Hand(Hand),
+    /// A scene's touches and fingers, and how far right and up of the places they tell those on each module are that
+    /// drives.
+    Played(Vec<(Touch, [f64; 2])>, Fingers, Vec<Option<[f64; 2]>>),
 }
 
 impl Truth {
@@ -51,6 +55,22 @@ impl Truth {
         match scene.compression.scope {
             Scope::Skin => Self::on(setup, true, |_| true),
             Scope::Module => Self::on(setup, false, |module| module == scene.drives),
+        }
+    }
+
+    /// Of a setup's scene that fingers join.
+    pub fn played(setup: &Setup, fingers: &Fingers) -> Self {
+        let scene = &setup.scene.value;
+        let whole = scene.compression.scope == Scope::Skin;
+        let modules = setup.sensor.value.modules.iter().enumerate();
+        let drives = modules.map(|(number, module)| match whole {
+            true => Some(module.place_mm),
+            false => (number == scene.drives).then_some([0.0; 2]),
+        });
+        let drives = drives.collect();
+        match Self::of(setup) {
+            Self::Scene(touches) => Self::Played(touches, fingers.clone(), drives),
+            other => other,
         }
     }
 
@@ -79,16 +99,36 @@ impl Truth {
     fn at(&self, at: Instant) -> Option<(Point, f64)> {
         match self {
             Self::Unknown => None,
-            Self::Scene(touches) => scripted(touches, at),
+            Self::Scene(touches) => only(touching(touches, seconds(at))),
+            Self::Played(touches, fingers, drives) => {
+                let t_s = seconds(at);
+                let mut here: Vec<_> = touching(touches, t_s).collect();
+                fingers.each(|touch| {
+                    let offset = drives.get(touch.module).copied().flatten();
+                    here.extend(touch.at(t_s).zip(offset));
+                });
+                only(here.into_iter())
+            }
             Self::Hand(hand) => hand.only(),
         }
     }
 }
 
-fn scripted(touches: &[(Touch, [f64; 2])], at: Instant) -> Option<(Point, f64)> {
-    let seconds = at.as_micros() as f64 * 1e-6;
-    let place = |(touch, offset): &(Touch, [f64; 2])| Some((touch.at(seconds)?, *offset));
-    let mut now = touches.iter().filter_map(place);
+fn seconds(at: Instant) -> f64 {
+    at.as_micros() as f64 * 1e-6
+}
+
+/// What touches at a time.
+fn touching(
+    touches: &[(Touch, [f64; 2])],
+    t_s: f64,
+) -> impl Iterator<Item = (TouchPoint, [f64; 2])> {
+    let here = move |(touch, offset): &(Touch, [f64; 2])| Some((touch.at(t_s)?, *offset));
+    touches.iter().filter_map(here)
+}
+
+/// The only one of what touches, if it presses.
+fn only(mut now: impl Iterator<Item = (TouchPoint, [f64; 2])>) -> Option<(Point, f64)> {
     let (only, [x, y]) = now.next().filter(|(t, _)| t.force_n > 0.0)?;
     now.next().is_none().then(|| {
         let place = Point::new((only.x_mm + x) as f32, (only.y_mm + y) as f32);

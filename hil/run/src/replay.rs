@@ -44,7 +44,7 @@ pub trait RowSource: fmt::Debug + Send + Sync {
 }
 
 /// Rows that are pulled.
-pub trait NextRow {
+pub trait NextRow: Send {
     /// The next row: its counts in place of those in `counts`, and its time in microseconds; none at the end.
     ///
     /// # Errors
@@ -277,7 +277,7 @@ pub trait FrameSource: fmt::Debug + Send + Sync {
 }
 
 /// Frames that are pulled; an error where their source has changed since it was first read.
-pub type Frames<'a> = Box<dyn Iterator<Item = Result<Received, Failure>> + 'a>;
+pub type Frames<'a> = Box<dyn Iterator<Item = Result<Received, Failure>> + Send + 'a>;
 
 /// How often each identifier came on each bus.
 #[derive(Clone, Debug, Default)]

@@ -19,14 +19,14 @@ use palpate_records::readings::Readings;
 use palpate_records::trace::{Header, Ledger};
 
 use crate::actuator_bus::ActuatorBus;
-use crate::display_end::{EmulatedDisplay, refuse_hardware};
+use crate::display_end::EmulatedDisplay;
 use crate::effort::Effort;
 use crate::failure::Failure;
 use crate::header::header;
 use crate::levels::{Intensities, dynamic_levels, known_levels};
 use crate::passed::Passing;
 use crate::place::{Place, looking};
-use crate::policy::Policy;
+use crate::policy::{Policy, refuse_hardware};
 use crate::recorder::{Recorder, Truth, milli_c};
 use crate::replay::{CanPlayer, Rows};
 use crate::session::{Session, TICK, Turn};
@@ -214,7 +214,7 @@ impl Run<'_> {
         let header = header(self.setup, self.seed, &projector)?;
         recorder.felt = self.keep.summary.then(|| FeltPath::new(&header));
         if self.keep.band {
-            display.compare(self.setup, &header)?;
+            display.compare(self.setup, &header, true)?;
         }
         let ends = (skin, display);
         let policy = Policy::emulated(self.setup.bench.value.unit.is_some());
@@ -446,6 +446,6 @@ pub fn fits(setup: &Setup) -> Result<(), Failure> {
     }
 }
 
-fn made(setup: &Setup, plan: Plan) -> Result<Projector, Failure> {
+pub(crate) fn made(setup: &Setup, plan: Plan) -> Result<Projector, Failure> {
     Projector::new(plan).map_err(|e| Failure::Input(format!("{}: {e}", setup.scene.source.label())))
 }

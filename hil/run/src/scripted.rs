@@ -6,8 +6,9 @@ use palpate_emulators::sensor::surface::{Habits, Rub, SurfaceStroke, SurfaceStro
 use palpate_emulators::sensor::{Press, Touches};
 use palpate_emulators::time::Nanos;
 
+use crate::fingers::Fingers;
 use crate::plan::surface;
-use palpate_files::{Setup, Touch, TouchPoint};
+use palpate_files::{PathKind, Setup, Touch, TouchPoint};
 
 /// Scenes' strokes are others than those that models are trained on, which count from 0.
 const FIRST_STROKE: u32 = 1000;
@@ -54,6 +55,8 @@ pub(super) struct Scripted {
     touches: Vec<(Touch, Option<Rubbing>)>,
     /// From the module's millimetres to those that each touch is told in.
     offsets: Vec<[f64; 2]>,
+    /// Fingers that join them, and how far each module's millimetres are from those of this one.
+    fingers: Option<(Fingers, Vec<Option<[f64; 2]>>)>,
     strokes: SurfaceStrokes,
     /// Everything begins anew after each such span.
     repeat: Option<Nanos>,
@@ -67,6 +70,7 @@ impl Scripted {
         seed: u64,
         lag_s: f64,
         repeat: Option<Nanos>,
+        fingers: Option<&Fingers>,
     ) -> Self {
         let scene = &setup.scene.value;
         let felt = scene.texture.as_ref();
@@ -75,21 +79,24 @@ impl Scripted {
         let textured = felt.zip(entry.map(surface));
         let rub = |number: u32, touch: &Touch| {
             let (felt, texture) = textured.as_ref()?;
-            felt.rubs
-                .then(|| Rubbing::new(Rub::new(texture, (seed, number), lag_s), touch))
+            // A hand has no surface.
+            let rubs = felt.rubs && touch.path.kind != PathKind::Hand;
+            rubs.then(|| Rubbing::new(Rub::new(texture, (seed, number), lag_s), touch))
         };
         // What is one skin is pressed as one: a touch beside a module presses it too.
         let whole = scene.compression.scope == Scope::Skin;
-        let places = |m: usize| setup.sensor.value.modules.get(m).map(|m| m.place_mm);
+        let modules = &setup.sensor.value.modules;
+        let between = |from: usize| {
+            let ([x, y], [u, v]) = (modules.get(from)?.place_mm, modules.get(module)?.place_mm);
+            Some([x - u, y - v])
+        };
         let touches = || {
             let all = scene.touches.iter();
             all.filter(move |t| whole || t.module == module)
         };
-        let offset = |touch: &Touch| {
-            let ([x, y], [u, v]) = (places(touch.module)?, places(module)?);
-            Some([x - u, y - v])
-        };
-        let offsets = touches().map(|t| offset(t).unwrap_or_default()).collect();
+        let offsets = touches().map(|t| between(t.module).unwrap_or_default());
+        let reaches = |from: usize| (whole || from == module).then(|| between(from)).flatten();
+        let reached = || (0..modules.len()).map(reaches).collect();
         let stroke = |(number, &start_s): (u32, &f64)| {
             let (felt, texture) = textured.as_ref()?;
             let span = (Nanos((start_s * 1e9).round() as u64), felt.stroke_s);
@@ -105,7 +112,8 @@ impl Scripted {
         };
         let starts = felt.iter().flat_map(|felt| &felt.strokes_s);
         Self {
-            offsets,
+            offsets: offsets.collect(),
+            fingers: fingers.map(|fingers| (fingers.clone(), reached())),
             touches: (0..)
                 .zip(touches())
                 .map(|(n, touch)| (touch.clone(), rub(n, touch)))
@@ -120,28 +128,40 @@ impl Scripted {
     }
 }
 
+/// A touch as it presses a module whose millimetres lie `offset` away, with what a relief adds.
+fn pressed(point: &TouchPoint, [x, y]: [f64; 2], more: f64) -> Press {
+    Press {
+        at: Point::new((point.x_mm + x) as f32, (point.y_mm + y) as f32),
+        // a contact that the relief lifts off carries nothing
+        force_n: if point.force_n > 0.0 {
+            (point.force_n + more).max(0.0)
+        } else {
+            point.force_n
+        },
+        diameter_mm: point.diameter_mm,
+    }
+}
+
 impl Touches for Scripted {
     fn touches(&self, now: Nanos, out: &mut Vec<Press>) {
         let now = self.at(now);
         let t_s = now.as_secs_f64();
-        let press = |((touch, rubbing), [x, y]): (&(Touch, Option<Rubbing>), &[f64; 2])| {
-            let point: TouchPoint = touch.at(t_s)?;
+        let press = |((touch, rubbing), offset): (&(Touch, Option<Rubbing>), &[f64; 2])| {
+            let point = touch.at(t_s)?;
             let more = rubbing.as_ref().map_or(0.0, |r| {
                 let (travel, speed) = r.progress(t_s);
                 r.rub.force(travel, speed)
             });
-            Some(Press {
-                at: Point::new((point.x_mm + x) as f32, (point.y_mm + y) as f32),
-                // a contact that the relief lifts off carries nothing
-                force_n: if point.force_n > 0.0 {
-                    (point.force_n + more).max(0.0)
-                } else {
-                    point.force_n
-                },
-                diameter_mm: point.diameter_mm,
-            })
+            Some(pressed(&point, *offset, more))
         };
         out.extend(self.touches.iter().zip(&self.offsets).filter_map(press));
+        if let Some((fingers, reached)) = &self.fingers {
+            fingers.each(|touch| {
+                let offset = reached.get(touch.module).copied().flatten();
+                let here = offset.zip(touch.at(t_s));
+                out.extend(here.map(|(offset, point)| pressed(&point, offset, 0.0)));
+            });
+        }
         self.strokes.touches(now, out);
     }
 

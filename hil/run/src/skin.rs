@@ -13,6 +13,7 @@ use palpate_emulators::time::Nanos;
 
 use super::scripted::Scripted;
 use crate::failure::Failure;
+use crate::fingers::Fingers;
 use crate::plan;
 use palpate_files::Setup;
 
@@ -41,7 +42,7 @@ pub fn boards(
 ) -> Result<Handle, Failure> {
     let lag_s = ModuleConfig::default().mechanics.lag_s;
     let scripted = |module| -> Box<dyn Touches + Send> {
-        Box::new(Scripted::new(setup, module, seed, lag_s, repeat))
+        Box::new(Scripted::new(setup, module, seed, lag_s, repeat, None))
     };
     touched(setup, layout, seed, host, scripted)
 }
@@ -154,6 +155,15 @@ pub fn is_array(setup: &Setup) -> bool {
 /// # Errors
 /// [`Failure::File`] for a fault that needs a sensor bus.
 pub fn array(setup: &Setup, layout: &Layout, seed: u64) -> Result<SkinArray, Failure> {
+    array_with(setup, layout, seed, None)
+}
+
+fn array_with(
+    setup: &Setup,
+    layout: &Layout,
+    seed: u64,
+    fingers: Option<&Fingers>,
+) -> Result<SkinArray, Failure> {
     let scene = &setup.scene.value;
     if let Some(index) = scene.faults.iter().position(|f| f.kind.is_of_sensors()) {
         let key = format!("faults[{index}].kind");
@@ -162,8 +172,43 @@ pub fn array(setup: &Setup, layout: &Layout, seed: u64) -> Result<SkinArray, Fai
     }
     let lag_s = ModuleConfig::default().mechanics.lag_s;
     Ok(array_under(setup, layout, seed, |module| {
-        Box::new(Scripted::new(setup, module, seed, lag_s, None))
+        Box::new(Scripted::new(setup, module, seed, lag_s, None, fingers))
     }))
+}
+
+/// An emulated skin of either kind.
+pub enum Played {
+    /// Boards that send from the start.
+    Boards(Handle),
+    /// A skin that no bus carries.
+    Array(SkinArray),
+}
+
+/// A scene's skin with its touches and those of fingers on it.
+///
+/// # Errors
+/// As [`boards`] and [`array`].
+pub fn played(
+    setup: &Setup,
+    layout: &Layout,
+    seed: u64,
+    fingers: &Fingers,
+) -> Result<Played, Failure> {
+    if is_array(setup) {
+        return array_with(setup, layout, seed, Some(fingers)).map(Played::Array);
+    }
+    let lag_s = ModuleConfig::default().mechanics.lag_s;
+    let boards = under(setup, layout, seed, |module| {
+        Box::new(Scripted::new(
+            setup,
+            module,
+            seed,
+            lag_s,
+            None,
+            Some(fingers),
+        ))
+    });
+    boards.map(Played::Boards)
 }
 
 /// Such a skin, each module under the touches that `touches` gives for it.

@@ -7,8 +7,8 @@ use palpate_files::{Overrides, Setup};
 use palpate_records::digest::short_digest;
 use palpate_records::runs::{RunKey, RunRow, Values};
 
-use crate::display_end::refuse_hardware;
 use crate::header::attachments;
+use crate::policy::refuse_hardware;
 use crate::summary::Summary;
 use crate::{Failure, Host, Input, Keep, fits, run_with};
 

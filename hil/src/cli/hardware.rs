@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use palpate_buses::guardian::{parse_bus, parse_line};
 
-use super::{Voice, positive, whole};
+use super::{UnitOn, Voice, positive, whole};
 
 /// Options of `hil record`.
 #[derive(Debug, Args)]
@@ -49,6 +49,9 @@ pub struct DoctorArgs {
     /// Check only the buses of this bench (default: all buses of the machine).
     #[arg(long, value_name = "NAME|FILE")]
     pub bench: Option<String>,
+    /// Check this driver unit beside them.
+    #[command(flatten)]
+    pub unit: UnitOn,
     /// Print one JSON object.
     #[arg(long)]
     pub json: bool,
@@ -58,11 +61,14 @@ pub struct DoctorArgs {
 #[derive(Debug, Args)]
 pub struct OffArgs {
     /// A bench of real buses: a file.
-    #[arg(long, value_name = "NAME|FILE", required_unless_present = "i2c")]
+    #[arg(long, value_name = "NAME|FILE", required_unless_present_any = ["i2c", "unit"])]
     pub bench: Option<String>,
     /// An I2C adapter in place of a bench; repeatable. Every chip that answers there is switched off.
     #[arg(long, value_name = "DEVICE", conflicts_with = "bench")]
     pub i2c: Vec<PathBuf>,
+    /// A driver unit in place of a bench: it switches off, whoever drives it, and no host goes on by itself.
+    #[command(flatten)]
+    pub unit: UnitOn,
     /// Also clear a latched stop. Look at the bench first.
     #[arg(long)]
     pub unlatch: bool,

@@ -5,6 +5,9 @@ use std::path::{Path, PathBuf};
 use palpate_files::{Bench, BenchKind, Loaded, Overrides, Real, load_bench, repeated_bus};
 use palpate_run::Failure;
 
+use crate::cli::UnitOn;
+use crate::link::UnitPlace;
+
 /// The bench of a command without one.
 pub(super) const DEFAULT_BENCH: &str = "emulated";
 
@@ -46,7 +49,8 @@ pub(super) fn bench_with(
     once("--can", real.can.iter().map(Path::new))?;
     once("--i2c", real.i2c.iter().map(PathBuf::as_path))?;
     let needed = file.outputs.iter().map(|o| usize::from(o.bus) + 1).max();
-    if needed > Some(real.i2c.len()) {
+    let on_unit = file.unit.as_ref().is_some_and(|u| u.address.is_some());
+    if !on_unit && needed > Some(real.i2c.len()) {
         return Err(Failure::Input(format!(
             "--i2c: bench `{}` needs {} adapters, found {}",
             file.name,
@@ -58,6 +62,16 @@ pub(super) fn bench_with(
         file.name = "real".into();
     }
     Ok(bench)
+}
+
+/// The driver unit that a command names, by option or by its bench.
+///
+/// # Errors
+/// A bad bench, address or key file.
+pub(super) fn unit_of(name: Option<&str>, on: &UnitOn) -> Result<Option<UnitPlace>, Failure> {
+    let mut overrides = Overrides::default();
+    on.change(&mut overrides);
+    UnitPlace::of(&bench_with(name, &overrides, &[], &[])?)
 }
 
 /// Every device must be named once.

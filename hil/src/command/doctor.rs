@@ -8,7 +8,14 @@ use crate::output::print;
 use crate::real::watch;
 use palpate_run::Failure;
 
-use super::devices::bench;
+use palpate_buses::pacer::RunClock;
+use palpate_core::codec::link::{State, VERSION};
+
+use super::devices::{bench, unit_of};
+use crate::link::{RemoteUnit, UnitPlace};
+
+/// Exchanges with a unit, the shortest of which counts.
+const EXCHANGES: usize = 8;
 
 /// The JSON object of `--json`.
 #[derive(Serialize)]
@@ -43,7 +50,13 @@ pub fn doctor(args: &DoctorArgs) -> Result<(), Failure> {
         .zip(real)
         .map(|(b, real)| watch(&b.value, real));
     let can = real.map(|real| real.can.as_slice());
-    let findings = survey(can, watched.as_ref());
+    let mut findings = survey(can, watched.as_ref());
+    let place = match named.as_ref().map(|b| b.value.unit_address().is_some()) {
+        None | Some(true) => unit_of(args.bench.as_deref(), &args.unit)?,
+        Some(false) => unit_of(None, &args.unit)?,
+    };
+    let named = named.is_some() || place.is_some();
+    findings.extend(place.iter().flat_map(unit));
     let ready = findings.iter().all(|f| f.ok || !f.needed);
     if args.json {
         let row = |f: Finding| Row {
@@ -76,10 +89,107 @@ pub fn doctor(args: &DoctorArgs) -> Result<(), Failure> {
             Ok(())
         })?;
     }
-    if ready || named.is_none() {
+    if ready || !named {
         return Ok(());
     }
     Err(Failure::Device(
         "the bench lacks what is marked `missing`".into(),
     ))
+}
+
+/// What a driver unit says of itself. No session begins, so whoever drives it goes on.
+fn unit(place: &UnitPlace) -> Vec<Finding> {
+    let finding = |about, ok, says: String, remedy| Finding {
+        about,
+        ok,
+        needed: true,
+        says,
+        remedy,
+    };
+    let asked = RemoteUnit::open(place, 0, RunClock::start()).and_then(|mut u| u.ask(EXCHANGES));
+    let (hello, trip, middle) = match asked {
+        Ok(asked) => asked,
+        Err(failure) => return vec![finding("unit", false, failure.to_string(), None)],
+    };
+    let (plant, limits) = (&hello.plant, &hello.limits);
+    let ahead_s = (hello.now.as_micros() as f64 - middle.as_micros() as f64) * 1e-6;
+    let half_ms = trip.as_micros() as f64 / 2e3;
+    let wires: u32 = hello.wires.iter().map(|bits| bits.count_ones()).sum();
+    let boards = hello.wires.iter().filter(|bits| **bits != 0).count();
+    let rows = if hello.heat {
+        "all rows"
+    } else {
+        "the integer rows"
+    };
+    let mut found = vec![
+        finding(
+            "unit",
+            true,
+            format!(
+                "{} answers under this key, version {VERSION}, within {:.1} ms",
+                place.name,
+                2.0 * half_ms
+            ),
+            None,
+        ),
+        finding(
+            "unit clock",
+            true,
+            format!(
+                "runs for {:.3} s, known to {half_ms:.2} ms; {ahead_s:+.3} s from this program's",
+                hello.now.as_micros() as f64 * 1e-6
+            ),
+            None,
+        ),
+        finding(
+            "unit boards",
+            true,
+            format!(
+                "{wires} wires on {boards} boards, PRE_SCALE {}, {} mA through {} milliohms",
+                plant.prescale.get(),
+                plant.peak.0,
+                plant.wire_milliohm
+            ),
+            None,
+        ),
+        finding(
+            "unit guard",
+            true,
+            format!(
+                "{rows}; pulses to {} us, bursts to {} ms and {} mJ, fingertip {} mW over 60 s, off within {} ms",
+                limits.pulse_width_ns / 1000,
+                limits.burst.as_micros() / 1000,
+                limits.burst_energy_nj as f64 / 1e6,
+                limits.fingertip_60s_uw as f64 / 1e3,
+                limits.stale.as_micros() / 1000
+            ),
+            None,
+        ),
+        finding(
+            "unit state",
+            true,
+            match hello.state {
+                State::Ready => format!("drives; {} stops so far", hello.stops),
+                State::Stopped(cause) => format!(
+                    "stopped, {}; {} stops so far; the next run acknowledges that",
+                    cause.word(),
+                    hello.stops
+                ),
+            },
+            None,
+        ),
+    ];
+    if hello.busy {
+        // No fault: or a host that has just ended.
+        found.push(Finding {
+            needed: false,
+            ..finding("unit host", false, "another host drives it".into(), None)
+        });
+    }
+    if let Some(held) = place.latch().read() {
+        let says = format!("a run on it was stopped: {}", held.cause);
+        let remedy = format!("hil off --unlatch --unit {} --key FILE", place.name);
+        found.push(finding("unit stop", false, says, Some(remedy)));
+    }
+    found
 }

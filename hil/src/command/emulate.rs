@@ -1,7 +1,8 @@
 //! `hil emulate`.
 
 use crate::cli::EmulateArgs;
-use crate::emulate::{self, Options, Telling};
+use crate::emulate::{self, Options};
+use crate::telling::Telling;
 use palpate_files::{Setup, load_bench, load_scene};
 use palpate_run::Failure;
 

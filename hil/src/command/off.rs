@@ -7,11 +7,14 @@ use palpate_buses::lock::BusLock;
 use palpate_buses::oe::OeLine;
 
 use crate::cli::OffArgs;
+use crate::link::{RemoteUnit, UnitPlace};
 use crate::output::{note, print};
 use crate::real::watch;
+use palpate_buses::pacer::RunClock;
+use palpate_core::codec::link::State;
 use palpate_run::Failure;
 
-use super::devices::bench;
+use super::devices::{bench, unit_of};
 
 /// How long a run that holds the bus may take to end, and boards to answer.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -24,6 +27,9 @@ const TRANSFER: Duration = Duration::from_secs(1);
 /// # Errors
 /// [`Failure::Input`] for a bench that is not real, [`Failure::Device`] when not everything is off.
 pub fn off(args: &OffArgs) -> Result<(), Failure> {
+    if let Some(place) = unit_of(args.bench.as_deref(), &args.unit)? {
+        return off_unit(&place, args.unlatch);
+    }
     let bench = bench(args.bench.as_deref(), &[], &args.i2c)?;
     let Some(real) = &bench.value.real else {
         return Err(Failure::Input(format!(
@@ -69,6 +75,41 @@ pub fn off(args: &OffArgs) -> Result<(), Failure> {
     }
     print(|out| lines.iter().try_for_each(|line| writeln!(out, "{line}")))?;
     result
+}
+
+/// The same of a driver unit: it switches off and stops, and only a host that begins after this goes on.
+fn off_unit(place: &UnitPlace, unlatch: bool) -> Result<(), Failure> {
+    let name = &place.name;
+    let stopped = RemoteUnit::open(place, 0, RunClock::start())?.stop();
+    let mut lines = Vec::new();
+    if let Ok(status) = &stopped {
+        lines.push(match status.map(|s| s.state) {
+            Some(State::Stopped(cause)) => {
+                format!("unit {name}: everything is off; stopped: {}", cause.word())
+            }
+            _ => format!("unit {name}: everything is off"),
+        });
+        lines.push(format!(
+            "unit {name}: no host that runs goes on; `hil run` begins anew"
+        ));
+    }
+    let latch = place.latch();
+    if let Some(held) = latch.read() {
+        lines.push(format!("unit {name}: stopped earlier: {}", held.cause));
+        if !unlatch {
+            lines.push(format!(
+                "unit {name}: stays latched; `hil off --unlatch` clears it"
+            ));
+        } else if stopped.is_ok() {
+            latch.clear().map_err(|error| Failure::Write {
+                path: name.clone(),
+                error,
+            })?;
+            lines.push(format!("unit {name}: the stop is cleared"));
+        }
+    }
+    print(|out| lines.iter().try_for_each(|line| writeln!(out, "{line}")))?;
+    stopped.map(drop)
 }
 
 /// Takes the buses over and switches everything off.

@@ -5,7 +5,7 @@ use std::path::Path;
 use palpate_files::Setup;
 use palpate_run::{Failure, Outcome};
 
-use super::run::Format;
+use super::run_files::Format;
 use crate::output::Outputs;
 
 /// Writes one record of a run; the ending of the name says which, as for `hil run --record`, and `.html` is the report,

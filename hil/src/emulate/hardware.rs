@@ -185,7 +185,7 @@ pub(super) fn starts(frame: &CanFrame) -> bool {
 
 /// Whether an output is high, or a running chip that is not cut has a channel without the full-off bit and with
 /// a pulse.
-fn drives(chip: &Pca9685, cut: bool) -> bool {
+pub(crate) fn drives(chip: &Pca9685, cut: bool) -> bool {
     let high = chip.pins().contains(&Pin::High);
     high || !cut
         && chip.is_running()

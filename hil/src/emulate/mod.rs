@@ -21,9 +21,12 @@ use palpate_files::Setup;
 use palpate_run::Failure;
 use palpate_run::plan;
 
+pub(crate) use hardware::drives;
 use hardware::{Hardware, starts};
-pub use record::{CanRecord, Record, Telling, WireRecord};
-use record::{Teller, Told};
+use record::Told;
+pub use record::{CanRecord, Record, WireRecord};
+
+use crate::telling::{Teller, Telling};
 
 /// Frames leave together when the last of so long a time has ended on the emulated wire: a turn a frame
 /// would be too many on a full bus.

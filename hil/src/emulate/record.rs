@@ -1,22 +1,11 @@
 //! What the served hardware went through: told while it happens, and summed up at the end.
 
-use std::io::{self, BufWriter, Stdout, Write};
+use std::io::{self, Write};
 
 use palpate_emulators::worn::{DisplayTotals, OutputEdge};
 use serde::Serialize;
 
-use palpate_run::Failure;
-
-/// How the program speaks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Telling {
-    /// For people.
-    Words,
-    /// JSON Lines.
-    Json,
-    /// Not at all.
-    Nothing,
-}
+use crate::telling::Say;
 
 /// Something that happened. Times are nanoseconds of CLOCK_MONOTONIC, so that other programs on this
 /// machine can hold theirs against them; within one run they are the emulators' own time plus a constant.
@@ -161,6 +150,16 @@ impl WireRecord {
             ..Self::default()
         }
     }
+
+    /// Counts an edge of it that came at `t_ns`.
+    pub fn edge(&mut self, t_ns: u64, high: bool) {
+        if high {
+            self.high_since_ns = Some(t_ns);
+        } else if let Some(since) = self.high_since_ns.take() {
+            self.pulses += 1;
+            self.longest_us = self.longest_us.max(t_ns.saturating_sub(since) as f64 / 1e3);
+        }
+    }
 }
 
 impl Record {
@@ -170,12 +169,7 @@ impl Record {
         let Some(wire) = self.wires.iter_mut().find(is) else {
             return; // an output without a wire
         };
-        if edge.high {
-            wire.high_since_ns = Some(t_ns);
-        } else if let Some(since) = wire.high_since_ns.take() {
-            wire.pulses += 1;
-            wire.longest_us = wire.longest_us.max((t_ns - since) as f64 / 1e3);
-        }
+        wire.edge(t_ns, edge.high);
     }
 
     /// Takes over what the display knows.
@@ -187,7 +181,7 @@ impl Record {
     }
 
     /// For people.
-    fn words(&self, out: &mut impl Write) -> io::Result<()> {
+    fn words(&self, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "served {:.1} s (emulated)", self.served_s)?;
         for can in &self.can {
             writeln!(
@@ -228,79 +222,35 @@ impl Record {
     }
 }
 
-/// Standard output, in the form asked for.
-#[derive(Debug)]
-pub struct Teller {
-    form: Telling,
-    out: Option<BufWriter<Stdout>>,
-}
-
-impl Teller {
-    /// Speaks in this form.
-    pub fn new(form: Telling) -> Self {
-        let out = (form != Telling::Nothing).then(|| BufWriter::new(io::stdout()));
-        Self { form, out }
-    }
-
-    /// Says what happened. Words are few: what is served, faults, the record.
-    ///
-    /// # Errors
-    /// [`Failure::Write`] for a full disk; a reader that went away is no error.
-    pub fn tell(&mut self, told: &Told<'_>) -> Result<(), Failure> {
-        let form = self.form;
-        self.write(|out| match (form, told) {
-            (Telling::Json, _) => {
-                serde_json::to_writer(&mut *out, told)?;
-                writeln!(out)
-            }
-            (
-                _,
-                Told::Serving {
-                    scene,
-                    can,
-                    i2c,
-                    chips,
-                    oe,
-                    ..
-                },
-            ) => {
+impl Say for Told<'_> {
+    /// Words are few: what is served, faults, the record.
+    fn words(&self, out: &mut dyn Write) -> io::Result<()> {
+        match self {
+            Told::Serving {
+                scene,
+                can,
+                i2c,
+                chips,
+                oe,
+                ..
+            } => {
                 writeln!(out, "serving {scene} (emulated); Ctrl-C stops")?;
-                can.iter()
-                    .try_for_each(|name| writeln!(out, "  {name:<14} uSkin boards"))?;
+                for name in can {
+                    writeln!(out, "  {name:<14} uSkin boards")?;
+                }
                 write!(out, "  {i2c:<14} PCA9685 at")?;
-                chips.iter().try_for_each(|c| write!(out, " {c:#04x}"))?;
+                for chip in chips {
+                    write!(out, " {chip:#04x}")?;
+                }
                 writeln!(out)?;
-                let line = |oe| writeln!(out, "  {oe:<14} line 0 on the chips' OE pins, pulled up");
-                oe.map_or(Ok(()), line)
+                match oe {
+                    Some(oe) => writeln!(out, "  {oe:<14} line 0 on the chips' OE pins, pulled up"),
+                    None => Ok(()),
+                }
             }
-            (_, Told::Fault { text, .. }) => writeln!(out, "  {text}"),
-            (_, Told::Record(record)) => record.words(out),
+            Told::Fault { text, .. } => writeln!(out, "  {text}"),
+            Told::Record(record) => record.words(out),
             _ => Ok(()),
-        })
-    }
-
-    /// Lets readers have what was said so far.
-    ///
-    /// # Errors
-    /// As [`Self::tell`].
-    pub fn flush(&mut self) -> Result<(), Failure> {
-        self.write(Write::flush)
-    }
-
-    fn write(
-        &mut self,
-        work: impl FnOnce(&mut BufWriter<Stdout>) -> io::Result<()>,
-    ) -> Result<(), Failure> {
-        match self.out.as_mut().map_or(Ok(()), work) {
-            Ok(()) => Ok(()),
-            Err(e) if e.kind() == io::ErrorKind::BrokenPipe => {
-                self.out = None; // served on, unheard
-                Ok(())
-            }
-            Err(error) => Err(Failure::Write {
-                path: "standard output".into(),
-                error,
-            }),
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use palpate_buses::can::CanBuses;
+use palpate_buses::can::{CanBuses, Note, Tally};
 use palpate_buses::guardian::{Guardian, Latch, Watch};
 use palpate_buses::i2c::{Blocking, LinuxAdapter};
 use palpate_buses::pacer::RunClock;
@@ -16,9 +16,9 @@ use palpate_core::units::{Instant, Prescale};
 use palpate_files::{Bench, Real};
 use palpate_run::display_end::{DisplayEnd, OutputEnable};
 use palpate_run::skin_end::CanEnd;
-use palpate_run::{CanReport, Failure, plan};
+use palpate_run::{Failure, plan};
 
-use crate::interfaces::reports;
+use crate::program;
 
 /// The guardian's view of a bench.
 pub fn watch(bench: &Bench, real: &Real) -> Watch {
@@ -32,7 +32,10 @@ pub fn watch(bench: &Bench, real: &Real) -> Watch {
 }
 
 /// Refuses while a stop is latched.
-pub(super) fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
+///
+/// # Errors
+/// [`Failure::Guard`] with what stopped it and how that is cleared.
+pub fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
     for (path, _) in &watch.buses {
         if let Some(held) = Latch::of(path).read() {
             let known = if held.verified {
@@ -58,8 +61,8 @@ pub(super) fn guarded(watch: &Watch) -> Result<(Vec<Blocking>, Guardian, String)
         let adapter = LinuxAdapter::open(path, addresses).map_err(|e| device(&e))?;
         lines.push(Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?);
     }
-    let program = std::env::current_exe().map_err(|e| device(&e))?;
-    let (guardian, found) = Guardian::start(&program, watch).map_err(|e| device(&e))?;
+    let program = program::again().map_err(|e| device(&e))?;
+    let (guardian, found) = Guardian::start(program, watch).map_err(|e| device(&e))?;
     Ok((lines, guardian, found))
 }
 
@@ -71,7 +74,6 @@ pub(super) struct Watchman {
 
 /// The actuators' end of the loop, its clock, and the guardian.
 pub(super) struct Live {
-    pub(super) clock: RunClock,
     banks: Banks<Blocking>,
     pub(super) watchman: Watchman,
     /// The adapters, for the way out of a stop.
@@ -81,25 +83,17 @@ pub(super) struct Live {
 }
 
 impl Live {
-    /// Opens everything, interfaces too, guardian last: from then on it can say off.
-    pub(super) fn open(
-        bench: &Bench,
-        real: &Real,
-        layout: &Layout,
-        prescale: Prescale,
-    ) -> Result<(Self, Interfaces), Failure> {
+    /// Opens the adapters, guardian last: from then on it can say off.
+    pub(super) fn open(bench: &Bench, real: &Real, prescale: Prescale) -> Result<Self, Failure> {
         let watch = watch(bench, real);
         refuse_latched(&watch)?;
-        let clock = RunClock::start();
-        let can = Interfaces::open(interfaces(real, layout)?, clock)?;
         let (mut lines, guardian, found) = guarded(&watch)?;
         lines
             .iter_mut()
             .for_each(|line| line.set_pulse(guardian.pulse()));
         let addresses = watch.buses.iter().map(|(_, addresses)| &**addresses);
         let banks = Banks::new(lines.into_iter().zip(addresses), prescale);
-        let live = Self {
-            clock,
+        Ok(Self {
             banks,
             watchman: Watchman {
                 guardian,
@@ -107,8 +101,7 @@ impl Live {
             },
             adapters: real.i2c.clone(),
             found,
-        };
-        Ok((live, can))
+        })
     }
 }
 
@@ -152,16 +145,15 @@ pub(super) const fn cut_words(has_oe: bool) -> &'static str {
 
 /// Interfaces of a bench: time passes there by itself.
 pub(super) struct Interfaces {
-    pub(super) buses: CanBuses,
-    /// Each one's name, and its number on the bench.
-    names: Vec<String>,
+    buses: CanBuses,
+    /// Each one's number on the bench.
     numbers: Vec<u8>,
 }
 
 impl Interfaces {
-    /// Interfaces with the boards that are read there.
-    pub(super) fn open(all: Vec<(String, Vec<u8>)>, clock: RunClock) -> Result<Self, Failure> {
-        Self::numbered((0..).zip(all).collect(), clock)
+    /// Opens the interfaces of a bench, one for each bus of the layout.
+    pub(super) fn open(real: &Real, layout: &Layout, clock: RunClock) -> Result<Self, Failure> {
+        Self::numbered((0..).zip(interfaces(real, layout)?).collect(), clock)
     }
 
     /// Those alone that carry boards of this layout.
@@ -178,16 +170,22 @@ impl Interfaces {
     fn numbered(all: Vec<(u8, (String, Vec<u8>))>, clock: RunClock) -> Result<Self, Failure> {
         let (numbers, all): (Vec<u8>, Vec<_>) = all.into_iter().unzip();
         let buses = CanBuses::open(&all, clock).map_err(|e| Failure::Device(e.to_string()))?;
-        Ok(Self {
-            buses,
-            names: all.into_iter().map(|(name, _)| name).collect(),
-            numbers,
-        })
+        Ok(Self { buses, numbers })
     }
 
-    /// What has happened on each.
-    pub(super) fn reports(&self) -> Vec<CanReport> {
-        reports(&self.names, &self.buses.tallies())
+    /// The oldest note not yet taken.
+    pub(super) fn note(&mut self) -> Option<Note> {
+        self.buses.note()
+    }
+
+    /// What has happened on each interface of the bench, as far as it is read here.
+    pub(super) fn tallies(&self) -> Vec<Tally> {
+        let count = self.numbers.last().map_or(0, |last| usize::from(*last) + 1);
+        let mut all = vec![Tally::default(); count];
+        for (number, tally) in self.numbers.iter().zip(self.buses.tallies()) {
+            all[usize::from(*number)] = tally;
+        }
+        all
     }
 }
 

@@ -2,12 +2,12 @@
 //! modules. Fingers share adapters, the clock, the guardian, and nothing else.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize};
 
 use palpate_buses::i2c::SharedLine;
 use palpate_buses::pacer::{Lateness, RunClock};
+use palpate_buses::signals::Signals;
 use palpate_core::driver::Banks;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant};
@@ -24,13 +24,13 @@ use palpate_run::{
 };
 
 use super::bench::{Interfaces, guarded, refuse_latched, watch};
-use super::loops::{Ended, Shared};
+use super::ends::{Sensed, Watched};
+use super::loops::{Ended, RealSession, Shared};
 use super::records::{Records, taxels};
 use super::warden::{FingerEnd, Vote, Warden};
-use super::{RealSession, Told, length, levels, outcome, pacing, prepare};
+use super::{Wanted, levels, outcome, pacing, scene_end};
 use crate::clock;
 use crate::host::open_watch;
-use crate::output::Outputs;
 use crate::record::Kind;
 
 /// A finger as files describe it.
@@ -51,7 +51,7 @@ impl Planned {
         ((can, end), taxels): ((Interfaces, FingerEnd), Option<Readings>),
         watched: bool,
         keeps_can: bool,
-    ) -> (Finger, RealSession<FingerEnd>) {
+    ) -> (Finger, RealSession) {
         let layout = self.projector.layout();
         let mut recorder = Recorder::new(Truth::Unknown, layout);
         recorder.counts = watched.then(Vec::new);
@@ -73,10 +73,14 @@ impl Planned {
 pub(super) fn run(
     (setup, real): (&Setup, &Real),
     seed: u64,
-    (files, outputs): (&[(Kind, PathBuf)], Outputs<'_>),
-    told: Told,
+    signals: &Signals,
+    wanted: Wanted<'_>,
 ) -> Result<Outcome, Failure> {
-    let signals = prepare()?;
+    let Wanted {
+        files,
+        outputs,
+        told,
+    } = wanted;
     let planned = planned(setup, seed)?;
     let whole = |p: &Planned| Readings::whole(p.projector.layout(), p.setup.scene.value.drives);
     let readings: Vec<Readings> = planned.iter().map(whole).collect();
@@ -93,7 +97,7 @@ pub(super) fn run(
     let taxels = readings.into_iter().map(|all| taxels(files, all));
     let taxels: Vec<Option<Readings>> = taxels.collect();
     if told.watched {
-        records.show(shown(&planned, length(setup))?);
+        records.show(shown(&planned, scene_end(setup))?);
     }
     let (clock, warden, ends, found) = open(setup, real, &planned)?;
     let keeps_can = files
@@ -108,7 +112,7 @@ pub(super) fn run(
         .lines()
         .map(|line| note(Instant::ZERO, format!("{line}; switched off")))
         .collect();
-    start(&mut sessions, &warden, clock)?;
+    start(&mut sessions, clock)?;
     let begun: Vec<Vec<Event>> = sessions
         .iter_mut()
         .map(|s| s.recorder().events.clone())
@@ -119,9 +123,9 @@ pub(super) fn run(
     let shared = Shared {
         real,
         warden: &warden,
-        signals: &signals,
+        signals,
         clock,
-        end: Instant::from_micros(length(setup).as_micros().saturating_add(now.as_micros())),
+        end: Instant::from_micros(scene_end(setup).as_micros().saturating_add(now.as_micros())),
         over: AtomicBool::new(false),
         ready: AtomicUsize::new(0),
         go: AtomicBool::new(false),
@@ -271,22 +275,17 @@ fn open(setup: &Setup, real: &Real, planned: &[Planned]) -> Result<Opened, Failu
 }
 
 /// Everything off and set up, on all fingers; no loop turns before.
-fn start(
-    sessions: &mut [RealSession<FingerEnd>],
-    warden: &Warden,
-    clock: RunClock,
-) -> Result<(), Failure> {
+fn start(sessions: &mut [RealSession], clock: RunClock) -> Result<(), Failure> {
     let now = clock.now();
     for session in sessions.iter_mut() {
         if let Err(error) = session.start(now) {
             let cause = session.display().explain(&error);
-            warden.give_up(&cause);
+            session.display().abandon(&cause);
             return Err(Failure::Device(cause));
         }
     }
-    // What is lost here is made up by the sessions, which tell silent boards again.
     for session in sessions {
-        let _ = session.skin().start_all();
+        session.skin().begin();
     }
     // An oscillator runs this long after its own start, whenever that was.
     clock.sleep_until(clock.now() + Duration::from_millis(1));

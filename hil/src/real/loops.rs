@@ -8,16 +8,21 @@ use std::time::Duration as Elapsed;
 use palpate_buses::pacer::{Pacer, RunClock};
 use palpate_buses::signals::Signals;
 use palpate_core::projector::Cause;
+use palpate_core::skin::CanSkin;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Real;
 use palpate_records::readings::Readings;
 use palpate_run::display_end::DisplayEnd;
-use palpate_run::skin_end::SkinEnd;
-use palpate_run::{CanReport, Failure, Policy, Turn};
+use palpate_run::skin_end::{SkinEnd, Tap};
+use palpate_run::{CanReport, Failure, Policy, Session, Turn};
 
+use super::bench::Interfaces;
+use super::ends::{Sensed, Watched};
 use super::records::{Records, Said};
+use super::take_priority;
+use super::turns::Done;
 use super::warden::{FingerEnd, Warden};
-use super::{Done, RealSession, take_priority};
+use crate::interfaces::reports;
 use crate::progress::Progress;
 
 /// The records are looked after this often where no finger says anything.
@@ -45,13 +50,19 @@ pub(super) struct Shared<'a> {
 }
 
 /// A finger's loop that has ended, and why its wires may still be on.
-pub(super) type Ended = (Done<FingerEnd>, Option<String>);
+pub(super) type Ended = (Done<Skin, FingerEnd>, Option<String>);
+
+/// A finger's own boards.
+type Skin = CanSkin<Tap<Interfaces>>;
+
+/// A finger's session on hardware.
+pub(super) type RealSession = Session<Skin, FingerEnd>;
 
 impl Shared<'_> {
     /// Every loop on its own thread, until the scene's end, a signal, or the end of all of them.
     pub(super) fn drive(
         &self,
-        sessions: Vec<RealSession<FingerEnd>>,
+        sessions: Vec<RealSession>,
         records: &mut Records,
     ) -> Result<(Vec<Ended>, Option<&'static str>), Failure> {
         let (say, said) = channel();
@@ -121,7 +132,7 @@ impl Shared<'_> {
 struct Turns<'a> {
     shared: &'a Shared<'a>,
     finger: usize,
-    session: RealSession<FingerEnd>,
+    session: RealSession,
     say: Sender<Said>,
     /// Events said so far, and when.
     told: usize,
@@ -132,7 +143,7 @@ impl<'a> Turns<'a> {
     const fn new(
         shared: &'a Shared<'a>,
         finger: usize,
-        session: RealSession<FingerEnd>,
+        session: RealSession,
         say: Sender<Said>,
     ) -> Self {
         Self {
@@ -183,7 +194,9 @@ impl<'a> Turns<'a> {
             now = pacer.wait(shared.clock.now() + Policy::REAL.retry);
             left = self.switch_off_again(now);
         }
-        shared.warden.ended(self.finger);
+        let failed = self.session.failure().is_some();
+        let off = left.map_or(Ok(()), Err);
+        let left = self.session.display().part(off, failed).err();
         self.tell(Instant::FAR_FUTURE);
         let lateness = pacer.lateness().clone();
         let session = self.session;
@@ -219,11 +232,9 @@ impl<'a> Turns<'a> {
     /// Before a turn: this finger's part of the heartbeat, signals, records.
     fn goes_on(&mut self, now: Instant) -> bool {
         let shared = self.shared;
-        if let Err(lost) = shared.warden.beat(self.finger, now) {
+        if let Err(lost) = self.session.display().beat(now) {
             shared.over.store(true, Ordering::Relaxed);
-            self.session.set_failure(Failure::Device(format!(
-                "{lost}; no guardian is left to switch off after this program"
-            )));
+            self.session.set_failure(lost);
             return false;
         }
         if shared.signals.caught().is_some() || shared.is_over() {
@@ -233,7 +244,7 @@ impl<'a> Turns<'a> {
             self.finger > 0 || !shared.signals.wants_panic(),
             "a drill, by PALPATE_DRILL and SIGUSR1"
         );
-        while let Some(note) = self.session.skin().bus_mut().inner.buses.note() {
+        while let Some(note) = self.session.skin().note() {
             self.session.recorder().note(note.at, note.text);
         }
         self.tell(now);
@@ -286,18 +297,12 @@ impl<'a> Turns<'a> {
         let (finger, told) = (self.finger, self.told);
         let skin = self.session.skin();
         let frames = skin.take_frames();
-        let buses = || {
-            skin.bus()
-                .inner
-                .reports()
-                .iter()
-                .map(CanReport::words)
-                .collect()
-        };
-        let buses: Vec<String> = if self.shared.watched {
-            buses()
-        } else {
-            Vec::new()
+        let buses = match self.shared.watched {
+            true => {
+                let all = reports(&self.shared.real.can, &skin.tallies());
+                all.iter().map(CanReport::words).collect()
+            }
+            false => Vec::new(),
         };
         let recorder = self.session.recorder();
         let events = recorder.events.get(told..).unwrap_or_default().to_vec();

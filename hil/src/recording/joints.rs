@@ -1,4 +1,4 @@
-//! Joint angles beside taxels: the columns `joint_NAME` of recorded CSV, degrees.
+//! Joint angles beside taxels, degrees: the columns `joint_NAME` of recorded CSV, the topics `/joints/NAME` of MCAP.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -6,23 +6,29 @@ use std::path::{Path, PathBuf};
 use palpate_files::{
     FileError, Format, JOINT, Joint, MOST_DEG, Rows, Take, Timing, format_of, is_stream, open,
 };
+use palpate_records::mcap::{McapReader, Unreadable};
+
+use super::pass::zero_of;
 
 /// Most angles that are held: ten joints for an hour at 28 Hz.
 const MOST: usize = 1 << 20;
 /// A header is looked at so far: a million taxels have one of 40 MB.
 const MOST_HEADER: u64 = 64 << 20;
 
-/// The joints that recordings carry, each from its own first row on; none where no file has any.
+/// The joints that recordings carry; none where no file has any. Those of CSV begin with the first row of their file.
 ///
 /// # Errors
 /// A row that is none, an angle beyond a turn, a joint in two files, more angles than are held.
 pub fn read_joints(paths: &[PathBuf], timing: &Timing) -> Result<Vec<Joint>, FileError> {
     let mut joints: Vec<Joint> = Vec::new();
     for path in paths {
-        if !has_joints(path) {
-            continue;
-        }
-        for joint in of_file(path, timing)? {
+        let of_file = match format_of(path) {
+            _ if is_stream(path) => Vec::new(),
+            Some(Format::Mcap) => of_mcap(path)?,
+            None | Some(Format::Csv) if has_joints(path) => of_csv(path, timing)?,
+            _ => Vec::new(),
+        };
+        for joint in of_file {
             if joints.iter().any(|j| j.name == joint.name) {
                 let label = path.display().to_string();
                 let found = format!("`{JOINT}{}` in two", joint.name);
@@ -34,11 +40,8 @@ pub fn read_joints(paths: &[PathBuf], timing: &Timing) -> Result<Vec<Joint>, Fil
     Ok(joints)
 }
 
-/// Whether a file that can be read twice is CSV with such a column.
+/// Whether CSV has such a column.
 fn has_joints(path: &Path) -> bool {
-    if is_stream(path) || !matches!(format_of(path), None | Some(Format::Csv)) {
-        return false;
-    }
     let Ok(file) = open(path, "a recording") else {
         return false; // reading it will say why
     };
@@ -48,7 +51,56 @@ fn has_joints(path: &Path) -> bool {
     read.is_ok() && first.split(',').any(|name| name.trim().starts_with(JOINT))
 }
 
-fn of_file(path: &Path, timing: &Timing) -> Result<Vec<Joint>, FileError> {
+/// Joints of a recording of buses, from the same zero as its frames.
+fn of_mcap(path: &Path) -> Result<Vec<Joint>, FileError> {
+    let label = path.display().to_string();
+    let refused = |e: Unreadable| FileError::whole(&label, e.expected, e.found);
+    let file = BufReader::new(open(path, "a recording")?);
+    let mut reader = McapReader::new(file).map_err(refused)?;
+    let mut first: Option<u64> = None;
+    while let Some(frame) = reader.advance().map_err(refused)? {
+        let us = frame.at.as_micros();
+        first = Some(first.map_or(us, |first| first.min(us)));
+    }
+    let zero_us = zero_of(first.unwrap_or(0));
+    let mut joints = Vec::new();
+    for (name, angles) in reader.into_read().map_err(refused)?.joints {
+        let mut joint = Joint {
+            name,
+            points_s_deg: Vec::new(),
+        };
+        for (t_ns, deg) in angles {
+            let t_s = (t_ns / 1000).saturating_sub(zero_us) as f64 * 1e-6;
+            add(&mut joint, [t_s, deg]).map_err(|found| {
+                let expected = format!("an angle of {MOST_DEG} degrees at most, either way");
+                FileError::whole(
+                    &label,
+                    expected,
+                    format!("{found} of joint `{}`", joint.name),
+                )
+            })?;
+        }
+        joints.push(joint);
+    }
+    Ok(joints)
+}
+
+/// Adds an angle; of two at one time the later one counts.
+///
+/// # Errors
+/// The angle, where it is beyond a turn.
+fn add(joint: &mut Joint, [t_s, deg]: [f64; 2]) -> Result<(), f64> {
+    if deg.abs() > MOST_DEG {
+        return Err(deg);
+    }
+    match joint.points_s_deg.last_mut().filter(|[t, _]| *t >= t_s) {
+        Some(last) => last[1] = deg,
+        None => joint.points_s_deg.push([t_s, deg]),
+    }
+    Ok(())
+}
+
+fn of_csv(path: &Path, timing: &Timing) -> Result<Vec<Joint>, FileError> {
     let take = Take::Prefixed {
         prefix: JOINT,
         without: &[],
@@ -66,21 +118,13 @@ fn of_file(path: &Path, timing: &Timing) -> Result<Vec<Joint>, FileError> {
         }
         let t_s = (at.time_us - *first.get_or_insert(at.time_us)) as f64 * 1e-6;
         for (joint, deg) in joints.iter_mut().zip(&row) {
-            let deg = f64::from(*deg);
-            if deg.abs() > MOST_DEG {
-                return Err(FileError {
-                    path: path.display().to_string(),
-                    line: Some(at.line),
-                    key: Some(format!("column {JOINT}{}", joint.name)),
-                    expected: format!("an angle of {MOST_DEG} degrees at most, either way"),
-                    found: deg.to_string(),
-                });
-            }
-            // Of two rows at one time the later one counts.
-            match joint.points_s_deg.last_mut().filter(|[t, _]| *t >= t_s) {
-                Some(last) => last[1] = deg,
-                None => joint.points_s_deg.push([t_s, deg]),
-            }
+            add(joint, [t_s, f64::from(*deg)]).map_err(|found| FileError {
+                path: path.display().to_string(),
+                line: Some(at.line),
+                key: Some(format!("column {JOINT}{}", joint.name)),
+                expected: format!("an angle of {MOST_DEG} degrees at most, either way"),
+                found: found.to_string(),
+            })?;
         }
     }
     Ok(joints)

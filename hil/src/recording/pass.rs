@@ -140,9 +140,13 @@ impl<R: Read> Pass<R> {
 impl Through {
     /// Whole seconds of the first frame are none of a run's business.
     fn zero_at_first_second(&mut self) {
-        let first = self.first_us.unwrap_or(0);
-        self.start.zero_us = first - first % 1_000_000;
+        self.start.zero_us = zero_of(self.first_us.unwrap_or(0));
     }
+}
+
+/// Time zero of a run whose first frame was recorded at this time.
+pub(super) const fn zero_of(first_us: u64) -> u64 {
+    first_us - first_us % 1_000_000
 }
 
 /// An MCAP file.

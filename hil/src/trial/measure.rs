@@ -2,7 +2,7 @@
 
 use palpate_records::trace::{Event, Trace};
 
-use palpate_files::{BenchKind, Expect, Setup};
+use palpate_files::{Expect, Setup};
 use palpate_run::Outcome;
 
 /// What a value is held against.
@@ -121,7 +121,7 @@ fn contacts_max(trace: &Trace) -> u32 {
 pub fn measures(setup: &Setup, outcome: &Outcome) -> Vec<Measure> {
     let expect = &setup.scene.value.expect;
     let summary = &outcome.summary;
-    let is_real = setup.bench.value.kind == BenchKind::Real;
+    let is_real = setup.bench.value.is_hardware();
     let path = summary.path_error_mm;
     let felt = summary.felt_error_mm.rmse;
     let mut all = vec![

@@ -16,8 +16,8 @@ use std::time::Duration;
 use crate::clock;
 use crate::host::Onlooker;
 use crate::output::Outputs;
-use crate::real;
-use palpate_files::{BenchKind, Setup};
+use crate::real::{self, Wanted};
+use palpate_files::Setup;
 use palpate_records::verdict::{Conclusion, Verdict};
 use palpate_run::{Failure, Input, Keep, Outcome, run_with, stopped_by};
 
@@ -181,13 +181,18 @@ pub fn attempt(
     seed: u64,
     also: impl FnOnce(&Outcome, &mut Conclusion) -> Result<(), Failure>,
 ) -> Result<Try, Failure> {
-    let is_real = setup.bench.value.kind == BenchKind::Real;
+    let is_real = setup.bench.value.is_hardware();
     let done = if is_real {
         let told = real::Told {
             quiet: true,
             watched: false,
         };
-        real::run(setup, seed, (&[], Outputs::NEW), told)
+        let wanted = Wanted {
+            files: &[],
+            outputs: Outputs::NEW,
+            told,
+        };
+        real::run(setup, &Input::Scene, seed, wanted)
     } else {
         let host = &mut Onlooker::default();
         run_with(setup, &Input::Scene, seed, Keep::default(), host)
@@ -213,8 +218,11 @@ pub fn attempt(
 /// A finished run against its scene's expectations, and the bench it left behind.
 pub fn judge(setup: &Setup, outcome: &Outcome) -> Try {
     let bench = &setup.bench.value;
-    let is_real = bench.kind == BenchKind::Real;
-    let health = if is_real {
+    let is_real = bench.is_hardware();
+    let health = if bench.unit_address().is_some() {
+        // Its own stops are failures of the run; nothing of it hangs on this computer.
+        Vec::new()
+    } else if is_real {
         after_real(bench, outcome)
     } else {
         after_emulated(&setup.scene.value, outcome)

@@ -270,6 +270,31 @@ fn new_overwrites_nothing_and_says_what_it_wants() {
     assert!(folder.text("mine.toml").starts_with("#:schema"));
 }
 
+#[test]
+fn joints_of_a_recording_are_those_of_its_replay() {
+    let folder = Folder::new("joints");
+    let good = |args: &[&str]| {
+        let said = hil_in(&folder.0, args);
+        assert_eq!((said.status, said.err.as_str()), (Some(0), ""), "{args:?}");
+    };
+    let scene = palpate_fixtures::scene("sphere-along").unwrap();
+    let joint = "[[joints]]\nname = \"mcp\"\npoints_s_deg = [[3.0, 0.0], [5.0, 40.0]]\n";
+    folder.write("s.toml", &format!("{scene}\n{joint}"));
+    good(&["run", "s.toml", "--quiet", "--record", "a.mcap"]);
+    let replay = ["run", "sphere-along", "--quiet", "--replay", "a.mcap"];
+    good(&[&replay[..], &["--record", "b.mcap"]].concat());
+    let joints = ["a.mcap", "b.mcap"].map(|name| {
+        let bytes = fs::read(folder.0.join(name)).unwrap();
+        palpate_records::mcap::read(&bytes).unwrap().joints
+    });
+    let [of_scene, of_replay] = joints.map(|mut all| all.remove("mcp").unwrap());
+    assert!(of_scene.len() > 500 && of_replay.len() > 500);
+    let at = |t_ns: u64| (t_ns as f64 * 1e-9 - 3.0).clamp(0.0, 2.0) * 20.0;
+    for (t_ns, deg) in of_scene.iter().chain(&of_replay) {
+        assert!((deg - at(*t_ns)).abs() < 0.25, "{deg} at {t_ns} ns"); // 20 degrees per second, a frame every 10 ms
+    }
+}
+
 /// Columns of a table of contacts but the times, which a recording counts from its first row.
 fn timeless(csv: &str) -> Vec<String> {
     let row = |line: &str| {

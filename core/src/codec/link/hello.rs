@@ -1,7 +1,7 @@
 //! What a unit says of itself: what it drives, and by which limits.
 
-use super::Refusal;
 use super::bytes::{Reader, Writer};
+use super::{Refusal, State};
 use crate::guard::{Limits, Plant};
 use crate::units::{Clock, Duration, Instant, Milliamps, Prescale};
 
@@ -17,6 +17,8 @@ pub struct Hello {
     pub busy: bool,
     /// Its guard has the thermal rows.
     pub heat: bool,
+    /// Whether it drives.
+    pub state: State,
     /// The stops so far; a host that takes over acknowledges them.
     pub stops: u32,
     /// What its guard knows of boards and wires.
@@ -40,6 +42,7 @@ impl Hello {
         let mut reader = Reader::new(body);
         let now = Instant::from_micros(reader.u64()?);
         let flags = reader.u8()?;
+        let state = State::from_number(reader.u8()?)?;
         let stops = reader.u32()?;
         let pre = reader.u8()?;
         let hz = reader.u32()?;
@@ -79,6 +82,7 @@ impl Hello {
             now,
             busy: flags & 1 != 0,
             heat: flags & 2 != 0,
+            state,
             stops,
             plant,
             limits,
@@ -91,6 +95,7 @@ impl Hello {
         let mut writer = Writer::new(out);
         writer.u64(self.now.as_micros());
         writer.u8(u8::from(self.busy) | u8::from(self.heat) << 1);
+        writer.u8(self.state.number());
         writer.u32(self.stops);
         let (plant, limits) = (&self.plant, &self.limits);
         let clock = plant.prescale.clock();

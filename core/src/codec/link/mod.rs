@@ -12,7 +12,7 @@ mod status;
 
 pub use command::{Command, Planned, Request};
 pub use hello::Hello;
-pub use status::{State, Status};
+pub use status::{HELD, State, Status};
 
 use core::fmt;
 
@@ -55,6 +55,13 @@ impl Kind {
             Self::Command => 3,
             Self::Status => 4,
         }
+    }
+
+    /// What a datagram says that it is.
+    pub fn of(datagram: &[u8]) -> Option<Self> {
+        let kinds = [Self::Knock, Self::Hello, Self::Command, Self::Status];
+        let number = datagram.get(3)?;
+        kinds.into_iter().find(|k| k.number() == *number)
     }
 
     const fn is_from_unit(self) -> bool {
@@ -136,9 +143,7 @@ impl Header {
             return Err(Refusal::Version(version));
         }
         let number = reader.u8().ok_or(short)?;
-        let kinds = [Kind::Knock, Kind::Hello, Kind::Command, Kind::Status];
-        let kind = kinds.into_iter().find(|k| k.number() == number);
-        let kind = kind.ok_or(Refusal::Kind(number))?;
+        let kind = Kind::of(datagram).ok_or(Refusal::Kind(number))?;
         let host = reader.u64().ok_or(short)?;
         let unit = reader.u64().ok_or(short)?;
         let sequence = reader.u64().ok_or(short)?;
@@ -151,6 +156,24 @@ impl Header {
             unit,
             sequence: sequence & !FROM_UNIT,
         })
+    }
+
+    /// What a unit answers to a knock of a version that it does not speak: its own version, nothing that is sealed, no more
+    /// bytes than came. `None` for any other datagram.
+    pub fn other_version(datagram: &[u8]) -> Option<[u8; HEADER + TAG]> {
+        let mut reader = bytes::Reader::new(datagram);
+        let magic = [reader.u8()?, reader.u8()?];
+        let (version, kind, host) = (reader.u8()?, reader.u8()?, reader.u64()?);
+        let knocks = magic == MAGIC && version != VERSION && kind == Kind::Knock.number();
+        let header = Self {
+            kind: Kind::Hello,
+            host,
+            unit: 0,
+            sequence: 0,
+        };
+        let mut answer = [0; HEADER + TAG];
+        answer[..HEADER].copy_from_slice(&header.bytes());
+        (knocks && datagram.len() >= answer.len()).then_some(answer)
     }
 
     fn bytes(&self) -> [u8; HEADER] {

@@ -15,7 +15,7 @@ pub enum State {
 }
 
 impl State {
-    const fn number(self) -> u8 {
+    pub(super) const fn number(self) -> u8 {
         match self {
             Self::Ready => 0,
             Self::Stopped(Cause::StaleInput) => 1,
@@ -26,7 +26,7 @@ impl State {
         }
     }
 
-    fn from_number(number: u8) -> Option<Self> {
+    pub(super) fn from_number(number: u8) -> Option<Self> {
         let causes = [
             Cause::StaleInput,
             Cause::ActuatorError,
@@ -39,6 +39,9 @@ impl State {
         all.find(|s| s.number() == number)
     }
 }
+
+/// In place of a phase: the chip drives nothing, so its counter is held.
+pub const HELD: u16 = u16::MAX;
 
 /// A unit's report. Counters run since its start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,12 +64,14 @@ pub struct Status {
     pub reasons: u16,
     /// Stimuli left out: too late, with too old a reading, or while stopped.
     pub dropped: u32,
-    /// The latest beginning, microseconds after its time.
+    /// The latest beginning of this session, microseconds after its time.
     pub late_us: u32,
     /// Datagrams refused.
     pub refused: u32,
     /// Skin 0.1 mm deep, the most predicted so far, millidegrees C; zero without thermal rows.
     pub skin_mc: u32,
+    /// How far each board's chip is into its period, microseconds by the nominal clock, or [`HELD`].
+    pub phase_us: [u16; 16],
 }
 
 impl Status {
@@ -80,7 +85,7 @@ impl Status {
 
     fn parse(body: &[u8]) -> Option<Self> {
         let mut reader = Reader::new(body);
-        let status = Self {
+        let mut status = Self {
             now: Instant::from_micros(reader.u64()?),
             echo: reader.u64()?,
             taken: Instant::from_micros(reader.u64()?),
@@ -93,7 +98,11 @@ impl Status {
             late_us: reader.u32()?,
             refused: reader.u32()?,
             skin_mc: reader.u32()?,
+            phase_us: [HELD; 16],
         };
+        for phase in &mut status.phase_us {
+            *phase = reader.u16()?;
+        }
         reader.is_done().then_some(status)
     }
 
@@ -112,6 +121,7 @@ impl Status {
         writer.u32(self.late_us);
         writer.u32(self.refused);
         writer.u32(self.skin_mc);
+        self.phase_us.iter().for_each(|us| writer.u16(*us));
         writer.length()
     }
 }

@@ -111,6 +111,7 @@ fn reports_mean_what_was_written() {
         now: at(123_456_789),
         busy: true,
         heat: false,
+        state: State::Stopped(Cause::StaleInput),
         stops: 3,
         plant: Plant::default(),
         limits: HARD,
@@ -137,6 +138,7 @@ fn reports_mean_what_was_written() {
             late_us: 5,
             refused: 6,
             skin_mc: 33_000,
+            phase_us: core::array::from_fn(|board| if board < 2 { 4000 } else { HELD }),
         };
         let length = status.write(&mut out);
         assert_eq!(Status::read(&out[..length]), Ok(status));
@@ -163,6 +165,13 @@ fn what_is_no_datagram_says_why() {
     assert_eq!(with(0, b'Q'), Err(Refusal::Magic));
     assert_eq!(with(2, 2), Err(Refusal::Version(2)));
     assert_eq!(with(3, 9), Err(Refusal::Kind(9)));
+    assert_eq!(Header::other_version(&good), None);
+    let mut newer = good.clone();
+    newer[2] = 2;
+    let answer = Header::other_version(&newer).unwrap();
+    assert_eq!((answer[2], answer[3]), (VERSION, Kind::Hello.number()));
+    assert_eq!(answer[4..12], good[4..12]);
+    assert_eq!(Header::other_version(&newer[..newer.len() - 1]), None);
     // A knock from the unit's side.
     assert_eq!(with(27, 0x80), Err(Refusal::Kind(1)));
 }

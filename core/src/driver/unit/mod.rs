@@ -122,8 +122,8 @@ pub struct UnitDriver {
     count: usize,
     /// The plan was changed since the last command.
     fresh: bool,
-    /// Everything off: until a command with this sequence or a later one was taken.
-    off: Option<u64>,
+    /// Everything off, or off and stopped: until a command with this sequence or a later one was taken.
+    off: Option<(Request, u64)>,
     sent: [(u64, Instant); REMEMBERED],
     last: Option<Instant>,
     counts: LinkCounts,
@@ -166,6 +166,11 @@ impl UnitDriver {
         self.counts
     }
 
+    /// This host's half of the session.
+    pub const fn session(&self) -> u64 {
+        self.host
+    }
+
     /// How far the unit's time may be from what it is taken for.
     pub fn clock_error(&self) -> Option<Duration> {
         self.sync.error()
@@ -191,7 +196,10 @@ impl UnitDriver {
             return Err(UnitFault::Silent);
         }
         match status.state {
-            State::Stopped(cause) if !self.settings.resumes => Err(UnitFault::Stopped(cause)),
+            // A stop from before this host began ends with its first reading.
+            State::Stopped(cause) if status.stops > self.acknowledged() => {
+                Err(UnitFault::Stopped(cause))
+            }
             _ => Ok(()),
         }
     }
@@ -236,9 +244,9 @@ impl UnitDriver {
         let reading = reading.and_then(|at| self.sync.earliest(at));
         let request = match &mut self.off {
             None => Request::Play,
-            Some(first) => {
+            Some((request, first)) => {
                 *first = self.sequence.min(*first);
-                Request::Off
+                *request
             }
         };
         let plan = match request {
@@ -270,13 +278,30 @@ impl UnitDriver {
         self.status.map_or(greeted, |status| status.stops)
     }
 
+    /// Asks the unit to switch everything off and to stay so until a host that begins after this acknowledges it. Goes into
+    /// a unit that another host has as well.
+    pub const fn stop(&mut self) {
+        self.ask(Request::Stop);
+    }
+
+    const fn ask(&mut self, request: Request) {
+        self.count = 0;
+        self.fresh = true;
+        self.off = Some((request, u64::MAX));
+    }
+
+    /// Whether the unit has yet to say that it took [`Self::stop`] or an all-off.
+    pub const fn is_asking(&self) -> bool {
+        self.off.is_some()
+    }
+
     /// Ends the session and prepares another.
     pub fn give_up(&mut self) {
         (self.open, self.status) = (None, None);
         (self.sync, self.last) = (Sync::default(), None);
         self.host = self.host.wrapping_add(1);
         (self.sequence, self.count) = (0, 0);
-        self.off = self.off.map(|_| u64::MAX);
+        self.off = self.off.map(|(request, _)| (request, u64::MAX));
     }
 
     /// Stimuli that are over leave the plan. Those that run stay, for an update may end them before their time.
@@ -354,7 +379,7 @@ impl UnitDriver {
                 heard: now,
             });
         }
-        if self.off.is_some_and(|first| status.echo >= first) {
+        if self.off.is_some_and(|(_, first)| status.echo >= first) {
             self.off = None;
         }
         self.status = Some(*status);
@@ -417,9 +442,7 @@ impl Actuators for UnitDriver {
 
     /// What the unit does is known once it has answered; it switches off by itself if it does not hear this.
     fn all_off(&mut self) -> Result<(), DriverError> {
-        self.count = 0;
-        self.fresh = true;
-        self.off = Some(u64::MAX);
+        self.ask(Request::Off);
         match &self.open {
             Some(_) => Ok(()),
             None => Err(DriverError::Unit(UnitFault::Silent)),

@@ -196,3 +196,21 @@ fn whatever_dies_no_output_is_left_on() {
         assert!(last - died <= 60_000, "{death}: on for {} us", last - died);
     }
 }
+
+#[test]
+fn a_turn_opens_one_seal_and_does_what_is_due() {
+    let mut rig = Rig::new();
+    rig.run(50, true);
+    rig.burst(0, &[3], 100);
+    rig.run(30, true);
+    assert!(rig.any_on());
+    // Of the session, newer than anything, and forged: only the seal tells.
+    let mut forged = rig.seen.last().unwrap().clone();
+    forged[26] = 1;
+    rig.air.there.extend((0..8).map(|_| forged.clone()));
+    rig.now += 40_000;
+    let now = rig.unit_now();
+    rig.unit.turn(now, &mut rig.air);
+    assert_eq!(rig.air.there.len(), 7);
+    assert!(!rig.any_on());
+}

@@ -2,7 +2,6 @@
 
 use std::io;
 use std::os::fd::{AsFd, AsRawFd, OwnedFd};
-use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 
@@ -59,17 +58,17 @@ pub struct Guardian {
 }
 
 impl Guardian {
-    /// Starts a guardian, and returns when everything is off and read back, with what was found driving,
-    /// a line each.
+    /// Starts a guardian by the program `hil`, to which its command is added, and returns when everything is off and read
+    /// back, with what was found driving, a line each.
     ///
     /// # Errors
     /// [`StartError`].
-    pub fn start(program: &Path, watch: &Watch) -> Result<(Self, String), StartError> {
+    pub fn start(mut program: Command, watch: &Watch) -> Result<(Self, String), StartError> {
         let kind = SockType::SeqPacket;
         let flags = SockFlag::SOCK_CLOEXEC;
         let (link, theirs) = socketpair(AddressFamily::Unix, kind, None, flags)
             .map_err(|e| StartError::Spawn(e.into()))?;
-        let child = Command::new(program)
+        let child = program
             .args(watch.arguments())
             .stdin(Stdio::from(theirs))
             .stdout(Stdio::null())

@@ -1,8 +1,12 @@
 //! A driver unit in place of the host's own I2C bus, and the network to it.
 
+use std::path::PathBuf;
+
 use serde::Deserialize;
 
+use super::Bench;
 use crate::error::FileError;
+use crate::loaded::Loaded;
 use crate::source::Source;
 
 /// A network between host and unit.
@@ -18,24 +22,30 @@ pub enum Network {
     Rough,
 }
 
-/// An emulated driver unit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+/// A driver unit: an emulated one behind an emulated network, or with an `address` one that is there.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct BenchUnit {
-    /// The network to it.
+    /// Where a unit listens: ADDRESS or ADDRESS:PORT; left out: it is emulated.
+    pub address: Option<String>,
+    /// The file of the key that is shared with it. A unit with an address has one.
+    pub key: Option<String>,
+    /// The network to an emulated unit.
     pub network: Network,
     /// From an onset to its effect, milliseconds: more than the network's usual way.
     pub delay_ms: u32,
-    /// How fast its crystal is, parts per million; negative is slow.
+    /// How fast an emulated unit's crystal is, parts per million; negative is slow.
     pub drift_ppm: i32,
-    /// Whether its processor bears the guard's thermal rows; the host has them in any case.
+    /// Whether an emulated unit's processor bears the guard's thermal rows; the host has them in any case.
     pub heat: bool,
 }
 
 impl Default for BenchUnit {
     fn default() -> Self {
         Self {
+            address: None,
+            key: None,
             network: Network::Wifi,
             delay_ms: 20,
             drift_ppm: 100,
@@ -48,6 +58,27 @@ impl BenchUnit {
     pub(super) fn check(&self, source: &Source) -> Result<(), FileError> {
         // Later than this, the 100 ms of the reading would be over before the stimulus is.
         source.range("unit.delay_ms", self.delay_ms, 0..=40, "ms")?;
-        source.range("unit.drift_ppm", self.drift_ppm, -1000..=1000, "ppm")
+        source.range("unit.drift_ppm", self.drift_ppm, -1000..=1000, "ppm")?;
+        match (&self.address, &self.key) {
+            (Some(_), None) => Err(source.bad(
+                "unit.key",
+                "the file of the key that is shared with the unit; `hil unit --new-key FILE` makes one",
+            )),
+            (None, Some(_)) => Err(source.bad(
+                "unit.key",
+                "nothing: an emulated unit needs no key, and one that is there an address",
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Loaded<Bench> {
+    /// The file of the key of its unit: a relative name starts at the folder of the bench's file.
+    #[must_use]
+    pub fn unit_key(&self) -> Option<PathBuf> {
+        let name = self.value.unit.as_ref()?.key.as_ref()?;
+        let folder = self.source.folder_of("unit.key");
+        Some(folder.map_or_else(|| name.into(), |folder| folder.join(name)))
     }
 }

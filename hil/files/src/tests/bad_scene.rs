@@ -127,7 +127,7 @@ fn scenes() {
             (
                 "kind = \"line\"",
                 "kind = \"spiral\"",
-                "f.toml:36: touches[0].path.kind: expected one of `hold`, `line`, `polyline`, `circle`, found `spiral`",
+                "f.toml:36: touches[0].path.kind: expected one of `hold`, `line`, `polyline`, `circle`, `hand`, found `spiral`",
             ),
             (
                 "kind = \"line\"",

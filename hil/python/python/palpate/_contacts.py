@@ -38,7 +38,8 @@ def contacts(
 ) -> Table:
     """Finds the contacts of every frame: (4.1) to (4.10) and nothing else, as ``hil contacts`` does.
 
-    The array is read piece by piece, so ``numpy.load(.., mmap_mode="r")`` may be longer than the memory.
+    The array is read piece by piece, so ``numpy.load(.., mmap_mode="r")`` may be longer than the memory. What is held
+    grows with the contacts that are found.
 
     Args:
         counts: Raw counts of the whole skin, shape (rows, taxels, axes) or (rows, taxels * axes).
@@ -108,4 +109,9 @@ def contacts(
             numbers = np.arange(begin, begin + len(piece))
             at = np.rint(numbers * (1e6 / rate_hz)).astype(np.uint64)
         finder.rows(at.tobytes(), piece.tobytes())
-    return table(finder.contacts(ki))
+    count = finder.end(ki)
+    made = np.empty(count, table(finder.contacts(0, 0)).dtype)
+    for begin in range(0, count, _CHUNK):
+        made[begin : begin + _CHUNK] = table(finder.contacts(begin, _CHUNK))
+    made.flags.writeable = False
+    return made.view(Table)

@@ -79,6 +79,8 @@ class Loop:
         seed: Seed of all randomness.
         skin: ``"pushed"``: readings come by :meth:`push`. ``"emulated"``: boards are emulated, and :meth:`touch` says
             what presses on their skin.
+        illusion: ``"scene"``: the scene's. ``"own"``: :meth:`activate` says what the wires get for whatever touches an
+            emulated skin; the scene's model must be one that gives activations, such as ``balanced``.
     """
 
     def __init__(
@@ -90,13 +92,18 @@ class Loop:
         set: Mapping[str, object] | None = None,
         seed: int = 1,
         skin: Literal["pushed", "emulated"] = "pushed",
+        illusion: Literal["scene", "own"] = "scene",
     ) -> None:
         if skin not in ("pushed", "emulated"):
             raise InputError.of("skin", '"pushed" or "emulated"', repr(skin))
+        if illusion not in ("scene", "own"):
+            raise InputError.of("illusion", '"scene" or "own"', repr(illusion))
+        if illusion == "own" and skin != "emulated":
+            raise InputError.of("illusion", '"own" with skin="emulated" only', f"skin={skin!r}")
         made = setup(scene, bench=bench, set=set, layout=layout, replay=["readings of a loop"])
         taxels, axes = made.shape()
         self._shapes = [(count, axes) for count in taxels]
-        self._inner = _palpate.Loop(made, checked_seed(seed), skin == "emulated")
+        self._inner = _palpate.Loop(made, checked_seed(seed), skin == "emulated", illusion == "own")
 
     @property
     def shapes(self) -> list[tuple[int, int]]:
@@ -107,6 +114,23 @@ class Loop:
     def time_us(self) -> int:
         """Virtual time, microseconds."""
         return self._inner.time_us()
+
+    @property
+    def taxels(self) -> Table:
+        """Where the taxels lie on their modules: module, x_mm, y_mm. Readings come in this order."""
+        places = self._inner.taxels()
+        kind = [("module", "<u2"), ("x_mm", "<f8"), ("y_mm", "<f8")]
+        return np.array(places, dtype=kind).view(Table)
+
+    @property
+    def wires(self) -> Table:
+        """Where the wires lie on the display: x_mm, y_mm."""
+        return np.array(self._inner.wires(), dtype=[("x_mm", "<f8"), ("y_mm", "<f8")]).view(Table)
+
+    @property
+    def soa_us(self) -> int:
+        """From one onset to the next, microseconds. The first is at 0."""
+        return self._inner.soa_us()
 
     def push(self, time_us: int, counts: npt.ArrayLike, *, module: int = 0) -> Step:
         """Hands over one module's scan. Virtual time goes on until then, and what the scan makes due is done.
@@ -169,6 +193,21 @@ class Loop:
         if not (np.abs(presses[:, :2]) <= 1e6).all():
             raise InputError.of("places", "places on the module, mm", repr(places))
         self._inner.touch(module, presses.tolist())
+
+    def activate(self, values: npt.ArrayLike) -> None:
+        """Activates the wires like this at every onset from now on at which something touches.
+
+        Drive, calibration and guard follow, as after an illusion.
+
+        Args:
+            values: Activations, 0 to 1, shape (wires,): parts of full drive, times the weight of the contact's intensity
+                unless ``illusion.intensity`` is false.
+        """
+        each = np.asarray(values, dtype=np.float64)
+        expected = "activations from 0 to 1, one per wire"
+        if each.ndim != 1:
+            raise InputError.of("values", expected, f"shape {each.shape}")
+        self._inner.activate(each.tolist())
 
     def temperatures(self) -> Table:
         """Of each wire now: wire_c, skin_c (0.1 mm deep under it), degrees C."""

@@ -7,6 +7,7 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -18,14 +19,148 @@ from ._setup import Name, module_rows, seed as checked_seed, setup, times
 from ._table import Table, table
 
 
-class Run:
+#: Tables that a run of several displays has for each, and no other.
+_OWN = ("felt", "truth", "warmth", "taxels")
+#: Those whose rows do not tell by themselves whose they are.
+_NAMED = ("felt", "truth", "warmth")
+
+
+class _Tables:
+    """The tables that a run has, and that each of several displays has of its own."""
+
+    def __init__(self, inner: _palpate.Run, display: int | None = None) -> None:
+        self._inner = inner
+        self._display = display
+
+    def _table(self, name: str) -> Table:
+        return table(self._inner.table(name, self._display))
+
+    @cached_property
+    def contacts(self) -> Table:
+        """Contacts of every frame.
+
+        frame, time_us, module, contact (stable identity), x_mm, y_mm (on the module), intensity (raw counts),
+        level (1 to K_I), members (taxels).
+        """
+        return self._table("contacts")
+
+    @cached_property
+    def frames(self) -> Table:
+        """Scans of the driving module: frame, time_us, taxels_in_contact, peak_counts."""
+        return self._table("frames")
+
+    @cached_property
+    def truth(self) -> Table:
+        """Where something truly touched, at the time of each frame: time_us, x_mm, y_mm, force_n."""
+        return self._table("truth")
+
+    @cached_property
+    def stimuli(self) -> Table:
+        """What the wires were told.
+
+        time_us, wire (in the display's order), board, channel, on and off (ticks), width (off - on, applied),
+        requested (width, ticks), pulses, until_us, requested_until_us, reason (why applied is not requested; empty
+        where it is).
+        """
+        return self._table("stimuli")
+
+    @cached_property
+    def edges(self) -> Table:
+        """Edges of the chips' outputs: time_ns, board, channel, high."""
+        return self._table("edges")
+
+    @cached_property
+    def felt(self) -> Table:
+        """What a person meets of every onset.
+
+        time_us, target_x_mm and target_y_mm (the contact on the display), inside (of its hull), felt (level not below
+        0 dB), x_mm and y_mm (centroid by energy; NaN where no wire moved), amplitude_x_mm and amplitude_y_mm,
+        level_db (over threshold; -inf where no wire moved), tap, energy_requested, energy_applied, energy_felt (parts
+        of one wire's at full drive).
+        """
+        return self._table("felt")
+
+    @cached_property
+    def temperatures(self) -> Table:
+        """Of each wire at every onset: time_us, wire, wire_c, skin_c (0.1 mm deep under it)."""
+        return self._table("temperatures")
+
+    @cached_property
+    def warmth(self) -> Table:
+        """The hottest over time: time_us, wire_c, skin_c (0.1 mm deep), deep_c (0.4 mm), mean_c (skin_c over 10 s)."""
+        return self._table("warmth")
+
+    @cached_property
+    def margins(self) -> Table:
+        """Every limit, the most used up first: name, unit, worst, limit, left, used (a part of the limit, from rest)."""
+        return self._table("margins")
+
+    @cached_property
+    def taxels(self) -> Table:
+        """What every taxel read: time_us, module, taxel, x, y, z (raw counts), change (from its reference, counts)."""
+        return self._table("taxels")
+
+    @cached_property
+    def events(self) -> Table:
+        """What is worth a line: time_us, text."""
+        return self._table("notes")
+
+    def html(self) -> str:
+        """The report: one page."""
+        return self._inner.html(self._display)
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.html(), quote=True)
+        return f'<iframe srcdoc="{page}" style="width:100%;height:720px;border:0"></iframe>'
+
+
+class Display(_Tables):
+    """What one of several displays came to: the tables of :class:`Run`, of this display alone.
+
+    Wires have the display's own numbers. Boards and modules have those of bench and skin.
+    """
+
+    def __init__(self, inner: _palpate.Run, number: int, summary: dict[str, Any]) -> None:
+        super().__init__(inner, number)
+        self.summary = summary
+        """Its object in ``displays`` of what ``hil run --json`` prints."""
+
+    @property
+    def name(self) -> str:
+        """Its name on the bench."""
+        return str(self.summary["name"])
+
+    def __repr__(self) -> str:
+        s = self.summary
+        return f"<palpate.Display {s['name']}: {s['stimuli']} stimuli, {len(self.contacts)} contacts>"
+
+
+class Run(_Tables):
     """A run that is over. :func:`run` makes one.
 
     Every table is an array of numpy with named columns; its columns are stated here, with units.
+
+    On a bench of several displays the tables are of all of them, and :attr:`displays` has those of each. Tables that are
+    a display's own, :attr:`felt`, :attr:`truth` and :attr:`warmth`, begin with a column ``display`` then.
     """
 
-    def __init__(self, inner: _palpate.Run) -> None:
-        self._inner = inner
+    def _table(self, name: str) -> Table:
+        if not self.displays or name not in _OWN:
+            return super()._table(name)
+        each: list[npt.NDArray[Any]] = [display._table(name) for display in self.displays.values()]
+        if name in _NAMED:
+            each = [_of(display, rows) for display, rows in zip(self.displays, each, strict=True)]
+        rows = np.concatenate(each)
+        rows = rows[np.argsort(rows["time_us"], kind="stable")]
+        rows.flags.writeable = False
+        return rows.view(Table)
+
+    @cached_property
+    def displays(self) -> Mapping[str, Display]:
+        """Of several displays each by its name, with tables of its own. Empty on a bench of one display."""
+        names = self._inner.displays()
+        each = enumerate(zip(names, self.summary["displays"], strict=True)) if names else ()
+        return MappingProxyType({name: Display(self._inner, i, own) for i, (name, own) in each})
 
     @cached_property
     def summary(self) -> dict[str, Any]:
@@ -49,83 +184,9 @@ class Run:
         return self._inner.notes()
 
     @cached_property
-    def contacts(self) -> Table:
-        """Contacts of every frame.
-
-        frame, time_us, module, contact (stable identity), x_mm, y_mm (on the module), intensity (raw counts),
-        level (1 to K_I), members (taxels).
-        """
-        return table(self._inner.table("contacts"))
-
-    @cached_property
-    def frames(self) -> Table:
-        """Scans of the driving module: frame, time_us, taxels_in_contact, peak_counts."""
-        return table(self._inner.table("frames"))
-
-    @cached_property
-    def truth(self) -> Table:
-        """Where something truly touched, at the time of each frame: time_us, x_mm, y_mm, force_n."""
-        return table(self._inner.table("truth"))
-
-    @cached_property
-    def stimuli(self) -> Table:
-        """What the wires were told.
-
-        time_us, wire (in the display's order), board, channel, on and off (ticks), width (off - on, applied),
-        requested (width, ticks), pulses, until_us, requested_until_us, reason (why applied is not requested; empty
-        where it is).
-        """
-        return table(self._inner.table("stimuli"))
-
-    @cached_property
-    def edges(self) -> Table:
-        """Edges of the chips' outputs: time_ns, board, channel, high."""
-        return table(self._inner.table("edges"))
-
-    @cached_property
-    def felt(self) -> Table:
-        """What a person meets of every onset.
-
-        time_us, target_x_mm and target_y_mm (the contact on the display), inside (of its hull), felt (level not below
-        0 dB), x_mm and y_mm (centroid by energy; NaN where no wire moved), amplitude_x_mm and amplitude_y_mm,
-        level_db (over threshold; -inf where no wire moved), tap, energy_requested, energy_applied, energy_felt (parts
-        of one wire's at full drive).
-        """
-        return table(self._inner.table("felt"))
-
-    @cached_property
-    def temperatures(self) -> Table:
-        """Of each wire at every onset: time_us, wire, wire_c, skin_c (0.1 mm deep under it)."""
-        return table(self._inner.table("temperatures"))
-
-    @cached_property
-    def warmth(self) -> Table:
-        """The hottest over time: time_us, wire_c, skin_c (0.1 mm deep), deep_c (0.4 mm), mean_c (skin_c over 10 s)."""
-        return table(self._inner.table("warmth"))
-
-    @cached_property
-    def margins(self) -> Table:
-        """Every limit, the most used up first: name, unit, worst, limit, left, used (a part of the limit, from rest)."""
-        return table(self._inner.table("margins"))
-
-    @cached_property
-    def taxels(self) -> Table:
-        """What every taxel read: time_us, module, taxel, x, y, z (raw counts), change (from its reference, counts)."""
-        return table(self._inner.table("taxels"))
-
-    @cached_property
-    def events(self) -> Table:
-        """What is worth a line: time_us, text."""
-        return table(self._inner.table("notes"))
-
-    @cached_property
     def digests(self) -> dict[str, str]:
         """First 16 hex digits of SHA-256: ``trace`` (everything), ``contacts``, ``schedule``. Equal runs have equal ones."""
         return dict(zip(("trace", "contacts", "schedule"), self._inner.digests(), strict=True))
-
-    def html(self) -> str:
-        """The report: one page."""
-        return self._inner.html()
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Writes a record.
@@ -138,16 +199,22 @@ class Run:
         """
         self._inner.save(os.fspath(path), force)
 
-    def _repr_html_(self) -> str:
-        page = html.escape(self.html(), quote=True)
-        return f'<iframe srcdoc="{page}" style="width:100%;height:720px;border:0"></iframe>'
-
     def __repr__(self) -> str:
         s = self.summary
         return (
             f"<palpate.Run {s['scene']} on {s['bench']}, seed {s['seed']}: {s['verdict']}, "
             f"{s['contacts']} contacts, {s['stimuli']} stimuli>"
         )
+
+
+def _of(display: str, rows: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """The rows of a display with a first column that names it."""
+    kind = [("display", f"<U{len(display)}"), *((name, rows.dtype[name]) for name in rows.dtype.names or ())]
+    made = np.empty(len(rows), kind)
+    made["display"] = display
+    for name in rows.dtype.names or ():
+        made[name] = rows[name]
+    return made
 
 
 def run(

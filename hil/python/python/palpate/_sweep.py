@@ -36,10 +36,16 @@ class RayExecutor:
 
     def submit(self, fn: Any, /, *args: Any) -> Future[Any]:
         """Begins ``fn(*args)`` on a worker of Ray."""
-        import ray
-
-        future: Future[Any] = ray.remote(fn).remote(*args).future()
+        future: Future[Any] = _remote(fn).remote(*args).future()
         return future
+
+
+@lru_cache(maxsize=8)
+def _remote(fn: Any) -> Any:
+    """A function as Ray sends it to its workers, once."""
+    import ray
+
+    return ray.remote(fn)
 
 
 @lru_cache(maxsize=8)

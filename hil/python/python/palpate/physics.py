@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from ._errors import InputError
 
-__all__ = ["Pad"]
+__all__ = ["Pad", "mujoco_contacts"]
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,33 @@ class Pad:
         normal = -(forces @ axes[:, 2])
         pressing = normal > 0
         return local[pressing, :2] * 1e3, normal[pressing]
+
+
+def mujoco_contacts(
+    model: Any, data: Any, geom: int
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Contact points of a geom of MuJoCo's in the world, m, and the forces on it there, N, both of shape (contacts, 3).
+
+    MuJoCo's tactile sensors are no taxels: the depth that they report depends on the mass of what touches.
+
+    Args:
+        model: ``mujoco.MjModel``.
+        data: ``mujoco.MjData`` after a step.
+        geom: The geom's number, ``model.geom("pad").id``.
+    """
+    import mujoco
+
+    points, forces = [], []
+    wrench = np.zeros(6)
+    for number, contact in enumerate(data.contact):
+        if geom not in contact.geom:
+            continue
+        mujoco.mj_contactForce(model, data, number, wrench)
+        # In the contact's frame, on the second geom; the rows of `frame` are its axes.
+        on_second = contact.frame.reshape(3, 3).T @ wrench[:3]
+        points.append(contact.pos.copy())
+        forces.append(on_second if contact.geom[1] == geom else -on_second)
+    return np.array(points).reshape(-1, 3), np.array(forces).reshape(-1, 3)
 
 
 def _vectors(values: npt.ArrayLike, what: str) -> npt.NDArray[np.float64]:

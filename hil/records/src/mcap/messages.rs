@@ -1,4 +1,4 @@
-//! Messages that are read again: frames on a sensor bus, and lines of the schedule, whose pulses follow from the rest.
+//! Messages that are read again: frames on a sensor bus, angles of joints, and lines of the schedule, whose pulses follow from the rest.
 
 use palpate_core::bus::Received;
 use palpate_core::codec::can::CanFrame;
@@ -23,6 +23,20 @@ pub(super) fn frame(t_ns: u64, message: &[u8]) -> Option<Received> {
         bus,
         frame: CanFrame::new(id, data)?,
     })
+}
+
+/// A joint's angle, degrees; `None` for what is no such message.
+pub(super) fn angle(message: &[u8]) -> Option<f64> {
+    let mut deg = 0.0; // a field that is left out
+    for field in Fields::new(message) {
+        if let (1, value) = field? {
+            let Value::Fixed64(bits) = value else {
+                return None;
+            };
+            deg = f64::from_bits(bits);
+        }
+    }
+    deg.is_finite().then_some(deg)
 }
 
 /// Of a line of the schedule: whether pulses and period are those that the times make; also true where an older file has

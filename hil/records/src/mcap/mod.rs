@@ -5,6 +5,7 @@
 //! its number, and fields are scalars: a plot of one of them is one curve.
 
 mod container;
+mod fields;
 mod foxglove;
 mod messages;
 pub mod proto;

@@ -8,15 +8,18 @@ use std::io::{self, Read as _};
 use palpate_core::bus::Received;
 
 use super::container::{MAGIC, op};
+use super::fields::{Cursor, attachment, chunk_head, metadata};
 use super::{PROFILE, VERSION, messages, schema};
 
 /// What could be read.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Read {
     /// Versions, digests and names, as the file's metadata has them.
     pub metadata: BTreeMap<String, String>,
     /// Frames on the sensor buses, in the order of the file.
     pub frames: Vec<Received>,
+    /// Angles of joints by name: nanoseconds and degrees, in the order of the file.
+    pub joints: BTreeMap<String, Vec<(u64, f64)>>,
     /// Messages of all topics.
     pub messages: u64,
     /// Names and contents of the attached files.
@@ -58,52 +61,13 @@ fn unreadable(expected: &str, found: impl Into<String>) -> Unreadable {
     }
 }
 
-/// Little-endian fields of a record.
-struct Cursor<'a>(&'a [u8]);
-
-impl<'a> Cursor<'a> {
-    fn take(&mut self, n: usize) -> Option<&'a [u8]> {
-        let (taken, rest) = self.0.split_at_checked(n)?;
-        self.0 = rest;
-        Some(taken)
-    }
-    fn u16(&mut self) -> Option<u16> {
-        Some(u16::from_le_bytes(self.take(2)?.try_into().ok()?))
-    }
-    fn u32(&mut self) -> Option<u32> {
-        Some(u32::from_le_bytes(self.take(4)?.try_into().ok()?))
-    }
-    fn u64(&mut self) -> Option<u64> {
-        Some(u64::from_le_bytes(self.take(8)?.try_into().ok()?))
-    }
-    fn sized(&mut self) -> Option<&'a [u8]> {
-        let n = usize::try_from(self.u32()?).ok()?;
-        self.take(n)
-    }
-    fn text(&mut self) -> Option<String> {
-        String::from_utf8(self.sized()?.to_vec()).ok()
-    }
-    /// The next record: kind and body.
-    fn record(&mut self) -> Option<(u8, &'a [u8])> {
-        let before = self.0;
-        let whole = || {
-            let kind = self.take(1)?[0];
-            let length = usize::try_from(self.u64()?).ok()?;
-            Some((kind, self.take(length)?))
-        };
-        let record = { whole }();
-        if record.is_none() {
-            self.0 = before;
-        }
-        record
-    }
-}
-
 /// Longest record, bytes: a chunk of ours has a few MiB, and one of another program seldom more.
 const MOST_RECORD: u64 = 16 << 20;
 /// Most bytes of attached files that are kept, and most damages that are told one by one.
 const MOST_ATTACHED: usize = 4 << 20;
 const MOST_DAMAGES: usize = 1000;
+/// Most angles of joints that are held, of all joints.
+const MOST_ANGLES: usize = 1 << 20;
 
 /// Reads a recording of ours from memory.
 ///
@@ -270,6 +234,8 @@ enum Content {
     Frame,
     /// A line of the schedule.
     Entry,
+    /// The angle of a joint.
+    Angle,
     Other,
 }
 
@@ -284,6 +250,8 @@ struct Contents {
     versioned: bool,
     /// Bytes of the attachments that are kept.
     attached: usize,
+    /// Angles of joints that are held.
+    angles: usize,
     /// Frames of the newest chunk.
     frames: VecDeque<Received>,
 }
@@ -306,6 +274,19 @@ impl Contents {
             return Err(unreadable(EXPECTED, found));
         }
         Ok(self.read)
+    }
+
+    /// Holds a joint's angle, if there is room; `None` for what is no such message.
+    fn angle(&mut self, channel: u16, t_ns: u64, message: &[u8]) -> Option<bool> {
+        let deg = messages::angle(message)?;
+        let topic = &self.channels.get(&channel)?.0;
+        let name = topic.strip_prefix("/joints/")?.to_owned();
+        if self.angles == MOST_ANGLES {
+            return Some(false);
+        }
+        self.angles += 1;
+        self.read.joints.entry(name).or_default().push((t_ns, deg));
+        Some(true)
     }
 
     /// A record outside of chunks.
@@ -389,7 +370,7 @@ impl Contents {
     /// A record that may lie in a chunk.
     fn content(&mut self, kind: u8, record: &[u8], here: u64) {
         let mut cursor = Cursor(record);
-        let mut agrees = true;
+        let mut trouble = None;
         let mut parse = || match kind {
             op::SCHEMA => {
                 let id = cursor.u16()?;
@@ -397,6 +378,7 @@ impl Contents {
                 let content = match name {
                     name if name == schema::CAN.full_name() => Content::Frame,
                     name if name == schema::SCHEDULE.full_name() => Content::Entry,
+                    name if name == schema::JOINT.full_name() => Content::Angle,
                     _ => Content::Other,
                 };
                 self.schemas.insert(id, content);
@@ -420,7 +402,14 @@ impl Contents {
                 let _published = cursor.u64()?;
                 match self.channels.get(&channel).map(|c| c.1) {
                     Some(Content::Frame) => self.frames.push_back(messages::frame(time, cursor.0)?),
-                    Some(Content::Entry) => agrees = messages::agrees(time, cursor.0)?,
+                    Some(Content::Entry) if !messages::agrees(time, cursor.0)? => {
+                        let what = "pulses of a schedule message are not those of its times";
+                        trouble = Some(what);
+                    }
+                    Some(Content::Angle) if !self.angle(channel, time, cursor.0)? => {
+                        trouble = Some("a million angles of joints are held, more are left out");
+                    }
+                    Some(Content::Entry | Content::Angle) => {}
                     Some(Content::Other) | None => {}
                 }
                 self.read.messages += 1;
@@ -436,52 +425,8 @@ impl Contents {
             };
             self.damage(here, what);
         }
-        if !agrees {
-            self.damage(
-                here,
-                "pulses of a schedule message are not those of its times",
-            );
+        if let Some(what) = trouble {
+            self.damage(here, what);
         }
     }
-}
-
-fn metadata(record: &[u8]) -> Option<(String, BTreeMap<String, String>)> {
-    let mut cursor = Cursor(record);
-    let name = cursor.text()?;
-    let mut entries = Cursor(cursor.sized()?);
-    let mut map = BTreeMap::new();
-    while !entries.0.is_empty() {
-        map.insert(entries.text()?, entries.text()?);
-    }
-    Some((name, map))
-}
-
-fn attachment(record: &[u8]) -> Option<(String, Vec<u8>)> {
-    let mut cursor = Cursor(record);
-    let (_logged, _created) = (cursor.u64()?, cursor.u64()?);
-    let (name, _media_type) = (cursor.text()?, cursor.text()?);
-    let size = usize::try_from(cursor.u64()?).ok()?;
-    let data = cursor.take(size)?.to_vec();
-    let crc = cursor.u32()?;
-    let covered = record.get(..record.len() - 4)?;
-    (crc == 0 || crc == crc32fast::hash(covered)).then_some((name, data))
-}
-
-struct ChunkHead {
-    crc: u32,
-    compression: String,
-    size: u64,
-}
-
-/// The head of a chunk, and what follows it.
-fn chunk_head(record: &[u8]) -> Option<(ChunkHead, &[u8])> {
-    let mut cursor = Cursor(record);
-    let (_first, _last, _size) = (cursor.u64()?, cursor.u64()?, cursor.u64()?);
-    let crc = cursor.u32()?;
-    let head = ChunkHead {
-        crc,
-        compression: cursor.text()?,
-        size: cursor.u64()?,
-    };
-    Some((head, cursor.0))
 }

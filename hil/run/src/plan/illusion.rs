@@ -118,10 +118,12 @@ pub(super) fn pattern(setup: &Setup) -> Result<Option<Pattern>, Failure> {
     } else {
         Pattern::on(super::prescale(bench)?, soa)
     };
-    pattern.map(Some).map_err(|e| match (stated, bench.drive.soa_ms) {
-        (None, Some(_)) => Failure::File(setup.bench.source.bad("drive.soa_ms", e.to_string())),
-        _ => bad("illusion.soa_ms", e.to_string()),
-    })
+    pattern
+        .map(Some)
+        .map_err(|e| match (stated, bench.drive.soa_ms) {
+            (None, Some(_)) => Failure::File(setup.bench.source.bad("drive.soa_ms", e.to_string())),
+            _ => bad("illusion.soa_ms", e.to_string()),
+        })
 }
 
 /// What the law that chooses its pulses is told.

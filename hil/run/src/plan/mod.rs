@@ -5,6 +5,7 @@ mod level;
 mod person;
 mod response;
 mod texture;
+mod unit;
 
 pub(crate) use illusion::MOVING_W;
 pub use illusion::drive;
@@ -12,6 +13,7 @@ pub(crate) use level::{decibels, strongest};
 pub use person::person;
 pub(crate) use response::felt_wire;
 pub use texture::{projection, surface};
+pub use unit::differences;
 
 use palpate_core::contact::{Levels, Settings};
 use palpate_core::guard::{Guard, Limits, Plant};
@@ -282,6 +284,22 @@ pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
     Ok(plan)
 }
 
+/// Limits and plant of a bench, by its own files.
+fn guarded(setup: &Setup, pattern: Option<Prescale>) -> Result<(Limits, Plant), Failure> {
+    let bench = &setup.bench.value;
+    let limits = Limits {
+        supply: milliamps(bench.drive.supply_limit_ma),
+        ..setup.limits.value.limits
+    };
+    let plant = Plant {
+        prescale: pattern.map_or_else(|| prescale(bench), Ok)?,
+        wire_milliohm: (wire(setup).resistance_ohm * 1e3).round() as u32,
+        peak: milliamps(bench.drive.current_ma),
+        bus: setup.bus_wait,
+    };
+    Ok((limits.tightened().of_hand(1), plant))
+}
+
 /// The same without the scene's texture: for a pass that looks at contacts only.
 ///
 /// # Errors
@@ -293,26 +311,12 @@ pub fn untextured(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Fail
     let skin = sensor_area(&layout, scene.drives, scene.compression.scope);
     let view = view(setup, skin, display.bounds())?;
 
-    let (pattern, peak) = (illusion::pattern(setup)?, milliamps(bench.drive.current_ma));
-    let prescale = pattern.map_or(prescale(bench), |p| Ok(p.prescale()))?;
-    let wire_milliohm = (wire(setup).resistance_ohm * 1e3).round() as u32;
-    let limits = Limits {
-        supply: milliamps(bench.drive.supply_limit_ma),
-        ..setup.limits.value.limits
-    }
-    .tightened()
-    .of_hand(1);
-    let guard = Guard::new(
-        limits,
-        Plant {
-            prescale,
-            wire_milliohm,
-            peak,
-            bus: setup.bus_wait,
-        },
-        display.wires(),
-    )
-    .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
+    let pattern = illusion::pattern(setup)?;
+    let own = guarded(setup, pattern.map(|p| p.prescale()))?;
+    let (limits, plant) = unit::agreed(setup, own, display.wires())?;
+    let (prescale, peak) = (plant.prescale, plant.peak);
+    let guard = Guard::new(limits, plant, display.wires())
+        .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
 
     let mut output = illusion::output(setup, &display, &guard, peak, pattern)?;
     if pattern.is_none() {

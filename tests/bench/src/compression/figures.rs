@@ -177,6 +177,7 @@ fn grasp(scene: &mut Scene, modules: usize, diameter_mm: f64, force: f64) {
                 centre_mm: Some([2.0 * libm::cos(turn), 2.0 * libm::sin(turn)]),
                 radius_mm: Some(1.5),
                 period_s: Some(2.0),
+                samples: Vec::new(),
             },
             force_n: Force {
                 mean: force * (0.8 + 0.4 * (module % 4) as f64 / 3.0),

@@ -1,0 +1,249 @@
+// The playground in Chromium: fingers, keyboard, what is felt, and a session that comes again to the bit.
+//
+//   playground.mjs SITE HIL [PICTURES]
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createServer } from "node:http";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { extname, join, resolve } from "node:path";
+
+const { chromium } = createRequire(join(process.env.PALPATE_DRIVER, "package.json"))("playwright-core");
+const [site, hil, pictures] = process.argv.slice(2).map(path => path && resolve(path));
+const types = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
+const server = createServer((request, response) => {
+  const name = request.url.split(/[?#]/)[0].slice(1) || "index.html";
+  try {
+    const bytes = readFileSync(join(site, name));
+    response.writeHead(200, { "content-type": types[extname(name)] ?? "application/octet-stream" }).end(bytes);
+  } catch {
+    response.writeHead(404).end();
+  }
+});
+await new Promise(done => server.listen(0, "127.0.0.1", done));
+const base = `http://127.0.0.1:${server.address().port}/`;
+const browser = await chromium.launch({ executablePath: process.env.PALPATE_CHROMIUM, args: ["--no-sandbox"] });
+
+// A page that asks nobody else; what it complains about fails the check.
+async function open({ url = base, width = 1280, height = 1000, scheme = "light", touch = false, prepare, ready = true } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme: scheme, hasTouch: touch, reducedMotion: "reduce" });
+  const page = await context.newPage(), wrong = [];
+  page.on("console", message => ["error", "warning"].includes(message.type()) && wrong.push(message.text()));
+  page.on("pageerror", error => wrong.push(error.message));
+  page.on("request", request => request.url().startsWith(base) || /^(data|blob|file):/.test(request.url()) || wrong.push(request.url()));
+  if (prepare) await page.addInitScript(prepare);
+  await page.goto(url);
+  if (ready) await page.waitForFunction(() => globalThis.palpate?.picture);
+  return { page, wrong, async close() { assert.deepEqual(wrong, [], url); await context.close(); } };
+}
+
+const picture = (page, name) => pictures && page.screenshot({ path: join(pictures, `${name}.png`) });
+const now = page => page.evaluate(() => palpate.now);
+// Virtual time, not the wall's: a busy machine is slower, and the same.
+const pass = async (page, us) => { const until = await now(page) + us; await page.waitForFunction(t => palpate.now >= t, until, { timeout: 60000 }); };
+const felt = page => page.evaluate(() => palpate.finger.felt && { at: palpate.finger.felt.at_mm, level: palpate.finger.felt.level_db, target: palpate.finger.felt.target_mm });
+const touches = page => page.evaluate(() => palpate.picture.fingers.map(f => f[1]));
+const apart = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+
+async function beyond(page) {
+  return page.evaluate(() => {
+    const width = document.documentElement.clientWidth;
+    const out = [...document.querySelectorAll("body *:not(.spoken)")].filter(e => { const b = e.getBoundingClientRect(); return b.width && (b.right > width + 1 || b.left < -1); });
+    return out.slice(0, 5).map(e => `${e.tagName} ${e.className}: ${e.textContent.slice(0, 30)}`);
+  });
+}
+
+// Where a touch of the driving module's millimetres is on the screen.
+async function screen(page, [x, y]) {
+  return page.evaluate(([mx, my]) => {
+    const box = document.getElementById("pad-canvas").getBoundingClientRect(), { x, y } = palpate.pad.scale();
+    return { x: box.left + x(mx), y: box.top + y(my) };
+  }, [x, y]);
+}
+
+async function twoFingers() {
+  const { page, close } = await open({ touch: true });
+  await page.locator("#pad").scrollIntoViewIfNeeded();
+  const cdp = await page.context().newCDPSession(page);
+  const send = async (type, points) => {
+    const touchPoints = await Promise.all(points.map(async ([id, at, force]) => ({ id, ...(await screen(page, at)), force, radiusX: 8, radiusY: 8 })));
+    await cdp.send("Input.dispatchTouchEvent", { type, touchPoints });
+  };
+  await send("touchStart", [[1, [-5, 5], 0.4]]);
+  await send("touchStart", [[1, [-5, 5], 0.4], [2, [5, -3], 0.7]]);
+  for (let n = 0; n <= 20; n++) {
+    await send("touchMove", [[1, [-5 + n * 0.3, 5 - n * 0.2], 0.4], [2, [5, -3 + n * 0.1], 0.7]]);
+    await pass(page, 20000);
+  }
+  assert.equal((await touches(page)).length, 2, "two fingers");
+  const forces = await page.evaluate(() => [...palpate.pad.fingers.values()].map(f => f.force));
+  assert(forces.some(f => Math.abs(f - 0.8) < 0.02) && forces.some(f => Math.abs(f - 1.4) < 0.02), `pressure is force: ${forces}`);
+  await picture(page, "playground-two-fingers");
+  await send("touchEnd", [[1, [1, 1], 0.4]]);
+  // The pulses of a contact, and one more onset until they are scored.
+  await pass(page, 1.5e6);
+  const [[touch], met] = [await touches(page), await felt(page)];
+  assert(met?.level >= 0, `felt: ${JSON.stringify(met)}`);
+  assert(apart(met.at, touch) < 1, `felt at ${met.at}, touched at ${touch}`);
+  await send("touchEnd", []);
+  await pass(page, 1e6);
+  assert.deepEqual(await touches(page), []);
+  await close();
+}
+
+async function mouseAndShare() {
+  const { page, close } = await open();
+  for (const [at, shift] of [[[-3, -3], true], [[4, 4], false]]) {
+    const { x, y } = await screen(page, at);
+    if (shift) await page.keyboard.down("Shift");
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    if (shift) { await page.mouse.up(); await page.keyboard.up("Shift"); }
+  }
+  for (let n = 0; n < 25; n++) {
+    const { x, y } = await screen(page, [4 - n * 0.2, 4 - n * 0.1]);
+    await page.mouse.move(x, y);
+    await pass(page, 20000);
+  }
+  assert.equal((await touches(page)).length, 2, "one left with Shift, one dragged");
+  await page.mouse.wheel(0, -300);
+  await page.mouse.up();
+  await pass(page, 300000);
+  await page.click("#share");
+  const [text, shared] = [await page.inputValue("#share-link"), await page.textContent("#share-what")];
+  const digest = /digest (\w{16})/.exec(shared)[1];
+  await picture(page, "playground-share");
+
+  // The link opens the same session, whose scene a run in the page and a native run repeat.
+  const other = await open({ url: text });
+  const again = await other.page.evaluate(() => palpate.loop.ask({ do: "run", ...palpate.settings.chosen() }));
+  assert.equal(again.schedule, digest, "the link's digest");
+  await pass(other.page, 2e6);
+  assert((await other.page.evaluate(() => palpate.panels.count)) > 5);
+  await other.close();
+  const [saved] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
+  const folder = mkdtempSync(join(tmpdir(), "palpate-"));
+  try {
+    const scene = join(folder, "touched.toml");
+    await saved.saveAs(scene);
+    const command = /^# hil (.*)$/m.exec(readFileSync(scene, "utf8"))[1].split(" ").map(word => (word === "touched.toml" ? scene : word));
+    execFileSync(hil, [...command, "--quiet", "--record", join(folder, "s.jsonl")]);
+    assert.equal(readFileSync(join(folder, "s.jsonl"), "utf8").split("\n").slice(1).join("\n"), again.lines.split("\n").slice(1).join("\n"), "hil run repeats it to the bit");
+    // The file opens as well, and so does one that is none, with a sentence.
+    await page.setInputFiles("#open", scene);
+    await page.waitForFunction(() => palpate.head.scene === "idle-touched");
+    writeFileSync(join(folder, "none.toml"), "this is no log");
+    await page.evaluate(() => document.getElementById("share-dialog").showModal());
+    await page.setInputFiles("#open", join(folder, "none.toml"));
+    await page.waitForFunction(() => /expected/.test(document.getElementById("alert").textContent));
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
+  await close();
+}
+
+async function keyboard() {
+  const { page, close } = await open();
+  await page.focus("#pad");
+  for (const key of ["ArrowRight", "ArrowRight", "Shift+ArrowUp", " ", "+", "+", "]"]) await page.keyboard.press(key);
+  await pass(page, 1e6);
+  const pressed = await page.evaluate(() => [...palpate.pad.fingers.values()]);
+  assert.equal(pressed.length, 1);
+  assert(pressed[0].x === 1 && pressed[0].y === 2 && pressed[0].force > 0.9, JSON.stringify(pressed));
+  assert(await page.evaluate(() => palpate.picture.contacts.length) === 1, "a contact by keys");
+  await page.keyboard.press(" ");
+  await page.keyboard.press("p");
+  const at = await now(page);
+  await page.keyboard.press(".");
+  assert.equal(Math.round(await now(page) - at), Math.round(await page.evaluate(() => palpate.head.period_ns / 1000)), "one period");
+  await page.keyboard.press("p");
+  await pass(page, 300000);
+  assert.deepEqual(await touches(page), []);
+  // The tour of six steps, by keys alone.
+  await page.click("#tour");
+  for (let step = 1; step <= 6; step++) {
+    assert.match(await page.textContent("#tour-where"), new RegExp(`${step} of 6`));
+    await page.keyboard.press("Enter");
+  }
+  assert(await page.isHidden("#tour-card"));
+  await close();
+}
+
+async function choices() {
+  const { page, close } = await open();
+  await page.click("[data-path=sphere-circle]");
+  await pass(page, 2.5e6);
+  const met = await felt(page);
+  assert(met?.level >= 0 && apart(met.at, met.target) < 2, JSON.stringify(met));
+  await page.click("summary");
+  // The published law and drive: the guard limits them, and without it the limits are passed.
+  await page.selectOption("[name=scene]", "rest-on-wire");
+  await page.selectOption("[name=bench]", "thesis");
+  await page.selectOption("[name=illusion]", "phantom");
+  await page.waitForFunction(() => document.querySelector("#notes .limiter"), null, { timeout: 60000 });
+  await page.check("[name=observe]");
+  await page.waitForFunction(() => document.querySelector("#used .over"), null, { timeout: 60000 });
+  assert(await page.isVisible("#observed"));
+  await picture(page, "playground-observed");
+  await page.selectOption("[name=scene]", "texture-wood");
+  await page.waitForFunction(() => palpate.head.scene === "texture-wood");
+  await close();
+}
+
+async function badInput() {
+  const said = async (options, pattern) => {
+    const { page, wrong, close } = await open({ ...options, ready: false });
+    await page.waitForFunction(() => !document.getElementById("alert").hidden);
+    assert.match(await page.textContent("#alert"), pattern);
+    wrong.length = 0; // what a browser says of what it lacks
+    await close();
+  };
+  const link = session => `${base}#s=${Buffer.from(session).toString("base64url")}`;
+  const { deflateRawSync } = await import("node:zlib");
+  await said({ url: `${base}#s=AAAA` }, /link is broken/);
+  await said({ url: `${base}#hello` }, /holds no session/);
+  await said({ url: link(deflateRawSync(JSON.stringify({ v: 99, bench: "emulated", set: [], text: "name = \"old\"\ndescription = \"of another version\"\n" }))) }, /another version/);
+  await said({ url: link(deflateRawSync(JSON.stringify({ v: 1, bench: "emulated", set: [], text: "nothing of a scene" }))) }, /the session/);
+  await said({ prepare: () => { delete globalThis.WebAssembly; } }, /no WebAssembly/);
+  await said({ url: `file://${join(site, "index.html")}` }, /palpate\.html/);
+  const alone = await open({ url: `file://${join(site, "palpate.html")}` });
+  await pass(alone.page, 200000);
+  await alone.close();
+}
+
+async function everywhere() {
+  for (const [width, height] of [[390, 844], [768, 1024], [1280, 900], [2560, 1440], [3840, 2160]])
+    for (const scheme of ["light", "dark"]) {
+      const { page, close } = await open({ width, height, scheme });
+      await page.click("[data-path=sphere-diagonal]");
+      await pass(page, 2e6);
+      assert.deepEqual(await beyond(page), [], `${width} ${scheme}`);
+      await picture(page, `playground-${width}-${scheme}`);
+      await close();
+    }
+}
+
+// How long a picture takes, and the first one after the page is asked for.
+async function measure() {
+  const { page, close } = await open();
+  const first = await page.evaluate(() => palpate.first);
+  const { x, y } = await screen(page, [0, 0]);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  const took = [];
+  for (let n = 0; n < 150; n++) {
+    await page.mouse.move(x + 60 * Math.sin(n / 9), y + 60 * Math.cos(n / 9));
+    took.push(await page.evaluate(() => new Promise(done => requestAnimationFrame(() => done(palpate.took)))));
+  }
+  took.sort((a, b) => a - b);
+  console.log(`playground: a picture takes ${took[75].toFixed(2)} ms (median), ${took[142].toFixed(2)} ms (95 %); the first one came after ${first.toFixed(0)} ms`);
+  await close();
+}
+
+for (const check of [twoFingers, mouseAndShare, keyboard, choices, badInput, everywhere, measure]) {
+  await check();
+  console.log(`playground: ${check.name} ok`);
+}
+await browser.close();
+server.close();

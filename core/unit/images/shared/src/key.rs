@@ -1,0 +1,76 @@
+//! What is burnt into an image: its key from text, and the usual layout of its wires.
+
+use palpate_core::illusion::DisplayWire;
+use palpate_core::units::{Board, Channel, Point};
+
+/// The 32 bytes that 64 hexadecimal digits stand for, when the image is compiled.
+///
+/// # Panics
+/// On any other text. As a constant that stops the compiler, not a unit.
+pub const fn key(text: &str) -> [u8; 32] {
+    let text = text.as_bytes();
+    assert!(
+        text.len() == 64,
+        "PALPATE_UNIT_KEY: expected 64 hexadecimal digits and nothing else"
+    );
+    let mut bytes = [0; 32];
+    let mut at = 0;
+    while at < 32 {
+        bytes[at] = digit(text[2 * at]) << 4 | digit(text[2 * at + 1]);
+        at += 1;
+    }
+    bytes
+}
+
+const fn digit(text: u8) -> u8 {
+    match text {
+        b'0'..=b'9' => text - b'0',
+        b'a'..=b'f' => text - b'a' + 10,
+        b'A'..=b'F' => text - b'A' + 10,
+        _ => panic!("PALPATE_UNIT_KEY: expected 64 hexadecimal digits"),
+    }
+}
+
+/// The wires of fingertips that have a board each, on its first channels: `WIRES` in all, `each` per board.
+///
+/// A unit looks at boards and channels only, so that the places are all the same.
+pub const fn fingertips<const WIRES: usize>(each: u8) -> [DisplayWire; WIRES] {
+    let mut wires = [DisplayWire {
+        place: Point::new(0.0, 0.0),
+        board: Board(0),
+        channel: Channel(0),
+    }; WIRES];
+    let mut at = 0;
+    while at < WIRES {
+        wires[at].board = Board((at / each as usize) as u8);
+        wires[at].channel = Channel((at % each as usize) as u8);
+        at += 1;
+    }
+    wires
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_is_its_digits() {
+        const KEY: [u8; 32] =
+            key("00ff0123456789abCDEF00000000000000000000000000000000000000000009");
+        assert_eq!(KEY[..8], [0, 0xFF, 1, 0x23, 0x45, 0x67, 0x89, 0xAB]);
+        assert_eq!(KEY[31], 9);
+    }
+
+    #[test]
+    #[should_panic = "64 hexadecimal digits"]
+    fn a_short_key_is_refused() {
+        key("00ff");
+    }
+
+    #[test]
+    fn fingertips_fill_boards_one_after_the_other() {
+        let wires = fingertips::<16>(8);
+        assert_eq!((wires[7].board, wires[7].channel), (Board(0), Channel(7)));
+        assert_eq!((wires[8].board, wires[8].channel), (Board(1), Channel(0)));
+    }
+}

@@ -1,0 +1,17 @@
+//! What firmware images of the driver unit share. What belongs here is the same on every processor; what a processor
+//! alone has, such as its watchdog, its timer and its network, stands in the package of its image.
+//!
+//! [`serve`] is the program of an image. [`Arena`] is its heap, which closes once the unit is built. [`rig`] is the bench
+//! of an image that runs in QEMU: emulated chips in another process, reached by semihosting.
+#![no_std]
+
+mod arena;
+mod decision;
+mod key;
+pub mod rig;
+mod serve;
+
+pub use arena::Arena;
+pub use decision::{ANSWER, QUESTION, Question, answer};
+pub use key::{fingertips, key};
+pub use serve::{Link, Processor, serve};

@@ -1,0 +1,180 @@
+//! The bench of an image in QEMU: emulated chips in another process, two named pipes, one question and one answer at a
+//! time. The image reaches the pipes by semihosting: its processor and its clock stand still until the answer is there, so
+//! that runs repeat to the microsecond.
+//!
+//! | at | bytes | question |
+//! |---|---|---|
+//! | 0 | 8 | the image's clock, ns |
+//! | 8 | 1 | [`Kind`] |
+//! | 9 | 1 | its argument: an address, a level |
+//! | 10 | 2 | bytes that follow |
+//!
+//! | at | bytes | answer |
+//! |---|---|---|
+//! | 0 | 8 | a time, ns: the end of a transfer, the next look for a datagram |
+//! | 8 | 1 | [`Outcome`] |
+//! | 9 | 1 | 0 |
+//! | 10 | 2 | bytes that follow |
+//!
+//! The bytes of a transfer are its operations: 0 and a length for a read; 1, a length and the data for a write.
+
+mod client;
+#[cfg(target_os = "none")]
+mod pipes;
+
+pub use client::{Bus, BusError, Network, Oe, Rig, Wires};
+#[cfg(target_os = "none")]
+pub use pipes::Pipes;
+
+/// Bytes before those of a question or an answer.
+pub const HEAD: usize = 12;
+/// Name of the pipe that carries questions, in the folder where QEMU runs.
+pub const QUESTIONS: &core::ffi::CStr = c"questions";
+/// Name of the pipe that carries answers.
+pub const ANSWERS: &core::ffi::CStr = c"answers";
+
+/// What an image asks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Kind {
+    /// First of all: a number that no start had before, 8 bytes.
+    Boot,
+    /// The OE line has this level now.
+    Oe,
+    /// A transfer with this address.
+    Transfer,
+    /// Is there a datagram?
+    Receive,
+    /// Here is one.
+    Send,
+    /// What does the guard have to decide?
+    Ask,
+    /// It decided so: what the clock counted, 4 bytes, and the answer.
+    Tell,
+}
+
+impl Kind {
+    /// Every kind, by its number.
+    pub const ALL: [Self; 7] = [
+        Self::Boot,
+        Self::Oe,
+        Self::Transfer,
+        Self::Receive,
+        Self::Send,
+        Self::Ask,
+        Self::Tell,
+    ];
+}
+
+/// What became of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Outcome {
+    /// Done; what was asked for follows.
+    Done,
+    /// No chip at this address.
+    NoAddress,
+    /// A byte was refused.
+    NoData,
+    /// Another master has the bus.
+    Arbitration,
+    /// The bus failed.
+    Failed,
+    /// The clock line is held low for ever: the transfer never ends.
+    Stuck,
+    /// Nothing there.
+    Nothing,
+}
+
+impl Outcome {
+    const ALL: [Self; 7] = [
+        Self::Done,
+        Self::NoAddress,
+        Self::NoData,
+        Self::Arbitration,
+        Self::Failed,
+        Self::Stuck,
+        Self::Nothing,
+    ];
+}
+
+/// The head of a question or an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Head {
+    /// Nanoseconds.
+    pub ns: u64,
+    /// [`Kind`] or [`Outcome`].
+    pub what: u8,
+    /// The argument of a question.
+    pub argument: u8,
+    /// Bytes that follow.
+    pub length: u16,
+}
+
+impl Head {
+    /// Its bytes.
+    pub fn bytes(&self) -> [u8; HEAD] {
+        let mut bytes = [0; HEAD];
+        bytes[..8].copy_from_slice(&self.ns.to_le_bytes());
+        (bytes[8], bytes[9]) = (self.what, self.argument);
+        bytes[10..].copy_from_slice(&self.length.to_le_bytes());
+        bytes
+    }
+
+    /// From its bytes.
+    pub fn read(bytes: &[u8; HEAD]) -> Self {
+        let [a, b, c, d, e, f, g, h, what, argument, low, high] = *bytes;
+        Self {
+            ns: u64::from_le_bytes([a, b, c, d, e, f, g, h]),
+            what,
+            argument,
+            length: u16::from_le_bytes([low, high]),
+        }
+    }
+
+    /// What was asked, if it is a question.
+    pub fn kind(&self) -> Option<Kind> {
+        Kind::ALL.get(usize::from(self.what)).copied()
+    }
+
+    /// What became of it, if it is an answer.
+    pub fn outcome(&self) -> Option<Outcome> {
+        Outcome::ALL.get(usize::from(self.what)).copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_head_comes_back() {
+        let head = Head {
+            ns: 0x0123_4567_89AB_CDEF,
+            what: Kind::Transfer as u8,
+            argument: 0x41,
+            length: 1400,
+        };
+        assert_eq!(Head::read(&head.bytes()), head);
+        for (number, kind) in (0..).zip(Kind::ALL) {
+            assert_eq!(
+                (
+                    kind as u8,
+                    Head {
+                        what: number,
+                        ..head
+                    }
+                    .kind()
+                ),
+                (number, Some(kind))
+            );
+        }
+        for (number, outcome) in (0..).zip(Outcome::ALL) {
+            let head = Head {
+                what: number,
+                ..head
+            };
+            assert_eq!((outcome as u8, head.outcome()), (number, Some(outcome)));
+        }
+    }
+}

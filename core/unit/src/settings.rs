@@ -1,0 +1,77 @@
+//! What is burnt into a unit, and what cannot be.
+
+use core::fmt;
+
+use palpate_core::guard::{Limits, Plant, PlantError};
+use palpate_core::illusion::DisplayWire;
+use palpate_core::units::{Board, Channel};
+
+/// What is burnt into a unit.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings<'a> {
+    /// Shared with its host.
+    pub key: &'a [u8; 32],
+    /// A number that no start of this unit under this key has had: 64 random bits, or a count kept in flash.
+    pub boot: u64,
+    /// The wires on its boards.
+    pub wires: &'a [DisplayWire],
+    /// 7-bit addresses of the boards, by number.
+    pub addresses: &'a [u8],
+    /// Its limits; looser than the hard ones they cannot be.
+    pub limits: Limits,
+    /// What its guard knows of boards and wires.
+    pub plant: Plant,
+    /// Whether its processor bears the guard's thermal rows.
+    pub heat: bool,
+}
+
+/// Why a unit cannot be built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SettingsError {
+    /// The guard's.
+    Plant(PlantError),
+    /// No board, or more than sixteen.
+    Boards(usize),
+    /// Two boards at one address.
+    SameAddress(u8),
+    /// A wire on a board or channel that is not there.
+    NoSuchOutput(Board, Channel),
+}
+
+impl fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Plant(e) => e.fmt(f),
+            Self::Boards(found) => write!(f, "boards: expected 1 to 16 addresses, found {found}"),
+            Self::SameAddress(address) => write!(
+                f,
+                "boards: expected an address of its own for each, found {address:#04x} twice: set the straps of one board otherwise"
+            ),
+            Self::NoSuchOutput(board, channel) => write!(
+                f,
+                "wires: expected a channel 0 to 15 of a board of this unit, found channel {} of board {}",
+                channel.0, board.0
+            ),
+        }
+    }
+}
+
+impl core::error::Error for SettingsError {}
+
+impl Settings<'_> {
+    pub(crate) fn check(&self) -> Result<(), SettingsError> {
+        let count = self.addresses.len();
+        if !(1..=16).contains(&count) {
+            return Err(SettingsError::Boards(count));
+        }
+        let twice = (1..count).find(|&n| self.addresses[..n].contains(&self.addresses[n]));
+        if let Some(n) = twice {
+            return Err(SettingsError::SameAddress(self.addresses[n]));
+        }
+        let absent = |w: &&DisplayWire| usize::from(w.board.0) >= count || w.channel.0 > 15;
+        match self.wires.iter().find(absent) {
+            Some(wire) => Err(SettingsError::NoSuchOutput(wire.board, wire.channel)),
+            None => Ok(()),
+        }
+    }
+}

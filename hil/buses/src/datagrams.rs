@@ -1,0 +1,109 @@
+//! Datagrams over UDP, neither of whose calls waits: a driver unit's end and a host's.
+
+use std::io;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, ToSocketAddrs, UdpSocket};
+use std::os::fd::{AsFd, BorrowedFd};
+use std::time::Duration;
+
+/// Where a unit listens where an address names no port.
+pub const PORT: u16 = 4817;
+
+/// The address that a user named: `HOST`, `HOST:PORT`, `[IPV6]:PORT`.
+///
+/// # Errors
+/// What was expected.
+pub fn address(text: &str) -> Result<SocketAddr, String> {
+    let expected = |why: &str| {
+        format!(
+            "expected ADDRESS or ADDRESS:PORT, such as 192.168.1.40:{PORT}, found `{text}`{why}"
+        )
+    };
+    if let Ok(ip) = text.parse::<IpAddr>() {
+        return Ok((ip, PORT).into());
+    }
+    if let Ok(whole) = text.parse::<SocketAddr>() {
+        return Ok(whole);
+    }
+    let named = match text.rsplit_once(':') {
+        Some((name, port)) => {
+            let port: u16 = port.parse().map_err(|_| expected(""))?;
+            (name, port).to_socket_addrs()
+        }
+        None => (text, PORT).to_socket_addrs(),
+    };
+    let mut found = named.map_err(|e| expected(&format!(": {e}")))?;
+    found.next().ok_or_else(|| expected(": no such host"))
+}
+
+/// A socket.
+#[derive(Debug)]
+pub struct Datagrams(UdpSocket);
+
+impl Datagrams {
+    /// The end that others find at this address; port 0 takes a free one.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn listen(at: SocketAddr) -> io::Result<Self> {
+        let socket = UdpSocket::bind(at)?;
+        socket.set_nonblocking(true)?;
+        Ok(Self(socket))
+    }
+
+    /// An end that speaks to this address first.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn towards(to: SocketAddr) -> io::Result<Self> {
+        let any = match (to.is_ipv4(), to.ip().is_loopback()) {
+            (true, true) => Ipv4Addr::LOCALHOST.into(),
+            (true, false) => IpAddr::from(Ipv4Addr::UNSPECIFIED),
+            (false, true) => Ipv6Addr::LOCALHOST.into(),
+            (false, false) => Ipv6Addr::UNSPECIFIED.into(),
+        };
+        Self::listen((any, 0).into())
+    }
+
+    /// Where it is found.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn here(&self) -> io::Result<SocketAddr> {
+        self.0.local_addr()
+    }
+
+    /// The oldest datagram that waits, cut at the end of `buffer`, and who sent it.
+    pub fn receive(&self, buffer: &mut [u8]) -> Option<(usize, SocketAddr)> {
+        // A network that is down says so here: no datagram then, as with one that loses all.
+        self.0.recv_from(buffer).ok()
+    }
+
+    /// Sends a datagram. One that cannot be sent is lost.
+    pub fn send(&self, datagram: &[u8], to: SocketAddr) {
+        let _ = self.0.send_to(datagram, to);
+    }
+}
+
+impl AsFd for Datagrams {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.0.as_fd()
+    }
+}
+
+/// Whether the computer at this address says that nothing listens there: what silence is for.
+pub fn is_closed(to: SocketAddr, datagram: &[u8], patience: Duration) -> bool {
+    let refused = || -> io::Result<()> {
+        let there = Datagrams::towards(to)?;
+        // Only a connected socket is told.
+        there.0.set_nonblocking(false)?;
+        there.0.set_read_timeout(Some(patience))?;
+        there.0.connect(to)?;
+        there.0.send(datagram)?;
+        there.0.recv(&mut [0; 1]).map(drop)
+    };
+    refused().is_err_and(|e| e.kind() == io::ErrorKind::ConnectionRefused)
+}
+
+#[cfg(test)]
+#[path = "datagrams_tests.rs"]
+mod tests;

@@ -1,0 +1,113 @@
+//! Fingers that a person moves while a session runs: a log that the emulated skin reads, and that can be saved.
+//!
+//! A sample holds from its own time on, so a session that reads the log as it grows and a run of the saved scene see
+//! the same touches at every instant.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use palpate_files::{HandSample, MOST_SAMPLES, Touch, check_sample};
+
+use crate::failure::Failure;
+
+/// The fingers on a skin. Clones are the same fingers.
+#[derive(Clone, Debug, Default)]
+pub struct Fingers(Arc<Mutex<Log>>);
+
+#[derive(Debug, Default)]
+struct Log {
+    /// Whose touch it is, and the touch on one module.
+    touches: Vec<(usize, Touch)>,
+    samples: usize,
+}
+
+impl Fingers {
+    /// Finger `finger` is like this on a module from the sample's time on; a force of zero lifts it. It leaves any
+    /// other module that it was on.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for numbers that no finger has, a time before the newest, and a full log.
+    pub fn add(&self, finger: usize, module: usize, sample: HandSample) -> Result<(), Failure> {
+        let name = format!("finger {finger}");
+        let input = |text: String| Err(Failure::Input(format!("{name}: {text}")));
+        if let Err((column, expected)) = check_sample(&sample) {
+            return input(format!("expected {expected}, found {}", sample[column]));
+        }
+        let log = &mut *self.log();
+        if log.samples >= MOST_SAMPLES {
+            return input(format!(
+                "expected at most {MOST_SAMPLES} samples per session; begin a new one"
+            ));
+        }
+        let own = log.touches.iter().filter(|(number, _)| *number == finger);
+        let newest = own.filter_map(|(_, touch)| Some(touch.path.samples.last()?[0]));
+        if let Some(before) = newest.max().filter(|before| sample[0] < *before) {
+            return input(format!(
+                "expected a time from {before} us on, found {} us",
+                sample[0]
+            ));
+        }
+        for (_, touch) in log
+            .touches
+            .iter_mut()
+            .filter(|(n, t)| *n == finger && t.module != module)
+        {
+            if let Some(last) = touch.path.samples.last().copied().filter(|s| s[3] > 0) {
+                log.samples += put(touch, [sample[0], last[1], last[2], 0, last[4]]);
+            }
+        }
+        let known = log
+            .touches
+            .iter()
+            .position(|(n, t)| *n == finger && t.module == module);
+        log.samples += match known {
+            Some(place) => put(&mut log.touches[place].1, sample),
+            None => {
+                log.touches.push((finger, Touch::by_hand(module, sample)));
+                1
+            }
+        };
+        Ok(())
+    }
+
+    /// The touches until `now_us`, as a scene of `length_s` seconds has them, which is no shorter. What presses then is
+    /// lifted.
+    #[must_use]
+    pub fn touches(&self, now_us: i64, length_s: f64) -> Vec<Touch> {
+        let log = self.log();
+        let mut touches: Vec<Touch> = log.touches.iter().map(|(_, touch)| touch.clone()).collect();
+        for touch in &mut touches {
+            touch.end_s = length_s;
+            let samples = &mut touch.path.samples;
+            samples.retain(|sample| sample[0] < now_us);
+            let last = samples.last().copied().filter(|s| s[3] > 0);
+            samples.extend(last.map(|[_, x, y, _, d]| [now_us, x, y, 0, d]));
+        }
+        touches.retain(|touch| !touch.path.samples.is_empty());
+        touches
+    }
+
+    /// Does something with every touch, in the order in which they began.
+    pub(crate) fn each(&self, mut work: impl FnMut(&Touch)) {
+        self.log().touches.iter().for_each(|(_, touch)| work(touch));
+    }
+
+    fn log(&self) -> MutexGuard<'_, Log> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Adds a sample, or puts it in the place of one of the same time; how many more there are.
+fn put(touch: &mut Touch, sample: HandSample) -> usize {
+    let samples = &mut touch.path.samples;
+    match samples.last_mut() {
+        Some(last) if last[0] == sample[0] => {
+            *last = sample;
+            0
+        }
+        Some(last) if last[1..] == sample[1..] => 0,
+        _ => {
+            samples.push(sample);
+            1
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! The program as a whole: parses the command line, runs the command, turns its failure into an exit status. The binary
+//! `hil` is this, and so is the console script of the wheel.
+
+use std::ffi::OsString;
+use std::io::{self, Write};
+use std::process::Command as Process;
+use std::sync::OnceLock;
+
+use clap::Parser;
+
+use crate::cli::{Buses, Cli, Color, Command, RunArgs};
+use crate::{command, progress};
+
+/// The words that start this program again, where they are not the path of this executable.
+static AGAIN: OnceLock<Vec<OsString>> = OnceLock::new();
+
+/// Runs a command line, the program's name first, and returns the exit status.
+///
+/// `again` are the words that start this program in a process of its own, without a command. None where it is this
+/// executable; an interpreter that has the program as a module says how it is to be called.
+pub fn main(line: impl IntoIterator<Item = OsString>, again: Option<Vec<OsString>>) -> u8 {
+    if let Some(words) = again.filter(|words| !words.is_empty()) {
+        // Only the first counts: a process has one way to be started.
+        let _ = AGAIN.set(words);
+    }
+    let cli = match Cli::try_parse_from(line) {
+        Ok(cli) => cli,
+        Err(error) => {
+            let _ = error.print();
+            return u8::try_from(error.exit_code()).unwrap_or(2);
+        }
+    };
+    if !cli.command.as_ref().is_some_and(Command::is_quiet) {
+        progress::allow();
+    }
+    let color = cli.color;
+    match run(cli) {
+        Ok(status) => status,
+        Err(failure) => {
+            // Nobody may be reading standard error either.
+            if !failure.to_string().is_empty() {
+                let _ = writeln!(io::stderr(), "{} {failure}", prefix(color));
+            }
+            failure.status()
+        }
+    }
+}
+
+/// This program in another process, without a command yet.
+///
+/// # Errors
+/// What the system says where this executable has no path.
+pub(crate) fn again() -> io::Result<Process> {
+    if let Some((program, first)) = AGAIN.get().and_then(|words| words.split_first()) {
+        let mut process = Process::new(program);
+        process.args(first);
+        return Ok(process);
+    }
+    Ok(Process::new(std::env::current_exe()?))
+}
+
+fn run(cli: Cli) -> Result<u8, palpate_run::Failure> {
+    match cli.command {
+        None => {
+            let on = Buses {
+                seed: 1,
+                ..Buses::default()
+            };
+            let args = RunArgs {
+                on,
+                ..RunArgs::default()
+            };
+            command::run(&args, cli.color)
+        }
+        Some(Command::Run(args)) => command::run(&args, cli.color),
+        Some(Command::Contacts(args)) => command::contacts(&args),
+        Some(Command::Emulate(args)) => command::emulate(&args),
+        Some(Command::Unit(args)) => command::unit(&args),
+        Some(Command::Doctor(args)) => command::doctor(&args),
+        Some(Command::Record(args)) => command::record(&args),
+        Some(Command::Replay(args)) => command::replay(&args),
+        Some(Command::Off(args)) => command::off(&args),
+        Some(Command::Guardian(args)) => return Ok(command::guardian(args)),
+        Some(Command::Texture(action)) => command::texture(&action),
+        Some(Command::Diff(args)) => command::diff(&args, cli.color),
+        Some(Command::List(args)) => command::list(&args),
+        Some(Command::New(kind)) => command::new(&kind),
+        Some(Command::Check(args)) => command::check(&args),
+        Some(Command::Export(kind)) => command::export(&kind),
+        Some(Command::Completions(args)) => command::completions(&args),
+        Some(Command::Man(args)) => command::man(&args),
+        Some(Command::Identify(args)) => command::identify(&args),
+        Some(Command::Compare(args)) => command::compare(&args, cli.color),
+        Some(Command::Design(args)) => command::design(&args, cli.color),
+        Some(Command::Sweep(args)) => command::sweep(&args, cli.color),
+        Some(Command::Test(args)) => command::test(&args, cli.color),
+        Some(Command::Review(args)) => command::review(&args, cli.color),
+    }
+    .map(|()| 0)
+}
+
+/// What an error message starts with; the bytes are those of clap's own errors.
+fn prefix(color: Color) -> &'static str {
+    if color.on(&io::stderr()) {
+        "\x1b[1m\x1b[31merror:\x1b[0m"
+    } else {
+        "error:"
+    }
+}

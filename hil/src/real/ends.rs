@@ -1,0 +1,120 @@
+//! What a run in real time asks of its ends beside sensing and driving.
+
+use palpate_buses::can::{Note, Tally};
+use palpate_buses::guardian::Lost;
+use palpate_core::skin::CanSkin;
+use palpate_core::units::Instant;
+use palpate_run::display_end::DisplayEnd;
+use palpate_run::skin_end::{SkinEnd, Tap};
+use palpate_run::unit::UnitReport;
+use palpate_run::{CanPlayer, EmulatedSkin, Failure, Rows};
+
+use super::bench::{Interfaces, Live};
+use super::warden::FingerEnd;
+
+/// The sensor end.
+pub(super) trait Sensed: SkinEnd {
+    /// The outputs are ready: boards are told to send.
+    fn begin(&mut self) {}
+
+    /// Something that befell a bus.
+    fn note(&mut self) -> Option<Note> {
+        None
+    }
+
+    /// What has happened on each interface.
+    fn tallies(&self) -> Vec<Tally> {
+        Vec::new()
+    }
+}
+
+impl Sensed for CanSkin<Tap<Interfaces>> {
+    fn begin(&mut self) {
+        // What is lost here is made up by the session, which tells silent boards again.
+        let _ = self.start_all();
+    }
+
+    fn note(&mut self) -> Option<Note> {
+        self.bus_mut().inner.note()
+    }
+
+    fn tallies(&self) -> Vec<Tally> {
+        self.bus().inner.tallies()
+    }
+}
+
+impl Sensed for EmulatedSkin {}
+
+impl Sensed for Rows<'_> {}
+
+impl Sensed for CanSkin<Tap<CanPlayer<'_>>> {}
+
+/// The display end, and what watches over it.
+pub(super) trait Watched: DisplayEnd {
+    /// What was found driving before the run, a line each.
+    fn found(&self) -> &str {
+        ""
+    }
+
+    /// Before a turn: whether the run may go on.
+    fn beat(&mut self, now: Instant) -> Result<(), Failure>;
+
+    /// The run cannot begin, for this cause.
+    fn abandon(&mut self, cause: &str);
+
+    /// The run is over and outputs are `off`, or may not be; whether that is known. `failed` if something else ended it.
+    fn part(&mut self, off: Result<(), String>, failed: bool) -> Result<(), String>;
+
+    /// What came of the driver unit, where it is one.
+    fn unit(&self) -> Option<UnitReport> {
+        None
+    }
+}
+
+/// A finger: the guardian watches over it among others.
+impl Watched for FingerEnd {
+    fn beat(&mut self, now: Instant) -> Result<(), Failure> {
+        self.vote.warden.beat(self.vote.finger, now).map_err(lost)
+    }
+
+    fn abandon(&mut self, cause: &str) {
+        self.vote.warden.give_up(cause);
+    }
+
+    /// The guardian takes leave of all fingers together.
+    fn part(&mut self, off: Result<(), String>, _failed: bool) -> Result<(), String> {
+        self.vote.warden.ended(self.vote.finger);
+        off
+    }
+}
+
+fn lost(lost: Lost) -> Failure {
+    Failure::Device(format!(
+        "{lost}; no guardian is left to switch off after this program"
+    ))
+}
+
+impl Watched for Live {
+    fn found(&self) -> &str {
+        &self.found
+    }
+
+    fn beat(&mut self, now: Instant) -> Result<(), Failure> {
+        self.watchman.guardian.beat(now).map_err(lost)
+    }
+
+    fn abandon(&mut self, cause: &str) {
+        self.watchman.guardian.hand_over(cause);
+    }
+
+    fn part(&mut self, off: Result<(), String>, failed: bool) -> Result<(), String> {
+        match (off, failed) {
+            (Ok(()), false) => self.watchman.guardian.end(),
+            (Ok(()), true) => self.watchman.guardian.end().or(Ok(())), // the first failure is the one to tell
+            (Err(cause), _) => {
+                self.watchman.guardian.hand_over(&cause);
+                Err(cause)
+            }
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! The loop of a run in real time, turn by turn.
+
+use palpate_buses::pacer::{Lateness, Pacer, RunClock};
+use palpate_buses::signals::Signals;
+use palpate_core::projector::Projector;
+use palpate_core::units::Instant;
+use palpate_records::readings::Readings;
+use palpate_run::{CanReport, Failure, Policy, Recorder, Session, Truth, Turn};
+
+use super::ends::{Sensed, Watched};
+use super::take_priority;
+use crate::clock;
+use crate::interfaces::reports;
+use crate::progress::Progress;
+use crate::record::Journal;
+use crate::watch::Watch;
+
+/// What the loop leaves behind.
+pub(super) struct Done<S, D> {
+    pub(super) session: Session<S, D>,
+    pub(super) lateness: Lateness,
+    pub(super) realtime: bool,
+    pub(super) not_recorded: u64,
+    pub(super) end: Instant,
+}
+
+/// What paces a session on hardware and watches over it.
+pub(super) struct Turns<'a> {
+    /// The bench's CAN interfaces.
+    pub(super) can: &'a [String],
+    /// Whether real-time priority is insisted on, or done without.
+    pub(super) realtime: Option<bool>,
+    pub(super) clock: RunClock,
+    pub(super) signals: Signals,
+    pub(super) length: Instant,
+    pub(super) drives: usize,
+    pub(super) truth: Truth,
+    /// Where decoded taxels are recorded.
+    pub(super) taxels: Option<Readings>,
+    pub(super) journal: Journal,
+    pub(super) watch: Option<Watch>,
+    pub(super) progress: Progress,
+}
+
+impl Turns<'_> {
+    /// The loop on its own thread, until the scene's end, a signal, or a failure.
+    pub(super) fn drive<S: Sensed, D: Watched>(
+        mut self,
+        projector: Projector,
+        (skin, mut display): (S, D),
+    ) -> Result<Done<S, D>, Failure> {
+        let truth = std::mem::take(&mut self.truth);
+        let mut recorder = Recorder::new(truth, projector.layout());
+        recorder.counts = self.watch.is_some().then(Vec::new);
+        recorder.readings = Some(Readings::sampled(projector.layout(), self.drives));
+        recorder.taxels = self.taxels.take();
+        let realtime = match self.realtime {
+            Some(false) => false,
+            None => take_priority().is_ok(),
+            Some(true) => match take_priority() {
+                Ok(()) => true,
+                Err(refused) => {
+                    // Nothing is on yet: the good-bye cannot fail in a way that matters more than this.
+                    let _ = display.part(Ok(()), true);
+                    return Err(refused);
+                }
+            },
+        };
+        for line in display.found().lines() {
+            recorder.note(Instant::ZERO, format!("{line}; switched off"));
+        }
+        let run_clock = self.clock;
+        let ends = (skin, display);
+        let mut session = Session::new(
+            projector,
+            ends,
+            Policy::REAL,
+            recorder,
+            Some(clock::elapsed),
+        );
+        let ready = match session.start(run_clock.now()) {
+            Ok(ready) => ready,
+            Err(error) => {
+                let display = session.display();
+                let cause = display.explain(&error);
+                display.abandon(&cause);
+                return Err(Failure::Device(cause));
+            }
+        };
+        session.skin().begin();
+        let mut pacer = Pacer::new(run_clock);
+        let mut now = pacer.wait(ready);
+        let (begun, length) = (now, self.length.as_micros() as f64);
+        let end = Instant::from_micros(self.length.as_micros().saturating_add(now.as_micros()));
+        while now < end && self.goes_on(&mut session, now) {
+            self.progress
+                .part(now.since(begun).as_micros() as f64 / length);
+            match session.turn(now)? {
+                Turn::Next(next) => {
+                    if self.is_stopped(&mut session, now) {
+                        break;
+                    }
+                    now = pacer.wait(next);
+                }
+                Turn::Last => break,
+            }
+        }
+        let end = run_clock.now();
+        self.part(&mut session, end);
+        self.tell(&mut session);
+        let not_recorded = self.journal.dropped();
+        if let Err(error) = self.journal.finish() {
+            session.set_failure(error);
+        }
+        drop(self.watch);
+        Ok(Done {
+            session,
+            lateness: pacer.lateness().clone(),
+            realtime,
+            not_recorded,
+            end,
+        })
+    }
+
+    /// Before a turn: the display's heartbeat, signals, records.
+    fn goes_on<S: Sensed, D: Watched>(
+        &mut self,
+        session: &mut Session<S, D>,
+        now: Instant,
+    ) -> bool {
+        if let Err(failure) = session.display().beat(now) {
+            session.set_failure(failure);
+            return false;
+        }
+        if let Some(signal) = self.signals.caught() {
+            session.recorder().note(now, format!("stopped by {signal}"));
+            return false;
+        }
+        assert!(
+            !self.signals.wants_panic(),
+            "a drill, by PALPATE_DRILL and SIGUSR1"
+        );
+        while let Some(note) = session.skin().note() {
+            session.recorder().note(note.at, note.text);
+        }
+        self.tell(session);
+        !self.journal.has_failed()
+    }
+
+    /// Hands what is new to the records.
+    fn tell<S: Sensed, D: Watched>(&mut self, session: &mut Session<S, D>) {
+        let frames = session.skin().take_frames();
+        let recorder = session.recorder();
+        let taxels = recorder.taxels.as_mut().map(Readings::take_frames);
+        self.journal
+            .tell(&recorder.events, frames, taxels.unwrap_or_default());
+    }
+
+    /// Shows a turn; whether the person in front of it wants no more.
+    fn is_stopped<S: Sensed, D: Watched>(
+        &mut self,
+        session: &mut Session<S, D>,
+        now: Instant,
+    ) -> bool {
+        let Some(watch) = &mut self.watch else {
+            return false;
+        };
+        let (skin, recorder) = session.seen();
+        let counts = recorder.counts.as_deref().unwrap_or_default();
+        let tallies = skin.tallies();
+        let buses = || {
+            let all = reports(self.can, &tallies);
+            all.iter().map(CanReport::words).collect()
+        };
+        let stopped = watch.turn(0, now, &recorder.events, counts, buses);
+        if stopped {
+            let note = "stopped by the person who watched".into();
+            session.recorder().note(now, note);
+        }
+        stopped
+    }
+
+    /// Everything off, and the display's leave. The screen may take its time; the outputs do not wait for it.
+    fn part<S: Sensed, D: Watched>(&self, session: &mut Session<S, D>, end: Instant) {
+        let off = session.switch_off(end);
+        let failed = session.failure().is_some();
+        let display = session.display();
+        let off = off.map_err(|error| display.explain(&error));
+        if let Err(cause) = display.part(off, failed) {
+            let text = format!("not everything is known to be off: {cause}");
+            session.recorder().note(end, text);
+            session.set_failure(Failure::Device(cause));
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! What a unit's process drives: emulated boards, or those of a Linux I2C adapter under a guardian.
+
+use std::cell::RefCell;
+use std::convert::Infallible;
+use std::rc::Rc;
+
+use embedded_hal::digital::{ErrorType, OutputPin};
+use palpate_buses::guardian::Guardian;
+use palpate_buses::i2c::{Blocking, LinuxAdapter};
+use palpate_core::units::Instant;
+use palpate_emulators::display::i2c::{I2cHandle, I2cSegment};
+use palpate_emulators::display::pca9685::Pca9685;
+use palpate_emulators::time::Nanos;
+use palpate_emulators::unit::OeLine;
+use palpate_emulators::worn::WornDisplay;
+use palpate_files::{Bench, Real, Setup};
+use palpate_run::{Failure, display_end, plan};
+
+use super::record::{Flowed, Told};
+use crate::emulate::{WireRecord, drives};
+use crate::real::{refuse_latched, watch};
+use crate::telling::Teller;
+
+/// What stands behind a unit's bus.
+pub(super) trait Boards {
+    /// Before a turn, `since_ns` after the start: time passes there, and the owner of the bus is known to be alive.
+    fn advance(&mut self, since_ns: u64, teller: &mut Teller) -> Result<(), Failure>;
+
+    /// The end. `off` says whether every board took its all-off; whether everything is off.
+    fn finish(&mut self, off: bool) -> Result<bool, String>;
+
+    /// What flowed, where that is known.
+    fn flowed(&mut self) -> Option<Flowed> {
+        None
+    }
+}
+
+/// Emulated boards and wires.
+pub(super) struct Emulated {
+    display: WornDisplay,
+    flowed: Flowed,
+    /// CLOCK_MONOTONIC at the emulators' zero.
+    epoch_ns: u64,
+    addresses: Vec<u8>,
+}
+
+impl Emulated {
+    pub(super) fn new(setup: &Setup, epoch_ns: u64) -> Result<Self, Failure> {
+        let display = display_end::emulated(setup, plan::display(setup)?.wires())?;
+        let outputs = setup.bench.value.outputs.iter();
+        let wires = outputs.map(|o| WireRecord::new(o.board, o.channel));
+        let flowed = Flowed {
+            wires: wires.collect(),
+            ..Flowed::default()
+        };
+        Ok(Self {
+            display,
+            flowed,
+            epoch_ns,
+            addresses: plan::boards(&setup.bench.value),
+        })
+    }
+
+    /// What the unit holds: the bus, and the line to the OE pins.
+    pub(super) fn lines(&self) -> (I2cHandle, OeLine) {
+        (self.display.bus(), OeLine(self.display.bus()))
+    }
+}
+
+impl Boards for Emulated {
+    fn advance(&mut self, since_ns: u64, teller: &mut Teller) -> Result<(), Failure> {
+        let (flowed, addresses, epoch) = (&mut self.flowed, &self.addresses, self.epoch_ns);
+        let mut told = Ok(());
+        let advanced = self.display.advance(Nanos(since_ns), &mut |edge| {
+            let t_ns = epoch + edge.at.0;
+            let chip = addresses.get(usize::from(edge.board)).map_or(0, |a| *a);
+            for wire in &mut flowed.wires {
+                if (wire.chip, wire.channel) == (chip, edge.channel) {
+                    wire.edge(t_ns, edge.high);
+                }
+            }
+            if told.is_ok() {
+                let (channel, high) = (edge.channel, edge.high);
+                told = teller.tell(&Told::Edge {
+                    t_ns,
+                    chip,
+                    channel,
+                    high,
+                });
+            }
+        });
+        advanced.map_err(|e| Failure::Device(format!("emulated display: {e}")))?;
+        told
+    }
+
+    fn finish(&mut self, off: bool) -> Result<bool, String> {
+        let any = |s: &mut I2cSegment| s.chips().iter().any(|chip| drives(chip, false));
+        Ok(off && !self.display.bus().with(any).unwrap_or(true))
+    }
+
+    fn flowed(&mut self) -> Option<Flowed> {
+        self.flowed.totals(&self.display.totals());
+        let sum = |s: &mut I2cSegment| s.chips().iter().map(Pca9685::hazard_count).sum();
+        self.flowed.hazards = self.display.bus().with(sum).unwrap_or_default();
+        Some(self.flowed.clone())
+    }
+}
+
+/// Boards of a Linux I2C adapter. A process can hang as a microcontroller can: in place of a hardware watchdog a guardian
+/// switches everything off.
+pub(super) struct Guarded {
+    guardian: Rc<RefCell<Guardian>>,
+    line: Option<Blocking>,
+}
+
+/// The OE pins behind the guardian, so that it can cut them when the unit is gone.
+pub(super) struct OePin(Rc<RefCell<Guardian>>);
+
+impl ErrorType for OePin {
+    type Error = Infallible;
+}
+
+impl OutputPin for OePin {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        // A guardian that is gone ends the unit at the next heartbeat.
+        let _ = self.0.borrow().set_outputs(true);
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        let _ = self.0.borrow().set_outputs(false);
+        Ok(())
+    }
+}
+
+impl Guarded {
+    /// Opens the adapter; the guardian has switched everything off when this returns. What it found driving is told too.
+    pub(super) fn open(bench: &Bench, real: &Real) -> Result<(Self, String), Failure> {
+        let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
+        let watch = watch(bench, real);
+        let [(path, addresses)] = &*watch.buses else {
+            return Err(Failure::Input(format!(
+                "bench `{}`: expected the boards of a unit on one I2C adapter, found {} adapters: start a unit for each",
+                bench.name,
+                watch.buses.len()
+            )));
+        };
+        refuse_latched(&watch)?;
+        let adapter = LinuxAdapter::open(path, addresses).map_err(|e| device(&e))?;
+        let mut line = Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?;
+        let program = crate::program::again().map_err(|e| device(&e))?;
+        let (guardian, found) = Guardian::start(program, &watch).map_err(|e| device(&e))?;
+        line.set_pulse(guardian.pulse());
+        let opened = Self {
+            guardian: Rc::new(RefCell::new(guardian)),
+            line: Some(line),
+        };
+        Ok((opened, found))
+    }
+
+    /// What the unit holds, once.
+    pub(super) fn lines(&mut self) -> Option<(Blocking, OePin)> {
+        Some((self.line.take()?, OePin(Rc::clone(&self.guardian))))
+    }
+}
+
+impl Boards for Guarded {
+    fn advance(&mut self, since_ns: u64, _teller: &mut Teller) -> Result<(), Failure> {
+        let now = Instant::from_micros(since_ns / 1000);
+        self.guardian.borrow_mut().beat(now).map_err(|lost| {
+            Failure::Device(format!(
+                "{lost}; no guardian is left to switch off after this program"
+            ))
+        })
+    }
+
+    fn finish(&mut self, off: bool) -> Result<bool, String> {
+        let mut guardian = self.guardian.borrow_mut();
+        match off {
+            true => guardian.end().map(|()| true),
+            false => Ok(guardian.hand_over("the unit could not switch every board off")),
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! `hil unit` and its host as programs: deaths, and what is refused with a sentence.
+
+use std::process::Stdio;
+
+use palpate_buses::datagrams::Datagrams as Socket;
+use palpate_buses::pacer::RunClock;
+use palpate_buses::served::wait::monotonic_ns;
+use palpate_core::codec::link::MOST;
+use palpate_core::units::Duration;
+
+use super::subject::{Process, hil, seen, write_key};
+
+fn pause(ms: u64) {
+    let clock = RunClock::start();
+    clock.sleep_until(clock.now() + Duration::from_millis(ms));
+}
+
+/// Runs the program; its exit status and what it said on standard error.
+fn said(unit: &Process, arguments: &[&str]) -> (i32, String) {
+    let done = hil(&unit.folder).args(arguments).output().unwrap();
+    (
+        done.status.code().unwrap(),
+        String::from_utf8(done.stderr).unwrap(),
+    )
+}
+
+#[test]
+fn a_host_that_is_killed_leaves_no_output_on_for_longer_than_100_ms() {
+    let mut unit = Process::new();
+    let address = unit.address.to_string();
+    let mut run = hil(&unit.folder)
+        .args([
+            "run",
+            "sphere-along",
+            "--quiet",
+            "--key",
+            "unit.key",
+            "--unit",
+            &address,
+        ])
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut told = unit.wait_for_edges(12);
+    run.kill().unwrap();
+    let killed_ns = monotonic_ns();
+    run.wait().unwrap();
+    pause(400);
+    told.extend(unit.finish());
+    let after = told.iter().filter(|event| event["event"] == "edge");
+    let last_ns = after
+        .map(|event| event["t_ns"].as_u64().unwrap())
+        .max()
+        .unwrap();
+    let late_ms = last_ns.saturating_sub(killed_ns) as f64 / 1e6;
+    assert!(late_ms <= 100.0, "{late_ms} ms");
+    let seen = seen(&told);
+    assert!(seen.rising.len() >= 12);
+    assert_eq!(seen.high, 0, "{seen:?}");
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_a_sentence() {
+    let unit = Process::new();
+    let address = unit.address.to_string();
+    let run = |address: &str, key: &str| {
+        said(
+            &unit,
+            &[
+                "run",
+                "sphere-along",
+                "--quiet",
+                "--unit",
+                address,
+                "--key",
+                key,
+            ],
+        )
+    };
+    write_key(&unit.folder.0.join("other.key"), &[3; 32]);
+    let (status, text) = run(&address, "other.key");
+    assert!(status == 3 && text.contains("have the same key"), "{text}");
+    let closed = Socket::listen("127.0.0.1:0".parse().unwrap())
+        .unwrap()
+        .here()
+        .unwrap();
+    let (status, text) = run(&closed.to_string(), "unit.key");
+    assert!(
+        status == 3 && text.contains("nothing listens there"),
+        "{text}"
+    );
+    let (status, text) = run("no such host", "unit.key");
+    assert!(status == 2 && text.contains("expected ADDRESS"), "{text}");
+    let (status, text) = run(&address, "missing.key");
+    assert!(status == 2 && text.contains("hil unit --new-key"), "{text}");
+    let (status, text) = said(
+        &unit,
+        &[
+            "run",
+            "sphere-along",
+            "--observe",
+            "--unit",
+            &address,
+            "--key",
+            "unit.key",
+        ],
+    );
+    assert!(status == 2 && text.contains("guard of its own"), "{text}");
+    // A scene whose illusion counts other periods than the unit's boards.
+    let (status, text) = said(
+        &unit,
+        &[
+            "run",
+            "sphere-along",
+            "--unit",
+            &address,
+            "--key",
+            "unit.key",
+            "--illusion",
+            "linear",
+            "--set",
+            "bench.drive.pwm_hz=100",
+        ],
+    );
+    assert!(status == 2 && text.contains("PRE_SCALE"), "{text}");
+}
+
+#[test]
+fn a_unit_that_answers_from_two_addresses_or_in_another_version_is_refused() {
+    for version in [false, true] {
+        let unit = Process::new();
+        let [front, side, back] =
+            [(); 3].map(|()| Socket::listen("127.0.0.1:0".parse().unwrap()).unwrap());
+        let here = front.here().unwrap().to_string();
+        let mut run = hil(&unit.folder)
+            .args([
+                "run",
+                "sphere-along",
+                "--quiet",
+                "--key",
+                "unit.key",
+                "--unit",
+                &here,
+            ])
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut host = None;
+        let mut buffer = [0; MOST];
+        while run.try_wait().unwrap().is_none() {
+            while let Some((length, from)) = front.receive(&mut buffer) {
+                host = Some(from);
+                buffer[2] += u8::from(version);
+                back.send(&buffer[..length], unit.address);
+            }
+            while let Some((length, _)) = back.receive(&mut buffer) {
+                if let Some(host) = host {
+                    buffer[2] += u8::from(version);
+                    front.send(&buffer[..length], host);
+                    side.send(&buffer[..length], host);
+                }
+            }
+            pause(1);
+        }
+        let done = run.wait_with_output().unwrap();
+        let text = String::from_utf8(done.stderr).unwrap();
+        let wanted = match version {
+            true => "same version",
+            false => "name the address that it answers from",
+        };
+        assert_eq!(done.status.code(), Some(3), "{text}");
+        assert!(text.contains(wanted), "{text}");
+    }
+}
+
+#[test]
+fn off_stops_a_unit_under_a_running_host_which_says_so() {
+    let mut unit = Process::new();
+    let address = unit.address.to_string();
+    let on = ["--key", "unit.key", "--unit", &address];
+    let run = hil(&unit.folder)
+        .args(["run", "sphere-along", "--quiet"])
+        .args(on)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut told = unit.wait_for_edges(3);
+    let off = hil(&unit.folder).arg("off").args(on).output().unwrap();
+    let words = String::from_utf8(off.stdout).unwrap();
+    assert!(
+        off.status.success() && words.contains("everything is off; stopped: end"),
+        "{words}"
+    );
+    let done = run.wait_with_output().unwrap();
+    let text = String::from_utf8(done.stderr).unwrap();
+    assert_eq!(done.status.code(), Some(4), "{text}");
+    assert!(
+        text.contains("stopped by its own guard, end") && text.contains("hil off --unlatch"),
+        "{text}"
+    );
+    let again = ["run", "idle", "--quiet", on[0], on[1], on[2], on[3]];
+    let (status, text) = said(&unit, &again);
+    assert!(status == 4 && text.contains("stopped earlier"), "{text}");
+    let cleared = ["off", "--unlatch", on[0], on[1], on[2], on[3]];
+    assert_eq!(said(&unit, &cleared).0, 0);
+    let (status, text) = said(&unit, &["doctor", on[0], on[1], on[2], on[3]]);
+    assert_eq!((status, text.as_str()), (0, ""));
+    told.extend(unit.finish());
+    assert_eq!(seen(&told).high, 0);
+}

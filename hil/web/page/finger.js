@@ -1,0 +1,177 @@
+// The person's finger, unrolled and in three dimensions, with wires, warmth and what is felt.
+import { between, calm, colors, css, disc, fit, mix, unit, wireColor } from "palpate/draw.js";
+
+const REST = 33, HOT = 43;
+// How far a wire's warmth is drawn, mm, and how long a driven wire stays bright, us.
+const SPREAD = 4.5, GLOW = 160000;
+
+export class Finger {
+  constructor(flat, solid) {
+    Object.assign(this, { flat, solid, yaw: 0.5, held: null });
+    solid.addEventListener("pointerdown", event => { this.held = event.clientX - this.yaw * 90; solid.setPointerCapture(event.pointerId); });
+    solid.addEventListener("pointermove", event => { if (this.held !== null) this.yaw = (event.clientX - this.held) / 90; });
+    for (const name of ["pointerup", "pointercancel"]) solid.addEventListener(name, () => { this.held = null; });
+  }
+
+  open(head) {
+    this.head = head;
+    this.driven = head.wires_mm.map(() => ({ until: -1, part: 0 }));
+    this.trail = [];
+    for (const label of this.labels ?? []) label.remove();
+    // Numbers are text of the page, so that they can be read out and marked.
+    this.labels = head.wires_mm.map((_, i) => Object.assign(document.createElement("span"), { textContent: i }));
+    this.flat.after(...this.labels);
+    this.labelled = "";
+    const xs = head.wires_mm.map(w => w[0]), ys = head.wires_mm.map(w => w[1]), half = head.wire_mm / 2;
+    const round = head.finger_mm ? Math.PI * head.finger_mm[0] / 2 : 0;
+    const wide = Math.max(...xs.map(Math.abs)) + half + 2;
+    this.box = { left: -wide, right: wide, bottom: Math.min(...ys) - 6, top: Math.max(...ys) + 6 };
+    // The unrolled surface is no wider than the finger is round.
+    if (round) [this.box.left, this.box.right] = [-Math.min(wide, round), Math.min(wide, round)];
+  }
+
+  take(picture) {
+    for (const burst of picture.bursts)
+      if (burst.ticks) this.driven[burst.wire] = { until: burst.until_us, part: Math.min(1, 0.35 + 0.65 * burst.ticks / this.head.widest_ticks) };
+    for (const felt of picture.felt) if (felt.at_mm && felt.level_db >= 0) this.trail.push(felt);
+    if (this.trail.length > 12) this.trail.splice(0, this.trail.length - 12);
+    this.felt = picture.felt.at(-1) ?? this.felt;
+    if (this.felt && picture.now_us - this.felt.at_us > 400000) { this.felt = null; this.trail.length = 0; }
+  }
+
+  glow(wire, now) {
+    const { until, part } = this.driven[wire];
+    return until < 0 ? 0 : part * Math.max(0, 1 - Math.max(0, now - until) / GLOW);
+  }
+
+  // Warmth of the tissue at a place, from 0 at rest to 1 at the limit, as drawn from the wires around.
+  warmth(picture, x, y) {
+    let most = 0;
+    this.head.wires_mm.forEach(([wx, wy], i) => {
+      const dx = Math.max(Math.abs(x - wx) - this.head.wire_mm / 2, 0), far = (dx * dx + (y - wy) ** 2) / (SPREAD * SPREAD);
+      most = Math.max(most, Math.exp(-far) * (picture.warm[i][1] - REST) / (HOT - REST));
+    });
+    return Math.min(most, 1);
+  }
+
+  draw(picture) {
+    this.unrolled(picture);
+    this.worn(picture);
+  }
+
+  unrolled(picture) {
+    const [context, width, height] = fit(this.flat), { left, right, bottom, top } = this.box, rim = 10;
+    const k = Math.min((width - 2 * rim) / (right - left), (height - 2 * rim) / (top - bottom));
+    const x = mm => width / 2 + (mm - (left + right) / 2) * k, y = mm => height / 2 - (mm - (bottom + top) / 2) * k;
+    if (this.labelled !== `${width} ${height}`) {
+      this.labelled = `${width} ${height}`;
+      this.head.wires_mm.forEach(([wx, wy], i) => Object.assign(this.labels[i].style, { left: `${x(wx)}px`, top: `${y(wy)}px` }));
+    }
+    context.beginPath();
+    const r = Math.min((right - left) / 2, 14) * k * (this.head.finger_mm ? 1 : 0.15);
+    context.roundRect(x(left), y(top), (right - left) * k, (top - bottom) * k, [r, r, 6, 6]);
+    context.fillStyle = mix(colors.card, colors.finger, 0.55);
+    context.fill();
+    context.save();
+    context.clip();
+    this.head.wires_mm.forEach(([wx, wy], i) => {
+      const heat = Math.min(1, Math.max(0, (picture.warm[i][1] - REST) / (HOT - REST)));
+      if (heat < 0.005) return;
+      const gradient = context.createRadialGradient(x(wx), y(wy), 0, x(wx), y(wy), 9 * k);
+      gradient.addColorStop(0, colors.hot);
+      gradient.addColorStop(1, "transparent");
+      context.globalAlpha = Math.min(0.9, heat * 1.4);
+      context.fillStyle = gradient;
+      context.fillRect(0, 0, width, height);
+    });
+    context.restore();
+    context.globalAlpha = 1;
+    context.lineCap = "round";
+    this.head.wires_mm.forEach(([wx, wy], i) => {
+      const glow = this.glow(i, picture.now_us), half = this.head.wire_mm / 2;
+      context.strokeStyle = glow ? wireColor(i) : colors.edge;
+      context.lineWidth = (3 + 5 * glow) * unit;
+      context.beginPath();
+      context.moveTo(x(wx - half), y(wy)); context.lineTo(x(wx + half), y(wy));
+      context.stroke();
+    });
+    this.marks(context, picture, ([mx, my]) => [x(mx), y(my), 1], k);
+  }
+
+  // Contacts, felt places and their trail, by a function from the surface to the drawing.
+  marks(context, picture, to, k) {
+    for (const contact of picture.contacts) {
+      const at = contact.on_mm && to(contact.on_mm);
+      if (at?.[2]) disc(context, at[0], at[1], 11 * unit, null, colors.truth, 3);
+    }
+    this.trail.forEach((felt, i) => {
+      const at = to(felt.at_mm);
+      context.globalAlpha = 0.12 + 0.3 * i / this.trail.length;
+      if (at[2]) disc(context, at[0], at[1], 3.5 * unit, colors.bad);
+    });
+    context.globalAlpha = 1;
+    const newest = this.felt;
+    if (!newest?.at_mm) return;
+    const at = to(newest.at_mm), felt = newest.level_db >= 0;
+    if (!at[2]) return;
+    context.globalAlpha = 0.22;
+    if (felt) disc(context, at[0], at[1], (1.2 + newest.level_db * 0.12) * k, colors.bad);
+    context.globalAlpha = 1;
+    disc(context, at[0], at[1], 7 * unit, felt ? colors.bad : null, felt ? colors.card : colors.bad, 2);
+  }
+
+  // From the unrolled surface to space: a cylinder whose end is a half sphere, or a plane.
+  place(mx, my) {
+    if (!this.head.finger_mm) return [mx, my, 0, 0, 0, 1];
+    const [diameter, tip] = this.head.finger_mm, radius = diameter / 2, around = mx / radius;
+    const up = Math.min(Math.max(my - tip, 0) / radius, Math.PI / 2), wide = Math.cos(up);
+    const normal = [wide * Math.sin(around), Math.sin(up), wide * Math.cos(around)];
+    return [radius * normal[0], Math.min(my, tip) + radius * normal[1], radius * normal[2], ...normal];
+  }
+
+  worn(picture) {
+    const [context, width, height] = fit(this.solid), { bottom, top } = this.box;
+    const yaw = this.yaw + (calm() || this.held !== null ? 0 : 0.35 * Math.sin(performance.now() / 4200)), [c, s] = [Math.cos(yaw), Math.sin(yaw)];
+    const tilt = 0.22, [ct, st] = [Math.cos(tilt), Math.sin(tilt)];
+    const flat = !this.head.finger_mm, wide = flat ? (this.box.right - this.box.left) : this.head.finger_mm[0] * 1.35;
+    const low = flat ? bottom : bottom - 5, high = flat ? top : this.head.finger_mm[1] + this.head.finger_mm[0] / 2;
+    const k = Math.min(width / wide, height / (high - low)) * 0.9, middle = (low + high) / 2;
+    const turn = (x, y, z) => { const u = x * c + z * s, w = z * c - x * s; return [u, y * ct - w * st, w * ct + y * st]; };
+    const to = ([mx, my]) => {
+      const [x, y, z, nx, ny, nz] = this.place(mx, my), [u, v] = turn(x, y - middle, z), facing = turn(nx, ny, nz)[2];
+      return [width / 2 + u * k, height / 2 - v * k, facing > 0.03 ? 1 : 0, facing, turn(nx, ny, nz)];
+    };
+    const half = flat ? this.box.right : Math.PI * this.head.finger_mm[0] / 2, rows = 26, columns = flat ? 20 : 36;
+    const end = flat ? top : this.head.finger_mm[1] + Math.PI * this.head.finger_mm[0] / 4;
+    for (let row = 0; row < rows; row++) for (let column = 0; column < columns; column++) {
+      const [x0, x1] = [column, column + 1].map(n => -half + 2 * half * n / columns), [y0, y1] = [row, row + 1].map(n => low + (end - low) * n / rows);
+      const [mx, my] = [(x0 + x1) / 2, (y0 + y1) / 2], [, , seen, , normal] = to([mx, my]);
+      if (!seen) continue;
+      const light = Math.max(0, 0.45 * normal[0] * -0.6 + 0.5 * normal[1] + 0.8 * normal[2]), shade = between(colors["finger-dark"], colors.finger, 0.25 + 0.75 * light);
+      const heat = this.warmth(picture, mx, my), corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(to);
+      context.beginPath();
+      corners.forEach(([px, py], i) => (i ? context.lineTo(px, py) : context.moveTo(px, py)));
+      context.closePath();
+      // The outline closes the seams between the pieces.
+      context.fillStyle = context.strokeStyle = css(between(shade, colors.hot, Math.min(0.92, heat * 1.3)));
+      context.lineWidth = 1;
+      context.fill();
+      context.stroke();
+    }
+    context.lineCap = "round";
+    this.head.wires_mm.forEach(([wx, wy], i) => {
+      const glow = this.glow(i, picture.now_us);
+      context.strokeStyle = glow ? wireColor(i) : colors.edge;
+      context.lineWidth = (3.5 + 5 * glow) * unit;
+      context.beginPath();
+      let down = false;
+      for (let n = 0; n <= 8; n++) {
+        const [px, py, seen] = to([wx + this.head.wire_mm * (n / 8 - 0.5), wy]);
+        if (seen) (down ? context.lineTo(px, py) : context.moveTo(px, py));
+        down = Boolean(seen);
+      }
+      context.stroke();
+    });
+    this.marks(context, picture, to, k);
+  }
+}

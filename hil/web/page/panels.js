@@ -1,0 +1,79 @@
+// What a page says in words and numbers: what is felt, limits, wires, notes.
+import { number } from "palpate/draw.js";
+
+const by = id => document.getElementById(id);
+const make = (tag, about, ...children) => { const element = Object.assign(document.createElement(tag), about); element.append(...children); return element; };
+const LIMITS = {
+  pulse: "pulse width", burst: "burst length", burst_energy: "burst energy", wire_power: "wire power", fingertip_power: "fingertip power", supply: "supply current",
+  skin_mean: "skin, 10 s mean", skin_peak: "skin, 0.1 mm", skin_deep: "skin, 0.4 mm", omega: "dose, \u03a9", cem43: "dose, CEM43",
+};
+const NOTES = 60, EVERY = 6;
+const db = value => `${number(value, 1)} dB`;
+const set = (id, text) => { const element = by(id); if (element.textContent !== text) element.textContent = text; };
+
+export class Panels {
+  open(head) {
+    this.head = head;
+    this.count = 0;
+    this.worst = {};
+    by("used").replaceChildren(...Object.entries(LIMITS).map(([key, name]) => make("li", { id: `used-${key}` }, make("span", { textContent: name }), make("span", { className: "meter" }, make("i")), make("em", { textContent: "0 %" }))));
+    by("lanes").replaceChildren(...head.wires_mm.map((_, i) => make("li", { textContent: i })));
+    by("wires").replaceChildren(...head.wires_mm.map((_, i) => {
+      const swatch = make("i", { className: "swatch" });
+      swatch.style.background = `var(--w${i % 8})`;
+      return make("tr", {}, make("td", {}, swatch, `${i}`), make("td"), make("td"));
+    }));
+    by("notes").replaceChildren(make("li", { className: "none", textContent: "nothing to tell" }));
+    by("felt-place").textContent = "nothing yet";
+    for (const id of ["felt-error", "felt-level", "felt-band"]) by(id).textContent = "\u2013";
+    by("level-mark").style.opacity = by("level-band").style.width = 0;
+  }
+
+  take(picture) {
+    for (const note of picture.notes) this.note(...note);
+    for (const burst of picture.bursts) if (burst.reason) this.note(burst.at_us, "limiter", `guard: wire ${burst.wire} has ${burst.ticks} of ${burst.asked} ticks: ${burst.reason}`);
+    const felt = picture.felt.at(-1);
+    if (felt) this.felt(felt);
+    // Numbers that change with every picture cannot be read.
+    if (this.count++ % EVERY) return;
+    for (const [key, share] of picture.used) this.limit(key, share);
+    [...by("wires").rows].forEach((row, i) => picture.warm[i].forEach((celsius, n) => {
+      const text = `${n ? "skin" : "wire"} ${number(celsius, 1)} \u00b0C`;
+      if (row.cells[n + 1].textContent !== text) row.cells[n + 1].textContent = text;
+    }));
+    const [peak, , omega, cem43] = picture.hottest, { limits_c } = this.head;
+    set("hottest", `hottest skin ${number(peak, 1)} \u00b0C of ${number(limits_c.peak, 0)}; dose \u03a9 ${omega.toExponential(1)}, CEM43 ${number(cem43, 2)} min; ${number(picture.energy_j * 1000, 0)} mJ so far`);
+    const places = picture.contacts.map(c => `(${number(c.at_mm[0], 1)}, ${number(c.at_mm[1], 1)}) mm, ${number(c.counts, 0)} counts, level ${c.level}`);
+    set("contacts", places.length ? `${places.length === 1 ? "contact" : `${places.length} contacts`} at ${places.join("; ")}` : "no contact");
+  }
+
+  limit(key, share) {
+    const row = by(`used-${key}`), part = Number.isFinite(share) ? Math.max(share, 0) : 10, over = part > 1.0005;
+    row.classList.toggle("over", over);
+    row.querySelector("i").style.transform = `scaleX(${Math.min(part, 1)})`;
+    const text = part > 10 ? `${number(part, 0)} x` : `${number(part * 100, 0)} %`;
+    if (row.lastChild.textContent !== text) row.lastChild.textContent = text;
+  }
+
+  felt({ at_mm, target_mm, level_db, band_db, tap }) {
+    const met = Boolean(at_mm), reached = met && level_db >= 0, mark = by("level-mark"), band = by("level-band"), x = v => `${Math.min(100, Math.max(0, (v + 30) / 0.6))}%`;
+    set("felt-place", reached ? `(${number(at_mm[0], 1)}, ${number(at_mm[1], 1)}) mm${tap ? ", a tap" : ""}` : met ? "not felt: below threshold" : "not felt: no wire moved");
+    set("felt-error", reached ? `${number(Math.hypot(at_mm[0] - target_mm[0], at_mm[1] - target_mm[1]), 2)} mm` : "\u2013");
+    set("felt-level", met ? db(level_db) : "\u2013");
+    set("felt-band", band_db ? `${number(band_db[0], 1)} to ${db(band_db[1])}` : "\u2013");
+    mark.style.opacity = met ? 1 : 0;
+    if (met) mark.style.left = x(level_db);
+    band.style.left = band_db ? x(band_db[0]) : "0";
+    band.style.width = band_db ? `calc(${x(band_db[1])} - ${x(band_db[0])})` : "0";
+  }
+
+  note(at_us, kind, text) {
+    const list = by("notes"), first = list.firstElementChild;
+    if (first?.className === "none") first.remove();
+    else if (first?.dataset.text === text) { first.firstElementChild.textContent = `${number(at_us / 1e6, 2)} s`; return; }
+    const line = make("li", { className: kind }, make("time", { textContent: `${number(at_us / 1e6, 2)} s` }), text);
+    line.dataset.text = text;
+    list.prepend(line);
+    while (list.childElementCount > NOTES) list.lastElementChild.remove();
+  }
+}

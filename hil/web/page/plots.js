@@ -1,0 +1,82 @@
+// What goes by in time: pulses of every wire, and temperatures.
+import { colors, fit, number, unit, wireColor } from "palpate/draw.js";
+
+const WARM_US = 30e6, WARM_EVERY_US = 100000, KEEP_US = 4e6;
+// The axis of temperatures, degrees C; it grows where the skin burns.
+const LOW = 32, HIGH = 44;
+
+export class Plots {
+  constructor(pulses, warm, high, low) {
+    Object.assign(this, { pulses, warm, high, low });
+  }
+
+  open(head) {
+    this.head = head;
+    this.bursts = [];
+    this.pulsed = [];
+    this.on = head.wires_mm.map(() => null);
+    this.warmed = [];
+  }
+
+  take(picture) {
+    this.bursts.push(...picture.bursts);
+    for (const [at, wire, high] of picture.edges) {
+      if (high) this.on[wire] = at;
+      else if (this.on[wire] !== null) { this.pulsed.push([this.on[wire], at, wire]); this.on[wire] = null; }
+    }
+    const old = picture.now_us - KEEP_US;
+    if (this.bursts.length && this.bursts[0].until_us < old) this.bursts = this.bursts.filter(b => b.until_us >= old);
+    if (this.pulsed.length && this.pulsed[0][1] < old) this.pulsed = this.pulsed.filter(p => p[1] >= old);
+    if (picture.now_us - (this.warmed.at(-1)?.[0] ?? -Infinity) >= WARM_EVERY_US) this.warmed.push([picture.now_us, picture.warm.map(w => w[1])]);
+    while (this.warmed.length && this.warmed[0][0] < picture.now_us - WARM_US) this.warmed.shift();
+  }
+
+  draw(picture, span) {
+    this.lanes(picture, span);
+    this.temperatures(picture);
+  }
+
+  // `span` microseconds up to now. Pulses are a fifth of a millisecond: where that is less than a dot, bursts stand for them.
+  lanes(picture, span) {
+    const [context, width, height] = fit(this.pulses), lane = height / this.head.wires_mm.length, from = picture.now_us - span;
+    const x = at => (at - from) / span * width, single = span < 0.3e6;
+    context.strokeStyle = colors.grid;
+    context.lineWidth = 1;
+    this.head.wires_mm.forEach((_, i) => { context.beginPath(); context.moveTo(0, (i + 1) * lane - 0.5); context.lineTo(width, (i + 1) * lane - 0.5); context.stroke(); });
+    for (const { at_us, until_us, wire, ticks, asked } of this.bursts) {
+      if (until_us < from) continue;
+      const [left, right] = [x(at_us), x(Math.min(until_us, Math.max(picture.now_us, at_us)))], tall = part => Math.max(2, (lane - 6) * Math.min(1, part / this.head.widest_ticks)), base = (wire + 1) * lane - 2;
+      context.globalAlpha = single ? 0.28 : 1;
+      context.fillStyle = wireColor(wire);
+      if (ticks) context.fillRect(left, base - tall(ticks), Math.max(right - left, 1.5), tall(ticks));
+      context.globalAlpha = 1;
+      if (asked > ticks) { context.strokeStyle = colors.warn; context.strokeRect(left, base - tall(asked), Math.max(right - left, 1.5), tall(asked)); }
+    }
+    if (!single) return;
+    for (const [begin, end, wire] of this.pulsed) {
+      if (end < from) continue;
+      context.fillStyle = wireColor(wire);
+      context.fillRect(x(begin), wire * lane + 3, Math.max(x(end) - x(begin), 1.5), lane - 5);
+    }
+  }
+
+  temperatures(picture) {
+    const [context, width, height] = fit(this.warm), hottest = Math.max(HIGH, ...this.warmed.map(w => Math.max(...w[1]))), high = hottest > HIGH ? Math.ceil(hottest / 5) * 5 : HIGH;
+    const x = at => width * (1 - (picture.now_us - at) / WARM_US), y = celsius => height * (high - celsius) / (high - LOW);
+    [this.high.textContent, this.low.textContent] = [`${high} \u00b0C`, `${LOW} \u00b0C`];
+    context.strokeStyle = colors.bad;
+    context.lineWidth = 1.5 * unit;
+    context.setLineDash([7, 5]);
+    context.beginPath(); context.moveTo(0, y(this.head.limits_c.peak)); context.lineTo(width, y(this.head.limits_c.peak)); context.stroke();
+    context.setLineDash([]);
+    this.head.wires_mm.forEach((_, wire) => {
+      context.strokeStyle = wireColor(wire);
+      context.lineWidth = 2 * unit;
+      context.beginPath();
+      this.warmed.forEach(([at, celsius], i) => (i ? context.lineTo(x(at), y(celsius[wire])) : context.moveTo(x(at), y(celsius[wire]))));
+      context.stroke();
+    });
+  }
+}
+
+export const span = us => (us >= 1e6 ? `${number(us / 1e6, 0)} s ago` : us >= 1e3 ? `${number(us / 1e3, 0)} ms ago` : `${number(us, 0)} \u00b5s ago`);

@@ -1,0 +1,58 @@
+//! A page's side of the loop: one session at most, and answers to requests.
+
+use palpate_run::Failure;
+use serde::Serialize;
+use serde_json::json;
+
+use crate::played::Played;
+use crate::request::Request;
+use crate::{open, run, shelves};
+
+/// What a page holds.
+#[derive(Default)]
+pub struct Page {
+    played: Option<Played>,
+}
+
+impl Page {
+    /// Answers a request: an object with `ok`, or with `error`, a sentence.
+    pub fn answer(&mut self, request: &str) -> String {
+        let answer = match serde_json::from_str(request) {
+            Ok(request) => self.done(request),
+            Err(e) => Err(Failure::Input(format!("request: {e}"))),
+        };
+        answer.unwrap_or_else(|failure| json!({ "error": failure.to_string() }).to_string())
+    }
+
+    fn done(&mut self, request: Request) -> Result<String, Failure> {
+        match request {
+            Request::Shelves => ok(&shelves::shelves()?),
+            Request::Open(chosen) => {
+                let setup = open::setup(&chosen)?;
+                let played = Played::new(setup, chosen.seed.unwrap_or(open::SEED))?;
+                let head = ok(&played.head());
+                self.played = Some(played);
+                head
+            }
+            Request::Step(step) => {
+                let played = self.played.as_mut().ok_or_else(none_open)?;
+                played.touch(&step.fingers)?;
+                ok(&played.step(step.until_us)?)
+            }
+            Request::Save => ok(&self.played.as_ref().ok_or_else(none_open)?.save()?),
+            Request::Run(chosen) => {
+                let setup = open::setup(&chosen)?;
+                ok(&run::run(&setup, chosen.seed.unwrap_or(open::SEED))?)
+            }
+        }
+    }
+}
+
+fn none_open() -> Failure {
+    Failure::Input("the page: expected an open session; open one first".into())
+}
+
+fn ok(answer: &impl Serialize) -> Result<String, Failure> {
+    let text = serde_json::to_string(&json!({ "ok": answer }));
+    text.map_err(|e| Failure::Device(format!("the answer: {e}")))
+}

@@ -1,0 +1,134 @@
+//! What a page draws: a head once per session, a picture per step. Lengths in millimetres, times in microseconds.
+
+use serde::Serialize;
+
+/// What stays as it is while a session lasts.
+#[derive(Debug, Serialize)]
+#[allow(missing_docs)] // the keys say what they are, with their units
+pub struct Head {
+    pub scene: String,
+    pub description: String,
+    pub bench: String,
+    pub source: &'static str,
+    pub seed: u64,
+    pub skin: String,
+    pub display: String,
+    pub illusion: &'static str,
+    pub renderer: &'static str,
+    pub person: String,
+    pub wire: String,
+    pub contacts_most: u32,
+    pub observed: bool,
+    pub rate_hz: f64,
+    pub soa_us: u64,
+    pub tau_d_us: u64,
+    pub period_ns: u64,
+    pub pwm_hz: f64,
+    pub pitch_mm: f64,
+    /// Before this time the reference is taken: nothing may touch.
+    pub quiet_us: u64,
+    /// When what the scene itself does is over; 0 where it does nothing.
+    pub scene_us: u64,
+    pub modules: Vec<ModuleHead>,
+    pub drives: usize,
+    pub wires_mm: Vec<[f32; 2]>,
+    pub wire_mm: f64,
+    /// Diameter, and the y at which the tip begins; none for a flat display.
+    pub finger_mm: Option<[f64; 2]>,
+    /// The widest pulse that the guard passes, of 4096.
+    pub widest_ticks: u16,
+    pub limits_c: LimitsC,
+}
+
+/// A module that is shown.
+#[derive(Debug, Serialize)]
+#[allow(missing_docs)]
+pub struct ModuleHead {
+    pub number: usize,
+    pub name: String,
+    /// Where its own centre lies on the skin's plane.
+    pub place_mm: [f32; 2],
+    pub taxels_mm: Vec<[f32; 2]>,
+}
+
+/// Limits of the person's skin, degrees C.
+#[derive(Debug, Serialize)]
+#[allow(missing_docs)]
+pub struct LimitsC {
+    pub mean: f64,
+    pub peak: f64,
+    pub deep: f64,
+}
+
+/// What happened since the last picture, and how things are now.
+#[derive(Debug, Serialize)]
+#[allow(missing_docs)]
+pub struct Picture {
+    pub now_us: u64,
+    /// The newest reading of every shown taxel, counts from rest; null for one that is left out.
+    pub counts: Vec<Option<u32>>,
+    pub frames: u32,
+    pub contacts: Vec<Contact>,
+    /// Every finger that presses on the driving module, where the display would show it; with its number.
+    pub fingers: Vec<(usize, [f32; 2])>,
+    /// What the scene itself presses with, on the skin's plane: x, y (mm), force (N), diameter (mm).
+    pub spheres: Vec<[f64; 4]>,
+    /// Wire and skin under it, degrees C.
+    pub warm: Vec<[f64; 2]>,
+    /// Each limit's share.
+    pub used: Vec<(&'static str, f64)>,
+    /// Skin 0.1 and 0.4 mm deep, hottest so far (degrees C), and dose (Omega, minutes at 43 C).
+    pub hottest: [f64; 4],
+    /// Electrical energy so far, J.
+    pub energy_j: f64,
+    pub bursts: Vec<Burst>,
+    /// Outputs that changed: time (us), wire, whether on.
+    pub edges: Vec<(f64, usize, bool)>,
+    pub felt: Vec<Felt>,
+    pub notes: Vec<(u64, &'static str, String)>,
+    /// Whether the guard holds everything off.
+    pub stopped: Option<&'static str>,
+    /// Events that were lost because no page looked.
+    pub dropped: u64,
+}
+
+/// A contact of the newest frame.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs)]
+pub struct Contact {
+    pub id: u32,
+    pub module: u16,
+    pub at_mm: [f64; 2],
+    /// Where the display shows it.
+    pub on_mm: Option<[f32; 2]>,
+    pub counts: f64,
+    pub level: u16,
+}
+
+/// A stimulus that the guard decided on.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs)]
+pub struct Burst {
+    pub at_us: u64,
+    pub until_us: u64,
+    pub wire: usize,
+    /// Of 4096.
+    pub ticks: u16,
+    pub asked: u16,
+    pub reason: Option<&'static str>,
+}
+
+/// What was felt of an onset.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs)]
+pub struct Felt {
+    pub at_us: u64,
+    pub target_mm: [f64; 2],
+    pub inside: bool,
+    /// None where no wire moved.
+    pub at_mm: Option<[f64; 2]>,
+    pub level_db: f64,
+    /// Over everything that is not measured.
+    pub band_db: Option<[f64; 2]>,
+    pub tap: bool,
+}

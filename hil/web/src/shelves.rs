@@ -1,0 +1,94 @@
+//! What a page offers to choose from: the built-in files, each with its own description.
+
+use palpate_core::illusion::IllusionModel;
+use palpate_core::render::Style;
+use palpate_files::{FileKind, LayoutFile, built_in, load_bench, load_layout, load_scene};
+use palpate_run::Failure;
+use serde::Serialize;
+
+/// The most taxels of a skin that a page offers: what it draws at 60 pictures per second.
+const MOST_OFFERED: usize = 4096;
+
+/// Everything, in alphabetical order but for illusions and renderers.
+#[derive(Debug, Serialize)]
+pub struct Shelves {
+    version: &'static str,
+    scenes: Vec<Offer>,
+    skins: Vec<Offer>,
+    displays: Vec<Offer>,
+    benches: Vec<Offer>,
+    illusions: [&'static str; 9],
+    renderers: [&'static str; 3],
+    persons: Vec<Offer>,
+    wires: Vec<Offer>,
+}
+
+/// One of them.
+#[derive(Debug, Serialize)]
+struct Offer {
+    name: String,
+    description: String,
+    /// A scene that wants the texture model.
+    #[serde(skip_serializing_if = "is_false")]
+    texture: bool,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // serde's signature
+const fn is_false(value: &bool) -> bool {
+    !*value
+}
+
+fn shelf(kind: FileKind) -> impl Iterator<Item = Offer> {
+    let listed = built_in(kind).into_iter();
+    listed.map(|file| Offer {
+        name: file.name,
+        description: file.description,
+        texture: false,
+    })
+}
+
+/// Reads the shelves.
+///
+/// # Errors
+/// A built-in file that cannot be read, which its tests would have found.
+pub fn shelves() -> Result<Shelves, Failure> {
+    let (mut scenes, mut skins, mut displays) = (Vec::new(), Vec::new(), Vec::new());
+    for scene in shelf(FileKind::Scene) {
+        let texture = load_scene(&scene.name)?.value.texture.is_some();
+        scenes.push(Offer { texture, ..scene });
+    }
+    for layout in shelf(FileKind::Layout).filter(|layout| layout.name != "million") {
+        match load_layout(&layout.name)?.value {
+            LayoutFile::Sensor(sensor) if sensor.readings() <= MOST_OFFERED => skins.push(layout),
+            LayoutFile::Sensor(_) => {}
+            LayoutFile::Display(_) => displays.push(layout),
+        }
+    }
+    let mut benches = Vec::new();
+    for bench in shelf(FileKind::Bench) {
+        // A page has one finger.
+        if load_bench(&bench.name)?.value.displays.is_empty() {
+            benches.push(bench);
+        }
+    }
+    Ok(Shelves {
+        version: env!("CARGO_PKG_VERSION"),
+        scenes,
+        skins,
+        displays,
+        benches,
+        illusions: IllusionModel::ALL.map(IllusionModel::name),
+        renderers: [Style::Smooth, Style::Tap, Style::Auto].map(word),
+        persons: shelf(FileKind::Person).collect(),
+        wires: shelf(FileKind::Wire).collect(),
+    })
+}
+
+/// A renderer as a scene names it.
+pub const fn word(style: Style) -> &'static str {
+    match style {
+        Style::Smooth => "smooth",
+        Style::Tap => "tap",
+        Style::Auto => "auto",
+    }
+}

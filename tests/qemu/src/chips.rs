@@ -1,0 +1,147 @@
+//! The rig's boards: two PCA9685 on a bus, and what their outputs did.
+
+use embedded_hal::i2c::Operation;
+use palpate_core::units::Channel;
+use palpate_emulators::display::i2c::{BusClock, Error, I2cSegment};
+use palpate_emulators::display::pca9685::{Config, Pca9685, Pin};
+use palpate_emulators::time::Nanos;
+use palpate_image::rig::{Head, Kind, Outcome};
+
+/// An output that changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Level {
+    /// When.
+    pub at: Nanos,
+    /// Number of its board.
+    pub board: usize,
+    /// Which output.
+    pub channel: Channel,
+    /// Whether it is high from then on.
+    pub high: bool,
+}
+
+/// Boards that an image drives over the rig.
+#[derive(Debug)]
+pub struct Chips {
+    segment: I2cSegment,
+    /// Whether the OE line is wired.
+    pub oe: bool,
+    /// The next transfer never ends.
+    pub stuck: bool,
+    /// No chip answers any more.
+    pub dead: bool,
+    /// Every change of an output.
+    pub levels: Vec<Level>,
+    /// Start of every transfer.
+    pub transfers: Vec<Nanos>,
+    /// When the image started, and started again.
+    pub boots: Vec<Nanos>,
+}
+
+/// An answer to a question: time, outcome, bytes.
+pub(crate) type Answer = (u64, Outcome, Vec<u8>);
+
+impl Chips {
+    /// Two boards at 0x40 and 0x41 on a bus of 400 kbit/s, with an OE line or without.
+    pub fn new(oe: bool) -> Self {
+        let chips = [0x40, 0x41].map(|address| Pca9685::new(Config::new(address)));
+        Self {
+            segment: I2cSegment::new(BusClock::Fast, chips.into()),
+            oe,
+            stuck: false,
+            dead: false,
+            levels: Vec::new(),
+            transfers: Vec::new(),
+            boots: Vec::new(),
+        }
+    }
+
+    /// Lets time pass until `to`.
+    pub fn advance(&mut self, to: Nanos) {
+        let levels = &mut self.levels;
+        self.segment.advance(to, &mut |board, edge| {
+            levels.push(Level {
+                at: edge.at,
+                board,
+                channel: edge.channel,
+                high: edge.pin == Pin::High,
+            });
+        });
+        // Each chip's are in order of time; both chips' are not.
+        self.levels.sort_by_key(|level| level.at);
+    }
+
+    /// Whether any output is high now.
+    pub fn any_high(&self) -> bool {
+        let pins = self.segment.chips().iter().flat_map(Pca9685::pins);
+        pins.into_iter().any(|pin| pin == Pin::High)
+    }
+
+    /// When an output was last high before `until`, or still is then.
+    pub fn last_high(&self, until: Nanos) -> Option<Nanos> {
+        let before = self.levels.iter().rev().find(|level| level.at <= until)?;
+        let high = before.high || self.any_high();
+        Some(if high { until } else { before.at })
+    }
+
+    /// Answers what is a question to the boards; `None` for any other.
+    pub fn answer(&mut self, head: &Head, bytes: &[u8]) -> Option<Answer> {
+        let now = Nanos(head.ns);
+        self.advance(now);
+        let done = |bytes| Some((head.ns, Outcome::Done, bytes));
+        match head.kind()? {
+            Kind::Boot => {
+                self.boots.push(now);
+                done((self.boots.len() as u64).to_le_bytes().to_vec())
+            }
+            Kind::Oe => {
+                if self.oe {
+                    for chip in self.segment.chips_mut() {
+                        chip.set_output_enable_pin(chip.now(), head.argument > 0);
+                    }
+                }
+                done(Vec::new())
+            }
+            Kind::Transfer => Some(self.transfer(head, bytes)),
+            _ => None,
+        }
+    }
+
+    fn transfer(&mut self, head: &Head, mut bytes: &[u8]) -> Answer {
+        self.transfers.push(Nanos(head.ns));
+        if std::mem::take(&mut self.stuck) {
+            return (u64::MAX, Outcome::Stuck, Vec::new());
+        }
+        let mut parts: Vec<(bool, Vec<u8>)> = Vec::new();
+        while let [write, length, rest @ ..] = bytes {
+            let length = usize::from(*length);
+            if *write == 0 {
+                parts.push((false, vec![0; length]));
+                bytes = rest;
+            } else {
+                let (data, rest) = rest.split_at(length.min(rest.len()));
+                parts.push((true, data.to_vec()));
+                bytes = rest;
+            }
+        }
+        let each = parts.iter_mut().map(|(write, data)| match write {
+            true => Operation::Write(data),
+            false => Operation::Read(data),
+        });
+        let mut operations: Vec<_> = each.collect();
+        let result = match self.dead {
+            true => Err(Error::AddressNack),
+            false => self.segment.transaction(head.argument, &mut operations),
+        };
+        let outcome = match result {
+            Ok(()) => Outcome::Done,
+            Err(Error::AddressNack) => Outcome::NoAddress,
+            Err(Error::DataNack) => Outcome::NoData,
+            Err(Error::ArbitrationLost) => Outcome::Arbitration,
+            Err(_) => Outcome::Failed,
+        };
+        let read = parts.into_iter().filter(|(write, _)| !write);
+        let read = read.flat_map(|(_, data)| data).collect();
+        (self.segment.now().0, outcome, read)
+    }
+}

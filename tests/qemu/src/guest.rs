@@ -1,0 +1,186 @@
+//! QEMU as a child process, the pipes of the rig, and a look into the guest's memory.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::thread;
+use std::time::Duration;
+
+use nix::fcntl::{FcntlArg, OFlag, fcntl};
+use nix::sys::stat::Mode;
+use nix::unistd::mkfifo;
+use palpate_image::rig::{ANSWERS, HEAD, Head, Kind, Outcome, QUESTIONS};
+
+/// How long a guest may think about its next question, by the wall: a busy machine is patient.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// What QEMU emulates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Machine {
+    /// Its name, which is that of the image's folder as well.
+    pub name: &'static str,
+    /// QEMU's program.
+    pub program: &'static str,
+    /// The target that its images are built for.
+    pub target: &'static str,
+    /// Its arguments.
+    pub arguments: &'static [&'static str],
+    /// Nanoseconds per instruction, as a power of two.
+    pub shift: u32,
+    /// Nanoseconds per count of the clock that the image measures with.
+    pub tick_ns: u64,
+    /// Where its memory begins, and how much of it an image is linked to.
+    pub memory: (u32, usize),
+}
+
+/// How time passes, and whether there is a network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Network {
+    /// By instructions; a rest takes none of the host's time. The rig has all datagrams.
+    Rig,
+    /// By instructions as well, but a rest takes as long as it says; this UDP port of the host is the unit's.
+    Udp(u16),
+}
+
+/// A running guest; it ends with this value.
+#[derive(Debug)]
+pub struct Guest {
+    machine: Machine,
+    child: Child,
+    folder: PathBuf,
+    questions: Receiver<(Head, Vec<u8>)>,
+    answers: File,
+}
+
+/// Numbers the folders of this process.
+static FOLDERS: AtomicU32 = AtomicU32::new(0);
+
+impl Guest {
+    /// Starts an image.
+    ///
+    /// # Errors
+    /// When QEMU or its pipes cannot be had.
+    pub fn start(machine: Machine, image: &Path, network: Network) -> io::Result<Self> {
+        let number = FOLDERS.fetch_add(1, Ordering::Relaxed);
+        let name = format!("palpate-qemu-{}-{number}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        std::fs::create_dir(&folder)?;
+        let pipe = |name: &std::ffi::CStr| -> io::Result<File> {
+            let path = folder.join(name.to_string_lossy().as_ref());
+            mkfifo(&path, Mode::S_IRWXU)?;
+            // For both directions: such an open never waits for the other end.
+            OpenOptions::new().read(true).write(true).open(path)
+        };
+        let (mut asked, answers) = (pipe(QUESTIONS)?, pipe(ANSWERS)?);
+        fcntl(&answers, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))?;
+        let (card, sleep) = match network {
+            Network::Rig => ("none".to_owned(), ",sleep=off"),
+            Network::Udp(port) => {
+                let card = format!("user,model=stellaris,hostfwd=udp:127.0.0.1:{port}-:4000");
+                (card, "")
+            }
+        };
+        let count = format!("shift={}{sleep}", machine.shift);
+        let mut command = Command::new(machine.program);
+        command
+            .args(machine.arguments)
+            .arg("-kernel")
+            .arg(image)
+            .args(["-display", "none", "-monitor", "stdio", "-serial", "null"])
+            .args(["-semihosting-config", "enable=on,target=native"])
+            .args(["-nic", &card])
+            // By the host's clock alone, a host that stands still would make the watchdog bite.
+            .args(["-icount", &count])
+            .current_dir(&folder)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null());
+        let child = command.spawn().map_err(|e| {
+            let program = machine.program;
+            io::Error::new(
+                e.kind(),
+                format!("{program}: {e}; expected QEMU to be installed"),
+            )
+        })?;
+        let (sender, questions) = sync_channel(1);
+        // It ends with its first failure, or with the receiver.
+        thread::spawn(move || while read(&mut asked).is_ok_and(|q| sender.send(q).is_ok()) {});
+        Ok(Self {
+            machine,
+            child,
+            folder,
+            questions,
+            answers,
+        })
+    }
+
+    /// What it runs on.
+    pub const fn machine(&self) -> &Machine {
+        &self.machine
+    }
+
+    /// Its next question; `None` if it ended or says nothing for a minute.
+    pub fn question(&mut self) -> Option<(Head, Vec<u8>)> {
+        let question = self.questions.recv_timeout(PATIENCE).ok()?;
+        if question.0.kind() == Some(Kind::Boot) {
+            // An answer that a reset kept the guest from reading is none to its first question.
+            let mut old = [0; 4096];
+            while self.answers.read(&mut old).is_ok_and(|length| length > 0) {}
+        }
+        Some(question)
+    }
+
+    /// Answers the question.
+    ///
+    /// # Errors
+    /// When QEMU is gone.
+    pub fn answer(&mut self, ns: u64, outcome: Outcome, bytes: &[u8]) -> io::Result<()> {
+        let head = Head {
+            ns,
+            what: outcome as u8,
+            argument: 0,
+            length: bytes.len() as u16, // a datagram at most
+        };
+        let mut whole = head.bytes().to_vec();
+        whole.extend(bytes);
+        self.answers.write_all(&whole)
+    }
+
+    /// Asks QEMU to write the guest's memory down; it does so when the guest runs on. See [`Self::memory`].
+    ///
+    /// # Errors
+    /// When QEMU is gone.
+    pub fn save_memory(&mut self) -> io::Result<()> {
+        let (from, length) = self.machine.memory;
+        let monitor = self.child.stdin.as_mut().ok_or(io::ErrorKind::BrokenPipe)?;
+        writeln!(monitor, "pmemsave {from} {length} memory")?;
+        monitor.flush()
+    }
+
+    /// The guest's memory, once it is written down.
+    pub fn memory(&self) -> Option<Vec<u8>> {
+        let memory = std::fs::read(self.folder.join("memory")).ok()?;
+        (memory.len() == self.machine.memory.1).then_some(memory)
+    }
+}
+
+/// A question, with what follows it.
+fn read(pipe: &mut File) -> io::Result<(Head, Vec<u8>)> {
+    let mut head = [0; HEAD];
+    pipe.read_exact(&mut head)?;
+    let head = Head::read(&head);
+    let mut bytes = vec![0; head.length.into()];
+    pipe.read_exact(&mut bytes)?;
+    Ok((head, bytes))
+}
+
+impl Drop for Guest {
+    fn drop(&mut self) {
+        // Nothing can be done about a child that will not die.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
