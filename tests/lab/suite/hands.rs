@@ -213,9 +213,11 @@ fn gone() -> Result<(), TooSlow> {
     let mut run = hand.run();
     let driver = "/sys/bus/hid/drivers/mcp2221";
     let adapter = format!("/sys/bus/i2c/devices/i2c-{}", hand.thumb.number());
-    let device = sh(&format!("basename $(dirname $(readlink -f {adapter}))"));
+    let node = std::fs::canonicalize(adapter).unwrap();
+    let device = node.parent().and_then(Path::file_name).unwrap();
+    let device = device.to_str().unwrap();
     hand.thumb.wait_for("all_off");
-    std::fs::write(format!("{driver}/unbind"), device.trim()).unwrap();
+    std::fs::write(format!("{driver}/unbind"), device).unwrap();
     hand.ward.emulator.hear(GIVEN_UP);
     hand.check_speed()?;
     assert!(run.child.try_wait().unwrap().is_none(), "the run goes on");
@@ -229,7 +231,7 @@ fn gone() -> Result<(), TooSlow> {
     assert!(said.contains("display `thumb`"), "{said}");
     assert!(said.contains("thumb: actuators: dead for"), "{said}");
     // The guardian waits for the adapter, and switches off what is on it.
-    std::fs::write(format!("{driver}/bind"), device.trim()).unwrap();
+    std::fs::write(format!("{driver}/bind"), device).unwrap();
     run.end();
     hand.is_off();
     hand.is_latched("thumb: ");
