@@ -18,7 +18,7 @@ use palpate_run::display_end::{DisplayEnd, OutputEnable};
 use palpate_run::skin_end::CanEnd;
 use palpate_run::{Failure, plan};
 
-use crate::program;
+use crate::again;
 
 /// The guardian's view of a bench.
 pub fn watch(bench: &Bench, real: &Real) -> Watch {
@@ -61,7 +61,7 @@ pub(super) fn guarded(watch: &Watch) -> Result<(Vec<Blocking>, Guardian, String)
         let adapter = LinuxAdapter::open(path, addresses).map_err(|e| device(&e))?;
         lines.push(Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?);
     }
-    let program = program::again().map_err(|e| device(&e))?;
+    let program = again::again().map_err(|e| device(&e))?;
     let (guardian, found) = Guardian::start(program, watch).map_err(|e| device(&e))?;
     Ok((lines, guardian, found))
 }

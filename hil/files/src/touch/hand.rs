@@ -1,8 +1,8 @@
 //! What one finger of a hand did, sample by sample: a touch that was made on a page and can be repeated to the bit.
 
-use super::error::FileError;
-use super::source::Source;
-use super::touch::{Touch, TouchPoint};
+use super::{Touch, TouchPoint};
+use crate::error::FileError;
+use crate::source::Source;
 
 /// When (us), where (um, right and up of the module's centre), how hard (mN; 0: lifted), how wide (um).
 pub type HandSample = [i64; 5];
