@@ -1,5 +1,6 @@
 //! The `hil` library: everything behind the command line.
 
+pub mod again;
 pub mod capture;
 pub mod cli;
 pub mod clock;

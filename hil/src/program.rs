@@ -3,25 +3,19 @@
 
 use std::ffi::OsString;
 use std::io::{self, Write};
-use std::process::Command as Process;
-use std::sync::OnceLock;
 
 use clap::Parser;
 
 use crate::cli::{Buses, Cli, Color, Command, RunArgs};
-use crate::{command, progress};
-
-/// The words that start this program again, where they are not the path of this executable.
-static AGAIN: OnceLock<Vec<OsString>> = OnceLock::new();
+use crate::{again, command, progress};
 
 /// Runs a command line, the program's name first, and returns the exit status.
 ///
-/// `again` are the words that start this program in a process of its own, without a command. None where it is this
+/// `words` are those that start this program in a process of its own, without a command. None where it is this
 /// executable; an interpreter that has the program as a module says how it is to be called.
-pub fn main(line: impl IntoIterator<Item = OsString>, again: Option<Vec<OsString>>) -> u8 {
-    if let Some(words) = again.filter(|words| !words.is_empty()) {
-        // Only the first counts: a process has one way to be started.
-        let _ = AGAIN.set(words);
+pub fn main(line: impl IntoIterator<Item = OsString>, words: Option<Vec<OsString>>) -> u8 {
+    if let Some(words) = words.filter(|words| !words.is_empty()) {
+        again::is_started_by(words);
     }
     let cli = match Cli::try_parse_from(line) {
         Ok(cli) => cli,
@@ -44,19 +38,6 @@ pub fn main(line: impl IntoIterator<Item = OsString>, again: Option<Vec<OsString
             failure.status()
         }
     }
-}
-
-/// This program in another process, without a command yet.
-///
-/// # Errors
-/// What the system says where this executable has no path.
-pub(crate) fn again() -> io::Result<Process> {
-    if let Some((program, first)) = AGAIN.get().and_then(|words| words.split_first()) {
-        let mut process = Process::new(program);
-        process.args(first);
-        return Ok(process);
-    }
-    Ok(Process::new(std::env::current_exe()?))
 }
 
 fn run(cli: Cli) -> Result<u8, palpate_run::Failure> {

@@ -73,6 +73,13 @@ impl Lateness {
         self.worst_us = self.worst_us.max(late);
     }
 
+    /// Takes in those of another loop.
+    pub fn add(&mut self, other: &Self) {
+        let bins = self.bins.iter_mut().zip(other.bins);
+        bins.for_each(|(own, others)| *own += others);
+        self.worst_us = self.worst_us.max(other.worst_us);
+    }
+
     /// Turns counted.
     pub fn turns(&self) -> u64 {
         self.bins.iter().sum()

@@ -47,7 +47,7 @@ pub struct Bench {
     /// One entry per wire, in the display's order; left out: the outputs of one chip after the other, from 0x40 on.
     /// A real bench states them.
     pub outputs: Vec<Output>,
-    /// Several displays, a fingertip each, in place of one; emulated benches only.
+    /// Several displays, a fingertip each, in place of one.
     pub displays: Vec<BenchDisplay>,
     /// A driver unit that has the chips, behind a network; left out: they hang on the host's own bus. Benches of one
     /// display only.
@@ -78,14 +78,17 @@ impl Default for Bench {
 }
 
 /// What of a real bench is its hardware's to say: assumed values would make the guard's model of it wrong.
-const HARDWARE: [&str; 6] = [
-    "display",
+const HARDWARE: [&str; 4] = [
     "wire.kind",
     "wire.alloy",
     "drive.current_ma",
     "drive.supply_limit_ma",
-    "outputs",
 ];
+/// The same of its only display. Of several each states its own.
+const DISPLAY: [&str; 2] = ["display", "outputs"];
+
+/// What is expected where a real bench leaves them out.
+const STATED: &str = "a value: no default stands for a real bench's hardware";
 
 /// What stands behind the buses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -353,7 +356,7 @@ impl Bench {
         bench.tissue.check(source)?;
         bench.check_unit(source)?;
         bench.check_outputs(source, adapters)?;
-        bench.join_displays(source)?;
+        bench.join_displays(source, adapters)?;
         if bench.outputs.is_empty() {
             let (display, _) = DisplayLayout::named(&bench.display, source, "display")?;
             bench.outputs = (0..display.wires_mm.len()).map(Output::nth).collect();
@@ -399,12 +402,13 @@ impl Bench {
                 Err(source.bad("kind", "a [real] table that names the buses"))
             }
             (BenchKind::Real, Some(real)) => {
-                let missing = HARDWARE.into_iter().find(|key| !source.states(key));
-                let expected = "a value: no default stands for a real bench's hardware";
+                let of_display = DISPLAY.into_iter().filter(|_| self.displays.is_empty());
+                let mut needed = HARDWARE.into_iter().chain(of_display);
+                let missing = needed.find(|key| !source.states(key));
                 let unit = self.unit.is_some();
                 missing.map_or_else(
                     || real.check(source, unit),
-                    |key| Err(source.bad(key, expected)),
+                    |key| Err(source.bad(key, STATED)),
                 )
             }
         }

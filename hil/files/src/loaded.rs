@@ -1,5 +1,7 @@
 //! Files read by name or path, each beside its text.
 
+use std::path::PathBuf;
+
 use super::activation::ActivationFile;
 use super::bench::Bench;
 use super::error::FileError;
@@ -112,4 +114,14 @@ pub fn load_alloy(name: &str) -> Result<Loaded<AlloyFile>, FileError> {
 /// An unknown name, or what cannot be in the file.
 pub fn load_wire(name: &str) -> Result<Loaded<WireFile>, FileError> {
     load(resolve(FileKind::Wire, name)?, WireFile::read)
+}
+
+impl Loaded<Bench> {
+    /// The file of the key of its unit: a relative name starts at the folder of the bench's file.
+    #[must_use]
+    pub fn unit_key(&self) -> Option<PathBuf> {
+        let name = self.value.unit.as_ref()?.key.as_ref()?;
+        let folder = self.source.folder_of("unit.key");
+        Some(folder.map_or_else(|| name.into(), |folder| folder.join(name)))
+    }
 }

@@ -1,12 +1,14 @@
 //! What touches the skin: where, how hard, at any time. Pure: the same time gives the same bits everywhere.
 
+mod hand;
+
 use core::f64::consts::TAU;
 
 use serde::Deserialize;
 
 use super::error::FileError;
-use super::hand::{self, HandSample};
 use super::source::Source;
+pub use hand::{HandSample, MOST_SAMPLES, check_sample};
 
 /// One sphere on one module.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

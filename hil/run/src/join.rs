@@ -1,72 +1,65 @@
 //! What the fingers of a run came to, as one trace and one summary in the numbers of bench and scene.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use palpate_core::bus::Received;
 use palpate_core::guard::Limits;
-use palpate_core::units::Board;
 use palpate_files::{Finger, Setup};
 use palpate_records::i2c::Transfer;
 use palpate_records::margin::{Limited, Margin, sort};
-use palpate_records::trace::{DisplayInfo, Event, Ledger, Trace};
+use palpate_records::trace::{Event, Ledger, Trace};
 
 use crate::boards::BusReport;
 use crate::effort::Effort;
 use crate::failure::Failure;
+use crate::numbers::{joined_header, whole_boards};
 use crate::path_error::PathError;
 use crate::place::Place;
 use crate::script::FaultReport;
 use crate::summary::{DisplaySummary, FrameTime, Summary, Taxels};
-use crate::verdict::STOPPED_BY;
 use crate::{DisplayOutcome, Outcome};
 
 /// A finger's run, in its own numbers.
-pub(crate) struct Part {
-    pub(crate) place: Place,
-    pub(crate) limits: Limits,
-    pub(crate) outcome: Outcome,
+#[derive(Debug)]
+pub struct Part {
+    /// Where its display stands on the bench.
+    pub place: Place,
+    /// What its guard went by.
+    pub limits: Limits,
+    /// What it came to.
+    pub outcome: Outcome,
 }
 
 /// What all fingers have in common.
-#[derive(Default)]
-pub(crate) struct Common {
+#[derive(Debug, Default)]
+pub struct Common {
     /// Notes of the skin's faults.
-    pub(crate) events: Vec<Event>,
+    pub events: Vec<Event>,
     /// What became of these.
-    pub(crate) faults: Vec<FaultReport>,
+    pub faults: Vec<FaultReport>,
     /// What became of the faults of boards and their buses, bus by bus.
-    pub(crate) board_faults: Vec<FaultReport>,
+    pub board_faults: Vec<FaultReport>,
     /// What crossed the boards' buses, if that was kept.
-    pub(crate) i2c: Vec<Transfer>,
-    pub(crate) can: Vec<Received>,
-    pub(crate) buses: Vec<BusReport>,
+    pub i2c: Vec<Transfer>,
+    /// Frames on the sensor buses, if they were kept.
+    pub can: Vec<Received>,
+    /// The sensor buses, where they are emulated.
+    pub buses: Vec<BusReport>,
 }
 
 impl Part {
     fn name(&self) -> &str {
-        self.place.name.as_deref().unwrap_or_default()
+        self.place.display()
     }
 
     /// With boards and modules by the numbers of bench and skin; wires stay the display's own.
     fn renumber(&mut self) {
-        let place = self.place.clone();
-        let of_board = |own: u8| place.boards.get(usize::from(own)).copied().unwrap_or(own);
+        let place = &self.place;
+        place.number_header(&mut self.outcome.trace.header);
+        let events = self.outcome.trace.events.iter_mut();
+        events.for_each(|event| place.number(event));
         let of_module = |own: usize| place.modules.get(own).copied().unwrap_or(own);
-        let outcome = &mut self.outcome;
-        for wire in &mut outcome.trace.header.wires {
-            wire.board = of_board(wire.board);
-        }
-        for event in &mut outcome.trace.events {
-            match event {
-                Event::Schedule(entry) => entry.board = Board(of_board(entry.board.0)),
-                Event::PreScale { board, .. }
-                | Event::AllOff { board, .. }
-                | Event::Edge { board, .. } => *board = of_board(*board),
-                Event::Contact { module, .. } => *module = of_module(usize::from(*module)) as u16,
-                _ => {}
-            }
-        }
-        let summary = &mut outcome.summary;
+        let summary = &mut self.outcome.summary;
         summary
             .boards
             .iter_mut()
@@ -85,22 +78,21 @@ impl Part {
 }
 
 /// Joins the fingers' runs.
-pub(crate) fn join(setup: &Setup, mut parts: Vec<Part>, common: Common) -> Outcome {
+pub fn join(setup: &Setup, mut parts: Vec<Part>, common: Common) -> Outcome {
     parts.iter_mut().for_each(Part::renumber);
     let mut events = common.events.clone();
-    events.extend(whole_boards(&parts));
+    let each = parts.iter().map(|p| (&p.place, &*p.outcome.trace.events));
+    events.extend(whole_boards(&each.collect::<Vec<_>>()));
     for part in &parts {
         // Joints are the hand's: every finger has them alike.
         let own = part.outcome.trace.events.iter();
         let own = own.filter(|e| part.place == parts[0].place || !matches!(e, Event::Joint { .. }));
-        events.extend(own.filter_map(|e| shared(part, e)));
+        events.extend(own.filter_map(|e| part.place.joined(e)));
     }
     events.sort_by_key(Event::t_ns);
     let ledger = ledger(setup, &parts);
-    let mut header = parts[0].outcome.trace.header.clone();
-    header.bench.clone_from(&setup.bench.value.name);
-    header.wires = all(&parts, |o| o.trace.header.wires.clone());
-    header.displays = parts.iter().map(displayed).collect();
+    let each = parts.iter().map(|p| (&p.place, &p.outcome.trace.header));
+    let header = joined_header(setup, &each.collect::<Vec<_>>());
     let mut summary = summary(&parts, &ledger, &common);
     summary.bench.clone_from(&header.bench);
     let mut i2c = common.i2c;
@@ -134,14 +126,6 @@ fn all<T>(parts: &[Part], of: impl Fn(&Outcome) -> Vec<T>) -> Vec<T> {
     parts.iter().flat_map(|p| of(&p.outcome)).collect()
 }
 
-fn displayed(part: &Part) -> DisplayInfo {
-    DisplayInfo {
-        name: part.name().to_owned(),
-        wires: part.place.wires,
-        modules: part.place.modules.iter().map(|m| *m as u16).collect(),
-    }
-}
-
 /// A failure of one finger, which says whose it is.
 fn failed(part: &Part) -> Option<Failure> {
     let failure = part.outcome.failure.as_ref()?;
@@ -150,68 +134,6 @@ fn failed(part: &Part) -> Option<Failure> {
         Failure::Guard(_) => Failure::Guard(text),
         _ => Failure::Device(text),
     })
-}
-
-/// Records of whole boards, where all displays on a board have them alike, once.
-fn whole_boards(parts: &[Part]) -> Vec<Event> {
-    let mut alike: BTreeMap<(u64, u8, String), (usize, Event)> = BTreeMap::new();
-    for event in parts.iter().flat_map(|p| &p.outcome.trace.events) {
-        if let Event::AllOff { t_us, board, .. } | Event::PreScale { t_us, board, .. } = event {
-            let key = (*t_us, *board, format!("{event:?}"));
-            alike.entry(key).or_insert_with(|| (0, event.clone())).0 += 1;
-        }
-    }
-    let on = |board: u8| {
-        parts
-            .iter()
-            .filter(|p| p.place.boards.contains(&board))
-            .count()
-    };
-    let whole = alike
-        .into_iter()
-        .filter(|((_, board, _), (count, _))| *count == on(*board));
-    whole.map(|(_, (_, event))| event).collect()
-}
-
-/// An event as the common trace has it: notes say whose they are; what is felt of which touch is each display's own.
-fn shared(part: &Part, event: &Event) -> Option<Event> {
-    let first = part.place.first_wire as u16;
-    match event.clone() {
-        Event::Truth { .. } | Event::Felt { .. } | Event::Latent { .. } => None,
-        Event::PreScale { .. } => None,
-        Event::AllOff { t_us, board, cause } => match cause {
-            "start" | "end" => None,
-            _ => Some(Event::Note {
-                t_us,
-                text: format!("{}: its wires on board {board} off: {cause}", part.name()),
-            }),
-        },
-        // A run is stopped as a whole: one note says so.
-        Event::Note { text, .. } if text.starts_with(STOPPED_BY) => None,
-        Event::Note { t_us, text } => Some(Event::Note {
-            t_us,
-            text: format!("{}: {text}", part.name()),
-        }),
-        Event::Wire {
-            t_us,
-            wire,
-            milli_c,
-        } => Some(Event::Wire {
-            t_us,
-            wire: first + wire,
-            milli_c,
-        }),
-        Event::Skin {
-            t_us,
-            wire,
-            milli_c,
-        } => Some(Event::Skin {
-            t_us,
-            wire: first + wire,
-            milli_c,
-        }),
-        event => Some(event),
-    }
 }
 
 fn ledger(setup: &Setup, parts: &[Part]) -> Ledger {
@@ -241,6 +163,9 @@ fn ledger(setup: &Setup, parts: &[Part]) -> Ledger {
         .filter(|m| m.of == Limited::SupplyCurrent)
     {
         *margin = Margin::new(margin.of, peak_supply_a(parts), supply);
+    }
+    if sum.margins.is_empty() {
+        return sum; // a real bench, where nothing measures them
     }
     let hand_mw = setup.limits.value.limits.hand_60s_uw as f64 * 1e-3;
     let hand = Margin::new(Limited::HandPower60s, hand_power_mw(setup, parts), hand_mw);
@@ -291,8 +216,10 @@ fn summary(parts: &[Part], ledger: &Ledger, common: &Common) -> Summary {
     sum.contacts = each().map(|s| s.contacts).sum();
     sum.stimuli = ledger.driven.stimuli;
     sum.limiter_events = ledger.driven.limiter_events;
-    sum.energy_mj = Some(ledger.energy_uj as f64 * 1e-3);
-    sum.peak_supply_a = Some(peak_supply_a(parts));
+    // What no instrument measures on a real bench, no sum knows either.
+    let is_measured = each().any(|s| s.energy_mj.is_some());
+    sum.energy_mj = is_measured.then(|| ledger.energy_uj as f64 * 1e-3);
+    sum.peak_supply_a = is_measured.then(|| peak_supply_a(parts));
     sum.hottest_wire_c = ledger.hottest_wire.map(|(t, _)| f64::from(t) * 1e-3);
     let hottest = each().filter_map(|s| s.hottest_skin_c);
     sum.hottest_skin_c = hottest.reduce(f64::max);

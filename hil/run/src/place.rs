@@ -137,7 +137,7 @@ impl Place {
 /// Every finger of a setup with the setup that it would have alone: its modules, its wires, and its static share of the
 /// supply. That share is a wire's current per board, so that no two wires of a board are on at one instant, and the
 /// voltage that is left while a wire of every other board is on. Of its hand's power it has an equal share. Faults of boards and their buses are no finger's.
-pub(crate) fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
+pub fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
     let bench = &setup.bench.value;
     let places: Vec<Place> = setup.fingers.iter().map(|f| Place::of(f, bench)).collect();
     let alone = |(finger, place): (&Finger, &Place)| {

@@ -35,7 +35,7 @@ use crate::streamed::Streamed;
 use crate::summary::{AskedLevel, finished};
 use crate::tape::Tape;
 use crate::verdict::STOPPED_BY;
-use crate::{Host, Input, Keep, KeptReadings, Outcome, TurnView, margins, plan, skin};
+use crate::{Host, Input, Keep, KeptReadings, Outcome, TurnView, margins, plan, skin, stagger};
 
 /// [`crate::run()`], keeping more, with a host that measures and looks on.
 ///
@@ -388,7 +388,7 @@ fn on_tape(setup: &Setup, layout: &Layout, handle: Handle) -> CanSkin<Tap<Tape>>
 pub fn scene_levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
     let layout = plan::layout(&setup.sensor.value)?;
     let mut skin = on_tape(setup, &layout, skin::emulated(setup, &layout, seed)?);
-    calibrate(setup, seed, &mut skin, scene_end(setup), &mut ())
+    calibrate(&looking(setup), seed, &mut skin, scene_end(setup), &mut ())
 }
 
 impl Observer for Intensities {
@@ -442,7 +442,7 @@ pub fn build(setup: &Setup, seed: u64, levels: Levels) -> Result<Projector, Fail
 pub fn fits(setup: &Setup) -> Result<(), Failure> {
     match setup.fingers.is_empty() {
         true => build(setup, 1, Levels::Off).map(drop),
-        false => several::fits(setup),
+        false => stagger::fits(setup),
     }
 }
 

@@ -55,6 +55,10 @@ pub fn doctor(args: &DoctorArgs) -> Result<(), Failure> {
         None | Some(true) => unit_of(args.bench.as_deref(), &args.unit)?,
         Some(false) => unit_of(None, &args.unit)?,
     };
+    if named.is_none() && place.is_some() {
+        // A unit has buses of its own.
+        findings.iter_mut().for_each(|f| f.needed = false);
+    }
     let named = named.is_some() || place.is_some();
     findings.extend(place.iter().flat_map(unit));
     let ready = findings.iter().all(|f| f.ok || !f.needed);
@@ -145,7 +149,7 @@ fn unit(place: &UnitPlace) -> Vec<Finding> {
             "unit boards",
             true,
             format!(
-                "{wires} wires on {boards} boards, PRE_SCALE {}, {} mA through {} milliohms",
+                "{wires} wires, boards: {boards}, PRE_SCALE {}, {} mA through {} milliohms",
                 plant.prescale.get(),
                 plant.peak.0,
                 plant.wire_milliohm

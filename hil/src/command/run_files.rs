@@ -13,7 +13,7 @@ use palpate_run::{Failure, Outcome, attachments};
 use super::report::{hand, report};
 use crate::cli::RunArgs;
 use crate::output::{Outputs, write_file, write_sidecar};
-use crate::record::Kind as LiveKind;
+use crate::record::{Kind as LiveKind, path_of};
 use crate::recording::write_can_log;
 
 /// What to write, by the ending of a file's name.
@@ -78,13 +78,8 @@ impl Format {
 
     /// The files that it makes of the one that was asked for.
     pub(super) fn paths(self, path: &Path, setup: &Setup) -> Vec<PathBuf> {
-        let of = |name: &str| {
-            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-            let ending = path.extension().unwrap_or_default().to_string_lossy();
-            path.with_file_name(format!("{stem}-{name}.{ending}"))
-        };
         let whole = || path.to_owned();
-        let each = setup.fingers.iter().map(|f| of(&f.name));
+        let each = setup.fingers.iter().map(|f| path_of(path, &f.name));
         match self {
             _ if setup.fingers.is_empty() || !self.is_per_display() => vec![whole()],
             // The hand's page stands before those of its fingers.

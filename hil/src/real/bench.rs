@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use palpate_buses::can::CanBuses;
+use palpate_buses::can::{CanBuses, Note, Tally};
 use palpate_buses::guardian::{Guardian, Latch, Watch};
 use palpate_buses::i2c::{Blocking, LinuxAdapter};
 use palpate_buses::pacer::RunClock;
@@ -18,7 +18,7 @@ use palpate_run::display_end::{DisplayEnd, OutputEnable};
 use palpate_run::skin_end::CanEnd;
 use palpate_run::{Failure, plan};
 
-use crate::program;
+use crate::again;
 
 /// The guardian's view of a bench.
 pub fn watch(bench: &Bench, real: &Real) -> Watch {
@@ -53,6 +53,19 @@ pub fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Every adapter, and the guardian over them, last: from then on it can say off. Then what it found driving.
+pub(super) fn guarded(watch: &Watch) -> Result<(Vec<Blocking>, Guardian, String), Failure> {
+    let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
+    let mut lines = Vec::new();
+    for (path, addresses) in &watch.buses {
+        let adapter = LinuxAdapter::open(path, addresses).map_err(|e| device(&e))?;
+        lines.push(Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?);
+    }
+    let program = again::again().map_err(|e| device(&e))?;
+    let (guardian, found) = Guardian::start(program, watch).map_err(|e| device(&e))?;
+    Ok((lines, guardian, found))
+}
+
 /// The guardian, and whether it has an OE line to cut.
 pub(super) struct Watchman {
     pub(super) guardian: Guardian,
@@ -72,16 +85,9 @@ pub(super) struct Live {
 impl Live {
     /// Opens the adapters, guardian last: from then on it can say off.
     pub(super) fn open(bench: &Bench, real: &Real, prescale: Prescale) -> Result<Self, Failure> {
-        let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
         let watch = watch(bench, real);
         refuse_latched(&watch)?;
-        let mut lines = Vec::new();
-        for (path, addresses) in &watch.buses {
-            let adapter = LinuxAdapter::open(path, addresses).map_err(|e| device(&e))?;
-            lines.push(Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?);
-        }
-        let program = program::again().map_err(|e| device(&e))?;
-        let (guardian, found) = Guardian::start(program, &watch).map_err(|e| device(&e))?;
+        let (mut lines, guardian, found) = guarded(&watch)?;
         lines
             .iter_mut()
             .for_each(|line| line.set_pulse(guardian.pulse()));
@@ -127,14 +133,59 @@ impl DisplayEnd for Live {
     }
 }
 
-/// The interfaces of a bench: time passes there by itself.
-pub(super) struct Interfaces(pub(super) CanBuses);
+/// How notes say that outputs were cut, or that they could not be.
+pub(super) const fn cut_words(has_oe: bool) -> &'static str {
+    match has_oe {
+        true => "outputs off by the OE line",
+        false => {
+            "no OE line is wired, so boards drive what they were last told until the bus answers"
+        }
+    }
+}
+
+/// Interfaces of a bench: time passes there by itself.
+pub(super) struct Interfaces {
+    buses: CanBuses,
+    /// Each one's number on the bench.
+    numbers: Vec<u8>,
+}
 
 impl Interfaces {
     /// Opens the interfaces of a bench, one for each bus of the layout.
     pub(super) fn open(real: &Real, layout: &Layout, clock: RunClock) -> Result<Self, Failure> {
-        let opened = CanBuses::open(&interfaces(real, layout)?, clock);
-        opened.map(Self).map_err(|e| Failure::Device(e.to_string()))
+        Self::numbered((0..).zip(interfaces(real, layout)?).collect(), clock)
+    }
+
+    /// Those alone that carry boards of this layout.
+    pub(super) fn of_boards(
+        real: &Real,
+        layout: &Layout,
+        clock: RunClock,
+    ) -> Result<Self, Failure> {
+        let all = (0..).zip(interfaces(real, layout)?);
+        let needed = all.filter(|(_, (_, boards))| !boards.is_empty());
+        Self::numbered(needed.collect(), clock)
+    }
+
+    fn numbered(all: Vec<(u8, (String, Vec<u8>))>, clock: RunClock) -> Result<Self, Failure> {
+        let (numbers, all): (Vec<u8>, Vec<_>) = all.into_iter().unzip();
+        let buses = CanBuses::open(&all, clock).map_err(|e| Failure::Device(e.to_string()))?;
+        Ok(Self { buses, numbers })
+    }
+
+    /// The oldest note not yet taken.
+    pub(super) fn note(&mut self) -> Option<Note> {
+        self.buses.note()
+    }
+
+    /// What has happened on each interface of the bench, as far as it is read here.
+    pub(super) fn tallies(&self) -> Vec<Tally> {
+        let count = self.numbers.last().map_or(0, |last| usize::from(*last) + 1);
+        let mut all = vec![Tally::default(); count];
+        for (number, tally) in self.numbers.iter().zip(self.buses.tallies()) {
+            all[usize::from(*number)] = tally;
+        }
+        all
     }
 }
 
@@ -142,11 +193,18 @@ impl CanBus for Interfaces {
     type Error = <CanBuses as CanBus>::Error;
 
     fn receive(&mut self) -> Result<Option<Received>, Self::Error> {
-        self.0.receive()
+        let numbered = |received: Received| Received {
+            bus: (self.numbers.get(usize::from(received.bus)).copied()).unwrap_or(received.bus),
+            ..received
+        };
+        Ok(self.buses.receive()?.map(numbered))
     }
 
     fn transmit(&mut self, bus: u8, frame: &CanFrame) -> Result<(), Self::Error> {
-        self.0.transmit(bus, frame)
+        let own = self.numbers.iter().position(|number| *number == bus);
+        // A bus that is none of these is refused below, as one that is not there.
+        self.buses
+            .transmit(own.map_or(u8::MAX, |own| own as u8), frame)
     }
 }
 
@@ -162,11 +220,7 @@ impl OutputEnable for Watchman {
     }
 
     fn words(&self) -> &'static str {
-        if self.has_oe {
-            "outputs off by the OE line"
-        } else {
-            "no OE line is wired, so boards drive what they were last told until the bus answers"
-        }
+        cut_words(self.has_oe)
     }
 }
 

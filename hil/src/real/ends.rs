@@ -1,6 +1,7 @@
 //! What a run in real time asks of its ends beside sensing and driving.
 
 use palpate_buses::can::{Note, Tally};
+use palpate_buses::guardian::Lost;
 use palpate_core::skin::CanSkin;
 use palpate_core::units::Instant;
 use palpate_run::display_end::DisplayEnd;
@@ -9,6 +10,7 @@ use palpate_run::unit::UnitReport;
 use palpate_run::{CanPlayer, EmulatedSkin, Failure, Rows};
 
 use super::bench::{Interfaces, Live};
+use super::warden::FingerEnd;
 
 /// The sensor end.
 pub(super) trait Sensed: SkinEnd {
@@ -33,11 +35,11 @@ impl Sensed for CanSkin<Tap<Interfaces>> {
     }
 
     fn note(&mut self) -> Option<Note> {
-        self.bus_mut().inner.0.note()
+        self.bus_mut().inner.note()
     }
 
     fn tallies(&self) -> Vec<Tally> {
-        self.bus().inner.0.tallies()
+        self.bus().inner.tallies()
     }
 }
 
@@ -69,17 +71,36 @@ pub(super) trait Watched: DisplayEnd {
     }
 }
 
+/// A finger: the guardian watches over it among others.
+impl Watched for FingerEnd {
+    fn beat(&mut self, now: Instant) -> Result<(), Failure> {
+        self.vote.warden.beat(self.vote.finger, now).map_err(lost)
+    }
+
+    fn abandon(&mut self, cause: &str) {
+        self.vote.warden.give_up(cause);
+    }
+
+    /// The guardian takes leave of all fingers together.
+    fn part(&mut self, off: Result<(), String>, _failed: bool) -> Result<(), String> {
+        self.vote.warden.ended(self.vote.finger);
+        off
+    }
+}
+
+fn lost(lost: Lost) -> Failure {
+    Failure::Device(format!(
+        "{lost}; no guardian is left to switch off after this program"
+    ))
+}
+
 impl Watched for Live {
     fn found(&self) -> &str {
         &self.found
     }
 
     fn beat(&mut self, now: Instant) -> Result<(), Failure> {
-        self.watchman.guardian.beat(now).map_err(|lost| {
-            Failure::Device(format!(
-                "{lost}; no guardian is left to switch off after this program"
-            ))
-        })
+        self.watchman.guardian.beat(now).map_err(lost)
     }
 
     fn abandon(&mut self, cause: &str) {

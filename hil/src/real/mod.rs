@@ -2,8 +2,12 @@
 
 mod bench;
 mod ends;
+mod hand;
 mod link;
+mod loops;
+mod records;
 mod turns;
+mod warden;
 
 pub use bench::{refuse_latched, watch};
 
@@ -12,6 +16,7 @@ use std::path::PathBuf;
 use palpate_buses::pacer::{Lateness, RunClock};
 use palpate_buses::signals::Signals;
 use palpate_buses::sys::{forbid_core_dumps, lock_memory, set_fifo_priority};
+use palpate_core::contact::Levels;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::{BenchKind, Real, Setup};
@@ -106,6 +111,12 @@ fn wired(
         return Err(Failure::Input(expected.into()));
     }
     let real = real_of(setup)?;
+    if !setup.fingers.is_empty() {
+        let started = clock::elapsed();
+        let mut outcome = hand::run((setup, real), seed, &signals, wanted)?;
+        outcome.summary.wall_s = clock::elapsed().saturating_sub(started).as_secs_f64();
+        return Ok(outcome);
+    }
     let run = Running::begin(setup, seed, signals, wanted)?;
     let layout = run.projector.layout();
     let clock = RunClock::start();
@@ -191,6 +202,15 @@ fn scene_end(setup: &Setup) -> Instant {
     Instant::from_micros((setup.scene.value.length_s * 1e6).round() as u64)
 }
 
+/// The intensity levels of a scene's own touches; without touches they are found frame by frame.
+fn levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
+    let scene = &setup.scene.value;
+    match scene.touches.is_empty() {
+        true => Ok(dynamic_levels(&scene.compression)),
+        false => scene_levels(setup, seed),
+    }
+}
+
 /// A run that is about to begin: its loop and its records.
 struct Running<'a> {
     setup: &'a Setup,
@@ -213,12 +233,7 @@ impl<'a> Running<'a> {
     ) -> Result<Self, Failure> {
         let started = clock::elapsed();
         let scene = &setup.scene.value;
-        let levels = if scene.touches.is_empty() {
-            dynamic_levels(&scene.compression)
-        } else {
-            scene_levels(setup, seed)?
-        };
-        let projector = build(setup, seed, levels)?;
+        let projector = build(setup, seed, levels(setup, seed)?)?;
         let (header, attached) = (header(setup, seed, &projector)?, attachments(setup));
         let writes = |kind: Kind| wanted.files.iter().any(|(other, _)| *other == kind);
         let decoded = || Readings::whole(projector.layout(), scene.drives);

@@ -65,14 +65,19 @@ impl Journal {
     }
 
     /// Hands over what is new, without waiting. All events of one instant have to be there.
-    pub fn tell(
+    pub fn tell(&mut self, events: &[Event], frames: Vec<Received>, taxels: Vec<TaxelFrame>) {
+        let events = events.get(self.told..).unwrap_or_default();
+        self.told += events.len();
+        self.add(events, frames, taxels);
+    }
+
+    /// The same of events that are all new.
+    pub fn add(
         &mut self,
         events: &[Event],
         mut frames: Vec<Received>,
         mut taxels: Vec<TaxelFrame>,
     ) {
-        let events = events.get(self.told..).unwrap_or_default();
-        self.told += events.len();
         if self.has_failed() {
             return;
         }

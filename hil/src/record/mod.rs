@@ -10,4 +10,4 @@ pub use journal::Journal;
 pub use live::{Recorded, record};
 pub use piece::Piece;
 pub use play::{Played, play};
-pub use sink::{About, Kind, Sink, kind_of};
+pub use sink::{About, Kind, Sink, kind_of, path_of};

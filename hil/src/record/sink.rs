@@ -32,6 +32,12 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// Whether each of several displays has a file of its own.
+    #[must_use]
+    pub const fn is_per_display(self) -> bool {
+        matches!(self, Self::Mcap | Self::Vcd)
+    }
+
     /// Its format.
     #[must_use]
     pub const fn format(self) -> Format {
@@ -267,6 +273,13 @@ impl Sink {
         });
         closed.map_err(|error| failure(&self.path, error))
     }
+}
+
+/// Where one of several displays has its file: `run.mcap` is `run-index.mcap` of the display `index`.
+pub fn path_of(path: &Path, display: &str) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}-{display}.{ending}"))
 }
 
 /// The kind of a record by the ending of its name.

@@ -148,7 +148,7 @@ impl Guarded {
         refuse_latched(&watch)?;
         let adapter = LinuxAdapter::open(path, addresses).map_err(|e| device(&e))?;
         let mut line = Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?;
-        let program = crate::program::again().map_err(|e| device(&e))?;
+        let program = crate::again::again().map_err(|e| device(&e))?;
         let (guardian, found) = Guardian::start(program, &watch).map_err(|e| device(&e))?;
         line.set_pulse(guardian.pulse());
         let opened = Self {

@@ -99,11 +99,13 @@ fn every_command_parses_and_every_one_that_can_runs() {
     for page in pages() {
         let name = page.file_stem().unwrap().to_string_lossy().into_owned();
         let folder = Folder::new(&format!("docs-{name}"));
-        // Stand-ins for what a reader has: a recording, and where goldens lie.
+        // Stand-ins for what a reader has: a recording, a scene of the playground, and where goldens lie.
         let recording = contacts::recording(&folder, 200);
         let text = fs::read_to_string(&recording).unwrap();
         folder.write("taxels.csv", &text);
         folder.write("meta_data.csv", "frequency_hz\n41.3\n");
+        let by_hand = palpate_fixtures::scene("by-hand").unwrap();
+        folder.write("touched.toml", by_hand);
         fs::create_dir_all(folder.path("fixtures/goldens")).unwrap();
         let (program, path) = (env!("CARGO_BIN_EXE_hil"), std::env::var("PATH").unwrap());
         let bin = Path::new(program).parent().unwrap().display().to_string();

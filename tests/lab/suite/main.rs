@@ -12,6 +12,7 @@ mod can_flood;
 mod deaths;
 mod emulator;
 mod fuzz;
+mod hands;
 mod i2c_clients;
 mod interfaces;
 mod records;

@@ -6,9 +6,11 @@
 
 mod adapter;
 mod fault;
+mod shared;
 
 pub use adapter::{AdapterError, LinuxAdapter, number};
 pub use fault::{Fault, FaultKind};
+pub use shared::SharedLine;
 
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;

@@ -1,8 +1,8 @@
-//! Several displays of an emulated bench: a fingertip each, on boards and a supply that they share.
+//! Several displays of a bench: a fingertip each, on boards and a supply that they share.
 
 use serde::Deserialize;
 
-use super::{Bench, BenchKind, Output};
+use super::{Bench, BenchKind, Output, STATED};
 use crate::address::check_chip;
 use crate::error::FileError;
 use crate::layout::DisplayLayout;
@@ -11,14 +11,14 @@ use crate::source::Source;
 /// A bench has at most so many displays, and as many boards.
 const MOST: usize = 16;
 
-/// One of several displays of an emulated bench: a fingertip.
+/// One of several displays of a bench: a fingertip.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct BenchDisplay {
     /// Lower case with hyphens.
     pub name: String,
-    /// A display layout: a built-in name or a file; left out: the bench's `display`.
+    /// A display layout: a built-in name or a file; left out: the bench's `display`, which a real bench then states.
     pub layout: Option<String>,
     /// The emulated person who wears it: a built-in name or a file; left out: the scene's.
     pub person: Option<String>,
@@ -26,20 +26,17 @@ pub struct BenchDisplay {
     pub wearer: Option<String>,
     /// The hand that wears it, lower case with hyphens; left out: all such displays are on one hand.
     pub hand: Option<String>,
-    /// One entry per wire; left out of all displays: the outputs of one chip after the other, from 0x40 on.
+    /// One entry per wire; left out of all displays: the outputs of one chip after the other, from 0x40 on. A real
+    /// bench states them.
     #[serde(default)]
     pub outputs: Vec<Output>,
 }
 
 impl Bench {
     /// Checks the displays, and says in `outputs` what is connected to all of them.
-    pub(super) fn join_displays(&mut self, source: &Source) -> Result<(), FileError> {
+    pub(super) fn join_displays(&mut self, source: &Source, adapters: u8) -> Result<(), FileError> {
         if self.displays.is_empty() {
             return Ok(());
-        }
-        if self.kind == BenchKind::Real {
-            let expected = "nothing: a bench of hardware has one display, `display` and `outputs`";
-            return Err(source.bad_found("displays", expected, "[[displays]]"));
         }
         if !self.outputs.is_empty() {
             let expected = "nothing: every one of [[displays]] has its own";
@@ -53,6 +50,14 @@ impl Bench {
             source.name(&at("name"), &display.name)?;
             if let Some(hand) = &display.hand {
                 source.name(&at("hand"), hand)?;
+            }
+            if self.kind == BenchKind::Real {
+                if display.layout.is_none() && !source.states("display") {
+                    return Err(source.bad(&at("layout"), STATED));
+                }
+                if display.outputs.is_empty() {
+                    return Err(source.bad(&at("outputs"), STATED));
+                }
             }
             let (layout, _) = self.layout_of(source, index, display)?;
             let first = self.outputs.len();
@@ -68,12 +73,17 @@ impl Bench {
             self.outputs.append(&mut display.outputs.clone());
         }
         self.displays = displays;
-        self.check_displays(source)?;
+        // Those of an emulated bench are there for the asking.
+        let buses = match self.kind {
+            BenchKind::Real => adapters,
+            BenchKind::Emulated => MOST as u8,
+        };
+        self.check_displays(source, buses)?;
         self.check_supply(source)
     }
 
     /// Every name, and every channel of a board, belongs to one display alone.
-    fn check_displays(&self, source: &Source) -> Result<(), FileError> {
+    fn check_displays(&self, source: &Source, buses: u8) -> Result<(), FileError> {
         let mut taken: Vec<(Output, &str)> = Vec::new();
         for (index, display) in self.displays.iter().enumerate() {
             let key = format!("displays[{index}]");
@@ -86,7 +96,7 @@ impl Bench {
             }
             for (wire, output) in display.outputs.iter().enumerate() {
                 let at = |name: &str| format!("{key}.outputs[{wire}].{name}");
-                source.range(&at("bus"), usize::from(output.bus), 0..=MOST - 1, "")?;
+                source.range(&at("bus"), output.bus, 0..=buses - 1, "")?;
                 check_chip(source, &at("board"), output.board)?;
                 source.range(&at("channel"), output.channel, 0..=15, "")?;
                 if output.bus != display.outputs[0].bus {

@@ -1,12 +1,8 @@
 //! A driver unit in place of the host's own I2C bus, and the network to it.
 
-use std::path::PathBuf;
-
 use serde::Deserialize;
 
-use super::Bench;
 use crate::error::FileError;
-use crate::loaded::Loaded;
 use crate::source::Source;
 
 /// A network between host and unit.
@@ -70,15 +66,5 @@ impl BenchUnit {
             )),
             _ => Ok(()),
         }
-    }
-}
-
-impl Loaded<Bench> {
-    /// The file of the key of its unit: a relative name starts at the folder of the bench's file.
-    #[must_use]
-    pub fn unit_key(&self) -> Option<PathBuf> {
-        let name = self.value.unit.as_ref()?.key.as_ref()?;
-        let folder = self.source.folder_of("unit.key");
-        Some(folder.map_or_else(|| name.into(), |folder| folder.join(name)))
     }
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::People;
-use crate::bench::{Bench, BenchDisplay};
+use crate::bench::{Bench, BenchDisplay, BenchKind};
 use crate::error::FileError;
 use crate::finger::{FingerRule, SceneFinger};
 use crate::joint::Gate;
@@ -114,6 +114,10 @@ pub(super) fn of(
     }
     let gate = |index: usize, file: &SceneFinger| {
         let key = format!("fingers[{index}].when");
+        if file.when.is_some() && bench.value.kind == BenchKind::Real {
+            let expected = "nothing: a real bench reads no joints";
+            return Err(source.bad_found(&key, expected, "a joint"));
+        }
         let joints = &scene.value.joints;
         let of = |when| Gate::of(when, joints, &scene.source, &key);
         file.when.as_ref().map(of).transpose()

@@ -110,6 +110,58 @@ fn benches_that_cannot_be_are_refused() {
     }
 }
 
+/// A bench of hardware whose displays say this.
+fn real(adapters: &str, displays: &str) -> Result<Loaded<Bench>, String> {
+    bench(&format!(
+        "kind = \"real\"\nwire = {{ kind = \"final-75um\", alloy = \"low\" }}\n[real]\ncan = [\"can0\"]\ni2c = [{adapters}]\n[drive]\ncurrent_ma = 990.0\nsupply_limit_ma = 4000.0\n{displays}"
+    ))
+}
+
+fn three(name: &str, keys: &str, bus: u8) -> String {
+    let output = |channel| format!("{{ bus = {bus}, board = 0x40, channel = {channel} }}");
+    let outputs = [0, 1, 2].map(output).join(", ");
+    format!("[[displays]]\nname = \"{name}\"\n{keys}\noutputs = [{outputs}]\n")
+}
+
+#[test]
+fn displays_of_hardware_state_layout_outputs_and_adapter() {
+    let layout = "layout = \"three-in-line\"";
+    let two = three("a", layout, 0) + &three("b", layout, 1);
+    let hand = real("\"/dev/i2c-0\", \"/dev/i2c-1\"", &two).unwrap();
+    assert_eq!((hand.value.displays.len(), hand.value.boards()), (2, 2));
+    for (displays, expected) in [
+        (
+            two.clone(),
+            "displays[1].outputs[0].bus: expected a number from 0 to 0",
+        ),
+        (
+            three("a", "", 0),
+            "displays[0].layout: expected a value: no default stands for a real bench's hardware",
+        ),
+        (
+            format!("[[displays]]\nname = \"a\"\n{layout}\n"),
+            "displays[0].outputs: expected a value: no default stands for a real bench's hardware",
+        ),
+    ] {
+        let error = real("\"/dev/i2c-0\"", &displays).unwrap_err();
+        assert!(error.contains(expected), "{error}\n{expected}");
+    }
+}
+
+#[test]
+fn a_real_bench_reads_no_joints() {
+    let hand = real(
+        "\"/dev/i2c-0\"",
+        &three("index", "layout = \"three-in-line\"", 0),
+    )
+    .unwrap();
+    let all = "[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14]";
+    let when = "rule = \"first\"\nwhen = { joint = \"mcp\", above_deg = 5 }";
+    let error = Setup::join(grasp(&finger("index", all, when)), hand).unwrap_err();
+    let expected = "fingers[0].when: expected nothing: a real bench reads no joints";
+    assert!(error.to_string().contains(expected), "{error}");
+}
+
 fn joint(name: &str, points: &str) -> String {
     format!("[[joints]]\nname = \"{name}\"\npoints_s_deg = {points}\n")
 }

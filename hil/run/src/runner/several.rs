@@ -2,27 +2,26 @@
 //! What they share, boards, buses and supply, is shared out before the run begins.
 
 use palpate_core::contact::Levels;
-use palpate_core::projector::Projector;
 use palpate_core::skin::Layout;
 use palpate_core::units::{Duration, Instant};
-use palpate_emulators::display::i2c::BusClock;
-use palpate_files::{Fault, Gate, Setup};
+use palpate_files::{Fault, Gate};
 use palpate_records::i2c::Transfer;
 use palpate_records::trace::{Event, Header};
 
-use super::{Run, build, part};
+use super::{Run, part};
 use crate::actuator_bus::ActuatorBus;
 use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::effects::Faultable;
 use crate::failure::Failure;
 use crate::join::{Common, Part, join};
 use crate::pads::Pads;
-use crate::place::{Place, fingers, hand_of};
+use crate::place::{Place, fingers};
 use crate::plan;
 use crate::recorder::Truth;
 use crate::script::Script;
 use crate::session::{Session, TICK, Turn};
 use crate::skin_end::SkinEnd;
+use crate::stagger::stagger;
 use crate::verdict::STOPPED_BY;
 use crate::{Host, Outcome, TurnView};
 
@@ -317,102 +316,4 @@ impl<S: SkinEnd> Hardware<'_, S> {
         });
         buses.fold(self.script.next(), Instant::min)
     }
-}
-
-/// Builds every finger's loop and gives it its place on the grid of onsets, and lets go of them.
-///
-/// # Errors
-/// [`Failure`] for what fits no hardware, or no grid.
-pub(super) fn fits(setup: &Setup) -> Result<(), Failure> {
-    let alone = fingers(setup);
-    let loops = alone.iter().map(|(_, setup)| build(setup, 1, Levels::Off));
-    let mut loops: Vec<Projector> = loops.collect::<Result<_, _>>()?;
-    let places = alone.iter().map(|(place, _)| place);
-    stagger(setup, places.zip(&mut loops).collect())
-}
-
-/// Which fingers share boards, directly or through others: fingers of one such group have the same number.
-fn groups(places: &[&Place]) -> Vec<usize> {
-    let mut groups: Vec<usize> = Vec::new();
-    for (index, place) in places.iter().enumerate() {
-        let shares = |other: &Place| other.boards.iter().any(|b| place.boards.contains(b));
-        let joined = (0..index).filter(|other| shares(places[*other]));
-        let joined: Vec<usize> = joined.map(|other| groups[other]).collect();
-        let group = joined.iter().copied().min().unwrap_or(index);
-        let all = groups.iter_mut().filter(|g| joined.contains(g));
-        all.for_each(|g| *g = group);
-        groups.push(group);
-    }
-    groups
-}
-
-/// How long a bus is taken by a write of all channels of a display, in whole turns of the loop.
-fn write_time(places: &[&Place]) -> Duration {
-    let most = places.iter().map(|p| p.wires).max().unwrap_or(0) as u64;
-    let write = BusClock::Fast.write_time(1 + 4 * most.min(16));
-    Duration::from_micros(write.as_micros().next_multiple_of(TICK.as_micros()))
-}
-
-/// The power of a hand, shared out, carries a moving contact on each of its fingertips.
-fn check_hands(setup: &Setup) -> Result<(), Failure> {
-    let limits = &setup.limits;
-    let hand_mw = limits.value.limits.hand_60s_uw as f64 * 1e-3;
-    let moving_mw = plan::MOVING_W * 1e3;
-    let counts = setup.fingers.iter().map(|f| hand_of(setup, f).count());
-    let most = counts.max().unwrap_or(0);
-    let needed = most as f64 * moving_mw;
-    if hand_mw >= needed {
-        return Ok(());
-    }
-    let expected = format!(
-        "at least {needed} mW: {most} displays on one hand with a moving contact of {moving_mw} mW each"
-    );
-    let key = "hand_power.over_60s_mw";
-    let found = format!("{hand_mw} mW");
-    Err(Failure::File(limits.source.bad_found(key, expected, found)))
-}
-
-/// Gives every finger its place on the grid of onsets. Bursts of those that share a board never meet; within a burst the
-/// guard keeps a board's wires apart, so at most one wire's current flows per board. Boards of one bus are written one
-/// after the other, so that no onset and no end of one waits for another's.
-fn stagger(setup: &Setup, fingers: Vec<(&Place, &mut Projector)>) -> Result<(), Failure> {
-    check_hands(setup)?;
-    let places: Vec<&Place> = fingers.iter().map(|(place, _)| *place).collect();
-    let groups = groups(&places);
-    let write = write_time(&places);
-    let mut ranks: Vec<u64> = Vec::new();
-    for (index, place) in places.iter().enumerate() {
-        let shares = |other: &Place| other.boards.iter().any(|b| place.boards.contains(b));
-        let earlier = places[..index].iter().zip(&ranks);
-        let taken = earlier.filter(|(other, _)| shares(other));
-        let taken: Vec<u64> = taken.map(|(_, rank)| *rank).collect();
-        ranks.extend((0..).find(|rank| !taken.contains(rank)));
-    }
-    let slots = ranks.iter().max().map_or(1, |most| most + 1);
-    for (index, (place, projector)) in fingers.into_iter().enumerate() {
-        let (timing, off) = (projector.timing(), projector.guard().surplus());
-        let soa_us = timing.soa.as_micros();
-        let burst = timing.duration + off;
-        if slots > 1 && soa_us / slots < burst.as_micros() {
-            let ms = |d: Duration| d.as_micros() as f64 * 1e-3;
-            let most = soa_us / burst.as_micros();
-            let expected = format!(
-                "at most {most} per board: bursts of {} ms and {} ms until all is off, one after the other within {} ms from onset to onset",
-                ms(timing.duration),
-                ms(off),
-                ms(timing.soa)
-            );
-            let found = format!("{slots} that share boards");
-            let error = setup.bench.source.bad_found("displays", expected, found);
-            return Err(Failure::File(error));
-        }
-        // Groups of the same bus before its own.
-        let first = |other: &usize| groups[*other] == *other && *other < groups[index];
-        let before = (0..index).filter(|other| first(other) && places[*other].bus == place.bus);
-        let wait_us = before.count() as u64 * write.as_micros();
-        projector.begin_at(Instant::from_micros(
-            soa_us * ranks[index] / slots + wait_us,
-        ));
-    }
-    Ok(())
 }

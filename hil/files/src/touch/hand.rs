@@ -1,8 +1,8 @@
 //! What one finger of a hand did, sample by sample: a touch that was made on a page and can be repeated to the bit.
 
-use super::error::FileError;
-use super::source::Source;
-use super::touch::{Touch, TouchPoint};
+use super::{Touch, TouchPoint};
+use crate::error::FileError;
+use crate::source::Source;
 
 /// When (us), where (um, right and up of the module's centre), how hard (mN; 0: lifted), how wide (um).
 pub type HandSample = [i64; 5];
@@ -24,7 +24,7 @@ pub(super) fn at(samples: &[HandSample], t_s: f64) -> Option<TouchPoint> {
     // A nanosecond is more than the error of a day's microseconds in a double.
     let next = samples.partition_point(|sample| sample[0] as f64 <= t_s * 1e6 + 1e-4);
     let &[_, x, y, force, diameter] = samples.get(next.checked_sub(1)?)?;
-    (force > 0).then(|| TouchPoint {
+    (force > 0).then_some(TouchPoint {
         x_mm: x as f64 * 1e-3,
         y_mm: y as f64 * 1e-3,
         force_n: force as f64 * 1e-3,

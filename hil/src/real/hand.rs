@@ -1,0 +1,345 @@
+//! A run of several displays on a real bench: a loop per finger, each with sockets of its own for the boards of its
+//! modules. Fingers share adapters, the clock, the guardian, and nothing else.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize};
+
+use palpate_buses::i2c::SharedLine;
+use palpate_buses::pacer::{Lateness, RunClock};
+use palpate_buses::signals::Signals;
+use palpate_core::driver::Banks;
+use palpate_core::projector::Projector;
+use palpate_core::units::{Duration, Instant};
+use palpate_files::{Real, Setup};
+use palpate_records::readings::Readings;
+use palpate_records::trace::{Event, Header};
+use palpate_run::display_end::DisplayEnd;
+use palpate_run::join::{Common, Part, join};
+use palpate_run::place::{Place, fingers};
+use palpate_run::skin_end::Tap;
+use palpate_run::{
+    CanReport, Failure, Outcome, Policy, Recorder, Session, Truth, build, header, plan, skin,
+    stagger,
+};
+
+use super::bench::{Interfaces, guarded, refuse_latched, watch};
+use super::ends::{Sensed, Watched};
+use super::loops::{Ended, RealSession, Shared};
+use super::records::{Records, taxels};
+use super::warden::{FingerEnd, Vote, Warden};
+use super::{Wanted, levels, outcome, pacing, scene_end};
+use crate::clock;
+use crate::host::open_watch;
+use crate::record::Kind;
+
+/// A finger as files describe it.
+struct Planned {
+    place: Place,
+    setup: Setup,
+    header: Header,
+    projector: Projector,
+}
+
+/// What is kept of it beside its loop.
+type Finger = (Place, Setup, Header);
+
+impl Planned {
+    /// Its session, not begun, between its ends.
+    fn assemble(
+        self,
+        ((can, end), taxels): ((Interfaces, FingerEnd), Option<Readings>),
+        watched: bool,
+        keeps_can: bool,
+    ) -> (Finger, RealSession) {
+        let layout = self.projector.layout();
+        let mut recorder = Recorder::new(Truth::Unknown, layout);
+        recorder.counts = watched.then(Vec::new);
+        recorder.readings = Some(Readings::sampled(layout, self.setup.scene.value.drives));
+        recorder.taxels = taxels;
+        let skin = skin::source(&self.setup, layout, Tap::new(can, keeps_can));
+        let session = Session::new(
+            self.projector,
+            (skin, end),
+            Policy::REAL,
+            recorder,
+            Some(clock::elapsed),
+        );
+        ((self.place, self.setup, self.header), session)
+    }
+}
+
+/// Runs a scene's length on all fingers that it drives.
+pub(super) fn run(
+    (setup, real): (&Setup, &Real),
+    seed: u64,
+    signals: &Signals,
+    wanted: Wanted<'_>,
+) -> Result<Outcome, Failure> {
+    let Wanted {
+        files,
+        outputs,
+        told,
+    } = wanted;
+    let planned = planned(setup, seed)?;
+    let whole = |p: &Planned| Readings::whole(p.projector.layout(), p.setup.scene.value.drives);
+    let readings: Vec<Readings> = planned.iter().map(whole).collect();
+    let numbered = |p: &Planned| {
+        let mut header = p.header.clone();
+        p.place.number_header(&mut header);
+        header
+    };
+    let headers: Vec<Header> = planned.iter().map(numbered).collect();
+    let each = planned.iter().zip(&headers).zip(&readings);
+    let each = each.map(|((p, header), r)| (&p.place, header, r.modules()));
+    let tells = !told.quiet && !told.watched;
+    let mut records = Records::create(setup, &each.collect::<Vec<_>>(), (files, outputs), tells)?;
+    let taxels = readings.into_iter().map(|all| taxels(files, all));
+    let taxels: Vec<Option<Readings>> = taxels.collect();
+    if told.watched {
+        records.show(shown(&planned, scene_end(setup))?);
+    }
+    let (clock, warden, ends, found) = open(setup, real, &planned)?;
+    let keeps_can = files
+        .iter()
+        .any(|(kind, _)| matches!(kind, Kind::Can | Kind::Mcap));
+    let ends = ends.into_iter().zip(taxels);
+    let assembled = planned.into_iter().zip(ends);
+    let assembled =
+        assembled.map(|(planned, ends)| planned.assemble(ends, told.watched, keeps_can));
+    let (fingers, mut sessions): (Vec<_>, Vec<_>) = assembled.unzip();
+    let mut notes: Vec<Event> = found
+        .lines()
+        .map(|line| note(Instant::ZERO, format!("{line}; switched off")))
+        .collect();
+    start(&mut sessions, clock)?;
+    let begun: Vec<Vec<Event>> = sessions
+        .iter_mut()
+        .map(|s| s.recorder().events.clone())
+        .collect();
+    records.add(notes.clone());
+    records.add(records.boards(&begun));
+    let now = clock.now();
+    let shared = Shared {
+        real,
+        warden: &warden,
+        signals,
+        clock,
+        end: Instant::from_micros(scene_end(setup).as_micros().saturating_add(now.as_micros())),
+        over: AtomicBool::new(false),
+        ready: AtomicUsize::new(0),
+        go: AtomicBool::new(false),
+        watched: told.watched,
+    };
+    let (mut done, stopped) = shared.drive(sessions, &mut records)?;
+    if let Some(by) = stopped.or_else(|| signals.caught()) {
+        notes.push(note(clock.now(), format!("stopped by {by}")));
+    }
+    let parted = part(&fingers, &mut done, &warden);
+    if let Err(cause) = &parted {
+        let text = format!("not everything is known to be off: {cause}");
+        notes.push(note(clock.now(), text));
+    }
+    notes.extend(ends_of_boards(&fingers, &done));
+    records.add(notes[found.lines().count()..].to_vec());
+    let (not_recorded, written) = records.finish();
+    let failures = [parted.map_err(Failure::Device), written];
+    let mut whole = joined((setup, real), fingers, done, notes);
+    whole.summary.frames_not_recorded = not_recorded;
+    let mut failures = failures.into_iter().filter_map(Result::err);
+    whole.failure = whole.failure.take().or_else(|| failures.next());
+    Ok(whole.concluded(setup, false))
+}
+
+/// The run on paper.
+fn joined(
+    (setup, real): (&Setup, &Real),
+    fingers: Vec<Finger>,
+    done: Vec<Ended>,
+    notes: Vec<Event>,
+) -> Outcome {
+    let mut lateness = Lateness::default();
+    done.iter().for_each(|(d, _)| lateness.add(&d.lateness));
+    let realtime = done.iter().all(|(d, _)| d.realtime);
+    let part = |((place, alone, header), (done, _)): (Finger, Ended)| Part {
+        place,
+        limits: *done.session.projector().guard().limits(),
+        outcome: outcome(&alone, header, done),
+    };
+    let parts: Vec<Part> = fingers.into_iter().zip(done).map(part).collect();
+    let can = interfaces(real, &parts);
+    let common = Common {
+        events: notes,
+        ..Common::default()
+    };
+    let mut whole = join(setup, parts, common);
+    whole.summary.can = can;
+    whole.summary.pacing = Some(pacing(&lateness, realtime));
+    whole
+}
+
+fn note(at: Instant, text: String) -> Event {
+    let t_us = at.as_micros();
+    Event::Note { t_us, text }
+}
+
+/// Every finger's loop, with its place on the grid of onsets.
+fn planned(setup: &Setup, seed: u64) -> Result<Vec<Planned>, Failure> {
+    let levels = levels(setup, seed)?;
+    let plan = |(place, setup): (Place, Setup)| {
+        let projector = build(&setup, seed, levels.clone())?;
+        let header = header(&setup, seed, &projector)?;
+        Ok(Planned {
+            place,
+            setup,
+            header,
+            projector,
+        })
+    };
+    let planned = fingers(setup).into_iter().map(plan);
+    let mut planned = planned.collect::<Result<Vec<_>, Failure>>()?;
+    let loops = planned.iter_mut().map(|p| (&p.place, &mut p.projector));
+    stagger(setup, loops.collect())?;
+    Ok(planned)
+}
+
+/// A live view of all fingers, one at a time.
+fn shown(planned: &[Planned], length: Instant) -> Result<Option<crate::watch::Watch>, Failure> {
+    let mut watch = None;
+    for (number, finger) in planned.iter().enumerate() {
+        let layout = finger.projector.layout();
+        match (&mut watch, number) {
+            (None, 0) => watch = open_watch(&finger.header, layout, length, false)?,
+            (None, _) => {}
+            (Some(watch), _) => watch.add(&finger.header, layout, length),
+        }
+    }
+    Ok(watch)
+}
+
+/// The clock, the guardian, the ends of every finger, and what the guardian found driving.
+type Opened = (RunClock, Arc<Warden>, Vec<(Interfaces, FingerEnd)>, String);
+
+/// Opens everything, guardian last: from then on it can say off.
+fn open(setup: &Setup, real: &Real, planned: &[Planned]) -> Result<Opened, Failure> {
+    // Displays that the scene does not drive are the guardian's as well.
+    let watch = watch(&setup.bench.value, real);
+    refuse_latched(&watch)?;
+    let clock = RunClock::start();
+    let skins = planned
+        .iter()
+        .map(|p| Interfaces::of_boards(real, p.projector.layout(), clock));
+    let skins: Vec<Interfaces> = skins.collect::<Result<_, _>>()?;
+    let (lines, guardian, found) = guarded(&watch)?;
+    let warden = Arc::new(Warden::new(guardian, planned.len(), real.oe.is_some()));
+    let mut ends: Vec<(usize, FingerEnd)> = Vec::new();
+    for (bus, line) in lines.into_iter().enumerate() {
+        let on = planned.iter().enumerate();
+        let on = on
+            .filter(|(_, p)| usize::from(p.place.bus) == bus)
+            .map(|(finger, _)| finger);
+        let on: Vec<usize> = on.collect();
+        let shares = SharedLine::share(line, warden.pulse(), warden.round(), &on);
+        for (finger, share) in on.into_iter().zip(shares) {
+            let Planned {
+                place,
+                setup,
+                projector,
+                ..
+            } = &planned[finger];
+            let boards = plan::boards(&setup.bench.value);
+            let banks = Banks::new([(share, &*boards)], projector.guard().prescale());
+            let banks = match place.alone {
+                true => banks,
+                false => banks.sharing(&place.channels),
+            };
+            let vote = Vote {
+                warden: Arc::clone(&warden),
+                finger,
+            };
+            let adapter = real.i2c[bus].clone();
+            ends.push((
+                finger,
+                FingerEnd {
+                    banks,
+                    vote,
+                    adapter,
+                    stopped: None,
+                },
+            ));
+        }
+    }
+    ends.sort_by_key(|(finger, _)| *finger);
+    let ends = skins.into_iter().zip(ends.into_iter().map(|(_, end)| end));
+    Ok((clock, warden, ends.collect(), found))
+}
+
+/// Everything off and set up, on all fingers; no loop turns before.
+fn start(sessions: &mut [RealSession], clock: RunClock) -> Result<(), Failure> {
+    let now = clock.now();
+    for session in sessions.iter_mut() {
+        if let Err(error) = session.start(now) {
+            let cause = session.display().explain(&error);
+            session.display().abandon(&cause);
+            return Err(Failure::Device(cause));
+        }
+    }
+    for session in sessions {
+        session.skin().begin();
+    }
+    // An oscillator runs this long after its own start, whenever that was.
+    clock.sleep_until(clock.now() + Duration::from_millis(1));
+    Ok(())
+}
+
+/// The run's good-bye to the guardian.
+fn part(fingers: &[Finger], done: &mut [Ended], warden: &Warden) -> Result<(), String> {
+    let (mut left, mut stopped) = (Vec::new(), Vec::new());
+    for ((place, ..), (done, on)) in fingers.iter().zip(done) {
+        let named = |cause: &String| format!("{}: {cause}", place.display());
+        left.extend(on.as_ref().map(named));
+        stopped.extend(done.session.display().stopped.as_ref().map(named));
+    }
+    let said = |causes: Vec<String>| (!causes.is_empty()).then(|| causes.join("; "));
+    warden.part(said(left).as_deref(), said(stopped).as_deref())
+}
+
+/// A board that several fingers share is off when the last of them is.
+fn ends_of_boards(fingers: &[Finger], done: &[Ended]) -> Vec<Event> {
+    let mut boards: BTreeMap<u8, Vec<u64>> = BTreeMap::new();
+    for ((place, ..), (done, _)) in fingers.iter().zip(done) {
+        for board in &place.boards {
+            boards.entry(*board).or_default().push(done.end.as_micros());
+        }
+    }
+    let off = |(board, mut ends): (u8, Vec<u64>)| {
+        ends.sort_unstable();
+        ends.dedup();
+        // With one end the fingers' own events say it.
+        let t_us = *ends.last().filter(|_| ends.len() > 1)?;
+        Some(Event::AllOff {
+            t_us,
+            board,
+            cause: "end",
+        })
+    };
+    boards.into_iter().filter_map(off).collect()
+}
+
+/// What has come over every interface: frames are each finger's own, what befell the interface all of them saw.
+fn interfaces(real: &Real, parts: &[Part]) -> Vec<CanReport> {
+    let of = |name: &String| {
+        let all = parts.iter().flat_map(|p| &p.outcome.summary.can);
+        let own = all.filter(|report| report.interface == *name).cloned();
+        own.reduce(|sum, one| CanReport {
+            frames: sum.frames + one.frames,
+            lost: sum.lost + one.lost,
+            overruns: sum.overruns.max(one.overruns),
+            errors: sum.errors.max(one.errors),
+            bus_off: sum.bus_off.max(one.bus_off),
+            hardware_stamps: sum.hardware_stamps + one.hardware_stamps,
+            ..sum
+        })
+    };
+    real.can.iter().filter_map(of).collect()
+}
