@@ -218,7 +218,7 @@ fn summary(parts: &[Part], ledger: &Ledger, common: &Common) -> Summary {
     sum.limiter_events = ledger.driven.limiter_events;
     // What no instrument measures on a real bench, no sum knows either.
     let is_measured = each().any(|s| s.energy_mj.is_some());
-    sum.energy_mj = is_measured.then(|| ledger.energy_uj as f64 * 1e-3);
+    sum.energy_mj = is_measured.then_some(ledger.energy_uj as f64 * 1e-3);
     sum.peak_supply_a = is_measured.then(|| peak_supply_a(parts));
     sum.hottest_wire_c = ledger.hottest_wire.map(|(t, _)| f64::from(t) * 1e-3);
     let hottest = each().filter_map(|s| s.hottest_skin_c);

@@ -149,7 +149,7 @@ impl EmulatedSession {
         let fingers = Fingers::default();
         let skin = match skin::played(setup, &layout, seed, &fingers)? {
             Played::Boards(handle) => boards(setup, &layout, seed, handle),
-            Played::Array(array) => EmulatedSkin::Array(array),
+            Played::Array(array) => EmulatedSkin::Array(*array),
         };
         let truth = Truth::played(setup, &fingers);
         let policy = Policy::emulated(setup.bench.value.unit.is_some());

@@ -181,7 +181,7 @@ pub enum Played {
     /// Boards that send from the start.
     Boards(Handle),
     /// A skin that no bus carries.
-    Array(SkinArray),
+    Array(Box<SkinArray>),
 }
 
 /// A scene's skin with its touches and those of fingers on it.
@@ -195,7 +195,8 @@ pub fn played(
     fingers: &Fingers,
 ) -> Result<Played, Failure> {
     if is_array(setup) {
-        return array_with(setup, layout, seed, Some(fingers)).map(Played::Array);
+        let array = array_with(setup, layout, seed, Some(fingers))?;
+        return Ok(Played::Array(Box::new(array)));
     }
     let lag_s = ModuleConfig::default().mechanics.lag_s;
     let boards = under(setup, layout, seed, |module| {

@@ -70,8 +70,10 @@ fn needs(command: &str) -> Option<&'static str> {
         Some("a bench of one's own")
     } else if has("--recordings") || command.contains(".npy") {
         Some("recordings of real sensors")
-    } else if has("--stream") {
+    } else if has("--stream") || has("--unit") {
         Some("another machine")
+    } else if command.starts_with("hil unit --key") {
+        Some("an end by a person")
     } else if has("emulate") || has("off") || has("record") || has("replay") {
         Some("device nodes")
     } else if has("--watch") {

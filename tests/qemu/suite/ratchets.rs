@@ -28,7 +28,7 @@ const HARD: [(&str, u64); 2] = [("flash", 256 * 1024), ("admit", 20_000)];
 
 /// Instructions that the image's clock counted.
 fn instructions(machine: &Machine, ticks: u32) -> u64 {
-    u64::from(ticks) * machine.tick_ns >> machine.shift
+    (u64::from(ticks) * machine.tick_ns) >> machine.shift
 }
 
 /// A guard's onsets in an image.

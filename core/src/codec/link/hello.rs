@@ -98,7 +98,7 @@ impl Hello {
     pub fn write(&self, out: &mut [u8]) -> usize {
         let mut writer = Writer::new(out);
         writer.u64(self.now.as_micros());
-        writer.u8(u8::from(self.busy) * BUSY | u8::from(self.heat) * HEAT);
+        writer.u8((u8::from(self.busy) * BUSY) | (u8::from(self.heat) * HEAT));
         writer.u8(self.state.number());
         writer.u32(self.stops);
         let (plant, limits) = (&self.plant, &self.limits);
