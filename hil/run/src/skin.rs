@@ -187,7 +187,7 @@ pub enum Played {
 /// A scene's skin with its touches and those of fingers on it.
 ///
 /// # Errors
-/// As [`boards`] and [`array`].
+/// As [`boards`] and [`fn@array`].
 pub fn played(
     setup: &Setup,
     layout: &Layout,

@@ -151,9 +151,7 @@ fn seals(findings: &mut Findings) -> Result<(), Failure> {
     host.command(&mut letters, START, (0, Request::Play), &plan(START));
     let length = letters.waits.unwrap_or_default();
     let sealed = *letters.there();
-    host.key()
-        .open(&mut sealed.clone()[..length])
-        .map_err(failed)?;
+    host.key().open(&mut { sealed }[..length]).map_err(failed)?;
     let mut race = Race::default();
     for length in [HEADER + TAG, length, MOST] {
         let (host, sealed) = (&host, &sealed);
@@ -191,7 +189,7 @@ fn admission(findings: &mut Findings) -> Result<(), Failure> {
     for (_, mut guard) in guards {
         let mut at = START;
         race.enter(move || {
-            at = at + Duration::from_micros(58_500);
+            at += Duration::from_micros(58_500);
             let until = at + Duration::from_millis(35);
             let stimulus = Stimulus {
                 wire: 0,
