@@ -25,7 +25,7 @@ use crate::failure::Failure;
 use crate::header::header;
 use crate::levels::{Intensities, dynamic_levels, known_levels};
 use crate::passed::Passing;
-use crate::place::{Place, looking};
+use crate::place::{Place, fingers, looking};
 use crate::policy::{Policy, refuse_hardware};
 use crate::recorder::{Recorder, Truth, milli_c};
 use crate::replay::{CanPlayer, Rows};
@@ -435,15 +435,20 @@ pub fn build(setup: &Setup, seed: u64, levels: Levels) -> Result<Projector, Fail
     made(setup, plan::plan(setup, seed, levels)?)
 }
 
-/// Whether a setup can be run: its loop, or that of each of its fingers, is built and let go.
+/// Whether a setup can be run: its loop, or that of each of its fingers in its place on the grid of onsets, is built and
+/// let go.
 ///
 /// # Errors
 /// As [`build`], and for fingers that cannot take turns on a board.
 pub fn fits(setup: &Setup) -> Result<(), Failure> {
-    match setup.fingers.is_empty() {
-        true => build(setup, 1, Levels::Off).map(drop),
-        false => stagger::fits(setup),
+    let alone = fingers(setup);
+    if alone.is_empty() {
+        return build(setup, 1, Levels::Off).map(drop);
     }
+    let loops = alone.iter().map(|(_, setup)| build(setup, 1, Levels::Off));
+    let mut loops: Vec<Projector> = loops.collect::<Result<_, _>>()?;
+    let places = alone.iter().map(|(place, _)| place);
+    stagger(setup, places.zip(&mut loops).collect())
 }
 
 pub(crate) fn made(setup: &Setup, plan: Plan) -> Result<Projector, Failure> {

@@ -1,29 +1,15 @@
 //! The grid of onsets that the fingers of a bench share, emulated or real: bursts of displays on one board take turns, and
 //! boards of one bus are written one after the other.
 
-use palpate_core::contact::Levels;
 use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant};
 use palpate_emulators::display::i2c::BusClock;
 use palpate_files::Setup;
 
 use crate::failure::Failure;
-use crate::place::{Place, fingers, hand_of};
+use crate::place::{Place, hand_of};
 use crate::plan;
-use crate::runner::build;
 use crate::session::TICK;
-
-/// Builds every finger's loop and gives it its place on the grid of onsets, and lets go of them.
-///
-/// # Errors
-/// [`Failure`] for what fits no hardware, or no grid.
-pub(crate) fn fits(setup: &Setup) -> Result<(), Failure> {
-    let alone = fingers(setup);
-    let loops = alone.iter().map(|(_, setup)| build(setup, 1, Levels::Off));
-    let mut loops: Vec<Projector> = loops.collect::<Result<_, _>>()?;
-    let places = alone.iter().map(|(place, _)| place);
-    stagger(setup, places.zip(&mut loops).collect())
-}
 
 /// Which fingers share boards, directly or through others: fingers of one such group have the same number.
 fn groups(places: &[&Place]) -> Vec<usize> {
