@@ -1,4 +1,4 @@
-"""Weights of somebody else's GRU encoder as a model file for `hil texture`.
+"""Weights of a GRU encoder trained elsewhere as a model file for `hil texture`.
 
     python import.py keras MODEL.keras --scale SCALE.csv OUT.safetensors
     python import.py torch STATE.safetensors|STATE.pt --scale SCALE.csv OUT.safetensors

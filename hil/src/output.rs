@@ -271,7 +271,7 @@ pub fn make_folder(path: &Path) -> Result<(), Failure> {
     })
 }
 
-/// A remark on standard error; nobody may be reading it.
+/// A remark on standard error, which may be closed.
 pub fn note(text: &str) {
     let _ = aside(|| writeln!(io::stderr(), "note: {text}"));
 }

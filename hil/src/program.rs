@@ -31,7 +31,7 @@ pub fn main(line: impl IntoIterator<Item = OsString>, words: Option<Vec<OsString
     match run(cli) {
         Ok(status) => status,
         Err(failure) => {
-            // Nobody may be reading standard error either.
+            // Standard error may be closed as well.
             if !failure.to_string().is_empty() {
                 let _ = writeln!(io::stderr(), "{} {failure}", prefix(color));
             }

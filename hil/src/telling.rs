@@ -1,4 +1,4 @@
-//! What a program that serves others says on standard output while it does: words for people, or JSON Lines.
+//! What a program that serves clients says on standard output while it does: words for people, or JSON Lines.
 
 use std::io::{self, BufWriter, Stdout, Write};
 

@@ -142,7 +142,7 @@ fn edges_match_schedule(trace: &Trace, period_ns: f64) {
                 && pulse.rise >= at
                 && pulse.rise < until + 2 * period_ns as u64
         });
-        assert!(owner, "a pulse nobody scheduled: {pulse:?}");
+        assert!(owner, "a pulse that no stimulus scheduled: {pulse:?}");
     }
 }
 

@@ -91,7 +91,7 @@ fn strokes_reach_the_wires_within_the_limits() {
     }
 }
 
-/// A scene without a texture section and the same with one nobody strokes give the same schedule.
+/// A scene without a texture section and the same with one that is not stroked give the same schedule.
 #[test]
 fn a_texture_that_nobody_strokes_changes_nothing() {
     let mut plain = load("sphere-along-wood");

@@ -241,7 +241,7 @@ fn every_shortcut_gives_the_bits_of_the_long_way() {
                         *value =
                             core::array::from_fn(|_| if on { r.uniform() as f32 } else { 0.0 });
                     }
-                    4 => *value = [0.0; 3], // nobody touches it
+                    4 => *value = [0.0; 3], // untouched
                     _ => {}
                 }
             }

@@ -66,7 +66,7 @@ impl Slope {
         let fall = if (self.shape - 1.0).abs() < f32::EPSILON {
             ratio
         } else {
-            // Half the time of a power function, which is exact where nobody can feel it.
+            // Half the time of a power function, whose last bits are not felt.
             libm::expf(self.shape * libm::logf(ratio))
         };
         (1.0 - fall).max(0.0)

@@ -1,7 +1,7 @@
 //! The OE line of the PWM chips, on a GPIO line: high cuts every output without a word on the bus.
 //!
 //! What the line does when its holder dies is up to the GPIO controller: a pull-up on OE is the hardware
-//! that makes a line nobody drives cut.
+//! that makes an undriven line cut.
 
 use std::path::{Path, PathBuf};
 

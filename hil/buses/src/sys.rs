@@ -89,7 +89,7 @@ pub fn set_fifo_priority(priority: u8) -> Result<(), Errno> {
 }
 
 /// No core dump of this program: while one is written the program counts as alive, its sockets stay open,
-/// and whoever waits for its end waits.
+/// and a caller that waits for its end waits.
 ///
 /// # Errors
 /// What the system says.

@@ -29,7 +29,7 @@ pub fn write_vcd(trace: &Trace, out: impl Write) -> io::Result<()> {
 /// A dump that grows.
 ///
 /// A run on a real bench knows neither its pins nor its temperatures: there only the commanded ticks are
-/// declared. Nobody can mistake them for a measurement.
+/// declared. They cannot be mistaken for a measurement.
 #[derive(Debug)]
 pub struct Vcd<W> {
     out: W,

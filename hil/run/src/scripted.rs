@@ -175,7 +175,7 @@ impl Touches for Scripted {
             let (dx, dy) = (next.x_mm - here.x_mm, next.y_mm - here.y_mm);
             let way = libm::hypot(dx, dy);
             let (travel, speed) = rubbing.progress(t_s);
-            // At rest the skin stays as it was dragged, which nobody has measured: nothing.
+            // At rest the skin stays as it was dragged, of which there is no measurement: nothing.
             let drag = if way > 0.0 {
                 rubbing.rub.drag(travel, speed) / way
             } else {

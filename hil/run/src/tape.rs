@@ -1,6 +1,6 @@
 //! What an emulated skin sent, kept from the pass that finds the intensity levels for the pass that counts.
 //!
-//! Boards that nobody tells anything send the same frames at the same times in both passes, so the second
+//! Boards that get no commands send the same frames at the same times in both passes, so the second
 //! need not emulate them again. Where that does not hold, a scene with faults or a loop that wants to talk
 //! to its boards, the tape says so and the second pass emulates them.
 

@@ -101,7 +101,7 @@ pub fn doctor(args: &DoctorArgs) -> Result<(), Failure> {
     ))
 }
 
-/// What a driver unit says of itself. No session begins, so whoever drives it goes on.
+/// What a driver unit says of itself. No session begins, so the host that drives it goes on.
 fn unit(place: &UnitPlace) -> Vec<Finding> {
     let finding = |about, ok, says: String, remedy| Finding {
         about,

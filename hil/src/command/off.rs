@@ -38,7 +38,7 @@ pub fn off(args: &OffArgs) -> Result<(), Failure> {
         )));
     };
     let mut watch = watch(&bench.value, real);
-    // Nobody waits for a loop here: an answer counts more than its time.
+    // No loop waits here: an answer counts more than its time.
     watch.transfer = watch.transfer.max(TRANSFER);
     let mut lines = Vec::new();
     // Before the lock: a run beside us keeps the line cut until it notices that its guardian ends.
@@ -117,7 +117,7 @@ fn sweep(watch: &Watch, lines: &mut Vec<String>) -> Result<(), Failure> {
     let mut sweeper =
         Sweeper::open(&watch.buses, watch.transfer).map_err(|e| Failure::Device(e.to_string()))?;
     let found = sweeper.look();
-    // At once, whoever has the bus; then again when nobody else has.
+    // At once, even while another program has the bus; then again when none has.
     let first = sweeper.off();
     let mut locks = Vec::new();
     for (path, _) in &watch.buses {

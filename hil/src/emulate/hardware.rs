@@ -39,7 +39,7 @@ pub(super) struct Hardware<'a> {
     scene_zero: Nanos,
     script: Script,
     place: Place,
-    /// The actuator side, for whoever reads what it came to.
+    /// The actuator side, for the summary of what it came to.
     pub(super) display: WornDisplay,
     i2c: Shared<I2cHandle>,
     /// Whether the line on the chips' OE pins is high.

@@ -1,7 +1,7 @@
 //! Serving the emulators to other programs: boards on CAN interfaces, the display behind an I2C node.
 //!
 //! The emulators' time is the wall clock's: before anything is sent, heard or answered they are advanced
-//! to now. An I2C transfer is answered when it would have ended on the wire, so nobody can be faster than
+//! to now. An I2C transfer is answered when it would have ended on the wire, so no client can be faster than
 //! the bus. The clock delays what happens and changes no value.
 
 mod hardware;
@@ -24,7 +24,7 @@ use palpate_run::plan;
 pub(crate) use hardware::drives;
 use hardware::{Hardware, starts};
 use record::Told;
-pub use record::{CanRecord, Record, WireRecord};
+pub use record::{CanRecord, Flowed, Record, WireRecord};
 
 use crate::telling::{Teller, Telling};
 
@@ -45,7 +45,7 @@ pub struct Options {
     pub can: Vec<String>,
     /// The scene begins with a start command.
     pub await_start: bool,
-    /// Pin 0 of the bridge, a GPIO line, is on the chips' OE pins, with a pull-up: cut until somebody drives it
+    /// Pin 0 of the bridge, a GPIO line, is on the chips' OE pins, with a pull-up: cut until a client drives it
     /// low.
     pub oe: bool,
     /// Seed of all randomness.
@@ -75,12 +75,10 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
     if !options.await_start {
         hardware.begin_scene(Nanos::ZERO)?;
     }
-    let outputs = &setup.bench.value.outputs;
-    let wires = outputs.iter().map(|o| WireRecord::new(o.board, o.channel));
     let record = Record {
         source: "emulated",
         can: can.iter().map(|i| named(i.name())).collect(),
-        wires: wires.collect(),
+        flowed: Flowed::of(&setup.bench.value.outputs),
         ..Record::default()
     };
     Server {
@@ -190,7 +188,7 @@ impl Server<'_> {
         self.finish()
     }
 
-    /// Waits until somebody asks for something or there is something to do.
+    /// Waits until a client asks for something or there is something to do.
     fn sleep(&self) -> Result<Vec<bool>, Failure> {
         let now = self.now();
         let frames = self.hardware.next_event().max(now + Nanos(TURN_NS));
@@ -218,7 +216,7 @@ impl Server<'_> {
             let t_ns = *epoch + edge.at.0;
             let chip = driving.get(usize::from(edge.board)).map_or(0, |c| c.0);
             *last_edge = edge.at;
-            record.edge(t_ns, chip, &edge);
+            record.flowed.edge(t_ns, chip, &edge);
             let (channel, high) = (edge.channel, edge.high);
             if told.is_ok() {
                 told = teller.tell(&Told::Edge {
@@ -286,7 +284,7 @@ impl Server<'_> {
         Ok(())
     }
 
-    /// Passes the bridge's pin on to the chips; one that nobody drives is pulled up.
+    /// Passes the bridge's pin on to the chips; one that is not driven is pulled up.
     fn follow_oe(&mut self) -> Result<(), Failure> {
         let high = self.bridge.pin(OE_PIN).unwrap_or(true);
         if self.oe.is_some_and(|level| level != high) {
@@ -375,8 +373,8 @@ impl Server<'_> {
             (record.received, record.foreign) = (counts.received, counts.foreign);
         }
         record.transfers = self.hardware.i2c_time().1;
-        record.totals(&self.hardware.display.totals());
-        record.hazards = self.hardware.hazards();
+        record.flowed.totals(&self.hardware.display.totals());
+        record.flowed.hazards = self.hardware.hazards();
         record.driving = (self.driving.iter().filter(|c| c.1).map(|c| c.0)).collect();
         self.teller.tell(&Told::Record(&self.record))?;
         self.teller.flush()

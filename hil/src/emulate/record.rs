@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use palpate_emulators::worn::{DisplayTotals, OutputEdge};
+use palpate_files::Output;
 use serde::Serialize;
 
 use crate::telling::Say;
@@ -108,19 +109,9 @@ pub struct CanRecord {
     pub foreign: u64,
 }
 
-/// What it all came to.
+/// What flowed in emulated wires.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Record {
-    /// Always `emulated`.
-    pub source: &'static str,
-    /// Time served, seconds.
-    pub served_s: f64,
-    /// The interfaces.
-    pub can: Vec<CanRecord>,
-    /// The I2C node.
-    pub i2c: String,
-    /// Transfers on it.
-    pub transfers: u64,
+pub struct Flowed {
     /// The display's wires, in its order.
     pub wires: Vec<WireRecord>,
     /// Electrical energy, millijoules.
@@ -135,6 +126,24 @@ pub struct Record {
     pub hottest_skin_c: f64,
     /// Hazardous things done to the chips.
     pub hazards: u64,
+}
+
+/// What it all came to.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Record {
+    /// Always `emulated`.
+    pub source: &'static str,
+    /// Time served, seconds.
+    pub served_s: f64,
+    /// The interfaces.
+    pub can: Vec<CanRecord>,
+    /// The I2C node.
+    pub i2c: String,
+    /// Transfers on it.
+    pub transfers: u64,
+    /// What flowed in the wires.
+    #[serde(flatten)]
+    pub flowed: Flowed,
     /// Chips that still drive outputs at the end, by address.
     pub driving: Vec<u8>,
     /// Longest that a frame or an I2C answer left after its time, milliseconds.
@@ -143,7 +152,7 @@ pub struct Record {
 
 impl WireRecord {
     /// An output that was never driven.
-    pub fn new(chip: u8, channel: u8) -> Self {
+    fn new(chip: u8, channel: u8) -> Self {
         Self {
             chip,
             channel,
@@ -152,7 +161,7 @@ impl WireRecord {
     }
 
     /// Counts an edge of it that came at `t_ns`.
-    pub fn edge(&mut self, t_ns: u64, high: bool) {
+    fn edge(&mut self, t_ns: u64, high: bool) {
         if high {
             self.high_since_ns = Some(t_ns);
         } else if let Some(since) = self.high_since_ns.take() {
@@ -162,7 +171,16 @@ impl WireRecord {
     }
 }
 
-impl Record {
+impl Flowed {
+    /// Wires on these outputs, none of them driven.
+    pub fn of(outputs: &[Output]) -> Self {
+        let wires = outputs.iter().map(|o| WireRecord::new(o.board, o.channel));
+        Self {
+            wires: wires.collect(),
+            ..Self::default()
+        }
+    }
+
     /// Counts an edge that came at `t_ns`.
     pub fn edge(&mut self, t_ns: u64, chip: u8, edge: &OutputEdge) {
         let is = |w: &&mut WireRecord| w.chip == chip && w.channel == edge.channel;
@@ -180,17 +198,11 @@ impl Record {
         self.hottest_skin_c = totals.hottest_tissue_c;
     }
 
-    /// For people.
-    fn words(&self, out: &mut dyn Write) -> io::Result<()> {
-        writeln!(out, "served {:.1} s (emulated)", self.served_s)?;
-        for can in &self.can {
-            writeln!(
-                out,
-                "  {:<14} {} frames sent, {} lost; {} received, {} crowded out, {} foreign",
-                can.name, can.sent, can.lost, can.received, can.crowded_out, can.foreign
-            )?;
-        }
-        writeln!(out, "  {:<14} {} transfers", self.i2c, self.transfers)?;
+    /// Lines of a summary: the wires that were driven, what they came to, hazards if there were any.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn words(&self, out: &mut dyn Write) -> io::Result<()> {
         for (n, wire) in self.wires.iter().enumerate() {
             if wire.pulses > 0 {
                 writeln!(
@@ -212,6 +224,23 @@ impl Record {
         if self.hazards > 0 {
             writeln!(out, "  hazards        {}", self.hazards)?;
         }
+        Ok(())
+    }
+}
+
+impl Record {
+    /// As words of a summary.
+    fn words(&self, out: &mut dyn Write) -> io::Result<()> {
+        writeln!(out, "served {:.1} s (emulated)", self.served_s)?;
+        for can in &self.can {
+            writeln!(
+                out,
+                "  {:<14} {} frames sent, {} lost; {} received, {} crowded out, {} foreign",
+                can.name, can.sent, can.lost, can.received, can.crowded_out, can.foreign
+            )?;
+        }
+        writeln!(out, "  {:<14} {} transfers", self.i2c, self.transfers)?;
+        self.flowed.words(out)?;
         if self.driving.is_empty() {
             writeln!(out, "  outputs        off")?;
         }

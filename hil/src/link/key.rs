@@ -9,7 +9,7 @@ use palpate_run::Failure;
 
 /// Bytes of a key.
 const LENGTH: usize = 32;
-/// Any access by others than the owner.
+/// Any access by users other than the owner.
 const OTHERS: u32 = 0o077;
 
 fn failed(path: &Path, e: impl std::fmt::Display) -> Failure {
@@ -65,7 +65,7 @@ fn write_failed(path: &Path, error: io::Error) -> Failure {
 /// Reads a key file.
 ///
 /// # Errors
-/// [`Failure::Input`] for a file that others may read, or that holds no key.
+/// [`Failure::Input`] for a file that other users may read, or that holds no key.
 pub fn read(path: &Path) -> Result<[u8; LENGTH], Failure> {
     let file = palpate_files::open(path, "a key (`hil unit --new-key FILE` makes one)")?;
     let mode = file

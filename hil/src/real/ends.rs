@@ -71,7 +71,7 @@ pub(super) trait Watched: DisplayEnd {
     }
 }
 
-/// A finger: the guardian watches over it among others.
+/// A finger: the guardian watches over it among the fingers of the bench.
 impl Watched for FingerEnd {
     fn beat(&mut self, now: Instant) -> Result<(), Failure> {
         self.vote.warden.beat(self.vote.finger, now).map_err(lost)

@@ -27,7 +27,7 @@ use crate::progress::Progress;
 
 /// The records are looked after this often where no finger says anything.
 const ROUND: Elapsed = Elapsed::from_millis(50);
-/// A loop that waits for the others to be ready looks this often.
+/// A loop that waits for the other fingers' loops to be ready looks this often.
 const WAIT: Duration = Duration::from_millis(1);
 /// A loop says at least this often how far it is.
 const SAY: Duration = Duration::from_millis(10);
@@ -316,7 +316,7 @@ impl<'a> Turns<'a> {
         if is_new || self.shared.watched || until.since(self.said) > SAY {
             self.told += events.len();
             self.said = until;
-            // Records that nobody keeps any more end the run on their own.
+            // Records whose writer has failed end the run on their own.
             let _ = self.say.send(Said {
                 finger,
                 until,

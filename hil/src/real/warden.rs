@@ -62,7 +62,7 @@ impl Warden {
         }
     }
 
-    /// A finger has ended, off or not: the others go on.
+    /// A finger has ended, off or not: the other fingers go on.
     pub(super) fn ended(&self, finger: usize) {
         self.round.ended(finger);
     }

@@ -1,5 +1,5 @@
 //! Records that are written while they come in: whatever ends the program, what was recorded until then is on
-//! its way to the disk. A thread of its own does it, behind a queue of fixed length: a slow disk delays nobody
+//! its way to the disk. A thread of its own does it, behind a queue of fixed length: a slow disk delays no loop
 //! and costs frames, which are counted.
 
 use std::sync::Arc;

@@ -23,7 +23,7 @@ const TURN: Duration = Duration::from_millis(2);
 /// What a recording came to.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Recorded {
-    /// Always real: whoever sends on a virtual interface, this program does not know.
+    /// Always real: this program does not know what sends on a virtual interface.
     pub source: &'static str,
     /// Frames recorded.
     pub frames: u64,

@@ -16,8 +16,8 @@ use palpate_emulators::worn::WornDisplay;
 use palpate_files::{Bench, Real, Setup};
 use palpate_run::{Failure, display_end, plan};
 
-use super::record::{Flowed, Told};
-use crate::emulate::{WireRecord, drives};
+use super::record::Told;
+use crate::emulate::{Flowed, drives};
 use crate::real::{refuse_latched, watch};
 use crate::telling::Teller;
 
@@ -47,15 +47,9 @@ pub(super) struct Emulated {
 impl Emulated {
     pub(super) fn new(setup: &Setup, epoch_ns: u64) -> Result<Self, Failure> {
         let display = display_end::emulated(setup, plan::display(setup)?.wires())?;
-        let outputs = setup.bench.value.outputs.iter();
-        let wires = outputs.map(|o| WireRecord::new(o.board, o.channel));
-        let flowed = Flowed {
-            wires: wires.collect(),
-            ..Flowed::default()
-        };
         Ok(Self {
             display,
-            flowed,
+            flowed: Flowed::of(&setup.bench.value.outputs),
             epoch_ns,
             addresses: plan::boards(&setup.bench.value),
         })
@@ -74,11 +68,7 @@ impl Boards for Emulated {
         let advanced = self.display.advance(Nanos(since_ns), &mut |edge| {
             let t_ns = epoch + edge.at.0;
             let chip = addresses.get(usize::from(edge.board)).map_or(0, |a| *a);
-            for wire in &mut flowed.wires {
-                if (wire.chip, wire.channel) == (chip, edge.channel) {
-                    wire.edge(t_ns, edge.high);
-                }
-            }
+            flowed.edge(t_ns, chip, &edge);
             if told.is_ok() {
                 let (channel, high) = (edge.channel, edge.high);
                 told = teller.tell(&Told::Edge {

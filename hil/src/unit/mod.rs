@@ -25,8 +25,8 @@ use crate::link::key;
 use crate::real::take_priority;
 use crate::telling::{Teller, Telling};
 use boards::{Boards, Emulated, Guarded};
+pub use record::Record;
 use record::Told;
-pub use record::{Flowed, Record};
 
 /// Between two turns at the most, nanoseconds.
 const TURN_NS: u64 = 1_000_000;

@@ -3,11 +3,10 @@
 use std::io::{self, Write};
 use std::net::SocketAddr;
 
-use palpate_emulators::worn::DisplayTotals;
 use palpate_unit::Counts;
 use serde::Serialize;
 
-use crate::emulate::WireRecord;
+use crate::emulate::Flowed;
 use crate::telling::Say;
 
 /// Something that happened. Times are nanoseconds of CLOCK_MONOTONIC.
@@ -88,33 +87,6 @@ pub struct Record {
     pub emulated: Option<Flowed>,
 }
 
-/// What flowed in emulated wires.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Flowed {
-    /// The wires, in the display's order.
-    pub wires: Vec<WireRecord>,
-    /// Electrical energy, millijoules.
-    pub energy_mj: f64,
-    /// Largest supply current, amperes.
-    pub peak_supply_a: f64,
-    /// Hottest any wire was, degrees C.
-    pub hottest_wire_c: f64,
-    /// Hottest the skin was, 0.1 mm deep, degrees C.
-    pub hottest_skin_c: f64,
-    /// Hazardous things done to the chips.
-    pub hazards: u64,
-}
-
-impl Flowed {
-    /// Takes over what the display knows.
-    pub fn totals(&mut self, totals: &DisplayTotals) {
-        self.energy_mj = totals.electrical_j * 1e3;
-        self.peak_supply_a = f64::from(totals.peak_supply.0) / 1e3;
-        self.hottest_wire_c = totals.hottest_wire.0;
-        self.hottest_skin_c = totals.hottest_tissue_c;
-    }
-}
-
 impl Record {
     /// Takes over what the unit counted.
     pub const fn counts(&mut self, counts: &Counts) {
@@ -140,23 +112,7 @@ impl Record {
             self.stops, self.refused
         )?;
         if let Some(flowed) = &self.emulated {
-            for (n, wire) in flowed.wires.iter().enumerate() {
-                if wire.pulses > 0 {
-                    writeln!(
-                        out,
-                        "  wire {n:<9} {} pulses, longest {:.0} us (chip {:#04x}, channel {})",
-                        wire.pulses, wire.longest_us, wire.chip, wire.channel
-                    )?;
-                }
-            }
-            writeln!(
-                out,
-                "  hottest        wire {:.1} C, skin {:.2} C; {:.1} mJ, at most {:.2} A",
-                flowed.hottest_wire_c,
-                flowed.hottest_skin_c,
-                flowed.energy_mj,
-                flowed.peak_supply_a
-            )?;
+            flowed.words(out)?;
         }
         let off = if self.off {
             "off"

@@ -11,7 +11,7 @@ use ratatui_core::style::{Color, Modifier};
 #[derive(Debug)]
 pub struct Ansi<W> {
     out: W,
-    /// Columns and rows; whoever owns the terminal keeps it current.
+    /// Columns and rows; the terminal's owner keeps it current.
     pub size: Size,
 }
 
@@ -81,7 +81,7 @@ impl<W: Write> Backend for Ansi<W> {
         self.out.write_all(b"\x1b[?25h")
     }
 
-    /// Nobody types here: the cursor is where it is hidden.
+    /// No input is typed here: the cursor is where it is hidden.
     fn get_cursor_position(&mut self) -> io::Result<Position> {
         Ok(Position::ORIGIN)
     }

@@ -142,7 +142,7 @@ fn who_feels_nothing_at_the_limits_is_told_so() {
         ];
         refused_with(&["run", "sphere-along", "--set", &named], &words);
     }
-    // The emulated person is nobody's belief: the run is done, and says why nothing came of it.
+    // The renderer is not told of the emulated person: the run is done, and says why nothing came of it.
     let taut = good(&["run", "sphere-along", "--bench", "thesis", "--felt", "dull"]);
     let head = "OK: person `dull` feels nothing: one wire at the limits is ";
     assert!(taut.starts_with(head), "{taut}");

@@ -1,6 +1,6 @@
 //! `hil unit` and its host as programs: deaths, and what is refused with a sentence.
 
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 use palpate_buses::datagrams::Datagrams as Socket;
 use palpate_buses::pacer::RunClock;
@@ -24,20 +24,19 @@ fn said(unit: &Process, arguments: &[&str]) -> (i32, String) {
     )
 }
 
+/// A host that drives the unit at this address.
+fn playing(unit: &Process, address: &str) -> Command {
+    let mut command = hil(&unit.folder);
+    command.args(["run", "sphere-along", "--quiet", "--key", "unit.key"]);
+    command.args(["--unit", address]);
+    command
+}
+
 #[test]
 fn a_host_that_is_killed_leaves_no_output_on_for_longer_than_100_ms() {
     let mut unit = Process::new();
     let address = unit.address.to_string();
-    let mut run = hil(&unit.folder)
-        .args([
-            "run",
-            "sphere-along",
-            "--quiet",
-            "--key",
-            "unit.key",
-            "--unit",
-            &address,
-        ])
+    let mut run = playing(&unit, &address)
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
@@ -132,16 +131,7 @@ fn a_unit_that_answers_from_two_addresses_or_in_another_version_is_refused() {
         let [front, side, back] =
             [(); 3].map(|()| Socket::listen("127.0.0.1:0".parse().unwrap()).unwrap());
         let here = front.here().unwrap().to_string();
-        let mut run = hil(&unit.folder)
-            .args([
-                "run",
-                "sphere-along",
-                "--quiet",
-                "--key",
-                "unit.key",
-                "--unit",
-                &here,
-            ])
+        let mut run = playing(&unit, &here)
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();

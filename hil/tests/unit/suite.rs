@@ -122,7 +122,7 @@ fn hostile(dice: &mut RandomStream, hello: Option<Header>) -> Vec<u8> {
 
 fn drives_nothing_without_a_session(mut subject: impl Subject) {
     let mut dice = RandomStream::new(7, "hostile datagrams");
-    // What the unit said of itself to an honest knock: its next challenge is known to whoever has the key.
+    // What the unit said of itself to an honest knock: its next challenge is known to every holder of the key.
     let mut driver = host(1_000_000);
     speak(&mut subject, &mut driver, Duration::from_millis(30));
     let key = Key::new(&KEY);

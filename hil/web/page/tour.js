@@ -8,7 +8,7 @@ const STEPS = [
   ["panel-finger", "Between the wires", "Eight wires sit on a fingertip. Two or three of them together are felt at one place between them: a phantom. The ring is where the contact is, the dot where a person would feel it."],
   ["panel-pulses", "Pulses", "A wire gets short pulses for 38 ms or less, heats, shrinks and tugs at the skin. Set the speed to 1/100 to see each pulse."],
   ["panel-budget", "The guard", "Nothing reaches a wire that the guard has not passed. Stay on one place and watch power and warmth use up their limits: the guard makes pulses narrower. Choose the bench thesis and the illusion phantom, let the guard only look on, and watch the skin burn."],
-  ["share", "Share it", "Your session is a link, and a scene in a file. Whoever opens it gets the same pulses, to the bit, here and in hil run."],
+  ["share", "Share it", "Your session is a link, and a scene in a file. Opened anywhere it gives the same pulses, to the bit, here and in hil run."],
 ];
 
 export class Tour {

@@ -84,7 +84,7 @@ impl Death {
                 kill(run.pid(), Signal::SIGSTOP).unwrap();
                 std::thread::sleep(LATE);
                 kill(run.pid(), Signal::SIGCONT).unwrap();
-                // Until then nobody could have done anything but the guardian, who is patient here.
+                // Until then only the guardian could have done anything, and it is patient here.
                 return now_ns();
             }
             Self::FullDisk => {
@@ -181,7 +181,7 @@ fn check_records(death: Death, log: &Path, [messages, pins]: [&Path; 2]) {
     }
 }
 
-/// Stops one thread of a process, by its name, until somebody kills the process.
+/// Stops one thread of a process, by its name, until the process is killed.
 fn stop_thread(pid: Pid, name: &str) {
     let threads = std::fs::read_dir(format!("/proc/{pid}/task")).unwrap();
     let is_named = |path: &std::path::PathBuf| {
@@ -258,7 +258,7 @@ fn no_death_leaves_an_output_on() {
                 std::thread::sleep(Duration::from_millis(150));
                 kill(run.pid(), Signal::SIGINT).unwrap();
             }
-            // Only when both are gone is nobody left who could still switch off.
+            // Only when both are gone is no process left that could still switch off.
             let ended = run.end();
             let fate = ward.fate(struck);
             let _ = std::fs::remove_file(disk.join("filler"));

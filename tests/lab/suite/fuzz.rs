@@ -37,8 +37,8 @@ fn random_ioctls_leave_node_and_emulator_in_order() {
     for register in 0..=255 {
         let value = &mut held[usize::from(register)..][..1];
         let answer = chip.write_read(0x40_u8, &[register], value);
-        let nobody = (0x46..=0xF9).contains(&register); // not acknowledged
-        assert_eq!(answer.is_err(), nobody, "register {register:#x}");
+        let absent = (0x46..=0xF9).contains(&register); // not acknowledged
+        assert_eq!(answer.is_err(), absent, "register {register:#x}");
         assert_eq!(
             held[usize::from(register)] & reserved(register),
             0,

@@ -30,7 +30,7 @@ fn i2c_tools_detect_read_set_and_dump() {
         "{listed}"
     );
 
-    // The chip and its all-call address, and nobody else.
+    // The chip and its all-call address alone.
     let grid = sh(&format!("i2cdetect -y {n}"));
     let cells = grid.lines().skip(1).flat_map(|l| l[3..].split_whitespace());
     let found: Vec<&str> = cells.filter(|c| *c != "--").collect();
@@ -51,7 +51,7 @@ fn i2c_tools_detect_read_set_and_dump() {
     sh(&format!("i2cset -y {n} 0x40 {LED0_ON_L} 0 0 100 0 i"));
     let read = sh(&format!("i2ctransfer -y {n} w1@0x40 {LED0_ON_L} r4"));
     assert_eq!(read.trim(), "0x00 0x00 0x64 0x00");
-    // Nobody there: an error, and the bus lives on.
+    // No chip there: an error, and the bus lives on.
     assert!(!try_sh(&format!("i2cget -y {n} 0x41 0")).status.success());
 
     let dump = sh(&format!("i2cdump -y {n} 0x40 b"));

@@ -111,7 +111,7 @@ fn bus_off_is_seen_and_survived_and_noise_is_counted() {
     // As drivers tell it: class in the identifier, details in the data (linux/can/error.h).
     sh("cansend vcan0 20000040#0000000000000000");
     reader.told("bus-off: short circuit, wrong bit rate or bad wiring");
-    // Nobody restarts a virtual controller; the way out is told.
+    // A virtual controller is not restarted; the way out is told.
     reader.told("stays bus-off: `ip link set vcan0 down; ip link set vcan0 up`");
     sh("cansend vcan0 20000100#0000000000000000");
     reader.told("restarted, back on the bus");

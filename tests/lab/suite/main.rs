@@ -1,4 +1,4 @@
-//! The lab suite: `hil emulate` in a process of its own, and programs that nobody here wrote as its clients.
+//! The lab suite: `hil emulate` in a process of its own, and programs of other projects as its clients.
 //!
 //! Needs CAN interfaces, `/dev/uhid` and root, which `ci/lab` gives. Anywhere else every test says that it
 //! was skipped. One test after the other (`--test-threads 1`): they share the interfaces.

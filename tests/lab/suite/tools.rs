@@ -47,7 +47,7 @@ pub fn vcan(name: &str) {
     ));
 }
 
-/// A client of ours around somebody's library, in Python.
+/// A client of ours around a published library, in Python.
 #[track_caller]
 pub fn python(script: &str, arguments: &str) -> String {
     let python = std::env::var("PALPATE_LAB_PYTHON").unwrap();

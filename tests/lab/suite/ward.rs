@@ -1,4 +1,4 @@
-//! A run under observation: started, struck, and looked after until nobody is left who could switch off.
+//! A run under observation: started, struck, and looked after until no process is left that could switch off.
 
 // These tests live in the lab's own time.
 #![allow(clippy::disallowed_methods)]
@@ -238,7 +238,7 @@ impl Run {
 }
 
 impl Drop for Run {
-    /// A failed test leaves nobody behind.
+    /// A failed test leaves no process behind.
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();

@@ -96,7 +96,7 @@ fn wires(s: &mut RandomStream) -> u8 {
     }
 }
 
-/// A texture that nobody would want on a finger: any density up to every period, any stroke.
+/// A texture beyond any that is rendered: any density up to every period, any stroke.
 fn texture(s: &mut RandomStream) -> (Pulses, Control) {
     let beta = pick(s, 0.0, 0.999);
     let alpha = pick(s, 0.0, 0.9999 - beta);

@@ -26,7 +26,7 @@ impl Dice {
         self.below(256) as u8
     }
 
-    /// What the kernel's driver would send, with values nobody checked.
+    /// What the kernel's driver would send, with unchecked values.
     fn plausible(&mut self) -> Vec<u8> {
         let command = match self.below(10) {
             0 => STATUS,

@@ -48,7 +48,7 @@ pub struct Host {
     pub lives: bool,
     /// Every datagram that it sent.
     pub sent: Vec<Vec<u8>>,
-    /// Datagrams that reach the unit at its next looks, whoever sent them.
+    /// Datagrams that reach the unit at its next looks, of any sender.
     pub injected: VecDeque<Vec<u8>>,
 }
 

@@ -17,7 +17,7 @@ pub(super) struct Regimes(Arc<Mutex<VecDeque<Arc<Mode>>>>);
 impl Regimes {
     /// The regime `key` of `network`, which is the same in every call.
     pub(super) fn of(&self, network: &ThermalNetwork, key: ModeKey) -> Arc<Mode> {
-        // Whoever panicked with the lock held left a whole list behind.
+        // A thread that panicked with the lock held left a whole list behind.
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(mode) = known.iter().find(|mode| mode.key == key) {
             return Arc::clone(mode);

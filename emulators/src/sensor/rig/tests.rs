@@ -37,7 +37,7 @@ fn a_board_sends_scans_in_wire_order_between_start_and_stop() {
     });
     handle.advance(Nanos::from_micros(50_000));
     assert_eq!(drain(&mut handle), []);
-    handle.transmit(0, &command(3, true)).unwrap(); // somebody else
+    handle.transmit(0, &command(3, true)).unwrap(); // another board
     handle.advance(Nanos::from_micros(100_000));
     assert_eq!(drain(&mut handle), []);
     handle.transmit(0, &command(4, true)).unwrap();

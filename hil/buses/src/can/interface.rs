@@ -250,7 +250,7 @@ impl Interface {
         }
     }
 
-    /// Looks at the interface: down, up, renamed, gone (`false`), or bus-off with nobody to restart it.
+    /// Looks at the interface: down, up, renamed, gone (`false`), or bus-off without a restart by the kernel.
     fn look(&mut self) -> bool {
         let Some(index) = self.index else {
             return true;
@@ -337,7 +337,7 @@ impl Interface {
     }
 
     fn note(&self, text: String) {
-        // Nobody listens any more only while the program ends.
+        // The receiver is gone only while the program ends.
         let _ = self.notes.send(Note {
             at: self.clock.now(),
             text: format!("{}: {text}", self.name),

@@ -177,7 +177,7 @@ impl Guardian {
     fn send(&self, packet: &[u8]) -> Result<(), Lost> {
         let flags = MsgFlags::MSG_DONTWAIT | MsgFlags::MSG_NOSIGNAL;
         match send(self.link.as_raw_fd(), packet, flags) {
-            // A full queue is one that nobody reads; `beat` notices by the missing answers.
+            // A full queue is one that is not read; `beat` notices by the missing answers.
             Ok(_) | Err(Errno::EAGAIN | Errno::EINTR) => Ok(()),
             Err(_) => Err(Lost::Died),
         }

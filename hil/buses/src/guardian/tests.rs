@@ -35,7 +35,7 @@ impl Adapter for Emulated {
     }
 }
 
-/// A bus with a chip at 0x40 whose channels 3 and 5 were left driving, and nobody at 0x41.
+/// A bus with a chip at 0x40 whose channels 3 and 5 were left driving, and no chip at 0x41.
 fn bus(addresses: &[u8]) -> ((std::path::PathBuf, Vec<u8>, Blocking), Arc<Mutex<()>>) {
     let mut segment = I2cSegment::new(BusClock::Fast, vec![Pca9685::new(Config::new(0x40))]);
     let mut write = |bytes: &[u8]| {

@@ -61,7 +61,7 @@ pub struct Line {
     name: String,
     requests: Option<Sender<Request>>,
     /// The answer of a transaction that took too long. While it is out, nothing else is sent: a queue
-    /// would carry out orders that nobody wants any more.
+    /// would carry out orders whose caller has given up.
     overdue: Option<oneshot::Receiver<Answer>>,
     limit: Duration,
     /// Told while the loop waits.
@@ -70,14 +70,14 @@ pub struct Line {
     thread: Option<JoinHandle<()>>,
 }
 
-/// What the thread of a bus does until nobody can ask any more.
+/// What the thread of a bus does until its last caller is gone.
 fn serve(mut adapter: impl Adapter, orders: &std::sync::mpsc::Receiver<Request>) {
     loop {
         match orders.recv_timeout(REST) {
             Ok(order) => {
                 let mut read = vec![0; order.read];
                 let result = adapter.transfer(order.address, &order.write, &mut read);
-                // The answer to one who has stopped waiting is for nobody.
+                // The answer to a caller that has stopped waiting is dropped.
                 let _ = order.answer.send(result.map(|()| read));
             }
             Err(RecvTimeoutError::Timeout) => adapter.rest(),
@@ -126,7 +126,7 @@ impl Line {
         read: &mut [u8],
     ) -> Result<(), FaultKind> {
         if let Some(mut overdue) = self.overdue.take() {
-            // What it says came too late for whoever asked.
+            // What it says came too late for its caller.
             if overdue.try_recv() == Err(TryRecvError::Empty) {
                 self.overdue = Some(overdue);
                 return Err(FaultKind::Stuck);

@@ -1,4 +1,4 @@
-//! A bus that several loops use: one transfer at a time, whoever asks.
+//! A bus that several loops use: one transfer at a time.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};

@@ -54,7 +54,7 @@ impl Interface {
         self.counts
     }
 
-    /// The next frame of somebody else that a board could read; `None` when there is none now, and while
+    /// The next frame of another sender that a board could read; `None` when there is none now, and while
     /// the interface is down.
     ///
     /// # Errors

@@ -206,7 +206,7 @@ impl Uhid {
     }
 }
 
-/// Looks for the bridge of this name until it is there or nobody wants to know any more.
+/// Looks for the bridge of this name until it is there or the caller has gone.
 #[allow(clippy::disallowed_methods)] // a thread of its own, and nothing depends on when it looks
 fn search(unique: &str, found: &Weak<OnceLock<PathBuf>>) {
     let ours = format!("HID_UNIQ={unique}");

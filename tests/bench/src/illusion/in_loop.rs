@@ -79,7 +79,7 @@ pub(super) struct Case {
 /// An onset as the first probe meets it, and the second one's level, thousandths of a decibel.
 type Onset = (Event, Option<i32>);
 
-/// A run, whoever feels it.
+/// A run, before a person feels it.
 pub(super) struct Played {
     pub(super) outcome: Outcome,
     pub(super) onsets: Vec<Onset>,

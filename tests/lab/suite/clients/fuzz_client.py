@@ -43,7 +43,7 @@ def transfer():
 
 
 def smbus():
-    """I2C_SMBUS of any size, command and direction on an address that may be nobody's."""
+    """I2C_SMBUS of any size, command and direction on an address that may be free."""
     try:
         fcntl.ioctl(node, I2C_SLAVE, address())
     except OSError:
@@ -63,7 +63,7 @@ def plain():
 
 
 def nothing():
-    """Requests that set options, with any value, and requests that nobody knows."""
+    """Requests that set options, with any value, and unknown requests."""
     request = dice.choice(OTHERS + [dice.randrange(0x0700, 0x0730)])
     if request in (I2C_FUNCS, I2C_RDWR, I2C_SMBUS, 0x0702):
         return 0, None
