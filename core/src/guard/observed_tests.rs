@@ -63,6 +63,23 @@ fn what_is_asked_stays_and_the_reason_is_noted() {
 }
 
 #[test]
+fn a_stimulus_that_ends_as_it_begins_is_not_driven_and_takes_nothing() {
+    let mut guard = guard();
+    let (update, entries) = observe(&mut guard, &[stimulus(1, 400, 0, 0)]);
+    assert!(update.is_none_or(|u| u.channels()[1].is_none_or(|s| s.on == s.off)));
+    assert_eq!(entries[0].until, Instant::ZERO);
+    assert_eq!(guard.next_expiry(), None);
+    // What a whole burst of it would have been told is told of the next one as well: nothing is booked.
+    let again = |guard: &mut Guard| observe(guard, &[stimulus(1, 400, 0, 35_000)]).1[0].reason;
+    assert_eq!(again(&mut guard), again(&mut self::guard()));
+    assert_eq!(guard.used(Instant::ZERO), {
+        let mut fresh = self::guard();
+        again(&mut fresh);
+        fresh.used(Instant::ZERO)
+    });
+}
+
+#[test]
 fn ends_are_told_with_what_goes_on_and_nothing_is_told_without_an_end() {
     let mut guard = guard();
     observe(

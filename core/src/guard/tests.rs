@@ -389,7 +389,9 @@ fn the_watchdog_watches_what_is_driven() {
     let mut guard = guard(HARD, THESIS);
     let us = Instant::from_micros;
     assert!(guard.is_stale(us(0)) && guard.deadline().is_none());
+    assert_eq!(guard.heard(), None);
     guard.hear(us(1000));
+    assert_eq!(guard.heard(), Some(us(1000)));
     assert!(!guard.is_stale(us(1000)));
     admit(&mut guard, &[stimulus(0, 50, 1000, 35_000)]);
     // 100 ms less what the switching takes, 12 ms.
