@@ -30,7 +30,7 @@ pub struct WireBudget {
 }
 
 impl WireBudget {
-    /// The energy, nJ, that all rows leave, and the row that leaves no more.
+    /// The energy, nJ, that all rows leave, and the first row that leaves no more.
     pub fn least(&self) -> (Reason, u64) {
         let [first, others @ ..] = self.energy_nj;
         let less = |least: (Reason, u64), row: (Reason, u64)| {

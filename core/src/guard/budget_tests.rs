@@ -244,6 +244,13 @@ fn each_row_is_the_least_where_its_limit_is_tight() {
 }
 
 #[test]
+fn of_rows_that_leave_the_same_the_first_is_named() {
+    let mut budget = read(&guard(HARD, 990), 0, 0, 35_000).unwrap();
+    budget.energy_nj.iter_mut().for_each(|row| row.1 = 1);
+    assert_eq!(budget.least(), (Reason::Burst, 1));
+}
+
+#[test]
 fn a_latched_guard_and_a_wire_that_is_not_there_have_no_budget() {
     let mut guard = guard(HARD, 990);
     assert!(read(&guard, 0, 0, 35_000).is_some());
