@@ -26,7 +26,8 @@ use palpate_core::skin::Axes;
 use palpate_files::TimeColumn;
 pub use sweep::{CompareArgs, Seeds, SweepArgs};
 pub use texture::{
-    EncodeArgs, ExportArgs, MapArgs, PanelArgs, StrokesArgs, TextureAction, TrainArgs,
+    EncodeArgs, ExportArgs, MapArgs, MaterialsArgs, PanelArgs, ResponseArgs, StrokesArgs,
+    TextureAction, TrainArgs,
 };
 pub use unit::{UnitArgs, UnitOn};
 

@@ -43,8 +43,8 @@ pub struct TextureEntry {
     pub friction: f64,
     /// Coefficient of friction against a finger pad.
     pub finger_friction: f64,
-    /// What people say with a bare finger.
-    pub rated: Rated,
+    /// What people say with a bare finger; left out where no person has touched it.
+    pub rated: Option<Rated>,
 }
 
 /// Ratings from 1 to 6.
@@ -93,12 +93,19 @@ impl TextureTable {
                 ("octaves", texture.octaves, 0.0..=10.0, ""),
                 ("friction", texture.friction, 0.0..=10.0, ""),
                 ("finger_friction", texture.finger_friction, 0.0..=10.0, ""),
-                ("rated.hardness", texture.rated.hardness, 1.0..=6.0, ""),
-                ("rated.roughness", texture.rated.roughness, 1.0..=6.0, ""),
-                ("rated.friction", texture.rated.friction, 1.0..=6.0, ""),
             ];
             for (key, value, range, unit) in numbers {
                 source.range(&at(key), value, range, unit)?;
+            }
+            let Some(rated) = texture.rated else {
+                continue;
+            };
+            for (key, value) in [
+                ("rated.hardness", rated.hardness),
+                ("rated.roughness", rated.roughness),
+                ("rated.friction", rated.friction),
+            ] {
+                source.range(&at(key), value, 1.0..=6.0, "")?;
             }
         }
         Ok(file)

@@ -66,7 +66,7 @@ pub struct OffArgs {
     /// An I2C adapter in place of a bench; repeatable. Every chip that answers there is switched off.
     #[arg(long, value_name = "DEVICE", conflicts_with = "bench")]
     pub i2c: Vec<PathBuf>,
-    /// A driver unit in place of a bench: it switches off, whoever drives it, and no host goes on by itself.
+    /// A driver unit in place of a bench: it switches off under any host, and no host goes on by itself.
     #[command(flatten)]
     pub unit: UnitOn,
     /// Also clear a latched stop. Look at the bench first.

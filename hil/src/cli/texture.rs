@@ -21,6 +21,10 @@ pub enum TextureAction {
     /// Map emulated textures in a model's latent space, with correlations to roughness, friction and
     /// hardness.
     Map(MapArgs),
+    /// Vary one property of an emulated surface at a time, and print what a model's coordinates make of each.
+    Response(ResponseArgs),
+    /// Draw emulated materials whose properties are independent, as a table of textures.
+    Materials(MaterialsArgs),
     /// Let a simulated panel rate textures, with the bare finger and on the emulated display.
     Panel(PanelArgs),
 }
@@ -48,6 +52,12 @@ pub struct StrokesArgs {
     /// What is stroked.
     #[command(flatten)]
     pub of: Strokes,
+    /// Draw force, speed, tilt and direction of every stroke widely and independently, in place of one person's habits.
+    #[arg(long)]
+    pub varied: bool,
+    /// Readings per second; boards on CAN send 100.
+    #[arg(long, value_name = "HZ", default_value_t = 100, value_parser = super::whole::<u32, 50, 1000>, allow_hyphen_values = true)]
+    pub rate: u32,
     /// Seed of all randomness.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,
@@ -81,6 +91,46 @@ pub struct MapArgs {
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
     /// Overwrite files that are no earlier output of hil.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Options of `hil texture response`.
+#[derive(Debug, Args)]
+pub struct ResponseArgs {
+    /// `default` or a model file (.safetensors).
+    #[arg(value_name = "MODEL", default_value = "default")]
+    pub model: String,
+    /// Strokes over each surface.
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = super::whole::<u32, 1, 1000>, allow_hyphen_values = true)]
+    pub strokes: u32,
+    /// Materials with independent properties, for partial correlations; 0: none.
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = super::whole::<u32, 0, 9999>, allow_hyphen_values = true)]
+    pub materials: u32,
+    /// Seed of the strokes and the materials; `default` was trained on strokes of seed 1.
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
+    pub seed: u64,
+    /// Print JSON in place of tables.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `hil texture materials`.
+#[derive(Debug, Args)]
+pub struct MaterialsArgs {
+    /// The table to write (.toml).
+    #[arg(value_name = "FILE")]
+    pub out: PathBuf,
+    /// How many.
+    #[arg(long, value_name = "N", default_value_t = 350, value_parser = super::whole::<u32, 1, 9999>, allow_hyphen_values = true)]
+    pub count: u32,
+    /// How many of them are not to be trained on, the last ones.
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = super::whole::<u32, 0, 9999>, allow_hyphen_values = true)]
+    pub unseen: u32,
+    /// Seed of their properties.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
+    pub seed: u64,
+    /// Overwrite a file that is no earlier output of hil.
     #[arg(long)]
     pub force: bool,
 }

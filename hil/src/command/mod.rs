@@ -30,6 +30,7 @@ mod sweep;
 mod test;
 mod texture;
 mod texture_panel;
+mod texture_response;
 mod texture_train;
 mod unit;
 

@@ -11,7 +11,7 @@ use palpate_run::Failure;
 use palpate_texture::onnx;
 use serde_json::json;
 
-use super::{texture_panel, texture_train};
+use super::{texture_panel, texture_response, texture_train};
 use crate::cli::{EncodeArgs, ExportArgs, TextureAction};
 use crate::output::{Outputs, note, print};
 use crate::progress::Progress;
@@ -27,6 +27,8 @@ pub fn texture(action: &TextureAction) -> Result<(), Failure> {
         TextureAction::Encode(args) => encode(args),
         TextureAction::Export(args) => export(args),
         TextureAction::Map(args) => texture_train::map(args),
+        TextureAction::Response(args) => texture_response::response(args),
+        TextureAction::Materials(args) => texture_response::materials(args),
         TextureAction::Panel(args) => texture_panel::panel(args),
     }
 }

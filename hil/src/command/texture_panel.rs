@@ -50,6 +50,12 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
         }
         _ => {
             let table = load_textures(&args.textures)?.value;
+            if let Some(unrated) = table.texture.iter().find(|t| t.rated.is_none()) {
+                return Err(Failure::Input(format!(
+                    "--textures {}: expected `rated` of every texture, which the bare finger's ratings come from; {} has none",
+                    args.textures, unrated.name
+                )));
+            }
             // One panel with tape, then one without.
             let rate = |pairing, before: f64| {
                 let passed = |part: f64| shown.part((before + part) / 2.0);

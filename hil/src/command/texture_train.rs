@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 use std::process::Command;
 
+use palpate_emulators::sensor::surface::{Explorer, Habits};
 use palpate_files::{Format, TextureModel, load_textures};
 use palpate_run::Failure;
+use palpate_run::plan::surface;
 use palpate_texture::{draw, explore, map, round};
 
 use crate::cli::{MapArgs, StrokesArgs, TrainArgs};
@@ -21,7 +23,14 @@ const PROGRAM: &str = "palpate-train";
 pub fn strokes(args: &StrokesArgs) -> Result<(), Failure> {
     let table = load_textures(&args.of.textures)?.value;
     let shown = Progress::of_part("strokes");
-    let all = explore::explore(&table, args.of.strokes, args.seed, |part| shown.part(part));
+    let habits = if args.varied {
+        Habits::varied()
+    } else {
+        Habits::default()
+    };
+    let mut explorer = Explorer::new(habits, table.dead_taxel, args.seed).with_rate(args.rate);
+    let of = (&table, surface as fn(&_) -> _);
+    let all = explore::explore_as(of, args.of.strokes, &mut explorer, |part| shown.part(part));
     drop(shown);
     make_folder(&args.out)?;
     let outputs = Outputs {
@@ -37,11 +46,18 @@ pub fn strokes(args: &StrokesArgs) -> Result<(), Failure> {
             explore::write_rows(recording, out)
         })?;
     }
-    outputs.write(&args.out.join("ratings.csv"), Format::Csv, |out| {
-        explore::write_ratings(&table, out)
+    outputs.write(&args.out.join("materials.csv"), Format::Csv, |out| {
+        explore::write_materials(&table, out)
     })?;
+    let is_rated = table.texture.iter().any(|t| t.rated.is_some());
+    if is_rated {
+        outputs.write(&args.out.join("ratings.csv"), Format::Csv, |out| {
+            explore::write_ratings(&table, out)
+        })?;
+    }
+    let ratings = if is_rated { " and ratings.csv" } else { "" };
     note(&format!(
-        "{}: {} emulated recordings and ratings.csv",
+        "{}: {} emulated recordings, materials.csv{ratings}",
         args.out.display(),
         all.len()
     ));

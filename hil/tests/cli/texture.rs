@@ -116,7 +116,7 @@ fn strokes_are_recordings_beside_their_ratings() {
     assert_eq!(said.status, Some(0), "{}", said.err);
     let strokes = Folder(folder.path("strokes"));
     let names = strokes.names();
-    assert_eq!(names.len(), 8 * 2 + 1, "{names:?}");
+    assert_eq!(names.len(), 8 * 2 + 2, "ratings and materials: {names:?}");
     let table = strokes.text("wood_01.csv");
     let rows: Vec<Vec<u16>> = table
         .lines()
@@ -265,4 +265,56 @@ fn a_panel_rates_recordings_and_says_that_it_is_simulated() {
         ],
         &["expected", "_"],
     );
+}
+
+#[test]
+fn independent_materials_are_drawn_stroked_and_mapped_but_not_rated() {
+    let folder = Folder::new("texture-materials");
+    let table = folder.path("materials.toml").display().to_string();
+    let draw = ["texture", "materials", &table, "--count", "4"];
+    refused_with(&draw, &["--unseen 50", "at most --count, which is 4"]);
+    let done = |args: &[&str]| {
+        let said = hil(args);
+        assert_eq!(said.status, Some(0), "{}", said.err);
+    };
+    done(&[&draw[..], &["--unseen", "1"]].concat());
+    good(&["check", &table]);
+    let strokes = folder.path("strokes");
+    let out = strokes.display().to_string();
+    let stroke = ["texture", "strokes", &out, "--textures", &table];
+    let more = ["--strokes", "1", "--varied", "--rate", "500"];
+    done(&[&stroke[..], &more].concat());
+    let rows = fs::read_to_string(strokes.join("material-0003_00.csv")).unwrap();
+    assert_eq!(rows.lines().count(), 1 + 1000, "2 s at 500 Hz");
+    let truth = fs::read_to_string(strokes.join("materials.csv")).unwrap();
+    assert_eq!(truth.lines().filter(|l| l.contains(",true,")).count(), 3);
+    assert!(!strokes.join("ratings.csv").exists(), "of no person");
+    // What goes with ratings is left out of the map, and a panel has nothing to hold the display against.
+    let map = ["texture", "map", "--textures", &table, "--strokes", "1"];
+    let map = good(&map);
+    assert!(map.contains("friction") && !map.contains("rated"), "{map}");
+    refused_with(
+        &["texture", "panel", "--textures", &table],
+        &["expected `rated`", "material-0000 has none"],
+    );
+}
+
+#[test]
+fn a_response_says_what_each_coordinate_makes_of_each_property() {
+    let ask = ["texture", "response", "--strokes", "1", "--materials", "20"];
+    let json = good(&[&ask[..], &["--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["factors"][3], "stiffness");
+    let of = |z: usize, factor: usize| json["coordinates"][z]["answers"][factor]["rank"].as_f64();
+    // The shipped model's driving coordinate is friction and softness, whatever it is called.
+    assert_eq!(json["coordinates"][1]["stands_for"], "roughness");
+    assert!(
+        of(1, 2).unwrap() > 0.9 && of(1, 3).unwrap() < -0.9,
+        "{json}"
+    );
+    let table = good(&ask);
+    for part in ["-z2 roughness", "crosstalk", "20 materials", " to "] {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+    refused_with(&["texture", "response", "missing"], &["missing"]);
 }

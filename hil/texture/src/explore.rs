@@ -2,8 +2,9 @@
 
 use std::io::{self, Write};
 
+use palpate_core::texture::Encoder;
 use palpate_emulators::sensor::surface::{Explorer, Habits, Recording, SurfaceTexture};
-use palpate_files::{TextureEntry, TextureModel, TextureTable, taxel};
+use palpate_files::{Rated, TextureEntry, TextureModel, TextureTable, taxel};
 use palpate_run::Failure;
 use palpate_run::plan::surface;
 
@@ -15,17 +16,17 @@ pub fn explore(
     seed: u64,
     passed: impl Fn(f64),
 ) -> Vec<(&TextureEntry, Recording)> {
-    explore_as(table, surface, (strokes, seed), passed)
+    let mut explorer = Explorer::new(Habits::default(), table.dead_taxel, seed);
+    explore_as((table, surface), strokes, &mut explorer, passed)
 }
 
-/// The same with a module of choice: `pairing` says what a texture is to it.
-pub fn explore_as(
-    table: &TextureTable,
-    pairing: fn(&TextureEntry) -> SurfaceTexture,
-    (strokes, seed): (u32, u64),
+/// The same with a module and hand of choice: `pairing` says what a texture is to it.
+pub fn explore_as<'a>(
+    (table, pairing): (&'a TextureTable, fn(&TextureEntry) -> SurfaceTexture),
+    strokes: u32,
+    explorer: &mut Explorer,
     passed: impl Fn(f64),
-) -> Vec<(&TextureEntry, Recording)> {
-    let mut explorer = Explorer::new(Habits::default(), table.dead_taxel, seed);
+) -> Vec<(&'a TextureEntry, Recording)> {
     let mut all = Vec::new();
     let count = table.texture.len() * strokes as usize;
     for entry in &table.texture {
@@ -54,6 +55,31 @@ pub fn write_rows(recording: &Recording, out: &mut dyn Write) -> io::Result<()> 
     Ok(())
 }
 
+/// Writes what the surfaces of a table are like as CSV: the truth that recordings are held against.
+///
+/// # Errors
+/// What the system says of the output.
+pub fn write_materials(table: &TextureTable, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(
+        out,
+        "label,trained,stiffness_n_per_mm,relief_um,wavelength_mm,octaves,friction"
+    )?;
+    for t in &table.texture {
+        writeln!(
+            out,
+            "{},{},{},{},{},{},{}",
+            t.name,
+            t.trained,
+            t.stiffness_n_per_mm,
+            t.relief_um,
+            t.wavelength_mm,
+            t.octaves,
+            t.friction
+        )?;
+    }
+    Ok(())
+}
+
 /// Writes the ratings of a table as CSV: what training reads beside the recordings.
 ///
 /// # Errors
@@ -67,7 +93,14 @@ pub fn write_ratings(table: &TextureTable, out: &mut dyn Write) -> io::Result<()
         ..
     } in &table.texture
     {
-        let (hardness, roughness, friction) = (rated.hardness, rated.roughness, rated.friction);
+        let Some(Rated {
+            hardness,
+            roughness,
+            friction,
+        }) = rated
+        else {
+            continue;
+        };
         writeln!(out, "{name},{trained},{hardness},{roughness},{friction}")?;
     }
     Ok(())
@@ -94,29 +127,41 @@ pub fn encode<'a>(
     passed: impl Fn(f64),
 ) -> Result<Vec<Encoded<'a>>, Failure> {
     let encoder = model.encoder()?;
-    let mut room = encoder.room(1);
-    let length = encoder.window() * encoder.features();
     let mut encoded = Vec::with_capacity(all.len());
     for &(entry, ref recording) in all {
-        let values = features(model, recording)?;
-        if values.len() < length {
-            let found = format!("a model with windows of {}", encoder.window());
-            let expected = format!("expected windows of at most {} rows", recording.rows.len());
-            return Err(Failure::Input(format!(
-                "{expected}, the length of a stroke; found {found}"
-            )));
-        }
-        let mut latents = Vec::new();
-        for first in (0..=values.len() - length).step_by(HOP * encoder.features()) {
-            let z = encoder
-                .encode(&mut room, &values[first..first + length])
-                .map_err(|e| Failure::Input(format!("{}: {e}", entry.name)))?;
-            latents.push(z.to_vec());
-        }
+        let latents = latents((model, &encoder), recording)?;
         encoded.push(Encoded { entry, latents });
         passed(encoded.len() as f64 / all.len() as f64);
     }
     Ok(encoded)
+}
+
+/// The latent vector of every tenth window of a stroke, in the order of time.
+///
+/// # Errors
+/// As [`encode`].
+pub fn latents(
+    (model, encoder): (&TextureModel, &Encoder),
+    recording: &Recording,
+) -> Result<Vec<Vec<f32>>, Failure> {
+    let mut room = encoder.room(1);
+    let length = encoder.window() * encoder.features();
+    let values = features(model, recording)?;
+    if values.len() < length {
+        let found = format!("a model with windows of {}", encoder.window());
+        let expected = format!("expected windows of at most {} rows", recording.rows.len());
+        return Err(Failure::Input(format!(
+            "{expected}, the length of a stroke; found {found}"
+        )));
+    }
+    let firsts = (0..=values.len() - length).step_by(HOP * encoder.features());
+    let window = |first: usize| {
+        let z = encoder.encode(&mut room, &values[first..first + length]);
+        let stroke = recording.number;
+        z.map(<[f32]>::to_vec)
+            .map_err(|e| Failure::Input(format!("stroke {stroke}: {e}")))
+    };
+    firsts.map(window).collect()
 }
 
 /// A stroke as a model takes it: the readings that are its features, row after row.

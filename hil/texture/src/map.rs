@@ -172,40 +172,42 @@ pub struct Rank {
     pub unseen: f64,
 }
 
-/// How the two coordinates go with what the surfaces are like and how they are rated.
+/// How the two coordinates go with what the surfaces are like and, where all of them are, how they are rated.
 pub fn ranks(placed: &[Placed<'_>]) -> Vec<Rank> {
     type Coordinate = fn(&Spot) -> f64;
-    type Property = fn(&TextureEntry) -> f64;
+    type Property = fn(&TextureEntry) -> Option<f64>;
     let (x, y): (Coordinate, Coordinate) = (|spot| spot.mean.0, |spot| spot.mean.1);
     let rows: [(&str, Coordinate, Property); 6] = [
         ("x with the surface's roughness", x, |t| {
-            surface(t).drag_roughness()
+            Some(surface(t).drag_roughness())
         }),
-        ("x with the surface's friction", x, |t| t.friction),
+        ("x with the surface's friction", x, |t| Some(t.friction)),
         ("x with rated roughness and friction", x, |t| {
-            t.rated.roughness + t.rated.friction
+            t.rated.map(|r| r.roughness + r.friction)
         }),
         ("y with the surface's stiffness", y, |t| {
-            t.stiffness_n_per_mm
+            Some(t.stiffness_n_per_mm)
         }),
-        ("y with rated hardness", y, |t| t.rated.hardness),
+        ("y with rated hardness", y, |t| t.rated.map(|r| r.hardness)),
         ("x with the surface's stiffness", x, |t| {
-            t.stiffness_n_per_mm
+            Some(t.stiffness_n_per_mm)
         }),
     ];
     let rank = |(what, of, with): (&'static str, Coordinate, Property)| {
         let over = |unseen: bool| {
             let some = placed.iter().filter(|p| !(unseen && p.entry.trained));
-            let (a, b): (Vec<f64>, Vec<f64>) = some.map(|p| (of(&p.spot), with(p.entry))).unzip();
-            round(spearman(&a, &b))
+            let pairs = some.map(|p| Some((of(&p.spot), with(p.entry)?)));
+            let (a, b): (Vec<f64>, Vec<f64>) =
+                pairs.collect::<Option<Vec<_>>>()?.into_iter().unzip();
+            Some(round(spearman(&a, &b)))
         };
-        Rank {
+        Some(Rank {
             what,
-            all: over(false),
-            unseen: over(true),
-        }
+            all: over(false)?,
+            unseen: over(true)?,
+        })
     };
-    rows.map(rank).to_vec()
+    rows.into_iter().filter_map(rank).collect()
 }
 
 #[cfg(test)]

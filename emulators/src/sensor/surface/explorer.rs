@@ -8,7 +8,8 @@ use crate::time::Nanos;
 
 /// Samples of a recording: 2 s at 100 Hz, as in the thesis.
 pub const SAMPLES: usize = 200;
-const PERIOD: Nanos = Nanos(10_000_000);
+/// Length of a recording.
+const LENGTH: Nanos = Nanos(2_000_000_000);
 /// The module hangs in the air between two strokes for as long, so that nothing of the last is left.
 const PAUSE: Nanos = Nanos(500_000_000);
 
@@ -27,6 +28,7 @@ pub struct Explorer {
     habits: Habits,
     dead: Option<usize>,
     seed: u64,
+    period: Nanos,
     now: Nanos,
 }
 
@@ -42,23 +44,33 @@ impl Explorer {
             habits,
             dead,
             seed,
+            period: Nanos(LENGTH.0 / SAMPLES as u64),
             now: Nanos::ZERO,
         }
     }
 
+    /// The same with the taxels read at another rate, 1 to 1000 Hz, as no CAN board of the module does: what its silicone
+    /// lets through and 100 Hz do not.
+    #[must_use]
+    pub fn with_rate(self, hz: u32) -> Self {
+        let period = Nanos(1_000_000_000 / u64::from(hz.clamp(1, 1000)));
+        Self { period, ..self }
+    }
+
     /// Strokes once over `texture`, from just before the impact, for 2 s.
     pub fn stroke(&mut self, texture: &SurfaceTexture, number: u32) -> Recording {
-        let span = (self.now, SAMPLES as f64 * PERIOD.as_secs_f64());
+        let span = (self.now, LENGTH.as_secs_f64());
         let lag = self.module.config().mechanics.lag_s;
         let stroke = SurfaceStroke::new(texture, &self.habits, (self.seed, number), span, lag);
         self.module.touch(Box::new(stroke));
-        let mut rows = Vec::with_capacity(SAMPLES);
-        for _ in 0..SAMPLES {
+        let samples = LENGTH.0 / self.period.0;
+        let mut rows = Vec::with_capacity(samples as usize);
+        for _ in 0..samples {
             let mut row = Vec::new();
             self.module.sample(self.now, &mut row);
             self.silence(&mut row);
             rows.push(row);
-            self.now = self.now + PERIOD;
+            self.now = self.now + self.period;
         }
         self.now = self.now + PAUSE;
         Recording { number, rows }

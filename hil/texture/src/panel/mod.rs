@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use palpate_core::texture::RoughnessDriver;
 use palpate_emulators::person::panel::{Dimension, Panel, ScaleEnds, TRIALS};
-use palpate_emulators::sensor::surface::{Recording, SurfaceTexture};
+use palpate_emulators::sensor::surface::{Explorer, Habits, Recording, SurfaceTexture};
 use palpate_files::{Setup, TextureEntry, TextureModel, TextureTable};
 use palpate_run::Failure;
 use palpate_run::plan::surface;
@@ -33,7 +33,7 @@ pub struct Rated {
     pub name: String,
     /// Mean roughness of its trials in the model's range, 0 to 1: what (3.2) is driven by.
     pub driven: f64,
-    /// With the bare finger: hardness, roughness, friction. None of a recording, which nobody has touched.
+    /// With the bare finger: hardness, roughness, friction. None of a recording, whose surface no panel has touched.
     pub bare: Option<[Vec<u8>; 3]>,
     /// On the display: roughness, friction.
     pub display: [Vec<u8>; 2],
@@ -170,13 +170,13 @@ pub fn emulated(
     (setup, seed): (&Setup, u64),
     passed: impl Fn(f64),
 ) -> Result<Study, Failure> {
-    let strokes = explore_as(table, pairing, (TRIALS, seed), |_| ());
+    let mut explorer = Explorer::new(Habits::default(), table.dead_taxel, seed);
+    let strokes = explore_as((table, pairing), TRIALS, &mut explorer, |_| ());
     let of_texture = |(entry, strokes): (&TextureEntry, &[(&TextureEntry, Recording)])| {
-        let r = entry.rated;
         let source = |(_, stroke): &_| Source::of_stroke(model, &entry.name, stroke);
         Ok(Shows {
             name: entry.name.clone(),
-            rated: Some([r.hardness, r.roughness, r.friction]),
+            rated: entry.rated.map(|r| [r.hardness, r.roughness, r.friction]),
             sources: strokes.iter().map(source).collect::<Result<_, _>>()?,
         })
     };

@@ -51,7 +51,7 @@ impl Recordings {
             return icub(&blobs);
         }
         let mut tables = of("csv")?;
-        tables.retain(|(name, _)| name != "ratings");
+        tables.retain(|(name, _)| name != "ratings" && name != "materials");
         let mut columns = Vec::new();
         let mut all = Vec::new();
         for (name, path) in tables {

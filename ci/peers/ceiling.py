@@ -1,0 +1,90 @@
+"""What a second of the emulated module's readings says of a surface at best, by a strong ordinary learner.
+
+    ceiling.py FOLDER...
+
+Each folder is one of `hil texture strokes --varied`: recordings and materials.csv. Gradient boosting learns the logarithm of
+each property from spectra, deviations and the onset of one second, on materials marked `trained`, and is asked about the
+others. The figure is Spearman's rank correlation on those: window by window, and of the means over a material's windows.
+"""
+
+import csv
+import sys
+from pathlib import Path
+
+import numpy as np
+from scipy.stats import spearmanr
+from sklearn.ensemble import HistGradientBoostingRegressor
+
+SECONDS = 2.0  # of a recording
+PROPERTIES = ["relief_um", "wavelength_mm", "friction", "stiffness_n_per_mm"]
+BANDS = 12
+
+
+def spectrum(signal: np.ndarray, hz: float) -> np.ndarray:
+    """Logarithms of the power in bands from 1.5 Hz to half the rate, the mean over columns."""
+    window = np.hanning(len(signal))[:, None]
+    power = np.abs(np.fft.rfft((signal - signal.mean(0)) * window, axis=0)) ** 2
+    frequency = np.fft.rfftfreq(len(signal), 1 / hz)
+    edges = np.geomspace(1.5, hz / 2 + 1e-9, BANDS + 1)
+    bands = [power[(frequency >= a) & (frequency < b)] for a, b in zip(edges, edges[1:])]
+    return np.array([np.log10(b.mean() + 1) if b.size else 0.0 for b in bands])
+
+
+def features(rows: np.ndarray, rest: np.ndarray, hz: float) -> np.ndarray:
+    """Of one second, counts over rest: (samples, taxels, 3)."""
+    counts = rows - rest
+    whole = counts.sum(1)
+    normal = np.abs(whole[:, 2]) + 1.0
+    shear = np.hypot(whole[:, 0], whole[:, 1])
+    ratio = shear / normal
+    step = np.diff(whole, axis=0)
+    found = [normal.mean(), normal.std(), shear.mean(), shear.std(), np.median(ratio), ratio.std()]
+    found += [*np.percentile(ratio, [5, 25, 75, 95]), *np.abs(step).max(0), *step.std(0), *(step.std(0) / normal.mean())]
+    # The onset: how steep and how far it overshoots.
+    peak = int(normal.argmax())
+    found += [normal.max() / normal.mean(), peak / hz, np.argmax(normal > 0.1 * normal.max()) / hz]
+    relative = whole / normal[:, None]
+    for axis in range(3):
+        found += [*spectrum(whole[:, [axis]], hz), *spectrum(counts[:, :, axis], hz), *spectrum(1e4 * relative[:, [axis]], hz)]
+        found.append(counts[:, :, axis].std(1).mean())
+    return np.array(found)
+
+
+def main(folders: list[Path]) -> None:
+    print("rank correlation on unseen materials, window by window (mean of a material's windows)")
+    for folder in folders:
+        with open(folder / "materials.csv") as table:
+            materials = {row["label"]: row for row in csv.DictReader(table)}
+        hz = 0.0
+        data = {"impact": ([], []), "sliding": ([], [])}
+        for path in sorted(folder.glob("*_*.csv")):
+            rows = np.loadtxt(path, delimiter=",", skiprows=1)
+            hz = len(rows) / SECONDS
+            rows = rows.reshape(len(rows), -1, 3)
+            second, rest = len(rows) // 2, rows[0]
+            label = path.stem.rsplit("_", 1)[0]
+            for name, window in (("impact", rows[:second]), ("sliding", rows[second:])):
+                data[name][0].append(features(window, rest, hz))
+                data[name][1].append(label)
+        trained = sum(m["trained"] == "true" for m in materials.values())
+        print(f"\n{folder.name}: {hz:.0f} Hz, {trained} materials to learn from, {len(materials) - trained} unseen")
+        print(f"{'second':<10}" + "".join(f"{p:>22}" for p in PROPERTIES))
+        for name, (inputs, labels) in data.items():
+            x, labels = np.array(inputs), np.array(labels)
+            seen = np.array([materials[label]["trained"] == "true" for label in labels])
+            line = f"{name:<10}"
+            for key in PROPERTIES:
+                y = np.log([float(materials[label][key]) for label in labels])
+                learner = HistGradientBoostingRegressor(max_iter=400, learning_rate=0.05, random_state=1)
+                said = learner.fit(x[seen], y[seen]).predict(x[~seen])
+                truth, unseen = y[~seen], labels[~seen]
+                names = np.unique(unseen)
+                means = [said[unseen == n].mean() for n in names]
+                truths = [truth[unseen == n][0] for n in names]
+                one = spearmanr(said, truth).statistic
+                line += f"{one:>13.2f} ({spearmanr(means, truths).statistic:>5.2f}) "
+            print(line)
+
+
+if __name__ == "__main__":
+    main([Path(argument) for argument in sys.argv[1:]])

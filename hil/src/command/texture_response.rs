@@ -1,0 +1,145 @@
+//! `hil texture response` and `materials`: one property at a time.
+
+use std::io::{self, Write};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use palpate_files::{Format, TextureModel, load_textures};
+use palpate_run::Failure;
+use palpate_texture::response::{self, Coordinate};
+use palpate_texture::round;
+use palpate_texture::world::{self, Factor};
+use serde_json::json;
+
+use crate::cli::{MaterialsArgs, ResponseArgs};
+use crate::output::{Outputs, note, print};
+use crate::progress::Progress;
+
+/// Draws materials and writes their table.
+///
+/// # Errors
+/// More materials unseen than there are, a file that cannot be written.
+pub fn materials(args: &MaterialsArgs) -> Result<(), Failure> {
+    let (count, unseen) = (args.count as usize, args.unseen as usize);
+    if unseen > count {
+        return Err(Failure::Input(format!(
+            "--unseen {unseen}: expected at most --count, which is {count}"
+        )));
+    }
+    let materials = world::draw(count, args.seed);
+    let outputs = Outputs {
+        force: args.force,
+        inputs: &[],
+    };
+    outputs.write(&args.out, Format::Toml, |out| {
+        world::write_table(&materials, (unseen, args.seed), out)
+    })?;
+    let out = args.out.display();
+    note(&format!(
+        "{out}: {count} materials, {unseen} of them unseen; `hil texture strokes FOLDER --varied --textures {out}` strokes them"
+    ));
+    Ok(())
+}
+
+/// Prints what a model's coordinates make of each property.
+///
+/// # Errors
+/// A model that cannot be read or is not for a flat module.
+pub fn response(args: &ResponseArgs) -> Result<(), Failure> {
+    let model = TextureModel::open(&args.model)?;
+    let dead = load_textures("thesis")?.value.dead_taxel;
+    let shown = Progress::of_part("strokes");
+    let (done, all) = (AtomicU32::new(0), response::surfaces(args.materials));
+    let passed = || {
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        shown.part(f64::from(done) / f64::from(all));
+    };
+    let how = (args.strokes, args.materials as usize);
+    let found = response::response(&model, how, (dead, args.seed), passed)?;
+    drop(shown);
+    print(|out| match args.json {
+        true => {
+            let factors = Factor::ALL.map(Factor::name);
+            let whole = json!({"factors": factors, "coordinates": found});
+            writeln!(out, "{whole}")
+        }
+        false => tables(args, &found, out),
+    })
+}
+
+fn heading(factors: &[Factor], out: &mut dyn Write) -> io::Result<()> {
+    for factor in factors {
+        write!(out, " {:>10}", factor.name())?;
+    }
+    writeln!(out)
+}
+
+fn name(coordinate: &Coordinate) -> String {
+    let sign = if coordinate.sign < 0 { "-" } else { "" };
+    format!("{sign}z{} {}", coordinate.number, coordinate.stands_for)
+}
+
+fn tables(args: &ResponseArgs, found: &[Coordinate], out: &mut dyn Write) -> io::Result<()> {
+    writeln!(
+        out,
+        "One factor over its range, the others at a quarter, half and three quarters of theirs; {} emulated strokes each.",
+        args.strokes
+    )?;
+    write!(out, "\n{:<16}", "rank correlation")?;
+    heading(&Factor::ALL, out)?;
+    for coordinate in found {
+        write!(out, "{:<16}", name(coordinate))?;
+        for answer in coordinate.answers {
+            write!(out, " {:>10.2}", round(answer.rank))?;
+        }
+        writeln!(out)?;
+    }
+    write!(out, "\n{:<16}", "span, of whole")?;
+    heading(&Factor::ALL, out)?;
+    for coordinate in found {
+        write!(out, "{:<16}", name(coordinate))?;
+        for answer in coordinate.answers {
+            write!(out, " {:>10.2}", round(answer.span))?;
+        }
+        writeln!(out)?;
+    }
+    write!(out, "\n{:<16}", "crosstalk")?;
+    heading(&Factor::ALL, out)?;
+    for coordinate in found {
+        write!(out, "{:<16}", name(coordinate))?;
+        for factor in Factor::ALL {
+            match coordinate.crosstalk(factor) {
+                _ if factor == coordinate.own() => write!(out, " {:>10}", "own")?,
+                Some(share) => write!(out, " {:>10.2}", round(share))?,
+                None => write!(out, " {:>10}", "-")?,
+            }
+        }
+        writeln!(out)?;
+    }
+    if found.iter().all(|c| c.partial.is_none()) {
+        return Ok(());
+    }
+    write!(
+        out,
+        "\n{} materials with independent properties, force, speed and direction of each stroke drawn.\nPartial rank correlation, the other properties held, 95 % interval below it:\n\n{:<16}",
+        args.materials, ""
+    )?;
+    let wide = |text: &str| format!(" {text:>14}");
+    for factor in Factor::PROPERTIES {
+        write!(out, "{}", wide(factor.name()))?;
+    }
+    writeln!(out)?;
+    for coordinate in found {
+        let partial = coordinate.partial.unwrap_or_default();
+        write!(out, "{:<16}", name(coordinate))?;
+        for one in partial {
+            write!(out, "{}", wide(&format!("{:.2}", round(one.rank))))?;
+        }
+        write!(out, "\n{:<16}", "")?;
+        for one in partial {
+            let interval = format!("{:.2} to {:.2}", round(one.low), round(one.high));
+            write!(out, "{}", wide(&interval))?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}
