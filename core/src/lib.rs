@@ -15,6 +15,7 @@ pub mod contact;
 pub mod driver;
 pub mod guard;
 pub mod illusion;
+pub mod peltier;
 pub mod physics;
 // Its textures share a network between modules by `Arc`, which needs a processor that compares and swaps.
 #[cfg(target_has_atomic = "ptr")]

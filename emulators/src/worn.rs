@@ -2,6 +2,7 @@
 //! person who wears it. The counterpart of [`crate::sensor::rig`].
 
 mod rack;
+mod rise;
 mod wearing;
 
 pub use rack::Rack;
@@ -19,6 +20,7 @@ use crate::display::solver::record::Peaks;
 use crate::person::channels::{Felt, Person};
 use crate::time::Nanos;
 use rack::Connection;
+use rise::Rise;
 use wearing::Wearing;
 
 /// Tissue temperature from which everything starts, degrees C.
@@ -143,6 +145,8 @@ pub struct WornDisplay {
     flows: Option<Vec<Flow>>,
     /// Integrals of each wire's tissue temperature at past samples, for the mean.
     past: VecDeque<(Nanos, Vec<f64>)>,
+    /// A warm face under the wires, where there is one.
+    warmed: Option<Rise>,
 }
 
 impl WornDisplay {
@@ -192,6 +196,7 @@ impl WornDisplay {
             flowing: vec![(Nanos::ZERO, 0.0); config.wires.len()],
             flows: None,
             past: VecDeque::new(),
+            warmed: None,
         })
     }
 
@@ -339,13 +344,22 @@ impl WornDisplay {
             }
             self.past.push_back((now, integrals));
         }
-        worst.map(|peaks| ThermalSample {
+        let sample = worst.map(|peaks| ThermalSample {
             at: now,
             wire_c: peaks.wire_c,
             shallow_c: peaks.shallow_c,
             deep_c: peaks.deep_c,
             mean_c,
+        })?;
+        Some(match &mut self.warmed {
+            Some(rise) => rise.add(sample),
+            None => sample,
         })
+    }
+
+    /// From now on a face of this temperature, degrees C, is on the skin under the wires.
+    pub fn warm(&mut self, face_c: f64) {
+        self.warmed.get_or_insert_default().set(self.now, face_c);
     }
 
     /// Breaks or repairs the amplifier of a wire, now; a wire that is not there is left alone.
@@ -372,7 +386,11 @@ impl WornDisplay {
     /// Temperature of the tissue 0.1 mm deep under a wire now, degrees C; `None` if there is no such wire.
     pub fn tissue_c(&mut self, wire: usize) -> Option<f64> {
         let now = self.now;
-        self.worn.wires.get_mut(wire).map(|w| w.tissue(now).0)
+        let rise_k = self.warmed.as_ref().map_or(0.0, |rise| rise.k);
+        self.worn
+            .wires
+            .get_mut(wire)
+            .map(|w| w.tissue(now).0 + rise_k)
     }
 
     /// A person puts the display on, now: wires are felt from here on. Until the next [`WornDisplay::settle`] every stretch
@@ -440,6 +458,9 @@ impl WornDisplay {
             totals.dose.0 = totals.dose.0.max(dose.omega);
             totals.dose.1 = totals.dose.1.max(dose.cem43_min);
         }
-        totals
+        match &self.warmed {
+            Some(rise) => rise.total(totals),
+            None => totals,
+        }
     }
 }

@@ -10,12 +10,13 @@ use palpate_records::story::{COLUMNS, LINES, Story, SurfacePoint};
 use palpate_records::trace::{Driven, Event};
 use palpate_run::{Input, Outcome, run};
 
-/// A shipped scene on the default bench with the default seed; on a driver unit where it is about the network to one.
+/// A shipped scene on the default bench with the default seed; on a driver unit where it is about the network to one, on a
+/// Peltier module where it is about warmth.
 pub fn shipped(scene: &str) -> Outcome {
-    let bench = if scene.contains("wifi") {
-        "unit"
-    } else {
-        "emulated"
+    let bench = match scene {
+        _ if scene.contains("wifi") => "unit",
+        _ if scene.starts_with("warm") => "warm",
+        _ => "emulated",
     };
     run(&Setup::load(scene, bench).unwrap(), &Input::Scene, 1).unwrap()
 }
@@ -110,6 +111,7 @@ scenes! {
     texture_towel "texture-towel",
     texture_wood "texture-wood",
     two_finger_press "two-finger-press",
+    warm_materials "warm-materials",
     wifi_outage "wifi-outage",
 }
 

@@ -35,3 +35,4 @@ mod shared_boards;
 mod texture;
 mod tidy;
 mod unit;
+mod warmth;

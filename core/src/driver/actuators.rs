@@ -2,15 +2,16 @@
 
 use crate::guard::{Guarded, Observed};
 
-/// The driver unit that feeds the wires: accepts only what the guard has passed.
-pub trait Actuators {
+/// What feeds actuators of one kind: accepts only what their guard has passed. Wires take [`Guarded`], a Peltier module
+/// [`GuardedCurrent`](crate::peltier::GuardedCurrent).
+pub trait Actuators<U = Guarded> {
     /// What can go wrong on the actuator bus.
     type Error: core::fmt::Debug;
 
-    /// Puts a guarded update on the outputs of one board, all its channels together.
-    fn apply(&mut self, update: &Guarded) -> Result<(), Self::Error>;
+    /// Puts a guarded update on the outputs: of wires those of one board, all its channels together.
+    fn apply(&mut self, update: &U) -> Result<(), Self::Error>;
 
-    /// Switches every output of every board off. Needs no guard.
+    /// Switches every output off. Needs no guard.
     fn all_off(&mut self) -> Result<(), Self::Error>;
 }
 

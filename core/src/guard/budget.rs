@@ -84,7 +84,12 @@ impl Guard {
     }
 
     /// Energy, J, that each row of heat leaves a wire that is on between two times.
-    fn rooms(&self, wire: usize, at: Instant, off: Instant) -> Option<[(f64, Reason); 4]> {
+    pub(super) fn rooms(
+        &self,
+        wire: usize,
+        at: Instant,
+        off: Instant,
+    ) -> Option<[(f64, Reason); 4]> {
         let heat = self.heat.as_ref()?;
         let tissue = heat.tissues.get(wire)?;
         let booking = tissue.booking(at, off, self.plant.latency());

@@ -34,18 +34,26 @@ struct Round {
     dose: Dose,
     /// With less left than this, the guard would make the mean burst weaker.
     kept: DoseLimits,
+    /// What tissue is without a wire's heat, K above skin at rest.
+    rest_k: f64,
 }
 
-/// Tissue 0.1 mm deep, degrees C.
-fn shallow_c(energy: &Decays) -> f64 {
-    REST_C + LATENT_K[0] + dot(&SHALLOW, energy)
+/// Tissue 0.1 mm deep, degrees C, at so many kelvin above skin at rest without a wire's heat.
+fn shallow_c(energy: &Decays, rest_k: f64) -> f64 {
+    REST_C + rest_k + LATENT_K[0] + dot(&SHALLOW, energy)
 }
 
 impl Round {
-    fn of(bursts: &[Booked], period: Duration, energy: Decays, known: &mut Stretches) -> Self {
+    fn of(
+        (bursts, period): (&[Booked], Duration),
+        energy: Decays,
+        rest_k: f64,
+        known: &mut Stretches,
+    ) -> Self {
         let mut round = Self {
             energy,
-            dose: Dose::new(shallow_c(&energy)),
+            rest_k,
+            dose: Dose::new(shallow_c(&energy, rest_k)),
             kept: DoseLimits {
                 omega: 0.0,
                 cem43_min: 0.0,
@@ -65,7 +73,7 @@ impl Round {
                 .end(&round.energy, burst.energy_nj as f64 * 1e-9);
             round
                 .dose
-                .heat(shallow_c(&round.energy), span.as_secs_f64());
+                .heat(shallow_c(&round.energy, rest_k), span.as_secs_f64());
             let kept = round.dose.kept_back();
             round.kept.omega += kept.omega / bursts.len() as f64;
             round.kept.cem43_min += kept.cem43_min / bursts.len() as f64;
@@ -80,7 +88,8 @@ impl Round {
         while now < to {
             let span = to.since(now).min(stride);
             self.energy = known.of(span).end(&self.energy, 0.0);
-            self.dose.relax(shallow_c(&self.energy), span.as_secs_f64());
+            let shallow_c = shallow_c(&self.energy, self.rest_k);
+            self.dose.relax(shallow_c, span.as_secs_f64());
             now += span;
             stride = stride + stride;
         }
@@ -99,15 +108,17 @@ impl Guard {
 
     /// How long a session from rest may last in which a wire has these bursts again every `period`, in order of time:
     /// until so little of the dose is left that the guard would make the mean burst weaker. `None` where that takes `most`
-    /// or longer, and without thermal rows. Other rows are left out. The period counts from the first burst; one that is shorter than all of them is as long.
+    /// or longer, and without thermal rows. Tissue is taken to be as warm by a face as it ever was. Other rows are left out. The period counts from the first burst; one that is shorter than all of them is as long.
     pub fn lasts(&self, bursts: &[Booked], period: Duration, most: Duration) -> Option<Duration> {
         let begun = bursts.first()?.on;
         let all = bursts.iter().map(|b| b.off.since(begun)).max()?;
         let period = period.max(all).max(Duration::from_micros(1));
         let seconds = period.as_secs_f64();
-        let limits = self.heat.as_ref()?.budget.doses();
+        let heat = self.heat.as_ref()?;
+        let (limits, rest_k) = (heat.budget.doses(), heat.rest.most_k);
         let mut known = Stretches::new();
-        let first = Round::of(bursts, period, Decays::default(), &mut known);
+        let round = |energy, known: &mut _| Round::of((bursts, period), energy, rest_k, known);
+        let first = round(Decays::default(), &mut known);
         let energy = first.energy;
         let after = |rounds: u64| -> Decays {
             core::array::from_fn(|k| {
@@ -117,7 +128,7 @@ impl Guard {
         };
         let last = most.as_micros() / period.as_micros();
         // No round has more dose than a later one.
-        let hottest = Round::of(bursts, period, after(last), &mut known);
+        let hottest = round(after(last), &mut known);
         let (dose, kept, n) = (&hottest.dose, &hottest.kept, last as f64);
         if n * dose.omega + kept.omega <= limits.omega
             && n * dose.cem43_min + kept.cem43_min <= limits.cem43_min
@@ -128,7 +139,7 @@ impl Guard {
         let (mut omega, mut cem43_min) = (0.0, 0.0);
         while rounds <= last {
             let next = rounds + (rounds / 2).max(1);
-            let there = Round::of(bursts, period, after(next), &mut known);
+            let there = round(after(next), &mut known);
             let n = (next - rounds) as f64;
             // Rounds between the two are taken to differ evenly.
             let mean = |a: f64, b: f64| f64::midpoint(a, b);

@@ -13,6 +13,7 @@ mod limits;
 mod observed;
 mod plant;
 mod power;
+mod rest;
 mod table;
 mod thermal;
 mod used;
@@ -36,6 +37,7 @@ use crate::units::{Board, Channel, Duration, Instant, Prescale};
 
 use admission::{Burst, Passed};
 use power::{Bucket, Window};
+use rest::Rest;
 use thermal::{Budget, Tissue};
 use watchdog::Watchdog;
 
@@ -134,6 +136,7 @@ impl Heat {
             budget: Budget::new(limits),
             tissues: vec![Tissue::new(); wires].into(),
             predicted: Predicted::REST,
+            rest: Rest::default(),
         }
     }
 }
@@ -161,6 +164,8 @@ struct Heat {
     /// One per wire.
     tissues: Box<[Tissue]>,
     predicted: Predicted,
+    /// What tissue is without a wire's heat.
+    rest: Rest,
 }
 
 impl Guard {

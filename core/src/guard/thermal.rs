@@ -63,6 +63,10 @@ pub(super) struct Tissue {
     /// Time integral of the temperature above rest at 0.1 mm, K s, by bin of absolute time, the last one first.
     bins: [f64; BINS],
     dose: Dose,
+    /// How much warmer than skin at rest it is without its wire's heat, K; never less than zero.
+    pub(super) face_k: f64,
+    /// The same with what is wanted of the face: what bursts to come make room for.
+    pub(super) rest_k: f64,
 }
 
 /// A burst as the budget books it: uniform between two times.
@@ -189,6 +193,8 @@ impl Tissue {
             energy: [0.0; DECAYS],
             bins: [0.0; BINS],
             dose: Dose::new(REST_C + LATENT_K[0]),
+            face_k: 0.0,
+            rest_k: 0.0,
         }
     }
 
@@ -233,20 +239,21 @@ impl Tissue {
     /// By limit; of the dose, infinity where more is left than the peak allows to spend.
     fn rooms(&self, budget: &Budget, each: &Response, booking: Booking) -> [(f64, Reason); 4] {
         let old = Felt::new(&budget.felt, &each.stretch.end(&self.energy, 0.0));
-        let peak = (budget.peak_k - old.shallow) / each.felt.shallow;
+        let rest_k = self.rest_k;
+        let peak = (budget.peak_k - rest_k - old.shallow) / each.felt.shallow;
         let mut dose = f64::INFINITY;
         if !self.dose.leaves(&budget.dose, &budget.ample) {
-            let ceiling_k = self.dose.ceiling_c(&budget.dose) - REST_C - LATENT_K[0];
+            let ceiling_k = self.dose.ceiling_c(&budget.dose) - REST_C - LATENT_K[0] - rest_k;
             dose = (ceiling_k - old.shallow) / each.felt.shallow;
         }
-        let deep = (budget.deep_k - old.deep) / each.felt.deep;
+        let deep = (budget.deep_k - rest_k - old.deep) / each.felt.deep;
         let window_s = WINDOW.as_secs_f64();
         let so_far = each.stretch.integral(&self.energy, 0.0);
         let pasts = self.pasts(booking.until);
         let mut mean = f64::INFINITY;
         for ((past, ahead), more) in pasts.iter().zip(&old.ahead).zip(&each.integrals) {
             let spent = past + so_far + ahead;
-            mean = mean.min((budget.mean_k * window_s - spent) / more);
+            mean = mean.min(((budget.mean_k - rest_k) * window_s - spent) / more);
         }
         [
             (peak, Reason::SkinPeak),
@@ -265,29 +272,50 @@ impl Tissue {
             let part = until.since(self.at).as_secs_f64() / all;
             self.step(&mut budget.stretches, until, joules * part);
         }
+        self.to_come(budget)
+    }
+
+    /// What is predicted from what is booked if nothing more comes.
+    fn to_come(&self, budget: &Budget) -> Predicted {
         let felt = Felt::new(&budget.felt, &self.energy);
         let means = self.pasts(self.at).into_iter().zip(felt.ahead);
         let most = means.map(|(past, ahead)| past + ahead);
         let mean_k = most.fold(0.0, f64::max) / WINDOW.as_secs_f64();
+        let rest_c = REST_C + self.face_k;
         Predicted {
-            peak_c: REST_C + LATENT_K[0] + felt.shallow,
-            mean_c: REST_C + LATENT_K[1] + mean_k,
-            deep_c: REST_C + LATENT_K[2] + felt.deep,
+            peak_c: rest_c + LATENT_K[0] + felt.shallow,
+            mean_c: rest_c + LATENT_K[1] + mean_k,
+            deep_c: rest_c + LATENT_K[2] + felt.deep,
             omega: self.dose.omega,
             cem43_min: self.dose.cem43_min,
         }
+    }
+
+    /// What is predicted at `now` with a face so many kelvin above skin at rest, and the warmest that it may become, K,
+    /// so that what is booked keeps to the limits.
+    pub(super) fn bears(&self, budget: &Budget, now: Instant, face_k: f64) -> (Predicted, f64) {
+        let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
+        tissue.relax(&mut stretches, now);
+        tissue.face_k = face_k;
+        let predicted = tissue.to_come(budget);
+        let above = |c: f64, latent_k: f64| c - REST_C - latent_k - face_k;
+        let left = (budget.peak_k - above(predicted.peak_c, LATENT_K[0]))
+            .min(budget.deep_k - above(predicted.deep_c, LATENT_K[2]))
+            .min(budget.mean_k - above(predicted.mean_c, LATENT_K[1]));
+        (predicted, left)
     }
 
     /// Raises the rows of heat to their shares here at `now`, or where more is booked, at the end of that.
     pub(super) fn add_used(&self, budget: &Budget, now: Instant, used: &mut Used) {
         let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
         tissue.relax(&mut stretches, now);
-        let mean_k = tissue.pasts(tissue.at)[0] / WINDOW.as_secs_f64();
+        let rest_k = self.face_k;
+        let mean_k = rest_k + tissue.pasts(tissue.at)[0] / WINDOW.as_secs_f64();
         let raise = |row: &mut f64, part: f64, limit: f64| *row = row.max(part / limit);
         raise(&mut used.skin_mean, mean_k, budget.mean_k);
         let (shallow_k, deep_k) = (dot(&SHALLOW, &tissue.energy), dot(&DEEP, &tissue.energy));
-        raise(&mut used.skin_peak, shallow_k, budget.peak_k);
-        raise(&mut used.skin_deep, deep_k, budget.deep_k);
+        raise(&mut used.skin_peak, rest_k + shallow_k, budget.peak_k);
+        raise(&mut used.skin_deep, rest_k + deep_k, budget.deep_k);
         raise(&mut used.omega, tissue.dose.omega, budget.dose.omega);
         raise(
             &mut used.cem43,
@@ -326,7 +354,7 @@ impl Tissue {
     fn pass(&mut self, stretch: &Stretch, until: Instant, joules: f64) {
         self.energy = stretch.end(&self.energy, joules);
         self.at = until;
-        let shallow_c = REST_C + LATENT_K[0] + dot(&SHALLOW, &self.energy);
+        let shallow_c = REST_C + self.face_k + LATENT_K[0] + dot(&SHALLOW, &self.energy);
         if joules > 0.0 {
             self.dose.heat(shallow_c, stretch.seconds);
         } else {

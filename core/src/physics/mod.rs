@@ -6,9 +6,11 @@
 //! degrees Celsius.
 
 mod bow;
+mod peltier;
 mod play;
 
 pub use bow::{Bow, DEEPEST, Ends, Mount};
+pub use peltier::{PeltierParameters, Thermistor};
 pub use play::{MOST_BESIDE, Play};
 
 /// Zero of the Celsius scale, in kelvin.

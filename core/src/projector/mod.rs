@@ -8,6 +8,7 @@ mod sensing;
 mod strokes;
 mod texture;
 mod view;
+mod warm;
 mod weave;
 
 pub use crate::illusion::Target;
@@ -392,8 +393,7 @@ impl Projector {
         self.output.reset(now, actuators)
     }
 
-    /// The newest contacts that drive the display: with K_C over the whole skin all of them, else one
-    /// module's.
+    /// The newest contacts that drive the display: with K_C over the whole skin all of them, else one module's.
     fn ours(sensing: &Sensing, drives: u16) -> impl Iterator<Item = &Contact> + Clone {
         let compressor = sensing.compressor();
         let whole = compressor.settings().scope == Scope::Skin;

@@ -95,7 +95,7 @@ pub struct Output {
     renderer: Option<Renderer>,
     strokes: Strokes,
     texture: Option<Texture>,
-    guard: Guard,
+    pub(super) guard: Guard,
     /// Pulse width by wire; the same memory for every onset.
     widths: Box<[Ticks]>,
     /// How long each wire is on, where nothing else says.

@@ -5,6 +5,7 @@ pub mod finger;
 pub mod i2c;
 pub mod observed;
 pub mod pca9685;
+pub mod peltier;
 pub mod solver;
 pub mod wire;
 

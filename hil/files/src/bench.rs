@@ -1,6 +1,7 @@
 //! Benches: which hardware a scene runs on, and what drives its wires.
 
 mod displays;
+mod heat;
 mod unit;
 
 use std::path::{Path, PathBuf};
@@ -14,6 +15,7 @@ use super::layout::DisplayLayout;
 use super::mount::{BenchMount, BenchTissue};
 use super::source::Source;
 pub use displays::BenchDisplay;
+pub use heat::BenchHeat;
 pub use unit::{BenchUnit, Network};
 
 /// A bench. A file states what differs from [`Bench::default`], and its name and description.
@@ -52,6 +54,8 @@ pub struct Bench {
     /// A driver unit that has the chips, behind a network; left out: they hang on the host's own bus. Benches of one
     /// display only.
     pub unit: Option<BenchUnit>,
+    /// A Peltier module under the fingertip; left out: none.
+    pub heat: Option<BenchHeat>,
 }
 
 impl Default for Bench {
@@ -73,6 +77,7 @@ impl Default for Bench {
             outputs: Vec::new(),
             displays: Vec::new(),
             unit: None,
+            heat: None,
         }
     }
 }
@@ -355,6 +360,7 @@ impl Bench {
         bench.mount.check(source)?;
         bench.tissue.check(source)?;
         bench.check_unit(source)?;
+        bench.check_heat(source)?;
         bench.check_outputs(source, adapters)?;
         bench.join_displays(source, adapters)?;
         if bench.outputs.is_empty() {
@@ -389,6 +395,19 @@ impl Bench {
             return Err(source.bad("unit", "one display: a unit has a guard of one fingertip"));
         }
         unit.check(source)
+    }
+
+    fn check_heat(&self, source: &Source) -> Result<(), FileError> {
+        let Some(heat) = &self.heat else {
+            return Ok(());
+        };
+        let without = match (self.kind, &self.unit, self.displays.as_slice()) {
+            (BenchKind::Real, ..) => "an emulated bench: no driver of a real bridge is here",
+            (_, Some(_), _) => "no [unit]: its link carries no warmth",
+            (.., [_, ..]) => "one display: a module warms one fingertip",
+            _ => return heat.check(source),
+        };
+        Err(source.bad("heat", without))
     }
 
     /// How many I2C adapters there are, and whether the kind of bench has what it needs.

@@ -87,6 +87,14 @@ kinds! {
     LinkOutage = "link-outage" [] [],
     /// The network to a driver unit is that of a worse radio.
     LinkRough = "link-rough" [] [],
+    /// A lead of the thermistor in a Peltier module's face is broken.
+    FaceSensorOpen = "face-sensor-open" [] [],
+    /// The leads of that thermistor touch.
+    FaceSensorShort = "face-sensor-short" [] [],
+    /// The converter of a Peltier module's thermistors stands still.
+    FaceSensorStale = "face-sensor-stale" [] [],
+    /// A transistor of a Peltier module's bridge is shorted: it heats with all that its supply gives.
+    BridgeShorted = "bridge-shorted" [] [],
 }
 
 impl FaultKind {
@@ -109,6 +117,10 @@ impl FaultKind {
                 | K::OpenWire
                 | K::LinkOutage
                 | K::LinkRough
+                | K::FaceSensorOpen
+                | K::FaceSensorShort
+                | K::FaceSensorStale
+                | K::BridgeShorted
         )
     }
 }
@@ -153,6 +165,12 @@ pub struct Fault {
 }
 
 impl FaultKind {
+    /// Whether it happens to a Peltier module.
+    #[must_use]
+    pub fn is_of_heat(self) -> bool {
+        self >= Self::FaceSensorOpen
+    }
+
     /// Whether it happens to sensor boards or their buses.
     #[must_use]
     pub fn is_of_sensors(self) -> bool {

@@ -45,6 +45,7 @@ mod texture_model;
 mod times;
 mod touch;
 mod transducer;
+mod warmth;
 mod wire;
 mod wording;
 mod words;
@@ -58,8 +59,8 @@ mod tests;
 pub use activation::{ActivationFile, Both};
 pub use address::repeated_bus;
 pub use bench::{
-    Amplifier, Bench, BenchDisplay, BenchKind, BenchUnit, BenchWire, Drive, ExternalClock, Network,
-    Output, OutputEnable, Real,
+    Amplifier, Bench, BenchDisplay, BenchHeat, BenchKind, BenchUnit, BenchWire, Drive,
+    ExternalClock, Network, Output, OutputEnable, Real,
 };
 pub use check::{Checked, check, check_source, kind_of};
 pub use columns::{Columns, JOINT, Take};
@@ -100,5 +101,6 @@ pub use texture_model::{Layer, Tensor, TextureModel, model_file, taxel};
 pub use times::{DISORDER_US, LONGEST_US, OutOfTime, TimeColumn, TimeUnit, Times};
 pub use touch::{Force, HandSample, MOST_SAMPLES, Path, PathKind, Touch, TouchPoint, check_sample};
 pub use transducer::Transducer;
+pub use warmth::{SKIN_C, SceneMaterial, warmth_c};
 pub use wire::{AlloyFile, Electrical, Mechanical, ThermalValues, WireFile};
 pub use words::{axes_named, norm, scope};

@@ -13,6 +13,7 @@ use super::joint::{self, Joint};
 use super::source::Source;
 use super::stream::Stream;
 use super::touch::Touch;
+use super::warmth::SceneMaterial;
 use super::words::{self, choice};
 
 choice! { /** A sensor generation: its values at rest. */ Generation {
@@ -91,6 +92,8 @@ pub struct Scene {
     pub stream: Option<Stream>,
     /// What touches the skin; nothing if left out.
     pub touches: Vec<Touch>,
+    /// What is touched is made of, for a bench with a Peltier module; skin at rest where nothing is said.
+    pub materials: Vec<SceneMaterial>,
     /// Strokes over the display that are known beforehand; none if left out.
     pub strokes: Vec<SceneStroke>,
     /// The texture that is felt; none if left out.
@@ -126,6 +129,7 @@ impl Default for Scene {
             boards: Boards::default(),
             stream: None,
             touches: Vec::new(),
+            materials: Vec::new(),
             strokes: Vec::new(),
             texture: None,
             faults: Vec::new(),
@@ -303,6 +307,9 @@ impl Scene {
         }
         if let Some(texture) = &self.texture {
             texture.check(source, quiet_s, self.length_s)?;
+        }
+        for (index, material) in self.materials.iter().enumerate() {
+            material.check(source, &format!("materials[{index}]"), self.length_s)?;
         }
         let mut free_s = 0.0;
         for (index, stroke) in self.strokes.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! The words that settings files have for closed lists. Most lists are the core's, which knows no text format:
 //! the types here only say how its values are written.
 
-use palpate_core::{contact, illusion, physics, render, skin, texture};
+use palpate_core::{contact, illusion, peltier, physics, render, skin, texture};
 use serde::de::value::{Error, StrDeserializer};
 use serde::de::{Deserialize, Deserializer, IntoDeserializer};
 
@@ -77,6 +77,12 @@ words! { /** How the ends of a wire are held. */ Ends for "physics::Ends" {
     /** They cannot turn. */ Clamped = "clamped",
     /** They turn freely. */ Pinned = "pinned",
     /** They cannot turn, and the wire is pressed to its buckling load. */ Buckled = "buckled",
+}}
+words! { /** What a thing is made of. */ Material for "peltier::Material" {
+    /** Aluminium. */ Metal = "metal",
+    /** Soda-lime glass. */ Glass = "glass",
+    /** Pine. */ Wood = "wood",
+    /** Woven cotton. */ Cloth = "cloth",
 }}
 choice! { /** The axes that count. */ Axes {
     /** All three. */ Xyz = "xyz",

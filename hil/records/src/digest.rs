@@ -118,9 +118,14 @@ impl Sink {
             wires,
             displays,
             joints,
+            warmth,
         } = header;
         // What a run without joints comes to is what it came to before there were any.
         joints.iter().for_each(|name| self.text(name));
+        // The same of a run without a module.
+        if *warmth {
+            self.text("warmth");
+        }
         self.u32(VERSION);
         self.u8(match source {
             Source::Emulated => 0,
@@ -209,6 +214,7 @@ impl Sink {
             | Event::Felt { .. }
             | Event::Wire { .. }
             | Event::Skin { .. }
+            | Event::Face { .. }
             | Event::Note { .. } => self.came(event),
         }
     }
@@ -379,6 +385,20 @@ impl Sink {
                 self.u64(*t_us);
                 self.u16(*wire);
                 self.i32(*milli_c);
+            }
+            Event::Face {
+                t_us,
+                face_mc,
+                aim_mc,
+                sink_mc,
+                milliamps,
+            } => {
+                self.u8(15);
+                self.u64(*t_us);
+                self.i32(*face_mc);
+                self.option(*aim_mc, Self::i32);
+                self.i32(*sink_mc);
+                self.i32(*milliamps);
             }
             Event::Note { t_us, text } => {
                 self.u8(10);

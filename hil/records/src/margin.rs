@@ -33,10 +33,22 @@ pub enum Limited {
     Henriques,
     /// Minutes at 43 degrees C that would do the same.
     Cem43,
+    /// Warmest face of a Peltier module.
+    FaceWarm,
+    /// How far under skin at rest its coldest face was.
+    FaceCold,
+    /// Fastest change of its face.
+    FaceRamp,
+    /// Warmest sink.
+    Sink,
+    /// Most current through it.
+    PeltierCurrent,
 }
 
 /// The temperature at rest, from which the used part of a temperature limit counts: 33 degrees C.
 const REST_NANO: i64 = 33_000_000_000;
+/// The same of a sink: the air of a room.
+const ROOM_NANO: i64 = 25_000_000_000;
 
 impl Limited {
     /// Its name in tables and JSON.
@@ -56,6 +68,11 @@ impl Limited {
             Self::SkinDeep => "skin at 0.4 mm",
             Self::Henriques => "Henriques dose",
             Self::Cem43 => "dose, CEM43",
+            Self::FaceWarm => "face",
+            Self::FaceCold => "face, under rest",
+            Self::FaceRamp => "face, ramp",
+            Self::Sink => "sink",
+            Self::PeltierCurrent => "Peltier current",
         }
     }
 
@@ -70,8 +87,10 @@ impl Limited {
             | Self::FingertipPower1s
             | Self::FingertipPower60s
             | Self::HandPower60s => "mW",
-            Self::SupplyCurrent => "A",
-            Self::SkinMean | Self::SkinPeak | Self::SkinDeep => "C",
+            Self::SupplyCurrent | Self::PeltierCurrent => "A",
+            Self::SkinMean | Self::SkinPeak | Self::SkinDeep | Self::FaceWarm | Self::Sink => "C",
+            Self::FaceCold => "K",
+            Self::FaceRamp => "K/s",
             Self::Henriques => "Omega",
             Self::Cem43 => "min",
         }
@@ -80,7 +99,8 @@ impl Limited {
     /// Its value when nothing happens, in billionths of the unit.
     const fn rest_nano(self) -> i64 {
         match self {
-            Self::SkinMean | Self::SkinPeak | Self::SkinDeep => REST_NANO,
+            Self::SkinMean | Self::SkinPeak | Self::SkinDeep | Self::FaceWarm => REST_NANO,
+            Self::Sink => ROOM_NANO,
             _ => 0,
         }
     }

@@ -65,6 +65,7 @@ pub(crate) fn empty() -> Trace {
             wires,
             displays: Vec::new(),
             joints: Vec::new(),
+            warmth: false,
         },
         events: Vec::new(),
         ledger: Ledger::default(),

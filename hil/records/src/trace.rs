@@ -161,6 +161,8 @@ pub struct Header {
     pub displays: Vec<DisplayInfo>,
     /// Names of the joints whose angles are kept.
     pub joints: Vec<String>,
+    /// Whether a Peltier module is under the fingertip.
+    pub warmth: bool,
 }
 
 /// One of several displays: a fingertip.
@@ -278,6 +280,19 @@ pub enum Event {
         /// Thousandths of a degree Celsius.
         milli_c: i32,
     },
+    /// A Peltier module under the fingertip.
+    Face {
+        /// When.
+        t_us: u64,
+        /// Its face on the skin, thousandths of a degree Celsius.
+        face_mc: i32,
+        /// What the face is to be now, thousandths of a degree Celsius; `None` while nothing is driven.
+        aim_mc: Option<i32>,
+        /// Its sink, thousandths of a degree Celsius.
+        sink_mc: i32,
+        /// Its current, mA; positive cools the face.
+        milliamps: i32,
+    },
     /// A joint's angle when a scan ended.
     Joint {
         /// End of the scan.
@@ -321,6 +336,7 @@ impl Event {
             | Self::Felt { t_us, .. }
             | Self::Wire { t_us, .. }
             | Self::Skin { t_us, .. }
+            | Self::Face { t_us, .. }
             | Self::Joint { t_us, .. }
             | Self::Latent { t_us, .. }
             | Self::Note { t_us, .. } => t_us.saturating_mul(1000),

@@ -80,6 +80,10 @@ impl<W: Write> Vcd<W> {
             }
             writeln!(out, "$upscope $end")?;
         }
+        let face = Code(header.wires.len() * KINDS);
+        if header.warmth {
+            writeln!(out, "$var real 64 {face} face_celsius $end")?;
+        }
         writeln!(out, "$upscope $end\n$enddefinitions $end\n#0\n$dumpvars")?;
         for wire in 0..header.wires.len() {
             if emulated {
@@ -133,6 +137,11 @@ impl<W: Write> Vcd<W> {
                 }
                 Event::Wire { wire, milli_c, .. } => self.celsius(t_ns, wire, WIRE_C, milli_c)?,
                 Event::Skin { wire, milli_c, .. } => self.celsius(t_ns, wire, SKIN_C, milli_c)?,
+                Event::Face { face_mc, .. } => {
+                    let face = Code(self.outputs.len() * KINDS);
+                    self.time(t_ns)?;
+                    writeln!(self.out, "r{} {face}", milli(face_mc.into()))?;
+                }
                 _ => {}
             }
         }

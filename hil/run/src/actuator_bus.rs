@@ -97,6 +97,7 @@ impl ActuatorBus {
                 drive: self.drive,
                 place: &self.place,
                 unit: None,
+                heat: None,
             }),
         };
         if last {

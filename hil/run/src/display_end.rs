@@ -1,31 +1,31 @@
 //! The display end of a run: boards behind a bus, the line that cuts them, and what hangs on their outputs.
 
 use palpate_core::driver::{DriverError, Traffic};
-use palpate_core::illusion::DisplayWire;
-use palpate_core::physics::ParameterError;
 use palpate_core::projector::{LoopError, Projector};
 use palpate_core::skin::SkinSource;
 use palpate_core::units::{Board, Duration, Instant, Prescale};
-use palpate_emulators::display::amplifier::AmplifierConfig;
-use palpate_emulators::display::amplifier::supply::SupplySource;
+use palpate_emulators::display::i2c::I2cHandle;
 use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
-use palpate_emulators::display::i2c::{BusClock, I2cHandle};
 use palpate_emulators::display::observed::RegisterWriter;
 use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
-use palpate_emulators::worn::{DisplayConfig, OutputEdge, ThermalSample, WirePlace, WornDisplay};
-use palpate_files::{Bench, Drive, Setup};
+use palpate_emulators::worn::{OutputEdge, ThermalSample, WornDisplay};
+use palpate_files::{Drive, Setup};
 use palpate_records::i2c::Transfer;
+use palpate_records::margin::Margin;
 use palpate_records::trace::{Event, Header};
 
 use crate::Keep;
 use crate::actuator_bus::ActuatorBus;
+pub use crate::assembled::emulated;
+use crate::assembled::{config, no_bench};
 use crate::band::{Band, FeltBand};
 use crate::boards;
 pub use crate::driver::{Driver, OutputEnable};
 use crate::effects::{Faultable, FaultyDisplay};
 use crate::failure::Failure;
 use crate::feel::{FullDrive, feel, sample_wires};
+use crate::heat::{EmulatedHeat, HeatReport};
 use crate::margins::Currents;
 use crate::place::Place;
 use crate::plan;
@@ -134,6 +134,8 @@ pub struct EmulatedDisplay {
     band: Option<Band>,
     /// What flowed.
     currents: Currents,
+    /// A Peltier module under the fingertip, where the bench has one.
+    heat: Option<EmulatedHeat>,
 }
 
 impl EmulatedDisplay {
@@ -203,6 +205,7 @@ impl EmulatedDisplay {
             summary: false,
             band: None,
             currents: Currents::new(projector.display().wires().len()),
+            heat: EmulatedHeat::of(setup),
             display,
             i2c,
         })
@@ -283,6 +286,9 @@ impl EmulatedDisplay {
         recorder: &mut Recorder,
     ) -> Result<(), Failure> {
         self.score(projector, recorder);
+        if let Some(heat) = &mut self.heat {
+            heat.off();
+        }
         let mut until = Nanos::from(end) + Nanos(2 * self.prescale.period_ns());
         if self.driver.unit().is_some() {
             // Whatever the network does to the last datagram, the unit is off by then.
@@ -316,12 +322,28 @@ impl EmulatedDisplay {
         self.pass(until, events)
     }
 
+    /// What came of the Peltier module, where the bench has one.
+    pub fn heat(&self) -> Option<HeatReport> {
+        self.heat.as_ref().map(EmulatedHeat::report)
+    }
+
+    /// The margins of that module.
+    pub(crate) fn heat_margins(&self) -> Vec<Margin> {
+        self.heat
+            .as_ref()
+            .map_or_else(Vec::new, EmulatedHeat::margins)
+    }
+
     /// What came of the bench's driver unit, where it has one.
     pub fn unit(&mut self) -> Option<UnitReport> {
         self.driver.unit().map(|unit| unit.report())
     }
 
     fn pass(&mut self, until: Nanos, events: &mut Vec<Event>) -> Result<(), Failure> {
+        if let Some(heat) = &mut self.heat {
+            heat.advance(until);
+            self.display.warm(heat.face_c());
+        }
         let advanced = self.display.advance(until, &mut |e| events.push(edge(&e)));
         advanced.map_err(|e| Failure::Device(e.to_string()))
     }
@@ -353,6 +375,9 @@ impl DisplayEnd for EmulatedDisplay {
         skin: &mut S,
         recorder: &mut Recorder,
     ) -> Result<bool, LoopError<S::Error, DriverError>> {
+        if let Some(heat) = &mut self.heat {
+            heat.turn(now, projector, &mut recorder.events);
+        }
         match &mut self.writer {
             Some(writer) => projector.observe(now, skin, writer, recorder),
             None => {
@@ -401,6 +426,7 @@ impl DisplayEnd for EmulatedDisplay {
                 drive: self.drive,
                 place: &self.place,
                 unit: self.driver.unit(),
+                heat: self.heat.as_mut().map(EmulatedHeat::module),
             }),
         };
         if last {
@@ -438,53 +464,5 @@ const fn edge(e: &OutputEdge) -> Event {
         board: e.board,
         channel: e.channel,
         high: e.high,
-    }
-}
-
-/// The emulated display of a bench: its chips and amplifiers, `wires` on a finger.
-///
-/// # Errors
-/// [`Failure::Input`] for a bench that cannot be.
-pub fn emulated(setup: &Setup, wires: &[DisplayWire]) -> Result<WornDisplay, Failure> {
-    let bench = &setup.bench.value;
-    let display = WornDisplay::new(&config(setup, wires)).map_err(no_bench(bench))?;
-    // Refused only from inside another look at the segment, and there is none here.
-    let _ = display.bus().with(|segment| {
-        let chips = segment.chips_mut().iter_mut();
-        chips.for_each(|chip| chip.set_external_clock(Nanos::ZERO, bench.drive.external_hz()));
-    });
-    Ok(display)
-}
-
-fn no_bench(bench: &Bench) -> impl Fn(ParameterError) -> Failure {
-    move |e| Failure::Input(format!("bench `{}`: {e}", bench.name))
-}
-
-/// How a bench's display is built, with `wires` on a finger.
-fn config(setup: &Setup, wires: &[DisplayWire]) -> DisplayConfig {
-    let bench = &setup.bench.value;
-    let place = |w: &DisplayWire| WirePlace {
-        at: w.place,
-        board: w.board.0,
-        channel: w.channel.0,
-    };
-    DisplayConfig {
-        boards: plan::boards(bench)
-            .into_iter()
-            .map(|a| (a, bench.drive.oscillator))
-            .collect(),
-        wires: wires.iter().map(place).collect(),
-        amplifier: AmplifierConfig {
-            current: plan::milliamps(bench.drive.current_ma),
-            rise: Nanos((bench.amplifier.rise_us * 1e3).round() as u64),
-            on_ohm: bench.amplifier.on_ohm,
-        },
-        source: SupplySource {
-            volts: bench.amplifier.supply_v.unwrap_or(f64::INFINITY),
-            ohm: bench.amplifier.supply_ohm,
-        },
-        wire: plan::wire(setup),
-        tissue: bench.tissue.parameters(),
-        clock: BusClock::Fast,
     }
 }

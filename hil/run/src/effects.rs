@@ -6,6 +6,7 @@ use palpate_core::units::Instant;
 use palpate_emulators::display::i2c::I2cHandle;
 use palpate_emulators::display::i2c::fault::{I2cFaultKind, Shared};
 use palpate_emulators::display::pca9685::Pca9685;
+use palpate_emulators::display::peltier::{Peltier, SensorDefect};
 use palpate_emulators::sensor::can::faults::{Counts, Effect, Faulty, Rule};
 use palpate_emulators::sensor::rig::Handle;
 use palpate_emulators::time::Nanos;
@@ -38,6 +39,8 @@ pub struct FaultyDisplay<'a> {
     pub place: &'a Place,
     /// The driver unit and its network, where the bench has one.
     pub unit: Option<&'a mut RemoteUnit>,
+    /// The Peltier module, where the bench has one.
+    pub heat: Option<&'a mut Peltier>,
 }
 
 /// What a fault does to identifiers.
@@ -85,6 +88,25 @@ pub(super) const fn i2c_kind(kind: FaultKind) -> Option<I2cFaultKind> {
         FaultKind::I2cStuck => Some(I2cFaultKind::StuckBus),
         _ => None,
     }
+}
+
+/// Does a fault to the Peltier module of the display, or mends it; whether it has one.
+pub(super) fn on_module(bench: &mut Faultable<'_>, kind: FaultKind, begins: bool) -> bool {
+    let module = bench.display.as_mut().and_then(|d| d.heat.as_deref_mut());
+    let Some(module) = module else {
+        return false;
+    };
+    let defect = match kind {
+        FaultKind::FaceSensorOpen => SensorDefect::Open,
+        FaultKind::FaceSensorShort => SensorDefect::Short,
+        FaultKind::FaceSensorStale => SensorDefect::Stale,
+        _ => {
+            module.set_shorted(begins);
+            return begins;
+        }
+    };
+    module.set_sensor(begins.then_some(defect));
+    begins
 }
 
 /// How much a kind has hit so far, where a layer counts it.

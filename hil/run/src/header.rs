@@ -85,5 +85,6 @@ pub fn header(setup: &Setup, seed: u64, projector: &Projector) -> Result<Header,
         wires: projector.display().wires().iter().map(wire).collect(),
         displays: Vec::new(),
         joints: scene.joints.iter().map(|j| j.name.clone()).collect(),
+        warmth: bench.heat.is_some(),
     })
 }

@@ -9,6 +9,7 @@
 
 mod activations;
 mod actuator_bus;
+mod assembled;
 mod band;
 mod boards;
 pub mod design;
@@ -22,6 +23,7 @@ mod finder;
 mod fingers;
 mod hand;
 mod header;
+mod heat;
 pub mod identify;
 pub mod join;
 mod levels;
@@ -61,6 +63,7 @@ pub use finder::{Finder, Search};
 pub use fingers::Fingers;
 pub use hand::Hand;
 pub use header::{attachments, header};
+pub use heat::HeatReport;
 pub use levels::{Intensities, dynamic_levels};
 pub use live::{EmulatedSession, EmulatedSkin, FedSession, press};
 pub use numbers::{joined_header, whole_boards};

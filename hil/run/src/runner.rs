@@ -15,6 +15,7 @@ use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::Handle;
 use palpate_files::Setup;
 use palpate_records::felt::FeltPath;
+use palpate_records::margin::sort;
 use palpate_records::readings::Readings;
 use palpate_records::trace::{Header, Ledger};
 
@@ -303,10 +304,13 @@ impl Run<'_> {
             totals: &totals,
         };
         let limits = projector.guard().limits();
+        let mut margins = margins::margins(&course, limits);
+        margins.extend(display.heat_margins());
+        sort(&mut margins);
         let ledger = Ledger {
             energy_uj: (totals.electrical_j * 1e6).round() as u64,
             hottest_wire: milli_c(totals.hottest_wire.0).map(|t| (t, totals.hottest_wire.1 as u16)),
-            margins: margins::margins(&course, limits),
+            margins,
             length_us: end.as_micros(),
             ..Ledger::default()
         };
@@ -319,6 +323,7 @@ impl Run<'_> {
         effort.finish(projector, recorder);
         summary.faults = display.faults();
         summary.unit = display.unit();
+        summary.heat = display.heat();
         summary.felt.asked = AskedLevel::of(&setup.scene.value, projector);
         if summary.felt.level_db.is_some_and(|l| l.median < 0.0) {
             let missing = -plan::strongest(setup, projector)?;

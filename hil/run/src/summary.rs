@@ -18,6 +18,7 @@ use super::script::FaultReport;
 use super::session::Session;
 use super::skin_end::SkinEnd;
 use crate::band::FeltBand;
+use crate::heat::HeatReport;
 use crate::path_error::PathError;
 use crate::plan;
 use crate::unit::UnitReport;
@@ -307,6 +308,8 @@ pub struct Summary {
     /// A driver unit and its link; left out where the host has the boards.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<UnitReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub heat: Option<HeatReport>,
     /// How a real run kept its time; null for an emulated one.
     pub pacing: Option<Pacing>,
     /// The CAN interfaces of a real run.
@@ -486,6 +489,7 @@ impl Summary {
             margins: ledger.margins.clone(),
             displays: Vec::new(),
             unit: None,
+            heat: None,
             pacing: None,
             can: Vec::new(),
             frames_not_recorded: 0,

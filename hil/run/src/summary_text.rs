@@ -275,6 +275,7 @@ impl Summary {
             );
             lines.push(line("records", lost));
         }
+        lines.extend(self.heat.as_ref().map(|h| line("warmth", h.words())));
         lines.extend(self.unit.as_ref().map(|u| line("unit", u.words())));
         lines.extend(self.pacing.as_ref().map(|p| line("pacing", p.words())));
         let fault = self.faults.iter();

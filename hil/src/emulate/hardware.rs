@@ -119,6 +119,7 @@ impl<'a> Hardware<'a> {
                     drive: self.setup.bench.value.drive,
                     place: &self.place,
                     unit: None,
+                    heat: None,
                 }),
             },
             &mut events,

@@ -70,6 +70,16 @@ fn benches() {
                 "f.toml:13: drive.oscillator: expected a number from 0.9999 to 1.0001, found 1.001",
             ),
             (
+                "oscillator = 1.0",
+                "oscillator = 1.0\n[heat]\nair_c = 50.0",
+                "f.toml:15: heat.air_c: expected a number from 0 to 40 C, found 50.0",
+            ),
+            (
+                "oscillator = 1.0",
+                "oscillator = 1.0\n[unit]\nnetwork = \"wifi\"\n[heat]\nair_c = 20.0",
+                "f.toml:16: heat: expected no [unit]: its link carries no warmth, found [heat]",
+            ),
+            (
                 "alloy = \"low\"",
                 "alloy = 7",
                 "f.toml:7: wire.alloy: expected a string, found 7",

@@ -127,6 +127,7 @@ impl<W: Write> McapRecording<W> {
             log: 0,
             wires: Vec::new(),
             joints: Vec::new(),
+            face: None,
             scene,
             period_ns: header.pre_scale.period_ns(),
             outputs: header.wires.iter().map(|w| (w.board, w.channel)).collect(),
@@ -146,6 +147,10 @@ impl<W: Write> McapRecording<W> {
                 run.joints
                     .push(container.channel(id, &format!("/joints/{name}"))?);
             }
+        }
+        if header.warmth {
+            let id = container.schema(&schema::FACE.full_name(), &schema::FACE.descriptor())?;
+            run.face = Some(container.channel(id, "/face")?);
         }
         recording.run = Some(run);
         Ok(recording)
@@ -301,9 +306,11 @@ impl<W: Write> McapRecording<W> {
             Event::Schedule(_) | Event::PreScale { .. } | Event::AllOff { .. } => {
                 run.told(event, message)
             }
-            Event::Edge { .. } | Event::Felt { .. } | Event::Wire { .. } | Event::Skin { .. } => {
-                run.came(event, message)
-            }
+            Event::Edge { .. }
+            | Event::Felt { .. }
+            | Event::Wire { .. }
+            | Event::Skin { .. }
+            | Event::Face { .. } => run.came(event, message),
             Event::Latent { .. } | Event::Note { .. } => None,
         };
         if let Some(channel) = channel {

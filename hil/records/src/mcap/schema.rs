@@ -154,7 +154,19 @@ pub const JOINT: Schema = Schema {
     fields: &[("degrees", Double)],
 };
 
-/// All of the package but what a recording has for each module and of joints.
+/// A Peltier module under the fingertip; in a recording of a run with one. NaN where nothing is aimed at, and a current
+/// that cools is positive.
+pub const FACE: Schema = Schema {
+    name: "Face",
+    fields: &[
+        ("celsius", Double),
+        ("aim_celsius", Double),
+        ("sink_celsius", Double),
+        ("ampere", Double),
+    ],
+};
+
+/// All of the package but what a recording has for each module, of joints and of a Peltier module.
 pub const ALL: [Schema; 10] = [
     CAN,
     FRAME,

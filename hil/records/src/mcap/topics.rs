@@ -26,6 +26,8 @@ pub(super) struct RunTopics {
     pub wires: Vec<WireTopics>,
     /// Of each joint.
     pub joints: Vec<u16>,
+    /// Of a Peltier module.
+    pub face: Option<u16>,
     pub scene: Scene,
     /// PWM period of all boards, nanoseconds.
     pub period_ns: u64,
@@ -178,6 +180,20 @@ impl RunTopics {
             Event::Skin { wire, milli_c, .. } => {
                 message.double(1, f64::from(*milli_c) / 1e3);
                 self.of_wire(*wire).map(|w| w.skin)
+            }
+            Event::Face {
+                face_mc,
+                aim_mc,
+                sink_mc,
+                milliamps,
+                ..
+            } => {
+                message
+                    .double(1, f64::from(*face_mc) / 1e3)
+                    .double(2, aim_mc.map_or(f64::NAN, |mc| f64::from(mc) / 1e3))
+                    .double(3, f64::from(*sink_mc) / 1e3)
+                    .double(4, f64::from(*milliamps) / 1e3);
+                self.face
             }
             _ => None,
         }

@@ -4,6 +4,7 @@
 //! The figures follow the thesis's 5.5: the contact path (A), contacts and time per frame against
 //! frames (B), the felt path (C); then wire temperatures and the schedule as a strip chart.
 
+mod face;
 mod figures;
 mod hand;
 mod paths;
@@ -75,6 +76,7 @@ pub fn report_html(trace: &Trace, extras: &ReportExtras<'_>) -> String {
     tables::verdict(&mut page, trace, extras.conclusion);
     tables::facts(&mut page, trace, extras.made);
     thermal::section(&mut page, trace, extras.warmth);
+    face::section(&mut page, trace);
     let [pad, display] = figures::planes(&mut page, trace);
     figures::frames(&mut page, trace, extras);
     texture::section(&mut page, trace);

@@ -135,6 +135,7 @@ pub fn read_schedule(
             wires,
             displays: Vec::new(),
             joints: Vec::new(),
+            warmth: false,
         },
         events,
         ledger: Ledger {

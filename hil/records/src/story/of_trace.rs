@@ -72,6 +72,7 @@ impl Story {
                 .head
                 .push(head(&format!("energy {name} inside the display"), [piece]));
         }
+        story.head.extend(face(trace));
         story.chart = strip::schedule(trace);
         story.happenings = happenings(trace).iter().map(to_the_line).collect();
         story.figures = figures(trace);
@@ -155,6 +156,27 @@ fn head<const N: usize>(label: &str, pieces: [String; N]) -> HeadLine {
         label: label.to_owned(),
         pieces: pieces.map(|p| p.trim_end().to_owned()).into(),
     }
+}
+
+/// What a Peltier module's face was, if there is one.
+fn face(trace: &Trace) -> Option<HeadLine> {
+    let faces = trace.events.iter().filter_map(|event| match event {
+        Event::Face {
+            face_mc, sink_mc, ..
+        } => Some((*face_mc, *sink_mc)),
+        _ => None,
+    });
+    let celsius = |mc: i32| format!("{} C", milli(i64::from(mc)));
+    let (coldest, warmest) = (faces.clone().min()?.0, faces.clone().max()?.0);
+    let sink = faces.map(|face| face.1).max()?;
+    Some(head(
+        "face",
+        [
+            format!("coldest {}", celsius(coldest)),
+            format!("warmest {}", celsius(warmest)),
+            format!("sink at most {}", celsius(sink)),
+        ],
+    ))
 }
 
 /// A name out of a file: on one line, without what parts the pieces of a header.

@@ -1,0 +1,154 @@
+//! Tests of `rest.rs`.
+
+use super::super::{Limits, Plant};
+use super::*;
+use crate::guard::HARD;
+use crate::guard::thermal::Tissue;
+use crate::illusion::DisplayWire;
+use crate::schedule::Stimulus;
+use crate::units::{Board, Channel, Milliamps, Point, Ticks};
+use alloc::vec::Vec;
+use proptest::prelude::*;
+
+fn guard() -> Guard {
+    let wire = |n: u8| DisplayWire {
+        place: Point::new(9.0 * f32::from(n), 0.0),
+        board: Board(0),
+        channel: Channel(n),
+    };
+    Guard::new(HARD, Plant::default(), &[wire(0), wire(1)]).unwrap()
+}
+
+fn at_ms(ms: u64) -> Instant {
+    Instant::from_micros(1000 * ms)
+}
+
+/// Mean power, mW, that the rows of heat leave a wire over the ten seconds from `from` on.
+fn ten_seconds_mw(guard: &Guard, from: Instant) -> [f64; 4] {
+    let rooms = guard.rooms(0, from, from + Duration::from_millis(10_000));
+    rooms.unwrap().map(|(joules, _)| joules * 100.0)
+}
+
+/// The values of the model that the face is coupled by: in the worst corner a milliwatt over ten seconds warms tissue by
+/// 0.35 K at its end and by 0.294 K in the mean. The guard's own sums lie above both, so it leaves less.
+#[test]
+fn a_warm_face_leaves_a_wire_what_the_worst_corner_bears() {
+    for face_c in [33.0, 35.0, 38.0, 40.0] {
+        let mut guard = guard();
+        guard.warm(Instant::ZERO, face_c, face_c);
+        let [peak, _, _, mean] = ten_seconds_mw(&guard, at_ms(20));
+        let (peak_mw, mean_mw) = ((43.0 - face_c) / 0.35, (41.0 - face_c) / 0.294);
+        assert!(
+            peak <= peak_mw && peak > 0.8 * peak_mw,
+            "{face_c}: {peak} of {peak_mw}"
+        );
+        assert!(
+            mean <= mean_mw && mean > 0.6 * mean_mw,
+            "{face_c}: {mean} of {mean_mw}"
+        );
+    }
+    let mut guard = guard();
+    guard.warm(Instant::ZERO, 41.0, 41.0);
+    assert!(ten_seconds_mw(&guard, at_ms(20))[3] < 0.0);
+}
+
+#[test]
+fn a_cold_face_changes_nothing_and_a_warm_one_is_remembered() {
+    let plain = ten_seconds_mw(&guard(), at_ms(20));
+    let mut cold = guard();
+    cold.warm(Instant::ZERO, 15.0, 15.0);
+    assert_eq!(ten_seconds_mw(&cold, at_ms(20)), plain);
+    let mut warm = guard();
+    warm.warm(Instant::ZERO, 38.0, 33.0);
+    for second in 1..=13 {
+        warm.warm(at_ms(1000 * second), 33.0, 33.0);
+        assert!(ten_seconds_mw(&warm, at_ms(20))[0] < plain[0], "{second}");
+    }
+    warm.warm(at_ms(14_000), 33.0, 33.0);
+    assert_eq!(ten_seconds_mw(&warm, at_ms(20)), plain);
+}
+
+#[test]
+fn what_is_no_number_leaves_nothing() {
+    let mut guard = guard();
+    guard.warm(Instant::ZERO, f64::NAN, 33.0);
+    assert!(
+        ten_seconds_mw(&guard, at_ms(20))
+            .iter()
+            .all(|mw| *mw <= 0.0)
+    );
+}
+
+#[test]
+fn a_guard_without_thermal_rows_bears_no_warm_face() {
+    let wire = [DisplayWire {
+        place: Point::new(0.0, 0.0),
+        board: Board(0),
+        channel: Channel(0),
+    }];
+    let mut guard = Guard::last_word(HARD, Plant::default(), &wire, false).unwrap();
+    assert_eq!(guard.warm(Instant::ZERO, 38.0, 40.0), 33.0);
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    after_ms: u64,
+    width: u16,
+    length_ms: u64,
+    face_c: f64,
+}
+
+fn steps() -> impl Strategy<Value = Vec<Step>> {
+    let step = (5_u64..900, 0_u16..400, 1_u64..60, 10.0..45.0_f64);
+    let step = step.prop_map(|(after_ms, width, length_ms, face_c)| Step {
+        after_ms,
+        width,
+        length_ms,
+        face_c,
+    });
+    prop::collection::vec(step, 1..60)
+}
+
+proptest! {
+    /// The wires' rules are never loosened by a face: of the same past, no stimulus passes wider or longer with a face than
+    /// without one; and a face that keeps to what [`Guard::warm`] returns passes no limit with what is booked.
+    #[test]
+    fn a_face_never_loosens_a_rule(steps in steps()) {
+        let mut guard = guard();
+        let (mut now, mut face_c) = (Instant::ZERO, 33.0_f64);
+        let limits: Limits = HARD;
+        for step in steps {
+            now += Duration::from_millis(step.after_ms);
+            let ceiling_c = guard.warm(now, face_c, step.face_c.min(41.0));
+            // As fast as the face may, no warmer than the guard bears.
+            let most = 3e-3 * step.after_ms as f64;
+            face_c += (step.face_c.min(ceiling_c) - face_c).clamp(-most, most);
+            guard.warm(now, face_c, step.face_c.min(41.0));
+            let stimulus = Stimulus {
+                wire: 0,
+                width: Ticks::new(step.width),
+                peak: Milliamps(990),
+                at: now,
+                until: now + Duration::from_millis(step.length_ms),
+            };
+            // Of the same past, as if no face had ever been.
+            let mut without = guard.clone();
+            if let Some(heat) = &mut without.heat {
+                let cold = |t: &mut Tissue| (t.face_k, t.rest_k) = (0.0, 0.0);
+                heat.tissues.iter_mut().for_each(cold);
+            }
+            let (mut with_it, mut free) = (None, None);
+            without.admit(now, Board(0), &[stimulus], |entry| free = Some(entry));
+            guard.admit(now, Board(0), &[stimulus], |entry| with_it = Some(entry));
+            let (with_it, free) = (with_it.unwrap(), free.unwrap());
+            prop_assert!(with_it.width() <= free.width());
+            prop_assert!(with_it.until <= free.until);
+            now = stimulus.until;
+            guard.expire(now, Board(0));
+            let predicted = guard.predicted();
+            prop_assert!(predicted.peak_c <= limits.skin_peak_mc as f64 * 1e-3 + 1e-6);
+            prop_assert!(predicted.mean_c <= limits.skin_mean_mc as f64 * 1e-3 + 1e-6);
+            prop_assert!(predicted.deep_c <= limits.skin_deep_mc as f64 * 1e-3 + 1e-6);
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Warmth on the fingertip: a Peltier module under the wires as a second kind of actuator.
+//!
+//! A [`Regulator`] takes a reading of two thermistors and the temperature that shall be felt, and returns a current that
+//! its guard has passed ([`GuardedCurrent`]). A driver of an H-bridge takes nothing else:
+//! [`Actuators`](crate::driver::Actuators)`<GuardedCurrent>`. Positive current cools the face.
+//!
+//! What the face does to the wires' budget is the wires' guard's to say: [`Guard::warm`](crate::guard::Guard::warm).
+
+mod control;
+mod guard;
+mod material;
+mod thermistor;
+
+pub use guard::{GuardedCurrent, LIMITS, PeltierLimits, PeltierReason, UNCERTAINTY_K};
+pub use material::{Material, SKIN_EFFUSIVITY};
+pub use thermistor::SensorFault;
+
+use crate::physics::{PeltierParameters, Thermistor};
+use crate::units::{Duration, Instant};
+
+use control::Control;
+use guard::CurrentGuard;
+
+/// Between two turns of a regulator: 100 Hz.
+pub const PERIOD: Duration = Duration::from_millis(10);
+/// How fast what is aimed at moves, K/s: the ramp row leaves a fifth to overshoot.
+const SLEW_K_S: f64 = 2.4;
+/// How far from a limit of the face nothing is aimed at, K.
+const CLEAR_K: f64 = 1.0;
+
+/// Both thermistors, converted together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reading {
+    /// When.
+    pub at: Instant,
+    /// Code of the face's.
+    pub face: u16,
+    /// Code of the sink's.
+    pub sink: u16,
+}
+
+/// What is asked of the face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wanted {
+    /// The temperature to be felt, degrees C.
+    pub face_c: f64,
+    /// The warmest that the wires bear now, degrees C: what [`Guard::warm`](crate::guard::Guard::warm) returned.
+    pub ceiling_c: f64,
+}
+
+/// A turn of the regulator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Regulated {
+    /// What the driver is to set.
+    pub update: GuardedCurrent,
+    /// The face, degrees C, led by the thermistor's lag; `None` where no sensor tells it.
+    pub face_c: Option<f64>,
+    /// What is aimed at now, degrees C; `None` where nothing is.
+    pub aim_c: Option<f64>,
+    /// Why the current is not the one that the control asked for.
+    pub reason: Option<PeltierReason>,
+}
+
+/// PI control of the face behind its guard. No clock, no memory but its own.
+#[derive(Clone, Debug)]
+pub struct Regulator {
+    control: Control,
+    guard: CurrentGuard,
+    aim_c: Option<f64>,
+    turned: Option<Instant>,
+}
+
+impl Regulator {
+    /// A regulator of this module, off.
+    pub fn new(parameters: PeltierParameters, thermistor: Thermistor) -> Self {
+        Self {
+            control: Control::new(parameters),
+            guard: CurrentGuard::new(parameters, thermistor),
+            aim_c: None,
+            turned: None,
+        }
+    }
+
+    /// When the next turn is due.
+    pub fn next(&self) -> Instant {
+        self.turned.map_or(Instant::ZERO, |at| at + PERIOD)
+    }
+
+    /// The warmest that the face can be now, degrees C, as far as the thermistor's lag and error go. Where no sensor tells
+    /// it nothing flows, and it is what it was last, or what a sink at its limit makes of it.
+    pub fn warmest_c(&self) -> f64 {
+        self.guard.warmest_c()
+    }
+
+    /// Looks at a reading, the newest there is.
+    pub fn see(&mut self, now: Instant, reading: &Reading) {
+        self.guard.see(now, reading);
+    }
+
+    /// A turn with what was seen last; without anything `wanted` it switches off.
+    pub fn turn(&mut self, now: Instant, wanted: Option<Wanted>) -> Regulated {
+        let passed_s = self.turned.map_or(PERIOD, |at| now.since(at)).as_secs_f64();
+        self.turned = Some(now);
+        let seen = self.guard.seen();
+        let (Some(seen), Some(wanted)) = (seen, wanted) else {
+            self.aim_c = None;
+            self.control.reset();
+            let reason = match seen {
+                Some(_) => PeltierReason::Off,
+                None => self
+                    .guard
+                    .fault()
+                    .map_or(PeltierReason::Off, PeltierReason::Sensor),
+            };
+            return Regulated {
+                update: self.guard.off(now),
+                face_c: seen.map(|seen| seen.face_c),
+                aim_c: None,
+                reason: Some(reason),
+            };
+        };
+        let [low, high] = LIMITS.face_c;
+        let end_c = wanted.face_c.min(wanted.ceiling_c);
+        let end_c = end_c.clamp(low + CLEAR_K, high - CLEAR_K);
+        let from_c = self.aim_c.unwrap_or(seen.face_c);
+        let most = SLEW_K_S * passed_s;
+        let step = (end_c - from_c).clamp(-most, most);
+        let aim_c = from_c + step;
+        self.aim_c = Some(aim_c);
+        let asked = self
+            .control
+            .current(&seen, aim_c, step / passed_s.max(1e-6));
+        let (update, reason) = self.guard.admit(now, asked);
+        self.control.learn(asked, update.amps(), passed_s);
+        Regulated {
+            update,
+            face_c: Some(seen.face_c),
+            aim_c: Some(aim_c),
+            reason,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

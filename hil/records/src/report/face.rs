@@ -1,0 +1,91 @@
+//! A Peltier module over time: what its face was to be and was, its sink and its current.
+
+use super::figures::line_key;
+use super::scale::Scale;
+use super::series::span;
+use super::timeplot::TimePlot;
+use crate::margin::{Limited, Margin};
+use crate::measure::length_us;
+use crate::trace::{Event, Trace};
+use std::fmt::Write;
+
+/// The module at an instant: microseconds, face, aim and sink in degrees C, current in A.
+struct Sample {
+    t_us: u64,
+    face_c: f64,
+    aim_c: f64,
+    sink_c: f64,
+    ampere: f64,
+}
+
+fn samples(trace: &Trace) -> Vec<Sample> {
+    let milli = |value: i32| f64::from(value) / 1e3;
+    let events = trace.events.iter();
+    events
+        .filter_map(|event| match event {
+            Event::Face {
+                t_us,
+                face_mc,
+                aim_mc,
+                sink_mc,
+                milliamps,
+            } => Some(Sample {
+                t_us: *t_us,
+                face_c: milli(*face_mc),
+                aim_c: aim_mc.map_or(f64::NAN, milli),
+                sink_c: milli(*sink_mc),
+                ampere: milli(*milliamps),
+            }),
+            _ => None,
+        })
+        .collect()
+}
+
+/// The section; nothing where there is no module.
+pub(super) fn section(page: &mut String, trace: &Trace) {
+    let samples = samples(trace);
+    if samples.len() < 2 {
+        return;
+    }
+    let whole = (0, length_us(trace));
+    let temperatures = samples.iter().flat_map(|s| [s.face_c, s.sink_c]);
+    let limit = trace.ledger.margin(Limited::FaceWarm).map(Margin::limit);
+    let (low, high) = span(temperatures.chain(limit));
+    let label = "Temperatures of the Peltier module against time";
+    let mut upper = TimePlot::new(
+        label,
+        "\u{b0}C",
+        230.0,
+        whole,
+        Scale::round(low, high + 0.5),
+    );
+    upper.y_axis("Peltier module [\u{b0}C]");
+    limit
+        .into_iter()
+        .for_each(|c| upper.bound(c, "bound", "face"));
+    let mut legend = String::new();
+    type Of = fn(&Sample) -> f64;
+    let lines: [(Of, &str, &str); 3] = [
+        (|s| s.aim_c, "series w1", "aimed at"),
+        (|s| s.face_c, "series w0", "face on the skin"),
+        (|s| s.sink_c, "series w2", "sink"),
+    ];
+    for (of, class, name) in lines {
+        upper.line(name, class, samples.iter().map(|s| (s.t_us, of(s))));
+        line_key(&mut legend, class, name);
+    }
+    let (low, high) = span(samples.iter().map(|s| s.ampere).chain([-0.1, 0.1]));
+    let label = "Current of the Peltier module against time";
+    let mut lower = TimePlot::new(label, "A", 110.0, whole, Scale::round(low, high));
+    lower.y_axis("current [A], positive cools");
+    let points = samples.iter().map(|s| (s.t_us, s.ampere));
+    lower.line("current", "series w0", points);
+    let _ = writeln!(
+        page,
+        "<section><h2>Warmth: the face of the Peltier module</h2><p class=\"sub\">What is touched is warm or cold to \
+         the finger by its material. A touch with nothing said of it is at skin temperature.</p>\n{}{}\
+         <div class=\"legend\">{legend}</div></section>",
+        upper.finish(2, ""),
+        lower.named().finish(3, "")
+    );
+}
