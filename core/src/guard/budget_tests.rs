@@ -193,6 +193,20 @@ proptest! {
 }
 
 #[test]
+fn at_rest_a_second_has_what_the_rows_of_one_second_say() {
+    let rows = guard(HARD, 990).second_uw(0, Instant::ZERO).unwrap();
+    let power = [
+        (Reason::WirePower, HARD.wire_1s_uw),
+        (Reason::FingertipPower, HARD.fingertip_1s_uw),
+    ];
+    for ((row, uw), (named, limit)) in rows[4..].iter().zip(power) {
+        assert_eq!(*row, named);
+        // One bucket serves both windows, so it has a little less than either.
+        assert!(*uw <= limit && *uw > limit - limit / 20, "{row:?}: {uw}");
+    }
+}
+
+#[test]
 fn heat_that_flows_evenly_for_a_second_ends_at_the_limit() {
     for tight in [1, 2, 3] {
         let mut guard = guard(limits(tight), 990);
