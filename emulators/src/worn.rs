@@ -205,6 +205,11 @@ impl WornDisplay {
         self.chips.bus()
     }
 
+    /// How far its bus is: a transaction carries it beyond the time of the displays on it.
+    pub fn bus_now(&self) -> Nanos {
+        self.chips.bus_now()
+    }
+
     /// Cuts the OE lines of its boards, or lets go of them. A board that displays share drives once none holds it cut.
     pub fn set_outputs(&self, now: Nanos, enabled: bool) {
         self.chips.set_outputs(now, enabled);

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::units::Point;
+use crate::units::{Duration, Point};
 
 /// A law that makes one touch felt between wires.
 ///
@@ -11,6 +11,12 @@ use crate::units::Point;
 pub trait Illusion: fmt::Debug + Send + Sync {
     /// Writes the activation of every wire, by its index, for a contact at `at` (display mm).
     fn activate(&self, at: Point, out: &mut [f32]);
+
+    /// How long a wire is on at the next onset, where the law says so; else as long as every stimulus.
+    fn lasts(&self, wire: usize) -> Option<Duration> {
+        let _ = wire;
+        None
+    }
 }
 
 /// Why a law does not fit a display, or its settings a law.

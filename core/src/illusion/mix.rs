@@ -3,7 +3,7 @@
 use alloc::boxed::Box;
 use alloc::vec;
 
-use crate::units::Point;
+use crate::units::{Duration, Point};
 
 use super::law::Illusion;
 
@@ -70,6 +70,13 @@ impl Mixer {
         }
         let turn = (onset % targets.len() as u64) as usize;
         &targets[turn..=turn]
+    }
+
+    /// How long every wire is on at the next onset: `otherwise` where the law does not say.
+    pub fn last(&self, out: &mut [Duration], otherwise: Duration) {
+        for (wire, length) in out.iter_mut().enumerate() {
+            *length = self.illusion.lasts(wire).unwrap_or(otherwise);
+        }
     }
 
     /// Weighted activation of every wire, by its index, for contacts at once.

@@ -476,6 +476,7 @@ impl Output {
         for (wire, (width, &a)) in self.widths.iter_mut().zip(activation).enumerate() {
             *width = self.drive.width(self.calibration.apply(wire, a));
         }
+        self.mixer.last(&mut self.lengths, self.timing.duration);
     }
 
     /// Stimuli of the active wires of one board; returns how many.

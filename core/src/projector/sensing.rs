@@ -30,6 +30,8 @@ struct Pipeline {
     masked: bool,
     /// Each taxel's condition as it was last reported.
     conditions: Box<[Condition]>,
+    /// Modules of which [`Self::is_used_whole`] holds as long as nothing that it looks at changes.
+    used_whole: Box<[bool]>,
     drives: u16,
     frames: u32,
     /// Time of the newest frame that was compressed.
@@ -52,9 +54,8 @@ pub(super) struct Sensing {
 impl Pipeline {
     fn frame(&mut self, scan: &Scan, module: u16, layout: &Layout, observer: &mut impl Observer) {
         self.watch_for_new_board(usize::from(module), layout);
-        let range = layout.range(usize::from(module));
         let well = self.monitor.observe_module(scan, usize::from(module));
-        if !(well && self.is_used_whole(range)) {
+        if !(well && self.is_used_whole(usize::from(module), layout)) {
             self.examine(scan.at(), usize::from(module), layout, observer);
         }
         if let Some(texture) = &mut self.texture {
@@ -75,6 +76,7 @@ impl Pipeline {
         if !self.masked {
             self.baseline.mask(&mut self.relative);
             self.masked = true;
+            self.used_whole.fill(false);
         }
         let advanced = self.baseline.advance(scan, &mut self.relative);
         let compressed = advanced.and_then(|news| {
@@ -107,12 +109,24 @@ impl Pipeline {
             && conditions.contains(&Condition::Dead)
         {
             self.baseline.restart(module);
+            self.used_whole.fill(false);
         }
     }
 
     /// Whether nothing is left to do for taxels that are well: they were, and are left out only where the
     /// baseline says so.
-    fn is_used_whole(&self, range: Range<usize>) -> bool {
+    fn is_used_whole(&mut self, module: usize, layout: &Layout) -> bool {
+        // A baseline that takes a module's reference anew changes by itself what may be used.
+        let settled = !self.baseline.is_restarting();
+        if settled && self.used_whole[module] {
+            return true;
+        }
+        let is_used = self.looks_used_whole(layout.range(module));
+        self.used_whole[module] = settled && is_used;
+        is_used
+    }
+
+    fn looks_used_whole(&self, range: Range<usize>) -> bool {
         let conditions = self.conditions[range.clone()].iter();
         let well = |c: &Condition| (*c == Condition::Good) | (*c == Condition::Inactive);
         let (used, usable) = (self.relative.usable(), self.baseline.usable());
@@ -130,6 +144,7 @@ impl Pipeline {
         observer: &mut impl Observer,
     ) {
         let range = layout.range(module);
+        self.used_whole[module] = false;
         let mut still = true;
         for i in range.clone() {
             let condition = self.monitor.condition(i, now);
@@ -183,6 +198,7 @@ impl Sensing {
                         }
                     })
                     .collect(),
+                used_whole: alloc::vec![false; layout.modules().len()].into(),
                 drives,
                 frames: 0,
                 newest: None,

@@ -375,6 +375,10 @@ impl Baseline {
         }
     }
 
+    /// Whether a module is starting over.
+    pub(crate) const fn is_restarting(&self) -> bool {
+        self.restarting
+    }
     /// Whether the reference follows drift.
     pub fn follows_drift(&self) -> bool {
         self.settings.drift.is_some()

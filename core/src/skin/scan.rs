@@ -31,6 +31,8 @@ pub struct Scan {
     counts: Vec<[u16; 3]>,
     seen: Vec<bool>,
     fresh: Vec<bool>,
+    /// The modules whose newest scan had every taxel.
+    whole: Vec<bool>,
 }
 
 impl Scan {
@@ -42,6 +44,7 @@ impl Scan {
             counts: alloc::vec![[0; 3]; n],
             seen: alloc::vec![false; n],
             fresh: alloc::vec![false; n],
+            whole: alloc::vec![false; layout.modules().len()],
         }
     }
 
@@ -60,6 +63,7 @@ impl Scan {
         self.counts.copy_from_slice(counts);
         self.seen.fill(true);
         self.fresh.fill(true);
+        self.whole.fill(true);
         Ok(())
     }
 
@@ -91,11 +95,15 @@ impl Scan {
         let partial = scan
             .fresh
             .filter(|f| !f.iter().fold(true, |all, fresh| all & fresh));
+        let was_whole = &mut self.whole[usize::from(module)];
+        let before = core::mem::replace(was_whole, partial.is_none());
         match partial {
             None => {
                 counts.copy_from_slice(scan.counts);
-                seen.fill(true);
-                fresh.fill(true);
+                if !before {
+                    seen.fill(true);
+                    fresh.fill(true);
+                }
             }
             Some(flags) => {
                 fresh.copy_from_slice(flags);
@@ -107,6 +115,11 @@ impl Scan {
         }
         self.at = self.at.max(scan.at);
         Ok(())
+    }
+
+    /// Whether every taxel of a module was in its newest scan.
+    pub(super) fn is_whole(&self, module: usize) -> bool {
+        self.whole.get(module).is_some_and(|whole| *whole)
     }
 
     /// When the newest reading in it was received.

@@ -198,21 +198,34 @@ impl Handle {
     /// The oldest frame over all buses with the end of the frame on the wire; of two received at once the
     /// one from the lower bus.
     pub fn receive_at(&mut self) -> Option<(Nanos, Received)> {
-        let mut buses = self.lock();
-        let waiting = buses.iter().enumerate();
-        let oldest = waiting
-            .filter_map(|(n, bus)| Some((bus.segment.received_at(bus.host)?, n)))
-            .min();
-        let (_, n) = oldest?;
-        let bus = buses.get_mut(n)?;
-        let (at, frame) = bus.segment.receive(bus.host)?;
-        let received = Received {
-            at: Instant::from_micros(at.as_micros()),
-            bus: n as u8,
-            frame,
-        };
-        Some((at, received))
+        oldest(&mut self.lock())
     }
+
+    /// Every frame that [`Self::receive_at`] would return, in its order. `take` must not use this handle or a clone of it:
+    /// it would wait for itself.
+    pub fn receive_all_at(&mut self, take: &mut impl FnMut(Nanos, &Received)) {
+        let mut buses = self.lock();
+        while let Some((at, received)) = oldest(&mut buses) {
+            take(at, &received);
+        }
+    }
+}
+
+/// The oldest frame that a host has yet to read.
+fn oldest(buses: &mut [SkinBus]) -> Option<(Nanos, Received)> {
+    let waiting = buses.iter().enumerate();
+    let oldest = waiting
+        .filter_map(|(n, bus)| Some((bus.segment.received_at(bus.host)?, n)))
+        .min();
+    let (_, n) = oldest?;
+    let bus = buses.get_mut(n)?;
+    let (at, frame) = bus.segment.receive(bus.host)?;
+    let received = Received {
+        at: Instant::from_micros(at.as_micros()),
+        bus: n as u8,
+        frame,
+    };
+    Some((at, received))
 }
 
 impl CanBus for Handle {

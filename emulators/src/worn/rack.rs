@@ -118,6 +118,13 @@ impl Connection {
         self.rack.bus()
     }
 
+    /// How far a transaction has carried the bus.
+    pub(super) fn bus_now(&self) -> Nanos {
+        let shelf = self.rack.shelf();
+        // Refused only from inside another look at the segment, and there is none here.
+        shelf.i2c.with(|segment| segment.now()).unwrap_or_default()
+    }
+
     /// Lets time pass until `to`, and takes the edges of its own outputs until then, in the order of time, with its own
     /// numbers of the chips. What a transaction has carried a chip through beyond `to` comes later.
     ///

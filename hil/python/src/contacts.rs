@@ -1,5 +1,6 @@
 //! Compression alone: the contacts of rows of raw counts, as `hil contacts` finds them.
 
+use std::borrow::Cow;
 use std::sync::{Mutex, PoisonError};
 
 use palpate_core::contact::{Contact, LevelTable, Settings};
@@ -112,6 +113,14 @@ impl Wanted {
     }
 }
 
+/// Bytes as the values that they are of: as they lie there, which Python's do, else in a copy.
+fn values<T: bytemuck::Pod>(bytes: &[u8]) -> Cow<'_, [T]> {
+    match bytemuck::try_cast_slice(bytes) {
+        Ok(values) => Cow::Borrowed(values),
+        Err(_) => Cow::Owned(bytemuck::pod_collect_to_vec(bytes)),
+    }
+}
+
 #[pymethods]
 impl Finder {
     /// For recordings of this skin.
@@ -149,8 +158,7 @@ impl Finder {
 
     /// Goes through rows: bytes of their times (u64, microseconds) and of their counts (u16).
     fn rows(&self, py: Python<'_>, times: &[u8], counts: &[u8]) -> PyResult<()> {
-        let times: Vec<u64> = bytemuck::pod_collect_to_vec(times);
-        let counts: Vec<u16> = bytemuck::pod_collect_to_vec(counts);
+        let (times, counts) = (values::<u64>(times), values::<u16>(counts));
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let state = &mut *state;
         free(py, || {

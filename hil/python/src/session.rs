@@ -257,11 +257,17 @@ impl State {
         Ok(())
     }
 
-    fn activate(&self, values: &[f32]) -> Result<(), Failure> {
-        let own = self.activations.as_ref().ok_or_else(|| {
+    fn activate(&self, values: &[f32], pulses: Option<&[u8]>) -> Result<(), Failure> {
+        let own = self.own()?;
+        own.set(values)?;
+        own.set_pulses(pulses)
+    }
+
+    fn own(&self) -> Result<&Activations, Failure> {
+        let own = self.activations.as_ref();
+        own.ok_or_else(|| {
             input("Loop.activate: expected illusion=\"own\", found the scene's illusion")
-        })?;
-        own.set(values)
+        })
     }
 
     /// What was felt of the newest onset until now is all that is told of it.
@@ -422,9 +428,14 @@ impl Loop {
         self.within(py, |state| state.touch(module, &presses))
     }
 
-    /// Of each wire its activation from the next onset on.
-    fn activate(&self, py: Python<'_>, values: Vec<f32>) -> PyResult<()> {
-        self.within(py, |state| state.activate(&values))
+    /// Of each wire its activation from the next onset on, and its pulses.
+    fn activate(&self, py: Python<'_>, values: Vec<f32>, pulses: Option<Vec<u8>>) -> PyResult<()> {
+        self.within(py, |state| state.activate(&values, pulses.as_deref()))
+    }
+
+    /// The most pulses of a wire at an onset.
+    fn most_pulses(&self, py: Python<'_>) -> PyResult<u8> {
+        self.within(py, |state| Ok(state.own()?.most_pulses()))
     }
 
     /// Ends what is felt of the newest onset, and hands out what happened.

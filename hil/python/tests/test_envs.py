@@ -59,6 +59,25 @@ def test_gymnasium_finds_and_accepts_it() -> None:
     env.close()
 
 
+def test_pulse_patterns_are_an_action() -> None:
+    env = gymnasium.make("palpate/Felt-v0", steps=5, action="pulses")
+    assert env.action_space.shape == (2, 8)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env.unwrapped, skip_render_check=True)
+    env.close()
+    levels = []
+    for part in (0.0, 0.5, 1.0):
+        made = np.stack([np.full(8, 0.2), np.full(8, part)]).astype(np.float32)
+        _, infos = episode(Felt(steps=5, action="pulses"), lambda _, made=made: made, 5)
+        levels.append([info["level_db"] for info in infos])
+    few, some, most = (float(np.median(level)) for level in levels)
+    assert few < some < most
+    # The most is what an action without pulses gives.
+    _, infos = episode(Felt(steps=5), lambda _: np.full(8, 0.2, np.float32), 5)
+    assert [info["level_db"] for info in infos] == levels[2]
+
+
 def test_the_same_seed_is_the_same_episode() -> None:
     env = Felt(steps=8)
     ones = lambda _: np.ones(8, np.float32)  # noqa: E731
@@ -87,6 +106,7 @@ def test_a_renderer_that_looks_is_better_than_none_and_than_chance() -> None:
     [
         ({"layout": "allegro"}, "one module"),
         ({"steps": 0}, "steps"),
+        ({"action": "widths"}, "action"),
         ({"reach_mm": float("nan")}, "reach_mm"),
         ({"heat_mm_per_c": -1.0}, "heat_mm_per_c"),
     ],
@@ -102,6 +122,9 @@ def test_activations_are_checked() -> None:
         for values in ([0.5] * 7, [2.0] * 8, [-0.1] * 8, [np.nan] * 8, [[0.5] * 8]):
             with pytest.raises(palpate.InputError, match="activations"):
                 loop.activate(values)
+        for pulses in ([1] * 7, [0] * 8, [8] * 8, [1.5] * 8, 3):
+            with pytest.raises(palpate.InputError, match="pulses"):
+                loop.activate([0.5] * 8, pulses)
     with pytest.raises(palpate.InputError, match="balanced"):
         Loop("uskin-4x4", skin="emulated", illusion="own")
     with pytest.raises(palpate.InputError, match="skin"):

@@ -158,6 +158,16 @@ impl<B: CanBus> CanBus for Tap<B> {
         Ok(received)
     }
 
+    fn receive_all(&mut self, take: &mut impl FnMut(&Received)) -> Result<(), B::Error> {
+        match &mut self.kept {
+            None => self.inner.receive_all(take),
+            Some(kept) => self.inner.receive_all(&mut |received| {
+                kept.push(*received);
+                take(received);
+            }),
+        }
+    }
+
     fn transmit(&mut self, bus: u8, frame: &CanFrame) -> Result<(), B::Error> {
         self.inner.transmit(bus, frame)?;
         if let Some(kept) = &mut self.kept {

@@ -28,12 +28,23 @@ struct Kept {
 
 const _: () = assert!(size_of::<Kept>() == 24);
 
+impl Kept {
+    fn received(&self) -> Received {
+        Received {
+            at: Instant::from_micros(self.at.as_micros()),
+            bus: self.bus,
+            frame: self.frame,
+        }
+    }
+}
+
 /// A skin that is recorded while it is emulated, then played back.
 pub struct Tape {
     skin: Handle,
     frames: Vec<Kept>,
-    /// The next frame to play; `None` while recording.
-    next: Option<usize>,
+    /// The next frame to hand on.
+    next: usize,
+    records: bool,
     now: Nanos,
     /// Whether the frames are all that the skin sent, and would be sent again.
     exact: bool,
@@ -45,7 +56,8 @@ impl Tape {
         Self {
             skin,
             frames: Vec::new(),
-            next: None,
+            next: 0,
+            records: true,
             now: Nanos::ZERO,
             exact: true,
         }
@@ -54,20 +66,35 @@ impl Tape {
     /// Plays from the start what came until `end`.
     pub fn rewind(&mut self, end: Instant) {
         self.skin.advance(Nanos::from(end));
-        (self.next, self.now) = (Some(0), Nanos::ZERO);
+        (self.next, self.records, self.now) = (0, false, Nanos::ZERO);
     }
 
     /// Whether something was recorded, and what was played is what emulated boards would have sent.
     pub const fn is_exact(&self) -> bool {
         self.exact && !self.frames.is_empty()
     }
+
+    /// Takes down what the skin has sent.
+    fn record(&mut self) {
+        if self.frames.len() >= LIMIT && self.next == self.frames.len() {
+            self.exact = false;
+            self.next = 0;
+            self.frames.clear();
+        }
+        let frames = &mut self.frames;
+        self.skin.receive_all_at(&mut |at, received| {
+            let Received { bus, frame, .. } = *received;
+            frames.push(Kept { at, bus, frame });
+        });
+    }
 }
 
 impl CanEnd for Tape {
     fn advance_to(&mut self, now: Instant) {
         self.now = self.now.max(now.into());
-        if self.next.is_none() {
+        if self.records {
             self.skin.advance(self.now);
+            self.record();
         }
     }
 
@@ -80,25 +107,20 @@ impl CanBus for Tape {
     type Error = HostError;
 
     fn receive(&mut self) -> Result<Option<Received>, HostError> {
-        if let Some(next) = &mut self.next {
-            let due = self.frames.get(*next).filter(|kept| kept.at <= self.now);
-            *next += usize::from(due.is_some());
-            return Ok(due.map(|kept| Received {
-                at: Instant::from_micros(kept.at.as_micros()),
-                bus: kept.bus,
-                frame: kept.frame,
-            }));
+        let next = self.frames.get(self.next);
+        let due = next.filter(|kept| kept.at <= self.now);
+        self.next += usize::from(due.is_some());
+        Ok(due.map(Kept::received))
+    }
+
+    fn receive_all(&mut self, take: &mut impl FnMut(&Received)) -> Result<(), HostError> {
+        let waiting = self.frames.get(self.next..).unwrap_or_default();
+        let due = waiting.iter().take_while(|kept| kept.at <= self.now);
+        for kept in due {
+            self.next += 1;
+            take(&kept.received());
         }
-        let Some((at, received)) = self.skin.receive_at() else {
-            return Ok(None);
-        };
-        if self.frames.len() < LIMIT {
-            let Received { bus, frame, .. } = received;
-            self.frames.push(Kept { at, bus, frame });
-        } else {
-            self.exact = false;
-        }
-        Ok(Some(received))
+        Ok(())
     }
 
     /// Nothing is sent: from here on boards would do something else than they did.

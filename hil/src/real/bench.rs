@@ -124,13 +124,19 @@ impl DisplayEnd for Live {
     fn keep_stopped(&mut self, cause: &str) -> Failure {
         // A guardian that is gone ends the run at the next heartbeat.
         let _ = self.watchman.guardian.stop(cause);
-        let adapters = self.adapters.iter();
-        let adapters = adapters.map(|path| format!(" --i2c {}", path.display()));
-        Failure::Guard(format!(
-            "{cause}; outputs are off and stay off. Look at the bench, then clear the stop: hil off --unlatch{}",
-            adapters.collect::<String>()
-        ))
+        let clear = clear_words(&self.adapters);
+        Failure::Guard(format!("{cause}; outputs are off and stay off. {clear}"))
     }
+}
+
+/// What a person does about a stop that is latched for these adapters.
+pub(super) fn clear_words(adapters: &[PathBuf]) -> String {
+    let adapters = adapters.iter();
+    let adapters = adapters.map(|path| format!(" --i2c {}", path.display()));
+    format!(
+        "Look at the bench, then clear the stop: hil off --unlatch{}",
+        adapters.collect::<String>()
+    )
 }
 
 /// How notes say that outputs were cut, or that they could not be.

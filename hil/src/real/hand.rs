@@ -257,16 +257,15 @@ fn open(setup: &Setup, real: &Real, planned: &[Planned]) -> Result<Opened, Failu
                 warden: Arc::clone(&warden),
                 finger,
             };
-            let adapter = real.i2c[bus].clone();
-            ends.push((
-                finger,
-                FingerEnd {
-                    banks,
-                    vote,
-                    adapter,
-                    stopped: None,
-                },
-            ));
+            let adapters = watch.buses.iter().map(|(path, _)| path.clone());
+            let end = FingerEnd {
+                banks,
+                vote,
+                name: place.display().to_owned(),
+                adapters: adapters.collect(),
+                stopped: None,
+            };
+            ends.push((finger, end));
         }
     }
     ends.sort_by_key(|(finger, _)| *finger);

@@ -12,7 +12,7 @@ use palpate_core::units::{Board, Instant};
 use palpate_run::Failure;
 use palpate_run::display_end::{DisplayEnd, OutputEnable};
 
-use super::bench::cut_words;
+use super::bench::{clear_words, cut_words};
 
 /// The guardian of several fingers. It hears of them only together: a finger that hangs ends in everything off.
 pub(super) struct Warden {
@@ -60,6 +60,12 @@ impl Warden {
             true => held(&self.guardian).beat(now),
             false => Ok(()),
         }
+    }
+
+    /// A finger's stop is to be latched now: the run may yet die before its end.
+    fn latch(&self, cause: &str) {
+        // A guardian that is gone ends the run at the next round.
+        let _ = held(&self.guardian).latch(cause);
     }
 
     /// A finger has ended, off or not: the other fingers go on.
@@ -117,8 +123,10 @@ impl OutputEnable for Vote {
 pub(super) struct FingerEnd {
     pub(super) banks: Banks<SharedLine>,
     pub(super) vote: Vote,
-    /// Its adapter, for the way out of a stop.
-    pub(super) adapter: PathBuf,
+    /// Its display's name on the bench.
+    pub(super) name: String,
+    /// All adapters of the bench, for the way out of a stop.
+    pub(super) adapters: Vec<PathBuf>,
     /// What the guard stopped it for.
     pub(super) stopped: Option<String>,
 }
@@ -149,12 +157,14 @@ impl DisplayEnd for FingerEnd {
         fault.map_or_else(|| error.to_string(), ToString::to_string)
     }
 
-    /// The guardian's stop would end the other fingers too: it latches this one when the run is over.
+    /// The guardian's stop would end the other fingers too. It latches this one for the whole bench now, and says that
+    /// all is off when the run is over.
     fn keep_stopped(&mut self, cause: &str) -> Failure {
+        self.vote.warden.latch(&format!("{}: {cause}", self.name));
         self.stopped = Some(cause.to_owned());
+        let clear = clear_words(&self.adapters);
         Failure::Guard(format!(
-            "{cause}; its outputs are off and stay off. Look at the bench, then clear the stop: hil off --unlatch --i2c {}",
-            self.adapter.display()
+            "{cause}; its outputs are off and stay off. {clear}"
         ))
     }
 }

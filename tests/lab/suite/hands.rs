@@ -167,7 +167,7 @@ fn killed() -> Result<(), TooSlow> {
 }
 
 #[test]
-fn a_finger_whose_boards_fall_silent_is_stopped_alone_and_latched_at_the_end() {
+fn a_finger_whose_boards_fall_silent_is_stopped_alone_and_latched_at_once() {
     if !in_lab("two displays, one stopped by its guard") {
         return;
     }
@@ -189,12 +189,26 @@ fn silent() -> Result<(), TooSlow> {
     hand.thumb.hear(Duration::from_millis(500));
     let again = hand.thumb.told.iter().any(|t| t["event"] == "driving");
     assert!(!again, "the thumb is driven after a stop");
+    // Latched for both adapters while the other finger goes on, which is not off.
+    for latch in hand.latches() {
+        let held = latch.read().unwrap();
+        assert!(held.cause.starts_with("thumb: stale-input"), "{held:?}");
+        assert!(!held.verified, "{held:?}");
+    }
     kill(run.pid(), Signal::SIGINT).unwrap();
     let ended = run.end();
     let said = hand.ward.said();
     hand.check_speed()?;
     assert_eq!(ended.code(), Some(4), "{said}");
     assert!(said.contains("display `thumb`: stale-input"), "{said}");
+    let [index, thumb] = [&hand.ward.emulator.node, &hand.thumb.node];
+    let clear = format!("hil off --unlatch --i2c {index} --i2c {thumb}");
+    assert!(said.contains(&clear), "{said}");
+    assert!(
+        hand.latches()
+            .iter()
+            .all(|latch| latch.read().unwrap().verified)
+    );
     hand.is_off();
     hand.is_latched("thumb: stale-input");
     Ok(())

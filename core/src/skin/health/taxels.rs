@@ -12,6 +12,9 @@ use crate::vector::Vectors;
 /// All readings but two: both ends, or one end and what is beside the other.
 const SPAN: u16 = u16::MAX - 2;
 
+/// So many scans in one go keep their changes in few bytes per taxel, before they are added up.
+const BRIEF: usize = 128;
+
 /// A module's taxels together.
 #[derive(Clone, Debug)]
 struct Together {
@@ -19,6 +22,8 @@ struct Together {
     /// Scans that were taken in one go, and when the newest of them came: on top of what its taxels know.
     scans: u32,
     at: Instant,
+    /// When those of them came whose changes are kept briefly: [`BRIEF`] at most.
+    brief: Vec<Instant>,
     /// Whether every active taxel was received and none has jumped lately.
     calm: bool,
     /// No active taxel has last changed before this.
@@ -42,15 +47,19 @@ pub(super) struct Taxels {
     /// The newest readings; 0 before the first.
     counts: Vec<[u16; 3]>,
     received: Vec<u32>,
-    changed: Vec<u32>,
     first_at: Vec<Instant>,
     last_at: Vec<Instant>,
+    changed: Vec<u32>,
     changed_at: Vec<Instant>,
+    /// On top of that: changes in the scans of [`Together::brief`], and the number of the last of those, from 1; 0 for
+    /// none.
+    lately: Vec<u16>,
+    changed_in: Vec<u16>,
     /// 16 a jump, one less a quiet reading.
     jumps: Vec<u16>,
     /// Whether the newest reading was a jump.
     jumped: Vec<bool>,
-    /// Of the scan that is looked at: bits that differ from before, then 1 where any of a taxel's do.
+    /// Of the scan that is looked at: bits that differ from before, then 1 where any of an active taxel's do.
     bits: Vec<[u16; 3]>,
     news: Vec<u16>,
     vectors: Vectors,
@@ -74,6 +83,7 @@ impl Taxels {
             range: layout.range(module),
             scans: 0,
             at: Instant::ZERO,
+            brief: Vec::with_capacity(BRIEF),
             calm: false,
             moved_at: Instant::ZERO,
             learned: false,
@@ -98,10 +108,12 @@ impl Taxels {
             low: low.collect(),
             counts: alloc::vec![[0; 3]; n],
             received: alloc::vec![0; n],
-            changed: alloc::vec![0; n],
             first_at: never(),
             last_at: never(),
+            changed: alloc::vec![0; n],
             changed_at: never(),
+            lately: alloc::vec![0; n],
+            changed_in: alloc::vec![0; n],
             jumps: alloc::vec![0; n],
             jumped: alloc::vec![false; n],
             bits: alloc::vec![[0; 3]; n],
@@ -139,12 +151,17 @@ impl Taxels {
 
     /// When the reading last became another.
     pub(super) fn changed_at(&self, index: usize) -> Instant {
-        self.changed_at[index]
+        let brief = &self.modules[usize::from(self.module[index])].brief;
+        let lately = usize::from(self.changed_in[index]).checked_sub(1);
+        let lately = lately.and_then(|number| brief.get(number));
+        lately.copied().unwrap_or(self.changed_at[index])
     }
 
     /// Changes so far, and when the first reading came.
     pub(super) fn changes(&self, index: usize) -> (u32, Instant) {
-        (self.changed[index], self.first_at[index])
+        let lately = u32::from(self.lately[index]);
+        let changed = self.changed[index].saturating_add(lately);
+        (changed, self.first_at[index])
     }
 
     /// Takes a module's scan.
@@ -195,11 +212,11 @@ impl Taxels {
         self.low[range].iter_mut().for_each(|axes| axes[2] = low);
     }
 
-    /// Notes which bits are other than before. Where it returns true, no value jumps and none is at an end of its range:
-    /// one look at all of it, without a branch.
+    /// Takes the counts, and notes which bits are other than before. Where it returns true, no value jumps and none is at
+    /// an end of its range: one look at all of it, without a branch.
     fn compare(&mut self, scan: &Scan, module: usize) -> bool {
         let range = self.modules[module].range.clone();
-        let before = self.counts[range.clone()].as_flattened();
+        let counts = self.counts[range.clone()].as_flattened_mut();
         let now = scan.counts()[range.clone()].as_flattened();
         let low = self.low[range.clone()].as_flattened();
         let step = self.settings.jump_counts;
@@ -207,10 +224,11 @@ impl Taxels {
         self.vectors.run(
             #[inline(always)]
             || {
-                let values = before.iter().zip(now).zip(low).zip(bits);
+                let values = counts.iter_mut().zip(now).zip(low).zip(bits);
                 values.fold(true, |all, (((a, b), low), bits)| {
-                    *bits = a ^ b;
-                    all & (a.abs_diff(*b) <= step) & (b.wrapping_sub(*low) <= SPAN)
+                    let steady = (a.abs_diff(*b) <= step) & (b.wrapping_sub(*low) <= SPAN);
+                    (*bits, *a) = (*a ^ b, *b);
+                    all & steady
                 })
             },
         )
@@ -220,35 +238,38 @@ impl Taxels {
     fn is_whole(&self, scan: &Scan, module: usize) -> bool {
         let range = self.modules[module].range.clone();
         let listening = self.active[range.clone()].iter().zip(&scan.fresh()[range]);
-        listening.fold(true, |all, (active, fresh)| all & (!active | fresh))
+        scan.is_whole(module)
+            || listening.fold(true, |all, (active, fresh)| all & (!active | fresh))
     }
 
     /// As [`Self::observe_each`] of a calm module that is steady and whole: without a branch.
     fn observe_together(&mut self, scan: &Scan, module: usize) -> Seen {
         let at = scan.at();
-        let range = self.modules[module].range.clone();
+        if self.modules[module].brief.len() == BRIEF {
+            self.add_up(module);
+        }
+        let together = &mut self.modules[module];
+        together.brief.push(at); // within capacity
+        (together.scans, together.at) = (together.scans.saturating_add(1), at);
+        let (range, number) = (together.range.clone(), together.brief.len() as u16);
         let (bits, active) = (&self.bits[range.clone()], &self.active[range.clone()]);
         let news = &mut self.news[range.clone()];
-        let changed = &mut self.changed[range.clone()];
-        let changed_at = &mut self.changed_at[range.clone()];
+        let lately = &mut self.lately[range.clone()];
+        let changed_in = &mut self.changed_in[range];
         let any = self.vectors.run(
             #[inline(always)]
             || {
                 for ((news, [x, y, z]), active) in news.iter_mut().zip(bits).zip(active) {
                     *news = u16::from((x | y | z) != 0) & u16::from(*active);
                 }
-                for (changed, news) in changed.iter_mut().zip(&*news) {
-                    *changed = changed.saturating_add(u32::from(*news));
-                }
-                for (changed_at, news) in changed_at.iter_mut().zip(&*news) {
-                    *changed_at = if *news != 0 { at } else { *changed_at };
-                }
-                news.iter().fold(0, |any, news| any | news) != 0
+                let taxels = lately.iter_mut().zip(changed_in).zip(&*news);
+                taxels.fold(0, |any, ((lately, changed_in), news)| {
+                    *lately += news;
+                    *changed_in = if *news != 0 { number } else { *changed_in };
+                    any | news
+                }) != 0
             },
         );
-        self.counts[range.clone()].copy_from_slice(&scan.counts()[range]);
-        let together = &mut self.modules[module];
-        (together.scans, together.at) = (together.scans.saturating_add(1), at);
         // Taxels only ever change later: what none was before, none is.
         if at.since(together.moved_at) > self.settings.frozen_after {
             self.find_moved(module);
@@ -260,8 +281,25 @@ impl Taxels {
         }
     }
 
+    /// Adds what was kept briefly to the rest.
+    fn add_up(&mut self, module: usize) {
+        let together = &self.modules[module];
+        if together.brief.is_empty() {
+            return;
+        }
+        for i in together.range.clone() {
+            self.changed[i] = self.changed[i].saturating_add(u32::from(self.lately[i]));
+            if let Some(number) = usize::from(self.changed_in[i]).checked_sub(1) {
+                self.changed_at[i] = together.brief[number];
+            }
+            (self.lately[i], self.changed_in[i]) = (0, 0);
+        }
+        self.modules[module].brief.clear();
+    }
+
     /// Since when every active taxel has changed.
     fn find_moved(&mut self, module: usize) {
+        self.add_up(module);
         let range = self.modules[module].range.clone();
         let active = range.filter(|i| self.active[*i]);
         let moved_at = active.map(|i| self.changed_at[i]).min();
@@ -270,6 +308,7 @@ impl Taxels {
 
     /// Taxel by taxel.
     fn observe_each(&mut self, scan: &Scan, module: usize) -> Seen {
+        self.add_up(module);
         let at = scan.at();
         let HealthSettings {
             jump_counts,
@@ -282,15 +321,18 @@ impl Taxels {
         };
         let mut calm = true;
         for i in self.modules[module].range.clone() {
+            let old = [0, 1, 2].map(|axis| self.counts[i][axis] ^ self.bits[i][axis]);
             if !self.active[i] {
+                self.counts[i] = old;
                 continue;
             }
             if !scan.fresh()[i] {
+                self.counts[i] = old;
                 seen.well = false;
                 calm &= self.received[i] > 0 && self.jumps[i] == 0 && !self.jumped[i];
                 continue;
             }
-            let (old, new) = (self.counts[i], scan.counts()[i]);
+            let new = self.counts[i];
             if self.received[i] == 0 {
                 (self.first_at[i], self.changed_at[i]) = (at, at);
                 seen.any = true;
@@ -310,7 +352,6 @@ impl Taxels {
             } else {
                 self.jumped[i] = false;
             }
-            self.counts[i] = new;
             self.last_at[i] = at;
             self.received[i] = self.received[i].saturating_add(1);
             calm &= self.jumps[i] == 0 && !self.jumped[i];

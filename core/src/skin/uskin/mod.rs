@@ -26,10 +26,16 @@ pub const SCAN_GAP: Duration = Duration::from_millis(4);
 #[derive(Debug)]
 pub struct CanSkin<B> {
     bus: B,
-    routes: Routes,
-    assembler: ScanAssembler,
+    sorting: Sorting,
     /// The board of each module that waits for commands.
     addresses: Box<[Option<Address>]>,
+}
+
+/// What becomes of frames.
+#[derive(Debug)]
+struct Sorting {
+    routes: Routes,
+    assembler: ScanAssembler,
     foreign: u64,
 }
 
@@ -39,17 +45,19 @@ impl<B: CanBus> CanSkin<B> {
         let obeys = |m: &Module| m.address().filter(|_| m.protocol() == Protocol::Uskin);
         Self {
             bus,
-            routes: Routes::new(layout),
-            assembler: ScanAssembler::new(layout, SCAN_GAP),
+            sorting: Sorting {
+                routes: Routes::new(layout),
+                assembler: ScanAssembler::new(layout, SCAN_GAP),
+                foreign: 0,
+            },
             addresses: layout.modules().iter().map(obeys).collect(),
-            foreign: 0,
         }
     }
 
     /// With another silence that ends a scan: longer than between two frames of one, shorter than between two scans.
     #[must_use]
     pub const fn with_gap(mut self, gap: Duration) -> Self {
-        self.assembler.set_gap(gap);
+        self.sorting.assembler.set_gap(gap);
         self
     }
 
@@ -109,19 +117,21 @@ impl<B: CanBus> CanSkin<B> {
 
     /// Frames that were no readings of this layout.
     pub const fn foreign(&self) -> u64 {
-        self.foreign
+        self.sorting.foreign
     }
 
     /// Readings missing from the scans so far; scans of which nothing came are not known of.
     pub const fn lost(&self) -> u64 {
-        self.assembler.lost()
+        self.sorting.assembler.lost()
     }
 
     /// Readings missing from one module's scans so far.
     pub fn lost_of(&self, module: usize) -> u64 {
-        self.assembler.lost_of(module)
+        self.sorting.assembler.lost_of(module)
     }
+}
 
+impl Sorting {
     /// Takes one frame off the bus; `None` for what is no reading of this layout.
     #[inline]
     fn take(&mut self, received: &Received, done: &mut impl FnMut(&ModuleScan<'_>)) -> Option<()> {
@@ -178,12 +188,13 @@ impl<B: CanBus> SkinSource for CanSkin<B> {
         now: Instant,
         take: &mut impl FnMut(&ModuleScan<'_>),
     ) -> Result<(), B::Error> {
-        while let Some(received) = self.bus.receive()? {
-            if self.take(&received, take).is_none() {
-                self.foreign = self.foreign.saturating_add(1);
+        let Self { bus, sorting, .. } = self;
+        bus.receive_all(&mut |received| {
+            if sorting.take(received, take).is_none() {
+                sorting.foreign = sorting.foreign.saturating_add(1);
             }
-        }
-        self.assembler.flush(now, take);
+        })?;
+        sorting.assembler.flush(now, take);
         Ok(())
     }
 }

@@ -54,14 +54,14 @@ const fn stuff_bit(state: u8, bit: u8) -> (u8, u8) {
 /// Bits of the sequence that go through the stuffing rule at once.
 const CHUNK: u32 = 11;
 
-/// [`stuff_bit`] over [`CHUNK`] bits, most significant first, for every start state: next state, stuff
-/// bits in the high nibble.
-static STUFF: [[u8; 1 << CHUNK]; 8] = {
-    let mut table = [[0; 1 << CHUNK]; 8];
-    let mut start = 0;
-    while start < 8 {
-        let mut value = 0;
-        while value < 1 << CHUNK {
+/// [`stuff_bit`] over [`CHUNK`] bits, most significant first: a byte for every start state, the next state in bits 3 to 5,
+/// the stuff bits in bits 0 to 2. All look-ups of a frame are made at once; what waits for the state is a shift.
+static STUFF: [u64; 1 << CHUNK] = {
+    let mut table = [0; 1 << CHUNK];
+    let mut value = 0;
+    while value < 1 << CHUNK {
+        let mut start = 0;
+        while start < 8 {
             let (mut state, mut count, mut bit) = (start as u8, 0, CHUNK);
             while bit > 0 {
                 bit -= 1;
@@ -69,10 +69,10 @@ static STUFF: [[u8; 1 << CHUNK]; 8] = {
                 state = next;
                 count += stuffed;
             }
-            table[start][value] = count << 4 | state;
-            value += 1;
+            table[value] |= ((state << 3 | count) as u64) << (8 * start);
+            start += 1;
         }
-        start += 1;
+        value += 1;
     }
     table
 };
@@ -103,11 +103,11 @@ pub fn stuff_bits(frame: &CanFrame) -> u32 {
     let (mut state, mut count) = (0, 0);
     for chunk in (0..=length / CHUNK).rev() {
         let value = (bits >> (chunk * CHUNK)) as usize & ((1 << CHUNK) - 1);
-        let entry = STUFF[usize::from(state & 7)][value];
-        state = entry & 7;
-        count += u32::from(entry >> 4);
+        let entry = STUFF[value] >> state;
+        state = entry & 0o70;
+        count += entry & 7;
     }
-    count
+    count as u32 // at most 24
 }
 
 /// The stuffed part without its stuff bits (start of frame to CRC), right-aligned, and its length.

@@ -149,6 +149,15 @@ impl Guardian {
         self.send(&packet(word::STOP, cause))
     }
 
+    /// The guard has stopped a part of this run, which is off. The guardian latches the cause now, and switches nothing:
+    /// the other outputs go on.
+    ///
+    /// # Errors
+    /// [`Lost`].
+    pub fn latch(&self, cause: &str) -> Result<(), Lost> {
+        self.send(&packet(word::LATCH, cause))
+    }
+
     /// Takes leave: the guardian switches everything off once more, reads back, and ends.
     ///
     /// # Errors

@@ -84,6 +84,9 @@ mod word {
     pub const CUT: u8 = b'c';
     /// Run to guardian: outputs are off and stay off until a person clears that; the cause follows.
     pub const STOP: u8 = b's';
+    /// Run to guardian: a part of the outputs is off and stays off until a person clears that, the others go on; the
+    /// cause follows.
+    pub const LATCH: u8 = b'l';
     /// Run to guardian: everything is off, good-bye.
     pub const BYE: u8 = b'q';
     /// Run to guardian: I cannot switch off any more; the cause follows.

@@ -3,8 +3,10 @@
 use std::fs;
 use std::io::{self, Write};
 use std::os::fd::{AsFd, AsRawFd};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, JoinHandle};
 
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
@@ -30,6 +32,8 @@ const PATIENCE: Duration = Duration::from_millis(600_000);
 const SLICE_MS: u64 = 10;
 /// Pauses between those tries: the first and the longest.
 const PAUSE: (u64, u64) = (5, 50);
+/// What a thread that writes a few small files needs: the guardian's memory is locked.
+const STACK: usize = 128 * 1024;
 
 /// Why the guardian acts.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,6 +49,10 @@ enum Cause {
 }
 
 impl Cause {
+    fn asked(cause: &[u8]) -> Self {
+        Self::Asked(String::from_utf8_lossy(cause).into_owned())
+    }
+
     fn words(&self) -> String {
         match self {
             Self::Died => "the run died without a word".into(),
@@ -68,6 +76,8 @@ struct Post<'a> {
     oe: Option<OeLine>,
     parent: Pid,
     terminated: Arc<AtomicBool>,
+    /// Writes a latch while the guardian listens on.
+    latching: Option<JoinHandle<()>>,
     _locks: Vec<BusLock>,
 }
 
@@ -142,6 +152,7 @@ impl<'a> Post<'a> {
             oe,
             parent,
             terminated,
+            latching: None,
             _locks: locks,
         };
         Ok((post, lines.join("\n")))
@@ -182,15 +193,17 @@ impl<'a> Post<'a> {
                 Some((&word::RELEASE, _)) => self.set_oe(false),
                 Some((&word::CUT, _)) => self.set_oe(true),
                 Some((&word::STOP, cause)) => {
-                    let cause = Cause::Asked(String::from_utf8_lossy(cause).into_owned());
+                    let cause = Cause::asked(cause);
                     self.set_oe(true);
                     if self.sweeper.off().is_err() {
                         return self.act(&cause);
                     }
                     self.latch(&cause, true);
                 }
+                Some((&word::LATCH, cause)) => self.latch_beside(&Cause::asked(cause)),
                 Some((&word::BYE, _)) => {
                     self.set_oe(true);
+                    self.wait_for_latch();
                     return match self.sweeper.off() {
                         Ok(()) => {
                             say(word::READY, "");
@@ -203,8 +216,7 @@ impl<'a> Post<'a> {
                     };
                 }
                 Some((&word::TRIP, cause)) => {
-                    let cause = String::from_utf8_lossy(cause).into_owned();
-                    return self.act(&Cause::Asked(cause));
+                    return self.act(&Cause::asked(cause));
                 }
                 _ => return self.act(&Cause::Asked("the run sent what is no word".into())),
             }
@@ -283,17 +295,49 @@ impl<'a> Post<'a> {
         }
     }
 
-    fn latch(&self, cause: &Cause, verified: bool) {
-        for (path, _) in &self.watch.buses {
-            if let Err(error) = Latch::of(path).set(&cause.words(), verified) {
-                tell(&format!("the stop could not be latched: {error}"));
-            }
+    fn latch(&mut self, cause: &Cause, verified: bool) {
+        self.wait_for_latch();
+        latch(&self.buses(), &cause.words(), verified);
+    }
+
+    /// Latches what is not known to be off whole. A disk may be slow, and outputs are on: heartbeats are heard meanwhile.
+    fn latch_beside(&mut self, cause: &Cause) {
+        self.wait_for_latch();
+        let (buses, words) = (self.buses(), cause.words());
+        let write = {
+            let (buses, words) = (buses.clone(), words.clone());
+            move || latch(&buses, &words, false)
+        };
+        match thread::Builder::new().stack_size(STACK).spawn(write) {
+            Ok(thread) => self.latching = Some(thread),
+            Err(_) => latch(&buses, &words, false),
         }
+    }
+
+    fn wait_for_latch(&mut self) {
+        if let Some(thread) = self.latching.take() {
+            // What it could not write it has told.
+            let _ = thread.join();
+        }
+    }
+
+    fn buses(&self) -> Vec<PathBuf> {
+        let buses = self.watch.buses.iter();
+        buses.map(|(path, _)| path.clone()).collect()
     }
 
     fn rest(&self, ms: u64) {
         self.clock
             .sleep_until(self.clock.now() + Duration::from_millis(ms));
+    }
+}
+
+/// Latches a stop for these adapters.
+fn latch(buses: &[PathBuf], words: &str, verified: bool) {
+    for path in buses {
+        if let Err(error) = Latch::of(path).set(words, verified) {
+            tell(&format!("the stop could not be latched: {error}"));
+        }
     }
 }
 

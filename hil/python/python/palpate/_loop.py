@@ -194,7 +194,12 @@ class Loop:
             raise InputError.of("places", "places on the module, mm", repr(places))
         self._inner.touch(module, presses.tolist())
 
-    def activate(self, values: npt.ArrayLike) -> None:
+    @property
+    def most_pulses(self) -> int:
+        """The most pulses of a wire at an onset, for :meth:`activate`."""
+        return self._inner.most_pulses()
+
+    def activate(self, values: npt.ArrayLike, pulses: npt.ArrayLike | None = None) -> None:
         """Activates the wires like this at every onset from now on at which something touches.
 
         Drive, calibration and guard follow, as after an illusion.
@@ -202,12 +207,21 @@ class Loop:
         Args:
             values: Activations, 0 to 1, shape (wires,): parts of full drive, times the weight of the contact's intensity
                 unless ``illusion.intensity`` is false.
+            pulses: How many pulses each wire's burst has, whole numbers from 1 to :attr:`most_pulses`, shape (wires,).
+                Default: as many as fit in ``illusion.tau_d_ms``.
         """
         each = np.asarray(values, dtype=np.float64)
         expected = "activations from 0 to 1, one per wire"
         if each.ndim != 1:
             raise InputError.of("values", expected, f"shape {each.shape}")
-        self._inner.activate(each.tolist())
+        self._inner.activate(each.tolist(), None if pulses is None else self._pulses(pulses))
+
+    def _pulses(self, pulses: npt.ArrayLike) -> list[int]:
+        found, most = np.asarray(pulses), self.most_pulses
+        if found.dtype.kind not in "ui" or found.ndim != 1 or not ((found >= 1) & (found <= most)).all():
+            raise InputError.of("pulses", f"whole numbers from 1 to {most}, one per wire", repr(pulses))
+        each: list[int] = found.tolist()
+        return each
 
     def temperatures(self) -> Table:
         """Of each wire now: wire_c, skin_c (0.1 mm deep under it), degrees C."""

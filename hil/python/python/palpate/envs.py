@@ -7,7 +7,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 import gymnasium
 import numpy as np
@@ -49,7 +49,8 @@ class Felt(gymnasium.Env[Array, Array]):
     Observation: how far every taxel is from its reference when the onset is due, counts, shape (taxels,). A taxel that is
     left out as faulty is 0.
 
-    Action: the activation of every wire at that onset, 0 to 1, shape (wires,).
+    Action: the activation of every wire at that onset, 0 to 1, shape (wires,). With ``action="pulses"`` also how many
+    pulses its burst has, 0 for one to 1 for the most that fit: shape (2, wires), activations first.
 
     Reward: minus the distance from where the touch is to where it is felt, mm, minus ``heat_mm_per_c`` for every degree
     of the hottest skin over its temperature at the start. What is not felt is as far away as the display is large.
@@ -65,6 +66,7 @@ class Felt(gymnasium.Env[Array, Array]):
         set: Values in place of the files' own, such as ``{"bench.drive.current_ma": 900}``.
         steps: Onsets of an episode.
         heat_mm_per_c: What a degree costs, mm.
+        action: ``"activations"``, or ``"pulses"`` for a pulse pattern.
         reach_mm: The touch stays in this distance of the module's middle, along x and along y.
     """
 
@@ -79,7 +81,10 @@ class Felt(gymnasium.Env[Array, Array]):
         steps: int = 60,
         heat_mm_per_c: float = 0.1,
         reach_mm: float = 4.0,
+        action: Literal["activations", "pulses"] = "activations",
     ) -> None:
+        if action not in ("activations", "pulses"):
+            raise InputError.of("action", '"activations" or "pulses"', repr(action))
         for name, value, least in (
             ("steps", steps, 1),
             ("heat_mm_per_c", heat_mm_per_c, 0),
@@ -97,7 +102,8 @@ class Felt(gymnasium.Env[Array, Array]):
         corners = [np.ptp(wires["x_mm"]), np.ptp(wires["y_mm"])]
         self._size_mm = float(np.hypot(*corners))
         self.observation_space = spaces.Box(0.0, _MOST, (loop.shapes[0][0],), np.float32)
-        self.action_space = spaces.Box(0.0, 1.0, (len(wires),), np.float32)
+        shape = (len(wires),) if action == "activations" else (2, len(wires))
+        self.action_space = spaces.Box(0.0, 1.0, shape, np.float32)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -125,7 +131,9 @@ class Felt(gymnasium.Env[Array, Array]):
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """The onset that is due, and the time until just before the next."""
         loop = self.loop
-        loop.activate(np.clip(action, 0.0, 1.0))
+        activations, *parts = np.clip(action, 0.0, 1.0).reshape(-1, len(loop.wires))
+        more = loop.most_pulses - 1
+        loop.activate(activations, *(1 + np.rint(part * more).astype(np.int64) for part in parts))
         self._done += 1
         self._onset += 1
         ended = False

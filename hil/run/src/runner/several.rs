@@ -45,9 +45,7 @@ impl Finger {
         if self.place.alone || next > now {
             return next;
         }
-        let bus = self.session.display().hardware().bus();
-        // Refused only from inside another look at the segment, and there is none here.
-        let busy = bus.with(|segment| segment.now()).unwrap_or_default();
+        let busy = self.session.display().hardware().bus_now();
         let waits_us = busy
             .0
             .div_ceil(1000)
@@ -232,6 +230,7 @@ impl Run<'_> {
     ) -> Result<(Instant, Common), Failure> {
         let mut now = Instant::ZERO;
         let mut due = hardware.fail(now, false).min(now + TICK);
+        let mut order: Vec<usize> = (0..fingers.len()).collect();
         for finger in &mut *fingers {
             // The policy waits for boards that do not answer, so this cannot fail.
             let _ = finger.session.start(now);
@@ -262,9 +261,9 @@ impl Run<'_> {
             }
             let mut is_stopped = false;
             // What waits longest comes first: tries to bring a board back must not hold up the end of a burst.
-            let mut order: Vec<_> = fingers.iter_mut().enumerate().collect();
-            order.sort_by_key(|(_, finger)| finger.session.next());
-            for (number, finger) in order {
+            order.sort_by_key(|number| (fingers[*number].session.next(), *number));
+            for &number in &order {
+                let finger = &mut fingers[number];
                 finger.turn(now, hardware.skin)?;
                 is_stopped |= finger.show(number, now, hardware.skin, host);
             }
