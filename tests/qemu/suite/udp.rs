@@ -1,7 +1,11 @@
 //! The unit by UDP, in real time: what a host on a network meets.
 #![allow(clippy::disallowed_methods, reason = "these tests live in real time")]
 
+use std::fs::Permissions;
 use std::net::UdpSocket;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration as Span, Instant as Wall};
@@ -13,6 +17,7 @@ use palpate_core::random::RandomStream;
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Duration, Instant, Ticks};
 use palpate_qemu::{Chips, Guest, Image, LIMITS, Machine, Network, WIRES, free_of};
+use serde_json::Value;
 
 use super::machines::{KEY, image, on_each_machine};
 
@@ -31,6 +36,7 @@ struct Worn {
 on_each_machine! {
     a_host_plays_by_udp_and_leaves_nothing_on
     ten_thousand_spoiled_datagrams_by_udp_switch_nothing_on
+    the_program_runs_a_scene_on_it
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
@@ -221,4 +227,51 @@ fn ten_thousand_spoiled_datagrams_by_udp_switch_nothing_on(machine: Machine) {
     // A machine that stands still for 40 ms while the guest rests makes the watchdog bite; the unit then counts anew.
     let again = locked(&worn.chips).boots.len() > boots;
     assert!(again || status.refused > 1000, "{status:?}");
+}
+
+/// The program, which `ci/unit` builds.
+fn hil() -> PathBuf {
+    let built = std::env::var_os("PALPATE_HIL").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/debug/hil"),
+        PathBuf::from,
+    );
+    assert!(
+        built.exists(),
+        "{}: expected the program; ci/unit builds it",
+        built.display()
+    );
+    built
+}
+
+fn the_program_runs_a_scene_on_it(machine: Machine) {
+    let worn = Worn::start(machine);
+    let folder = std::env::temp_dir().join(format!("palpate-qemu-hil-{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir(&folder).unwrap();
+    let key = folder.join("unit.key");
+    std::fs::write(&key, KEY.map(|byte| format!("{byte:02x}")).concat()).unwrap();
+    std::fs::set_permissions(&key, Permissions::from_mode(0o600)).unwrap();
+    let unit = worn.socket.peer_addr().unwrap().to_string();
+    let run = Command::new(hil())
+        .args(["run", "sphere-along", "--json", "--unit", &unit])
+        // The images count the periods of the plant that is theirs by default.
+        .args(["--illusion", "linear", "--set", "bench.drive.pwm_hz=200"])
+        .arg("--key")
+        .arg(&key)
+        .env("PALPATE_STATE", &folder)
+        .output()
+        .unwrap();
+    let _ = std::fs::remove_dir_all(&folder);
+    let said = String::from_utf8_lossy(&run.stderr);
+    let summary: Value = serde_json::from_slice(&run.stdout).unwrap_or_default();
+    println!(
+        "{}, {:?}: {}\n{said}",
+        machine.name, run.status, summary["unit"]
+    );
+    // Off at the end, whatever became of it; a machine that stands still for a reading's age makes the unit stop.
+    thread::sleep(Span::from_millis(1500));
+    assert!(!locked(&worn.chips).any_high());
+    let late = said.contains("stopped by its own guard, stale-input");
+    assert!(late || run.status.success(), "{said}");
+    assert!(late || worn.rises() > 100, "{}", worn.rises());
 }
