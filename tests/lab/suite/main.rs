@@ -10,6 +10,7 @@ mod bench_faults;
 mod can_clients;
 mod can_flood;
 mod deaths;
+mod driver_unit;
 mod emulator;
 mod fuzz;
 mod hands;

@@ -1,4 +1,8 @@
 //! QEMU as a child process, the pipes of the rig, and a look into the guest's memory.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "a child process that hangs is ended by the wall clock"
+)]
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Write};
@@ -7,7 +11,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant as Wall};
 
 use nix::fcntl::{FcntlArg, OFlag, fcntl};
 use nix::sys::stat::Mode;
@@ -16,6 +20,8 @@ use palpate_image::rig::{ANSWERS, HEAD, Head, Kind, Outcome, QUESTIONS};
 
 /// How long a guest may think about its next question, by the wall: a busy machine is patient.
 const PATIENCE: Duration = Duration::from_secs(60);
+/// How long a guest in real time lives at the most, so that no test waits for ever on one that only goes on asking.
+const LIFE: Duration = Duration::from_secs(180);
 
 /// What QEMU emulates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +34,8 @@ pub struct Machine {
     pub target: &'static str,
     /// Its arguments.
     pub arguments: &'static [&'static str],
+    /// Its network card on a user network; `PORT` stands for the host's port.
+    pub card: &'static [&'static str],
     /// Nanoseconds per instruction, as a power of two.
     pub shift: u32,
     /// Nanoseconds per count of the clock that the image measures with.
@@ -53,6 +61,8 @@ pub struct Guest {
     folder: PathBuf,
     questions: Receiver<(Head, Vec<u8>)>,
     answers: File,
+    /// When a guest in real time has lived long enough.
+    ends: Option<Wall>,
 }
 
 /// Numbers the folders of this process.
@@ -76,12 +86,10 @@ impl Guest {
         };
         let (mut asked, answers) = (pipe(QUESTIONS)?, pipe(ANSWERS)?);
         fcntl(&answers, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))?;
+        let port = |argument: &&str, port: u16| argument.replace("PORT", &port.to_string());
         let (card, sleep) = match network {
-            Network::Rig => ("none".to_owned(), ",sleep=off"),
-            Network::Udp(port) => {
-                let card = format!("user,model=stellaris,hostfwd=udp:127.0.0.1:{port}-:4000");
-                (card, "")
-            }
+            Network::Rig => (vec!["-nic".into(), "none".into()], ",sleep=off"),
+            Network::Udp(number) => (machine.card.iter().map(|a| port(a, number)).collect(), ""),
         };
         let count = format!("shift={}{sleep}", machine.shift);
         let mut command = Command::new(machine.program);
@@ -91,7 +99,7 @@ impl Guest {
             .arg(image)
             .args(["-display", "none", "-monitor", "stdio", "-serial", "null"])
             .args(["-semihosting-config", "enable=on,target=native"])
-            .args(["-nic", &card])
+            .args(card)
             // By the host's clock alone, a host that stands still would make the watchdog bite.
             .args(["-icount", &count])
             .current_dir(&folder)
@@ -113,6 +121,7 @@ impl Guest {
             folder,
             questions,
             answers,
+            ends: matches!(network, Network::Udp(_)).then(|| Wall::now() + LIFE),
         })
     }
 
@@ -121,9 +130,13 @@ impl Guest {
         &self.machine
     }
 
-    /// Its next question; `None` if it ended or says nothing for a minute.
+    /// Its next question; `None` if it ended, says nothing for a minute, or has lived for three minutes in real time.
     pub fn question(&mut self) -> Option<(Head, Vec<u8>)> {
-        let question = self.questions.recv_timeout(PATIENCE).ok()?;
+        let left = self
+            .ends
+            .map(|end| end.saturating_duration_since(Wall::now()));
+        let patience = left.map_or(PATIENCE, |left| left.min(PATIENCE));
+        let question = self.questions.recv_timeout(patience).ok()?;
         if question.0.kind() == Some(Kind::Boot) {
             // An answer that a reset kept the guest from reading is none to its first question.
             let mut old = [0; 4096];

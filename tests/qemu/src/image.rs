@@ -33,7 +33,7 @@ impl Image {
         let endian = file.endian();
         let loaded = file.elf_program_headers().iter();
         let flash = loaded.map(|part| u64::from(part.p_filesz(endian))).sum();
-        let variable = |s: &_| (memory..memory + 0x10_0000).contains(&address(s));
+        let variable = |s: &_| (memory..memory + 0x10_0000).contains(&address(s)) && !stack(s);
         let sections = file.sections().filter(variable);
         let ends = sections.map(|s| s.address() + s.size());
         let variables = ends.max().map_or(0, |end| end - u64::from(memory));
@@ -49,6 +49,11 @@ impl Image {
             compiler: rustc.unwrap_or("unknown").to_owned(),
         })
     }
+}
+
+/// Whether it is what riscv-rt leaves to the stack, rather than a variable.
+fn stack<'d>(section: &impl ObjectSection<'d>) -> bool {
+    section.name() == Ok(".stack")
 }
 
 fn address<'d>(section: &impl ObjectSection<'d>) -> u32 {

@@ -11,4 +11,5 @@ mod lockstep;
 pub use chips::{Chips, Level};
 pub use guest::{Guest, Machine, Network};
 pub use image::{Image, free_of};
-pub use lockstep::{Host, LIMITS, Lockstep, WIRES};
+pub use lockstep::{Host, Lockstep};
+pub use palpate_image::rig::{LIMITS, WIRES};

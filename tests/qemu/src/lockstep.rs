@@ -6,14 +6,12 @@ use std::path::Path;
 
 use palpate_core::codec::link::MOST;
 use palpate_core::driver::{Actuators, DriverError, UnitDriver, UnitSettings};
-use palpate_core::guard::{Guard, HARD, Limits, Plant};
-use palpate_core::illusion::DisplayWire;
+use palpate_core::guard::{Guard, Plant};
 use palpate_core::schedule::{Entry, Stimulus};
-use palpate_core::units::{Board, Duration, Instant, Milliamps, Ticks};
+use palpate_core::units::{Board, Duration, Instant, Ticks};
 use palpate_emulators::network::{Profile, Way};
 use palpate_emulators::time::Nanos;
-use palpate_image::fingertips;
-use palpate_image::rig::{Head, Kind, Outcome};
+use palpate_image::rig::{Head, Kind, LIMITS, Outcome, WIRES};
 
 use crate::chips::{Answer, Chips};
 use crate::guest::{Guest, Machine, Network};
@@ -22,14 +20,6 @@ use crate::guest::{Guest, Machine, Network};
 const LOOK: Nanos = Nanos::from_micros(1000);
 /// How far ahead of the guest's clock the host's is.
 const AHEAD: Duration = Duration::from_millis(3_000);
-
-/// The wires of the images in QEMU.
-pub const WIRES: [DisplayWire; 16] = fingertips(8);
-/// Their limits.
-pub const LIMITS: Limits = Limits {
-    supply: Milliamps(3000),
-    ..HARD
-};
 
 /// A host in virtual time: its driver, its own guard, and the network between.
 #[derive(Debug)]
@@ -223,14 +213,15 @@ impl Lockstep {
     /// The guest's memory now.
     ///
     /// # Errors
-    /// When the guest ended.
+    /// When the guest ended, or QEMU has not written it within a minute of the guest's.
     pub fn memory(&mut self) -> io::Result<Vec<u8>> {
         self.guest.save_memory()?;
-        loop {
+        for _ in 0..6000 {
             if let Some(memory) = self.guest.memory() {
                 return Ok(memory);
             }
             self.run(Duration::from_millis(10))?;
         }
+        Err(io::Error::other("the guest's memory was not written"))
     }
 }

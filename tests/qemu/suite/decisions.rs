@@ -9,7 +9,7 @@ use palpate_image::rig::{Kind, Outcome};
 use palpate_image::{ANSWER, QUESTION, Question, answer};
 use palpate_qemu::{Guest, LIMITS, Machine, Network, WIRES};
 
-use super::machines::{LM3S6965EVB, image};
+use super::machines::{image, on_each_machine};
 
 /// A guard in an image, and one like it here.
 pub struct Pair {
@@ -81,10 +81,11 @@ fn stimuli(s: &mut RandomStream, board: u8) -> Vec<(u16, Ticks, Duration)> {
     (0..count).map(one).collect()
 }
 
-#[test]
-fn an_image_decides_as_the_guard_does_here() {
+on_each_machine!(an_image_decides_as_the_guard_does_here);
+
+fn an_image_decides_as_the_guard_does_here(machine: Machine) {
     let schedules = std::env::var("PALPATE_DECISIONS").map_or(1000, |n| n.parse().unwrap());
-    let mut pair = Pair::new(LM3S6965EVB);
+    let mut pair = Pair::new(machine);
     let mut s = RandomStream::new(1, "hostile decisions");
     let mut at = Instant::from_micros(1000);
     let (mut on, mut latched) = (0u64, 0u64);

@@ -14,19 +14,68 @@ pub const LM3S6965EVB: Machine = Machine {
     name: "lm3s6965evb",
     program: "qemu-system-arm",
     arguments: &["-M", "lm3s6965evb"],
+    card: &[
+        "-nic",
+        "user,model=stellaris,hostfwd=udp:127.0.0.1:PORT-:4000",
+    ],
     target: "thumbv6m-none-eabi",
     shift: 5,
     tick_ns: 20,
     memory: (0x2000_0000, 32 * 1024),
 };
 
-/// An image's file.
+/// QEMU's RISC-V board without its atomics and floats, as an ESP32-C3 is, with the memory of the other.
+pub const VIRT: Machine = Machine {
+    name: "virt",
+    program: "qemu-system-riscv32",
+    arguments: &[
+        "-M",
+        "virt",
+        "-cpu",
+        "rv32,f=off,d=off,a=off",
+        "-m",
+        "8M",
+        "-bios",
+        "none",
+    ],
+    card: &[
+        "-netdev",
+        "user,id=n0,hostfwd=udp:127.0.0.1:PORT-:4000",
+        "-device",
+        "virtio-net-device,netdev=n0,bus=virtio-mmio-bus.0",
+    ],
+    target: "riscv32imc-unknown-none-elf",
+    shift: 3,
+    tick_ns: 1,
+    memory: (0x8010_0000, 32 * 1024),
+};
+
+/// A test of its own on each machine for every function named.
+macro_rules! on_each_machine {
+    ($($test:ident)*) => {
+        mod lm3s6965evb {
+            $(#[test] fn $test() { super::$test(crate::machines::LM3S6965EVB); })*
+        }
+        mod virt {
+            $(#[test] fn $test() { super::$test(crate::machines::VIRT); })*
+        }
+    };
+}
+pub(crate) use on_each_machine;
+
+/// An image's file, the newest of either compiler's.
 pub fn image(machine: &Machine, program: &str) -> PathBuf {
     let built = std::env::var_os("PALPATE_IMAGES").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/images"),
         PathBuf::from,
     );
-    let path = built.join(machine.target).join("release").join(program);
+    let folders = [built.join("web"), built];
+    let files = folders.iter().map(|folder| {
+        let release = folder.join(machine.target).join("release");
+        release.join(program)
+    });
+    let newest = files.max_by_key(|path| path.metadata().and_then(|m| m.modified()).ok());
+    let path = newest.unwrap_or_default();
     assert!(
         path.exists(),
         "{}: expected an image; ci/unit builds it",

@@ -12,7 +12,7 @@ use palpate_qemu::{Image, Machine, free_of};
 use serde::Deserialize;
 
 use super::decisions::Pair;
-use super::machines::{LM3S6965EVB, image, met};
+use super::machines::{image, met, on_each_machine};
 use super::sessions::play;
 
 /// The numbers of a machine's images.
@@ -130,12 +130,12 @@ fn measured(machine: Machine) -> (String, BTreeMap<String, u64>) {
     (unit.compiler, named.into())
 }
 
-#[test]
-fn an_image_takes_no_more_than_it_did() {
+on_each_machine!(an_image_takes_no_more_than_it_did);
+
+fn an_image_takes_no_more_than_it_did(machine: Machine) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("ratchets.toml");
     let text = std::fs::read_to_string(path).unwrap();
     let kept: BTreeMap<String, Kept> = toml::from_str(&text).unwrap();
-    let machine = LM3S6965EVB;
     let kept = &kept[machine.name];
     let (compiler, figures) = measured(machine);
     println!("{}, rustc {compiler}: {figures:#?}", machine.name);

@@ -5,14 +5,24 @@ use palpate_core::guard::Cause;
 use palpate_core::random::RandomStream;
 use palpate_core::units::Duration;
 use palpate_emulators::time::Nanos;
-use palpate_qemu::Lockstep;
+use palpate_qemu::{Lockstep, Machine};
 
-use super::machines::{LM3S6965EVB, met};
+use super::machines::{met, on_each_machine};
 
 /// Length of the bursts.
 const BURST: Duration = Duration::from_millis(38);
 /// A PWM period at the nominal clock and PRE_SCALE 30, ns.
 const PERIOD: u64 = 5_080_000;
+
+on_each_machine! {
+    a_session_plays_on_time
+    runs_repeat_to_the_nanosecond
+    a_dead_host_leaves_nothing_on_100_ms_after_its_last_reading
+    a_skin_that_is_silent_switches_off_100_ms_after_its_last_reading
+    a_unit_that_hangs_is_reset_within_the_burst_and_switches_off_first
+    a_bus_that_dies_is_cut_and_comes_back
+    ten_thousand_spoiled_datagrams_switch_nothing_on
+}
 
 fn ms(n: u64) -> Duration {
     Duration::from_millis(n)
@@ -33,9 +43,8 @@ pub fn play(run: &mut Lockstep, count: u16) -> u32 {
     passed
 }
 
-#[test]
-fn a_session_plays_on_time() {
-    let mut run = met(LM3S6965EVB, true);
+fn a_session_plays_on_time(machine: Machine) {
+    let mut run = met(machine, true);
     let from = run.now();
     assert_eq!(run.host.burst(0, &[3], 100, BURST), Ok(1));
     run.run(ms(120)).unwrap();
@@ -71,10 +80,9 @@ fn a_session_plays_on_time() {
     println!("latest beginning after its time: {} us", status.late_us);
 }
 
-#[test]
-fn runs_repeat_to_the_nanosecond() {
+fn runs_repeat_to_the_nanosecond(machine: Machine) {
     let played = || {
-        let mut run = met(LM3S6965EVB, true);
+        let mut run = met(machine, true);
         play(&mut run, 10);
         (run.chips.transfers, run.chips.levels)
     };
@@ -83,11 +91,10 @@ fn runs_repeat_to_the_nanosecond() {
     assert_eq!(one, other);
 }
 
-#[test]
-fn a_dead_host_leaves_nothing_on_100_ms_after_its_last_reading() {
+fn a_dead_host_leaves_nothing_on_100_ms_after_its_last_reading(machine: Machine) {
     let mut s = RandomStream::new(1, "deaths of hosts");
     for death in 0..4u64 {
-        let mut run = met(LM3S6965EVB, death % 2 == 0);
+        let mut run = met(machine, death % 2 == 0);
         play(&mut run, 3);
         assert_eq!(
             run.host.burst(0, &[6 + (death % 2) as u16], 100, ms(48)),
@@ -108,9 +115,8 @@ fn a_dead_host_leaves_nothing_on_100_ms_after_its_last_reading() {
     }
 }
 
-#[test]
-fn a_skin_that_is_silent_switches_off_100_ms_after_its_last_reading() {
-    let mut run = met(LM3S6965EVB, true);
+fn a_skin_that_is_silent_switches_off_100_ms_after_its_last_reading(machine: Machine) {
+    let mut run = met(machine, true);
     play(&mut run, 2);
     let silent = run.now();
     run.host.reads = false;
@@ -125,10 +131,9 @@ fn a_skin_that_is_silent_switches_off_100_ms_after_its_last_reading() {
     assert_eq!(state, State::Stopped(Cause::StaleInput));
 }
 
-#[test]
-fn a_unit_that_hangs_is_reset_within_the_burst_and_switches_off_first() {
+fn a_unit_that_hangs_is_reset_within_the_burst_and_switches_off_first(machine: Machine) {
     for oe in [false, true] {
-        let mut run = met(LM3S6965EVB, oe);
+        let mut run = met(machine, oe);
         play(&mut run, 2);
         assert_eq!(run.host.burst(0, &[5], 100, ms(48)), Ok(1));
         run.run(ms(24)).unwrap();
@@ -171,9 +176,8 @@ fn a_unit_that_hangs_is_reset_within_the_burst_and_switches_off_first() {
     }
 }
 
-#[test]
-fn a_bus_that_dies_is_cut_and_comes_back() {
-    let mut run = met(LM3S6965EVB, true);
+fn a_bus_that_dies_is_cut_and_comes_back(machine: Machine) {
+    let mut run = met(machine, true);
     play(&mut run, 2);
     assert_eq!(run.host.burst(0, &[5], 100, ms(48)), Ok(1));
     run.run(ms(24)).unwrap();
@@ -208,9 +212,8 @@ pub fn spoil(s: &mut RandomStream, datagram: &mut Vec<u8>) {
     datagram.truncate(MOST);
 }
 
-#[test]
-fn ten_thousand_spoiled_datagrams_switch_nothing_on() {
-    let mut run = met(LM3S6965EVB, true);
+fn ten_thousand_spoiled_datagrams_switch_nothing_on(machine: Machine) {
+    let mut run = met(machine, true);
     play(&mut run, 10);
     run.run(ms(100)).unwrap();
     run.host.lives = false;

@@ -5,10 +5,9 @@ use core::ptr::addr_of_mut;
 
 use cortex_m::asm;
 use palpate_core::units::{Duration, Instant};
-use palpate_image::Processor;
+use palpate_image::{Processor, Register};
 
 use crate::ethernet::Ethernet;
-use crate::register::Register;
 
 /// Run-mode clock: system divider 4, used: 50 MHz in QEMU, 20 ns per tick.
 const RCC: Register = Register(0x400F_E060);
@@ -73,6 +72,11 @@ pub fn now_ns() -> u64 {
     ticks() * TICK_NS
 }
 
+/// The same as the unit counts it.
+pub fn now() -> Instant {
+    Instant::from_micros(ticks() / (1000 / TICK_NS))
+}
+
 /// The machine's clock, alarm and watchdog.
 #[derive(Debug)]
 pub struct Machine(());
@@ -114,7 +118,7 @@ impl Machine {
 
 impl Processor for Machine {
     fn now(&self) -> Instant {
-        Instant::from_micros(ticks() / (1000 / TICK_NS))
+        now()
     }
 
     fn rest(&mut self, until: Instant) {

@@ -1,9 +1,10 @@
 //! The Stellaris Ethernet controller, as smoltcp wants it: one frame at a time.
 
+use palpate_image::Register;
+use palpate_image::udp::Card;
 use smoltcp::phy::{Checksum, Device, DeviceCapabilities, Medium, RxToken, TxToken};
 use smoltcp::time::Instant;
-
-use crate::register::Register;
+use smoltcp::wire::{EthernetAddress, HardwareAddress};
 
 const CLEAR: Register = Register(0x4004_8000);
 const MASK: Register = Register(0x4004_8004);
@@ -39,13 +40,6 @@ impl Ethernet {
             received: [0; FRAME],
             sent: [0; FRAME],
         }
-    }
-
-    /// Its hardware address.
-    pub fn address() -> [u8; 6] {
-        let [a, b, c, d] = ADDRESS[0].read().to_le_bytes();
-        let [e, f, ..] = ADDRESS[1].read().to_le_bytes();
-        [a, b, c, d, e, f]
     }
 
     /// Whether a frame waits.
@@ -106,6 +100,18 @@ impl TxToken for Sent<'_> {
         }
         REQUEST.write(1);
         result
+    }
+}
+
+impl Card for Ethernet {
+    fn address(&self) -> HardwareAddress {
+        let [a, b, c, d] = ADDRESS[0].read().to_le_bytes();
+        let [e, f, ..] = ADDRESS[1].read().to_le_bytes();
+        HardwareAddress::Ethernet(EthernetAddress([a, b, c, d, e, f]))
+    }
+
+    fn is_waiting(&self) -> bool {
+        Self::is_waiting()
     }
 }
 

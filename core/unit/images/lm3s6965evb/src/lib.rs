@@ -1,19 +1,17 @@
-//! QEMU's lm3s6965evb as a driver unit: its clock, watchdog and Ethernet, and what is burnt into it. The boards are the
-//! rig's.
+//! QEMU's lm3s6965evb as a driver unit: its clock, watchdog and Ethernet. The boards are the rig's.
 #![no_std]
 
 mod clock;
 mod ethernet;
-mod register;
-pub mod settings;
-mod udp;
 
-pub use clock::Machine;
-pub use udp::{Bytes, Memory, Udp};
+pub use clock::{Machine, now};
+pub use ethernet::Ethernet;
 
-use palpate_image::Arena;
 use palpate_image::rig::{Pipes, Rig};
+use palpate_image::{Arena, burnt_key};
 
+/// The key, burnt in.
+pub static KEY: [u8; 32] = burnt_key!();
 /// What the unit is built in: the guard takes most of it.
 #[global_allocator]
 pub static HEAP: Arena<{ 6 * 1024 }> = Arena::new();

@@ -3,6 +3,17 @@
 use palpate_core::illusion::DisplayWire;
 use palpate_core::units::{Board, Channel, Point};
 
+/// The key that the environment of the build names, in the image that says this.
+#[macro_export]
+macro_rules! burnt_key {
+    () => {
+        $crate::key(env!(
+            "PALPATE_UNIT_KEY",
+            "PALPATE_UNIT_KEY: expected the unit's key, 64 hexadecimal digits"
+        ))
+    };
+}
+
 /// The 32 bytes that 64 hexadecimal digits stand for, when the image is compiled.
 ///
 /// # Panics

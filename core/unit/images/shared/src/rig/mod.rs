@@ -21,10 +21,12 @@
 mod client;
 #[cfg(target_os = "none")]
 mod pipes;
+mod programs;
 
 pub use client::{Bus, BusError, Network, Oe, Rig, Wires};
 #[cfg(target_os = "none")]
 pub use pipes::Pipes;
+pub use programs::{ADDRESSES, LIMITS, WIRES, guard, lockstep, unit};
 
 /// Bytes before those of a question or an answer.
 pub const HEAD: usize = 12;

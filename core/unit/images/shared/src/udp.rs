@@ -1,19 +1,29 @@
-//! Datagrams by UDP on port 4000, at the address that QEMU's user network gives its guest.
+//! Datagrams by UDP on port 4000, over any network card.
 
 use palpate_core::codec::link::{Buffer, MOST};
 use palpate_core::units::Instant;
-use palpate_image::Link;
 use palpate_unit::Datagrams;
 use smoltcp::iface::{Config, Interface, SocketHandle, SocketSet, SocketStorage};
+use smoltcp::phy::Device;
 use smoltcp::socket::udp::{PacketBuffer, PacketMetadata, Socket, UdpMetadata};
 use smoltcp::time::Instant as SmoltcpInstant;
-use smoltcp::wire::{EthernetAddress, HardwareAddress, IpCidr, Ipv4Address};
+use smoltcp::wire::{HardwareAddress, IpCidr, Ipv4Address, Ipv4Cidr};
 
-use crate::clock;
-use crate::ethernet::Ethernet;
+use crate::serve::Link;
 
 /// The unit's port.
 const PORT: u16 = 4000;
+/// The address that QEMU's user network gives its guest.
+pub const GUEST: Ipv4Cidr = Ipv4Cidr::new(Ipv4Address::new(10, 0, 2, 15), 24);
+
+/// A network card of a processor.
+pub trait Card: Device {
+    /// Its address on the network.
+    fn address(&self) -> HardwareAddress;
+
+    /// Whether something waits in it.
+    fn is_waiting(&self) -> bool;
+}
 
 /// Memory of the socket, for a static: two datagrams that came and one that goes.
 #[derive(Debug)]
@@ -25,6 +35,8 @@ pub struct Memory {
 
 /// Bytes of the same datagrams, in a static of their own, which then takes no flash.
 pub type Bytes = ([u8; 2 * MOST], [u8; MOST]);
+/// The same, unused.
+pub const NO_BYTES: Bytes = ([0; 2 * MOST], [0; MOST]);
 
 impl Memory {
     /// Unused.
@@ -43,29 +55,32 @@ impl Default for Memory {
     }
 }
 
-/// A UDP socket over the Ethernet.
-pub struct Udp {
-    ethernet: Ethernet,
+/// A UDP socket over a card.
+pub struct Udp<C> {
+    card: C,
+    clock: fn() -> Instant,
     interface: Interface,
     sockets: SocketSet<'static>,
     socket: SocketHandle,
 }
 
-fn time() -> SmoltcpInstant {
-    SmoltcpInstant::from_micros((clock::now_ns() / 1000) as i64)
+fn time(clock: fn() -> Instant) -> SmoltcpInstant {
+    SmoltcpInstant::from_micros(clock().as_micros() as i64)
 }
 
-impl Udp {
-    /// Starts the network. Any other bytes of `seed` are as good.
-    pub fn start(memory: &'static mut Memory, bytes: &'static mut Bytes, seed: u64) -> Self {
-        let mut ethernet = Ethernet::start();
-        let address = HardwareAddress::Ethernet(EthernetAddress(Ethernet::address()));
-        let mut config = Config::new(address);
-        config.random_seed = seed;
-        let mut interface = Interface::new(config, &mut ethernet, time());
+impl<C: Card> Udp<C> {
+    /// Starts the network: a card, the processor's clock, and the unit's address.
+    pub fn start(
+        mut card: C,
+        clock: fn() -> Instant,
+        address: Ipv4Cidr,
+        (memory, bytes): (&'static mut Memory, &'static mut Bytes),
+    ) -> Self {
+        let config = Config::new(card.address());
+        let mut interface = Interface::new(config, &mut card, time(clock));
         interface.update_ip_addrs(|addresses| {
             // The list has room for one at least.
-            let _ = addresses.push(IpCidr::new(Ipv4Address::new(10, 0, 2, 15).into(), 24));
+            let _ = addresses.push(IpCidr::Ipv4(address));
         });
         let came = PacketBuffer::new(&mut memory.came[..], &mut bytes.0[..]);
         let goes = PacketBuffer::new(&mut memory.goes[..], &mut bytes.1[..]);
@@ -75,7 +90,8 @@ impl Udp {
         let mut sockets = SocketSet::new(&mut memory.sockets[..]);
         let socket = sockets.add(socket);
         Self {
-            ethernet,
+            card,
+            clock,
             interface,
             sockets,
             socket,
@@ -83,12 +99,12 @@ impl Udp {
     }
 
     fn poll(&mut self) {
-        self.interface
-            .poll(time(), &mut self.ethernet, &mut self.sockets);
+        let now = time(self.clock);
+        self.interface.poll(now, &mut self.card, &mut self.sockets);
     }
 }
 
-impl Datagrams for Udp {
+impl<C: Card> Datagrams for Udp<C> {
     type Peer = UdpMetadata;
 
     fn receive(&mut self, buffer: &mut Buffer) -> Option<(usize, UdpMetadata)> {
@@ -109,10 +125,10 @@ impl Datagrams for Udp {
     }
 }
 
-impl Link for Udp {
+impl<C: Card> Link for Udp<C> {
     fn next(&mut self) -> Option<Instant> {
         let socket = self.sockets.get::<Socket<'_>>(self.socket);
-        let waits = Ethernet::is_waiting() || socket.can_recv();
+        let waits = self.card.is_waiting() || socket.can_recv();
         waits.then_some(Instant::ZERO)
     }
 }
