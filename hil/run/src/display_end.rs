@@ -1,20 +1,20 @@
 //! The display end of a run: boards behind a bus, the line that cuts them, and what hangs on their outputs.
 
+mod config;
+
+pub use config::emulated;
+
 use palpate_core::driver::{DriverError, Traffic};
-use palpate_core::illusion::DisplayWire;
-use palpate_core::physics::ParameterError;
 use palpate_core::projector::{LoopError, Projector};
 use palpate_core::skin::SkinSource;
 use palpate_core::units::{Board, Duration, Instant, Prescale};
-use palpate_emulators::display::amplifier::AmplifierConfig;
-use palpate_emulators::display::amplifier::supply::SupplySource;
+use palpate_emulators::display::i2c::I2cHandle;
 use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
-use palpate_emulators::display::i2c::{BusClock, I2cHandle};
 use palpate_emulators::display::observed::RegisterWriter;
 use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
-use palpate_emulators::worn::{DisplayConfig, OutputEdge, ThermalSample, WirePlace, WornDisplay};
-use palpate_files::{Bench, Drive, Setup};
+use palpate_emulators::worn::{OutputEdge, ThermalSample, WornDisplay};
+use palpate_files::{Drive, Setup};
 use palpate_records::i2c::Transfer;
 use palpate_records::trace::{Event, Header};
 
@@ -27,6 +27,7 @@ use crate::effects::{Faultable, FaultyDisplay};
 use crate::failure::Failure;
 use crate::feel::{FullDrive, feel, sample_wires};
 use crate::margins::Currents;
+use crate::picture::Totals;
 use crate::place::Place;
 use crate::plan;
 use crate::policy::refuse_hardware;
@@ -34,6 +35,7 @@ use crate::recorder::{Onset, Recorder};
 use crate::script::{FaultReport, Script};
 use crate::skin_end::FaultySkin;
 use crate::unit::{EmulatedDriver, NoLine, UnitReport};
+use config::{config, no_bench};
 
 /// The finger is looked at no less often than this, even where no stimulus comes.
 const LOOK: Duration = Duration::from_millis(250);
@@ -96,6 +98,21 @@ pub trait DisplayEnd {
     /// When the next scripted fault begins or ends.
     fn next_fault(&self) -> Instant {
         Instant::FAR_FUTURE
+    }
+
+    /// Each wire and the skin under it now, degrees C; nothing where nothing measures them.
+    fn warmth(&self) -> Vec<[f64; 2]> {
+        Vec::new()
+    }
+
+    /// What the wires came to so far, where that is measured.
+    fn totals(&self) -> Option<Totals> {
+        None
+    }
+
+    /// Least and most level of the newest onset over everything that is not measured, dB over threshold.
+    fn newest_band_db(&self) -> Option<[f64; 2]> {
+        None
     }
 
     /// A driver's error in full.
@@ -231,11 +248,6 @@ impl EmulatedDisplay {
     pub fn compare(&mut self, setup: &Setup, header: &Header, whole: bool) -> Result<(), Failure> {
         self.band = Some(Band::new(setup, header, &mut self.display, whole)?);
         Ok(())
-    }
-
-    /// Least and most level of the newest onset in all corners, dB over threshold.
-    pub fn newest_band_db(&self) -> Option<[f64; 2]> {
-        self.band.as_ref().and_then(Band::newest_db)
     }
 
     /// What all corners came to, where they are compared and a contact was inside the display; `known` where the path is.
@@ -414,6 +426,24 @@ impl DisplayEnd for EmulatedDisplay {
         self.script.next()
     }
 
+    fn warmth(&self) -> Vec<[f64; 2]> {
+        let celsius = |wire| self.display.glance_c(wire).unwrap_or([f64::NAN; 2]);
+        (0..self.place.wires).map(celsius).collect()
+    }
+
+    fn totals(&self) -> Option<Totals> {
+        let totals = self.display.glance();
+        let (omega, cem43) = totals.dose;
+        Some(Totals {
+            hottest: [totals.hottest_tissue_c, totals.hottest_deep_c, omega, cem43],
+            energy_j: totals.electrical_j,
+        })
+    }
+
+    fn newest_band_db(&self) -> Option<[f64; 2]> {
+        self.band.as_ref().and_then(Band::newest_db)
+    }
+
     /// With the board's number on the bench.
     fn explain(&self, error: &DriverError) -> String {
         let of = |own: Board| {
@@ -438,53 +468,5 @@ const fn edge(e: &OutputEdge) -> Event {
         board: e.board,
         channel: e.channel,
         high: e.high,
-    }
-}
-
-/// The emulated display of a bench: its chips and amplifiers, `wires` on a finger.
-///
-/// # Errors
-/// [`Failure::Input`] for a bench that cannot be.
-pub fn emulated(setup: &Setup, wires: &[DisplayWire]) -> Result<WornDisplay, Failure> {
-    let bench = &setup.bench.value;
-    let display = WornDisplay::new(&config(setup, wires)).map_err(no_bench(bench))?;
-    // Refused only from inside another look at the segment, and there is none here.
-    let _ = display.bus().with(|segment| {
-        let chips = segment.chips_mut().iter_mut();
-        chips.for_each(|chip| chip.set_external_clock(Nanos::ZERO, bench.drive.external_hz()));
-    });
-    Ok(display)
-}
-
-fn no_bench(bench: &Bench) -> impl Fn(ParameterError) -> Failure {
-    move |e| Failure::Input(format!("bench `{}`: {e}", bench.name))
-}
-
-/// How a bench's display is built, with `wires` on a finger.
-fn config(setup: &Setup, wires: &[DisplayWire]) -> DisplayConfig {
-    let bench = &setup.bench.value;
-    let place = |w: &DisplayWire| WirePlace {
-        at: w.place,
-        board: w.board.0,
-        channel: w.channel.0,
-    };
-    DisplayConfig {
-        boards: plan::boards(bench)
-            .into_iter()
-            .map(|a| (a, bench.drive.oscillator))
-            .collect(),
-        wires: wires.iter().map(place).collect(),
-        amplifier: AmplifierConfig {
-            current: plan::milliamps(bench.drive.current_ma),
-            rise: Nanos((bench.amplifier.rise_us * 1e3).round() as u64),
-            on_ohm: bench.amplifier.on_ohm,
-        },
-        source: SupplySource {
-            volts: bench.amplifier.supply_v.unwrap_or(f64::INFINITY),
-            ohm: bench.amplifier.supply_ohm,
-        },
-        wire: plan::wire(setup),
-        tissue: bench.tissue.parameters(),
-        clock: BusClock::Fast,
     }
 }
