@@ -17,6 +17,7 @@ use crate::display::amplifier::{Amplifier, AmplifierConfig, AmplifierFault, take
 use crate::display::i2c::{BusClock, Error as I2cError, I2cHandle};
 use crate::display::pca9685::{Edge, Pca9685, Pin};
 use crate::display::solver::record::Peaks;
+use crate::display::wire::Wire;
 use crate::person::channels::{Felt, Person};
 use crate::time::Nanos;
 use rack::Connection;
@@ -398,6 +399,13 @@ impl WornDisplay {
             .map(|w| w.tissue(now).0 + rise_k)
     }
 
+    /// The same two of a wire, wire first, by a copy of it: its own solver steps from look to look, so that a look which
+    /// others do not take would change the last digits of what comes.
+    pub fn glance_c(&self, wire: usize) -> Option<[f64; 2]> {
+        let mut copy = self.worn.wires.get(wire)?.clone();
+        Some([copy.temperature(self.now), copy.tissue(self.now).0])
+    }
+
     /// A person puts the display on, now: wires are felt from here on. Until the next [`WornDisplay::settle`] every stretch
     /// of their motion is kept.
     ///
@@ -444,22 +452,35 @@ impl WornDisplay {
 
     /// What the run came to until now.
     pub fn totals(&mut self) -> DisplayTotals {
-        let mut totals = DisplayTotals {
-            peak_supply: self.supply.peak().0,
+        let (now, peak_supply) = (self.now, self.supply.peak().0);
+        DisplayTotals::of(&mut self.worn.wires, peak_supply, now)
+    }
+
+    /// The same by copies of the wires, as [`WornDisplay::glance_c`].
+    pub fn glance(&self) -> DisplayTotals {
+        let mut copies = self.worn.wires.clone();
+        DisplayTotals::of(&mut copies, self.supply.peak().0, self.now)
+    }
+}
+
+impl DisplayTotals {
+    fn of(wires: &mut [Wire], peak_supply: Milliamps, now: Nanos) -> Self {
+        let mut totals = Self {
+            peak_supply,
             hottest_wire: (f64::NEG_INFINITY, 0),
             hottest_tissue_c: f64::NEG_INFINITY,
             hottest_deep_c: f64::NEG_INFINITY,
-            ..DisplayTotals::default()
+            ..Self::default()
         };
-        for (index, wire) in self.worn.wires.iter_mut().enumerate() {
-            let peaks = wire.peaks(self.now);
-            totals.electrical_j += wire.energy(self.now).electrical_j;
+        for (index, wire) in wires.iter_mut().enumerate() {
+            let peaks = wire.peaks(now);
+            totals.electrical_j += wire.energy(now).electrical_j;
             if peaks.wire_c > totals.hottest_wire.0 {
                 totals.hottest_wire = (peaks.wire_c, index);
             }
             totals.hottest_tissue_c = totals.hottest_tissue_c.max(peaks.shallow_c);
             totals.hottest_deep_c = totals.hottest_deep_c.max(peaks.deep_c);
-            let dose = wire.dose(self.now).unwrap_or_default();
+            let dose = wire.dose(now).unwrap_or_default();
             totals.dose.0 = totals.dose.0.max(dose.omega);
             totals.dose.1 = totals.dose.1.max(dose.cem43_min);
         }

@@ -10,6 +10,7 @@ mod texture;
 mod unit;
 
 use std::io::IsTerminal;
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
@@ -120,6 +121,14 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Where a page is served unless something else is said.
+const SERVE_AT: &str = "127.0.0.1:8137";
+
+/// Where a page is served.
+fn serve_at(text: &str) -> Result<SocketAddr, String> {
+    crate::serve::address(text)
+}
+
 /// How the contact threshold is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Threshold {
@@ -144,6 +153,8 @@ pub enum Command {
     /// Be a driver unit until stopped: it plays what a host sends over UDP, with a guard of its own, on emulated boards or
     /// those of an I2C adapter.
     Unit(UnitArgs),
+    /// Run a scene with its page for browsers, as `hil run --serve` does.
+    Serve(ServeArgs),
     /// Record every frame on live CAN interfaces until stopped.
     Record(RecordArgs),
     /// Send a recording onto CAN interfaces, each frame at its time.
@@ -293,6 +304,10 @@ pub struct RunArgs {
     /// Show the run on a terminal as it goes. An emulated run then keeps to the wall clock.
     #[arg(long)]
     pub watch: bool,
+    /// Show the run in browsers as it goes, at PORT of this computer or ADDRESS[:PORT] (default: 127.0.0.1:8137; port 0
+    /// takes a free one). An emulated run then keeps to the wall clock.
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = SERVE_AT, value_parser = serve_at)]
+    pub serve: Option<SocketAddr>,
     /// Write the schedule as JSON Lines.
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
@@ -333,6 +348,40 @@ pub struct RunArgs {
     /// Stimulus onset asynchrony, ms (default: 0.32 tau_d + 47.3).
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     pub soa_ms: Option<f64>,
+}
+
+/// Options of `hil serve`.
+#[derive(Debug, Args)]
+pub struct ServeArgs {
+    /// A built-in scene or a file (default: sphere-along).
+    pub scene: Option<String>,
+    /// On which bench.
+    #[command(flatten)]
+    pub on: Buses,
+    /// Where: PORT of this computer or ADDRESS[:PORT]; port 0 takes a free one.
+    #[arg(long, value_name = "ADDRESS", default_value = SERVE_AT, value_parser = serve_at)]
+    pub at: SocketAddr,
+    /// How much it says.
+    #[command(flatten)]
+    pub voice: Voice,
+}
+
+impl From<ServeArgs> for RunArgs {
+    fn from(args: ServeArgs) -> Self {
+        let ServeArgs {
+            scene,
+            on,
+            at,
+            voice,
+        } = args;
+        Self {
+            scene,
+            on,
+            voice,
+            serve: Some(at),
+            ..Self::default()
+        }
+    }
 }
 
 /// What to do with rows that repeat the one before.

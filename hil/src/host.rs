@@ -1,33 +1,46 @@
-//! What a run is handed from outside here: the wall clock to time frames by, a live view if wanted, and the records
+//! What a run is handed from outside here: the wall clock to time frames by, live views if wanted, and the records
 //! that are written while it runs.
 
 use std::path::PathBuf;
 
-use palpate_core::skin::Layout;
-use palpate_core::units::Instant;
+use palpate_buses::pacer::RunClock;
+use palpate_buses::signals::Signals;
 use palpate_records::mcap::Attachment;
 use palpate_records::readings::Readings;
-use palpate_records::trace::Header;
 use palpate_run::effort::Stopwatch;
-use palpate_run::{BusReport, Failure, Host, Passed, TurnView};
+use palpate_run::{Beginning, Failure, Host, Passed, TurnView};
 
 use crate::clock;
-use crate::output::{Outputs, note};
+use crate::output::Outputs;
 use crate::progress::Progress;
 use crate::record::{About, Kind, Piece, Sink};
-use crate::watch::Watch;
+use crate::views::{Views, Wanted};
 
-/// A clock, and perhaps a live view.
+/// A clock, and perhaps live views.
 #[derive(Debug, Default)]
-pub struct Onlooker {
-    /// Whether a live view is wanted; virtual time is then held to the wall clock.
-    pub watches: bool,
-    watch: Option<Watch>,
-    /// Whether a terminal was looked for.
-    sought: bool,
+pub struct Onlooker<'a> {
+    /// The live views that are wanted; virtual time is then held to the wall clock.
+    wanted: Wanted<'a>,
+    views: Views,
+    pace: Option<Pace>,
     progress: Option<Progress>,
     records: Option<Records>,
     sinks: Vec<Sink>,
+}
+
+/// What holds a run in virtual time to the wall clock, and what ends it meanwhile.
+#[derive(Debug)]
+struct Pace {
+    clock: RunClock,
+    signals: Signals,
+}
+
+impl Pace {
+    fn start() -> Result<Self, Failure> {
+        let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
+        let clock = RunClock::start();
+        Ok(Self { clock, signals })
+    }
 }
 
 /// Records that are written while a run goes on.
@@ -45,11 +58,11 @@ pub struct Records {
     pub drives: usize,
 }
 
-impl Onlooker {
-    /// One that times frames and, if it `watches`, shows the run on a terminal.
-    pub fn new(watches: bool, records: Option<Records>) -> Self {
+impl<'a> Onlooker<'a> {
+    /// One that times frames, and shows the run as it is wanted.
+    pub fn new(wanted: Wanted<'a>, records: Option<Records>) -> Self {
         Self {
-            watches,
+            wanted,
             records,
             ..Self::default()
         }
@@ -64,22 +77,21 @@ impl Onlooker {
     }
 }
 
-impl Host for Onlooker {
+impl Host for Onlooker<'_> {
     fn stopwatch(&self) -> Option<Stopwatch> {
         Some(clock::elapsed)
     }
 
     fn looks_on(&self) -> bool {
-        self.watches
+        self.wanted.any()
     }
 
-    fn begin(&mut self, header: &Header, layout: &Layout, end: Instant) -> Result<(), Failure> {
-        if let Some(watch) = &mut self.watch {
-            watch.add(header, layout, end);
-        } else if self.watches && !self.sought {
-            self.sought = true;
-            self.watch = open_watch(header, layout, end, true)?;
+    fn begin(&mut self, run: &Beginning<'_>) -> Result<(), Failure> {
+        self.views.begin(self.wanted, run)?;
+        if self.views.are_open() && self.pace.is_none() {
+            self.pace = Some(Pace::start()?);
         }
+        let (header, layout) = (run.header, run.projector.layout());
         if let Some(records) = &self.records {
             let readings = Readings::whole(layout, records.drives);
             let about = About::Run(header, readings.modules(), &records.attachments);
@@ -104,11 +116,11 @@ impl Host for Onlooker {
     }
 
     fn turn(&mut self, seen: &TurnView<'_>) -> bool {
-        let Some(watch) = &mut self.watch else {
+        let Some(pace) = &self.pace else {
             return false;
         };
-        let buses = || (seen.buses)().iter().map(BusReport::words).collect();
-        watch.turn(seen.display, seen.now, seen.events, seen.counts, buses)
+        pace.clock.sleep_until(seen.now);
+        self.views.turn(seen).is_some() || pace.signals.caught().is_some()
     }
 
     fn passed(&mut self, part: f64) -> bool {
@@ -120,29 +132,9 @@ impl Host for Onlooker {
     }
 
     fn end(&mut self) {
-        self.watch = None;
+        self.views = Views::default();
         self.progress = None;
     }
-}
-
-/// A live view of a run that ends at `end`; without a terminal a note says so, and the run goes on without.
-///
-/// # Errors
-/// [`Failure::Device`] when the system gives no thread.
-pub fn open_watch(
-    header: &Header,
-    layout: &Layout,
-    end: Instant,
-    virtual_time: bool,
-) -> Result<Option<Watch>, Failure> {
-    let opened = Watch::open(header, layout, end, virtual_time);
-    let opened = opened.map_err(|e| Failure::Device(format!("the live view: {e}")))?;
-    if opened.is_none() {
-        note(
-            "--watch: standard input or output is no terminal; the run goes on without a live view",
-        );
-    }
-    Ok(opened)
 }
 
 /// The command line, when and where.

@@ -16,3 +16,11 @@ pub fn reports(names: &[String], tallies: &[Tally]) -> Vec<CanReport> {
     };
     names.iter().zip(tallies).map(report).collect()
 }
+
+/// The same in a line each.
+pub fn lines(names: &[String], tallies: &[Tally]) -> Vec<String> {
+    reports(names, tallies)
+        .iter()
+        .map(CanReport::words)
+        .collect()
+}

@@ -2,12 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use palpate_core::skin::Layout;
-use palpate_core::units::Instant;
 use palpate_files::{Bench, Loaded, Overrides, Scene, Setup, Source, load_bench, load_scene};
-use palpate_records::trace::{Event, Header, Trace};
+use palpate_records::trace::{Event, Trace};
 use palpate_records::verdict::Verdict;
-use palpate_run::{Failure, Host, Input, Keep, Outcome, TurnView, run, run_with};
+use palpate_run::{Beginning, Failure, Host, Input, Keep, Outcome, TurnView, run, run_with};
 
 use super::fingers::{entries, notes};
 
@@ -140,7 +138,7 @@ impl Host for Watcher {
         true
     }
 
-    fn begin(&mut self, _: &Header, _: &Layout, _: Instant) -> Result<(), Failure> {
+    fn begin(&mut self, _: &Beginning<'_>) -> Result<(), Failure> {
         self.began += 1;
         Ok(())
     }

@@ -13,13 +13,21 @@ pub const PORT: u16 = 4817;
 /// # Errors
 /// What was expected.
 pub fn address(text: &str) -> Result<SocketAddr, String> {
+    address_or(text, PORT)
+}
+
+/// The same with the port that stands for none.
+///
+/// # Errors
+/// What was expected.
+pub fn address_or(text: &str, port: u16) -> Result<SocketAddr, String> {
     let expected = |why: &str| {
         format!(
-            "expected ADDRESS or ADDRESS:PORT, such as 192.168.1.40:{PORT}, found `{text}`{why}"
+            "expected ADDRESS or ADDRESS:PORT, such as 192.168.1.40:{port}, found `{text}`{why}"
         )
     };
     if let Ok(ip) = text.parse::<IpAddr>() {
-        return Ok((ip, PORT).into());
+        return Ok((ip, port).into());
     }
     if let Ok(whole) = text.parse::<SocketAddr>() {
         return Ok(whole);
@@ -29,7 +37,7 @@ pub fn address(text: &str) -> Result<SocketAddr, String> {
             let port: u16 = port.parse().map_err(|_| expected(""))?;
             (name, port).to_socket_addrs()
         }
-        None => (text, PORT).to_socket_addrs(),
+        None => (text, port).to_socket_addrs(),
     };
     let mut found = named.map_err(|e| expected(&format!(": {e}")))?;
     found.next().ok_or_else(|| expected(": no such host"))

@@ -1,5 +1,9 @@
 //! The display end of a run: boards behind a bus, the line that cuts them, and what hangs on their outputs.
 
+mod config;
+
+pub use config::emulated;
+
 use palpate_core::driver::{DriverError, Traffic};
 use palpate_core::projector::{LoopError, Projector};
 use palpate_core::skin::SkinSource;
@@ -27,6 +31,7 @@ use crate::failure::Failure;
 use crate::feel::{FullDrive, feel, sample_wires};
 use crate::heat::{EmulatedHeat, HeatReport};
 use crate::margins::Currents;
+use crate::picture::Totals;
 use crate::place::Place;
 use crate::plan;
 use crate::policy::refuse_hardware;
@@ -34,6 +39,7 @@ use crate::recorder::{Onset, Recorder};
 use crate::script::{FaultReport, Script};
 use crate::skin_end::FaultySkin;
 use crate::unit::{EmulatedDriver, NoLine, UnitReport};
+use config::{config, no_bench};
 
 /// The finger is looked at no less often than this, even where no stimulus comes.
 const LOOK: Duration = Duration::from_millis(250);
@@ -96,6 +102,21 @@ pub trait DisplayEnd {
     /// When the next scripted fault begins or ends.
     fn next_fault(&self) -> Instant {
         Instant::FAR_FUTURE
+    }
+
+    /// Each wire and the skin under it now, degrees C; nothing where nothing measures them.
+    fn warmth(&self) -> Vec<[f64; 2]> {
+        Vec::new()
+    }
+
+    /// What the wires came to so far, where that is measured.
+    fn totals(&self) -> Option<Totals> {
+        None
+    }
+
+    /// Least and most level of the newest onset over everything that is not measured, dB over threshold.
+    fn newest_band_db(&self) -> Option<[f64; 2]> {
+        None
     }
 
     /// A driver's error in full.
@@ -234,11 +255,6 @@ impl EmulatedDisplay {
     pub fn compare(&mut self, setup: &Setup, header: &Header, whole: bool) -> Result<(), Failure> {
         self.band = Some(Band::new(setup, header, &mut self.display, whole)?);
         Ok(())
-    }
-
-    /// Least and most level of the newest onset in all corners, dB over threshold.
-    pub fn newest_band_db(&self) -> Option<[f64; 2]> {
-        self.band.as_ref().and_then(Band::newest_db)
     }
 
     /// What all corners came to, where they are compared and a contact was inside the display; `known` where the path is.
@@ -438,6 +454,24 @@ impl DisplayEnd for EmulatedDisplay {
 
     fn next_fault(&self) -> Instant {
         self.script.next()
+    }
+
+    fn warmth(&self) -> Vec<[f64; 2]> {
+        let celsius = |wire| self.display.glance_c(wire).unwrap_or([f64::NAN; 2]);
+        (0..self.place.wires).map(celsius).collect()
+    }
+
+    fn totals(&self) -> Option<Totals> {
+        let totals = self.display.glance();
+        let (omega, cem43) = totals.dose;
+        Some(Totals {
+            hottest: [totals.hottest_tissue_c, totals.hottest_deep_c, omega, cem43],
+            energy_j: totals.electrical_j,
+        })
+    }
+
+    fn newest_band_db(&self) -> Option<[f64; 2]> {
+        self.band.as_ref().and_then(Band::newest_db)
     }
 
     /// With the board's number on the bench.

@@ -33,6 +33,7 @@ mod numbers;
 mod pads;
 mod passed;
 mod path_error;
+pub mod picture;
 pub mod place;
 pub mod plan;
 pub mod policy;
@@ -84,7 +85,7 @@ pub use verdict::stopped_by;
 use std::sync::Arc;
 
 use palpate_core::bus::Received;
-use palpate_core::skin::Layout;
+use palpate_core::projector::Projector;
 use palpate_core::units::Instant;
 use palpate_files::Setup;
 use palpate_records::i2c::Transfer;
@@ -93,6 +94,7 @@ use palpate_records::report::Warmth;
 use palpate_records::trace::{Event, Header, Trace};
 
 use effort::Effort;
+use picture::State;
 
 /// What drives the sensor end.
 #[derive(Clone, Debug)]
@@ -190,8 +192,24 @@ pub struct TurnView<'a> {
     pub events: &'a [Event],
     /// The newest relative reading of every taxel, raw counts, NaN for one that is left out.
     pub counts: &'a [f32],
-    /// The emulated sensor buses.
-    pub buses: &'a dyn Fn() -> Vec<BusReport>,
+    /// The sensor buses, a line each.
+    pub buses: &'a dyn Fn() -> Vec<String>,
+    /// How things are beside, with totals if they are wanted.
+    pub state: &'a dyn Fn(bool) -> State,
+}
+
+/// A run that is about to begin, or that of one of several displays.
+pub struct Beginning<'a> {
+    /// Its setup; of one of several displays what it would be alone.
+    pub setup: &'a Setup,
+    /// What is run, on what.
+    pub header: &'a Header,
+    /// The loop.
+    pub projector: &'a Projector,
+    /// When it will end.
+    pub end: Instant,
+    /// The display's name, where there are several.
+    pub display: Option<&'a str>,
 }
 
 /// What a run is handed from outside. Nothing of it changes a result.
@@ -206,12 +224,12 @@ pub trait Host {
         false
     }
 
-    /// The run is about to begin, and will end at `end`. Of several displays each begins by itself.
+    /// The run is about to begin. Of several displays each begins by itself.
     ///
     /// # Errors
     /// What keeps it from looking on; the run does not begin.
-    fn begin(&mut self, header: &Header, layout: &Layout, end: Instant) -> Result<(), Failure> {
-        let _ = (header, layout, end);
+    fn begin(&mut self, run: &Beginning<'_>) -> Result<(), Failure> {
+        let _ = run;
         Ok(())
     }
 

@@ -36,7 +36,10 @@ use crate::streamed::Streamed;
 use crate::summary::{AskedLevel, finished};
 use crate::tape::Tape;
 use crate::verdict::STOPPED_BY;
-use crate::{Host, Input, Keep, KeptReadings, Outcome, TurnView, margins, plan, skin, stagger};
+use crate::{
+    Beginning, BusReport, Host, Input, Keep, KeptReadings, Outcome, TurnView, margins, plan, skin,
+    stagger,
+};
 
 /// [`crate::run()`], keeping more, with a host that measures and looks on.
 ///
@@ -238,7 +241,13 @@ impl Run<'_> {
         let place = Place::whole(&self.setup.bench.value);
         let (header, mut session) = self.assemble(levels, skin, truth, (place, None), host)?;
         let mut passing = Passing::new(header.soa_us);
-        host.begin(&header, session.projector().layout(), end)?;
+        host.begin(&Beginning {
+            setup: self.setup,
+            header: &header,
+            projector: session.projector(),
+            end,
+            display: None,
+        })?;
         // The policy waits for boards that do not answer, so this cannot fail.
         let mut next = session.start(Instant::ZERO).unwrap_or_default();
         let mut last = end;
@@ -352,13 +361,14 @@ fn look_on<S: SkinEnd>(session: &mut Session<S, EmulatedDisplay>, host: &mut dyn
         return false;
     }
     let now = session.now();
-    let (skin, recorder) = session.seen();
+    let (skin, recorder, look) = session.look();
     let ended = host.turn(&TurnView {
         now,
         display: 0,
         events: &recorder.events,
         counts: recorder.counts.as_deref().unwrap_or_default(),
-        buses: &|| skin.buses(),
+        buses: &|| skin.buses().iter().map(BusReport::words).collect(),
+        state: &|totals| look.state(totals),
     });
     if ended {
         let note = format!("{STOPPED_BY}the person who watched");

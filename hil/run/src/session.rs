@@ -14,6 +14,7 @@ use crate::display_end::DisplayEnd;
 use crate::driver::Driver;
 use crate::effort::{FrameCost, FrameTimes, Stopwatch};
 use crate::failure::Failure;
+use crate::picture::Look;
 use crate::policy::{LatchPolicy, Policy};
 use crate::recorder::Recorder;
 use crate::skin_end::SkinEnd;
@@ -331,6 +332,16 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
     /// Sensor end and recorder: for what looks on.
     pub const fn seen(&self) -> (&S, &Recorder) {
         (&self.skin, &self.recorder)
+    }
+
+    /// The same, and how things are now.
+    pub const fn look(&self) -> (&S, &Recorder, Look<'_, D>) {
+        let look = Look {
+            display: &self.display,
+            projector: &self.projector,
+            now: self.now,
+        };
+        (&self.skin, &self.recorder, look)
     }
 
     /// The sensor end, when the run is over.

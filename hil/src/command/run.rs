@@ -10,9 +10,11 @@ use crate::cli::{Color, RunArgs, Switch};
 use crate::clock;
 use crate::host::{Onlooker, Records};
 use crate::output::{Outputs, make_folder, note, print, write_file};
-use crate::real::{self, Told, Wanted};
+use crate::real::{self, Told};
 use crate::recording::{Reading, ReadingStream, read_joints, recorded};
+use crate::serve::Live;
 use crate::trial::{Trial, TrialEnd, judge, junit};
+use crate::views::Wanted;
 use palpate_files::{
     DRIFT_S, Loaded, Overrides, Scene, Setup, THRESHOLD_FLOOR, Timing, load_scene,
 };
@@ -43,7 +45,7 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     let told =
         !args.voice.quiet || args.voice.json || wants(Format::Report) || wants(Format::Summary);
     let keep = Keep {
-        band: told,
+        band: told || args.serve.is_some(),
         can: wants(Format::Can) || wants(Format::Mcap),
         i2c: wants(Format::Mcap),
         readings: match (wants(Format::Mcap), wants(Format::Report)) {
@@ -57,6 +59,7 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
             && files.iter().all(|(format, _)| format.grows().is_some())
             && args.junit.is_none()
             && !args.watch
+            && args.serve.is_none()
             && !args.explain,
     };
     let written = files
@@ -73,11 +76,30 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
         prefix: args.columns.clone(),
         rest_rows: setup.scene.value.reference_frames as usize + 1,
     };
-    let mut outcome = if is_real {
-        on_hardware(args, &setup, &reading, &growing)?
-    } else {
-        emulated(args, &setup, &reading, (keep, growing))?
+    let live = args.serve.map(Live::open).transpose()?;
+    if let Some(live) = &live {
+        let pace = match is_real {
+            true => "",
+            false => "; the run keeps to the wall clock",
+        };
+        note(&format!("live view: {}{pace}", live.url));
+    }
+    let views = Wanted {
+        watch: args.watch,
+        live: live.as_ref(),
     };
+    let ran = if is_real {
+        on_hardware(args, &setup, &reading, (views, &growing))
+    } else {
+        emulated(args, &setup, &reading, views, (keep, growing))
+    };
+    if let Some(live) = &live {
+        live.over(&match &ran {
+            Ok(outcome) => outcome.summary.conclusion.line(),
+            Err(failure) => failure.to_string(),
+        });
+    }
+    let mut outcome = ran?;
     let checks = args
         .junit
         .as_ref()
@@ -131,6 +153,7 @@ fn emulated(
     args: &RunArgs,
     setup: &Setup,
     reading: &Reading,
+    views: Wanted<'_>,
     (keep, growing): (Keep, Vec<(LiveKind, PathBuf)>),
 ) -> Result<Outcome, Failure> {
     let sensor = &setup.sensor.value;
@@ -148,7 +171,7 @@ fn emulated(
         inputs: args.replay.clone(),
         drives: setup.scene.value.drives,
     });
-    let mut host = Onlooker::new(args.watch, records);
+    let mut host = Onlooker::new(views, records);
     let outcome = run_with(setup, &input, args.on.seed, keep, &mut host);
     if let Some(error) = stream.and_then(|stream| stream.wrong()) {
         return Err(error.into());
@@ -169,7 +192,7 @@ fn on_hardware(
     args: &RunArgs,
     setup: &Setup,
     reading: &Reading,
-    live: &[(LiveKind, PathBuf)],
+    (views, growing): (Wanted<'_>, &[(LiveKind, PathBuf)]),
 ) -> Result<Outcome, Failure> {
     let sensor = &setup.sensor.value;
     let (input, notes) = match (&args.stream, args.replay.as_slice()) {
@@ -185,14 +208,14 @@ fn on_hardware(
     }
     let told = Told {
         quiet: args.voice.quiet,
-        watched: args.watch,
+        views,
     };
     let outputs = Outputs {
         force: args.force,
         ..Outputs::NEW
     };
-    let wanted = Wanted {
-        files: live,
+    let wanted = real::Wanted {
+        files: growing,
         outputs,
         told,
     };

@@ -19,8 +19,8 @@ use palpate_run::join::{Common, Part, join};
 use palpate_run::place::{Place, fingers};
 use palpate_run::skin_end::Tap;
 use palpate_run::{
-    CanReport, Failure, Outcome, Policy, Recorder, Session, Truth, build, header, plan, skin,
-    stagger,
+    Beginning, CanReport, Failure, Outcome, Policy, Recorder, Session, Truth, build, header, plan,
+    skin, stagger,
 };
 
 use super::bench::{Interfaces, guarded, refuse_latched, watch};
@@ -30,8 +30,8 @@ use super::records::{Records, taxels};
 use super::warden::{FingerEnd, Vote, Warden};
 use super::{Wanted, levels, outcome, pacing, scene_end};
 use crate::clock;
-use crate::host::open_watch;
 use crate::record::Kind;
+use crate::views::{self, STOPPED_BY_PAGE, Views, Wish};
 
 /// A finger as files describe it.
 struct Planned {
@@ -92,12 +92,13 @@ pub(super) fn run(
     let headers: Vec<Header> = planned.iter().map(numbered).collect();
     let each = planned.iter().zip(&headers).zip(&readings);
     let each = each.map(|((p, header), r)| (&p.place, header, r.modules()));
-    let tells = !told.quiet && !told.watched;
+    let tells = !told.quiet && !told.views.watch;
     let mut records = Records::create(setup, &each.collect::<Vec<_>>(), (files, outputs), tells)?;
     let taxels = readings.into_iter().map(|all| taxels(files, all));
     let taxels: Vec<Option<Readings>> = taxels.collect();
-    if told.watched {
-        records.show(shown(&planned, scene_end(setup))?);
+    let watched = told.views.any();
+    if watched {
+        records.show(shown(&planned, scene_end(setup), told.views)?);
     }
     let (clock, warden, ends, found) = open(setup, real, &planned)?;
     let keeps_can = files
@@ -105,8 +106,7 @@ pub(super) fn run(
         .any(|(kind, _)| matches!(kind, Kind::Can | Kind::Mcap));
     let ends = ends.into_iter().zip(taxels);
     let assembled = planned.into_iter().zip(ends);
-    let assembled =
-        assembled.map(|(planned, ends)| planned.assemble(ends, told.watched, keeps_can));
+    let assembled = assembled.map(|(planned, ends)| planned.assemble(ends, watched, keeps_can));
     let (fingers, mut sessions): (Vec<_>, Vec<_>) = assembled.unzip();
     let mut notes: Vec<Event> = found
         .lines()
@@ -129,13 +129,13 @@ pub(super) fn run(
         over: AtomicBool::new(false),
         ready: AtomicUsize::new(0),
         go: AtomicBool::new(false),
-        watched: told.watched,
+        watched,
     };
     let (mut done, stopped) = shared.drive(sessions, &mut records)?;
-    if let Some(by) = stopped.or_else(|| signals.caught()) {
+    if let Some(by) = stopped.map(Wish::by).or_else(|| signals.caught()) {
         notes.push(note(clock.now(), format!("stopped by {by}")));
     }
-    let parted = part(&fingers, &mut done, &warden);
+    let parted = part(&fingers, &mut done, &warden, stopped);
     if let Err(cause) = &parted {
         let text = format!("not everything is known to be off: {cause}");
         notes.push(note(clock.now(), text));
@@ -203,18 +203,20 @@ fn planned(setup: &Setup, seed: u64) -> Result<Vec<Planned>, Failure> {
     Ok(planned)
 }
 
-/// A live view of all fingers, one at a time.
-fn shown(planned: &[Planned], length: Instant) -> Result<Option<crate::watch::Watch>, Failure> {
-    let mut watch = None;
-    for (number, finger) in planned.iter().enumerate() {
-        let layout = finger.projector.layout();
-        match (&mut watch, number) {
-            (None, 0) => watch = open_watch(&finger.header, layout, length, false)?,
-            (None, _) => {}
-            (Some(watch), _) => watch.add(&finger.header, layout, length),
-        }
+/// Live views of all fingers, one at a time.
+fn shown(planned: &[Planned], end: Instant, wanted: views::Wanted<'_>) -> Result<Views, Failure> {
+    let mut views = Views::default();
+    for finger in planned {
+        let run = Beginning {
+            setup: &finger.setup,
+            header: &finger.header,
+            projector: &finger.projector,
+            end,
+            display: Some(finger.place.display()),
+        };
+        views.begin(wanted, &run)?;
     }
-    Ok(watch)
+    Ok(views)
 }
 
 /// The clock, the guardian, the ends of every finger, and what the guardian found driving.
@@ -292,9 +294,18 @@ fn start(sessions: &mut [RealSession], clock: RunClock) -> Result<(), Failure> {
 }
 
 /// The run's good-bye to the guardian.
-fn part(fingers: &[Finger], done: &mut [Ended], warden: &Warden) -> Result<(), String> {
+fn part(
+    fingers: &[Finger],
+    done: &mut [Ended],
+    warden: &Warden,
+    wish: Option<Wish>,
+) -> Result<(), String> {
     let (mut left, mut stopped) = (Vec::new(), Vec::new());
     for ((place, ..), (done, on)) in fingers.iter().zip(done) {
+        if wish == Some(Wish::Stop) {
+            let kept = done.session.display().keep_stopped(STOPPED_BY_PAGE);
+            done.session.set_failure(kept);
+        }
         let named = |cause: &String| format!("{}: {cause}", place.display());
         left.extend(on.as_ref().map(named));
         stopped.extend(done.session.display().stopped.as_ref().map(named));

@@ -14,7 +14,7 @@ use palpate_files::Real;
 use palpate_records::readings::Readings;
 use palpate_run::display_end::DisplayEnd;
 use palpate_run::skin_end::{SkinEnd, Tap};
-use palpate_run::{CanReport, Failure, Policy, Session, Turn};
+use palpate_run::{Failure, Policy, Session, Turn};
 
 use super::bench::Interfaces;
 use super::ends::{Sensed, Watched};
@@ -22,8 +22,9 @@ use super::records::{Records, Said};
 use super::take_priority;
 use super::turns::Done;
 use super::warden::{FingerEnd, Warden};
-use crate::interfaces::reports;
+use crate::interfaces::lines;
 use crate::progress::Progress;
+use crate::views::Wish;
 
 /// The records are looked after this often where no finger says anything.
 const ROUND: Elapsed = Elapsed::from_millis(50);
@@ -64,7 +65,7 @@ impl Shared<'_> {
         &self,
         sessions: Vec<RealSession>,
         records: &mut Records,
-    ) -> Result<(Vec<Ended>, Option<&'static str>), Failure> {
+    ) -> Result<(Vec<Ended>, Option<Wish>), Failure> {
         let (say, said) = channel();
         std::thread::scope(|scope| {
             let count = sessions.len();
@@ -104,15 +105,15 @@ impl Shared<'_> {
         self.over.load(Ordering::Relaxed)
     }
 
-    /// Hands what loops say to the records until all have ended; who has stopped them before their time.
-    fn listen(&self, said: &Receiver<Said>, records: &mut Records) -> Option<&'static str> {
+    /// Hands what loops say to the records until all have ended; what has stopped them before their time.
+    fn listen(&self, said: &Receiver<Said>, records: &mut Records) -> Option<Wish> {
         let progress = Progress::of_part("run");
         let mut stopped = None;
         loop {
             match said.recv_timeout(ROUND) {
                 Ok(said) => {
-                    if records.take(said) {
-                        stopped = Some("the person who watched");
+                    if let Some(wish) = records.take(said) {
+                        stopped = Some(wish);
                         self.over.store(true, Ordering::Relaxed);
                     }
                 }
@@ -298,12 +299,11 @@ impl<'a> Turns<'a> {
         let skin = self.session.skin();
         let frames = skin.take_frames();
         let buses = match self.shared.watched {
-            true => {
-                let all = reports(&self.shared.real.can, &skin.tallies());
-                all.iter().map(CanReport::words).collect()
-            }
+            true => lines(&self.shared.real.can, &skin.tallies()),
             false => Vec::new(),
         };
+        let (_, _, look) = self.session.look();
+        let state = self.shared.watched.then(|| look.state(false));
         let recorder = self.session.recorder();
         let events = recorder.events.get(told..).unwrap_or_default().to_vec();
         let taxels = recorder
@@ -325,6 +325,7 @@ impl<'a> Turns<'a> {
                 taxels,
                 counts,
                 buses,
+                state,
             });
         }
     }

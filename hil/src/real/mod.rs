@@ -26,17 +26,17 @@ use palpate_run::effort::Effort;
 use palpate_run::plan::differences;
 use palpate_run::skin_end::Tap;
 use palpate_run::{
-    AskedLevel, CanPlayer, EmulatedSkin, Failure, Input, Outcome, Pacing, Rows, Truth, attachments,
-    build, dynamic_levels, finished, header, scene_levels, skin,
+    AskedLevel, Beginning, CanPlayer, EmulatedSkin, Failure, Input, Outcome, Pacing, Rows, Truth,
+    attachments, build, dynamic_levels, finished, header, scene_levels, skin,
 };
 
 use crate::clock;
-use crate::host::open_watch;
 use crate::interfaces::reports;
 use crate::link::{RemoteUnit, UnitPlace};
 use crate::output::{Outputs, note};
 use crate::progress::Progress;
 use crate::record::{About, Journal, Kind, Sink};
+use crate::views::{self, Views};
 
 use bench::{Interfaces, Live};
 use ends::{Sensed, Watched};
@@ -47,12 +47,12 @@ use turns::{Done, Turns};
 const PRIORITY: u8 = 50;
 
 /// What sees a run while it goes on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Told {
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Told<'a> {
     /// Standard error gets errors alone.
     pub quiet: bool,
-    /// A live view, which notes would tear.
-    pub watched: bool,
+    /// Live views; notes would tear one on a terminal.
+    pub views: views::Wanted<'a>,
 }
 
 /// What a run writes and says while it goes on.
@@ -63,7 +63,7 @@ pub struct Wanted<'a> {
     /// What they may replace.
     pub outputs: Outputs<'a>,
     /// Who sees the run.
-    pub told: Told,
+    pub told: Told<'a>,
 }
 
 /// Runs in real time: a scene's length on a real bench, where what touches the skin is up to the world, or a scene or
@@ -220,7 +220,7 @@ struct Running<'a> {
     journal: Journal,
     taxels: Option<Readings>,
     keeps_can: bool,
-    told: Told,
+    told: Told<'a>,
     started: std::time::Duration,
 }
 
@@ -229,7 +229,7 @@ impl<'a> Running<'a> {
         setup: &'a Setup,
         seed: u64,
         signals: Signals,
-        wanted: Wanted<'_>,
+        wanted: Wanted<'a>,
     ) -> Result<Self, Failure> {
         let started = clock::elapsed();
         let scene = &setup.scene.value;
@@ -241,7 +241,7 @@ impl<'a> Running<'a> {
         let modules = taxels.as_ref().map_or(&[][..], Readings::modules);
         let about = About::Run(&header, modules, &attached);
         let sinks = Sink::create_all(wanted.files, &about, wanted.outputs)?;
-        let journal = Journal::start(sinks, !wanted.told.quiet && !wanted.told.watched)?;
+        let journal = Journal::start(sinks, !wanted.told.quiet && !wanted.told.views.watch)?;
         Ok(Self {
             setup,
             keeps_can: writes(Kind::Can) || writes(Kind::Mcap),
@@ -263,10 +263,17 @@ impl<'a> Running<'a> {
         length: Instant,
     ) -> Result<Outcome, Failure> {
         let setup = self.setup;
-        let watch = match self.told.watched {
-            true => open_watch(&self.header, self.projector.layout(), length, false)?,
-            false => None,
-        };
+        let mut views = Views::default();
+        views.begin(
+            self.told.views,
+            &Beginning {
+                setup,
+                header: &self.header,
+                projector: &self.projector,
+                end: length,
+                display: None,
+            },
+        )?;
         let real = setup.bench.value.real.as_ref();
         let turns = Turns {
             can: real.map_or(&[], |real| &real.can),
@@ -281,7 +288,7 @@ impl<'a> Running<'a> {
             },
             taxels: self.taxels,
             journal: self.journal,
-            watch,
+            views,
             progress: Progress::of_part("run"),
         };
         let projector = self.projector;

@@ -8,12 +8,13 @@ use palpate_core::units::Instant;
 use palpate_files::Setup;
 use palpate_records::readings::{ModulePlaces, Readings, TaxelFrame};
 use palpate_records::trace::{Event, Header};
+use palpate_run::picture::State;
 use palpate_run::place::Place;
-use palpate_run::{Failure, attachments, joined_header, whole_boards};
+use palpate_run::{Failure, TurnView, attachments, joined_header, whole_boards};
 
 use crate::output::Outputs;
 use crate::record::{About, Journal, Kind, Sink, path_of};
-use crate::watch::Watch;
+use crate::views::{Views, Wish};
 
 /// What a finger's loop has to say.
 #[derive(Debug, Default)]
@@ -25,9 +26,10 @@ pub(super) struct Said {
     pub(super) events: Vec<Event>,
     pub(super) frames: Vec<Received>,
     pub(super) taxels: Vec<TaxelFrame>,
-    /// For the live view: readings of its taxels, and its buses in words.
+    /// For live views: readings of its taxels, its buses in words, and how things are.
     pub(super) counts: Vec<f32>,
     pub(super) buses: Vec<String>,
+    pub(super) state: Option<State>,
 }
 
 /// One finger's part of the records.
@@ -49,7 +51,7 @@ pub(super) struct Records {
     /// What waits for fingers that are behind.
     events: Vec<Event>,
     frames: Vec<Received>,
-    watch: Option<Watch>,
+    views: Views,
 }
 
 impl Records {
@@ -86,26 +88,30 @@ impl Records {
             common: Journal::start(sinks, tells)?,
             events: Vec::new(),
             frames: Vec::new(),
-            watch: None,
+            views: Views::default(),
         })
     }
 
     /// Shows the fingers to a person as well.
-    pub(super) fn show(&mut self, watch: Option<Watch>) {
-        self.watch = watch;
+    pub(super) fn show(&mut self, views: Views) {
+        self.views = views;
     }
 
-    /// Takes what a finger says; whether the person in front of the live view wants no more.
-    pub(super) fn take(&mut self, said: Said) -> bool {
-        let Some(own) = self.fingers.get_mut(said.finger) else {
-            return false;
-        };
-        let mut is_stopped = false;
+    /// Takes what a finger says; what those who look on want.
+    pub(super) fn take(&mut self, said: Said) -> Option<Wish> {
+        let own = self.fingers.get_mut(said.finger)?;
+        let mut wish = None;
         // What ends is not shown: the screen keeps its last view.
-        if let Some(watch) = (self.watch.as_mut()).filter(|_| said.until < Instant::FAR_FUTURE) {
+        if let Some(state) = said.state.filter(|_| said.until < Instant::FAR_FUTURE) {
             own.seen.extend_from_slice(&said.events);
-            let buses = || said.buses.clone();
-            is_stopped = watch.turn(said.finger, said.until, &own.seen, &said.counts, buses);
+            wish = self.views.turn(&TurnView {
+                now: said.until,
+                display: said.finger,
+                events: &own.seen,
+                counts: &said.counts,
+                buses: &|| said.buses.clone(),
+                state: &|_| state.clone(),
+            });
         }
         let mut events = said.events;
         events.iter_mut().for_each(|event| own.place.number(event));
@@ -118,7 +124,7 @@ impl Records {
         own.until = said.until;
         let until = self.fingers.iter().map(|finger| finger.until).min();
         self.pass_on(until.unwrap_or(Instant::FAR_FUTURE));
-        is_stopped
+        wish
     }
 
     /// What befalls whole boards, or the whole bench.
@@ -161,7 +167,7 @@ impl Records {
 
     /// Ends the files. Returns how many frames found no room, and what went wrong.
     pub(super) fn finish(mut self) -> (u64, Result<(), Failure>) {
-        drop(self.watch.take());
+        drop(std::mem::take(&mut self.views));
         self.pass_on(Instant::FAR_FUTURE);
         let own = self.fingers.into_iter().filter_map(|f| f.journal);
         let journals: Vec<Journal> = own.chain([self.common]).collect();

@@ -5,15 +5,15 @@ use palpate_buses::signals::Signals;
 use palpate_core::projector::Projector;
 use palpate_core::units::Instant;
 use palpate_records::readings::Readings;
-use palpate_run::{CanReport, Failure, Policy, Recorder, Session, Truth, Turn};
+use palpate_run::{Failure, Policy, Recorder, Session, Truth, Turn, TurnView};
 
 use super::ends::{Sensed, Watched};
 use super::take_priority;
 use crate::clock;
-use crate::interfaces::reports;
+use crate::interfaces::lines;
 use crate::progress::Progress;
 use crate::record::Journal;
-use crate::watch::Watch;
+use crate::views::{STOPPED_BY_PAGE, Views, Wish};
 
 /// What the loop leaves behind.
 pub(super) struct Done<S, D> {
@@ -38,7 +38,7 @@ pub(super) struct Turns<'a> {
     /// Where decoded taxels are recorded.
     pub(super) taxels: Option<Readings>,
     pub(super) journal: Journal,
-    pub(super) watch: Option<Watch>,
+    pub(super) views: Views,
     pub(super) progress: Progress,
 }
 
@@ -51,7 +51,7 @@ impl Turns<'_> {
     ) -> Result<Done<S, D>, Failure> {
         let truth = std::mem::take(&mut self.truth);
         let mut recorder = Recorder::new(truth, projector.layout());
-        recorder.counts = self.watch.is_some().then(Vec::new);
+        recorder.counts = self.views.are_open().then(Vec::new);
         recorder.readings = Some(Readings::sampled(projector.layout(), self.drives));
         recorder.taxels = self.taxels.take();
         let realtime = match self.realtime {
@@ -92,12 +92,14 @@ impl Turns<'_> {
         let mut now = pacer.wait(ready);
         let (begun, length) = (now, self.length.as_micros() as f64);
         let end = Instant::from_micros(self.length.as_micros().saturating_add(now.as_micros()));
+        let mut is_kept = false;
         while now < end && self.goes_on(&mut session, now) {
             self.progress
                 .part(now.since(begun).as_micros() as f64 / length);
             match session.turn(now)? {
                 Turn::Next(next) => {
-                    if self.is_stopped(&mut session, now) {
+                    if let Some(wish) = self.show(&mut session) {
+                        is_kept = wish == Wish::Stop;
                         break;
                     }
                     now = pacer.wait(next);
@@ -106,13 +108,13 @@ impl Turns<'_> {
             }
         }
         let end = run_clock.now();
-        self.part(&mut session, end);
+        self.part(&mut session, end, is_kept);
         self.tell(&mut session);
         let not_recorded = self.journal.dropped();
         if let Err(error) = self.journal.finish() {
             session.set_failure(error);
         }
-        drop(self.watch);
+        drop(self.views);
         Ok(Done {
             session,
             lateness: pacer.lateness().clone(),
@@ -156,33 +158,39 @@ impl Turns<'_> {
             .tell(&recorder.events, frames, taxels.unwrap_or_default());
     }
 
-    /// Shows a turn; whether the person in front of it wants no more.
-    fn is_stopped<S: Sensed, D: Watched>(
-        &mut self,
-        session: &mut Session<S, D>,
-        now: Instant,
-    ) -> bool {
-        let Some(watch) = &mut self.watch else {
-            return false;
-        };
-        let (skin, recorder) = session.seen();
-        let counts = recorder.counts.as_deref().unwrap_or_default();
-        let tallies = skin.tallies();
-        let buses = || {
-            let all = reports(self.can, &tallies);
-            all.iter().map(CanReport::words).collect()
-        };
-        let stopped = watch.turn(0, now, &recorder.events, counts, buses);
-        if stopped {
-            let note = "stopped by the person who watched".into();
-            session.recorder().note(now, note);
+    /// Shows a turn; what those who look on want, noted.
+    fn show<S: Sensed, D: Watched>(&mut self, session: &mut Session<S, D>) -> Option<Wish> {
+        if !self.views.are_open() {
+            return None;
         }
-        stopped
+        let now = session.now();
+        let (skin, recorder, look) = session.look();
+        let tallies = skin.tallies();
+        let wish = self.views.turn(&TurnView {
+            now,
+            display: 0,
+            events: &recorder.events,
+            counts: recorder.counts.as_deref().unwrap_or_default(),
+            buses: &|| lines(self.can, &tallies),
+            state: &|totals| look.state(totals),
+        })?;
+        let text = format!("stopped by {}", wish.by());
+        session.recorder().note(now, text);
+        Some(wish)
     }
 
     /// Everything off, and the display's leave. The screen may take its time; the outputs do not wait for it.
-    fn part<S: Sensed, D: Watched>(&self, session: &mut Session<S, D>, end: Instant) {
+    fn part<S: Sensed, D: Watched>(
+        &self,
+        session: &mut Session<S, D>,
+        end: Instant,
+        is_kept: bool,
+    ) {
         let off = session.switch_off(end);
+        if is_kept {
+            let kept = session.display().keep_stopped(STOPPED_BY_PAGE);
+            session.set_failure(kept);
+        }
         let failed = session.failure().is_some();
         let display = session.display();
         let off = off.map_err(|error| display.explain(&error));

@@ -185,7 +185,7 @@ pub fn attempt(
     let done = if is_real {
         let told = real::Told {
             quiet: true,
-            watched: false,
+            ..real::Told::default()
         };
         let wanted = Wanted {
             files: &[],

@@ -14,7 +14,6 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
-use palpate_buses::pacer::RunClock;
 use palpate_buses::terminal::Terminal;
 use palpate_core::skin::Layout;
 use palpate_core::units::{Duration, Instant};
@@ -24,7 +23,6 @@ use ratatui_core::terminal::Terminal as Screen;
 use ansi::Ansi;
 use draw::{SMALLEST, draw, skin_size};
 use heat::Raster;
-use palpate_buses::signals::Signals;
 
 /// Time between two views.
 const EVERY: Duration = Duration::from_millis(50);
@@ -94,8 +92,6 @@ pub struct Watch {
     views: Option<SyncSender<Picture>>,
     thread: Option<JoinHandle<()>>,
     asked: Arc<Asked>,
-    /// For a run in virtual time: the clock that it is held to, and what ends it.
-    pace: Option<(RunClock, Signals)>,
 }
 
 impl Watch {
@@ -103,18 +99,9 @@ impl Watch {
     ///
     /// # Errors
     /// When the system gives no thread.
-    pub fn open(
-        header: &Header,
-        layout: &Layout,
-        end: Instant,
-        virtual_time: bool,
-    ) -> io::Result<Option<Self>> {
+    pub fn open(header: &Header, layout: &Layout, end: Instant) -> io::Result<Option<Self>> {
         let Some(terminal) = Terminal::open() else {
             return Ok(None);
-        };
-        let pace = match virtual_time {
-            true => Some((RunClock::start(), Signals::catch()?)),
-            false => None,
         };
         let (views, arriving) = sync_channel(1);
         let asked = Arc::new(Asked::default());
@@ -127,7 +114,6 @@ impl Watch {
             views: Some(views),
             thread: Some(thread),
             asked,
-            pace,
         }))
     }
 
@@ -136,8 +122,8 @@ impl Watch {
         self.shown.push(Shown::new(header, layout, end));
     }
 
-    /// Shows a display at `now` if it is the one to be shown and, for a run in virtual time, waits until it is that
-    /// late. `counts` are the readings of all its taxels. True when the watcher wants the run to end.
+    /// Shows a display at `now` if it is the one to be shown. `counts` are the readings of all its taxels. True when the
+    /// watcher wants the run to end.
     pub fn turn(
         &mut self,
         display: usize,
@@ -146,11 +132,7 @@ impl Watch {
         counts: &[f32],
         buses: impl FnOnce() -> Vec<String>,
     ) -> bool {
-        let mut asked = self.asked.stop.load(Ordering::Relaxed);
-        if let Some((clock, signals)) = &self.pace {
-            clock.sleep_until(now);
-            asked |= signals.caught().is_some();
-        }
+        let asked = self.asked.stop.load(Ordering::Relaxed);
         let of = self.shown.len();
         if display != self.asked.display(of) {
             return asked;

@@ -76,6 +76,8 @@ fn needs(command: &str) -> Option<&'static str> {
         Some("an end by a person")
     } else if has("emulate") || has("off") || has("record") || has("replay") {
         Some("device nodes")
+    } else if has("--serve") || has("serve") {
+        Some("a browser, and an end by a person")
     } else if has("--watch") {
         Some("a terminal")
     } else {

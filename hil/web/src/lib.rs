@@ -6,7 +6,6 @@
 pub mod module;
 mod open;
 mod page;
-mod picture;
 mod played;
 mod request;
 mod run;

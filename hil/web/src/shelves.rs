@@ -4,6 +4,7 @@ use palpate_core::illusion::IllusionModel;
 use palpate_core::render::Style;
 use palpate_files::{FileKind, LayoutFile, built_in, load_bench, load_layout, load_scene};
 use palpate_run::Failure;
+use palpate_run::picture::style_word;
 use serde::Serialize;
 
 /// The most taxels of a skin that a page offers: what it draws at 60 pictures per second.
@@ -78,17 +79,8 @@ pub fn shelves() -> Result<Shelves, Failure> {
         displays,
         benches,
         illusions: IllusionModel::ALL.map(IllusionModel::name),
-        renderers: [Style::Smooth, Style::Tap, Style::Auto].map(word),
+        renderers: [Style::Smooth, Style::Tap, Style::Auto].map(style_word),
         persons: shelf(FileKind::Person).collect(),
         wires: shelf(FileKind::Wire).collect(),
     })
-}
-
-/// A renderer as a scene names it.
-pub const fn word(style: Style) -> &'static str {
-    match style {
-        Style::Smooth => "smooth",
-        Style::Tap => "tap",
-        Style::Auto => "auto",
-    }
 }

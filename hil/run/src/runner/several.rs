@@ -23,7 +23,7 @@ use crate::session::{Session, TICK, Turn};
 use crate::skin_end::SkinEnd;
 use crate::stagger::stagger;
 use crate::verdict::STOPPED_BY;
-use crate::{Host, Outcome, TurnView};
+use crate::{Beginning, BusReport, Host, Outcome, TurnView};
 
 /// A finger's session, and whether it has ended before the run.
 struct Finger {
@@ -106,13 +106,14 @@ impl Finger {
         if !host.looks_on() {
             return false;
         }
-        let (_, recorder) = self.session.seen();
+        let (_, recorder, look) = self.session.look();
         host.turn(&TurnView {
             now,
             display,
             events: &recorder.events,
             counts: recorder.counts.as_deref().unwrap_or_default(),
-            buses: &|| skin.buses(),
+            buses: &|| skin.buses().iter().map(BusReport::words).collect(),
+            state: &|totals| look.state(totals),
         })
     }
 
@@ -159,7 +160,13 @@ impl Run<'_> {
             let pads = Pads::new(&place.modules);
             let on = (place.clone(), buses.iter().find(|bus| bus.carries(place)));
             let (header, session) = run.assemble(levels.clone(), pads, truth, on, host)?;
-            host.begin(&header, run.layout, end)?;
+            host.begin(&Beginning {
+                setup: run.setup,
+                header: &header,
+                projector: session.projector(),
+                end,
+                display: Some(place.display()),
+            })?;
             fingers.push(Finger {
                 place: place.clone(),
                 header,

@@ -1,9 +1,73 @@
 //! What a page draws: a head once per session, a picture per step. Lengths in millimetres, times in microseconds.
 
+mod head;
+mod painter;
+
+pub use head::style_word;
+pub use painter::Painter;
+
+use palpate_core::guard::{Cause, Used};
+use palpate_core::illusion::Map;
+use palpate_core::projector::Projector;
+use palpate_core::units::Instant;
 use serde::Serialize;
 
+use crate::display_end::DisplayEnd;
+
+/// How things are at one moment, as far as no event says it.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// The moment.
+    pub now: Instant,
+    /// From the skin to the display.
+    pub map: Map,
+    /// What the guard counts as used; none where no guard is asked, as of a recording.
+    pub used: Option<Used>,
+    /// What the guard holds everything off for.
+    pub stopped: Option<&'static str>,
+    /// Each wire and the skin under it, degrees C; empty where nothing measures them.
+    pub warm: Vec<[f64; 2]>,
+    /// The newest onset's level over everything that is not measured, dB.
+    pub band_db: Option<[f64; 2]>,
+    /// What the run came to so far, where that is wanted and measured.
+    pub totals: Option<Totals>,
+}
+
+/// Peaks, dose and energy of a run so far.
+#[derive(Clone, Copy, Debug)]
+pub struct Totals {
+    /// Skin 0.1 and 0.4 mm deep, hottest so far (degrees C), and dose (Omega, minutes at 43 C).
+    pub hottest: [f64; 4],
+    /// Electrical energy, J.
+    pub energy_j: f64,
+}
+
+/// A look at a session between two turns: it changes nothing that the session does.
+#[derive(Debug)]
+pub struct Look<'a, D> {
+    pub(crate) display: &'a D,
+    pub(crate) projector: &'a Projector,
+    pub(crate) now: Instant,
+}
+
+impl<D: DisplayEnd> Look<'_, D> {
+    /// How things are; with totals if they are wanted, which cost a look at every wire.
+    pub fn state(&self, totals: bool) -> State {
+        let guard = self.projector.guard();
+        State {
+            now: self.now,
+            map: *self.projector.map(),
+            used: Some(guard.used(self.now)),
+            stopped: guard.latched().map(Cause::word),
+            warm: self.display.warmth(),
+            band_db: self.display.newest_band_db(),
+            totals: totals.then(|| self.display.totals()).flatten(),
+        }
+    }
+}
+
 /// What stays as it is while a session lasts.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs)] // the keys say what they are, with their units
 pub struct Head {
     pub scene: String,
@@ -41,7 +105,7 @@ pub struct Head {
 }
 
 /// A module that is shown.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs)]
 pub struct ModuleHead {
     pub number: usize,
@@ -52,7 +116,7 @@ pub struct ModuleHead {
 }
 
 /// Limits of the person's skin, degrees C.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize)]
 #[allow(missing_docs)]
 pub struct LimitsC {
     pub mean: f64,
@@ -61,7 +125,7 @@ pub struct LimitsC {
 }
 
 /// What happened since the last picture, and how things are now.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs)]
 pub struct Picture {
     pub now_us: u64,
@@ -73,14 +137,14 @@ pub struct Picture {
     pub fingers: Vec<(usize, [f32; 2])>,
     /// What the scene itself presses with, on the skin's plane: x, y (mm), force (N), diameter (mm).
     pub spheres: Vec<[f64; 4]>,
-    /// Wire and skin under it, degrees C.
+    /// Wire and skin under it, degrees C; NaN (in JSON null) where nothing measures them.
     pub warm: Vec<[f64; 2]>,
-    /// Each limit's share.
+    /// Each limit's share; empty where no guard is asked.
     pub used: Vec<(&'static str, f64)>,
-    /// Skin 0.1 and 0.4 mm deep, hottest so far (degrees C), and dose (Omega, minutes at 43 C).
-    pub hottest: [f64; 4],
+    /// Skin 0.1 and 0.4 mm deep, hottest so far (degrees C), and dose (Omega, minutes at 43 C); none where nothing measures them.
+    pub hottest: Option<[f64; 4]>,
     /// Electrical energy so far, J.
-    pub energy_j: f64,
+    pub energy_j: Option<f64>,
     pub bursts: Vec<Burst>,
     /// Outputs that changed: time (us), wire, whether on.
     pub edges: Vec<(f64, usize, bool)>,

@@ -16,6 +16,14 @@ export class Plots {
     this.pulsed = [];
     this.on = head.wires_mm.map(() => null);
     this.warmed = [];
+    this.holes = [];
+  }
+
+  // From when to when nothing is known, us.
+  hole(from, to) {
+    this.holes.push([from, to]);
+    this.on.fill(null);
+    this.warmed.push([to, []]);
   }
 
   take(picture) {
@@ -28,6 +36,7 @@ export class Plots {
     if (this.bursts.length && this.bursts[0].until_us < old) this.bursts = this.bursts.filter(b => b.until_us >= old);
     if (this.pulsed.length && this.pulsed[0][1] < old) this.pulsed = this.pulsed.filter(p => p[1] >= old);
     if (picture.now_us - (this.warmed.at(-1)?.[0] ?? -Infinity) >= WARM_EVERY_US) this.warmed.push([picture.now_us, picture.warm.map(w => w[1])]);
+    while (this.holes.length && this.holes[0][1] < picture.now_us - WARM_US) this.holes.shift();
     while (this.warmed.length && this.warmed[0][0] < picture.now_us - WARM_US) this.warmed.shift();
   }
 
@@ -42,6 +51,7 @@ export class Plots {
     const x = at => (at - from) / span * width, single = span < 0.3e6;
     context.strokeStyle = colors.grid;
     context.lineWidth = 1;
+    this.hatch(context, x, width, height);
     this.head.wires_mm.forEach((_, i) => { context.beginPath(); context.moveTo(0, (i + 1) * lane - 0.5); context.lineTo(width, (i + 1) * lane - 0.5); context.stroke(); });
     for (const { at_us, until_us, wire, ticks, asked } of this.bursts) {
       if (until_us < from) continue;
@@ -60,6 +70,21 @@ export class Plots {
     }
   }
 
+  hatch(context, x, width, height) {
+    context.strokeStyle = colors.edge;
+    context.lineWidth = 1;
+    for (const [from, to] of this.holes) {
+      const [left, right] = [Math.max(x(from), 0), Math.min(x(to), width)];
+      if (right <= left) continue;
+      context.save();
+      context.beginPath(); context.rect(left, 0, right - left, height); context.clip();
+      context.beginPath();
+      for (let at = left - height; at < right; at += 9) { context.moveTo(at, height); context.lineTo(at + height, 0); }
+      context.stroke();
+      context.restore();
+    }
+  }
+
   temperatures(picture) {
     const [context, width, height] = fit(this.warm), hottest = Math.max(HIGH, ...this.warmed.map(w => Math.max(...w[1]))), high = hottest > HIGH ? Math.ceil(hottest / 5) * 5 : HIGH;
     const x = at => width * (1 - (picture.now_us - at) / WARM_US), y = celsius => height * (high - celsius) / (high - LOW);
@@ -69,11 +94,17 @@ export class Plots {
     context.setLineDash([7, 5]);
     context.beginPath(); context.moveTo(0, y(this.head.limits_c.peak)); context.lineTo(width, y(this.head.limits_c.peak)); context.stroke();
     context.setLineDash([]);
+    this.hatch(context, x, width, height);
     this.head.wires_mm.forEach((_, wire) => {
       context.strokeStyle = wireColor(wire);
       context.lineWidth = 2 * unit;
       context.beginPath();
-      this.warmed.forEach(([at, celsius], i) => (i ? context.lineTo(x(at), y(celsius[wire])) : context.moveTo(x(at), y(celsius[wire]))));
+      let down = false;
+      for (const [at, celsius] of this.warmed) {
+        const known = Number.isFinite(celsius[wire]);
+        if (known) (down ? context.lineTo(x(at), y(celsius[wire])) : context.moveTo(x(at), y(celsius[wire])));
+        down = known;
+      }
       context.stroke();
     });
   }

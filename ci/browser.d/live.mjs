@@ -1,0 +1,66 @@
+// The page over a run (`hil run --serve`) in Chromium: pictures, a second page, a lost connection, STOP.
+//
+//   live.mjs HIL [PICTURES]
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { createRequire } from "node:module";
+import { join } from "node:path";
+
+const { chromium } = createRequire(join(process.env.PALPATE_DRIVER, "package.json"))("playwright-core");
+const [hil, pictures] = process.argv.slice(2);
+const browser = await chromium.launch({ executablePath: process.env.PALPATE_CHROMIUM, args: ["--no-sandbox"] });
+
+async function serve(...args) {
+  const run = spawn(hil, ["run", ...args, "--serve", "0", "--quiet"], { stdio: ["ignore", "ignore", "pipe"] });
+  const ended = new Promise(done => run.on("exit", done));
+  const base = await new Promise((done, failed) => {
+    let told = "";
+    run.stderr.on("data", data => { told += data; const found = /(http:\S+\/)/.exec(told); if (found) done(found[1]); });
+    ended.then(() => failed(new Error(told)));
+  });
+  return { base, ended };
+}
+
+async function open(base, { width = 1280, height = 900, scheme = "light" } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme: scheme, reducedMotion: "reduce" });
+  const page = await context.newPage(), wrong = [], own = [base, base.replace("http", "ws")];
+  page.on("console", message => ["error", "warning"].includes(message.type()) && wrong.push(message.text()));
+  page.on("pageerror", error => wrong.push(error.message));
+  page.on("request", request => own.some(url => request.url().startsWith(url)) || request.url().startsWith("data:") || wrong.push(request.url()));
+  page.on("websocket", socket => socket.url().startsWith(own[1]) || wrong.push(socket.url()));
+  await page.goto(base);
+  await page.waitForFunction(() => globalThis.palpate?.picture);
+  return { page, async close() { assert.deepEqual(wrong, [], base); await context.close(); } };
+}
+
+const seen = (page, count) => page.waitForFunction(n => palpate.count >= n, count, { timeout: 60000 });
+
+const { base, ended } = await serve("sphere-circle", "--set", "length_s=600");
+for (const [width, height] of [[390, 844], [1280, 900], [3840, 2160]])
+  for (const scheme of ["light", "dark"]) {
+    const { page, close } = await open(base, { width, height, scheme });
+    await seen(page, 45);
+    assert(await page.evaluate(() => document.documentElement.scrollWidth) <= width, `${width}: wider than the screen`);
+    if (pictures) await page.screenshot({ path: join(pictures, `live-${width}-${scheme}.png`) });
+    await close();
+  }
+console.log("live: everywhere ok");
+
+const [one, two] = [await open(base), await open(base)];
+await seen(one.page, 10);
+await one.page.evaluate(() => palpate.link.socket.close());
+await one.page.waitForFunction(() => palpate.plots.holes.length === 1, null, { timeout: 10000 });
+assert.match(await one.page.textContent("#notes"), /connection lost from/);
+const before = await one.page.evaluate(() => palpate.count);
+await seen(one.page, before + 10);
+console.log("live: reconnect ok");
+
+await two.page.click("#stop");
+for (const { page, close } of [one, two]) {
+  await page.waitForFunction(() => palpate.over, null, { timeout: 10000 });
+  assert.match(await page.textContent("#over"), /STOPPED/);
+  await close();
+}
+assert.equal(await ended, 0);
+console.log("live: stop ok");
+await browser.close();

@@ -1,0 +1,229 @@
+//! From events and a look at a session to pictures.
+
+use palpate_core::projector::Projector;
+use palpate_core::units::Point;
+use palpate_files::{Setup, Touch};
+use palpate_records::trace::{Event, Header, PlaceUm};
+
+use super::head::{origin, pair, shown};
+use super::{Burst, Contact, Felt, Picture, State, Totals};
+
+/// Totals are looked at this often, microseconds: no one reads them faster.
+const TOTALS_US: u64 = 100_000;
+
+/// Keeps up what pictures need of the events before them.
+#[derive(Clone, Debug)]
+pub struct Painter {
+    /// Board and channel of each wire.
+    outputs: Vec<(u8, u8)>,
+    /// Taxels of each module, and whether it is shown.
+    modules: Vec<(usize, bool)>,
+    /// What the scene presses with on shown modules, and where these are.
+    touches: Vec<(Touch, [f32; 2])>,
+    contacts: Vec<Contact>,
+    frames: u32,
+    /// By events, where nothing else measures them: each wire and the skin under it, degrees C.
+    warm: Vec<[f64; 2]>,
+    totals: Option<Totals>,
+    /// When they are looked at next.
+    totals_us: u64,
+}
+
+fn mm(place: PlaceUm) -> [f64; 2] {
+    [f64::from(place.x) * 1e-3, f64::from(place.y) * 1e-3]
+}
+
+impl Painter {
+    /// Of a session that has not begun.
+    #[must_use]
+    pub fn new(setup: &Setup, header: &Header, projector: &Projector) -> Self {
+        let (shown, modules) = (shown(setup, projector), projector.layout().modules());
+        let touches = setup.scene.value.touches.iter();
+        let touches = touches.filter(|touch| shown.contains(&touch.module));
+        let placed = touches.filter_map(|touch| {
+            let module = modules.get(touch.module)?;
+            Some((touch.clone(), origin(setup, module)))
+        });
+        let numbered = modules.iter().enumerate();
+        Self {
+            outputs: header.wires.iter().map(|w| (w.board, w.channel)).collect(),
+            modules: numbered
+                .map(|(number, module)| (module.points().len(), shown.contains(&number)))
+                .collect(),
+            touches: placed.collect(),
+            contacts: Vec::new(),
+            frames: 0,
+            warm: vec![[f64::NAN; 2]; header.wires.len()],
+            totals: None,
+            totals_us: 0,
+        }
+    }
+
+    /// Whether the next picture's state should have totals.
+    #[must_use]
+    pub const fn wants_totals(&self, now_us: u64) -> bool {
+        now_us >= self.totals_us
+    }
+
+    /// What happened since the last picture, in which nothing was shown.
+    pub fn pass(&mut self, events: &[Event]) {
+        for event in events {
+            match event {
+                Event::Frame { .. } => {
+                    self.frames += 1;
+                    self.contacts.clear();
+                }
+                Event::Contact { .. } => self.contacts.extend(contact(event)),
+                Event::Wire { wire, milli_c, .. } => self.warms(*wire, 0, *milli_c),
+                Event::Skin { wire, milli_c, .. } => self.warms(*wire, 1, *milli_c),
+                _ => {}
+            }
+        }
+    }
+
+    fn warms(&mut self, wire: u16, which: usize, milli_c: i32) {
+        if let Some(warm) = self.warm.get_mut(usize::from(wire)) {
+            warm[which] = f64::from(milli_c) * 1e-3;
+        }
+    }
+
+    /// The picture of a moment: what happened since the last one, and the newest readings of all taxels.
+    pub fn picture(&mut self, events: &[Event], counts: &[f32], state: State) -> Picture {
+        self.pass(events);
+        let now_us = state.now.as_micros();
+        if state.totals.is_some() {
+            (self.totals, self.totals_us) = (state.totals, now_us + TOTALS_US);
+        }
+        let place = |contact: &Contact| {
+            let at = Point::new(contact.at_mm[0] as f32, contact.at_mm[1] as f32);
+            let on_mm = state.map.shows(at).then(|| pair(state.map.apply(at)));
+            Contact { on_mm, ..*contact }
+        };
+        let mut picture = Picture {
+            now_us,
+            counts: self.counts(counts),
+            frames: self.frames,
+            contacts: self.contacts.iter().map(place).collect(),
+            fingers: Vec::new(),
+            spheres: self.spheres(now_us),
+            warm: match state.warm.is_empty() {
+                true => self.warm.clone(),
+                false => state.warm,
+            },
+            used: state
+                .used
+                .map_or_else(Vec::new, |used| used.rows().to_vec()),
+            hottest: self.totals.map(|totals| totals.hottest),
+            energy_j: self.totals.map(|totals| totals.energy_j),
+            bursts: Vec::new(),
+            edges: Vec::new(),
+            felt: Vec::new(),
+            notes: Vec::new(),
+            stopped: state.stopped,
+            dropped: 0,
+        };
+        for event in events {
+            self.add(event, state.band_db, &mut picture);
+        }
+        picture
+    }
+
+    /// The newest readings of the shown modules.
+    fn counts(&self, all: &[f32]) -> Vec<Option<u32>> {
+        let mut rest = all;
+        let mut counts = Vec::new();
+        for &(taxels, is_shown) in &self.modules {
+            let (own, later) = rest.split_at(taxels.min(rest.len()));
+            rest = later;
+            if is_shown {
+                counts.extend(own.iter().map(|c| c.is_finite().then(|| c.round() as u32)));
+            }
+        }
+        counts
+    }
+
+    /// What the scene presses with: x, y (mm), force (N), diameter (mm).
+    fn spheres(&self, now_us: u64) -> Vec<[f64; 4]> {
+        let t_s = now_us as f64 * 1e-6;
+        let sphere = |(touch, [x, y]): &(Touch, [f32; 2])| {
+            let at = touch.at(t_s)?;
+            let (x, y) = (f64::from(*x), f64::from(*y));
+            Some([at.x_mm + x, at.y_mm + y, at.force_n, at.diameter_mm])
+        };
+        self.touches.iter().filter_map(sphere).collect()
+    }
+
+    fn wire_of(&self, board: u8, channel: u8) -> Option<usize> {
+        self.outputs.iter().position(|w| *w == (board, channel))
+    }
+
+    /// Adds what happened.
+    fn add(&self, event: &Event, band_db: Option<[f64; 2]>, picture: &mut Picture) {
+        match event {
+            Event::Schedule(entry) => {
+                let wire = self.wire_of(entry.board.0, entry.channel.0);
+                picture.bursts.extend(wire.map(|wire| Burst {
+                    at_us: entry.at.as_micros(),
+                    until_us: entry.until.as_micros(),
+                    wire,
+                    ticks: entry.width().get(),
+                    asked: entry.requested.get(),
+                    reason: entry.reason.map(|reason| reason.word()),
+                }));
+            }
+            Event::Edge {
+                t_ns,
+                board,
+                channel,
+                high,
+            } => {
+                let wire = self.wire_of(*board, *channel);
+                let at_us = *t_ns as f64 * 1e-3;
+                picture.edges.extend(wire.map(|wire| (at_us, wire, *high)));
+            }
+            Event::Felt {
+                t_us,
+                target,
+                inside,
+                met,
+                ..
+            } => picture.felt.push(Felt {
+                at_us: *t_us,
+                target_mm: mm(*target),
+                inside: *inside,
+                at_mm: met.map(|met| mm(met.energy)),
+                level_db: met.map_or(f64::NAN, |met| f64::from(met.level_mdb) * 1e-3),
+                band_db: band_db.filter(|_| met.is_some()),
+                tap: met.is_some_and(|met| met.tap),
+            }),
+            Event::AllOff { t_us, cause, .. } => {
+                let text = format!("all off: {cause}");
+                picture.notes.push((*t_us, "off", text));
+            }
+            Event::Note { t_us, text } => picture.notes.push((*t_us, "note", text.clone())),
+            _ => {}
+        }
+    }
+}
+
+fn contact(event: &Event) -> Option<Contact> {
+    let Event::Contact {
+        module,
+        contact,
+        place,
+        intensity_milli,
+        level,
+        ..
+    } = event
+    else {
+        return None;
+    };
+    Some(Contact {
+        id: *contact,
+        module: *module,
+        at_mm: mm(*place),
+        on_mm: None,
+        counts: f64::from(*intensity_milli) * 1e-3,
+        level: *level,
+    })
+}

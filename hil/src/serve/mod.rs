@@ -1,0 +1,29 @@
+//! The page over a run (`hil run --serve`) or a recording (`hil serve`), for browsers: the playground's looks, pictures
+//! through a WebSocket.
+
+mod files;
+mod gate;
+mod http;
+mod live;
+mod server;
+mod slot;
+
+pub use live::{Live, LiveRun};
+
+use std::net::{Ipv4Addr, SocketAddr};
+
+use palpate_buses::datagrams::address_or;
+
+/// Where a page is served where an address names no port.
+pub const PORT: u16 = 8137;
+
+/// An address to serve at: `PORT` of this computer, `ADDRESS` or `ADDRESS:PORT`.
+///
+/// # Errors
+/// What was expected.
+pub fn address(text: &str) -> Result<SocketAddr, String> {
+    match text.parse::<u16>() {
+        Ok(port) => Ok((Ipv4Addr::LOCALHOST, port).into()),
+        Err(_) => address_or(text, PORT),
+    }
+}

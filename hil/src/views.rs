@@ -1,0 +1,106 @@
+//! What looks on at a run: a terminal (`--watch`), pages (`--serve`), both or neither.
+
+use palpate_run::{Beginning, Failure, TurnView};
+
+use crate::output::note;
+use crate::serve::{Live, LiveRun};
+use crate::watch::Watch;
+
+/// What those who look on want of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wish {
+    /// That it ends.
+    End,
+    /// STOP: that everything is off and stays off, where something keeps it so.
+    Stop,
+}
+
+/// What a stop by a page is called where it is kept.
+pub const STOPPED_BY_PAGE: &str = "STOP on the live view";
+
+impl Wish {
+    /// Who or what ended the run.
+    pub const fn by(self) -> &'static str {
+        match self {
+            Self::End => "the person who watched",
+            Self::Stop => STOPPED_BY_PAGE,
+        }
+    }
+}
+
+/// Looks on at a run.
+#[derive(Debug, Default)]
+pub struct Views {
+    watch: Option<Watch>,
+    /// Whether a terminal was looked for.
+    sought: bool,
+    live: Option<LiveRun>,
+}
+
+/// Which views are wanted.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wanted<'a> {
+    /// On a terminal.
+    pub watch: bool,
+    /// In pages.
+    pub live: Option<&'a Live>,
+}
+
+impl Wanted<'_> {
+    /// Whether any is.
+    pub const fn any(self) -> bool {
+        self.watch || self.live.is_some()
+    }
+}
+
+impl Views {
+    /// Opens what is wanted on a run, or adds one more of its displays. Without a terminal a note says so, and the run goes
+    /// on without.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] when the system gives no thread.
+    pub fn begin(&mut self, wanted: Wanted<'_>, run: &Beginning<'_>) -> Result<(), Failure> {
+        if let Some(watch) = &mut self.watch {
+            watch.add(run.header, run.projector.layout(), run.end);
+        } else if wanted.watch && !self.sought {
+            self.sought = true;
+            self.watch = open_watch(run)?;
+        }
+        if let (None, Some(live)) = (&self.live, wanted.live) {
+            self.live = Some(live.begin()?);
+        }
+        if let Some(live) = &mut self.live {
+            live.add(run);
+        }
+        Ok(())
+    }
+
+    /// Whether something looks on.
+    pub const fn are_open(&self) -> bool {
+        self.watch.is_some() || self.live.is_some()
+    }
+
+    /// Shows a turn, and returns what is wanted.
+    pub fn turn(&mut self, seen: &TurnView<'_>) -> Option<Wish> {
+        if let Some(live) = &mut self.live {
+            if live.is_stopped() {
+                return Some(Wish::Stop);
+            }
+            live.turn(seen);
+        }
+        let watch = self.watch.as_mut()?;
+        let ended = watch.turn(seen.display, seen.now, seen.events, seen.counts, seen.buses);
+        ended.then_some(Wish::End)
+    }
+}
+
+fn open_watch(run: &Beginning<'_>) -> Result<Option<Watch>, Failure> {
+    let opened = Watch::open(run.header, run.projector.layout(), run.end);
+    let opened = opened.map_err(|e| Failure::Device(format!("the live view: {e}")))?;
+    if opened.is_none() {
+        note(
+            "--watch: standard input or output is no terminal; the run goes on without a live view",
+        );
+    }
+    Ok(opened)
+}

@@ -1,0 +1,324 @@
+//! The page over a run: who gets it, what it gets, and what it can do.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::Child;
+
+use serde_json::Value;
+use tungstenite::client::IntoClientRequest;
+use tungstenite::handshake::client::Response;
+use tungstenite::{Message, WebSocket, client};
+
+use super::*;
+
+/// A run that is served, and the address that it printed.
+struct Served {
+    run: Child,
+    /// `127.0.0.1:PORT`.
+    host: String,
+    token: Option<String>,
+}
+
+fn served(folder: &Folder, args: &[&str]) -> Served {
+    let mut command = command(args, &folder.0);
+    let mut run = command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut line = String::new();
+    let mut told = BufReader::new(run.stderr.take().unwrap());
+    told.read_line(&mut line).unwrap();
+    // What comes later must find a reader.
+    std::thread::spawn(move || std::io::copy(&mut told, &mut std::io::sink()));
+    let url = line
+        .split("http://")
+        .nth(1)
+        .unwrap_or_else(|| panic!("{line}"));
+    let url = url.split([';', ' ', '\n']).next().unwrap();
+    let (host, rest) = url.split_once('/').unwrap();
+    Served {
+        run,
+        host: host.replace("0.0.0.0", "127.0.0.1"),
+        token: rest.strip_prefix("#token=").map(str::to_owned),
+    }
+}
+
+impl Served {
+    fn stream(&self) -> TcpStream {
+        let stream = TcpStream::connect(&self.host).unwrap();
+        let patience = Some(std::time::Duration::from_secs(20));
+        stream.set_read_timeout(patience).unwrap();
+        stream
+    }
+
+    /// The answer to a request as it is.
+    fn said(&self, request: &str) -> String {
+        let mut stream = self.stream();
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut answer = String::new();
+        let _ = stream.read_to_string(&mut answer);
+        answer
+    }
+
+    fn get(&self, path: &str, host: &str) -> String {
+        self.said(&format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n"))
+    }
+
+    /// A page's socket.
+    fn page(&self, query: &str, origin: Option<&str>) -> Result<WebSocket<TcpStream>, u16> {
+        let mut request = format!("ws://{}/live{query}", self.host)
+            .into_client_request()
+            .unwrap();
+        if let Some(origin) = origin {
+            request
+                .headers_mut()
+                .insert("Origin", origin.parse().unwrap());
+        }
+        match client(request, self.stream()) {
+            Ok((socket, _)) => Ok(socket),
+            Err(tungstenite::HandshakeError::Failure(tungstenite::Error::Http(refused))) => {
+                let refused: Response = refused.as_ref().clone();
+                Err(refused.status().as_u16())
+            }
+            Err(other) => panic!("{other}"),
+        }
+    }
+
+    fn own_page(&self) -> WebSocket<TcpStream> {
+        self.page("", Some(&format!("http://{}", self.host)))
+            .unwrap()
+    }
+
+    fn ended(mut self) -> (Option<i32>, String) {
+        let mut out = String::new();
+        self.run
+            .stdout
+            .take()
+            .unwrap()
+            .read_to_string(&mut out)
+            .unwrap();
+        (self.run.wait().unwrap().code(), out)
+    }
+}
+
+/// What comes next under a key; anything else is passed over.
+fn next(page: &mut WebSocket<TcpStream>, key: &str) -> Value {
+    loop {
+        let Message::Text(text) = page.read().unwrap() else {
+            continue;
+        };
+        let value: Value = serde_json::from_str(&text).unwrap();
+        if value.get(key).is_some() {
+            return value;
+        }
+    }
+}
+
+fn stop(page: &mut WebSocket<TcpStream>) {
+    page.send(Message::text(r#"{"stop":true}"#)).unwrap();
+}
+
+#[test]
+fn two_pages_see_a_run_and_either_can_stop_it() {
+    let folder = Folder::new("serve-two");
+    let run = served(
+        &folder,
+        &[
+            "run",
+            "sphere-circle",
+            "--serve",
+            "0",
+            "--set",
+            "length_s=120",
+        ],
+    );
+    let index = run.get("/", &run.host);
+    assert!(
+        index.starts_with("HTTP/1.1 200") && index.contains("palpate/live.js"),
+        "{index}"
+    );
+    assert!(index.contains(&format!("connect-src 'self' ws://{};", run.host)));
+    let (mut one, mut two) = (run.own_page(), run.own_page());
+    for page in [&mut one, &mut two] {
+        let hello = &next(page, "hello")["hello"];
+        assert_eq!(hello["heads"][0]["scene"], "sphere-circle");
+        assert_eq!(hello["heads"][0]["wires_mm"].as_array().unwrap().len(), 8);
+    }
+    // From the third second on something is touched, driven, and felt.
+    let mut last = (0, 0);
+    let (mut bursts, mut felt) = (0, 0);
+    while last.1 < 2_500_000 {
+        let made = next(&mut one, "picture");
+        let (number, picture) = (made["number"].as_u64().unwrap(), &made["picture"]);
+        let now = picture["now_us"].as_u64().unwrap();
+        assert!(number > last.0 && now > last.1, "{made}");
+        last = (number, now);
+        bursts += picture["bursts"].as_array().unwrap().len();
+        felt += picture["felt"].as_array().unwrap().len();
+        // None before the first scan.
+        assert!([0, 16].contains(&picture["counts"].as_array().unwrap().len()));
+        assert_eq!(picture["used"].as_array().unwrap().len(), 11);
+        assert!(picture["warm"][7][1].as_f64().unwrap() > 30.0);
+    }
+    assert!(bursts > 10 && felt > 5, "{bursts} bursts, {felt} felt");
+    assert!(next(&mut two, "picture")["number"].as_u64().unwrap() > 0);
+    stop(&mut two);
+    for page in [&mut one, &mut two] {
+        let over = next(page, "over")["over"].as_str().unwrap().to_owned();
+        assert!(over.starts_with("STOPPED"), "{over}");
+    }
+    let (status, out) = run.ended();
+    assert_eq!(status, Some(0), "{out}");
+    assert!(
+        out.starts_with("STOPPED: by the person who watched"),
+        "{out}"
+    );
+}
+
+#[test]
+fn pages_of_another_site_get_nothing() {
+    let folder = Folder::new("serve-sites");
+    let run = served(
+        &folder,
+        &["run", "idle", "--serve", "0", "--set", "length_s=120"],
+    );
+    let own = format!("http://{}", run.host);
+    for host in [
+        "evil.example",
+        "evil.example:80",
+        "10.0.0.1",
+        "",
+        "127.0.0.1.evil.example",
+    ] {
+        assert!(run.get("/", host).starts_with("HTTP/1.1 403"), "{host}");
+    }
+    for host in ["localhost:1", "127.0.0.1", "[::1]:8137"] {
+        assert!(
+            run.get("/style.css", host).starts_with("HTTP/1.1 200"),
+            "{host}"
+        );
+    }
+    for path in ["/../Cargo.toml", "/main.js", "/palpate.wasm", "//"] {
+        assert!(
+            run.get(path, &run.host).starts_with("HTTP/1.1 404"),
+            "{path}"
+        );
+    }
+    assert!(run.get("/live", &run.host).starts_with("HTTP/1.1 403"));
+    let twice = format!("GET / HTTP/1.1\r\nHost: {0}\r\nHost: {0}\r\n\r\n", run.host);
+    assert!(run.said(&twice).starts_with("HTTP/1.1 403"));
+    let post = format!("POST / HTTP/1.1\r\nHost: {}\r\n\r\n", run.host);
+    assert!(run.said(&post).starts_with("HTTP/1.1 400"));
+    assert!(run.said("hello\r\n\r\n").starts_with("HTTP/1.1 400"));
+    let long = format!(
+        "GET / HTTP/1.1\r\nHost: {}\r\nCookie: {}\r\n",
+        run.host,
+        "x".repeat(9000)
+    );
+    let answer = run.said(&long);
+    assert!(
+        answer.is_empty() || answer.starts_with("HTTP/1.1 400"),
+        "{answer}"
+    );
+    for origin in [
+        None,
+        Some("http://evil.example"),
+        Some("null"),
+        Some("https://127.0.0.1:1"),
+    ] {
+        assert_eq!(run.page("", origin).err(), Some(403), "{origin:?}");
+    }
+    // What is no wish of a page ends its socket and nothing else.
+    let mut rude = run.own_page();
+    rude.send(Message::text(r#"{"drive":true}"#)).unwrap();
+    while rude.read().is_ok() {}
+    let mut page = run.page("", Some(&own)).unwrap();
+    next(&mut page, "picture");
+    stop(&mut page);
+    assert_eq!(run.ended().0, Some(0));
+}
+
+#[test]
+fn another_address_needs_the_token() {
+    let folder = Folder::new("serve-token");
+    let run = served(
+        &folder,
+        &[
+            "run",
+            "idle",
+            "--serve",
+            "0.0.0.0:0",
+            "--set",
+            "length_s=120",
+        ],
+    );
+    let own = format!("http://{}", run.host);
+    let token = run.token.clone().unwrap();
+    assert!(token.len() == 32 && token.chars().all(|c| c.is_ascii_hexdigit()));
+    for query in ["", "?token=", "?token=00000000000000000000000000000000"] {
+        assert_eq!(run.page(query, Some(&own)).err(), Some(403), "{query}");
+    }
+    let query = format!("?token={token}");
+    assert_eq!(
+        run.page(&query, Some("http://evil.example")).err(),
+        Some(403)
+    );
+    let mut page = run.page(&query, Some(&own)).unwrap();
+    next(&mut page, "picture");
+    stop(&mut page);
+    assert_eq!(run.ended().0, Some(0));
+}
+
+#[test]
+fn a_run_that_is_served_has_the_same_records() {
+    let endings = ["jsonl", "csv", "mcap", "vcd", "snap"];
+    let records = |name: &str, more: &[&str]| {
+        let folder = Folder::new(name);
+        let mut args = vec!["run", "sphere-diagonal", "--set", "length_s=3"];
+        let files = endings.map(|ending| format!("a.{ending}"));
+        files
+            .iter()
+            .for_each(|file| args.extend(["--record", file]));
+        args.extend(more);
+        (
+            folder,
+            args.iter().map(|a| (*a).to_owned()).collect::<Vec<_>>(),
+        )
+    };
+    let (plain, args) = records("serve-plain", &["--quiet"]);
+    assert_eq!(hil_in(&plain.0, &args).status, Some(0));
+    let (seen, args) = records("serve-seen", &["--serve", "0"]);
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    let run = served(&seen, &args);
+    let mut page = run.own_page();
+    while next(&mut page, "picture")["picture"]["now_us"]
+        .as_u64()
+        .unwrap()
+        < 2_900_000
+    {}
+    assert!(
+        next(&mut page, "over")["over"]
+            .as_str()
+            .unwrap()
+            .starts_with("OK")
+    );
+    assert_eq!(run.ended().0, Some(0));
+    for ending in endings {
+        let read = |folder: &Folder| fs::read(folder.path(&format!("a.{ending}"))).unwrap();
+        assert!(read(&plain) == read(&seen), "{ending}");
+    }
+}
+
+#[test]
+fn an_address_that_is_taken_or_none_is_refused() {
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap().to_string();
+    let said = hil(&["run", "idle", "--serve", &address]);
+    assert_eq!(said.status, Some(3), "{}", said.err);
+    assert!(said.err.contains("port 0 takes a free one"), "{}", said.err);
+    refused_with(
+        &["run", "--serve", "sphere-along"],
+        &["--serve", "ADDRESS:PORT"],
+    );
+}
