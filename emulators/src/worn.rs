@@ -399,11 +399,12 @@ impl WornDisplay {
             .map(|w| w.tissue(now).0 + rise_k)
     }
 
-    /// The same two of a wire, wire first, by a copy of it: its own solver steps from look to look, so that a look which
-    /// others do not take would change the last digits of what comes.
+    /// The same two of a wire, wire first, by a copy of it: its own solver steps from look to look, so that a look
+    /// that no run without a page takes would change the last digits of what comes.
     pub fn glance_c(&self, wire: usize) -> Option<[f64; 2]> {
         let mut copy = self.worn.wires.get(wire)?.clone();
-        Some([copy.temperature(self.now), copy.tissue(self.now).0])
+        let rise_k = self.warmed.as_ref().map_or(0.0, |rise| rise.k);
+        Some([copy.temperature(self.now), copy.tissue(self.now).0 + rise_k])
     }
 
     /// A person puts the display on, now: wires are felt from here on. Until the next [`WornDisplay::settle`] every stretch
@@ -453,13 +454,26 @@ impl WornDisplay {
     /// What the run came to until now.
     pub fn totals(&mut self) -> DisplayTotals {
         let (now, peak_supply) = (self.now, self.supply.peak().0);
-        DisplayTotals::of(&mut self.worn.wires, peak_supply, now)
+        let totals = DisplayTotals::of(&mut self.worn.wires, peak_supply, now);
+        self.with_face(totals)
     }
 
     /// The same by copies of the wires, as [`WornDisplay::glance_c`].
     pub fn glance(&self) -> DisplayTotals {
         let mut copies = self.worn.wires.clone();
-        DisplayTotals::of(&mut copies, self.supply.peak().0, self.now)
+        self.with_face(DisplayTotals::of(
+            &mut copies,
+            self.supply.peak().0,
+            self.now,
+        ))
+    }
+
+    /// What a warm face adds to the wires' totals.
+    fn with_face(&self, totals: DisplayTotals) -> DisplayTotals {
+        match &self.warmed {
+            Some(rise) => rise.total(totals),
+            None => totals,
+        }
     }
 }
 
@@ -484,9 +498,6 @@ impl DisplayTotals {
             totals.dose.0 = totals.dose.0.max(dose.omega);
             totals.dose.1 = totals.dose.1.max(dose.cem43_min);
         }
-        match &self.warmed {
-            Some(rise) => rise.total(totals),
-            None => totals,
-        }
+        totals
     }
 }

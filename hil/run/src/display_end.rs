@@ -21,8 +21,6 @@ use palpate_records::trace::{Event, Header};
 
 use crate::Keep;
 use crate::actuator_bus::ActuatorBus;
-pub use crate::assembled::emulated;
-use crate::assembled::{config, no_bench};
 use crate::band::{Band, FeltBand};
 use crate::boards;
 pub use crate::driver::{Driver, OutputEnable};

@@ -9,7 +9,6 @@
 
 mod activations;
 mod actuator_bus;
-mod assembled;
 mod band;
 mod boards;
 pub mod design;
