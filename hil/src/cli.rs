@@ -304,7 +304,7 @@ pub struct RunArgs {
     /// Show the run on a terminal as it goes. An emulated run then keeps to the wall clock.
     #[arg(long)]
     pub watch: bool,
-    /// Show the run in browsers as it goes, at PORT of this computer or ADDRESS[:PORT] (default: 127.0.0.1:8137; port 0
+    /// Show the run in browsers as it goes, at PORT of this computer or ADDRESS or ADDRESS:PORT (default: 127.0.0.1:8137; port 0
     /// takes a free one). An emulated run then keeps to the wall clock.
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = SERVE_AT, value_parser = serve_at)]
     pub serve: Option<SocketAddr>,
@@ -358,7 +358,7 @@ pub struct ServeArgs {
     /// On which bench.
     #[command(flatten)]
     pub on: Buses,
-    /// Where: PORT of this computer or ADDRESS[:PORT]; port 0 takes a free one.
+    /// Where: PORT of this computer or ADDRESS or ADDRESS:PORT; port 0 takes a free one.
     #[arg(long, value_name = "ADDRESS", default_value = SERVE_AT, value_parser = serve_at)]
     pub at: SocketAddr,
     /// How much it says.

@@ -20,7 +20,7 @@ fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
             let path = entry.unwrap().path();
             let name = path.file_name().unwrap().to_string_lossy().into_owned();
             if path.is_dir() {
-                if !["target", ".git", ".venv", "out"].contains(&name.as_str()) {
+                if !["target", ".git", ".venv", "out", "node_modules"].contains(&name.as_str()) {
                     pending.push(path);
                 }
             } else if endings.iter().any(|e| name.ends_with(e)) {
@@ -354,6 +354,20 @@ fn nothing_is_left_open() {
         }
     }
     complain("open ends belong in an issue", offences);
+}
+
+#[test]
+fn no_merge_is_left_half_done() {
+    let marks = [concat!("<<<<", "<<< "), concat!(">>>>", ">>> ")];
+    let mut offences = Vec::new();
+    // Scripts have no ending; what is no text has no lines.
+    for path in files(&root(), &[""]) {
+        let text = fs::read_to_string(&path).unwrap_or_default();
+        if text.lines().any(|l| marks.iter().any(|m| l.starts_with(m))) {
+            offences.push(path.display().to_string());
+        }
+    }
+    complain("marks of a merge", offences);
 }
 
 #[test]

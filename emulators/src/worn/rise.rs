@@ -5,7 +5,8 @@
 
 use std::collections::VecDeque;
 
-use super::{DisplayTotals, MEAN_WINDOW, START_C, ThermalSample};
+use super::totals::DisplayTotals;
+use super::{MEAN_WINDOW, START_C, ThermalSample};
 use crate::display::finger::dose::{cem43_rate, omega_rate};
 use crate::time::Nanos;
 

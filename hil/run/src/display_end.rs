@@ -13,7 +13,7 @@ use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
 use palpate_emulators::display::observed::RegisterWriter;
 use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
-use palpate_emulators::worn::{OutputEdge, ThermalSample, WornDisplay};
+use palpate_emulators::worn::{DisplayTotals, OutputEdge, ThermalSample, WornDisplay};
 use palpate_files::{Drive, Setup};
 use palpate_records::i2c::Transfer;
 use palpate_records::margin::Margin;
@@ -29,7 +29,6 @@ use crate::failure::Failure;
 use crate::feel::{FullDrive, feel, sample_wires};
 use crate::heat::{EmulatedHeat, HeatReport};
 use crate::margins::Currents;
-use crate::picture::Totals;
 use crate::place::Place;
 use crate::plan;
 use crate::policy::refuse_hardware;
@@ -108,7 +107,7 @@ pub trait DisplayEnd {
     }
 
     /// What the wires came to so far, where that is measured.
-    fn totals(&self) -> Option<Totals> {
+    fn totals(&self) -> Option<DisplayTotals> {
         None
     }
 
@@ -459,13 +458,8 @@ impl DisplayEnd for EmulatedDisplay {
         (0..self.place.wires).map(celsius).collect()
     }
 
-    fn totals(&self) -> Option<Totals> {
-        let totals = self.display.glance();
-        let (omega, cem43) = totals.dose;
-        Some(Totals {
-            hottest: [totals.hottest_tissue_c, totals.hottest_deep_c, omega, cem43],
-            energy_j: totals.electrical_j,
-        })
+    fn totals(&self) -> Option<DisplayTotals> {
+        Some(self.display.glance())
     }
 
     fn newest_band_db(&self) -> Option<[f64; 2]> {

@@ -1,5 +1,7 @@
 //! `hil unit` and its host as programs: deaths, and what is refused with a sentence.
 
+use std::io::{BufRead, BufReader, Read};
+use std::net::TcpStream;
 use std::process::{Command, Stdio};
 
 use palpate_buses::datagrams::Datagrams as Socket;
@@ -7,6 +9,8 @@ use palpate_buses::pacer::RunClock;
 use palpate_buses::served::wait::monotonic_ns;
 use palpate_core::codec::link::MOST;
 use palpate_core::units::Duration;
+use tungstenite::client::IntoClientRequest;
+use tungstenite::{Message, client};
 
 use super::subject::{Process, hil, seen, write_key};
 
@@ -195,6 +199,44 @@ fn off_stops_a_unit_under_a_running_host_which_says_so() {
     assert_eq!(said(&unit, &cleared).0, 0);
     let (status, text) = said(&unit, &["doctor", on[0], on[1], on[2], on[3]]);
     assert_eq!((status, text.as_str()), (0, ""));
+    told.extend(unit.finish());
+    assert_eq!(seen(&told).high, 0);
+}
+
+#[test]
+fn a_stop_in_the_page_over_a_unit_switches_off_and_stays_until_it_is_cleared() {
+    let mut unit = Process::new();
+    let address = unit.address.to_string();
+    let mut run = playing(&unit, &address)
+        .args(["--serve", "0"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut words = BufReader::new(run.stderr.take().unwrap());
+    let mut line = String::new();
+    words.read_line(&mut line).unwrap();
+    let host = line
+        .split("http://")
+        .nth(1)
+        .unwrap_or_else(|| panic!("{line}"));
+    let host = host.split('/').next().unwrap();
+    let mut request = format!("ws://{host}/live").into_client_request().unwrap();
+    let origin = format!("http://{host}").parse().unwrap();
+    request.headers_mut().insert("Origin", origin);
+    let (mut page, _) = client(request, TcpStream::connect(host).unwrap()).unwrap();
+    let mut told = unit.wait_for_edges(6);
+    page.send(Message::text(r#"{"stop":true}"#)).unwrap();
+    let mut text = String::new();
+    words.read_to_string(&mut text).unwrap();
+    assert_eq!(run.wait().unwrap().code(), Some(4), "{text}");
+    assert!(text.contains("hil off --unlatch"), "{text}");
+    let on = ["--unit", &address, "--key", "unit.key"];
+    let again = [&["run", "idle", "--quiet"], &on[..]].concat();
+    let (status, text) = said(&unit, &again);
+    assert!(status == 4 && text.contains("stopped earlier"), "{text}");
+    let cleared = [&["off", "--unlatch"], &on[..]].concat();
+    assert_eq!(said(&unit, &cleared).0, 0);
+    assert_eq!(said(&unit, &[&["doctor"], &on[..]].concat()).0, 0);
     told.extend(unit.finish());
     assert_eq!(seen(&told).high, 0);
 }

@@ -1,3 +1,5 @@
+//! Correlations and spans of coordinates whose answer is known.
+
 use super::*;
 
 fn column(name: &str, count: usize) -> Vec<f64> {

@@ -1,3 +1,5 @@
+//! Materials are drawn as they say, and their table is one that is read.
+
 use palpate_emulators::sensor::surface::spearman;
 use palpate_files::{Source, TextureTable};
 

@@ -10,6 +10,7 @@ use palpate_core::guard::{Cause, Used};
 use palpate_core::illusion::Map;
 use palpate_core::projector::Projector;
 use palpate_core::units::Instant;
+use palpate_emulators::worn::DisplayTotals;
 use serde::Serialize;
 
 use crate::display_end::DisplayEnd;
@@ -42,6 +43,16 @@ pub struct Totals {
     pub energy_j: f64,
 }
 
+impl From<DisplayTotals> for Totals {
+    fn from(totals: DisplayTotals) -> Self {
+        let (omega, cem43) = totals.dose;
+        Self {
+            hottest: [totals.hottest_tissue_c, totals.hottest_deep_c, omega, cem43],
+            energy_j: totals.electrical_j,
+        }
+    }
+}
+
 /// A look at a session between two turns: it changes nothing that the session does.
 #[derive(Debug)]
 pub struct Look<'a, D> {
@@ -61,7 +72,10 @@ impl<D: DisplayEnd> Look<'_, D> {
             stopped: guard.latched().map(Cause::word),
             warm: self.display.warmth(),
             band_db: self.display.newest_band_db(),
-            totals: totals.then(|| self.display.totals()).flatten(),
+            totals: totals
+                .then(|| self.display.totals())
+                .flatten()
+                .map(Totals::from),
         }
     }
 }
