@@ -129,6 +129,44 @@ fn what_cannot_be_is_refused_with_a_sentence() {
 }
 
 #[test]
+fn sixteen_boards_on_one_address_are_refused_with_a_sentence() {
+    let unit = Process::new();
+    // Sixteen fingertips whose boards all have the straps of the first: on a bus they would all answer at once.
+    let wires: Vec<String> = (0..8)
+        .map(|channel| format!("{{ board = 0x40, channel = {channel} }}"))
+        .collect();
+    let finger = |n| {
+        format!(
+            "[[displays]]\nname = \"finger-{n}\"\noutputs = [{}]\n",
+            wires.join(", ")
+        )
+    };
+    let displays: Vec<String> = (0..16).map(finger).collect();
+    let bench = format!(
+        "name = \"one-address\"\ndescription = \"Sixteen boards\"\n{}",
+        displays.join("\n")
+    );
+    std::fs::write(unit.folder.0.join("one-address.toml"), bench).unwrap();
+    let (status, text) = said(
+        &unit,
+        &[
+            "unit",
+            "--key",
+            "unit.key",
+            "--bench",
+            "one-address.toml",
+            "--listen",
+            "127.0.0.1:0",
+        ],
+    );
+    assert_eq!(status, 2, "{text}");
+    assert!(
+        text.contains("one-address.toml") && text.contains("an output of its own"),
+        "{text}"
+    );
+}
+
+#[test]
 fn a_unit_that_answers_from_two_addresses_or_in_another_version_is_refused() {
     for version in [false, true] {
         let unit = Process::new();

@@ -5,7 +5,7 @@ use palpate_core::units::Channel;
 use palpate_emulators::display::i2c::{BusClock, Error, I2cSegment};
 use palpate_emulators::display::pca9685::{Config, Pca9685, Pin};
 use palpate_emulators::time::Nanos;
-use palpate_image::rig::{Head, Kind, Outcome};
+use palpate_image::rig::{Head, Kind, Outcome, Signal};
 
 /// An output that changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,8 +103,38 @@ impl Chips {
                 done(Vec::new())
             }
             Kind::Transfer => Some(self.transfer(head, bytes)),
+            Kind::Signal => Some(self.signal(head, bytes)),
             _ => None,
         }
+    }
+
+    /// A signal of a controller that is the machine's own: all chips are on its bus.
+    fn signal(&mut self, head: &Head, bytes: &[u8]) -> Answer {
+        let at = Nanos(head.ns);
+        let byte = bytes.first().copied().unwrap_or(0);
+        let signal = Signal::ALL.get(usize::from(head.argument));
+        if signal == Some(&Signal::Start) {
+            self.transfers.push(at);
+            if std::mem::take(&mut self.stuck) {
+                return (u64::MAX, Outcome::Stuck, Vec::new());
+            }
+        }
+        let chips = self.segment.chips_mut().iter_mut();
+        let answer = match signal {
+            _ if self.dead => 0,
+            Some(Signal::Start) => {
+                let (address, read) = (byte >> 1, byte & 1 == 1);
+                chips.fold(0, |ack, chip| ack | u8::from(chip.start(at, address, read)))
+            }
+            Some(Signal::Write) => chips.fold(0, |ack, chip| ack | u8::from(chip.write(at, byte))),
+            // An open drain: the chip that is not read leaves the line high.
+            Some(Signal::Read) => chips.fold(u8::MAX, |read, chip| read & chip.read(at)),
+            Some(Signal::Stop) | None => {
+                chips.for_each(|chip| chip.stop(at));
+                0
+            }
+        };
+        (head.ns, Outcome::Done, vec![answer])
     }
 
     fn transfer(&mut self, head: &Head, mut bytes: &[u8]) -> Answer {

@@ -1,4 +1,4 @@
-//! QEMU as a child process, the pipes of the rig, and a look into the guest's memory.
+//! QEMU, or another emulator, as a child process, the pipes of the rig, and a look into the guest's memory.
 #![allow(
     clippy::disallowed_methods,
     reason = "a child process that hangs is ended by the wall clock"
@@ -23,17 +23,19 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// How long a guest in real time lives at the most, so that no test waits for ever on one that only goes on asking.
 const LIFE: Duration = Duration::from_secs(180);
 
-/// What QEMU emulates.
+/// A machine, and what emulates it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Machine {
     /// Its name, which is that of the image's folder as well.
     pub name: &'static str,
-    /// QEMU's program.
+    /// The emulator's program.
     pub program: &'static str,
     /// The target that its images are built for.
     pub target: &'static str,
     /// Its arguments.
     pub arguments: &'static [&'static str],
+    /// Further arguments: environment variables that name files.
+    pub beside: &'static [&'static str],
     /// Its network card on a user network; `PORT` stands for the host's port.
     pub card: &'static [&'static str],
     /// Nanoseconds per instruction, as a power of two.
@@ -42,6 +44,13 @@ pub struct Machine {
     pub tick_ns: u64,
     /// Where its memory begins, and how much of it an image is linked to.
     pub memory: (u32, usize),
+}
+
+impl Machine {
+    /// Whether QEMU is its program.
+    pub fn is_qemu(&self) -> bool {
+        self.program.starts_with("qemu")
+    }
 }
 
 /// How time passes, and whether there is a network.
@@ -86,22 +95,15 @@ impl Guest {
         };
         let (mut asked, answers) = (pipe(QUESTIONS)?, pipe(ANSWERS)?);
         fcntl(&answers, FcntlArg::F_SETFL(OFlag::O_NONBLOCK))?;
-        let port = |argument: &&str, port: u16| argument.replace("PORT", &port.to_string());
-        let (card, sleep) = match network {
-            Network::Rig => (vec!["-nic".into(), "none".into()], ",sleep=off"),
-            Network::Udp(number) => (machine.card.iter().map(|a| port(a, number)).collect(), ""),
-        };
-        let count = format!("shift={}{sleep}", machine.shift);
         let mut command = Command::new(machine.program);
         command
             .args(machine.arguments)
-            .arg("-kernel")
+            .args(machine.beside.iter().map(|name| beside(name)));
+        if machine.is_qemu() {
+            qemu(&mut command, &machine, network);
+        }
+        command
             .arg(image)
-            .args(["-display", "none", "-monitor", "stdio", "-serial", "null"])
-            .args(["-semihosting-config", "enable=on,target=native"])
-            .args(card)
-            // By the host's clock alone, a host that stands still would make the watchdog bite.
-            .args(["-icount", &count])
             .current_dir(&folder)
             .stdin(Stdio::piped())
             .stdout(Stdio::null());
@@ -109,7 +111,7 @@ impl Guest {
             let program = machine.program;
             io::Error::new(
                 e.kind(),
-                format!("{program}: {e}; expected QEMU to be installed"),
+                format!("{program}: {e}; expected it to be installed, as ci/unit does"),
             )
         })?;
         let (sender, questions) = sync_channel(1);
@@ -177,6 +179,28 @@ impl Guest {
         let memory = std::fs::read(self.folder.join("memory")).ok()?;
         (memory.len() == self.machine.memory.1).then_some(memory)
     }
+}
+
+/// A file that the environment names.
+fn beside(name: &str) -> std::ffi::OsString {
+    std::env::var_os(name).unwrap_or_default()
+}
+
+/// What QEMU is told of each machine.
+fn qemu(command: &mut Command, machine: &Machine, network: Network) {
+    let port = |argument: &&str, port: u16| argument.replace("PORT", &port.to_string());
+    let (card, sleep) = match network {
+        Network::Rig => (vec!["-nic".into(), "none".into()], ",sleep=off"),
+        Network::Udp(number) => (machine.card.iter().map(|a| port(a, number)).collect(), ""),
+    };
+    let count = format!("shift={}{sleep}", machine.shift);
+    command
+        .args(["-display", "none", "-monitor", "stdio", "-serial", "null"])
+        .args(["-semihosting-config", "enable=on,target=native"])
+        .args(card)
+        // By the host's clock alone, a host that stands still would make the watchdog bite.
+        .args(["-icount", &count])
+        .arg("-kernel");
 }
 
 /// A question, with what follows it.

@@ -14,6 +14,7 @@ pub const LM3S6965EVB: Machine = Machine {
     name: "lm3s6965evb",
     program: "qemu-system-arm",
     arguments: &["-M", "lm3s6965evb"],
+    beside: &[],
     card: &[
         "-nic",
         "user,model=stellaris,hostfwd=udp:127.0.0.1:PORT-:4000",
@@ -38,6 +39,7 @@ pub const VIRT: Machine = Machine {
         "-bios",
         "none",
     ],
+    beside: &[],
     card: &[
         "-netdev",
         "user,id=n0,hostfwd=udp:127.0.0.1:PORT-:4000",
@@ -48,6 +50,20 @@ pub const VIRT: Machine = Machine {
     shift: 3,
     tick_ns: 1,
     memory: (0x8010_0000, 32 * 1024),
+};
+
+/// A Raspberry Pi Pico in rp2040js: its own I2C controller, and packets on its serial port. `ci/unit` names the script and
+/// the library.
+pub const PICO: Machine = Machine {
+    name: "rp2040",
+    program: "node",
+    arguments: &[],
+    beside: &["PALPATE_PICO", "PALPATE_RP2040JS"],
+    card: &[],
+    target: "thumbv6m-none-eabi",
+    shift: 3,
+    tick_ns: 1000,
+    memory: (0x2000_0000, 256 * 1024),
 };
 
 /// A test of its own on each machine for every function named.
@@ -87,9 +103,19 @@ pub fn image(machine: &Machine, program: &str) -> PathBuf {
 /// A unit and a host that have met, over a quiet network.
 pub fn met(machine: Machine, oe: bool) -> Lockstep {
     let host = Host::new(&KEY, 1, Profile::WIRE).unwrap();
-    let image = image(&machine, "lockstep");
+    let program = if machine.is_qemu() {
+        "lockstep"
+    } else {
+        "pico"
+    };
+    let image = image(&machine, program);
     let mut run = Lockstep::start(machine, &image, (Chips::new(oe), host)).unwrap();
-    run.run(Duration::from_millis(200)).unwrap();
-    assert_eq!(run.host.driver.ready(run.host.now()), Ok(()));
-    run
+    // A port over USB is found first.
+    for _ in 0..5 {
+        run.run(Duration::from_millis(200)).unwrap();
+        if run.host.driver.ready(run.host.now()).is_ok() {
+            return run;
+        }
+    }
+    panic!("{}: host and unit have not met", machine.name);
 }

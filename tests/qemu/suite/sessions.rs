@@ -24,6 +24,22 @@ on_each_machine! {
     ten_thousand_spoiled_datagrams_switch_nothing_on
 }
 
+/// A genuine I2C driver and a genuine port over USB, at a fourteenth of real time: what they add is tried, no more. A
+/// hang is not: rp2040js's watchdog does not bite.
+mod pico {
+    use crate::machines::PICO;
+
+    #[test]
+    fn a_session_plays_on_time() {
+        super::a_session_plays_on_time(PICO);
+    }
+
+    #[test]
+    fn a_bus_that_dies_is_cut_and_comes_back() {
+        super::a_bus_that_dies_is_cut_and_comes_back(PICO);
+    }
+}
+
 fn ms(n: u64) -> Duration {
     Duration::from_millis(n)
 }

@@ -53,11 +53,33 @@ pub enum Kind {
     Ask,
     /// It decided so: what the clock counted, 4 bytes, and the answer.
     Tell,
+    /// A signal on the bus, for a machine that has an I2C controller of its own: a [`Signal`] with its byte. The answer is a
+    /// byte that was read, or 1 for an acknowledgement.
+    Signal,
+}
+
+/// What a controller does on the bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Signal {
+    /// START, or START again: the address, with 1 in its last bit to read.
+    Start,
+    /// A byte to the chip.
+    Write,
+    /// A byte from it.
+    Read,
+    /// STOP.
+    Stop,
+}
+
+impl Signal {
+    /// Every signal, by its number.
+    pub const ALL: [Self; 4] = [Self::Start, Self::Write, Self::Read, Self::Stop];
 }
 
 impl Kind {
     /// Every kind, by its number.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Boot,
         Self::Oe,
         Self::Transfer,
@@ -65,6 +87,7 @@ impl Kind {
         Self::Send,
         Self::Ask,
         Self::Tell,
+        Self::Signal,
     ];
 }
 

@@ -1,0 +1,33 @@
+//! What is burnt into this unit: two fingertips of eight wires.
+
+use palpate_core::guard::{HARD, Limits, Plant};
+use palpate_core::illusion::DisplayWire;
+use palpate_core::units::Milliamps;
+use palpate_image::{burnt_key, fingertips};
+use palpate_unit::Settings;
+
+/// The key.
+static KEY: [u8; 32] = burnt_key!();
+/// The wires.
+static WIRES: [DisplayWire; 16] = fingertips(8);
+/// 7-bit addresses of the boards.
+const ADDRESSES: [u8; 2] = [0x40, 0x41];
+/// Limits: a supply of 3 A, else the hard ones.
+const LIMITS: Limits = Limits {
+    supply: Milliamps(3000),
+    ..HARD
+};
+
+/// The unit's settings; `boot` is a number that no start had before.
+pub fn settings(boot: u64) -> Settings<'static> {
+    Settings {
+        key: &KEY,
+        boot,
+        wires: &WIRES,
+        addresses: &ADDRESSES,
+        limits: LIMITS,
+        plant: Plant::default(),
+        // Software doubles would take 11 ms per stimulus.
+        heat: false,
+    }
+}
