@@ -173,3 +173,22 @@ fn transfers_of_others_on_the_bus_count_as_time_on() {
         PLANT.energy_nj(100, span + bus)
     );
 }
+
+#[test]
+fn of_two_plants_the_worse_has_what_heats_more_of_each() {
+    let cold = Plant {
+        prescale: Prescale::new(92),
+        wire_milliohm: 2500,
+        peak: Milliamps(990),
+        bus: Duration::from_millis(2),
+    };
+    let worse = Plant {
+        wire_milliohm: 2500,
+        bus: Duration::from_millis(2),
+        ..PLANT
+    };
+    assert_eq!(PLANT.worse(&cold), worse);
+    // The divider is the first's: it is its boards that count.
+    let prescale = cold.prescale;
+    assert_eq!(cold.worse(&PLANT), Plant { prescale, ..worse });
+}
