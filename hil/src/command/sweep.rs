@@ -263,7 +263,7 @@ fn spread(rows: &[&RunRow], out: &mut dyn Write) -> io::Result<()> {
         let range = format!("{} to {} {}", short(least.0), short(most.0), measured.unit);
         writeln!(
             out,
-            "  {:<22}{:<24}least {}, most {}",
+            "  {:<26}{:<24}least {}, most {}",
             measured.words,
             range.trim_end(),
             least.1.place(),

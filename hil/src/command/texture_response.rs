@@ -66,11 +66,26 @@ pub fn response(args: &ResponseArgs) -> Result<(), Failure> {
     })
 }
 
-fn heading(factors: &[Factor], out: &mut dyn Write) -> io::Result<()> {
-    for factor in factors {
+/// A row for each coordinate, a column for each factor.
+fn table(
+    title: &str,
+    found: &[Coordinate],
+    out: &mut dyn Write,
+    cell: impl Fn(&Coordinate, Factor) -> String,
+) -> io::Result<()> {
+    write!(out, "\n{title:<16}")?;
+    for factor in Factor::ALL {
         write!(out, " {:>10}", factor.name())?;
     }
-    writeln!(out)
+    writeln!(out)?;
+    for coordinate in found {
+        write!(out, "{:<16}", name(coordinate))?;
+        for factor in Factor::ALL {
+            write!(out, " {:>10}", cell(coordinate, factor))?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
 }
 
 fn name(coordinate: &Coordinate) -> String {
@@ -84,37 +99,22 @@ fn tables(args: &ResponseArgs, found: &[Coordinate], out: &mut dyn Write) -> io:
         "One factor over its range, the others at a quarter, half and three quarters of theirs; {} emulated strokes each.",
         args.strokes
     )?;
-    write!(out, "\n{:<16}", "rank correlation")?;
-    heading(&Factor::ALL, out)?;
-    for coordinate in found {
-        write!(out, "{:<16}", name(coordinate))?;
-        for answer in coordinate.answers {
-            write!(out, " {:>10.2}", round(answer.rank))?;
-        }
-        writeln!(out)?;
-    }
-    write!(out, "\n{:<16}", "span, of whole")?;
-    heading(&Factor::ALL, out)?;
-    for coordinate in found {
-        write!(out, "{:<16}", name(coordinate))?;
-        for answer in coordinate.answers {
-            write!(out, " {:>10.2}", round(answer.span))?;
-        }
-        writeln!(out)?;
-    }
-    write!(out, "\n{:<16}", "crosstalk")?;
-    heading(&Factor::ALL, out)?;
-    for coordinate in found {
-        write!(out, "{:<16}", name(coordinate))?;
-        for factor in Factor::ALL {
-            match coordinate.crosstalk(factor) {
-                _ if factor == coordinate.own() => write!(out, " {:>10}", "own")?,
-                Some(share) => write!(out, " {:>10.2}", round(share))?,
-                None => write!(out, " {:>10}", "-")?,
-            }
-        }
-        writeln!(out)?;
-    }
+    let figure = |value: f64| format!("{:.2}", round(value));
+    table("rank correlation", found, out, |coordinate, factor| {
+        figure(coordinate.answer(factor).rank)
+    })?;
+    table("span, of whole", found, out, |coordinate, factor| {
+        figure(coordinate.answer(factor).span)
+    })?;
+    table(
+        "crosstalk",
+        found,
+        out,
+        |coordinate, factor| match coordinate.crosstalk(factor) {
+            _ if factor == coordinate.own() => "own".to_owned(),
+            share => share.map_or_else(|| "-".to_owned(), figure),
+        },
+    )?;
     if found.iter().all(|c| c.partial.is_none()) {
         return Ok(());
     }

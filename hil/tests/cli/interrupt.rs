@@ -114,9 +114,11 @@ fn long_work_shows_itself_on_a_terminal_and_nowhere_else() {
     assert!(shown.contains("STOPPED: by SIGINT"), "{shown}");
     let logged = on_terminal("logged", "env CI=true");
     assert!(!logged.contains("sweep ["), "{logged}");
+    // In the foreground `timeout` sends one signal, else two, and a second one is obeyed at once, without a word.
     let mut piped = Command::new("timeout");
     piped
-        .args(["-s", "INT", "8", env!("CARGO_BIN_EXE_hil")])
+        .args(["--foreground", "-s", "INT", "8"])
+        .arg(env!("CARGO_BIN_EXE_hil"))
         .args(sweep.split(' '))
         .arg("piped.csv");
     let piped = piped.current_dir(&folder.0).output().unwrap();

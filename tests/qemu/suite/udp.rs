@@ -175,19 +175,15 @@ fn a_host_plays_by_udp_and_leaves_nothing_on(machine: Machine) {
     }
     let status = *worn.driver.status().unwrap();
     println!("{status:?}, clock known to {:?}", worn.driver.clock_error());
-    // On a busy machine the guest is late, and the unit leaves out what is.
-    assert!(status.applied > 0, "{status:?}");
-    assert!(
-        worn.rises() > 5 * status.applied as usize,
-        "{}",
-        worn.rises()
-    );
+    assert!(status.applied > 10, "{status:?}");
+    assert!(worn.rises() > 50, "{}", worn.rises());
     // The host dies in the middle of a burst.
     worn.burst(12);
     worn.run(Span::from_millis(25));
     thread::sleep(Span::from_millis(1500));
     let chips = locked(&worn.chips);
     assert!(!chips.any_high());
+    assert_eq!(chips.boots.len(), 1);
     drop(chips);
     // Variables, the network's among them, and the deepest stack leave room.
     let file = Image::read(&image(&machine, "unit"), machine.memory.0).unwrap();
@@ -206,7 +202,7 @@ fn ten_thousand_spoiled_datagrams_by_udp_switch_nothing_on(machine: Machine) {
     let recorded = std::mem::take(&mut worn.sent);
     // The boards are seen as far as the last transfer; each is read back once per second.
     worn.run(Span::from_millis(1500));
-    let (rises, boots) = (worn.rises(), locked(&worn.chips).boots.len());
+    let rises = worn.rises();
     let mut s = RandomStream::new(2, "spoiled datagrams");
     for n in 0..10_000 {
         let mut datagram = recorded[(s.next_u64() as usize) % recorded.len()].clone();
@@ -224,9 +220,7 @@ fn ten_thousand_spoiled_datagrams_by_udp_switch_nothing_on(machine: Machine) {
     let status = *worn.driver.status().unwrap();
     println!("{status:?}");
     assert!(matches!(status.state, State::Ready), "{status:?}");
-    // A machine that stands still for 40 ms while the guest rests makes the watchdog bite; the unit then counts anew.
-    let again = locked(&worn.chips).boots.len() > boots;
-    assert!(again || status.refused > 1000, "{status:?}");
+    assert!(status.refused > 1000, "{status:?}");
 }
 
 /// The program, which `ci/unit` builds.
@@ -268,10 +262,9 @@ fn the_program_runs_a_scene_on_it(machine: Machine) {
         "{}, {:?}: {}\n{said}",
         machine.name, run.status, summary["unit"]
     );
-    // Off at the end, whatever became of it; a machine that stands still for a reading's age makes the unit stop.
+    // The boards are seen as far as the last transfer; each is read back once per second.
     thread::sleep(Span::from_millis(1500));
     assert!(!locked(&worn.chips).any_high());
-    let late = said.contains("stopped by its own guard, stale-input");
-    assert!(late || run.status.success(), "{said}");
-    assert!(late || worn.rises() > 100, "{}", worn.rises());
+    assert!(run.status.success(), "{said}");
+    assert!(worn.rises() > 100, "{}", worn.rises());
 }

@@ -8,7 +8,7 @@ use palpate_records::trace::{Event, Header, PlaceUm};
 use super::head::{origin, pair, shown};
 use super::{Burst, Contact, Felt, Picture, State, Totals};
 
-/// Totals are looked at this often, microseconds: no one reads them faster.
+/// Totals are looked at this often, microseconds: a reader sees no more.
 const TOTALS_US: u64 = 100_000;
 
 /// Keeps up what pictures need of the events before them.
