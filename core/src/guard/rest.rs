@@ -33,11 +33,9 @@ impl Rest {
     fn raise(&mut self, at: Instant, k: f64) {
         let bin = at.as_micros() / BIN.as_micros();
         let passed = bin.saturating_sub(self.newest).min(BINS as u64) as usize;
-        if passed > 0 {
-            self.bins.copy_within(..BINS - passed, passed);
-            self.bins[..passed].fill(0.0);
-            self.newest = bin;
-        }
+        self.bins.copy_within(..BINS - passed, passed);
+        self.bins[..passed].fill(0.0);
+        self.newest = self.newest.max(bin);
         self.bins[0] = self.bins[0].max(k);
         self.most_k = self.most_k.max(k);
     }

@@ -69,6 +69,40 @@ fn a_cold_face_changes_nothing_and_a_warm_one_is_remembered() {
 }
 
 #[test]
+fn a_face_that_gets_warm_is_in_what_is_predicted_of_bursts_before() {
+    let mut guard = guard();
+    guard.warm(Instant::ZERO, 33.0, 33.0);
+    let stimulus = Stimulus {
+        wire: 0,
+        width: Ticks::new(100),
+        peak: Milliamps(990),
+        at: at_ms(20),
+        until: at_ms(58),
+    };
+    guard.hear(at_ms(20));
+    let _ = guard.admit(at_ms(20), Board(0), &[stimulus], |_| ());
+    let _ = guard.expire(at_ms(58), Board(0));
+    let before = guard.predicted().peak_c;
+    guard.warm(at_ms(60), 33.0, 33.0);
+    assert_eq!(guard.predicted().peak_c, before);
+    guard.warm(at_ms(70), 38.0, 38.0);
+    // The burst's own rise has worn off in part.
+    let after = guard.predicted().peak_c;
+    assert!(after > 38.0 && after > before, "{before} to {after}");
+}
+
+#[test]
+fn a_time_that_goes_back_forgets_nothing() {
+    let mut rest = Rest::default();
+    rest.raise(at_ms(0), 5.0);
+    let last = BIN.as_micros() / 1000 * (BINS as u64 - 1);
+    for ms in [last, last / 2, last] {
+        rest.raise(at_ms(ms), 0.0);
+        assert_eq!(rest.k(), 5.0, "{ms}");
+    }
+}
+
+#[test]
 fn what_is_no_number_leaves_nothing() {
     let mut guard = guard();
     guard.warm(Instant::ZERO, f64::NAN, 33.0);
