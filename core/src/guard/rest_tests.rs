@@ -48,6 +48,9 @@ fn a_warm_face_leaves_a_wire_what_the_worst_corner_bears() {
         );
     }
     let mut guard = guard();
+    // With nothing booked the face may come to what the tissue may have in the mean, not below it and not far from it.
+    let bears_c = guard.warm(Instant::ZERO, 33.0, 41.0);
+    assert!((39.0..=43.0).contains(&bears_c), "{bears_c}");
     guard.warm(Instant::ZERO, 41.0, 41.0);
     assert!(ten_seconds_mw(&guard, at_ms(20))[3] < 0.0);
 }

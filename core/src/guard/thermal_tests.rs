@@ -338,3 +338,16 @@ fn of_limits_that_leave_the_same_the_first_is_the_reason() {
     let (_, reason) = Tissue::new().room(&mut Budget::new(&limits), booking);
     assert_eq!(reason, Reason::Dose);
 }
+
+#[test]
+fn power_that_flows_evenly_keeps_to_the_mean_at_either_depth() {
+    let budget = Budget::new(&HARD);
+    // Of 41 C: a watt that warms by so many K leaves so much, by the depth that warms most.
+    let (at_first, at_rest) = (budget.even_w(8.0, 1e-9), budget.even_w(1e-9, 8.0));
+    close(budget.even_w(8.0, 4.0), at_first);
+    close(budget.even_w(4.0, 8.0), at_rest);
+    close(budget.even_w(8.0, 8.0), at_first.min(at_rest));
+    for (even, about) in [(at_first, 1.0), (at_rest, 1.0)] {
+        assert!(even > 0.7 * about && even <= about, "{even} W");
+    }
+}
