@@ -5,6 +5,7 @@ mod design;
 mod files;
 mod hardware;
 mod identify;
+mod study;
 mod sweep;
 mod texture;
 mod unit;
@@ -25,6 +26,7 @@ pub use identify::{IdentifyArgs, SignalArg};
 use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::Axes;
 use palpate_files::TimeColumn;
+pub use study::{SimulateArgs, StudyAction};
 pub use sweep::{CompareArgs, Seeds, SweepArgs};
 pub use texture::{
     EncodeArgs, ExportArgs, MapArgs, MaterialsArgs, PanelArgs, ResponseArgs, StrokesArgs,
@@ -190,6 +192,9 @@ pub enum Command {
     /// Work with the texture model: strokes, training, latent vectors, export, map, panel.
     #[command(subcommand)]
     Texture(TextureAction),
+    /// Studies with people: simulate one before people are asked.
+    #[command(subcommand)]
+    Study(StudyAction),
     /// Say what this machine has, what it lacks, and which commands add it.
     Doctor(DoctorArgs),
     /// Switch everything off on a bench, from any state, and report what was found.

@@ -42,6 +42,7 @@ mod shell;
 #[path = "cli/skins.rs"]
 mod skins;
 #[path = "cli/sweep.rs"]
+mod study;
 mod sweep;
 #[path = "cli/test.rs"]
 mod test;

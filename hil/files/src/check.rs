@@ -17,6 +17,7 @@ use super::loaded::Loaded;
 use super::near::{nearest, quoted_words};
 use super::person::{PersonFile, Wearer};
 use super::placeholder;
+use super::protocol::Protocol;
 use super::quarantine::Quarantine;
 use super::resolve::FileKind;
 use super::scene::Scene;
@@ -170,6 +171,7 @@ impl Mended {
             FileKind::Alloy => self.read(|s| AlloyFile::read(s).map(drop)),
             FileKind::Activation => self.read(|s| ActivationFile::read(s).map(drop)),
             FileKind::Textures => self.read(|s| TextureTable::read(s).map(drop)),
+            FileKind::Protocol => self.read(|s| Protocol::read(s).map(drop)),
             FileKind::Quarantine => self.read(|s| Quarantine::alone(s).map(drop)),
         }
     }

@@ -30,6 +30,7 @@ mod overrides;
 mod person;
 mod placeholder;
 mod play;
+mod protocol;
 mod quarantine;
 mod reading;
 mod resolve;
@@ -75,7 +76,7 @@ pub use layout::{DisplayLayout, FingerSurface, ImageSize, LayoutFile, SensorLayo
 pub use limits::LimitTable;
 pub use loaded::{
     Loaded, load_activation, load_alloy, load_bench, load_layout, load_limits, load_person,
-    load_scene, load_textures, load_wire,
+    load_protocol, load_scene, load_textures, load_wire,
 };
 pub use migrate::{Migrated, migrated};
 pub use module::{Grid, ImageCell, Repeat, SkinModule, Taxel};
@@ -84,6 +85,10 @@ pub use near::{did_you_mean, nearest};
 pub use overrides::Overrides;
 pub use person::{FeltChannel, PersonFile, Spread, Wearer};
 pub use play::PlayEntry;
+pub use protocol::{
+    Normal, Protocol, RatingTask, SimulatedRatings, SimulatedThresholds, ThresholdMethod,
+    ThresholdTask,
+};
 pub use quarantine::{Quarantine, Quarantined};
 pub use reading::{LONGEST_LINE, Lines, Text, format_of, is_stream, open, read_bytes, read_text};
 pub use resolve::{FileKind, resolve, resolve_from};

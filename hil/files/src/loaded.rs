@@ -8,6 +8,7 @@ use super::error::FileError;
 use super::layout::LayoutFile;
 use super::limits::LimitTable;
 use super::person::PersonFile;
+use super::protocol::Protocol;
 use super::resolve::{FileKind, resolve, resolve_from};
 use super::scene::Scene;
 use super::source::Source;
@@ -82,6 +83,14 @@ pub fn load_limits(name: &str) -> Result<Loaded<LimitTable>, FileError> {
 /// An unknown name, or what cannot be in the file.
 pub fn load_person(name: &str) -> Result<Loaded<PersonFile>, FileError> {
     load(resolve(FileKind::Person, name)?, PersonFile::read)
+}
+
+/// A protocol by name or path.
+///
+/// # Errors
+/// An unknown name, or what cannot be in the file.
+pub fn load_protocol(name: &str) -> Result<Loaded<Protocol>, FileError> {
+    load(resolve(FileKind::Protocol, name)?, Protocol::read)
 }
 
 /// Reads an activation: a built-in name or a file.

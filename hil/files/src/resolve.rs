@@ -31,11 +31,13 @@ pub enum FileKind {
     Textures,
     /// Trials that are known to fail.
     Quarantine,
+    /// A study with people.
+    Protocol,
 }
 
 impl FileKind {
     /// Every kind.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Scene,
         Self::Bench,
         Self::Layout,
@@ -47,6 +49,7 @@ impl FileKind {
         Self::Activation,
         Self::Textures,
         Self::Quarantine,
+        Self::Protocol,
     ];
 
     /// Its name, as the schema of such files has it.
@@ -64,6 +67,7 @@ impl FileKind {
             Self::Activation => "activation",
             Self::Textures => "textures",
             Self::Quarantine => "quarantine",
+            Self::Protocol => "protocol",
         }
     }
 
@@ -82,6 +86,7 @@ impl FileKind {
             Self::Activation => "activations",
             Self::Textures => "textures",
             Self::Quarantine => "quarantines",
+            Self::Protocol => "protocols",
         }
     }
 
@@ -100,6 +105,7 @@ impl FileKind {
             Self::Activation => "an activation",
             Self::Textures => "a table of textures",
             Self::Quarantine => "a quarantine",
+            Self::Protocol => "a protocol",
         }
     }
 
@@ -116,6 +122,7 @@ impl FileKind {
             Self::Activation => palpate_fixtures::activation(name),
             Self::Textures => palpate_fixtures::textures(name),
             Self::Quarantine => None,
+            Self::Protocol => palpate_fixtures::protocol(name),
         }
     }
 
@@ -134,6 +141,7 @@ impl FileKind {
             Self::Activation => palpate_fixtures::activation_names().collect(),
             Self::Textures => palpate_fixtures::textures_names().collect(),
             Self::Quarantine => Vec::new(),
+            Self::Protocol => palpate_fixtures::protocol_names().collect(),
         }
     }
 

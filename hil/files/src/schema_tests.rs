@@ -8,8 +8,8 @@ use serde_json::Value;
 
 use super::limits::Limiting;
 use super::{
-    ActivationFile, AlloyFile, Bench, LayoutFile, PersonFile, Quarantine, Scene, TextureTable,
-    Wearer, WireFile,
+    ActivationFile, AlloyFile, Bench, LayoutFile, PersonFile, Protocol, Quarantine, Scene,
+    TextureTable, Wearer, WireFile,
 };
 
 /// A key that may be left out altogether has no default to speak of, and neither has a name.
@@ -29,6 +29,7 @@ fn shipped_schemas_are_current() {
         ("layout", schemars::schema_for!(LayoutFile)),
         ("limits", schemars::schema_for!(Limiting)),
         ("person", schemars::schema_for!(PersonFile)),
+        ("protocol", schemars::schema_for!(Protocol)),
         ("quarantine", schemars::schema_for!(Quarantine)),
         ("scene", schemars::schema_for!(Scene)),
         ("textures", schemars::schema_for!(TextureTable)),

@@ -30,6 +30,8 @@ pub enum Shelf {
     Activations,
     /// Tables of textures.
     Textures,
+    /// Studies with people.
+    Protocols,
     /// Laws of illusion.
     Illusions,
 }

@@ -118,6 +118,7 @@ const fn kind(shelf: Shelf) -> Option<FileKind> {
         Shelf::Alloys => FileKind::Alloy,
         Shelf::Activations => FileKind::Activation,
         Shelf::Textures => FileKind::Textures,
+        Shelf::Protocols => FileKind::Protocol,
         Shelf::Illusions => return None,
     })
 }

@@ -1,0 +1,161 @@
+//! QUEST+: the level of the next trial is the one whose answer tells most.
+
+use crate::psychometric::Psychometric;
+
+/// What QUEST+ may ask and what it holds for possible, each in rising order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct QuestDomain {
+    /// Levels of a stimulus, dB.
+    pub levels: Vec<f64>,
+    /// Thresholds, dB.
+    pub thresholds: Vec<f64>,
+    /// Slopes, as [`Psychometric::slope`].
+    pub slopes: Vec<f64>,
+    /// Probability of a correct answer without a stimulus.
+    pub guess: f64,
+    /// Probability of a slip.
+    pub lapse: f64,
+}
+
+/// An estimate with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The mean of what is held for possible.
+    pub value: f64,
+    /// 2.5 % lie below.
+    pub low: f64,
+    /// 2.5 % lie above.
+    pub high: f64,
+}
+
+/// Bayesian adaptive estimation of a psychometric function (Watson 2017, "QUEST+: A general multidimensional Bayesian
+/// adaptive psychometric method", Journal of Vision 17(3):10), with a flat prior.
+#[derive(Debug, Clone)]
+pub struct Quest {
+    domain: QuestDomain,
+    /// Of each level and each threshold with each slope: probability of a correct answer and the entropy of the answer, nats.
+    likelihoods: Vec<Vec<(f64, f64)>>,
+    /// Of each threshold with each slope; sums to one.
+    posterior: Vec<f64>,
+}
+
+/// `p ln p`, 0 where p is 0.
+fn times_log(p: f64) -> f64 {
+    if p > 0.0 { p * libm::log(p) } else { 0.0 }
+}
+
+impl Quest {
+    /// Nothing is known yet. `None` where a list of the domain is empty.
+    pub fn new(domain: QuestDomain) -> Option<Self> {
+        let lists = [&domain.levels, &domain.thresholds, &domain.slopes];
+        let whole = lists.iter().all(|list| !list.is_empty());
+        whole.then(|| Self::flat(domain))
+    }
+
+    /// The same over a domain that is known to have no empty list.
+    pub(crate) fn flat(domain: QuestDomain) -> Self {
+        let count = domain.thresholds.len() * domain.slopes.len();
+        let of = |level: f64| -> Vec<(f64, f64)> {
+            let possible = domain.thresholds.iter().flat_map(|threshold| {
+                domain.slopes.iter().map(|slope| Psychometric {
+                    threshold: *threshold,
+                    slope: *slope,
+                    guess: domain.guess,
+                    lapse: domain.lapse,
+                })
+            });
+            let likelihood = |felt: Psychometric| {
+                let correct = felt.correct(level);
+                (correct, times_log(correct) + times_log(1.0 - correct))
+            };
+            possible.map(likelihood).collect()
+        };
+        Self {
+            likelihoods: domain.levels.iter().map(|level| of(*level)).collect(),
+            posterior: vec![1.0 / count as f64; count],
+            domain,
+        }
+    }
+
+    /// Entropy of what will be held for possible after a trial at this level, nats, up to what all levels share:
+    /// the entropy of the answer given the truth, less that of the answer.
+    fn expected_entropy(&self, likelihoods: &[(f64, f64)]) -> f64 {
+        let (mut correct, mut known) = (0.0, 0.0);
+        for (held, (likely, answer)) in self.posterior.iter().zip(likelihoods) {
+            correct += held * likely;
+            known += held * answer;
+        }
+        times_log(correct) + times_log(1.0 - correct) - known
+    }
+
+    /// The level of the next trial, dB: the first that leaves the least entropy.
+    pub fn next(&self) -> f64 {
+        let mut best = (f64::INFINITY, 0);
+        for (index, likelihoods) in self.likelihoods.iter().enumerate() {
+            let entropy = self.expected_entropy(likelihoods);
+            if entropy < best.0 {
+                best = (entropy, index);
+            }
+        }
+        self.domain.levels[best.1]
+    }
+
+    /// Takes an answer at a level in; a level outside the domain counts as the nearest one there.
+    pub fn answer(&mut self, level: f64, correct: bool) {
+        let away = |index: &usize| libm::fabs(self.domain.levels[*index] - level);
+        let indices = 0..self.domain.levels.len();
+        let Some(nearest) = indices.min_by(|a, b| away(a).total_cmp(&away(b))) else {
+            return;
+        };
+        let mut sum = 0.0;
+        for (held, (likely, _)) in self.posterior.iter_mut().zip(&self.likelihoods[nearest]) {
+            *held *= if correct { *likely } else { 1.0 - likely };
+            sum += *held;
+        }
+        if sum > 0.0 {
+            self.posterior.iter_mut().for_each(|held| *held /= sum);
+        }
+    }
+
+    /// The threshold, dB, with its interval: between two thresholds of the domain what is held for possible is taken to be
+    /// spread evenly.
+    pub fn threshold(&self) -> Estimate {
+        let slopes = self.domain.slopes.len();
+        let marginal: Vec<f64> = self
+            .posterior
+            .chunks(slopes)
+            .map(|of_one| of_one.iter().sum())
+            .collect();
+        let thresholds = &self.domain.thresholds;
+        let value = thresholds.iter().zip(&marginal).map(|(t, p)| t * p).sum();
+        Estimate {
+            value,
+            low: quantile(thresholds, &marginal, 0.025),
+            high: quantile(thresholds, &marginal, 0.975),
+        }
+    }
+}
+
+/// Where so much of what is held for possible lies below; each place stands for itself and half the way to its neighbours.
+fn quantile(places: &[f64], held: &[f64], part: f64) -> f64 {
+    let last = places.len() - 1;
+    let mut below = 0.0;
+    for (index, (place, held)) in places.iter().zip(held).enumerate() {
+        if below + held >= part || index == last {
+            let from = place - (place - places[index.saturating_sub(1)]) / 2.0;
+            let to = place + (places[(index + 1).min(last)] - place) / 2.0;
+            let way = if *held > 0.0 {
+                (part - below) / held
+            } else {
+                0.0
+            };
+            return from + (to - from) * way.clamp(0.0, 1.0);
+        }
+        below += held;
+    }
+    places[last]
+}
+
+#[cfg(test)]
+#[path = "quest_tests.rs"]
+mod tests;

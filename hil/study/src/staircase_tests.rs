@@ -1,0 +1,40 @@
+use serde::Deserialize;
+
+use super::*;
+
+#[derive(Deserialize)]
+struct Session {
+    levels: Vec<f64>,
+    correct: Vec<bool>,
+    turns: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+struct Vectors {
+    staircase: Vec<Session>,
+}
+
+#[test]
+fn it_asks_what_psychopy_asks_trial_by_trial() {
+    let vectors: Vectors = serde_json::from_str(include_str!("adaptive.json")).unwrap();
+    assert_eq!(vectors.staircase.len(), 20);
+    for (number, session) in vectors.staircase.iter().enumerate() {
+        let mut staircase = Staircase::new(StaircaseSettings {
+            start: 0.0,
+            steps: vec![8.0, 4.0, 2.0],
+            down: 2,
+            range: (-40.0, 0.0),
+            turns: 12,
+        });
+        for (trial, level) in session.levels.iter().enumerate() {
+            let next = staircase.next();
+            assert_eq!(next, Some(*level), "session {number}, trial {trial}");
+            staircase.answer(session.correct[trial]);
+        }
+        assert_eq!(staircase.next(), None, "session {number}");
+        assert_eq!(staircase.turns(), session.turns, "session {number}");
+        let last = &session.turns[4..];
+        let mean = last.iter().sum::<f64>() / last.len() as f64;
+        assert_eq!(staircase.threshold(8), Some(mean));
+    }
+}
