@@ -41,8 +41,9 @@ mod serve;
 mod shell;
 #[path = "cli/skins.rs"]
 mod skins;
-#[path = "cli/sweep.rs"]
+#[path = "cli/study.rs"]
 mod study;
+#[path = "cli/sweep.rs"]
 mod sweep;
 #[path = "cli/test.rs"]
 mod test;
