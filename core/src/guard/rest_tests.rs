@@ -95,6 +95,26 @@ fn a_face_that_gets_warm_is_in_what_is_predicted_of_bursts_before() {
 }
 
 #[test]
+fn a_warm_face_uses_rows_of_heat() {
+    let mut guard = guard();
+    let free = guard.used(at_ms(10));
+    guard.warm(at_ms(10), 37.0, 37.0);
+    let used = guard.used(at_ms(20));
+    assert_eq!(
+        (free.skin_mean, free.skin_peak, free.skin_deep),
+        (0.0, 0.0, 0.0)
+    );
+    // Four kelvin of the eight or ten that rows leave above skin at rest, and a little less for latent heat.
+    for (share, most_k) in [
+        (used.skin_mean, 8.0),
+        (used.skin_peak, 10.0),
+        (used.skin_deep, 8.0),
+    ] {
+        assert!(share >= 4.0 / most_k && share < 4.5 / most_k, "{used:?}");
+    }
+}
+
+#[test]
 fn a_time_that_goes_back_forgets_nothing() {
     let mut rest = Rest::default();
     rest.raise(at_ms(0), 5.0);

@@ -351,3 +351,41 @@ fn power_that_flows_evenly_keeps_to_the_mean_at_either_depth() {
         assert!(even > 0.7 * about && even <= about, "{even} W");
     }
 }
+
+#[test]
+fn a_face_may_come_as_far_as_the_row_that_binds_first() {
+    let (peak, mean, deep) = (43_000, 41_000, 41_000);
+    for (binds, limits) in [
+        ("peak", (36_000, mean, deep)),
+        ("mean", (peak, 35_500, deep)),
+        ("deep", (peak, mean, 35_000)),
+    ] {
+        let limits = Limits {
+            skin_peak_mc: limits.0,
+            skin_mean_mc: limits.1,
+            skin_deep_mc: limits.2,
+            ..HARD
+        };
+        let mut budget = Budget::new(&limits);
+        let mut tissue = Tissue::new();
+        tissue.heat(&mut budget, booking(0, 40_000), 1e-3);
+        for face_k in [0.0, 1.0, 2.5] {
+            let (predicted, left_k) = tissue.bears(&budget, us(45_000), face_k);
+            // Of what is predicted with the face, the face is a part; the rest is what it leaves room for.
+            let rows = [
+                (predicted.peak_c, limits.skin_peak_mc),
+                (predicted.mean_c, limits.skin_mean_mc),
+                (predicted.deep_c, limits.skin_deep_mc),
+            ];
+            let left = rows.map(|(c, limit)| limit as f64 * 1e-3 - (c - face_k));
+            let least = left.into_iter().fold(f64::INFINITY, f64::min);
+            let index = ["peak", "mean", "deep"].iter().position(|b| *b == binds);
+            close(left[index.unwrap()], least);
+            close(left_k, least);
+            assert!(
+                predicted.peak_c > 33.0 + face_k && left_k > 0.0,
+                "{predicted:?}"
+            );
+        }
+    }
+}

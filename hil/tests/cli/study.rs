@@ -6,7 +6,14 @@ use super::*;
 
 #[test]
 fn simulated_people_say_how_well_a_protocol_finds_their_thresholds() {
-    let said = good(&["study", "simulate", "thresholds", "--people", "40", "--json"]);
+    let said = good(&[
+        "study",
+        "simulate",
+        "thresholds",
+        "--people",
+        "40",
+        "--json",
+    ]);
     let found: Value = serde_json::from_str(&said).unwrap();
     assert_eq!(found["protocol"], "thresholds");
     assert_eq!(found["thresholds"], 320);
@@ -15,16 +22,25 @@ fn simulated_people_say_how_well_a_protocol_finds_their_thresholds() {
     assert!(error > 0.0 && error < 0.1, "{found}");
     assert!((0.88..=1.0).contains(&coverage), "{found}");
     assert!(found.get("false_positive_rate").is_none(), "{found}");
-    assert!(found["assumed"].as_str().unwrap().contains("simulated"), "{found}");
+    assert!(
+        found["assumed"].as_str().unwrap().contains("simulated"),
+        "{found}"
+    );
     let text = good(&["study", "simulate", "thresholds", "--people", "40"]);
-    assert!(text.contains("median of 320 thresholds; 60 trials each"), "{text}");
+    assert!(
+        text.contains("median of 320 thresholds; 60 trials each"),
+        "{text}"
+    );
 }
 
 #[test]
 fn and_how_many_people_a_difference_needs() {
     let said = good(&["study", "simulate", "roughness", "--json"]);
     let found: Value = serde_json::from_str(&said).unwrap();
-    assert!(found["false_positive_rate"].as_f64().unwrap() <= 0.065, "{found}");
+    assert!(
+        found["false_positive_rate"].as_f64().unwrap() <= 0.065,
+        "{found}"
+    );
     assert!(found["people_for_power"].as_u64().unwrap() > 8, "{found}");
 }
 
