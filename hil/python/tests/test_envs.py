@@ -73,9 +73,10 @@ def test_pulse_patterns_are_an_action() -> None:
         levels.append([info["level_db"] for info in infos])
     few, some, most = (float(np.median(level)) for level in levels)
     assert few < some < most
-    # The most is what an action without pulses gives.
+    # An action without pulses gives as many, but for the half period by which a counted burst is shorter.
     _, infos = episode(Felt(steps=5), lambda _: np.full(8, 0.2, np.float32), 5)
-    assert [info["level_db"] for info in infos] == levels[2]
+    whole = float(np.median([info["level_db"] for info in infos]))
+    assert abs(whole - most) < 1 < most - some
 
 
 def test_the_same_seed_is_the_same_episode() -> None:
