@@ -23,6 +23,20 @@ fn at_ms(ms: u64) -> Instant {
     Instant::from_micros(1000 * ms)
 }
 
+/// A burst of 38 ms on the first wire.
+fn burst(guard: &mut Guard, from_ms: u64) {
+    let stimulus = Stimulus {
+        wire: 0,
+        width: Ticks::new(100),
+        peak: Milliamps(990),
+        at: at_ms(from_ms),
+        until: at_ms(from_ms + 38),
+    };
+    guard.hear(stimulus.at);
+    let _ = guard.admit(stimulus.at, Board(0), &[stimulus], |_| ());
+    let _ = guard.expire(stimulus.until, Board(0));
+}
+
 /// Mean power, mW, that the rows of heat leave a wire over the ten seconds from `from` on.
 fn ten_seconds_mw(guard: &Guard, from: Instant) -> [f64; 4] {
     let rooms = guard.rooms(0, from, from + Duration::from_millis(10_000));
@@ -75,16 +89,7 @@ fn a_cold_face_changes_nothing_and_a_warm_one_is_remembered() {
 fn a_face_that_gets_warm_is_in_what_is_predicted_of_bursts_before() {
     let mut guard = guard();
     guard.warm(Instant::ZERO, 33.0, 33.0);
-    let stimulus = Stimulus {
-        wire: 0,
-        width: Ticks::new(100),
-        peak: Milliamps(990),
-        at: at_ms(20),
-        until: at_ms(58),
-    };
-    guard.hear(at_ms(20));
-    let _ = guard.admit(at_ms(20), Board(0), &[stimulus], |_| ());
-    let _ = guard.expire(at_ms(58), Board(0));
+    burst(&mut guard, 20);
     let before = guard.predicted().peak_c;
     guard.warm(at_ms(60), 33.0, 33.0);
     assert_eq!(guard.predicted().peak_c, before);
@@ -112,6 +117,11 @@ fn a_warm_face_uses_rows_of_heat() {
     ] {
         assert!(share >= 4.0 / most_k && share < 4.5 / most_k, "{used:?}");
     }
+    burst(&mut guard, 20);
+    let more = guard.used(at_ms(58));
+    assert!(more.skin_mean > used.skin_mean, "{used:?} to {more:?}");
+    assert!(more.skin_peak > used.skin_peak, "{used:?} to {more:?}");
+    assert!(more.skin_deep > used.skin_deep, "{used:?} to {more:?}");
 }
 
 #[test]
