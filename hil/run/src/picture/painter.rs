@@ -20,13 +20,19 @@ pub struct Painter {
     modules: Vec<(usize, bool)>,
     /// What the scene presses with on shown modules, and where these are.
     touches: Vec<(Touch, [f32; 2])>,
-    contacts: Vec<Contact>,
-    frames: u32,
-    /// By events, where nothing else measures them: each wire and the skin under it, degrees C.
-    warm: Vec<[f64; 2]>,
+    memory: Memory,
     totals: Option<Totals>,
     /// When they are looked at next.
     totals_us: u64,
+}
+
+/// What it remembers of events.
+#[derive(Clone, Debug)]
+pub(super) struct Memory {
+    contacts: Vec<Contact>,
+    frames: u32,
+    /// By events, where nothing else measures them: each wire and the skin under it, degrees C.
+    pub(super) warm: Vec<[f64; 2]>,
 }
 
 fn mm(place: PlaceUm) -> [f64; 2] {
@@ -51,9 +57,11 @@ impl Painter {
                 .map(|(number, module)| (module.points().len(), shown.contains(&number)))
                 .collect(),
             touches: placed.collect(),
-            contacts: Vec::new(),
-            frames: 0,
-            warm: vec![[f64::NAN; 2]; header.wires.len()],
+            memory: Memory {
+                contacts: Vec::new(),
+                frames: 0,
+                warm: vec![[f64::NAN; 2]; header.wires.len()],
+            },
             totals: None,
             totals_us: 0,
         }
@@ -70,10 +78,10 @@ impl Painter {
         for event in events {
             match event {
                 Event::Frame { .. } => {
-                    self.frames += 1;
-                    self.contacts.clear();
+                    self.memory.frames += 1;
+                    self.memory.contacts.clear();
                 }
-                Event::Contact { .. } => self.contacts.extend(contact(event)),
+                Event::Contact { .. } => self.memory.contacts.extend(contact(event)),
                 Event::Wire { wire, milli_c, .. } => self.warms(*wire, 0, *milli_c),
                 Event::Skin { wire, milli_c, .. } => self.warms(*wire, 1, *milli_c),
                 _ => {}
@@ -81,8 +89,16 @@ impl Painter {
         }
     }
 
+    pub(super) const fn memory(&self) -> &Memory {
+        &self.memory
+    }
+
+    pub(super) fn recall(&mut self, memory: &Memory) {
+        self.memory.clone_from(memory);
+    }
+
     fn warms(&mut self, wire: u16, which: usize, milli_c: i32) {
-        if let Some(warm) = self.warm.get_mut(usize::from(wire)) {
+        if let Some(warm) = self.memory.warm.get_mut(usize::from(wire)) {
             warm[which] = f64::from(milli_c) * 1e-3;
         }
     }
@@ -102,12 +118,12 @@ impl Painter {
         let mut picture = Picture {
             now_us,
             counts: self.counts(counts),
-            frames: self.frames,
-            contacts: self.contacts.iter().map(place).collect(),
+            frames: self.memory.frames,
+            contacts: self.memory.contacts.iter().map(place).collect(),
             fingers: Vec::new(),
             spheres: self.spheres(now_us),
             warm: match state.warm.is_empty() {
-                true => self.warm.clone(),
+                true => self.memory.warm.clone(),
                 false => state.warm,
             },
             used: state
