@@ -30,12 +30,19 @@ export class Panels {
   }
 
   take(picture) {
+    this.happened(picture);
+    // Numbers that change with every picture cannot be read.
+    if (this.count++ % EVERY === 0) this.numbers(picture);
+  }
+
+  happened(picture) {
     for (const note of picture.notes) this.note(...note);
     for (const burst of picture.bursts) if (burst.reason) this.note(burst.at_us, "limiter", `guard: wire ${burst.wire} has ${burst.ticks} of ${burst.asked} ticks: ${burst.reason}`);
     const felt = picture.felt.at(-1);
     if (felt) this.felt(felt);
-    // Numbers that change with every picture cannot be read.
-    if (this.count++ % EVERY) return;
+  }
+
+  numbers(picture) {
     for (const [key, share] of picture.used) this.limit(key, share);
     [...by("wires").rows].forEach((row, i) => picture.warm[i].forEach((celsius, n) => {
       const text = `${n ? "skin" : "wire"} ${Number.isFinite(celsius) ? `${number(celsius, 1)} \u00b0C` : "\u2013"}`;

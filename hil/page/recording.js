@@ -10,8 +10,8 @@ const by = id => document.getElementById(id);
 const put = (id, text) => { const element = by(id); if (element.textContent !== text) element.textContent = text; };
 // What the pulses show at full speed, us; slower, so much less.
 const SPAN_US = 3e6;
-// A step of the arrow keys, and with Shift.
-const STEP_US = 100000, LEAP_US = 1e6;
+// Least time between two numbers; a step of the arrow keys, and with Shift.
+const NUMBERS_MS = 100, STEP_US = 100000, LEAP_US = 1e6;
 // Which of the recordings this page shows; a page of its own for each where there are two.
 const shown = new URLSearchParams(location.search).get("run");
 
@@ -79,9 +79,16 @@ class Recording {
     }
     Object.assign(this, { picture, shows: this.awaited, count: this.count + 1 });
     this.say("");
-    for (const part of [this.finger, this.plots, this.panels]) part.take(picture);
+    for (const part of [this.finger, this.plots]) part.take(picture);
+    this.panels.happened(picture);
+    this.numbers();
     this.show(this.wanted, this.span);
     this.draw();
+  }
+
+  // Numbers of the newest picture, some times per second: what changes with every picture cannot be read.
+  numbers() {
+    this.due ??= setTimeout(() => { this.due = null; this.panels.numbers(this.picture); this.counted = performance.now(); }, Math.max(0, NUMBERS_MS - (performance.now() - (this.counted ?? 0))));
   }
 
   draw() {
