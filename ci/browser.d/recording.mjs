@@ -7,6 +7,7 @@ import { mkdtempSync, rmSync, readFileSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { accessible } from "./axe.mjs";
 
 const { chromium } = createRequire(join(process.env.PALPATE_DRIVER, "package.json"))("playwright-core");
 const [hil, pictures] = process.argv.slice(2);
@@ -55,6 +56,7 @@ async function everywhere() {
       await page.evaluate(() => palpate.clock.go(3500000));
       await shows(page, 3500000);
       await fits(page, width);
+      await accessible(page, `recording ${width} ${scheme}`);
       await picture(page, `recording-${width}-${scheme}`);
       await close();
     }
@@ -130,6 +132,7 @@ async function pair() {
       const [a, b] = await page.evaluate(() => [...document.querySelectorAll("#pair iframe")].map(f => { const { left, top } = f.getBoundingClientRect(); return { left, top }; }));
       assert(width > 1000 ? a.top === b.top && a.left < b.left : a.left === b.left && a.top < b.top, JSON.stringify([width, a, b]));
       for (const frame of frames) await fits(frame, width);
+      await accessible(page, `two recordings ${width} ${scheme}`);
       await picture(page, `recordings-${width}-${scheme}`);
       if (width === 1280) {
         const texts = await Promise.all(frames.map(frame => frame.textContent("#run")));
@@ -156,6 +159,7 @@ async function damaged() {
   const { page, close } = await open(base);
   await there(page);
   assert.match(await page.textContent("#lacks"), /cut\.mcap is damaged: byte \d+.*cut short.*shown until \d/);
+  await accessible(page, "a damaged recording");
   await picture(page, "recording-cut");
   await close();
   await end();

@@ -42,7 +42,7 @@ class Recording {
     Object.assign(this, { run: hello.run, head, asked: false, end: hello.end_us });
     for (const part of [this.pad, this.finger, this.plots, this.panels]) part.open(head);
     by("observed").hidden = !head.observed;
-    put("run", [file, head.scene, `bench ${head.bench}, ${head.observed ? "observed" : head.source}`, `seed ${head.seed}`, head.skin, head.display, head.wire, head.illusion, head.person].join(" \u00b7 "));
+    put("run", [recording.of.length > 1 && "AB"[recording.shown], file, head.scene, `bench ${head.bench}, ${head.observed ? "observed" : head.source}`, `seed ${head.seed}`, head.skin, head.display, head.wire, head.illusion, head.person].filter(Boolean).join(" \u00b7 "));
     put("lacks", [recording.damaged && `${file} is damaged: ${recording.damaged}.`, lacks].filter(Boolean).join(" "));
     by("lacks").hidden = !by("lacks").textContent;
     document.title = `${file} \u2013 Palpate`;
@@ -56,6 +56,7 @@ class Recording {
   }
 
   stand(up) {
+    if (this.link?.closed) return;
     this.asked = false;
     if (up) this.link.send({ run: this.number });
     by("line").classList.toggle("lost", !up);
@@ -71,8 +72,9 @@ class Recording {
     this.awaited = this.wanted;
   }
 
-  take({ picture, past }) {
+  take({ picture, past, totals }) {
     this.asked = false;
+    this.panels.sofar = totals;
     if (past) {
       for (const part of [this.finger, this.plots, this.panels]) part.open(this.head);
       this.plots.begin(past);
@@ -202,7 +204,7 @@ class Pair {
 
 if (shown !== null) {
   document.body.classList.add("framed");
-  const tell = () => parent.palpate?.pair?.hear(window, document.documentElement.scrollHeight);
+  const tell = () => parent.palpate?.pair?.hear(window, document.body.offsetHeight);
   globalThis.palpate = new Recording(+shown, tell);
   new ResizeObserver(tell).observe(document.body);
   // Keys are the clock's, whichever frame has the focus.
@@ -212,6 +214,7 @@ if (shown !== null) {
   page.recording = new Recording(0, hello => {
     if (hello.recording.of.length < 2) { page.clock.open(hello.end_us, hello.heads[0].period_ns / 1000); return; }
     page.recording.link.close();
+    put("line", "");
     page.pair = new Pair(hello, page.clock);
   });
   // For tests and the curious.

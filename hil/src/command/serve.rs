@@ -48,7 +48,9 @@ fn recordings(what: &[String]) -> Result<Vec<PathBuf>, Failure> {
     let mut recordings = Vec::new();
     for name in what {
         let path = Path::new(name);
-        let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
+        let named = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
         match format_of(path) {
             Some(Format::Mcap) => recordings.push(path.to_path_buf()),
             Some(Format::Toml) | None if !named => {}

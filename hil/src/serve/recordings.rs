@@ -4,6 +4,7 @@
 //! answered by one `moment`, or by `failed` with a sentence. A page that asks again before it has its answer waits: there
 //! is no queue but the socket.
 
+use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::net::{SocketAddr, TcpStream};
@@ -73,15 +74,22 @@ impl Recordings {
     /// [`Failure::File`] for one that is not there or is no recording of a run.
     pub fn read(paths: &[PathBuf]) -> Result<Self, Failure> {
         let number = u64::from_le_bytes(crate::link::key::random()?);
+        // Two files of one name are told apart by their folders.
+        let alone = |name: &OsStr| {
+            let same = paths.iter().filter(|path| path.file_name() == Some(name));
+            same.count() == 1
+        };
         let runs = paths.iter().map(|path| {
-            let name = path.display().to_string();
+            let label = path.display().to_string();
             let file = Arc::new(open(path, "a recording of a run (.mcap)")?);
             let _shown = Progress::reading(path);
             let whole = From {
                 file: Arc::clone(&file),
                 at: 0,
             };
-            let recorded = Arc::new(Recorded::read(&name, BufReader::new(whole))?);
+            let recorded = Arc::new(Recorded::read(&label, BufReader::new(whole))?);
+            let own = path.file_name().filter(|own| alone(own));
+            let name = own.map_or(label, |own| own.to_string_lossy().into_owned());
             Ok(Run {
                 name,
                 file,
@@ -114,7 +122,13 @@ impl Recordings {
 impl Run {
     /// What is wrong with the file, and how far it is shown.
     fn damaged(&self) -> String {
-        let few: Vec<&str> = self.recorded.damages().iter().map(String::as_str).take(4).collect();
+        let few: Vec<&str> = self
+            .recorded
+            .damages()
+            .iter()
+            .map(String::as_str)
+            .take(4)
+            .collect();
         let until_s = self.recorded.end_us() as f64 * 1e-6;
         format!("{}; shown until {until_s:.3} s", few.join("; "))
     }

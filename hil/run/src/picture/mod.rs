@@ -6,7 +6,7 @@ mod recorded;
 
 pub use head::style_word;
 pub use painter::Painter;
-pub use recorded::{Moment, Past, Player, Recorded};
+pub use recorded::{Moment, Past, Player, Recorded, SoFar};
 
 use palpate_core::guard::{Cause, Used};
 use palpate_core::illusion::Map;

@@ -3,7 +3,7 @@
 use palpate_core::projector::Projector;
 use palpate_core::units::Point;
 use palpate_files::{Setup, Touch};
-use palpate_records::trace::{Event, Header, PlaceUm};
+use palpate_records::trace::{Driven, Event, Header, PlaceUm};
 
 use super::head::{origin, pair, shown};
 use super::{Burst, Contact, Felt, Picture, State, Totals};
@@ -33,6 +33,9 @@ pub(super) struct Memory {
     frames: u32,
     /// By events, where nothing else measures them: each wire and the skin under it, degrees C.
     pub(super) warm: Vec<[f64; 2]>,
+    /// What the wires were told, and the hottest skin that an event told of, thousandths of a degree Celsius.
+    pub(super) driven: Driven,
+    pub(super) hottest_mc: Option<i32>,
 }
 
 fn mm(place: PlaceUm) -> [f64; 2] {
@@ -61,6 +64,8 @@ impl Painter {
                 contacts: Vec::new(),
                 frames: 0,
                 warm: vec![[f64::NAN; 2]; header.wires.len()],
+                driven: Driven::default(),
+                hottest_mc: None,
             },
             totals: None,
             totals_us: 0,
@@ -83,7 +88,11 @@ impl Painter {
                 }
                 Event::Contact { .. } => self.memory.contacts.extend(contact(event)),
                 Event::Wire { wire, milli_c, .. } => self.warms(*wire, 0, *milli_c),
-                Event::Skin { wire, milli_c, .. } => self.warms(*wire, 1, *milli_c),
+                Event::Skin { wire, milli_c, .. } => {
+                    self.warms(*wire, 1, *milli_c);
+                    self.memory.hottest_mc = self.memory.hottest_mc.max(Some(*milli_c));
+                }
+                Event::Schedule(entry) => self.memory.driven.add(entry),
                 _ => {}
             }
         }

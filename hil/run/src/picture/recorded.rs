@@ -312,6 +312,19 @@ pub struct Moment {
     pub picture: Picture,
     /// Where nothing that was shown before goes on: what the plots begin with.
     pub past: Option<Past>,
+    /// What the run came to so far, as far as its events say it.
+    pub totals: SoFar,
+}
+
+/// What a recorded run came to so far.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct SoFar {
+    /// Stimuli with a pulse.
+    pub stimuli: u64,
+    /// Of how many the guard applied something other than what was requested.
+    pub limited: u32,
+    /// The hottest that the skin was at a stimulus, degrees C; none where nothing measured it.
+    pub hottest_c: Option<f64>,
 }
 
 /// Shows a recording: one moment after another, or any other one.
@@ -367,8 +380,21 @@ impl<R: Read, F: Fn(u64) -> R> Player<R, F> {
             band_db: None,
             totals: None,
         };
+        // What a seek shows was passed already.
+        let passed = past.is_some().then(|| self.painter.memory().clone());
         let picture = self.painter.picture(&events, &self.counts, state);
-        Ok(Moment { picture, past })
+        passed.iter().for_each(|memory| self.painter.recall(memory));
+        let memory = self.painter.memory();
+        let totals = SoFar {
+            stimuli: memory.driven.stimuli,
+            limited: memory.driven.limiter_events,
+            hottest_c: memory.hottest_mc.map(|mc| f64::from(mc) * 1e-3),
+        };
+        Ok(Moment {
+            picture,
+            past,
+            totals,
+        })
     }
 
     /// Goes to the mark before a moment's past and on to the moment. What is to be shown of the way goes to `shown`.

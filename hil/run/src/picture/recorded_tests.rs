@@ -54,10 +54,15 @@ fn the_head_is_that_of_the_run() {
 #[test]
 fn a_moment_is_the_same_however_it_is_reached() {
     let mut walked = player();
-    let mut reached = Vec::new();
+    let (mut reached, mut sofar) = (Vec::new(), Vec::new());
     for at_us in (0..4_000_000).step_by(100_000) {
-        reached.push(walked.show(at_us).unwrap().picture);
+        let Moment {
+            picture, totals, ..
+        } = walked.show(at_us).unwrap();
+        sofar.push(totals);
+        reached.push(picture);
     }
+    assert!(sofar[39].stimuli > 50 && sofar[39].hottest_c.unwrap() > 33.0);
     assert!(reached.iter().any(|p| !p.felt.is_empty()));
     let mut reader = McapReader::of_run(bytes()).unwrap();
     let told = std::iter::from_fn(|| reader.told().unwrap());
@@ -75,7 +80,12 @@ fn a_moment_is_the_same_however_it_is_reached() {
     for (number, expected) in reached.iter().enumerate().rev() {
         let mut fresh = player();
         let at_us = number as u64 * 100_000;
-        let Moment { picture, past } = fresh.show(at_us).unwrap();
+        let Moment {
+            picture,
+            past,
+            totals,
+        } = fresh.show(at_us).unwrap();
+        assert_eq!(format!("{totals:?}"), format!("{:?}", sofar[number]));
         let past = past.unwrap();
         let now = |p: &Picture| {
             (
