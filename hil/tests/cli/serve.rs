@@ -436,10 +436,17 @@ fn a_recording_that_was_cut_is_shown_up_to_the_cut() {
         damaged.contains("cut short") && damaged.contains("shown until"),
         "{damaged}"
     );
+    answer(&mut page, r#"{"at_us":2000000}"#, "moment");
+    answer(&mut page, r#"{"at_us":9000000}"#, "moment");
     // A file that is written over while it is shown is no file of ours any more.
     fs::write(folder.path("a.mcap"), vec![0; bytes.len()]).unwrap();
-    let failed = answer(&mut page, r#"{"at_us":1000000}"#, "moment");
-    assert_eq!(failed["picture"]["frames"], 0);
+    let failed = answer(&mut page, r#"{"at_us":1000000}"#, "failed");
+    assert!(
+        failed.as_str().unwrap().contains("serve it again"),
+        "{failed}"
+    );
+    fs::write(folder.path("a.mcap"), &bytes[..bytes.len() * 2 / 3]).unwrap();
+    answer(&mut page, r#"{"at_us":1000000}"#, "moment");
     assert_eq!(run.interrupted(), Some(0));
 }
 
@@ -476,5 +483,8 @@ fn what_is_no_recording_of_a_run_is_not_served() {
         let args: Vec<String> = ["serve".to_owned()].into_iter().chain(args).collect();
         refused_with(&args, words);
     }
-    refused_with(&["serve", &whole, &whole, &whole], &["unexpected argument"]);
+    refused_with(
+        &["serve", &whole, &whole, &whole],
+        &["no more were expected"],
+    );
 }

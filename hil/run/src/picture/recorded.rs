@@ -370,6 +370,11 @@ impl<R: Read, F: Fn(u64) -> R> Player<R, F> {
         } else {
             past = Some(self.seek(at_us, &mut events)?);
         }
+        if let Err(error) = self.is_the_same() {
+            // The next moment is looked for anew.
+            self.reader = None;
+            return Err(error.into());
+        }
         self.now_us = at_us;
         let state = State {
             now: Instant::from_micros(at_us),
@@ -394,6 +399,26 @@ impl<R: Read, F: Fn(u64) -> R> Player<R, F> {
             picture,
             past,
             totals,
+        })
+    }
+
+    /// Whether the file is still the one that was read through: nothing is wrong with it that was not wrong then.
+    fn is_the_same(&self) -> Result<(), FileError> {
+        let damages = self
+            .reader
+            .iter()
+            .flat_map(|reader| &reader.so_far().damages);
+        let known = &self.recorded.damages;
+        let fresh = damages
+            .map(ToString::to_string)
+            .find(|d| !known.contains(d));
+        fresh.map_or(Ok(()), |damage| {
+            let expected = "the recording as it was when hil began to serve it (serve it again)";
+            Err(FileError::whole(
+                &self.recorded.label,
+                expected,
+                format!("another one, {damage}"),
+            ))
         })
     }
 
