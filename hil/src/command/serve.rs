@@ -1,10 +1,9 @@
 //! `hil serve`: a scene that runs, or recordings, in pages.
 
+use std::os::fd::AsFd;
 use std::path::{Path, PathBuf};
-use std::thread::sleep;
-use std::time::Duration;
 
-use palpate_buses::signals::Signals;
+use palpate_buses::served::wait::{Signals, monotonic_ns, wait};
 use palpate_files::{FileError, Format, format_of};
 use palpate_run::Failure;
 
@@ -13,8 +12,8 @@ use crate::cli::{Color, RunArgs, ServeArgs};
 use crate::output::note;
 use crate::serve::Recordings;
 
-/// Between two looks for a signal.
-const LOOK: Duration = Duration::from_millis(50);
+/// Longest wait for a signal at a time.
+const HOUR_NS: u64 = 3_600_000_000_000;
 
 /// Runs a scene with its page, or shows one or two recordings until a signal comes.
 ///
@@ -32,13 +31,15 @@ pub fn serve(args: ServeArgs, color: Color) -> Result<(), Failure> {
             args.what[0]
         )));
     }
-    let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
     let shown = Recordings::read(&recordings)?;
+    let signals = |e| Failure::Device(format!("signals: {e}"));
+    // Before there are other threads, which would be ended by them.
+    let mut stop = Signals::catch().map_err(signals)?;
     let url = shown.serve(args.at)?;
     note(&format!("{}: {url}; Ctrl-C ends it", args.what.join(", ")));
     shown.damages().iter().for_each(|text| note(text));
-    while signals.caught().is_none() {
-        sleep(LOOK);
+    while !stop.raised() {
+        wait(&[stop.as_fd()], monotonic_ns() + HOUR_NS).map_err(signals)?;
     }
     Ok(())
 }
