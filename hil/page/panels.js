@@ -60,7 +60,7 @@ export class Panels {
   recorded() {
     if (!this.sofar) return undefined;
     const { stimuli, limited, hottest_c } = this.sofar, { limits_c } = this.head;
-    const skin = Number.isFinite(hottest_c) ? `hottest skin at a stimulus ${number(hottest_c, 1)} \u00b0C of ${number(limits_c.peak, 0)}; ` : "no temperatures recorded; ";
+    const skin = Number.isFinite(hottest_c) ? `hottest skin at a stimulus ${number(hottest_c, 1)} \u00b0C of ${number(limits_c.peak, 0)}; ` : "no temperature so far; ";
     return `${skin}${stimuli} ${stimuli === 1 ? "stimulus" : "stimuli"} so far, ${limited} limited by the guard`;
   }
 

@@ -129,7 +129,7 @@ class Clock {
   get speed() { return +by("speed-of").value; }
 
   // Slower than real time single pulses are looked at, and so where it stands still between two periods.
-  get span() { return Math.max(SPAN_US * Math.min(this.speed, 1) ** 0.5, 5000); }
+  get span() { return SPAN_US * Math.min(this.speed, 1) ** 0.6; }
 
   play(playing) {
     if (playing && this.at >= this.end) this.at = 0;

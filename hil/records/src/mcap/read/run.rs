@@ -27,7 +27,7 @@ impl<R: io::Read> McapReader<R> {
     /// What the run says next, in the order of the file; none at its end, and where frames are read.
     ///
     /// # Errors
-    /// As [`read`], and a record of more than 16 MiB.
+    /// As [`super::read`], and a record of more than 16 MiB.
     pub fn told(&mut self) -> Result<Option<Told>, Unreadable> {
         loop {
             let Some(run) = &mut self.contents.run else {
