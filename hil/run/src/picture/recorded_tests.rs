@@ -1,11 +1,12 @@
 //! A recording shows what its run showed, at any moment, however that is reached.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use palpate_files::load_bench;
 use palpate_records::mcap::{BusTraffic, McapRecording, write_mcap};
 
 use super::*;
+use crate::picture::Picture;
 use crate::{Input, Keep, KeptReadings, attachments, run_with};
 
 /// Four seconds of the circle, recorded.
