@@ -5,6 +5,7 @@ import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { createRequire } from "node:module";
 import { join } from "node:path";
+import { accessible } from "./axe.mjs";
 
 const { chromium } = createRequire(join(process.env.PALPATE_DRIVER, "package.json"))("playwright-core");
 const [hil, pictures] = process.argv.slice(2);
@@ -41,6 +42,7 @@ for (const [width, height] of [[390, 844], [1280, 900], [3840, 2160]])
     const { page, close } = await open(base, { width, height, scheme });
     await seen(page, 45);
     assert(await page.evaluate(() => document.documentElement.scrollWidth) <= width, `${width}: wider than the screen`);
+    await accessible(page, `live ${width} ${scheme}`);
     if (pictures) await page.screenshot({ path: join(pictures, `live-${width}-${scheme}.png`) });
     await close();
   }
@@ -59,6 +61,7 @@ await two.page.click("#stop");
 for (const { page, close } of [one, two]) {
   await page.waitForFunction(() => palpate.over, null, { timeout: 10000 });
   assert.match(await page.textContent("#over"), /STOPPED/);
+  await accessible(page, "live, over");
   await close();
 }
 assert.equal(await ended, 0);

@@ -8,6 +8,7 @@ import { createServer } from "node:http";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { extname, join, resolve } from "node:path";
+import { accessible } from "./axe.mjs";
 
 const { chromium } = createRequire(join(process.env.PALPATE_DRIVER, "package.json"))("playwright-core");
 const [site, hil, pictures] = process.argv.slice(2).map(path => path && resolve(path));
@@ -114,6 +115,7 @@ async function mouseAndShare() {
   const [text, shared] = [await page.inputValue("#share-link"), await page.textContent("#share-what")];
   const digest = /digest (\w{16})/.exec(shared)[1];
   await picture(page, "playground-share");
+  await accessible(page, "playground, share");
 
   // The link opens the same session, whose scene a run in the page and a native run repeat.
   const other = await open({ url: text });
@@ -164,6 +166,7 @@ async function keyboard() {
   await page.click("#tour");
   for (let step = 1; step <= 6; step++) {
     assert.match(await page.textContent("#tour-where"), new RegExp(`${step} of 6`));
+    if (step === 1) await accessible(page, "playground, tour");
     await page.keyboard.press("Enter");
   }
   assert(await page.isHidden("#tour-card"));
@@ -186,6 +189,7 @@ async function choices() {
   await page.waitForFunction(() => document.querySelector("#used .over"), null, { timeout: 60000 });
   assert(await page.isVisible("#observed"));
   await picture(page, "playground-observed");
+  await accessible(page, "playground, observed and with choices open");
   await page.selectOption("[name=scene]", "texture-wood");
   await page.waitForFunction(() => palpate.head.scene === "texture-wood");
   await close();
@@ -219,6 +223,7 @@ async function everywhere() {
       await page.click("[data-path=sphere-diagonal]");
       await pass(page, 2e6);
       assert.deepEqual(await beyond(page), [], `${width} ${scheme}`);
+      await accessible(page, `playground ${width} ${scheme}`);
       await picture(page, `playground-${width}-${scheme}`);
       await close();
     }

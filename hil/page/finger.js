@@ -61,6 +61,8 @@ export class Finger {
 
   unrolled(picture) {
     const [context, width, height] = fit(this.flat), { left, right, bottom, top } = this.box, rim = 10;
+    // Not laid out yet.
+    if (Math.min(width, height) <= 2 * rim) return;
     const k = Math.min((width - 2 * rim) / (right - left), (height - 2 * rim) / (top - bottom));
     const x = mm => width / 2 + (mm - (left + right) / 2) * k, y = mm => height / 2 - (mm - (bottom + top) / 2) * k;
     if (this.labelled !== `${width} ${height}`) {

@@ -30,12 +30,19 @@ export class Panels {
   }
 
   take(picture) {
+    this.happened(picture);
+    // Numbers that change with every picture cannot be read.
+    if (this.count++ % EVERY === 0) this.numbers(picture);
+  }
+
+  happened(picture) {
     for (const note of picture.notes) this.note(...note);
     for (const burst of picture.bursts) if (burst.reason) this.note(burst.at_us, "limiter", `guard: wire ${burst.wire} has ${burst.ticks} of ${burst.asked} ticks: ${burst.reason}`);
     const felt = picture.felt.at(-1);
     if (felt) this.felt(felt);
-    // Numbers that change with every picture cannot be read.
-    if (this.count++ % EVERY) return;
+  }
+
+  numbers(picture) {
     for (const [key, share] of picture.used) this.limit(key, share);
     [...by("wires").rows].forEach((row, i) => picture.warm[i].forEach((celsius, n) => {
       const text = `${n ? "skin" : "wire"} ${Number.isFinite(celsius) ? `${number(celsius, 1)} \u00b0C` : "\u2013"}`;
@@ -43,10 +50,18 @@ export class Panels {
     }));
     if (!picture.used.length && by("used-pulse")) by("used").replaceChildren(make("li", { className: "none", textContent: "not recorded" }));
     const [peak, , omega, cem43] = picture.hottest ?? [], { limits_c } = this.head;
-    if (!picture.hottest) set("hottest", picture.warm.some(w => Number.isFinite(w[1])) ? "as recorded at each stimulus" : "nothing measures temperatures on this bench");
+    if (!picture.hottest) set("hottest", this.recorded() ?? (picture.warm.some(w => Number.isFinite(w[1])) ? "as recorded at each stimulus" : "nothing measures temperatures on this bench"));
     else set("hottest", `hottest skin ${number(peak, 1)} \u00b0C of ${number(limits_c.peak, 0)}; dose \u03a9 ${omega.toExponential(1)}, CEM43 ${number(cem43, 2)} min; ${number(picture.energy_j * 1000, 0)} mJ so far`);
     const places = picture.contacts.map(c => `(${number(c.at_mm[0], 1)}, ${number(c.at_mm[1], 1)}) mm, ${number(c.counts, 0)} counts, level ${c.level}`);
     set("contacts", places.length ? `${places.length === 1 ? "contact" : `${places.length} contacts`} at ${places.join("; ")}` : "no contact");
+  }
+
+  // What a recording says of its run so far.
+  recorded() {
+    if (!this.sofar) return undefined;
+    const { stimuli, limited, hottest_c } = this.sofar, { limits_c } = this.head;
+    const skin = Number.isFinite(hottest_c) ? `hottest skin at a stimulus ${number(hottest_c, 1)} \u00b0C of ${number(limits_c.peak, 0)}; ` : "no temperature so far; ";
+    return `${skin}${stimuli} ${stimuli === 1 ? "stimulus" : "stimuli"} so far, ${limited} limited by the guard`;
   }
 
   limit(key, share) {

@@ -19,6 +19,12 @@ export class Plots {
     this.holes = [];
   }
 
+  // What was before the first picture, as a recording tells it.
+  begin({ from_us, warm }) {
+    this.warmed = warm.map(([at, celsius]) => [at, celsius.map(c => c ?? NaN)]);
+    if (from_us > 0) this.holes.push([0, from_us]);
+  }
+
   // From when to when nothing is known, us.
   hole(from, to) {
     this.holes.push([from, to]);

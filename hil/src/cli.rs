@@ -155,7 +155,8 @@ pub enum Command {
     /// Be a driver unit until stopped: it plays what a host sends over UDP, with a guard of its own, on emulated boards or
     /// those of an I2C adapter.
     Unit(UnitArgs),
-    /// Run a scene with its page for browsers, as `hil run --serve` does.
+    /// Run a scene with its page for browsers, as `hil run --serve` does; or show a recording of a run (.mcap) in that page,
+    /// or two beside each other, until stopped.
     Serve(ServeArgs),
     /// Record every frame on live CAN interfaces until stopped.
     Record(RecordArgs),
@@ -358,8 +359,9 @@ pub struct RunArgs {
 /// Options of `hil serve`.
 #[derive(Debug, Args)]
 pub struct ServeArgs {
-    /// A built-in scene or a file (default: sphere-along).
-    pub scene: Option<String>,
+    /// A built-in scene or a file (default: sphere-along), or one or two recordings of runs (.mcap).
+    #[arg(value_name = "SCENE|FILE", num_args = 0..=2)]
+    pub what: Vec<String>,
     /// On which bench.
     #[command(flatten)]
     pub on: Buses,
@@ -374,13 +376,13 @@ pub struct ServeArgs {
 impl From<ServeArgs> for RunArgs {
     fn from(args: ServeArgs) -> Self {
         let ServeArgs {
-            scene,
+            what,
             on,
             at,
             voice,
         } = args;
         Self {
-            scene,
+            scene: what.into_iter().next(),
             on,
             voice,
             serve: Some(at),

@@ -54,7 +54,7 @@ fn run(cli: Cli) -> Result<u8, palpate_run::Failure> {
             command::run(&args, cli.color)
         }
         Some(Command::Run(args)) => command::run(&args, cli.color),
-        Some(Command::Serve(args)) => command::run(&RunArgs::from(args), cli.color),
+        Some(Command::Serve(args)) => command::serve(args, cli.color),
         Some(Command::Contacts(args)) => command::contacts(&args),
         Some(Command::Emulate(args)) => command::emulate(&args),
         Some(Command::Unit(args)) => command::unit(&args),

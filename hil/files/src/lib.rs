@@ -8,6 +8,7 @@
 
 mod activation;
 mod address;
+mod attached;
 mod bench;
 mod change;
 mod check;

@@ -58,7 +58,7 @@ pub struct Setup {
     pub bus_wait: Duration,
     /// What the bench's driver unit said of itself, once it was met: the stricter of both is played by.
     pub unit: Option<Hello>,
-    observed: bool,
+    pub(super) observed: bool,
 }
 
 impl Setup {

@@ -87,6 +87,11 @@ impl Source {
         }
     }
 
+    /// The values that stand in place of its own, in their order.
+    pub(super) fn changes(&self) -> &[Change] {
+        &self.changes
+    }
+
     /// The change that decides what stands at `key`; the last one counts.
     fn change(&self, key: &str) -> Option<&Change> {
         self.changes.iter().rfind(|change| change.covers(key))

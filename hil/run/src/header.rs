@@ -10,8 +10,19 @@ use crate::failure::Failure;
 use crate::plan;
 use palpate_files::{BenchKind, Setup};
 
-/// The files that a run goes back to, as they were read.
+/// The files that a run goes back to, as they were read, and `changes.toml` where options had changed them.
 pub fn attachments(setup: &Setup) -> Vec<Attachment> {
+    let mut attached = files(setup);
+    attached.extend(setup.changes().map(|text| Attachment {
+        name: "changes.toml".into(),
+        media_type: "application/toml",
+        text,
+    }));
+    attached
+}
+
+/// The files that a run goes back to, as they were read.
+pub(crate) fn files(setup: &Setup) -> Vec<Attachment> {
     let files = [
         ("scene", &setup.scene.source),
         ("sensor", &setup.sensor.source),

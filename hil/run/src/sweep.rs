@@ -7,7 +7,7 @@ use palpate_files::{Overrides, Setup};
 use palpate_records::digest::short_digest;
 use palpate_records::runs::{RunKey, RunRow, Values};
 
-use crate::header::attachments;
+use crate::header::files;
 use crate::policy::refuse_hardware;
 use crate::summary::Summary;
 use crate::{Failure, Host, Input, Keep, fits, run_with};
@@ -153,7 +153,7 @@ impl Variant {
 /// Digest of all files that a run goes back to, without the values in place of theirs.
 fn digest(setup: &Setup) -> String {
     let mut text = String::new();
-    for file in attachments(setup) {
+    for file in files(setup) {
         text += &format!("{} {}\n{}\n", file.name, file.text.len(), file.text);
     }
     if let Some(stroked) = &setup.texture {

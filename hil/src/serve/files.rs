@@ -19,7 +19,7 @@ macro_rules! script {
     };
 }
 
-const FILES: [PageFile; 9] = [
+const FILES: [PageFile; 10] = [
     PageFile {
         path: "/",
         media_type: "text/html; charset=utf-8",
@@ -37,17 +37,47 @@ const FILES: [PageFile; 9] = [
     script!("pad.js"),
     script!("panels.js"),
     script!("plots.js"),
+    script!("recording.js"),
 ];
 
-/// What the playground's page says that a page over a run says otherwise.
-const OTHERWISE: [(&str, &str); 3] = [
-    ("<body>", "<body class=\"live\">"),
-    (
-        "<title>Palpate: touch it</title>",
-        "<title>Palpate: live</title>",
-    ),
-    ("import \"palpate/main.js\"", "import \"palpate/live.js\""),
-];
+/// What a page is over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Page {
+    /// A run that goes on.
+    Live,
+    /// Recordings.
+    Recording,
+}
+
+impl Page {
+    /// What the playground's page says that this one says otherwise.
+    const fn otherwise(self) -> [(&'static str, &'static str); 3] {
+        const BODY: &str = "<body>";
+        const TITLE: &str = "<title>Palpate: touch it</title>";
+        const SCRIPT: &str = "import \"palpate/main.js\"";
+        match self {
+            Self::Live => [
+                (BODY, "<body class=\"live\">"),
+                (TITLE, "<title>Palpate: live</title>"),
+                (SCRIPT, "import \"palpate/live.js\""),
+            ],
+            Self::Recording => [
+                (BODY, "<body class=\"recorded\">"),
+                (TITLE, "<title>Palpate: recording</title>"),
+                (SCRIPT, "import \"palpate/recording.js\""),
+            ],
+        }
+    }
+
+    /// Where its page may connect: to this host alone. Two recordings are two frames of the same page.
+    fn connects(self, host: &str) -> String {
+        let frames = match self {
+            Self::Live => "",
+            Self::Recording => "; frame-src 'self'",
+        };
+        format!("connect-src 'self' ws://{host}{frames}")
+    }
+}
 
 /// The file at a path.
 pub(super) fn file(path: &str) -> Option<&'static PageFile> {
@@ -56,13 +86,13 @@ pub(super) fn file(path: &str) -> Option<&'static PageFile> {
 
 impl PageFile {
     /// Its text for a page that was asked for by this host's name, which may open a socket there and nowhere else.
-    pub(super) fn text(&self, host: &str) -> String {
+    pub(super) fn text(&self, host: &str, page: Page) -> String {
         if self.path != "/" {
             return self.text.to_owned();
         }
-        let sockets = format!("connect-src 'self' ws://{host}");
-        let own = [("connect-src 'self'", sockets.as_str())];
-        let changes = OTHERWISE.iter().copied().chain(own);
+        let connects = page.connects(host);
+        let own = [("connect-src 'self'", connects.as_str())];
+        let changes = page.otherwise().into_iter().chain(own);
         changes.fold(self.text.to_owned(), |text, (what, instead)| {
             text.replacen(what, instead, 1)
         })

@@ -5,14 +5,15 @@ use super::*;
 #[test]
 fn what_is_said_otherwise_stands_in_the_page_once() {
     let page = file("/").unwrap();
-    for (what, instead) in OTHERWISE {
-        assert_eq!(page.text.matches(what).count(), 1, "{what}");
-        assert!(page.text("127.0.0.1:1").contains(instead), "{instead}");
+    for over in [Page::Live, Page::Recording] {
+        let text = page.text("127.0.0.1:1", over);
+        for (what, instead) in over.otherwise() {
+            assert_eq!(page.text.matches(what).count(), 1, "{what}");
+            assert!(text.contains(instead), "{instead}");
+        }
+        assert!(text.contains("connect-src 'self' ws://127.0.0.1:1;"));
+        assert_eq!(text.contains("frame-src"), over == Page::Recording);
     }
-    assert!(
-        page.text("127.0.0.1:1")
-            .contains("connect-src 'self' ws://127.0.0.1:1;")
-    );
 }
 
 #[test]

@@ -16,6 +16,7 @@ use serde::Deserialize;
 use serde_json::json;
 use tungstenite::Message;
 
+use super::files::Page;
 use super::server::{self, Show, socket};
 use super::slot::Slot;
 
@@ -275,6 +276,10 @@ impl Hub {
 }
 
 impl Show for Hub {
+    fn look(&self) -> Page {
+        Page::Live
+    }
+
     /// Reads on this thread, so that a STOP waits for no picture; another one writes.
     fn page(&self, stream: TcpStream) {
         let Ok(out) = stream.try_clone() else {

@@ -5,10 +5,12 @@ mod files;
 mod gate;
 mod http;
 mod live;
+mod recordings;
 mod server;
 mod slot;
 
 pub use live::{Live, LiveRun};
+pub use recordings::Recordings;
 
 use std::net::{Ipv4Addr, SocketAddr};
 

@@ -10,7 +10,7 @@ use std::time::Duration;
 use palpate_run::Failure;
 use tungstenite::protocol::{Role, WebSocket, WebSocketConfig};
 
-use super::files;
+use super::files::{self, Page};
 use super::gate::Gate;
 use super::http::{Request, answer, switch};
 
@@ -23,6 +23,9 @@ const MOST_WISH: usize = 4096;
 
 /// What pages are shown.
 pub(super) trait Show: Send + Sync + 'static {
+    /// What the page is over.
+    fn look(&self) -> Page;
+
     /// Serves a page through its socket, until either ends.
     fn page(&self, stream: TcpStream);
 }
@@ -104,7 +107,7 @@ fn connection(mut stream: TcpStream, gate: &Gate, show: &dyn Show) -> io::Result
         ),
         (path, _) => match files::file(path) {
             Some(file) => {
-                let text = file.text(&request.host);
+                let text = file.text(&request.host, show.look());
                 answer(&mut stream, "200 OK", file.media_type, &text)
             }
             None => answer(&mut stream, "404 Not Found", plain, "no such file"),

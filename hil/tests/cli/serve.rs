@@ -324,3 +324,167 @@ fn an_address_that_is_taken_or_none_is_refused() {
         &["--serve", "ADDRESS:PORT"],
     );
 }
+
+/// A run of the circle as a record.
+fn recorded(folder: &Folder, name: &str, more: &[&str]) {
+    let mut args = vec!["run", "sphere-circle", "--set", "length_s=4", "--quiet"];
+    args.extend(["--record", name]);
+    args.extend(more);
+    let said = hil_in(&folder.0, &args);
+    assert_eq!((said.status, said.err.as_str()), (Some(0), ""));
+}
+
+/// What a page is told when it says something.
+fn answer(page: &mut WebSocket<TcpStream>, wish: &str, key: &str) -> Value {
+    page.send(Message::text(wish.to_owned())).unwrap();
+    next(page, key)[key].clone()
+}
+
+impl Served {
+    /// What it ends with when a signal comes.
+    fn interrupted(self) -> Option<i32> {
+        let kill = Command::new("kill")
+            .args(["-INT", &self.run.id().to_string()])
+            .status();
+        assert!(kill.unwrap().success());
+        self.ended().0
+    }
+}
+
+#[test]
+fn a_recording_is_shown_at_the_moment_that_a_page_asks_for() {
+    let folder = Folder::new("serve-recording");
+    recorded(&folder, "a.mcap", &["--record", "a.csv"]);
+    let run = served(&folder, &["serve", "a.mcap", "--at", "0"]);
+    let index = run.get("/", &run.host);
+    assert!(index.contains("palpate/recording.js"), "{index}");
+    let mut page = run.own_page();
+    let hello = answer(&mut page, r#"{"run":0}"#, "hello");
+    assert_eq!(hello["heads"][0]["scene"], "sphere-circle");
+    assert_eq!(hello["recording"]["of"][0]["file"], "a.mcap");
+    assert_eq!(hello["recording"]["lacks"], serde_json::json!([]));
+    assert!(hello["recording"]["damaged"].is_null());
+    let end = hello["end_us"].as_u64().unwrap();
+    assert!((3_900_000..=4_000_000).contains(&end), "{end}");
+    let mut show = |at: u64| answer(&mut page, &format!(r#"{{"at_us":{at}}}"#), "moment");
+    // There, on, and back: contacts and readings are those of the contacts' own record.
+    let table = folder.text("a.csv");
+    for at in [2_000_000, 2_500_000, 3_500_000, 1_500_000, 2_000_000] {
+        let moment = show(at);
+        let picture = &moment["picture"];
+        assert_eq!(picture["now_us"], at);
+        assert_eq!(picture["counts"].as_array().unwrap().len(), 16);
+        let newest = table.lines().skip(1).filter_map(|line| {
+            let t_us: u64 = line.split(',').nth(1)?.parse().ok()?;
+            (t_us <= at).then_some(line)
+        });
+        let row: Vec<&str> = newest.last().unwrap().split(',').collect();
+        let contact = &picture["contacts"][0];
+        assert_eq!(contact["id"].to_string(), row[3], "{row:?}");
+        let x_mm: f64 = row[4].parse().unwrap();
+        assert!((contact["at_mm"][0].as_f64().unwrap() - x_mm).abs() < 2e-3);
+        assert!(contact["on_mm"].is_array() && !picture["spheres"].as_array().unwrap().is_empty());
+        assert!(picture["warm"][7][1].as_f64().unwrap() > 30.0);
+        assert!(moment["totals"]["stimuli"].as_u64().unwrap() > 10);
+    }
+    let moment = show(u64::MAX);
+    assert_eq!(moment["picture"]["now_us"].as_u64(), Some(end));
+    // What is no wish of a page over recordings ends its socket and nothing else.
+    for wish in [r#"{"stop":true}"#, r#"{"run":1}"#, r#"{"at_us":-1}"#] {
+        let mut rude = run.own_page();
+        rude.send(Message::text(wish)).unwrap();
+        assert!(rude.read().is_err(), "{wish}");
+    }
+    // Without a recording chosen there is no moment.
+    let mut early = run.own_page();
+    early.send(Message::text(r#"{"at_us":5}"#)).unwrap();
+    answer(&mut early, r#"{"run":0}"#, "hello");
+    assert_eq!(run.interrupted(), Some(0));
+}
+
+#[test]
+fn two_recordings_have_a_page_each_with_the_options_of_their_runs() {
+    let folder = Folder::new("serve-pair");
+    recorded(&folder, "a.mcap", &[]);
+    recorded(&folder, "b.mcap", &["--illusion", "phantom", "--seed", "7"]);
+    let run = served(&folder, &["serve", "a.mcap", "b.mcap", "--at", "0"]);
+    for (number, illusion, seed) in [(0, "inverse", 1), (1, "phantom", 7)] {
+        let mut page = run.own_page();
+        let hello = answer(&mut page, &format!(r#"{{"run":{number}}}"#), "hello");
+        let head = &hello["heads"][0];
+        assert_eq!(head["illusion"], illusion);
+        assert_eq!(head["seed"], seed);
+        assert_eq!(hello["recording"]["shown"], number);
+        assert_eq!(hello["recording"]["of"].as_array().unwrap().len(), 2);
+        let moment = answer(&mut page, r#"{"at_us":2000000}"#, "moment");
+        assert!(!moment["picture"]["bursts"].as_array().unwrap().is_empty());
+    }
+    assert_eq!(run.interrupted(), Some(0));
+}
+
+#[test]
+fn a_recording_that_was_cut_is_shown_up_to_the_cut() {
+    let folder = Folder::new("serve-cut");
+    recorded(&folder, "a.mcap", &[]);
+    let bytes = fs::read(folder.path("a.mcap")).unwrap();
+    fs::write(folder.path("a.mcap"), &bytes[..bytes.len() * 2 / 3]).unwrap();
+    let run = served(&folder, &["serve", "a.mcap", "--at", "0"]);
+    let mut page = run.own_page();
+    let hello = answer(&mut page, r#"{"run":0}"#, "hello");
+    let damaged = hello["recording"]["damaged"].as_str().unwrap();
+    assert!(
+        damaged.contains("cut short") && damaged.contains("shown until"),
+        "{damaged}"
+    );
+    answer(&mut page, r#"{"at_us":2000000}"#, "moment");
+    answer(&mut page, r#"{"at_us":9000000}"#, "moment");
+    // A file that is written over while it is shown is no file of ours any more.
+    fs::write(folder.path("a.mcap"), vec![0; bytes.len()]).unwrap();
+    let failed = answer(&mut page, r#"{"at_us":1000000}"#, "failed");
+    assert!(
+        failed.as_str().unwrap().contains("serve it again"),
+        "{failed}"
+    );
+    fs::write(folder.path("a.mcap"), &bytes[..bytes.len() * 2 / 3]).unwrap();
+    answer(&mut page, r#"{"at_us":1000000}"#, "moment");
+    assert_eq!(run.interrupted(), Some(0));
+}
+
+#[test]
+fn what_is_no_recording_of_a_run_is_not_served() {
+    let folder = Folder::new("serve-bad");
+    recorded(&folder, "a.mcap", &["--record", "a.vcd"]);
+    let path = |name: &str| folder.path(name).display().to_string();
+    let (whole, pins) = (path("a.mcap"), path("a.vcd"));
+    fs::write(folder.path("empty.mcap"), b"").unwrap();
+    fs::write(folder.path("torn.mcap"), &fs::read(&whole).unwrap()[..100]).unwrap();
+    for (args, words) in [
+        (vec![path("none.mcap")], &["none.mcap", "No such file"][..]),
+        (vec![path("empty.mcap")], &["empty.mcap", "an MCAP file"]),
+        (vec![path("torn.mcap")], &["torn.mcap", "cut short"]),
+        (
+            vec![pins.clone()],
+            &[
+                "a.vcd",
+                "a scene (TOML) or a recording",
+                "value change dump",
+            ],
+        ),
+        (vec![whole.clone(), pins], &["a.vcd", "value change dump"]),
+        (
+            vec![whole.clone(), "sphere-along".into()],
+            &["sphere-along", "one or two recordings"],
+        ),
+        (
+            vec![whole.clone(), "--bench".into(), "thesis".into()],
+            &["--bench", "has its bench with it"],
+        ),
+    ] {
+        let args: Vec<String> = ["serve".to_owned()].into_iter().chain(args).collect();
+        refused_with(&args, words);
+    }
+    refused_with(
+        &["serve", &whole, &whole, &whole],
+        &["no more were expected"],
+    );
+}

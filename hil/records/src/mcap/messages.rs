@@ -42,6 +42,16 @@ pub(super) fn angle(message: &[u8]) -> Option<f64> {
 /// Of a line of the schedule: whether pulses and period are those that the times make; also true where an older file has
 /// neither. `None` for what is no such message.
 pub(super) fn agrees(t_ns: u64, message: &[u8]) -> Option<bool> {
+    let (entry, pulses, period_ns) = entry(t_ns, message)?;
+    Some(match period_ns {
+        0 => pulses == 0,
+        period_ns => pulses == entry.pulses(period_ns),
+    })
+}
+
+/// A line of the schedule without board and channel, and the pulses and the period (ns) that it states. Where no end was
+/// cut, `requested_until` is the onset. `None` for what is no such message.
+pub(super) fn entry(t_ns: u64, message: &[u8]) -> Option<(Entry, u64, u64)> {
     let at = Instant::from_micros(t_ns / 1000);
     let mut entry = Entry {
         at,
@@ -75,10 +85,7 @@ pub(super) fn agrees(t_ns: u64, message: &[u8]) -> Option<bool> {
     if entry.requested_until != at && entry.requested_until < entry.until {
         return None;
     }
-    Some(match period_ns {
-        0 => pulses == 0,
-        period_ns => pulses == entry.pulses(period_ns),
-    })
+    Some((entry, pulses, period_ns))
 }
 
 #[cfg(test)]

@@ -12,12 +12,14 @@ pub mod proto;
 mod read;
 mod scene;
 mod schema;
+mod told;
 mod topics;
 
 pub use container::Attachment;
 pub use foxglove::LOG;
 pub use read::{McapReader, Read, Tear, Unreadable, read};
 pub use schema::{ALL, FieldKind, PACKAGE, Schema};
+pub use told::Told;
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};

@@ -166,6 +166,16 @@ impl<'a> Fields<'a> {
     }
 }
 
+/// The numbers of a packed field; `None` where it is damaged.
+pub fn packed(bytes: &[u8]) -> Option<Vec<u16>> {
+    let mut fields = Fields::new(bytes);
+    let mut numbers = Vec::new();
+    while !fields.0.is_empty() {
+        numbers.push(u16::try_from(fields.varint()?).ok()?);
+    }
+    Some(numbers)
+}
+
 impl<'a> Iterator for Fields<'a> {
     type Item = Option<(u32, Value<'a>)>;
 

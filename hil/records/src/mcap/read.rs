@@ -1,6 +1,8 @@
 //! What a recording holds of the sensor buses, as far as it is whole: a file that was cut short or is damaged
 //! gives what can be had, with the offset where that ends; one of another version is refused by name.
 
+mod run;
+
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
 use std::io::{self, Read as _};
@@ -9,7 +11,9 @@ use palpate_core::bus::Received;
 
 use super::container::{MAGIC, op};
 use super::fields::{Cursor, attachment, chunk_head, metadata};
+use super::told::Topic;
 use super::{PROFILE, VERSION, messages, schema};
+use run::Run;
 
 /// What could be read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -240,7 +244,7 @@ enum Content {
 }
 
 /// What was read.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Contents {
     read: Read,
     /// What the messages of a schema are, by number.
@@ -254,6 +258,8 @@ struct Contents {
     angles: usize,
     /// Frames of the newest chunk.
     frames: VecDeque<Received>,
+    /// Where the run is wanted in place of its frames: what its topics say, by channel, and what the newest chunk said.
+    run: Option<Run>,
 }
 
 impl Contents {
@@ -391,6 +397,10 @@ impl Contents {
                     Some(Content::Frame) if topic != "/can" => Content::Other,
                     known => known.copied().unwrap_or(Content::Other),
                 };
+                if let Some(run) = &mut self.run {
+                    run.topics
+                        .extend(Topic::of(&topic).map(|topic| (id, topic)));
+                }
                 let begin = topic.chars().take(60).collect();
                 self.channels.insert(id, (begin, content));
                 Some(())
@@ -400,6 +410,14 @@ impl Contents {
                 let _sequence = cursor.u32()?;
                 let time = cursor.u64()?;
                 let _published = cursor.u64()?;
+                if let Some(run) = &mut self.run {
+                    if let Some(topic) = run.topics.get(&channel) {
+                        run.told.extend(topic.read(time, cursor.0)?);
+                    }
+                    self.read.messages += 1;
+                    self.read.last_ns = self.read.last_ns.max(time);
+                    return Some(());
+                }
                 match self.channels.get(&channel).map(|c| c.1) {
                     Some(Content::Frame) => self.frames.push_back(messages::frame(time, cursor.0)?),
                     Some(Content::Entry) if !messages::agrees(time, cursor.0)? => {

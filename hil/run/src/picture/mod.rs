@@ -2,9 +2,11 @@
 
 mod head;
 mod painter;
+mod recorded;
 
 pub use head::style_word;
 pub use painter::Painter;
+pub use recorded::{Moment, Past, Player, Recorded, SoFar};
 
 use palpate_core::guard::{Cause, Used};
 use palpate_core::illusion::Map;

@@ -3,7 +3,7 @@
 use palpate_core::projector::Projector;
 use palpate_core::units::Point;
 use palpate_files::{Setup, Touch};
-use palpate_records::trace::{Event, Header, PlaceUm};
+use palpate_records::trace::{Driven, Event, Header, PlaceUm};
 
 use super::head::{origin, pair, shown};
 use super::{Burst, Contact, Felt, Picture, State, Totals};
@@ -20,13 +20,22 @@ pub struct Painter {
     modules: Vec<(usize, bool)>,
     /// What the scene presses with on shown modules, and where these are.
     touches: Vec<(Touch, [f32; 2])>,
-    contacts: Vec<Contact>,
-    frames: u32,
-    /// By events, where nothing else measures them: each wire and the skin under it, degrees C.
-    warm: Vec<[f64; 2]>,
+    memory: Memory,
     totals: Option<Totals>,
     /// When they are looked at next.
     totals_us: u64,
+}
+
+/// What it remembers of events.
+#[derive(Clone, Debug)]
+pub(super) struct Memory {
+    contacts: Vec<Contact>,
+    frames: u32,
+    /// By events, where nothing else measures them: each wire and the skin under it, degrees C.
+    pub(super) warm: Vec<[f64; 2]>,
+    /// What the wires were told, and the hottest skin that an event told of, thousandths of a degree Celsius.
+    pub(super) driven: Driven,
+    pub(super) hottest_mc: Option<i32>,
 }
 
 fn mm(place: PlaceUm) -> [f64; 2] {
@@ -51,9 +60,13 @@ impl Painter {
                 .map(|(number, module)| (module.points().len(), shown.contains(&number)))
                 .collect(),
             touches: placed.collect(),
-            contacts: Vec::new(),
-            frames: 0,
-            warm: vec![[f64::NAN; 2]; header.wires.len()],
+            memory: Memory {
+                contacts: Vec::new(),
+                frames: 0,
+                warm: vec![[f64::NAN; 2]; header.wires.len()],
+                driven: Driven::default(),
+                hottest_mc: None,
+            },
             totals: None,
             totals_us: 0,
         }
@@ -70,19 +83,31 @@ impl Painter {
         for event in events {
             match event {
                 Event::Frame { .. } => {
-                    self.frames += 1;
-                    self.contacts.clear();
+                    self.memory.frames += 1;
+                    self.memory.contacts.clear();
                 }
-                Event::Contact { .. } => self.contacts.extend(contact(event)),
+                Event::Contact { .. } => self.memory.contacts.extend(contact(event)),
                 Event::Wire { wire, milli_c, .. } => self.warms(*wire, 0, *milli_c),
-                Event::Skin { wire, milli_c, .. } => self.warms(*wire, 1, *milli_c),
+                Event::Skin { wire, milli_c, .. } => {
+                    self.warms(*wire, 1, *milli_c);
+                    self.memory.hottest_mc = self.memory.hottest_mc.max(Some(*milli_c));
+                }
+                Event::Schedule(entry) => self.memory.driven.add(entry),
                 _ => {}
             }
         }
     }
 
+    pub(super) const fn memory(&self) -> &Memory {
+        &self.memory
+    }
+
+    pub(super) fn recall(&mut self, memory: &Memory) {
+        self.memory.clone_from(memory);
+    }
+
     fn warms(&mut self, wire: u16, which: usize, milli_c: i32) {
-        if let Some(warm) = self.warm.get_mut(usize::from(wire)) {
+        if let Some(warm) = self.memory.warm.get_mut(usize::from(wire)) {
             warm[which] = f64::from(milli_c) * 1e-3;
         }
     }
@@ -102,12 +127,12 @@ impl Painter {
         let mut picture = Picture {
             now_us,
             counts: self.counts(counts),
-            frames: self.frames,
-            contacts: self.contacts.iter().map(place).collect(),
+            frames: self.memory.frames,
+            contacts: self.memory.contacts.iter().map(place).collect(),
             fingers: Vec::new(),
             spheres: self.spheres(now_us),
             warm: match state.warm.is_empty() {
-                true => self.warm.clone(),
+                true => self.memory.warm.clone(),
                 false => state.warm,
             },
             used: state
