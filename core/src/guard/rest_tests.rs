@@ -125,6 +125,18 @@ fn a_warm_face_uses_rows_of_heat() {
 }
 
 #[test]
+fn the_dose_of_a_burst_counts_from_the_face() {
+    let omega = |face_c: f64| {
+        let mut guard = guard();
+        guard.warm(Instant::ZERO, face_c, face_c);
+        burst(&mut guard, 20);
+        guard.predicted().omega
+    };
+    // Henriques' rate grows by e for every 1.25 K at these temperatures: by 270 for seven.
+    assert!(omega(40.0) > 100.0 * omega(33.0) && omega(33.0) >= 0.0);
+}
+
+#[test]
 fn a_time_that_goes_back_forgets_nothing() {
     let mut rest = Rest::default();
     rest.raise(at_ms(0), 5.0);

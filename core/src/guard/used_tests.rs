@@ -118,3 +118,26 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_share_of_nothing_is_nothing_or_all() {
+    assert_eq!((share(0, 0), share(3, 0)), (0.0, 1.0));
+    assert_eq!((share(0, 4), share(1, 4), share(4, 4)), (0.0, 0.25, 1.0));
+}
+
+#[test]
+fn every_row_has_its_name_and_share() {
+    let used = Used {
+        pulse: 0.1,
+        burst: 0.2,
+        skin_mean: 0.7,
+        cem43: 1.1,
+        ..Used::default()
+    };
+    let rows = used.rows();
+    assert_eq!(rows[..2], [("pulse", 0.1), ("burst", 0.2)]);
+    assert_eq!((rows[6], rows[10]), (("skin_mean", 0.7), ("cem43", 1.1)));
+    let mut names = rows.map(|(name, _)| name);
+    names.sort_unstable();
+    assert!(names.windows(2).all(|pair| pair[0] != pair[1]), "{names:?}");
+}
