@@ -8,6 +8,7 @@ mod allocation;
 mod captures;
 mod circles;
 mod compression;
+mod dac7578;
 mod dbc;
 mod diff;
 mod driver;

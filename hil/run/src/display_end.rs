@@ -478,6 +478,10 @@ impl DisplayEnd for EmulatedDisplay {
             DriverError::Readback(board, register, expected, found) => {
                 DriverError::Readback(of(board), register, expected, found)
             }
+            DriverError::Current(board, output, expected, found) => {
+                DriverError::Current(of(board), output, expected, found)
+            }
+            DriverError::NoConverter(board, output) => DriverError::NoConverter(of(board), output),
             DriverError::Unit(fault) => DriverError::Unit(fault),
         };
         error.to_string()

@@ -52,6 +52,7 @@ pub(super) fn agrees(t_ns: u64, message: &[u8]) -> Option<bool> {
         until: at,
         requested: Ticks::ZERO,
         requested_until: at,
+        current: None,
         reason: None,
     };
     let ticks = |n: u64| u16::try_from(n).ok().filter(|t| *t <= Ticks::PER_PERIOD);
