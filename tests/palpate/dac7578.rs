@@ -74,10 +74,12 @@ fn code(bus: &I2cHandle, channel: u8) -> u16 {
     converter(bus, |chip, _| chip.level(Channel(channel)))
 }
 
-/// Whether any output of the board gets a pulse within the next 50 ms.
+/// Whether any output of the board gets a pulse within 50 ms, once the periods are over in which an update arrives.
 fn pulses(bus: &I2cHandle) -> bool {
     let mut high = false;
     bus.with(|segment| {
+        let arrived = segment.now() + Nanos::from_micros(12_000);
+        segment.advance(arrived, &mut |_, _| ());
         let to = segment.now() + Nanos::from_micros(50_000);
         segment.advance(to, &mut |_, edge| high |= edge.pin == Pin::High);
     })

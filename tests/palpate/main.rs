@@ -8,6 +8,7 @@ mod allocation;
 mod captures;
 mod circles;
 mod compression;
+mod current;
 mod dac7578;
 mod dbc;
 mod diff;

@@ -13,7 +13,7 @@ use crate::skin::{BaselineSettings, HealthSettings, Layout, Module};
 use crate::units::Point;
 
 use super::texture::TexturePlan;
-use super::{Output, OutputSettings, Plan, PlanError, Projector, SensingPlan, View};
+use super::{Output, OutputSettings, Plan, PlanError, Projector, SensingPlan, Share, View};
 
 /// How an [`Output`] is to be built.
 #[derive(Debug)]
@@ -134,7 +134,7 @@ impl OutputBuilder {
             calibration: self.calibration.unwrap_or_else(even),
             strokes: self.strokes,
             drive: self.drive,
-            peak: self.plant.peak,
+            share: Share::width(self.plant.peak),
             render: None,
         };
         Ok((display, settings, guard))
