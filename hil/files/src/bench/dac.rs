@@ -95,7 +95,7 @@ impl Bench {
         }
         let (boards, found) = (self.boards(), dac.addresses.len());
         if boards != found {
-            let expected = format!("{boards} addresses, one per board");
+            let expected = format!("as many addresses as boards, {boards}");
             return Err(source.bad_found("dac.addresses", expected, found.to_string()));
         }
         for (index, address) in dac.addresses.iter().enumerate() {
