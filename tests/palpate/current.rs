@@ -134,7 +134,12 @@ fn watts(error: SetError, rise: Nanos) -> Vec<f64> {
         let over = Nanos::from(until) + Nanos::from_micros(12_000);
         display.advance(over, &mut |_| ()).unwrap();
         let flows = display.take_flows();
-        assert!(flows.len() >= 3 && flows.iter().all(|f| f.watts == flows[0].watts));
+        assert!(
+            flows.len() >= 3
+                && flows
+                    .iter()
+                    .all(|f| f.watts.to_bits() == flows[0].watts.to_bits())
+        );
         found.push(flows[0].watts / parameters.resistance_ohm);
     }
     found

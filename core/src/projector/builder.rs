@@ -8,12 +8,12 @@ use crate::illusion::{
     Calibration, CalibrationError, Display, Drive, Illusion, Map, ModelSettings, Planned, Rect,
     Sharing, TimingLaw, build,
 };
-use crate::schedule::Timing;
+use crate::schedule::{Share, Timing};
 use crate::skin::{BaselineSettings, HealthSettings, Layout, Module};
 use crate::units::Point;
 
 use super::texture::TexturePlan;
-use super::{Output, OutputSettings, Plan, PlanError, Projector, SensingPlan, Share, View};
+use super::{Output, OutputSettings, Plan, PlanError, Projector, SensingPlan, View};
 
 /// How an [`Output`] is to be built.
 #[derive(Debug)]

@@ -5,7 +5,6 @@ mod builder;
 mod outlet;
 mod output;
 mod sensing;
-mod share;
 mod strokes;
 mod texture;
 mod view;
@@ -15,7 +14,6 @@ mod weave;
 pub use crate::illusion::Target;
 pub use builder::{Builder, OutputBuilder, sensor_area};
 pub use output::{Output, OutputSettings};
-pub use share::Share;
 pub use texture::{Carrier, TextureError, TexturePlan, TextureReport};
 pub use view::{View, Window};
 

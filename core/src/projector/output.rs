@@ -8,12 +8,11 @@ use crate::driver::{Actuators, ObservedRegisters};
 use crate::guard::Guard;
 use crate::illusion::{Calibration, Display, Drive, Illusion, Mixer, Planned, Sharing, Target};
 use crate::render::{RenderSettings, Renderer};
-use crate::schedule::{Stimulus, Timing};
+use crate::schedule::{Share, Stimulus, Timing};
 use crate::texture::Control;
 use crate::units::{Board, Duration, Instant, Ticks};
 
 use super::outlet::{Guards, Observes, Outlet};
-use super::share::Share;
 use super::strokes::Strokes;
 use super::texture::Carrier;
 use super::weave::{Texture, Weave, gain};

@@ -1,7 +1,9 @@
-//! Stimuli, staggering and the entry of a schedule that `hil review` shows a person: integers only.
+//! Stimuli, how width and current share their level, staggering, and the entry of a schedule that `hil review` shows a person: integers only.
 
+mod share;
 mod stagger;
 
+pub use share::Share;
 pub use stagger::stagger;
 
 use crate::units::{Board, Channel, Duration, Instant, Milliamps, Ticks};

@@ -66,8 +66,9 @@ impl FullDrive {
         // The square of an energy that goes with the square of the current.
         let by_current = |e: &Entry, sum: u64| match (e.current, control) {
             (Some(current), Some(control)) => {
-                let part = current.amps() / control.full_scale.amps();
-                (sum as f64 * part.powi(4)).round() as u64
+                let amps = current.amps() / control.full_scale.amps();
+                let energy = amps * amps;
+                (sum as f64 * energy * energy).round() as u64
             }
             _ => sum,
         };

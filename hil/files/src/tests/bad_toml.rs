@@ -80,36 +80,6 @@ fn benches() {
                 "f.toml:16: heat: expected no [unit]: its link carries no warmth, found [heat]",
             ),
             (
-                "oscillator = 1.0",
-                "oscillator = 1.0\n[dac]\naddresses = [0x41]",
-                "f.toml:15: dac.addresses[0]: expected 0x48 to 0x4f, which the pins ADDR0 and ADDR1 give, found 0x41",
-            ),
-            (
-                "oscillator = 1.0",
-                "oscillator = 1.0\n[dac]\naddresses = [0x48, 0x49]",
-                "f.toml:15: dac.addresses: expected as many addresses as boards, 1, found 2",
-            ),
-            (
-                "oscillator = 1.0",
-                "oscillator = 1.0\n[dac]\ngain = 1.02",
-                "f.toml:15: dac.gain: expected a number from 0.99 to 1.01, found 1.02",
-            ),
-            (
-                "supply_limit_ma = 4000.0 # two wires may overlap, three may not\npwm_hz = 200.0           # asks for PRE_SCALE 30: 196.89 Hz\noscillator = 1.0         # the chip's oscillator over its nominal 25 MHz",
-                "supply_limit_ma = 1000.0\n[dac]\noffset_tolerance_ma = 3.0",
-                "f.toml:11: drive.supply_limit_ma: expected at least 1003 mA: one wire set to 990 mA, 1 % and 3 mA more by [dac], found 1000 mA",
-            ),
-            (
-                "oscillator = 1.0",
-                "oscillator = 1.0\n[unit]\nnetwork = \"wifi\"\n[dac]\naddresses = [0x48]",
-                "f.toml:16: dac: expected no [unit]: its link carries no currents, found [dac]",
-            ),
-            (
-                "channel = 1\n",
-                "channel = 8\n[dac]\naddresses = [0x48]\n",
-                "f.toml:22: outputs[1].channel: expected channels 0 to 7 with [dac]: a DAC7578 has eight outputs, found 8",
-            ),
-            (
                 "alloy = \"low\"",
                 "alloy = 7",
                 "f.toml:7: wire.alloy: expected a string, found 7",

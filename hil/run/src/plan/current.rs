@@ -3,7 +3,7 @@
 use embedded_hal::i2c::I2c;
 use palpate_core::driver::Banks;
 use palpate_core::guard::{CurrentControl, Guard};
-use palpate_core::projector::Share;
+use palpate_core::schedule::Share;
 use palpate_core::units::{Duration, Milliamps, Prescale, Ticks};
 use palpate_files::Bench;
 

@@ -1,6 +1,6 @@
 //! How width and current share the level of a stimulus.
 
-use crate::schedule::Stimulus;
+use super::Stimulus;
 use crate::units::{Instant, Milliamps, Ticks};
 
 /// Down to a width a level has less width, below it less current; where the amplifiers have one current, width alone.
@@ -26,7 +26,8 @@ impl Share {
 
     /// Width and current of a stimulus that would have this width at the full current, with no wire and no time yet. It brings
     /// no more energy than that.
-    pub(super) fn of(&self, width: Ticks) -> Stimulus {
+    #[must_use]
+    pub fn of(&self, width: Ticks) -> Stimulus {
         let (wanted, least) = (width.get(), self.narrowest.get());
         let peak = match (1..least).contains(&wanted) {
             // Energy goes with the square of the current.
