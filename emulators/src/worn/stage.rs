@@ -7,7 +7,7 @@ use crate::display::amplifier::{
 };
 use crate::display::dac7578::Level;
 use crate::display::i2c::Error as I2cError;
-use crate::display::pca9685::Edge;
+use crate::display::pca9685::{Edge, Pin};
 use crate::time::Nanos;
 
 use super::WirePlace;
@@ -49,6 +49,14 @@ impl Stage {
     /// Takes an edge of a chip.
     pub(super) fn edge(&mut self, board: usize, edge: Edge) {
         let at = takes_effect(&edge, self.config.rise);
+        if edge.pin != Pin::High {
+            // A pulse shorter than a third of the rise gives nothing: its end would take effect before its beginning, which
+            // would then stay.
+            self.rising.retain(|(then, on, change)| {
+                let begins = matches!(change, Change::Pin(e) if e.channel == edge.channel && e.pin == Pin::High);
+                !(begins && *on == board && *then > at)
+            });
+        }
         self.rising.push((at, board, Change::Pin(edge)));
     }
 
@@ -114,3 +122,7 @@ impl Stage {
             .is_some()
     }
 }
+
+#[cfg(test)]
+#[path = "stage_tests.rs"]
+mod tests;
