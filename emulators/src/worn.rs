@@ -3,6 +3,7 @@
 
 mod rack;
 mod rise;
+mod stage;
 mod totals;
 mod wearing;
 
@@ -12,10 +13,10 @@ pub use totals::DisplayTotals;
 use std::collections::VecDeque;
 
 use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
-use palpate_core::units::{Channel, Milliamps, Point};
+use palpate_core::units::{Milliamps, Point};
 
 use crate::display::amplifier::supply::{Load, Supply, SupplySource};
-use crate::display::amplifier::{Amplifier, AmplifierConfig, AmplifierFault, takes_effect};
+use crate::display::amplifier::{AmplifierConfig, AmplifierFault};
 use crate::display::i2c::{BusClock, Error as I2cError, I2cHandle};
 use crate::display::pca9685::{Edge, Pca9685, Pin};
 use crate::display::solver::record::Peaks;
@@ -23,6 +24,7 @@ use crate::person::channels::{Felt, Person};
 use crate::time::Nanos;
 use rack::Connection;
 use rise::Rise;
+use stage::Stage;
 use wearing::Wearing;
 
 /// Tissue temperature from which everything starts, degrees C.
@@ -44,6 +46,9 @@ pub struct WirePlace {
 pub struct DisplayConfig {
     /// 7-bit address and oscillator factor of each chip.
     pub boards: Vec<(u8, f64)>,
+    /// 7-bit address of the converter beside each chip; empty where the amplifiers have a current of their own. For boards
+    /// that no other display uses.
+    pub converters: Vec<u8>,
     /// The wires in the display's order.
     pub wires: Vec<WirePlace>,
     /// The amplifiers.
@@ -106,8 +111,7 @@ const MEAN_WINDOW: Nanos = Nanos::from_micros(10_000_000);
 #[derive(Debug)]
 pub struct WornDisplay {
     chips: Connection,
-    amplifiers: Vec<Amplifier>,
-    rise: Nanos,
+    stage: Stage,
     source: SupplySource,
     supply: Supply,
     /// One a wire, in their order.
@@ -122,8 +126,6 @@ pub struct WornDisplay {
     now: Nanos,
     /// Edges of one step, in the order of time: the same memory for every step.
     pending: Vec<(usize, Edge)>,
-    /// Edges that have yet to take effect behind their amplifiers, and when.
-    rising: Vec<(Nanos, usize, Edge)>,
     /// What flows in each wire, and since when.
     flowing: Vec<(Nanos, f64)>,
     /// Kept only where a caller takes them: an emulator may be served for days.
@@ -140,7 +142,7 @@ impl WornDisplay {
     /// # Errors
     /// A physical parameter that cannot be computed with, by name.
     pub fn new(config: &DisplayConfig) -> Result<Self, ParameterError> {
-        let rack = Rack::new(&config.boards, config.clock);
+        let rack = Rack::new(&config.boards, &config.converters, config.clock);
         let whole = (0..config.boards.len()).map(|chip| (chip, u16::MAX));
         Self::on(&rack, &whole.collect::<Vec<_>>(), config)
     }
@@ -158,8 +160,7 @@ impl WornDisplay {
         let worn = Wearing::new(&config.wire, &config.tissue, config.wires.len())?;
         Ok(Self {
             chips: rack.connect(boards),
-            amplifiers: vec![Amplifier::new(config.amplifier.current); boards.len()],
-            rise: config.amplifier.rise,
+            stage: Stage::new(config.amplifier, boards.len()),
             source: config.source,
             supply: Supply::default(),
             loads: vec![
@@ -177,7 +178,6 @@ impl WornDisplay {
             tissue: config.tissue,
             now: Nanos::ZERO,
             pending: Vec::new(),
-            rising: Vec::new(),
             flowing: vec![(Nanos::ZERO, 0.0); config.wires.len()],
             flows: None,
             past: VecDeque::new(),
@@ -216,8 +216,7 @@ impl WornDisplay {
     ) -> Result<(), I2cError> {
         self.chips.take(to, &mut self.pending)?;
         for &(board, edge) in &self.pending {
-            let at = takes_effect(&edge, self.rise);
-            self.rising.push((at, board, edge));
+            self.stage.edge(board, edge);
             sink(OutputEdge {
                 at: edge.at,
                 board: board as u8, // at most 16 chips on a bus
@@ -226,16 +225,14 @@ impl WornDisplay {
             });
         }
         self.pending.clear();
-        self.rising.sort_by_key(|(at, ..)| *at);
-        let due = self.rising.partition_point(|(at, ..)| *at <= to);
+        self.stage.follow(&self.chips, to)?;
+        let due = self.stage.due(to);
         for index in 0..due {
-            let (at, board, edge) = self.rising[index];
-            let change = self.amplifiers.get_mut(board).and_then(|a| a.edge(edge));
-            if change.is_some() {
+            if let Some(at) = self.stage.apply(index) {
                 self.flow(at);
             }
         }
-        self.rising.drain(..due);
+        self.stage.done(due);
         self.now = self.now.max(to);
         Ok(())
     }
@@ -243,9 +240,7 @@ impl WornDisplay {
     /// Lets the currents that the amplifiers ask for flow from `at` on, as far as the supply has them.
     fn flow(&mut self, at: Nanos) {
         for (load, place) in self.loads.iter_mut().zip(&self.places) {
-            let amplifier = self.amplifiers.get(usize::from(place.board));
-            let current = amplifier.map(|a| a.current(Channel(place.channel)));
-            load.asked = current.unwrap_or_default().amps();
+            load.asked = self.stage.current(place).amps();
         }
         self.source.share(&mut self.loads);
         let mut sum = 0.0;
@@ -357,12 +352,8 @@ impl WornDisplay {
         let Some(place) = self.places.get(wire) else {
             return;
         };
-        let (now, channel) = (self.now, Channel(place.channel));
-        let amplifier = self.amplifiers.get_mut(usize::from(place.board));
-        if amplifier
-            .and_then(|a| a.set_fault(now, channel, fault))
-            .is_some()
-        {
+        let now = self.now;
+        if self.stage.set_fault(now, place, fault) {
             self.flow(now);
         }
     }

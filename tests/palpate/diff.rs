@@ -47,6 +47,7 @@ fn trace_of(trains: &[Vec<(u64, u64, u16)>], like: &Trace) -> Trace {
                 until: Instant::from_micros(to),
                 requested: Ticks::new(width),
                 requested_until: Instant::from_micros(to),
+                current: None,
                 reason: None,
             };
             driven.add(&entry);

@@ -8,6 +8,8 @@ mod allocation;
 mod captures;
 mod circles;
 mod compression;
+mod current;
+mod dac7578;
 mod dbc;
 mod diff;
 mod driver;

@@ -2,6 +2,7 @@
 //! disagree about a register by accident of two tables.
 
 pub mod can;
+pub mod dac7578;
 pub mod link;
 pub mod mtb;
 pub mod pca9685;

@@ -8,7 +8,8 @@ pub trait Actuators<U = Guarded> {
     /// What can go wrong on the actuator bus.
     type Error: core::fmt::Debug;
 
-    /// Puts a guarded update on the outputs: of wires those of one board, all its channels together.
+    /// Puts a guarded update on the outputs: of wires those of one board, all its channels together. Where amplifiers are
+    /// set, `Ok` says that every current of the update was set and has read back before any of its pulses.
     fn apply(&mut self, update: &U) -> Result<(), Self::Error>;
 
     /// Switches every output off. Needs no guard.

@@ -7,7 +7,7 @@ use embedded_hal::i2c::I2c;
 use super::Actuators;
 use super::{DriverError, Pca9685Bank, Traffic};
 use crate::guard::Guarded;
-use crate::units::{Board, Instant, Prescale};
+use crate::units::{Board, Instant, Milliamps, Prescale};
 
 /// Every board of a bench. The first bus's boards come first.
 #[derive(Debug)]
@@ -40,6 +40,20 @@ impl<I: I2c> Banks<I> {
         };
         Self {
             banks: self.banks.into_iter().map(share).collect(),
+        }
+    }
+
+    /// The same with a converter for each board, as [`Pca9685Bank::with_converters`].
+    #[must_use]
+    pub fn with_converters(self, addresses: &[u8], full_scale: Milliamps) -> Self {
+        let mut rest = addresses;
+        let add = |bank: Pca9685Bank<I>| {
+            let (own, others) = rest.split_at(bank.numbers().count().min(rest.len()));
+            rest = others;
+            bank.with_converters(own, full_scale)
+        };
+        Self {
+            banks: self.banks.into_iter().map(add).collect(),
         }
     }
 

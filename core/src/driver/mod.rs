@@ -2,6 +2,7 @@
 
 mod actuators;
 mod banks;
+mod dac7578;
 mod look;
 mod pca9685;
 mod unit;

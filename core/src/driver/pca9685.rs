@@ -9,6 +9,7 @@ use core::fmt;
 
 use embedded_hal::i2c::{Error as I2cError, ErrorKind, I2c, NoAcknowledgeSource};
 
+use super::dac7578::Converter;
 use super::{Actuators, UnitFault};
 use crate::codec::pca9685::{self as regs, mode1, mode2};
 use crate::guard::{Guarded, Setting};
@@ -23,6 +24,10 @@ pub enum DriverError {
     Bus(Board, ErrorKind),
     /// The board did not read back what was written: register, expected, found.
     Readback(Board, u8, u8, u8),
+    /// An output's converter does not hold the code that was written: output, expected, found.
+    Current(Board, u8, u16, u16),
+    /// An output that shall have a current set has no converter.
+    NoConverter(Board, u8),
     /// The driver unit that has the boards cannot be driven.
     Unit(UnitFault),
 }
@@ -67,6 +72,16 @@ impl fmt::Display for DriverError {
                 "board {}: register {reg:#04x} reads {got:#04x}, expected {want:#04x}: brown-out, or another program on the bus",
                 b.0
             ),
+            Self::Current(b, output, want, got) => write!(
+                f,
+                "board {}: the converter of output {output} reads {got}, expected {want}: brown-out, a defect, or another program on the bus",
+                b.0
+            ),
+            Self::NoConverter(b, output) => write!(
+                f,
+                "board {}: output {output} has no converter, expected one of outputs 0 to 7 of a board with a DAC7578",
+                b.0
+            ),
             Self::Unit(fault) => fault.fmt(f),
         }
     }
@@ -85,6 +100,8 @@ pub(super) struct BoardState {
     /// Channels that are this driver's, a bit each.
     own: u16,
     shadow: [Option<[u8; 4]>; 16],
+    /// What sets the currents of its outputs; `None` where the amplifiers have their own.
+    pub(super) converter: Option<Converter>,
 }
 
 /// What updates came to on the bus.
@@ -138,6 +155,7 @@ impl<I: I2c> Pca9685Bank<I> {
             address,
             own: WHOLE,
             shadow: [None; 16],
+            converter: None,
         };
         Self {
             i2c,
@@ -205,6 +223,7 @@ impl<I: I2c> Pca9685Bank<I> {
             self.expect(board, regs::PRE_SCALE, self.prescale.get())?;
             self.write(board, &[regs::MODE1, self.awake()])?;
             self.expect(board, regs::MODE1, self.awake())?;
+            self.start_converter(board)?;
         }
         Ok(now + Duration::from_micros(regs::WAKE_US))
     }
@@ -250,6 +269,7 @@ impl<I: I2c> Pca9685Bank<I> {
     pub fn verify(&mut self) -> Result<(), DriverError> {
         for board in self.numbers() {
             self.expect(board, regs::MODE1, self.awake())?;
+            self.verify_converter(board)?;
         }
         Ok(())
     }
@@ -260,7 +280,7 @@ impl<I: I2c> Pca9685Bank<I> {
     }
 
     /// Where a board of this number stands in the bank; past its end for another's.
-    fn index(&self, board: Board) -> usize {
+    pub(super) fn index(&self, board: Board) -> usize {
         usize::from(board.0).wrapping_sub(self.first.into())
     }
 
@@ -315,7 +335,8 @@ impl<I: I2c> Pca9685Bank<I> {
 
     /// All-call full off, then each board by its own address, so that one that does not listen to
     /// all-call is off too. Of boards that others use as well, own channels alone. Every board is tried whatever the
-    /// others answer; the first error of an own address is returned.
+    /// others answer; the first error of an own address is returned. Currents go to zero last: then two chips would have to
+    /// fail for a wire to be heated.
     fn switch_off(&mut self) -> Result<(), DriverError> {
         if !self.shared {
             // No chip listens to all-call if every ALLCALL bit is clear: the writes below decide.
@@ -329,6 +350,10 @@ impl<I: I2c> Pca9685Bank<I> {
                 own => self.write_off(board, own),
             };
             result = result.and(written);
+        }
+        for board in self.numbers() {
+            let zeroed = self.zero_converter(board);
+            result = result.and(zeroed);
         }
         result
     }
@@ -373,6 +398,7 @@ impl<I: I2c> Actuators for Pca9685Bank<I> {
     fn apply(&mut self, update: &Guarded) -> Result<(), DriverError> {
         let board = update.board();
         let index = self.index(board);
+        self.set_currents(update)?;
         let Some(state) = self.boards.get(index) else {
             return Err(DriverError::NoSuchBoard(board));
         };

@@ -1,7 +1,7 @@
 //! What the limits leave of one stimulus: pulse width, burst, supply, energy and heat, in this order.
 
 use crate::schedule::{Reason, Stimulus, stagger};
-use crate::units::{Channel, Duration, Instant, Ticks};
+use crate::units::{Channel, Duration, Instant, Milliamps, Ticks};
 
 use super::limits::BURST_GAP;
 use super::{Guard, Running, Setting};
@@ -15,6 +15,8 @@ pub(super) struct Passed {
     pub(super) width: Ticks,
     pub(super) until: Instant,
     pub(super) reason: Option<Reason>,
+    /// What its amplifier shall be set to; `None` where that has a current of its own.
+    pub(super) current: Option<Milliamps>,
     /// Electrical energy to book for it, nJ.
     energy_nj: u64,
 }
@@ -28,6 +30,11 @@ pub(super) struct Burst {
 }
 
 impl Burst {
+    /// The end of its last stimulus.
+    pub(super) const fn end(&self) -> Instant {
+        self.end
+    }
+
     /// How far it has come at `now`.
     pub(super) fn until(&self, now: Instant) -> Instant {
         self.end.min(now)
@@ -49,9 +56,12 @@ impl Guard {
 
     /// The stimulus as it is, booked whatever the limits leave of it, with the reason for which they would have.
     pub(super) fn note(&mut self, index: usize, at: Instant, s: &Stimulus) -> Passed {
-        let reason = self.judge(index, at, s).reason;
+        let Passed {
+            reason, current, ..
+        } = self.judge(index, at, s);
+        let plant = self.counting(index, current);
         let energy_nj = match s.until > at {
-            true => self.plant.energy_nj(s.width.get(), s.until.since(at)),
+            true => plant.energy_nj(s.width.get(), s.until.since(at)),
             false => 0,
         };
         self.book(index, at, s.until, energy_nj);
@@ -59,16 +69,20 @@ impl Guard {
             width: s.width,
             until: s.until,
             reason,
+            current,
             energy_nj,
         }
     }
 
     /// What the limits leave of a stimulus; nothing is booked.
     fn judge(&mut self, index: usize, at: Instant, s: &Stimulus) -> Passed {
+        let commanded = self.commanded(index, at, s);
+        let current = commanded.map(|(current, _)| current);
         let nothing = |reason| Passed {
             width: Ticks::ZERO,
             until: s.until,
             reason,
+            current,
             energy_nj: 0,
         };
         if self.latched().is_some() {
@@ -77,7 +91,7 @@ impl Guard {
         if s.width == Ticks::ZERO || s.until <= at {
             return nothing(None);
         }
-        let mut reason = None;
+        let mut reason = commanded.and_then(|(_, reason)| reason);
         let mut width = s.width.get();
 
         let widest = self.widest().get();
@@ -97,8 +111,8 @@ impl Guard {
             return nothing(Some(Reason::Burst));
         }
 
-        // Supply: the wires already on, and this one, at their worst instant. An update says nothing of the
-        // current: whatever a stimulus asks, the amplifier gives what it is set to.
+        // Supply: the wires already on, and this one, at their worst instant, each with the most that its amplifier can
+        // give.
         let (on, off) = stagger(Channel(self.wires[index].place.1), Ticks::new(width));
         if !self.supply_bears(index, Setting { on, off }) {
             return nothing(Some(Reason::SupplyCurrent));
@@ -107,16 +121,18 @@ impl Guard {
         // Energy: narrow the pulses to the least that is left anywhere.
         let span = until.since(at);
         let (left, cause) = self.energy_left(index, at, until, burst.spent_nj);
-        let mut energy = self.plant.energy_nj(width, span);
+        let plant = self.counting(index, current);
+        let mut energy = plant.energy_nj(width, span);
         if energy > left {
             let fits = u128::from(width) * u128::from(left) / u128::from(energy);
             (width, reason) = (fits as u16, Some(cause)); // less than `width`, since left < energy
-            energy = self.plant.energy_nj(width, span);
+            energy = plant.energy_nj(width, span);
         }
         Passed {
             width: Ticks::new(width),
             until,
             reason,
+            current,
             energy_nj: energy,
         }
     }
@@ -227,7 +243,9 @@ impl Guard {
             return;
         }
         let width = was.setting.off - was.setting.on;
-        let energy = self.plant.late_nj(width, was.until.since(was.since), span);
+        let energy = self
+            .flowing(index)
+            .late_nj(width, was.until.since(was.since), span);
         self.spend(index, was.until, off, energy);
         if let Some(burst) = &mut self.wires[index].burst {
             burst.spent_nj = burst.spent_nj.saturating_add(energy);

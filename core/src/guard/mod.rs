@@ -6,6 +6,7 @@
 
 mod admission;
 mod budget;
+mod current;
 mod decays;
 mod dose;
 mod lasting;
@@ -20,6 +21,7 @@ mod used;
 mod watchdog;
 
 pub use budget::WireBudget;
+pub use current::CurrentControl;
 pub use lasting::Booked;
 pub use limits::{BURST_GAP, HARD, Limits};
 pub use observed::Observed;
@@ -33,9 +35,10 @@ use alloc::vec;
 
 use crate::illusion::DisplayWire;
 use crate::schedule::{Entry, Stimulus, stagger};
-use crate::units::{Board, Channel, Duration, Instant, Prescale};
+use crate::units::{Board, Channel, Duration, Instant, Milliamps, Prescale};
 
 use admission::{Burst, Passed};
+use current::Settable;
 use power::{Bucket, Window};
 use rest::Rest;
 use thermal::{Budget, Tissue};
@@ -61,8 +64,8 @@ impl Setting {
 /// private and there is no other constructor, so a driver that takes a `Guarded` takes nothing else.
 ///
 /// ```compile_fail
-/// # use palpate_core::{guard::Guarded, units::{Board, Instant}};
-/// let forged = Guarded { at: Instant::ZERO, board: Board(0), channels: [None; 16], ends: [Instant::ZERO; 16] };
+/// # use palpate_core::{guard::Guarded, units::{Board, Instant, Milliamps}};
+/// let forged = Guarded { at: Instant::ZERO, board: Board(0), channels: [None; 16], ends: [Instant::ZERO; 16], currents: [Milliamps(0); 16] };
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Guarded {
@@ -71,6 +74,8 @@ pub struct Guarded {
     channels: [Option<Setting>; 16],
     /// When each channel that goes on ends.
     ends: [Instant; 16],
+    /// What the amplifier of each channel that goes on shall be set to.
+    currents: [Milliamps; 16],
 }
 
 impl Guarded {
@@ -91,6 +96,20 @@ impl Guarded {
             (self.channels.get_mut(channel), self.ends.get_mut(channel))
         {
             (*slot, *until) = (Some(setting), end);
+        }
+    }
+
+    /// What the amplifier of a channel that goes on shall be set to before, where its current is set: zero where it has
+    /// one of its own. `None` for a channel that does not go on.
+    pub fn current(&self, channel: u8) -> Option<Milliamps> {
+        let setting = self.channels.get(usize::from(channel)).copied().flatten();
+        let on = setting.filter(|setting| setting.on < setting.off);
+        on.and_then(|_| self.currents.get(usize::from(channel)).copied())
+    }
+
+    fn set_current(&mut self, channel: u8, current: Option<Milliamps>) {
+        if let Some(slot) = self.currents.get_mut(usize::from(channel)) {
+            *slot = current.unwrap_or_default();
         }
     }
 
@@ -154,6 +173,8 @@ pub struct Guard {
     heat: Option<Box<Heat>>,
     /// A burst leaves a part of each budget that fills again.
     fades: bool,
+    /// Amplifiers whose current is set; `None` for those that have one of their own.
+    settable: Option<Box<Settable>>,
     watchdog: Watchdog,
 }
 
@@ -216,6 +237,7 @@ impl Guard {
             fingertip: bucket((1, limits.fingertip_1s_uw), (60, limits.fingertip_60s_uw)),
             heat: heat.then(|| Box::new(Heat::new(&limits, wires.len()))),
             fades: false,
+            settable: None,
             watchdog: Watchdog::new(limits.stale, plant.latency()),
         })
     }
@@ -363,6 +385,7 @@ impl Guard {
                     until: passed.until,
                 });
                 update.set(channel, setting, passed.until);
+                update.set_current(channel, passed.current);
             }
             ledger(Entry {
                 at,
@@ -373,6 +396,7 @@ impl Guard {
                 until: passed.until,
                 requested: stimulus.width,
                 requested_until: stimulus.until,
+                current: passed.current,
                 reason: passed.reason,
             });
         }
@@ -415,6 +439,7 @@ impl Guard {
             board,
             channels: [None; 16],
             ends: [at; 16],
+            currents: [Milliamps(0); 16],
         };
         for index in 0..self.wires.len() {
             let wire = &mut self.wires[index];
@@ -435,13 +460,14 @@ impl Guard {
         update
     }
 
-    /// Everything is off at `at`, by an all-off of the driver.
+    /// Everything is off at `at`, by an all-off of the driver. No current is confirmed any more.
     pub fn all_off(&mut self, at: Instant) {
         for index in 0..self.wires.len() {
             if let Some(was) = self.wires[index].now.take() {
                 self.overrun(index, &was, at);
             }
         }
+        self.forget_currents();
     }
 }
 

@@ -20,7 +20,7 @@ pub struct Plant {
     pub prescale: Prescale,
     /// Resistance of one wire with its leads, milliohms.
     pub wire_milliohm: u32,
-    /// Current that the amplifiers are set to, and give whenever a pulse is high.
+    /// Current that the amplifiers give whenever a pulse is high; of those whose current is set, the most they can.
     pub peak: Milliamps,
     /// How long transfers of other displays may hold one of these boards up, on a bus that they share; else zero.
     pub bus: Duration,

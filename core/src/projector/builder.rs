@@ -8,7 +8,7 @@ use crate::illusion::{
     Calibration, CalibrationError, Display, Drive, Illusion, Map, ModelSettings, Planned, Rect,
     Sharing, TimingLaw, build,
 };
-use crate::schedule::Timing;
+use crate::schedule::{Share, Timing};
 use crate::skin::{BaselineSettings, HealthSettings, Layout, Module};
 use crate::units::Point;
 
@@ -134,7 +134,7 @@ impl OutputBuilder {
             calibration: self.calibration.unwrap_or_else(even),
             strokes: self.strokes,
             drive: self.drive,
-            peak: self.plant.peak,
+            share: Share::width(self.plant.peak),
             render: None,
         };
         Ok((display, settings, guard))

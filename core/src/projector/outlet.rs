@@ -44,10 +44,11 @@ impl<A: Actuators> Outlet for Guards<'_, A> {
         ledger: impl FnMut(Entry),
     ) -> Result<(), A::Error> {
         let update = guard.admit(at, board, stimuli, ledger);
-        match update.changes() {
-            true => self.0.apply(&update),
-            false => Ok(()),
+        if update.changes() {
+            self.0.apply(&update)?;
+            guard.confirm(&update);
         }
+        Ok(())
     }
 
     fn expire(&mut self, guard: &mut Guard, at: Instant, board: Board) -> Result<(), A::Error> {

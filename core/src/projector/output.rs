@@ -8,9 +8,9 @@ use crate::driver::{Actuators, ObservedRegisters};
 use crate::guard::Guard;
 use crate::illusion::{Calibration, Display, Drive, Illusion, Mixer, Planned, Sharing, Target};
 use crate::render::{RenderSettings, Renderer};
-use crate::schedule::{Stimulus, Timing};
+use crate::schedule::{Share, Stimulus, Timing};
 use crate::texture::Control;
-use crate::units::{Board, Duration, Instant, Milliamps, Ticks};
+use crate::units::{Board, Duration, Instant, Ticks};
 
 use super::outlet::{Guards, Observes, Outlet};
 use super::strokes::Strokes;
@@ -33,8 +33,8 @@ pub struct OutputSettings {
     pub strokes: Box<[Planned]>,
     /// Activation to duty.
     pub drive: Drive,
-    /// Current while a pulse is high.
-    pub peak: Milliamps,
+    /// How width and current share a level.
+    pub share: Share,
     /// In place of all but timing, strokes and current: pulses that are felt at the contacts within what heat allows.
     pub render: Option<RenderSettings>,
 }
@@ -89,7 +89,7 @@ pub struct Output {
     display: Display,
     timing: Timing,
     drive: Drive,
-    peak: Milliamps,
+    share: Share,
     calibration: Calibration,
     mixer: Mixer,
     renderer: Option<Renderer>,
@@ -111,18 +111,12 @@ impl Output {
     /// Nothing is driven yet; the first onset is due at once.
     pub fn new(display: Display, settings: OutputSettings, guard: Guard) -> Self {
         let n = display.wires().len();
-        let blank = Stimulus {
-            wire: 0,
-            width: Ticks::ZERO,
-            peak: settings.peak,
-            at: Instant::ZERO,
-            until: Instant::ZERO,
-        };
+        let blank = settings.share.of(Ticks::ZERO);
         let boards = display.wires().iter().map(|w| w.board.0).max().unwrap_or(0);
         Self {
             timing: settings.timing,
             drive: settings.drive,
-            peak: settings.peak,
+            share: settings.share,
             calibration: settings.calibration,
             mixer: Mixer::new(settings.illusion, settings.sharing, n),
             strokes: Strokes::new(&settings.strokes),
@@ -488,10 +482,9 @@ impl Output {
             }
             self.stimuli[count] = Stimulus {
                 wire: index as u16, // a display has at most 256 wires
-                width,
-                peak: self.peak,
                 at: onset,
                 until: until.unwrap_or(onset + self.lengths[index]),
+                ..self.share.of(width)
             };
             count += 1;
         }

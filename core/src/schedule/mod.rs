@@ -1,22 +1,23 @@
-//! Stimuli, staggering and the entry of a schedule that `hil review` shows a person: integers only.
+//! Stimuli, how width and current share their level, staggering, and the entry of a schedule that `hil review` shows a person: integers only.
 
+mod share;
 mod stagger;
 
+pub use share::Share;
 pub use stagger::stagger;
 
 use crate::units::{Board, Channel, Duration, Instant, Milliamps, Ticks};
 
 /// What the illusion asks of one wire: a pulse train of a width and a peak current for a while.
 ///
-/// Duty and current stand apart, so that a current-controlled amplifier or another actuator kind
-/// needs no new command.
+/// Duty and current stand apart: an amplifier may have a current of its own, or one that is set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stimulus {
     /// Index of the wire in the display's layout.
     pub wire: u16,
     /// Pulse width asked for, in ticks of the board's PWM period.
     pub width: Ticks,
-    /// Current while the pulse is high.
+    /// Current while the pulse is high, where the amplifier's is set; one with a current of its own gives that.
     pub peak: Milliamps,
     /// Onset.
     pub at: Instant,
@@ -47,11 +48,13 @@ pub enum Reason {
     Dose,
     /// The guard is latched: everything stays off until the cause is cleared.
     Latched,
+    /// The current would have been more than the amplifier can be set to, or would have risen while the wire was on.
+    Current,
 }
 
 impl Reason {
     /// Every reason.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::PulseWidth,
         Self::Burst,
         Self::SupplyCurrent,
@@ -62,6 +65,7 @@ impl Reason {
         Self::SkinDeep,
         Self::Dose,
         Self::Latched,
+        Self::Current,
     ];
 
     /// The word that stands in a schedule file.
@@ -77,6 +81,7 @@ impl Reason {
             Self::SkinDeep => "skin-deep",
             Self::Dose => "dose",
             Self::Latched => "latched",
+            Self::Current => "current",
         }
     }
 }
@@ -102,6 +107,8 @@ pub struct Entry {
     pub requested: Ticks,
     /// End asked for: [`Self::until`], or later where the burst row cut it.
     pub requested_until: Instant,
+    /// What the amplifier was to be set to; `None` where it has a current of its own.
+    pub current: Option<Milliamps>,
     /// Why the applied width (`off - on`) or end is not the requested one; where the guard only observed, why it would not be.
     pub reason: Option<Reason>,
 }

@@ -1,6 +1,7 @@
-//! The display end: I2C segment, PWM chips, amplifiers, supply, wires and the finger that they warm.
+//! The display end: I2C segment, PWM chips, converters, amplifiers, supply, wires and the finger that they warm.
 
 pub mod amplifier;
+pub mod dac7578;
 pub mod finger;
 pub mod i2c;
 pub mod observed;

@@ -3,6 +3,7 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use crate::display::dac7578::{Dac7578, Level};
 use crate::display::i2c::{BusClock, Error as I2cError, I2cHandle, I2cSegment};
 use crate::display::pca9685::{Config, Edge, Oscillator, Pca9685};
 use crate::time::Nanos;
@@ -25,8 +26,9 @@ struct Shelf {
 }
 
 impl Rack {
-    /// Chips by 7-bit address and oscillator factor, at rest, with nothing on their outputs.
-    pub fn new(boards: &[(u8, f64)], clock: BusClock) -> Self {
+    /// Chips by 7-bit address and oscillator factor, at rest, with nothing on their outputs; and by 7-bit address the
+    /// converter of each, where they have any.
+    pub fn new(boards: &[(u8, f64)], converters: &[u8], clock: BusClock) -> Self {
         let chip = |&(address, factor): &(u8, f64)| {
             let oscillator = Oscillator::from_factor(factor);
             Pca9685::new(Config {
@@ -34,7 +36,8 @@ impl Rack {
                 ..Config::new(address)
             })
         };
-        let segment = I2cSegment::new(clock, boards.iter().map(chip).collect());
+        let segment = I2cSegment::new(clock, boards.iter().map(chip).collect())
+            .with_converters(converters.iter().copied().map(Dac7578::new).collect());
         Self(Arc::new(Mutex::new(Shelf {
             i2c: I2cHandle::new(segment),
             owners: vec![[None; 16]; boards.len()],
@@ -139,6 +142,26 @@ impl Connection {
             let due = waiting.partition_point(|(_, edge)| edge.at <= to);
             edges.extend(waiting.drain(..due));
         }
+        Ok(())
+    }
+
+    /// Takes the changes of its converters' outputs until `to`, in the order of time, with its own numbers of the chips.
+    ///
+    /// # Errors
+    /// As [`Self::take`].
+    pub(super) fn take_levels(
+        &self,
+        to: Nanos,
+        levels: &mut Vec<(usize, Level)>,
+    ) -> Result<(), I2cError> {
+        self.bus().with(|segment| {
+            segment.take_levels(to, &mut |chip, level| {
+                if let Some(own) = self.chips.iter().position(|c| *c == chip) {
+                    levels.push((own, level));
+                }
+            });
+        })?;
+        levels.sort_by_key(|(_, level)| level.at);
         Ok(())
     }
 

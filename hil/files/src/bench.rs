@@ -1,5 +1,6 @@
 //! Benches: which hardware a scene runs on, and what drives its wires.
 
+mod dac;
 mod displays;
 mod heat;
 mod unit;
@@ -14,6 +15,7 @@ use super::error::FileError;
 use super::layout::DisplayLayout;
 use super::mount::{BenchMount, BenchTissue};
 use super::source::Source;
+pub use dac::BenchDac;
 pub use displays::BenchDisplay;
 pub use heat::BenchHeat;
 pub use unit::{BenchUnit, Network};
@@ -46,6 +48,8 @@ pub struct Bench {
     pub drive: Drive,
     /// What turns the chip's pulses into current; left out: instant, without loss, and never short of voltage.
     pub amplifier: Amplifier,
+    /// Converters that set the amplifiers' current; left out: it is fixed.
+    pub dac: Option<BenchDac>,
     /// One entry per wire, in the display's order; left out: the outputs of one chip after the other, from 0x40 on.
     /// A real bench states them.
     pub outputs: Vec<Output>,
@@ -74,6 +78,7 @@ impl Default for Bench {
             tissue: BenchTissue::default(),
             drive: Drive::default(),
             amplifier: Amplifier::default(),
+            dac: None,
             outputs: Vec::new(),
             displays: Vec::new(),
             unit: None,
@@ -190,7 +195,7 @@ impl Default for BenchWire {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Drive {
-    /// Current through a wire that is on. A real bench states it.
+    /// Current through a wire that is on; with `[dac]` the most that it can be set to. A real bench states it.
     pub current_ma: f64,
     /// Most current the supply gives at any instant. A real bench states it.
     pub supply_limit_ma: f64,
@@ -367,6 +372,7 @@ impl Bench {
             let (display, _) = DisplayLayout::named(&bench.display, source, "display")?;
             bench.outputs = (0..display.wires_mm.len()).map(Output::nth).collect();
         }
+        bench.check_dac(source)?;
         Ok(bench)
     }
 

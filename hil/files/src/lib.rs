@@ -61,7 +61,7 @@ mod tests;
 pub use activation::{ActivationFile, Both};
 pub use address::repeated_bus;
 pub use bench::{
-    Amplifier, Bench, BenchDisplay, BenchHeat, BenchKind, BenchUnit, BenchWire, Drive,
+    Amplifier, Bench, BenchDac, BenchDisplay, BenchHeat, BenchKind, BenchUnit, BenchWire, Drive,
     ExternalClock, Network, Output, OutputEnable, Real,
 };
 pub use check::{Checked, check, check_source, kind_of};

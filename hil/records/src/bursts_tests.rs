@@ -14,6 +14,7 @@ fn entry(at: u64, until: u64, width: u16) -> Event {
         until: Instant::from_micros(until),
         requested: Ticks::new(width),
         requested_until: Instant::from_micros(until),
+        current: None,
         reason: None,
     })
 }

@@ -309,6 +309,10 @@ impl Sink {
                     self.u8(13);
                     self.u64(entry.requested_until.as_micros());
                 }
+                if let Some(current) = entry.current {
+                    self.u8(16);
+                    self.u64(current.0.into());
+                }
             }
             Event::PreScale {
                 t_us,

@@ -185,6 +185,7 @@ fn entry(wire: usize, t_us: u64, requested: u16, width: u16) -> Entry {
         until: Instant::from_micros(t_us + TAU_US),
         requested: Ticks::new(requested),
         requested_until: Instant::from_micros(t_us + TAU_US),
+        current: None,
         reason: (width != requested).then_some(Reason::WirePower),
     }
 }

@@ -67,6 +67,7 @@ fn a_real_run_declares_only_what_was_commanded_and_late_events_do_not_turn_time_
             until: Instant::from_micros(t_us),
             requested: Ticks::new(off),
             requested_until: Instant::from_micros(t_us),
+            current: None,
             reason: None,
         })
     };

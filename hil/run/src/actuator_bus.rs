@@ -42,7 +42,7 @@ impl ActuatorBus {
                 continue;
             }
             let chips = addresses.iter().map(|a| (*a, bench.drive.oscillator));
-            let rack = Rack::new(&chips.collect::<Vec<_>>(), BusClock::Fast);
+            let rack = Rack::new(&chips.collect::<Vec<_>>(), &[], BusClock::Fast);
             // Refused only from inside another look at the segment, and there is none here.
             let _ = rack.bus().with(|segment| {
                 let hz = bench.drive.external_hz();

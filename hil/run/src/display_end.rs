@@ -31,7 +31,7 @@ use crate::heat::{EmulatedHeat, HeatReport};
 use crate::margins::Currents;
 use crate::place::Place;
 use crate::plan;
-use crate::policy::refuse_hardware;
+use crate::policy::{refuse_hardware, refuse_observed};
 use crate::recorder::{Onset, Recorder};
 use crate::script::{FaultReport, Script};
 use crate::skin_end::FaultySkin;
@@ -178,12 +178,7 @@ impl EmulatedDisplay {
     ) -> Result<Self, Failure> {
         let bench = &setup.bench.value;
         refuse_hardware(bench)?;
-        if setup.is_observed() && bench.unit.is_some() {
-            return Err(Failure::Input(format!(
-                "bench `{}`: expected a bench without [unit] for --observe: a unit has a guard of its own",
-                bench.name
-            )));
-        }
+        refuse_observed(setup)?;
         let wires = projector.display().wires();
         let (mut display, i2c) = match bus {
             Some(bus) => (bus.connect(&place, &config(setup, wires))).map_err(no_bench(bench))?,
@@ -478,6 +473,10 @@ impl DisplayEnd for EmulatedDisplay {
             DriverError::Readback(board, register, expected, found) => {
                 DriverError::Readback(of(board), register, expected, found)
             }
+            DriverError::Current(board, output, expected, found) => {
+                DriverError::Current(of(board), output, expected, found)
+            }
+            DriverError::NoConverter(board, output) => DriverError::NoConverter(of(board), output),
             DriverError::Unit(fault) => DriverError::Unit(fault),
         };
         error.to_string()

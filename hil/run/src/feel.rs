@@ -62,8 +62,19 @@ impl FullDrive {
         let full = onset.targets.iter().map(|t| top(t.weight));
         let full = full.sum::<u64>().max(1);
         let of = |sum: u64| u32::try_from(1000 * sum / full).unwrap_or(u32::MAX);
-        let requested = |e: &Entry| e.requested_pulses(period_ns) * square(e.requested);
-        let applied = |e: &Entry| e.pulses(period_ns) * square(e.width());
+        let control = projector.guard().current_control();
+        // The square of an energy that goes with the square of the current.
+        let by_current = |e: &Entry, sum: u64| match (e.current, control) {
+            (Some(current), Some(control)) => {
+                let amps = current.amps() / control.full_scale.amps();
+                let energy = amps * amps;
+                (sum as f64 * energy * energy).round() as u64
+            }
+            _ => sum,
+        };
+        let requested =
+            |e: &Entry| by_current(e, e.requested_pulses(period_ns) * square(e.requested));
+        let applied = |e: &Entry| by_current(e, e.pulses(period_ns) * square(e.width()));
         let requested = of(onset.entries.iter().map(requested).sum());
         let applied = of(onset.entries.iter().map(applied).sum());
         let at_full = self.energy * full as f64 / top(1.0).max(1) as f64;

@@ -1,7 +1,7 @@
 //! What differs between an emulated, a replayed and a real bench: values. Every line that acts on them is shared.
 
 use palpate_core::units::Duration;
-use palpate_files::{Bench, BenchKind};
+use palpate_files::{Bench, BenchKind, Setup};
 
 use crate::failure::Failure;
 
@@ -54,6 +54,21 @@ impl Policy {
         waits_at_start: false,
         latch: LatchPolicy::Stays,
     };
+}
+
+/// Refuses to look on where the guard is not the last word, or where registers are not all there is to write.
+pub(crate) fn refuse_observed(setup: &Setup) -> Result<(), Failure> {
+    let bench = &setup.bench.value;
+    let without = match (&bench.unit, &bench.dac) {
+        _ if !setup.is_observed() => return Ok(()),
+        (Some(_), _) => "[unit] for --observe: a unit has a guard of its own",
+        (_, Some(_)) => "[dac] for --observe: it sets no currents",
+        _ => return Ok(()),
+    };
+    let name = &bench.name;
+    Err(Failure::Input(format!(
+        "bench `{name}`: expected a bench without {without}"
+    )))
 }
 
 /// Refuses hardware: what is emulated must not be recorded as real.

@@ -271,7 +271,7 @@ impl EmulatedDriver {
     ) -> Result<Self, Failure> {
         let boards = plan::boards(bench);
         let Some(unit) = &bench.unit else {
-            let banks = Banks::new([(i2c, &*boards)], projector.guard().prescale());
+            let banks = plan::banks(bench, i2c, projector.guard().prescale());
             return Ok(Self::Wired(match place.alone {
                 true => banks,
                 false => banks.sharing(&place.channels),

@@ -66,6 +66,7 @@ fn a_hand_on_four_buses_with_a_busy_guard() {
             until: Instant::from_micros(2_935_000 + n * 10_000),
             requested: Ticks::new(100),
             requested_until: Instant::from_micros(2_935_000 + n * 10_000),
+            current: None,
             reason: Some(Reason::SkinMean),
         })
     };

@@ -125,6 +125,27 @@ fn every_built_in_scene_runs_on_every_built_in_bench() {
 }
 
 #[test]
+fn a_bench_with_converters_sets_currents_and_its_records_say_them() {
+    let folder = Folder::new("set-current");
+    let path = folder.path("a.jsonl").display().to_string();
+    let on_bench = ["run", "sphere-along", "--bench", "set-current"];
+    good(&[&on_bench[..], &["--quiet", "--schedule", &path]].concat());
+    let schedule = folder.text("a.jsonl");
+    let lines = schedule
+        .lines()
+        .map(|l| serde_json::from_str::<Value>(l).unwrap());
+    let set: Vec<u64> = lines.filter_map(|l| l["current_ma"].as_u64()).collect();
+    assert!(set.iter().all(|ma| (1..=1970).contains(ma)));
+    assert!(set.iter().any(|ma| *ma < 1970) && set.contains(&1970));
+    let same = hil(&["diff", &path, &path]);
+    assert_eq!(same.status, Some(0), "{}", same.err);
+    let observed = hil(&[&on_bench[..], &["--observe"]].concat());
+    assert_eq!(observed.status, Some(2));
+    let words = "expected a bench without [dac] for --observe: it sets no currents";
+    assert!(observed.err.contains(words), "{}", observed.err);
+}
+
+#[test]
 fn a_run_that_the_guard_only_observes_heats_more_and_says_so_everywhere() {
     const BANNER: &str = "observed: the guard changed nothing; not for a person";
     let folder = Folder::new("observed");

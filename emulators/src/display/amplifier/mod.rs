@@ -2,6 +2,7 @@
 
 pub mod supply;
 
+use palpate_core::codec::dac7578::FULL_SCALE;
 use palpate_core::codec::pca9685::CHANNELS;
 use palpate_core::units::{Channel, Milliamps};
 
@@ -11,12 +12,31 @@ use crate::time::Nanos;
 /// What the amplifiers of a bench are like.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AmplifierConfig {
-    /// Current of a wire that is on, while the supply has it.
+    /// Current of a wire that is on, while the supply has it; at a converter's full scale, where there is one.
     pub current: Milliamps,
+    /// How far it is from what a converter sets; `None` where it is fixed.
+    pub set: Option<SetError>,
     /// From no current to all of it, and back; linear.
     pub rise: Nanos,
     /// Resistance of a transistor that is on, in series with its wire, Ohm.
     pub on_ohm: f64,
+}
+
+/// How far the current of an amplifier is from what its converter sets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SetError {
+    /// What flows over what was set.
+    pub gain: f64,
+    /// What flows beside that, mA; below zero less.
+    pub offset_ma: f64,
+}
+
+impl SetError {
+    /// The current that flows for a code, of amplifiers that are to give `full` at the largest; none runs backwards.
+    pub fn current(&self, full: Milliamps, code: u16) -> Milliamps {
+        let set = f64::from(full.0) * f64::from(code) / f64::from(FULL_SCALE);
+        Milliamps((set * self.gain + self.offset_ma).max(0.0).round() as u32)
+    }
 }
 
 /// A defect of one output.
@@ -48,9 +68,19 @@ pub fn takes_effect(edge: &Edge, rise: Nanos) -> Nanos {
     edge.at + Nanos(rise.0 * part / 3)
 }
 
+/// How long after it began a linear ramp between two currents takes effect: the one instant that puts the same energy into
+/// the wire, of `rise` for the whole way. From nothing that are two thirds, to nothing one.
+pub fn settles(was: Milliamps, is: Milliamps, rise: Nanos) -> Nanos {
+    let (was, is) = (u64::from(was.0), u64::from(is.0));
+    let both = (was + is).max(1);
+    Nanos(rise.0 * (2 * is + was) / (3 * both))
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Output {
     pin: Pin,
+    /// What flows while it conducts.
+    peak: Milliamps,
     fault: Option<AmplifierFault>,
 }
 
@@ -62,12 +92,19 @@ impl Output {
             None => self.pin == Pin::High,
         }
     }
+
+    fn flows(&self) -> Milliamps {
+        if self.conducts() {
+            self.peak
+        } else {
+            Milliamps(0)
+        }
+    }
 }
 
 /// The amplifiers behind one chip.
 #[derive(Clone, Debug)]
 pub struct Amplifier {
-    peak: Milliamps,
     outputs: [Output; CHANNELS as usize],
 }
 
@@ -77,10 +114,10 @@ impl Amplifier {
     pub fn new(peak: Milliamps) -> Self {
         let output = Output {
             pin: Pin::Low,
+            peak,
             fault: None,
         };
         Self {
-            peak,
             outputs: [output; CHANNELS as usize],
         }
     }
@@ -100,15 +137,26 @@ impl Amplifier {
         self.change(edge.at, edge.channel, |output| output.pin = edge.pin)
     }
 
+    /// Sets what one output gives while its pin is high; returns the change of current, if there is one.
+    pub fn set(&mut self, at: Nanos, channel: Channel, peak: Milliamps) -> Option<Current> {
+        self.change(at, channel, |output| output.peak = peak)
+    }
+
+    /// What one output is set to now, whether or not it gives it.
+    pub fn peak(&self, channel: Channel) -> Milliamps {
+        let output = self.outputs.get(usize::from(channel.0));
+        output.map_or(Milliamps(0), |output| output.peak)
+    }
+
     /// The current through one wire now.
     pub fn current(&self, channel: Channel) -> Milliamps {
         let output = self.outputs.get(usize::from(channel.0));
-        output.map_or(Milliamps(0), |output| self.flows(output))
+        output.map_or(Milliamps(0), Output::flows)
     }
 
     /// What all outputs of this board are to give now.
     pub fn sum(&self) -> Milliamps {
-        Milliamps((self.outputs.iter()).fold(0, |sum, o| sum.saturating_add(self.flows(o).0)))
+        Milliamps((self.outputs.iter()).fold(0, |sum, o| sum.saturating_add(o.flows().0)))
     }
 
     fn change(
@@ -125,14 +173,6 @@ impl Amplifier {
             channel,
             current,
         })
-    }
-
-    fn flows(&self, output: &Output) -> Milliamps {
-        if output.conducts() {
-            self.peak
-        } else {
-            Milliamps(0)
-        }
     }
 }
 

@@ -52,3 +52,38 @@ fn a_ramp_gives_the_energy_of_its_equivalent_edges() {
         .sum();
     assert!((true_ns - off.since(on).0 as f64).abs() < 0.1, "{true_ns}");
 }
+
+#[test]
+fn a_set_current_flows_while_the_pin_is_high_with_its_error() {
+    let error = SetError {
+        gain: 1.01,
+        offset_ma: -3.0,
+    };
+    let set = |code| error.current(Milliamps(990), code);
+    // 990 mA of 4095 steps: 999.9 and 499.85 (at 2047 of them), less 3.
+    assert_eq!([set(4095), set(2047), set(0)], [997, 497, 0].map(Milliamps));
+    let mut amplifier = Amplifier::new(set(0));
+    assert_eq!(amplifier.set(Nanos(1), Channel(4), set(2047)), None);
+    assert_eq!(amplifier.peak(Channel(4)), Milliamps(497));
+    let on = amplifier.edge(edge(2, 4, Pin::High));
+    assert_eq!(on.map(|c| c.current.0), Some(497));
+    let raised = amplifier.set(Nanos(3), Channel(4), set(4095));
+    assert_eq!(raised.map(|c| (c.at.0, c.current.0)), Some((3, 997)));
+    assert_eq!(amplifier.sum(), Milliamps(997));
+}
+
+#[test]
+fn a_ramp_between_two_currents_takes_effect_where_it_puts_the_same_energy() {
+    let rise = Nanos(30_000);
+    for (was, is) in [(0, 900), (900, 0), (300, 900), (900, 300), (500, 500)] {
+        let (from, to) = (f64::from(was), f64::from(is));
+        // The square of a straight line, over its length.
+        let ramp = 30_000.0 * (from * from + from * to + to * to) / 3.0;
+        let at = settles(Milliamps(was), Milliamps(is), rise);
+        let step = from * from * at.0 as f64 + to * to * (30_000 - at.0) as f64;
+        assert!((ramp - step).abs() <= 900.0 * 900.0, "{was} to {is}");
+    }
+    assert_eq!(settles(Milliamps(0), Milliamps(900), rise), Nanos(20_000));
+    assert_eq!(settles(Milliamps(900), Milliamps(0), rise), Nanos(10_000));
+    assert_eq!(settles(Milliamps(0), Milliamps(0), rise), Nanos(0));
+}

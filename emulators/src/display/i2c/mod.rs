@@ -1,4 +1,4 @@
-//! An I2C segment: several PCA9685 on one pair of wires, one bus clock, virtual time.
+//! An I2C segment: several PCA9685 and DAC7578 on one pair of wires, one bus clock, virtual time.
 //!
 //! A transaction starts at [`I2cSegment::now`] and takes a bit time each for START, repeated START and STOP and
 //! nine for a byte. Every byte reaches the chips at the instant of its ACK and the STOP at its end, so what
@@ -11,15 +11,18 @@
 mod error;
 pub mod fault;
 mod handle;
+mod target;
 
 use std::collections::VecDeque;
 
 use embedded_hal::i2c::Operation;
 
+use crate::display::dac7578::{Dac7578, Level};
 use crate::display::pca9685::{Edge, Pca9685};
 use crate::time::Nanos;
 pub use error::Error;
 pub use handle::{I2cHandle, immediate};
+use target::Target;
 
 /// The bus clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -96,7 +99,8 @@ pub struct I2cSegment {
     adjacent: Adjacent,
     now: Nanos,
     chips: Vec<Pca9685>,
-    /// Chips that took part since the last STOP.
+    converters: Vec<Dac7578>,
+    /// Chips that took part since the last STOP, then converters.
     involved: Vec<bool>,
     /// SCL is held low for so long before the next byte.
     held: Nanos,
@@ -115,6 +119,7 @@ impl I2cSegment {
             now: Nanos::ZERO,
             involved: vec![false; chips.len()],
             chips,
+            converters: Vec::new(),
             held: Nanos::ZERO,
             log: VecDeque::new(),
             log_capacity: 0,
@@ -126,6 +131,13 @@ impl I2cSegment {
     /// How the adapter treats neighbouring operations in the same direction.
     pub fn with_adjacent(mut self, adjacent: Adjacent) -> Self {
         self.adjacent = adjacent;
+        self
+    }
+
+    /// With these converters beside the chips.
+    pub fn with_converters(mut self, converters: Vec<Dac7578>) -> Self {
+        self.involved = vec![false; self.chips.len() + converters.len()];
+        self.converters = converters;
         self
     }
 
@@ -174,6 +186,26 @@ impl I2cSegment {
     /// The chips, to touch them.
     pub fn chips_mut(&mut self) -> &mut [Pca9685] {
         &mut self.chips
+    }
+
+    /// The converters, to touch them.
+    pub fn converters_mut(&mut self) -> &mut [Dac7578] {
+        &mut self.converters
+    }
+
+    /// Hands `sink` every change of a converter's output until `to` that was not handed over yet, with the number of its
+    /// converter: converter by converter, each in order of time.
+    pub fn take_levels(&mut self, to: Nanos, sink: &mut impl FnMut(usize, Level)) {
+        for (number, converter) in self.converters.iter_mut().enumerate() {
+            converter.take_levels(to, &mut |level| sink(number, level));
+        }
+    }
+
+    /// Everything on the bus, and whether it took part since the last STOP.
+    fn targets(&mut self) -> impl Iterator<Item = (&mut dyn Target, &mut bool)> {
+        let chips = self.chips.iter_mut().map(|chip| chip as &mut dyn Target);
+        let converters = self.converters.iter_mut().map(|c| c as &mut dyn Target);
+        chips.chain(converters).zip(&mut self.involved)
     }
 
     /// A device holds SCL low for `span` before the next byte is through.
@@ -287,12 +319,12 @@ impl I2cSegment {
     fn start(&mut self, address: u8, read: bool) -> Result<(), Error> {
         self.tick(1);
         self.byte()?;
-        let mut acknowledged = false;
-        for (chip, involved) in self.chips.iter_mut().zip(&mut self.involved) {
+        let (now, mut acknowledged) = (self.now, false);
+        for (target, involved) in self.targets() {
             // A chip that is not meant still sees the START, which calls off its software reset.
-            if *involved || chip.answers(address, read) {
+            if *involved || target.answers(address, read) {
                 *involved = true;
-                acknowledged |= chip.start(self.now, address, read);
+                acknowledged |= target.start(now, address, read);
             }
         }
         if acknowledged {
@@ -304,9 +336,9 @@ impl I2cSegment {
 
     fn write_byte(&mut self, byte: u8) -> Result<(), Error> {
         self.byte()?;
-        let mut acknowledged = false;
-        for (chip, _) in self.chips.iter_mut().zip(&self.involved).filter(|c| *c.1) {
-            acknowledged |= chip.write(self.now, byte);
+        let (now, mut acknowledged) = (self.now, false);
+        for (target, _) in self.targets().filter(|t| *t.1) {
+            acknowledged |= target.write(now, byte);
         }
         if acknowledged {
             Ok(())
@@ -318,18 +350,17 @@ impl I2cSegment {
     /// Reads are a wired AND of all chips that were addressed.
     fn read_byte(&mut self) -> Result<u8, Error> {
         self.byte()?;
-        let mut byte = 0xFF;
-        for (chip, _) in self.chips.iter_mut().zip(&self.involved).filter(|c| *c.1) {
-            byte &= chip.read(self.now);
-        }
-        Ok(byte)
+        let now = self.now;
+        let addressed = self.targets().filter(|t| *t.1);
+        Ok(addressed.fold(0xFF, |byte, (target, _)| byte & target.read(now)))
     }
 
     fn stop(&mut self) {
         self.tick(1);
-        for (chip, involved) in self.chips.iter_mut().zip(&mut self.involved) {
+        let now = self.now;
+        for (target, involved) in self.targets() {
             if std::mem::take(involved) {
-                chip.stop(self.now);
+                target.stop(now);
             }
         }
     }

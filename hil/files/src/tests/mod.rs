@@ -2,6 +2,7 @@
 
 mod bad_scene;
 mod bad_toml;
+mod converters;
 mod displays;
 mod overrides;
 mod shipped;

@@ -62,6 +62,7 @@ pub(super) fn entry(t_ns: u64, message: &[u8]) -> Option<(Entry, u64, u64)> {
         until: at,
         requested: Ticks::ZERO,
         requested_until: at,
+        current: None,
         reason: None,
     };
     let ticks = |n: u64| u16::try_from(n).ok().filter(|t| *t <= Ticks::PER_PERIOD);

@@ -84,6 +84,7 @@ pub const SCHEDULE: Schema = Schema {
         ("pulses", Uint64),
         ("period", Uint64),
         ("requested_until_us", Uint64), // 0 where it is `until_us`
+        ("current_ma", Uint32),         // 0 where the amplifier has a current of its own
     ],
 };
 /// A board's PRE_SCALE was set, or all of its outputs went off at once.

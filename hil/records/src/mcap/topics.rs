@@ -116,7 +116,8 @@ impl RunTopics {
                     .text(8, entry.reason.map_or("", |r| r.word()))
                     .uint(9, entry.pulses(self.period_ns))
                     .uint(10, self.period_ns)
-                    .uint(11, u64::from(cut) * entry.requested_until.as_micros());
+                    .uint(11, u64::from(cut) * entry.requested_until.as_micros())
+                    .uint(12, entry.current.map_or(0, |current| current.0));
                 self.of_output(entry.board.0, entry.channel.0)
                     .map(|w| w.schedule)
             }

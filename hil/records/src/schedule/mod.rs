@@ -98,6 +98,9 @@ enum Record {
         /// Left out where it is `until_us`.
         #[serde(skip_serializing_if = "Option::is_none")]
         requested_until_us: Option<u64>,
+        /// Left out where the amplifier has a current of its own.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        current_ma: Option<u32>,
         reason: Option<&'static str>,
     },
     PreScale {
@@ -126,6 +129,7 @@ impl Record {
             requested: entry.requested.get(),
             requested_until_us: (entry.requested_until != entry.until)
                 .then_some(entry.requested_until.as_micros()),
+            current_ma: entry.current.map(|current| current.0),
             reason: entry.reason.map(|r| r.word()),
         }
     }

@@ -1,7 +1,7 @@
 //! A schedule file (JSON Lines) read back into a trace.
 
 use palpate_core::schedule::{Entry, Reason};
-use palpate_core::units::{Board, Channel, Clock, Instant, Prescale, Ticks};
+use palpate_core::units::{Board, Channel, Clock, Instant, Milliamps, Prescale, Ticks};
 use serde::Deserialize;
 
 use super::{VERSION, WITHOUT_PULSES};
@@ -59,6 +59,7 @@ struct Line {
     until_us: Option<u64>,
     requested: Option<u16>,
     requested_until_us: Option<u64>,
+    current_ma: Option<u32>,
     #[serde(default)]
     reason: Option<String>,
     pre_scale: Option<u8>,
@@ -283,6 +284,7 @@ fn entry(line: &Line, number: usize, text: &str) -> Result<Option<Entry>, Damage
         until: Instant::from_micros(until_us),
         requested: Ticks::new(requested),
         requested_until: Instant::from_micros(line.requested_until_us.unwrap_or(until_us)),
+        current: line.current_ma.map(Milliamps),
         reason: line.reason.as_ref().map(known).transpose()?,
     };
     // Pulses and spacing follow from the rest: a line that says otherwise was changed by hand.

@@ -50,6 +50,7 @@ fn the_record_is_spelled_as_promised() {
             until: Instant::from_micros(35_000),
             requested: Ticks::new(100),
             requested_until: Instant::from_micros(35_000),
+            current: None,
             reason: None,
         })
     };

@@ -2,8 +2,8 @@
 
 use palpate_core::illusion::DisplayWire;
 use palpate_core::physics::ParameterError;
-use palpate_emulators::display::amplifier::AmplifierConfig;
 use palpate_emulators::display::amplifier::supply::SupplySource;
+use palpate_emulators::display::amplifier::{AmplifierConfig, SetError};
 use palpate_emulators::display::i2c::BusClock;
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{DisplayConfig, WirePlace, WornDisplay};
@@ -44,11 +44,18 @@ pub(super) fn config(setup: &Setup, wires: &[DisplayWire]) -> DisplayConfig {
             .into_iter()
             .map(|a| (a, bench.drive.oscillator))
             .collect(),
+        converters: (bench.dac.iter())
+            .flat_map(|dac| dac.addresses.clone())
+            .collect(),
         wires: wires.iter().map(place).collect(),
         amplifier: AmplifierConfig {
             current: plan::milliamps(bench.drive.current_ma),
             rise: Nanos((bench.amplifier.rise_us * 1e3).round() as u64),
             on_ohm: bench.amplifier.on_ohm,
+            set: bench.dac.as_ref().map(|dac| SetError {
+                gain: dac.gain,
+                offset_ma: dac.offset_ma,
+            }),
         },
         source: SupplySource {
             volts: bench.amplifier.supply_v.unwrap_or(f64::INFINITY),

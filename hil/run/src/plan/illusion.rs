@@ -185,6 +185,6 @@ pub(super) fn output(
         calibration,
         strokes: strokes(setup, display)?,
         drive: drive(illusion),
-        peak,
+        share: super::current::share(&setup.bench.value, guard, peak),
     })
 }

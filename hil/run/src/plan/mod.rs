@@ -1,5 +1,6 @@
 //! From checked files to the core's own types.
 
+mod current;
 mod illusion;
 mod level;
 mod person;
@@ -7,6 +8,7 @@ mod response;
 mod texture;
 mod unit;
 
+pub use current::banks;
 pub(crate) use illusion::MOVING_W;
 pub use illusion::drive;
 pub(crate) use level::{decibels, strongest};
@@ -295,7 +297,7 @@ fn guarded(setup: &Setup, pattern: Option<Prescale>) -> Result<(Limits, Plant), 
         prescale: pattern.map_or_else(|| prescale(bench), Ok)?,
         wire_milliohm: (wire(setup).resistance_ohm * 1e3).round() as u32,
         peak: milliamps(bench.drive.current_ma),
-        bus: setup.bus_wait,
+        bus: setup.bus_wait + current::wait(bench),
     };
     Ok((limits.tightened().of_hand(1), plant))
 }
@@ -316,6 +318,10 @@ pub fn untextured(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Fail
     let (limits, plant) = unit::agreed(setup, own, display.wires())?;
     let (prescale, peak) = (plant.prescale, plant.peak);
     let guard = Guard::new(limits, plant, display.wires())
+        .and_then(|guard| match current::control(bench) {
+            Some(control) => guard.with_current(control),
+            None => Ok(guard),
+        })
         .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
 
     let mut output = illusion::output(setup, &display, &guard, peak, pattern)?;

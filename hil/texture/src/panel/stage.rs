@@ -3,7 +3,6 @@
 
 use palpate_core::contact::Levels;
 use palpate_core::driver::Actuators;
-use palpate_core::driver::Banks;
 use palpate_core::projector::{Carrier, Output};
 use palpate_core::texture::{Control, ControlMap, RoughnessDriver, along};
 use palpate_core::units::{Duration, Instant, Point};
@@ -113,8 +112,7 @@ impl<'a> Stage<'a> {
         let person = plan::person(&setup.person.value);
         let impossible = |e| Failure::Input(format!("person `{}`: {e}", setup.person.value.name));
         display.worn_by(person).map_err(impossible)?;
-        let boards = plan::boards(&setup.bench.value);
-        let mut bank = Banks::new([(display.bus(), &*boards)], prescale);
+        let mut bank = plan::banks(&setup.bench.value, display.bus(), prescale);
         let mut output = Output::new(plan.display, plan.output, plan.guard);
         output.carry(carrier);
 

@@ -1,0 +1,144 @@
+//! Amplifiers whose current is set: what may flow of what was commanded, and when it may change.
+//!
+//! A current rises only while its wire is off, and the driver reads it back before the pulse. Until that has succeeded the
+//! larger of the commanded and the last confirmed current counts; where nothing is confirmed, the most there is.
+
+use alloc::boxed::Box;
+use alloc::vec;
+
+use crate::schedule::{Reason, Stimulus};
+use crate::units::{Instant, Milliamps};
+
+use super::{Guard, Guarded, Plant, PlantError};
+
+/// Parts per million of a whole.
+const MILLION: u64 = 1_000_000;
+
+/// What amplifiers make of the current that they are set to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CurrentControl {
+    /// The current at the converter's full scale: the most that can be asked for.
+    pub full_scale: Milliamps,
+    /// How much more than was asked for may flow, parts per million of it.
+    pub gain_ppm: u32,
+    /// And how much more beside that.
+    pub offset: Milliamps,
+}
+
+impl CurrentControl {
+    /// The most that flows where this was commanded, rounded up.
+    #[must_use]
+    pub const fn most(&self, commanded: Milliamps) -> Milliamps {
+        let gain = (commanded.0 as u64 * self.gain_ppm as u64).div_ceil(MILLION);
+        let sum = commanded.0 as u64 + gain + self.offset.0 as u64;
+        // No plant bears so much: what is cut off here is refused there.
+        Milliamps(if sum > u32::MAX as u64 {
+            u32::MAX
+        } else {
+            sum as u32
+        })
+    }
+}
+
+/// What a guard keeps of such amplifiers.
+#[derive(Clone, Debug)]
+pub(super) struct Settable {
+    control: CurrentControl,
+    /// By wire: what the driver has read back; `None` where that is unknown.
+    confirmed: Box<[Option<Milliamps>]>,
+}
+
+impl Settable {
+    /// What a wire's amplifier may be set to.
+    fn set(&self, wire: usize) -> Milliamps {
+        let confirmed = self.confirmed.get(wire).copied().flatten();
+        confirmed.unwrap_or(self.control.full_scale)
+    }
+}
+
+impl Guard {
+    /// The same before amplifiers whose current is set. The plant's current becomes the most that they can give, where it
+    /// is less: the rows of the supply and all budgets count with it.
+    ///
+    /// # Errors
+    /// When no wire can have such a current.
+    pub fn with_current(mut self, control: CurrentControl) -> Result<Self, PlantError> {
+        if control.full_scale == Milliamps(0) {
+            return Err(PlantError::OutOfRange);
+        }
+        self.plant.peak = self.plant.peak.max(control.most(control.full_scale));
+        self.plant.check()?;
+        self.settable = Some(Box::new(Settable {
+            control,
+            confirmed: vec![None; self.wires.len()].into(),
+        }));
+        Ok(self)
+    }
+
+    /// Whether the amplifiers' current is set.
+    pub fn current_control(&self) -> Option<&CurrentControl> {
+        self.settable.as_ref().map(|settable| &settable.control)
+    }
+
+    /// A driver has put an update on the outputs: every current in it was set and has read back.
+    pub fn confirm(&mut self, update: &Guarded) {
+        let Some(settable) = &mut self.settable else {
+            return;
+        };
+        for (wire, confirmed) in self.wires.iter().zip(&mut settable.confirmed) {
+            let (board, channel) = wire.place;
+            if board == update.board()
+                && let Some(current) = update.current(channel)
+            {
+                *confirmed = Some(current);
+            }
+        }
+    }
+
+    /// Nothing is known of any current.
+    pub(super) fn forget_currents(&mut self) {
+        if let Some(settable) = &mut self.settable {
+            settable.confirmed.fill(None);
+        }
+    }
+
+    /// The current that a stimulus shall be had with, and why it is another than it asks for. `None` where the amplifiers
+    /// have one of their own.
+    pub(super) fn commanded(
+        &self,
+        wire: usize,
+        at: Instant,
+        s: &Stimulus,
+    ) -> Option<(Milliamps, Option<Reason>)> {
+        let settable = self.settable.as_ref()?;
+        // A pulse of the stimulus before may still come: it was booked with the current that is set.
+        let end = self.wires.get(wire)?.burst.map(|burst| burst.end());
+        let is_off = end.is_none_or(|end| at >= end + self.plant.surplus());
+        let most = match is_off {
+            true => settable.control.full_scale,
+            false => settable.set(wire),
+        };
+        let reason = (s.peak > most).then_some(Reason::Current);
+        Some((s.peak.min(most), reason))
+    }
+
+    /// The plant by which a stimulus of this current counts: with the larger of it and of what may be set.
+    pub(super) fn counting(&self, wire: usize, commanded: Option<Milliamps>) -> Plant {
+        match (&self.settable, commanded) {
+            (Some(settable), Some(commanded)) => Plant {
+                peak: settable.control.most(commanded.max(settable.set(wire))),
+                ..self.plant
+            },
+            _ => self.plant,
+        }
+    }
+
+    /// The plant by which what flows in a wire now counts.
+    pub(super) fn flowing(&self, wire: usize) -> Plant {
+        self.counting(wire, Some(Milliamps(0)))
+    }
+}
+
+#[cfg(test)]
+#[path = "current_tests.rs"]
+mod tests;

@@ -1,0 +1,131 @@
+//! A bench's `[dac]`: converters that set the currents of the amplifiers.
+
+use palpate_core::codec::dac7578::{ADDRESSES, BROADCAST_ADDRESS, CHANNELS};
+use serde::Deserialize;
+
+use super::{Bench, BenchKind};
+use crate::error::FileError;
+use crate::source::Source;
+
+/// A DAC7578 beside each board, which sets the current of that board's outputs 0 to 7; `drive.current_ma` is then the current
+/// at its full scale. Left out: the amplifiers have that current and no other. Emulated benches of one display without a
+/// driver unit.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct BenchDac {
+    /// The converters' I2C addresses, 0x48 to 0x4f: one per board, in the order of the boards' addresses.
+    pub addresses: Vec<u8>,
+    /// Pulses are no shorter than this, microseconds: a weaker level has less current instead.
+    pub shortest_us: f64,
+    /// How far a current may be from what was set, a part of that.
+    pub gain_tolerance: f64,
+    /// And how far beside that, mA.
+    pub offset_tolerance_ma: f64,
+    /// What an emulated amplifier gives over what was set, within the tolerance.
+    pub gain: f64,
+    /// What it gives beside that, mA, within the tolerance.
+    pub offset_ma: f64,
+}
+
+impl Default for BenchDac {
+    /// One converter, and amplifiers of one per cent: resistors and reference of half a per cent each.
+    fn default() -> Self {
+        Self {
+            addresses: vec![*ADDRESSES.start()],
+            shortest_us: 50.0,
+            gain_tolerance: 0.01,
+            offset_tolerance_ma: 5.0,
+            gain: 1.0,
+            offset_ma: 0.0,
+        }
+    }
+}
+
+impl BenchDac {
+    fn check(&self, source: &Source) -> Result<(), FileError> {
+        let (gain, offset) = (self.gain_tolerance, self.offset_tolerance_ma);
+        source.range("dac.shortest_us", self.shortest_us, 0.0..=200.0, "us")?;
+        source.range("dac.gain_tolerance", gain, 0.0..=0.2, "")?;
+        source.range("dac.offset_tolerance_ma", offset, 0.0..=100.0, "mA")?;
+        source.range("dac.gain", self.gain, 1.0 - gain..=1.0 + gain, "")?;
+        source.range("dac.offset_ma", self.offset_ma, -offset..=offset, "mA")
+    }
+
+    /// The most that flows where this was set, mA.
+    fn most_ma(&self, set_ma: f64) -> f64 {
+        set_ma * (1.0 + self.gain_tolerance) + self.offset_tolerance_ma
+    }
+}
+
+impl Bench {
+    /// Checks the converters against the outputs, which are known by then.
+    pub(super) fn check_dac(&self, source: &Source) -> Result<(), FileError> {
+        let Some(dac) = &self.dac else {
+            return Ok(());
+        };
+        let without = match (self.kind, &self.unit, self.displays.as_slice()) {
+            (BenchKind::Real, ..) => "an emulated bench: converters of a real one are not driven",
+            (_, Some(_), _) => "no [unit]: its link carries no currents",
+            (.., [_, ..]) => "one display: a converter is beside a board of its own",
+            _ => {
+                dac.check(source)?;
+                self.check_addresses(source, dac)?;
+                return self.check_most(source, dac);
+            }
+        };
+        Err(source.bad("dac", without))
+    }
+
+    /// Each board has a converter, at an address that nothing else on the bus answers to, and each wire an output of it.
+    fn check_addresses(&self, source: &Source, dac: &BenchDac) -> Result<(), FileError> {
+        for (index, output) in self.outputs.iter().enumerate() {
+            let key = |name: &str| match source.states("outputs") {
+                true => format!("outputs[{index}].{name}"),
+                false => "display".to_owned(),
+            };
+            if output.channel >= CHANNELS {
+                let expected = "channels 0 to 7 with [dac]: a DAC7578 has eight outputs";
+                return Err(source.bad(&key("channel"), expected));
+            }
+            if output.board == BROADCAST_ADDRESS {
+                let expected = "another address than 0x47 with [dac]: every DAC7578 obeys that";
+                return Err(source.bad(&key("board"), expected));
+            }
+        }
+        let (boards, found) = (self.boards(), dac.addresses.len());
+        if boards != found {
+            let expected = format!("as many addresses as boards, {boards}");
+            return Err(source.bad_found("dac.addresses", expected, found.to_string()));
+        }
+        for (index, address) in dac.addresses.iter().enumerate() {
+            let key = format!("dac.addresses[{index}]");
+            if !ADDRESSES.contains(address) {
+                let expected = "0x48 to 0x4f, which the pins ADDR0 and ADDR1 give";
+                return Err(source.bad_found(&key, expected, format!("{address:#04x}")));
+            }
+            let board = self.outputs.iter().any(|o| o.board == *address);
+            if board || dac.addresses[..index].contains(address) {
+                let expected =
+                    format!("an address of its own: another chip answers at {address:#04x}");
+                return Err(source.bad_found(&key, expected, format!("{address:#04x}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// The supply bears one wire at the most that its amplifier gives.
+    fn check_most(&self, source: &Source, dac: &BenchDac) -> Result<(), FileError> {
+        let (set, supply) = (self.drive.current_ma, self.drive.supply_limit_ma);
+        let most = dac.most_ma(set).ceil();
+        if supply >= most {
+            return Ok(());
+        }
+        let expected = format!(
+            "at least {most} mA: one wire set to {set} mA, {} % and {} mA more by [dac]",
+            dac.gain_tolerance * 100.0,
+            dac.offset_tolerance_ma
+        );
+        Err(source.bad_found("drive.supply_limit_ma", expected, format!("{supply} mA")))
+    }
+}
