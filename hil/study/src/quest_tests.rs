@@ -33,7 +33,8 @@ fn it_asks_what_questplus_asks_trial_by_trial() {
         let mut quest = Quest::new(domain()).unwrap();
         assert_eq!(session.levels.len(), 60);
         for (trial, level) in session.levels.iter().enumerate() {
-            assert_eq!(quest.next(), *level, "session {number}, trial {trial}");
+            let asked = (quest.next(), trial);
+            assert_eq!(asked, (*level, trial), "session {number}, trial {trial}");
             quest.answer(*level, session.correct[trial]);
             let (found, expected) = (quest.threshold(), session.thresholds[trial]);
             assert!(
