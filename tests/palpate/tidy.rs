@@ -73,6 +73,7 @@ fn dependencies_run_one_way() {
         ("hil/records", &["core"]),
         ("hil/buses", &["core", "emulators"]),
         ("hil/run", &["core", "emulators", "files", "records"]),
+        ("hil/study", &["core", "files"]),
         (
             "hil/texture",
             &["core", "emulators", "files", "records", "run"],
@@ -91,6 +92,7 @@ fn dependencies_run_one_way() {
                 "fixtures",
                 "records",
                 "run",
+                "study",
                 "texture",
                 "unit",
             ],

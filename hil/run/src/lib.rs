@@ -36,6 +36,7 @@ pub mod picture;
 pub mod place;
 pub mod plan;
 pub mod policy;
+pub mod recorded;
 mod recorder;
 mod replay;
 mod runner;

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use palpate_files::open;
 use palpate_run::Failure;
-use palpate_run::picture::{Player, Recorded};
+use palpate_run::recorded::{Player, Recorded};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use tungstenite::Message;

@@ -1,3 +1,5 @@
+//! Tests of `quest.rs`.
+
 use serde::Deserialize;
 
 use super::*;

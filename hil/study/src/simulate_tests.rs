@@ -1,3 +1,5 @@
+//! Tests of `simulate.rs`.
+
 use palpate_files::{ThresholdMethod, load_protocol};
 
 use super::*;

@@ -1,3 +1,5 @@
+//! Tests of `staircase.rs`.
+
 use serde::Deserialize;
 
 use super::*;

@@ -2,11 +2,10 @@
 
 mod head;
 mod painter;
-mod recorded;
 
 pub use head::style_word;
+pub(crate) use painter::Memory;
 pub use painter::Painter;
-pub use recorded::{Moment, Past, Player, Recorded, SoFar};
 
 use palpate_core::guard::{Cause, Used};
 use palpate_core::illusion::Map;

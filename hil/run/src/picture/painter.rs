@@ -28,14 +28,14 @@ pub struct Painter {
 
 /// What it remembers of events.
 #[derive(Clone, Debug)]
-pub(super) struct Memory {
+pub(crate) struct Memory {
     contacts: Vec<Contact>,
     frames: u32,
     /// By events, where nothing else measures them: each wire and the skin under it, degrees C.
-    pub(super) warm: Vec<[f64; 2]>,
+    pub(crate) warm: Vec<[f64; 2]>,
     /// What the wires were told, and the hottest skin that an event told of, thousandths of a degree Celsius.
-    pub(super) driven: Driven,
-    pub(super) hottest_mc: Option<i32>,
+    pub(crate) driven: Driven,
+    pub(crate) hottest_mc: Option<i32>,
 }
 
 fn mm(place: PlaceUm) -> [f64; 2] {
@@ -98,11 +98,11 @@ impl Painter {
         }
     }
 
-    pub(super) const fn memory(&self) -> &Memory {
+    pub(crate) const fn memory(&self) -> &Memory {
         &self.memory
     }
 
-    pub(super) fn recall(&mut self, memory: &Memory) {
+    pub(crate) fn recall(&mut self, memory: &Memory) {
         self.memory.clone_from(memory);
     }
 

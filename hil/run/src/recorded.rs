@@ -15,10 +15,9 @@ use palpate_files::{FileError, Setup};
 use palpate_records::mcap::{McapReader, Told, Unreadable};
 use palpate_records::trace::{Event, Source};
 
-use super::painter::Memory;
-use super::{Head, Painter};
 use crate::failure::Failure;
 use crate::header::header;
+use crate::picture::{Head, Memory, Painter};
 use crate::place::{Place, fingers};
 use crate::runner::build;
 
