@@ -11,7 +11,6 @@ mod simulate;
 mod staircase;
 mod threshold;
 
-pub use compare::{Comparison, compare};
 pub use psychometric::Psychometric;
 pub use quest::{Estimate, Quest, QuestDomain};
 pub use simulate::{Outcome, Ratings, Simulation, StudyError, Thresholds, simulate};

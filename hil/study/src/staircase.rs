@@ -81,12 +81,6 @@ impl Staircase {
     pub fn turns(&self) -> &[f64] {
         &self.turns
     }
-
-    /// The mean of the last so many turns, dB; `None` before the first.
-    pub fn threshold(&self, last: usize) -> Option<f64> {
-        let turns = &self.turns[self.turns.len().saturating_sub(last)..];
-        (!turns.is_empty()).then(|| turns.iter().sum::<f64>() / turns.len() as f64)
-    }
 }
 
 #[cfg(test)]
