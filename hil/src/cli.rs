@@ -19,14 +19,14 @@ pub use compare::{DiffArgs, ReviewAction, ReviewArgs, TestArgs};
 pub use design::{DesignArgs, Numbers};
 pub use files::{
     CheckArgs, CompletionsArgs, ExportKind, ExportTaxels, ExportViews, LayoutKind, ListArgs,
-    ManArgs, Motion, NewBench, NewFile, NewKind, NewLayout, NewScene, NewWire, Shelf,
+    ManArgs, Motion, NewBench, NewFile, NewKind, NewLayout, NewProtocol, NewScene, NewWire, Shelf,
 };
 pub use hardware::{DoctorArgs, EmulateArgs, GuardianArgs, OffArgs, RecordArgs, ReplayArgs};
 pub use identify::{IdentifyArgs, SignalArg};
 use palpate_core::contact::{Norm, Scope};
 use palpate_core::skin::Axes;
 use palpate_files::TimeColumn;
-pub use study::{SimulateArgs, StudyAction};
+pub use study::{AnalyseArgs, SimulateArgs, StudyAction, StudyRunArgs};
 pub use sweep::{CompareArgs, Seeds, SweepArgs};
 pub use texture::{
     EncodeArgs, ExportArgs, MapArgs, MaterialsArgs, PanelArgs, ResponseArgs, StrokesArgs,
@@ -336,6 +336,9 @@ pub struct RunArgs {
     /// How `inverse` renders a contact: smooth (a vibration), tap, or auto (taps while it rests).
     #[arg(long, value_name = "STYLE")]
     pub render: Option<String>,
+    /// The wearer's calibration that the loop is told, built in or a file, such as `hil study analyse` writes.
+    #[arg(long, value_name = "NAME|FILE")]
+    pub wearer: Option<String>,
     /// The emulated person who feels it, built in (typical, sensitive, dull) or a file.
     #[arg(long, value_name = "PERSON")]
     pub felt: Option<String>,

@@ -20,6 +20,7 @@ pub mod record;
 pub mod recording;
 pub mod review;
 pub mod serve;
+pub mod study;
 pub mod sweep;
 pub mod telling;
 pub mod trial;

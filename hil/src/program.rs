@@ -64,7 +64,7 @@ fn run(cli: Cli) -> Result<u8, palpate_run::Failure> {
         Some(Command::Off(args)) => command::off(&args),
         Some(Command::Guardian(args)) => return Ok(command::guardian(args)),
         Some(Command::Texture(action)) => command::texture(&action),
-        Some(Command::Study(action)) => command::study(&action),
+        Some(Command::Study(action)) => command::study(action),
         Some(Command::Diff(args)) => command::diff(&args, cli.color),
         Some(Command::List(args)) => command::list(&args),
         Some(Command::New(kind)) => command::new(&kind),

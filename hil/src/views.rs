@@ -1,4 +1,7 @@
-//! What looks on at a run: a terminal (`--watch`), pages (`--serve`), both or neither.
+//! What looks on at a run: a terminal (`--watch`), pages (`--serve`), a study that can stop it, or nothing.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use palpate_run::{Beginning, Failure, TurnView};
 
@@ -16,7 +19,7 @@ pub enum Wish {
 }
 
 /// What a stop by a page is called where it is kept.
-pub const STOPPED_BY_PAGE: &str = "STOP on the live view";
+pub const STOPPED_BY_PAGE: &str = "STOP on a page";
 
 impl Wish {
     /// Who or what ended the run.
@@ -35,6 +38,7 @@ pub struct Views {
     /// Whether a terminal was looked for.
     sought: bool,
     live: Option<LiveRun>,
+    stop: Option<Arc<AtomicBool>>,
 }
 
 /// Which views are wanted.
@@ -44,12 +48,14 @@ pub struct Wanted<'a> {
     pub watch: bool,
     /// In pages.
     pub live: Option<&'a Live>,
+    /// Where a STOP is noted that comes from elsewhere.
+    pub stop: Option<&'a Arc<AtomicBool>>,
 }
 
 impl Wanted<'_> {
     /// Whether any is.
     pub const fn any(self) -> bool {
-        self.watch || self.live.is_some()
+        self.watch || self.live.is_some() || self.stop.is_some()
     }
 }
 
@@ -72,16 +78,24 @@ impl Views {
         if let Some(live) = &mut self.live {
             live.add(run);
         }
+        self.stop = wanted.stop.map(Arc::clone);
         Ok(())
     }
 
     /// Whether something looks on.
     pub const fn are_open(&self) -> bool {
-        self.watch.is_some() || self.live.is_some()
+        self.watch.is_some() || self.live.is_some() || self.stop.is_some()
     }
 
     /// Shows a turn, and returns what is wanted.
     pub fn turn(&mut self, seen: &TurnView<'_>) -> Option<Wish> {
+        if self
+            .stop
+            .as_ref()
+            .is_some_and(|stop| stop.load(Ordering::Relaxed))
+        {
+            return Some(Wish::Stop);
+        }
         if let Some(live) = &mut self.live {
             if live.is_stopped() {
                 return Some(Wish::Stop);

@@ -9,6 +9,7 @@ mod budget;
 mod current;
 mod decays;
 mod dose;
+mod earlier;
 mod lasting;
 mod limits;
 mod observed;
@@ -22,6 +23,7 @@ mod watchdog;
 
 pub use budget::WireBudget;
 pub use current::CurrentControl;
+pub use earlier::Earlier;
 pub use lasting::Booked;
 pub use limits::{BURST_GAP, HARD, Limits};
 pub use observed::Observed;

@@ -85,6 +85,12 @@ impl Bucket {
         }
     }
 
+    /// Counts time from `end` on.
+    pub(super) fn rebase(&mut self, end: Instant) {
+        self.left_nj(end);
+        self.at = Instant::ZERO;
+    }
+
     /// Books energy, at most what is left.
     pub(super) fn spend(&mut self, nj: u64) {
         self.left_pj = self.left_pj.saturating_sub(nj.saturating_mul(1000));

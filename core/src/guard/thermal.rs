@@ -56,8 +56,10 @@ struct Felt {
 /// What the guard knows of the skin under one wire.
 #[derive(Clone, Debug)]
 pub(super) struct Tissue {
-    /// Booked until here.
+    /// Booked until here, in a time that began with the first run of the session.
     at: Instant,
+    /// When this run began in that time.
+    pub(super) begun: Duration,
     /// Energy that each decay still feels, J.
     energy: Decays,
     /// Time integral of the temperature above rest at 0.1 mm, K s, by bin of absolute time, the last one first.
@@ -190,6 +192,7 @@ impl Tissue {
     pub(super) fn new() -> Self {
         Self {
             at: Instant::ZERO,
+            begun: Duration::ZERO,
             energy: [0.0; DECAYS],
             bins: [0.0; BINS],
             dose: Dose::new(REST_C + LATENT_K[0]),
@@ -201,11 +204,11 @@ impl Tissue {
     /// When a burst that is on between two times is booked: after all that is booked, and as late as
     /// `latency` allows it to come.
     pub(super) fn booking(&self, on: Instant, off: Instant, latency: Duration) -> Booking {
-        let from = self.at.max(on + latency);
+        let from = self.at.max(on + self.begun + latency);
         let least = from + Duration::from_micros(1);
         Booking {
             from,
-            until: least.max(off + latency),
+            until: least.max(off + self.begun + latency),
         }
     }
 
@@ -295,7 +298,7 @@ impl Tissue {
     /// so that what is booked keeps to the limits.
     pub(super) fn bears(&self, budget: &Budget, now: Instant, face_k: f64) -> (Predicted, f64) {
         let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
-        tissue.relax(&mut stretches, now);
+        tissue.relax(&mut stretches, now + self.begun);
         tissue.face_k = face_k;
         let predicted = tissue.to_come(budget);
         let above = |c: f64, latent_k: f64| c - REST_C - latent_k - face_k;
@@ -308,7 +311,7 @@ impl Tissue {
     /// Raises the rows of heat to their shares here at `now`, or where more is booked, at the end of that.
     pub(super) fn add_used(&self, budget: &Budget, now: Instant, used: &mut Used) {
         let (mut tissue, mut stretches) = (self.clone(), budget.stretches);
-        tissue.relax(&mut stretches, now);
+        tissue.relax(&mut stretches, now + self.begun);
         let rest_k = self.face_k;
         let mean_k = rest_k + tissue.pasts(tissue.at)[0] / WINDOW.as_secs_f64();
         let raise = |row: &mut f64, part: f64, limit: f64| *row = row.max(part / limit);

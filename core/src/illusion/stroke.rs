@@ -35,6 +35,8 @@ pub struct Dab {
     pub duration: Duration,
     /// Where, display mm.
     pub place: Point,
+    /// How strong, in [0, 1].
+    pub weight: f32,
 }
 
 /// A planned stroke: its stimuli from `start` on, the last of them over at `end`.
@@ -49,6 +51,30 @@ pub struct Planned {
 }
 
 impl Planned {
+    /// Stimuli of `duration` at one place, an onset every `soa`, the last one begun before `length` is over.
+    pub fn staying(
+        start: Instant,
+        place: Point,
+        length: Duration,
+        (duration, soa): (Duration, Duration),
+    ) -> Self {
+        let count = length.as_micros().div_ceil(soa.as_micros().max(1));
+        let dab = |number: u64| Dab {
+            at: Duration::from_micros(number * soa.as_micros()),
+            duration,
+            place,
+            weight: 1.0,
+        };
+        Self::new(start, (0..count).map(dab).collect())
+    }
+
+    /// The same so much weaker: a weight in [0, 1].
+    #[must_use]
+    pub fn weighted(mut self, weight: f32) -> Self {
+        self.dabs.iter_mut().for_each(|dab| dab.weight = weight);
+        self
+    }
+
     /// Stimuli in order, beginning at `start`.
     pub fn new(start: Instant, dabs: Vec<Dab>) -> Self {
         let end = dabs.iter().map(|d| start + d.at + d.duration).max();
@@ -139,6 +165,7 @@ impl Stroke {
                     self.from.x + part * (self.to.x - self.from.x),
                     self.from.y + part * (self.to.y - self.from.y),
                 ),
+                weight: 1.0,
             });
         }
         Ok(dabs)

@@ -286,7 +286,7 @@ impl Output {
         if let Some((onset, dab)) = self.strokes.due(now) {
             let target = Target {
                 place: dab.place,
-                weight: 1.0,
+                weight: dab.weight,
             };
             if let Some(Texture::Contacts(weave)) = &mut self.texture {
                 *weave = None; // the widths are the stroke's now

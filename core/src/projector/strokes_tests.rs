@@ -10,6 +10,7 @@ fn stimuli_come_in_their_turn_and_missed_ones_are_left_out() {
         at: Duration::from_millis(ms),
         duration: Duration::from_millis(30),
         place: Point::new(ms as f32, 0.0),
+        weight: 1.0,
     };
     let planned = Planned {
         start: at(100),

@@ -13,6 +13,7 @@ use super::scene::Scene;
 use super::setup::Setup;
 use super::source::Source;
 use super::wire::{AlloyFile, WireFile};
+use palpate_core::guard::Earlier;
 use palpate_core::units::Duration;
 
 /// Changes to scene and bench, as a text has them.
@@ -106,6 +107,7 @@ impl Setup {
             fingers: Vec::new(),
             bus_wait: Duration::ZERO,
             unit: None,
+            earlier: Earlier::default(),
             observed: false,
             scene,
             bench,

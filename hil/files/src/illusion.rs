@@ -151,7 +151,8 @@ impl Illusion {
     }
 }
 
-/// A straight stroke over the display, rendered by the Tactile Brush planner in place of live contacts.
+/// A straight stroke over the display, rendered by the Tactile Brush planner in place of live contacts. Where it begins and
+/// ends at one place it stays there, with an onset every SOA.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -164,6 +165,13 @@ pub struct SceneStroke {
     pub from_mm: [f64; 2],
     /// Where it ends.
     pub to_mm: [f64; 2],
+    /// How strong, as a part of full strength.
+    #[serde(default = "full")]
+    pub weight: f64,
+}
+
+const fn full() -> f64 {
+    1.0
 }
 
 impl SceneStroke {
@@ -181,6 +189,7 @@ impl SceneStroke {
             return Err(source.bad(&at("start_s"), expected));
         }
         source.range(&at("length_s"), self.length_s, 0.001..=3600.0, "s")?;
+        source.range(&at("weight"), self.weight, 0.0..=1.0, "of full strength")?;
         for (name, place) in [("from_mm", self.from_mm), ("to_mm", self.to_mm)] {
             for (axis, value) in place.into_iter().enumerate() {
                 source.range(&at(&format!("{name}[{axis}]")), value, -1e4..=1e4, "mm")?;

@@ -87,8 +87,10 @@ pub use overrides::Overrides;
 pub use person::{FeltChannel, PersonFile, Spread, Wearer};
 pub use play::PlayEntry;
 pub use protocol::{
-    Normal, Protocol, RatingTask, SimulatedRatings, SimulatedThresholds, ThresholdMethod,
-    ThresholdTask,
+    ChoiceTask, Condition, DifferenceTask, DrawTask, Groups, LocateTask, MatchTask, Normal, Order,
+    Protocol, Question, RatingScale, RatingTask, SimulatedChoices, SimulatedDifferences,
+    SimulatedDrawings, SimulatedMatches, SimulatedPlaces, SimulatedRatings, SimulatedThresholds,
+    ThresholdMethod, ThresholdTask,
 };
 pub use quarantine::{Quarantine, Quarantined};
 pub use reading::{LONGEST_LINE, Lines, Text, format_of, is_stream, open, read_bytes, read_text};

@@ -125,6 +125,23 @@ pub fn load_wire(name: &str) -> Result<Loaded<WireFile>, FileError> {
     load(resolve(FileKind::Wire, name)?, WireFile::read)
 }
 
+impl Loaded<Protocol> {
+    /// The scene of a condition, by its place among them, with its changes; `None` where nothing is played.
+    ///
+    /// # Errors
+    /// An unknown name, or what cannot be in the scene.
+    pub fn scene(&self, condition: usize) -> Result<Option<Loaded<Scene>>, FileError> {
+        let named = self.value.conditions.get(condition);
+        let Some((condition, name)) = named.and_then(|c| Some((c, c.scene.as_ref()?))) else {
+            return Ok(None);
+        };
+        let place = self.value.conditions.iter().position(|c| c == condition);
+        let key = format!("conditions[{}].scene", place.unwrap_or(0));
+        let scene = self.refer(FileKind::Scene, Scene::read, name, &key)?;
+        scene.with(&condition.overrides()?).map(Some)
+    }
+}
+
 impl Loaded<Bench> {
     /// The file of the key of its unit: a relative name starts at the folder of the bench's file.
     #[must_use]

@@ -96,6 +96,10 @@ pub struct Wearer {
     pub gain: Vec<f64>,
     /// The part of full drive at which this person begins to feel the wire.
     pub threshold: Vec<f64>,
+    /// Where the gain of each wire lies, low and high, with 95 % of what is held for possible; the loop does not read it.
+    pub gain_interval: Option<Vec<[f64; 2]>>,
+    /// The same of each threshold.
+    pub threshold_interval: Option<Vec<[f64; 2]>>,
     /// Displacement that this wearer just feels as vibration, um: the amplitude of a long sine at 250 Hz. Left out: that
     /// of the person `typical`. What `level_db` of a scene counts from.
     pub vibration_um: Option<f64>,
@@ -129,6 +133,30 @@ impl Wearer {
             if !(0.0..gain).contains(&threshold) {
                 let expected = format!("from 0 to below the wire's full scale, its gain of {gain}");
                 return Err(source.bad(&format!("threshold[{wire}]"), expected));
+            }
+        }
+        for (key, intervals) in [
+            ("gain_interval", &file.gain_interval),
+            ("threshold_interval", &file.threshold_interval),
+        ] {
+            let intervals = intervals.as_deref().unwrap_or_default();
+            if !intervals.is_empty() && intervals.len() != file.gain.len() {
+                let expected = format!("{} intervals, one a gain", file.gain.len());
+                return Err(source.bad_found(key, expected, intervals.len().to_string()));
+            }
+            for (wire, [low, high]) in intervals.iter().enumerate() {
+                source.range(
+                    &format!("{key}[{wire}][0]"),
+                    *low,
+                    0.0..=1.0,
+                    "of full drive",
+                )?;
+                source.range(
+                    &format!("{key}[{wire}][1]"),
+                    *high,
+                    *low..=1.0,
+                    "of full drive",
+                )?;
             }
         }
         Ok(file)

@@ -18,6 +18,7 @@ use super::transducer::Transducer;
 use super::wire::{AlloyFile, WireFile};
 pub use fingers::Finger;
 use palpate_core::codec::link::Hello;
+use palpate_core::guard::Earlier;
 use palpate_core::units::Duration;
 
 /// What a scene's texture names.
@@ -58,6 +59,8 @@ pub struct Setup {
     pub bus_wait: Duration,
     /// What the bench's driver unit said of itself, once it was met: the stricter of both is played by.
     pub unit: Option<Hello>,
+    /// What the wearer had from earlier runs of a session: the guard counts on from it.
+    pub earlier: Earlier,
     pub(super) observed: bool,
 }
 
@@ -115,6 +118,7 @@ impl Setup {
             fingers,
             bus_wait: Duration::ZERO,
             unit: None,
+            earlier: Earlier::default(),
             observed: false,
         })
     }

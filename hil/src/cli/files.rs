@@ -83,6 +83,8 @@ pub enum NewKind {
     Layout(NewLayout),
     /// A shape-memory wire.
     Wire(NewWire),
+    /// A protocol of a study with people.
+    Protocol(NewProtocol),
 }
 
 /// What every new file has.
@@ -197,6 +199,16 @@ pub struct NewWire {
     /// Resistance between the terminals, Ohm (default: computed from the built-in final-75um).
     #[arg(long, value_name = "OHM", value_parser = positive, allow_hyphen_values = true)]
     pub resistance_ohm: Option<f64>,
+}
+
+/// Options of `hil new protocol` and `hil study new`.
+#[derive(Debug, Args)]
+pub struct NewProtocol {
+    #[command(flatten)]
+    pub(crate) file: NewFile,
+    /// The built-in protocol that it begins as.
+    #[arg(long, value_name = "NAME", default_value = "wearer")]
+    pub like: String,
 }
 
 /// What `hil export` writes.

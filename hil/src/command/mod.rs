@@ -28,6 +28,7 @@ mod schedules;
 mod serve;
 mod shell;
 mod study;
+mod study_simulate;
 mod sweep;
 mod test;
 mod texture;

@@ -5,11 +5,12 @@ use std::io::{self, BufRead, IsTerminal};
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use palpate_files::{FileKind, LayoutFile, load_layout, load_wire};
+use palpate_files::{FileKind, LayoutFile, load_layout, load_wire, resolve};
 use palpate_run::Failure;
 
 use crate::cli::{
-    LayoutKind, Motion, NewBench, NewFile, NewKind, NewLayout, NewScene, NewWire, positive, whole,
+    LayoutKind, Motion, NewBench, NewFile, NewKind, NewLayout, NewProtocol, NewScene, NewWire,
+    positive, whole,
 };
 use crate::output::{make_folder, print, write_file};
 
@@ -26,6 +27,7 @@ pub fn new(kind: &NewKind) -> Result<(), Failure> {
         NewKind::Bench(args) => (&args.file, FileKind::Bench, bench(args)?),
         NewKind::Layout(args) => (&args.file, FileKind::Layout, layout(args)?),
         NewKind::Wire(args) => (&args.file, FileKind::Wire, wire(args)?),
+        NewKind::Protocol(args) => (&args.file, FileKind::Protocol, protocol(args)?),
     };
     let path = path(file);
     let schema = path.with_file_name(SCHEMAS);
@@ -38,6 +40,7 @@ pub fn new(kind: &NewKind) -> Result<(), Failure> {
     let next = match kind {
         FileKind::Scene => format!("hil run {}", path.display()),
         FileKind::Bench => format!("hil run --bench {}", path.display()),
+        FileKind::Protocol => format!("hil study simulate {}", path.display()),
         _ => format!("hil check {}", path.display()),
     };
     print(|out| writeln!(out, "wrote {}; next: {next}", path.display()))
@@ -443,4 +446,22 @@ fn wire(args: &NewWire) -> Result<String, Failure> {
     };
     let rows: Vec<String> = text.lines().filter_map(stated).collect();
     Ok(format!("{heading}{}\n", rows.join("\n")))
+}
+
+/// A built-in protocol under a new name: its tasks, conditions and people are what one changes.
+fn protocol(args: &NewProtocol) -> Result<String, Failure> {
+    refuse(&args.file)?;
+    let like = resolve(FileKind::Protocol, &args.like)?;
+    let what = format!("A study like {}", args.like);
+    let heading = heading(&args.file, "docs/study.md", &what)?;
+    let own = |line: &&str| {
+        !["name = ", "description = "]
+            .iter()
+            .any(|k| line.starts_with(k))
+    };
+    // Names further down are those of conditions and questions.
+    let tables = like.text().find("\n[").unwrap_or(like.text().len());
+    let (top, rest) = like.text().split_at(tables);
+    let top: Vec<&str> = top.lines().filter(own).collect();
+    Ok(format!("{heading}{}{rest}", top.join("\n")))
 }

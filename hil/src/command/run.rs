@@ -87,6 +87,7 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     let views = Wanted {
         watch: args.watch,
         live: live.as_ref(),
+        stop: None,
     };
     let ran = if is_real {
         on_hardware(args, &setup, &reading, (views, &growing))
@@ -327,6 +328,7 @@ fn overrides(args: &RunArgs) -> Result<Overrides, Failure> {
         ("--layout", "layout", args.layout.clone()),
         ("--illusion", "illusion.model", args.illusion.clone()),
         ("--render", "illusion.render", args.render.clone()),
+        ("--wearer", "illusion.wearer", args.wearer.clone()),
         ("--felt", "illusion.person", args.felt.clone()),
         ("--shape", "illusion.shape", number(args.shape)),
         ("--alpha", "illusion.alpha", number(args.alpha)),

@@ -1,112 +1,291 @@
 //! `hil study`: studies with people.
 
 use std::io::{self, Write};
+use std::time::Duration;
 
-use palpate_files::{Protocol, load_protocol};
+use palpate_core::guard::Earlier;
+use palpate_files::{BenchKind, Loaded, Protocol, load_protocol};
+use palpate_records::digest::short_digest;
 use palpate_run::Failure;
-use palpate_study::{Outcome, Simulation, simulate};
-use serde::Serialize;
+use palpate_study::{About, Analysis, Line, Noted, Person, Session, VERSION, analyse};
 
-use crate::cli::{SimulateArgs, StudyAction};
-use crate::output::print;
+use super::devices::bench;
+use super::new;
+use super::study_simulate::simulated;
+use crate::cli::{AnalyseArgs, NewKind, StudyAction, StudyRunArgs};
+use crate::clock;
+use crate::output::{note, print};
+use crate::real::{refuse_latched, watch};
+use crate::serve::Desk;
+use crate::study::{
+    Answers, Conducting, Dose, Ended, Folder, Player, Stimuli, conduct, page, planned, wearer,
+};
+
+/// How long pages have to take in how a session ended.
+const LAST: Duration = Duration::from_millis(300);
 
 /// Does what is asked.
 ///
 /// # Errors
-/// A protocol that cannot be read, too few people.
-pub fn study(action: &StudyAction) -> Result<(), Failure> {
+/// [`Failure`] with its exit status.
+pub fn study(action: StudyAction) -> Result<(), Failure> {
     match action {
-        StudyAction::Simulate(args) => simulated(args),
+        StudyAction::New(args) => new(&NewKind::Protocol(args)),
+        StudyAction::Run(args) => run(&args),
+        StudyAction::Analyse(args) => analysed(&args),
+        StudyAction::Simulate(args) => simulated(&args),
     }
 }
 
-fn simulated(args: &SimulateArgs) -> Result<(), Failure> {
-    let protocol = load_protocol(&args.protocol)?.value;
-    let of = Simulation {
-        people: args.people,
-        seed: args.seed,
+/// A protocol on a bench, and what a participant's session comes to at its strongest.
+fn prepared(args: &StudyRunArgs) -> Result<(Stimuli, Session, Dose), Failure> {
+    let protocol = load_protocol(&args.protocol)?;
+    let on = &args.on;
+    let bench = bench(on.bench.as_deref(), &on.can, &on.i2c)?;
+    if args.simulated && bench.value.is_hardware() {
+        return Err(Failure::Input(format!(
+            "--simulated: expected an emulated bench, found `{}`: a simulated person wears no hardware",
+            bench.value.name
+        )));
+    }
+    if let Some(real) = bench
+        .value
+        .real
+        .as_ref()
+        .filter(|_| bench.value.is_hardware())
+    {
+        refuse_latched(&watch(&bench.value, real))?;
+    }
+    let session = Session::new(protocol.value.clone(), args.participant, on.seed);
+    let stimuli = Stimuli::new(protocol, bench)?;
+    let dose = planned(&stimuli, &session, &Earlier::default())?;
+    Ok((stimuli, session, dose))
+}
+
+fn run(args: &StudyRunArgs) -> Result<(), Failure> {
+    let (stimuli, mut session, dose) = prepared(args)?;
+    if args.dose {
+        print(|out| dose.write(out))?;
+        return dose.check();
+    }
+    dose.check()?;
+    let folder = Folder::make(&args.out, stimuli.protocol())?;
+    let mut writing = folder.participant(args.participant, args.resume)?;
+    let desk = match args.simulated {
+        true => None,
+        false => Some(Desk::open(args.at)?),
     };
-    let outcome = simulate(&protocol, of).map_err(|e| Failure::Input(e.to_string()))?;
-    print(|out| match args.json {
-        true => {
-            #[derive(Serialize)]
-            struct Whole<'a> {
-                protocol: &'a str,
-                people: u32,
-                seed: u64,
-                assumed: Option<&'a str>,
-                #[serde(flatten)]
-                outcome: Outcome,
-            }
-            let whole = Whole {
-                protocol: &protocol.name,
-                people: args.people,
-                seed: args.seed,
-                assumed: protocol.assumed.as_deref(),
-                outcome,
-            };
-            writeln!(out, "{}", serde_json::to_string(&whole)?)
+    let stop = desk.as_ref().map(Desk::stop);
+    let mut player = Player::new(stimuli, args.on.seed, stop);
+    let now_unix_ms = clock::unix_us() / 1000;
+    let began_unix_ms = match &writing.record {
+        None => {
+            let about = about(args, &player, &dose, now_unix_ms)?;
+            writing.add(Line::Session(about))?;
+            now_unix_ms
         }
-        false => text(args, &protocol, &outcome, out),
+        Some(record) => {
+            let (began_unix_ms, bench) = (record.about.began_unix_ms, player.stimuli().bench());
+            if record.about.bench != bench {
+                return Err(Failure::Input(format!(
+                    "--bench: expected `{}`, on which this session began, found `{bench}`",
+                    record.about.bench
+                )));
+            }
+            resume(&mut session, &mut player, record, player_protocol(args)?)?;
+            let resumed = Noted {
+                at_ms: now_unix_ms.saturating_sub(began_unix_ms),
+                text: format!("palpate {}", env!("CARGO_PKG_VERSION")),
+            };
+            writing.add(Line::Resumed(resumed))?;
+            began_unix_ms
+        }
+    };
+    let answers = match &desk {
+        Some(desk) => {
+            note(&format!("participant: {}", desk.url));
+            note(&format!("experimenter: {}", desk.experimenter_url()));
+            Answers::Page(desk)
+        }
+        None => {
+            let person = Person::new(session.protocol(), args.participant, args.on.seed);
+            Answers::Person(Box::new(person))
+        }
+    };
+    let ended = conduct(Conducting {
+        session,
+        writing,
+        player,
+        answers,
+        dose: dose.share,
+        began_unix_ms,
+        known: dose.known,
+        begun: false,
+    });
+    if let Some(desk) = &desk {
+        // Pages have a moment to take in how it ended.
+        let _ = desk.hear(LAST);
+    }
+    told(args, &ended?)
+}
+
+fn player_protocol(args: &StudyRunArgs) -> Result<Protocol, Failure> {
+    Ok(load_protocol(&args.protocol)?.value)
+}
+
+/// How a session ended, in words and a status.
+fn told(args: &StudyRunArgs, ended: &Ended) -> Result<(), Failure> {
+    let (n, out) = (args.participant, args.out.display());
+    match ended {
+        Ended::Done => {
+            print(|w| writeln!(w, "participant {n}: done; next: hil study analyse {out}"))
+        }
+        Ended::Declined => {
+            print(|w| writeln!(w, "participant {n}: did not agree; nothing was played"))
+        }
+        Ended::Stopped(text) => Err(Failure::Guard(format!(
+            "participant {n}: {text}; --resume goes on with the session"
+        ))),
+        Ended::Signal(name) => Err(Failure::Stopped(format!(
+            "participant {n}: stopped by {name}; --resume goes on with the session"
+        ))),
+    }
+}
+
+fn about(
+    args: &StudyRunArgs,
+    player: &Player,
+    dose: &Dose,
+    began_unix_ms: u64,
+) -> Result<About, Failure> {
+    let stimuli = player.stimuli();
+    let protocol: &Loaded<Protocol> = stimuli.protocol();
+    let setup = stimuli.setup(&palpate_study::Stimulus::Silence)?;
+    let bench = &setup.bench.value;
+    Ok(About {
+        version: VERSION,
+        palpate: env!("CARGO_PKG_VERSION").into(),
+        protocol: protocol.value.name.clone(),
+        protocol_digest: short_digest(protocol.source.text().as_bytes()),
+        participant: args.participant,
+        seed: args.on.seed,
+        bench: bench.name.clone(),
+        source: match bench.kind {
+            BenchKind::Emulated => "emulated".into(),
+            BenchKind::Real => "real".into(),
+        },
+        limits_digest: short_digest(setup.limits.source.text().as_bytes()),
+        wires_mm: stimuli.wires_mm().to_vec(),
+        began: clock::date(began_unix_ms * 1000),
+        began_unix_ms,
+        simulated: args.simulated,
+        dose_planned: dose.share,
     })
 }
 
-fn text(
-    args: &SimulateArgs,
-    protocol: &Protocol,
-    outcome: &Outcome,
-    out: &mut dyn Write,
-) -> io::Result<()> {
-    let (people, seed) = (args.people, args.seed);
-    writeln!(
-        out,
-        "{} with {people} simulated people, seed {seed}: {}",
-        protocol.name, protocol.description
-    )?;
-    let mut line =
-        |name: &str, value: String, words: &str| writeln!(out, "  {name:<20}{value:<10}{words}");
-    let percent = |part: f64| format!("{:.1} %", 100.0 * part);
-    if let (Some(found), Some(task)) = (&outcome.thresholds, &protocol.absolute_threshold) {
-        line(
-            "threshold error",
-            percent(found.threshold_error_median),
-            &format!(
-                "of its amplitude, median of {} thresholds; {} trials each",
-                found.thresholds, task.trials
-            ),
-        )?;
-        line(
-            "coverage",
-            percent(found.coverage),
-            "of the 95 % intervals hold the true threshold",
-        )?;
-        let width = format!("{:.1} dB", found.interval_db_median);
-        line("interval", width, "wide, median")?;
+/// A session and a bench where the record leaves them.
+fn resume(
+    session: &mut Session,
+    player: &mut Player,
+    record: &palpate_study::Record,
+    protocol: Protocol,
+) -> Result<(), Failure> {
+    let resumed = record.resumed(protocol);
+    *session = resumed.map_err(|e| Failure::Input(format!("--resume: {e}")))?;
+    let played = record.replies().filter_map(|said| said.trial.as_ref());
+    for interval in played.flat_map(|played| &played.intervals) {
+        player.remember(interval);
     }
-    if let (Some(found), Some(task)) = (&outcome.ratings, &protocol.rating) {
-        let [first, second] = &task.conditions;
-        line(
-            "false positives",
-            percent(found.false_positive_rate),
-            &format!(
-                "of 1000 studies find {first} and {second} different where they are not (p < 5 %)"
-            ),
-        )?;
-        let difference = task.simulated.difference;
-        line(
-            "power",
-            percent(found.power),
-            &format!("find a difference of {difference} in {}", task.question),
-        )?;
-        let enough = found.people_for_power;
-        line(
-            "people",
-            enough.map_or_else(|| "over 1000".into(), |n| n.to_string()),
-            "for that to be found by 80 %",
+    Ok(())
+}
+
+fn analysed(args: &AnalyseArgs) -> Result<(), Failure> {
+    let (folder, protocol) = Folder::open(&args.dir)?;
+    let records = folder.records()?;
+    if records.is_empty() {
+        return Err(Failure::Input(format!(
+            "{}: expected a participant's record, found none",
+            args.dir.display()
+        )));
+    }
+    let analysis = analyse(&protocol, &records)
+        .map_err(|e| Failure::Input(format!("{}: {e}", args.dir.display())))?;
+    let mut written = vec![folder.write("index.html", &page(&analysis))?];
+    for (name, text) in palpate_study::tables(&analysis) {
+        written.push(folder.write(&name, &text)?);
+    }
+    let wires = records
+        .first()
+        .map_or(0, |record| record.about.wires_mm.len());
+    for participant in &analysis.participants {
+        if let Some(text) = wearer(&protocol, participant, wires) {
+            let name = format!("participant-{}.toml", participant.number);
+            written.push(folder.write(&name, &text)?);
+        }
+    }
+    print(|out| match args.json {
+        true => writeln!(out, "{}", serde_json::to_string(&analysis)?),
+        false => {
+            summary(&analysis, out)?;
+            written
+                .iter()
+                .try_for_each(|path| writeln!(out, "  wrote {}", path.display()))
+        }
+    })
+}
+
+fn summary(of: &Analysis, out: &mut dyn Write) -> io::Result<()> {
+    let who = if of.simulated {
+        "simulated people"
+    } else {
+        "people"
+    };
+    writeln!(out, "{}: {} {who}", of.protocol, of.participants.len())?;
+    for c in &of.comparisons {
+        writeln!(
+            out,
+            "  {}: {} {:.2}, {} {:.2}; U {:.1}, p {:.4}, r {:.2} [{:.2}, {:.2}]",
+            c.of,
+            c.first,
+            c.medians[0],
+            c.second,
+            c.medians[1],
+            c.u,
+            c.p,
+            c.effect.value,
+            c.effect.low,
+            c.effect.high
         )?;
     }
-    if let Some(assumed) = &protocol.assumed {
-        writeln!(out, "  assumed: {assumed}")?;
+    for d in &of.drawings {
+        if let (Some(rmse), Some(frechet)) = (&d.rmse_mm, &d.frechet_mm) {
+            writeln!(
+                out,
+                "  {}: {} drawings, RMSE {:.2} mm, Frechet {:.2} mm, {:.2} breaks each",
+                d.condition, d.drawings, rmse.value, frechet.value, d.breaks
+            )?;
+        }
+    }
+    for c in &of.choices {
+        if let Some(part) = &c.part {
+            writeln!(
+                out,
+                "  {} over {}: {:.0} % [{:.0}, {:.0}], p {:.4}",
+                c.pair[1],
+                c.pair[0],
+                100.0 * part.value,
+                100.0 * part.low,
+                100.0 * part.high,
+                c.p
+            )?;
+        }
+    }
+    if let Some(off) = &of.localisation_mm {
+        writeln!(
+            out,
+            "  felt {:.1} mm [{:.1}, {:.1}] from the wire",
+            off.value, off.low, off.high
+        )?;
     }
     Ok(())
 }

@@ -7,6 +7,7 @@ pub(super) struct PageFile {
     text: &'static str,
 }
 
+const HTML: &str = "text/html; charset=utf-8";
 const JAVASCRIPT: &str = "text/javascript; charset=utf-8";
 
 macro_rules! script {
@@ -22,7 +23,7 @@ macro_rules! script {
 const FILES: [PageFile; 10] = [
     PageFile {
         path: "/",
-        media_type: "text/html; charset=utf-8",
+        media_type: HTML,
         text: include_str!("../../page/index.html"),
     },
     PageFile {
@@ -40,6 +41,28 @@ const FILES: [PageFile; 10] = [
     script!("recording.js"),
 ];
 
+/// The pages of a study: the participant's and the experimenter's.
+const STUDY: [PageFile; 6] = [
+    PageFile {
+        path: "/",
+        media_type: HTML,
+        text: include_str!("../../page/study/participant.html"),
+    },
+    PageFile {
+        path: "/experimenter",
+        media_type: HTML,
+        text: include_str!("../../page/study/experimenter.html"),
+    },
+    PageFile {
+        path: "/study.css",
+        media_type: "text/css; charset=utf-8",
+        text: include_str!("../../page/study/study.css"),
+    },
+    script!("study/participant.js"),
+    script!("study/experimenter.js"),
+    script!("study/desk.js"),
+];
+
 /// What a page is over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Page {
@@ -47,21 +70,24 @@ pub(super) enum Page {
     Live,
     /// Recordings.
     Recording,
+    /// A session of a study.
+    Study,
 }
 
 impl Page {
     /// What the playground's page says that this one says otherwise.
-    const fn otherwise(self) -> [(&'static str, &'static str); 3] {
+    const fn otherwise(self) -> &'static [(&'static str, &'static str)] {
         const BODY: &str = "<body>";
         const TITLE: &str = "<title>Palpate: touch it</title>";
         const SCRIPT: &str = "import \"palpate/main.js\"";
         match self {
-            Self::Live => [
+            Self::Live => &[
                 (BODY, "<body class=\"live\">"),
                 (TITLE, "<title>Palpate: live</title>"),
                 (SCRIPT, "import \"palpate/live.js\""),
             ],
-            Self::Recording => [
+            Self::Study => &[],
+            Self::Recording => &[
                 (BODY, "<body class=\"recorded\">"),
                 (TITLE, "<title>Palpate: recording</title>"),
                 (SCRIPT, "import \"palpate/recording.js\""),
@@ -72,27 +98,31 @@ impl Page {
     /// Where its page may connect: to this host alone. Two recordings are two frames of the same page.
     fn connects(self, host: &str) -> String {
         let frames = match self {
-            Self::Live => "",
+            Self::Live | Self::Study => "",
             Self::Recording => "; frame-src 'self'",
         };
         format!("connect-src 'self' ws://{host}{frames}")
     }
 }
 
-/// The file at a path.
-pub(super) fn file(path: &str) -> Option<&'static PageFile> {
-    FILES.iter().find(|file| file.path == path)
+/// The file of a page at a path.
+pub(super) fn file(path: &str, page: Page) -> Option<&'static PageFile> {
+    let files = match page {
+        Page::Study => &STUDY[..],
+        Page::Live | Page::Recording => &FILES[..],
+    };
+    files.iter().find(|file| file.path == path)
 }
 
 impl PageFile {
     /// Its text for a page that was asked for by this host's name, which may open a socket there and nowhere else.
     pub(super) fn text(&self, host: &str, page: Page) -> String {
-        if self.path != "/" {
+        if self.media_type != HTML {
             return self.text.to_owned();
         }
         let connects = page.connects(host);
         let own = [("connect-src 'self'", connects.as_str())];
-        let changes = page.otherwise().into_iter().chain(own);
+        let changes = page.otherwise().iter().copied().chain(own);
         changes.fold(self.text.to_owned(), |text, (what, instead)| {
             text.replacen(what, instead, 1)
         })

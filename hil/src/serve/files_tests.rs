@@ -4,8 +4,8 @@ use super::*;
 
 #[test]
 fn what_is_said_otherwise_stands_in_the_page_once() {
-    let page = file("/").unwrap();
-    for over in [Page::Live, Page::Recording] {
+    for over in [Page::Live, Page::Recording, Page::Study] {
+        let page = file("/", over).unwrap();
         let text = page.text("127.0.0.1:1", over);
         for (what, instead) in over.otherwise() {
             assert_eq!(page.text.matches(what).count(), 1, "{what}");
@@ -18,18 +18,31 @@ fn what_is_said_otherwise_stands_in_the_page_once() {
 
 #[test]
 fn everything_that_is_imported_is_there() {
-    for script in FILES.iter().filter(|file| file.media_type == JAVASCRIPT) {
+    let live = FILES.iter().map(|file| (file, Page::Live));
+    let study = STUDY.iter().map(|file| (file, Page::Study));
+    for (script, page) in live
+        .chain(study)
+        .filter(|(file, _)| file.media_type == JAVASCRIPT)
+    {
         for line in script
             .text
             .lines()
             .filter(|line| line.starts_with("import "))
         {
-            let name = line
-                .split("\"palpate")
-                .nth(1)
-                .unwrap()
-                .trim_end_matches("\";");
-            assert!(file(name).is_some(), "{} asks for {name}", script.path);
+            let folder = script
+                .path
+                .rsplit_once('/')
+                .map_or("", |(folder, _)| folder);
+            let name = match line.split_once("\"./") {
+                Some((_, beside)) => format!("{folder}/{beside}"),
+                None => line.split("\"palpate").nth(1).unwrap().to_owned(),
+            };
+            let name = name.trim_end_matches("\";");
+            assert!(
+                file(name, page).is_some(),
+                "{} asks for {name}",
+                script.path
+            );
         }
     }
 }

@@ -285,11 +285,11 @@ impl Show for Hub {
         let Ok(out) = stream.try_clone() else {
             return;
         };
-        let slot = self.open();
+        let (slot, longest) = (self.open(), self.longest());
         let write = {
             let slot = Arc::clone(&slot);
             move || {
-                let mut out = socket(out);
+                let mut out = socket(out, longest);
                 while let Some(text) = slot.next() {
                     if out.send(Message::text(&*text)).is_err() {
                         break;
@@ -301,7 +301,7 @@ impl Show for Hub {
             }
         };
         let writer = Builder::new().name("page".into()).spawn(write);
-        let mut words = socket(stream);
+        let mut words = socket(stream, longest);
         while writer.is_ok() {
             match words.read() {
                 Ok(Message::Text(text)) if self.hear(&slot, &text) => {}

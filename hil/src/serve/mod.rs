@@ -1,6 +1,7 @@
-//! The page over a run (`hil run --serve`) or a recording (`hil serve`), for browsers: the playground's looks, pictures
-//! through a WebSocket.
+//! Pages for browsers: over a run (`hil run --serve`) or a recording (`hil serve`) in the playground's looks, with pictures
+//! through a WebSocket; and those of a study's participant and experimenter.
 
+mod desk;
 mod files;
 mod gate;
 mod http;
@@ -9,6 +10,7 @@ mod recordings;
 mod server;
 mod slot;
 
+pub use desk::{Desk, Heard};
 pub use live::{Live, LiveRun};
 pub use recordings::Recordings;
 

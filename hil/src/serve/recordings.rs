@@ -160,7 +160,7 @@ impl Show for Runs {
     }
 
     fn page(&self, stream: TcpStream) {
-        let mut page = socket(stream);
+        let mut page = socket(stream, self.longest());
         let mut player = None;
         loop {
             let text = match page.read() {

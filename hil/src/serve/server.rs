@@ -18,13 +18,18 @@ use super::http::{Request, answer, switch};
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Connections at once; a page needs two at most, once it is loaded one.
 const MOST: usize = 64;
-/// Longest message of a page, bytes: a wish in a few words.
+/// Longest message of a page that looks on, bytes.
 const MOST_WISH: usize = 4096;
 
 /// What pages are shown.
 pub(super) trait Show: Send + Sync + 'static {
     /// What the page is over.
     fn look(&self) -> Page;
+
+    /// Longest message of a page, bytes: a wish in a few words, if nothing else is said.
+    fn longest(&self) -> usize {
+        MOST_WISH
+    }
 
     /// Serves a page through its socket, until either ends.
     fn page(&self, stream: TcpStream);
@@ -105,7 +110,7 @@ fn connection(mut stream: TcpStream, gate: &Gate, show: &dyn Show) -> io::Result
             plain,
             "expected a WebSocket",
         ),
-        (path, _) => match files::file(path) {
+        (path, _) => match files::file(path, show.look()) {
             Some(file) => {
                 let text = file.text(&request.host, show.look());
                 answer(&mut stream, "200 OK", file.media_type, &text)
@@ -115,10 +120,10 @@ fn connection(mut stream: TcpStream, gate: &Gate, show: &dyn Show) -> io::Result
     }
 }
 
-/// A socket over an agreed connection.
-pub(super) fn socket(stream: TcpStream) -> WebSocket<TcpStream> {
+/// A socket over an agreed connection, for messages up to so many bytes.
+pub(super) fn socket(stream: TcpStream, longest: usize) -> WebSocket<TcpStream> {
     let config = WebSocketConfig::default()
-        .max_message_size(Some(MOST_WISH))
-        .max_frame_size(Some(MOST_WISH));
+        .max_message_size(Some(longest))
+        .max_frame_size(Some(longest));
     WebSocket::from_raw_socket(stream, Role::Server, Some(config))
 }

@@ -1,18 +1,34 @@
-//! Studies with people: which level comes next, what answers say, and people who are simulated.
+//! Studies with people: what comes next and at which level, what is kept, what answers say, and people who are simulated.
 //!
-//! Nothing here knows a bench, a clock or a page: levels go out, answers come in. The methods are published ones and are
+//! Nothing here knows a bench, a clock or a page: trials go out, answers come in. The methods are published ones and are
 //! held against published implementations of them, trial by trial.
 #![forbid(unsafe_code)]
 
+mod analyse;
 mod compare;
+mod people;
 mod psychometric;
 mod quest;
+mod record;
+mod session;
 mod simulate;
 mod staircase;
 mod threshold;
 
+pub use analyse::{
+    Analysis, Chosen, Comparison, Drawn, OfWire, OneDrawing, Participant, PathError, Rated, Within,
+    analyse, compare_paths, fitted, tables,
+};
+pub use people::{Known, Path, Person};
 pub use psychometric::Psychometric;
 pub use quest::{Estimate, Quest, QuestDomain};
-pub use simulate::{Outcome, Ratings, Simulation, StudyError, Thresholds, simulate};
+pub use record::{About, Interval, Line, Noted, Played, Record, RecordError, Said, VERSION};
+pub use session::{
+    Answer, AnswerError, Ask, Estimates, Reply, Sample, Session, Step, Stimulus, TaskKind, Trial,
+};
+pub use simulate::{
+    Choices, Drawings, Levels, Outcome, Places, Ratings, Simulation, StudyError, Thresholds,
+    simulate,
+};
 pub use staircase::{Staircase, StaircaseSettings};
 pub use threshold::Thresholding;

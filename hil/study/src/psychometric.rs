@@ -22,6 +22,11 @@ impl Psychometric {
         let strength = libm::pow(10.0, self.slope * (level - self.threshold) / 20.0);
         1.0 - self.lapse - (1.0 - self.guess - self.lapse) * libm::exp(-strength)
     }
+
+    /// How far from the threshold half of the way is gone, dB.
+    pub(crate) fn halfway(&self) -> f64 {
+        20.0 / self.slope * libm::log10(core::f64::consts::LN_2)
+    }
 }
 
 #[cfg(test)]

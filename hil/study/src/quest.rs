@@ -1,5 +1,7 @@
 //! QUEST+: the level of the next trial is the one whose answer tells most.
 
+use serde::Serialize;
+
 use crate::psychometric::Psychometric;
 
 /// What QUEST+ may ask and what it holds for possible, each in rising order.
@@ -15,10 +17,13 @@ pub struct QuestDomain {
     pub guess: f64,
     /// Probability of a slip.
     pub lapse: f64,
+    /// The part of the way from guessing to certainty that is gone at a threshold: 1 - 1/e is that of
+    /// [`Psychometric::threshold`].
+    pub part: f64,
 }
 
 /// An estimate with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimate {
     /// The mean of what is held for possible.
     pub value: f64,
@@ -44,6 +49,11 @@ fn times_log(p: f64) -> f64 {
     if p > 0.0 { p * libm::log(p) } else { 0.0 }
 }
 
+/// How far above [`Psychometric::threshold`] so much of the way is gone, dB.
+fn way(part: f64, slope: f64) -> f64 {
+    20.0 / slope * libm::log10(-libm::log(1.0 - part))
+}
+
 impl Quest {
     /// Nothing is known yet. `None` where a list of the domain is empty.
     pub fn new(domain: QuestDomain) -> Option<Self> {
@@ -55,13 +65,14 @@ impl Quest {
     /// The same over a domain that is known to have no empty list.
     pub(crate) fn flat(domain: QuestDomain) -> Self {
         let count = domain.thresholds.len() * domain.slopes.len();
+        let (guess, lapse, part) = (domain.guess, domain.lapse, domain.part);
         let of = |level: f64| -> Vec<(f64, f64)> {
             let possible = domain.thresholds.iter().flat_map(|threshold| {
-                domain.slopes.iter().map(|slope| Psychometric {
-                    threshold: *threshold,
+                domain.slopes.iter().map(move |slope| Psychometric {
+                    threshold: threshold - way(part, *slope),
                     slope: *slope,
-                    guess: domain.guess,
-                    lapse: domain.lapse,
+                    guess,
+                    lapse,
                 })
             });
             let likelihood = |felt: Psychometric| {
@@ -86,6 +97,11 @@ impl Quest {
             known += held * answer;
         }
         times_log(correct) + times_log(1.0 - correct) - known
+    }
+
+    /// The largest level that it may ask for, dB.
+    pub(crate) fn most(&self) -> f64 {
+        self.domain.levels.last().copied().unwrap_or_default()
     }
 
     /// The level of the next trial, dB: the first that leaves the least entropy.

@@ -24,6 +24,7 @@ fn domain() -> QuestDomain {
         slopes: vec![2.0, 3.5, 5.0],
         guess: 0.5,
         lapse: 0.02,
+        part: 1.0 - (-1.0f64).exp(),
     }
 }
 

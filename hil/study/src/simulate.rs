@@ -1,13 +1,17 @@
-//! A protocol answered by simulated people, whose truth is known: how well it is found again.
+//! A protocol answered by simulated people, whose truth is known: how well it is found again, and how many people a
+//! difference needs.
 
 use palpate_core::random::RandomStream;
-use palpate_files::{Normal, Protocol, RatingTask, ThresholdTask};
+use palpate_files::{ChoiceTask, Protocol, RatingTask};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::analyse::{compare_paths, median, sign_test};
 use crate::compare::test;
+use crate::people::{Known, Person, drawn};
 use crate::psychometric::Psychometric;
-use crate::threshold::{GUESS, LEAST_DB, Thresholding};
+use crate::quest::Estimate;
+use crate::session::{Answer, Reply, Session, Step, Stimulus};
 
 /// Studies of which the share that finds a difference is counted.
 const STUDIES: u64 = 1000;
@@ -48,6 +52,50 @@ pub struct Thresholds {
     pub thresholds: usize,
 }
 
+/// How well something else came back whose truth is a level.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Levels {
+    /// Median error, dB.
+    pub error_db_median: f64,
+    /// The share of 95 % intervals that hold the truth.
+    pub coverage: f64,
+    /// Median width of those intervals, dB.
+    pub interval_db_median: f64,
+    /// Levels that were estimated.
+    pub levels: usize,
+}
+
+/// Where people pointed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Places {
+    /// The part of answers that are nearest to the wire that was driven.
+    pub correct: f64,
+    /// Median distance from it, mm.
+    pub error_mm_median: f64,
+}
+
+/// What people drew.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Drawings {
+    /// Median over drawings of the error after alignment, mm.
+    pub rmse_mm_median: f64,
+    /// Median discrete Frechet distance, mm.
+    pub frechet_mm_median: f64,
+    /// Mean of breaks per drawing.
+    pub breaks_mean: f64,
+}
+
+/// How often people are found to prefer one of two.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Choices {
+    /// The share of 1000 studies that find a preference where there is none (sign test over people, p below 5 %).
+    pub false_positive_rate: f64,
+    /// The share that find the protocol's preference.
+    pub power: f64,
+    /// People of whom 80 % of studies find it; null where a thousand do not do.
+    pub people_for_power: Option<u32>,
+}
+
 /// How often two groups are found to differ.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Ratings {
@@ -65,79 +113,167 @@ pub struct Outcome {
     /// Of the threshold task, where there is one.
     #[serde(flatten)]
     pub thresholds: Option<Thresholds>,
-    /// Of the rating task, where there is one.
+    /// Of the rating task, where it compares conditions.
     #[serde(flatten)]
     pub ratings: Option<Ratings>,
+    /// Of the difference task: of the part of the amplitude.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub difference: Option<Levels>,
+    /// Of the matching task.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub matching: Option<Levels>,
+    /// Of the localisation task.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub localisation: Option<Places>,
+    /// Of the drawing task.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drawing: Option<Drawings>,
+    /// Of the choice task.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub choice: Option<Choices>,
 }
 
-/// Simulates a study. The same protocol, people and seed give the same outcome on any number of threads.
+/// What one person's session came to, beside their truth.
+#[derive(Debug, Default)]
+struct Answered {
+    absolute: Vec<(f64, Estimate)>,
+    difference: Vec<(f64, Estimate)>,
+    matching: Vec<(f64, Estimate)>,
+    /// Whether the nearest wire was the driven one, and how far off it was, mm.
+    places: Vec<(bool, f64)>,
+    /// Error and Frechet distance, mm, and breaks.
+    drawings: Vec<(f64, f64, usize)>,
+}
+
+/// Simulates a study: every person goes through a session of their own. The same protocol, people and seed give the same
+/// outcome on any number of threads.
 ///
 /// # Errors
 /// [`StudyError`] for too few people.
-pub fn simulate(protocol: &Protocol, of: Simulation) -> Result<Outcome, StudyError> {
-    if protocol.rating.is_some() && of.people < 4 {
+pub fn simulate(protocol: &Protocol, of: Simulation, known: &Known) -> Result<Outcome, StudyError> {
+    let compared = protocol
+        .rating
+        .as_ref()
+        .filter(|task| !task.compare.is_empty());
+    if compared.is_some() && of.people < 4 {
         return Err(StudyError::FewPeople(of.people));
     }
-    let task = protocol.absolute_threshold.as_ref();
+    let people = (1..=of.people).into_par_iter();
+    let people: Vec<Answered> = people
+        .map(|number| answered(protocol, number, of.seed, known))
+        .collect();
+    let all = |pick: fn(&Answered) -> &Vec<(f64, Estimate)>| -> Vec<(f64, Estimate)> {
+        people
+            .iter()
+            .flat_map(|person| pick(person).iter().copied())
+            .collect()
+    };
+    let places: Vec<_> = people.iter().flat_map(|p| &p.places).copied().collect();
+    let drawings: Vec<_> = people.iter().flat_map(|p| &p.drawings).copied().collect();
     Ok(Outcome {
-        thresholds: task.map(|task| thresholds(task, of)),
-        ratings: protocol.rating.as_ref().map(|task| ratings(task, of)),
+        thresholds: thresholds(&all(|p| &p.absolute)),
+        ratings: compared.map(|task| ratings(task, of)),
+        difference: levels(&all(|p| &p.difference)),
+        matching: levels(&all(|p| &p.matching)),
+        localisation: (!places.is_empty()).then(|| Places {
+            correct: places.iter().filter(|(right, _)| *right).count() as f64 / places.len() as f64,
+            error_mm_median: median(&places.iter().map(|(_, mm)| *mm).collect::<Vec<_>>()),
+        }),
+        drawing: (!drawings.is_empty()).then(|| Drawings {
+            rmse_mm_median: median(&drawings.iter().map(|d| d.0).collect::<Vec<_>>()),
+            frechet_mm_median: median(&drawings.iter().map(|d| d.1).collect::<Vec<_>>()),
+            breaks_mean: drawings.iter().map(|d| d.2 as f64).sum::<f64>() / drawings.len() as f64,
+        }),
+        choice: protocol.choice.as_ref().map(|task| choices(task, of)),
     })
 }
 
-fn drawn(normal: Normal, random: &mut RandomStream) -> f64 {
-    normal.mean + normal.sd * random.normal()
-}
-
-/// The true threshold of a participant's wire, dB, and the interval that the answers give.
-fn found(task: &ThresholdTask, seed: u64, person: u32) -> Vec<(f64, crate::Estimate)> {
-    let people = &task.simulated;
-    let mut random = RandomStream::new(seed, &format!("participant {person}"));
-    let own = drawn(people.threshold_db, &mut random);
-    let felt = Psychometric {
-        threshold: own,
-        slope: drawn(people.slope, &mut random).max(0.5),
-        guess: GUESS,
-        lapse: people.lapse * random.uniform(),
-    };
-    let of_wire = |_: &u16| {
-        let threshold = own + people.wire_sd_db * random.normal();
-        let felt = Psychometric {
-            // A level beyond what a wire can do has no threshold there to be found.
-            threshold: threshold.clamp(LEAST_DB + 2.0, -2.0),
-            ..felt
-        };
-        let mut session = Thresholding::new(task.method, task.trials);
-        while let Some(level) = session.next() {
-            session.answer(level, random.uniform() < felt.correct(level));
+/// A person's session from beginning to end.
+fn answered(protocol: &Protocol, number: u32, seed: u64, known: &Known) -> Answered {
+    let person = Person::new(protocol, number, seed);
+    let mut session = Session::new(protocol.clone(), number, seed);
+    let mut answered = Answered::default();
+    while let Some(reply) = person.reply(protocol, session.step(), known) {
+        if let (Step::Trial(trial), Reply::Answer(answer)) = (session.step(), &reply)
+            && !trial.practice
+        {
+            match (answer, trial.intervals.first()) {
+                (Answer::Place(place), Some(Stimulus::Wire { wire, .. })) => {
+                    answered
+                        .places
+                        .extend(pointed(known, usize::from(*wire), *place));
+                }
+                (Answer::Path(strokes), Some(Stimulus::Condition(name))) => {
+                    let path = known.paths.get(name).map_or(&[][..], |path| path);
+                    let error = compare_paths(path, strokes);
+                    answered
+                        .drawings
+                        .extend(error.map(|e| (e.rmse_mm, e.frechet_mm, e.breaks)));
+                }
+                _ => {}
+            }
         }
-        (felt.threshold, session.threshold())
-    };
-    task.wires.iter().map(of_wire).collect()
-}
-
-fn thresholds(task: &ThresholdTask, of: Simulation) -> Thresholds {
-    let people = (1..=of.people).into_par_iter();
-    let found: Vec<_> = people.flat_map_iter(|n| found(task, of.seed, n)).collect();
-    let error = |true_db: f64, db: f64| (libm::pow(10.0, (db - true_db) / 20.0) - 1.0).abs();
-    let held = |(t, e): &&(f64, crate::Estimate)| e.low <= *t && *t <= e.high;
-    Thresholds {
-        threshold_error_median: median(found.iter().map(|(t, e)| error(*t, e.value)).collect()),
-        coverage: found.iter().filter(held).count() as f64 / found.len().max(1) as f64,
-        interval_db_median: median(found.iter().map(|(_, e)| e.high - e.low).collect()),
-        thresholds: found.len(),
+        // A reply that the person made to this very step.
+        if session.take(&reply).is_err() {
+            break;
+        }
     }
+    let found = session.estimates();
+    let beside = |truth: &[Psychometric], found: Vec<(u16, Estimate)>| {
+        let found = found.into_iter().map(|(_, estimate)| estimate);
+        truth.iter().map(|felt| felt.threshold).zip(found).collect()
+    };
+    // The level at which a wire is called stronger as often as weaker.
+    let alike = person.matching.iter().map(|felt| Psychometric {
+        threshold: felt.threshold + felt.halfway(),
+        ..*felt
+    });
+    answered.matching = beside(&alike.collect::<Vec<_>>(), found.matching);
+    answered.absolute = beside(&person.absolute, found.absolute);
+    answered.difference = beside(&person.difference, found.difference);
+    answered
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let (Some(low), Some(high)) = (
-        values.get(values.len().saturating_sub(1) / 2),
-        values.get(values.len() / 2),
-    ) else {
-        return 0.0;
-    };
-    (low + high) / 2.0
+/// Whether a place is nearest to this wire, and how far from it.
+fn pointed(known: &Known, wire: usize, [x, y]: [f64; 2]) -> Option<(bool, f64)> {
+    let away = |at: &[f64; 2]| libm::hypot(at[0] - x, at[1] - y);
+    let own = away(known.wires_mm.get(wire)?);
+    Some((known.wires_mm.iter().all(|other| own <= away(other)), own))
+}
+
+fn held(found: &[(f64, Estimate)]) -> f64 {
+    let holds = |(t, e): &&(f64, Estimate)| e.low <= *t && *t <= e.high;
+    found.iter().filter(holds).count() as f64 / found.len().max(1) as f64
+}
+
+fn widths(found: &[(f64, Estimate)]) -> f64 {
+    median(
+        &found
+            .iter()
+            .map(|(_, e)| e.high - e.low)
+            .collect::<Vec<_>>(),
+    )
+}
+
+fn thresholds(found: &[(f64, Estimate)]) -> Option<Thresholds> {
+    let error =
+        |(true_db, e): &(f64, Estimate)| (libm::pow(10.0, (e.value - true_db) / 20.0) - 1.0).abs();
+    (!found.is_empty()).then(|| Thresholds {
+        threshold_error_median: median(&found.iter().map(error).collect::<Vec<_>>()),
+        coverage: held(found),
+        interval_db_median: widths(found),
+        thresholds: found.len(),
+    })
+}
+
+fn levels(found: &[(f64, Estimate)]) -> Option<Levels> {
+    let error = |(true_db, e): &(f64, Estimate)| (e.value - true_db).abs();
+    (!found.is_empty()).then(|| Levels {
+        error_db_median: median(&found.iter().map(error).collect::<Vec<_>>()),
+        coverage: held(found),
+        interval_db_median: widths(found),
+        levels: found.len(),
+    })
 }
 
 /// A participant's mean rating of a condition that is rated so much higher than the first.
@@ -176,6 +312,38 @@ fn ratings(task: &RatingTask, of: Simulation) -> Ratings {
         false_positive_rate: share(task, 0.0, of),
         power: share(task, difference, of),
         people_for_power: least(enough),
+    }
+}
+
+/// The share of studies with so many people that find a preference of this mean, by the sign test over people.
+fn prefer(task: &ChoiceTask, mean: f64, of: Simulation) -> f64 {
+    let finds = |study: &u64| {
+        let name = format!("choices {study} of {} people, {mean}", of.people);
+        let mut random = RandomStream::new(of.seed, &name);
+        let (mut second, mut first) = (0, 0);
+        for _ in 0..of.people {
+            let logit = mean + task.simulated.preference.sd * random.normal();
+            let part = 1.0 / (1.0 + libm::exp(-logit));
+            let yes = (0..task.repeats)
+                .filter(|_| random.uniform() < part)
+                .count() as u32;
+            match (2 * yes).cmp(&task.repeats) {
+                std::cmp::Ordering::Greater => second += 1,
+                std::cmp::Ordering::Less => first += 1,
+                std::cmp::Ordering::Equal => {}
+            }
+        }
+        sign_test(second, second + first) < LEVEL
+    };
+    (0..STUDIES).into_par_iter().filter(finds).count() as f64 / STUDIES as f64
+}
+
+fn choices(task: &ChoiceTask, of: Simulation) -> Choices {
+    let mean = task.simulated.preference.mean;
+    Choices {
+        false_positive_rate: prefer(task, 0.0, of),
+        power: prefer(task, mean, of),
+        people_for_power: least(|people| prefer(task, mean, Simulation { people, ..of }) >= POWER),
     }
 }
 

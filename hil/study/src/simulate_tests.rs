@@ -11,7 +11,7 @@ fn thresholds_by(method: ThresholdMethod) -> Thresholds {
         people: 200,
         seed: 1,
     };
-    let outcome = simulate(&protocol, of).unwrap();
+    let outcome = simulate(&protocol, of, &Known::default()).unwrap();
     assert_eq!(outcome.ratings, None);
     outcome.thresholds.unwrap()
 }
@@ -38,7 +38,10 @@ fn no_difference_is_found_as_rarely_as_stated_and_one_that_is_there_by_enough_pe
         people: 20,
         seed: 1,
     };
-    let found = simulate(&protocol, of).unwrap().ratings.unwrap();
+    let found = simulate(&protocol, of, &Known::default())
+        .unwrap()
+        .ratings
+        .unwrap();
     println!("{found:?}");
     assert!(
         (0.03..=0.065).contains(&found.false_positive_rate),
@@ -52,21 +55,119 @@ fn no_difference_is_found_as_rarely_as_stated_and_one_that_is_there_by_enough_pe
         people: enough + 6,
         ..of
     };
-    assert!(simulate(&protocol, more).unwrap().ratings.unwrap().power >= POWER);
+    assert!(
+        simulate(&protocol, more, &Known::default())
+            .unwrap()
+            .ratings
+            .unwrap()
+            .power
+            >= POWER
+    );
 }
 
 #[test]
 fn a_seed_is_one_outcome() {
     let protocol = load_protocol("roughness").unwrap().value;
     let of = |seed| Simulation { people: 8, seed };
-    let first = simulate(&protocol, of(3)).unwrap();
-    assert_eq!(first, simulate(&protocol, of(3)).unwrap());
-    assert_ne!(first, simulate(&protocol, of(4)).unwrap());
+    let first = simulate(&protocol, of(3), &Known::default()).unwrap();
+    assert_eq!(
+        first,
+        simulate(&protocol, of(3), &Known::default()).unwrap()
+    );
+    assert_ne!(
+        first,
+        simulate(&protocol, of(4), &Known::default()).unwrap()
+    );
 }
 
 #[test]
 fn a_group_needs_two_people() {
     let protocol = load_protocol("roughness").unwrap().value;
     let of = Simulation { people: 3, seed: 1 };
-    assert_eq!(simulate(&protocol, of), Err(StudyError::FewPeople(3)));
+    assert_eq!(
+        simulate(&protocol, of, &Known::default()),
+        Err(StudyError::FewPeople(3))
+    );
+}
+
+#[test]
+fn every_task_comes_back_from_people_who_answer_it() {
+    let mut protocol = load_protocol("wearer").unwrap().value;
+    let other = load_protocol("felt-paths").unwrap().value;
+    protocol.conditions = other.conditions;
+    protocol.drawing = other.drawing;
+    protocol.absolute_threshold = None;
+    let task = protocol.difference.as_mut().unwrap();
+    task.wires = vec![0, 1, 2, 3];
+    task.trials = 60;
+    protocol.matching.as_mut().unwrap().trials = 40;
+    let circle = |n: i32| {
+        let angle = f64::from(n) / 50.0 * std::f64::consts::TAU;
+        [
+            f64::from(n) / 50.0 * 4.0,
+            8.0 * angle.cos(),
+            8.0 * angle.sin(),
+        ]
+    };
+    let path: Vec<_> = (0..=50).map(circle).collect();
+    let names = protocol
+        .conditions
+        .iter()
+        .map(|c| (c.name.clone(), path.clone()));
+    let known = Known {
+        paths: names.collect(),
+        wires_mm: vec![
+            [0.0, -14.25],
+            [0.0, -4.75],
+            [0.0, 4.75],
+            [0.0, 14.25],
+            [-11.0, -4.75],
+            [-11.0, 4.75],
+            [11.0, -4.75],
+            [11.0, 4.75],
+        ],
+    };
+    let of = Simulation {
+        people: 100,
+        seed: 1,
+    };
+    let found = simulate(&protocol, of, &known).unwrap();
+    println!("{found:?}");
+    assert_eq!(found.thresholds, None);
+    for levels in [found.difference.unwrap(), found.matching.unwrap()] {
+        assert!((0.90..=0.99).contains(&levels.coverage), "{levels:?}");
+        assert!(levels.error_db_median < 1.6, "{levels:?}");
+    }
+    // A bias of 1 mm and noise of 3 mm on each axis between wires 9.5 and 11 mm apart.
+    let places = found.localisation.unwrap();
+    assert!((0.75..0.95).contains(&places.correct), "{places:?}");
+    assert!((3.0..4.5).contains(&places.error_mm_median), "{places:?}");
+    // Noise of 1.5 mm on each axis, a bias of 1 mm, a tenth of 8 mm.
+    let drawings = found.drawing.unwrap();
+    assert!(
+        (1.8..3.2).contains(&drawings.rmse_mm_median),
+        "{drawings:?}"
+    );
+    assert!(
+        drawings.frechet_mm_median > drawings.rmse_mm_median,
+        "{drawings:?}"
+    );
+    assert!((0.2..0.6).contains(&drawings.breaks_mean), "{drawings:?}");
+}
+
+#[test]
+fn no_preference_is_found_as_rarely_as_stated() {
+    let protocol = load_protocol("illusions").unwrap().value;
+    let of = Simulation {
+        people: 20,
+        seed: 1,
+    };
+    let found = simulate(&protocol, of, &Known::default())
+        .unwrap()
+        .choice
+        .unwrap();
+    println!("{found:?}");
+    assert!(found.false_positive_rate <= 0.065, "{found:?}");
+    assert!(found.power > 0.5, "{found:?}");
+    assert!(found.people_for_power.unwrap() < 40, "{found:?}");
 }

@@ -1,5 +1,5 @@
-//! The absolute threshold of one wire, between two intervals: levels by QUEST+ or by a staircase, and in both cases what
-//! the answers say about it.
+//! Levels of trials with two intervals, by QUEST+ or by a staircase, and in both cases what the answers say: the absolute
+//! threshold of a wire, the least difference, the level at which two wires feel alike.
 
 use palpate_files::ThresholdMethod;
 
@@ -12,8 +12,12 @@ pub(crate) const LEAST_DB: f64 = -40.0;
 pub(crate) const GUESS: f64 = 0.5;
 /// Slips that estimates count with.
 const LAPSE: f64 = 0.02;
+/// Differences from and to which estimates go, as parts of the lesser amplitude, dB.
+pub(crate) const FRACTIONS_DB: (f64, f64) = (-30.0, 6.0);
+/// The part of the way from no to yes at which two wires feel alike.
+pub(crate) const ALIKE: f64 = 0.5;
 
-/// Trials of one wire and what they say.
+/// Trials at chosen levels and what they say.
 #[derive(Debug, Clone)]
 pub struct Thresholding {
     quest: Quest,
@@ -21,34 +25,87 @@ pub struct Thresholding {
     left: u32,
 }
 
+/// From one whole number of decibels to another.
+fn decibels(from: f64, to: f64) -> Vec<f64> {
+    (from as i32..=to as i32).map(f64::from).collect()
+}
+
+/// The same with halves between.
+fn halves(from: f64, to: f64) -> Vec<f64> {
+    let whole = 2 * from as i32..=2 * to as i32;
+    whole.map(|half| f64::from(half) / 2.0).collect()
+}
+
 impl Thresholding {
-    /// So many trials, at levels from -40 dB to 0 dB of full drive, 1 dB apart.
-    pub fn new(method: ThresholdMethod, trials: u32) -> Self {
-        let levels = (LEAST_DB as i32..=0).map(f64::from);
+    /// The absolute threshold of a wire, in so many trials at levels from -40 dB to 0 dB of full drive, 1 dB apart.
+    #[must_use]
+    pub fn absolute(method: ThresholdMethod, trials: u32) -> Self {
         let domain = QuestDomain {
-            levels: levels.collect(),
-            thresholds: (2 * LEAST_DB as i32..=0)
-                .map(|half| f64::from(half) / 2.0)
-                .collect(),
+            levels: decibels(LEAST_DB, 0.0),
+            thresholds: halves(LEAST_DB, 0.0),
             slopes: vec![2.0, 3.5, 5.0],
             guess: GUESS,
             lapse: LAPSE,
+            part: 1.0 - libm::exp(-1.0),
         };
-        let staircase = StaircaseSettings {
-            start: 0.0,
-            steps: vec![8.0, 4.0, 2.0],
-            down: 2,
-            range: (LEAST_DB, 0.0),
-            turns: usize::MAX, // the number of trials ends it
+        Self::of(method, domain, trials)
+    }
+
+    /// The least difference from a level, dB of full drive, that is felt: its levels are parts of that amplitude, -30 dB to
+    /// what full drive leaves, 6 dB at most.
+    #[must_use]
+    pub fn difference(method: ThresholdMethod, trials: u32, level_db: f64) -> Self {
+        let room = 20.0 * libm::log10(libm::pow(10.0, -level_db / 20.0) - 1.0);
+        let (least, most) = FRACTIONS_DB;
+        let domain = QuestDomain {
+            levels: decibels(least, libm::floor(room).clamp(least, most)),
+            thresholds: halves(least, most),
+            slopes: vec![1.0, 2.0, 3.5],
+            guess: GUESS,
+            lapse: LAPSE,
+            part: 1.0 - libm::exp(-1.0),
+        };
+        Self::of(method, domain, trials)
+    }
+
+    /// The level, dB of full drive, at which a wire is called stronger than another as often as weaker.
+    #[must_use]
+    pub fn matching(trials: u32) -> Self {
+        let domain = QuestDomain {
+            levels: decibels(LEAST_DB, 0.0),
+            thresholds: halves(LEAST_DB, 0.0),
+            slopes: vec![2.0, 3.5, 5.0, 8.0],
+            guess: LAPSE,
+            lapse: LAPSE,
+            part: ALIKE,
+        };
+        Self::of(ThresholdMethod::QuestPlus, domain, trials)
+    }
+
+    fn of(method: ThresholdMethod, domain: QuestDomain, trials: u32) -> Self {
+        let ends = (domain.levels.first(), domain.levels.last());
+        let range = (
+            ends.0.copied().unwrap_or_default(),
+            ends.1.copied().unwrap_or_default(),
+        );
+        let staircase = || {
+            Staircase::new(StaircaseSettings {
+                start: range.1,
+                steps: vec![8.0, 4.0, 2.0],
+                down: 2,
+                range,
+                turns: usize::MAX, // the number of trials ends it
+            })
         };
         Self {
+            staircase: (method == ThresholdMethod::Staircase).then(staircase),
             quest: Quest::flat(domain),
-            staircase: (method == ThresholdMethod::Staircase).then(|| Staircase::new(staircase)),
             left: trials,
         }
     }
 
-    /// The level of the next trial, dB of full drive; `None` after the last one.
+    /// The level of the next trial, dB; `None` after the last one.
+    #[must_use]
     pub fn next(&self) -> Option<f64> {
         let level = || match &self.staircase {
             Some(staircase) => staircase.next(),
@@ -57,16 +114,23 @@ impl Thresholding {
         (self.left > 0).then(level).flatten()
     }
 
-    /// Takes the answer to a trial at this level in.
-    pub fn answer(&mut self, level: f64, correct: bool) {
+    /// The largest level that a trial may have, dB.
+    #[must_use]
+    pub fn most(&self) -> f64 {
+        self.quest.most()
+    }
+
+    /// Takes the answer to a trial at this level in: whether it was correct, or of two wires that this one was stronger.
+    pub fn answer(&mut self, level: f64, yes: bool) {
         self.left = self.left.saturating_sub(1);
-        self.quest.answer(level, correct);
+        self.quest.answer(level, yes);
         if let Some(staircase) = &mut self.staircase {
-            staircase.answer(correct);
+            staircase.answer(yes);
         }
     }
 
-    /// The threshold, dB of full drive, with its 95 % interval.
+    /// The threshold, dB, with its 95 % interval.
+    #[must_use]
     pub fn threshold(&self) -> Estimate {
         self.quest.threshold()
     }

@@ -78,6 +78,8 @@ fn needs(command: &str) -> Option<&'static str> {
         Some("device nodes")
     } else if has("--serve") || has("serve") {
         Some("a browser, and an end by a person")
+    } else if command.starts_with("hil study run") && !has("--simulated") && !has("--dose") {
+        Some("a participant")
     } else if has("--watch") {
         Some("a terminal")
     } else {

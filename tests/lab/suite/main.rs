@@ -18,6 +18,7 @@ mod i2c_clients;
 mod interfaces;
 mod records;
 mod sja1000;
+mod study;
 mod tools;
 mod trials;
 mod ward;

@@ -7,6 +7,7 @@ use palpate_core::illusion::{
 };
 use palpate_core::projector::OutputSettings;
 use palpate_core::render::{CADENCE, Pattern, RenderSettings};
+use palpate_core::schedule::Timing;
 use palpate_core::units::{Duration, Instant, Milliamps, Prescale};
 
 use super::response::response;
@@ -60,7 +61,7 @@ pub fn drive(illusion: &palpate_files::Illusion) -> Drive {
 }
 
 /// A scene's strokes, planned for a display.
-fn strokes(setup: &Setup, display: &Display) -> Result<Box<[Planned]>, Failure> {
+fn strokes(setup: &Setup, display: &Display, timing: Timing) -> Result<Box<[Planned]>, Failure> {
     let scene = &setup.scene;
     let micros = |seconds: f64| (seconds * 1e6).round() as u64;
     let plan = |(index, file): (usize, &palpate_files::SceneStroke)| {
@@ -68,19 +69,23 @@ fn strokes(setup: &Setup, display: &Display) -> Result<Box<[Planned]>, Failure> 
             let key = format!("strokes[{index}].length_s");
             Failure::File(scene.source.bad(&key, expected))
         };
+        let start = Instant::from_micros(micros(file.start_s));
         let stroke = Stroke {
             from: point(file.from_mm),
             to: point(file.to_mm),
             length: Duration::from_micros(micros(file.length_s)),
         };
+        let weight = file.weight as f32;
+        if file.from_mm == file.to_mm {
+            let each = (timing.duration, timing.soa);
+            let stays = Planned::staying(start, stroke.from, stroke.length, each);
+            return Ok(stays.weighted(weight));
+        }
         let cells = Cells::new(display).ok_or_else(|| bad("two wires or more".into()))?;
         let dabs = stroke
             .plan(&cells, display.gap())
             .map_err(|e| bad(e.to_string()))?;
-        Ok(Planned::new(
-            Instant::from_micros(micros(file.start_s)),
-            dabs,
-        ))
+        Ok(Planned::new(start, dabs).weighted(weight))
     };
     scene.value.strokes.iter().enumerate().map(plan).collect()
 }
@@ -183,7 +188,7 @@ pub(super) fn output(
         illusion: law,
         sharing: illusion.sharing,
         calibration,
-        strokes: strokes(setup, display)?,
+        strokes: strokes(setup, display, timing)?,
         drive: drive(illusion),
         share: super::current::share(&setup.bench.value, guard, peak),
     })

@@ -317,12 +317,13 @@ pub fn untextured(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Fail
     let own = guarded(setup, pattern.map(|p| p.prescale()))?;
     let (limits, plant) = unit::agreed(setup, own, display.wires())?;
     let (prescale, peak) = (plant.prescale, plant.peak);
-    let guard = Guard::new(limits, plant, display.wires())
+    let mut guard = Guard::new(limits, plant, display.wires())
         .and_then(|guard| match current::control(bench) {
             Some(control) => guard.with_current(control),
             None => Ok(guard),
         })
         .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
+    guard.remember(&setup.earlier);
 
     let mut output = illusion::output(setup, &display, &guard, peak, pattern)?;
     if pattern.is_none() {

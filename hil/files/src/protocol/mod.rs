@@ -1,0 +1,366 @@
+//! Protocols of studies with people: what a participant is asked, in which order, and who answers where a study is
+//! simulated.
+
+mod people;
+mod tasks;
+
+pub use people::{
+    Normal, SimulatedChoices, SimulatedDifferences, SimulatedDrawings, SimulatedMatches,
+    SimulatedPlaces, SimulatedRatings, SimulatedThresholds,
+};
+pub use tasks::{
+    ChoiceTask, DifferenceTask, DrawTask, Groups, LocateTask, MatchTask, RatingScale, RatingTask,
+    ThresholdMethod, ThresholdTask,
+};
+
+use serde::Deserialize;
+
+use super::error::FileError;
+use super::near::did_you_mean;
+use super::overrides::Overrides;
+use super::source::Source;
+use super::words::choice;
+use tasks::check_text;
+
+/// Most trials of a session: more than a day of them is a slip of the keyboard.
+const MOST_TRIALS: u64 = 5000;
+
+choice! { /** In which order conditions come. */ Order {
+    /// Each condition once, shuffled; then all of them again, shuffled anew.
+    Blocks = "blocks",
+    /// All repeats of all conditions, shuffled together.
+    Shuffle = "shuffle",
+    /// Rows of a Latin square in which each condition follows each other one equally often (Williams 1949); participants and
+    /// repeats take its rows in turn.
+    LatinSquare = "latin-square",
+    /// As the file lists them, over and over.
+    AsListed = "as-listed",
+} }
+
+/// What a participant meets in a trial.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Condition {
+    /// Its name in the data; participants never see it.
+    pub name: String,
+    /// The scene that is played: a built-in name or a file.
+    pub scene: Option<String>,
+    /// The scene's illusion, in place of its own.
+    pub illusion: Option<String>,
+    /// How `inverse` renders a contact, in place of the scene's own.
+    pub render: Option<String>,
+    /// Changes to the scene, or with `bench.` before the key to the bench, as `--set` takes them.
+    #[serde(default)]
+    pub set: Vec<String>,
+    /// What the experimenter lays under the finger, where no scene is played.
+    pub present: Option<String>,
+}
+
+/// A question to the participant. Answers are chosen, not written: nothing personal is kept.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Question {
+    /// In one word: the name of a column.
+    pub name: String,
+    /// The question.
+    pub text: String,
+    /// What may be answered.
+    pub choices: Vec<String>,
+    /// Whether it comes after the trials; before them if left out.
+    #[serde(default)]
+    pub after: bool,
+}
+
+/// A study. Its tasks come in the order of this list, whatever the file's.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Protocol {
+    /// Lower case with hyphens.
+    pub name: String,
+    /// What it finds out, in a sentence.
+    pub description: String,
+    /// Which values are neither published nor measured; results flag it.
+    pub assumed: Option<String>,
+    /// What a participant agrees to before anything else.
+    pub consent: Option<String>,
+    /// What a participant reads before the first trial.
+    pub instructions: Option<String>,
+    /// In which order conditions or wires come.
+    #[serde(default = "blocks")]
+    pub order: Order,
+    /// Trials of each task that do not count, before those that do.
+    #[serde(default)]
+    pub practice: u32,
+    /// Trials after which there is a break; left out: none.
+    pub break_after: Option<u32>,
+    /// Least length of a break, seconds.
+    #[serde(default = "minute")]
+    pub break_s: f64,
+    /// Least time between two stimuli, seconds.
+    #[serde(default = "second")]
+    pub pause_s: f64,
+    /// How long a wire is driven where a task names wires, seconds.
+    #[serde(default = "burst")]
+    pub stimulus_s: f64,
+    /// Questions before and after the trials.
+    #[serde(default)]
+    pub questions: Vec<Question>,
+    /// What tasks refer to by name.
+    #[serde(default)]
+    pub conditions: Vec<Condition>,
+    /// The absolute threshold of each wire.
+    pub absolute_threshold: Option<ThresholdTask>,
+    /// The least difference that is felt.
+    pub difference: Option<DifferenceTask>,
+    /// Wires that shall feel alike.
+    pub matching: Option<MatchTask>,
+    /// Where a wire was felt.
+    pub localisation: Option<LocateTask>,
+    /// The path that was felt.
+    pub drawing: Option<DrawTask>,
+    /// Ratings from 1 to 6.
+    pub rating: Option<RatingTask>,
+    /// Which of two.
+    pub choice: Option<ChoiceTask>,
+}
+
+const fn blocks() -> Order {
+    Order::Blocks
+}
+
+const fn minute() -> f64 {
+    60.0
+}
+
+const fn second() -> f64 {
+    1.0
+}
+
+const fn burst() -> f64 {
+    0.6
+}
+
+impl Condition {
+    /// What it changes of its scene and of the bench.
+    ///
+    /// # Errors
+    /// An entry of `set` that is not `KEY=VALUE`.
+    pub fn overrides(&self) -> Result<Overrides, FileError> {
+        let by = format!("condition `{}`", self.name);
+        let mut overrides = Overrides::default();
+        if let Some(model) = &self.illusion {
+            overrides.scene(&by, "illusion.model", model);
+        }
+        if let Some(style) = &self.render {
+            overrides.scene(&by, "illusion.render", style);
+        }
+        for text in &self.set {
+            overrides.set(&by, text)?;
+        }
+        Ok(overrides)
+    }
+
+    fn check(&self, source: &Source, at: &str) -> Result<(), FileError> {
+        check_text(source, &format!("{at}.name"), &self.name)?;
+        match (&self.scene, &self.present) {
+            (Some(_), None) => {}
+            (None, Some(present)) => {
+                check_text(source, &format!("{at}.present"), present)?;
+                if self.illusion.is_some() || self.render.is_some() || !self.set.is_empty() {
+                    return Err(source.bad(at, "no change where nothing is played"));
+                }
+            }
+            _ => return Err(source.bad(at, "either `scene` or `present`")),
+        }
+        self.overrides()
+            .map(drop)
+            .map_err(|_| source.bad(&format!("{at}.set"), "KEY=VALUE"))
+    }
+}
+
+impl Question {
+    fn check(&self, source: &Source, at: &str) -> Result<(), FileError> {
+        let word = |c: char| c.is_ascii_lowercase() || c == '_';
+        if self.name.is_empty() || !self.name.chars().all(word) {
+            let key = format!("{at}.name");
+            return Err(source.bad(&key, "a word of lower-case letters"));
+        }
+        check_text(source, &format!("{at}.text"), &self.text)?;
+        if self.choices.len() < 2 {
+            let key = format!("{at}.choices");
+            return Err(source.bad(
+                &key,
+                "two choices at least: answers are chosen, not written",
+            ));
+        }
+        for (index, choice) in self.choices.iter().enumerate() {
+            check_text(source, &format!("{at}.choices[{index}]"), choice)?;
+        }
+        Ok(())
+    }
+}
+
+impl Protocol {
+    /// Reads and checks a protocol.
+    ///
+    /// # Errors
+    /// Names the line and key of what cannot be.
+    pub fn read(source: &Source) -> Result<Self, FileError> {
+        let file: Self = source.read()?;
+        source.heading(&file.name, &file.description)?;
+        file.check_session(source)?;
+        file.check_tasks(source)?;
+        file.check_names(source)?;
+        let trials = file.trials();
+        if trials == 0 {
+            let expected = "a task: [absolute_threshold], [difference], [matching], [localisation], [drawing], [rating] or [choice]";
+            return Err(source.bad_found("", expected, "none"));
+        }
+        if trials > MOST_TRIALS {
+            let expected = format!("at most {MOST_TRIALS} trials in a session");
+            return Err(source.bad_found("", expected, format!("{trials} trials")));
+        }
+        Ok(file)
+    }
+
+    /// A condition by its name.
+    #[must_use]
+    pub fn condition(&self, name: &str) -> Option<&Condition> {
+        self.conditions.iter().find(|c| c.name == name)
+    }
+
+    /// Trials of a participant that count, and practice.
+    #[must_use]
+    pub fn trials(&self) -> u64 {
+        let times = |things: usize, each: u32| Some(things as u64 * u64::from(each));
+        let tasks = [
+            self.absolute_threshold
+                .as_ref()
+                .and_then(|t| times(t.wires.len(), t.trials)),
+            self.difference
+                .as_ref()
+                .and_then(|t| times(t.wires.len(), t.trials)),
+            self.matching
+                .as_ref()
+                .and_then(|t| times(t.wires.len(), t.trials)),
+            self.localisation
+                .as_ref()
+                .and_then(|t| times(t.wires.len(), t.repeats)),
+            self.drawing
+                .as_ref()
+                .and_then(|t| times(t.conditions.len(), t.repeats)),
+            self.rating
+                .as_ref()
+                .and_then(|t| times(t.conditions.len(), t.repeats)),
+            self.choice
+                .as_ref()
+                .and_then(|t| times(t.pairs.len(), t.repeats)),
+        ];
+        let given = tasks.into_iter().flatten();
+        given.map(|trials| trials + u64::from(self.practice)).sum()
+    }
+
+    fn check_session(&self, source: &Source) -> Result<(), FileError> {
+        for (key, text) in [
+            ("consent", &self.consent),
+            ("instructions", &self.instructions),
+        ] {
+            if let Some(text) = text {
+                check_text(source, key, text)?;
+            }
+        }
+        source.range("practice", self.practice, 0..=100, "")?;
+        if let Some(trials) = self.break_after {
+            source.range("break_after", trials, 1..=10_000, "")?;
+        }
+        source.range("break_s", self.break_s, 0.0..=3600.0, "s")?;
+        source.range("pause_s", self.pause_s, 0.1..=600.0, "s")?;
+        source.range("stimulus_s", self.stimulus_s, 0.1..=10.0, "s")?;
+        let mut names: Vec<&str> = Vec::new();
+        for (index, question) in self.questions.iter().enumerate() {
+            let at = format!("questions[{index}]");
+            question.check(source, &at)?;
+            if names.contains(&question.name.as_str()) {
+                return Err(source.bad(&format!("{at}.name"), "each name once"));
+            }
+            names.push(&question.name);
+        }
+        names.clear();
+        for (index, condition) in self.conditions.iter().enumerate() {
+            let at = format!("conditions[{index}]");
+            condition.check(source, &at)?;
+            if names.contains(&condition.name.as_str()) {
+                return Err(source.bad(&format!("{at}.name"), "each name once"));
+            }
+            names.push(&condition.name);
+        }
+        Ok(())
+    }
+
+    fn check_tasks(&self, source: &Source) -> Result<(), FileError> {
+        let check = |found: Option<Result<(), FileError>>| found.unwrap_or(Ok(()));
+        check(self.absolute_threshold.as_ref().map(|t| t.check(source)))?;
+        check(self.difference.as_ref().map(|t| t.check(source)))?;
+        check(self.matching.as_ref().map(|t| t.check(source)))?;
+        check(self.localisation.as_ref().map(|t| t.check(source)))?;
+        check(self.drawing.as_ref().map(|t| t.check(source)))?;
+        check(self.rating.as_ref().map(|t| t.check(source)))?;
+        check(self.choice.as_ref().map(|t| t.check(source)))
+    }
+
+    /// Every condition that a task names is there, and is one that the task can have.
+    fn check_names(&self, source: &Source) -> Result<(), FileError> {
+        let listed = |task: &str, names: &[String], played: bool| {
+            if names.is_empty() {
+                let key = format!("{task}.conditions");
+                return Err(source.bad(&key, "one condition at least"));
+            }
+            names.iter().enumerate().try_for_each(|(index, name)| {
+                let key = format!("{task}.conditions[{index}]");
+                if names[..index].contains(name) {
+                    return Err(source.bad(&key, "each condition once"));
+                }
+                self.known(source, &key, name, played)
+            })
+        };
+        if let Some(task) = &self.drawing {
+            listed("drawing", &task.conditions, true)?;
+        }
+        if let Some(task) = &self.rating {
+            listed("rating", &task.conditions, false)?;
+        }
+        let pairs = self.choice.iter().flat_map(|task| &task.pairs).enumerate();
+        for (index, pair) in pairs {
+            for (side, name) in pair.iter().enumerate() {
+                self.known(
+                    source,
+                    &format!("choice.pairs[{index}][{side}]"),
+                    name,
+                    false,
+                )?;
+            }
+        }
+        Ok(())
+    }
+
+    fn known(&self, source: &Source, key: &str, name: &str, played: bool) -> Result<(), FileError> {
+        match self.condition(name) {
+            Some(condition) if played && condition.scene.is_none() => {
+                let expected = "a condition with a scene: its path is compared with the drawing";
+                Err(source.bad(key, expected))
+            }
+            Some(_) => Ok(()),
+            None => {
+                let names = self.conditions.iter().map(|c| c.name.as_str());
+                let found = format!("\"{name}\"{}", did_you_mean(name, names));
+                Err(source.bad_found(key, "the name of one of [[conditions]]", found))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,288 @@
+//! The tasks that a participant can be given.
+
+use serde::Deserialize;
+
+use super::super::error::FileError;
+use super::super::source::Source;
+use super::super::words::choice;
+use super::people::{
+    SimulatedChoices, SimulatedDifferences, SimulatedDrawings, SimulatedMatches, SimulatedPlaces,
+    SimulatedRatings, SimulatedThresholds,
+};
+
+choice! { /** How the level of the next trial is chosen. */ ThresholdMethod {
+    /// QUEST+ (Watson 2017): the level whose answer tells most.
+    QuestPlus = "quest-plus",
+    /// A staircase, one up and two down (Levitt 1971).
+    Staircase = "staircase",
+} }
+
+choice! { /** Who meets which condition of a comparison. */ Groups {
+    /// Every participant meets every condition.
+    Within = "within",
+    /// Of each compared pair odd participants meet the first condition, even ones the second.
+    Between = "between",
+} }
+
+/// Which of two intervals had the stimulus? The least that is felt, for each wire.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ThresholdTask {
+    /// Wires, counted from zero.
+    pub wires: Vec<u16>,
+    /// How the level of the next trial is chosen.
+    pub method: ThresholdMethod,
+    /// Trials for each wire.
+    pub trials: u32,
+    /// The people who answer in a simulation.
+    pub simulated: SimulatedThresholds,
+}
+
+/// Which of two intervals was stronger? The least difference from a level that is felt, for each wire.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct DifferenceTask {
+    /// Wires, counted from zero.
+    pub wires: Vec<u16>,
+    /// The level that both intervals have at least, dB of full drive: -12 leaves room for three times as much again.
+    pub level_db: f64,
+    /// How the difference of the next trial is chosen.
+    pub method: ThresholdMethod,
+    /// Trials for each wire.
+    pub trials: u32,
+    /// The people who answer in a simulation.
+    pub simulated: SimulatedDifferences,
+}
+
+/// Which of two wires was stronger? The level at which each feels as strong as one of them.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct MatchTask {
+    /// The wire that the others are matched to, counted from zero.
+    pub reference: u16,
+    /// Its level, dB of full drive.
+    pub level_db: f64,
+    /// The others.
+    pub wires: Vec<u16>,
+    /// Trials for each wire.
+    pub trials: u32,
+    /// The people who answer in a simulation.
+    pub simulated: SimulatedMatches,
+}
+
+/// Where was it? The participant points at it.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct LocateTask {
+    /// Wires, counted from zero.
+    pub wires: Vec<u16>,
+    /// Level, dB of full drive.
+    pub level_db: f64,
+    /// How often each wire comes.
+    pub repeats: u32,
+    /// The people who answer in a simulation.
+    pub simulated: SimulatedPlaces,
+}
+
+/// Draw the path that you felt.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct DrawTask {
+    /// Names of conditions with a scene.
+    pub conditions: Vec<String>,
+    /// How often each comes.
+    pub repeats: u32,
+    /// The people who answer in a simulation.
+    pub simulated: SimulatedDrawings,
+}
+
+/// How rough, slippery or hard is it, from 1 to 6?
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct RatingTask {
+    /// What is rated, each with what 1 and what 6 mean.
+    pub scales: Vec<RatingScale>,
+    /// Names of conditions.
+    pub conditions: Vec<String>,
+    /// Pairs of conditions whose ratings are compared by Mann and Whitney's U.
+    pub compare: Vec<[String; 2]>,
+    /// Who meets which condition of a comparison.
+    pub groups: Groups,
+    /// Ratings of each condition by a participant; their mean counts.
+    pub repeats: u32,
+    /// The people who answer in a simulation.
+    pub simulated: SimulatedRatings,
+}
+
+/// A scale from 1 to 6.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct RatingScale {
+    /// In one word: the name of a column.
+    pub name: String,
+    /// What 1 means.
+    pub low: String,
+    /// What 6 means.
+    pub high: String,
+}
+
+/// Which of two?
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ChoiceTask {
+    /// The question, such as "Which one moved more smoothly?".
+    pub question: String,
+    /// Pairs of conditions; which of a pair comes first is drawn, as often one as the other.
+    pub pairs: Vec<[String; 2]>,
+    /// How often each pair comes.
+    pub repeats: u32,
+    /// The people who answer in a simulation.
+    pub simulated: SimulatedChoices,
+}
+
+/// Wires of a task: at least one, each once.
+fn check_wires(source: &Source, task: &str, wires: &[u16]) -> Result<(), FileError> {
+    if wires.is_empty() {
+        return Err(source.bad(&format!("{task}.wires"), "one wire at least"));
+    }
+    for (index, wire) in wires.iter().enumerate() {
+        let key = format!("{task}.wires[{index}]");
+        source.range(&key, *wire, 0..=255, "")?;
+        if wires[..index].contains(wire) {
+            return Err(source.bad(&key, "each wire once"));
+        }
+    }
+    Ok(())
+}
+
+fn check_level(source: &Source, task: &str, level_db: f64) -> Result<(), FileError> {
+    let key = format!("{task}.level_db");
+    source.range(&key, level_db, -40.0..=0.0, "dB of full drive")
+}
+
+/// Trials of one thing; more is a slip of the keyboard.
+fn check_count(source: &Source, key: &str, count: u32) -> Result<(), FileError> {
+    source.range(key, count, 1..=1000, "")
+}
+
+/// A sentence that is there.
+pub(super) fn check_text(source: &Source, key: &str, text: &str) -> Result<(), FileError> {
+    match text.trim().is_empty() {
+        true => Err(source.bad(key, "a word or a sentence")),
+        false => Ok(()),
+    }
+}
+
+impl ThresholdTask {
+    pub(super) fn check(&self, source: &Source) -> Result<(), FileError> {
+        let task = "absolute_threshold";
+        check_wires(source, task, &self.wires)?;
+        check_count(source, &format!("{task}.trials"), self.trials)?;
+        self.simulated.check(source, &format!("{task}.simulated"))
+    }
+}
+
+impl DifferenceTask {
+    pub(super) fn check(&self, source: &Source) -> Result<(), FileError> {
+        let task = "difference";
+        check_wires(source, task, &self.wires)?;
+        check_level(source, task, self.level_db)?;
+        if self.level_db > -3.0 {
+            let key = format!("{task}.level_db");
+            return Err(source.bad(&key, "at most -3 dB: the other interval is stronger"));
+        }
+        check_count(source, &format!("{task}.trials"), self.trials)?;
+        self.simulated.check(source, &format!("{task}.simulated"))
+    }
+}
+
+impl MatchTask {
+    pub(super) fn check(&self, source: &Source) -> Result<(), FileError> {
+        let task = "matching";
+        check_wires(source, task, &self.wires)?;
+        source.range(&format!("{task}.reference"), self.reference, 0..=255, "")?;
+        if let Some(index) = self.wires.iter().position(|wire| *wire == self.reference) {
+            let key = format!("{task}.wires[{index}]");
+            return Err(source.bad(&key, "another wire than the reference"));
+        }
+        check_level(source, task, self.level_db)?;
+        check_count(source, &format!("{task}.trials"), self.trials)?;
+        self.simulated.check(source, &format!("{task}.simulated"))
+    }
+}
+
+impl LocateTask {
+    pub(super) fn check(&self, source: &Source) -> Result<(), FileError> {
+        let task = "localisation";
+        check_wires(source, task, &self.wires)?;
+        check_level(source, task, self.level_db)?;
+        check_count(source, &format!("{task}.repeats"), self.repeats)?;
+        self.simulated.check(source, &format!("{task}.simulated"))
+    }
+}
+
+impl DrawTask {
+    pub(super) fn check(&self, source: &Source) -> Result<(), FileError> {
+        check_count(source, "drawing.repeats", self.repeats)?;
+        self.simulated.check(source, "drawing.simulated")
+    }
+}
+
+impl RatingTask {
+    pub(super) fn check(&self, source: &Source) -> Result<(), FileError> {
+        if self.scales.is_empty() {
+            return Err(source.bad("rating.scales", "one scale at least"));
+        }
+        for (index, scale) in self.scales.iter().enumerate() {
+            let at = |key: &str| format!("rating.scales[{index}].{key}");
+            let word = |c: char| c.is_ascii_lowercase() || c == '_';
+            if scale.name.is_empty() || !scale.name.chars().all(word) {
+                return Err(source.bad(&at("name"), "a word of lower-case letters"));
+            }
+            if self.scales[..index].iter().any(|s| s.name == scale.name) {
+                return Err(source.bad(&at("name"), "each scale once"));
+            }
+            check_text(source, &at("low"), &scale.low)?;
+            check_text(source, &at("high"), &scale.high)?;
+        }
+        for (index, pair) in self.compare.iter().enumerate() {
+            for (side, name) in pair.iter().enumerate() {
+                if !self.conditions.contains(name) {
+                    let key = format!("rating.compare[{index}][{side}]");
+                    return Err(source.bad(&key, "one of rating.conditions"));
+                }
+            }
+            if pair[0] == pair[1] {
+                let key = format!("rating.compare[{index}]");
+                return Err(source.bad(&key, "two conditions that differ"));
+            }
+        }
+        check_count(source, "rating.repeats", self.repeats)?;
+        self.simulated.check(source, "rating.simulated")
+    }
+}
+
+impl ChoiceTask {
+    pub(super) fn check(&self, source: &Source) -> Result<(), FileError> {
+        check_text(source, "choice.question", &self.question)?;
+        if self.pairs.is_empty() {
+            return Err(source.bad("choice.pairs", "one pair at least"));
+        }
+        for (index, [first, second]) in self.pairs.iter().enumerate() {
+            if first == second {
+                let key = format!("choice.pairs[{index}]");
+                return Err(source.bad(&key, "two conditions that differ"));
+            }
+        }
+        check_count(source, "choice.repeats", self.repeats)?;
+        self.simulated.check(source, "choice.simulated")
+    }
+}

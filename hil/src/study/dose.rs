@@ -1,0 +1,149 @@
+//! The dose of a whole session, before a person is connected: every trial at its strongest, at the shortest pace.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+use palpate_core::contact::Levels;
+use palpate_core::guard::Earlier;
+use palpate_core::units::{Duration, Instant};
+use palpate_run::{Failure, build};
+use palpate_study::{Known, Session, Stimulus, Trial};
+
+use super::player::{Rehearsed, rehearsed};
+use super::stimuli::Stimuli;
+
+/// What a session comes to at its strongest.
+#[derive(Debug, Clone)]
+pub struct Dose {
+    /// The larger share of both doses that a session may have: Omega and CEM43.
+    pub share: f64,
+    /// How long it takes at the shortest pace, s.
+    pub seconds: f64,
+    /// Trials of each task, and the share that they add.
+    pub tasks: Vec<(&'static str, usize, f64)>,
+    /// Where each condition's path goes.
+    pub known: Known,
+}
+
+/// Computes the dose of what is left of a session. Each stimulus is played once on an emulated bench, from rest; then a guard
+/// books all of them in the session's order, one after the other with the protocol's pause between.
+///
+/// # Errors
+/// [`Failure`] of a bench that cannot play a stimulus.
+pub fn planned(stimuli: &Stimuli, session: &Session, earlier: &Earlier) -> Result<Dose, Failure> {
+    let protocol = &stimuli.protocol().value;
+    let pause = Duration::from_micros((protocol.pause_s * 1e6) as u64);
+    let mut known = Known {
+        wires_mm: stimuli.wires_mm().to_vec(),
+        ..Known::default()
+    };
+    let mut rehearsals: Vec<(Stimulus, Rehearsed)> = Vec::new();
+    let mut together = earlier.clone();
+    let mut tasks: Vec<(&'static str, usize, f64)> = Vec::new();
+    let mut before = share(stimuli, &together)?;
+    let trials = session.strongest();
+    let last_of = |index: usize, trial: &Trial| {
+        trials
+            .get(index + 1)
+            .is_none_or(|next| next.task != trial.task)
+    };
+    for (index, trial) in trials.iter().enumerate() {
+        for stimulus in &trial.intervals {
+            let found = rehearsals.iter().position(|(other, _)| other == stimulus);
+            let place = match found {
+                Some(place) => place,
+                None => {
+                    let rehearsal = rehearsed(stimuli, stimulus, 1)?;
+                    if let Stimulus::Condition(name) = stimulus {
+                        known.paths.insert(name.clone(), rehearsal.path.clone());
+                    }
+                    rehearsals.push((stimulus.clone(), rehearsal));
+                    rehearsals.len() - 1
+                }
+            };
+            let (_, rehearsed) = &rehearsals[place];
+            let began = together.until + pause;
+            together.extend(began, rehearsed.bursts.iter().copied());
+            together.until = (began + rehearsed.length).max(together.until);
+        }
+        match tasks
+            .last_mut()
+            .filter(|(task, ..)| *task == trial.task.name())
+        {
+            Some(task) => task.1 += 1,
+            None => tasks.push((trial.task.name(), 1, 0.0)),
+        }
+        if last_of(index, trial) {
+            let after = share(stimuli, &together)?;
+            if let Some(task) = tasks.last_mut() {
+                task.2 = after - before;
+            }
+            before = after;
+        }
+    }
+    Ok(Dose {
+        share: before,
+        seconds: together.until.since(Instant::ZERO).as_secs_f64(),
+        tasks,
+        known,
+    })
+}
+
+/// The larger share of both doses.
+fn share(stimuli: &Stimuli, earlier: &Earlier) -> Result<f64, Failure> {
+    let setup = stimuli.emulated(&Stimulus::Silence, earlier.clone())?;
+    let used = build(&setup, 1, Levels::Off)?.guard().used(Instant::ZERO);
+    Ok(used.omega.max(used.cem43))
+}
+
+impl Dose {
+    /// Prints it, with the arithmetic.
+    ///
+    /// # Errors
+    /// Whatever the writer says.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        for (task, trials, share) in &self.tasks {
+            let each = 100.0 * share / (*trials).max(1) as f64;
+            writeln!(
+                out,
+                "  {task:<20}{trials:>5} trials at {each:.4} % = {:.2} %",
+                100.0 * share
+            )?;
+        }
+        writeln!(
+            out,
+            "  {:<20}{:.2} % of the dose that a session may have, in {:.0} min at its shortest",
+            "session",
+            100.0 * self.share,
+            self.seconds / 60.0
+        )
+    }
+
+    /// Refuses a session whose dose is more than a person may have.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] with the arithmetic.
+    pub fn check(&self) -> Result<(), Failure> {
+        if self.share < 1.0 {
+            return Ok(());
+        }
+        let mut sum = String::new();
+        for (task, trials, share) in &self.tasks {
+            let each = 100.0 * share / (*trials).max(1) as f64;
+            // Writing to a text does not fail.
+            let _ = write!(
+                sum,
+                "{}{trials} trials of {task} at {each:.3} % = {:.0} %",
+                if sum.is_empty() { "" } else { ", " },
+                100.0 * share
+            );
+        }
+        let fits = (1.0 / self.share).min(1.0);
+        Err(Failure::Input(format!(
+            "the session's dose: expected less than 100 % of what a session may have (Omega 0.01, CEM43 2 min), found {:.0} % in {:.0} min: {sum}. {:.0} % of the trials, or sessions on several days, fit",
+            100.0 * self.share,
+            self.seconds / 60.0,
+            100.0 * fits
+        )))
+    }
+}

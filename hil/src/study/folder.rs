@@ -1,0 +1,264 @@
+//! A study's folder: records that are on disk before the next trial begins, and tables as Psych-DS lays them out.
+//!
+//! `records/participant-N.jsonl` is what counts; `data/` is made from it, after every reply anew.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use palpate_files::{Loaded, Protocol, load_protocol};
+use palpate_run::Failure;
+use palpate_study::{Line, Record, Step};
+
+use super::tables::{data, description, sidecar};
+
+/// A study's folder.
+#[derive(Debug, Clone)]
+pub struct Folder {
+    path: PathBuf,
+}
+
+/// A participant's record that grows.
+#[derive(Debug)]
+pub struct Writing {
+    folder: Folder,
+    participant: u32,
+    path: PathBuf,
+    file: File,
+    /// What is in it.
+    pub record: Option<Record>,
+}
+
+fn failed(path: &Path) -> impl Fn(io::Error) -> Failure + '_ {
+    |error| Failure::Write {
+        path: path.display().to_string(),
+        error,
+    }
+}
+
+/// Writes a file whole or not at all: beside its place, onto the disk, then there.
+fn replace(path: &Path, text: &str) -> Result<(), Failure> {
+    let part = path.with_extension("part");
+    let write = || -> io::Result<()> {
+        let mut file = File::create(&part)?;
+        file.write_all(text.as_bytes())?;
+        file.sync_all()?;
+        fs::rename(&part, path)
+    };
+    write().map_err(|e| {
+        // What could not be written is not kept either.
+        let _ = fs::remove_file(&part);
+        failed(path)(e)
+    })
+}
+
+impl Folder {
+    /// A folder for a protocol: made, with its description, or found with the same protocol in it.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for a folder of another protocol, [`Failure::Write`] for one that cannot be written.
+    pub fn make(path: &Path, protocol: &Loaded<Protocol>) -> Result<Self, Failure> {
+        let folder = Self {
+            path: path.to_path_buf(),
+        };
+        for part in ["records", "data"] {
+            let part = path.join(part);
+            fs::create_dir_all(&part).map_err(failed(&part))?;
+        }
+        let copy = folder.protocol_path();
+        match fs::read_to_string(&copy) {
+            Ok(text) if text == protocol.source.text() => {}
+            Ok(_) => {
+                return Err(Failure::Input(format!(
+                    "{}: expected the protocol of this command: a study has one, and another one a folder of its own",
+                    copy.display()
+                )));
+            }
+            Err(_) => replace(&copy, protocol.source.text())?,
+        }
+        let about = path.join("dataset_description.json");
+        replace(&about, &description(&protocol.value))?;
+        Ok(folder)
+    }
+
+    /// The folder of a study that exists.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for another folder.
+    pub fn open(path: &Path) -> Result<(Self, Protocol), Failure> {
+        let folder = Self {
+            path: path.to_path_buf(),
+        };
+        let copy = folder.protocol_path();
+        if !copy.is_file() {
+            return Err(Failure::Input(format!(
+                "{}: expected the folder of a study, which `hil study run` makes: it has no protocol.toml",
+                path.display()
+            )));
+        }
+        let protocol = load_protocol(&copy.display().to_string())?.value;
+        Ok((folder, protocol))
+    }
+
+    fn protocol_path(&self) -> PathBuf {
+        self.path.join("protocol.toml")
+    }
+
+    /// Every record, by participant.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] with file and line of what is none.
+    pub fn records(&self) -> Result<Vec<Record>, Failure> {
+        let folder = self.path.join("records");
+        let entries = fs::read_dir(&folder)
+            .map_err(|e| Failure::Input(format!("{}: {e}", folder.display())))?;
+        let mut records = Vec::new();
+        for entry in entries.flatten() {
+            let path = entry.path();
+            if path.extension().is_none_or(|ending| ending != "jsonl") {
+                continue;
+            }
+            let text = fs::read_to_string(&path)
+                .map_err(|e| Failure::Input(format!("{}: {e}", path.display())))?;
+            if !text.contains('\n') {
+                continue; // begun, and nothing was written yet
+            }
+            let read = Record::read(&text);
+            records.push(read.map_err(|e| Failure::Input(format!("{}: {e}", path.display())))?);
+        }
+        records.sort_by_key(|record| record.about.participant);
+        Ok(records)
+    }
+
+    /// Writes a file of the analysis.
+    ///
+    /// # Errors
+    /// [`Failure::Write`] with the file.
+    pub fn write(&self, name: &str, text: &str) -> Result<PathBuf, Failure> {
+        let path = self.path.join("analysis").join(name);
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder).map_err(failed(folder))?;
+        }
+        replace(&path, text)?;
+        Ok(path)
+    }
+
+    /// Opens a participant's record.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for a number that is taken: by a session that goes on elsewhere, by one that is over, or without
+    /// `resume` by one that is not.
+    pub fn participant(&self, number: u32, resume: bool) -> Result<Writing, Failure> {
+        let path = self
+            .path
+            .join("records")
+            .join(format!("participant-{number}.jsonl"));
+        let open = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&path);
+        let mut file = open.map_err(failed(&path))?;
+        let taken = |why: &str| {
+            Err(Failure::Input(format!(
+                "--participant {number}: expected a number that no participant of this study has, found {why} ({})",
+                path.display()
+            )))
+        };
+        if file.try_lock().is_err() {
+            return taken("a session of it that goes on");
+        }
+        let mut text = String::new();
+        file.read_to_string(&mut text).map_err(failed(&path))?;
+        let record = match text.contains('\n') {
+            false => None,
+            true => Some(
+                Record::read(&text)
+                    .map_err(|e| Failure::Input(format!("{}: {e}", path.display())))?,
+            ),
+        };
+        if let Some(record) = &record {
+            let protocol = load_protocol(&self.protocol_path().display().to_string())?.value;
+            let session = record
+                .resumed(protocol)
+                .map_err(|e| Failure::Input(format!("{}: {e}", path.display())))?;
+            let over = matches!(session.step(), Step::Done | Step::Declined);
+            match (over, resume) {
+                (true, _) => return taken("a session of it that is over"),
+                (false, false) => {
+                    return taken("a session of it that is not over, which --resume goes on with");
+                }
+                (false, true) => {}
+            }
+        }
+        // What was being written when the program died is no line.
+        let whole = record.as_ref().map_or(0, |record| record.whole as u64);
+        file.set_len(whole).map_err(failed(&path))?;
+        file.seek(SeekFrom::End(0)).map_err(failed(&path))?;
+        Ok(Writing {
+            folder: self.clone(),
+            participant: number,
+            path,
+            file,
+            record,
+        })
+    }
+}
+
+impl Writing {
+    /// Adds a line. When this returns it is on the disk.
+    ///
+    /// # Errors
+    /// [`Failure::Write`] with what the system said, such as a full disk; nothing of the line is kept then.
+    pub fn add(&mut self, line: Line) -> Result<(), Failure> {
+        let mut text = serde_json::to_string(&line).map_err(|e| failed(&self.path)(e.into()))?;
+        text.push('\n');
+        let before = self.file.stream_position().map_err(failed(&self.path))?;
+        let written = self.file.write_all(text.as_bytes());
+        if let Err(e) = written.and_then(|()| self.file.sync_data()) {
+            let _ = self.file.set_len(before);
+            return Err(failed(&self.path)(e));
+        }
+        match (&mut self.record, line) {
+            (None, Line::Session(about)) => {
+                self.record = Some(Record {
+                    about,
+                    lines: Vec::new(),
+                    whole: text.len(),
+                });
+            }
+            (Some(record), line) => {
+                record.whole += text.len();
+                record.lines.push(line);
+            }
+            (None, _) => {}
+        }
+        Ok(())
+    }
+
+    /// Makes the participant's tables anew.
+    ///
+    /// # Errors
+    /// [`Failure::Write`] with the file.
+    pub fn tables(&self, protocol: &Protocol) -> Result<(), Failure> {
+        let Some(record) = &self.record else {
+            return Ok(());
+        };
+        let stem = format!(
+            "subject-{}_study-{}_data",
+            self.participant,
+            protocol.name.replace('-', "")
+        );
+        let data_folder = self.folder.path.join("data");
+        replace(&data_folder.join(format!("{stem}.csv")), &data(record))?;
+        replace(
+            &data_folder.join(format!("{stem}.json")),
+            &sidecar(protocol),
+        )
+    }
+}
+
+#[cfg(test)]
+#[path = "folder_tests.rs"]
+mod tests;

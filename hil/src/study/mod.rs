@@ -1,0 +1,17 @@
+//! Studies with people: what a bench plays, what is kept on disk, and the session between them and a page.
+
+mod conduct;
+mod dose;
+mod folder;
+mod player;
+mod report;
+mod stimuli;
+mod tables;
+
+pub use conduct::{Answers, Conducting, Ended, conduct};
+pub use dose::{Dose, planned};
+pub use folder::{Folder, Writing};
+pub use player::Player;
+pub use report::page;
+pub use stimuli::Stimuli;
+pub use tables::{data, description, sidecar, wearer};

@@ -1,0 +1,249 @@
+//! Plays what a trial plays, and remembers what the wearer had.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use palpate_core::contact::Levels;
+use palpate_core::guard::{Booked, Earlier};
+use palpate_core::units::{Duration, Instant};
+use palpate_files::Setup;
+use palpate_records::measure::length_us;
+use palpate_records::schedule::write_records;
+use palpate_records::trace::{Event, Trace};
+use palpate_run::{Failure, Input, Keep, build, run_with};
+use palpate_study::{Interval, Path, Stimulus};
+
+use super::stimuli::Stimuli;
+use crate::clock;
+use crate::host::Onlooker;
+use crate::output::Outputs;
+use crate::real::{self, Told};
+use crate::views;
+
+/// Time between two points of a path that is known from its scene, s.
+const STEP_S: f64 = 0.02;
+
+/// A bench that plays stimuli one after the other.
+#[derive(Debug)]
+pub struct Player {
+    stimuli: Stimuli,
+    seed: u64,
+    earlier: Earlier,
+    /// STOP; where there is none, virtual time is not held to the wall clock.
+    stop: Option<Arc<AtomicBool>>,
+}
+
+/// When everything was off.
+pub type Off = std::time::Instant;
+
+/// How a stimulus went.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Went {
+    /// To its end.
+    Whole,
+    /// STOP cut it short; everything was off at this time.
+    Stopped(Off),
+    /// So it did, and the bench keeps it, as this says.
+    Latched(Off, String),
+}
+
+/// The bursts of a run, as its guard booked them, with their wires.
+fn bursts(setup: &Setup, trace: &Trace) -> Result<Vec<(u16, Booked)>, Failure> {
+    let projector = build(setup, 1, Levels::Off)?;
+    let guard = projector.guard();
+    let wire = |board: u8, channel: u8| {
+        let mut wires = trace.header.wires.iter();
+        let place = wires.position(|w| (w.board, w.channel) == (board, channel));
+        place.and_then(|place| u16::try_from(place).ok())
+    };
+    let entries = trace.events.iter().filter_map(|event| match event {
+        Event::Schedule(entry) if entry.off > entry.on => {
+            Some((wire(entry.board.0, entry.channel.0)?, guard.booked(entry)))
+        }
+        _ => None,
+    });
+    Ok(entries.collect())
+}
+
+/// Where a run's contact truly went: by its strokes, or by what touched the emulated skin.
+fn path(setup: &Setup, events: &[Event]) -> Path {
+    let strokes = &setup.scene.value.strokes;
+    let mut path = Path::new();
+    for stroke in strokes {
+        let steps = (stroke.length_s / STEP_S).ceil().max(1.0) as u32;
+        path.extend((0..=steps).map(|step| {
+            let way = f64::from(step) / f64::from(steps);
+            let at = |axis: usize| {
+                stroke.from_mm[axis] + way * (stroke.to_mm[axis] - stroke.from_mm[axis])
+            };
+            [stroke.start_s + way * stroke.length_s, at(0), at(1)]
+        }));
+    }
+    if strokes.is_empty() {
+        path.extend(events.iter().filter_map(|event| match event {
+            Event::Felt { t_us, target, .. } => Some([
+                *t_us as f64 * 1e-6,
+                f64::from(target.x) * 1e-3,
+                f64::from(target.y) * 1e-3,
+            ]),
+            _ => None,
+        }));
+    }
+    path
+}
+
+impl Player {
+    /// A bench on which nothing was played yet.
+    #[must_use]
+    pub const fn new(stimuli: Stimuli, seed: u64, stop: Option<Arc<AtomicBool>>) -> Self {
+        Self {
+            stimuli,
+            seed,
+            earlier: Earlier {
+                bursts: Vec::new(),
+                until: Instant::ZERO,
+            },
+            stop,
+        }
+    }
+
+    /// What it plays.
+    #[must_use]
+    pub const fn stimuli(&self) -> &Stimuli {
+        &self.stimuli
+    }
+
+    /// Takes over what was played at a time of the session before the program was begun again.
+    pub fn remember(&mut self, interval: &Interval) {
+        let bursts = interval
+            .bursts
+            .iter()
+            .map(|[wire, on_us, off_us, energy_nj]| {
+                let booked = Booked {
+                    on: Instant::from_micros(*on_us),
+                    off: Instant::from_micros(*off_us),
+                    energy_nj: *energy_nj,
+                };
+                (u16::try_from(*wire).unwrap_or(u16::MAX), booked)
+            });
+        let began = Instant::from_micros(interval.began_ms.saturating_mul(1000));
+        self.earlier.extend(began, bursts);
+    }
+
+    /// Plays a stimulus at a time of the session, ms. Returns what was played of it, and how it went.
+    ///
+    /// # Errors
+    /// [`Failure`] of a bench that cannot play it.
+    pub fn play(&mut self, stimulus: &Stimulus, now_ms: u64) -> Result<(Interval, Went), Failure> {
+        let mut setup = self.stimuli.setup(stimulus)?;
+        let began = Instant::from_micros(now_ms.saturating_mul(1000)).max(self.earlier.until);
+        self.earlier.until = began;
+        setup.earlier = self.earlier.clone();
+        let views = views::Wanted {
+            stop: self.stop.as_ref(),
+            ..views::Wanted::default()
+        };
+        let outcome = if setup.bench.value.is_hardware() {
+            let told = Told { quiet: true, views };
+            let wanted = real::Wanted {
+                files: &[],
+                outputs: Outputs::NEW,
+                told,
+            };
+            real::run(&setup, &Input::Scene, self.seed, wanted)?
+        } else {
+            let mut host = Onlooker::new(views, None);
+            run_with(&setup, &Input::Scene, self.seed, Keep::default(), &mut host)?
+        };
+        let off = clock::now();
+        let trace = &outcome.trace;
+        let bursts = bursts(&setup, trace)?;
+        let interval = Interval {
+            stimulus: Some(stimulus.clone()),
+            began_ms: began.as_micros() / 1000,
+            schedule: schedule(trace)?,
+            path: path(&setup, &trace.events),
+            bursts: bursts.iter().map(of_record).collect(),
+        };
+        self.earlier.extend(began, bursts);
+        self.earlier.until += Duration::from_micros(length_us(trace));
+        let went = match outcome.failure {
+            Some(Failure::Guard(text)) if self.is_stopped() => Went::Latched(off, text),
+            Some(failure) => return Err(failure),
+            None if self.is_stopped() => Went::Stopped(off),
+            None => Went::Whole,
+        };
+        Ok((interval, went))
+    }
+
+    fn is_stopped(&self) -> bool {
+        let stop = self.stop.as_ref();
+        stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+    }
+
+    /// The session's time, ms, at which what was played is over.
+    #[must_use]
+    pub const fn until_ms(&self) -> u64 {
+        self.earlier.until.as_micros() / 1000
+    }
+
+    /// The share of each limit that is used at a time of the session, ms.
+    ///
+    /// # Errors
+    /// [`Failure`] of a bench that has no guard.
+    pub fn used(&self, now_ms: u64) -> Result<[(&'static str, f64); 11], Failure> {
+        let mut earlier = self.earlier.clone();
+        earlier.until = earlier.until.max(Instant::from_micros(now_ms * 1000));
+        let setup = self.stimuli.emulated(&Stimulus::Silence, earlier)?;
+        let projector = build(&setup, 1, Levels::Off)?;
+        Ok(projector.guard().used(Instant::ZERO).rows())
+    }
+}
+
+fn of_record((wire, burst): &(u16, Booked)) -> [u64; 4] {
+    let (on, off) = (burst.on.as_micros(), burst.off.as_micros());
+    [u64::from(*wire), on, off, burst.energy_nj]
+}
+
+/// The records of a schedule, without its head.
+fn schedule(trace: &Trace) -> Result<Vec<serde_json::Value>, Failure> {
+    let mut text = Vec::new();
+    let period_ns = trace.header.pre_scale.period_ns();
+    // Writing to memory does not fail, and what is written there are lines of JSON.
+    let failed = |e: String| Failure::Device(format!("the schedule of a trial: {e}"));
+    write_records(&trace.events, period_ns, &mut text).map_err(|e| failed(e.to_string()))?;
+    let lines = String::from_utf8_lossy(&text).into_owned();
+    let values = lines.lines().map(serde_json::from_str);
+    values
+        .collect::<Result<_, _>>()
+        .map_err(|e| failed(e.to_string()))
+}
+
+/// A stimulus from rest and alone, emulated.
+pub(super) struct Rehearsed {
+    /// What its guard booked, with wires.
+    pub(super) bursts: Vec<(u16, Booked)>,
+    /// How long it lasts.
+    pub(super) length: Duration,
+    /// Where it went.
+    pub(super) path: Path,
+}
+
+/// Plays a stimulus on an emulated bench, as fast as it can.
+///
+/// # Errors
+/// [`Failure`] of a bench that cannot play it.
+pub(super) fn rehearsed(
+    stimuli: &Stimuli,
+    stimulus: &Stimulus,
+    seed: u64,
+) -> Result<Rehearsed, Failure> {
+    let setup = stimuli.emulated(stimulus, Earlier::default())?;
+    let outcome = run_with(&setup, &Input::Scene, seed, Keep::default(), &mut ())?;
+    let trace = &outcome.trace;
+    Ok(Rehearsed {
+        bursts: bursts(&setup, trace)?,
+        length: Duration::from_micros(length_us(trace)),
+        path: path(&setup, &trace.events),
+    })
+}

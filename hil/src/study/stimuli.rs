@@ -1,0 +1,197 @@
+//! From what a trial plays to a scene on a bench.
+
+use palpate_core::guard::Earlier;
+use palpate_files::{Bench, BenchKind, FileError, Loaded, Protocol, Scene, Setup, Source};
+use palpate_run::{Failure, fits};
+use palpate_study::Stimulus;
+
+/// The reference and a moment more before a wire is driven, s.
+const BEFORE_S: f64 = 0.7;
+/// What a stimulus may still need to end, s.
+const AFTER_S: f64 = 0.2;
+
+/// What a protocol plays on a bench.
+#[derive(Debug, Clone)]
+pub struct Stimuli {
+    protocol: Loaded<Protocol>,
+    bench: Loaded<Bench>,
+    wires_mm: Vec<[f64; 2]>,
+}
+
+impl Stimuli {
+    /// A protocol on a bench: every condition is one that the bench can play.
+    ///
+    /// # Errors
+    /// [`Failure`] with the condition or key that the bench cannot play.
+    pub fn new(protocol: Loaded<Protocol>, bench: Loaded<Bench>) -> Result<Self, Failure> {
+        if !bench.value.displays.is_empty() {
+            let expected = "one display: a participant wears one thimble";
+            let found = format!("{} displays", bench.value.displays.len());
+            return Err(bench.source.bad_found("displays", expected, found).into());
+        }
+        let mut stimuli = Self {
+            protocol,
+            bench,
+            wires_mm: Vec::new(),
+        };
+        let silent = stimuli.setup(&Stimulus::Silence)?;
+        stimuli.wires_mm = silent.display.value.wires_mm.clone();
+        stimuli.check_wires()?;
+        for (index, condition) in stimuli.protocol.value.conditions.iter().enumerate() {
+            if condition.scene.is_none() {
+                continue;
+            }
+            let setup = stimuli.setup(&Stimulus::Condition(condition.name.clone()))?;
+            let scene = &setup.scene.value;
+            let wired =
+                setup.bench.value.kind == BenchKind::Real && setup.bench.value.unit.is_none();
+            if wired && scene.strokes.is_empty() {
+                let key = format!("conditions[{index}].scene");
+                let expected = "a scene of [[strokes]] on a bench of hardware: nothing touches a skin that is no emulation";
+                let found = format!("`{}`", scene.name);
+                return Err(stimuli
+                    .protocol
+                    .source
+                    .bad_found(&key, expected, found)
+                    .into());
+            }
+            fits(&setup)?;
+        }
+        Ok(stimuli)
+    }
+
+    /// The protocol.
+    #[must_use]
+    pub const fn protocol(&self) -> &Loaded<Protocol> {
+        &self.protocol
+    }
+
+    /// Name of the bench.
+    #[must_use]
+    pub fn bench(&self) -> &str {
+        &self.bench.value.name
+    }
+
+    /// Where the display's wires lie, mm.
+    #[must_use]
+    pub fn wires_mm(&self) -> &[[f64; 2]] {
+        &self.wires_mm
+    }
+
+    /// What the experimenter lays under the finger in a trial, where it plays nothing.
+    #[must_use]
+    pub fn present(&self, stimulus: &Stimulus) -> Option<&str> {
+        match stimulus {
+            Stimulus::Condition(name) => self.protocol.value.condition(name)?.present.as_deref(),
+            _ => None,
+        }
+    }
+
+    fn check_wires(&self) -> Result<(), FileError> {
+        let protocol = &self.protocol.value;
+        let lists = [
+            (
+                "absolute_threshold",
+                protocol.absolute_threshold.as_ref().map(|t| &t.wires),
+            ),
+            ("difference", protocol.difference.as_ref().map(|t| &t.wires)),
+            ("matching", protocol.matching.as_ref().map(|t| &t.wires)),
+            (
+                "localisation",
+                protocol.localisation.as_ref().map(|t| &t.wires),
+            ),
+        ];
+        let count = self.wires_mm.len();
+        let reference = protocol
+            .matching
+            .as_ref()
+            .map(|t| ("matching.reference".to_owned(), t.reference));
+        let named = lists.into_iter().flat_map(|(task, wires)| {
+            let numbered = wires.into_iter().flatten().enumerate();
+            numbered.map(move |(index, wire)| (format!("{task}.wires[{index}]"), *wire))
+        });
+        for (key, wire) in named.chain(reference) {
+            if usize::from(wire) >= count {
+                let bench = &self.bench.value.name;
+                let expected = format!(
+                    "a wire of bench `{bench}`, 0 to {}",
+                    count.saturating_sub(1)
+                );
+                return Err(self
+                    .protocol
+                    .source
+                    .bad_found(&key, expected, wire.to_string()));
+            }
+        }
+        Ok(())
+    }
+
+    /// The scene of a stimulus on the bench; of what the experimenter lays under the finger one that drives nothing.
+    ///
+    /// # Errors
+    /// [`Failure`] with file and key of what does not fit together.
+    pub fn setup(&self, stimulus: &Stimulus) -> Result<Setup, Failure> {
+        let protocol = &self.protocol.value;
+        if let Stimulus::Condition(name) = stimulus {
+            let place = protocol.conditions.iter().position(|c| c.name == *name);
+            let place = place.ok_or_else(|| Failure::Input(format!("no condition `{name}`")))?;
+            if let Some(scene) = self.protocol.scene(place)? {
+                let overrides = protocol.conditions[place].overrides()?;
+                let changed = self.bench.clone().with(&overrides)?;
+                // Devices that the command line named are not in the file.
+                let bench = Loaded {
+                    value: Bench {
+                        kind: self.bench.value.kind,
+                        real: self.bench.value.real.clone(),
+                        unit: self.bench.value.unit.clone(),
+                        name: self.bench.value.name.clone(),
+                        ..changed.value
+                    },
+                    source: changed.source,
+                };
+                return Ok(Setup::join(scene, bench)?);
+            }
+        }
+        let source = Source::new("a stimulus of the study", self.text(stimulus));
+        let scene = Loaded {
+            value: Scene::read(&source)?,
+            source,
+        };
+        Ok(Setup::join(scene, self.bench.clone())?)
+    }
+
+    /// One wire, or none, as a scene: a stroke that stays where the wire is.
+    fn text(&self, stimulus: &Stimulus) -> String {
+        let seconds = self.protocol.value.stimulus_s;
+        let length_s = BEFORE_S + seconds + AFTER_S;
+        let mut text = format!(
+            "name = \"stimulus\"\ndescription = \"One wire of a study\"\nlength_s = {length_s}\n[illusion]\nmodel = \"nearest\"\n"
+        );
+        if let Stimulus::Wire { wire, level_db } = stimulus
+            && let Some([x, y]) = self.wires_mm.get(usize::from(*wire))
+        {
+            let weight = part(*level_db);
+            text += &format!(
+                "[[strokes]]\nstart_s = {BEFORE_S}\nlength_s = {seconds}\nfrom_mm = [{x:?}, {y:?}]\nto_mm = [{x:?}, {y:?}]\nweight = {weight}\n"
+            );
+        }
+        text
+    }
+
+    /// The same as an emulated bench, for what is computed beforehand, after these earlier bursts.
+    ///
+    /// # Errors
+    /// As [`Self::setup`].
+    pub fn emulated(&self, stimulus: &Stimulus, earlier: Earlier) -> Result<Setup, Failure> {
+        let mut setup = self.setup(stimulus)?;
+        let bench = &mut setup.bench.value;
+        (bench.kind, bench.real, bench.unit) = (BenchKind::Emulated, None, None);
+        setup.earlier = earlier;
+        Ok(setup)
+    }
+}
+
+/// A level, dB of full drive, as a part of it.
+fn part(level_db: f64) -> f64 {
+    10f64.powf(level_db.min(0.0) / 20.0)
+}

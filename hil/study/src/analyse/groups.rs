@@ -1,0 +1,208 @@
+//! Groups of numbers: middles, intervals by bootstrap, and whether two of them differ.
+
+use palpate_core::random::RandomStream;
+use serde::Serialize;
+use statrs::distribution::{Beta, Binomial, ContinuousCDF, DiscreteCDF};
+
+use crate::compare::test;
+
+/// Samples that are drawn anew for an interval.
+const DRAWS: usize = 2000;
+
+/// A number with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Within {
+    /// The number.
+    pub value: f64,
+    /// 2.5 % of samples drawn anew lie below.
+    pub low: f64,
+    /// 2.5 % lie above.
+    pub high: f64,
+}
+
+/// Two groups of people.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// What is compared.
+    pub of: String,
+    /// The first condition.
+    pub first: String,
+    /// The second one.
+    pub second: String,
+    /// Values of the first, one per person, and of the second.
+    pub counts: [usize; 2],
+    /// Medians of both.
+    pub medians: [f64; 2],
+    /// Mann and Whitney's U of the second.
+    pub u: f64,
+    /// Probability of a difference at least as large if there is none.
+    pub p: f64,
+    /// Rank-biserial correlation, 2 U / (n m) - 1: 1 where all of the second are larger.
+    pub effect: Within,
+    /// Difference of the medians.
+    pub difference: Within,
+}
+
+/// The value below which a part of sorted values lies, between neighbours.
+#[must_use]
+pub fn quantile(sorted: &[f64], part: f64) -> f64 {
+    let place = part.clamp(0.0, 1.0) * sorted.len().saturating_sub(1) as f64;
+    let at = |index: f64| sorted.get(index as usize).copied().unwrap_or(f64::NAN);
+    let (low, high) = (at(libm::floor(place)), at(libm::ceil(place)));
+    low + (high - low) * (place - libm::floor(place))
+}
+
+/// The median of numbers; not a number of none.
+#[must_use]
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    quantile(&sorted, 0.5)
+}
+
+fn drawn(values: &[f64], random: &mut RandomStream) -> Vec<f64> {
+    let one = |_| values[((random.uniform() * values.len() as f64) as usize).min(values.len() - 1)];
+    (0..values.len()).map(one).collect()
+}
+
+/// A figure of groups, and the middle 95 % of it over groups that are drawn anew from them, each by itself (percentile
+/// bootstrap, Efron 1979). `None` for an empty group.
+#[must_use]
+pub fn bootstrap(groups: &[&[f64]], figure: impl Fn(&[Vec<f64>]) -> f64) -> Option<Within> {
+    if groups.is_empty() || groups.iter().any(|group| group.is_empty()) {
+        return None;
+    }
+    let own: Vec<Vec<f64>> = groups.iter().map(|group| group.to_vec()).collect();
+    let mut random = RandomStream::new(1, "bootstrap");
+    let mut figures: Vec<f64> = (0..DRAWS)
+        .map(|_| {
+            let anew: Vec<_> = groups
+                .iter()
+                .map(|group| drawn(group, &mut random))
+                .collect();
+            figure(&anew)
+        })
+        .collect();
+    figures.sort_by(f64::total_cmp);
+    Some(Within {
+        value: figure(&own),
+        low: quantile(&figures, 0.025),
+        high: quantile(&figures, 0.975),
+    })
+}
+
+/// The rank-biserial correlation of two groups, by counting pairs.
+fn effect(first: &[f64], second: &[f64]) -> f64 {
+    let pairs = first
+        .iter()
+        .flat_map(|a| second.iter().map(move |b| (a, b)));
+    let over: f64 = pairs
+        .map(|(a, b)| match b.total_cmp(a) {
+            std::cmp::Ordering::Greater => 1.0,
+            std::cmp::Ordering::Equal => 0.0,
+            std::cmp::Ordering::Less => -1.0,
+        })
+        .sum();
+    over / (first.len() * second.len()).max(1) as f64
+}
+
+/// Compares two groups, one value per person. `None` where one is empty.
+#[must_use]
+pub fn compared(
+    of: &str,
+    (first, second): (&str, &str),
+    groups: [&[f64]; 2],
+) -> Option<Comparison> {
+    let (u, p) = test(groups[0], groups[1])?;
+    Some(Comparison {
+        of: of.into(),
+        first: first.into(),
+        second: second.into(),
+        counts: groups.map(<[f64]>::len),
+        medians: groups.map(median),
+        u,
+        p,
+        effect: bootstrap(&groups, |anew| effect(&anew[0], &anew[1]))?,
+        difference: bootstrap(&groups, |anew| median(&anew[1]) - median(&anew[0]))?,
+    })
+}
+
+/// The part of answers that are yes, with its exact 95 % interval (Clopper and Pearson 1934).
+#[must_use]
+pub fn proportion(yes: u64, all: u64) -> Option<Within> {
+    let (n, k) = (all as f64, yes as f64);
+    let edge = |a: f64, b: f64, part: f64| Beta::new(a, b).ok().map(|beta| beta.inverse_cdf(part));
+    (all > 0 && yes <= all).then_some(())?;
+    Some(Within {
+        value: k / n,
+        low: if yes == 0 {
+            0.0
+        } else {
+            edge(k, n - k + 1.0, 0.025)?
+        },
+        high: if yes == all {
+            1.0
+        } else {
+            edge(k + 1.0, n - k, 0.975)?
+        },
+    })
+}
+
+/// Probability of so uneven a number of yes among so many, or a more uneven one, where yes and no are as likely.
+#[must_use]
+pub fn sign_test(yes: u64, all: u64) -> f64 {
+    let few = yes.min(all.saturating_sub(yes));
+    match Binomial::new(0.5, all) {
+        Ok(even) if all > 0 => (2.0 * even.cdf(few)).min(1.0),
+        _ => 1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn middles_are_between_neighbours() {
+        assert_eq!(median(&[3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), 2.5);
+        assert!(median(&[]).is_nan());
+        assert_eq!(quantile(&[0.0, 10.0], 0.25), 2.5);
+    }
+
+    /// Against SciPy 1.17.1: `binomtest(7, 20).proportion_ci(method="exact")` and `binomtest(7, 20).pvalue`.
+    #[test]
+    fn proportions_agree_with_scipy() {
+        let found = proportion(7, 20).unwrap();
+        assert!((found.low - 0.15390920).abs() < 1e-6, "{found:?}");
+        assert!((found.high - 0.59218853).abs() < 1e-6, "{found:?}");
+        assert!((sign_test(7, 20) - 0.26317596).abs() < 1e-6);
+        assert_eq!(sign_test(0, 0), 1.0);
+        assert_eq!(proportion(0, 9).unwrap().low, 0.0);
+        assert_eq!(proportion(9, 9).unwrap().high, 1.0);
+        assert_eq!(proportion(0, 0), None);
+    }
+
+    #[test]
+    fn the_effect_is_that_of_u() {
+        let (a, b) = ([1.0, 2.0, 2.0, 5.0], [2.0, 3.0, 6.0]);
+        let found = compared("x", ("a", "b"), [&a, &b]).unwrap();
+        assert!((found.effect.value - (2.0 * found.u / 12.0 - 1.0)).abs() < 1e-12);
+        assert!(found.effect.low <= found.effect.value && found.effect.value <= found.effect.high);
+        assert!(compared("x", ("a", "b"), [&a, &[]]).is_none());
+    }
+
+    /// Of samples from a known distribution the interval of the mean holds the truth about as often as it says.
+    #[test]
+    fn intervals_hold_the_truth() {
+        let mut random = RandomStream::new(3, "coverage");
+        let holds = |_: &i32| {
+            let values: Vec<f64> = (0..30).map(|_| random.normal()).collect();
+            let mean = |groups: &[Vec<f64>]| groups[0].iter().sum::<f64>() / groups[0].len() as f64;
+            let found = bootstrap(&[&values], mean).unwrap();
+            found.low <= 0.0 && 0.0 <= found.high
+        };
+        let held = (0..200).filter(holds).count();
+        assert!((178..=198).contains(&held), "{held} of 200");
+    }
+}

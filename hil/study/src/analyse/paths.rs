@@ -1,0 +1,218 @@
+//! A felt path against the true one.
+
+use serde::Serialize;
+
+use crate::session::Sample;
+
+/// Points that paths are compared at.
+const POINTS: usize = 120;
+/// Farthest that a drawing may lead or trail, as a part of its length.
+const MOST_LAG: f64 = 0.25;
+/// Lags that are tried, each way.
+const LAGS: i32 = 25;
+
+/// A place, mm.
+type Place = [f64; 2];
+
+/// How a drawing differs from what was played.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PathError {
+    /// Root of the mean squared distance at equal times, mm: the drawing's time is stretched to the path's, and shifted by the
+    /// lag that makes it least.
+    pub rmse_mm: f64,
+    /// That lag, as a part of the path's length in time; positive where the drawing trails.
+    pub lag: f64,
+    /// Discrete Frechet distance (Eiter and Mannila 1994), mm: in order, at whatever speed.
+    pub frechet_mm: f64,
+    /// Breaks that the person marked.
+    pub breaks: usize,
+}
+
+fn distance(a: Place, b: Place) -> f64 {
+    libm::hypot(a[0] - b[0], a[1] - b[1])
+}
+
+/// Where a path is at a part of its time, between its points.
+fn at(path: &[(f64, Place)], part: f64) -> Place {
+    let (first, last) = (path[0], path[path.len() - 1]);
+    let t = first.0 + part.clamp(0.0, 1.0) * (last.0 - first.0);
+    let next = path
+        .partition_point(|(time, _)| *time < t)
+        .clamp(1, path.len() - 1);
+    let (before, after) = (path[next - 1], path[next]);
+    let span = after.0 - before.0;
+    let way = if span > 0.0 {
+        (t - before.0) / span
+    } else {
+        1.0
+    };
+    let between = |axis: usize| before.1[axis] + way * (after.1[axis] - before.1[axis]);
+    [between(0), between(1)]
+}
+
+fn resampled(path: &[(f64, Place)]) -> Vec<Place> {
+    let parts = (0..POINTS).map(|n| n as f64 / (POINTS - 1) as f64);
+    parts.map(|part| at(path, part)).collect()
+}
+
+/// Root of the mean squared distance where the drawing trails by `lag`, over what both have.
+fn rmse(truth: &[(f64, Place)], drawn: &[(f64, Place)], lag: f64) -> f64 {
+    let parts = (0..POINTS).map(|n| n as f64 / (POINTS - 1) as f64);
+    let both = parts.filter(|part| (0.0..=1.0).contains(&(part + lag)));
+    let squares: Vec<f64> = both
+        .map(|part| distance(at(truth, part), at(drawn, part + lag)))
+        .map(|d| d * d)
+        .collect();
+    libm::sqrt(squares.iter().sum::<f64>() / squares.len().max(1) as f64)
+}
+
+/// Discrete Frechet distance: the shortest leash of two that walk their points in order.
+fn frechet(a: &[Place], b: &[Place]) -> f64 {
+    let mut row: Vec<f64> = Vec::new();
+    for (i, from) in a.iter().enumerate() {
+        let mut next: Vec<f64> = Vec::with_capacity(b.len());
+        for (j, to) in b.iter().enumerate() {
+            let before = match (i, j) {
+                (0, 0) => 0.0,
+                (0, _) => next[j - 1],
+                (_, 0) => row[0],
+                _ => row[j].min(row[j - 1]).min(next[j - 1]),
+            };
+            next.push(before.max(distance(*from, *to)));
+        }
+        row = next;
+    }
+    row.last().copied().unwrap_or_default()
+}
+
+/// Holds a drawing against the path that was played: seconds and mm. `None` where either has no two points.
+#[must_use]
+pub fn compare_paths(truth: &[[f64; 3]], strokes: &[Vec<Sample>]) -> Option<PathError> {
+    let truth: Vec<_> = truth.iter().map(|[t, x, y]| (*t, [*x, *y])).collect();
+    let drawn = strokes.iter().flatten();
+    let drawn: Vec<_> = drawn.map(|s| (s.t_ms, [s.x_mm, s.y_mm])).collect();
+    if truth.len() < 2 || drawn.len() < 2 {
+        return None;
+    }
+    let lags = (-LAGS..=LAGS).map(|n| MOST_LAG * f64::from(n) / f64::from(LAGS));
+    let errors = lags.map(|lag| (rmse(&truth, &drawn, lag), lag));
+    // Of equal ones the shortest lag.
+    let (rmse_mm, lag) = errors.min_by(|a, b| {
+        let error = a.0.total_cmp(&b.0);
+        error.then(a.1.abs().total_cmp(&b.1.abs()))
+    })?;
+    Some(PathError {
+        rmse_mm,
+        lag,
+        frechet_mm: frechet(&resampled(&truth), &resampled(&drawn)),
+        breaks: strokes.len() - 1,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(seconds: f64, from: Place, to: Place) -> Vec<[f64; 3]> {
+        (0..=50)
+            .map(|n| f64::from(n) / 50.0)
+            .map(|p| {
+                [
+                    p * seconds,
+                    from[0] + p * (to[0] - from[0]),
+                    from[1] + p * (to[1] - from[1]),
+                ]
+            })
+            .collect()
+    }
+
+    fn drawn(path: &[[f64; 3]], tempo: f64, shift: Place) -> Vec<Vec<Sample>> {
+        let sample = |[t, x, y]: &[f64; 3]| Sample {
+            t_ms: 1e3 * t * tempo + 700.0,
+            x_mm: x + shift[0],
+            y_mm: y + shift[1],
+        };
+        vec![path.iter().map(sample).collect()]
+    }
+
+    #[test]
+    fn a_drawing_of_the_path_at_another_speed_has_no_error() {
+        let path = line(2.0, [-10.0, 0.0], [10.0, 5.0]);
+        let found = compare_paths(&path, &drawn(&path, 3.0, [0.0, 0.0])).unwrap();
+        assert!(
+            found.rmse_mm < 1e-9 && found.frechet_mm < 1e-9 && found.lag == 0.0,
+            "{found:?}"
+        );
+        assert_eq!(found.breaks, 0);
+    }
+
+    #[test]
+    fn a_drawing_beside_the_path_is_as_far_off_as_it_lies() {
+        let path = line(2.0, [-10.0, 0.0], [10.0, 0.0]);
+        let found = compare_paths(&path, &drawn(&path, 1.0, [0.0, 3.0])).unwrap();
+        assert!((found.rmse_mm - 3.0).abs() < 1e-9, "{found:?}");
+        assert!((found.frechet_mm - 3.0).abs() < 1e-9, "{found:?}");
+    }
+
+    #[test]
+    fn a_drawing_backwards_is_as_far_off_as_the_path_is_long() {
+        let path = line(2.0, [-10.0, 0.0], [10.0, 0.0]);
+        let mut back = drawn(&path, 1.0, [0.0, 0.0]);
+        let places: Vec<f64> = back[0].iter().rev().map(|s| s.x_mm).collect();
+        back[0].iter_mut().zip(places).for_each(|(s, x)| s.x_mm = x);
+        let found = compare_paths(&path, &back).unwrap();
+        assert!((found.frechet_mm - 20.0).abs() < 1e-9, "{found:?}");
+        assert!(found.rmse_mm > 8.0, "{found:?}");
+    }
+
+    #[test]
+    fn a_hand_that_rests_at_the_end_trails() {
+        let path = line(2.0, [-10.0, 0.0], [10.0, 0.0]);
+        let mut rests = drawn(&path, 1.0, [0.0, 0.0]);
+        // It waits at the start for a tenth of the time.
+        for sample in rests[0].iter_mut().skip(1) {
+            sample.t_ms += 220.0;
+        }
+        let found = compare_paths(&path, &rests).unwrap();
+        assert!(found.lag > 0.0 && found.rmse_mm < 1.0, "{found:?}");
+        assert!(found.frechet_mm < 0.5, "{found:?}");
+    }
+
+    /// Every pair of walks through few points, by their definition.
+    #[test]
+    fn the_shortest_leash_is_that_of_all_walks() {
+        fn walks(a: &[Place], b: &[Place], i: usize, j: usize) -> f64 {
+            let here = distance(a[i], b[j]);
+            let mut best = f64::INFINITY;
+            for (di, dj) in [(0, 1), (1, 0), (1, 1)] {
+                if i + di < a.len() && j + dj < b.len() {
+                    best = best.min(walks(a, b, i + di, j + dj));
+                }
+            }
+            if i + 1 == a.len() && j + 1 == b.len() {
+                best = 0.0;
+            }
+            here.max(best)
+        }
+        let mut random = palpate_core::random::RandomStream::new(5, "walks");
+        for _ in 0..40 {
+            let mut path = |n: usize| -> Vec<Place> {
+                (0..n).map(|_| [random.normal(), random.normal()]).collect()
+            };
+            let (a, b) = (path(6), path(5));
+            assert!((frechet(&a, &b) - walks(&a, &b, 0, 0)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_dot_is_no_path() {
+        let path = line(1.0, [0.0, 0.0], [1.0, 0.0]);
+        let dot = vec![vec![Sample {
+            t_ms: 0.0,
+            x_mm: 0.0,
+            y_mm: 0.0,
+        }]];
+        assert_eq!(compare_paths(&path, &dot), None);
+        assert_eq!(compare_paths(&[], &drawn(&path, 1.0, [0.0; 2])), None);
+    }
+}

@@ -1,0 +1,273 @@
+//! A simulated participant: what is drawn for them, and how they answer a trial.
+
+use std::collections::BTreeMap;
+
+use palpate_core::random::RandomStream;
+use palpate_files::{Normal, Protocol};
+
+use crate::psychometric::Psychometric;
+use crate::session::{Answer, Ask, Reply, Sample, Step, Stimulus, TaskKind, Trial};
+use crate::threshold::{FRACTIONS_DB, GUESS, LEAST_DB};
+
+/// A path: seconds, mm right and up on the display.
+pub type Path = Vec<[f64; 3]>;
+
+/// Time between two points of a pen, ms: 120 Hz.
+const PEN_MS: f64 = 1000.0 / 120.0;
+/// How long a hand remembers that it was beside its line, s.
+const WANDER_S: f64 = 0.2;
+/// How long a break lasts, ms.
+const BREAK_MS: f64 = 250.0;
+
+/// What a person meets.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Known {
+    /// Where the display's wires lie, mm.
+    pub wires_mm: Vec<[f64; 2]>,
+    /// Where each condition's path goes.
+    pub paths: BTreeMap<String, Path>,
+}
+
+/// A simulated participant.
+#[derive(Debug, Clone)]
+pub struct Person {
+    /// Their number, from 1 on.
+    number: u32,
+    seed: u64,
+    /// By wire of each task.
+    pub(crate) absolute: Vec<Psychometric>,
+    pub(crate) difference: Vec<Psychometric>,
+    pub(crate) matching: Vec<Psychometric>,
+    place_bias: [f64; 2],
+    drawing_bias: [f64; 2],
+    drawing_scale: f64,
+    rating: f64,
+    preference: f64,
+}
+
+pub(crate) fn drawn(normal: Normal, random: &mut RandomStream) -> f64 {
+    normal.mean + normal.sd * random.normal()
+}
+
+impl Person {
+    /// The participant of a number.
+    #[must_use]
+    pub fn new(protocol: &Protocol, number: u32, seed: u64) -> Self {
+        let stream = |task: TaskKind| {
+            let name = format!("simulated participant {number}, {}", task.name());
+            RandomStream::new(seed, &name)
+        };
+        let mut person = Self {
+            number,
+            seed,
+            absolute: Vec::new(),
+            difference: Vec::new(),
+            matching: Vec::new(),
+            place_bias: [0.0; 2],
+            drawing_bias: [0.0; 2],
+            drawing_scale: 1.0,
+            rating: 0.0,
+            preference: 0.0,
+        };
+        if let Some(task) = &protocol.absolute_threshold {
+            let (people, random) = (&task.simulated, &mut stream(TaskKind::AbsoluteThreshold));
+            let own = drawn(people.threshold_db, random);
+            let (slope, lapse) = (drawn(people.slope, random), people.lapse * random.uniform());
+            let of_wire = |_: &u16| Psychometric {
+                // A level beyond what a wire can do has no threshold there to be found.
+                threshold: (own + people.wire_sd_db * random.normal()).clamp(LEAST_DB + 2.0, -2.0),
+                slope: slope.max(0.5),
+                guess: GUESS,
+                lapse,
+            };
+            person.absolute = task.wires.iter().map(of_wire).collect();
+        }
+        if let Some(task) = &protocol.difference {
+            let (people, random) = (&task.simulated, &mut stream(TaskKind::Difference));
+            let lapse = people.lapse * random.uniform();
+            let of_wire = |_: &u16| Psychometric {
+                threshold: drawn(people.fraction_db, random)
+                    .clamp(FRACTIONS_DB.0 + 2.0, FRACTIONS_DB.1 - 2.0),
+                slope: drawn(people.slope, random).max(0.5),
+                guess: GUESS,
+                lapse,
+            };
+            person.difference = task.wires.iter().map(of_wire).collect();
+        }
+        if let Some(task) = &protocol.matching {
+            let (people, random) = (&task.simulated, &mut stream(TaskKind::Matching));
+            let lapse = people.lapse * random.uniform();
+            let of_wire = |_: &u16| Psychometric {
+                threshold: drawn(people.level_db, random).clamp(LEAST_DB + 2.0, -1.0),
+                slope: drawn(people.slope, random).max(0.5),
+                guess: lapse,
+                lapse,
+            };
+            person.matching = task.wires.iter().map(of_wire).collect();
+        }
+        if let Some(task) = &protocol.localisation {
+            let random = &mut stream(TaskKind::Localisation);
+            person.place_bias = [0, 1].map(|_| drawn(task.simulated.bias_mm, random));
+        }
+        if let Some(task) = &protocol.drawing {
+            let random = &mut stream(TaskKind::Drawing);
+            person.drawing_bias = [0, 1].map(|_| drawn(task.simulated.bias_mm, random));
+            person.drawing_scale = drawn(task.simulated.scale, random).max(0.1);
+        }
+        if let Some(task) = &protocol.rating {
+            person.rating = drawn(task.simulated.rating, &mut stream(TaskKind::Rating));
+        }
+        if let Some(task) = &protocol.choice {
+            person.preference = drawn(task.simulated.preference, &mut stream(TaskKind::Choice));
+        }
+        person
+    }
+
+    /// What they say to a step; `None` once the session is over. The same step gets the same reply, however often the
+    /// session was begun again.
+    #[must_use]
+    pub fn reply(&self, protocol: &Protocol, step: &Step, known: &Known) -> Option<Reply> {
+        Some(match step {
+            Step::Consent => Reply::Consent(true),
+            Step::Instructions | Step::Break => Reply::Read,
+            Step::Question(_) => Reply::Chosen(0),
+            Step::Trial(trial) => Reply::Answer(self.answer(protocol, trial, known)),
+            Step::Done | Step::Declined => return None,
+        })
+    }
+
+    fn answer(&self, protocol: &Protocol, trial: &Trial, known: &Known) -> Answer {
+        let name = format!("answer of {} to {}", self.number, trial.number);
+        let random = &mut RandomStream::new(self.seed, &name);
+        match &trial.ask {
+            Ask::Interval(_) | Ask::Which(_) => self.interval(protocol, trial, random),
+            Ask::Place => self.place(protocol, trial, known, random),
+            Ask::Path => self.drawing(protocol, trial, known, random),
+            Ask::Ratings(scales) => {
+                let rating = protocol.rating.as_ref().map(|task| {
+                    let second = |name: &str| task.compare.iter().any(|pair| pair[1] == name);
+                    let higher = condition(trial).is_some_and(second);
+                    let more = f64::from(u8::from(higher)) * task.simulated.difference;
+                    (self.rating + more, task.simulated.noise)
+                });
+                let (own, noise) = rating.unwrap_or_default();
+                let one = |_| libm::round(own + noise * random.normal()).clamp(1.0, 6.0) as u8;
+                Answer::Ratings(scales.iter().map(one).collect())
+            }
+        }
+    }
+
+    fn interval(&self, protocol: &Protocol, trial: &Trial, random: &mut RandomStream) -> Answer {
+        let wire = trial.intervals.iter().find_map(|stimulus| match stimulus {
+            Stimulus::Wire { wire, .. } => Some(*wire),
+            _ => None,
+        });
+        // Of two wires the one that is no reference.
+        let reference = protocol.matching.as_ref().map(|task| task.reference);
+        let other = trial.intervals.iter().find_map(|stimulus| match stimulus {
+            Stimulus::Wire { wire, .. } if Some(*wire) != reference => Some(*wire),
+            _ => None,
+        });
+        let of = |wires: Option<&Vec<u16>>, felt: &[Psychometric], wire: Option<u16>| {
+            let place = wires?.iter().position(|w| Some(*w) == wire)?;
+            felt.get(place)
+                .map(|felt| felt.correct(trial.level_db.unwrap_or_default()))
+        };
+        let yes = match trial.task {
+            TaskKind::AbsoluteThreshold => {
+                let wires = protocol.absolute_threshold.as_ref().map(|t| &t.wires);
+                of(wires, &self.absolute, wire)
+            }
+            TaskKind::Difference => {
+                let wires = protocol.difference.as_ref().map(|t| &t.wires);
+                of(wires, &self.difference, wire)
+            }
+            TaskKind::Matching => {
+                let wires = protocol.matching.as_ref().map(|t| &t.wires);
+                of(wires, &self.matching, other)
+            }
+            _ => Some(1.0 / (1.0 + libm::exp(-self.preference))),
+        };
+        let right = trial.right.unwrap_or(1);
+        let says_yes = random.uniform() < yes.unwrap_or(0.5);
+        Answer::Interval(if says_yes { right } else { 3 - right })
+    }
+
+    fn place(
+        &self,
+        protocol: &Protocol,
+        trial: &Trial,
+        known: &Known,
+        random: &mut RandomStream,
+    ) -> Answer {
+        let at = trial.intervals.iter().find_map(|stimulus| match stimulus {
+            Stimulus::Wire { wire, .. } => known.wires_mm.get(usize::from(*wire)).copied(),
+            _ => None,
+        });
+        let [x, y] = at.unwrap_or_default();
+        let Some(task) = &protocol.localisation else {
+            return Answer::Place([x, y]);
+        };
+        if random.uniform() < task.simulated.slips && !known.wires_mm.is_empty() {
+            let any = (random.uniform() * known.wires_mm.len() as f64) as usize;
+            return Answer::Place(known.wires_mm[any.min(known.wires_mm.len() - 1)]);
+        }
+        let noise = task.simulated.noise_mm;
+        let mut near = |at: f64, bias: f64| at + bias + noise * random.normal();
+        Answer::Place([near(x, self.place_bias[0]), near(y, self.place_bias[1])])
+    }
+
+    fn drawing(
+        &self,
+        protocol: &Protocol,
+        trial: &Trial,
+        known: &Known,
+        random: &mut RandomStream,
+    ) -> Answer {
+        let still = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
+        let path = condition(trial).and_then(|name| known.paths.get(name));
+        let path = path.filter(|path| path.len() > 1).unwrap_or(&still);
+        let (noise, breaks_hz) = protocol.drawing.as_ref().map_or((0.0, 0.0), |task| {
+            (task.simulated.noise_mm, task.simulated.breaks_hz)
+        });
+        let begun = path[0][0];
+        let lasts_ms = 1e3 * (path[path.len() - 1][0] - begun);
+        // As a process with a memory: what is left after a step, and what comes new.
+        let left = libm::exp(-PEN_MS * 1e-3 / WANDER_S);
+        let new = libm::sqrt(1.0 - left * left);
+        let mut off = [0, 1].map(|_| noise * random.normal());
+        let (mut strokes, mut stroke) = (Vec::new(), Vec::new());
+        let (mut t_ms, mut paused_ms) = (0.0, 0.0);
+        while t_ms <= lasts_ms {
+            let t = begun + t_ms * 1e-3;
+            let next = path.partition_point(|p| p[0] < t).clamp(1, path.len() - 1);
+            let (a, b) = (path[next - 1], path[next]);
+            let way = ((t - a[0]) / (b[0] - a[0]).max(1e-9)).clamp(0.0, 1.0);
+            let place = |axis: usize, off: f64| {
+                let at = a[axis + 1] + way * (b[axis + 1] - a[axis + 1]);
+                self.drawing_bias[axis] + self.drawing_scale * at + off
+            };
+            stroke.push(Sample {
+                t_ms: t_ms + paused_ms,
+                x_mm: place(0, off[0]),
+                y_mm: place(1, off[1]),
+            });
+            off = off.map(|o| left * o + new * noise * random.normal());
+            if random.uniform() < breaks_hz * PEN_MS * 1e-3 {
+                strokes.push(std::mem::take(&mut stroke));
+                paused_ms += BREAK_MS;
+            }
+            t_ms += PEN_MS;
+        }
+        strokes.extend((!stroke.is_empty()).then_some(stroke));
+        Answer::Path(strokes)
+    }
+}
+
+/// The condition that a trial plays first.
+fn condition(trial: &Trial) -> Option<&str> {
+    trial.intervals.iter().find_map(|stimulus| match stimulus {
+        Stimulus::Condition(name) => Some(name.as_str()),
+        _ => None,
+    })
+}

@@ -1,0 +1,272 @@
+//! A participant's session: what comes next, and what was answered.
+//!
+//! The order follows from protocol, participant and seed alone; levels follow from the answers. So a session that is begun
+//! again with the replies on record stands where it stood.
+
+mod make;
+mod order;
+mod script;
+mod trial;
+
+use palpate_files::Protocol;
+use serde::{Deserialize, Serialize};
+
+use crate::quest::Estimate;
+use crate::threshold::Thresholding;
+
+use script::{Line, script};
+pub use trial::{Answer, AnswerError, Ask, Sample, Stimulus, TaskKind, Trial};
+
+/// What a participant, or the bench, says to a step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Reply {
+    /// To the consent.
+    Consent(bool),
+    /// Instructions were read, or a break is over.
+    Read,
+    /// To a question: the number of the choice, from zero.
+    Chosen(usize),
+    /// To a trial.
+    Answer(Answer),
+    /// The trial came to nothing, for this reason; it is repeated.
+    Void(String),
+}
+
+/// What a session waits for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Step {
+    /// Agreement to the protocol's text.
+    Consent,
+    /// That the protocol's instructions were read.
+    Instructions,
+    /// One of the protocol's questions, by its number.
+    Question(usize),
+    /// That a break is over.
+    Break,
+    /// A trial, to be played and answered.
+    Trial(Trial),
+    /// Nothing: it is over.
+    Done,
+    /// Nothing: the participant did not agree.
+    Declined,
+}
+
+/// A session.
+#[derive(Debug, Clone)]
+pub struct Session {
+    protocol: Protocol,
+    script: Vec<Line>,
+    at: usize,
+    /// Of the trial that is open, how often it was begun before.
+    attempt: u32,
+    declined: bool,
+    absolute: Vec<Thresholding>,
+    difference: Vec<Thresholding>,
+    matching: Vec<Thresholding>,
+    step: Step,
+}
+
+/// A participant's estimates so far, by task and wire.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimates {
+    /// Least level that is felt of each wire, dB of full drive.
+    pub absolute: Vec<(u16, Estimate)>,
+    /// Least difference that is felt on each wire, as a part of the amplitude, dB.
+    pub difference: Vec<(u16, Estimate)>,
+    /// Level at which each wire feels as strong as the reference, dB of full drive.
+    pub matching: Vec<(u16, Estimate)>,
+}
+
+/// How much more than `level_db` an amplitude is that is larger by a part of it, dB.
+pub(crate) fn raised(level_db: f64, fraction_db: f64) -> f64 {
+    level_db + 20.0 * libm::log10(1.0 + libm::pow(10.0, fraction_db / 20.0))
+}
+
+impl Session {
+    /// A participant's session from its beginning. Participants count from 1.
+    #[must_use]
+    pub fn new(protocol: Protocol, participant: u32, seed: u64) -> Self {
+        let absolute = protocol.absolute_threshold.iter().flat_map(|task| {
+            let one = move |_: &u16| Thresholding::absolute(task.method, task.trials);
+            task.wires.iter().map(one)
+        });
+        let difference = protocol.difference.iter().flat_map(|task| {
+            let one =
+                move |_: &u16| Thresholding::difference(task.method, task.trials, task.level_db);
+            task.wires.iter().map(one)
+        });
+        let matching = protocol.matching.iter().flat_map(|task| {
+            let one = move |_: &u16| Thresholding::matching(task.trials);
+            task.wires.iter().map(one)
+        });
+        let mut session = Self {
+            script: script(&protocol, participant, seed),
+            at: 0,
+            attempt: 0,
+            declined: false,
+            absolute: absolute.collect(),
+            difference: difference.collect(),
+            matching: matching.collect(),
+            step: Step::Done,
+            protocol,
+        };
+        session.step = session.found();
+        session
+    }
+
+    /// What it is a session of.
+    #[must_use]
+    pub const fn protocol(&self) -> &Protocol {
+        &self.protocol
+    }
+
+    /// What it waits for.
+    #[must_use]
+    pub const fn step(&self) -> &Step {
+        &self.step
+    }
+
+    /// Trials that are over and all trials, with practice.
+    #[must_use]
+    pub fn progress(&self) -> (usize, usize) {
+        let trials = |lines: &[Line]| {
+            let trials = lines.iter().filter(|line| matches!(line, Line::Trial(_)));
+            trials.count()
+        };
+        (trials(&self.script[..self.at]), trials(&self.script))
+    }
+
+    /// Every trial to come, each at its strongest where the level follows from answers.
+    #[must_use]
+    pub fn strongest(&self) -> Vec<Trial> {
+        let cues = (self.at..self.script.len()).filter_map(|at| match self.script[at] {
+            Line::Trial(cue) => Some(self.trial(cue, at, true)),
+            _ => None,
+        });
+        cues.collect()
+    }
+
+    /// Estimates of the answers so far.
+    #[must_use]
+    pub fn estimates(&self) -> Estimates {
+        let of = |wires: Option<&Vec<u16>>, found: &[Thresholding]| {
+            let wires = wires.into_iter().flatten().copied();
+            wires
+                .zip(found.iter().map(Thresholding::threshold))
+                .collect()
+        };
+        let protocol = &self.protocol;
+        Estimates {
+            absolute: of(
+                protocol.absolute_threshold.as_ref().map(|t| &t.wires),
+                &self.absolute,
+            ),
+            difference: of(
+                protocol.difference.as_ref().map(|t| &t.wires),
+                &self.difference,
+            ),
+            matching: of(protocol.matching.as_ref().map(|t| &t.wires), &self.matching),
+        }
+    }
+
+    /// Whether this is a reply to the present step.
+    ///
+    /// # Errors
+    /// What was expected.
+    pub fn check(&self, reply: &Reply) -> Result<(), AnswerError> {
+        match (&self.step, reply) {
+            (Step::Consent, Reply::Consent(_))
+            | (Step::Instructions | Step::Break, Reply::Read)
+            | (Step::Trial(_), Reply::Void(_)) => Ok(()),
+            (Step::Question(number), Reply::Chosen(choice)) => {
+                let choices = self.protocol.questions[*number].choices.len();
+                match *choice < choices {
+                    true => Ok(()),
+                    false => Err(AnswerError::Kind {
+                        expected: format!("a choice below {choices}"),
+                        found: choice.to_string(),
+                    }),
+                }
+            }
+            (Step::Trial(trial), Reply::Answer(answer)) => trial.ask.check(answer),
+            (step, _) => Err(AnswerError::Step(wants(step))),
+        }
+    }
+
+    /// Takes a reply in and goes on.
+    ///
+    /// # Errors
+    /// As [`Self::check`]; nothing has changed then.
+    pub fn take(&mut self, reply: &Reply) -> Result<(), AnswerError> {
+        self.check(reply)?;
+        match (&self.step, reply) {
+            (_, Reply::Consent(agreed)) => self.declined = !agreed,
+            (_, Reply::Void(_)) => {
+                self.attempt += 1;
+                self.step = self.found();
+                return Ok(());
+            }
+            (Step::Trial(trial), Reply::Answer(answer)) => {
+                let trial = trial.clone();
+                self.learn(&trial, answer);
+            }
+            _ => {}
+        }
+        if !self.declined {
+            self.at += 1;
+        }
+        self.attempt = 0;
+        self.step = self.found();
+        Ok(())
+    }
+
+    /// What an answer says about a level.
+    fn learn(&mut self, trial: &Trial, answer: &Answer) {
+        let (Some(level_db), Answer::Interval(chosen), false) =
+            (trial.level_db, answer, trial.practice)
+        else {
+            return;
+        };
+        let Line::Trial(cue) = self.script[self.at] else {
+            return;
+        };
+        let yes = trial.right == Some(*chosen);
+        let found = match trial.task {
+            TaskKind::AbsoluteThreshold => &mut self.absolute,
+            TaskKind::Difference => &mut self.difference,
+            TaskKind::Matching => &mut self.matching,
+            _ => return,
+        };
+        found[cue.thing].answer(level_db, yes);
+    }
+
+    fn found(&self) -> Step {
+        if self.declined {
+            return Step::Declined;
+        }
+        match self.script.get(self.at) {
+            None => Step::Done,
+            Some(Line::Consent) => Step::Consent,
+            Some(Line::Instructions) => Step::Instructions,
+            Some(Line::Question(number)) => Step::Question(*number),
+            Some(Line::Break) => Step::Break,
+            Some(Line::Trial(cue)) => Step::Trial(self.trial(*cue, self.at, false)),
+        }
+    }
+}
+
+/// What a step waits for, in words.
+const fn wants(step: &Step) -> &'static str {
+    match step {
+        Step::Consent => "whether the participant agrees",
+        Step::Instructions => "that the instructions were read",
+        Step::Question(_) => "a choice",
+        Step::Break => "that the break is over",
+        Step::Trial(_) => "an answer to the trial, or that it is void",
+        Step::Done | Step::Declined => "nothing: the session is over",
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,131 @@
+//! Everything that comes in a session, in its order: a function of protocol, participant and seed.
+
+use palpate_core::random::RandomStream;
+use palpate_files::{Groups, Protocol};
+
+use super::order::{ordered, shuffle};
+use super::trial::TaskKind;
+
+/// A step of the script. What a trial plays may follow from answers; that it comes does not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Line {
+    Consent,
+    Instructions,
+    Question(usize),
+    Break,
+    Trial(Cue),
+}
+
+/// A trial of the script.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Cue {
+    pub(super) task: TaskKind,
+    pub(super) practice: bool,
+    /// Number of its wire, condition or pair among those of its task.
+    pub(super) thing: usize,
+    /// Whether the second interval is what could as well have been the first.
+    pub(super) swapped: bool,
+}
+
+/// Conditions of a rating that a participant meets.
+fn met(protocol: &Protocol, participant: u32) -> Vec<usize> {
+    let Some(task) = &protocol.rating else {
+        return Vec::new();
+    };
+    let other = usize::from(!participant.is_multiple_of(2));
+    let skipped = |name: &String| {
+        task.groups == Groups::Between && task.compare.iter().any(|pair| pair[other] == *name)
+    };
+    let conditions = task.conditions.iter().enumerate();
+    let met = conditions.filter(|(_, name)| !skipped(name));
+    met.map(|(index, _)| index).collect()
+}
+
+/// Everything that comes, in its order.
+pub(super) fn script(protocol: &Protocol, participant: u32, seed: u64) -> Vec<Line> {
+    let mut lines = Vec::new();
+    lines.extend(protocol.consent.is_some().then_some(Line::Consent));
+    let questions = |after: bool| {
+        let numbered = protocol.questions.iter().enumerate();
+        let ours = numbered.filter(move |(_, question)| question.after == after);
+        ours.map(|(number, _)| Line::Question(number))
+    };
+    lines.extend(questions(false));
+    lines.extend(
+        protocol
+            .instructions
+            .is_some()
+            .then_some(Line::Instructions),
+    );
+    let mut since_break = 0;
+    for (task, things, repeats) in tasks(protocol, participant) {
+        if things.is_empty() {
+            continue;
+        }
+        let of = format!("participant {participant}, {}", task.name());
+        let mut random = RandomStream::new(seed, &of);
+        let count = (things.len(), repeats);
+        let counted = ordered(protocol.order, count, participant, &mut random);
+        let practice = (0..protocol.practice as usize).map(|n| (n % things.len(), true));
+        let mut first: Vec<bool> = Vec::new();
+        for (thing, practice) in practice.chain(counted.into_iter().map(|thing| (thing, false))) {
+            if first.is_empty() {
+                // As often one way as the other, whatever has come before.
+                first = vec![false, true, false, true];
+                shuffle(&mut first, &mut random);
+            }
+            let swapped = first.pop().unwrap_or_default();
+            if protocol.break_after.is_some_and(|most| since_break >= most) {
+                lines.push(Line::Break);
+                since_break = 0;
+            }
+            since_break += 1;
+            lines.push(Line::Trial(Cue {
+                task,
+                practice,
+                thing: things[thing],
+                swapped,
+            }));
+        }
+    }
+    lines.extend(questions(true));
+    lines
+}
+
+/// The tasks of a protocol: the numbers of their things, and how often each comes.
+fn tasks(protocol: &Protocol, participant: u32) -> Vec<(TaskKind, Vec<usize>, u32)> {
+    let all = |things: usize| (0..things).collect::<Vec<_>>();
+    let Protocol {
+        absolute_threshold,
+        difference,
+        matching,
+        localisation,
+        drawing,
+        rating,
+        choice,
+        ..
+    } = protocol;
+    let mut tasks = Vec::new();
+    if let Some(t) = absolute_threshold {
+        tasks.push((TaskKind::AbsoluteThreshold, all(t.wires.len()), t.trials));
+    }
+    if let Some(t) = difference {
+        tasks.push((TaskKind::Difference, all(t.wires.len()), t.trials));
+    }
+    if let Some(t) = matching {
+        tasks.push((TaskKind::Matching, all(t.wires.len()), t.trials));
+    }
+    if let Some(t) = localisation {
+        tasks.push((TaskKind::Localisation, all(t.wires.len()), t.repeats));
+    }
+    if let Some(t) = drawing {
+        tasks.push((TaskKind::Drawing, all(t.conditions.len()), t.repeats));
+    }
+    if let Some(t) = rating {
+        tasks.push((TaskKind::Rating, met(protocol, participant), t.repeats));
+    }
+    if let Some(t) = choice {
+        tasks.push((TaskKind::Choice, all(t.pairs.len()), t.repeats));
+    }
+    tasks
+}
