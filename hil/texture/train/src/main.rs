@@ -52,8 +52,8 @@ struct Arguments {
     #[arg(long, value_delimiter = ',', default_values_t = [80, 15, 5])]
     split: Vec<u32>,
     /// Readings per second of the recordings: the model is then refused at another rate.
-    #[arg(long, value_name = "HZ")]
-    rate: Option<f64>,
+    #[arg(long = "hz", value_name = "HZ")]
+    rate_hz: Option<f64>,
     #[command(flatten)]
     settings: Settings,
     /// Keeps a checkpoint here after every epoch, and goes on from one.
@@ -128,4 +128,10 @@ fn check(arguments: &Arguments, known: &Known) -> Result<(), Failure> {
         return Ok(());
     };
     Err(Failure::Usage(what.into()))
+}
+
+#[cfg(test)]
+#[test]
+fn the_command_line_is_sound() {
+    <Arguments as clap::CommandFactory>::command().debug_assert();
 }

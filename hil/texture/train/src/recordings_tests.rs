@@ -129,6 +129,7 @@ fn slides_of_the_icub_set_become_rows_over_time() {
         said.contains("icub_3.npy: number 7: expected finite readings, found NaN"),
         "{said}"
     );
+    folder.write("icub_3.npy", npy("<f4", "False", &values));
     // second slide, step 4, column 2, row 5
     let place = (2 * steps + 4) * rows + 5;
     assert_eq!(all.columns[2 * rows + 5], "column2_row5");

@@ -85,7 +85,7 @@ pub fn run(
         progress: &progress,
         test_error,
         latent,
-        rate_hz: arguments.rate,
+        rate_hz: arguments.rate_hz,
         command: command(),
         revision,
     };
