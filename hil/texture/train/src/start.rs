@@ -6,8 +6,6 @@
 
 use palpate_core::random::RandomStream;
 
-use crate::network::WIDTH;
-
 /// What the slow means are scaled by, so that tanh hardly bends them.
 const SMALL: f64 = 0.05;
 /// Steps that a slow mean remembers.
@@ -47,15 +45,15 @@ impl Layer<'_> {
     }
 }
 
-/// As many inputs as have a slow and a fast unit each.
-fn paired(inputs: usize) -> usize {
-    inputs.min(WIDTH / 2)
+/// As many inputs as have a slow and a fast unit each in the first layer.
+fn paired(inputs: usize, units: usize) -> usize {
+    inputs.min(units / 2)
 }
 
 /// The first layer: unit `i` follows input `i` slowly, unit `paired + i` is input `i` less that.
 pub fn high_pass(mut layer: Layer<'_>) {
     let [reset, update, new] = [0, 1, 2];
-    let count = paired(layer.inputs);
+    let count = paired(layer.inputs, layer.units);
     for unit in 0..2 * count {
         let input = unit % count;
         for gate in [reset, update] {
@@ -81,7 +79,7 @@ pub fn high_pass(mut layer: Layer<'_>) {
 /// that one sign counts more than the other, and what stays is their size.
 pub fn sizes(mut layer: Layer<'_>, first_inputs: usize, stream: &mut RandomStream) {
     let [update, new] = [1, 2];
-    let count = paired(first_inputs);
+    let count = paired(first_inputs, layer.inputs);
     for unit in 0..MIXTURES.min(layer.units) {
         let mixture: Vec<f64> = (0..count).map(|_| stream.normal()).collect();
         let length = mixture.iter().map(|m| m * m).sum::<f64>().sqrt();

@@ -2,7 +2,7 @@
 
 use burn::prelude::*;
 
-use crate::network::Network;
+use crate::network::{Network, WIDTH};
 use crate::training::Plain;
 
 /// Root mean square of the fast units of the first layer after some steps, and mean size unit of the second.
@@ -13,7 +13,7 @@ fn heard(input: impl Fn(usize) -> f32) -> [f64; 2] {
     let x = Tensor::from_data(TensorData::new(values, [60, 1, 4]), &Default::default());
     let [first, second] = network.first_layers(x);
     let late = |values: Vec<f32>, from: usize, to: usize| -> Vec<f64> {
-        let rows = values.chunks_exact(super::WIDTH).skip(20);
+        let rows = values.chunks_exact(WIDTH).skip(20);
         rows.flat_map(|row| row[from..to].to_vec())
             .map(f64::from)
             .collect()

@@ -4,13 +4,13 @@
 //! learns from whitened readings; its first weights then take the whitening into themselves, so that it runs on plain
 //! readings as any other.
 
+use burn::backend::NdArray;
 use burn::module::Param;
 use burn::prelude::*;
 use ndarray::{Array1, Array2};
 
 use crate::network::Network;
 use crate::recordings::{Recording, Recordings};
-use crate::training::Plain;
 use crate::windows::{Scale, Windows};
 
 /// Standard deviation of a whitened change from row to row: slow readings go several times as far.
@@ -83,7 +83,7 @@ impl Whitening {
     }
 
     /// A network that learned from whitened windows, for plain ones.
-    pub fn folded(&self, mut network: Network<Plain>) -> Network<Plain> {
+    pub fn folded(&self, mut network: Network<NdArray>) -> Network<NdArray> {
         let first = &mut network.encoder[0].weight_ih;
         *first = param(numbers(first.val()).dot(&self.there));
         let dense = &mut network.dense_weight;
@@ -105,13 +105,13 @@ fn shares<'a>(windows: &'a Windows, recording: &'a Recording) -> impl Iterator<I
     values.map(|(v, (min, max))| (f64::from(*v) - f64::from(*min)) / f64::from(max - min))
 }
 
-fn numbers(tensor: Tensor<Plain, 2>) -> Array2<f64> {
+fn numbers(tensor: Tensor<NdArray, 2>) -> Array2<f64> {
     let [rows, columns] = tensor.dims();
     let values: Vec<f32> = tensor.into_data().into_vec().expect("in f32");
     Array2::from_shape_fn((rows, columns), |(r, c)| f64::from(values[r * columns + c]))
 }
 
-fn param(matrix: Array2<f64>) -> Param<Tensor<Plain, 2>> {
+fn param(matrix: Array2<f64>) -> Param<Tensor<NdArray, 2>> {
     let shape = [matrix.nrows(), matrix.ncols()];
     let values: Vec<f32> = matrix.iter().map(|v| *v as f32).collect();
     Param::from_data(TensorData::new(values, shape), &Default::default())

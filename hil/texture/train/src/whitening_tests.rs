@@ -1,8 +1,8 @@
 //! Whitened readings change equally in every direction; a folded network says of plain readings what it said of those.
 
 use super::*;
-use crate::training::latents;
 use crate::training::tests::small;
+use crate::training::{Plain, latents};
 
 #[test]
 fn changes_are_equally_strong_and_independent() {
