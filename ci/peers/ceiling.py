@@ -80,7 +80,7 @@ def main(folders: list[Path]) -> None:
             line = f"{name:<10}"
             for key in PROPERTIES:
                 y = np.log([float(materials[label][key]) for label in labels])
-                learner = HistGradientBoostingRegressor(max_iter=400, learning_rate=0.05, random_state=1)
+                learner = HistGradientBoostingRegressor(max_iter=300, learning_rate=0.05, random_state=1)
                 said = learner.fit(x[seen], y[seen]).predict(x[~seen])
                 truth, unseen = y[~seen], labels[~seen]
                 names = np.unique(unseen)
