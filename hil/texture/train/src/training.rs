@@ -114,7 +114,12 @@ fn train_on<L: Learning>(
     while state.progress.goes_on(settings) {
         let error = lesson.epoch(&mut state, &places);
         let now = state.network.valid();
-        if (state.progress).add(error, lesson.judged(&now, &validation)) {
+        // with ratings alone the reconstruction judges, as it always did
+        let judged = match is_tied {
+            true => lesson.judged(&now, &validation),
+            false => reconstruction(&now, windows, &validation),
+        };
+        if (state.progress).add(error, judged) {
             state.best = now;
         }
         if let Some(path) = &path {
