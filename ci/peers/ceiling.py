@@ -5,6 +5,8 @@
 Each folder is one of `hil texture strokes --varied`: recordings and materials.csv. Gradient boosting learns the logarithm of
 each property from spectra, deviations and the onset of one second, on materials marked `trained`, and is asked about the
 others. The figure is Spearman's rank correlation on those: window by window, and of the means over a material's windows.
+`impact` and `sliding` are readings over the module's rest; `window` is the second of sliding less its first sample, which is all
+that the network sees.
 """
 
 import csv
@@ -56,15 +58,18 @@ def main(folders: list[Path]) -> None:
         with open(folder / "materials.csv") as table:
             materials = {row["label"]: row for row in csv.DictReader(table)}
         hz = 0.0
-        data = {"impact": ([], []), "sliding": ([], [])}
+        data = {"impact": ([], []), "sliding": ([], []), "window": ([], [])}
         for path in sorted(folder.glob("*_*.csv")):
-            rows = np.loadtxt(path, delimiter=",", skiprows=1)
+            text = path.read_text().split("\n", 1)
+            columns = text[0].count(",") + 1
+            rows = np.fromstring(text[1].replace("\n", ","), sep=",").reshape(-1, columns)
             hz = len(rows) / SECONDS
             rows = rows.reshape(len(rows), -1, 3)
             second, rest = len(rows) // 2, rows[0]
             label = path.stem.rsplit("_", 1)[0]
-            for name, window in (("impact", rows[:second]), ("sliding", rows[second:])):
-                data[name][0].append(features(window, rest, hz))
+            parts = {"impact": (rows[:second], rest), "sliding": (rows[second:], rest), "window": (rows[second:], rows[second])}
+            for name, (part, base) in parts.items():
+                data[name][0].append(features(part, base, hz))
                 data[name][1].append(label)
         trained = sum(m["trained"] == "true" for m in materials.values())
         print(f"\n{folder.name}: {hz:.0f} Hz, {trained} materials to learn from, {len(materials) - trained} unseen")
@@ -75,7 +80,7 @@ def main(folders: list[Path]) -> None:
             line = f"{name:<10}"
             for key in PROPERTIES:
                 y = np.log([float(materials[label][key]) for label in labels])
-                learner = HistGradientBoostingRegressor(max_iter=400, learning_rate=0.05, random_state=1)
+                learner = HistGradientBoostingRegressor(max_iter=300, learning_rate=0.05, random_state=1)
                 said = learner.fit(x[seen], y[seen]).predict(x[~seen])
                 truth, unseen = y[~seen], labels[~seen]
                 names = np.unique(unseen)

@@ -4,12 +4,12 @@ use core::fmt;
 
 use crate::units::Duration;
 
-/// The latent coordinate that stands for roughness, as training found it.
+/// A latent coordinate that stands for a property of surfaces, as training found it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RoughnessDriver {
+pub struct LatentDriver {
     /// Which coordinate, from 0.
     pub coordinate: usize,
-    /// Whether roughness falls where it grows.
+    /// Whether the property falls where it grows.
     pub falls: bool,
     /// The low end z_lo of its range.
     pub low: f32,
@@ -37,10 +37,50 @@ pub struct Control {
     pub rate_mhz: u32,
 }
 
+impl LatentDriver {
+    /// How much of the property a latent vector has, 0 to 1: its place in the range, clamped. A vector without that
+    /// coordinate has nothing of it.
+    fn share(&self, latent: &[f32]) -> f64 {
+        let (low, high) = (f64::from(self.low), f64::from(self.high));
+        let Some(&z) = latent.get(self.coordinate) else {
+            return 0.0;
+        };
+        let part = (f64::from(z) - low) / (high - low);
+        // Written so that a NaN is 0.
+        let part = if part > 0.0 { part.min(1.0) } else { 0.0 };
+        if self.falls { 1.0 - part } else { part }
+    }
+
+    /// Whether its range is one.
+    fn check(&self) -> Result<(), ControlError> {
+        let Self { low, high, .. } = *self;
+        let fits = low.is_finite() && high.is_finite() && low < high;
+        fits.then_some(()).ok_or(ControlError::Latent)
+    }
+}
+
+/// The coordinates that drive wires.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drivers {
+    /// Says how pulses are spaced and spread.
+    pub roughness: LatentDriver,
+    /// Says how slowly the surface slides; where none stands for friction, roughness says that too, as in the thesis.
+    pub friction: Option<LatentDriver>,
+}
+
+impl From<LatentDriver> for Drivers {
+    fn from(roughness: LatentDriver) -> Self {
+        Self {
+            roughness,
+            friction: None,
+        }
+    }
+}
+
 /// (3.2) for all three.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ControlMap {
-    driver: RoughnessDriver,
+    drivers: Drivers,
     delta_mu: Span<Duration>,
     sigma: Span<Duration>,
     rate_mhz: Span<u32>,
@@ -70,20 +110,18 @@ impl fmt::Display for ControlError {
 impl core::error::Error for ControlError {}
 
 impl ControlMap {
-    /// A map over a driver's range.
+    /// A map over the drivers' ranges: sigma and the rate go with roughness, delta mu with friction.
     ///
     /// # Errors
     /// [`ControlError`] says what was expected.
     pub fn new(
-        driver: RoughnessDriver,
+        drivers: Drivers,
         delta_mu: Span<Duration>,
         sigma: Span<Duration>,
         rate_mhz: Span<u32>,
     ) -> Result<Self, ControlError> {
-        let RoughnessDriver { low, high, .. } = driver;
-        if !(low.is_finite() && high.is_finite() && low < high) {
-            return Err(ControlError::Latent);
-        }
+        drivers.roughness.check()?;
+        drivers.friction.iter().try_for_each(LatentDriver::check)?;
         if sigma.smooth.as_micros().min(sigma.rough.as_micros()) == 0 {
             return Err(ControlError::Sigma);
         }
@@ -91,7 +129,7 @@ impl ControlMap {
             return Err(ControlError::Rate);
         }
         Ok(Self {
-            driver,
+            drivers,
             delta_mu,
             sigma,
             rate_mhz,
@@ -101,43 +139,32 @@ impl ControlMap {
     /// How rough a latent vector is, 0 to 1: its place in the driver's range, clamped. A vector without that
     /// coordinate is smooth.
     pub fn roughness(&self, latent: &[f32]) -> f64 {
-        let RoughnessDriver {
-            coordinate,
-            falls,
-            low,
-            high,
-        } = self.driver;
-        let (low, high) = (f64::from(low), f64::from(high));
-        let Some(&z) = latent.get(coordinate) else {
-            return 0.0;
-        };
-        let part = (f64::from(z) - low) / (high - low);
-        // Written so that a NaN is 0.
-        let part = if part > 0.0 { part.min(1.0) } else { 0.0 };
-        if falls { 1.0 - part } else { part }
+        self.drivers.roughness.share(latent)
     }
 
     /// (3.2) with clamping.
     pub fn control(&self, latent: &[f32]) -> Control {
         let rough = self.roughness(latent);
-        let between = |ends: Span<u64>| {
+        let slow = self.drivers.friction.map_or(rough, |f| f.share(latent));
+        let between = |ends: Span<u64>, share: f64| {
             let (smooth, span) = (ends.smooth as f64, ends.rough as f64 - ends.smooth as f64);
-            libm::rint(smooth + span * rough) as u64 // never negative: both ends are not
+            libm::rint(smooth + span * share) as u64 // never negative: both ends are not
         };
-        let time = |ends: Span<Duration>| {
-            Duration::from_micros(between(Span {
+        let time = |ends: Span<Duration>, share| {
+            let ends = Span {
                 smooth: ends.smooth.as_micros(),
                 rough: ends.rough.as_micros(),
-            }))
+            };
+            Duration::from_micros(between(ends, share))
         };
         let rate = Span {
             smooth: u64::from(self.rate_mhz.smooth),
             rough: u64::from(self.rate_mhz.rough),
         };
         Control {
-            delta_mu: time(self.delta_mu),
-            sigma: time(self.sigma),
-            rate_mhz: between(rate) as u32,
+            delta_mu: time(self.delta_mu, slow),
+            sigma: time(self.sigma, rough),
+            rate_mhz: between(rate, rough) as u32,
         }
     }
 }

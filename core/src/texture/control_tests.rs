@@ -7,7 +7,7 @@ fn map(falls: bool) -> ControlMap {
         smooth: Duration::from_millis(smooth),
         rough: Duration::from_millis(rough),
     };
-    let driver = RoughnessDriver {
+    let driver = LatentDriver {
         coordinate: 1,
         falls,
         low: -0.5,
@@ -17,7 +17,37 @@ fn map(falls: bool) -> ControlMap {
         smooth: 180_000,
         rough: 40_000,
     };
-    ControlMap::new(driver, ends(60, 160), ends(50, 20), rate).unwrap()
+    ControlMap::new(driver.into(), ends(60, 160), ends(50, 20), rate).unwrap()
+}
+
+#[test]
+fn friction_alone_says_how_slowly_a_surface_slides() {
+    let friction = LatentDriver {
+        coordinate: 0,
+        falls: true,
+        low: 0.0,
+        high: 1.0,
+    };
+    let good = map(false);
+    let with = |friction| {
+        let drivers = Drivers {
+            friction: Some(friction),
+            ..good.drivers
+        };
+        ControlMap::new(drivers, good.delta_mu, good.sigma, good.rate_mhz)
+    };
+    let of = |z: [f32; 2]| {
+        let c = with(friction).unwrap().control(&z);
+        (c.delta_mu.as_micros(), c.sigma.as_micros(), c.rate_mhz)
+    };
+    // the coordinate falls with friction: 0.25 of it is three quarters of the way to the slow end
+    assert_eq!(of([0.25, -0.5]), (135_000, 50_000, 180_000));
+    assert_eq!(of([0.25, 0.3]), (135_000, 20_000, 40_000));
+    let empty = LatentDriver {
+        high: 0.0,
+        ..friction
+    };
+    assert_eq!(with(empty), Err(ControlError::Latent));
 }
 
 #[test]
@@ -59,18 +89,18 @@ fn an_empty_range_is_refused() {
         (f32::NAN, 0.3),
         (0.0, f32::INFINITY),
     ] {
-        let driver = RoughnessDriver {
+        let driver = LatentDriver {
             low,
             high,
-            ..good.driver
+            ..good.drivers.roughness
         };
-        let found = ControlMap::new(driver, good.delta_mu, good.sigma, good.rate_mhz);
+        let found = ControlMap::new(driver.into(), good.delta_mu, good.sigma, good.rate_mhz);
         assert_eq!(found, Err(ControlError::Latent));
     }
     let none = Span {
         smooth: 0,
         rough: 1,
     };
-    let found = ControlMap::new(good.driver, good.delta_mu, good.sigma, none);
+    let found = ControlMap::new(good.drivers, good.delta_mu, good.sigma, none);
     assert_eq!(found, Err(ControlError::Rate));
 }

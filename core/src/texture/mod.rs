@@ -19,7 +19,7 @@ mod pack;
 mod pulses;
 mod stream;
 
-pub use control::{Control, ControlError, ControlMap, RoughnessDriver, Span};
+pub use control::{Control, ControlError, ControlMap, Drivers, LatentDriver, Span};
 pub use encoder::{Encoder, Room};
 pub use model::{Gru, Model, ModelError, SampleError, TensorPlace};
 pub use pulses::{Activation, ActivationError, Draw, Pulses, along};

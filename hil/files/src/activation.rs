@@ -1,6 +1,6 @@
 //! Activation files: what a texture's roughness becomes on the wires, (3.1) and (3.2).
 
-use palpate_core::texture::{Activation, ControlError, ControlMap, RoughnessDriver, Span};
+use palpate_core::texture::{Activation, ControlError, ControlMap, Drivers, Span};
 use palpate_core::units::Duration;
 use serde::Deserialize;
 
@@ -81,27 +81,23 @@ impl ActivationFile {
         Activation::new(self.alpha, self.beta, lead, interval).ok()
     }
 
-    /// (3.2) with these limits, for a model's driving coordinate.
+    /// (3.2) with these limits, for a model's driving coordinates.
     ///
     /// # Errors
     /// A driver without a range.
-    pub fn map(&self, driver: RoughnessDriver) -> Result<ControlMap, ControlError> {
-        self.with_rate(driver, self.rate_hz)
+    pub fn map(&self, drivers: Drivers) -> Result<ControlMap, ControlError> {
+        self.with_rate(drivers, self.rate_hz)
     }
 
     /// The same for the bursts of a moving contact.
     ///
     /// # Errors
     /// A driver without a range.
-    pub fn burst_map(&self, driver: RoughnessDriver) -> Result<ControlMap, ControlError> {
-        self.with_rate(driver, self.burst_rate_hz)
+    pub fn burst_map(&self, drivers: Drivers) -> Result<ControlMap, ControlError> {
+        self.with_rate(drivers, self.burst_rate_hz)
     }
 
-    fn with_rate(
-        &self,
-        driver: RoughnessDriver,
-        rate_hz: Both,
-    ) -> Result<ControlMap, ControlError> {
+    fn with_rate(&self, drivers: Drivers, rate_hz: Both) -> Result<ControlMap, ControlError> {
         let time = |both: Both| Span {
             smooth: millis(both.smooth),
             rough: millis(both.rough),
@@ -111,7 +107,7 @@ impl ActivationFile {
             smooth: rate(rate_hz.smooth),
             rough: rate(rate_hz.rough),
         };
-        ControlMap::new(driver, time(self.delta_mu_ms), time(self.sigma_ms), rates)
+        ControlMap::new(drivers, time(self.delta_mu_ms), time(self.sigma_ms), rates)
     }
 }
 

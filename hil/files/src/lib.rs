@@ -105,7 +105,7 @@ pub use shelf::{Listed, built_in, illusions, of_folder};
 pub use source::Source;
 pub use stream::Stream;
 pub use texture::{Rated, TextureEntry, TextureTable};
-pub use texture_model::{Layer, Tensor, TextureModel, model_file, taxel};
+pub use texture_model::{Layer, Standing, Stands, Tensor, TextureModel, model_file, taxel};
 pub use times::{DISORDER_US, LONGEST_US, OutOfTime, TimeColumn, TimeUnit, Times};
 pub use touch::{Force, HandSample, MOST_SAMPLES, Path, PathKind, Touch, TouchPoint, check_sample};
 pub use transducer::Transducer;

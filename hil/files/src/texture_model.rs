@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use palpate_core::texture::{Encoder, Gru, Model, RoughnessDriver};
+use palpate_core::texture::{Drivers, Encoder, Gru, LatentDriver, Model};
 use palpate_core::vector::Vectors;
 use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
@@ -70,6 +70,43 @@ pub struct TextureModel {
     window: usize,
     names: Vec<String>,
     metadata: BTreeMap<String, String>,
+}
+
+/// What one latent coordinate stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+pub struct Stands {
+    /// Which, from 0.
+    pub coordinate: usize,
+    /// -1: the property falls where it grows.
+    pub sign: i32,
+    z_lo: f32,
+    z_hi: f32,
+    /// Smallest and largest of the property in the training, where that knew the surfaces: um of relief, N/mm of
+    /// stiffness, a coefficient of friction.
+    pub learned: Option<[f64; 2]>,
+}
+
+impl Stands {
+    /// As what drives wires takes it.
+    pub const fn driver(self) -> LatentDriver {
+        LatentDriver {
+            coordinate: self.coordinate,
+            falls: self.sign < 0,
+            low: self.z_lo,
+            high: self.z_hi,
+        }
+    }
+}
+
+/// The coordinates that stand for something.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+pub struct Standing {
+    /// Roughness.
+    pub roughness: Option<Stands>,
+    /// Hardness.
+    pub hardness: Option<Stands>,
+    /// Friction; models that were trained by ratings have none.
+    pub friction: Option<Stands>,
 }
 
 impl TextureModel {
@@ -244,39 +281,60 @@ impl TextureModel {
             .map_err(|e| FileError::whole(&self.label, "a model that fits together", e.to_string()))
     }
 
-    /// The latent coordinate that stands for roughness, as the file's `latent` says.
+    /// What the file's `latent` says of its coordinates; nothing of those that this model has not.
+    pub fn standing(&self) -> Standing {
+        let text = self.metadata.get("latent").map_or("", String::as_str);
+        let found: Standing = serde_json::from_str(text).unwrap_or_default();
+        let real = |one: Option<Stands>| one.filter(|s| s.coordinate < self.latents());
+        Standing {
+            roughness: real(found.roughness),
+            hardness: real(found.hardness),
+            friction: real(found.friction),
+        }
+    }
+
+    /// The latent coordinates that drive wires: what stands for roughness, and for friction where one does.
     ///
     /// # Errors
-    /// A model that was trained without ratings says nothing of it.
-    pub fn driver(&self) -> Result<RoughnessDriver, FileError> {
-        #[derive(Deserialize)]
-        struct Roughness {
-            coordinate: usize,
-            sign: i32,
-            z_lo: f32,
-            z_hi: f32,
-        }
-        #[derive(Deserialize)]
-        struct Latent {
-            roughness: Option<Roughness>,
-        }
+    /// A model that was not trained here says nothing of roughness.
+    pub fn drivers(&self) -> Result<Drivers, FileError> {
+        let found = self.standing();
         let text = self.metadata.get("latent").map_or("", String::as_str);
-        let found: Option<Latent> = serde_json::from_str(text).ok();
-        match found.and_then(|latent| latent.roughness) {
-            Some(driver) if driver.coordinate < self.latents() => Ok(RoughnessDriver {
-                coordinate: driver.coordinate,
-                falls: driver.sign < 0,
-                low: driver.z_lo,
-                high: driver.z_hi,
-            }),
-            _ => Err(FileError {
-                key: Some("metadata.latent".into()),
+        let drivers = found.roughness.map(|roughness| Drivers {
+            roughness: roughness.driver(),
+            friction: found.friction.map(Stands::driver),
+        });
+        drivers.ok_or_else(|| FileError {
+            key: Some("metadata.latent".into()),
+            ..FileError::whole(
+                &self.label,
+                "roughness {coordinate, sign, z_lo, z_hi}, as a training with ratings writes it",
+                if text.is_empty() { "nothing" } else { text },
+            )
+        })
+    }
+
+    /// Readings per second of the recordings that it was trained on, where the file says so.
+    pub fn rate_hz(&self) -> Option<f64> {
+        let rate: f64 = self.metadata.get("rate_hz")?.parse().ok()?;
+        (rate.is_finite() && rate > 0.0).then_some(rate)
+    }
+
+    /// Whether readings at `rate_hz` are what it was trained on, within a hundredth.
+    ///
+    /// # Errors
+    /// Another rate: what a window lasts and what ripples in it would differ.
+    pub fn check_rate(&self, rate_hz: f64) -> Result<(), FileError> {
+        match self.rate_hz() {
+            Some(trained) if (rate_hz / trained - 1.0).abs() > 0.01 => Err(FileError {
+                key: Some("metadata.rate_hz".into()),
                 ..FileError::whole(
                     &self.label,
-                    "roughness {coordinate, sign, z_lo, z_hi}, as a training with ratings writes it",
-                    if text.is_empty() { "nothing" } else { text },
+                    format!("readings at {trained} Hz, which this model was trained on"),
+                    format!("{rate_hz} Hz"),
                 )
             }),
+            _ => Ok(()),
         }
     }
 

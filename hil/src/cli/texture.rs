@@ -194,7 +194,7 @@ pub struct EncodeArgs {
     /// (default: every window).
     #[arg(long, value_name = "T", value_parser = positive, requires = "rate", allow_hyphen_values = true)]
     pub soa_ms: Option<f64>,
-    /// Rows per second, for --soa-ms.
+    /// Rows per second, for --soa-ms; another rate than the model was trained on is refused.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
     /// Print a JSON array in place of CSV.

@@ -45,6 +45,9 @@ const BATCH: usize = 1024;
 
 fn encode(args: &EncodeArgs) -> Result<(), Failure> {
     let model = TextureModel::open(&args.model)?;
+    if let Some(hz) = args.rate {
+        model.check_rate(hz)?;
+    }
     let ends = match (args.soa_ms, args.rate) {
         (Some(soa_ms), Some(hz)) => Ends::Onsets {
             sample: micros(1e6 / hz),

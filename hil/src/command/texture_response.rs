@@ -58,12 +58,35 @@ pub fn response(args: &ResponseArgs) -> Result<(), Failure> {
     drop(shown);
     print(|out| match args.json {
         true => {
-            let factors = Factor::ALL.map(Factor::name);
-            let whole = json!({"factors": factors, "coordinates": found});
-            writeln!(out, "{whole}")
+            let rows: Vec<_> = found.iter().flat_map(rows).collect();
+            writeln!(out, "{}", serde_json::Value::from(rows))
         }
         false => tables(args, &found, out),
     })
+}
+
+/// What one coordinate makes of each factor, as objects. Correlations are over unseen materials where some were drawn, and
+/// over one factor at a time else.
+fn rows(coordinate: &Coordinate) -> Vec<serde_json::Value> {
+    let row = |(n, factor): (usize, Factor)| {
+        let answer = coordinate.answer(factor);
+        let partial = coordinate.partial.and_then(|p| p.get(n).copied());
+        let standing = (!coordinate.stands_for.is_empty()).then_some(coordinate.stands_for);
+        json!({
+            "coordinate": standing.map_or_else(|| format!("z{}", coordinate.number), str::to_owned),
+            "number": coordinate.number,
+            "sign": coordinate.sign,
+            "property": factor.name(),
+            "own": coordinate.own() == factor,
+            "rank_correlation": round(partial.map_or(answer.rank, |p| p.rank)),
+            "materials": partial.map_or("probes", |_| "unseen"),
+            "interval": partial.map(|p| [round(p.low), round(p.high)]),
+            "probe_rank_correlation": round(answer.rank),
+            "span": round(answer.span),
+            "crosstalk": coordinate.crosstalk(factor).map(round),
+        })
+    };
+    (0..).zip(Factor::ALL).map(row).collect()
 }
 
 /// A row for each coordinate, a column for each factor.

@@ -300,18 +300,46 @@ fn independent_materials_are_drawn_stroked_and_mapped_but_not_rated() {
 }
 
 #[test]
+fn a_model_is_refused_at_another_rate_than_it_was_trained_on() {
+    let (folder, _, rows) = ground("texture-rate");
+    let about = [("rate_hz", "50".to_owned())];
+    let model = Seeded::new(3, &[5, 8, 3], 20, 1.0).file_with(&about);
+    let path = folder.path("slow.safetensors");
+    fs::write(&path, model.unwrap()).unwrap();
+    let path = path.display().to_string();
+    let encode = [
+        "texture", "encode", &path, &rows, "--soa-ms", "58.5", "--rate",
+    ];
+    refused_with(
+        &[&encode[..], &["100"]].concat(),
+        &["slow.safetensors", "rate_hz", "50 Hz", "100 Hz"],
+    );
+    good(&[&encode[..], &["50"]].concat());
+}
+
+#[test]
 fn a_response_says_what_each_coordinate_makes_of_each_property() {
     let ask = ["texture", "response", "--strokes", "1", "--materials", "20"];
     let json = good(&[&ask[..], &["--json"]].concat());
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
-    assert_eq!(json["factors"][3], "stiffness");
-    let of = |z: usize, factor: usize| json["coordinates"][z]["answers"][factor]["rank"].as_f64();
+    let rows = json.as_array().unwrap();
+    assert_eq!(rows.len(), 3 * 6, "coordinates times factors");
+    let of = |coordinate: &str, property: &str| {
+        let is = |row: &&serde_json::Value| {
+            row["coordinate"] == coordinate && row["property"] == property
+        };
+        rows.iter().find(is).unwrap()
+    };
     // The shipped model's driving coordinate is friction and softness, whatever it is called.
-    assert_eq!(json["coordinates"][1]["stands_for"], "roughness");
+    let probe = |property| of("roughness", property)["probe_rank_correlation"].as_f64();
     assert!(
-        of(1, 2).unwrap() > 0.9 && of(1, 3).unwrap() < -0.9,
+        probe("friction").unwrap() > 0.9 && probe("stiffness").unwrap() < -0.9,
         "{json}"
     );
+    assert_eq!(of("roughness", "relief")["own"], true);
+    assert_eq!(of("roughness", "relief")["materials"], "unseen");
+    assert_eq!(of("roughness", "speed")["materials"], "probes");
+    assert!(of("roughness", "speed")["interval"].is_null());
     let table = good(&ask);
     for part in ["-z2 roughness", "crosstalk", "20 materials", " to "] {
         assert!(table.contains(part), "{part}: {table}");

@@ -4,13 +4,12 @@
 use palpate_core::random::RandomStream;
 use palpate_core::texture::Encoder;
 use palpate_emulators::sensor::surface::{Explorer, Habits, Recording, SurfaceTexture, spearman};
-use palpate_files::TextureModel;
+use palpate_files::{Stands, TextureModel};
 use palpate_run::Failure;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::explore::latents;
-use crate::map::{Axis, View};
 use crate::world::{self, Factor};
 
 /// Shares of their ranges at which the other properties stand.
@@ -65,6 +64,7 @@ impl Coordinate {
         match self.stands_for {
             "roughness" => Factor::Relief,
             "hardness" => Factor::Stiffness,
+            "friction" => Factor::Friction,
             _ => {
                 let spans = Factor::PROPERTIES.iter().zip(&self.answers);
                 let furthest = spans.max_by(|a, b| a.1.span.total_cmp(&b.1.span));
@@ -162,21 +162,26 @@ pub fn response(
         .par_iter()
         .map(|c| of(&c.surface, c.habits))
         .collect::<Result<_, _>>()?;
-    let drawn = world::draw(materials, seed);
+    let drawn = world::draw_unseen(materials, seed);
     let felt: Vec<Vec<f64>> = drawn
         .par_iter()
         .map(|material| of(material, Habits::varied()))
         .collect::<Result<_, _>>()?;
-    let view = View::of(model);
+    let standing = model.standing();
+    let named = [
+        ("roughness", standing.roughness),
+        ("friction", standing.friction),
+        ("hardness", standing.hardness),
+    ];
     let coordinate = |number: usize| {
-        let is_named = |axis: &&Axis| axis.coordinate == number && !axis.stands_for.is_empty();
-        let named = [view.x, view.y];
-        let named = named.iter().find(is_named);
-        let stands_for = named.map_or("", |axis| match axis.stands_for {
-            "hardness" => "hardness",
-            _ => "roughness",
-        });
-        let sign = named.map_or(1, |axis| axis.sign);
+        let of =
+            |one: &&(&'static str, Option<Stands>)| one.1.is_some_and(|s| s.coordinate == number);
+        let found = named.iter().find(of);
+        let stands_for = found.map_or("", |(name, _)| *name);
+        let sign = match found.and_then(|(_, stands)| *stands) {
+            Some(stands) if stands.sign < 0 => -1,
+            _ => 1,
+        };
         let values = |all: &[Vec<f64>]| -> Vec<f64> {
             all.iter().map(|z| f64::from(sign) * z[number]).collect()
         };

@@ -111,15 +111,22 @@ pub fn at_share(name: String, share: impl Fn(Factor) -> f64) -> SurfaceTexture {
     }
 }
 
-/// Draws materials: every property by itself, by ratios even over its range.
+/// Draws materials for a table: every property by itself, by ratios even over its range.
 pub fn draw(count: usize, seed: u64) -> Vec<SurfaceTexture> {
-    let mut stream = RandomStream::new(seed, "independent materials");
+    drawn(("material", "independent materials"), count, seed)
+}
+
+/// Draws materials that are in no table of any seed: other properties, and other names, hence other strokes.
+pub fn draw_unseen(count: usize, seed: u64) -> Vec<SurfaceTexture> {
+    drawn(("unseen", "materials in no table"), count, seed)
+}
+
+fn drawn((name, stream): (&str, &str), count: usize, seed: u64) -> Vec<SurfaceTexture> {
+    let mut stream = RandomStream::new(seed, stream);
     let material = |n: usize| {
         let shares = Factor::PROPERTIES.map(|factor| (factor, stream.uniform()));
         let share = |factor| shares.iter().find(|(of, _)| *of == factor);
-        at_share(format!("material-{n:04}"), |f| {
-            share(f).map_or(0.5, |s| s.1)
-        })
+        at_share(format!("{name}-{n:04}"), |f| share(f).map_or(0.5, |s| s.1))
     };
     (0..count).map(material).collect()
 }

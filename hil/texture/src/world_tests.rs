@@ -30,6 +30,16 @@ fn drawn_properties_say_nothing_of_each_other_and_fill_their_ranges() {
 }
 
 #[test]
+fn unseen_materials_are_in_no_table_of_the_same_seed() {
+    let (drawn, unseen) = (draw(100, 1), draw_unseen(100, 1));
+    for material in &unseen {
+        // neither the surface nor, by the name, the strokes over it
+        let like = |m: &&SurfaceTexture| m.name == material.name || m.friction == material.friction;
+        assert_eq!(drawn.iter().find(like), None);
+    }
+}
+
+#[test]
 fn a_table_of_them_is_one_that_is_read() {
     let materials = draw(5, 7);
     let mut text = Vec::new();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use palpate_core::illusion::Display;
 use palpate_core::projector::{Carrier, TexturePlan};
 use palpate_core::skin::Layout;
-use palpate_core::texture::{ControlMap, Pulses, RoughnessDriver, along};
+use palpate_core::texture::{ControlMap, Drivers, Pulses, along};
 use palpate_core::units::{Duration, Point, Prescale};
 
 use crate::failure::Failure;
@@ -59,10 +59,11 @@ pub(super) fn texture(
     };
     let bad = |key: &str, expected: String| Failure::File(setup.scene.source.bad(key, expected));
     let model = TextureModel::open(&felt.model)?;
+    model.check_rate(scene.rate_hz)?;
     let module = felt.module.unwrap_or(scene.drives);
     let features = features(&model, layout.range(module).len())
         .map_err(|expected| bad("texture.model", expected))?;
-    let (map, carrier) = projection(setup, model.driver()?, display, prescale, seed)?;
+    let (map, carrier) = projection(setup, model.drivers()?, display, prescale, seed)?;
     Ok(Some(TexturePlan {
         encoder: Arc::new(model.encoder()?),
         module: u16::try_from(module).unwrap_or(u16::MAX),
@@ -74,13 +75,13 @@ pub(super) fn texture(
     }))
 }
 
-/// From a latent vector to the display: what the scene's texture section makes of a model's driving coordinate.
+/// From a latent vector to the display: what the scene's texture section makes of a model's driving coordinates.
 ///
 /// # Errors
 /// [`Failure::File`] for a scene without a texture, or with file and key of what does not fit together.
 pub fn projection(
     setup: &Setup,
-    driver: RoughnessDriver,
+    drivers: Drivers,
     display: &Display,
     prescale: Prescale,
     seed: u64,
@@ -92,11 +93,11 @@ pub fn projection(
     };
     let file = &stroked.activation.value;
     if felt.carrier == palpate_files::FeltBy::Contacts {
-        let map = file.burst_map(driver);
+        let map = file.burst_map(drivers);
         let map = map.map_err(|e| bad("texture.model", e.to_string()))?;
         return Ok((map, Carrier::Contacts));
     }
-    let map = file.map(driver);
+    let map = file.map(drivers);
     let map = map.map_err(|e| bad("texture.model", e.to_string()))?;
     let activation = file.activation();
     let activation = activation.ok_or_else(|| {

@@ -8,7 +8,7 @@ mod trials;
 
 use std::sync::Arc;
 
-use palpate_core::texture::RoughnessDriver;
+use palpate_core::texture::Drivers;
 use palpate_emulators::person::panel::{Dimension, Panel, ScaleEnds, TRIALS};
 use palpate_emulators::sensor::surface::{Explorer, Habits, Recording, SurfaceTexture};
 use palpate_files::{Setup, TextureEntry, TextureModel, TextureTable};
@@ -105,8 +105,8 @@ struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    fn new(driver: RoughnessDriver, setup: &'a Setup, seed: u64) -> Result<Self, Failure> {
-        let stage = Stage::new(setup, driver)?;
+    fn new(drivers: Drivers, setup: &'a Setup, seed: u64) -> Result<Self, Failure> {
+        let stage = Stage::new(setup, drivers)?;
         Ok(Self {
             ends: stage.ends(seed)?,
             stage,
@@ -195,6 +195,7 @@ pub fn recorded(
     (setup, seed): (&Setup, u64),
     passed: impl Fn(f64),
 ) -> Result<Study, Failure> {
+    model.check_rate(rate_hz)?;
     let of_label = |label: &Label| {
         Ok(Shows {
             name: label.name.clone(),
@@ -219,7 +220,7 @@ fn study(
     passed: impl Fn(f64),
 ) -> Result<Study, Failure> {
     let count = all.len() as f64;
-    let session = Session::new(model.driver()?, setup, seed)?;
+    let session = Session::new(model.drivers()?, setup, seed)?;
     let encoder = Arc::new(model.encoder()?);
     let rate = |(done, shows): (u32, Result<Shows, Failure>)| {
         passed(f64::from(done) / count);

@@ -4,7 +4,7 @@
 use palpate_core::contact::Levels;
 use palpate_core::driver::Actuators;
 use palpate_core::projector::{Carrier, Output};
-use palpate_core::texture::{Control, ControlMap, RoughnessDriver, along};
+use palpate_core::texture::{Control, ControlMap, Drivers, along};
 use palpate_core::units::{Duration, Instant, Point};
 use palpate_emulators::person::channels::{Felt, Kick};
 use palpate_emulators::person::panel::{ScaleEnds, Sensation, apart_s, step_s};
@@ -28,7 +28,7 @@ const TICK: Duration = Duration::from_millis(1);
 /// A bench with its display, and what projects textures on it.
 pub struct Stage<'a> {
     setup: &'a Setup,
-    driver: RoughnessDriver,
+    drivers: Drivers,
     /// (3.2).
     pub map: ControlMap,
 }
@@ -55,33 +55,44 @@ impl<'a> Stage<'a> {
     ///
     /// # Errors
     /// [`Failure::Input`] for what does not fit together.
-    pub fn new(setup: &'a Setup, driver: RoughnessDriver) -> Result<Self, Failure> {
+    pub fn new(setup: &'a Setup, drivers: Drivers) -> Result<Self, Failure> {
         let prescale = plan::prescale(&setup.bench.value)?;
         let display = plan::display(setup)?;
-        let (map, _) = plan::projection(setup, driver, &display, prescale, 0)?;
-        Ok(Self { setup, driver, map })
+        let (map, _) = plan::projection(setup, drivers, &display, prescale, 0)?;
+        Ok(Self {
+            setup,
+            drivers,
+            map,
+        })
     }
 
-    /// The ends of the scales: what both ends of the driving coordinate feel like.
+    /// The ends of the scales: what both ends of the driving coordinates feel like.
     ///
     /// # Errors
     /// As [`Stage::show`].
     pub fn ends(&self, seed: u64) -> Result<ScaleEnds, Failure> {
-        let (low, high) = if self.driver.falls {
-            (self.driver.high, self.driver.low)
-        } else {
-            (self.driver.low, self.driver.high)
-        };
-        let at = |z: f32| {
-            let mut latent = vec![0.0; self.driver.coordinate + 1];
-            latent[self.driver.coordinate] = z;
+        let Drivers {
+            roughness,
+            friction,
+        } = self.drivers;
+        let at = |is_rough: bool| {
+            let all = [Some(roughness), friction];
+            let all = all.into_iter().flatten();
+            let width = all.clone().map(|d| d.coordinate + 1).max().unwrap_or(0);
+            let mut latent = vec![0.0; width];
+            for driver in all {
+                latent[driver.coordinate] = match is_rough == driver.falls {
+                    true => driver.low,
+                    false => driver.high,
+                };
+            }
             let control = self.map.control(&latent);
             let shown = self.show(&[(Duration::ZERO, control)], SHOWN_BEFORE, seed)?;
             Ok::<_, Failure>(shown.sensation)
         };
         Ok(ScaleEnds {
-            smooth: at(low)?,
-            rough: at(high)?,
+            smooth: at(false)?,
+            rough: at(true)?,
         })
     }
 
@@ -98,7 +109,7 @@ impl<'a> Stage<'a> {
         let setup = self.setup;
         let plan = plan::untextured(setup, seed, Levels::Off)?;
         let prescale = plan::prescale(&setup.bench.value)?;
-        let carrier = plan::projection(setup, self.driver, &plan.display, prescale, seed)?.1;
+        let carrier = plan::projection(setup, self.drivers, &plan.display, prescale, seed)?.1;
         if !matches!(carrier, Carrier::Display(_)) {
             let expected =
                 "\"display\": a panel rates textures that have the display to themselves";

@@ -1,5 +1,6 @@
 //! Trains the texture autoencoder of chapter 3 of the thesis, and measures what it has learnt.
 
+mod aims;
 mod checkpoint;
 mod device;
 mod failure;
@@ -12,7 +13,9 @@ mod recordings;
 mod report;
 mod settings;
 mod shown;
+mod start;
 mod training;
+mod whitening;
 mod windows;
 
 use std::path::PathBuf;
@@ -21,7 +24,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use failure::Failure;
-use recordings::Recordings;
+use recordings::{Known, Recordings};
 use settings::Settings;
 use windows::{Scale, Split, Windows};
 
@@ -30,7 +33,7 @@ use windows::{Scale, Split, Windows};
 #[command(name = "palpate-train", version)]
 struct Arguments {
     /// Folder of recordings: `LABEL_NUMBER.csv` with a header, or the iCub set's `icub_N.npy`. A `ratings.csv`
-    /// (label,trained,hardness,roughness,friction) beside them says which labels may be trained on.
+    /// (label,trained,hardness,roughness,friction) or `materials.csv` beside them says which labels may be trained on.
     #[arg(value_name = "FOLDER")]
     data: PathBuf,
     /// Where the model goes.
@@ -48,6 +51,9 @@ struct Arguments {
     /// Shares of the recordings for training, test and validation, per cent.
     #[arg(long, value_delimiter = ',', default_values_t = [80, 15, 5])]
     split: Vec<u32>,
+    /// Readings per second of the recordings: the model is then refused at another rate.
+    #[arg(long = "hz", value_name = "HZ")]
+    rate_hz: Option<f64>,
     #[command(flatten)]
     settings: Settings,
     /// Keeps a checkpoint here after every epoch, and goes on from one.
@@ -72,21 +78,21 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = &arguments.settings;
     eprintln!("training on {}", settings.device.name()?);
     let recordings = Recordings::read(&arguments.data, &arguments.columns, &arguments.without)?;
-    let ratings = recordings::ratings(&arguments.data)?;
+    let known = Known::read(&arguments.data)?;
     let shares = <[u32; 3]>::try_from(arguments.split.as_slice())
         .map_err(|_| Failure::Usage("--split: expected three shares, as 80,15,5".into()))?;
-    if settings.latent < if settings.align > 0.0 { 2 } else { 1 } || arguments.window < 2 {
-        return Err(Failure::Usage(
-            "expected a latent vector of at least 1 (2 with --align) and a window of 2".into(),
-        ));
+    check(arguments, &known)?;
+    let mut labels = recordings.all.iter().map(|r| &r.label);
+    let is_known = |label: &&String| known.materials.iter().any(|m| m.label == **label);
+    if let Some(label) = labels.find(|label| settings.heads > 0.0 && !is_known(label)) {
+        let what = format!("materials.csv: expected a row for {label}, which --heads is to learn");
+        return Err(Failure::file(&arguments.data, what));
     }
-    let seen = |label: &str| {
-        ratings
-            .iter()
-            .find(|r| r.label == label)
-            .is_none_or(|r| r.trained)
+    let seen = |label: &str| known.may_train(label);
+    let split = match settings.heads > 0.0 {
+        true => Split::by_label(&recordings, seen, shares, settings.seed),
+        false => Split::new(&recordings, seen, shares, settings.seed),
     };
-    let split = Split::new(&recordings, seen, shares, settings.seed);
     let scale = Scale::new(&recordings, &split.train);
     let windows = Windows {
         recordings,
@@ -96,5 +102,36 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.checkpoint {
         std::fs::create_dir_all(folder).map_err(|e| Failure::file(folder, e))?;
     }
-    report::run(arguments, &windows, &split, &ratings)
+    report::run(arguments, &windows, &split, &known)
+}
+
+/// Whether what the settings ask for is there.
+fn check(arguments: &Arguments, known: &Known) -> Result<(), Failure> {
+    let settings = &arguments.settings;
+    let (is_tied, is_aligned) = (settings.heads > 0.0, settings.align > 0.0);
+    let wide = if is_tied {
+        3
+    } else if is_aligned {
+        2
+    } else {
+        1
+    };
+    let what = if settings.latent < wide || arguments.window < 2 {
+        "expected a latent vector of at least 1 (2 with --align, 3 with --heads) and a window of 2"
+    } else if is_tied && is_aligned {
+        "expected --heads or --align, found both: they tie the same coordinates"
+    } else if is_tied && known.materials.is_empty() {
+        "--heads: expected a materials.csv beside the recordings, as `hil texture strokes` writes it"
+    } else if !is_tied && settings.decode <= 0.0 {
+        "--decode 0: expected --heads, or there is nothing to learn"
+    } else {
+        return Ok(());
+    };
+    Err(Failure::Usage(what.into()))
+}
+
+#[cfg(test)]
+#[test]
+fn the_command_line_is_sound() {
+    <Arguments as clap::CommandFactory>::command().debug_assert();
 }

@@ -8,9 +8,9 @@ use serde_json::{Value, json};
 
 use crate::failure::{self, Failure};
 use crate::network::Network;
-use crate::recordings::Rating;
+use crate::recordings::{Known, Material, Rating};
 use crate::settings::{Progress, Settings};
-use crate::training::{Plain, latents};
+use crate::training::{MATERIALS_HOP, Plain, latents};
 use crate::windows::{Place, Split, Windows};
 
 /// What a model file says besides its weights.
@@ -22,6 +22,8 @@ pub struct About<'a> {
     /// Mean squared error over every window of the test recordings.
     pub test_error: f64,
     pub latent: Latent,
+    /// Readings per second of the recordings, where the command line said so.
+    pub rate_hz: Option<f64>,
     /// The command line that made it.
     pub command: String,
     pub revision: String,
@@ -30,9 +32,12 @@ pub struct About<'a> {
 /// Which latent coordinate stands for what, by rank correlation over the training recordings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Latent {
-    /// Drives mu, sigma and f_PWM.
+    /// Drives sigma and f_PWM, and mu where no coordinate stands for friction.
     pub roughness: Option<Driver>,
     pub hardness: Option<Driver>,
+    /// Only of a training by materials.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<Driver>,
 }
 
 /// A latent coordinate, which way it grows, and its range (5th to 95th percentile of the training windows).
@@ -40,61 +45,84 @@ pub struct Latent {
 pub struct Driver {
     pub coordinate: usize,
     pub sign: i32,
-    /// What it was chosen by: [`RATINGS`] or [`BUZZ`].
+    /// What it was chosen by: [`RATINGS`], [`BUZZ`] or [`MATERIALS`].
     pub with: &'static str,
     /// Spearman's rank correlation with that.
     pub spearman: f64,
     pub z_lo: f32,
     pub z_hi: f32,
+    /// Smallest and largest of the property over the materials of the training: um, N/mm, or a coefficient.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub learned: Option<[f64; 2]>,
 }
 
 /// What people say of the labels.
 const RATINGS: &str = "ratings";
 /// There are no ratings of these recordings: how much readings change from row to row, which is what rough surfaces do to them.
 const BUZZ: &str = "buzz";
+/// What the surfaces are, which the training tied the coordinate to.
+const MATERIALS: &str = "materials";
 
 /// Finds what drives roughness (its mean with friction, as the thesis reads z1; the buzz where there are no ratings)
-/// and hardness.
+/// and hardness. With `heads` the training has tied z1, z2 and z3 to roughness, friction and hardness.
 pub fn drivers(
     network: &Network<Plain>,
     windows: &Windows,
     train: &[usize],
-    ratings: &[Rating],
+    (known, heads): (&Known, bool),
 ) -> Latent {
-    let places = windows.of(train, 4);
+    let places = windows.of(train, if heads { MATERIALS_HOP } else { 4 });
     let latents = latents(network, windows, &places);
     let Some(width) = latents.first().map(Vec::len) else {
         return Latent::default();
     };
-    let rated = |of: fn(&Rating) -> f32| -> Option<Vec<f64>> {
-        let rating = |place: &Place| {
-            let label = &windows.recording(*place).label;
-            let rating = ratings.iter().find(|r| r.label == *label)?;
-            Some(f64::from(of(rating)))
-        };
-        places.iter().map(rating).collect()
+    let driver = |coordinate: usize, with: &'static str, truth: &[f64]| {
+        let mut z: Vec<f64> = latents.iter().map(|z| f64::from(z[coordinate])).collect();
+        let spearman = spearman(&z, truth);
+        z.sort_by(f64::total_cmp);
+        Driver {
+            coordinate,
+            sign: if spearman < 0.0 { -1 } else { 1 },
+            with,
+            spearman,
+            z_lo: z[z.len() / 20] as f32,
+            z_hi: z[z.len() - 1 - z.len() / 20] as f32,
+            learned: None,
+        }
     };
-    let driver = |(with, rated): (&'static str, Vec<f64>)| {
-        let found = (0..width).map(|coordinate| {
-            let mut z: Vec<f64> = latents.iter().map(|z| f64::from(z[coordinate])).collect();
-            let spearman = spearman(&z, &rated);
-            z.sort_by(f64::total_cmp);
-            Driver {
-                coordinate,
-                sign: if spearman < 0.0 { -1 } else { 1 },
-                with,
-                spearman,
-                z_lo: z[z.len() / 20] as f32,
-                z_hi: z[z.len() - 1 - z.len() / 20] as f32,
-            }
-        });
+    let labels = || places.iter().map(|&p| &windows.recording(p).label);
+    if heads {
+        let tied = |coordinate: usize| {
+            let of = Material::PROPERTIES[coordinate];
+            let material = |label: &String| known.materials.iter().find(|m| m.label == *label);
+            let truth: Option<Vec<f64>> = labels().map(|l| material(l).map(of)).collect();
+            Some(Driver {
+                learned: Some(Material::range(&known.materials, of)),
+                ..driver(coordinate, MATERIALS, &truth?)
+            })
+        };
+        return Latent {
+            roughness: tied(0),
+            friction: tied(1),
+            hardness: tied(2),
+        };
+    }
+    let rated = |of: fn(&Rating) -> f32| -> Option<Vec<f64>> {
+        let rating = |label: &String| known.ratings.iter().find(|r| r.label == *label);
+        labels()
+            .map(|l| rating(l).map(|r| f64::from(of(r))))
+            .collect()
+    };
+    let best = |(with, truth): (&'static str, Vec<f64>)| {
+        let found = (0..width).map(|coordinate| driver(coordinate, with, &truth));
         found.max_by(|a, b| a.spearman.abs().total_cmp(&b.spearman.abs()))
     };
     let roughness = rated(|r| (r.roughness + r.friction) / 2.0).map(|rated| (RATINGS, rated));
     let buzz = || (BUZZ, places.iter().map(|&p| buzz(windows, p)).collect());
     Latent {
-        roughness: driver(roughness.unwrap_or_else(buzz)),
-        hardness: rated(|r| r.hardness).and_then(|rated| driver((RATINGS, rated))),
+        roughness: best(roughness.unwrap_or_else(buzz)),
+        hardness: rated(|r| r.hardness).and_then(|rated| best((RATINGS, rated))),
+        friction: None,
     }
 }
 
@@ -140,7 +168,7 @@ pub fn write(path: &Path, network: &Network<Plain>, about: &About<'_>) -> Result
         "validation": at(&progress.validation),
         "test": about.test_error,
     });
-    let metadata = [
+    let mut metadata = vec![
         ("features", json!(windows.recordings.columns).to_string()),
         ("window", windows.length.to_string()),
         ("seed", about.settings.seed.to_string()),
@@ -151,6 +179,7 @@ pub fn write(path: &Path, network: &Network<Plain>, about: &About<'_>) -> Result
         ("command", about.command.clone()),
         ("revision", about.revision.clone()),
     ];
+    metadata.extend(about.rate_hz.map(|hz| ("rate_hz", hz.to_string())));
     let tensors: Vec<_> = tensors
         .iter()
         .map(|(name, shape, values)| (name.clone(), shape.clone(), values))

@@ -5,6 +5,7 @@ use burn::prelude::*;
 use palpate_core::random::RandomStream;
 
 use crate::gru::{Recurrent, Weights};
+use crate::start::{Layer, high_pass, sizes};
 
 /// Units of the wide layers.
 pub const WIDTH: usize = 96;
@@ -129,6 +130,38 @@ impl<B: Backend> Network<B> {
     }
 }
 
+impl<B: Backend> Network<B> {
+    /// Lets the first two layers begin as [`crate::start`] says.
+    pub fn hear_what_is_fast(&mut self, seed: u64) {
+        let mut stream = RandomStream::new(seed, "weights that hear what is fast");
+        let features = self.dense_bias.val().dims()[0];
+        self.encoder[0].change(high_pass);
+        self.encoder[1].change(|layer| sizes(layer, features, &mut stream));
+    }
+}
+
+impl<B: Backend> Gru<B> {
+    fn change(&mut self, change: impl FnOnce(Layer<'_>)) {
+        let device = self.bias_ih.val().device();
+        let [rows, inputs] = self.weight_ih.val().dims();
+        let units = rows / 3;
+        let values = |data: TensorData| -> Vec<f64> { data.iter::<f32>().map(f64::from).collect() };
+        let mut ih = values(self.weight_ih.val().into_data());
+        let mut hh = values(self.weight_hh.val().into_data());
+        let mut bias_ih = values(self.bias_ih.val().into_data());
+        change(Layer {
+            ih: &mut ih,
+            hh: &mut hh,
+            bias_ih: &mut bias_ih,
+            inputs,
+            units,
+        });
+        self.weight_ih = drawn([rows, inputs], |i| ih[i], &device);
+        self.weight_hh = drawn([rows, units], |i| hh[i], &device);
+        self.bias_ih = drawn([rows], |i| bias_ih[i], &device);
+    }
+}
+
 /// A tensor's name, shape and numbers, row by row.
 pub type Named = (String, Vec<usize>, Vec<f32>);
 
@@ -179,6 +212,14 @@ impl<B: Recurrent> Network<B> {
         }
         let [steps, batch, latent] = x.dims();
         x.narrow(0, steps - 1, 1).reshape([batch, latent])
+    }
+
+    /// States of the first two layers, step by step.
+    #[cfg(test)]
+    pub fn first_layers(&self, x: Tensor<B, 3>) -> [Vec<f32>; 2] {
+        let first = self.encoder[0].forward(x);
+        let second = self.encoder[1].forward(first.clone());
+        [first, second].map(|x| x.into_data().into_vec().expect("training is in f32"))
     }
 
     /// Windows [steps, batch, features] of latent vectors [batch, latent].

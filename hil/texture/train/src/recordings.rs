@@ -35,10 +35,77 @@ pub struct Rating {
     pub friction: f32,
 }
 
+/// What a label's surface is, as `hil texture strokes` writes it.
+#[derive(Clone, Debug, PartialEq, serde::Deserialize)]
+pub struct Material {
+    pub label: String,
+    pub trained: bool,
+    pub stiffness_n_per_mm: f64,
+    pub relief_um: f64,
+    pub friction: f64,
+}
+
+impl Material {
+    /// What stands for roughness, friction and hardness, in the order of the coordinates.
+    pub const PROPERTIES: [fn(&Self) -> f64; 3] = [
+        |m: &Self| m.relief_um,
+        |m: &Self| m.friction,
+        |m: &Self| m.stiffness_n_per_mm,
+    ];
+
+    /// Smallest and largest of a property over the materials that may be trained on.
+    pub fn range(materials: &[Self], of: fn(&Self) -> f64) -> [f64; 2] {
+        let trained = materials.iter().filter(|m| m.trained).map(of);
+        trained.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+            [low.min(v), high.max(v)]
+        })
+    }
+}
+
+/// What is known of labels besides their recordings.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Known {
+    pub ratings: Vec<Rating>,
+    pub materials: Vec<Material>,
+}
+
+impl Known {
+    /// Reads both tables of a folder; a table that is not there is empty.
+    pub fn read(folder: &Path) -> Result<Self, Failure> {
+        let known = Self {
+            ratings: table(&folder.join(RATINGS))?,
+            materials: table(&folder.join(MATERIALS))?,
+        };
+        let bad = known.materials.iter().find(|m| {
+            let fits = |of: &fn(&Material) -> f64| of(m).is_finite() && of(m) >= 0.0;
+            !Material::PROPERTIES.iter().all(fits)
+        });
+        match bad {
+            Some(material) => Err(Failure::file(
+                &folder.join(MATERIALS),
+                format!(
+                    "{}: expected relief, friction and stiffness to be finite and not negative",
+                    material.label
+                ),
+            )),
+            None => Ok(known),
+        }
+    }
+
+    /// Whether a label may be trained on: unless a table says no.
+    pub fn may_train(&self, label: &str) -> bool {
+        let rated = self.ratings.iter().find(|r| r.label == label);
+        let made = self.materials.iter().find(|m| m.label == label);
+        rated.is_none_or(|r| r.trained) && made.is_none_or(|m| m.trained)
+    }
+}
+
 /// A blob of the iCub set has 4 MB; what is much larger is some other file.
 const MOST_BYTES: u64 = 256 << 20;
 /// The file of ratings in a folder of recordings.
 const RATINGS: &str = "ratings.csv";
+/// The file that says what the surfaces are.
+const MATERIALS: &str = "materials.csv";
 
 impl Recordings {
     /// Reads a folder. CSV: columns whose name begins with `prefix`, without those of the taxels in `without`; the
@@ -92,16 +159,15 @@ impl Recordings {
     }
 }
 
-/// The ratings of a folder, none where it has no such file.
-pub fn ratings(folder: &Path) -> Result<Vec<Rating>, Failure> {
-    let path = folder.join(RATINGS);
+/// The rows of a table, none where there is no such file.
+fn table<T: serde::de::DeserializeOwned>(path: &Path) -> Result<Vec<T>, Failure> {
     if !path.exists() {
         return Ok(Vec::new());
     }
-    let mut reader = csv::Reader::from_path(&path).map_err(|e| Failure::file(&path, e))?;
+    let mut reader = csv::Reader::from_path(path).map_err(|e| Failure::file(path, e))?;
     reader
         .deserialize()
-        .map(|row| row.map_err(|e| Failure::file(&path, e)))
+        .map(|row| row.map_err(|e| Failure::file(path, e)))
         .collect()
 }
 
@@ -119,6 +185,13 @@ fn icub(blobs: &[(String, PathBuf)]) -> Result<Recordings, Failure> {
             .chunks_exact(4)
             .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
             .collect();
+        if let Some(bad) = slides.iter().position(|v| !v.is_finite()) {
+            let what = format!(
+                "number {bad}: expected finite readings, found {}",
+                slides[bad]
+            );
+            return Err(Failure::file(path, what));
+        }
         let labels_path = path.with_file_name(blob.replace("icub", "labels") + ".npy");
         let labels = npy(&labels_path, "'<i8'", 8)?;
         let slides = slides.chunks_exact(columns * steps * rows);

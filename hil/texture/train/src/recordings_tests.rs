@@ -52,8 +52,10 @@ fn tables_are_read_by_the_names_of_columns_and_files() {
         (some.columns.len(), some.all[1].values.clone()),
         (1, vec![4.0, 6.5])
     );
-    let rating = &ratings(&folder.0).unwrap()[0];
+    let known = Known::read(&folder.0).unwrap();
+    let rating = &known.ratings[0];
     assert!(rating.trained && rating.label == "a" && rating.friction > 3.4);
+    assert!(known.materials.is_empty());
 
     folder.write("c_1.csv", "time,txl1_x,txl2_x\n1,3,4\n2,NaN,6\n");
     let said = folder.read(&[]).unwrap_err();
@@ -69,6 +71,26 @@ fn tables_are_read_by_the_names_of_columns_and_files() {
             .contains("columns of the files before")
     );
     assert!(folder.read(&["txl1", "txl2"]).is_err());
+}
+
+#[test]
+fn materials_say_what_may_be_trained_on_and_over_which_range() {
+    let folder = Folder::new("materials");
+    let table = |relief: &str| {
+        format!(
+            "label,trained,stiffness_n_per_mm,relief_um,wavelength_mm,octaves,friction\n\
+             a,true,2,{relief},1,1,0.4\nb,false,90,300,1,1,1.4\nc,true,8,50,1,1,0.8\n"
+        )
+    };
+    folder.write("materials.csv", table("20"));
+    let known = Known::read(&folder.0).unwrap();
+    let may = ["a", "b", "c", "d"].map(|label| known.may_train(label));
+    assert_eq!(may, [true, false, true, true]);
+    let ranges = Material::PROPERTIES.map(|of| Material::range(&known.materials, of));
+    assert_eq!(ranges, [[20.0, 50.0], [0.4, 0.8], [2.0, 8.0]]);
+    folder.write("materials.csv", table("NaN"));
+    let said = Known::read(&folder.0).unwrap_err().to_string();
+    assert!(said.contains("materials.csv: a: expected relief"), "{said}");
 }
 
 /// A NumPy file of version 1.
@@ -99,6 +121,15 @@ fn slides_of_the_icub_set_become_rows_over_time() {
         ("icub_3_001", 60)
     );
     assert_eq!(all.rows(&all.all[1]), 75);
+    let mut bad = values.clone();
+    bad[28..32].copy_from_slice(&f32::NAN.to_le_bytes());
+    folder.write("icub_3.npy", npy("<f4", "False", &bad));
+    let said = folder.read(&[]).unwrap_err();
+    assert!(
+        said.contains("icub_3.npy: number 7: expected finite readings, found NaN"),
+        "{said}"
+    );
+    folder.write("icub_3.npy", npy("<f4", "False", &values));
     // second slide, step 4, column 2, row 5
     let place = (2 * steps + 4) * rows + 5;
     assert_eq!(all.columns[2 * rows + 5], "column2_row5");

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::measure::{self, Components};
 use crate::model_file::{self, About};
 use crate::network::Network;
-use crate::recordings::Rating;
+use crate::recordings::Known;
 use crate::settings::Progress;
 use crate::shown::Shown;
 use crate::training::{self, Plain};
@@ -28,7 +28,7 @@ pub fn run(
     arguments: &Arguments,
     windows: &Windows,
     split: &Split,
-    ratings: &[Rating],
+    known: &Known,
 ) -> Result<(), Failure> {
     let settings = &arguments.settings;
     #[allow(clippy::disallowed_methods)] // progress and --minutes; no result depends on it
@@ -42,13 +42,16 @@ pub fn run(
         arguments.minutes.is_none_or(|limit| minutes < limit)
     };
     let folder = arguments.checkpoint.as_deref();
-    let (network, progress) = training::train(windows, split, ratings, settings, folder, says)?;
+    let (network, progress) = training::train(windows, split, known, settings, folder, says)?;
     drop(shown);
-    let test = windows.of(&split.test, 1);
+    let heads = settings.heads > 0.0;
+    let test = windows.of(&split.test, if heads { training::MATERIALS_HOP } else { 1 });
     let test_error = training::reconstruction(&network, windows, &test);
-    let latent = model_file::drivers(&network, windows, &split.train, ratings);
-    let known = measure::matrix(windows, &windows.of(&split.train, 4));
-    let peers = peers(&known, settings.latent);
+    let latent = model_file::drivers(&network, windows, &split.train, (known, heads));
+    let peers = (!heads).then(|| {
+        let seen = measure::matrix(windows, &windows.of(&split.train, 4));
+        peers(&seen, settings.latent)
+    });
     let figures = json!({
         "recordings": windows.recordings.all.len(),
         "features": windows.recordings.columns.len(),
@@ -56,12 +59,22 @@ pub fn run(
         "epochs": progress.epochs,
         "best_epoch": progress.best_epoch,
         "minutes": began.elapsed().as_secs_f64() / 60.0,
-        "test": against_others(windows, split, test_error, &peers),
+        "test": (peers.as_ref()).map(|peers| against_others(windows, split, test_error, peers)),
+        "heads": heads.then(|| {
+            let tested = model_file::drivers(&network, windows, &split.test, (known, heads));
+            let rank = |driver: Option<model_file::Driver>| driver.map(|d| d.spearman);
+            json!({
+                "materials": "test",
+                "roughness": rank(tested.roughness),
+                "friction": rank(tested.friction),
+                "hardness": rank(tested.hardness),
+            })
+        }),
         "unseen": (!split.unseen.is_empty()).then(|| {
             let unseen = windows.of(&split.unseen, 4);
             training::reconstruction(&network, windows, &unseen)
         }),
-        "neighbours": by_neighbours(&network, windows, split, &peers),
+        "neighbours": peers.map(|peers| by_neighbours(&network, windows, split, &peers)),
         "latent": latent,
         "curve": progress,
     });
@@ -72,6 +85,7 @@ pub fn run(
         progress: &progress,
         test_error,
         latent,
+        rate_hz: arguments.rate_hz,
         command: command(),
         revision,
     };

@@ -42,6 +42,23 @@ pub struct Settings {
     /// Weight of the term that ties z1 to rated roughness and friction and z2 to rated hardness.
     #[arg(long, default_value_t = 0.0)]
     pub align: f64,
+    /// Weight of the term that ties z1, z2 and z3 to a surface's roughness, friction and hardness: relief, friction and
+    /// stiffness of `materials.csv`, whatever the hand does.
+    #[serde(default)]
+    #[arg(long, default_value_t = 0.0)]
+    pub heads: f64,
+    /// Weight of the reconstruction error; at 0 the decoder keeps its first weights, which saves half of the time.
+    #[serde(default = "whole")]
+    #[arg(long, default_value_t = 1.0)]
+    pub decode: f64,
+    /// Learns from readings whose changes are equally strong in every direction. The model takes plain ones.
+    #[serde(default)]
+    #[arg(long)]
+    pub whiten: bool,
+    /// Begins with weights that hear what is fast and small.
+    #[serde(default)]
+    #[arg(long)]
+    pub high_pass: bool,
     /// Epochs at the beginning in which encoder and decoder learn apart from each other, with principal components
     /// in the latent vector's place; the thesis had none.
     #[arg(long, default_value_t = 0)]
@@ -53,12 +70,17 @@ pub struct Settings {
     pub device: Device,
 }
 
+/// The weight of the reconstruction error before there was a choice.
+const fn whole() -> f64 {
+    1.0
+}
+
 /// What has been reached after some epochs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     pub epochs: usize,
     pub best_epoch: usize,
-    /// Mean squared errors of every epoch: over the training windows while it ran, over the validation windows after.
+    /// Losses of every epoch: over the training windows while it ran, over the validation windows after.
     pub train: Vec<f64>,
     pub validation: Vec<f64>,
 }

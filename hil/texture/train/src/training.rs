@@ -9,18 +9,22 @@ use burn::optim::{AdamConfig, GradientsParams, Optimizer};
 use burn::prelude::*;
 use palpate_core::random::RandomStream;
 
+use crate::aims::Aims;
 use crate::checkpoint::{State, carried};
 use crate::device::Device;
 use crate::failure::Failure;
 use crate::gru::{Learning, Recurrent};
 use crate::guide::Guide;
 use crate::network::Network;
-use crate::recordings::Rating;
+use crate::recordings::Known;
 use crate::settings::{Progress, Settings};
+use crate::whitening::Whitening;
 use crate::windows::{Place, Split, Windows, shuffle};
 
 /// Rows between the beginnings of the windows that validation takes.
 const VALIDATION_HOP: usize = 4;
+/// The same over hundreds of materials, each of which says little more with every window.
+pub const MATERIALS_HOP: usize = 20;
 
 /// Added to the root of Adam's second moment: Keras's, and with it the thesis's. The framework's own is 1e-5.
 const EPSILON: f32 = 1e-7;
@@ -31,30 +35,38 @@ pub type Plain = NdArray;
 /// Trains, from the checkpoint in `folder` if there is one for these settings. `report` hears of every epoch and
 /// says whether to go on.
 pub fn train(
-    windows: &Windows,
+    plain: &Windows,
     split: &Split,
-    ratings: &[Rating],
+    known: &Known,
     settings: &Settings,
     folder: Option<&Path>,
     report: impl FnMut(&Progress) -> bool,
 ) -> Result<(Network<Plain>, Progress), Failure> {
-    match settings.device {
+    let whitening = settings.whiten.then(|| Whitening::new(plain, &split.train));
+    let whitened = whitening.as_ref().map(|w| w.whitened(plain));
+    let windows = whitened.as_ref().unwrap_or(plain);
+    let (network, progress) = match settings.device {
         Device::Cpu => {
-            train_on::<Autodiff<NdArray>>(windows, split, ratings, settings, folder, report)
+            train_on::<Autodiff<NdArray>>(windows, split, known, settings, folder, report)
         }
         #[cfg(feature = "gpu")]
         Device::Gpu => {
-            train_on::<Autodiff<burn_wgpu::Wgpu>>(windows, split, ratings, settings, folder, report)
+            train_on::<Autodiff<burn_wgpu::Wgpu>>(windows, split, known, settings, folder, report)
         }
         #[cfg(not(feature = "gpu"))]
         Device::Gpu => Err(Device::not_built()),
-    }
+    }?;
+    let folded = match whitening {
+        Some(whitening) => whitening.folded(network),
+        None => network,
+    };
+    Ok((folded, progress))
 }
 
 fn train_on<L: Learning>(
     windows: &Windows,
     split: &Split,
-    ratings: &[Rating],
+    known: &Known,
     settings: &Settings,
     folder: Option<&Path>,
     mut report: impl FnMut(&Progress) -> bool,
@@ -62,7 +74,10 @@ fn train_on<L: Learning>(
     let device = Default::default();
     let features = windows.recordings.columns.len();
     let (latent, length, seed) = (settings.latent, windows.length, settings.seed);
-    let network = Network::<L>::new(features, latent, length, seed, &device);
+    let mut network = Network::<L>::new(features, latent, length, seed, &device);
+    if settings.high_pass {
+        network.hear_what_is_fast(seed);
+    }
     let adam = AdamConfig::new().with_epsilon(EPSILON);
     let adam = adam.init::<L, Network<L>>();
     let mut state = State {
@@ -76,7 +91,13 @@ fn train_on<L: Learning>(
         state = state.read(path, settings, &device)?;
     }
     let places = windows.of(&split.train, settings.hop);
-    let validation = windows.of(&split.validation, VALIDATION_HOP);
+    let is_tied = settings.heads > 0.0;
+    let hop = if is_tied {
+        MATERIALS_HOP
+    } else {
+        VALIDATION_HOP
+    };
+    let validation = windows.of(&split.validation, hop);
     if places.is_empty() || validation.is_empty() {
         return Err(Failure::Usage(format!(
             "no window of {} rows in the training or validation recordings: shorten --window or change --split",
@@ -85,15 +106,20 @@ fn train_on<L: Learning>(
     }
     let lesson = Lesson::<L> {
         windows,
-        ratings,
+        aims: Aims::new(known, settings),
         settings,
-        guide: Guide::new(windows, &split.train, latent),
+        guide: (settings.guided > 0).then(|| Guide::new(windows, &split.train, latent)),
         device,
     };
     while state.progress.goes_on(settings) {
         let error = lesson.epoch(&mut state, &places);
         let now = state.network.valid();
-        if (state.progress).add(error, reconstruction(&now, windows, &validation)) {
+        // with ratings alone the reconstruction judges, as it always did
+        let judged = match is_tied {
+            true => lesson.judged(&now, &validation),
+            false => reconstruction(&now, windows, &validation),
+        };
+        if (state.progress).add(error, judged) {
             state.best = now;
         }
         if let Some(path) = &path {
@@ -110,14 +136,14 @@ fn train_on<L: Learning>(
 /// What stays from epoch to epoch.
 struct Lesson<'a, L: Learning> {
     windows: &'a Windows,
-    ratings: &'a [Rating],
+    aims: Option<Aims>,
     settings: &'a Settings,
-    guide: Guide,
+    guide: Option<Guide>,
     device: L::Device,
 }
 
 impl<L: Learning> Lesson<'_, L> {
-    /// One epoch over its share of the training windows; their mean squared error while it ran.
+    /// One epoch over its share of the training windows; the mean loss while it ran.
     fn epoch<O: Optimizer<Network<L>, L>>(&self, state: &mut State<L, O>, places: &[Place]) -> f64 {
         let (settings, epochs) = (self.settings, state.progress.epochs);
         let mut order = places.to_vec();
@@ -129,38 +155,70 @@ impl<L: Learning> Lesson<'_, L> {
         let mut sum = 0.0;
         for (step, batch) in batches.enumerate() {
             let rate = rate(settings, epochs as f64 + (step + 1) as f64 / steps);
-            let (error, loss) = self.loss(&state.network, batch, epochs < settings.guided);
-            sum += f64::from(error.into_scalar().elem::<f32>()) * batch.len() as f64;
+            let x = self.windows.batch::<L>(batch, &self.device);
+            let loss = match &self.guide {
+                Some(guide) if epochs < settings.guided => {
+                    self.guided((&state.network, guide), x, batch)
+                }
+                _ => self.loss(&state.network, x, batch),
+            };
+            sum += f64::from(loss.clone().into_scalar().elem::<f32>()) * batch.len() as f64;
             let gradients = GradientsParams::from_grads(loss.backward(), &state.network);
             state.network = state.adam.step(rate, state.network.clone(), gradients);
         }
         sum / order.len() as f64
     }
 
-    /// The mean squared error over a batch, and what is to fall: with the tie to the ratings, if there is one.
-    fn loss(
+    /// What is to fall over a batch: the weighted reconstruction error, and the miss of what is known of its labels.
+    fn loss<B: Recurrent>(
         &self,
-        network: &Network<L>,
+        network: &Network<B>,
+        x: Tensor<B, 3>,
         batch: &[Place],
-        guided: bool,
-    ) -> (Tensor<L, 1>, Tensor<L, 1>) {
-        let (windows, guide) = (self.windows, &self.guide);
-        let x = windows.batch::<L>(batch, &self.device);
+    ) -> Tensor<B, 1> {
         let z = network.encode(x.clone());
-        let error = if guided {
-            let wanted = guide.latents(windows, batch, &self.device);
-            let miss = guide.miss(z.clone(), wanted.clone());
-            difference(network.decode(wanted, windows.length), x) + miss
-        } else {
-            difference(network.decode(z.clone(), windows.length), x)
-        };
-        let loss = match targets(windows, batch, self.ratings) {
-            Some(targets) if self.settings.align > 0.0 => {
-                error.clone() + tie(z, targets) * self.settings.align
-            }
-            _ => error.clone(),
-        };
-        (error, loss)
+        let miss = self.miss(&z, batch);
+        let weight = self.settings.decode;
+        let error = (weight > 0.0)
+            .then(|| difference(network.decode(z.clone(), self.windows.length), x) * weight);
+        match (error, miss) {
+            (Some(error), Some(miss)) => error + miss,
+            (Some(loss), None) | (None, Some(loss)) => loss,
+            // nothing is to fall
+            (None, None) => z.sum() * 0.0,
+        }
+    }
+
+    /// The same while encoder and decoder learn apart from each other.
+    fn guided(
+        &self,
+        (network, guide): (&Network<L>, &Guide),
+        x: Tensor<L, 3>,
+        batch: &[Place],
+    ) -> Tensor<L, 1> {
+        let z = network.encode(x.clone());
+        let wanted = guide.latents(self.windows, batch, &self.device);
+        let apart = guide.miss(z.clone(), wanted.clone());
+        let error = difference(network.decode(wanted, self.windows.length), x) + apart;
+        match self.miss(&z, batch) {
+            Some(miss) => error + miss,
+            None => error,
+        }
+    }
+
+    fn miss<B: Backend>(&self, z: &Tensor<B, 2>, batch: &[Place]) -> Option<Tensor<B, 1>> {
+        self.aims.as_ref()?.miss(z, self.windows, batch)
+    }
+
+    /// The mean loss over windows.
+    fn judged<B: Recurrent>(&self, network: &Network<B>, places: &[Place]) -> f64 {
+        let mut sum = 0.0;
+        for some in places.chunks(256) {
+            let x = self.windows.batch::<B>(some, &B::Device::default());
+            let loss = self.loss(network, x, some);
+            sum += f64::from(loss.into_scalar().elem::<f32>()) * some.len() as f64;
+        }
+        sum / places.len().max(1) as f64
     }
 }
 
@@ -211,27 +269,6 @@ pub fn latents<B: Recurrent>(
         all.extend(values.chunks_exact(width).map(<[f32]>::to_vec));
     }
     all
-}
-
-/// Where the ratings put z1 and z2 of each window: 1 to 6 on -0.75 to 0.75, inside what a GRU can say.
-fn targets(windows: &Windows, batch: &[Place], ratings: &[Rating]) -> Option<Vec<f32>> {
-    let on = |rating: f32| (rating - 3.5) * 0.3;
-    let mut targets = Vec::with_capacity(2 * batch.len());
-    for &place in batch {
-        let label = &windows.recording(place).label;
-        let rating = ratings.iter().find(|r| r.label == *label)?;
-        targets.extend([
-            on((rating.roughness + rating.friction) / 2.0),
-            on(rating.hardness),
-        ]);
-    }
-    Some(targets)
-}
-
-fn tie<B: Backend>(z: Tensor<B, 2>, targets: Vec<f32>) -> Tensor<B, 1> {
-    let [batch, _] = z.dims();
-    let targets = Tensor::<B, 2>::from_data(TensorData::new(targets, [batch, 2]), &z.device());
-    (z.slice([0..batch, 0..2]) - targets).powi_scalar(2).mean()
 }
 
 #[cfg(test)]

@@ -2,13 +2,13 @@
 
 use super::*;
 use crate::model_file::{self, About};
-use crate::recordings::{Recording, Recordings};
+use crate::recordings::{Material, Rating, Recording, Recordings};
 use crate::windows::{Scale, Windows};
 use palpate_emulators::sensor::surface::spearman;
 use palpate_files::TextureModel;
 use palpate_tests::reference;
 
-pub fn small() -> (Windows, Split, Vec<Rating>) {
+pub fn small() -> (Windows, Split, Known) {
     let recording = |n: usize| {
         let label = ["rough", "smooth"][n % 2];
         let at = |row: usize, feature: usize| {
@@ -37,7 +37,17 @@ pub fn small() -> (Windows, Split, Vec<Rating>) {
     };
     let split = Split::new(&recordings, |_| true, [60, 20, 20], 1);
     let scale = Scale::new(&recordings, &split.train);
-    let ratings = [("rough", 5.0), ("smooth", 2.0)].map(rating).to_vec();
+    let material = |(label, scale): (&str, f64)| Material {
+        label: label.into(),
+        trained: true,
+        stiffness_n_per_mm: 10.0 / scale,
+        relief_um: 20.0 * scale,
+        friction: 0.5,
+    };
+    let known = Known {
+        ratings: [("rough", 5.0), ("smooth", 2.0)].map(rating).to_vec(),
+        materials: [("rough", 4.0), ("smooth", 1.0)].map(material).to_vec(),
+    };
     (
         Windows {
             recordings,
@@ -45,7 +55,7 @@ pub fn small() -> (Windows, Split, Vec<Rating>) {
             length: 12,
         },
         split,
-        ratings,
+        known,
     )
 }
 
@@ -62,6 +72,10 @@ pub fn settings(epochs: usize) -> Settings {
         share: 3,
         patience: 100,
         align: 0.1,
+        heads: 0.0,
+        decode: 1.0,
+        whiten: false,
+        high_pass: false,
         guided: 0,
         device: Device::Cpu,
     }
@@ -69,15 +83,24 @@ pub fn settings(epochs: usize) -> Settings {
 
 /// How far, on average, z1 and z2 of the training windows are from where the ratings put them.
 fn misses(align: f64) -> [f32; 2] {
-    let (windows, split, ratings) = small();
+    let (windows, split, known) = small();
     let settings = Settings {
         align,
         share: 1,
         ..settings(20)
     };
-    let (network, _) = train(&windows, &split, &ratings, &settings, None, |_| true).unwrap();
+    let (network, _) = train(&windows, &split, &known, &settings, None, |_| true).unwrap();
     let places = windows.of(&split.train, 1);
-    let targets = targets(&windows, &places, &ratings).unwrap();
+    let on = |label: &str| {
+        if label == "rough" {
+            [0.45, -0.15]
+        } else {
+            [-0.45, -0.15]
+        }
+    };
+    let targets: Vec<f32> = (places.iter())
+        .flat_map(|&place| on(&windows.recording(place).label))
+        .collect();
     let z = latents(&network, &windows, &places);
     [0, 1].map(|c| {
         let miss = z
@@ -97,9 +120,46 @@ fn alignment_moves_latents_to_where_the_ratings_put_them() {
 }
 
 fn run(epochs: usize, folder: Option<&Path>, stop_after: usize) -> (Network<Plain>, Progress) {
-    let (windows, split, ratings) = small();
+    let (windows, split, known) = small();
     let go_on = |progress: &Progress| progress.epochs < stop_after;
-    train(&windows, &split, &ratings, &settings(epochs), folder, go_on).unwrap()
+    train(&windows, &split, &known, &settings(epochs), folder, go_on).unwrap()
+}
+
+/// All that tells materials apart, stopped after two of four epochs and not.
+#[test]
+fn a_training_by_materials_learns_them_and_resumes_with_the_same_bits() {
+    let (windows, split, known) = small();
+    let settings = Settings {
+        align: 0.0,
+        heads: 1.0,
+        decode: 0.02,
+        whiten: true,
+        high_pass: true,
+        share: 1,
+        ..settings(16)
+    };
+    let name = format!("palpate-train-heads-{}", std::process::id());
+    let folder = std::env::temp_dir().join(name);
+    std::fs::create_dir_all(&folder).unwrap();
+    let run = |folder: Option<&Path>, stop_after: usize| {
+        let go_on = |progress: &Progress| progress.epochs < stop_after;
+        train(&windows, &split, &known, &settings, folder, go_on).unwrap()
+    };
+    let (whole, progress) = run(None, 99);
+    run(Some(&folder), 5);
+    let (resumed, again) = run(Some(&folder), 99);
+    std::fs::remove_dir_all(folder).unwrap();
+    assert_eq!(progress, again);
+    assert_eq!(weights(&whole), weights(&resumed));
+    // The network takes plain readings, and says which of two reliefs and stiffnesses it was.
+    let found = model_file::drivers(&whole, &windows, &split.train, (&known, true));
+    let [roughness, hardness] = [found.roughness, found.hardness].map(Option::unwrap);
+    assert_eq!((roughness.coordinate, hardness.coordinate), (0, 2));
+    assert_eq!(roughness.learned, Some([20.0, 80.0]));
+    assert!(
+        roughness.spearman > 0.8 && hardness.spearman > 0.8,
+        "{found:?}"
+    );
 }
 
 fn weights(network: &Network<Plain>) -> Vec<f32> {
@@ -126,19 +186,19 @@ fn an_interrupted_run_ends_where_an_uninterrupted_one_does() {
         "{progress:?}"
     );
 
-    let (windows, split, ratings) = small();
+    let (windows, split, known) = small();
     let other = Settings {
         rate: 1e-3,
         ..settings(4)
     };
-    let refused = train(&windows, &split, &ratings, &other, Some(&folder), |_| true);
+    let refused = train(&windows, &split, &known, &other, Some(&folder), |_| true);
     assert!(refused.is_err_and(|e| e.to_string().contains("other settings")));
     std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
 fn a_guided_latent_vector_goes_with_the_principal_components() {
-    let (windows, split, ratings) = small();
+    let (windows, split, known) = small();
     let places = windows.of(&split.train, 1);
     let guide = Guide::new(&windows, &split.train, 3);
     let wanted = guide.latents::<Plain>(&windows, &places, &Default::default());
@@ -150,7 +210,7 @@ fn a_guided_latent_vector_goes_with_the_principal_components() {
             guided,
             ..settings(10)
         };
-        let (network, _) = train(&windows, &split, &ratings, &settings, None, |_| true).unwrap();
+        let (network, _) = train(&windows, &split, &known, &settings, None, |_| true).unwrap();
         let z = latents(&network, &windows, &places);
         let pairs = z.iter().zip(wanted.chunks_exact(3));
         let (a, b): (Vec<f64>, Vec<f64>) = pairs
@@ -163,11 +223,11 @@ fn a_guided_latent_vector_goes_with_the_principal_components() {
 
 #[test]
 fn without_ratings_roughness_is_what_buzzes() {
-    let (windows, split, ratings) = small();
+    let (windows, split, known) = small();
     let network = Network::<Plain>::new(4, 3, 12, 5, &Default::default());
     let drivers =
-        |ratings: &[Rating]| model_file::drivers(&network, &windows, &split.train, ratings);
-    let (rated, unrated) = (drivers(&ratings), drivers(&[]));
+        |known: &Known| model_file::drivers(&network, &windows, &split.train, (known, false));
+    let (rated, unrated) = (drivers(&known), drivers(&Known::default()));
     assert!(rated.roughness.is_some_and(|d| d.with == "ratings"));
     assert!(rated.hardness.is_some() && unrated.hardness.is_none());
     let found = unrated.roughness.unwrap();
@@ -193,7 +253,7 @@ fn without_ratings_roughness_is_what_buzzes() {
 
 #[test]
 fn a_model_file_holds_the_network_and_its_golden_vector() {
-    let (windows, split, ratings) = small();
+    let (windows, split, known) = small();
     let (network, progress) = run(3, None, 99);
     let path = std::env::temp_dir().join(format!(
         "palpate-train-model-{}.safetensors",
@@ -205,7 +265,8 @@ fn a_model_file_holds_the_network_and_its_golden_vector() {
         settings: &settings(3),
         progress: &progress,
         test_error: 0.5,
-        latent: model_file::drivers(&network, &windows, &split.train, &ratings),
+        latent: model_file::drivers(&network, &windows, &split.train, (&known, false)),
+        rate_hz: Some(100.0),
         command: "palpate-train".into(),
         revision: "test".into(),
     };
@@ -265,7 +326,7 @@ fn training_on_a_card_goes_as_on_the_processor() {
     if !crate::device::tests::has_card() {
         return;
     }
-    let (windows, split, ratings) = small();
+    let (windows, split, known) = small();
     let name = format!("palpate-train-card-{}", std::process::id());
     let folder = std::env::temp_dir().join(name);
     std::fs::create_dir_all(&folder).unwrap();
@@ -275,7 +336,7 @@ fn training_on_a_card_goes_as_on_the_processor() {
             share: 9,
             ..settings(2)
         };
-        train(&windows, &split, &ratings, &settings, folder, more).map(|(_, progress)| progress)
+        train(&windows, &split, &known, &settings, folder, more).map(|(_, progress)| progress)
     };
     run(Device::Gpu, Some(&folder), |_| false).unwrap();
     let other = run(Device::Cpu, Some(&folder), |_| true).unwrap_err();

@@ -57,6 +57,30 @@ impl Split {
         }
         split
     }
+
+    /// Draws whole labels, each with the chance of its share: what is learned of materials is tested on others.
+    pub fn by_label(
+        recordings: &Recordings,
+        seen: impl Fn(&str) -> bool,
+        shares: [u32; 3],
+        seed: u64,
+    ) -> Self {
+        let mut split = Self::default();
+        let whole = f64::from(shares.iter().sum::<u32>().max(1));
+        let [_, test, validation] = shares.map(|share| f64::from(share) / whole);
+        for (r, recording) in recordings.all.iter().enumerate() {
+            let label = &recording.label;
+            let draw = RandomStream::new(seed, &format!("part of {label}")).uniform();
+            let part = match draw {
+                _ if !seen(label) => &mut split.unseen,
+                d if d < test => &mut split.test,
+                d if d < test + validation => &mut split.validation,
+                _ => &mut split.train,
+            };
+            part.push(r);
+        }
+        split
+    }
 }
 
 /// Fisher and Yates, from a seeded stream.

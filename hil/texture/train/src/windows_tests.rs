@@ -15,6 +15,24 @@ fn recordings() -> Recordings {
 }
 
 #[test]
+fn whole_labels_are_held_out_and_none_is_in_two_parts() {
+    let mut recordings = recordings();
+    for (n, recording) in recordings.all.iter_mut().enumerate() {
+        recording.label = format!("label{}", n / 3);
+    }
+    let split = Split::by_label(&recordings, |label| label != "label2", [60, 20, 20], 3);
+    let parts = [&split.train, &split.test, &split.validation, &split.unseen];
+    assert_eq!(parts.iter().map(|p| p.len()).sum::<usize>(), 60);
+    assert_eq!(split.unseen, [6, 7, 8]);
+    for part in parts {
+        assert!(!part.is_empty());
+        for three in part.chunks(3) {
+            assert!(three.iter().all(|r| r / 3 == three[0] / 3), "{part:?}");
+        }
+    }
+}
+
+#[test]
 fn no_recording_is_in_two_parts_and_every_label_in_each() {
     let recordings = recordings();
     let split = Split::new(&recordings, |label| label != "label2", [80, 15, 5], 3);

@@ -1,0 +1,81 @@
+//! Where the latent vector of a window should lie, by what is known of its label.
+
+use std::collections::BTreeMap;
+
+use burn::prelude::*;
+
+use crate::recordings::{Known, Material, Rating};
+use crate::settings::Settings;
+use crate::windows::{Place, Windows};
+
+/// Ends of a property's range lie at plus and minus this: inside what a GRU can say.
+const REACH: f32 = 0.75;
+
+/// The first coordinates of each label's latent vectors.
+pub struct Aims {
+    of_label: BTreeMap<String, Vec<f32>>,
+    /// What their mean squared miss counts in the loss.
+    weight: f64,
+}
+
+impl Aims {
+    /// With `--heads` roughness, friction and hardness by materials, with `--align` two by ratings; else none.
+    pub fn new(known: &Known, settings: &Settings) -> Option<Self> {
+        let (weight, of_label) = if settings.heads > 0.0 {
+            (settings.heads, by_materials(&known.materials))
+        } else if settings.align > 0.0 {
+            (settings.align, by_ratings(&known.ratings))
+        } else {
+            return None;
+        };
+        Some(Self { of_label, weight })
+    }
+
+    /// The weighted mean squared miss of latent vectors; none where a window's label is not known.
+    pub fn miss<B: Backend>(
+        &self,
+        z: &Tensor<B, 2>,
+        windows: &Windows,
+        batch: &[Place],
+    ) -> Option<Tensor<B, 1>> {
+        let aims: Option<Vec<&Vec<f32>>> = batch
+            .iter()
+            .map(|&place| self.of_label.get(&windows.recording(place).label))
+            .collect();
+        let aims = aims?;
+        let width = aims.first()?.len();
+        let values: Vec<f32> = aims.into_iter().flatten().copied().collect();
+        let aims = TensorData::new(values, [batch.len(), width]);
+        let aims = Tensor::<B, 2>::from_data(aims, &z.device());
+        let said = z.clone().slice([0..batch.len(), 0..width]);
+        Some((said - aims).powi_scalar(2).mean() * self.weight)
+    }
+}
+
+/// z1, z2 and z3: relief, friction and stiffness, each by ratios over the range of the trained materials.
+fn by_materials(materials: &[Material]) -> BTreeMap<String, Vec<f32>> {
+    let ranges = Material::PROPERTIES.map(|of| Material::range(materials, of));
+    let aim = |material: &Material| {
+        let shares = Material::PROPERTIES.iter().zip(ranges);
+        let aims = shares.map(|(of, [low, high])| {
+            let share = (of(material) / low).ln() / (high / low).ln();
+            if share.is_finite() {
+                REACH * (2.0 * share as f32 - 1.0)
+            } else {
+                0.0
+            }
+        });
+        (material.label.clone(), aims.collect())
+    };
+    materials.iter().map(aim).collect()
+}
+
+/// z1 and z2: rated roughness with friction, and hardness. 1 to 6 lies on -0.75 to 0.75.
+fn by_ratings(ratings: &[Rating]) -> BTreeMap<String, Vec<f32>> {
+    let on = |rating: f32| (rating - 3.5) * 0.3;
+    let aim = |r: &Rating| {
+        let aims = vec![on((r.roughness + r.friction) / 2.0), on(r.hardness)];
+        (r.label.clone(), aims)
+    };
+    ratings.iter().map(aim).collect()
+}
