@@ -258,7 +258,8 @@ impl Perceiver {
             *high = self.leaked(edge(cell), *high);
         }
         for (cell, (_, upper)) in bounds.into_iter().enumerate() {
-            if upper < most {
+            // Nor does one that is as much tell anything: on a finger at rest, none.
+            if upper <= most {
                 continue;
             }
             let times: [f64; CELL] =
