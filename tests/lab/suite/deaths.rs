@@ -182,7 +182,7 @@ fn check_records(death: Death, log: &Path, [messages, pins]: [&Path; 2]) {
 }
 
 /// Stops one thread of a process, by its name, until the process is killed.
-pub fn stop_thread(pid: Pid, name: &str) {
+fn stop_thread(pid: Pid, name: &str) {
     let threads = std::fs::read_dir(format!("/proc/{pid}/task")).unwrap();
     let is_named = |path: &std::path::PathBuf| {
         let comm = std::fs::read_to_string(path.join("comm"));

@@ -1,43 +1,23 @@
-//! A bench of two displays: both are driven, each fails alone, and what ends the run switches off both. Each has an adapter
-//! of its own, or both are on one board.
+//! A bench of two displays on two adapters: both are driven, each fails alone, and what ends the run switches off both.
 
 // These tests live in the lab's own time.
 #![allow(clippy::disallowed_methods)]
 
-use std::fmt::Write as _;
-use std::fs::File;
-use std::io::{Read, Write as _};
-use std::os::unix::process::ExitStatusExt;
+use std::fmt::Write;
 use std::path::Path;
-use std::process::Stdio;
 use std::time::Duration;
 
-use nix::pty::{Winsize, openpty};
 use nix::sys::signal::{Signal, kill};
 use palpate_buses::can::Endpoint;
 use palpate_buses::guardian::Latch;
 use palpate_core::codec::can::CanFrame;
-use serde_json::Value;
 
-use super::deaths::stop_thread;
 use super::emulator::Emulator;
 use super::tools::{hil, in_lab, scene, scratch, sh, text, vcan};
-use super::ward::{Fate, TooSlow, Ward, fate, now_ns, patiently};
+use super::ward::{Fate, TooSlow, Ward, fate, patiently};
 
 /// Longer than a run goes on with a dead bus, 3 s.
 const GIVEN_UP: Duration = Duration::from_millis(4500);
-
-/// Everything is off within this after a blow.
-const LIMIT_NS: u64 = 100_000_000;
-
-/// The bridge on the ward's adapter has the OE line of its chips; on one board there is no other adapter.
-#[derive(Clone, Copy, Default)]
-struct Built<'a> {
-    oe: bool,
-    one_board: bool,
-    /// What happens to the thumb's adapter.
-    faults: &'a str,
-}
 
 /// Two emulated boards, adapters and thimbles: `index` is the ward's, `thumb` the other one's.
 struct Hand {
@@ -50,28 +30,12 @@ struct Hand {
 
 impl Hand {
     fn open() -> Self {
-        Self::built(Built::default())
-    }
-
-    fn built(built: Built<'_>) -> Self {
         let press = scene("press.toml");
-        let failing = scratch("failing.toml");
-        let text = std::fs::read_to_string(&press).unwrap();
-        std::fs::write(&failing, text + built.faults).unwrap();
-        let failing = failing.display().to_string();
         vcan("vcan1");
-        let thumb = Emulator::start(&["--await-start", "--scene", &failing, "--can", "vcan1"]);
-        let ward = Ward::open(&press, if built.oe { &["--oe"] } else { &[] });
-        let nodes = [&*ward.emulator.node, &*thumb.node];
-        let mut text = match built.one_board {
-            true => bench(&nodes[..1], "three-in-line", [(0, 0), (0, 3)]),
-            false => bench(&nodes, "thimble-8", [(0, 0), (1, 0)]),
-        };
-        if let Some(chip) = &ward.emulator.oe {
-            let oe = format!("[real]\noe = {{ chip = \"{chip}\", line = 0 }}\n");
-            text = text.replace("[real]\n", &oe);
-        }
-        std::fs::write(ward.bench(), text).unwrap();
+        let thumb = Emulator::start(&["--await-start", "--scene", &press, "--can", "vcan1"]);
+        let ward = Ward::open(&press, &[]);
+        let nodes = [&ward.emulator.node, &thumb.node];
+        std::fs::write(ward.bench(), bench(nodes)).unwrap();
         let this = Self {
             scene: two_fingers(&press),
             can: Endpoint::open("vcan1", &[]).unwrap(),
@@ -134,33 +98,16 @@ impl Hand {
     }
 }
 
-/// When an event was.
-fn at(told: &Value) -> u64 {
-    told["t_ns"].as_u64().unwrap()
-}
-
-/// When outputs of these channels went high.
-fn highs(told: &[Value], channels: std::ops::Range<u64>) -> impl Iterator<Item = u64> {
-    let is_high = move |t: &&Value| {
-        t["event"] == "edge"
-            && t["high"] == true
-            && channels.contains(&t["channel"].as_u64().unwrap())
-    };
-    told.iter().filter(is_high).map(at)
-}
-
-/// The suite's bench with a display of this layout at each of these adapters and channels.
-fn bench(nodes: &[&str], layout: &str, places: [(usize, usize); 2]) -> String {
+/// The suite's bench with a display on each adapter.
+fn bench([index, thumb]: [&String; 2]) -> String {
     let text = std::fs::read_to_string(scene("bench.toml")).unwrap();
     let head = text.split("[[outputs]]").next().unwrap();
     let mut bench = head
-        .replace("\"/dev/i2c-0\"", &format!("\"{}\"", nodes.join("\", \"")))
-        .replace("[\"vcan0\"]", "[\"vcan0\", \"vcan1\"]")
-        .replace("thimble-8", layout);
-    let wires = if layout == "thimble-8" { 8 } else { 3 };
-    for (name, (bus, first)) in ["index", "thumb"].iter().zip(places) {
+        .replace("\"/dev/i2c-0\"", &format!("\"{index}\", \"{thumb}\""))
+        .replace("[\"vcan0\"]", "[\"vcan0\", \"vcan1\"]");
+    for (bus, name) in ["index", "thumb"].iter().enumerate() {
         let output = |channel| format!("{{ bus = {bus}, board = 0x40, channel = {channel} }}");
-        let outputs: Vec<String> = (first..first + wires).map(output).collect();
+        let outputs: Vec<String> = (0..8).map(output).collect();
         let outputs = outputs.join(", ");
         write!(
             bench,
@@ -188,8 +135,6 @@ fn two_fingers(press: &str) -> String {
     let text = std::fs::read_to_string(press).unwrap();
     let layout = format!("layout = \"{}\"", layout.display());
     let text = text.replace("layout = \"uskin-4x4\"", &layout);
-    // Bursts of two displays on one board take turns.
-    let text = text.replace("tau_d_ms = 35.0", "tau_d_ms = 35.0\nsoa_ms = 117.0");
     let file = scratch("two-fingers.toml");
     std::fs::write(&file, text + &fingers.collect::<String>()).unwrap();
     file.display().to_string()
@@ -304,176 +249,5 @@ fn gone() -> Result<(), TooSlow> {
     run.end();
     hand.is_off();
     hand.is_latched("thumb: ");
-    Ok(())
-}
-
-#[test]
-fn a_finger_whose_loop_hangs_ends_in_everything_off() {
-    if !in_lab("two displays, one loop hangs") {
-        return;
-    }
-    patiently(hung);
-}
-
-fn hung() -> Result<(), TooSlow> {
-    let mut hand = Hand::open();
-    let mut run = hand.run();
-    hand.ward.emulator.hear(Duration::from_millis(500));
-    hand.check_speed()?;
-    let struck = now_ns();
-    stop_thread(run.pid(), "loop");
-    let ended = run.end();
-    hand.check_speed()?;
-    assert_eq!(ended.signal(), Some(Signal::SIGKILL as i32), "{ended}");
-    let fates = [hand.ward.fate(struck), fate(&mut hand.thumb, struck)];
-    for (name, fate) in ["index", "thumb"].iter().zip(fates) {
-        let is_off = matches!(fate, Fate::Off(after) if after.unwrap_or(0) <= LIMIT_NS);
-        assert!(is_off, "{name}: {fate:?}");
-    }
-    println!("two displays, one loop hangs: off after (ns) {fates:?}");
-    hand.is_latched("the run hung");
-    Ok(())
-}
-
-#[test]
-fn an_oe_line_cuts_every_display_while_one_has_lost_its_bus() {
-    if !in_lab("two displays, an OE line") {
-        return;
-    }
-    patiently(cut);
-}
-
-fn cut() -> Result<(), TooSlow> {
-    let faults =
-        "\n[[faults]]\nat_s = 2.0\nuntil_s = 2.6\nkind = \"i2c-address-nack\"\nrate = 1.0\n";
-    let mut hand = Hand::built(Built {
-        oe: true,
-        faults,
-        ..Built::default()
-    });
-    let mut run = hand.run();
-    hand.ward.emulator.hear(Duration::from_millis(5000));
-    hand.thumb.hear(Duration::from_millis(10));
-    kill(run.pid(), Signal::SIGINT).unwrap();
-    let ended = run.end();
-    let said = hand.ward.said();
-    hand.check_speed()?;
-    assert!(ended.success(), "{ended}: {said}");
-    let mut faults = hand.thumb.told.iter().filter(|t| t["event"] == "fault");
-    let [from, to] = [faults.next(), faults.next()].map(|told| at(told.unwrap()));
-    let index = &hand.ward.emulator.told;
-    let cut = |t: &&Value| t["event"] == "oe" && t["high"] == true && at(t) > from;
-    let cut = index.iter().find(cut).map(at).unwrap();
-    assert!(cut - from <= 2 * LIMIT_NS, "cut {} ns after", cut - from);
-    let within = highs(index, 0..8).filter(|t| (cut..to).contains(t));
-    assert_eq!(within.count(), 0, "index is driven while OE is cut");
-    for (name, told) in [("index", index), ("thumb", &hand.thumb.told)] {
-        assert!(highs(told, 0..8).any(|t| t > to), "{name} comes back");
-    }
-    println!(
-        "two displays, an OE line: cut {} us after the fault",
-        (cut - from) / 1000
-    );
-    hand.is_off();
-    Ok(())
-}
-
-#[test]
-fn displays_on_one_board_of_one_adapter_fail_alone() {
-    if !in_lab("two displays on one board") {
-        return;
-    }
-    patiently(beside);
-}
-
-fn beside() -> Result<(), TooSlow> {
-    let mut hand = Hand::built(Built {
-        one_board: true,
-        ..Built::default()
-    });
-    hand.silence_thumb();
-    let scene = hand.scene.clone();
-    let mut run = hand.ward.run(&scene, &[]);
-    hand.ward.emulator.hear(Duration::from_millis(2000));
-    hand.check_speed()?;
-    let silent = now_ns();
-    hand.silence_thumb();
-    hand.ward.emulator.hear(Duration::from_millis(1500));
-    hand.check_speed()?;
-    let told = &hand.ward.emulator.told;
-    let [index, thumb] = [0..3, 3..6].map(|channels| highs(told, channels).collect::<Vec<_>>());
-    assert!(thumb.iter().any(|t| *t < silent), "the thumb was driven");
-    assert!(
-        thumb.iter().all(|t| *t < silent + 2 * LIMIT_NS),
-        "and stopped"
-    );
-    assert!(
-        index.iter().any(|t| *t < silent),
-        "the index finger was driven"
-    );
-    assert!(
-        index.iter().any(|t| *t > silent + 1_000_000_000),
-        "and goes on"
-    );
-    kill(run.pid(), Signal::SIGKILL).unwrap();
-    run.end();
-    assert!(matches!(hand.ward.fate(0), Fate::Off(_)));
-    hand.is_latched("thumb: stale-input");
-    Ok(())
-}
-
-#[test]
-fn two_displays_are_watched_one_at_a_time() {
-    if !in_lab("two displays, a live view") {
-        return;
-    }
-    patiently(watched);
-}
-
-fn watched() -> Result<(), TooSlow> {
-    let mut hand = Hand::open();
-    hand.ward.stop_boards();
-    hand.silence_thumb();
-    let size = Winsize {
-        ws_row: 40,
-        ws_col: 100,
-        ws_xpixel: 0,
-        ws_ypixel: 0,
-    };
-    let pair = openpty(Some(&size), None).unwrap();
-    let (mut keys, mut screen) = {
-        let master = File::from(pair.master);
-        (master.try_clone().unwrap(), master)
-    };
-    let drawn = std::thread::spawn(move || {
-        let mut drawn = Vec::new();
-        // A terminal whose last holder is gone fails to be read.
-        let _ = screen.read_to_end(&mut drawn);
-        text(&drawn)
-    });
-    let mut command = hand.ward.command(&hand.scene, &["--watch"]);
-    let terminal = |fd: &std::os::fd::OwnedFd| Stdio::from(fd.try_clone().unwrap());
-    command
-        .stdin(terminal(&pair.slave))
-        .stdout(terminal(&pair.slave))
-        .stderr(Stdio::null());
-    let mut run = command.spawn().unwrap();
-    // What holds the far end open otherwise would keep the reader waiting.
-    drop((command, pair.slave));
-    hand.ward.emulator.wait_for("driving");
-    hand.thumb.wait_for("driving");
-    keys.write_all(b"\t").unwrap();
-    hand.ward.emulator.hear(Duration::from_millis(1000));
-    keys.write_all(b"q").unwrap();
-    let ended = run.wait().unwrap();
-    let drawn = drawn.join().unwrap();
-    hand.ward.check_speed()?;
-    assert!(
-        drawn.contains("display 1 of 2; Tab shows the next"),
-        "{drawn}"
-    );
-    assert!(drawn.contains("by the person who watched"), "{drawn}");
-    assert_eq!(ended.code(), Some(0), "{drawn}");
-    hand.is_off();
     Ok(())
 }

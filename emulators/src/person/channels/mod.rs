@@ -26,8 +26,6 @@ use wire::{Met, Shared, WireFilter};
 const LOOK_S: f64 = 0.25e-3;
 /// Looks whose bounds are held against what is known, together.
 const CELL: usize = 8;
-/// Between the nodes energy grows but for this part: far more than the rule's rest.
-const BETWEEN: f64 = 1e-6;
 /// What lasts at least this long is a vibration, s; less is a tap.
 const VIBRATION_S: f64 = 0.03;
 /// The least level there is, dB: silence.
@@ -260,16 +258,8 @@ impl Perceiver {
             *high = self.leaked(edge(cell), *high);
         }
         for (cell, (_, upper)) in bounds.into_iter().enumerate() {
-            if upper < most {
-                continue;
-            }
-            // A long piece says little of its parts: what had flowed in at the cell's end says more.
-            let mut at_end = [0.0];
-            for wire in &self.wires {
-                wire.add_energies(&self.shared.rule, &[edge(cell + 1)], &mut at_end);
-            }
-            most = most.max(self.leaked(edge(cell + 1), at_end[0]));
-            if self.leaked(edge(cell), at_end[0]) * (1.0 + BETWEEN) < most {
+            // Nor does one that is as much tell anything: on a finger at rest, none.
+            if upper <= most {
                 continue;
             }
             let times: [f64; CELL] =
