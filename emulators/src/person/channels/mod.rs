@@ -258,7 +258,7 @@ impl Perceiver {
             *high = self.leaked(edge(cell), *high);
         }
         for (cell, (_, upper)) in bounds.into_iter().enumerate() {
-            // Nor does one that is as much tell anything: on a finger at rest, none.
+            // Where nothing moves both are 0, and no cell is looked at.
             if upper <= most {
                 continue;
             }
