@@ -79,6 +79,7 @@ scenes! {
     allegro_grasp "allegro-grasp",
     allegro_one_bus "allegro-one-bus",
     allegro_one_bus_overwrite "allegro-one-bus-overwrite",
+    allegro_rubs "allegro-rubs",
     brush_strokes "brush-strokes",
     by_hand "by-hand",
     digit_circle "digit-circle",

@@ -18,6 +18,7 @@ mod external_clock;
 mod faults;
 mod felt;
 mod finger_campaign;
+mod finger_feels;
 mod finger_pads;
 mod fingers;
 mod goldens;

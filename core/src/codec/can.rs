@@ -35,6 +35,12 @@ impl CanFrame {
     pub fn data(&self) -> &[u8] {
         &self.data[..usize::from(self.dlc)]
     }
+
+    /// The data bytes with zeros behind them.
+    #[inline]
+    pub const fn padded(&self) -> [u8; 8] {
+        self.data
+    }
 }
 
 impl Frame for CanFrame {

@@ -120,12 +120,17 @@ const LAW: f32 = 0.32;
 pub const FELT_STEP: f32 = 0.2;
 
 impl Stroke {
-    /// Its stimuli in order. `gap` is the display's smallest distance of two wires. Points nearer to one
-    /// another than a felt step, or passed faster than stimuli can follow, are left out.
+    /// Its stimuli in order, none longer than `longest` or [`LONGEST`]. `gap` is the display's smallest distance of two
+    /// wires. Points nearer to one another than a felt step, or passed faster than stimuli can follow, are left out.
     ///
     /// # Errors
     /// [`StrokeError`] for a stroke of no length, or one too fast.
-    pub fn plan(&self, cells: &Cells, gap: f32) -> Result<Vec<Dab>, StrokeError> {
+    pub fn plan(
+        &self,
+        cells: &Cells,
+        gap: f32,
+        longest: Duration,
+    ) -> Result<Vec<Dab>, StrokeError> {
         let length = self.from.distance(self.to);
         if !(length.is_finite() && length > 0.0) {
             return Err(StrokeError::NoLength);
@@ -148,7 +153,8 @@ impl Stroke {
         parts.insert(0, 0.0);
         parts.push(1.0);
         let passage = |i: usize| (parts[i + 1] - parts[i]) * total;
-        let limit = |us: f32| us.clamp(SHORTEST_US, LONGEST.as_micros() as f32);
+        let longest = longest.min(LONGEST).as_micros() as f32;
+        let limit = |us: f32| us.min(longest).max(SHORTEST_US);
         let first = Duration::from_micros(passage(0) as u64);
         let mut duration = limit(duration_tactile_brush(first).as_micros() as f32);
         let lead = duration / 2.0;

@@ -17,7 +17,7 @@ fn even_passages_keep_the_law() {
     let cells = Cells::new(&display).unwrap();
     // 180 ms over three gaps: 60 ms each, (60 - 47.3) / 0.32 = 39.7 ms.
     let dabs = stroke((0.0, 0.0), (30.0, 0.0), 180)
-        .plan(&cells, display.gap())
+        .plan(&cells, display.gap(), LONGEST)
         .unwrap();
     assert_eq!(dabs.len(), 4);
     for (i, dab) in dabs.iter().enumerate() {
@@ -33,7 +33,7 @@ fn every_plan_keeps_onsets_in_order_and_bursts_in_bounds() {
     let cells = Cells::new(&display).unwrap();
     for ms in [400, 700, 1500, 6000] {
         let dabs = stroke((-9.0, -5.0), (7.0, 6.0), ms)
-            .plan(&cells, display.gap())
+            .plan(&cells, display.gap(), LONGEST)
             .unwrap();
         assert!(dabs.len() >= 3);
         for pair in dabs.windows(2) {
@@ -49,7 +49,7 @@ fn every_plan_keeps_onsets_in_order_and_bursts_in_bounds() {
 fn no_stroke_and_a_stroke_too_fast_are_refused() {
     let display = thimble();
     let cells = Cells::new(&display).unwrap();
-    let plan = |s: Stroke| s.plan(&cells, display.gap());
+    let plan = |s: Stroke| s.plan(&cells, display.gap(), LONGEST);
     assert_eq!(
         plan(stroke((1.0, 1.0), (1.0, 1.0), 500)),
         Err(StrokeError::NoLength)

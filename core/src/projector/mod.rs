@@ -2,6 +2,7 @@
 //! calls it, at the latest when [`Projector::next`] says so; it never waits and never asks for the time.
 
 mod builder;
+mod grid;
 mod outlet;
 mod output;
 mod sensing;
@@ -260,11 +261,6 @@ impl Projector {
             tracks: Tracks::new(most),
             tracked: None,
         })
-    }
-
-    /// As [`Output::begin_at`].
-    pub const fn begin_at(&mut self, first: Instant) {
-        self.output.begin_at(first);
     }
 
     /// When the loop has to be called next, whatever comes in; earlier calls do no harm.

@@ -93,7 +93,7 @@ pub struct Output {
     calibration: Calibration,
     mixer: Mixer,
     renderer: Option<Renderer>,
-    strokes: Strokes,
+    pub(super) strokes: Strokes,
     texture: Option<Texture>,
     pub(super) guard: Guard,
     /// Pulse width by wire; the same memory for every onset.
@@ -104,7 +104,7 @@ pub struct Output {
     stimuli: Box<[Stimulus]>,
     /// Highest board number in use.
     boards: u8,
-    next_onset: Instant,
+    pub(super) next_onset: Instant,
 }
 
 impl Output {
@@ -130,11 +130,6 @@ impl Output {
             next_onset: Instant::ZERO,
             display,
         }
-    }
-
-    /// With a grid of onsets that begins at `first`, not at t = 0: the offset of one finger among several.
-    pub const fn begin_at(&mut self, first: Instant) {
-        self.next_onset = first;
     }
 
     /// With a texture on this carrier.

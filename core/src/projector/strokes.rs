@@ -12,6 +12,8 @@ pub(super) struct Strokes {
     dabs: Box<[(Instant, Dab)]>,
     /// Start and end of each stroke.
     spans: Box<[(Instant, Instant)]>,
+    /// Spans that belong to strokes of other displays on its boards.
+    left: Box<[(Instant, Instant)]>,
     next: usize,
 }
 
@@ -25,6 +27,7 @@ impl Strokes {
         Self {
             dabs: dabs.into(),
             spans: strokes.iter().map(|s| (s.start, s.end)).collect(),
+            left: Box::default(),
             next: 0,
         }
     }
@@ -46,11 +49,20 @@ impl Strokes {
         newest
     }
 
-    /// Whether a stroke has the display at that time.
+    /// Start and end of each stroke.
+    pub(super) fn spans(&self) -> &[(Instant, Instant)] {
+        &self.spans
+    }
+
+    /// Leaves these spans to others.
+    pub(super) fn leave(&mut self, spans: &[(Instant, Instant)]) {
+        self.left = spans.into();
+    }
+
+    /// Whether a stroke has the display, or a board of it, at that time.
     pub(super) fn hold(&self, at: Instant) -> bool {
-        self.spans
-            .iter()
-            .any(|(start, end)| *start <= at && at < *end)
+        let mut all = self.spans.iter().chain(&self.left);
+        all.any(|(start, end)| *start <= at && at < *end)
     }
 }
 

@@ -24,4 +24,7 @@ fn stimuli_come_in_their_turn_and_missed_ones_are_left_out() {
     assert_eq!(strokes.due(at(300)), Some((at(220), dab(120))));
     assert_eq!(strokes.next(), Instant::FAR_FUTURE);
     assert!(!strokes.hold(at(99)) && strokes.hold(at(100)) && !strokes.hold(at(400)));
+    strokes.leave(&[(at(500), at(600))]);
+    assert!(strokes.hold(at(500)) && !strokes.hold(at(600)) && strokes.hold(at(399)));
+    assert_eq!(strokes.spans(), [(at(100), at(400))]);
 }

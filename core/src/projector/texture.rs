@@ -6,7 +6,6 @@
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 use core::fmt;
-use core::ops::Range;
 
 use crate::skin::{Layout, Scan};
 use crate::texture::{Control, ControlMap, Encoder, Ends, Pulses, Stream};
@@ -35,7 +34,7 @@ pub struct TexturePlan {
     pub module: u16,
     /// The network's features: taxel of that module, and axis (0 to 2).
     pub features: Box<[(u32, u8)]>,
-    /// Every feature gets its axis's mean over the module's taxels: a contact that moves over them, spread over the
+    /// Every feature gets its axis's mean over the module's taxels that are read: a contact that moves over them, spread over the
     /// whole face, which is what networks are trained on. Shear is turned to the module's -x, where a stroke along +x
     /// drags the skin. Where the contact is and which way it goes says the contact itself.
     pub gather: bool,
@@ -84,8 +83,13 @@ pub struct TextureReport<'a> {
 }
 
 /// Mean counts of some taxels, axis by axis.
-fn means(taxels: &[[u16; 3]]) -> [f32; 3] {
-    let sum = |axis: usize| taxels.iter().map(|t| u64::from(t[axis])).sum::<u64>();
+fn means(counts: &[[u16; 3]], taxels: &[usize]) -> [f32; 3] {
+    let sum = |axis: usize| {
+        taxels
+            .iter()
+            .map(|t| u64::from(counts[*t][axis]))
+            .sum::<u64>()
+    };
     let count = taxels.len().max(1) as f64;
     [0, 1, 2].map(|axis| (sum(axis) as f64 / count) as f32)
 }
@@ -103,8 +107,8 @@ pub(super) struct Sampler {
     /// Index among the layout's taxels, and axis.
     features: Box<[(usize, usize)]>,
     sample: Box<[f32]>,
-    /// The module's taxels, where features are gathered.
-    gathered: Option<Range<usize>>,
+    /// The module's taxels that are read, where features are gathered.
+    gathered: Option<Box<[usize]>>,
     /// Their means while nothing touched them last.
     rest: [f32; 3],
     stream: Stream,
@@ -132,6 +136,9 @@ impl Sampler {
             return Err(TextureError::Features(plan.encoder.features()));
         }
         let range = layout.range(usize::from(plan.module));
+        let active = layout.modules()[usize::from(plan.module)].active();
+        let read = range.clone().zip(active);
+        let read = read.filter_map(|(taxel, active)| active.then_some(taxel));
         let place = |(i, &(taxel, axis)): (usize, &(u32, u8))| {
             let (taxel, axis) = (taxel as usize, usize::from(axis));
             let exists = taxel < range.len() && axis < 3;
@@ -144,7 +151,7 @@ impl Sampler {
             module: plan.module,
             features: features.collect::<Result<_, _>>()?,
             sample: alloc::vec![0.0; plan.features.len()].into(),
-            gathered: plan.gather.then_some(range),
+            gathered: plan.gather.then(|| read.collect()),
             rest: [0.0; 3],
             window: plan.encoder.window(),
             stream: Stream::new(plan.encoder, 1),
@@ -177,10 +184,8 @@ impl Sampler {
             self.newest = None;
         }
         let counts = scan.counts();
-        let means = self
-            .gathered
-            .as_ref()
-            .map(|range| means(&counts[range.clone()]));
+        let gathered = self.gathered.as_ref();
+        let means = gathered.map(|taxels| means(counts, taxels));
         if let Some(means) = means.filter(|_| !touched) {
             self.rest = means;
         }

@@ -80,10 +80,9 @@ impl Setup {
             Some(text) => Source::new(format!("{label}: changes.toml"), text).read()?,
         };
         let source = named("scene.toml")?.with(changes(all.scene));
-        let value = Scene {
-            texture: None,
-            ..Scene::read(&source)?
-        };
+        let mut value = Scene::read(&source)?;
+        value.texture = None;
+        value.fingers.iter_mut().for_each(|f| f.texture = None);
         let scene = Loaded { value, source };
         let source = named("bench.toml")?.with(changes(all.bench));
         let value = Bench::read(&source)?;
@@ -105,6 +104,7 @@ impl Setup {
                 .transpose()?,
             texture: None,
             fingers: Vec::new(),
+            section: String::new(),
             bus_wait: Duration::ZERO,
             unit: None,
             earlier: Earlier::default(),

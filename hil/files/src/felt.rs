@@ -64,13 +64,14 @@ impl Felt {
     pub(super) fn check(
         &self,
         source: &Source,
-        quiet_s: f64,
-        length_s: f64,
+        section: &str,
+        (quiet_s, length_s): (f64, f64),
     ) -> Result<(), FileError> {
-        source.range("texture.stroke_s", self.stroke_s, 0.1..=3600.0, "s")?;
+        let at = |key: &str| format!("{section}.{key}");
+        source.range(&at("stroke_s"), self.stroke_s, 0.1..=3600.0, "s")?;
         let mut free_s = quiet_s;
         for (i, &start_s) in self.strokes_s.iter().enumerate() {
-            let key = format!("texture.strokes_s[{i}]");
+            let key = at(&format!("strokes_s[{i}]"));
             let unit =
                 "s (after reference and threshold frames and the stroke before, within the scene)";
             let last = length_s - self.stroke_s;
@@ -84,10 +85,10 @@ impl Felt {
             free_s = start_s + self.stroke_s;
         }
         if self.rubs && !(self.surface.is_some() && self.strokes_s.is_empty()) {
-            return Err(source.bad("texture.rubs", "a surface and no strokes beside it"));
+            return Err(source.bad(&at("rubs"), "a surface and no strokes beside it"));
         }
         if self.surface.is_none() && !self.strokes_s.is_empty() {
-            return Err(source.bad("texture.strokes_s", "no strokes, or a surface to stroke"));
+            return Err(source.bad(&at("strokes_s"), "no strokes, or a surface to stroke"));
         }
         Ok(())
     }

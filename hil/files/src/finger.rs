@@ -2,6 +2,8 @@
 
 use serde::Deserialize;
 
+use super::felt::Felt;
+use super::illusion::SceneStroke;
 use super::joint::When;
 use super::words::choice;
 
@@ -23,4 +25,9 @@ pub struct SceneFinger {
     pub rule: Option<FingerRule>,
     /// The joint angles at which it is felt; left out: always.
     pub when: Option<When>,
+    /// The texture that is felt there; none if left out.
+    pub texture: Option<Felt>,
+    /// Strokes over this display that are known beforehand; none if left out.
+    #[serde(default)]
+    pub strokes: Vec<SceneStroke>,
 }

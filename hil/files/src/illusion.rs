@@ -175,13 +175,22 @@ const fn full() -> f64 {
 }
 
 impl SceneStroke {
-    pub(super) fn check(
-        &self,
+    /// Checks the strokes of one display, one after the other.
+    pub(super) fn check_all(
+        all: &[Self],
         source: &Source,
         key: &str,
-        free_s: f64,
         end_s: f64,
     ) -> Result<(), FileError> {
+        let mut free_s = 0.0;
+        for (index, stroke) in all.iter().enumerate() {
+            stroke.check(source, &format!("{key}[{index}]"), free_s, end_s)?;
+            free_s = stroke.start_s + stroke.length_s;
+        }
+        Ok(())
+    }
+
+    fn check(&self, source: &Source, key: &str, free_s: f64, end_s: f64) -> Result<(), FileError> {
         let at = |name: &str| format!("{key}.{name}");
         if !(free_s..end_s).contains(&self.start_s) {
             let expected =

@@ -94,9 +94,9 @@ pub struct Scene {
     pub touches: Vec<Touch>,
     /// What is touched is made of, for a bench with a Peltier module; skin at rest where nothing is said.
     pub materials: Vec<SceneMaterial>,
-    /// Strokes over the display that are known beforehand; none if left out.
+    /// Strokes over the only display of a bench that are known beforehand; none if left out.
     pub strokes: Vec<SceneStroke>,
-    /// The texture that is felt; none if left out.
+    /// The texture that is felt on the only display of a bench; none if left out.
     pub texture: Option<Felt>,
     /// What goes wrong on an emulated bench; nothing if left out.
     pub faults: Vec<Fault>,
@@ -306,16 +306,19 @@ impl Scene {
             }
         }
         if let Some(texture) = &self.texture {
-            texture.check(source, quiet_s, self.length_s)?;
+            texture.check(source, "texture", (quiet_s, self.length_s))?;
+        }
+        for (index, finger) in self.fingers.iter().enumerate() {
+            let at = |key: &str| format!("fingers[{index}].{key}");
+            if let Some(texture) = &finger.texture {
+                texture.check(source, &at("texture"), (quiet_s, self.length_s))?;
+            }
+            SceneStroke::check_all(&finger.strokes, source, &at("strokes"), self.length_s)?;
         }
         for (index, material) in self.materials.iter().enumerate() {
             material.check(source, &format!("materials[{index}]"), self.length_s)?;
         }
-        let mut free_s = 0.0;
-        for (index, stroke) in self.strokes.iter().enumerate() {
-            stroke.check(source, &format!("strokes[{index}]"), free_s, self.length_s)?;
-            free_s = stroke.start_s + stroke.length_s;
-        }
+        SceneStroke::check_all(&self.strokes, source, "strokes", self.length_s)?;
         for (index, fault) in self.faults.iter().enumerate() {
             fault.check(source, &format!("faults[{index}]"), self.length_s)?;
         }

@@ -6,6 +6,7 @@ use super::activation::ActivationFile;
 use super::bench::{Bench, BenchKind};
 use super::error::FileError;
 use super::fault::FaultKind;
+use super::felt::Felt;
 use super::layout::{DisplayLayout, LayoutFile, SensorLayout};
 use super::limits::LimitTable;
 use super::loaded::{Loaded, load_bench, load_scene};
@@ -55,6 +56,8 @@ pub struct Setup {
     pub texture: Option<Stroked>,
     /// The displays that the scene drives, where the bench has several.
     pub fingers: Vec<Finger>,
+    /// Where texture and strokes stand in the scene's file: of one of several fingers such as `fingers[2].`.
+    pub section: String,
     /// How long transfers of other displays may hold up those of this one, where they share a bus.
     pub bus_wait: Duration,
     /// What the bench's driver unit said of itself, once it was met: the stricter of both is played by.
@@ -116,6 +119,7 @@ impl Setup {
             wearer,
             texture,
             fingers,
+            section: String::new(),
             bus_wait: Duration::ZERO,
             unit: None,
             earlier: Earlier::default(),
@@ -200,11 +204,21 @@ pub(super) fn texture_of(
         let expected = format!("a module of the layout, 0 to {}", modules - 1);
         return Err(scene.source.bad("texture.module", expected));
     }
-    let key = "texture.activation";
+    stroked(scene, felt, "texture").map(Some)
+}
+
+/// What a texture section names.
+fn stroked(scene: &Loaded<Scene>, felt: &Felt, section: &str) -> Result<Stroked, FileError> {
+    let at = |key: &str| format!("{section}.{key}");
     let read = ActivationFile::read;
-    let activation = scene.refer(FileKind::Activation, read, &felt.activation, key)?;
+    let activation = scene.refer(
+        FileKind::Activation,
+        read,
+        &felt.activation,
+        &at("activation"),
+    )?;
     let read = TextureTable::read;
-    let table = scene.refer(FileKind::Textures, read, &felt.table, "texture.table")?;
+    let table = scene.refer(FileKind::Textures, read, &felt.table, &at("table"))?;
     let table = table.value;
     let names: Vec<String> = table.texture.iter().map(|t| t.name.clone()).collect();
     let surface = felt.surface.as_ref().map(|name| {
@@ -213,13 +227,14 @@ pub(super) fn texture_of(
         found.ok_or_else(|| {
             let meant = did_you_mean(name, names.iter().map(String::as_str));
             let found = format!("\"{name}\"{meant}");
-            scene.source.bad_found("texture.surface", expected(), found)
+            let key = at("surface");
+            scene.source.bad_found(&key, expected(), found)
         })
     });
-    Ok(Some(Stroked {
+    Ok(Stroked {
         surface: surface.transpose()?,
         activation,
-    }))
+    })
 }
 
 /// The emulated person of a scene, and the calibration if it names one.

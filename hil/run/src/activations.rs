@@ -9,7 +9,7 @@ use palpate_core::units::{Duration, Point, Prescale};
 use palpate_files::Setup;
 
 use crate::failure::Failure;
-use crate::{plan, runner};
+use crate::{loops, plan};
 
 /// The activation of every wire for whatever contact is due, until it is changed. Clones are the same activations.
 #[derive(Clone, Debug)]
@@ -120,7 +120,7 @@ pub(crate) fn build(
     let (prescale, duration) = (plan.guard.prescale(), plan.output.timing.duration);
     let activations = Activations::new(wires, prescale, duration);
     plan.output.illusion = Box::new(activations.clone());
-    Ok((runner::made(setup, plan)?, activations))
+    Ok((loops::made(setup, plan)?, activations))
 }
 
 #[cfg(test)]

@@ -216,6 +216,8 @@ fn summary(parts: &[Part], ledger: &Ledger, common: &Common) -> Summary {
     sum.contacts = each().map(|s| s.contacts).sum();
     sum.stimuli = ledger.driven.stimuli;
     sum.limiter_events = ledger.driven.limiter_events;
+    // Each display says its own.
+    sum.texture = None;
     // What no instrument measures on a real bench, no sum knows either.
     let is_measured = each().any(|s| s.energy_mj.is_some());
     sum.energy_mj = is_measured.then_some(ledger.energy_uj as f64 * 1e-3);
@@ -275,6 +277,7 @@ fn of_display(part: &Part) -> DisplaySummary {
         stimuli: summary.stimuli,
         limiter_events: summary.limiter_events,
         hottest_skin_c: summary.hottest_skin_c,
+        texture: summary.texture,
         supply_share_a: f64::from(part.limits.supply.0) * 1e-3,
         stops: stops.len() as u64,
         failure: part.outcome.failure.as_ref().map(ToString::to_string),

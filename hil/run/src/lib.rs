@@ -27,6 +27,7 @@ pub mod identify;
 pub mod join;
 mod levels;
 pub mod live;
+mod loops;
 mod margins;
 mod numbers;
 mod pads;
@@ -53,6 +54,7 @@ mod supervisor;
 pub mod sweep;
 mod tape;
 mod taxels;
+mod texture_summary;
 pub mod unit;
 mod verdict;
 
@@ -67,6 +69,7 @@ pub use header::{attachments, header};
 pub use heat::HeatReport;
 pub use levels::{Intensities, dynamic_levels};
 pub use live::{EmulatedSession, EmulatedSkin, FedSession, press};
+pub use loops::{build, build_with, fits};
 pub use numbers::{joined_header, whole_boards};
 pub use passed::Passed;
 pub use policy::Policy;
@@ -74,7 +77,7 @@ pub use recorder::{Recorder, Truth};
 pub use replay::{
     CanFrames, CanPlayer, FrameSource, Frames, Identifiers, NextRow, RowSource, Rows, TaxelTable,
 };
-pub use runner::{build, fits, run_with, scene_levels};
+pub use runner::{run_with, scene_levels};
 pub use script::FaultReport;
 pub use session::{Session, Turn};
 pub use stagger::stagger;

@@ -7,7 +7,9 @@ use std::ops::Range;
 use palpate_core::contact::Scope;
 use palpate_core::units::Duration;
 use palpate_emulators::display::i2c::BusClock;
-use palpate_files::{Bench, Fault, Finger, Setup};
+use palpate_files::{Bench, Fault, Felt, Finger, Setup};
+
+use crate::plan;
 
 /// A display's boards, wires and modules, by the numbers that bench and scene have for them.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -113,6 +115,12 @@ impl Place {
         self.boards.iter().position(|b| usize::from(*b) == board)
     }
 
+    /// Its own number of a module of the skin, if it has that module.
+    #[must_use]
+    pub fn own_module(&self, module: usize) -> Option<usize> {
+        self.modules.iter().position(|own| *own == module)
+    }
+
     /// Its own number of a wire of the bench, if it has that wire.
     #[must_use]
     pub fn own_wire(&self, wire: usize) -> Option<usize> {
@@ -140,7 +148,9 @@ impl Place {
 pub fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
     let bench = &setup.bench.value;
     let places: Vec<Place> = setup.fingers.iter().map(|f| Place::of(f, bench)).collect();
-    let alone = |(finger, place): (&Finger, &Place)| {
+    // A texture takes the boards' own frequency, and boards that share have one.
+    let any_textured = setup.fingers.iter().any(|f| f.texture.is_some());
+    let alone = |(index, (finger, place)): (usize, (&Finger, &Place))| {
         let mut place = place.clone();
         place.beside(&places);
         let mut alone = setup.clone();
@@ -156,6 +166,14 @@ pub fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
         scene.drives = 0;
         scene.fingers.clear();
         scene.faults.retain(|fault| place.is_of_wires(fault));
+        alone.section = format!("fingers[{index}].");
+        scene.strokes.clone_from(&finger.strokes);
+        let texture = finger.texture.clone().map(|(felt, stroked)| {
+            let module = felt.module.and_then(|m| place.own_module(m));
+            scene.texture = Some(Felt { module, ..felt });
+            stroked
+        });
+        alone.texture = texture;
         // A finger's rule says what is one skin, whatever the scene says of a bench with one display.
         scene.compression.scope = match finger.merged {
             true => Scope::Skin,
@@ -167,13 +185,17 @@ pub fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
         own.name = format!("{}: {}", bench.name, finger.name);
         own.displays.clear();
         own.outputs = bench.outputs[finger.wires.clone()].to_vec();
+        if any_textured {
+            own.drive.pwm_hz.get_or_insert(plan::PWM_HZ);
+        }
         own.drive.supply_limit_ma = place.boards.len() as f64 * bench.drive.current_ma;
         let others = bench.boards() - place.boards.len();
         let sag = others as f64 * bench.drive.current_ma * 1e-3 * bench.amplifier.supply_ohm;
         own.amplifier.supply_v = bench.amplifier.supply_v.map(|volts| volts - sag);
         (place, alone)
     };
-    setup.fingers.iter().zip(&places).map(alone).collect()
+    let fingers = setup.fingers.iter().zip(&places).enumerate();
+    fingers.map(alone).collect()
 }
 
 /// The fingers on the hand of this one, itself among them.

@@ -17,9 +17,9 @@ use palpate_records::trace::{Event, Source};
 
 use crate::failure::Failure;
 use crate::header::header;
+use crate::loops::build;
 use crate::picture::{Head, Memory, Painter};
 use crate::place::{Place, fingers};
-use crate::runner::build;
 
 /// How far temperatures reach back, microseconds.
 const WARM_US: u64 = 30_000_000;

@@ -8,7 +8,7 @@ use std::time::Duration as Elapsed;
 use palpate_core::contact::Levels;
 use palpate_core::driver::Actuators;
 use palpate_core::guard::Guarded;
-use palpate_core::projector::{FrameReport, LoopError, Observer, Plan, Projector};
+use palpate_core::projector::{FrameReport, LoopError, Observer};
 use palpate_core::skin::{CanSkin, Layout};
 use palpate_core::units::{Duration, Instant};
 use palpate_emulators::sensor::can::faults::Faulty;
@@ -25,8 +25,10 @@ use crate::effort::Effort;
 use crate::failure::Failure;
 use crate::header::header;
 use crate::levels::{Intensities, dynamic_levels, known_levels};
+use crate::loops::{build_with, made};
 use crate::passed::Passing;
-use crate::place::{Place, fingers, looking};
+use crate::place::{Place, looking};
+use crate::plan::Responses;
 use crate::policy::{Policy, refuse_hardware};
 use crate::recorder::{Recorder, Truth, milli_c};
 use crate::replay::{CanPlayer, Rows};
@@ -38,7 +40,6 @@ use crate::tape::Tape;
 use crate::verdict::STOPPED_BY;
 use crate::{
     Beginning, BusReport, Host, Input, Keep, KeptReadings, Outcome, TurnView, margins, plan, skin,
-    stagger,
 };
 
 /// [`crate::run()`], keeping more, with a host that measures and looks on.
@@ -54,9 +55,11 @@ pub fn run_with(
 ) -> Result<Outcome, Failure> {
     refuse_hardware(&setup.bench.value)?;
     let layout = plan::layout(&setup.sensor.value)?;
+    let responses = Responses::default();
     let run = Run {
         setup,
         layout: &layout,
+        responses: &responses,
         seed,
         keep,
         waits: matches!(input, Input::Stream(_)),
@@ -109,6 +112,7 @@ impl Actuators for Silence {
 struct Run<'a> {
     setup: &'a Setup,
     layout: &'a Layout,
+    responses: &'a Responses,
     seed: u64,
     keep: Keep,
     /// Whether its readings come meanwhile.
@@ -124,13 +128,13 @@ impl Run<'_> {
         let end = scene_end(setup);
         if skin::is_array(setup) {
             let mut skin = skin::array(setup, self.layout, self.seed)?;
-            let levels = calibrate(&looking(setup), self.seed, &mut skin, end, host)?;
+            let levels = self.calibrate(&mut skin, end, host)?;
             let skin = skin::array(setup, self.layout, self.seed)?;
             return Ok(self.count(levels, skin, Truth::of(setup), end, host)?.0);
         }
         let emulated = || skin::emulated(setup, self.layout, self.seed);
         let mut first = on_tape(setup, self.layout, emulated()?);
-        let levels = calibrate(&looking(setup), self.seed, &mut first, end, host)?;
+        let levels = self.calibrate(&mut first, end, host)?;
         let tape = &mut first.bus_mut().inner;
         // What is watched is played once, also where a tape turns out to be of no use.
         if scene.faults.is_empty() && tape.is_exact() && !host.looks_on() {
@@ -167,11 +171,22 @@ impl Run<'_> {
             Some(known) => (known, first),
             None => {
                 let mut first = first;
-                let levels = calibrate(&looking(self.setup), self.seed, &mut first, end, host)?;
+                let levels = self.calibrate(&mut first, end, host)?;
                 (levels, skin()?)
             }
         };
         Ok(self.count(levels, skin, Truth::Unknown, end, host)?.0)
+    }
+
+    /// A first pass that finds the levels.
+    fn calibrate(
+        &self,
+        skin: &mut impl SkinEnd,
+        end: Instant,
+        host: &mut dyn Host,
+    ) -> Result<Levels, Failure> {
+        let looking = (&*looking(self.setup), self.responses);
+        calibrate(looking, self.seed, skin, end, host)
     }
 
     /// The pass that counts, on one display or on several.
@@ -198,7 +213,7 @@ impl Run<'_> {
         place: (Place, Option<&ActuatorBus>),
         host: &dyn Host,
     ) -> Result<(Header, Session<S, EmulatedDisplay>), Failure> {
-        let projector = build(self.setup, self.seed, levels)?;
+        let projector = build_with(self.setup, self.seed, levels, self.responses)?;
         let mut display = EmulatedDisplay::at(self.setup, place, &projector, self.seed)?;
         display.keep(self.keep)?;
         let mut recorder = Recorder::new(truth, projector.layout());
@@ -403,7 +418,8 @@ fn on_tape(setup: &Setup, layout: &Layout, handle: Handle) -> CanSkin<Tap<Tape>>
 pub fn scene_levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
     let layout = plan::layout(&setup.sensor.value)?;
     let mut skin = on_tape(setup, &layout, skin::emulated(setup, &layout, seed)?);
-    calibrate(&looking(setup), seed, &mut skin, scene_end(setup), &mut ())
+    let looking = (&*looking(setup), &Responses::default());
+    calibrate(looking, seed, &mut skin, scene_end(setup), &mut ())
 }
 
 impl Observer for Intensities {
@@ -414,7 +430,7 @@ impl Observer for Intensities {
 
 /// A first pass that finds the static intensity levels over the whole input, where the scene has such.
 fn calibrate(
-    setup: &Setup,
+    (setup, responses): (&Setup, &Responses),
     seed: u64,
     skin: &mut impl SkinEnd,
     end: Instant,
@@ -424,7 +440,10 @@ fn calibrate(
     if let Some(known) = known_levels(compression) {
         return Ok(known);
     }
-    let mut projector = made(setup, plan::untextured(setup, seed, Levels::Off)?)?;
+    let mut projector = made(
+        setup,
+        plan::untextured(setup, seed, Levels::Off, responses)?,
+    )?;
     let mut intensities = Intensities::default();
     let mut now = Instant::ZERO;
     while now < end && !host.passed(HALF * part(now, end)) {
@@ -440,32 +459,4 @@ fn calibrate(
     // Without a table nothing was touched.
     let table = intensities.table(compression.ki as usize);
     Ok(table.map_or(Levels::Off, Levels::Table))
-}
-
-/// The loop of a scene on a bench, with intensity levels found beforehand.
-///
-/// # Errors
-/// [`Failure::Input`] for what fits no hardware.
-pub fn build(setup: &Setup, seed: u64, levels: Levels) -> Result<Projector, Failure> {
-    made(setup, plan::plan(setup, seed, levels)?)
-}
-
-/// Whether a setup can be run: its loop, or that of each of its fingers in its place on the grid of onsets, is built and
-/// let go.
-///
-/// # Errors
-/// As [`build`], and for fingers that cannot take turns on a board.
-pub fn fits(setup: &Setup) -> Result<(), Failure> {
-    let alone = fingers(setup);
-    if alone.is_empty() {
-        return build(setup, 1, Levels::Off).map(drop);
-    }
-    let loops = alone.iter().map(|(_, setup)| build(setup, 1, Levels::Off));
-    let mut loops: Vec<Projector> = loops.collect::<Result<_, _>>()?;
-    let places = alone.iter().map(|(place, _)| place);
-    stagger(setup, places.zip(&mut loops).collect())
-}
-
-pub(crate) fn made(setup: &Setup, plan: Plan) -> Result<Projector, Failure> {
-    Projector::new(plan).map_err(|e| Failure::Input(format!("{}: {e}", setup.scene.source.label())))
 }

@@ -8,7 +8,7 @@ use palpate_emulators::time::Nanos;
 
 use crate::fingers::Fingers;
 use crate::plan::surface;
-use palpate_files::{PathKind, Setup, Touch, TouchPoint};
+use palpate_files::{Felt, PathKind, Setup, TextureEntry, Touch, TouchPoint};
 
 /// Scenes' strokes are others than those that models are trained on, which count from 0.
 const FIRST_STROKE: u32 = 1000;
@@ -50,6 +50,22 @@ impl Rubbing {
     }
 }
 
+/// The texture of a module, and what strokes it; and what its strokes count from, so that no two fingers' are alike.
+fn stroked(setup: &Setup, module: usize) -> Option<(u32, Option<&Felt>, Option<&TextureEntry>)> {
+    if setup.fingers.is_empty() {
+        let scene = &setup.scene.value;
+        let felt = scene.texture.as_ref();
+        let felt = felt.filter(|felt| felt.module.unwrap_or(scene.drives) == module)?;
+        let entry = setup.texture.as_ref().and_then(|t| t.surface.as_ref());
+        return Some((0, Some(felt), entry));
+    }
+    let fingers = (0..).zip(&setup.fingers);
+    let mut textures = fingers.filter_map(|(n, f)| Some((n, f.texture.as_ref()?)));
+    let (finger, (felt, stroked)) = textures.find(|(_, (felt, _))| felt.module == Some(module))?;
+    let first = finger * FIRST_STROKE;
+    Some((first, Some(felt), stroked.surface.as_ref()))
+}
+
 /// A scene on one module.
 pub(super) struct Scripted {
     touches: Vec<(Touch, Option<Rubbing>)>,
@@ -73,11 +89,10 @@ impl Scripted {
         fingers: Option<&Fingers>,
     ) -> Self {
         let scene = &setup.scene.value;
-        let felt = scene.texture.as_ref();
-        let felt = felt.filter(|felt| felt.module.unwrap_or(scene.drives) == module);
-        let entry = setup.texture.as_ref().and_then(|t| t.surface.as_ref());
+        let (first, felt, entry) = stroked(setup, module).unwrap_or_default();
         let textured = felt.zip(entry.map(surface));
         let rub = |number: u32, touch: &Touch| {
+            let number = first + number;
             let (felt, texture) = textured.as_ref()?;
             // A hand has no surface.
             let rubs = felt.rubs && touch.path.kind != PathKind::Hand;
@@ -100,7 +115,7 @@ impl Scripted {
         let stroke = |(number, &start_s): (u32, &f64)| {
             let (felt, texture) = textured.as_ref()?;
             let span = (Nanos((start_s * 1e9).round() as u64), felt.stroke_s);
-            let number = FIRST_STROKE + number;
+            let number = first + FIRST_STROKE + number;
             let habits = Habits::default();
             Some(SurfaceStroke::new(
                 texture,

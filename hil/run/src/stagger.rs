@@ -11,12 +11,16 @@ use crate::place::{Place, hand_of};
 use crate::plan;
 use crate::session::TICK;
 
+/// Whether two displays have a board in common.
+fn share(one: &Place, other: &Place) -> bool {
+    one.boards.iter().any(|board| other.boards.contains(board))
+}
+
 /// Which fingers share boards, directly or through others: fingers of one such group have the same number.
 fn groups(places: &[&Place]) -> Vec<usize> {
     let mut groups: Vec<usize> = Vec::new();
     for (index, place) in places.iter().enumerate() {
-        let shares = |other: &Place| other.boards.iter().any(|b| place.boards.contains(b));
-        let joined = (0..index).filter(|other| shares(places[*other]));
+        let joined = (0..index).filter(|other| share(places[*other], place));
         let joined: Vec<usize> = joined.map(|other| groups[other]).collect();
         let group = joined.iter().copied().min().unwrap_or(index);
         let all = groups.iter_mut().filter(|g| joined.contains(g));
@@ -52,22 +56,60 @@ fn check_hands(setup: &Setup) -> Result<(), Failure> {
     Err(Failure::File(limits.source.bad_found(key, expected, found)))
 }
 
+/// Strokes that are known beforehand do not keep to the grid: while one runs, other displays on its boards wait. A burst
+/// that would meet it does not begin.
+fn leave_to_strokes(
+    setup: &Setup,
+    fingers: &mut [(&Place, &mut Projector)],
+) -> Result<(), Failure> {
+    for own in 0..fingers.len() {
+        let (place, projector) = &fingers[own];
+        let burst = projector.timing().duration + projector.guard().surplus();
+        let mut left = Vec::new();
+        for (index, (other, theirs)) in fingers.iter().enumerate() {
+            if index == own || !share(place, other) {
+                continue;
+            }
+            let off = theirs.guard().surplus();
+            let spans = theirs.strokes().iter();
+            let spans = spans.map(|(start, end)| (*start - burst, *end + off));
+            left.extend(spans.clone());
+            let meets = |(start, _): &(Instant, Instant)| {
+                let mut spans = spans.clone();
+                spans.find(|(from, to)| from <= start && start < to)
+            };
+            let mut strokes = projector.strokes().iter().enumerate();
+            if let Some((number, (_, end))) = strokes.find_map(|(n, s)| Some((n, meets(s)?))) {
+                let key = format!("fingers[{own}].strokes[{number}].start_s");
+                let ends_s = end.as_micros() as f64 * 1e-6;
+                let expected = format!(
+                    "a stroke that begins at {ends_s} s or ends before: until then one of display `{}` has a board that both are on",
+                    other.display()
+                );
+                return Err(Failure::File(setup.scene.source.bad(&key, expected)));
+            }
+        }
+        fingers[own].1.leave(&left);
+    }
+    Ok(())
+}
+
 /// Gives every finger its place on the grid of onsets. Bursts of those that share a board never meet; within a burst the
 /// guard keeps a board's wires apart, so at most one wire's current flows per board. Boards of one bus are written one
 /// after the other, so that no onset and no end of one waits for another's.
 ///
 /// # Errors
 /// [`Failure::File`] for a bench whose boards or whose hand cannot be shared so.
-pub fn stagger(setup: &Setup, fingers: Vec<(&Place, &mut Projector)>) -> Result<(), Failure> {
+pub fn stagger(setup: &Setup, mut fingers: Vec<(&Place, &mut Projector)>) -> Result<(), Failure> {
     check_hands(setup)?;
+    leave_to_strokes(setup, &mut fingers)?;
     let places: Vec<&Place> = fingers.iter().map(|(place, _)| *place).collect();
     let groups = groups(&places);
     let write = write_time(&places);
     let mut ranks: Vec<u64> = Vec::new();
     for (index, place) in places.iter().enumerate() {
-        let shares = |other: &Place| other.boards.iter().any(|b| place.boards.contains(b));
         let earlier = places[..index].iter().zip(&ranks);
-        let taken = earlier.filter(|(other, _)| shares(other));
+        let taken = earlier.filter(|(other, _)| share(other, place));
         let taken: Vec<u64> = taken.map(|(_, rank)| *rank).collect();
         ranks.extend((0..).find(|rank| !taken.contains(rank)));
     }

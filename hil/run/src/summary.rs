@@ -21,6 +21,7 @@ use crate::band::FeltBand;
 use crate::heat::HeatReport;
 use crate::path_error::PathError;
 use crate::plan;
+use crate::texture_summary::TextureSummary;
 use crate::unit::UnitReport;
 use palpate_files::{Bench, Scene};
 
@@ -120,6 +121,9 @@ pub struct DisplaySummary {
     pub stimuli: u64,
     pub limiter_events: u32,
     pub hottest_skin_c: Option<f64>,
+    /// What is felt of textures there, where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub texture: Option<TextureSummary>,
     /// What of the supply's current is its own.
     pub supply_share_a: f64,
     /// Times that it was switched off for a cause of its own.
@@ -246,17 +250,6 @@ pub struct FrameTime {
     pub p99: f64,
 }
 
-/// What was felt of a texture.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct TextureSummary {
-    /// Windows that went through the network and were felt.
-    pub windows: u32,
-    /// Mean roughness, 0 to 1.
-    pub roughness: f64,
-    /// Pulses that were left out for a wire to rest.
-    pub rested_pulses: u64,
-}
-
 /// The object that `hil run --json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[allow(missing_docs)] // the keys say what they are, with their units
@@ -345,18 +338,6 @@ impl FeltSummary {
             missing_db: None,
             band: None,
         }
-    }
-}
-
-impl TextureSummary {
-    /// Of the windows that a recorder saw.
-    fn of(recorder: &Recorder, projector: &Projector) -> Option<Self> {
-        let (windows, rough_permille) = recorder.windows;
-        (windows > 0).then(|| Self {
-            windows,
-            roughness: rough_permille as f64 * 1e-3 / f64::from(windows),
-            rested_pulses: projector.rested_pulses(),
-        })
     }
 }
 

@@ -8,7 +8,7 @@ use palpate_records::trace::Source;
 use crate::band::{FeltBand, FeltCorner};
 use crate::boards::{BoardReport, BusReport};
 use crate::summary::{
-    AskedLevel, DisplaySummary, EnergyDb, FeltError, FeltSummary, Summary, Taxels, TextureSummary,
+    AskedLevel, DisplaySummary, EnergyDb, FeltError, FeltSummary, Summary, Taxels,
 };
 
 /// Three digits or so, whatever the size.
@@ -117,8 +117,10 @@ impl DisplaySummary {
         let error = error.map_or_else(|| "-".into(), |e| format!("{:.2} mm RMSE", e.rmse));
         let level = self.felt.level_db.as_ref();
         let level = level.map_or_else(|| "-".into(), |l| format!("{:+.1} dB", l.median));
+        let texture = self.texture.as_ref().map(|t| t.words());
+        let texture = texture.map_or_else(String::new, |words| format!("; texture {words}"));
         let words = format!(
-            "felt {level}, {error}, {}; {} stimuli, {} limited; skin {}; person {}{end}",
+            "felt {level}, {error}, {}; {} stimuli, {} limited; skin {}; person {}{texture}{end}",
             counted(self.felt.breaks, "break"),
             self.stimuli,
             self.limiter_events,
@@ -238,7 +240,7 @@ impl Summary {
         if self.stimuli > 0 {
             lines.push(line("longest session", self.session_words()));
         }
-        lines.extend(self.texture.as_ref().map(TextureSummary::line));
+        lines.extend(self.texture.as_ref().map(|t| line("texture", t.words())));
         let events = match self.source {
             Source::Observed => format!("0 stimuli changed, {} noted", self.limiter_events),
             Source::Emulated | Source::Real => self.limiter_events.to_string(),
@@ -318,20 +320,6 @@ impl Summary {
             line(if index == 0 { "margins" } else { "" }, words)
         };
         self.margins.iter().enumerate().map(row).collect()
-    }
-}
-
-impl TextureSummary {
-    fn line(&self) -> Line {
-        let rested = match self.rested_pulses {
-            0 => String::new(),
-            n => format!("; {n} pulses left out, wires rest after 48 ms"),
-        };
-        let words = format!(
-            "{} windows, roughness {:.2} (mean){rested}",
-            self.windows, self.roughness
-        );
-        line("texture", words)
     }
 }
 

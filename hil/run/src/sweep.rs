@@ -156,7 +156,9 @@ fn digest(setup: &Setup) -> String {
     for file in files(setup) {
         text += &format!("{} {}\n{}\n", file.name, file.text.len(), file.text);
     }
-    if let Some(stroked) = &setup.texture {
+    let of_fingers = setup.fingers.iter().filter_map(|f| f.texture.as_ref());
+    let of_fingers = of_fingers.map(|(_, stroked)| stroked);
+    for stroked in setup.texture.iter().chain(of_fingers) {
         text += &format!(
             "{:?}\n{}\n",
             stroked.surface,

@@ -4,7 +4,9 @@
 use std::io::{self, Write};
 
 use palpate_core::contact::Scope;
-use palpate_files::{Finger, LevelsFrom, Scene, Setup, ThresholdFrom, Transducer};
+use palpate_files::{
+    Felt, FeltBy, Finger, LevelsFrom, Scene, SceneStroke, Setup, ThresholdFrom, Transducer,
+};
 use palpate_run::Outcome;
 use palpate_run::effort::FrameKind;
 
@@ -50,7 +52,8 @@ pub fn plan(setup: &Setup, out: &mut dyn Write) -> io::Result<()> {
     )?;
     row("skin", skin(setup))?;
     row("map", map(scene))?;
-    row("texture", "no contact carries one: not built".into())?;
+    row("texture", texture(setup))?;
+    row("strokes", strokes(setup))?;
     row(
         "display",
         match setup.fingers.as_slice() {
@@ -61,6 +64,45 @@ pub fn plan(setup: &Setup, out: &mut dyn Write) -> io::Result<()> {
             fingers => several(setup, fingers),
         },
     )
+}
+
+/// What each finger has of something, by name, or the only display.
+fn each<T>(
+    setup: &Setup,
+    own: Option<T>,
+    of: impl Fn(&Finger) -> Option<T>,
+    words: impl Fn(T) -> String,
+) -> Option<String> {
+    if setup.fingers.is_empty() {
+        return own.map(words);
+    }
+    let named = |finger: &Finger| Some(format!("{}: {}", finger.name, words(of(finger)?)));
+    let all: Vec<String> = setup.fingers.iter().filter_map(named).collect();
+    (!all.is_empty()).then(|| all.join("; "))
+}
+
+fn texture(setup: &Setup) -> String {
+    let words = |felt: Felt| {
+        let surface = felt
+            .surface
+            .map_or("what is recorded".into(), |s| format!("`{s}`"));
+        match felt.carrier {
+            FeltBy::Contacts => format!("{surface}, thins out bursts"),
+            FeltBy::Display => format!("{surface}, in place of contacts"),
+        }
+    };
+    let own = setup.scene.value.texture.clone();
+    let of = |finger: &Finger| Some(finger.texture.as_ref()?.0.clone());
+    let all = each(setup, own, of, words);
+    all.unwrap_or_else(|| "none: no encoder is built".into())
+}
+
+fn strokes(setup: &Setup) -> String {
+    let some = |strokes: &[SceneStroke]| (!strokes.is_empty()).then_some(strokes.len());
+    let own = some(&setup.scene.value.strokes);
+    let of = |finger: &Finger| some(&finger.strokes);
+    let all = each(setup, own, of, |n| format!("{n}, in place of contacts"));
+    all.unwrap_or_else(|| "none: none is planned".into())
 }
 
 fn skin(setup: &Setup) -> String {

@@ -17,10 +17,11 @@ use palpate_records::trace::{Event, Header};
 use palpate_run::display_end::DisplayEnd;
 use palpate_run::join::{Common, Part, join};
 use palpate_run::place::{Place, fingers};
+use palpate_run::plan::Responses;
 use palpate_run::skin_end::Tap;
 use palpate_run::{
-    Beginning, CanReport, Failure, Outcome, Policy, Recorder, Session, Truth, build, header, plan,
-    skin, stagger,
+    Beginning, CanReport, Failure, Outcome, Policy, Recorder, Session, Truth, build_with, header,
+    plan, skin, stagger,
 };
 
 use super::bench::{Interfaces, guarded, refuse_latched, watch};
@@ -186,8 +187,9 @@ fn note(at: Instant, text: String) -> Event {
 /// Every finger's loop, with its place on the grid of onsets.
 fn planned(setup: &Setup, seed: u64) -> Result<Vec<Planned>, Failure> {
     let levels = levels(setup, seed)?;
+    let responses = Responses::default();
     let plan = |(place, setup): (Place, Setup)| {
-        let projector = build(&setup, seed, levels.clone())?;
+        let projector = build_with(&setup, seed, levels.clone(), &responses)?;
         let header = header(&setup, seed, &projector)?;
         Ok(Planned {
             place,

@@ -1,4 +1,5 @@
-//! The loop on skins that are no uSkin module, beside what compression alone costs on the same readings.
+//! The loop on skins that are no uSkin module, beside what compression alone costs on the same readings; and the loops of a
+//! hand's four fingers in one turn.
 
 use std::cell::Cell;
 
@@ -6,9 +7,10 @@ use palpate_core::contact::{Compressor, Levels};
 use palpate_core::driver::Pca9685Bank;
 use palpate_core::projector::Projector;
 use palpate_core::skin::{Baseline, BaselinePhase, Layout, ModuleScan, RelativeFrame, Scan};
-use palpate_core::units::Instant;
+use palpate_core::units::{Duration, Instant};
 use palpate_files::Setup;
 use palpate_hil::clock;
+use palpate_run::place::{Place, fingers};
 use palpate_run::{Failure, TaxelTable, build, plan, taxels};
 
 use crate::findings::{Findings, NO_ERROR};
@@ -34,6 +36,70 @@ pub fn measure(findings: &mut Findings) -> Result<(), Failure> {
         findings.row(&case, "compression alone", NO_ERROR, alone);
         findings.target(&case, turn, 2.0 * alone);
     }
+    hand(findings)
+}
+
+/// The most that a turn of a hand's four loops may take, us.
+const HAND_US: f64 = 25.0;
+/// Scans of a skin that nothing touches, and scans while all four fingertips hold the ball.
+const FREE: usize = 100;
+const HELD: std::ops::Range<usize> = 300..900;
+const TURNS: usize = 4000;
+
+/// A finger's modules, its loop and its boards.
+type Finger<'a> = (Vec<usize>, Projector, Pca9685Bank<NullBus<'a>>);
+
+/// Turns of all four loops of `allegro-grasp`, a scan of each of 15 modules waiting every time. On a bench onsets are
+/// staggered; here all four are due at once.
+fn hand(findings: &mut Findings) -> Result<(), Failure> {
+    let broken = |e: &dyn std::fmt::Display| Failure::Input(format!("bench hand: {e}"));
+    let setup = Setup::load("allegro-grasp", "allegro-hand")?;
+    let tables = taxels(&setup, 1, |_| ())?;
+    let layout = plan::layout(&setup.sensor.value)?;
+    let sent = Cell::new(0);
+    let finger = |(place, own): (Place, Setup)| {
+        let projector = build(&own, 1, Levels::Dynamic(10))?;
+        let prescale = projector.guard().prescale();
+        let bank = Pca9685Bank::new(NullBus(&sent), &plan::boards(&own.bench.value), prescale);
+        Ok((place.modules, projector, bank))
+    };
+    let loops = fingers(&setup).into_iter().map(finger);
+    let mut loops: Vec<Finger<'_>> = loops.collect::<Result<_, Failure>>()?;
+    let (mut quiet, mut onsets) = (Samples::default(), Samples::default());
+    let (mut now, mut next_scan) = (Instant::ZERO, Instant::ZERO);
+    for frame in (0..FREE).chain(HELD.cycle()).take(TURNS) {
+        let scans = scans(&tables, &layout, frame);
+        let of = |finger: &Finger<'_>| finger.0.iter().map(|m| scans[*m].clone()).collect();
+        let own: Vec<Vec<Vec<[u16; 3]>>> = loops.iter().map(of).collect();
+        let begun = clock::now();
+        let mut begin = 0;
+        for ((_, projector, bank), scans) in loops.iter_mut().zip(&own) {
+            begin += usize::from(turn(projector, scans, now, bank).map_err(|e| broken(&e))?);
+        }
+        let us = begun.elapsed().as_secs_f64() * 1e6;
+        match begin {
+            _ if frame < HELD.start => {}
+            0 => quiet.push(us),
+            4 => onsets.push(us),
+            some => return Err(broken(&format!("{some} of 4 onsets in one turn"))),
+        }
+        if now >= next_scan {
+            next_scan = now + Duration::from_millis(10);
+        }
+        let due = loops.iter().map(|(_, projector, _)| projector.next());
+        now = due
+            .fold(next_scan, Instant::min)
+            .max(now + Duration::from_micros(1));
+    }
+    if let Some(cause) = loops.iter().find_map(|(_, p, _)| p.guard().latched()) {
+        return Err(broken(&format!(
+            "a guard has stopped its finger: {cause:?}"
+        )));
+    }
+    let case = "hand of four fingers, 15 scans in";
+    findings.row(case, "default", NO_ERROR, quiet.median());
+    findings.row(case, "four onsets", NO_ERROR, onsets.median());
+    findings.target(case, onsets.median(), HAND_US);
     Ok(())
 }
 
@@ -101,19 +167,19 @@ fn times(setup: &Setup) -> Result<(Samples, Samples), Failure> {
     Ok((turns, compressions))
 }
 
-/// One turn of the loop: a scan of every module, then what is due.
+/// One turn of the loop: a scan of every module, then what is due; whether that is an onset.
 fn turn(
     projector: &mut Projector,
     scans: &[Vec<[u16; 3]>],
     at: Instant,
     bank: &mut Pca9685Bank<NullBus<'_>>,
-) -> Result<(), String> {
+) -> Result<bool, String> {
     for (module, counts) in (0..).zip(scans) {
         let scan = ModuleScan::whole(module, at, counts);
         projector.push(&scan, &mut ()).map_err(|e| e.to_string())?;
     }
     let turned = projector.turn(at, bank, &mut ());
-    turned.map(|_| ()).map_err(|e| format!("{e:?}"))
+    turned.map_err(|e| format!("{e:?}"))
 }
 
 /// Counts of all taxels of every module in one frame.

@@ -28,7 +28,8 @@ struct Together {
     calm: bool,
     /// No active taxel has last changed before this.
     moved_at: Instant,
-    /// Whether it is known where its skin rests, and the end of the range that this is, if it is one.
+    /// Whether it is known where its skin rests, and the end of the range that this is, if it is one: only skins of one axis
+    /// rest at any.
     learned: bool,
     rests_at: Option<u16>,
 }
@@ -53,15 +54,15 @@ pub(super) struct Taxels {
     changed_at: Vec<Instant>,
     /// On top of that: changes in the scans of [`Together::brief`], and the number of the last of those, from 1; 0 for
     /// none.
-    lately: Vec<u16>,
-    changed_in: Vec<u16>,
+    lately: Vec<u8>,
+    changed_in: Vec<u8>,
     /// 16 a jump, one less a quiet reading.
     jumps: Vec<u16>,
     /// Whether the newest reading was a jump.
     jumped: Vec<bool>,
     /// Of the scan that is looked at: bits that differ from before, then 1 where any of an active taxel's do.
     bits: Vec<[u16; 3]>,
-    news: Vec<u16>,
+    news: Vec<u8>,
     vectors: Vectors,
 }
 
@@ -86,7 +87,7 @@ impl Taxels {
             brief: Vec::with_capacity(BRIEF),
             calm: false,
             moved_at: Instant::ZERO,
-            learned: false,
+            learned: layout.modules()[module].axes() != 1,
             rests_at: None,
         };
         let active: Vec<bool> = modules().flat_map(|m| m.active()).copied().collect();
@@ -251,7 +252,7 @@ impl Taxels {
         let together = &mut self.modules[module];
         together.brief.push(at); // within capacity
         (together.scans, together.at) = (together.scans.saturating_add(1), at);
-        let (range, number) = (together.range.clone(), together.brief.len() as u16);
+        let (range, number) = (together.range.clone(), together.brief.len() as u8); // at most BRIEF
         let (bits, active) = (&self.bits[range.clone()], &self.active[range.clone()]);
         let news = &mut self.news[range.clone()];
         let lately = &mut self.lately[range.clone()];
@@ -259,15 +260,8 @@ impl Taxels {
         let any = self.vectors.run(
             #[inline(always)]
             || {
-                for ((news, [x, y, z]), active) in news.iter_mut().zip(bits).zip(active) {
-                    *news = u16::from((x | y | z) != 0) & u16::from(*active);
-                }
-                let taxels = lately.iter_mut().zip(changed_in).zip(&*news);
-                taxels.fold(0, |any, ((lately, changed_in), news)| {
-                    *lately += news;
-                    *changed_in = if *news != 0 { number } else { *changed_in };
-                    any | news
-                }) != 0
+                find(bits, active, news);
+                count(news, lately, changed_in, number)
             },
         );
         // Taxels only ever change later: what none was before, none is.
@@ -361,6 +355,26 @@ impl Taxels {
         self.find_moved(module);
         seen
     }
+}
+
+/// 1 for active taxels any of whose bits differ. A function of slices, so that compilers know that none overlap.
+#[inline(always)]
+fn find(bits: &[[u16; 3]], active: &[bool], news: &mut [u8]) {
+    for ((news, [x, y, z]), active) in news.iter_mut().zip(bits).zip(active) {
+        *news = u8::from((x | y | z) != 0) & u8::from(*active);
+    }
+}
+
+/// Counts what is new in scan `number`; whether anything is.
+#[inline(always)]
+fn count(news: &[u8], lately: &mut [u8], changed_in: &mut [u8], number: u8) -> bool {
+    let mut any = 0;
+    for ((lately, changed_in), news) in lately.iter_mut().zip(changed_in).zip(news) {
+        *lately = lately.wrapping_add(*news); // at most BRIEF
+        *changed_in = if *news != 0 { number } else { *changed_in };
+        any |= news;
+    }
+    any != 0
 }
 
 #[cfg(test)]

@@ -258,7 +258,8 @@ impl Perceiver {
             *high = self.leaked(edge(cell), *high);
         }
         for (cell, (_, upper)) in bounds.into_iter().enumerate() {
-            if upper < most {
+            // Where nothing moves both are 0, and no cell is looked at.
+            if upper <= most {
                 continue;
             }
             let times: [f64; CELL] =

@@ -23,6 +23,11 @@ const MOST: usize = 1024;
 /// Time constant of the Pacinian channel's energy, s (Zwislocki).
 pub const LEAK_S: f64 = 0.2;
 
+/// By how much the leaky energy falls over a time, the other way round, 1.
+pub fn swollen(seconds: f64) -> f64 {
+    libm::exp(seconds / LEAK_S)
+}
+
 /// The modes of one regime, and its pieces by their length, as bits: no table of a length that was met once.
 #[derive(Clone, Debug)]
 struct Regime {
@@ -77,7 +82,7 @@ impl Table {
             rings: [[0.0; BOTH]; STATES],
             free: Free::over(seconds),
             swell: rule.nodes.map(|part| libm::exp(part * seconds / LEAK_S)),
-            swollen: libm::exp(seconds / LEAK_S),
+            swollen: swollen(seconds),
         };
         for (i, part) in rule.nodes.into_iter().enumerate() {
             let t = part * seconds;

@@ -2,7 +2,7 @@
 
 use super::filter::{LIFT, STATES, State};
 use super::gauss::{self, Gauss};
-use super::piece::{Tables, raise};
+use super::piece::{Tables, raise, swollen};
 use crate::display::finger::NODES as MODES;
 use crate::display::solver::modal::ModeKey;
 use crate::display::solver::stretch::Stretch;
@@ -123,6 +123,20 @@ impl WireFilter {
         terms: &mut [f64; MODES],
         piece: f64,
     ) {
+        match self.rests(terms) {
+            true => self.rest(piece),
+            false => self.move_on(shared, stretch, terms, piece),
+        }
+    }
+
+    /// A piece in which something moves, or rings.
+    fn move_on(
+        &mut self,
+        shared: &mut Shared,
+        stretch: &Stretch,
+        terms: &mut [f64; MODES],
+        piece: f64,
+    ) {
         let Shared {
             rule,
             tables,
@@ -154,6 +168,26 @@ impl WireFilter {
         self.met.energy += piece * rule.mean(&outputs.p.map(|y| y * y));
         raise(rule, *vectors, &outputs.p, &mut self.met.peak_p);
         raise(rule, *vectors, &outputs.n, &mut self.met.peak_n);
+    }
+
+    /// Whether nothing moves, and nothing rings.
+    fn rests(&self, terms: &[f64; MODES]) -> bool {
+        let still = |values: &[f64]| values.iter().fold(true, |all, v| all & (*v == 0.0));
+        still(&self.x) && still(terms)
+    }
+
+    /// A piece in which nothing moves: what [`Self::move_on`] comes to then, without a table.
+    fn rest(&mut self, piece: f64) {
+        self.passed.push(Passed {
+            from_s: self.now_s,
+            seconds: piece,
+            before: self.energy,
+            energy: 0.0,
+            flow: [0.0; gauss::NODES],
+        });
+        self.now_s += piece;
+        let grown = swollen(piece);
+        self.swollen = (1.0 + self.swollen) * grown - 1.0;
     }
 
     /// Adds the energy that had flowed in until each of these times, which rise, s.
@@ -200,3 +234,7 @@ impl WireFilter {
         (self.now_s, self.swollen, self.energy) = (0.0, 0.0, 0.0);
     }
 }
+
+#[cfg(test)]
+#[path = "wire_tests.rs"]
+mod tests;

@@ -83,25 +83,36 @@ fn header(frame: &CanFrame) -> u32 {
     u32::from(frame.id()) << 7 | frame.data().len() as u32
 }
 
+/// Start of frame to data field, right-aligned, and its length.
+fn covered(frame: &CanFrame) -> (u128, u32) {
+    let length = 8 * frame.data().len() as u32;
+    let data = u128::from(u64::from_be_bytes(frame.padded())) >> (64 - length);
+    (u128::from(header(frame)) << length | data, 19 + length)
+}
+
 /// CRC-15 over start of frame, arbitration, control and data field.
 pub fn crc(frame: &CanFrame) -> u16 {
-    // Leading zeros leave a zero register alone, so the header may be padded to whole bytes.
-    let [_, header @ ..] = header(frame).to_be_bytes();
-    let bytes = header.iter().chain(frame.data()).rev();
-    bytes
-        .zip(&CRC_TABLE)
-        .fold(0, |crc, (&byte, table)| crc ^ table[usize::from(byte)])
+    crc_of(covered(frame).0)
+}
+
+/// The same of these bits. Leading zeros leave a zero register alone, so every frame may be as long as the longest.
+fn crc_of(covered: u128) -> u16 {
+    let bytes = covered.to_le_bytes();
+    let bytes = bytes.iter().zip(&CRC_TABLE);
+    bytes.fold(0, |crc, (&byte, table)| crc ^ table[usize::from(byte)])
 }
 
 /// Stuff bits of a frame.
 pub fn stuff_bits(frame: &CanFrame) -> u32 {
-    /// Fills the first chunk: alternating bits are never stuffed, and the last one is recessive, as the
-    /// bus is before the start of frame.
-    const FILL: u128 = 0b101_0101_0101;
+    /// Chunks of the longest frame.
+    const CHUNKS: u32 = 98_u32.div_ceil(CHUNK);
+    /// Stands before shorter ones, so that all take the same way: alternating bits are never stuffed, and the last one is
+    /// recessive, as the bus is before the start of frame.
+    const FILL: u128 = u128::MAX / 3;
     let (bits, length) = sequence(frame);
     let bits = FILL << length | bits;
     let (mut state, mut count) = (0, 0);
-    for chunk in (0..=length / CHUNK).rev() {
+    for chunk in (0..CHUNKS).rev() {
         let value = (bits >> (chunk * CHUNK)) as usize & ((1 << CHUNK) - 1);
         let entry = STUFF[value] >> state;
         state = entry & 0o70;
@@ -112,11 +123,8 @@ pub fn stuff_bits(frame: &CanFrame) -> u32 {
 
 /// The stuffed part without its stuff bits (start of frame to CRC), right-aligned, and its length.
 fn sequence(frame: &CanFrame) -> (u128, u32) {
-    let length = 8 * frame.data().len() as u32;
-    let data = frame.data().iter();
-    let data = data.fold(0, |bits: u64, &byte| bits << 8 | u64::from(byte));
-    let bits = u128::from(header(frame)) << length | u128::from(data);
-    (bits << 15 | u128::from(crc(frame)), 19 + length + 15)
+    let (bits, length) = covered(frame);
+    (bits << 15 | u128::from(crc_of(bits)), length + 15)
 }
 
 /// Bits from start of frame to the end of its end-of-frame field, stuffing included. The

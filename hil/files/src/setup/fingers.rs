@@ -1,11 +1,14 @@
 //! The displays of a bench with the modules of a scene that drive them.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
-use super::People;
+use super::{People, Stroked, stroked};
 use crate::bench::{Bench, BenchDisplay, BenchKind};
 use crate::error::FileError;
+use crate::felt::{Felt, FeltBy};
 use crate::finger::{FingerRule, SceneFinger};
+use crate::illusion::SceneStroke;
 use crate::joint::Gate;
 use crate::layout::{DisplayLayout, SensorLayout};
 use crate::loaded::Loaded;
@@ -34,6 +37,10 @@ pub struct Finger {
     pub merged: bool,
     /// When it is felt; always where there is none.
     pub when: Option<Gate>,
+    /// Its texture, with the stroked module by the skin's numbers.
+    pub texture: Option<(Felt, Stroked)>,
+    /// Strokes over its display.
+    pub strokes: Vec<SceneStroke>,
 }
 
 /// Every module of a scene's skin belongs to one finger, by a rule where it is not alone.
@@ -56,6 +63,12 @@ pub(super) fn check(scene: &Loaded<Scene>, sensor: &SensorLayout) -> Result<(), 
         }
         if let Some(when) = &finger.when {
             when.check(source, &at("when"))?;
+        }
+        if let Some(module) = finger.texture.as_ref().and_then(|felt| felt.module)
+            && !finger.modules.contains(&module)
+        {
+            let expected = format!("one of the finger's modules, {:?}", finger.modules);
+            return Err(source.bad_found(&at("texture.module"), expected, module.to_string()));
         }
         let several = finger.modules.len() > 1;
         match (finger.modules.len(), finger.rule) {
@@ -108,7 +121,9 @@ pub(super) fn of(
         ("strokes", !scene.value.strokes.is_empty()),
     ] {
         if there {
-            let expected = "nothing: it is felt on a bench of one display only";
+            let expected = format!(
+                "nothing on a bench of several displays: each of [[fingers]] has its own, such as `fingers[0].{key}`"
+            );
             return Err(source.bad_found(key, expected, format!("`{key}`")));
         }
     }
@@ -146,9 +161,59 @@ pub(super) fn of(
             modules: file.modules.clone(),
             merged: file.rule == Some(FingerRule::Merged),
             when: gate(index, file)?,
+            texture: texture_of(scene, index, file)?,
+            strokes: file.strokes.clone(),
         })
     };
-    scene.value.fingers.iter().enumerate().map(finger).collect()
+    let fingers = scene.value.fingers.iter().enumerate().map(finger);
+    let fingers = fingers.collect::<Result<Vec<_>, _>>()?;
+    check_carriers(&fingers, scene, &bench.value)?;
+    Ok(fingers)
+}
+
+/// A finger's texture; the stroked module is the first unless it says another.
+fn texture_of(
+    scene: &Loaded<Scene>,
+    index: usize,
+    file: &SceneFinger,
+) -> Result<Option<(Felt, Stroked)>, FileError> {
+    let with = |felt: &Felt| {
+        let named = stroked(scene, felt, &format!("fingers[{index}].texture"))?;
+        let mut felt = felt.clone();
+        felt.module = felt.module.or_else(|| file.modules.first().copied());
+        Ok((felt, named))
+    };
+    file.texture.as_ref().map(with).transpose()
+}
+
+/// Pulses that run by themselves leave no time on a board for another display's bursts.
+fn check_carriers(
+    fingers: &[Finger],
+    scene: &Loaded<Scene>,
+    bench: &Bench,
+) -> Result<(), FileError> {
+    let boards = |finger: &Finger| {
+        let outputs = bench.outputs[finger.wires.clone()].iter();
+        outputs.map(|o| (o.bus, o.board)).collect::<BTreeSet<_>>()
+    };
+    for (index, finger) in fingers.iter().enumerate() {
+        let by = finger.texture.as_ref().map(|(felt, _)| felt.carrier);
+        if by != Some(FeltBy::Display) {
+            continue;
+        }
+        let own = boards(finger);
+        for other in fingers.iter().filter(|other| other.name != finger.name) {
+            if let Some((_, board)) = own.intersection(&boards(other)).next() {
+                let expected = format!(
+                    "\"contacts\", or a board of its own: display `{}` has bursts on board 0x{board:02x} too, and the pulses of \"display\" take every period",
+                    other.name
+                );
+                let key = format!("fingers[{index}].texture.carrier");
+                return Err(scene.source.bad_found(&key, expected, "\"display\""));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Who wears a display: whom it names, else whom the scene names.

@@ -219,6 +219,83 @@ fn joints_that_cannot_be_are_refused() {
     }
 }
 
+const PADS: [(&str, &str); 4] = [
+    ("index", "[0, 1, 2, 3]"),
+    ("middle", "[4, 5, 6, 7]"),
+    ("ring", "[8, 9, 10, 11]"),
+    ("thumb", "[12, 13, 14]"),
+];
+
+/// All four fingers of the grasp; this is added to the one of that number.
+fn fingers_with(number: usize, more: &str) -> String {
+    let all = PADS.iter().enumerate().map(|(index, (display, modules))| {
+        let more = if index == number { more } else { "" };
+        finger(display, modules, &format!("rule = \"first\"\n{more}"))
+    });
+    all.collect()
+}
+
+#[test]
+fn each_finger_has_its_own_texture_and_strokes() {
+    let more = "[fingers.texture]\nsurface = \"wood\"\nrubs = true\ncarrier = \"contacts\"\n[[fingers.strokes]]\nstart_s = 20.0\nlength_s = 0.5\nfrom_mm = [0, -9]\nto_mm = [0, 9]";
+    let hand = load_bench("allegro-hand").unwrap();
+    let setup = Setup::join(grasp(&fingers_with(2, more)), hand).unwrap();
+    let (felt, stroked) = setup.fingers[2].texture.as_ref().unwrap();
+    assert_eq!((felt.module, felt.rubs), (Some(8), true));
+    assert_eq!(stroked.surface.as_ref().unwrap().name, "wood");
+    assert_eq!(setup.fingers[2].strokes.len(), 1);
+    assert!(setup.texture.is_none() && setup.fingers[3].texture.is_none());
+    // A bench of one display takes no notice.
+    let one = load_bench("emulated").unwrap();
+    let setup = Setup::join(grasp(&fingers_with(2, more)), one).unwrap();
+    assert!(setup.texture.is_none());
+}
+
+#[test]
+fn textures_and_strokes_that_cannot_be_a_fingers_are_refused() {
+    let of = |more: &str| fingers_with(3, more);
+    for (fingers, expected) in [
+        (
+            of("texture = { surface = \"wood\", carrier = \"contacts\", module = 0 }"),
+            "fingers[3].texture.module: expected one of the finger's modules, [12, 13, 14], found 0",
+        ),
+        (
+            of("texture = { surface = \"wood\" }"),
+            "fingers[3].texture.carrier: expected \"contacts\", or a board of its own: display `ring` has bursts on board 0x41 too",
+        ),
+        (
+            of("texture = { surface = \"wool\", carrier = \"contacts\" }"),
+            "fingers[3].texture.surface: expected a texture of `thesis`",
+        ),
+    ] {
+        let error = refused(&fingers);
+        assert!(error.contains(expected), "{error}\n{expected}");
+    }
+    for (more, expected) in [
+        (
+            "texture = { surface = \"wood\", strokes_s = [0.1] }",
+            "fingers[3].texture.strokes_s[0]: expected a number from 0.51",
+        ),
+        (
+            "strokes = [{ start_s = 31.0, length_s = 0.5, from_mm = [0, 0], to_mm = [1, 0] }]",
+            "fingers[3].strokes[0].start_s: expected from 0 s",
+        ),
+    ] {
+        let text = format!("name = \"s\"\ndescription = \"A scene.\"\n{}", of(more));
+        let error = Scene::read(&Source::new("s.toml", text)).unwrap_err();
+        assert!(error.to_string().contains(expected), "{error}\n{expected}");
+    }
+    // What a bench of one display takes is no finger's.
+    let hand = load_bench("allegro-hand").unwrap();
+    let rubs = load_scene("sphere-rubs-sponge1").unwrap();
+    let text = format!("{}\n{}", rubs.source.text(), finger("index", "[0]", ""));
+    let source = Source::new("s.toml", text);
+    let value = Scene::read(&source).unwrap();
+    let error = Setup::join(Loaded { value, source }, hand).unwrap_err();
+    let expected = "texture: expected nothing on a bench of several displays: each of [[fingers]] has its own, such as `fingers[0].texture`";
+    assert!(error.to_string().contains(expected), "{error}");
+}
+
 #[test]
 fn scenes_that_cannot_drive_them_are_refused() {
     let first = "rule = \"first\"";

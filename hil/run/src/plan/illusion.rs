@@ -2,15 +2,15 @@
 
 use palpate_core::guard::Guard;
 use palpate_core::illusion::{
-    Calibration, Cells, Display, Drive, IllusionError, IllusionModel, ModelSettings, Planned,
-    ShapeChoice, Steps, Stroke, build, inverse,
+    Calibration, Cells, Display, Drive, IllusionError, IllusionModel, LONGEST, ModelSettings,
+    Planned, ShapeChoice, Steps, Stroke, build, inverse,
 };
 use palpate_core::projector::OutputSettings;
 use palpate_core::render::{CADENCE, Pattern, RenderSettings};
 use palpate_core::schedule::Timing;
 use palpate_core::units::{Duration, Instant, Milliamps, Prescale};
 
-use super::response::response;
+use super::response::Responses;
 use super::{level, point};
 use crate::failure::Failure;
 use palpate_files::Setup;
@@ -63,10 +63,15 @@ pub fn drive(illusion: &palpate_files::Illusion) -> Drive {
 /// A scene's strokes, planned for a display.
 fn strokes(setup: &Setup, display: &Display, timing: Timing) -> Result<Box<[Planned]>, Failure> {
     let scene = &setup.scene;
+    // What other displays' transfers may take of a burst, the guard counts as time on.
+    let longest = LONGEST
+        .as_micros()
+        .saturating_sub(setup.bus_wait.as_micros());
+    let longest = Duration::from_micros(longest);
     let micros = |seconds: f64| (seconds * 1e6).round() as u64;
     let plan = |(index, file): (usize, &palpate_files::SceneStroke)| {
         let bad = |expected: String| {
-            let key = format!("strokes[{index}].length_s");
+            let key = format!("{}strokes[{index}].length_s", setup.section);
             Failure::File(scene.source.bad(&key, expected))
         };
         let start = Instant::from_micros(micros(file.start_s));
@@ -83,7 +88,7 @@ fn strokes(setup: &Setup, display: &Display, timing: Timing) -> Result<Box<[Plan
         }
         let cells = Cells::new(display).ok_or_else(|| bad("two wires or more".into()))?;
         let dabs = stroke
-            .plan(&cells, display.gap())
+            .plan(&cells, display.gap(), longest)
             .map_err(|e| bad(e.to_string()))?;
         Ok(Planned::new(start, dabs).weighted(weight))
     };
@@ -137,11 +142,11 @@ fn render(
     display: &Display,
     guard: &Guard,
     calibration: &Calibration,
-    pattern: Pattern,
+    (pattern, responses): (Pattern, &Responses),
 ) -> Result<RenderSettings, Failure> {
     let illusion = &setup.scene.value.illusion;
     let bad = |e: IllusionError| Failure::File(setup.scene.source.bad(key(e), e.to_string()));
-    let felt = response(setup, guard, &pattern)?;
+    let felt = responses.of(setup, guard, &pattern)?;
     let mut settings = RenderSettings {
         law: inverse(display, &settings(illusion)).map_err(bad)?,
         style: illusion.render,
@@ -161,7 +166,7 @@ pub(super) fn output(
     display: &Display,
     guard: &Guard,
     peak: Milliamps,
-    pattern: Option<Pattern>,
+    (pattern, responses): (Option<Pattern>, &Responses),
 ) -> Result<OutputSettings, Failure> {
     let illusion = &setup.scene.value.illusion;
     let bad = |key: &str, expected: String| Failure::File(setup.scene.source.bad(key, expected));
@@ -180,7 +185,7 @@ pub(super) fn output(
                 .map_err(|e| wearer.source.bad("gain", e.to_string()))?
         }
     };
-    let render = pattern.map(|p| render(setup, display, guard, &calibration, p));
+    let render = pattern.map(|p| render(setup, display, guard, &calibration, (p, responses)));
     let render = render.transpose()?;
     Ok(OutputSettings {
         timing,

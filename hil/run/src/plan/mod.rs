@@ -13,6 +13,7 @@ pub(crate) use illusion::MOVING_W;
 pub use illusion::drive;
 pub(crate) use level::{decibels, strongest};
 pub use person::person;
+pub use response::Responses;
 pub(crate) use response::felt_wire;
 pub use texture::{projection, surface};
 pub use unit::differences;
@@ -168,7 +169,7 @@ pub fn display_of(
 }
 
 /// Frequency of boards where neither bench nor illusion states one.
-const PWM_HZ: f64 = 200.0;
+pub(crate) const PWM_HZ: f64 = 200.0;
 
 /// The clock that a bench's boards count by.
 fn clock(bench: &palpate_files::Bench) -> Option<Clock> {
@@ -279,7 +280,20 @@ fn beyond(skin: Rect, stated: Rect) -> String {
 /// # Errors
 /// [`Failure::File`] with file and key of what does not fit together.
 pub fn plan(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
-    let mut plan = untextured(setup, seed, levels)?;
+    plan_with(setup, seed, levels, &Responses::default())
+}
+
+/// The same with what other loops have found already.
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_with(
+    setup: &Setup,
+    seed: u64,
+    levels: Levels,
+    responses: &Responses,
+) -> Result<Plan, Failure> {
+    let mut plan = untextured(setup, seed, levels, responses)?;
     let prescale = prescale(&setup.bench.value)?;
     let (layout, display) = (&plan.sensing.layout, &plan.display);
     plan.texture = texture::texture(setup, layout, display, prescale, seed)?;
@@ -306,7 +320,12 @@ fn guarded(setup: &Setup, pattern: Option<Prescale>) -> Result<(Limits, Plant), 
 ///
 /// # Errors
 /// As [`plan`].
-pub fn untextured(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Failure> {
+pub fn untextured(
+    setup: &Setup,
+    seed: u64,
+    levels: Levels,
+    responses: &Responses,
+) -> Result<Plan, Failure> {
     let (scene, bench) = (&setup.scene.value, &setup.bench.value);
     let layout = layout(&setup.sensor.value)?;
     let display = display(setup)?;
@@ -325,7 +344,7 @@ pub fn untextured(setup: &Setup, seed: u64, levels: Levels) -> Result<Plan, Fail
         .map_err(|e| Failure::Input(format!("bench `{}`: {e}", bench.name)))?;
     guard.remember(&setup.earlier);
 
-    let mut output = illusion::output(setup, &display, &guard, peak, pattern)?;
+    let mut output = illusion::output(setup, &display, &guard, peak, (pattern, responses))?;
     if pattern.is_none() {
         output.timing.duration = prescale.counted(output.timing.duration);
     }

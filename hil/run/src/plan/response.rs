@@ -1,6 +1,9 @@
 //! What a wire makes of a pulse, by its width: the model of a run's own wire, felt by the model of a run's own person.
 
+use std::cell::RefCell;
+
 use palpate_core::guard::Guard;
+use palpate_core::physics::{TissueParameters, WireParameters};
 use palpate_core::render::{Pattern, Response};
 use palpate_core::units::{Duration, Prescale, Ticks};
 use palpate_emulators::display::wire::Wire;
@@ -31,6 +34,7 @@ pub(crate) fn felt_wire(setup: &Setup) -> Result<Wire, Failure> {
 }
 
 /// What a wire makes of a pulse, and what a wearer feels of it.
+#[derive(Clone)]
 pub(super) struct FeltResponse {
     /// Amplitudes by width: the root of the filtered energy per pulse, of bursts that come again and again.
     pub response: Response,
@@ -38,14 +42,50 @@ pub(super) struct FeltResponse {
     pub threshold: f32,
 }
 
-/// The response of a setup's wire, by what the loop believes of its wearer.
-pub(super) fn response(
-    setup: &Setup,
-    guard: &Guard,
-    pattern: &Pattern,
-) -> Result<FeltResponse, Failure> {
-    let widest = guard.widest().get();
-    let bursts = Bursts::new(setup, super::person::believed(setup)?)?;
+/// All that a response follows from.
+#[derive(PartialEq)]
+struct Question {
+    wire: WireParameters,
+    tissue: TissueParameters,
+    amps: f64,
+    person: Person,
+    widest: Ticks,
+    pattern: Pattern,
+}
+
+/// Responses that are known already. Passes and fingers of one run mostly ask the same.
+#[derive(Default)]
+pub struct Responses(RefCell<Vec<(Question, FeltResponse)>>);
+
+impl Responses {
+    /// The response of a setup's wire, by what the loop believes of its wearer.
+    pub(super) fn of(
+        &self,
+        setup: &Setup,
+        guard: &Guard,
+        pattern: &Pattern,
+    ) -> Result<FeltResponse, Failure> {
+        let bench = &setup.bench.value;
+        let question = Question {
+            wire: super::wire(setup),
+            tissue: bench.tissue.parameters(),
+            amps: bench.drive.current_ma * 1e-3,
+            person: super::person::believed(setup)?,
+            widest: guard.widest(),
+            pattern: *pattern,
+        };
+        let mut known = self.0.borrow_mut();
+        if let Some((_, felt)) = known.iter().find(|(asked, _)| *asked == question) {
+            return Ok(felt.clone());
+        }
+        let felt = response(&Bursts::new(setup, question.person)?, &question);
+        known.push((question, felt.clone()));
+        Ok(felt)
+    }
+}
+
+fn response(bursts: &Bursts, question: &Question) -> FeltResponse {
+    let (widest, pattern) = (question.widest.get(), &question.pattern);
     let (timing, pulses) = (pattern.timing(), u64::from(pattern.pulses(false)));
     let (mut known, mut threshold) = (vec![(0, 0.0)], None);
     for sample in 1..=SAMPLES {
@@ -69,10 +109,10 @@ pub(super) fn response(
     };
     let amplitudes = known.windows(2).flat_map(between);
     let last = known.last().map(|(_, amplitude)| *amplitude);
-    Ok(FeltResponse {
+    FeltResponse {
         response: Response::new(amplitudes.chain(last).collect()),
         threshold: threshold.map_or(f32::INFINITY, |amplitude| amplitude as f32),
-    })
+    }
 }
 
 /// Bursts on one wire of a setup, alone, as a person feels them.

@@ -9,7 +9,7 @@ use palpate_core::texture::{ControlMap, Drivers, Pulses, along};
 use palpate_core::units::{Duration, Point, Prescale};
 
 use crate::failure::Failure;
-use palpate_files::Setup;
+use palpate_files::{FileError, Setup};
 use palpate_files::{TextureModel, taxel};
 
 /// A texture as the emulators take it.
@@ -42,6 +42,12 @@ fn features(model: &TextureModel, taxels: usize) -> Result<Box<[(u32, u8)]>, Str
     all.collect::<Option<_>>().ok_or_else(expected)
 }
 
+/// What is wrong with a key of the texture, where it stands in the scene.
+fn bad(setup: &Setup, key: &str, expected: String) -> FileError {
+    let key = format!("{}{key}", setup.section);
+    setup.scene.source.bad(&key, expected)
+}
+
 /// The texture of a scene; none where it has none.
 ///
 /// # Errors
@@ -57,12 +63,11 @@ pub(super) fn texture(
     let Some(felt) = &scene.texture else {
         return Ok(None);
     };
-    let bad = |key: &str, expected: String| Failure::File(setup.scene.source.bad(key, expected));
+    let bad = |expected: String| Failure::File(bad(setup, "texture.model", expected));
     let model = TextureModel::open(&felt.model)?;
     model.check_rate(scene.rate_hz)?;
     let module = felt.module.unwrap_or(scene.drives);
-    let features = features(&model, layout.range(module).len())
-        .map_err(|expected| bad("texture.model", expected))?;
+    let features = features(&model, layout.range(module).len()).map_err(bad)?;
     let (map, carrier) = projection(setup, model.drivers()?, display, prescale, seed)?;
     Ok(Some(TexturePlan {
         encoder: Arc::new(model.encoder()?),
@@ -87,7 +92,7 @@ pub fn projection(
     seed: u64,
 ) -> Result<(ControlMap, Carrier), Failure> {
     let scene = &setup.scene;
-    let bad = |key: &str, expected: String| Failure::File(scene.source.bad(key, expected));
+    let bad = |key: &str, expected: String| Failure::File(bad(setup, key, expected));
     let (Some(felt), Some(stroked)) = (&scene.value.texture, &setup.texture) else {
         return Err(bad("texture", "a scene with a texture".into()));
     };

@@ -107,7 +107,7 @@ impl<'a> Stage<'a> {
         seed: u64,
     ) -> Result<Shown, Failure> {
         let setup = self.setup;
-        let plan = plan::untextured(setup, seed, Levels::Off)?;
+        let plan = plan::untextured(setup, seed, Levels::Off, &plan::Responses::default())?;
         let prescale = plan::prescale(&setup.bench.value)?;
         let carrier = plan::projection(setup, self.drivers, &plan.display, prescale, seed)?.1;
         if !matches!(carrier, Carrier::Display(_)) {

@@ -74,7 +74,12 @@ pub(super) fn measure(found: &mut Findings) -> Result<f64, Failure> {
 
 /// A period of a texture through the guard: whether wires have time, and the stimuli of those that do.
 fn guarded(mut pulses: Pulses, control: &Control) -> Result<Samples, Failure> {
-    let plan = plan::untextured(&Setup::load("texture-wood", "emulated")?, 1, Levels::Off)?;
+    let plan = plan::untextured(
+        &Setup::load("texture-wood", "emulated")?,
+        1,
+        Levels::Off,
+        &plan::Responses::default(),
+    )?;
     let mut guard = plan.guard;
     let mut samples = Samples::default();
     let mut stimuli = Vec::with_capacity(GAPS.len());
