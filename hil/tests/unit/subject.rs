@@ -115,6 +115,7 @@ impl Model {
             limits: HARD,
             plant: Plant::default(),
             heat: false,
+            converters: None,
         };
         let mut unit = Unit::new(&settings, bus.clone(), OeLine(bus.clone())).unwrap();
         unit.start(Instant::from_micros(1));
