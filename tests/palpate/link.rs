@@ -373,12 +373,8 @@ fn header() -> String {
         );
     }
     out.push('\n');
-    define(
-        &mut out,
-        "STATE_READY",
-        &State::Ready.number().to_string(),
-        "",
-    );
+    let ready = State::Ready.number().to_string();
+    define(&mut out, "STATE_READY", &ready, "");
     let upper = |word: &str| word.to_uppercase().replace('-', "_");
     for cause in CAUSES {
         let name = format!("STATE_{}", upper(cause.word()));
@@ -395,30 +391,15 @@ fn header() -> String {
         define(&mut out, &name, &format!("0x{:04X}", 1 << bit), "");
     }
     out.push('\n');
-    define(
-        &mut out,
-        "PHASE_HELD",
-        &format!("0x{HELD:X}"),
-        "drives nothing",
-    );
-    define(
-        &mut out,
-        "FLAG_BUSY",
-        &BUSY.to_string(),
-        "another host has it",
-    );
-    define(
-        &mut out,
-        "FLAG_HEAT",
-        &HEAT.to_string(),
-        "it has thermal rows",
-    );
-    define(
-        &mut out,
-        "FLAG_WARMTH",
-        &WARMTH.to_string(),
-        "it has a Peltier module",
-    );
+    let held = format!("0x{HELD:X}");
+    define(&mut out, "PHASE_HELD", &held, "drives nothing");
+    for (name, flag, what) in [
+        ("FLAG_BUSY", BUSY, "another host has it"),
+        ("FLAG_HEAT", HEAT, "it has thermal rows"),
+        ("FLAG_WARMTH", WARMTH, "it has a Peltier module"),
+    ] {
+        define(&mut out, name, &flag.to_string(), what);
+    }
     for reason in PeltierReason::ALL {
         let name = format!("MODULE_{}", upper(reason.word()));
         define(&mut out, &name, &(1 + reason.number()).to_string(), "");
