@@ -187,13 +187,13 @@ fn noted(outcome: &Outcome, words: &str) -> bool {
 
 #[test]
 fn a_converter_that_is_dead_switches_the_outputs_off_until_it_answers() {
-    let outcome = sphere(&broken("converter-dead", "board = 0\nuntil_s = 1.25"));
+    let outcome = sphere(&broken("converter-dead", "board = 0\nuntil_s = 1.35"));
     assert!(noted(&outcome, "actuators: board 0: I2C NoAcknowledge"));
     let rises = rises(&outcome);
-    // A pulse may have been on its way; the next look at the converter, a burst's or the quarter second's, ends it.
-    let dead = rises.iter().filter(|t| (1.24..1.25).contains(*t));
+    // A burst goes on that had begun; the next one finds no answer.
+    let dead = rises.iter().filter(|t| (1.26..1.35).contains(*t));
     assert_eq!(dead.count(), 0);
-    assert!(rises.iter().any(|t| *t < 1.2) && rises.iter().any(|t| *t > 1.3));
+    assert!(rises.iter().any(|t| *t < 1.2) && rises.iter().any(|t| *t > 1.45));
     assert!(outputs_are_off(&outcome));
     // For good: the run ends, with everything off.
     let outcome = sphere(&broken("converter-dead", "board = 0"));
@@ -216,7 +216,6 @@ fn a_converter_that_holds_another_code_gives_no_pulse() {
             broken("converter-brown-out", "board = 0"),
         ),
         ("converter-flipped", all("converter-flipped", "")),
-        ("converter-stuck", all("converter-stuck", "until_s = 1.25")),
     ] {
         let outcome = sphere(&faults);
         assert!(noted(&outcome, "the converter of output"), "{kind}");
@@ -232,6 +231,17 @@ fn a_converter_that_holds_another_code_gives_no_pulse() {
             outcome.trace.ledger.margins
         );
     }
+}
+
+#[test]
+fn a_converter_that_keeps_its_codes_ends_the_run_with_everything_off() {
+    let each = (0..8).map(|wire| broken("converter-stuck", &format!("wire = {wire}")));
+    let outcome = sphere(&each.collect::<String>());
+    assert!(noted(&outcome, "the converter of output"));
+    assert!(outcome.failure.is_some());
+    assert!(outputs_are_off(&outcome));
+    let over = outcome.trace.ledger.margins.iter().filter(|m| m.over());
+    assert_eq!(over.count(), 0, "{:?}", outcome.trace.ledger.margins);
 }
 
 #[test]
@@ -287,7 +297,7 @@ fn hand(displays: &[(&str, &str, u8, u8, std::ops::Range<u8>)], addresses: &str)
     )
     .replace(
         "drive.current_ma = 1970.0",
-        "drive.current_ma = 1970.0\ndrive.supply_limit_ma = 9000.0",
+        "drive.current_ma = 1970.0\ndrive.supply_limit_ma = 9000.0\ndrive.soa_ms = 125.0",
     );
     let source = Source::new("bench.toml", text);
     let value = Bench::read(&source).unwrap();

@@ -5,8 +5,7 @@
 
 use embedded_hal::i2c::I2c;
 
-use super::pca9685::WHOLE;
-use super::{DriverError, Pca9685Bank};
+use super::{DriverError, Pca9685Bank, WHOLE};
 use crate::codec::dac7578 as regs;
 use crate::guard::Guarded;
 use crate::units::{Board, Milliamps};

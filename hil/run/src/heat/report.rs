@@ -76,6 +76,8 @@ pub(super) struct Account {
     turns: u64,
     held_back: u64,
     stops: u32,
+    /// It has aimed at something: what is off from the start is no news.
+    driven: bool,
     /// What is known to be off, and why.
     told: Option<PeltierReason>,
     recorded: Option<Instant>,
@@ -90,9 +92,10 @@ impl Account {
             let error = seen.face_c - aim_c;
             self.missed = (self.missed.0 + error * error, self.missed.1 + 1);
             self.held_back += u64::from(seen.reason.is_some());
+            self.driven = true;
         }
         let off = seen.reason.filter(|_| seen.aim_c.is_none());
-        if off != self.told {
+        if self.driven && off != self.told {
             let text = match off {
                 Some(reason) => format!("Peltier module off: {}", reason.word()),
                 None => "Peltier module on again".to_owned(),
