@@ -15,6 +15,8 @@ const BIT_NS = 2500, BYTE_NS = 9 * BIT_NS;
 const CYCLE_NS = 8;
 // between two looks for a datagram
 const LOOK_NS = 500_000;
+// all of the chip but its oscillators
+const WHOLE = 0x1fffc;
 const FLASH = 0x10000000, VECTORS = FLASH + 0x100;
 const HOST = [192, 168, 7, 1], UNIT = [192, 168, 7, 2], PORT = 4000;
 
@@ -179,8 +181,12 @@ function start() {
   boards(rp2040);
   const look = port(rp2040);
   let bitten = false;
-  rp2040.peripherals[0x40058].onWatchdogTrigger = () => {
-    bitten = true;
+  const watchdog = rp2040.peripherals[0x40058];
+  watchdog.onWatchdogTrigger = () => {
+    // A counter that stands at 0 would set rp2040js's alarm for this very instant again, without end.
+    watchdog.alarm.enable = false;
+    // It resets what PSM's WDSEL names (RP2040 data sheet, 2.13), by which the hardware begins anew as this script does.
+    bitten = (rp2040.peripherals[0x40010].wdsel & WHOLE) === WHOLE;
   };
   let next = LOOK_NS;
   while (!bitten) {

@@ -6,9 +6,10 @@ use std::convert::Infallible;
 use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
 use embedded_hal::i2c::I2c;
 use palpate_core::codec::link::{Buffer, MOST};
+use palpate_core::peltier::Regulator;
 use palpate_core::units::Instant;
-use palpate_unit::{Datagrams, Unit};
-pub use palpate_unit::{Settings, SettingsError};
+pub use palpate_unit::{Converters, Settings, SettingsError};
+use palpate_unit::{Datagrams, Module, NoModule, Unit};
 
 use crate::display::i2c::I2cHandle;
 use crate::network::{Profile, Way};
@@ -99,8 +100,8 @@ impl Datagrams for Radio {
 
 /// A unit, its network and its clock.
 #[derive(Debug)]
-pub struct EmulatedUnit<I, P> {
-    unit: Unit<I, P>,
+pub struct EmulatedUnit<I, P, T = NoModule> {
+    unit: Unit<I, P, T>,
     crystal: Crystal,
     there: Way,
     back: Way,
@@ -116,11 +117,27 @@ impl<I: I2c, P: OutputPin> EmulatedUnit<I, P> {
     /// What no unit can be.
     pub fn new(
         settings: &Settings<'_>,
-        (bus, cut): (I, P),
+        lines: (I, P),
+        network: (Profile, Crystal),
+        seed: u64,
+    ) -> Result<Self, SettingsError> {
+        Self::warming(settings, lines, None, network, seed)
+    }
+}
+
+impl<I: I2c, P: OutputPin, T: Module> EmulatedUnit<I, P, T> {
+    /// The same with a Peltier module, if there is one.
+    ///
+    /// # Errors
+    /// What no unit can be.
+    pub fn warming(
+        settings: &Settings<'_>,
+        lines: (I, P),
+        module: Option<(T, Regulator)>,
         (profile, crystal): (Profile, Crystal),
         seed: u64,
     ) -> Result<Self, SettingsError> {
-        let mut unit = Unit::new(settings, bus, cut)?;
+        let mut unit = Unit::warming(settings, lines, module)?;
         unit.start(crystal.shows(Nanos::ZERO));
         Ok(Self {
             unit,
@@ -133,7 +150,7 @@ impl<I: I2c, P: OutputPin> EmulatedUnit<I, P> {
     }
 
     /// The unit, to look at.
-    pub const fn unit(&self) -> &Unit<I, P> {
+    pub const fn unit(&self) -> &Unit<I, P, T> {
         &self.unit
     }
 
@@ -200,7 +217,7 @@ impl<I: I2c, P: OutputPin> EmulatedUnit<I, P> {
     /// # Errors
     /// What no unit can be.
     pub fn reset(&mut self, settings: &Settings<'_>, bus: I, cut: P) -> Result<(), SettingsError> {
-        self.unit = Unit::new(settings, bus, cut)?;
+        self.unit = Unit::warming(settings, (bus, cut), None)?;
         self.unit.start(self.crystal.shows(self.now));
         self.radio = Radio::default();
         Ok(())

@@ -49,6 +49,7 @@ fn lateness(jitter_us: u32, ppm: i32, seed: u64) -> Vec<i64> {
         limits: HARD,
         plant: Plant::default(),
         heat: false,
+        converters: None,
     };
     let profile = Profile {
         delay_us: [2000, jitter_us / 2, jitter_us, jitter_us, 2000 + jitter_us]

@@ -13,10 +13,11 @@ pub use totals::DisplayTotals;
 use std::collections::VecDeque;
 
 use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
-use palpate_core::units::{Milliamps, Point};
+use palpate_core::units::{Channel, Milliamps, Point};
 
 use crate::display::amplifier::supply::{Load, Supply, SupplySource};
 use crate::display::amplifier::{AmplifierConfig, AmplifierFault};
+use crate::display::dac7578::Dac7578;
 use crate::display::i2c::{BusClock, Error as I2cError, I2cHandle};
 use crate::display::pca9685::{Edge, Pca9685, Pin};
 use crate::display::solver::record::Peaks;
@@ -203,6 +204,15 @@ impl WornDisplay {
     /// Does something to a chip, by its number among this display's.
     pub fn on_chip(&self, board: usize, work: impl FnOnce(&mut Pca9685)) {
         self.chips.on_chip(board, work);
+    }
+
+    /// Does something to the converter that sets a wire's current, and to its output there; nothing where there is none.
+    pub fn on_converter(&self, wire: usize, work: impl FnOnce(&mut Dac7578, Channel)) {
+        if let Some(place) = self.places.get(wire) {
+            let output = Channel(place.channel);
+            let work = |converter: &mut Dac7578| work(converter, output);
+            self.chips.on_converter(usize::from(place.board), work);
+        }
     }
 
     /// Lets time pass until `to`; edges go through the amplifiers into the wires and to `sink`.

@@ -11,9 +11,9 @@ use palpate_emulators::display::amplifier::{AmplifierConfig, SetError};
 use palpate_emulators::display::i2c::BusClock;
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{DisplayConfig, WirePlace, WornDisplay};
-use palpate_files::load_bench;
+use palpate_files::{Bench, Loaded, Setup, Source, load_bench, load_scene};
 use palpate_records::trace::Event;
-use palpate_run::Outcome;
+use palpate_run::{Input, Outcome, run};
 
 use super::faults::{outputs_are_off, try_on};
 
@@ -164,4 +164,176 @@ fn what_heats_a_wire_goes_with_the_square_of_what_is_set_and_its_error() {
         offset_ma: 5.0,
     };
     close(&watts(off, Nanos::ZERO), [1.0148, 0.5099]);
+}
+
+/// A fault of a converter while the sphere rolls.
+fn broken(kind: &str, more: &str) -> String {
+    format!("[[faults]]\nat_s = 1.2\nkind = \"{kind}\"\n{more}\n")
+}
+
+/// Seconds of every edge that goes high.
+fn rises(outcome: &Outcome) -> Vec<f64> {
+    let rise = |event: &Event| match event {
+        Event::Edge { t_ns, high, .. } if *high => Some(*t_ns as f64 * 1e-9),
+        _ => None,
+    };
+    outcome.trace.events.iter().filter_map(rise).collect()
+}
+
+fn noted(outcome: &Outcome, words: &str) -> bool {
+    let has = |event: &Event| matches!(event, Event::Note { text, .. } if text.contains(words));
+    outcome.trace.events.iter().any(has)
+}
+
+#[test]
+fn a_converter_that_is_dead_switches_the_outputs_off_until_it_answers() {
+    let outcome = sphere(&broken("converter-dead", "board = 0\nuntil_s = 1.35"));
+    assert!(noted(&outcome, "actuators: board 0: I2C NoAcknowledge"));
+    let rises = rises(&outcome);
+    // A burst goes on that had begun; the next one finds no answer.
+    let dead = rises.iter().filter(|t| (1.26..1.35).contains(*t));
+    assert_eq!(dead.count(), 0);
+    assert!(rises.iter().any(|t| *t < 1.2) && rises.iter().any(|t| *t > 1.45));
+    assert!(outputs_are_off(&outcome));
+    // For good: the run ends, with everything off.
+    let outcome = sphere(&broken("converter-dead", "board = 0"));
+    assert!(outcome.failure.is_some());
+    assert!(outputs_are_off(&outcome));
+    let last = outcome.trace.ledger.length_us as f64 * 1e-6;
+    assert!((1.25..1.6).contains(&last), "{last}");
+}
+
+#[test]
+fn a_converter_that_holds_another_code_gives_no_pulse() {
+    // Of all wires: one that is not touched is not looked at before a pulse.
+    let all = |kind: &str, more: &str| -> String {
+        let each = (0..8).map(|wire| broken(kind, &format!("wire = {wire}\n{more}")));
+        each.collect()
+    };
+    for (kind, faults) in [
+        (
+            "converter-brown-out",
+            broken("converter-brown-out", "board = 0"),
+        ),
+        ("converter-flipped", all("converter-flipped", "")),
+    ] {
+        let outcome = sphere(&faults);
+        assert!(noted(&outcome, "the converter of output"), "{kind}");
+        assert!(outcome.failure.is_none(), "{kind}");
+        assert!(outputs_are_off(&outcome), "{kind}");
+        assert!(rises(&outcome).iter().any(|t| *t > 1.4), "{kind}");
+        // Whatever is wrong with a code, no wire gets more than what was booked.
+        let over = outcome.trace.ledger.margins.iter().filter(|m| m.over());
+        assert_eq!(
+            over.count(),
+            0,
+            "{kind}: {:?}",
+            outcome.trace.ledger.margins
+        );
+    }
+}
+
+#[test]
+fn a_converter_that_keeps_its_codes_ends_the_run_with_everything_off() {
+    let each = (0..8).map(|wire| broken("converter-stuck", &format!("wire = {wire}")));
+    let outcome = sphere(&each.collect::<String>());
+    assert!(noted(&outcome, "the converter of output"));
+    assert!(outcome.failure.is_some());
+    assert!(outputs_are_off(&outcome));
+    let over = outcome.trace.ledger.margins.iter().filter(|m| m.over());
+    assert_eq!(over.count(), 0, "{:?}", outcome.trace.ledger.margins);
+}
+
+#[test]
+fn a_fault_of_a_converter_wants_one() {
+    let refused = try_on(
+        load_bench("emulated").unwrap(),
+        "sphere-along",
+        &broken("converter-dead", "board = 0"),
+    );
+    let words = "expected a bench with [dac]: there is no converter to fail";
+    assert!(refused.unwrap_err().contains(words));
+}
+
+#[test]
+fn on_a_driver_unit_a_converter_that_fails_stops_the_unit_itself() {
+    let on_unit =
+        |more: &str| try_on(load_bench("unit-whole").unwrap(), "sphere-along", more).unwrap();
+    let whole = on_unit("");
+    let report = whole.summary.unit.unwrap();
+    assert_eq!((report.stops, report.sessions), (0, 1), "{report:?}");
+    assert!(report.begun > 50, "{report:?}");
+    assert!(outputs_are_off(&whole));
+    let faults = broken("converter-dead", "board = 0\nuntil_s = 1.5");
+    let outcome = on_unit(&faults);
+    assert!(noted(
+        &outcome,
+        "unit: stopped by its own guard, actuator-error"
+    ));
+    let rises = rises(&outcome);
+    assert_eq!(rises.iter().filter(|t| (1.35..1.5).contains(*t)).count(), 0);
+    assert!(rises.iter().any(|t| *t > 1.6));
+    assert!(outputs_are_off(&outcome));
+}
+
+/// The hand `allegro-hand` with these displays and converters.
+fn hand(displays: &[(&str, &str, u8, u8, std::ops::Range<u8>)], addresses: &str) -> Outcome {
+    let bench = load_bench("allegro-hand").unwrap();
+    let display =
+        |(name, layout, bus, board, channels): &(&str, &str, u8, u8, std::ops::Range<u8>)| {
+            let output = |c| format!("{{ bus = {bus}, board = {board:#04x}, channel = {c} }}");
+            let outputs: Vec<String> = channels.clone().map(output).collect();
+            format!(
+                "[[displays]]\nname = \"{name}\"\nlayout = \"{layout}\"\noutputs = [{}]\n",
+                outputs.join(", ")
+            )
+        };
+    let text = bench.source.text();
+    let head = &text[..text.find("[[displays]]").unwrap()];
+    let displays: Vec<String> = displays.iter().map(display).collect();
+    let text = format!(
+        "{head}{}[dac]\naddresses = [{addresses}]\n",
+        displays.concat()
+    )
+    .replace(
+        "drive.current_ma = 1970.0",
+        "drive.current_ma = 1970.0\ndrive.supply_limit_ma = 9000.0\ndrive.soa_ms = 125.0",
+    );
+    let source = Source::new("bench.toml", text);
+    let value = Bench::read(&source).unwrap();
+    let bench = Loaded { value, source };
+    let setup = Setup::join(load_scene("allegro-grasp").unwrap(), bench).unwrap();
+    run(&setup, &Input::Scene, 1).unwrap()
+}
+
+#[test]
+fn fingers_of_a_hand_set_currents_of_their_own_also_on_one_board() {
+    let whole = "thimble-8";
+    let apart = [
+        ("index", whole, 0, 0x40, 0..8),
+        ("middle", whole, 0, 0x41, 0..8),
+        ("ring", whole, 1, 0x40, 0..8),
+        ("thumb", whole, 1, 0x41, 0..8),
+    ];
+    let three = "three-in-line";
+    let together = [
+        ("index", three, 0, 0x40, 0..3),
+        ("middle", three, 0, 0x40, 3..6),
+        ("ring", three, 1, 0x40, 0..3),
+        ("thumb", three, 1, 0x40, 3..6),
+    ];
+    for (name, outcome) in [
+        ("a board each", hand(&apart, "0x48, 0x49, 0x48, 0x49")),
+        ("two on a board", hand(&together, "0x48, 0x48")),
+    ] {
+        let set = currents(&outcome);
+        assert!(set.len() > 50 && set.iter().all(Option::is_some), "{name}");
+        assert!(outcome.failure.is_none(), "{name}: {:?}", outcome.failure);
+        assert!(outputs_are_off(&outcome), "{name}");
+        let over = outcome.trace.ledger.margins.iter().filter(|m| m.over());
+        assert_eq!(over.count(), 0, "{name}");
+        assert!(!noted(&outcome, "actuators:"), "{name}");
+        let edges = rises(&outcome);
+        assert!(edges.len() > 200, "{name}: {}", edges.len());
+    }
 }

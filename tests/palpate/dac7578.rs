@@ -231,3 +231,39 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn drivers_that_share_a_board_touch_their_own_outputs_alone() {
+    let bus = bus();
+    let own = |channels: u16| bank(&bus).sharing(&[channels]);
+    let (mut low, mut high) = (own(0x0F), own(0xF0));
+    low.start(Instant::ZERO).unwrap();
+    high.start(Instant::ZERO).unwrap();
+    let mut guard = guard(8);
+    let update = admit(&mut guard, &[stimulus(1, 50, 495, 0)]);
+    low.apply(&update).unwrap();
+    let mut others = guard.clone();
+    let update = admit(&mut others, &[stimulus(6, 50, 990, 100_000)]);
+    high.apply(&update).unwrap();
+    assert_eq!((code(&bus, 1), code(&bus, 6)), (2047, 4095));
+    low.all_off().unwrap();
+    assert_eq!((code(&bus, 1), code(&bus, 6)), (0, 4095));
+    assert_eq!((low.verify(), high.verify()), (Ok(()), Ok(())));
+    // One that starts anew leaves the other's current.
+    low.start(Instant::ZERO).unwrap();
+    assert_eq!(code(&bus, 6), 4095);
+    assert_eq!(high.verify(), Ok(()));
+    converter(&bus, |chip, now| chip.flip(now, Channel(6), 0));
+    assert_eq!(low.verify(), Ok(()));
+    assert_eq!(
+        high.verify(),
+        Err(DriverError::Current(Board(0), 6, 4095, 4094))
+    );
+    // A converter that lost its codes gives none of a driver's currents until it was started.
+    converter(&bus, |chip, now| {
+        chip.power_off(now);
+        chip.power_on(now);
+    });
+    high.start(Instant::ZERO).unwrap();
+    assert_eq!((code(&bus, 1), code(&bus, 6)), (0, 0));
+}

@@ -7,10 +7,11 @@ use std::process::Command as Process;
 
 use palpate_core::codec::link::{
     BUSY, COMMAND_FIELDS, Command, FROM_UNIT, Field, HEADER, HEADER_FIELDS, HEAT, HELD,
-    HELLO_FIELDS, Header, Hello, INTERNAL, Kind, MAGIC, MOST, MOST_PLANNED, PLANNED_FIELDS,
-    Planned, Request, STATUS_FIELDS, State, Status, TAG, VERSION,
+    HELLO_FIELDS, Header, Hello, INTERNAL, Kind, MAGIC, MOST, MOST_CURRENT, MOST_PLANNED,
+    PLANNED_FIELDS, Planned, Request, STATUS_FIELDS, State, Status, TAG, VERSION, WARMTH,
 };
 use palpate_core::guard::Cause;
+use palpate_core::peltier::PeltierReason;
 use palpate_core::schedule::Reason;
 use palpate_core::units::Ticks;
 use proptest::prelude::*;
@@ -83,17 +84,19 @@ fn command_values(body: &[u8]) -> (Vec<u64>, Vec<[u64; 4]>) {
     let one = |p: &Planned| {
         [
             u64::from(p.board.0) * 16 + u64::from(p.channel.0),
-            p.width.get().into(),
+            u64::from(p.width.get()) | u64::from(p.current.0) << 12,
             p.at.since(base).as_micros(),
             p.until.since(p.at).as_micros(),
         ]
     };
     let fixed = vec![
-        command.reading.as_micros(),
+        command.said.reading.as_micros(),
         base.as_micros(),
-        command.stops.into(),
-        command.request.number().into(),
+        command.said.stops.into(),
+        command.said.request.number().into(),
         planned.len() as u64,
+        command.said.warmth.map_or(0, |w| w.face_mc.into()),
+        command.said.warmth.map_or(0, |w| w.ceiling_mc.into()),
     ];
     (fixed, planned.iter().map(one).collect())
 }
@@ -115,6 +118,14 @@ fn status_values(body: &[u8]) -> Vec<u64> {
         status.skin_mc.into(),
     ];
     values.extend(status.phase_us.map(u64::from));
+    let face = &status.face;
+    let degrees = [face.face_mc, face.warmest_mc, face.aim_mc, face.sink_mc];
+    values.extend(degrees.map(u64::from));
+    values.push(face.milliamps.cast_unsigned().into());
+    values.push(
+        face.reason
+            .map_or(0, |reason| 1 + u64::from(reason.number())),
+    );
     values
 }
 
@@ -122,7 +133,12 @@ fn hello_values(body: &[u8]) -> Vec<u64> {
     let hello = Hello::read(body).unwrap();
     let (plant, limits) = (&hello.plant, &hello.limits);
     let clock = plant.prescale.clock();
-    let flags = if hello.busy { BUSY } else { 0 } | if hello.heat { HEAT } else { 0 };
+    let flags = [
+        (hello.busy, BUSY),
+        (hello.heat, HEAT),
+        (hello.warmth, WARMTH),
+    ];
+    let flags: u8 = flags.iter().filter(|f| f.0).map(|f| f.1).sum();
     let mut values = vec![
         hello.now.as_micros(),
         flags.into(),
@@ -151,6 +167,9 @@ fn hello_values(body: &[u8]) -> Vec<u64> {
         limits.supply.0.into(),
     ];
     values.extend(hello.wires.map(u64::from));
+    let current = hello.current.unwrap_or_default();
+    let set = [current.full_scale.0, current.gain_ppm, current.offset.0];
+    values.extend(set.map(u64::from));
     values
 }
 
@@ -170,9 +189,10 @@ proptest! {
         mut hello in any_bytes(&HELLO_FIELDS),
         mut status in any_bytes(&STATUS_FIELDS),
         mut command in any_bytes(&COMMAND_FIELDS),
-        plan in proptest::collection::vec((any_bytes(&PLANNED_FIELDS), 0..=4096u64), 1..16),
-        (state, request, flags) in (0..6u64, 0..3u64, 0..4u64),
+        plan in proptest::collection::vec(any_bytes(&PLANNED_FIELDS), 1..16),
+        (state, request, flags, reason) in (0..6u64, 0..3u64, 0..8u64, 0..9u64),
         (hz, ppm, supply) in (1_000_000..50_000_000u64, 0..50_000u64, any::<u32>()),
+        (face, full_scale) in (1..=u64::from(u16::MAX), 1..=u64::from(u32::MAX)),
         base in 0..u64::from(u32::MAX),
     ) {
         let fields = &HELLO_FIELDS;
@@ -183,19 +203,25 @@ proptest! {
             ("tolerance", ppm),
             ("prescale", 3 + base % 253),
             ("supply_limit", supply.into()),
+            ("full_scale", full_scale),
         ] {
             put(&mut hello, fields, name, value);
         }
         prop_assert_eq!(by_table(fields, &hello), hello_values(&hello));
         put(&mut status, &STATUS_FIELDS, "state", state);
+        put(&mut status, &STATUS_FIELDS, "module_reason", reason);
         prop_assert_eq!(by_table(&STATUS_FIELDS, &status), status_values(&status));
         let fields = &COMMAND_FIELDS;
-        for (name, value) in [("request", request), ("base", base), ("stimuli", plan.len() as u64)] {
+        for (name, value) in [
+            ("request", request),
+            ("base", base),
+            ("stimuli", plan.len() as u64),
+            ("face", face),
+        ] {
             put(&mut command, fields, name, value);
         }
         let mut each = Vec::new();
-        for (n, (mut planned, width)) in plan.into_iter().enumerate() {
-            put(&mut planned, &PLANNED_FIELDS, "width", width);
+        for (n, mut planned) in plan.into_iter().enumerate() {
             if n == 0 {
                 // The base is the earliest onset.
                 put(&mut planned, &PLANNED_FIELDS, "onset", 0);
@@ -328,8 +354,15 @@ fn header() -> String {
         &MOST_PLANNED.to_string(),
         "of a command",
     );
-    let most = Ticks::PER_PERIOD.to_string();
+    let most = (Ticks::PER_PERIOD - 1).to_string();
     define(&mut out, "WIDTH_MOST", &most, "ticks");
+    define(&mut out, "CURRENT_MOST", &MOST_CURRENT.to_string(), "mA");
+    define(
+        &mut out,
+        "CURRENT_BIT",
+        "12",
+        "of a pulse: its width lies below",
+    );
     out.push('\n');
     for (name, request) in REQUESTS {
         define(
@@ -340,12 +373,8 @@ fn header() -> String {
         );
     }
     out.push('\n');
-    define(
-        &mut out,
-        "STATE_READY",
-        &State::Ready.number().to_string(),
-        "",
-    );
+    let ready = State::Ready.number().to_string();
+    define(&mut out, "STATE_READY", &ready, "");
     let upper = |word: &str| word.to_uppercase().replace('-', "_");
     for cause in CAUSES {
         let name = format!("STATE_{}", upper(cause.word()));
@@ -362,24 +391,19 @@ fn header() -> String {
         define(&mut out, &name, &format!("0x{:04X}", 1 << bit), "");
     }
     out.push('\n');
-    define(
-        &mut out,
-        "PHASE_HELD",
-        &format!("0x{HELD:X}"),
-        "drives nothing",
-    );
-    define(
-        &mut out,
-        "FLAG_BUSY",
-        &BUSY.to_string(),
-        "another host has it",
-    );
-    define(
-        &mut out,
-        "FLAG_HEAT",
-        &HEAT.to_string(),
-        "it has thermal rows",
-    );
+    let held = format!("0x{HELD:X}");
+    define(&mut out, "PHASE_HELD", &held, "drives nothing");
+    for (name, flag, what) in [
+        ("FLAG_BUSY", BUSY, "another host has it"),
+        ("FLAG_HEAT", HEAT, "it has thermal rows"),
+        ("FLAG_WARMTH", WARMTH, "it has a Peltier module"),
+    ] {
+        define(&mut out, name, &flag.to_string(), what);
+    }
+    for reason in PeltierReason::ALL {
+        let name = format!("MODULE_{}", upper(reason.word()));
+        define(&mut out, &name, &(1 + reason.number()).to_string(), "");
+    }
     let internal = format!("0x{INTERNAL:X}UL");
     define(
         &mut out,

@@ -1,10 +1,12 @@
 //! A driver unit in the loop: against the wired bench, through an outage, and its link as other languages meet it.
 
 use palpate_core::codec::link::{
-    Command, HEADER, HELD, Header, Hello, Key, Kind, MOST, Planned, Request, State, Status, TAG,
+    Command, Face, HEADER, HELD, Header, Hello, Key, Kind, MOST, Planned, Request, Said, State,
+    Status, TAG, Warmth,
 };
-use palpate_core::guard::{Cause, HARD, Plant};
-use palpate_core::units::{Board, Channel, Instant, Ticks};
+use palpate_core::guard::{Cause, CurrentControl, HARD, Plant};
+use palpate_core::peltier::PeltierReason;
+use palpate_core::units::{Board, Channel, Instant, Milliamps, Ticks};
 use palpate_files::Setup;
 use palpate_records::trace::Event;
 use palpate_run::{Input, Outcome, run};
@@ -75,10 +77,11 @@ fn vectors() -> String {
     let key: [u8; 32] = std::array::from_fn(|n| n as u8);
     let (host, unit) = (0x0123_4567_89AB_CDEF, 0xFEDC_BA98_7654_3210);
     let at = Instant::from_micros;
-    let planned = |channel: u8, width: u16| Planned {
+    let planned = |channel: u8, width: u16, current: u32| Planned {
         board: Board(1),
         channel: Channel(channel),
         width: Ticks::new(width),
+        current: Milliamps(current),
         at: at(5_020_000),
         until: at(5_055_000),
     };
@@ -86,11 +89,17 @@ fn vectors() -> String {
         now: at(5_000_000),
         busy: false,
         heat: false,
+        warmth: true,
         state: State::Stopped(Cause::End),
         stops: 2,
         plant: Plant::default(),
         limits: HARD,
         wires: std::array::from_fn(|board| if board < 2 { 0x00FF } else { 0 }),
+        current: Some(CurrentControl {
+            full_scale: Milliamps(990),
+            gain_ppm: 10_000,
+            offset: Milliamps(5),
+        }),
     };
     let status = Status {
         now: at(5_004_000),
@@ -106,9 +115,17 @@ fn vectors() -> String {
         refused: 4,
         skin_mc: 0,
         phase_us: std::array::from_fn(|board| if board == 0 { 1234 } else { HELD }),
+        face: Face {
+            face_mc: 28_400,
+            warmest_mc: 28_901,
+            aim_mc: 28_350,
+            sink_mc: 26_700,
+            milliamps: -120,
+            reason: Some(PeltierReason::Ramp),
+        },
     };
     let mut body = [0; MOST];
-    let plan = [planned(3, 148), planned(4, 0)];
+    let plan = [planned(3, 148, 700), planned(4, 0, 0)];
     let datagrams = [
         ("knock", Kind::Knock, 0, 1, 0),
         ("hello", Kind::Hello, unit, 1, hello.write(&mut body)),
@@ -135,7 +152,16 @@ fn vectors() -> String {
     for (name, kind, unit, sequence, length) in datagrams {
         seal(name, kind, unit, sequence, &body[..length]);
     }
-    let length = Command::write(&mut body, at(4_990_000), (2, Request::Play), &plan);
+    let said = Said {
+        reading: at(4_990_000),
+        stops: 2,
+        request: Request::Play,
+        warmth: Some(Warmth {
+            face_mc: 27_600,
+            ceiling_mc: 40_500,
+        }),
+    };
+    let length = Command::write(&mut body, &said, &plan);
     seal("command", Kind::Command, unit, 2, &body[..length]);
     let length = status.write(&mut body);
     seal("status", Kind::Status, unit, 2, &body[..length]);
@@ -158,6 +184,6 @@ fn vectors_for_other_languages_are_what_is_sent() {
         "PALPATE_WRITE_VECTORS=1 cargo test -p palpate-tests vectors"
     );
     // Longest of all: what the description says of sizes.
-    let most = HEADER + TAG + 22 + 9 * palpate_core::codec::link::MOST_PLANNED;
+    let most = HEADER + TAG + 26 + 10 * palpate_core::codec::link::MOST_PLANNED;
     assert!(most <= MOST, "{most}");
 }

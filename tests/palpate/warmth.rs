@@ -2,10 +2,10 @@
 //! the wires.
 
 use palpate_core::peltier::LIMITS;
-use palpate_files::load_bench;
+use palpate_files::{Loaded, Overrides, Scene, Setup, Source, load_bench, load_scene};
 use palpate_records::margin::Limited;
 use palpate_records::trace::Event;
-use palpate_run::Outcome;
+use palpate_run::{Input, Outcome, run};
 
 use super::faults::{outputs_are_off, try_on};
 use super::goldens::shipped;
@@ -140,4 +140,87 @@ fn a_bench_without_a_module_takes_no_notice_of_warmth() {
     assert_eq!(plain.trace.ledger, warm.trace.ledger);
     assert_eq!((warm.summary.heat, faces(&warm).len()), (None, 0));
     assert_eq!(warm.summary.faults[0].count, 0);
+}
+
+/// `warm-materials` on a driver unit that regulates the module itself.
+fn on_unit(more: &str) -> Outcome {
+    let scene = palpate_fixtures::scene("warm-materials").unwrap();
+    let source = Source::new("scene.toml", format!("{scene}\n{more}"));
+    let value = Scene::read(&source).unwrap();
+    let bench = load_bench("unit-whole").unwrap();
+    let setup = Setup::join(Loaded { value, source }, bench).unwrap();
+    run(&setup, &Input::Scene, 1).unwrap()
+}
+
+#[test]
+fn a_driver_unit_regulates_its_module_within_the_same_limits() {
+    let outcome = on_unit("");
+    let felt = [(3.9, 31.9), (7.9, 31.0), (11.9, 27.6), (15.9, 23.5)];
+    for (t_s, celsius) in felt {
+        let face_c = face_at(&outcome, t_s);
+        assert!(
+            (face_c - celsius).abs() < 0.5,
+            "{t_s} s: {face_c}, expected {celsius}"
+        );
+    }
+    assert!(face_at(&outcome, 21.9) > 35.0);
+    let over = outcome.trace.ledger.margins.iter().filter(|m| m.over());
+    assert_eq!(over.count(), 0, "{:?}", outcome.trace.ledger.margins);
+    let heat = outcome.summary.heat.unwrap();
+    assert!(
+        heat.error_k.unwrap() < 0.5 && heat.stops == 0 && !heat.thermostat,
+        "{heat:?}"
+    );
+    let unit = outcome.summary.unit.unwrap();
+    assert_eq!((unit.stops, unit.sessions), (0, 1), "{unit:?}");
+    assert!(unit.begun > 200, "{unit:?}");
+    // The host's guard knows of the face, so that the unit's has next to nothing to change.
+    assert!(unit.limited * 50 < unit.begun, "{unit:?}");
+}
+
+#[test]
+fn a_units_module_is_off_without_a_host_and_without_its_sensor() {
+    let metal = "[[faults]]\nat_s = 14.5\nuntil_s = 15.5\nkind = \"link-outage\"\n";
+    let outcome = on_unit(metal);
+    let quiet: Vec<_> = faces(&outcome)
+        .into_iter()
+        .filter(|f| (14.7..15.4).contains(&f.0))
+        .collect();
+    assert!(quiet.iter().all(|f| f.3 == 0), "{quiet:?}");
+    assert!(faces(&outcome).iter().any(|f| f.0 > 15.6 && f.3 != 0));
+    for (kind, word) in [
+        ("face-sensor-open", "sensor-open"),
+        ("face-sensor-short", "sensor-short"),
+        ("face-sensor-stale", "sensor-stale"),
+    ] {
+        let fault = format!("[[faults]]\nat_s = 14.0\nuntil_s = 14.5\nkind = \"{kind}\"\n");
+        let outcome = on_unit(&fault);
+        let off = told(&outcome, &format!("Peltier module off: {word}")).unwrap();
+        // The unit switches off at once; the host hears of it behind the network.
+        assert!((14.0..14.3).contains(&off), "{kind}: off at {off}");
+        let on = told(&outcome, "Peltier module on again").unwrap();
+        assert!((15.5..15.8).contains(&on), "{kind}: on at {on}");
+        let without = faces(&outcome).into_iter();
+        let without: Vec<_> = without.filter(|f| f.0 > off && f.0 < 15.4).collect();
+        assert!(
+            without.len() > 8 && without.iter().all(|f| f.3 == 0),
+            "{kind}"
+        );
+        assert_eq!(outcome.summary.heat.unwrap().stops, 1, "{kind}");
+    }
+}
+
+#[test]
+fn a_unit_without_thermal_rows_makes_no_face_warmer_than_skin() {
+    let scene = load_scene("warm-materials").unwrap();
+    let mut rows = Overrides::default();
+    rows.bench("test", "unit.heat", false);
+    let bench = load_bench("unit-whole").unwrap().with(&rows).unwrap();
+    let setup = Setup::join(scene, bench).unwrap();
+    let outcome = run(&setup, &Input::Scene, 1).unwrap();
+    let heat = outcome.summary.heat.unwrap();
+    assert!(heat.warmest_face_c < 33.1, "{heat:?}");
+    assert!(heat.coldest_face_c < 24.0, "{heat:?}");
+    let unit = outcome.summary.unit.unwrap();
+    assert_eq!(unit.stops, 0, "{unit:?}");
 }

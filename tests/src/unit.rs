@@ -5,11 +5,11 @@ use std::cell::Cell;
 
 use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, Operation};
 use palpate_core::codec::link::{
-    Buffer, Command, Header, Key, Kind, MOST, Planned, Refusal, Request,
+    Buffer, Command, Header, Key, Kind, MOST, Planned, Refusal, Request, Said,
 };
 use palpate_core::guard::{HARD, Plant};
 use palpate_core::illusion::DisplayWire;
-use palpate_core::units::{Board, Channel, Duration, Instant, Point, Ticks};
+use palpate_core::units::{Board, Channel, Duration, Instant, Milliamps, Point, Ticks};
 use palpate_unit::{Datagrams, NoPin, Settings, SettingsError, Unit};
 
 const KEY: [u8; 32] = [9; 32];
@@ -87,6 +87,7 @@ pub fn unit(heat: bool, answers: &Cell<bool>) -> Result<Unit<Registers<'_>, NoPi
         limits: HARD,
         plant: Plant::default(),
         heat,
+        converters: None,
     };
     Unit::new(&settings, Registers { chips, answers }, NoPin)
 }
@@ -106,6 +107,7 @@ pub fn plan(onset: Instant) -> [Planned; 16] {
         board: wire.board,
         channel: wire.channel,
         width: Ticks::new(148),
+        current: Milliamps(0),
         at: onset,
         until: onset + Duration::from_millis(35),
     })
@@ -207,11 +209,17 @@ impl Host {
         &mut self,
         letters: &mut LetterBox,
         reading: Instant,
-        says: (u32, Request),
+        (stops, request): (u32, Request),
         plan: &[Planned],
     ) {
         let header = self.header(Kind::Command, self.unit);
-        let body = |out: &mut [u8]| Command::write(out, reading, says, plan);
+        let said = Said {
+            reading,
+            stops,
+            request,
+            ..Said::default()
+        };
+        let body = |out: &mut [u8]| Command::write(out, &said, plan);
         letters.waits = Some(self.key.seal(&header, &mut letters.there, body).len());
     }
 }

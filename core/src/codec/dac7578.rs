@@ -50,6 +50,17 @@ pub const fn data(code: u16) -> u16 {
     code << 4
 }
 
+/// The largest code that gives no more than a current, where `full_scale` belongs to the largest of all; both in one unit.
+pub const fn code_of(current: u32, full_scale: u32) -> u16 {
+    let full = if full_scale == 0 { 1 } else { full_scale };
+    let code = current as u64 * FULL_SCALE as u64 / full as u64;
+    if code > FULL_SCALE as u64 {
+        FULL_SCALE
+    } else {
+        code as u16
+    }
+}
+
 /// The code in two bytes that were read.
 pub const fn code(bytes: [u8; 2]) -> u16 {
     u16::from_be_bytes(bytes) >> 4

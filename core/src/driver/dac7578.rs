@@ -5,7 +5,7 @@
 
 use embedded_hal::i2c::I2c;
 
-use super::{DriverError, Pca9685Bank};
+use super::{DriverError, Pca9685Bank, WHOLE};
 use crate::codec::dac7578 as regs;
 use crate::guard::Guarded;
 use crate::units::{Board, Milliamps};
@@ -21,17 +21,15 @@ pub(super) struct Converter {
 }
 
 impl Converter {
-    /// The largest code that gives no more than a current.
+    /// The code of a current.
     fn code(&self, current: Milliamps) -> u16 {
-        let code = u64::from(current.0) * u64::from(regs::FULL_SCALE);
-        let code = code / u64::from(self.full_scale.0).max(1);
-        code.min(u64::from(regs::FULL_SCALE)) as u16
+        regs::code_of(current.0, self.full_scale.0)
     }
 }
 
 impl<I: I2c> Pca9685Bank<I> {
     /// The same with a DAC7578 for each board, by 7-bit address: output n sets the current of channel n, `full_scale` at its
-    /// largest code. For boards that no other driver uses.
+    /// largest code. Of a board that other drivers use too its own channels alone are touched.
     #[must_use]
     pub fn with_converters(mut self, addresses: &[u8], full_scale: Milliamps) -> Self {
         for (state, address) in self.boards.iter_mut().zip(addresses) {
@@ -49,12 +47,16 @@ impl<I: I2c> Pca9685Bank<I> {
         self.command(board, regs::LDAC, 0, regs::NO_PIN)?;
         self.command(board, regs::POWER, 0, regs::ALL_ON)?;
         self.zero_converter(board)?;
-        if self.converter(board).is_some() {
-            for channel in 0..regs::CHANNELS {
-                self.confirm_code(board, channel, 0)?;
-            }
+        for channel in self.own_outputs(board) {
+            self.confirm_code(board, channel, 0)?;
         }
         Ok(())
+    }
+
+    /// Outputs of a board's converter that are this driver's.
+    fn own_outputs(&self, board: Board) -> impl Iterator<Item = u8> + use<I> {
+        let own = self.converter(board).map_or(0, |_| self.own(board));
+        (0..regs::CHANNELS).filter(move |channel| own >> channel & 1 == 1)
     }
 
     /// Whether every code that was read back still is there.
@@ -68,12 +70,21 @@ impl<I: I2c> Pca9685Bank<I> {
         Ok(())
     }
 
-    /// All currents of a board to zero; they are read back before they are used.
+    /// All currents of a board that are this driver's to zero; they are read back before they are used.
     pub(super) fn zero_converter(&mut self, board: Board) -> Result<(), DriverError> {
         if let Some(converter) = self.converter_mut(board) {
             converter.held = [None; regs::CHANNELS as usize];
         }
-        self.command(board, regs::WRITE_UPDATE, regs::ALL, 0)
+        if self.own(board) == WHOLE {
+            return self.command(board, regs::WRITE_UPDATE, regs::ALL, 0);
+        }
+        // One that fails keeps none of the others up.
+        let mut result = Ok(());
+        for channel in self.own_outputs(board) {
+            let zeroed = self.command(board, regs::WRITE_UPDATE, channel, 0);
+            result = result.and(zeroed);
+        }
+        result
     }
 
     /// Sets the current of every channel that an update switches on, and reads it back.

@@ -12,3 +12,6 @@ pub use banks::Banks;
 pub use look::Seen;
 pub use pca9685::{DriverError, Pca9685Bank, Traffic};
 pub use unit::{LinkCounts, UnitDriver, UnitFault, UnitSettings};
+
+/// Every channel of a board, a bit each.
+const WHOLE: u16 = u16::MAX;

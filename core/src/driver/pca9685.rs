@@ -10,7 +10,7 @@ use core::fmt;
 use embedded_hal::i2c::{Error as I2cError, ErrorKind, I2c, NoAcknowledgeSource};
 
 use super::dac7578::Converter;
-use super::{Actuators, UnitFault};
+use super::{Actuators, UnitFault, WHOLE};
 use crate::codec::pca9685::{self as regs, mode1, mode2};
 use crate::guard::{Guarded, Setting};
 use crate::units::{Board, Duration, Instant, Prescale};
@@ -141,8 +141,6 @@ pub struct Pca9685Bank<I> {
     traffic: Traffic,
 }
 
-/// Every channel of a board.
-const WHOLE: u16 = u16::MAX;
 /// The four registers of a channel that is off.
 const OFF: [u8; 4] = [0, 0, 0, regs::FULL];
 /// The write that switches a whole board off.
@@ -208,6 +206,7 @@ impl<I: I2c> Pca9685Bank<I> {
             self.expect(board, regs::led(first) + 3, regs::FULL)?;
             if own != WHOLE {
                 if self.is_started(board)? {
+                    self.start_converter(board)?;
                     continue;
                 }
                 // What others had on it is lost as well, and they are about to find out.
@@ -285,7 +284,7 @@ impl<I: I2c> Pca9685Bank<I> {
     }
 
     /// The channels of a board that are this driver's, a bit each.
-    fn own(&self, board: Board) -> u16 {
+    pub(super) fn own(&self, board: Board) -> u16 {
         self.boards.get(self.index(board)).map_or(0, |b| b.own)
     }
 

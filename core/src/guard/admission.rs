@@ -59,6 +59,9 @@ impl Guard {
         let Passed {
             reason, current, ..
         } = self.judge(index, at, s);
+        // As it was asked for, up to what a converter can say.
+        let control = self.current_control().filter(|_| current.is_some());
+        let current = control.map(|control| s.peak.min(control.full_scale));
         let plant = self.counting(index, current);
         let energy_nj = match s.until > at {
             true => plant.energy_nj(s.width.get(), s.until.since(at)),

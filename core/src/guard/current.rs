@@ -7,7 +7,7 @@ use alloc::boxed::Box;
 use alloc::vec;
 
 use crate::schedule::{Reason, Stimulus};
-use crate::units::{Instant, Milliamps};
+use crate::units::{Board, Instant, Milliamps};
 
 use super::{Guard, Guarded, Plant, PlantError};
 
@@ -15,7 +15,7 @@ use super::{Guard, Guarded, Plant, PlantError};
 const MILLION: u64 = 1_000_000;
 
 /// What amplifiers make of the current that they are set to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CurrentControl {
     /// The current at the converter's full scale: the most that can be asked for.
     pub full_scale: Milliamps,
@@ -82,13 +82,22 @@ impl Guard {
 
     /// A driver has put an update on the outputs: every current in it was set and has read back.
     pub fn confirm(&mut self, update: &Guarded) {
+        self.confirm_currents(update.board(), |channel| update.current(channel));
+    }
+
+    /// The same by channel of a board.
+    pub(super) fn confirm_currents(
+        &mut self,
+        on: Board,
+        current: impl Fn(u8) -> Option<Milliamps>,
+    ) {
         let Some(settable) = &mut self.settable else {
             return;
         };
         for (wire, confirmed) in self.wires.iter().zip(&mut settable.confirmed) {
             let (board, channel) = wire.place;
-            if board == update.board()
-                && let Some(current) = update.current(channel)
+            if board == on
+                && let Some(current) = current(channel)
             {
                 *confirmed = Some(current);
             }

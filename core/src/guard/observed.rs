@@ -3,9 +3,9 @@
 //! For emulated benches alone. What comes of it is a type of its own that no driver takes.
 
 use crate::schedule::{Entry, Stimulus};
-use crate::units::{Board, Instant};
+use crate::units::{Board, Instant, Milliamps};
 
-use super::{Guard, Setting};
+use super::{Guard, Guarded, Setting};
 
 /// What the channels of one board shall do, as the guard saw it and did not judge. No driver takes it:
 ///
@@ -28,6 +28,7 @@ use super::{Guard, Setting};
 pub struct Observed {
     board: Board,
     channels: [Option<Setting>; 16],
+    currents: [Option<Milliamps>; 16],
 }
 
 impl Observed {
@@ -39,6 +40,11 @@ impl Observed {
     /// Every channel that carries a wire, by number, also those that stay as they are.
     pub const fn channels(&self) -> &[Option<Setting>; 16] {
         &self.channels
+    }
+
+    /// What the amplifier of each channel that goes on shall be set to before, by number, where its current is set.
+    pub const fn currents(&self) -> &[Option<Milliamps>; 16] {
+        &self.currents
     }
 }
 
@@ -54,17 +60,33 @@ impl Guard {
     ) -> Option<Observed> {
         let update = self.release(at, board);
         let update = self.pass(update, stimuli, Self::note, ledger);
-        update.changes().then(|| self.observed(board))
+        update.changes().then(|| self.observed(&update))
     }
 
     /// Ends what has ended by `at` on one board. `None` where nothing has.
     pub fn observe_expiry(&mut self, at: Instant, board: Board) -> Option<Observed> {
-        let changes = self.expire(at, board).changes();
-        changes.then(|| self.observed(board))
+        let update = self.expire(at, board);
+        update.changes().then(|| self.observed(&update))
     }
 
-    /// What the wires of one board do now.
-    fn observed(&self, board: Board) -> Observed {
+    /// Emulated registers hold what was observed: every current in it was set.
+    pub fn confirm_observed(&mut self, update: &Observed) {
+        let current = |channel: u8| {
+            let slot = update.currents.get(usize::from(channel));
+            slot.copied().flatten()
+        };
+        self.confirm_currents(update.board, current);
+    }
+
+    /// What the wires of an update's board do now, and the currents of those that it switches on.
+    fn observed(&self, update: &Guarded) -> Observed {
+        let board = update.board();
+        let mut currents = [None; 16];
+        if self.settable.is_some() {
+            for (channel, current) in (0..).zip(&mut currents) {
+                *current = update.current(channel);
+            }
+        }
         let mut channels = [None; 16];
         for wire in self.wires.iter().filter(|w| w.place.0 == board) {
             if let Some(slot) = channels.get_mut(usize::from(wire.place.1)) {
@@ -74,7 +96,11 @@ impl Guard {
                 );
             }
         }
-        Observed { board, channels }
+        Observed {
+            board,
+            channels,
+            currents,
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use proptest::prelude::*;
 
 use super::*;
-use crate::guard::{HARD, Plant};
+use crate::guard::{CurrentControl, HARD, Plant};
 use crate::illusion::DisplayWire;
 use crate::schedule::Reason;
 use crate::units::{Channel, Duration, Milliamps, Point, Prescale, Ticks};
@@ -146,4 +146,50 @@ proptest! {
             at_us += length_us + pause_us;
         }
     }
+}
+
+#[test]
+fn a_current_is_set_as_asked_up_to_full_scale_and_counted_once_it_was_set() {
+    let control = CurrentControl {
+        full_scale: Milliamps(1970),
+        gain_ppm: 0,
+        offset: Milliamps(0),
+    };
+    let mut guard = guard().with_current(control).unwrap();
+    let asked = |wire: u16, milliamps: u32, at_us: u64| Stimulus {
+        peak: Milliamps(milliamps),
+        ..stimulus(wire, 50, at_us, 35_000)
+    };
+    let spent = |guard: &Guard| guard.wires[2].burst.map_or(0, |burst| burst.spent_nj);
+    let at = |milliamps| Plant {
+        peak: Milliamps(milliamps),
+        ..THESIS
+    };
+    let length = Duration::from_millis(35);
+    let (update, entries) = observe(&mut guard, &[asked(2, 985, 0), asked(3, 5000, 0)]);
+    let update = update.unwrap();
+    let mut currents = [None; 16];
+    (currents[2], currents[3]) = (Some(Milliamps(985)), Some(Milliamps(1970)));
+    assert_eq!(*update.currents(), currents);
+    assert_eq!(entries[0].current, Some(Milliamps(985)));
+    assert_eq!(entries[1].reason, Some(Reason::Current));
+    // Nothing was known of it before.
+    assert_eq!(spent(&guard), at(1970).energy_nj(50, length));
+    guard.confirm_observed(&update);
+    let ended = guard.observe_expiry(Instant::from_micros(35_000), Board(0));
+    assert_eq!(*ended.unwrap().currents(), [None; 16]);
+    let (again, _) = observe(&mut guard, &[asked(2, 985, 1_000_000)]);
+    assert_eq!(spent(&guard), at(985).energy_nj(50, length));
+    // While it is on, what is asked for is set all the same; the larger counts.
+    guard.confirm_observed(&again.unwrap());
+    let (risen, entries) = observe(&mut guard, &[asked(2, 1970, 1_010_000)]);
+    assert_eq!(risen.unwrap().currents()[2], Some(Milliamps(1970)));
+    assert_eq!(entries[0].reason, Some(Reason::Current));
+}
+
+#[test]
+fn amplifiers_of_one_current_are_not_set() {
+    let (update, entries) = observe(&mut guard(), &[stimulus(2, 100, 0, 35_000)]);
+    assert_eq!(*update.unwrap().currents(), [None; 16]);
+    assert_eq!(entries[0].current, None);
 }

@@ -66,6 +66,32 @@ pub enum PeltierReason {
 }
 
 impl PeltierReason {
+    /// Every reason, by its number.
+    pub const ALL: [Self; 8] = [
+        Self::Off,
+        Self::Sensor(SensorFault::Open),
+        Self::Sensor(SensorFault::Short),
+        Self::Sensor(SensorFault::Stale),
+        Self::Face,
+        Self::Ramp,
+        Self::Current,
+        Self::Sink,
+    ];
+
+    /// Its number on the link of a driver unit.
+    pub const fn number(self) -> u8 {
+        match self {
+            Self::Off => 0,
+            Self::Sensor(SensorFault::Open) => 1,
+            Self::Sensor(SensorFault::Short) => 2,
+            Self::Sensor(SensorFault::Stale) => 3,
+            Self::Face => 4,
+            Self::Ramp => 5,
+            Self::Current => 6,
+            Self::Sink => 7,
+        }
+    }
+
     /// The word of records.
     pub const fn word(self) -> &'static str {
         match self {

@@ -92,6 +92,11 @@ impl Regulator {
         self.guard.warmest_c()
     }
 
+    /// The sink, degrees C; `None` where no sensor tells it.
+    pub fn sink_c(&self) -> Option<f64> {
+        self.guard.seen().map(|seen| seen.sink_c)
+    }
+
     /// Looks at a reading, the newest there is.
     pub fn see(&mut self, now: Instant, reading: &Reading) {
         self.guard.see(now, reading);

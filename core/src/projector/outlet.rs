@@ -79,8 +79,11 @@ impl<W: ObservedRegisters> Outlet for Observes<'_, W> {
         stimuli: &[Stimulus],
         ledger: impl FnMut(Entry),
     ) -> Result<(), W::Error> {
-        let update = guard.observe(at, board, stimuli, ledger);
-        update.map_or(Ok(()), |update| self.0.write(&update))
+        if let Some(update) = guard.observe(at, board, stimuli, ledger) {
+            self.0.write(&update)?;
+            guard.confirm_observed(&update);
+        }
+        Ok(())
     }
 
     fn expire(&mut self, guard: &mut Guard, at: Instant, board: Board) -> Result<(), W::Error> {

@@ -13,10 +13,12 @@ mod schedule;
 mod session;
 mod settings;
 mod unit;
+mod warmth;
 
 pub use counts::Counts;
-pub use settings::{Settings, SettingsError};
+pub use settings::{Converters, Settings, SettingsError};
 pub use unit::{Datagrams, NoPin, Unit};
+pub use warmth::{Module, NoModule};
 
 #[cfg(test)]
 mod tests;

@@ -2,9 +2,19 @@
 
 use core::fmt;
 
-use palpate_core::guard::{Limits, Plant, PlantError};
+use palpate_core::codec::dac7578::CHANNELS;
+use palpate_core::guard::{CurrentControl, Limits, Plant, PlantError};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::units::{Board, Channel};
+
+/// Amplifiers whose current is set by a DAC7578 beside each board.
+#[derive(Clone, Copy, Debug)]
+pub struct Converters<'a> {
+    /// 7-bit addresses of the converters, by board.
+    pub addresses: &'a [u8],
+    /// What the amplifiers make of a current.
+    pub control: CurrentControl,
+}
 
 /// What is burnt into a unit.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +33,8 @@ pub struct Settings<'a> {
     pub plant: Plant,
     /// Whether its processor bears the guard's thermal rows.
     pub heat: bool,
+    /// What sets the currents; `None` where amplifiers have one of their own.
+    pub converters: Option<Converters<'a>>,
 }
 
 /// Why a unit cannot be built.
@@ -34,6 +46,8 @@ pub enum SettingsError {
     Boards(usize),
     /// Two boards at one address.
     SameAddress(u8),
+    /// Another number of converters than of boards.
+    Converters(usize),
     /// A wire on a board or channel that is not there.
     NoSuchOutput(Board, Channel),
 }
@@ -45,11 +59,15 @@ impl fmt::Display for SettingsError {
             Self::Boards(found) => write!(f, "boards: expected 1 to 16 addresses, found {found}"),
             Self::SameAddress(address) => write!(
                 f,
-                "boards: expected an address of its own for each, found {address:#04x} twice: set the straps of one board otherwise"
+                "boards: expected an address of its own for each chip, found {address:#04x} twice: set the straps of one board otherwise"
+            ),
+            Self::Converters(found) => write!(
+                f,
+                "converters: expected one address per board, found {found}"
             ),
             Self::NoSuchOutput(board, channel) => write!(
                 f,
-                "wires: expected a channel 0 to 15 of a board of this unit, found channel {} of board {}",
+                "wires: expected a channel 0 to 15 of a board of this unit, 0 to 7 beside a converter, found channel {} of board {}",
                 channel.0, board.0
             ),
         }
@@ -64,11 +82,17 @@ impl Settings<'_> {
         if !(1..=16).contains(&count) {
             return Err(SettingsError::Boards(count));
         }
-        let twice = (1..count).find(|&n| self.addresses[..n].contains(&self.addresses[n]));
-        if let Some(n) = twice {
-            return Err(SettingsError::SameAddress(self.addresses[n]));
+        let converters = self.converters.map_or(&[][..], |c| c.addresses);
+        if self.converters.is_some() && converters.len() != count {
+            return Err(SettingsError::Converters(converters.len()));
         }
-        let absent = |w: &&DisplayWire| usize::from(w.board.0) >= count || w.channel.0 > 15;
+        let chips = || self.addresses.iter().chain(converters);
+        let twice = |&(n, address): &(usize, &u8)| chips().take(n).any(|a| a == address);
+        if let Some((_, address)) = chips().enumerate().find(twice) {
+            return Err(SettingsError::SameAddress(*address));
+        }
+        let channels = if converters.is_empty() { 16 } else { CHANNELS };
+        let absent = |w: &&DisplayWire| usize::from(w.board.0) >= count || w.channel.0 >= channels;
         match self.wires.iter().find(absent) {
             Some(wire) => Err(SettingsError::NoSuchOutput(wire.board, wire.channel)),
             None => Ok(()),

@@ -9,18 +9,24 @@ use core::convert::Infallible;
 use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
 use embedded_hal::i2c::{Error, ErrorKind, ErrorType, I2c, Operation};
 use palpate_core::codec::link::{
-    Buffer, Command, HELD, Header, Key, Kind, MOST, Planned, Request, State,
+    Buffer, Command, HELD, Header, Key, Kind, MOST, Planned, Request, Said, State, Warmth,
 };
 use palpate_core::driver::{Actuators, UnitDriver, UnitFault, UnitSettings};
-use palpate_core::guard::{Cause, Guard, HARD, Plant};
+use palpate_core::guard::{Cause, CurrentControl, Guard, HARD, Plant};
 use palpate_core::illusion::DisplayWire;
 use palpate_core::random::RandomStream;
 use palpate_core::schedule::Stimulus;
 use palpate_core::units::{Board, Channel, Duration, Instant, Milliamps, Point, Ticks};
 
-use crate::{Datagrams, Settings, SettingsError, Unit};
+use crate::{Converters, Datagrams, Settings, SettingsError, Unit};
 
 const KEY: [u8; 32] = [9; 32];
+/// Amplifiers whose current is set.
+const CONTROL: CurrentControl = CurrentControl {
+    full_scale: Milliamps(990),
+    gain_ppm: 10_000,
+    offset: Milliamps(5),
+};
 const DELAY: Duration = Duration::from_millis(20);
 /// Virtual time between two looks.
 const STEP: u64 = 200;
@@ -178,6 +184,7 @@ fn settings<'a>(wires: &'a [DisplayWire], boot: u64) -> Settings<'a> {
         limits: HARD,
         plant: Plant::default(),
         heat: false,
+        converters: None,
     }
 }
 
@@ -419,6 +426,19 @@ fn settings_that_cannot_be_are_refused_with_a_sentence() {
             .unwrap_err()
     };
     let many = [0x40; 17];
+    let set = |addresses: &'static [u8]| Settings {
+        converters: Some(Converters {
+            addresses,
+            control: CONTROL,
+        }),
+        ..good
+    };
+    let beyond = [DisplayWire {
+        channel: Channel(8),
+        ..wires[0]
+    }];
+    let chips = Shared::default();
+    assert!(Unit::new(&set(&[0x48, 0x49]), chips.clone(), chips).is_ok());
     for (settings, error, word) in [
         (
             Settings {
@@ -451,6 +471,20 @@ fn settings_that_cannot_be_are_refused_with_a_sentence() {
             },
             SettingsError::NoSuchOutput(Board(1), Channel(0)),
             "channel 0 of board 1",
+        ),
+        (set(&[0x48]), SettingsError::Converters(1), "found 1"),
+        (
+            set(&[0x48, 0x41]),
+            SettingsError::SameAddress(0x41),
+            "0x41 twice",
+        ),
+        (
+            Settings {
+                wires: &beyond,
+                ..set(&[0x48, 0x49])
+            },
+            SettingsError::NoSuchOutput(Board(0), Channel(8)),
+            "0 to 7 beside a converter",
         ),
     ] {
         let found = refused(&settings);

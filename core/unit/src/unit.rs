@@ -5,18 +5,20 @@ use core::convert::Infallible;
 use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
 use embedded_hal::i2c::I2c;
 use palpate_core::codec::link::{
-    Buffer, Command, Header, Hello, Key, Kind, MOST, Planned, Refusal, Request, State, Status,
+    Buffer, Command, Face, Header, Hello, Key, Kind, MOST, Planned, Refusal, Request, State, Status,
 };
 use palpate_core::driver::{Actuators, Pca9685Bank, Traffic};
 use palpate_core::guard::{Cause, Guard, Guarded};
+use palpate_core::peltier::Regulator;
 use palpate_core::schedule::Stimulus;
-use palpate_core::units::{Board, Duration, Instant, Ticks};
+use palpate_core::units::{Board, Duration, Instant, Milliamps, Ticks};
 
 use crate::counts::Counts;
 use crate::phases::Phases;
 use crate::schedule::Schedule;
 use crate::session::Sessions;
 use crate::settings::{Settings, SettingsError};
+use crate::warmth::{Module, NoModule, Warm};
 
 /// A turn takes no more datagrams than this, and opens one: the rest waits, so that a flood delays no end of a pulse.
 const MOST_AT_ONCE: usize = 8;
@@ -59,9 +61,9 @@ impl OutputPin for NoPin {
     }
 }
 
-/// A driver unit over a bus and the pin that cuts all outputs while it is high.
+/// A driver unit over a bus, the pin that cuts all outputs while it is high, and a Peltier module where it has one.
 #[derive(Debug)]
-pub struct Unit<I, P> {
+pub struct Unit<I, P, T = NoModule> {
     key: Key,
     sessions: Sessions,
     schedule: Schedule,
@@ -69,6 +71,7 @@ pub struct Unit<I, P> {
     boards: u8,
     bank: Pca9685Bank<I>,
     cut: P,
+    warm: Option<Warm<T>>,
     counts: Counts,
     phases: Phases,
     /// When a lost bus is tried again; `None` while it is whole.
@@ -86,17 +89,39 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
     /// # Errors
     /// What no unit can be.
     pub fn new(settings: &Settings<'_>, bus: I, cut: P) -> Result<Self, SettingsError> {
+        Self::warming(settings, (bus, cut), None)
+    }
+}
+
+impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
+    /// The same with a Peltier module under the fingertip, if there is one.
+    ///
+    /// # Errors
+    /// What no unit can be.
+    pub fn warming(
+        settings: &Settings<'_>,
+        (bus, cut): (I, P),
+        module: Option<(T, Regulator)>,
+    ) -> Result<Self, SettingsError> {
         settings.check()?;
         let (limits, plant) = (settings.limits, settings.plant);
-        let guard = Guard::last_word(limits, plant, settings.wires, settings.heat);
+        let mut guard = Guard::last_word(limits, plant, settings.wires, settings.heat)
+            .map_err(SettingsError::Plant)?;
+        let mut bank = Pca9685Bank::new(bus, settings.addresses, settings.plant.prescale);
+        if let Some(converters) = &settings.converters {
+            let control = converters.control;
+            guard = guard.with_current(control).map_err(SettingsError::Plant)?;
+            bank = bank.with_converters(converters.addresses, control.full_scale);
+        }
         Ok(Self {
             key: Key::new(settings.key),
             sessions: Sessions::new(settings.boot),
             schedule: Schedule::new(settings.wires),
-            guard: guard.map_err(SettingsError::Plant)?,
+            guard,
             boards: settings.addresses.len() as u8, // at most 16
-            bank: Pca9685Bank::new(bus, settings.addresses, settings.plant.prescale),
+            bank,
             cut,
+            warm: module.map(|(module, regulator)| Warm::new(module, regulator)),
             counts: Counts::default(),
             phases: Phases::default(),
             lost: None,
@@ -161,13 +186,15 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
 
     /// When the next turn is due at the latest; a datagram may come before.
     pub fn next(&self) -> Instant {
+        let warm = self.warm.as_ref().map(Warm::next);
         if let Some(retry) = self.lost {
-            return retry;
+            return warm.map_or(retry, |at| at.min(retry));
         }
         let begin = self.schedule.next().map(|at| at.max(self.ready));
         let times = [begin, self.guard.next_expiry(), self.guard.deadline()];
         let verify = self.verified + VERIFY_AT_LAST;
-        times.into_iter().flatten().fold(verify, Instant::min)
+        let times = times.into_iter().chain([warm]).flatten();
+        times.fold(verify, Instant::min)
     }
 
     /// Does what is due at `now`: looks at the watchdog, takes datagrams, ends and begins stimuli, answers. Never waits
@@ -179,6 +206,9 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
         let asker = self.receive(now, link);
         if self.lost.is_some_and(|retry| now >= retry) {
             self.bring_up(now);
+        }
+        if let Some(warm) = &mut self.warm {
+            warm.turn(now, &mut self.guard);
         }
         self.begin(now);
         self.expire(now);
@@ -240,7 +270,7 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
                 .ok_or(Refusal::Body);
         }
         let command = Command::read(body)?;
-        let begins = self.sessions.take(now, header, command.request)?;
+        let begins = self.sessions.take(now, header, command.said.request)?;
         if begins {
             // What another session drove is not this host's.
             self.all_off(now);
@@ -253,11 +283,15 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
     }
 
     fn obey(&mut self, now: Instant, command: &Command<'_>) {
+        let said = &command.said;
         // A reading from the future would keep outputs on beyond their time.
-        if command.reading > Instant::ZERO {
-            self.guard.hear(command.reading.min(now));
+        if said.reading > Instant::ZERO {
+            self.guard.hear(said.reading.min(now));
         }
-        match command.request {
+        if let Some(warm) = &mut self.warm {
+            warm.want(said.warmth);
+        }
+        match said.request {
             Request::Play => {}
             Request::Off => return self.all_off(now),
             Request::Stop => {
@@ -265,7 +299,7 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
                 return self.sessions.release();
             }
         }
-        let whole = self.lost.is_none() && command.stops == self.counts.stops;
+        let whole = self.lost.is_none() && said.stops == self.counts.stops;
         if self.guard.latched().is_some() && whole {
             // Refused while its cause lasts; the next command tries again.
             let _ = self.guard.reset(now);
@@ -284,11 +318,13 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             now,
             busy: self.sessions.is_kept(now),
             heat: self.guard.has_heat(),
+            warmth: self.warm.is_some(),
             state: self.state(),
             stops: self.counts.stops,
             plant: *self.guard.plant(),
             limits: *self.guard.limits(),
             wires: self.schedule.wires().bits(),
+            current: self.guard.current_control().copied(),
         };
         let header = self.sessions.hello(knock);
         let mut buffer = [0; MOST];
@@ -323,6 +359,7 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             refused: counts.refused,
             skin_mc: skin_c.map_or(0, |c| (c * 1e3) as u32),
             phase_us: self.phases.at(now, self.guard.plant().prescale),
+            face: self.warm.as_ref().map_or_else(Face::default, Warm::face),
         };
         let mut buffer = [0; MOST];
         link.send(
@@ -341,10 +378,13 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
                 self.counts.dropped = self.counts.dropped.saturating_add(count as u32);
                 continue;
             }
+            // What the amplifiers give where a command states no current.
+            let own = self.guard.current_control();
+            let own = own.map_or(self.guard.plant().peak, |control| control.full_scale);
             let mut stimuli = [Stimulus {
                 wire: 0,
                 width: Ticks::ZERO,
-                peak: self.guard.plant().peak,
+                peak: own,
                 at: now,
                 until: now,
             }; 16];
@@ -352,6 +392,9 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             for (wire, planned) in due[..count].iter().filter(|(_, p)| !over(p)) {
                 stimuli[used].wire = *wire;
                 stimuli[used].width = planned.width;
+                if planned.current > Milliamps(0) {
+                    stimuli[used].peak = planned.current;
+                }
                 stimuli[used].until = planned.until;
                 used += 1;
             }
@@ -388,7 +431,10 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
             return;
         }
         match self.bank.apply(update) {
-            Ok(()) => self.phases.apply(now, update),
+            Ok(()) => {
+                self.guard.confirm(update);
+                self.phases.apply(now, update);
+            }
             Err(_) => self.lose(now),
         }
     }
@@ -415,6 +461,9 @@ impl<I: I2c, P: OutputPin> Unit<I, P> {
 
     /// Everything off, and off until the host has acknowledged it.
     fn stop(&mut self, now: Instant, cause: Cause) {
+        if let Some(warm) = &mut self.warm {
+            warm.off();
+        }
         self.latch(cause);
         self.all_off(now);
     }

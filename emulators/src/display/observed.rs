@@ -1,10 +1,11 @@
 //! A writer of registers for runs that the guard only observes. It writes to the emulated bus and to no other.
 
 use embedded_hal::i2c::{Error as _, I2c};
+use palpate_core::codec::dac7578;
 use palpate_core::codec::pca9685::{self as regs, CHANNELS, FULL};
 use palpate_core::driver::{DriverError, ObservedRegisters, Traffic};
 use palpate_core::guard::{Observed, Setting};
-use palpate_core::units::Board;
+use palpate_core::units::{Board, Milliamps};
 
 use super::i2c::I2cHandle;
 use super::i2c::fault::Shared;
@@ -16,6 +17,8 @@ pub struct RegisterWriter {
     i2c: Shared<I2cHandle>,
     /// 7-bit addresses by board.
     addresses: Box<[u8]>,
+    /// Converters by board, and the current at their largest code, where there are any.
+    converters: Option<(Box<[u8]>, Milliamps)>,
     /// Of boards that others drive too, by board: its own channels, a bit each.
     own: Option<Box<[u16]>>,
     traffic: Traffic,
@@ -34,6 +37,7 @@ impl RegisterWriter {
         Self {
             i2c,
             addresses: addresses.into(),
+            converters: None,
             own: None,
             traffic: Traffic::default(),
         }
@@ -44,6 +48,33 @@ impl RegisterWriter {
     pub fn sharing(mut self, channels: &[u16]) -> Self {
         self.own = Some(channels.into());
         self
+    }
+
+    /// The same with a DAC7578 for each board, `full_scale` at its largest code.
+    #[must_use]
+    pub fn with_converters(mut self, addresses: &[u8], full_scale: Milliamps) -> Self {
+        self.converters = Some((addresses.into(), full_scale));
+        self
+    }
+
+    /// Sets the currents of an update.
+    fn set_currents(&mut self, update: &Observed) -> Result<(), DriverError> {
+        let Some((addresses, full_scale)) = &self.converters else {
+            return Ok(());
+        };
+        let board = update.board();
+        let address = addresses.get(usize::from(board.0)).copied();
+        let address = address.ok_or(DriverError::NoSuchBoard(board))?;
+        for (output, current) in (0..dac7578::CHANNELS).zip(update.currents()) {
+            let Some(current) = current else {
+                continue;
+            };
+            let code = dac7578::code_of(current.0, full_scale.0);
+            let bytes = dac7578::frame(dac7578::WRITE_UPDATE, output, dac7578::data(code));
+            let sent = self.i2c.write(address, &bytes);
+            sent.map_err(|e| DriverError::Bus(board, e.kind()))?;
+        }
+        Ok(())
     }
 
     /// What it wrote.
@@ -65,6 +96,7 @@ impl ObservedRegisters for RegisterWriter {
     /// One write of all channels up to the last wire's, ended by one STOP. On boards that others drive too one write for
     /// each channel.
     fn write(&mut self, update: &Observed) -> Result<(), DriverError> {
+        self.set_currents(update)?;
         if self.own.is_some() {
             for (channel, setting) in (0..CHANNELS).zip(update.channels()) {
                 let Some(setting) = setting else {

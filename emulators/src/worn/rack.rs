@@ -19,6 +19,8 @@ struct Shelf {
     owners: Vec<[Option<(usize, usize)>; 16]>,
     /// By display: edges of its outputs that it has yet to take, with its own numbers of the chips.
     waiting: Vec<Vec<(usize, Edge)>>,
+    /// The same of changes of converters' outputs.
+    levels: Vec<Vec<(usize, Level)>>,
     /// By chip: the displays that hold its OE line cut.
     cut_by: Vec<Vec<usize>>,
     /// How far all chips have come.
@@ -42,6 +44,7 @@ impl Rack {
             i2c: I2cHandle::new(segment),
             owners: vec![[None; 16]; boards.len()],
             waiting: Vec::new(),
+            levels: Vec::new(),
             cut_by: vec![Vec::new(); boards.len()],
             now: Nanos::ZERO,
         })))
@@ -57,6 +60,7 @@ impl Rack {
         let mut shelf = self.shelf();
         let display = shelf.waiting.len();
         shelf.waiting.push(Vec::new());
+        shelf.levels.push(Vec::new());
         for (own, (chip, channels)) in boards.iter().enumerate() {
             let owners = shelf.owners.get_mut(*chip).into_iter().flatten();
             for (channel, owner) in owners.enumerate() {
@@ -154,14 +158,30 @@ impl Connection {
         to: Nanos,
         levels: &mut Vec<(usize, Level)>,
     ) -> Result<(), I2cError> {
-        self.bus().with(|segment| {
+        let mut shelf = self.rack.shelf();
+        let Shelf {
+            i2c,
+            owners,
+            levels: waiting,
+            ..
+        } = &mut *shelf;
+        i2c.with(|segment| {
             segment.take_levels(to, &mut |chip, level| {
-                if let Some(own) = self.chips.iter().position(|c| *c == chip) {
-                    levels.push((own, level));
+                let owner = owners
+                    .get(chip)
+                    .and_then(|o| o.get(usize::from(level.channel.0)));
+                if let Some((display, own)) = owner.copied().flatten()
+                    && let Some(waiting) = waiting.get_mut(display)
+                {
+                    waiting.push((own, level));
                 }
             });
         })?;
-        levels.sort_by_key(|(_, level)| level.at);
+        if let Some(waiting) = waiting.get_mut(self.display) {
+            waiting.sort_by_key(|(_, level)| level.at);
+            let due = waiting.partition_point(|(_, level)| level.at <= to);
+            levels.extend(waiting.drain(..due));
+        }
         Ok(())
     }
 
@@ -181,6 +201,17 @@ impl Connection {
                 let at = chip.now().max(now);
                 chip.set_output_enable_pin(at, !cut_by.is_empty());
             }
+        });
+    }
+
+    /// Does something to the converter beside one of its chips, by the chip's own number.
+    pub(super) fn on_converter(&self, own: usize, work: impl FnOnce(&mut Dac7578)) {
+        let number = self.chips.get(own).copied();
+        // Refused only from inside another look at the segment, and there is none here.
+        let _ = self.bus().with(|segment| {
+            number
+                .and_then(|n| segment.converters_mut().get_mut(n))
+                .map(work)
         });
     }
 

@@ -408,8 +408,9 @@ impl Bench {
             return Ok(());
         };
         let without = match (self.kind, &self.unit, self.displays.as_slice()) {
-            (BenchKind::Real, ..) => "an emulated bench: no driver of a real bridge is here",
-            (_, Some(_), _) => "no [unit]: its link carries no warmth",
+            (BenchKind::Real, None, _) => {
+                "an emulated bench, or a driver unit: this program drives no bridge"
+            }
             (.., [_, ..]) => "one display: a module warms one fingertip",
             _ => return heat.check(source),
         };

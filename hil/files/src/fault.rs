@@ -83,6 +83,14 @@ kinds! {
     AmplifierStuckOn = "amplifier-stuck-on" ["wire"] [],
     /// A wire or its plug is broken.
     OpenWire = "open-wire" ["wire"] [],
+    /// A converter has no supply.
+    ConverterDead = "converter-dead" ["board"] [],
+    /// A converter loses its supply for a moment and falls back to zero.
+    ConverterBrownOut = "converter-brown-out" ["board"] [],
+    /// A converter's output keeps its current, whatever is written and acknowledged.
+    ConverterStuck = "converter-stuck" ["wire"] [],
+    /// The highest bit of a converter's output turns over.
+    ConverterFlipped = "converter-flipped" ["wire"] [],
     /// The network to a driver unit is gone, both ways.
     LinkOutage = "link-outage" [] [],
     /// The network to a driver unit is that of a worse radio.
@@ -115,6 +123,10 @@ impl FaultKind {
                 | K::ClockStopped
                 | K::AmplifierStuckOn
                 | K::OpenWire
+                | K::ConverterDead
+                | K::ConverterBrownOut
+                | K::ConverterStuck
+                | K::ConverterFlipped
                 | K::LinkOutage
                 | K::LinkRough
                 | K::FaceSensorOpen
@@ -169,6 +181,12 @@ impl FaultKind {
     #[must_use]
     pub fn is_of_heat(self) -> bool {
         self >= Self::FaceSensorOpen
+    }
+
+    /// Whether it happens to a converter of a bench's `[dac]`.
+    #[must_use]
+    pub fn is_of_converters(self) -> bool {
+        (Self::ConverterDead..=Self::ConverterFlipped).contains(&self)
     }
 
     /// Whether it happens to sensor boards or their buses.

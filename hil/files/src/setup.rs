@@ -332,6 +332,10 @@ fn check_faults(
             let expected = "a bench that states drive.clock: there is none to stop";
             return Err(scene.source.bad(&format!("faults[{index}].kind"), expected));
         }
+        if fault.kind.is_of_converters() && bench.dac.is_none() {
+            let expected = "a bench with [dac]: there is no converter to fail";
+            return Err(scene.source.bad(&format!("faults[{index}].kind"), expected));
+        }
         if let Some(module) = fault.module.and_then(|m| sensor.modules.get(m)) {
             below("taxel", fault.taxel, module.taxels().len())?;
             below("line", fault.line.map(usize::from), 8)?;

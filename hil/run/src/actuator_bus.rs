@@ -37,12 +37,15 @@ impl ActuatorBus {
         for (number, addresses) in (0..).zip(plan::buses(bench)) {
             let count = addresses.len() as u8; // at most 16
             let place = Place::of_bus(number, first..first + count);
+            let all = bench.dac.as_ref().map_or(&[][..], |dac| &dac.addresses);
+            let converters = place.boards.iter().filter_map(|b| all.get(usize::from(*b)));
+            let converters: Vec<u8> = converters.copied().collect();
             first += count;
             if count == 0 {
                 continue;
             }
             let chips = addresses.iter().map(|a| (*a, bench.drive.oscillator));
-            let rack = Rack::new(&chips.collect::<Vec<_>>(), &[], BusClock::Fast);
+            let rack = Rack::new(&chips.collect::<Vec<_>>(), &converters, BusClock::Fast);
             // Refused only from inside another look at the segment, and there is none here.
             let _ = rack.bus().with(|segment| {
                 let hz = bench.drive.external_hz();

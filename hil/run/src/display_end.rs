@@ -197,13 +197,20 @@ impl EmulatedDisplay {
         let prescale = projector.guard().prescale();
         let writer = || {
             let writer = RegisterWriter::new(i2c.clone(), &boards);
+            let full_scale = plan::milliamps(bench.drive.current_ma);
+            let writer = match &bench.dac {
+                Some(dac) => writer.with_converters(&dac.addresses, full_scale),
+                None => writer,
+            };
             match place.alone {
                 true => writer,
                 false => writer.sharing(&place.channels),
             }
         };
+        let heat = EmulatedHeat::of(setup);
         let lines = (i2c.clone(), display.bus());
-        let driver = EmulatedDriver::new(bench, projector, lines, &place, seed)?;
+        let module = heat.as_ref().and_then(EmulatedHeat::lent);
+        let driver = EmulatedDriver::new(bench, projector, lines, (&place, module), seed)?;
         Ok(Self {
             writer: setup.is_observed().then(writer),
             driver,
@@ -218,7 +225,7 @@ impl EmulatedDisplay {
             summary: false,
             band: None,
             currents: Currents::new(projector.display().wires().len()),
-            heat: EmulatedHeat::of(setup),
+            heat,
             display,
             i2c,
         })
@@ -384,7 +391,7 @@ impl DisplayEnd for EmulatedDisplay {
         recorder: &mut Recorder,
     ) -> Result<bool, LoopError<S::Error, DriverError>> {
         if let Some(heat) = &mut self.heat {
-            heat.turn(now, projector, &mut recorder.events);
+            heat.turn(now, projector, self.driver.unit(), &mut recorder.events);
         }
         match &mut self.writer {
             Some(writer) => projector.observe(now, skin, writer, recorder),
@@ -434,7 +441,7 @@ impl DisplayEnd for EmulatedDisplay {
                 drive: self.drive,
                 place: &self.place,
                 unit: self.driver.unit(),
-                heat: self.heat.as_mut().map(EmulatedHeat::module),
+                heat: self.heat.as_ref().map(EmulatedHeat::module),
             }),
         };
         if last {

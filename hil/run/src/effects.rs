@@ -6,7 +6,7 @@ use palpate_core::units::Instant;
 use palpate_emulators::display::i2c::I2cHandle;
 use palpate_emulators::display::i2c::fault::{I2cFaultKind, Shared};
 use palpate_emulators::display::pca9685::Pca9685;
-use palpate_emulators::display::peltier::{Peltier, SensorDefect};
+use palpate_emulators::display::peltier::{PeltierHandle, SensorDefect};
 use palpate_emulators::sensor::can::faults::{Counts, Effect, Faulty, Rule};
 use palpate_emulators::sensor::rig::Handle;
 use palpate_emulators::time::Nanos;
@@ -16,6 +16,9 @@ use palpate_files::{Drive, Fault, FaultKind};
 
 use crate::place::Place;
 use crate::unit::RemoteUnit;
+
+/// Of a converter's code.
+const HIGHEST_BIT: u8 = 11;
 
 /// The hardware that faults are done to.
 pub struct Faultable<'a> {
@@ -40,7 +43,7 @@ pub struct FaultyDisplay<'a> {
     /// The driver unit and its network, where the bench has one.
     pub unit: Option<&'a mut RemoteUnit>,
     /// The Peltier module, where the bench has one.
-    pub heat: Option<&'a mut Peltier>,
+    pub heat: Option<PeltierHandle>,
 }
 
 /// What a fault does to identifiers.
@@ -92,7 +95,7 @@ pub(super) const fn i2c_kind(kind: FaultKind) -> Option<I2cFaultKind> {
 
 /// Does a fault to the Peltier module of the display, or mends it; whether it has one.
 pub(super) fn on_module(bench: &mut Faultable<'_>, kind: FaultKind, begins: bool) -> bool {
-    let module = bench.display.as_mut().and_then(|d| d.heat.as_deref_mut());
+    let module = bench.display.as_mut().and_then(|d| d.heat.as_ref());
     let Some(module) = module else {
         return false;
     };
@@ -101,12 +104,43 @@ pub(super) fn on_module(bench: &mut Faultable<'_>, kind: FaultKind, begins: bool
         FaultKind::FaceSensorShort => SensorDefect::Short,
         FaultKind::FaceSensorStale => SensorDefect::Stale,
         _ => {
-            module.set_shorted(begins);
+            module.with(|module| module.set_shorted(begins));
             return begins;
         }
     };
-    module.set_sensor(begins.then_some(defect));
+    module.with(|module| module.set_sensor(begins.then_some(defect)));
     begins
+}
+
+/// Does a fault to a converter of the display, or mends it.
+pub(super) fn on_converter(bench: &Faultable<'_>, fault: &Fault, now: Instant, begins: bool) {
+    let Some(display) = &bench.display else {
+        return;
+    };
+    let at = Nanos::from(now);
+    let own = fault.board.and_then(|board| display.place.own_board(board));
+    // Refused only from inside another look at the segment, and there is none here.
+    let _ = display.chips.with(|segment| {
+        let converter = own.and_then(|c| segment.converters_mut().get_mut(c));
+        match (converter, fault.kind, begins) {
+            (Some(converter), FaultKind::ConverterDead, true) => converter.power_off(at),
+            (Some(converter), FaultKind::ConverterDead, false) => converter.power_on(at),
+            (Some(converter), FaultKind::ConverterBrownOut, true) => {
+                converter.power_off(at);
+                converter.power_on(at);
+            }
+            _ => {}
+        }
+    });
+    let wire = fault.wire.and_then(|wire| display.place.own_wire(wire));
+    let Some((wire, worn)) = wire.zip(display.worn.as_deref()) else {
+        return;
+    };
+    worn.on_converter(wire, |converter, output| match (fault.kind, begins) {
+        (FaultKind::ConverterStuck, stuck) => converter.set_stuck(output, stuck),
+        (_, true) => converter.flip(at, output, HIGHEST_BIT),
+        (_, false) => {}
+    });
 }
 
 /// How much a kind has hit so far, where a layer counts it.

@@ -66,7 +66,7 @@ pub use finder::{Finder, Search};
 pub use fingers::Fingers;
 pub use hand::Hand;
 pub use header::{attachments, header};
-pub use heat::HeatReport;
+pub use heat::{HeatReport, RemoteHeat};
 pub use levels::{Intensities, dynamic_levels};
 pub use live::{EmulatedSession, EmulatedSkin, FedSession, press};
 pub use loops::{build, build_with, fits};

@@ -99,14 +99,20 @@ impl Place {
 
     /// The longest that the transfers of one of these may hold up its own: another display of its bus switches its channels
     /// off one by one and starts its boards anew, ten transfers each.
-    fn wait_for(&self, all: &[Self]) -> Duration {
+    fn wait_for(&self, all: &[Self], bench: &Bench) -> Duration {
         let off = BusClock::Fast.write_time(2).as_micros();
         let other = BusClock::Fast.write_time(3).as_micros();
         let others = all
             .iter()
             .filter(|o| o.name != self.name && o.bus == self.bus);
-        let restarts = others.map(|o| o.wires as u64 * off + 10 * o.boards.len() as u64 * other);
-        Duration::from_micros(restarts.max().unwrap_or(0))
+        let restart = |o: &Self| o.wires as u64 * off + 10 * o.boards.len() as u64 * other;
+        // Where currents are set: two commands per converter, and each output to zero and read back.
+        let currents = |o: &Self| match &bench.dac {
+            Some(_) => plan::current_wait(o.wires) + 2 * o.boards.len() as u64 * other,
+            None => 0,
+        };
+        let all = others.map(|o| restart(o) + currents(o));
+        Duration::from_micros(all.max().unwrap_or(0))
     }
 
     /// Its own number of a board of the bench, if it is on that board.
@@ -155,7 +161,7 @@ pub fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
         place.beside(&places);
         let mut alone = setup.clone();
         alone.fingers.clear();
-        alone.bus_wait = place.wait_for(&places);
+        alone.bus_wait = place.wait_for(&places, bench);
         alone.display = finger.display.clone();
         alone.person = finger.person.clone();
         alone.wearer.clone_from(&finger.wearer);
@@ -188,9 +194,15 @@ pub fn fingers(setup: &Setup) -> Vec<(Place, Setup)> {
         if any_textured {
             own.drive.pwm_hz.get_or_insert(plan::PWM_HZ);
         }
-        own.drive.supply_limit_ma = place.boards.len() as f64 * bench.drive.current_ma;
+        if let Some((own, all)) = own.dac.as_mut().zip(bench.dac.as_ref()) {
+            let boards = place.boards.iter().map(|board| usize::from(*board));
+            let own_ones = boards.filter_map(|board| all.addresses.get(board).copied());
+            own.addresses = own_ones.collect();
+        }
+        let most_ma = bench.most_ma();
+        own.drive.supply_limit_ma = place.boards.len() as f64 * most_ma;
         let others = bench.boards() - place.boards.len();
-        let sag = others as f64 * bench.drive.current_ma * 1e-3 * bench.amplifier.supply_ohm;
+        let sag = others as f64 * most_ma * 1e-3 * bench.amplifier.supply_ohm;
         own.amplifier.supply_v = bench.amplifier.supply_v.map(|volts| volts - sag);
         (place, alone)
     };

@@ -56,19 +56,16 @@ impl Policy {
     };
 }
 
-/// Refuses to look on where the guard is not the last word, or where registers are not all there is to write.
+/// Refuses to look on where the guard is not the last word.
 pub(crate) fn refuse_observed(setup: &Setup) -> Result<(), Failure> {
     let bench = &setup.bench.value;
-    let without = match (&bench.unit, &bench.dac) {
-        _ if !setup.is_observed() => return Ok(()),
-        (Some(_), _) => "[unit] for --observe: a unit has a guard of its own",
-        (_, Some(_)) => "[dac] for --observe: it sets no currents",
-        _ => return Ok(()),
-    };
-    let name = &bench.name;
-    Err(Failure::Input(format!(
-        "bench `{name}`: expected a bench without {without}"
-    )))
+    match &bench.unit {
+        Some(_) if setup.is_observed() => Err(Failure::Input(format!(
+            "bench `{}`: expected a bench without [unit] for --observe: a unit has a guard of its own",
+            bench.name
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// Refuses hardware: what is emulated must not be recorded as real.

@@ -12,7 +12,7 @@ use palpate_emulators::sensor::rig::SkinBus;
 use palpate_records::trace::Event;
 use serde::Serialize;
 
-use super::effects::{Faultable, counter, i2c_kind, on_chip, on_module, rules};
+use super::effects::{Faultable, counter, i2c_kind, on_chip, on_converter, on_module, rules};
 use palpate_files::{Drive, Fault, FaultKind};
 
 /// How long what happens for a moment lasts, where the scene does not say: a reboot, a bus-off host.
@@ -259,6 +259,7 @@ impl Script {
                     }
                 }
             }
+            (kind, _) if kind.is_of_converters() => on_converter(bench, &fault, now, begins),
             (kind, _) if kind.is_of_heat() => once = on_module(bench, kind, begins),
             (kind, _) => {
                 once = false;

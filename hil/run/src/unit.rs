@@ -4,11 +4,13 @@
 use palpate_core::codec::link::{MOST, State};
 use palpate_core::driver::{Actuators, Banks, DriverError, Traffic, UnitDriver, UnitSettings};
 use palpate_core::guard::Guarded;
+use palpate_core::peltier::Regulator;
 use palpate_core::projector::Projector;
 use palpate_core::random::RandomStream;
 use palpate_core::units::{Board, Duration, Instant};
 use palpate_emulators::display::i2c::I2cHandle;
 use palpate_emulators::display::i2c::fault::Shared;
+use palpate_emulators::display::peltier::PeltierHandle;
 use palpate_emulators::network::Profile;
 use palpate_emulators::time::Nanos;
 use palpate_emulators::unit::{Crystal, EmulatedUnit, OeLine, Settings};
@@ -67,10 +69,13 @@ impl UnitReport {
     }
 }
 
+/// A Peltier module and what a unit regulates it with.
+pub(crate) type Lent = (PeltierHandle, Regulator);
+
 /// A unit and what the host knows of it.
 pub struct RemoteUnit {
     driver: UnitDriver,
-    air: EmulatedUnit<Shared<I2cHandle>, OeLine>,
+    air: EmulatedUnit<Shared<I2cHandle>, OeLine, PeltierHandle>,
     profile: Profile,
     boards: u8,
     /// The newest reading of the skin.
@@ -88,17 +93,18 @@ const fn profile(network: Network) -> Profile {
 }
 
 impl RemoteUnit {
-    /// A unit with the limits and wires of the projector's guard.
+    /// The unit of a bench, with the limits and wires of the projector's guard.
     ///
     /// # Errors
     /// [`Failure::Input`] for what no unit can be.
     pub fn new(
-        bench: &BenchUnit,
+        (bench, unit): (&Bench, &BenchUnit),
         projector: &Projector,
-        addresses: &[u8],
         (i2c, line): (Shared<I2cHandle>, OeLine),
+        module: Option<Lent>,
         seed: u64,
     ) -> Result<Self, Failure> {
+        let addresses = &*plan::boards(bench);
         let guard = projector.guard();
         let settings = Settings {
             key: &KEY,
@@ -107,15 +113,17 @@ impl RemoteUnit {
             addresses,
             limits: *guard.limits(),
             plant: *guard.plant(),
-            heat: bench.heat,
+            heat: unit.heat,
+            converters: plan::converters(bench),
         };
-        let profile = profile(bench.network);
+        let profile = profile(unit.network);
         let crystal = Crystal {
-            ppm: bench.drift_ppm,
+            ppm: unit.drift_ppm,
         };
-        let air = EmulatedUnit::new(&settings, (i2c, line), (profile, crystal), seed);
+        let network = (profile, crystal);
+        let air = EmulatedUnit::warming(&settings, (i2c, line), module, network, seed);
         let nonce = RandomStream::new(seed, "host of the unit").next_u64();
-        let delay = Duration::from_micros(u64::from(bench.delay_ms) * 1000);
+        let delay = Duration::from_micros(u64::from(unit.delay_ms) * 1000);
         let resumes = true; // as every stop of an emulated bench ends by itself
         Ok(Self {
             driver: UnitDriver::new(&KEY, nonce, UnitSettings { delay, resumes }),
@@ -169,6 +177,11 @@ impl RemoteUnit {
         if let Some(datagram) = datagram {
             self.air.send(Nanos::from(self.now), datagram);
         }
+    }
+
+    /// The host's end of its link.
+    pub(crate) const fn driver(&mut self) -> &mut UnitDriver {
+        &mut self.driver
     }
 
     /// Cuts the network, or opens it again.
@@ -266,10 +279,9 @@ impl EmulatedDriver {
         bench: &Bench,
         projector: &Projector,
         (i2c, bus): (Shared<I2cHandle>, I2cHandle),
-        place: &Place,
+        (place, module): (&Place, Option<Lent>),
         seed: u64,
     ) -> Result<Self, Failure> {
-        let boards = plan::boards(bench);
         let Some(unit) = &bench.unit else {
             let banks = plan::banks(bench, i2c, projector.guard().prescale());
             return Ok(Self::Wired(match place.alone {
@@ -278,7 +290,7 @@ impl EmulatedDriver {
             }));
         };
         let lines = (i2c, OeLine(bus));
-        let unit = RemoteUnit::new(unit, projector, &boards, lines, seed)?;
+        let unit = RemoteUnit::new((bench, unit), projector, lines, module, seed)?;
         Ok(Self::Unit(Box::new(unit)))
     }
 

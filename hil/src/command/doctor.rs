@@ -125,6 +125,13 @@ fn unit(place: &UnitPlace) -> Vec<Finding> {
     } else {
         "the integer rows"
     };
+    let set = hello.current.map_or(String::new(), |current| {
+        format!(", currents set up to {} mA", current.full_scale.0)
+    });
+    let module = match hello.warmth {
+        true => ", a Peltier module",
+        false => "",
+    };
     let mut found = vec![
         finding(
             "unit",
@@ -149,7 +156,7 @@ fn unit(place: &UnitPlace) -> Vec<Finding> {
             "unit boards",
             true,
             format!(
-                "{wires} wires, boards: {boards}, PRE_SCALE {}, {} mA through {} milliohms",
+                "{wires} wires, boards: {boards}, PRE_SCALE {}, {} mA through {} milliohms{set}{module}",
                 plant.prescale.get(),
                 plant.peak.0,
                 plant.wire_milliohm

@@ -254,6 +254,11 @@ impl RemoteUnit {
         }
     }
 
+    /// The host's end of its link.
+    pub const fn driver(&mut self) -> &mut UnitDriver {
+        &mut self.driver
+    }
+
     /// Where it is.
     pub const fn place(&self) -> &UnitPlace {
         &self.place

@@ -93,6 +93,7 @@ impl Live {
             .for_each(|line| line.set_pulse(guardian.pulse()));
         let addresses = watch.buses.iter().map(|(_, addresses)| &**addresses);
         let banks = Banks::new(lines.into_iter().zip(addresses), prescale);
+        let banks = plan::with_converters(bench, banks);
         Ok(Self {
             banks,
             watchman: Watchman {

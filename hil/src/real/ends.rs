@@ -7,7 +7,7 @@ use palpate_core::units::Instant;
 use palpate_run::display_end::DisplayEnd;
 use palpate_run::skin_end::{SkinEnd, Tap};
 use palpate_run::unit::UnitReport;
-use palpate_run::{CanPlayer, EmulatedSkin, Failure, Rows};
+use palpate_run::{CanPlayer, EmulatedSkin, Failure, HeatReport, Rows};
 
 use super::bench::{Interfaces, Live};
 use super::warden::FingerEnd;
@@ -67,6 +67,11 @@ pub(super) trait Watched: DisplayEnd {
 
     /// What came of the driver unit, where it is one.
     fn unit(&self) -> Option<UnitReport> {
+        None
+    }
+
+    /// What came of that unit's Peltier module, where the bench has one.
+    fn heat(&self) -> Option<HeatReport> {
         None
     }
 }

@@ -253,6 +253,7 @@ fn open(setup: &Setup, real: &Real, planned: &[Planned]) -> Result<Opened, Failu
             } = &planned[finger];
             let boards = plan::boards(&setup.bench.value);
             let banks = Banks::new([(share, &*boards)], projector.guard().prescale());
+            let banks = plan::with_converters(&setup.bench.value, banks);
             let banks = match place.alone {
                 true => banks,
                 false => banks.sharing(&place.channels),

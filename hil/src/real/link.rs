@@ -7,14 +7,14 @@ use palpate_core::units::Instant;
 use palpate_records::trace::Event;
 use palpate_run::display_end::{DisplayEnd, OutputEnable};
 use palpate_run::unit::{NoLine, UnitReport};
-use palpate_run::{Failure, Recorder};
+use palpate_run::{Failure, HeatReport, Recorder, RemoteHeat};
 
 use super::ends::Watched;
 use crate::link::RemoteUnit;
 use crate::output::note;
 
-/// A unit with which a session has begun.
-pub(super) struct LinkEnd(pub(super) RemoteUnit);
+/// A unit with which a session has begun, and what the host does about its Peltier module.
+pub(super) struct LinkEnd(pub(super) RemoteUnit, pub(super) Option<RemoteHeat>);
 
 impl LinkEnd {
     /// Keeps a stop on this computer too, until a person has looked.
@@ -48,6 +48,9 @@ impl DisplayEnd for LinkEnd {
         skin: &mut S,
         recorder: &mut Recorder,
     ) -> Result<bool, LoopError<S::Error, DriverError>> {
+        if let Some(heat) = &mut self.1 {
+            heat.turn(now, self.0.driver(), projector, &mut recorder.events);
+        }
         let polled = projector.poll(now, skin, &mut self.0, recorder);
         self.0.tell(projector.guard().heard());
         polled
@@ -83,5 +86,9 @@ impl Watched for LinkEnd {
 
     fn unit(&self) -> Option<UnitReport> {
         self.0.report()
+    }
+
+    fn heat(&self) -> Option<HeatReport> {
+        self.1.as_ref().map(RemoteHeat::report)
     }
 }

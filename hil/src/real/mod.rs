@@ -26,8 +26,8 @@ use palpate_run::effort::Effort;
 use palpate_run::plan::differences;
 use palpate_run::skin_end::Tap;
 use palpate_run::{
-    AskedLevel, Beginning, CanPlayer, EmulatedSkin, Failure, Input, Outcome, Pacing, Rows, Truth,
-    attachments, build, dynamic_levels, finished, header, scene_levels, skin,
+    AskedLevel, Beginning, CanPlayer, EmulatedSkin, Failure, Input, Outcome, Pacing, RemoteHeat,
+    Rows, Truth, attachments, build, dynamic_levels, finished, header, scene_levels, skin,
 };
 
 use crate::clock;
@@ -156,7 +156,7 @@ fn on_unit(
     let open = || -> Result<LinkEnd, Failure> {
         let mut unit = RemoteUnit::open(place, delay_ms, clock)?;
         unit.connect()?;
-        Ok(LinkEnd(unit))
+        Ok(LinkEnd(unit, RemoteHeat::of(setup)))
     };
     let after = |last: Instant| last + Duration::from_millis(100);
     match input {
@@ -354,6 +354,7 @@ fn outcome<S: Sensed, D: Watched>(setup: &Setup, header: Header, mut done: Done<
     let names = setup.bench.value.real.as_ref().map(|real| &*real.can);
     let tallies = session.skin().tallies();
     summary.unit = session.display().unit();
+    summary.heat = session.display().heat();
     summary.can = reports(names.unwrap_or_default(), &tallies);
     summary.frames_not_recorded = done.not_recorded;
     Outcome {

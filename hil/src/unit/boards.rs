@@ -7,13 +7,16 @@ use std::rc::Rc;
 use embedded_hal::digital::{ErrorType, OutputPin};
 use palpate_buses::guardian::Guardian;
 use palpate_buses::i2c::{Blocking, LinuxAdapter};
+use palpate_core::peltier::Regulator;
+use palpate_core::physics::{PeltierParameters, Thermistor};
 use palpate_core::units::Instant;
 use palpate_emulators::display::i2c::{I2cHandle, I2cSegment};
 use palpate_emulators::display::pca9685::Pca9685;
+use palpate_emulators::display::peltier::{Peltier, PeltierHandle};
 use palpate_emulators::time::Nanos;
 use palpate_emulators::unit::OeLine;
 use palpate_emulators::worn::WornDisplay;
-use palpate_files::{Bench, Real, Setup};
+use palpate_files::{Bench, BenchHeat, Real, Setup};
 use palpate_run::{Failure, display_end, plan};
 
 use super::record::Told;
@@ -38,7 +41,11 @@ pub(super) trait Boards {
 /// Emulated boards and wires.
 pub(super) struct Emulated {
     display: WornDisplay,
+    /// The Peltier module under the fingertip, where the bench has one.
+    module: Option<PeltierHandle>,
     flowed: Flowed,
+    /// Of that module.
+    parameters: PeltierParameters,
     /// CLOCK_MONOTONIC at the emulators' zero.
     epoch_ns: u64,
     addresses: Vec<u8>,
@@ -47,12 +54,22 @@ pub(super) struct Emulated {
 impl Emulated {
     pub(super) fn new(setup: &Setup, epoch_ns: u64) -> Result<Self, Failure> {
         let display = display_end::emulated(setup, plan::display(setup)?.wires())?;
+        let heat = setup.bench.value.heat;
+        let module = |h: BenchHeat| Peltier::new(h.parameters(), Thermistor::default(), h.air_c);
         Ok(Self {
             display,
+            module: heat.map(module).map(PeltierHandle::new),
+            parameters: heat.map_or_else(PeltierParameters::default, |h| h.parameters()),
             flowed: Flowed::of(&setup.bench.value.outputs),
             epoch_ns,
             addresses: plan::boards(&setup.bench.value),
         })
+    }
+
+    /// The module and what the unit regulates it with.
+    pub(super) fn module(&self) -> Option<(PeltierHandle, Regulator)> {
+        let regulator = Regulator::new(self.parameters, Thermistor::default());
+        self.module.clone().map(|module| (module, regulator))
     }
 
     /// What the unit holds: the bus, and the line to the OE pins.
@@ -63,6 +80,13 @@ impl Emulated {
 
 impl Boards for Emulated {
     fn advance(&mut self, since_ns: u64, teller: &mut Teller) -> Result<(), Failure> {
+        if let Some(module) = &self.module {
+            let face_c = module.with(|module| {
+                module.advance(Nanos(since_ns));
+                module.state().face_c
+            });
+            self.display.warm(face_c);
+        }
         let (flowed, addresses, epoch) = (&mut self.flowed, &self.addresses, self.epoch_ns);
         let mut told = Ok(());
         let advanced = self.display.advance(Nanos(since_ns), &mut |edge| {

@@ -18,7 +18,7 @@ use palpate_core::guard::Cause;
 use palpate_core::units::Instant;
 use palpate_files::{BenchKind, Setup};
 use palpate_run::{Failure, build, plan};
-use palpate_unit::{Datagrams, Settings, Unit};
+use palpate_unit::{Datagrams, Module, Settings, Unit};
 use std::os::fd::AsFd;
 
 use crate::link::key;
@@ -89,6 +89,7 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
         plant: *projector.guard().plant(),
         // A processor that runs Linux bears them.
         heat: true,
+        converters: plan::converters(bench),
     };
     let cannot = |e| Failure::Input(format!("bench `{}`: {e}", bench.name));
     let device = |what: String| move |e: std::io::Error| Failure::Device(format!("{what}: {e}"));
@@ -136,6 +137,12 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
             let Some((line, pin)) = boards.lines() else {
                 return Ok(()); // held once
             };
+            if bench.heat.is_some() {
+                return Err(Failure::Input(format!(
+                    "bench `{}`: expected no [heat] with real boards: this program drives no bridge",
+                    bench.name
+                )));
+            }
             let unit = Unit::new(&settings, line, pin).map_err(cannot)?;
             let i2c = real.i2c.first().map(|path| path.display().to_string());
             teller.tell(&served("real", i2c.as_deref()))?;
@@ -143,8 +150,8 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
         }
         _ => {
             let boards = Emulated::new(setup, epoch_ns)?;
-            let (line, pin) = boards.lines();
-            let unit = Unit::new(&settings, line, pin).map_err(cannot)?;
+            let unit = Unit::warming(&settings, boards.lines(), boards.module());
+            let unit = unit.map_err(cannot)?;
             teller.tell(&served("emulated", None))?;
             process.run(unit, boards, teller, "emulated")
         }
@@ -179,9 +186,9 @@ const fn shown(t_ns: u64) -> Instant {
 
 impl Process {
     /// Turns until a signal or a failure. The outputs go off whatever ended it.
-    fn run<I: I2c, P: OutputPin, B: Boards>(
+    fn run<I: I2c, P: OutputPin, T: Module, B: Boards>(
         mut self,
-        mut unit: Unit<I, P>,
+        mut unit: Unit<I, P, T>,
         mut boards: B,
         mut teller: Teller,
         source: &'static str,
@@ -211,9 +218,9 @@ impl Process {
         }
     }
 
-    fn turns<I: I2c, P: OutputPin, B: Boards>(
+    fn turns<I: I2c, P: OutputPin, T: Module, B: Boards>(
         &mut self,
-        unit: &mut Unit<I, P>,
+        unit: &mut Unit<I, P, T>,
         boards: &mut B,
         teller: &mut Teller,
     ) -> Result<(), Failure> {
@@ -238,10 +245,10 @@ impl Process {
     }
 
     /// Says what is new.
-    fn tell<I: I2c, P: OutputPin>(
+    fn tell<I: I2c, P: OutputPin, T: Module>(
         &mut self,
         t_ns: u64,
-        unit: &Unit<I, P>,
+        unit: &Unit<I, P, T>,
         teller: &mut Teller,
     ) -> Result<(), Failure> {
         let (counts, seen) = (unit.counts(), &mut self.seen);

@@ -9,6 +9,7 @@ use palpate_buses::pacer::RunClock;
 use palpate_buses::served::wait::monotonic_ns;
 use palpate_core::codec::link::MOST;
 use palpate_core::units::Duration;
+use serde_json::Value;
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, client};
 
@@ -277,4 +278,66 @@ fn a_stop_in_the_page_over_a_unit_switches_off_and_stays_until_it_is_cleared() {
     assert_eq!(said(&unit, &[&["doctor"], &on[..]].concat()).0, 0);
     told.extend(unit.finish());
     assert_eq!(seen(&told).high, 0);
+}
+
+#[test]
+fn a_unit_with_currents_and_a_module_is_driven_over_udp() {
+    let unit = Process::on(&["--bench", "unit-whole"]);
+    let address = unit.address.to_string();
+    let run = |bench: &str| {
+        let on = ["--unit", &address, "--key", "unit.key", "--bench", bench];
+        let scene = ["run", "warm-materials", "--json", "--quiet"];
+        // Three seconds of metal.
+        let short = ["length_s=4", "touches[0].end_s=4", "materials[0].end_s=3.9"];
+        let mut command = hil(&unit.folder);
+        command.args(scene).args(on);
+        for change in short.iter().chain(&["materials[0].material=metal"]) {
+            command.args(["--set", change]);
+        }
+        let done = command.output().unwrap();
+        let text = String::from_utf8(done.stderr).unwrap();
+        (done.status.code().unwrap(), done.stdout, text)
+    };
+    let (status, summary, text) = run("unit-whole");
+    assert_eq!(status, 0, "{text}");
+    let summary: Value = serde_json::from_slice(&summary).unwrap();
+    let (heat, driven) = (&summary["heat"], &summary["unit"]);
+    let coldest = heat["coldest_face_c"].as_f64().unwrap();
+    assert!((22.5..26.0).contains(&coldest), "{heat}");
+    assert!(heat["turns"].as_u64().unwrap() > 100, "{heat}");
+    assert_eq!(heat["stops"], 0, "{heat}");
+    assert!(driven["begun"].as_u64().unwrap() > 20, "{driven}");
+    assert_eq!(driven["stops"], 0, "{driven}");
+    // A host whose bench sets no currents plays at the unit's full scale, and leaves its face alone.
+    let (status, _, text) = run("unit");
+    assert_eq!(status, 0, "{text}");
+    let doctor = ["doctor", "--unit", &address, "--key", "unit.key"];
+    let done = hil(&unit.folder).args(doctor).output().unwrap();
+    let told = String::from_utf8(done.stdout).unwrap();
+    assert!(
+        told.contains("currents set up to 1970 mA, a Peltier module"),
+        "{told}"
+    );
+    let seen = seen(&unit.finish());
+    assert_eq!(seen.high, 0, "{seen:?}");
+    // One without them is refused where the bench wants them.
+    let plain = Process::new();
+    let address = plain.address.to_string();
+    let on = ["--unit", &address, "--key", "unit.key", "--bench"];
+    let refused = |bench: &str| {
+        said(
+            &plain,
+            &[&["run", "sphere-along"], &on[..], &[bench]].concat(),
+        )
+    };
+    let (status, text) = refused("set-current");
+    assert!(
+        status == 2 && text.contains("expected a unit whose currents are set"),
+        "{text}"
+    );
+    let (status, text) = refused("warm");
+    assert!(
+        status == 2 && text.contains("expected a unit with a Peltier module"),
+        "{text}"
+    );
 }

@@ -115,6 +115,7 @@ impl Model {
             limits: HARD,
             plant: Plant::default(),
             heat: false,
+            converters: None,
         };
         let mut unit = Unit::new(&settings, bus.clone(), OeLine(bus.clone())).unwrap();
         unit.start(Instant::from_micros(1));
@@ -222,6 +223,11 @@ pub struct Process {
 
 impl Process {
     pub fn new() -> Self {
+        Self::on(&[])
+    }
+
+    /// The same with further arguments.
+    pub fn on(more: &[&str]) -> Self {
         let folder = Folder::new();
         write_key(&folder.0.join("unit.key"), &KEY);
         let mut command = hil(&folder);
@@ -233,6 +239,7 @@ impl Process {
             "--listen",
             "127.0.0.1:0",
         ]);
+        command.args(more);
         let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
         let mut lines = BufReader::new(child.stdout.take().unwrap());
         let mut first = String::new();

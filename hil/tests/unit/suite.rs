@@ -1,11 +1,11 @@
 //! What holds for every kind of unit.
 
-use palpate_core::codec::link::{Command, Header, Hello, Key, Kind, MOST, Planned, Request};
+use palpate_core::codec::link::{Command, Header, Hello, Key, Kind, MOST, Planned, Said};
 use palpate_core::driver::{Actuators, UnitDriver, UnitSettings};
 use palpate_core::guard::{Guard, HARD};
 use palpate_core::random::RandomStream;
 use palpate_core::schedule::Stimulus;
-use palpate_core::units::{Board, Channel, Duration, Instant, Ticks};
+use palpate_core::units::{Board, Channel, Duration, Instant, Milliamps, Ticks};
 
 use super::subject::{KEY, Model, Process, Subject, wires};
 
@@ -99,14 +99,18 @@ fn hostile(dice: &mut RandomStream, hello: Option<Header>) -> Vec<u8> {
             board: Board(draw(2) as u8),
             channel: Channel(n as u8 % 16),
             width: Ticks::new(4095),
+            current: Milliamps(0),
             at: Instant::from_micros(draw(10_000_000)),
             until: Instant::FAR_FUTURE,
         })
         .collect();
     let key = Key::new(if draw(2) == 0 { &KEY } else { &[1; 32] });
     let mut buffer = [0; MOST];
-    let write =
-        |out: &mut [u8]| Command::write(out, Instant::FAR_FUTURE, (0, Request::Play), &plan);
+    let says = Said {
+        reading: Instant::FAR_FUTURE,
+        ..Said::default()
+    };
+    let write = |out: &mut [u8]| Command::write(out, &says, &plan);
     let mut datagram = key.seal(&header, &mut buffer, write).to_vec();
     match draw(4) {
         0 => datagram.truncate(draw(60) as usize),
@@ -197,13 +201,17 @@ fn limits_a_host_that_lies(mut subject: impl Subject) {
             .map(|channel| Planned {
                 board: Board(0),
                 channel: Channel(channel),
-                width: Ticks::new(4096),
+                width: Ticks::new(4095),
+                current: Milliamps(4095),
                 at: unit_now + Duration::from_millis(5),
                 until: unit_now + Duration::from_millis(10_000),
             })
             .collect();
-        let write =
-            |out: &mut [u8]| Command::write(out, Instant::FAR_FUTURE, (0, Request::Play), &plan);
+        let says = Said {
+            reading: Instant::FAR_FUTURE,
+            ..Said::default()
+        };
+        let write = |out: &mut [u8]| Command::write(out, &says, &plan);
         subject.send(key.seal(&header, &mut buffer, write));
         let before = subject.now();
         subject.pass(Duration::from_millis(10));

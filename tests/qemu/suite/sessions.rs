@@ -24,8 +24,8 @@ on_each_machine! {
     ten_thousand_spoiled_datagrams_switch_nothing_on
 }
 
-/// A genuine I2C driver and a genuine port over USB, at a fourteenth of real time: what they add is tried, no more. A
-/// hang is not: rp2040js's watchdog does not bite.
+/// A genuine I2C driver, a genuine port over USB and a genuine watchdog, at a fourteenth of real time: what they add is
+/// tried, no more.
 mod pico {
     use crate::machines::PICO;
 
@@ -37,6 +37,11 @@ mod pico {
     #[test]
     fn a_bus_that_dies_is_cut_and_comes_back() {
         super::a_bus_that_dies_is_cut_and_comes_back(PICO);
+    }
+
+    #[test]
+    fn a_unit_that_hangs_is_reset_within_the_burst_and_switches_off_first() {
+        super::a_unit_that_hangs_is_reset_within_the_burst_and_switches_off_first(PICO);
     }
 }
 

@@ -4,10 +4,14 @@
 
 use super::bytes::{Reader, Writer};
 use super::{MOST_PLANNED, Refusal};
-use crate::units::{Board, Channel, Duration, Instant, Ticks};
+use crate::units::{Board, Channel, Duration, Instant, Milliamps, Ticks};
 
 /// Bytes of one stimulus.
-const EACH: usize = 9;
+const EACH: usize = 10;
+/// Bits of a width in a stimulus; those above are its current.
+const WIDTH_BITS: u32 = 12;
+/// The largest of either, and the most current, mA, that a link carries.
+pub const MOST_CURRENT: u32 = (1 << WIDTH_BITS) - 1;
 
 /// A stimulus in time to come, in the unit's time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +22,8 @@ pub struct Planned {
     pub channel: Channel,
     /// Pulse width; none ends what the channel does.
     pub width: Ticks,
+    /// What the amplifier is set to before, 4095 mA at most; none where it has one current, or shall give its most.
+    pub current: Milliamps,
     /// Onset.
     pub at: Instant,
     /// End.
@@ -30,6 +36,7 @@ impl Planned {
         board: Board(0),
         channel: Channel(0),
         width: Ticks::ZERO,
+        current: Milliamps(0),
         at: Instant::ZERO,
         until: Instant::ZERO,
     };
@@ -63,15 +70,33 @@ impl Request {
     }
 }
 
-/// A command as it was received: the stimuli stay bytes.
+/// What a host asks of a Peltier module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Command<'a> {
+pub struct Warmth {
+    /// What its face shall become, millidegrees C.
+    pub face_mc: u16,
+    /// The warmest that the wires bear by the host's own guard, millidegrees C.
+    pub ceiling_mc: u16,
+}
+
+/// What a command says beside its plan.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Said {
     /// When the newest reading was received, in the unit's time: no later than that. Zero without a reading.
     pub reading: Instant,
     /// The unit's stops that the host has seen and takes for over.
     pub stops: u32,
     /// What else.
     pub request: Request,
+    /// Of a Peltier module; nothing switches it off.
+    pub warmth: Option<Warmth>,
+}
+
+/// A command as it was received: the stimuli stay bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Command<'a> {
+    /// All but the plan.
+    pub said: Said,
     base: Instant,
     entries: &'a [u8],
 }
@@ -80,7 +105,7 @@ impl<'a> Command<'a> {
     /// A body's meaning.
     ///
     /// # Errors
-    /// [`Refusal::Body`] for a length that does not fit, an unknown flag, or a width over a period.
+    /// [`Refusal::Body`] for a length that does not fit, or an unknown request.
     pub fn read(body: &'a [u8]) -> Result<Self, Refusal> {
         Self::parse(body).ok_or(Refusal::Body)
     }
@@ -92,22 +117,24 @@ impl<'a> Command<'a> {
         let stops = reader.u32()?;
         let request = Request::from_number(reader.u8()?)?;
         let count = usize::from(reader.u8()?);
+        let (face_mc, ceiling_mc) = (reader.u16()?, reader.u16()?);
         let entries = reader.rest();
+        let warmth = Warmth {
+            face_mc,
+            ceiling_mc,
+        };
         let command = Self {
-            reading,
-            stops,
-            request,
+            said: Said {
+                reading,
+                stops,
+                request,
+                warmth: (face_mc > 0).then_some(warmth),
+            },
             base,
             entries,
         };
         let fits = count <= MOST_PLANNED && entries.len() == count * EACH;
-        let sound = fits && command.widths().all(|w| w <= Ticks::PER_PERIOD);
-        sound.then_some(command)
-    }
-
-    fn widths(&self) -> impl Iterator<Item = u16> + 'a {
-        let each = self.entries.as_chunks::<EACH>().0.iter();
-        each.map(|e| u16::from_le_bytes([e[1], e[2]]))
+        fits.then_some(command)
     }
 
     /// The stimuli.
@@ -116,12 +143,13 @@ impl<'a> Command<'a> {
         let one = move |entry: &[u8; EACH]| {
             let mut reader = Reader::new(entry);
             let place = reader.u8()?;
-            let width = Ticks::new(reader.u16()?);
+            let pulse = reader.u24()?;
             let at = base + Duration::from_micros(reader.u24()?.into());
             Some(Planned {
                 board: Board(place >> 4),
                 channel: Channel(place & 15),
-                width,
+                width: Ticks::new((pulse & MOST_CURRENT) as u16),
+                current: Milliamps(pulse >> WIDTH_BITS),
                 at,
                 until: at + Duration::from_micros(reader.u24()?.into()),
             })
@@ -130,23 +158,26 @@ impl<'a> Command<'a> {
     }
 
     /// Writes a command's body; its length. Stimuli beyond [`MOST_PLANNED`] are left out.
-    pub fn write(
-        out: &mut [u8],
-        reading: Instant,
-        (stops, request): (u32, Request),
-        plan: &[Planned],
-    ) -> usize {
+    pub fn write(out: &mut [u8], said: &Said, plan: &[Planned]) -> usize {
         let plan = plan.get(..MOST_PLANNED).unwrap_or(plan);
         let base = plan.iter().map(|p| p.at).min().unwrap_or_default();
+        let warmth = said.warmth.unwrap_or(Warmth {
+            face_mc: 0,
+            ceiling_mc: 0,
+        });
         let mut writer = Writer::new(out);
-        writer.u64(reading.as_micros());
+        writer.u64(said.reading.as_micros());
         writer.u64(base.as_micros());
-        writer.u32(stops);
-        writer.u8(request.number());
+        writer.u32(said.stops);
+        writer.u8(said.request.number());
         writer.u8(plan.len() as u8); // at most 128
+        writer.u16(warmth.face_mc);
+        writer.u16(warmth.ceiling_mc);
         for planned in plan {
+            let width = u32::from(planned.width.get()).min(MOST_CURRENT);
+            let current = planned.current.0.min(MOST_CURRENT);
             writer.u8(planned.board.0 << 4 | planned.channel.0 & 15);
-            writer.u16(planned.width.get());
+            writer.u24(u64::from(current << WIDTH_BITS | width));
             writer.u24(planned.at.since(base).as_micros());
             writer.u24(planned.until.since(planned.at).as_micros());
         }

@@ -2,13 +2,15 @@
 
 use super::bytes::{Reader, Writer};
 use super::{Refusal, State};
-use crate::guard::{Limits, Plant};
+use crate::guard::{CurrentControl, Limits, Plant};
 use crate::units::{Clock, Duration, Instant, Milliamps, Prescale};
 
 /// The flag of a unit that another host drives.
 pub const BUSY: u8 = 1;
 /// The flag of a unit whose guard has the thermal rows.
 pub const HEAT: u8 = 2;
+/// The flag of a unit that has a Peltier module.
+pub const WARMTH: u8 = 4;
 /// What stands for the chips' own oscillator in place of a tolerance.
 pub const INTERNAL: u32 = u32::MAX;
 
@@ -21,6 +23,8 @@ pub struct Hello {
     pub busy: bool,
     /// Its guard has the thermal rows.
     pub heat: bool,
+    /// It has a Peltier module.
+    pub warmth: bool,
     /// Whether it drives.
     pub state: State,
     /// The stops so far; a host that takes over acknowledges them.
@@ -31,6 +35,8 @@ pub struct Hello {
     pub limits: Limits,
     /// Channels that carry a wire, a bit each, by board.
     pub wires: [u16; 16],
+    /// Amplifiers whose current is set; `None` for those that have one of their own.
+    pub current: Option<CurrentControl>,
 }
 
 impl Hello {
@@ -82,15 +88,22 @@ impl Hello {
         for board in &mut wires {
             *board = reader.u16()?;
         }
-        (reader.is_done() && flags <= BUSY | HEAT).then_some(Self {
+        let current = CurrentControl {
+            full_scale: Milliamps(reader.u32()?),
+            gain_ppm: reader.u32()?,
+            offset: Milliamps(reader.u32()?),
+        };
+        (reader.is_done() && flags <= BUSY | HEAT | WARMTH).then_some(Self {
             now,
             busy: flags & BUSY != 0,
             heat: flags & HEAT != 0,
+            warmth: flags & WARMTH != 0,
             state,
             stops,
             plant,
             limits,
             wires,
+            current: (current.full_scale > Milliamps(0)).then_some(current),
         })
     }
 
@@ -98,7 +111,8 @@ impl Hello {
     pub fn write(&self, out: &mut [u8]) -> usize {
         let mut writer = Writer::new(out);
         writer.u64(self.now.as_micros());
-        writer.u8((u8::from(self.busy) * BUSY) | (u8::from(self.heat) * HEAT));
+        let flags = [(self.busy, BUSY), (self.heat, HEAT), (self.warmth, WARMTH)];
+        writer.u8(flags.iter().map(|(is, bit)| u8::from(*is) * bit).sum());
         writer.u8(self.state.number());
         writer.u32(self.stops);
         let (plant, limits) = (&self.plant, &self.limits);
@@ -129,6 +143,10 @@ impl Hello {
             writer.u64(row);
         }
         self.wires.iter().for_each(|board| writer.u16(*board));
+        let current = self.current.unwrap_or_default();
+        writer.u32(current.full_scale.0);
+        writer.u32(current.gain_ppm);
+        writer.u32(current.offset.0);
         writer.length()
     }
 }

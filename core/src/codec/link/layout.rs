@@ -56,7 +56,7 @@ pub const HEADER_FIELDS: [Field; 6] = [
 ];
 
 /// The fixed part of a command.
-pub const COMMAND_FIELDS: [Field; 5] = [
+pub const COMMAND_FIELDS: [Field; 7] = [
     Field::new(
         "reading",
         0,
@@ -67,18 +67,35 @@ pub const COMMAND_FIELDS: [Field; 5] = [
     Field::new("stops", 16, 4, "stops that the host takes for over"),
     Field::new("request", 20, 1, "what is done beside the plan"),
     Field::new("stimuli", 21, 1, "how many follow"),
+    Field::new(
+        "face",
+        22,
+        2,
+        "what the face of a Peltier module shall become, millidegrees C; 0 switches it off",
+    ),
+    Field::new(
+        "ceiling",
+        24,
+        2,
+        "the warmest that it may, by the host's guard, millidegrees C",
+    ),
 ];
 
 /// Each stimulus of a command.
 pub const PLANNED_FIELDS: [Field; 4] = [
     Field::new("place", 0, 1, "board x 16 + channel"),
-    Field::new("width", 1, 2, "ticks; 0 ends what the channel does"),
-    Field::new("onset", 3, 3, "after the base, us"),
-    Field::new("length", 6, 3, "us"),
+    Field::new(
+        "pulse",
+        1,
+        3,
+        "width in ticks + 4096 x current in mA; width 0 ends what the channel does, current 0 is the amplifier's most",
+    ),
+    Field::new("onset", 4, 3, "after the base, us"),
+    Field::new("length", 7, 3, "us"),
 ];
 
 /// A status.
-pub const STATUS_FIELDS: [Field; 13] = [
+pub const STATUS_FIELDS: [Field; 19] = [
     Field::new("now", 0, 8, "the unit's clock, us"),
     Field::new("echo", 8, 8, "sequence of the newest command taken"),
     Field::new("taken", 16, 8, "when it was taken, us"),
@@ -97,10 +114,41 @@ pub const STATUS_FIELDS: [Field; 13] = [
         "tissue at 0.1 mm, the most predicted, millidegrees C",
     ),
     Field::new("phase", 55, 2, "of each board's chip in its period, us").by_board(),
+    Field::new(
+        "face",
+        87,
+        2,
+        "of a Peltier module, millidegrees C; 0 where no sensor tells it",
+    ),
+    Field::new(
+        "face_warmest",
+        89,
+        2,
+        "that it can be, millidegrees C; 0 without a module",
+    ),
+    Field::new(
+        "face_aim",
+        91,
+        2,
+        "millidegrees C; 0 where nothing is aimed at",
+    ),
+    Field::new("sink", 93, 2, "millidegrees C; 0 where no sensor tells it"),
+    Field::new(
+        "module_current",
+        95,
+        2,
+        "mA, signed; positive cools the face",
+    ),
+    Field::new(
+        "module_reason",
+        97,
+        1,
+        "why that is not what its control asked for; 0 where it is",
+    ),
 ];
 
 /// A hello.
-pub const HELLO_FIELDS: [Field; 26] = [
+pub const HELLO_FIELDS: [Field; 29] = [
     Field::new("now", 0, 8, "the unit's clock, us"),
     Field::new("flags", 8, 1, "a bit each"),
     Field::new("state", 9, 1, "whether it drives"),
@@ -132,4 +180,17 @@ pub const HELLO_FIELDS: [Field; 26] = [
     Field::new("stale_limit", 139, 8, "us"),
     Field::new("supply_limit", 147, 8, "mA"),
     Field::new("wires", 155, 2, "channels with a wire, a bit each").by_board(),
+    Field::new(
+        "full_scale",
+        187,
+        4,
+        "most that a current is set to, mA; 0 where none is set",
+    ),
+    Field::new(
+        "current_gain",
+        191,
+        4,
+        "how much more may flow, ppm of what was set",
+    ),
+    Field::new("current_offset", 195, 4, "and how much beside that, mA"),
 ];

@@ -11,19 +11,19 @@ mod hello;
 mod layout;
 mod status;
 
-pub use command::{Command, Planned, Request};
-pub use hello::{BUSY, HEAT, Hello, INTERNAL};
+pub use command::{Command, MOST_CURRENT, Planned, Request, Said, Warmth};
+pub use hello::{BUSY, HEAT, Hello, INTERNAL, WARMTH};
 pub use layout::{
     COMMAND_FIELDS, Field, HEADER_FIELDS, HELLO_FIELDS, PLANNED_FIELDS, STATUS_FIELDS,
 };
-pub use status::{HELD, State, Status};
+pub use status::{Face, HELD, State, Status};
 
 use core::fmt;
 
 use chacha20poly1305::{AeadInOut, KeyInit, Tag, XChaCha20Poly1305, XNonce};
 
 /// The version that this code speaks.
-pub const VERSION: u8 = 1;
+pub const VERSION: u8 = 2;
 /// First two bytes of every datagram.
 pub const MAGIC: [u8; 2] = *b"PU";
 /// Bytes of the clear header.

@@ -3,6 +3,7 @@
 use super::Refusal;
 use super::bytes::{Reader, Writer};
 use crate::guard::Cause;
+use crate::peltier::PeltierReason;
 use crate::units::Instant;
 
 /// Whether a unit drives.
@@ -44,6 +45,23 @@ impl State {
 /// In place of a phase: the chip drives nothing, so its counter is held.
 pub const HELD: u16 = u16::MAX;
 
+/// What a unit says of its Peltier module.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Face {
+    /// The face, led by its thermistor's lag, millidegrees C; zero where no sensor tells it.
+    pub face_mc: u16,
+    /// The warmest that it can be, millidegrees C; zero without a module.
+    pub warmest_mc: u16,
+    /// What is aimed at now, millidegrees C; zero where nothing is.
+    pub aim_mc: u16,
+    /// The sink, millidegrees C; zero where no sensor tells it.
+    pub sink_mc: u16,
+    /// Through the module, mA; positive cools the face.
+    pub milliamps: i16,
+    /// Why that is not what its control asked for.
+    pub reason: Option<PeltierReason>,
+}
+
 /// A unit's report. Counters run since its start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Status {
@@ -73,6 +91,8 @@ pub struct Status {
     pub skin_mc: u32,
     /// How far each board's chip is into its period, microseconds by the nominal clock, or [`HELD`].
     pub phase_us: [u16; 16],
+    /// Its Peltier module.
+    pub face: Face,
 }
 
 impl Status {
@@ -100,10 +120,22 @@ impl Status {
             refused: reader.u32()?,
             skin_mc: reader.u32()?,
             phase_us: [HELD; 16],
+            face: Face::default(),
         };
         for phase in &mut status.phase_us {
             *phase = reader.u16()?;
         }
+        status.face = Face {
+            face_mc: reader.u16()?,
+            warmest_mc: reader.u16()?,
+            aim_mc: reader.u16()?,
+            sink_mc: reader.u16()?,
+            milliamps: reader.u16()?.cast_signed(),
+            reason: match reader.u8()? {
+                0 => None,
+                number => Some(*PeltierReason::ALL.get(usize::from(number) - 1)?),
+            },
+        };
         reader.is_done().then_some(status)
     }
 
@@ -123,6 +155,12 @@ impl Status {
         writer.u32(self.refused);
         writer.u32(self.skin_mc);
         self.phase_us.iter().for_each(|us| writer.u16(*us));
+        let face = &self.face;
+        for value in [face.face_mc, face.warmest_mc, face.aim_mc, face.sink_mc] {
+            writer.u16(value);
+        }
+        writer.u16(face.milliamps.cast_unsigned());
+        writer.u8(face.reason.map_or(0, |reason| 1 + reason.number()));
         writer.length()
     }
 }

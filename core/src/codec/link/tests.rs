@@ -5,8 +5,9 @@ use alloc::vec::Vec;
 use proptest::prelude::*;
 
 use super::*;
-use crate::guard::{Cause, HARD, Plant};
-use crate::units::{Board, Channel, Instant, Ticks};
+use crate::guard::{Cause, CurrentControl, HARD, Plant};
+use crate::peltier::PeltierReason;
+use crate::units::{Board, Channel, Instant, Milliamps, Ticks};
 
 const KEY: [u8; 32] = [7; 32];
 
@@ -31,14 +32,15 @@ fn planned() -> impl Strategy<Value = Planned> {
     (
         0..16u8,
         0..16u8,
-        0..=4096u16,
+        (0..4096u16, 0..4096u32),
         5_000_000..6_000_000u64,
         0..60_000u64,
     )
-        .prop_map(|(board, channel, width, from, length)| Planned {
+        .prop_map(|(board, channel, (width, current), from, length)| Planned {
             board: Board(board),
             channel: Channel(channel),
             width: Ticks::new(width),
+            current: Milliamps(current),
             at: at(from),
             until: at(from + length),
         })
@@ -82,11 +84,14 @@ proptest! {
         reading in any::<u64>(),
         stops in any::<u32>(),
         request in proptest::sample::select(&[Request::Play, Request::Off, Request::Stop][..]),
+        warmth in proptest::option::of((1..u16::MAX, any::<u16>())),
     ) {
+        let warmth = warmth.map(|(face_mc, ceiling_mc)| Warmth { face_mc, ceiling_mc });
+        let said = Said { reading: at(reading), stops, request, warmth };
         let mut out = [0; MOST - HEADER - TAG];
-        let length = Command::write(&mut out, at(reading), (stops, request), &plan);
+        let length = Command::write(&mut out, &said, &plan);
         let command = Command::read(&out[..length]).unwrap();
-        prop_assert_eq!((command.reading, command.stops, command.request), (at(reading), stops, request));
+        prop_assert_eq!(command.said, said);
         prop_assert_eq!(command.planned().collect::<Vec<_>>(), plan);
         prop_assert_eq!(Command::read(&out[..length - 1]), Err(Refusal::Body));
         prop_assert_eq!(Command::read(&out[..length + 1]), Err(Refusal::Body));
@@ -111,14 +116,26 @@ fn reports_mean_what_was_written() {
         now: at(123_456_789),
         busy: true,
         heat: false,
+        warmth: true,
         state: State::Stopped(Cause::StaleInput),
         stops: 3,
         plant: Plant::default(),
         limits: HARD,
         wires: [0x00FF; 16],
+        current: None,
     };
     let length = hello.write(&mut out);
     assert_eq!(Hello::read(&out[..length]), Ok(hello));
+    let set = Hello {
+        current: Some(CurrentControl {
+            full_scale: Milliamps(990),
+            gain_ppm: 10_000,
+            offset: Milliamps(5),
+        }),
+        ..hello
+    };
+    assert_eq!(set.write(&mut out), length);
+    assert_eq!(Hello::read(&out[..length]), Ok(set));
     assert_eq!(Hello::read(&out[..length - 1]), Err(Refusal::Body));
     for state in [
         State::Ready,
@@ -139,11 +156,46 @@ fn reports_mean_what_was_written() {
             refused: 6,
             skin_mc: 33_000,
             phase_us: core::array::from_fn(|board| if board < 2 { 4000 } else { HELD }),
+            face: Face {
+                face_mc: 33_500,
+                warmest_mc: 34_000,
+                aim_mc: 33_400,
+                sink_mc: 25_100,
+                milliamps: -250,
+                reason: Some(PeltierReason::ALL[0]),
+            },
         };
         let length = status.write(&mut out);
         assert_eq!(Status::read(&out[..length]), Ok(status));
         assert_eq!(Status::read(&out[..length + 1]), Err(Refusal::Body));
     }
+    // Every reason that a module may be held back for, and none beyond.
+    let last = Status {
+        now: at(0),
+        echo: 0,
+        taken: at(0),
+        state: State::Ready,
+        stops: 0,
+        applied: 0,
+        limited: 0,
+        reasons: 0,
+        dropped: 0,
+        late_us: 0,
+        refused: 0,
+        skin_mc: 0,
+        phase_us: [HELD; 16],
+        face: Face::default(),
+    };
+    let length = last.write(&mut out);
+    for (number, reason) in (1..).zip(PeltierReason::ALL) {
+        out[length - 1] = number;
+        let read = Status::read(&out[..length]).unwrap();
+        assert_eq!(read.face.reason, Some(reason));
+        assert_eq!(read.write(&mut out), length);
+        assert_eq!(out[length - 1], number);
+    }
+    out[length - 1] = 9;
+    assert_eq!(Status::read(&out[..length]), Err(Refusal::Body));
 }
 
 #[test]
@@ -163,11 +215,11 @@ fn what_is_no_datagram_says_why() {
     assert_eq!(Header::read(&good[1..]), Err(Refusal::Length));
     assert_eq!(Header::read(&[0; MOST + 1]), Err(Refusal::Length));
     assert_eq!(with(0, b'Q'), Err(Refusal::Magic));
-    assert_eq!(with(2, 2), Err(Refusal::Version(2)));
+    assert_eq!(with(2, 3), Err(Refusal::Version(3)));
     assert_eq!(with(3, 9), Err(Refusal::Kind(9)));
     assert_eq!(Header::other_version(&good), None);
     let mut newer = good.clone();
-    newer[2] = 2;
+    newer[2] = VERSION + 1;
     let answer = Header::other_version(&newer).unwrap();
     assert_eq!((answer[2], answer[3]), (VERSION, Kind::Hello.number()));
     assert_eq!(answer[4..12], good[4..12]);
@@ -177,18 +229,22 @@ fn what_is_no_datagram_says_why() {
 }
 
 #[test]
-fn a_width_over_a_period_or_an_unknown_request_is_no_command() {
+fn another_length_or_an_unknown_request_is_no_command() {
     let mut out = [0; 64];
     let one = Planned {
         board: Board(0),
         channel: Channel(1),
         width: Ticks::new(4096),
+        current: Milliamps(5000),
         at: at(9),
         until: at(10),
     };
-    let length = Command::write(&mut out, at(1), (0, Request::Play), &[one]);
-    assert!(Command::read(&out[..length]).is_ok());
-    for (index, byte) in [(20, 3), (21, 2), (24, 0x11)] {
+    let length = Command::write(&mut out, &Said::default(), &[one]);
+    let read = Command::read(&out[..length]).unwrap().planned().next();
+    // The nearest that a stimulus carries.
+    let most = read.map(|planned| (planned.width.get(), planned.current.0));
+    assert_eq!(most, Some((4095, MOST_CURRENT)));
+    for (index, byte) in [(20, 3), (21, 2)] {
         let mut altered = out;
         altered[index] = byte;
         assert_eq!(

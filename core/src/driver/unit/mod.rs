@@ -10,8 +10,8 @@ use core::fmt;
 
 use super::{Actuators, DriverError};
 use crate::codec::link::{
-    Buffer, Command, Header, Hello, Key, Kind, MOST_PLANNED, Planned, Refusal, Request, State,
-    Status,
+    Buffer, Command, Header, Hello, Key, Kind, MOST_PLANNED, Planned, Refusal, Request, Said,
+    State, Status, Warmth,
 };
 use crate::guard::{Cause, Guarded};
 use crate::units::{Board, Channel, Duration, Instant, Ticks};
@@ -124,6 +124,8 @@ pub struct UnitDriver {
     fresh: bool,
     /// Everything off, or off and stopped: until a command with this sequence or a later one was taken.
     off: Option<(Request, u64)>,
+    /// What its Peltier module shall do.
+    warmth: Option<Warmth>,
     sent: [(u64, Instant); REMEMBERED],
     last: Option<Instant>,
     counts: LinkCounts,
@@ -145,6 +147,7 @@ impl UnitDriver {
             count: 0,
             fresh: false,
             off: None,
+            warmth: None,
             sent: [(0, Instant::ZERO); REMEMBERED],
             last: None,
             counts: LinkCounts::default(),
@@ -159,6 +162,12 @@ impl UnitDriver {
     /// The unit's newest report.
     pub const fn status(&self) -> Option<&Status> {
         self.status.as_ref()
+    }
+
+    /// How old that report is, by the unit's clock as it is known here.
+    pub fn status_age(&self, now: Instant) -> Option<Duration> {
+        let status = self.status.as_ref()?;
+        self.sync.of(now).map(|there| there.since(status.now))
     }
 
     /// What the link came to.
@@ -253,9 +262,13 @@ impl UnitDriver {
             Request::Play => &self.plan[..self.count],
             _ => &[],
         };
-        let write = |out: &mut [u8]| {
-            Command::write(out, reading.unwrap_or_default(), (stops, request), plan)
+        let said = Said {
+            reading: reading.unwrap_or_default(),
+            stops,
+            request,
+            warmth: self.warmth.filter(|_| request == Request::Play),
         };
+        let write = |out: &mut [u8]| Command::write(out, &said, plan);
         Some(self.key.seal(&header, buffer, write))
     }
 
@@ -276,6 +289,11 @@ impl UnitDriver {
         }
         let greeted = self.hello().map_or(0, |hello| hello.stops);
         self.status.map_or(greeted, |status| status.stops)
+    }
+
+    /// What its Peltier module shall do from the next command on; nothing switches that off.
+    pub const fn warm(&mut self, warmth: Option<Warmth>) {
+        self.warmth = warmth;
     }
 
     /// Asks the unit to switch everything off and to stay so until a host that begins after this acknowledges it. Goes into
@@ -419,6 +437,7 @@ impl UnitDriver {
                 board,
                 channel,
                 width,
+                current: update.current(number).unwrap_or_default(),
                 at,
                 until,
             };

@@ -81,6 +81,7 @@ impl Liar {
             board: Board((s.next_u64() % 3) as u8),
             channel: Channel((s.next_u64() % 16) as u8),
             width: Ticks::new((s.next_u64() % 4097) as u16),
+            current: Milliamps((s.next_u64() % 4097) as u32),
             at: Instant::from_micros(at.saturating_sub(3000)),
             until: Instant::from_micros(at + length),
         }
@@ -99,7 +100,15 @@ impl Liar {
             sequence: self.sequence,
         };
         let mut buffer = [0; MOST];
-        let write = |out: &mut [u8]| Command::write(out, reading, (0, Request::Play), &plan);
+        let said = Said {
+            reading,
+            warmth: Some(Warmth {
+                face_mc: (self.s.next_u64() % 65_536) as u16,
+                ceiling_mc: u16::MAX,
+            }),
+            ..Said::default()
+        };
+        let write = |out: &mut [u8]| Command::write(out, &said, &plan);
         self.key.seal(&header, &mut buffer, write).to_vec()
     }
 }

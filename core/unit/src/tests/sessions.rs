@@ -65,7 +65,11 @@ fn a_stop_by_another_host_stays_until_it_is_acknowledged() {
         unit: greeted.unit,
         sequence: 2,
     };
-    let write = |out: &mut [u8]| Command::write(out, Instant::ZERO, (0, Request::Stop), &[]);
+    let said = Said {
+        request: Request::Stop,
+        ..Said::default()
+    };
+    let write = |out: &mut [u8]| Command::write(out, &said, &[]);
     rig.air
         .there
         .push_back(key.seal(&stop, &mut buffer, write).to_vec());

@@ -19,9 +19,10 @@ pub(super) struct Bridge {
 }
 
 impl Bridge {
-    pub(super) const fn set(&mut self, update: &GuardedCurrent) {
+    /// Takes an update at an instant of its own clock, by which it lets go.
+    pub(super) fn set(&mut self, at: Nanos, update: &GuardedCurrent) {
         self.milliamps = update.milliamps();
-        self.until = update.until();
+        self.until = instant(at) + update.until().since(update.at());
     }
 
     pub(super) const fn off(&mut self) {

@@ -5,8 +5,10 @@
 //! classical Runge-Kutta rule; the fastest time constant is that of a thermistor, 0.3 s.
 
 mod bridge;
+mod handle;
 mod sensor;
 
+pub use handle::PeltierHandle;
 pub use sensor::SensorDefect;
 
 use core::convert::Infallible;
@@ -222,7 +224,7 @@ impl Actuators<GuardedCurrent> for Peltier {
     type Error = Infallible;
 
     fn apply(&mut self, update: &GuardedCurrent) -> Result<(), Infallible> {
-        self.bridge.set(update);
+        self.bridge.set(self.now, update);
         Ok(())
     }
 

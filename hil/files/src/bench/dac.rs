@@ -1,20 +1,20 @@
 //! A bench's `[dac]`: converters that set the currents of the amplifiers.
 
 use palpate_core::codec::dac7578::{ADDRESSES, BROADCAST_ADDRESS, CHANNELS};
+use palpate_core::codec::link::MOST_CURRENT;
 use serde::Deserialize;
 
-use super::{Bench, BenchKind};
+use super::{Bench, Output};
 use crate::error::FileError;
 use crate::source::Source;
 
 /// A DAC7578 beside each board, which sets the current of that board's outputs 0 to 7; `drive.current_ma` is then the current
-/// at its full scale. Left out: the amplifiers have that current and no other. Emulated benches of one display without a
-/// driver unit.
+/// at its full scale. Left out: the amplifiers have that current and no other.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct BenchDac {
-    /// The converters' I2C addresses, 0x48 to 0x4f: one per board, in the order of the boards' addresses.
+    /// The converters' I2C addresses, 0x48 to 0x4f: one per board, in the order of the boards' buses and addresses.
     pub addresses: Vec<u8>,
     /// Pulses are no shorter than this, microseconds: a weaker level has less current instead.
     pub shortest_us: f64,
@@ -64,25 +64,38 @@ impl Bench {
         let Some(dac) = &self.dac else {
             return Ok(());
         };
-        let without = match (self.kind, &self.unit, self.displays.as_slice()) {
-            (BenchKind::Real, ..) => "an emulated bench: converters of a real one are not driven",
-            (_, Some(_), _) => "no [unit]: its link carries no currents",
-            (.., [_, ..]) => "one display: a converter is beside a board of its own",
-            _ => {
-                dac.check(source)?;
-                self.check_addresses(source, dac)?;
-                return self.check_most(source, dac);
-            }
-        };
-        Err(source.bad("dac", without))
+        dac.check(source)?;
+        self.check_addresses(source, dac)?;
+        if self.unit.is_some() && self.drive.current_ma > f64::from(MOST_CURRENT) {
+            let expected =
+                format!("at most {MOST_CURRENT} mA with [unit]: its link carries no more");
+            let found = format!("{} mA", self.drive.current_ma);
+            return Err(source.bad_found("drive.current_ma", expected, found));
+        }
+        self.check_most(source, dac)
+    }
+
+    /// The most that an amplifier gives, mA.
+    #[must_use]
+    pub fn most_ma(&self) -> f64 {
+        let set = self.drive.current_ma;
+        self.dac.as_ref().map_or(set, |dac| dac.most_ma(set).ceil())
+    }
+
+    /// The bus of each board, in the order of the converters' addresses.
+    fn bus_of_boards(&self) -> Vec<u8> {
+        let boards = self.outputs.iter().map(|o| (o.bus, o.board));
+        let boards: std::collections::BTreeSet<_> = boards.collect();
+        boards.into_iter().map(|(bus, _)| bus).collect()
     }
 
     /// Each board has a converter, at an address that nothing else on the bus answers to, and each wire an output of it.
     fn check_addresses(&self, source: &Source, dac: &BenchDac) -> Result<(), FileError> {
         for (index, output) in self.outputs.iter().enumerate() {
-            let key = |name: &str| match source.states("outputs") {
-                true => format!("outputs[{index}].{name}"),
-                false => "display".to_owned(),
+            let key = |name: &str| match (source.states("outputs"), &*self.displays) {
+                (true, _) => format!("outputs[{index}].{name}"),
+                (false, []) => "display".to_owned(),
+                (false, _) => "displays".to_owned(),
             };
             if output.channel >= CHANNELS {
                 let expected = "channels 0 to 7 with [dac]: a DAC7578 has eight outputs";
@@ -93,7 +106,8 @@ impl Bench {
                 return Err(source.bad(&key("board"), expected));
             }
         }
-        let (boards, found) = (self.boards(), dac.addresses.len());
+        let buses = self.bus_of_boards();
+        let (boards, found) = (buses.len(), dac.addresses.len());
         if boards != found {
             let expected = format!("as many addresses as boards, {boards}");
             return Err(source.bad_found("dac.addresses", expected, found.to_string()));
@@ -104,8 +118,10 @@ impl Bench {
                 let expected = "0x48 to 0x4f, which the pins ADDR0 and ADDR1 give";
                 return Err(source.bad_found(&key, expected, format!("{address:#04x}")));
             }
-            let board = self.outputs.iter().any(|o| o.board == *address);
-            if board || dac.addresses[..index].contains(address) {
+            let here = |o: &&Output| (o.bus, o.board) == (buses[index], *address);
+            let board = self.outputs.iter().find(here).is_some();
+            let mut before = buses.iter().zip(&dac.addresses).take(index);
+            if board || before.any(|other| other == (&buses[index], address)) {
                 let expected =
                     format!("an address of its own: another chip answers at {address:#04x}");
                 return Err(source.bad_found(&key, expected, format!("{address:#04x}")));
@@ -114,15 +130,26 @@ impl Bench {
         Ok(())
     }
 
-    /// The supply bears one wire at the most that its amplifier gives.
+    /// The supply bears what may flow at one instant at the least: a wire, at the most that its amplifier gives.
     fn check_most(&self, source: &Source, dac: &BenchDac) -> Result<(), FileError> {
         let (set, supply) = (self.drive.current_ma, self.drive.supply_limit_ma);
-        let most = dac.most_ma(set).ceil();
+        // Boards of several displays are not in step.
+        let together = if self.displays.is_empty() {
+            1
+        } else {
+            self.boards()
+        };
+        let most = together as f64 * self.most_ma();
         if supply >= most {
             return Ok(());
         }
+        let wires = if together == 1 {
+            "one wire".into()
+        } else {
+            format!("a wire of each of {together} boards")
+        };
         let expected = format!(
-            "at least {most} mA: one wire set to {set} mA, {} % and {} mA more by [dac]",
+            "at least {most} mA: {wires} set to {set} mA, {} % and {} mA more by [dac]",
             dac.gain_tolerance * 100.0,
             dac.offset_tolerance_ma
         );

@@ -7,7 +7,7 @@ use super::super::error::FileError;
 use super::super::source::Source;
 
 /// A Peltier module between fingertip and sink: 10 x 10 mm, 17 couples. Left out: there is none. Emulated benches of one
-/// display without a driver unit.
+/// display, and driver units.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]

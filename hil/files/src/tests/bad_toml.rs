@@ -76,8 +76,8 @@ fn benches() {
             ),
             (
                 "oscillator = 1.0",
-                "oscillator = 1.0\n[unit]\nnetwork = \"wifi\"\n[heat]\nair_c = 20.0",
-                "f.toml:16: heat: expected no [unit]: its link carries no warmth, found [heat]",
+                "oscillator = 1.0\n[unit]\ndelay_ms = 41\n[heat]\nair_c = 20.0",
+                "f.toml:15: unit.delay_ms: expected a number from 0 to 40 ms, found 41",
             ),
             (
                 "alloy = \"low\"",

@@ -22,6 +22,37 @@ fn a_converter_is_beside_each_board() {
     assert_eq!(bench(&two).unwrap().boards(), 2);
 }
 
+/// Two displays, each on a board of its own of one bus.
+fn hand(dac: &str, supply_ma: u32) -> String {
+    let outputs = |board: u8| {
+        let each: Vec<String> = (0..8)
+            .map(|n| format!("{{ board = {board:#04x}, channel = {n} }}"))
+            .collect();
+        each.join(", ")
+    };
+    format!(
+        "drive.supply_limit_ma = {supply_ma}.0\n[[displays]]\nname = \"a\"\noutputs = [{}]\n[[displays]]\nname = \"b\"\noutputs = [{}]\n[dac]\n{dac}\n",
+        outputs(0x40),
+        outputs(0x41)
+    )
+}
+
+#[test]
+fn a_unit_and_several_displays_may_have_converters() {
+    assert!(
+        bench("[unit]\nnetwork = \"wifi\"\n[dac]\n")
+            .unwrap()
+            .dac
+            .is_some()
+    );
+    let two = bench(&hand("addresses = [0x48, 0x49]", 2100)).unwrap();
+    assert!((two.most_ma() - 1005.0).abs() < 1e-9);
+    // Each bus has addresses of its own.
+    let buses =
+        hand("addresses = [0x48, 0x48]", 2100).replace("board = 0x41", "bus = 1, board = 0x41");
+    assert_eq!(bench(&buses).unwrap().boards(), 2);
+}
+
 #[test]
 fn converters_that_cannot_be_are_refused() {
     let on = |board: u8, channel: u8, addresses: &str| {
@@ -35,7 +66,6 @@ fn converters_that_cannot_be_are_refused() {
             outputs.join(", ")
         )
     };
-    let displays = "[[displays]]\nname = \"a\"\n[[displays]]\nname = \"b\"\n[dac]\n";
     for (text, expected) in [
         (
             "[dac]\naddresses = [0x41]".to_owned(),
@@ -70,12 +100,16 @@ fn converters_that_cannot_be_are_refused() {
             "b.toml:3: drive.supply_limit_ma: expected at least 1003 mA: one wire set to 990 mA, 1 % and 3 mA more by [dac], found 1000 mA",
         ),
         (
-            "[unit]\nnetwork = \"wifi\"\n[dac]\n".to_owned(),
-            "dac: expected no [unit]: its link carries no currents",
+            "drive.current_ma = 4100.0\ndrive.supply_limit_ma = 5000.0\n[unit]\nnetwork = \"wifi\"\n[dac]\n".to_owned(),
+            "drive.current_ma: expected at most 4095 mA with [unit]: its link carries no more, found 4100 mA",
         ),
         (
-            displays.to_owned(),
-            "dac: expected one display: a converter is beside a board of its own",
+            hand("addresses = [0x48, 0x48]", 3000),
+            "dac.addresses[1]: expected an address of its own: another chip answers at 0x48, found 0x48",
+        ),
+        (
+            hand("addresses = [0x48, 0x49]", 2000),
+            "drive.supply_limit_ma: expected at least 2010 mA: a wire of each of 2 boards set to 990 mA, 1 % and 5 mA more by [dac], found 2000 mA",
         ),
     ] {
         let found = bench(&text).unwrap_err();

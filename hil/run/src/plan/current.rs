@@ -5,6 +5,7 @@ use palpate_core::driver::Banks;
 use palpate_core::guard::{CurrentControl, Guard};
 use palpate_core::schedule::Share;
 use palpate_core::units::{Duration, Milliamps, Prescale, Ticks};
+use palpate_emulators::unit::Converters;
 use palpate_files::Bench;
 
 use super::{boards, milliamps};
@@ -25,7 +26,12 @@ pub(super) fn control(bench: &Bench) -> Option<CurrentControl> {
 /// How long they may hold up a board that is to be switched off.
 pub(super) fn wait(bench: &Bench) -> Duration {
     let wires = bench.dac.as_ref().map_or(0, |_| bench.outputs.len());
-    Duration::from_micros(EACH.as_micros() * wires as u64)
+    Duration::from_micros(current_wait(wires))
+}
+
+/// How long the currents of so many wires may take a bus, microseconds: each written, read back and looked at.
+pub(crate) const fn current_wait(wires: usize) -> u64 {
+    EACH.as_micros() * wires as u64
 }
 
 /// How width and current share a level: pulses that the limits bear are no shorter than the bench says.
@@ -42,9 +48,20 @@ pub(super) fn share(bench: &Bench, guard: &Guard, peak: Milliamps) -> Share {
 
 /// The driver of a bench's boards on one bus, and of their converters where there are any.
 pub fn banks<I: I2c>(bench: &Bench, i2c: I, prescale: Prescale) -> Banks<I> {
-    let banks = Banks::new([(i2c, &*boards(bench))], prescale);
+    with_converters(bench, Banks::new([(i2c, &*boards(bench))], prescale))
+}
+
+/// A driver with the converters of a bench's boards, where there are any.
+#[must_use]
+pub fn with_converters<I: I2c>(bench: &Bench, banks: Banks<I>) -> Banks<I> {
     match &bench.dac {
         Some(dac) => banks.with_converters(&dac.addresses, milliamps(bench.drive.current_ma)),
         None => banks,
     }
+}
+
+/// What a driver unit with a bench's boards is told of their converters.
+pub fn converters(bench: &Bench) -> Option<Converters<'_>> {
+    let addresses = bench.dac.as_ref().map(|dac| &*dac.addresses)?;
+    control(bench).map(|control| Converters { addresses, control })
 }

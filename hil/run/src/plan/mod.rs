@@ -8,7 +8,8 @@ mod response;
 mod texture;
 mod unit;
 
-pub use current::banks;
+pub(crate) use current::current_wait;
+pub use current::{banks, converters, with_converters};
 pub(crate) use illusion::MOVING_W;
 pub use illusion::drive;
 pub(crate) use level::{decibels, strongest};
@@ -335,9 +336,12 @@ pub fn untextured(
     let pattern = illusion::pattern(setup)?;
     let own = guarded(setup, pattern.map(|p| p.prescale()))?;
     let (limits, plant) = unit::agreed(setup, own, display.wires())?;
-    let (prescale, peak) = (plant.prescale, plant.peak);
+    let control = unit::agreed_current(setup, current::control(bench))?;
+    // Where it is set, a unit's largest counts for heat and never is asked for.
+    let peak = control.map_or(plant.peak, |control| control.full_scale);
+    let prescale = plant.prescale;
     let mut guard = Guard::new(limits, plant, display.wires())
-        .and_then(|guard| match current::control(bench) {
+        .and_then(|guard| match control {
             Some(control) => guard.with_current(control),
             None => Ok(guard),
         })

@@ -1,11 +1,11 @@
 //! What host and driver unit make of each other: the stricter of both, in every row.
 
 use palpate_core::codec::link::Hello;
-use palpate_core::guard::{Limits, Plant};
+use palpate_core::guard::{CurrentControl, Limits, Plant};
 use palpate_core::illusion::DisplayWire;
 use palpate_files::Setup;
 
-use super::guarded;
+use super::{current, guarded};
 use crate::failure::Failure;
 
 /// A row of limits or plant: its name, its unit, its values by the host and by the unit.
@@ -45,6 +45,37 @@ pub(super) fn agreed(
     Ok((limits.stricter(&unit.limits), plant.worse(&unit.plant)))
 }
 
+/// What host and unit make of amplifiers whose current is set: the wider tolerance.
+///
+/// # Errors
+/// [`Failure::Input`] where the unit sets none, or of another full scale; or where it has no Peltier module and the bench does.
+pub(super) fn agreed_current(
+    setup: &Setup,
+    own: Option<CurrentControl>,
+) -> Result<Option<CurrentControl>, Failure> {
+    let bench = &setup.bench.value;
+    let Some(unit) = &setup.unit else {
+        return Ok(own);
+    };
+    let bad = |text: String| Err(Failure::Input(format!("bench `{}`: {text}", bench.name)));
+    if bench.heat.is_some() && !unit.warmth {
+        return bad("expected a unit with a Peltier module for [heat], found one without: leave [heat] out, or start a unit that has one".into());
+    }
+    match (own, unit.current) {
+        (Some(own), Some(unit)) if own.full_scale == unit.full_scale => Ok(Some(CurrentControl {
+            full_scale: own.full_scale,
+            gain_ppm: own.gain_ppm.max(unit.gain_ppm),
+            offset: own.offset.max(unit.offset),
+        })),
+        (Some(own), Some(unit)) => bad(format!(
+            "expected a unit whose currents are set up to {} mA, found {} mA: make drive.current_ma of both agree",
+            own.full_scale.0, unit.full_scale.0
+        )),
+        (Some(_), None) => bad("expected a unit whose currents are set, found one whose amplifiers have a current of their own: leave [dac] out, or start the unit with it".into()),
+        (None, _) => Ok(None),
+    }
+}
+
 /// Where host and unit differ, a sentence each: what is played by is the stricter.
 ///
 /// # Errors
@@ -77,6 +108,21 @@ pub fn differences(setup: &Setup) -> Result<Vec<String>, Failure> {
             ));
         }
     };
+    if let Some((own, there)) = current::control(&setup.bench.value).zip(unit.current) {
+        let ppm = |control: &CurrentControl| u64::from(control.gain_ppm);
+        let offset = |control: &CurrentControl| u64::from(control.offset.0);
+        for row in [
+            (
+                "tolerance of a current that is set",
+                "ppm",
+                ppm(&own),
+                ppm(&there),
+            ),
+            ("its offset", "mA", offset(&own), offset(&there)),
+        ] {
+            say(row, row.2.max(row.3));
+        }
+    }
     lower.into_iter().for_each(|row| say(row, row.2.min(row.3)));
     higher
         .into_iter()

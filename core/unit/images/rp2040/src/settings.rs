@@ -29,5 +29,6 @@ pub fn settings(boot: u64) -> Settings<'static> {
         plant: Plant::default(),
         // Software doubles would take 11 ms per stimulus.
         heat: false,
+        converters: None,
     }
 }

@@ -47,6 +47,7 @@ pub fn unit<'r, W: Wires, C: Fn() -> u64, L: Link, const HEAP: usize>(
         plant: Plant::default(),
         // Software doubles would take 28 ms per stimulus on a Cortex-M0+: longer than the watchdog waits.
         heat: false,
+        converters: None,
     };
     let mut link = network(rig);
     let Ok(unit) = Unit::new(&settings, Bus(rig), oe) else {
