@@ -5,8 +5,8 @@ use std::ops::{Range, RangeInclusive};
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
-use toml::{Spanned, Value};
 use toml::de::{DeTable, DeValue};
+use toml::{Spanned, Value};
 
 use super::change::{Change, Step, steps};
 use super::error::FileError;

@@ -13,11 +13,7 @@ use crate::skin_end::{FaultySkin, SkinEnd};
 
 /// What [`SkinEnd`] and its source do, without a type of their own in it.
 trait Erased {
-    fn scans(
-        &mut self,
-        now: Instant,
-        take: &mut dyn FnMut(&ModuleScan<'_>),
-    ) -> Result<(), String>;
+    fn scans(&mut self, now: Instant, take: &mut dyn FnMut(&ModuleScan<'_>)) -> Result<(), String>;
     fn advance_to(&mut self, now: Instant);
     fn start(&mut self, module: usize);
     fn lost_of(&self, module: usize) -> u64;

@@ -124,14 +124,26 @@ impl Run<'_> {
         let end = scene_end(setup);
         if skin::is_array(setup) {
             let mut skin = skin::array(setup, self.layout, self.seed)?;
-            let levels = calibrate(&looking(setup), self.seed, AnySkin::of(&mut skin), end, host)?;
+            let levels = calibrate(
+                &looking(setup),
+                self.seed,
+                AnySkin::of(&mut skin),
+                end,
+                host,
+            )?;
             let mut skin = skin::array(setup, self.layout, self.seed)?;
             let skin = AnySkin::of(&mut skin);
             return self.count(levels, skin, Truth::of(setup), end, host);
         }
         let emulated = || skin::emulated(setup, self.layout, self.seed);
         let mut first = on_tape(setup, self.layout, emulated()?);
-        let levels = calibrate(&looking(setup), self.seed, AnySkin::of(&mut first), end, host)?;
+        let levels = calibrate(
+            &looking(setup),
+            self.seed,
+            AnySkin::of(&mut first),
+            end,
+            host,
+        )?;
         let tape = &mut first.bus_mut().inner;
         // What is watched is played once, also where a tape turns out to be of no use.
         if scene.faults.is_empty() && tape.is_exact() && !host.looks_on() {

@@ -1,15 +1,16 @@
 //! The raw readings of a scene's emulated skin, as a recording of them would be.
 
+use palpate_core::skin::SkinSource;
 use palpate_core::units::Instant;
 use palpate_files::Setup;
 
+use crate::any_skin::AnySkin;
 use crate::failure::Failure;
 use crate::plan;
 use crate::replay::TaxelTable;
 use crate::runner::{part, scene_end};
 use crate::session::TICK;
 use crate::skin;
-use crate::any_skin::AnySkin;
 use crate::skin_end::{SkinEnd, Tap};
 use crate::tape::Tape;
 

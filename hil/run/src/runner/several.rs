@@ -2,7 +2,7 @@
 //! What they share, boards, buses and supply, is shared out before the run begins.
 
 use palpate_core::contact::Levels;
-use palpate_core::skin::Layout;
+use palpate_core::skin::{Layout, SkinSource};
 use palpate_core::units::{Duration, Instant};
 use palpate_files::{Fault, Gate};
 use palpate_records::i2c::Transfer;
