@@ -1,8 +1,9 @@
 //! A value in place of a file's own, and where in a TOML text a key stands.
 
-use serde::Deserialize;
 use toml::Value;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeTable;
+
+use super::plain;
 
 /// What stands at a key whatever the file says.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -65,58 +66,9 @@ fn parse(text: &str) -> Result<Value, &'static str> {
     let Ok(table) = DeTable::parse(&line) else {
         return Ok(Value::String(text.into()));
     };
-    refuse_numbers(&mut String::new(), table.get_ref()).map_err(|(_, expected)| expected)?;
-    let read = Value::deserialize(toml::Deserializer::from(table)).ok();
-    let mut tables = read.and_then(|value| value.try_into::<toml::Table>().ok());
-    let alone = tables.as_mut().filter(|table| table.len() == 1);
-    let value = alone.and_then(|table| table.remove("value"));
+    let mut table = plain::table(table.get_ref()).map_err(|(_, expected)| expected)?;
+    let value = table.remove("value").filter(|_| table.is_empty());
     Ok(value.unwrap_or_else(|| Value::String(text.into())))
-}
-
-/// Finds a number that no machine holds: its key, and what was expected there.
-pub(super) fn refuse_numbers(
-    path: &mut String,
-    table: &DeTable<'_>,
-) -> Result<(), (String, &'static str)> {
-    for (key, value) in table {
-        let length = path.len();
-        if length > 0 {
-            path.push('.');
-        }
-        path.push_str(key.get_ref());
-        refuse_value(path, value.get_ref())?;
-        path.truncate(length);
-    }
-    Ok(())
-}
-
-fn refuse_value(path: &mut String, value: &DeValue<'_>) -> Result<(), (String, &'static str)> {
-    match value {
-        DeValue::Table(table) => refuse_numbers(path, table),
-        DeValue::Array(items) => {
-            for (index, item) in items.iter().enumerate() {
-                let length = path.len();
-                path.push_str(&format!("[{index}]"));
-                refuse_value(path, item.get_ref())?;
-                path.truncate(length);
-            }
-            Ok(())
-        }
-        DeValue::Float(float)
-            if !float
-                .as_str()
-                .parse::<f64>()
-                .is_ok_and(|number| number.is_finite()) =>
-        {
-            Err((path.clone(), "a finite number"))
-        }
-        DeValue::Integer(integer)
-            if i64::from_str_radix(integer.as_str(), integer.radix()).is_err() =>
-        {
-            Err((path.clone(), "a whole number of at most 64 bits"))
-        }
-        _ => Ok(()),
-    }
 }
 
 /// One step into a file.

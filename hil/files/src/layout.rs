@@ -12,9 +12,9 @@ use super::transducer::Transducer;
 const EYELET_MM: f64 = 0.76;
 
 /// A layout of either kind.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(untagged)]
+#[cfg_attr(test, schemars(untagged))]
 pub enum LayoutFile {
     /// Taxels.
     Sensor(SensorLayout),

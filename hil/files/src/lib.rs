@@ -30,6 +30,7 @@ mod near;
 mod overrides;
 mod person;
 mod placeholder;
+mod plain;
 mod play;
 mod protocol;
 mod quarantine;

@@ -4,14 +4,14 @@ use std::fmt::Display;
 use std::ops::{Range, RangeInclusive};
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+use toml::{Spanned, Value};
 
-use super::change::{Change, Step, refuse_numbers, steps};
+use super::change::{Change, Step, steps};
 use super::error::FileError;
 use super::format::Format;
+use super::plain;
 use super::reading::{MOST_SETTINGS, read_text};
 use super::wording::expectation;
 
@@ -148,30 +148,25 @@ impl Source {
         }
     }
 
-    /// Deserialises the whole text; numbers that no machine holds are refused first, since the plain value has no place for them.
+    /// The whole text as a type.
     pub(super) fn read<T: DeserializeOwned>(&self) -> Result<T, FileError> {
-        let value = self.value()?;
-        serde_path_to_error::deserialize(value).map_err(|error| {
-            let path = error.path().to_string();
-            let path = if path == "." { "" } else { &path };
-            let wrong = expectation(path, error.inner().message());
-            let found = wrong.found.unwrap_or_else(|| {
-                self.value_text(&wrong.key)
-                    .unwrap_or_else(|| "nothing".into())
-            });
-            self.bad_found(&wrong.key, wrong.expected, found)
-        })
+        plain::read(&self.value()?).map_err(|(key, words)| self.misfit(&key, &words))
+    }
+
+    fn misfit(&self, key: &str, words: &str) -> FileError {
+        let wrong = expectation(key, words);
+        let found = wrong.found.unwrap_or_else(|| {
+            self.value_text(&wrong.key)
+                .unwrap_or_else(|| "nothing".into())
+        });
+        self.bad_found(&wrong.key, wrong.expected, found)
     }
 
     /// What the text says, with all changes.
-    pub(super) fn value(&self) -> Result<toml::Value, FileError> {
-        let table = self.parse()?;
-        refuse_numbers(&mut String::new(), table.get_ref())
-            .map_err(|(key, expected)| self.bad(&key, expected))?;
-        let deserializer = toml::Deserializer::from(table);
-        // Through the plain value: the parser's own deserialisers would each be compiled once more for every type.
-        let mut value =
-            toml::Value::deserialize(deserializer).map_err(|error| self.syntax(&error))?;
+    pub(super) fn value(&self) -> Result<Value, FileError> {
+        let table = plain::table(self.parse()?.get_ref());
+        let table = table.map_err(|(key, expected)| self.bad(&key, expected))?;
+        let mut value = Value::Table(table);
         for change in &self.changes {
             let applied = change.apply(&mut value);
             applied.map_err(|expected| self.bad(&change.key, expected))?;

@@ -16,14 +16,14 @@ pub(super) fn expectation(path: &str, message: &str) -> Wrong {
     if let Some((field, rest)) = quoted(first, "unknown field ") {
         let known = rest.trim_start_matches(", expected ");
         return Wrong {
-            key: with_last(path, field),
+            key: inside(path, field),
             expected: known.replace("one of ", "one of the keys "),
             found: Some(format!("the unknown key `{field}`{}", meant(field, known))),
         };
     }
     if let Some((field, _)) = quoted(first, "missing field ") {
         return Wrong {
-            key: with_last(path, field),
+            key: inside(path, field),
             expected: "a value".into(),
             found: Some("nothing".into()),
         };
@@ -65,11 +65,9 @@ fn quoted<'m>(message: &'m str, start: &str) -> Option<(&'m str, &'m str)> {
         .split_once('`')
 }
 
-fn with_last(path: &str, field: &str) -> String {
-    let last = path.rsplit('.').next().unwrap_or_default();
+fn inside(path: &str, field: &str) -> String {
     match path {
         "" => field.into(),
-        _ if last == field => path.into(),
         _ => format!("{path}.{field}"),
     }
 }
@@ -85,7 +83,6 @@ fn plain(wanted: &str) -> String {
         "a sequence" => "an array",
         "an array of length 2" => "an array of 2 numbers",
         "an array of length 4" => "an array of 4 numbers",
-        "string or table" => "a string",
         other if other.starts_with("struct ") => "a table",
         other if other.starts_with("enum ") => "a string",
         other => other,

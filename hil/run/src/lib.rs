@@ -9,6 +9,7 @@
 
 mod activations;
 mod actuator_bus;
+mod any_skin;
 mod band;
 mod boards;
 pub mod design;

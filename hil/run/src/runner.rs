@@ -20,6 +20,7 @@ use palpate_records::readings::Readings;
 use palpate_records::trace::{Header, Ledger};
 
 use crate::actuator_bus::ActuatorBus;
+use crate::any_skin::AnySkin;
 use crate::display_end::EmulatedDisplay;
 use crate::effort::Effort;
 use crate::failure::Failure;
@@ -75,10 +76,9 @@ pub fn run_with(
         }
         Input::Stream(rows) => {
             let levels = dynamic_levels(&setup.scene.value.compression);
-            let skin = Streamed::new(rows.as_ref(), &setup.sensor.value, &layout)?;
-            let end = scene_end(setup);
+            let mut skin = Streamed::new(rows.as_ref(), &setup.sensor.value, &layout)?;
+            let (skin, end) = (AnySkin::of(&mut skin), scene_end(setup));
             run.project(levels, skin, Truth::Unknown, end, host)
-                .map(|(outcome, _)| outcome)
         }
         Input::Frames(frames) => {
             let skin = || {
@@ -128,27 +128,30 @@ impl Run<'_> {
         let end = scene_end(setup);
         if skin::is_array(setup) {
             let mut skin = skin::array(setup, self.layout, self.seed)?;
-            let levels = self.calibrate(&mut skin, end, host)?;
-            let skin = skin::array(setup, self.layout, self.seed)?;
-            return Ok(self.count(levels, skin, Truth::of(setup), end, host)?.0);
+            let levels = self.calibrate(AnySkin::of(&mut skin), end, host)?;
+            let mut skin = skin::array(setup, self.layout, self.seed)?;
+            let skin = AnySkin::of(&mut skin);
+            return self.count(levels, skin, Truth::of(setup), end, host);
         }
         let emulated = || skin::emulated(setup, self.layout, self.seed);
         let mut first = on_tape(setup, self.layout, emulated()?);
-        let levels = self.calibrate(&mut first, end, host)?;
+        let levels = self.calibrate(AnySkin::of(&mut first), end, host)?;
         let tape = &mut first.bus_mut().inner;
         // What is watched is played once, also where a tape turns out to be of no use.
         if scene.faults.is_empty() && tape.is_exact() && !host.looks_on() {
             tape.rewind(end);
             let tape = std::mem::replace(tape, Tape::new(emulated()?));
-            let skin = skin::source(setup, self.layout, Tap::new(tape, self.keep.can));
-            let (outcome, skin) = self.count(levels.clone(), skin, Truth::of(setup), end, host)?;
+            let mut skin = skin::source(setup, self.layout, Tap::new(tape, self.keep.can));
+            let played = AnySkin::of(&mut skin);
+            let outcome = self.count(levels.clone(), played, Truth::of(setup), end, host)?;
             if skin.bus().inner.is_exact() {
                 return Ok(outcome);
             }
         }
         let faulty = Faulty::new(emulated()?, self.seed, "sensor bus");
-        let skin = skin::source(setup, self.layout, Tap::new(faulty, self.keep.can));
-        Ok(self.count(levels, skin, Truth::of(setup), end, host)?.0)
+        let mut skin = skin::source(setup, self.layout, Tap::new(faulty, self.keep.can));
+        let skin = AnySkin::of(&mut skin);
+        self.count(levels, skin, Truth::of(setup), end, host)
     }
 
     /// A recording with `rows` rows that ends at `end`: one pass for levels, one that counts.
@@ -167,21 +170,22 @@ impl Run<'_> {
             )));
         }
         let end = end + Duration::from_millis(100);
-        let (levels, skin) = match known_levels(&self.setup.scene.value.compression) {
+        let (levels, mut skin) = match known_levels(&self.setup.scene.value.compression) {
             Some(known) => (known, first),
             None => {
                 let mut first = first;
-                let levels = self.calibrate(&mut first, end, host)?;
+                let levels = self.calibrate(AnySkin::of(&mut first), end, host)?;
                 (levels, skin()?)
             }
         };
-        Ok(self.count(levels, skin, Truth::Unknown, end, host)?.0)
+        let skin = AnySkin::of(&mut skin);
+        self.count(levels, skin, Truth::Unknown, end, host)
     }
 
     /// A first pass that finds the levels.
     fn calibrate(
         &self,
-        skin: &mut impl SkinEnd,
+        skin: AnySkin<'_>,
         end: Instant,
         host: &mut dyn Host,
     ) -> Result<Levels, Failure> {
@@ -190,14 +194,14 @@ impl Run<'_> {
     }
 
     /// The pass that counts, on one display or on several.
-    fn count<S: SkinEnd>(
+    fn count(
         &self,
         levels: Levels,
-        skin: S,
+        skin: AnySkin<'_>,
         truth: Truth,
         end: Instant,
         host: &mut dyn Host,
-    ) -> Result<(Outcome, S), Failure> {
+    ) -> Result<Outcome, Failure> {
         match self.setup.fingers.is_empty() {
             true => self.project(levels, skin, truth, end, host),
             false => self.several(&levels, skin, &truth, end, host),
@@ -245,14 +249,14 @@ impl Run<'_> {
     }
 
     /// The loop between the skin and the emulated display until `end`.
-    fn project<S: SkinEnd>(
+    fn project(
         &self,
         levels: Levels,
-        skin: S,
+        skin: AnySkin<'_>,
         truth: Truth,
         end: Instant,
         host: &mut dyn Host,
-    ) -> Result<(Outcome, S), Failure> {
+    ) -> Result<Outcome, Failure> {
         let place = Place::whole(&self.setup.bench.value);
         let (header, mut session) = self.assemble(levels, skin, truth, (place, None), host)?;
         let mut passing = Passing::new(header.soa_us);
@@ -299,8 +303,7 @@ impl Run<'_> {
         if let Some(passed) = passing.take(&mut session, true) {
             host.record(passed)?;
         }
-        let outcome = self.outcome(header, &mut session, last, host)?;
-        Ok((outcome, session.into_skin()))
+        self.outcome(header, &mut session, last, host)
     }
 
     /// What the run came to.
@@ -371,7 +374,7 @@ impl Run<'_> {
 }
 
 /// Shows a turn to the host; whether it wants no more.
-fn look_on<S: SkinEnd>(session: &mut Session<S, EmulatedDisplay>, host: &mut dyn Host) -> bool {
+fn look_on(session: &mut Session<AnySkin<'_>, EmulatedDisplay>, host: &mut dyn Host) -> bool {
     if !host.looks_on() {
         return false;
     }
@@ -419,7 +422,8 @@ pub fn scene_levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
     let layout = plan::layout(&setup.sensor.value)?;
     let mut skin = on_tape(setup, &layout, skin::emulated(setup, &layout, seed)?);
     let looking = (&*looking(setup), &Responses::default());
-    calibrate(looking, seed, &mut skin, scene_end(setup), &mut ())
+    let skin = AnySkin::of(&mut skin);
+    calibrate(looking, seed, skin, scene_end(setup), &mut ())
 }
 
 impl Observer for Intensities {
@@ -432,7 +436,7 @@ impl Observer for Intensities {
 fn calibrate(
     (setup, responses): (&Setup, &Responses),
     seed: u64,
-    skin: &mut impl SkinEnd,
+    mut skin: AnySkin<'_>,
     end: Instant,
     host: &mut dyn Host,
 ) -> Result<Levels, Failure> {
@@ -448,7 +452,7 @@ fn calibrate(
     let mut now = Instant::ZERO;
     while now < end && !host.passed(HALF * part(now, end)) {
         skin.advance_to(now);
-        let polled = projector.poll(now, skin, &mut Silence, &mut intensities);
+        let polled = projector.poll(now, &mut skin, &mut Silence, &mut intensities);
         polled.map_err(|e| match e {
             LoopError::Sensor(e) => Failure::Device(format!("sensor bus: {e}")),
             LoopError::Scan(e) => Failure::Device(format!("skin: {e}")),

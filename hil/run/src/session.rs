@@ -344,11 +344,6 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         (&self.skin, &self.recorder, look)
     }
 
-    /// The sensor end, when the run is over.
-    pub fn into_skin(self) -> S {
-        self.skin
-    }
-
     /// Computing times of the frames since the last time.
     pub fn take_costs(&mut self) -> Vec<FrameCost> {
         self.times.take()

@@ -1,8 +1,10 @@
 //! The raw readings of a scene's emulated skin, as a recording of them would be.
 
+use palpate_core::skin::SkinSource;
 use palpate_core::units::Instant;
 use palpate_files::Setup;
 
+use crate::any_skin::AnySkin;
 use crate::failure::Failure;
 use crate::plan;
 use crate::replay::TaxelTable;
@@ -33,19 +35,20 @@ pub fn taxels(setup: &Setup, seed: u64, passed: impl Fn(f64)) -> Result<Vec<Taxe
     let mut tables: Vec<TaxelTable> = active.iter().map(table).collect();
     let into = (&active[..], &mut tables[..], axes);
     if skin::is_array(setup) {
-        read(setup, skin::array(setup, &layout, seed)?, into, passed)?;
+        let mut array = skin::array(setup, &layout, seed)?;
+        read(setup, AnySkin::of(&mut array), into, passed)?;
     } else {
         let boards = Tape::new(skin::emulated(setup, &layout, seed)?);
-        let source = skin::source(setup, &layout, Tap::new(boards, false));
-        read(setup, source, into, passed)?;
+        let mut source = skin::source(setup, &layout, Tap::new(boards, false));
+        read(setup, AnySkin::of(&mut source), into, passed)?;
     }
     Ok(tables)
 }
 
 /// Fills the tables with the taxels that are read, of so many axes, until the scene ends.
-fn read<S: SkinEnd>(
+fn read(
     setup: &Setup,
-    mut source: S,
+    mut source: AnySkin<'_>,
     (active, tables, axes): (&[Vec<usize>], &mut [TaxelTable], usize),
     passed: impl Fn(f64),
 ) -> Result<(), Failure> {

@@ -25,6 +25,16 @@ fn scenes() {
                 "f.toml:37: touches[0].force_n.mean: expected a value, found nothing",
             ),
             (
+                "{ mean = 0.7, amplitude = 0.3, period_s = 2.7 }",
+                "[0.7, 0.3, 2.7]",
+                "f.toml:37: touches[0].force_n: expected a table, found [0.7, 0.3, 2.7]",
+            ),
+            (
+                "\"A 19.45 mm sphere rolls along the pad's y axis, edge to edge and back\"",
+                "2026-11-24",
+                "f.toml:3: description: expected a string, found 2026-11-24",
+            ),
+            (
                 "kc = 1",
                 "kc = 1\nkx = 2",
                 "f.toml:16: compression.kx: expected one of the keys `kc`, `ki`, `levels`, `weight_exponent`, `norm`, `axes`, `scope`, `iterations`, found the unknown key `kx`",

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from ._errors import InputError
 
-__all__ = ["Pad", "mujoco_contacts"]
+__all__ = ["Pad", "drake_contacts", "mujoco_contacts"]
 
 
 @dataclass(frozen=True)
@@ -72,6 +72,36 @@ def mujoco_contacts(
         on_second = contact.frame.reshape(3, 3).T @ wrench[:3]
         points.append(contact.pos.copy())
         forces.append(on_second if contact.geom[1] == geom else -on_second)
+    return np.array(points).reshape(-1, 3), np.array(forces).reshape(-1, 3)
+
+
+def drake_contacts(
+    plant: Any, context: Any, geometry: Any
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """The pressure field on a geometry of Drake's: the centre of every face of the contact surfaces in the world, m, and
+    the force on the geometry there, N, both of shape (faces, 3).
+
+    Contacts at points, which Drake falls back to for bodies without a pressure field, are left out.
+
+    Args:
+        plant: ``pydrake.multibody.plant.MultibodyPlant`` with hydroelastic contact.
+        context: The plant's own context after a step.
+        geometry: The ``GeometryId`` of the skin.
+    """
+    results = plant.get_contact_results_output_port().Eval(context)
+    points, forces = [], []
+    for number in range(results.num_hydroelastic_contacts()):
+        surface = results.hydroelastic_contact_info(number).contact_surface()
+        if geometry not in (surface.id_M(), surface.id_N()):
+            continue
+        # Normals point out of N into M: pressure pushes M along them.
+        side = 1.0 if geometry == surface.id_M() else -1.0
+        triangles = surface.is_triangle()
+        field = surface.tri_e_MN() if triangles else surface.poly_e_MN()
+        for face in range(surface.num_faces()):
+            at = surface.centroid(face)
+            points.append(at)
+            forces.append(side * field.EvaluateCartesian(face, at) * surface.area(face) * surface.face_normal(face))
     return np.array(points).reshape(-1, 3), np.array(forces).reshape(-1, 3)
 
 

@@ -2,7 +2,7 @@
 //! What they share, boards, buses and supply, is shared out before the run begins.
 
 use palpate_core::contact::Levels;
-use palpate_core::skin::Layout;
+use palpate_core::skin::{Layout, SkinSource};
 use palpate_core::units::{Duration, Instant};
 use palpate_files::{Fault, Gate};
 use palpate_records::i2c::Transfer;
@@ -10,6 +10,7 @@ use palpate_records::trace::{Event, Header};
 
 use super::{Run, part};
 use crate::actuator_bus::ActuatorBus;
+use crate::any_skin::AnySkin;
 use crate::display_end::{DisplayEnd, EmulatedDisplay};
 use crate::effects::Faultable;
 use crate::failure::Failure;
@@ -54,7 +55,7 @@ impl Finger {
     }
 
     /// A turn, if one is due; something that ends it ends no other finger.
-    fn turn(&mut self, now: Instant, skin: &mut impl SkinEnd) -> Result<(), Failure> {
+    fn turn(&mut self, now: Instant, skin: &mut AnySkin<'_>) -> Result<(), Failure> {
         if self.ended {
             return self.rest(now);
         }
@@ -100,7 +101,7 @@ impl Finger {
         &mut self,
         display: usize,
         now: Instant,
-        skin: &impl SkinEnd,
+        skin: &AnySkin<'_>,
         host: &mut dyn Host,
     ) -> bool {
         if !host.looks_on() {
@@ -133,14 +134,14 @@ impl Finger {
 
 impl Run<'_> {
     /// The pass that counts, of every finger, on one skin until `end`.
-    pub(super) fn several<S: SkinEnd>(
+    pub(super) fn several(
         &self,
         levels: &Levels,
-        mut skin: S,
+        mut skin: AnySkin<'_>,
         truth: &Truth,
         end: Instant,
         host: &mut dyn Host,
-    ) -> Result<(Outcome, S), Failure> {
+    ) -> Result<Outcome, Failure> {
         let alone = fingers(self.setup);
         let layouts = alone.iter().map(|(_, s)| plan::layout(&s.sensor.value));
         let layouts: Vec<Layout> = layouts.collect::<Result<_, _>>()?;
@@ -218,7 +219,7 @@ impl Run<'_> {
             i2c,
             ..common
         };
-        Ok((join(self.setup, parts, common), skin))
+        Ok(join(self.setup, parts, common))
     }
 
     /// The scene's faults of the skin.
@@ -228,10 +229,10 @@ impl Run<'_> {
     }
 
     /// Turn after turn. The skin is read at times that no finger sets: each then finds what it would find alone.
-    fn play<S: SkinEnd>(
+    fn play(
         &self,
         fingers: &mut [Finger],
-        mut hardware: Hardware<'_, S>,
+        mut hardware: Hardware<'_, '_>,
         end: Instant,
         host: &mut dyn Host,
     ) -> Result<(Instant, Common), Failure> {
@@ -295,15 +296,15 @@ impl Run<'_> {
 }
 
 /// What the fingers have in common, and the scene's faults of it.
-struct Hardware<'a, S> {
-    skin: &'a mut S,
+struct Hardware<'a, 's> {
+    skin: &'a mut AnySkin<'s>,
     buses: &'a mut [ActuatorBus],
     /// The skin's faults.
     script: Script,
     events: Vec<Event>,
 }
 
-impl<S: SkinEnd> Hardware<'_, S> {
+impl Hardware<'_, '_> {
     /// Lets faults begin and end that are due at `now`; with `last` those that are on end. Returns when the next one is due.
     fn fail(&mut self, now: Instant, last: bool) -> Instant {
         let mut bench = Faultable {

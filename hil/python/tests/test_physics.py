@@ -55,6 +55,19 @@ def test_a_hand_of_mujoco_that_turns_a_box_is_felt_on_four_thimbles() -> None:
     assert force["thumb"] == pytest.approx(sum(force[n] for n in ("index", "middle", "ring")), rel=0.1)
 
 
+def test_a_pressure_field_of_drake_is_found_where_its_centre_is() -> None:
+    pytest.importorskip("pydrake", reason="drake is not installed")
+    ball = example("drake_ball")
+    found, true, faces = ball.slide(1.0)
+    away = ball.error_mm(found, true)
+    assert len(found) > 80
+    # A field, not a point, that goes along the pad with the force of the ball.
+    assert faces > 30
+    assert np.ptp(true[:, 2]) > 8
+    assert np.ptp(true[20:, 3]) > 0.5
+    assert np.sqrt(np.mean(away**2)) < 0.2
+
+
 def test_presses_are_seen_from_the_pad() -> None:
     # A pad whose skin looks along the world's x, its right is the world's y.
     pad = Pad(origin_m=(1, 2, 3), rotation=[[0, 0, 1], [1, 0, 0], [0, 1, 0]])
