@@ -29,6 +29,7 @@ mod levels;
 pub mod live;
 mod margins;
 mod numbers;
+mod packed;
 mod pads;
 mod passed;
 mod path_error;
