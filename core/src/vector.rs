@@ -69,7 +69,9 @@ impl Vectors {
                 None => Simd::vectorize(Scalar, kernel),
             }
         }
-        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+        #[cfg(target_arch = "wasm32")]
+        return Simd::vectorize(Scalar, kernel);
+        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "wasm32")))]
         self.0.dispatch(kernel)
     }
 
@@ -77,6 +79,9 @@ impl Vectors {
     /// would take 0.7 of its time, a dozen taxels and the exact solver the same within an eighth.)
     #[inline(always)]
     pub fn dispatch_widest<W: WithSimd>(self, kernel: W) -> W::Output {
+        #[cfg(target_arch = "wasm32")]
+        return Simd::vectorize(Scalar, kernel);
+        #[cfg(not(target_arch = "wasm32"))]
         self.0.dispatch(kernel)
     }
 

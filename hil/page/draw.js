@@ -17,9 +17,24 @@ addEventListener("resize", measure);
 
 export const wireColor = wire => colors[`w${wire % 8}`];
 
+// How large an element is, CSS pixels. Asking it each time would lay out the page anew for every drawing.
+const sizes = new WeakMap();
+const watch = new ResizeObserver(changed => {
+  for (const { target, contentRect: { width, height } } of changed) sizes.set(target, [Math.round(width), Math.round(height)]);
+  // For pages that draw only what is new.
+  dispatchEvent(new Event("sized"));
+});
+export function size(element) {
+  if (!sizes.has(element)) {
+    sizes.set(element, [element.clientWidth, element.clientHeight]);
+    watch.observe(element);
+  }
+  return sizes.get(element);
+}
+
 // A canvas at the screen's own resolution, cleared: its context, width and height in CSS pixels.
 export function fit(canvas) {
-  const ratio = Math.min(devicePixelRatio || 1, 3), width = canvas.clientWidth, height = canvas.clientHeight;
+  const ratio = Math.min(devicePixelRatio || 1, 3), [width, height] = size(canvas);
   const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
   if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
   const context = canvas.getContext("2d");
@@ -54,4 +69,5 @@ export function disc(context, x, y, radius, fill, stroke, width = 2) {
 }
 
 export const number = (value, digits) => value.toFixed(digits).replace("-", "\u2212");
-export const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
+const still = matchMedia("(prefers-reduced-motion: reduce)");
+export const calm = () => still.matches;

@@ -4,6 +4,8 @@ import { between, calm, colors, css, disc, fit, mix, unit, wireColor } from "pal
 const REST = 33, HOT = 43;
 // How far a wire's warmth is drawn, mm, and how long a driven wire stays bright, us.
 const SPREAD = 4.5, GLOW = 160000;
+// Steps of light and of warmth.
+const SHADES = 60;
 
 export class Finger {
   constructor(flat, solid) {
@@ -28,6 +30,7 @@ export class Finger {
     this.box = { left: -wide, right: wide, bottom: Math.min(...ys) - 6, top: Math.max(...ys) + 6 };
     // The unrolled surface is no wider than the finger is round.
     if (round) [this.box.left, this.box.right] = [-Math.min(wide, round), Math.min(wide, round)];
+    this.solidMesh = this.mesh();
   }
 
   take(picture) {
@@ -42,16 +45,6 @@ export class Finger {
   glow(wire, now) {
     const { until, part } = this.driven[wire];
     return until < 0 ? 0 : part * Math.max(0, 1 - Math.max(0, now - until) / GLOW);
-  }
-
-  // Warmth of the tissue at a place, from 0 at rest to 1 at the limit, as drawn from the wires around.
-  warmth(picture, x, y) {
-    let most = 0;
-    this.head.wires_mm.forEach(([wx, wy], i) => {
-      const dx = Math.max(Math.abs(x - wx) - this.head.wire_mm / 2, 0), far = (dx * dx + (y - wy) ** 2) / (SPREAD * SPREAD);
-      most = Math.max(most, Math.exp(-far) * (picture.warm[i][1] - REST) / (HOT - REST));
-    });
-    return Math.min(most, 1);
   }
 
   draw(picture) {
@@ -84,7 +77,7 @@ export class Finger {
       gradient.addColorStop(1, "transparent");
       context.globalAlpha = Math.min(0.9, heat * 1.4);
       context.fillStyle = gradient;
-      context.fillRect(0, 0, width, height);
+      context.fillRect(x(wx) - 9 * k, y(wy) - 9 * k, 18 * k, 18 * k);
     });
     context.restore();
     context.globalAlpha = 1;
@@ -131,35 +124,65 @@ export class Finger {
     return [radius * normal[0], Math.min(my, tip) + radius * normal[1], radius * normal[2], ...normal];
   }
 
-  worn(picture) {
-    const [context, width, height] = fit(this.solid), { bottom, top } = this.box;
-    const yaw = this.yaw + (calm() || this.held !== null ? 0 : 0.35 * Math.sin(performance.now() / 4200)), [c, s] = [Math.cos(yaw), Math.sin(yaw)];
-    const tilt = 0.22, [ct, st] = [Math.cos(tilt), Math.sin(tilt)];
-    const flat = !this.head.finger_mm, wide = flat ? (this.box.right - this.box.left) : this.head.finger_mm[0] * 1.35;
-    const low = flat ? bottom : bottom - 5, high = flat ? top : this.head.finger_mm[1] + this.head.finger_mm[0] / 2;
-    const k = Math.min(width / wide, height / (high - low)) * 0.9, middle = (low + high) / 2;
-    const turn = (x, y, z) => { const u = x * c + z * s, w = z * c - x * s; return [u, y * ct - w * st, w * ct + y * st]; };
-    const to = ([mx, my]) => {
-      const [x, y, z, nx, ny, nz] = this.place(mx, my), [u, v] = turn(x, y - middle, z), facing = turn(nx, ny, nz)[2];
-      return [width / 2 + u * k, height / 2 - v * k, facing > 0.03 ? 1 : 0, facing, turn(nx, ny, nz)];
-    };
-    const half = flat ? this.box.right : Math.PI * this.head.finger_mm[0] / 2, rows = 26, columns = flat ? 20 : 36;
-    const end = flat ? top : this.head.finger_mm[1] + Math.PI * this.head.finger_mm[0] / 4;
-    for (let row = 0; row < rows; row++) for (let column = 0; column < columns; column++) {
-      const [x0, x1] = [column, column + 1].map(n => -half + 2 * half * n / columns), [y0, y1] = [row, row + 1].map(n => low + (end - low) * n / rows);
-      const [mx, my] = [(x0 + x1) / 2, (y0 + y1) / 2], [, , seen, , normal] = to([mx, my]);
-      if (!seen) continue;
-      const light = Math.max(0, 0.45 * normal[0] * -0.6 + 0.5 * normal[1] + 0.8 * normal[2]), shade = between(colors["finger-dark"], colors.finger, 0.25 + 0.75 * light);
-      const heat = this.warmth(picture, mx, my), corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(to);
+  // The surface in pieces: corners in space, and of each piece its corners, its normal and how near it is to which wires.
+  mesh() {
+    const flat = !this.head.finger_mm, { bottom, top, right } = this.box, [diameter, tip] = this.head.finger_mm ?? [0, 0];
+    const [low, high] = flat ? [bottom, top] : [bottom - 5, tip + diameter / 2], end = flat ? top : tip + Math.PI * diameter / 4;
+    const half = flat ? right : Math.PI * diameter / 2, rows = 26, columns = flat ? 20 : 36;
+    const at = (column, row) => [-half + 2 * half * column / columns, low + (end - low) * row / rows];
+    const corners = [], pieces = [];
+    for (let row = 0; row <= rows; row++) for (let column = 0; column <= columns; column++) {
+      corners.push(this.place(...at(column, row)));
+      if (row === rows || column === columns) continue;
+      const first = row * (columns + 1) + column, [x, y] = at(column + 0.5, row + 0.5);
+      const wires = this.head.wires_mm.map(([wx, wy], i) => {
+        const dx = Math.max(Math.abs(x - wx) - this.head.wire_mm / 2, 0);
+        return [i, Math.exp(-(dx * dx + (y - wy) ** 2) / (SPREAD * SPREAD))];
+      });
+      pieces.push({ corners: [first, first + 1, first + columns + 2, first + columns + 1], normal: this.place(x, y).slice(3), wires: wires.filter(near => near[1] > 0.003) });
+    }
+    return { corners, pieces, middle: (low + high) / 2, tall: high - low, wide: flat ? 2 * right : diameter * 1.35, xs: new Float32Array(corners.length), ys: new Float32Array(corners.length) };
+  }
+
+  // Pieces by their colour, which is the skin's in the light that it has, and warmth: drawn at once where it is the same.
+  surface(context, picture, turn, to) {
+    const { corners, pieces, xs, ys } = this.solidMesh, { warm } = picture, alike = new Map();
+    corners.forEach(([x, y, z], i) => { [xs[i], ys[i]] = to(x, y, z); });
+    for (const piece of pieces) {
+      const [nx, ny, nz] = turn(...piece.normal);
+      if (nz <= 0.03) continue;
+      let heat = 0;
+      for (const [wire, near] of piece.wires) heat = Math.max(heat, near * (warm[wire][1] - REST) / (HOT - REST));
+      const light = Math.max(0, -0.27 * nx + 0.5 * ny + 0.8 * nz), key = Math.round(light * SHADES) * 1000 + Math.round(Math.min(0.92, heat * 1.3) * SHADES);
+      if (!alike.has(key)) alike.set(key, []);
+      alike.get(key).push(piece.corners);
+    }
+    context.lineWidth = 1;
+    for (const [key, all] of alike) {
+      const shade = between(colors["finger-dark"], colors.finger, 0.25 + 0.75 * Math.floor(key / 1000) / SHADES);
       context.beginPath();
-      corners.forEach(([px, py], i) => (i ? context.lineTo(px, py) : context.moveTo(px, py)));
-      context.closePath();
+      for (const [a, b, c, d] of all) {
+        context.moveTo(xs[a], ys[a]); context.lineTo(xs[b], ys[b]); context.lineTo(xs[c], ys[c]); context.lineTo(xs[d], ys[d]);
+        context.closePath();
+      }
       // The outline closes the seams between the pieces.
-      context.fillStyle = context.strokeStyle = css(between(shade, colors.hot, Math.min(0.92, heat * 1.3)));
-      context.lineWidth = 1;
+      context.fillStyle = context.strokeStyle = css(between(shade, colors.hot, key % 1000 / SHADES));
       context.fill();
       context.stroke();
     }
+  }
+
+  worn(picture) {
+    const [context, width, height] = fit(this.solid), { middle, tall, wide } = this.solidMesh;
+    const yaw = this.yaw + (calm() || this.held !== null ? 0 : 0.35 * Math.sin(performance.now() / 4200)), [c, s] = [Math.cos(yaw), Math.sin(yaw)];
+    const tilt = 0.22, [ct, st] = [Math.cos(tilt), Math.sin(tilt)], k = Math.min(width / wide, height / tall) * 0.9;
+    const turn = (x, y, z) => { const w = z * c - x * s; return [x * c + z * s, y * ct - w * st, w * ct + y * st]; };
+    const screen = (x, y, z) => { const [u, v] = turn(x, y - middle, z); return [width / 2 + u * k, height / 2 - v * k]; };
+    const to = ([mx, my]) => {
+      const [x, y, z, ...normal] = this.place(mx, my);
+      return [...screen(x, y, z), turn(...normal)[2] > 0.03 ? 1 : 0];
+    };
+    this.surface(context, picture, turn, screen);
     context.lineCap = "round";
     this.head.wires_mm.forEach(([wx, wy], i) => {
       const glow = this.glow(i, picture.now_us);

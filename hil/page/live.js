@@ -24,7 +24,7 @@ class Page {
     by("stop").addEventListener("click", () => this.stop());
     by("which-display").addEventListener("change", event => this.look(+event.target.value));
     this.link = new Link(message => this.hear(message), up => this.stand(up));
-    addEventListener("resize", () => this.draw());
+    addEventListener("sized", () => this.draw());
   }
 
   hear(message) {

@@ -14,6 +14,8 @@ const say = text => { by("alert").textContent = text; by("alert").hidden = !text
 const speak = text => { by("spoken").textContent = text; };
 // A picture is of so much time at most, so that a page that was hidden does not jump, us.
 const MOST_US = 50000;
+// A session is repeated for so long at a time, ms.
+const REPEAT_MS = 20;
 // What the pulses show at full speed, us; slower, so much less.
 const SPAN_US = 3e6;
 
@@ -140,6 +142,7 @@ class Page {
   }
 
   draw(speed) {
+    const began = performance.now();
     const wide = Math.max(SPAN_US * speed ** 0.5, 5000), slow = this.paused && speed === 1 ? 120000 : wide;
     this.pad.draw(this.picture);
     this.finger.draw(this.picture);
@@ -147,6 +150,7 @@ class Page {
     const clock = `${number(this.now / 1e6, speed < 1 || this.paused ? 4 : 3)} s`;
     if (by("clock").textContent !== clock) by("clock").textContent = clock;
     if (by("pulses-from").textContent !== span(slow)) by("pulses-from").textContent = span(slow);
+    this.drew = performance.now() - began;
   }
 
   async share() {
@@ -157,9 +161,25 @@ class Page {
     by("share-link").value = url ?? "too long for a link: save it as a scene";
     by("copy").disabled = !url;
     by("command").textContent = command(this.shared, "touched.toml");
-    by("share-what").textContent = `${number(saved.length_s, 1)} s of touching. Its schedule has the digest ${saved.digest}, here and anywhere.`;
+    by("share-what").textContent = `${number(saved.length_s, 1)} s of touching.`;
     by("share-dialog").showModal();
     by("share-link").select();
+    await this.repeat(saved.length_s);
+  }
+
+  // What a run of the shared session comes to: run beside this one, a piece at a time, while the dialogue is open.
+  async repeat(length_s) {
+    const { shared } = this, end = Math.round(length_s * 1e6), lasts = `${number(length_s, 1)} s of touching.`;
+    const twin = await this.loop.twin();
+    twin.ask({ do: "open", ...shared });
+    for (let now = 0; now < end;) {
+      const pause = performance.now() + REPEAT_MS;
+      for (; now < end && performance.now() < pause; now = Math.min(now + MOST_US, end)) twin.ask({ do: "step", until_us: Math.min(now + MOST_US, end) });
+      by("share-what").textContent = `${lasts} Repeating it for the digest of its schedule: ${Math.floor(100 * now / end)} %.`;
+      await new Promise(done => setTimeout(done));
+      if (!by("share-dialog").open || this.shared !== shared) return;
+    }
+    by("share-what").textContent = `${lasts} Its schedule has the digest ${twin.ask({ do: "end" }).digest}, here and anywhere.`;
   }
 
   async copy() {
@@ -209,5 +229,5 @@ try {
   page.frame(page.first);
 } catch (error) {
   const old = error instanceof WebAssembly.CompileError;
-  say(old ? `This browser cannot run the module (${error.message}); it needs WebAssembly with SIMD, which browsers have since 2023.` : error.message);
+  say(old ? `This browser cannot run the module (${error.message}); it needs WebAssembly as browsers have it since 2020.` : error.message);
 }

@@ -1,5 +1,5 @@
 // The robot's skin: what is drawn of it, and the fingers that a person puts on it.
-import { colors, disc, fit, mix, unit } from "palpate/draw.js";
+import { colors, disc, fit, mix, size, unit } from "palpate/draw.js";
 
 const KEY_FINGER = 9;
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
@@ -37,7 +37,7 @@ export class Pad {
   }
 
   scale() {
-    const { left, right, bottom, top } = this.frame, [w, h] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    const { left, right, bottom, top } = this.frame, [w, h] = size(this.canvas);
     const k = Math.min(w / (right - left), h / (top - bottom));
     return { k, x: mm => w / 2 + (mm - (left + right) / 2) * k, y: mm => h / 2 - (mm - (bottom + top) / 2) * k };
   }

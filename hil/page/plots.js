@@ -1,5 +1,5 @@
 // What goes by in time: pulses of every wire, and temperatures.
-import { colors, fit, number, unit, wireColor } from "palpate/draw.js";
+import { colors, fit, number, size, unit, wireColor } from "palpate/draw.js";
 
 const WARM_US = 30e6, WARM_EVERY_US = 100000, KEEP_US = 4e6;
 // The axis of temperatures, degrees C; it grows where the skin burns.
@@ -17,12 +17,14 @@ export class Plots {
     this.on = head.wires_mm.map(() => null);
     this.warmed = [];
     this.holes = [];
+    this.drawn = "";
   }
 
   // What was before the first picture, as a recording tells it.
   begin({ from_us, warm }) {
     this.warmed = warm.map(([at, celsius]) => [at, celsius.map(c => c ?? NaN)]);
     if (from_us > 0) this.holes.push([0, from_us]);
+    this.drawn = "";
   }
 
   // From when to when nothing is known, us.
@@ -92,6 +94,10 @@ export class Plots {
   }
 
   temperatures(picture) {
+    // Nothing of it changes faster than its values, of which there are ten per second.
+    const drawn = [Math.floor(picture.now_us / WARM_EVERY_US), size(this.warm), unit, colors.bad, this.holes.length, this.warmed.length].join();
+    if (this.drawn === drawn) return;
+    this.drawn = drawn;
     const [context, width, height] = fit(this.warm), hottest = Math.max(HIGH, ...this.warmed.map(w => Math.max(...w[1]))), high = hottest > HIGH ? Math.ceil(hottest / 5) * 5 : HIGH;
     const x = at => width * (1 - (picture.now_us - at) / WARM_US), y = celsius => height * (high - celsius) / (high - LOW);
     [this.high.textContent, this.low.textContent] = [`${high} \u00b0C`, `${LOW} \u00b0C`];

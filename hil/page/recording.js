@@ -27,7 +27,7 @@ class Recording {
     by("pad").setAttribute("role", "img");
     by("pad").setAttribute("aria-label", "The robot's skin: readings of all taxels and contacts");
     this.link = new Link(message => this.hear(message), up => this.stand(up));
-    addEventListener("resize", () => this.draw());
+    addEventListener("sized", () => this.draw());
   }
 
   hear(message) {

@@ -5,6 +5,8 @@
 
 use pulp::Simd;
 
+use super::fused::fused;
+
 /// Beyond this tanh is 1 in f32.
 const SATURATED: f32 = 9.0;
 /// tanh(x) = x P(x²) / Q(x²) on [-9, 9], lowest power first: our own fit (least squares in relative error, reweighted
@@ -27,7 +29,7 @@ const SMALLEST: f32 = 1.0 / (1u64 << 60) as f32;
 fn polynomial<S: Simd, const N: usize>(simd: S, x: S::f32s, coefficients: &[f32; N]) -> S::f32s {
     let mut sum = simd.splat_f32s(coefficients[N - 1]);
     for i in (0..N - 1).rev() {
-        sum = simd.mul_add_f32s(sum, x, simd.splat_f32s(coefficients[i]));
+        sum = fused(simd, sum, x, simd.splat_f32s(coefficients[i]));
     }
     sum
 }
@@ -52,7 +54,7 @@ pub(super) fn tanh<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
 #[inline(always)]
 pub(super) fn logistic<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
     let half = simd.splat_f32s(0.5);
-    simd.mul_add_f32s(half, tanh(simd, simd.mul_f32s(half, x)), half)
+    fused(simd, half, tanh(simd, simd.mul_f32s(half, x)), half)
 }
 
 /// The new state of units: `sums` are r, z and the input's part of n before their functions, `hidden` the state's
@@ -66,8 +68,8 @@ pub(super) fn unit<S: Simd>(
 ) -> S::f32s {
     let reset = logistic(simd, sums[0]);
     let keep = logistic(simd, sums[1]);
-    let new = tanh(simd, simd.mul_add_f32s(reset, hidden, sums[2]));
-    let next = simd.mul_add_f32s(keep, simd.sub_f32s(state, new), new);
+    let new = tanh(simd, fused(simd, reset, hidden, sums[2]));
+    let next = fused(simd, keep, simd.sub_f32s(state, new), new);
     // Squares in place of magnitudes: pulp's `abs` is not inlined.
     let square = simd.mul_f32s(next, next);
     let tiny = simd.less_than_f32s(square, simd.splat_f32s(SMALLEST * SMALLEST));

@@ -10,6 +10,7 @@
 
 use pulp::{Simd, as_arrays};
 
+use super::fused::{fused, fused_exact};
 use super::gates;
 use super::pack::Layer;
 
@@ -71,9 +72,9 @@ fn accumulate<S: Simd, const C: usize>(
     for (i, [r, z, n]) in weights.iter().enumerate() {
         for c in 0..C {
             let value = simd.splat_f32s(rows[c][i]);
-            sums[c][0] = simd.mul_add_f32s(*r, value, sums[c][0]);
-            sums[c][1] = simd.mul_add_f32s(*z, value, sums[c][1]);
-            sums[c][2] = simd.mul_add_f32s(*n, value, sums[c][2]);
+            sums[c][0] = fused(simd, *r, value, sums[c][0]);
+            sums[c][1] = fused(simd, *z, value, sums[c][1]);
+            sums[c][2] = fused(simd, *n, value, sums[c][2]);
         }
     }
     sums
@@ -157,7 +158,7 @@ pub(super) fn project_wide<S: Simd>(
                             for c in 0..$c {
                                 let value = simd.splat_f64s(f64::from(rows[c][i]));
                                 for v in 0..3 {
-                                    sums[c][v] = simd.mul_add_f64s(weights[v], value, sums[c][v]);
+                                    sums[c][v] = fused_exact(simd, weights[v], value, sums[c][v]);
                                 }
                             }
                         }
@@ -303,9 +304,9 @@ fn beside<S: Simd, const B: usize>(
         let value = simd.splat_f32s(state[i]);
         for b in 0..B {
             let [r, z, n] = weights[b][i];
-            sums[b][0] = simd.mul_add_f32s(r, value, sums[b][0]);
-            sums[b][1] = simd.mul_add_f32s(z, value, sums[b][1]);
-            sums[b][2] = simd.mul_add_f32s(n, value, sums[b][2]);
+            sums[b][0] = fused(simd, r, value, sums[b][0]);
+            sums[b][1] = fused(simd, z, value, sums[b][1]);
+            sums[b][2] = fused(simd, n, value, sums[b][2]);
         }
     }
     for b in 0..B {

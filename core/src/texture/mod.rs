@@ -12,6 +12,7 @@
 
 mod control;
 mod encoder;
+mod fused;
 mod gates;
 mod kernel;
 mod model;

@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 
 /// First 16 hex digits of the SHA-256 over the whole trace: header, events and ledger.
 pub fn trace_digest(trace: &Trace) -> String {
-    let mut sink = Sink(Sha256::new());
+    let mut sink = Sink::default();
     sink.header(&trace.header);
     sink.events(trace.events.iter());
     sink.ledger(&trace.ledger);
@@ -17,7 +17,7 @@ pub fn trace_digest(trace: &Trace) -> String {
 
 /// The same over taxels, frames, contacts and truth alone: a change behind the compression leaves it.
 pub fn contacts_digest(trace: &Trace) -> String {
-    let mut sink = Sink(Sha256::new());
+    let mut sink = Sink::default();
     sink.places(trace.header.taxels.iter());
     sink.events(trace.events.iter().filter(|e| {
         matches!(
@@ -30,23 +30,50 @@ pub fn contacts_digest(trace: &Trace) -> String {
 
 /// The same over what was sent to the boards alone: a change of a physical model leaves it.
 pub fn schedule_digest(trace: &Trace) -> String {
-    let mut sink = Sink(Sha256::new());
-    sink.events(trace.events.iter().filter(|e| {
-        matches!(
-            e,
-            Event::Schedule(_) | Event::PreScale { .. } | Event::AllOff { .. }
-        )
-    }));
-    sink.finish()
+    let mut digest = ScheduleDigest::default();
+    digest.add(&trace.events, u64::MAX);
+    digest.finish()
+}
+
+/// [`schedule_digest`] of a run whose events are not kept.
+#[derive(Clone, Debug, Default)]
+pub struct ScheduleDigest {
+    sink: Sink,
+    /// What may still get older company.
+    waiting: Vec<Event>,
+}
+
+impl ScheduleDigest {
+    /// The next events, in the order in which they were noticed. None that comes later is older than `until_ns`.
+    pub fn add(&mut self, events: &[Event], until_ns: u64) {
+        let Self { sink, waiting } = self;
+        let sent = events.iter().filter(|e| {
+            matches!(
+                e,
+                Event::Schedule(_) | Event::PreScale { .. } | Event::AllOff { .. }
+            )
+        });
+        waiting.extend(sent.cloned());
+        waiting.sort_by_key(Event::t_ns);
+        let due = waiting.partition_point(|e| e.t_ns() < until_ns);
+        waiting.drain(..due).for_each(|event| sink.event(&event));
+    }
+
+    /// The digest of all of them.
+    pub fn finish(mut self) -> String {
+        self.sink.events(self.waiting.iter());
+        self.sink.finish()
+    }
 }
 
 /// First 16 hex digits of the SHA-256 of any bytes, for scene files and limit tables.
 pub fn short_digest(bytes: &[u8]) -> String {
-    let mut sink = Sink(Sha256::new());
+    let mut sink = Sink::default();
     sink.0.update(bytes);
     sink.finish()
 }
 
+#[derive(Clone, Debug, Default)]
 struct Sink(Sha256);
 
 impl Sink {

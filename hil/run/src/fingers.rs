@@ -1,13 +1,17 @@
 //! Fingers that a person moves while a session runs: a log that the emulated skin reads, and that can be saved.
 //!
 //! A sample holds from its own time on, so a session that reads the log as it grows and a run of the saved scene see
-//! the same touches at every instant.
+//! the same touches at every instant. A session looks back by the time from onset to onset at most: what is older is packed.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use palpate_files::{HandSample, MOST_SAMPLES, Touch, check_sample};
 
 use crate::failure::Failure;
+use crate::packed::Packed;
+
+/// So far back every sample stays as it is, us: twice the longest time from onset to onset that a file may state.
+const BACK_US: i64 = 20_000_000;
 
 /// The fingers on a skin. Clones are the same fingers.
 #[derive(Clone, Debug, Default)]
@@ -15,9 +19,17 @@ pub struct Fingers(Arc<Mutex<Log>>);
 
 #[derive(Debug, Default)]
 struct Log {
-    /// Whose touch it is, and the touch on one module.
-    touches: Vec<(usize, Touch)>,
+    touches: Vec<Finger>,
     samples: usize,
+}
+
+/// What a finger does on one module.
+#[derive(Debug)]
+struct Finger {
+    number: usize,
+    /// With its newest samples.
+    touch: Touch,
+    past: Packed,
 }
 
 impl Fingers {
@@ -38,34 +50,35 @@ impl Fingers {
                 "expected at most {MOST_SAMPLES} samples per session; begin a new one"
             ));
         }
-        let own = log.touches.iter().filter(|(number, _)| *number == finger);
-        let newest = own.filter_map(|(_, touch)| Some(touch.path.samples.last()?[0]));
+        let own = log.touches.iter().filter(|own| own.number == finger);
+        let newest = own.filter_map(|own| Some(own.touch.path.samples.last()?[0]));
         if let Some(before) = newest.max().filter(|before| sample[0] < *before) {
             return input(format!(
                 "expected a time from {before} us on, found {} us",
                 sample[0]
             ));
         }
-        for (_, touch) in log
-            .touches
-            .iter_mut()
-            .filter(|(n, t)| *n == finger && t.module != module)
-        {
-            if let Some(last) = touch.path.samples.last().copied().filter(|s| s[3] > 0) {
-                log.samples += put(touch, [sample[0], last[1], last[2], 0, last[4]]);
+        let Log { touches, samples } = log;
+        let mut known = false;
+        for own in touches.iter_mut().filter(|own| own.number == finger) {
+            if own.touch.module == module {
+                known = true;
+                *samples += own.put(sample);
+                continue;
+            }
+            let last = own.touch.path.samples.last().copied();
+            if let Some([_, x, y, _, d]) = last.filter(|last| last[3] > 0) {
+                *samples += own.put([sample[0], x, y, 0, d]);
             }
         }
-        let known = log
-            .touches
-            .iter()
-            .position(|(n, t)| *n == finger && t.module == module);
-        log.samples += match known {
-            Some(place) => put(&mut log.touches[place].1, sample),
-            None => {
-                log.touches.push((finger, Touch::by_hand(module, sample)));
-                1
-            }
-        };
+        if !known {
+            *samples += 1;
+            touches.push(Finger {
+                number: finger,
+                touch: Touch::by_hand(module, sample),
+                past: Packed::default(),
+            });
+        }
         Ok(())
     }
 
@@ -74,7 +87,7 @@ impl Fingers {
     #[must_use]
     pub fn touches(&self, now_us: i64, length_s: f64) -> Vec<Touch> {
         let log = self.log();
-        let mut touches: Vec<Touch> = log.touches.iter().map(|(_, touch)| touch.clone()).collect();
+        let mut touches: Vec<Touch> = log.touches.iter().map(Finger::whole).collect();
         for touch in &mut touches {
             touch.end_s = length_s;
             let samples = &mut touch.path.samples;
@@ -86,9 +99,10 @@ impl Fingers {
         touches
     }
 
-    /// Does something with every touch, in the order in which they began.
+    /// Does something with every touch, in the order in which they began. They know the last seconds alone.
     pub(crate) fn each(&self, mut work: impl FnMut(&Touch)) {
-        self.log().touches.iter().for_each(|(_, touch)| work(touch));
+        let log = self.log();
+        log.touches.iter().for_each(|finger| work(&finger.touch));
     }
 
     fn log(&self) -> MutexGuard<'_, Log> {
@@ -96,18 +110,28 @@ impl Fingers {
     }
 }
 
-/// Adds a sample, or puts it in the place of one of the same time; how many more there are.
-fn put(touch: &mut Touch, sample: HandSample) -> usize {
-    let samples = &mut touch.path.samples;
-    match samples.last_mut() {
-        Some(last) if last[0] == sample[0] => {
-            *last = sample;
-            0
+impl Finger {
+    /// Adds a sample, or puts it in the place of one of the same time; how many more there are.
+    fn put(&mut self, sample: HandSample) -> usize {
+        let samples = &mut self.touch.path.samples;
+        match samples.last_mut() {
+            Some(last) if last[0] == sample[0] => {
+                *last = sample;
+                0
+            }
+            Some(last) if last[1..] == sample[1..] => 0,
+            _ => {
+                samples.push(sample);
+                self.past.take(samples, sample[0] - BACK_US);
+                1
+            }
         }
-        Some(last) if last[1..] == sample[1..] => 0,
-        _ => {
-            samples.push(sample);
-            1
-        }
+    }
+
+    /// The touch with all of its samples.
+    fn whole(&self) -> Touch {
+        let mut touch = self.touch.clone();
+        touch.path.samples.splice(0..0, self.past.samples());
+        touch
     }
 }

@@ -31,6 +31,7 @@ pub mod live;
 mod loops;
 mod margins;
 mod numbers;
+mod packed;
 mod pads;
 mod passed;
 mod path_error;

@@ -40,6 +40,7 @@ impl Page {
                 ok(&played.step(step.until_us)?)
             }
             Request::Save => ok(&self.played.as_ref().ok_or_else(none_open)?.save()?),
+            Request::End => ok(&self.played.take().ok_or_else(none_open)?.end()?),
             Request::Run(chosen) => {
                 let setup = open::setup(&chosen)?;
                 ok(&run::run(&setup, chosen.seed.unwrap_or(open::SEED))?)
@@ -52,7 +53,13 @@ fn none_open() -> Failure {
     Failure::Input("the page: expected an open session; open one first".into())
 }
 
-fn ok(answer: &impl Serialize) -> Result<String, Failure> {
-    let text = serde_json::to_string(&json!({ "ok": answer }));
+/// What went well.
+#[derive(Serialize)]
+struct Answer<'a, T> {
+    ok: &'a T,
+}
+
+fn ok<T: Serialize>(answer: &T) -> Result<String, Failure> {
+    let text = serde_json::to_string(&Answer { ok: answer });
     text.map_err(|e| Failure::Device(format!("the answer: {e}")))
 }

@@ -3,14 +3,16 @@
 use std::collections::BTreeMap;
 
 use palpate_core::units::{Instant, Point};
-use palpate_files::{Loaded, Scene, Setup, Source};
-use palpate_records::digest::schedule_digest;
+use palpate_files::Setup;
+use palpate_records::digest::ScheduleDigest;
 use palpate_run::picture::{Head, Painter, Picture, State};
-use palpate_run::{EmulatedSession, Failure, Fingers, Input, Turn, header};
+use palpate_run::{EmulatedSession, Failure, Fingers, Turn, header};
 use serde::Serialize;
 
 /// A picture is of so much virtual time at most, microseconds: a page that slept does not make up for it.
 const MOST_STEP_US: u64 = 2_000_000;
+/// Events come at most so late, nanoseconds.
+const LATE_NS: u64 = 2_000_000_000;
 
 /// A finger: its number, module, x, y (um), force (mN), diameter (um).
 type Finger = (usize, usize, i64, i64, i64, i64);
@@ -18,11 +20,11 @@ type Finger = (usize, usize, i64, i64, i64, i64);
 /// A session with its page's state.
 pub struct Played {
     setup: Setup,
-    seed: u64,
     session: EmulatedSession,
     fingers: Fingers,
     head: Head,
     painter: Painter,
+    told: ScheduleDigest,
     /// What the fingers do from here on counts from here.
     mark: Instant,
     /// Fingers that press, by number.
@@ -36,7 +38,12 @@ pub struct Saved {
     text: String,
     /// Its length, s.
     length_s: f64,
-    /// The schedule of a run of it.
+}
+
+/// A session that is over.
+#[derive(Debug, Serialize)]
+pub struct Ended {
+    /// Of its schedule, as that of a run of the same length.
     digest: String,
 }
 
@@ -63,11 +70,11 @@ impl Played {
             .map_err(|e| Failure::Device(e.to_string()))?;
         Ok(Self {
             setup,
-            seed,
             session,
             fingers,
             head,
             painter,
+            told: ScheduleDigest::default(),
             mark: Instant::ZERO,
             pressing: BTreeMap::new(),
         })
@@ -124,6 +131,8 @@ impl Played {
         }
         self.mark = until;
         let (events, dropped) = self.session.drain();
+        let final_ns = (until_us * 1000).saturating_sub(LATE_NS);
+        self.told.add(&events, final_ns);
         let (_, recorder, look) = self.session.look();
         let totals = self.painter.wants_totals(until_us);
         let state = State {
@@ -144,25 +153,31 @@ impl Played {
         Ok(picture)
     }
 
-    /// The session so far as a scene of its own, and what a run of it comes to.
+    /// The session so far as a scene of its own.
     ///
     /// # Errors
-    /// As reading and running that scene.
+    /// A scene that cannot be written.
     pub fn save(&self) -> Result<Saved, Failure> {
         let now_us = self.mark.as_micros();
         let length_s = now_us.max(self.head.scene_us).max(self.head.quiet_us) as f64 / 1e6;
         let fingers = i64::try_from(now_us).unwrap_or(i64::MAX);
         let fingers = self.fingers.touches(fingers, length_s);
         let text = self.setup.scene.saved(length_s, &fingers)?;
-        let mut setup = self.setup.clone();
-        let source = Source::new("the session", text.clone());
-        let value = Scene::read(&source)?;
-        setup.scene = Loaded { value, source };
-        let trace = palpate_run::run(&setup, &Input::Scene, self.seed)?.trace;
-        Ok(Saved {
-            text,
-            length_s,
-            digest: schedule_digest(&trace),
-        })
+        Ok(Saved { text, length_s })
+    }
+
+    /// Everything off, as at the end of a run.
+    ///
+    /// # Errors
+    /// What an emulator that contradicts itself says.
+    pub fn end(mut self) -> Result<Ended, Failure> {
+        let off = self.session.switch_off(self.mark);
+        off.map_err(|e| Failure::Device(e.to_string()))?;
+        let (display, projector, recorder) = self.session.all();
+        display.settle(self.mark, projector, recorder)?;
+        let (events, _) = self.session.drain();
+        self.told.add(&events, u64::MAX);
+        let digest = self.told.finish();
+        Ok(Ended { digest })
     }
 }

@@ -14,6 +14,8 @@ pub enum Request {
     Step(Step),
     /// The session so far as a scene.
     Save,
+    /// Ends the session, as a run of it ends, and says what it came to.
+    End,
     /// A whole run, without looking on.
     Run(Chosen),
 }
