@@ -6,7 +6,8 @@
 use core::fmt;
 
 use palpate_core::bus::Received;
-use palpate_core::projector::Projector;
+use palpate_core::contact::Contact;
+use palpate_core::projector::{ForeignContacts, Projector};
 use palpate_core::skin::{CanSkin, Layout, ModuleScan, ScanError, SkinSource};
 use palpate_core::units::Instant;
 use palpate_emulators::sensor::can::faults::Faulty;
@@ -255,6 +256,18 @@ impl FedSession {
     pub fn push(&mut self, scan: &ModuleScan<'_>) -> Result<(), ScanError> {
         let (_, projector, recorder) = self.all();
         projector.push(scan, recorder)
+    }
+}
+
+impl<D: DisplayEnd> Session<(), D> {
+    /// Takes all contacts as of `at` that another machine found on a skin of the setup's layout; what they make due happens
+    /// with the next turn.
+    ///
+    /// # Errors
+    /// Contacts that are not of the setup's layout and levels, or not newer; nothing has changed then.
+    pub fn hold(&mut self, at: Instant, contacts: &[Contact]) -> Result<(), ForeignContacts> {
+        let (_, projector, recorder) = self.all();
+        projector.hold(at, contacts, recorder)
     }
 }
 

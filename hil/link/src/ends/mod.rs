@@ -1,0 +1,10 @@
+//! The two ends: a robot's skin that is published, and a wearer's display that renders what comes.
+
+pub mod display;
+mod inbox;
+mod shrunk;
+pub mod skin;
+mod skins;
+
+pub use inbox::Inbox;
+pub use shrunk::Shrunk;
