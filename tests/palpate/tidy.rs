@@ -99,6 +99,10 @@ fn dependencies_run_one_way() {
         ),
         ("hil/web", &["core", "files", "fixtures", "records", "run"]),
         (
+            "hil/link",
+            &["buses", "core", "files", "hil", "records", "run"],
+        ),
+        (
             "hil/python",
             &["core", "emulators", "files", "hil", "records", "run"],
         ),

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use palpate_core::projector::Projector;
-use palpate_core::units::{Instant, Point};
+use palpate_core::units::{Duration, Instant, Point};
 use palpate_files::{SensorLayout, Setup};
 use palpate_hil::output::Outputs;
 use palpate_hil::record::{About, Journal, Sink, kind_of};
@@ -142,12 +142,8 @@ pub struct Felt {
     offset_us: Option<(i64, i64)>,
     /// Stimuli that began.
     stimuli: u64,
-    /// When outputs went off because nothing fresh came, microseconds of the run.
-    off_us: Vec<u64>,
-    /// The first stimulus after each of these.
-    back_us: Vec<u64>,
-    /// Time of the newest reading before each of these, on our clock.
-    newest_us: Vec<u64>,
+    /// Times without a fresh reading.
+    pauses: Vec<Pause>,
     length_us: u64,
     /// When the run's clock began, CLOCK_MONOTONIC of this machine, nanoseconds.
     epoch_ns: i64,
@@ -167,9 +163,26 @@ pub struct Felt {
     before: Option<Instant>,
     #[serde(skip)]
     newest: Option<Instant>,
+    /// When an output went low last.
+    #[serde(skip)]
+    fell_us: Option<u64>,
     #[serde(skip)]
     told: BTreeSet<&'static str>,
 }
+
+/// A time without a fresh reading, microseconds of the run.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Pause {
+    /// The time of the newest reading before it, as old as it may have been.
+    newest_us: u64,
+    /// When the last output went off; none where none was on since the reading.
+    off_us: Option<u64>,
+    /// The first stimulus after it.
+    back_us: Option<u64>,
+}
+
+/// A reading is fresh for so long.
+const FRESH: Duration = Duration::from_millis(100);
 
 fn keep(all: &mut Vec<u64>, one: u64) {
     if all.len() < MOST {
@@ -207,9 +220,18 @@ impl Felt {
         self.before = Some(at);
     }
 
-    /// The time of the newest reading that is felt.
-    pub const fn newest(&mut self, newest: Option<Instant>) {
+    /// Looks at the newest reading that is felt, every turn: how old it is, and whether outputs are on.
+    pub fn look(&mut self, newest: Option<Instant>, now: Instant) {
         self.newest = newest;
+        let Some(newest) = newest else { return };
+        let open = self.pauses.last().is_some_and(|p| p.back_us.is_none());
+        if now.since(newest) >= FRESH && !open && self.pauses.len() < MOST {
+            self.pauses.push(Pause {
+                newest_us: newest.as_micros(),
+                off_us: self.fell_us.filter(|at| *at > newest.as_micros()),
+                back_us: None,
+            });
+        }
     }
 
     /// Whether this was not said yet.
@@ -220,13 +242,13 @@ impl Felt {
     /// Counts what happened.
     pub fn see(&mut self, event: &Event) {
         match event {
-            Event::AllOff { t_us, cause, .. } if *cause == "stale-input" => {
-                if self.off_us.len() == self.back_us.len() {
-                    keep(&mut self.off_us, *t_us);
-                    keep(
-                        &mut self.newest_us,
-                        self.newest.map_or(0, Instant::as_micros),
-                    );
+            Event::Edge {
+                t_ns, high: false, ..
+            } => {
+                self.fell_us = Some(t_ns / 1000);
+                let last = self.pauses.last_mut();
+                if let Some(pause) = last.filter(|p| p.back_us.is_none()) {
+                    pause.off_us = self.fell_us;
                 }
             }
             Event::Schedule(entry) => {
@@ -235,8 +257,9 @@ impl Felt {
                     keep(&mut self.projections, entry.at.since(newest).as_micros());
                     keep(&mut self.lasts, entry.until.since(entry.at).as_micros());
                 }
-                if self.back_us.len() < self.off_us.len() {
-                    keep(&mut self.back_us, entry.at.as_micros());
+                let last = self.pauses.last_mut();
+                if let Some(pause) = last.filter(|p| p.back_us.is_none()) {
+                    pause.back_us = Some(entry.at.as_micros());
                 }
             }
             _ => {}
@@ -263,7 +286,7 @@ impl Felt {
     pub fn line(&self) -> String {
         let age = self.age_ms.unwrap_or_default();
         format!(
-            "{} felt by {}: {} frames, {} not felt in time, {} lost; age at most {:.1} ms (median), {:.1} ms (99 %); outputs off {} times for want of fresh readings",
+            "{} felt by {}: {} frames, {} not felt in time, {} lost; age at most {:.1} ms (median), {:.1} ms (99 %); {} times without a fresh reading",
             self.finger,
             self.wearer,
             self.held,
@@ -271,7 +294,7 @@ impl Felt {
             self.frames.lost,
             age.median,
             age.p99,
-            self.off_us.len(),
+            self.pauses.len(),
         )
     }
 }

@@ -66,7 +66,7 @@ pub use hand::Hand;
 pub use header::{attachments, header};
 pub use heat::HeatReport;
 pub use levels::{Intensities, dynamic_levels};
-pub use live::{EmulatedSession, EmulatedSkin, FedSession, press};
+pub use live::{EmulatedSession, EmulatedSkin, FedSession, HeldSession, press};
 pub use numbers::{joined_header, whole_boards};
 pub use passed::Passed;
 pub use policy::Policy;

@@ -12,7 +12,7 @@ use palpate_files::Setup;
 use palpate_hil::output::note;
 use palpate_hil::record::Journal;
 use palpate_records::trace::Event;
-use palpate_run::{Failure, FedSession, Truth, Turn};
+use palpate_run::{Failure, HeldSession, Truth, Turn};
 use zenoh::Wait as _;
 use zenoh::pubsub::{Publisher, Subscriber};
 use zenoh::sample::Sample;
@@ -135,7 +135,7 @@ struct Feeling<'a> {
     clock: RunClock,
     waiting: Waiting,
     gate: Gate,
-    session: FedSession,
+    session: HeldSession,
     journal: Journal,
     said: Wearer,
     felt: Felt,
@@ -157,14 +157,15 @@ impl<'a> Feeling<'a> {
         clock: RunClock,
         waiting: Waiting,
     ) -> Result<Self, Failure> {
-        let session = FedSession::fed(setup, args.on.seed)?;
+        let session = HeldSession::held(setup, args.on.seed, Truth::Unknown)?;
         let projector = session.projector();
         let journal = journal(setup, args.on.seed, projector, &args.record, args.force)?;
         let layout = layout_digest(&setup.sensor.value);
+        let modules = setup.sensor.value.modules.len();
         let own = session_of(&net.session);
         Ok(Self {
             felt: Felt::new(&args.finger, wearer.as_str(), own, clock.epoch_ns()),
-            gate: Gate::new(Patience::new(VERSION, layout)),
+            gate: Gate::new(Patience::of_modules(VERSION, layout, modules)),
             said: Wearer {
                 version: VERSION,
                 session: own,
@@ -206,6 +207,7 @@ impl<'a> Feeling<'a> {
                 break;
             }
             self.take_all();
+            self.felt.look(self.newest, now);
             if now >= next {
                 match self.session.turn(now)? {
                     Turn::Next(at) => next = at,
@@ -290,7 +292,7 @@ impl<'a> Feeling<'a> {
                 note(text);
             }
         }
-        self.journal.tell(&events, Vec::new(), Vec::new());
+        self.journal.add(&events, Vec::new(), Vec::new());
     }
 
     fn take_all(&mut self) {
@@ -305,7 +307,6 @@ impl<'a> Feeling<'a> {
                 Arrived::Scanned(bytes) => self.frame(Frame::scanned(&bytes), at),
             }
         }
-        self.felt.newest(self.newest);
     }
 
     fn echo(&mut self, bytes: &[u8], at: Instant) {

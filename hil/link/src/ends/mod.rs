@@ -1,5 +1,6 @@
 //! The two ends: a robot's skin that is published, and a wearer's display that renders what comes.
 
+mod answers;
 pub mod display;
 mod inbox;
 mod shrunk;

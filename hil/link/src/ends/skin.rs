@@ -1,6 +1,5 @@
 //! `palpate-link skin`: publishes what a robot's skin feels, in real time, and answers its wearers.
 
-use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration as Wait;
 
@@ -17,25 +16,18 @@ use palpate_run::{Failure, Truth};
 use serde::Serialize;
 use zenoh::Wait as _;
 use zenoh::pubsub::Publisher;
-use zenoh::qos::{CongestionControl, Priority};
-use zenoh::query::Query;
-use zenoh::sample::Sample;
 
+use super::answers::{Answers, Wearers, zenoh};
 use super::shrunk::Shrunk;
 use super::skins::{WithSkin, open};
 use crate::cli::{Kind, SkinArgs};
 use crate::judge::Head;
-use crate::message::{self, About, Body, Echo, Frame, MOST_BYTES, VERSION, Wearer};
-use crate::name::Name;
+use crate::message::{self, About, Body, Frame, VERSION};
 use crate::net::{self, Mode, Net};
 use crate::records::{failed, journal, layout_digest, session_of};
 
-/// Wearers of a finger that are known at a time.
-const MOST_WEARERS: usize = 64;
 /// The skin is read this often.
 const TURN: Duration = Duration::from_millis(1);
-/// A wearer of whom nothing comes is gone.
-const LEASE_US: u64 = 1_000_000;
 
 /// What came of a run of this end.
 #[derive(Debug, Default, Serialize)]
@@ -47,87 +39,8 @@ struct Sent {
     wearers: Vec<String>,
     stops: Vec<String>,
     refused_by: Vec<String>,
-}
-
-/// A wearer as its messages show it.
-#[derive(Debug, Default)]
-struct Known {
-    heard_us: u64,
-    feels: bool,
-    refuses: bool,
-    stopped: String,
-    trouble: String,
-}
-
-/// Everyone who feels this finger, and what is to be said of them.
-#[derive(Debug, Default)]
-struct Wearers {
-    known: BTreeMap<String, Known>,
-    news: Vec<String>,
-    stops: Vec<String>,
-    refused_by: Vec<String>,
-}
-
-impl Wearers {
-    /// Takes what a wearer says.
-    fn hear(&mut self, name: &str, said: &Wearer, own: u64, now_us: u64) {
-        if !self.known.contains_key(name) {
-            if self.known.len() >= MOST_WEARERS {
-                return;
-            }
-            self.news.push(format!("wearer {name} is there"));
-        }
-        let known = self.known.entry(name.to_owned()).or_default();
-        known.heard_us = now_us;
-        let feels = said.feels == own;
-        if feels != known.feels {
-            let how = if feels {
-                "feels this finger"
-            } else {
-                "feels this finger no more"
-            };
-            self.news.push(format!("wearer {name} {how}"));
-            known.feels = feels;
-        }
-        if said.stopped != known.stopped {
-            if !said.stopped.is_empty() {
-                self.stops.push(format!("{name}: {}", said.stopped));
-                self.news
-                    .push(format!("STOP of wearer {name}: {}", said.stopped));
-            }
-            known.stopped.clone_from(&said.stopped);
-        }
-        if said.trouble != known.trouble {
-            if !said.trouble.is_empty() {
-                self.news
-                    .push(format!("wearer {name} feels nothing: {}", said.trouble));
-            }
-            known.trouble.clone_from(&said.trouble);
-        }
-        let refuses = said.refused.contains(&own);
-        if refuses && !known.refuses {
-            self.refused_by.push(name.to_owned());
-        } else if !feels && !refuses {
-            // It may be felt again.
-        } else if feels && !said.refused.is_empty() && !known.refuses {
-            self.news.push(format!(
-                "a second publisher of this finger was refused by wearer {name}"
-            ));
-        }
-        known.refuses = refuses || (feels && !said.refused.is_empty());
-    }
-
-    /// Forgets those of whom nothing comes.
-    fn look(&mut self, now_us: u64) {
-        let gone = |k: &Known| now_us.saturating_sub(k.heard_us) > LEASE_US;
-        let news = &mut self.news;
-        self.known.retain(|name, known| {
-            if gone(known) {
-                news.push(format!("nothing comes from wearer {name}"));
-            }
-            !gone(known)
-        });
-    }
+    /// When the clock of the frames began, CLOCK_MONOTONIC of this machine, nanoseconds.
+    epoch_ns: i64,
 }
 
 /// Runs it.
@@ -243,17 +156,23 @@ impl WithSkin for Publishing<'_> {
             true => Truth::of(self.setup),
             false => Truth::Unknown,
         };
-        let mut shrunk = Shrunk::new(self.setup, args.on.seed, truth)?;
+        let shrunk = Shrunk::new(self.setup, args.on.seed, truth)?;
         let session = session_of(&net.session);
         let layout = layout_digest(&self.setup.sensor.value);
+        let seed = args.on.seed;
         let journal = journal(
             self.setup,
-            args.on.seed,
+            seed,
             shrunk.projector(),
             &args.record,
             args.force,
         )?;
-        let about = Arc::new(Mutex::new(About {
+        let (key, name) = match args.send {
+            Kind::Contacts => (args.finger.contacts(), message::TOUCHED.name),
+            Kind::Scans => (args.finger.scans(), message::SCANNED.name),
+        };
+        let publisher = net::frames(&net.session, key, &message::encoding(name)).map_err(failed)?;
+        let about = About {
             version: VERSION,
             session,
             layout,
@@ -261,78 +180,14 @@ impl WithSkin for Publishing<'_> {
             scene: self.setup.scene.value.name.clone(),
             kind: args.send.word().into(),
             rest: Vec::new(),
-        }));
-        let wearers = Arc::new(Mutex::new(Wearers::default()));
-        let (key, name) = match args.send {
-            Kind::Contacts => (args.finger.contacts(), message::TOUCHED.name),
-            Kind::Scans => (args.finger.scans(), message::SCANNED.name),
         };
-        let publisher = net::frames(&net.session, key, &message::encoding(name)).map_err(failed)?;
-        let zenoh = |e: zenoh::Error| Failure::Device(format!("zenoh: {e}"));
-        let answering = {
-            let (wearers, of, finger) = (
-                Arc::clone(&wearers),
-                net.session.clone(),
-                args.finger.clone(),
-            );
-            let heard = move |sample: Sample| {
-                let heard_us = clock.now().as_micros();
-                let Some((name, said)) = said(&sample) else {
-                    return;
-                };
-                let echo = Echo {
-                    version: VERSION,
-                    session,
-                    wearer: said.session,
-                    said_us: said.said_us,
-                    heard_us,
-                };
-                // An echo that is lost is followed by the next.
-                let _ = of
-                    .put(finger.echo(&name), echo.write().bytes())
-                    .encoding(message::encoding(message::ECHO.name))
-                    .congestion_control(CongestionControl::Drop)
-                    .priority(Priority::RealTime)
-                    .express(true)
-                    .wait();
-                let mut wearers = wearers.lock().unwrap_or_else(PoisonError::into_inner);
-                wearers.hear(name.as_str(), &said, session, heard_us);
-            };
-            let subscriber = net.session.declare_subscriber(args.finger.wearer("*"));
-            subscriber.callback(heard).wait().map_err(zenoh)?
-        };
-        let telling = {
-            let (about, key) = (Arc::clone(&about), args.finger.about());
-            let tell = move |query: Query| {
-                let bytes = about.lock().unwrap_or_else(PoisonError::into_inner).write();
-                // Who does not get an answer asks again.
-                let _ = query.reply(key.clone(), bytes.bytes()).wait();
-            };
-            let queryable = net.session.declare_queryable(args.finger.about());
-            queryable.callback(tell).wait().map_err(zenoh)?
-        };
-        let alive = args.finger.skin_alive(&format!("{session:016x}"));
-        let token = net
-            .session
-            .liveliness()
-            .declare_token(alive)
-            .wait()
-            .map_err(zenoh)?;
+        let answers = Answers::begin(net, &args.finger, clock, about)?;
         if !args.quiet {
-            note(&format!(
-                "publisher {session:016x} of {}: {}",
-                args.finger,
-                args.send.word()
-            ));
+            let (finger, word) = (&args.finger, args.send.word());
+            note(&format!("publisher {session:016x} of {finger}: {word}"));
         }
-        let modules = shrunk.projector().layout().modules().len();
-        shrunk.recorder().taxels = None;
-        let sent = Sent {
-            finger: args.finger.to_string(),
-            session: format!("{session:016x}"),
-            ..Sent::default()
-        };
         let turns = Turns {
+            resting: vec![0; shrunk.projector().layout().modules().len()],
             publisher,
             shrunk,
             head: Head {
@@ -344,31 +199,18 @@ impl WithSkin for Publishing<'_> {
                 layout,
             },
             message: Message::default(),
-            sent,
-            rest: about,
-            resting: vec![0; modules],
+            sent: Sent {
+                finger: args.finger.to_string(),
+                session: format!("{session:016x}"),
+                epoch_ns: clock.epoch_ns(),
+                ..Sent::default()
+            },
+            rest: Arc::clone(&answers.about),
             clock,
             of: self,
         };
-        let ended = turns.until(&mut skin, end, journal, &wearers);
-        drop((answering, telling, token));
-        ended
+        turns.until(&mut skin, end, journal, &answers.wearers)
     }
-}
-
-/// Who says what; `None` for what is no such message.
-fn said(sample: &Sample) -> Option<(Name, Wearer)> {
-    if sample.payload().len() > MOST_BYTES {
-        return None;
-    }
-    let name = sample
-        .key_expr()
-        .as_str()
-        .rsplit('/')
-        .next()?
-        .parse()
-        .ok()?;
-    Some((name, Wearer::read(&sample.payload().to_bytes())?))
 }
 
 impl Turns<'_> {
@@ -402,7 +244,7 @@ impl Turns<'_> {
                 return Err(error);
             }
             let events = std::mem::take(&mut self.shrunk.recorder().events);
-            journal.tell(&events, skin.take_frames(), Vec::new());
+            journal.add(&events, skin.take_frames(), Vec::new());
             if let Err(refused) = self.look(wearers, now) {
                 ended = Err(refused);
                 break;
@@ -484,10 +326,7 @@ impl Turns<'_> {
         let bytes = self.message.bytes();
         self.sent.frames += 1;
         self.sent.bytes += bytes.len() as u64;
-        self.publisher
-            .put(bytes)
-            .wait()
-            .map_err(|e| Failure::Device(format!("zenoh: {e}")))
+        self.publisher.put(bytes).wait().map_err(zenoh)
     }
 
     /// The first scans make the reference: a wearer that compresses needs the same ones.

@@ -7,7 +7,7 @@
 use palpate_core::units::{Duration, Instant};
 
 /// How far two clocks may run apart, microseconds per second: two poor crystals, or one that is being set.
-const DRIFT: i64 = 500;
+const DRIFT: u64 = 500;
 
 /// The two bounds contradict each other: one of the clocks was set, or stood still. Nothing is known any more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +26,9 @@ pub struct Clock {
 
 /// By how much a bound of this age gives way, microseconds.
 fn drift(since: Instant, now: Instant) -> i64 {
-    signed(now.since(since).as_micros()).saturating_mul(DRIFT) / 1_000_000
+    let most = now.since(since).as_micros().saturating_mul(DRIFT);
+    // Rounded to the unsafe side it would be no bound.
+    signed(most.div_ceil(1_000_000))
 }
 
 /// A time that a peer states may be any number.

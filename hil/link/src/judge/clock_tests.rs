@@ -13,7 +13,7 @@ fn both_directions_bound_the_age() {
     assert_eq!(clock.arrived(11_000, at(10_300)), Ok(()));
     assert_eq!(clock.most_since(11_000, at(10_300)), None);
     assert_eq!(clock.echoed(at(20_000), 21_200, at(20_500)), Ok(()));
-    assert_eq!(clock.offset(at(20_500)), Some((-1200 - 1, -700 + 5)));
+    assert_eq!(clock.offset(at(20_500)), Some((-1200 - 1, -700 + 6)));
     // Read at 30_000 of ours: 300 us old when it comes, and at most what was spent on the way back more.
     let most = clock.most_since(31_000, at(30_300)).unwrap();
     assert_eq!(most.as_micros(), 300 + 200 + 6);

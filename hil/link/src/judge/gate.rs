@@ -54,6 +54,18 @@ impl Patience {
             at_once: 100,
         }
     }
+
+    /// The same for a skin of so many modules, each of which may come as a frame of its own.
+    #[must_use]
+    pub fn of_modules(version: u32, layout: u64, modules: usize) -> Self {
+        let modules = u32::try_from(modules).unwrap_or(u32::MAX);
+        let one = Self::new(version, layout);
+        Self {
+            per_second: one.per_second.max(modules.saturating_mul(250)),
+            at_once: one.at_once.max(modules.saturating_mul(20)),
+            ..one
+        }
+    }
 }
 
 /// Why a frame is not felt.

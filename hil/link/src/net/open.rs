@@ -3,6 +3,8 @@
 use std::net::{IpAddr, TcpListener, ToSocketAddrs};
 use std::path::PathBuf;
 
+use palpate_buses::pacer::RunClock;
+use palpate_core::units::{Duration, Instant};
 use serde_json::{Value, json};
 use thiserror::Error;
 use zenoh::{Config, Session, Wait};
@@ -15,6 +17,9 @@ const MEETING: &str = "127.0.0.1:7450";
 
 /// A message that is larger closes the link it comes over, before it is held in memory.
 const MOST_BYTES: u32 = 1 << 20;
+
+/// Others are waited for so long at the start; they may come later.
+const FIRST: Duration = Duration::from_millis(1500);
 
 /// What a session is in the network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,6 +112,12 @@ pub fn open(at: &At, mode: Mode) -> Result<Net, NetError> {
             }
         }
     }
+    if listen.is_empty() {
+        // Peers do not pass on what others say: those who list or record have to reach this one too.
+        let local = connect_is_local(&at.connect);
+        let any = if local { "127.0.0.1:0" } else { "0.0.0.0:0" };
+        listen.push(format!("{protocol}/{any}"));
+    }
     let mut settings = settings(mode, &listen, &connect);
     let (mut access, mut name) = (None, None);
     if let Some(lab) = lab {
@@ -117,11 +128,33 @@ pub fn open(at: &At, mode: Mode) -> Result<Net, NetError> {
     let config = Config::from_json5(&settings.to_string());
     let config = config.map_err(|e| NetError::Zenoh(e.to_string()))?;
     let session = zenoh::open(config).wait();
+    let session = session.map_err(|e| NetError::Zenoh(e.to_string()))?;
+    if !connect.is_empty() {
+        await_others(&session);
+    }
     Ok(Net {
-        session: session.map_err(|e| NetError::Zenoh(e.to_string()))?,
+        session,
         access,
         name,
     })
+}
+
+/// What is asked at the start shall reach those who are there already.
+fn await_others(session: &Session) {
+    let clock = RunClock::start();
+    let info = session.info();
+    while clock.now().since(Instant::ZERO) < FIRST {
+        if info.peers_zid().wait().count() + info.routers_zid().wait().count() > 0 {
+            return;
+        }
+        clock.sleep_until(clock.now() + Duration::from_millis(10));
+    }
+}
+
+/// Whether all of these are of this machine.
+fn connect_is_local(addresses: &[String]) -> bool {
+    let local = |address: &String| checked("--connect", address, false).is_ok();
+    addresses.iter().all(local)
 }
 
 /// An address, if text to and from it may be as it is.

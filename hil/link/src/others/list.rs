@@ -9,12 +9,13 @@ use palpate_core::units::Instant;
 use palpate_run::Failure;
 use serde::Serialize;
 use zenoh::Wait as _;
+use zenoh::pubsub::Subscriber;
 use zenoh::sample::Sample;
 
 use crate::cli::ListArgs;
 use crate::message::{About, MOST_BYTES, VERSION, Wearer};
 use crate::name::{FingerName, ROOT};
-use crate::net::{self, Mode};
+use crate::net::{self, Mode, Net};
 use crate::records::failed;
 
 /// A publisher of a finger.
@@ -56,6 +57,28 @@ fn split(key: &str) -> Option<(FingerName, &str)> {
 /// What wearers said, by finger and name.
 type Said = BTreeMap<(String, String), Wearer>;
 
+/// Keeps what wearers say.
+fn listen(net: &Net, said: Arc<Mutex<Said>>) -> Result<Subscriber<()>, Failure> {
+    let hear = move |sample: Sample| {
+        if sample.payload().len() > MOST_BYTES {
+            return;
+        }
+        let key = sample.key_expr().as_str();
+        let wearer = Wearer::read(&sample.payload().to_bytes());
+        if let (Some((finger, rest)), Some(wearer)) = (split(key), wearer)
+            && let Some(name) = rest.strip_prefix("wearers/")
+        {
+            let key = (finger.to_string(), name.to_owned());
+            said.lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .insert(key, wearer);
+        }
+    };
+    let key = format!("{ROOT}/*/*/*/wearers/*");
+    let subscriber = net.session.declare_subscriber(key).callback(hear).wait();
+    subscriber.map_err(|e| Failure::Device(format!("zenoh: {e}")))
+}
+
 /// Runs it.
 ///
 /// # Errors
@@ -64,30 +87,7 @@ pub fn run(args: &ListArgs) -> Result<(), Failure> {
     let net = net::open(&args.at.at(), Mode::Peer).map_err(failed)?;
     let zenoh = |e: zenoh::Error| Failure::Device(format!("zenoh: {e}"));
     let said = Arc::new(Mutex::new(Said::new()));
-    let hears = {
-        let said = Arc::clone(&said);
-        let hear = move |sample: Sample| {
-            if sample.payload().len() > MOST_BYTES {
-                return;
-            }
-            let key = sample.key_expr().as_str();
-            let wearer = Wearer::read(&sample.payload().to_bytes());
-            if let (Some((finger, rest)), Some(wearer)) = (split(key), wearer)
-                && let Some(name) = rest.strip_prefix("wearers/")
-            {
-                let key = (finger.to_string(), name.to_owned());
-                said.lock()
-                    .unwrap_or_else(PoisonError::into_inner)
-                    .insert(key, wearer);
-            }
-        };
-        let key = format!("{ROOT}/*/*/*/wearers/*");
-        net.session
-            .declare_subscriber(key)
-            .callback(hear)
-            .wait()
-            .map_err(zenoh)?
-    };
+    let hears = listen(&net, Arc::clone(&said))?;
     let wait = Duration::from_secs_f64(args.seconds);
     let clock = RunClock::start();
     clock.sleep_until(Instant::from_micros((args.seconds.min(0.5) * 1e6) as u64));

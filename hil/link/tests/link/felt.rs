@@ -8,11 +8,9 @@ use palpate_link::ends::Shrunk;
 use palpate_link::judge::{Gate, Patience};
 use palpate_records::felt::FeltPath;
 use palpate_records::trace::Event;
-use palpate_run::display_end::EmulatedDisplay;
 use palpate_run::skin_end::SkinEnd;
 use palpate_run::{
-    EmulatedSession, EmulatedSkin, FedSession, Policy, Recorder, Session, Truth, build,
-    dynamic_levels, header,
+    EmulatedSession, EmulatedSkin, HeldSession, Policy, Truth, build, dynamic_levels, header,
 };
 
 use crate::weather::{Dice, LAYOUT, Message, Weather, World, beat, deliver, head};
@@ -51,11 +49,7 @@ fn linked(setup: &Setup, weather: Weather, seed: u64) -> Vec<Event> {
     let mut gate = Gate::new(Patience::new(1, LAYOUT));
     let mut skin = EmulatedSkin::scene(setup, 1).unwrap();
     let mut shrunk = Shrunk::new(setup, 1, Truth::Unknown).unwrap();
-    let projector = build(setup, 1, dynamic_levels(&setup.scene.value.compression)).unwrap();
-    let display = EmulatedDisplay::new(setup, &projector, 1).unwrap();
-    let recorder = Recorder::new(Truth::of(setup), projector.layout());
-    let mut session: FedSession =
-        Session::new(projector, ((), display), Policy::EMULATED, recorder, None);
+    let mut session = HeldSession::held(setup, 1, Truth::of(setup)).unwrap();
     session.start(Instant::ZERO).unwrap();
     let (mut next_beat, mut sequence) = (0, 0);
     let end = (setup.scene.value.length_s * 1e6) as u64;
@@ -161,7 +155,7 @@ fn no_output_is_on_without_a_fresh_reading_over_a_thousand_cuts() {
     };
     let mut world: World<Contact> = World::new(weather, cuts.clone(), 11);
     let mut gate = Gate::new(Patience::new(1, LAYOUT));
-    let mut session = FedSession::fed(&setup, 1).unwrap();
+    let mut session = HeldSession::held(&setup, 1, Truth::Unknown).unwrap();
     session.start(Instant::ZERO).unwrap();
     let (mut next_beat, mut sequence, mut newest) = (0, 0, 0_u64);
     let (mut highs, mut on, mut backs, mut off_cuts) =
