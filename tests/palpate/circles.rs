@@ -17,6 +17,7 @@ const CRATES: [&str; 13] = [
     "hil",
     "hil/buses",
     "hil/files",
+    "hil/link",
     "hil/python",
     "hil/records",
     "hil/run",

@@ -14,11 +14,12 @@ use palpate_hil::record::Journal;
 use palpate_records::trace::Event;
 use palpate_run::{Failure, HeldSession, Truth, Turn};
 use zenoh::Wait as _;
-use zenoh::pubsub::{Publisher, Subscriber};
+use zenoh::pubsub::Subscriber;
 use zenoh::sample::Sample;
 
 use super::inbox::Inbox;
 use super::shrunk::Shrunk;
+use super::voice::Voice;
 use crate::cli::DisplayArgs;
 use crate::judge::{Bucket, Gate, Patience, Refusal};
 use crate::message::{self, About, Body, Echo, Frame, MOST_BYTES, VERSION, Wearer};
@@ -78,7 +79,7 @@ pub fn run(args: &DisplayArgs) -> Result<(), Failure> {
 
 /// What is subscribed to, and where the wearer speaks.
 struct Heard {
-    publisher: Publisher<'static>,
+    voice: Voice,
     _frames: Vec<Subscriber<()>>,
     _token: zenoh::liveliness::LivelinessToken,
     _may: Option<zenoh::query::Queryable<()>>,
@@ -115,9 +116,20 @@ impl Heard {
             .liveliness()
             .declare_token(finger.wearer_alive(wearer));
         let name = message::encoding(message::WEARER.name);
-        let publisher = net::events(&net.session, finger.wearer(wearer.as_str()), &name);
+        let publisher = net::frames(&net.session, finger.wearer(wearer.as_str()), &name);
+        let answered = {
+            let waiting = Arc::clone(waiting);
+            move |bytes| waiting.push((clock.now(), Arrived::About(bytes)))
+        };
+        let session = net.session.clone();
+        let voice = Voice::begin(
+            session,
+            publisher.map_err(failed)?,
+            finger.about(),
+            answered,
+        )?;
         Ok(Self {
-            publisher: publisher.map_err(failed)?,
+            voice,
             _frames: frames,
             _token: token.wait().map_err(zenoh)?,
             _may: net
@@ -131,7 +143,6 @@ impl Heard {
 struct Feeling<'a> {
     args: &'a DisplayArgs,
     setup: &'a Setup,
-    net: &'a Net,
     clock: RunClock,
     waiting: Waiting,
     gate: Gate,
@@ -144,6 +155,8 @@ struct Feeling<'a> {
     /// The publisher whose reference was asked for.
     asked: Option<u64>,
     asks: Bucket,
+    /// Whether to ask with the next word.
+    asks_now: bool,
     next_beat: Instant,
     /// The time of the newest reading that was felt.
     newest: Option<Instant>,
@@ -153,7 +166,7 @@ impl<'a> Feeling<'a> {
     fn begin(
         (args, wearer): (&'a DisplayArgs, &Name),
         setup: &'a Setup,
-        net: &'a Net,
+        net: &Net,
         clock: RunClock,
         waiting: Waiting,
     ) -> Result<Self, Failure> {
@@ -173,7 +186,6 @@ impl<'a> Feeling<'a> {
             },
             args,
             setup,
-            net,
             clock,
             waiting,
             session,
@@ -181,6 +193,7 @@ impl<'a> Feeling<'a> {
             shrunk: None,
             asked: None,
             asks: Bucket::new(2, 2),
+            asks_now: false,
             next_beat: Instant::ZERO,
             newest: None,
         })
@@ -216,7 +229,7 @@ impl<'a> Feeling<'a> {
             }
             self.tell();
             if now >= self.next_beat {
-                self.beat(now, heard)?;
+                self.beat(now, heard);
             }
             let wait = next.min(self.next_beat).since(clock.now());
             self.waiting.wait(Wait::from_micros(wait.as_micros()));
@@ -227,7 +240,7 @@ impl<'a> Feeling<'a> {
             Some(failure) => failure.to_string(),
             None => "a record cannot be written".into(),
         });
-        self.beat(end, heard)?;
+        self.beat(end, heard);
         self.state_offset(end);
         self.tell();
         off.map_err(|e| Failure::Device(format!("not everything is known to be off: {e}")))?;
@@ -258,7 +271,7 @@ impl<'a> Feeling<'a> {
     }
 
     /// Says how things are.
-    fn beat(&mut self, now: Instant, heard: &Heard) -> Result<(), Failure> {
+    fn beat(&mut self, now: Instant, heard: &Heard) {
         self.said.said_us = self.clock.now().as_micros();
         self.said.feels = self.gate.feels(now).unwrap_or(0);
         let step = if self.gate.offset(now).is_some() {
@@ -267,17 +280,15 @@ impl<'a> Feeling<'a> {
             FIRST_BEATS
         };
         self.next_beat = now + step;
-        heard
-            .publisher
-            .put(self.said.write().bytes())
-            .wait()
-            .map_err(|e| Failure::Device(format!("zenoh: {e}")))?;
+        heard.voice.say(self.said.write().bytes().to_vec());
+        if std::mem::take(&mut self.asks_now) {
+            heard.voice.ask();
+        }
         // News of refusals are said once.
         self.said.refused.clear();
         if self.newest.is_some_and(|at| now.since(at) < BEAT) {
             self.said.trouble.clear();
         }
-        Ok(())
     }
 
     /// Hands events to the records.
@@ -407,20 +418,7 @@ impl<'a> Feeling<'a> {
             return;
         }
         self.asked = Some(owner);
-        let waiting = Arc::clone(&self.waiting);
-        let asked = self.net.session.get(self.args.finger.about());
-        // Who gets no answer asks again with a later frame.
-        let _ = asked
-            .timeout(Wait::from_millis(500))
-            .callback(move |reply| {
-                if let Ok(sample) = reply.result()
-                    && sample.payload().len() <= 16 * MOST_BYTES
-                {
-                    let bytes = sample.payload().to_bytes().into_owned();
-                    waiting.push((now, Arrived::About(bytes)));
-                }
-            })
-            .wait();
+        self.asks_now = true;
     }
 
     /// The reference of a publisher of scans: the same scans make the same one here.

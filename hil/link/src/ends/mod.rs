@@ -6,6 +6,7 @@ mod inbox;
 mod shrunk;
 pub mod skin;
 mod skins;
+mod voice;
 
 pub use inbox::Inbox;
 pub use shrunk::Shrunk;

@@ -114,8 +114,7 @@ impl fmt::Display for Refusal {
         match self {
             Self::Version(version) => write!(
                 f,
-                "expected messages of version {}, found version {version}: run the same palpate-link on both machines",
-                crate::message::VERSION
+                "expected messages of this program's version, found version {version}: run the same palpate-link on both machines"
             ),
             Self::Layout(layout) => write!(
                 f,

@@ -26,31 +26,10 @@ pub fn frames(
     key: String,
     encoding: &str,
 ) -> Result<Publisher<'static>, NetError> {
-    declared(session, key, encoding, CongestionControl::Drop)
-}
-
-/// A publisher of what must come: states and events.
-///
-/// # Errors
-/// [`NetError`] where zenoh refuses.
-pub fn events(
-    session: &Session,
-    key: String,
-    encoding: &str,
-) -> Result<Publisher<'static>, NetError> {
-    declared(session, key, encoding, CongestionControl::Block)
-}
-
-fn declared(
-    session: &Session,
-    key: String,
-    encoding: &str,
-    congestion: CongestionControl,
-) -> Result<Publisher<'static>, NetError> {
     session
         .declare_publisher(key)
         .encoding(Encoding::from(encoding))
-        .congestion_control(congestion)
+        .congestion_control(CongestionControl::Drop)
         .priority(Priority::RealTime)
         .express(true)
         .wait()
