@@ -222,9 +222,13 @@ impl<'a> Feeling<'a> {
             self.take_all();
             self.felt.look(self.newest, now);
             if now >= next {
-                match self.session.turn(now)? {
-                    Turn::Next(at) => next = at,
-                    Turn::Last => break,
+                match self.session.turn(now) {
+                    Ok(Turn::Next(at)) => next = at,
+                    Ok(Turn::Last) => break,
+                    Err(failure) => {
+                        self.session.set_failure(failure);
+                        break;
+                    }
                 }
             }
             self.tell();
