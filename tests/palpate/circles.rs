@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 type Module = Vec<String>;
 
 /// Crates of the workspace with source below `src`.
-const CRATES: [&str; 13] = [
+const CRATES: [&str; 14] = [
     "core",
     "core/unit",
     "emulators",
@@ -17,6 +17,7 @@ const CRATES: [&str; 13] = [
     "hil",
     "hil/buses",
     "hil/files",
+    "hil/link",
     "hil/python",
     "hil/records",
     "hil/run",

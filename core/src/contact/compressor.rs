@@ -194,6 +194,18 @@ impl Compressor {
         self.contacts.clear();
     }
 
+    /// The most contacts of a frame.
+    pub(crate) fn room(&self) -> usize {
+        self.groups.iter().map(|g| g.places.capacity()).sum()
+    }
+
+    /// Takes contacts that another compressor found in place of a frame, [`Self::room`] at most.
+    pub(crate) fn hold(&mut self, contacts: &[Contact]) {
+        self.contacts.clear();
+        let most = contacts.len().min(self.room());
+        self.contacts.extend_from_slice(&contacts[..most]);
+    }
+
     /// The contacts of the last frame.
     pub fn contacts(&self) -> &[Contact] {
         &self.contacts

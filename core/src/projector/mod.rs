@@ -3,6 +3,7 @@
 
 mod builder;
 mod grid;
+mod held;
 mod outlet;
 mod output;
 mod sensing;
@@ -14,6 +15,7 @@ mod weave;
 
 pub use crate::illusion::Target;
 pub use builder::{Builder, OutputBuilder, sensor_area};
+pub use held::ForeignContacts;
 pub use output::{Output, OutputSettings};
 pub use texture::{Carrier, TextureError, TexturePlan, TextureReport};
 pub use view::{View, Window};
@@ -25,9 +27,7 @@ use crate::contact::{Contact, Levels, Scope, Settings, SettingsError, Work};
 use crate::driver::{Actuators, ObservedRegisters};
 pub use crate::guard::Cause;
 use crate::guard::{Guard, PlantError};
-use crate::illusion::{
-    CalibrationError, Display, IllusionError, Map, MapError, TimingError, Tracks,
-};
+use crate::illusion::{CalibrationError, Display, IllusionError, MapError, TimingError, Tracks};
 use crate::render::Renderer;
 use crate::schedule::{Entry, Timing};
 use crate::skin::{
@@ -457,11 +457,6 @@ impl Projector {
     /// The guard.
     pub const fn guard(&self) -> &Guard {
         self.output.guard()
-    }
-
-    /// The sensor-to-display map, as it is now.
-    pub const fn map(&self) -> &Map {
-        self.view.map()
     }
 
     /// Health of the skin at `now`. Sorts, so it belongs after the loop, not in it.

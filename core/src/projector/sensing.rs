@@ -5,7 +5,7 @@
 use alloc::boxed::Box;
 use core::ops::Range;
 
-use crate::contact::{Compressor, Scope};
+use crate::contact::{Compressor, Contact, Scope};
 use crate::skin::{
     Baseline, BaselinePhase, Condition, Layout, ModuleScan, Monitor, RelativeFrame, Scan, ScanError,
 };
@@ -259,6 +259,23 @@ impl Sensing {
         }
         self.pipeline.frame(&self.scan, module, layout, observer);
         Ok(())
+    }
+
+    /// Takes contacts that another loop found, as of `at`. Taxels are not looked at any more: none of them is here.
+    pub(super) fn hold(&mut self, at: Instant, contacts: &[Contact], observer: &mut impl Observer) {
+        self.next_round = Instant::FAR_FUTURE;
+        self.last_received = self.last_received.max(Some(at));
+        let pipeline = &mut self.pipeline;
+        pipeline.compressor.hold(contacts);
+        pipeline.newest = Some(at);
+        let number = pipeline.frames;
+        pipeline.frames = pipeline.frames.saturating_add(1);
+        observer.frame(&FrameReport {
+            at,
+            number,
+            relative: &pipeline.relative,
+            contacts: pipeline.compressor.contacts(),
+        });
     }
 
     /// Looks for taxels of which nothing comes.

@@ -32,6 +32,11 @@ pub struct View {
 }
 
 impl Projector {
+    /// The sensor-to-display map, as it is now.
+    pub const fn map(&self) -> &Map {
+        self.view.map()
+    }
+
     /// Shows the skin on the display, or hides it: contacts of a skin that is hidden are found and reported, and not felt.
     pub const fn show(&mut self, shown: bool) {
         self.view.hidden = !shown;

@@ -20,6 +20,11 @@ impl RunClock {
         }
     }
 
+    /// When it was started, CLOCK_MONOTONIC in nanoseconds: the same on all programs of a machine.
+    pub const fn epoch_ns(&self) -> i64 {
+        self.epoch_ns
+    }
+
     /// The time since the start, in whole microseconds.
     pub fn now(&self) -> Instant {
         self.instant(monotonic_ns())

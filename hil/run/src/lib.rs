@@ -70,7 +70,7 @@ pub use hand::Hand;
 pub use header::{attachments, header};
 pub use heat::{HeatReport, RemoteHeat};
 pub use levels::{Intensities, dynamic_levels};
-pub use live::{EmulatedSession, EmulatedSkin, FedSession, press};
+pub use live::{EmulatedSession, EmulatedSkin, FedSession, HeldSession, press};
 pub use loops::{build, build_with, fits};
 pub use numbers::{joined_header, whole_boards};
 pub use passed::Passed;

@@ -6,7 +6,8 @@
 use core::fmt;
 
 use palpate_core::bus::Received;
-use palpate_core::projector::Projector;
+use palpate_core::contact::Contact;
+use palpate_core::projector::{ForeignContacts, Projector};
 use palpate_core::skin::{CanSkin, Layout, ModuleScan, ScanError, SkinSource};
 use palpate_core::units::Instant;
 use palpate_emulators::sensor::can::faults::Faulty;
@@ -27,7 +28,7 @@ use crate::policy::Policy;
 use crate::recorder::{Recorder, Truth};
 use crate::session::Session;
 use crate::skin::Played;
-use crate::skin_end::{FaultySkin, SkinEnd, Tap};
+use crate::skin_end::{Elsewhere, FaultySkin, SkinEnd, Tap};
 use crate::{plan, skin};
 
 /// Events that wait to be drained at most: a minute or two of touches, 6 MB.
@@ -127,6 +128,8 @@ impl SkinEnd for EmulatedSkin {
 pub type EmulatedSession = Session<EmulatedSkin, EmulatedDisplay>;
 /// A session that readings are pushed into, on an emulated display.
 pub type FedSession = Session<(), EmulatedDisplay>;
+/// A session that contacts are handed to, on an emulated display.
+pub type HeldSession = Session<Elsewhere, EmulatedDisplay>;
 
 impl EmulatedSession {
     /// A setup's scene with its touches and faults, run by the policy of any bench.
@@ -255,6 +258,33 @@ impl FedSession {
     pub fn push(&mut self, scan: &ModuleScan<'_>) -> Result<(), ScanError> {
         let (_, projector, recorder) = self.all();
         projector.push(scan, recorder)
+    }
+}
+
+impl HeldSession {
+    /// A setup's loop and emulated display, for contacts that another machine finds on a skin of the setup's layout.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for what fits no loop.
+    pub fn held(setup: &Setup, seed: u64, truth: Truth) -> Result<Self, Failure> {
+        let mut projector = of_setup(setup, seed)?;
+        let display = EmulatedDisplay::new(setup, &projector, seed)?;
+        let recorder = Recorder::new(truth, projector.layout()).bounded(MOST_EVENTS);
+        // Until the first contacts come, none of its taxels is missing.
+        let none = projector.hold(Instant::ZERO, &[], &mut ());
+        none.map_err(|e| Failure::Device(e.to_string()))?;
+        let ends = (Elsewhere, display);
+        let policy = Policy::emulated(setup.bench.value.unit.is_some());
+        Ok(Self::new(projector, ends, policy, recorder, None))
+    }
+
+    /// Takes all contacts as of `at`; what they make due happens with the next turn.
+    ///
+    /// # Errors
+    /// Contacts that are not of the setup's layout and levels, or not newer; nothing has changed then.
+    pub fn hold(&mut self, at: Instant, contacts: &[Contact]) -> Result<(), ForeignContacts> {
+        let (_, projector, recorder) = self.all();
+        projector.hold(at, contacts, recorder)
     }
 }
 

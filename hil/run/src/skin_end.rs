@@ -1,10 +1,11 @@
 //! The sensor end of a run: a skin whose virtual time the session moves, and what is known of its boards.
 
+use core::convert::Infallible;
 use core::fmt;
 
 use palpate_core::bus::{CanBus, Received};
 use palpate_core::codec::can::CanFrame;
-use palpate_core::skin::{CanSkin, SkinSource};
+use palpate_core::skin::{CanSkin, ModuleScan, SkinSource};
 use palpate_core::units::Instant;
 use palpate_emulators::sensor::SkinArray;
 use palpate_emulators::sensor::can::faults::Faulty;
@@ -20,6 +21,11 @@ pub type FaultySkin<'a> = Option<&'a mut Faulty<Handle>>;
 pub trait SkinEnd: SkinSource<Error: fmt::Display> {
     /// Lets time pass until `now`.
     fn advance_to(&mut self, now: Instant);
+
+    /// Whether boards that go silent are here, to be told to send.
+    fn has_boards(&self) -> bool {
+        true
+    }
 
     /// Tells a module's board to send.
     fn start(&mut self, module: usize) {
@@ -58,6 +64,30 @@ impl SkinEnd for SkinArray {
 /// A skin whose readings are pushed.
 impl SkinEnd for () {
     fn advance_to(&mut self, _now: Instant) {}
+}
+
+/// A skin on another machine, which hands on contacts and no readings.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Elsewhere;
+
+impl SkinSource for Elsewhere {
+    type Error = Infallible;
+
+    fn scans(
+        &mut self,
+        _now: Instant,
+        _take: &mut impl FnMut(&ModuleScan<'_>),
+    ) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+impl SkinEnd for Elsewhere {
+    fn advance_to(&mut self, _now: Instant) {}
+
+    fn has_boards(&self) -> bool {
+        false
+    }
 }
 
 /// A CAN bus whose virtual time the session moves.

@@ -146,7 +146,7 @@ impl Supervisor {
         projector: &Projector,
         events: &mut Vec<Event>,
     ) {
-        if now < self.next_round {
+        if now < self.next_round || !skin.has_boards() {
             return;
         }
         self.next_round = now + ROUND;

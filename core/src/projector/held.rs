@@ -1,0 +1,92 @@
+//! Contacts that another loop found: a robot's machine compresses its skin, and this one has only the display.
+
+use core::fmt;
+
+use super::{Observer, Projector};
+use crate::contact::{Contact, Levels};
+use crate::units::Instant;
+
+/// Why contacts are none of this loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ForeignContacts {
+    /// More than compression can find here; how many that is.
+    TooMany(usize),
+    /// Of a module that the layout lacks; how many it has.
+    NoSuchModule(usize),
+    /// At a place, or of an intensity, that is no number; or of a negative intensity.
+    NoNumber,
+    /// Of a level outside 1 to this.
+    Level(u16),
+    /// Not newer than the newest ones.
+    Old,
+}
+
+impl fmt::Display for ForeignContacts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooMany(most) => write!(f, "expected at most {most} contacts"),
+            Self::NoSuchModule(modules) => write!(f, "expected a module below {modules}"),
+            Self::NoNumber => f.write_str("expected places and intensities that are numbers"),
+            Self::Level(top) => write!(f, "expected a level from 1 to {top}"),
+            Self::Old => f.write_str("expected contacts newer than the newest"),
+        }
+    }
+}
+
+impl core::error::Error for ForeignContacts {}
+
+impl Projector {
+    /// Takes the contacts of a frame of this skin that another loop compressed, in place of scans: all that there are as of
+    /// `at`, in module coordinates, with their identities. [`Self::turn`] then does what they make due, and the guard counts the
+    /// age of its input from `at`. From the first call on taxels are not looked at: their health is the other loop's.
+    ///
+    /// # Errors
+    /// Contacts that are not of the loop's layout and levels, or not newer; nothing has changed then.
+    pub fn hold(
+        &mut self,
+        at: Instant,
+        contacts: &[Contact],
+        observer: &mut impl Observer,
+    ) -> Result<(), ForeignContacts> {
+        let most = self.sensing.compressor().room();
+        let modules = self.layout.modules().len();
+        let top = match &self.sensing.compressor().settings().levels {
+            Levels::Off => 1,
+            Levels::Table(table) => u16::try_from(table.values().len()).unwrap_or(u16::MAX),
+            Levels::Dynamic(levels) => *levels,
+        };
+        let is_number = |c: &Contact| {
+            c.place.x.is_finite()
+                && c.place.y.is_finite()
+                && c.intensity.is_finite()
+                && c.intensity >= 0.0
+        };
+        if contacts.len() > most {
+            return Err(ForeignContacts::TooMany(most));
+        }
+        for contact in contacts {
+            if usize::from(contact.module) >= modules {
+                return Err(ForeignContacts::NoSuchModule(modules));
+            }
+            if !is_number(contact) {
+                return Err(ForeignContacts::NoNumber);
+            }
+            if !(1..=top).contains(&contact.level) {
+                return Err(ForeignContacts::Level(top));
+            }
+        }
+        if self
+            .sensing
+            .newest_frame()
+            .is_some_and(|newest| newest >= at)
+        {
+            return Err(ForeignContacts::Old);
+        }
+        self.sensing.hold(at, contacts, observer);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+#[path = "held_tests.rs"]
+mod tests;

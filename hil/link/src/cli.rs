@@ -1,0 +1,308 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use palpate_files::{Overrides, Setup, load_bench, load_scene};
+use palpate_run::Failure;
+
+use crate::name::{FingerName, Name};
+use crate::net::At;
+
+/// A robot's skin here, a wearer's finger there: frames over zenoh, safety on the wearer's machine.
+#[derive(Debug, Parser)]
+#[command(name = "palpate-link", version)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Publish what a robot's skin feels.
+    Skin(SkinArgs),
+    /// Render on a bench's outputs what comes of a finger.
+    Display(DisplayArgs),
+    /// Pass on what others say, for more than a few machines.
+    Relay(RelayArgs),
+    /// Say who publishes and who feels what.
+    List(ListArgs),
+    /// Record what crosses the network (MCAP).
+    Record(RecordArgs),
+    /// Join recordings of the two ends into one, on the robot's clock.
+    Merge(MergeArgs),
+    /// Make certificates and the access list of a lab.
+    Keys(KeysArgs),
+    /// Publish contacts so that ROS 2 reads them.
+    Ros(RosArgs),
+    /// Print the messages, for protoc or, with --binary, for a library of protocol buffers.
+    Schema(SchemaArgs),
+}
+
+/// Options of `palpate-link schema`.
+#[derive(Debug, Args)]
+pub struct SchemaArgs {
+    /// A `google.protobuf.FileDescriptorSet` in place of text.
+    #[arg(long)]
+    pub binary: bool,
+}
+
+/// Where the others are.
+#[derive(Clone, Debug, Args)]
+pub struct AtArgs {
+    /// Listen here, HOST:PORT; repeatable. Without --listen and --connect programs of one machine find each other.
+    #[arg(long, value_name = "HOST:PORT")]
+    pub listen: Vec<String>,
+    /// Connect there; repeatable. It is tried until it succeeds.
+    #[arg(long, value_name = "HOST:PORT")]
+    pub connect: Vec<String>,
+    /// Folder of this machine's certificate and access list, as `palpate-link keys` made it.
+    #[arg(long, value_name = "DIR")]
+    pub keys: Option<PathBuf>,
+    /// Let plain text leave this machine: anyone on the network reads, feeds and stops then.
+    #[arg(long, conflicts_with = "keys")]
+    pub plain: bool,
+}
+
+impl AtArgs {
+    /// As the network wants it.
+    #[must_use]
+    pub fn at(&self) -> At {
+        At {
+            listen: self.listen.clone(),
+            connect: self.connect.clone(),
+            keys: self.keys.clone(),
+            plain: self.plain,
+        }
+    }
+}
+
+/// The scene and bench of an end.
+#[derive(Debug, Args)]
+pub struct On {
+    /// A scene's name or file.
+    #[arg(default_value = "sphere-along")]
+    pub scene: String,
+    /// A bench's name or file.
+    #[arg(long, default_value = "emulated")]
+    pub bench: String,
+    /// Change a key of scene or bench, such as illusion.model=inverse; repeatable.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Seed of all that is random.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+}
+
+impl On {
+    /// Everything that the files say.
+    ///
+    /// # Errors
+    /// [`Failure`] for what cannot be in them, or does not fit together.
+    pub fn setup(&self) -> Result<Setup, Failure> {
+        let mut overrides = Overrides::default();
+        for text in &self.set {
+            overrides.set("--set", text)?;
+        }
+        let scene = load_scene(&self.scene)?.with(&overrides)?;
+        let bench = load_bench(&self.bench)?.with(&overrides)?;
+        Ok(Setup::join(scene, bench)?)
+    }
+}
+
+/// What crosses the network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Kind {
+    /// Contacts: compression on the robot's side.
+    Contacts,
+    /// Every taxel's counts: compression on the wearer's side.
+    Scans,
+}
+
+impl Kind {
+    /// The word of the option.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Contacts => "contacts",
+            Self::Scans => "scans",
+        }
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(s) if (0.1..=86_400.0).contains(&s) => Ok(s),
+        _ => Err("expected 0.1 to 86400".into()),
+    }
+}
+
+/// Options of `palpate-link skin`.
+#[derive(Debug, Args)]
+pub struct SkinArgs {
+    /// What is felt.
+    #[command(flatten)]
+    pub on: On,
+    /// The finger: ROBOT/HAND/FINGER.
+    #[arg(long, value_name = "R/H/F")]
+    pub finger: FingerName,
+    /// What crosses the network.
+    #[arg(long, value_enum, default_value_t = Kind::Contacts)]
+    pub send: Kind,
+    /// A recording in place of the scene's touches; one CSV per module, or a recording of buses.
+    #[arg(long, value_name = "FILE")]
+    pub replay: Vec<PathBuf>,
+    /// Rows per second of a recording without times.
+    #[arg(long, value_name = "HZ")]
+    pub rate: Option<f64>,
+    /// Stop after so long (default: at the end of scene or recording).
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub seconds: Option<f64>,
+    /// Record to this file; the ending names the format: .mcap, .csv; repeatable.
+    #[arg(long, value_name = "FILE")]
+    pub record: Vec<PathBuf>,
+    /// Replace files that are there.
+    #[arg(long)]
+    pub force: bool,
+    /// Print what came of it as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Say nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Where the others are.
+    #[command(flatten)]
+    pub at: AtArgs,
+}
+
+/// Options of `palpate-link display`.
+#[derive(Debug, Args)]
+pub struct DisplayArgs {
+    /// What renders it.
+    #[command(flatten)]
+    pub on: On,
+    /// The finger that is felt: ROBOT/HAND/FINGER.
+    #[arg(long, value_name = "R/H/F")]
+    pub finger: FingerName,
+    /// The wearer's name; with --keys that of the certificate.
+    #[arg(long, value_name = "NAME", default_value = "wearer")]
+    pub wearer: Name,
+    /// Stop after so long (default: at Ctrl-C, which is the wearer's STOP).
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub seconds: Option<f64>,
+    /// Record to this file; the ending names the format: .mcap, .csv, .jsonl, .vcd; repeatable.
+    #[arg(long, value_name = "FILE")]
+    pub record: Vec<PathBuf>,
+    /// Replace files that are there.
+    #[arg(long)]
+    pub force: bool,
+    /// Print what came of it as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Say nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Where the others are.
+    #[command(flatten)]
+    pub at: AtArgs,
+}
+
+/// Options of `palpate-link relay`.
+#[derive(Debug, Args)]
+pub struct RelayArgs {
+    /// Stop after so long (default: at Ctrl-C).
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub seconds: Option<f64>,
+    /// Where the others are.
+    #[command(flatten)]
+    pub at: AtArgs,
+}
+
+/// Options of `palpate-link list`.
+#[derive(Debug, Args)]
+pub struct ListArgs {
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Wait so long for answers.
+    #[arg(long, value_name = "S", value_parser = seconds, default_value_t = 1.0)]
+    pub seconds: f64,
+    /// Where the others are.
+    #[command(flatten)]
+    pub at: AtArgs,
+}
+
+/// Options of `palpate-link record`.
+#[derive(Debug, Args)]
+pub struct RecordArgs {
+    /// The file, .mcap.
+    pub file: PathBuf,
+    /// Stop after so long (default: at Ctrl-C).
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub seconds: Option<f64>,
+    /// Replace a file that is there.
+    #[arg(long)]
+    pub force: bool,
+    /// Where the others are.
+    #[command(flatten)]
+    pub at: AtArgs,
+}
+
+/// Options of `palpate-link merge`.
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// The recording of `palpate-link skin --record`, .mcap: its clock is that of the result.
+    pub robot: PathBuf,
+    /// A recording of `palpate-link display --record`, .mcap.
+    pub wearer: PathBuf,
+    /// The result, .mcap.
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Replace a file that is there.
+    #[arg(long)]
+    pub force: bool,
+    /// Print the latency budget as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `palpate-link keys`.
+#[derive(Debug, Args)]
+pub struct KeysArgs {
+    /// The lab's folder; it holds the authority's key, which no machine but this one needs.
+    pub folder: PathBuf,
+    /// A robot and the fingers that it may publish: NAME=R/H/F,R/H/F with * for any; without =, all of its own name. Repeatable.
+    #[arg(long, value_name = "NAME[=FINGERS]")]
+    pub robot: Vec<String>,
+    /// A wearer and the fingers that may be felt: NAME=R/H/F,R/H/F; without =, all. Repeatable.
+    #[arg(long, value_name = "NAME[=FINGERS]")]
+    pub wearer: Vec<String>,
+    /// A relay; repeatable.
+    #[arg(long, value_name = "NAME")]
+    pub relay: Vec<String>,
+    /// Someone who may read everything: `list` and `record`; repeatable.
+    #[arg(long, value_name = "NAME")]
+    pub watcher: Vec<String>,
+    /// How long the certificates count.
+    #[arg(long, value_name = "DAYS", default_value_t = 365, value_parser = clap::value_parser!(i64).range(0..=3650))]
+    pub days: i64,
+}
+
+/// Options of `palpate-link ros`.
+#[derive(Debug, Args)]
+pub struct RosArgs {
+    /// The finger: ROBOT/HAND/FINGER.
+    #[arg(long, value_name = "R/H/F")]
+    pub finger: FingerName,
+    /// The ROS domain.
+    #[arg(long, default_value_t = 0)]
+    pub domain: u16,
+    /// Stop after so long (default: at Ctrl-C).
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub seconds: Option<f64>,
+    /// Where the others are.
+    #[command(flatten)]
+    pub at: AtArgs,
+}

@@ -1,0 +1,203 @@
+//! What a publisher answers: echoes to wearers, what it is, and what is to be said of those who feel it.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use palpate_buses::pacer::RunClock;
+use palpate_run::Failure;
+use zenoh::Wait as _;
+use zenoh::liveliness::LivelinessToken;
+use zenoh::pubsub::Subscriber;
+use zenoh::qos::{CongestionControl, Priority};
+use zenoh::query::{Query, Queryable};
+use zenoh::sample::Sample;
+
+use crate::message::{self, About, Echo, MOST_BYTES, VERSION, Wearer};
+use crate::name::{FingerName, Name};
+use crate::net::Net;
+
+/// Wearers of a finger that are known at a time.
+const MOST_WEARERS: usize = 64;
+/// A wearer of whom nothing comes is gone.
+const LEASE_US: u64 = 1_000_000;
+
+/// A wearer as its messages show it.
+#[derive(Debug, Default)]
+pub(super) struct Known {
+    heard_us: u64,
+    feels: bool,
+    refuses: bool,
+    stopped: String,
+    trouble: String,
+}
+
+/// Everyone who feels this finger, and what is to be said of them.
+#[derive(Debug, Default)]
+pub(super) struct Wearers {
+    pub(super) known: BTreeMap<String, Known>,
+    pub(super) news: Vec<String>,
+    pub(super) stops: Vec<String>,
+    pub(super) refused_by: Vec<String>,
+}
+
+impl Wearers {
+    /// Takes what a wearer says.
+    fn hear(&mut self, name: &str, said: &Wearer, own: u64, now_us: u64) {
+        if !self.known.contains_key(name) {
+            if self.known.len() >= MOST_WEARERS {
+                return;
+            }
+            self.news.push(format!("wearer {name} is there"));
+        }
+        let known = self.known.entry(name.to_owned()).or_default();
+        known.heard_us = now_us;
+        let feels = said.feels == own;
+        if feels != known.feels {
+            let how = if feels {
+                "feels this finger"
+            } else {
+                "feels this finger no more"
+            };
+            self.news.push(format!("wearer {name} {how}"));
+            known.feels = feels;
+        }
+        if said.stopped != known.stopped {
+            if !said.stopped.is_empty() {
+                self.stops.push(format!("{name}: {}", said.stopped));
+                self.news
+                    .push(format!("STOP of wearer {name}: {}", said.stopped));
+            }
+            known.stopped.clone_from(&said.stopped);
+        }
+        if said.trouble != known.trouble {
+            if !said.trouble.is_empty() {
+                self.news
+                    .push(format!("wearer {name} feels nothing: {}", said.trouble));
+            }
+            known.trouble.clone_from(&said.trouble);
+        }
+        if said.refused.contains(&own) {
+            self.refused_by.push(name.to_owned());
+        }
+        if feels && !said.refused.is_empty() {
+            let text = format!("a second publisher of this finger was refused by wearer {name}");
+            if !known.refuses {
+                self.news.push(text);
+            }
+            known.refuses = true;
+        }
+    }
+
+    /// Forgets those of whom nothing comes.
+    pub(super) fn look(&mut self, now_us: u64) {
+        let gone = |k: &Known| now_us.saturating_sub(k.heard_us) > LEASE_US;
+        let news = &mut self.news;
+        self.known.retain(|name, known| {
+            if gone(known) {
+                news.push(format!("nothing comes from wearer {name}"));
+            }
+            !gone(known)
+        });
+    }
+}
+
+/// What answers others while a skin is published.
+pub(super) struct Answers {
+    pub(super) wearers: Arc<Mutex<Wearers>>,
+    pub(super) about: Arc<Mutex<About>>,
+    _heard: Subscriber<()>,
+    _told: Queryable<()>,
+    _token: LivelinessToken,
+}
+
+pub(super) fn zenoh(error: zenoh::Error) -> Failure {
+    Failure::Device(format!("zenoh: {error}"))
+}
+
+impl Answers {
+    pub(super) fn begin(
+        net: &Net,
+        finger: &FingerName,
+        clock: RunClock,
+        about: About,
+    ) -> Result<Self, Failure> {
+        let session = about.session;
+        let (about, wearers) = (Arc::new(Mutex::new(about)), Arc::default());
+        let alive = finger.skin_alive(&format!("{session:016x}"));
+        Ok(Self {
+            _heard: hear(net, finger, (clock, session), Arc::clone(&wearers))?,
+            _told: tell(net, finger, Arc::clone(&about))?,
+            _token: (net.session.liveliness().declare_token(alive))
+                .wait()
+                .map_err(zenoh)?,
+            about,
+            wearers,
+        })
+    }
+}
+
+/// Echoes what wearers say, at once: by this they know how old readings can be.
+fn hear(
+    net: &Net,
+    finger: &FingerName,
+    (clock, session): (RunClock, u64),
+    wearers: Arc<Mutex<Wearers>>,
+) -> Result<Subscriber<()>, Failure> {
+    let (of, own) = (net.session.clone(), finger.clone());
+    let heard = move |sample: Sample| {
+        let heard_us = clock.now().as_micros();
+        let Some((name, said)) = said(&sample) else {
+            return;
+        };
+        let echo = Echo {
+            version: VERSION,
+            session,
+            wearer: said.session,
+            said_us: said.said_us,
+            heard_us,
+        };
+        // An echo that is lost is followed by the next.
+        let _ = of
+            .put(own.echo(&name), echo.write().bytes())
+            .encoding(message::encoding(message::ECHO.name))
+            .congestion_control(CongestionControl::Drop)
+            .priority(Priority::RealTime)
+            .express(true)
+            .wait();
+        let mut wearers = wearers.lock().unwrap_or_else(PoisonError::into_inner);
+        wearers.hear(name.as_str(), &said, session, heard_us);
+    };
+    let subscriber = net.session.declare_subscriber(finger.wearer("*"));
+    subscriber.callback(heard).wait().map_err(zenoh)
+}
+
+/// Says what is published to whoever wants to know.
+fn tell(
+    net: &Net,
+    finger: &FingerName,
+    about: Arc<Mutex<About>>,
+) -> Result<Queryable<()>, Failure> {
+    let key = finger.about();
+    let tell = move |query: Query| {
+        let bytes = about.lock().unwrap_or_else(PoisonError::into_inner).write();
+        // Who does not get an answer asks again.
+        let _ = query.reply(key.clone(), bytes.bytes()).wait();
+    };
+    let queryable = net.session.declare_queryable(finger.about());
+    queryable.callback(tell).wait().map_err(zenoh)
+}
+
+/// Who says what; `None` for what is no such message.
+fn said(sample: &Sample) -> Option<(Name, Wearer)> {
+    if sample.payload().len() > MOST_BYTES {
+        return None;
+    }
+    let name = sample
+        .key_expr()
+        .as_str()
+        .rsplit('/')
+        .next()?
+        .parse()
+        .ok()?;
+    Some((name, Wearer::read(&sample.payload().to_bytes())?))
+}

@@ -1,0 +1,12 @@
+//! The two ends: a robot's skin that is published, and a wearer's display that renders what comes.
+
+mod answers;
+pub mod display;
+mod inbox;
+mod shrunk;
+pub mod skin;
+mod skins;
+mod voice;
+
+pub use inbox::Inbox;
+pub use shrunk::Shrunk;

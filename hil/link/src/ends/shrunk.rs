@@ -1,0 +1,77 @@
+//! Compression by itself: scans in, contacts out, on whichever machine. No display, no guard.
+
+use palpate_core::contact::Contact;
+use palpate_core::projector::{FrameReport, Observer, Projector};
+use palpate_core::skin::{Condition, ModuleScan, ScanError};
+use palpate_core::units::Instant;
+use palpate_files::Setup;
+use palpate_run::{Failure, Recorder, Truth, build, dynamic_levels};
+
+/// The newest frame's contacts beside what is recorded of it.
+struct Found {
+    recorder: Recorder,
+    newest: Option<Instant>,
+    contacts: Vec<Contact>,
+}
+
+impl Observer for Found {
+    fn frame(&mut self, report: &FrameReport<'_>) {
+        self.recorder.frame(report);
+        self.newest = Some(report.at);
+        self.contacts.clear();
+        self.contacts.extend_from_slice(report.contacts);
+    }
+
+    fn taxel(&mut self, at: Instant, index: usize, condition: Condition) {
+        self.recorder.taxel(at, index, condition);
+    }
+}
+
+/// Compression of a setup's skin.
+pub struct Shrunk {
+    projector: Projector,
+    found: Found,
+}
+
+impl Shrunk {
+    /// For a setup's skin; with its scene's touches as the truth, where the skin is emulated here.
+    ///
+    /// # Errors
+    /// [`Failure`] for what fits no loop.
+    pub fn new(setup: &Setup, seed: u64, truth: Truth) -> Result<Self, Failure> {
+        let projector = build(setup, seed, dynamic_levels(&setup.scene.value.compression))?;
+        let recorder = Recorder::new(truth, projector.layout());
+        Ok(Self {
+            projector,
+            found: Found {
+                recorder,
+                newest: None,
+                contacts: Vec::new(),
+            },
+        })
+    }
+
+    /// Takes a scan; the contacts of the frame that it makes, if it makes one.
+    ///
+    /// # Errors
+    /// A scan of another layout.
+    pub fn push(
+        &mut self,
+        scan: &ModuleScan<'_>,
+    ) -> Result<Option<(Instant, &[Contact])>, ScanError> {
+        self.found.newest = None;
+        self.projector.push(scan, &mut self.found)?;
+        let at = self.found.newest;
+        Ok(at.map(|at| (at, &*self.found.contacts)))
+    }
+
+    /// The loop that it is a part of.
+    pub const fn projector(&self) -> &Projector {
+        &self.projector
+    }
+
+    /// What was recorded of the frames.
+    pub const fn recorder(&mut self) -> &mut Recorder {
+        &mut self.found.recorder
+    }
+}

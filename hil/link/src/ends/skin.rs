@@ -1,0 +1,342 @@
+//! `palpate-link skin`: publishes what a robot's skin feels, in real time, and answers its wearers.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration as Wait;
+
+use palpate_buses::pacer::RunClock;
+use palpate_buses::signals::Signals;
+use palpate_core::skin::ModuleScan;
+use palpate_core::units::{Duration, Instant};
+use palpate_files::Setup;
+use palpate_hil::output::note;
+use palpate_hil::record::Journal;
+use palpate_records::mcap::proto::Message;
+use palpate_run::skin_end::SkinEnd;
+use palpate_run::{Failure, Truth};
+use serde::Serialize;
+use zenoh::Wait as _;
+use zenoh::pubsub::Publisher;
+
+use super::answers::{Answers, Wearers, zenoh};
+use super::shrunk::Shrunk;
+use super::skins::{WithSkin, open};
+use crate::cli::{Kind, SkinArgs};
+use crate::judge::Head;
+use crate::message::{self, About, Body, Frame, VERSION};
+use crate::net::{self, Mode, Net};
+use crate::records::{failed, journal, layout_digest, session_of};
+
+/// The skin is read this often.
+const TURN: Duration = Duration::from_millis(1);
+
+/// What came of a run of this end.
+#[derive(Debug, Default, Serialize)]
+struct Sent {
+    finger: String,
+    session: String,
+    frames: u64,
+    bytes: u64,
+    wearers: Vec<String>,
+    stops: Vec<String>,
+    refused_by: Vec<String>,
+    /// When the clock of the frames began, CLOCK_MONOTONIC of this machine, nanoseconds.
+    epoch_ns: i64,
+}
+
+/// Runs it.
+///
+/// # Errors
+/// [`Failure`] with its exit status.
+pub fn run(args: &SkinArgs) -> Result<(), Failure> {
+    let setup = args.on.setup()?;
+    if setup.scene.value.texture.is_some() {
+        note("the scene's texture stays here: contacts and scans carry none");
+    }
+    let signals = Signals::catch().map_err(|e| Failure::Device(e.to_string()))?;
+    let net = net::open(&args.at.at(), Mode::Peer).map_err(failed)?;
+    may_publish(&net, args)?;
+    alone(&net, args)?;
+    let publishing = Publishing {
+        args,
+        setup: &setup,
+        signals,
+        net: &net,
+    };
+    open(&setup, &args.replay, args.rate, args.on.seed, publishing)
+}
+
+/// Asks those who hold an access list whether this machine may publish the finger: zenoh itself drops in silence.
+fn may_publish(net: &Net, args: &SkinArgs) -> Result<(), Failure> {
+    let (Some(access), Some(name)) = (&net.access, &net.name) else {
+        return Ok(());
+    };
+    let finger = args.finger.to_string();
+    let refused = |by: &str| {
+        Failure::Input(format!(
+            "{finger}: `{name}` may not publish this finger, says the access list of {by}; a line `publishes = [\"{finger}\"]` there would allow it"
+        ))
+    };
+    if !access.may_publish(name, &finger) {
+        return Err(refused("this machine"));
+    }
+    let key = format!("{}/may/{finger}", crate::name::ROOT);
+    let asked = net
+        .session
+        .get(key)
+        .payload(name.clone())
+        .timeout(Wait::from_millis(700))
+        .wait();
+    let Ok(answers) = asked else { return Ok(()) };
+    while let Ok(reply) = answers.recv() {
+        if let Ok(sample) = reply.result() {
+            let answer = sample
+                .payload()
+                .try_to_string()
+                .unwrap_or_default()
+                .into_owned();
+            if let Some(by) = answer.strip_prefix("no ") {
+                return Err(refused(by));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses to be the second publisher of a finger.
+fn alone(net: &Net, args: &SkinArgs) -> Result<(), Failure> {
+    let key = args.finger.skin_alive("*");
+    let asked = net
+        .session
+        .liveliness()
+        .get(key)
+        .timeout(Wait::from_millis(700))
+        .wait();
+    let Ok(answers) = asked else { return Ok(()) };
+    while let Ok(reply) = answers.recv() {
+        if let Ok(sample) = reply.result() {
+            let key = sample.key_expr().as_str();
+            let other = key.rsplit('/').next().unwrap_or_default();
+            return Err(Failure::Input(format!(
+                "{}: expected a finger that is not published, found publisher {other}; stop it first, or choose another name",
+                args.finger
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// A skin that is about to be published.
+struct Publishing<'a> {
+    args: &'a SkinArgs,
+    setup: &'a Setup,
+    signals: Signals,
+    net: &'a Net,
+}
+
+/// What a publisher holds while it runs.
+struct Turns<'a> {
+    of: Publishing<'a>,
+    clock: RunClock,
+    publisher: Publisher<'static>,
+    shrunk: Shrunk,
+    head: Head,
+    message: Message,
+    sent: Sent,
+    /// The scans of the reference, for wearers that compress.
+    rest: Arc<Mutex<About>>,
+    resting: Vec<u32>,
+}
+
+impl WithSkin for Publishing<'_> {
+    fn with<S: SkinEnd>(self, mut skin: S, end: Instant) -> Result<(), Failure> {
+        let (args, net) = (self.args, self.net);
+        // The skin's own time is this clock's.
+        let clock = RunClock::start();
+        let truth = match args.replay.is_empty() {
+            true => Truth::of(self.setup),
+            false => Truth::Unknown,
+        };
+        let shrunk = Shrunk::new(self.setup, args.on.seed, truth)?;
+        let session = session_of(&net.session);
+        let layout = layout_digest(&self.setup.sensor.value);
+        let seed = args.on.seed;
+        let journal = journal(
+            self.setup,
+            seed,
+            shrunk.projector(),
+            &args.record,
+            args.force,
+        )?;
+        let (key, name) = match args.send {
+            Kind::Contacts => (args.finger.contacts(), message::TOUCHED.name),
+            Kind::Scans => (args.finger.scans(), message::SCANNED.name),
+        };
+        let publisher = net::frames(&net.session, key, &message::encoding(name)).map_err(failed)?;
+        let about = About {
+            version: VERSION,
+            session,
+            layout,
+            layout_name: self.setup.sensor.value.name.clone(),
+            scene: self.setup.scene.value.name.clone(),
+            kind: args.send.word().into(),
+            rest: Vec::new(),
+        };
+        let answers = Answers::begin(net, &args.finger, clock, about)?;
+        if !args.quiet {
+            let (finger, word) = (&args.finger, args.send.word());
+            note(&format!("publisher {session:016x} of {finger}: {word}"));
+        }
+        let turns = Turns {
+            resting: vec![0; shrunk.projector().layout().modules().len()],
+            publisher,
+            shrunk,
+            head: Head {
+                version: VERSION,
+                session,
+                sequence: 0,
+                sent_us: 0,
+                taken_us: 0,
+                layout,
+            },
+            message: Message::default(),
+            sent: Sent {
+                finger: args.finger.to_string(),
+                session: format!("{session:016x}"),
+                epoch_ns: clock.epoch_ns(),
+                ..Sent::default()
+            },
+            rest: Arc::clone(&answers.about),
+            clock,
+            of: self,
+        };
+        turns.until(&mut skin, end, journal, &answers.wearers)
+    }
+}
+
+impl Turns<'_> {
+    fn until<S: SkinEnd>(
+        mut self,
+        skin: &mut S,
+        end: Instant,
+        mut journal: Journal,
+        wearers: &Mutex<Wearers>,
+    ) -> Result<(), Failure> {
+        let clock = self.clock;
+        let end = match self.of.args.seconds {
+            Some(seconds) => Instant::from_micros((seconds * 1e6) as u64),
+            None => end,
+        };
+        let mut ended = Ok(());
+        loop {
+            let now = clock.now();
+            if now >= end || self.of.signals.caught().is_some() || journal.has_failed() {
+                break;
+            }
+            skin.advance_to(now);
+            let mut wrong = None;
+            let read = skin.scans(now, &mut |scan| {
+                if let Err(error) = self.take(scan) {
+                    wrong.get_or_insert(error);
+                }
+            });
+            read.map_err(|e| Failure::Device(format!("skin: {e}")))?;
+            if let Some(error) = wrong {
+                return Err(error);
+            }
+            let events = std::mem::take(&mut self.shrunk.recorder().events);
+            journal.add(&events, skin.take_frames(), Vec::new());
+            if let Err(refused) = self.look(wearers, now) {
+                ended = Err(refused);
+                break;
+            }
+            clock.sleep_until(now + TURN);
+        }
+        let mut wearers = wearers.lock().unwrap_or_else(PoisonError::into_inner);
+        self.sent.wearers = wearers.known.keys().cloned().collect();
+        self.sent.stops = std::mem::take(&mut wearers.stops);
+        drop(wearers);
+        journal.finish()?;
+        if self.of.args.json {
+            palpate_hil::output::print(|out| {
+                serde_json::to_writer(&mut *out, &self.sent)?;
+                writeln!(out)
+            })?;
+        }
+        ended
+    }
+
+    /// What there is to say of wearers.
+    fn look(&mut self, wearers: &Mutex<Wearers>, now: Instant) -> Result<(), Failure> {
+        let mut wearers = wearers.lock().unwrap_or_else(PoisonError::into_inner);
+        wearers.look(now.as_micros());
+        for text in wearers.news.drain(..) {
+            self.shrunk.recorder().note(now, text.clone());
+            if !self.of.args.quiet {
+                note(&text);
+            }
+        }
+        let refused_by = std::mem::take(&mut wearers.refused_by);
+        match refused_by.first() {
+            None => Ok(()),
+            Some(wearer) => {
+                self.sent.refused_by.clone_from(&refused_by);
+                Err(Failure::Input(format!(
+                    "{}: refused by wearer {wearer}, who feels another publisher of this finger",
+                    self.of.args.finger
+                )))
+            }
+        }
+    }
+
+    /// Takes a scan and sends what it makes.
+    fn take(&mut self, scan: &ModuleScan<'_>) -> Result<(), Failure> {
+        let wrong = |e: palpate_core::skin::ScanError| Failure::Device(format!("skin: {e}"));
+        let made = self.shrunk.push(scan).map_err(wrong)?;
+        let made = made.map(|(at, contacts)| (at, contacts.to_vec()));
+        let truth = self
+            .shrunk
+            .recorder()
+            .truth_at(scan.at)
+            .map(|(place, force_n)| message::Truth {
+                at: [f64::from(place.x), f64::from(place.y)],
+                force_n,
+            });
+        let (at, body) = match (self.of.args.send, made) {
+            (Kind::Contacts, None) => return Ok(()),
+            (Kind::Contacts, Some((at, contacts))) => (at, Body::Touched(contacts)),
+            (Kind::Scans, _) => {
+                let body = Body::Scanned {
+                    module: scan.module,
+                    counts: scan.counts.to_vec(),
+                };
+                (scan.at, body)
+            }
+        };
+        self.head.sequence += 1;
+        self.head.taken_us = at.as_micros();
+        self.head.sent_us = self.clock.now().as_micros();
+        let frame = Frame {
+            head: self.head,
+            body,
+            truth,
+        };
+        self.message.clear();
+        frame.write(&mut self.message);
+        self.keep_rest(usize::from(scan.module));
+        let bytes = self.message.bytes();
+        self.sent.frames += 1;
+        self.sent.bytes += bytes.len() as u64;
+        self.publisher.put(bytes).wait().map_err(zenoh)
+    }
+
+    /// The first scans make the reference: a wearer that compresses needs the same ones.
+    fn keep_rest(&mut self, module: usize) {
+        let most = self.of.setup.scene.value.reference_frames + 1;
+        let count = &mut self.resting[module];
+        if self.of.args.send == Kind::Scans && *count < most {
+            *count += 1;
+            let mut about = self.rest.lock().unwrap_or_else(PoisonError::into_inner);
+            about.rest.push(self.message.bytes().to_vec());
+        }
+    }
+}

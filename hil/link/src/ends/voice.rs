@@ -1,0 +1,102 @@
+//! How a wearer's loop speaks: over a thread of its own, so that no network can hold up the guard.
+
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use palpate_run::Failure;
+use zenoh::pubsub::Publisher;
+use zenoh::{Session, Wait as _};
+
+use crate::message::MOST_BYTES;
+
+/// What waits to be said at most; more is left out, and the next word says it.
+const MOST_WAITING: usize = 8;
+
+/// What is to be said.
+enum Order {
+    Say(Vec<u8>),
+    Ask,
+}
+
+/// A wearer's voice.
+pub(super) struct Voice {
+    orders: Option<SyncSender<Order>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Voice {
+    /// Speaks through `publisher`, and asks publishers what they are under the key `about`, whose answers go to `answered`.
+    pub(super) fn begin(
+        session: Session,
+        publisher: Publisher<'static>,
+        about: String,
+        answered: impl Fn(Vec<u8>) + Clone + Send + Sync + 'static,
+    ) -> Result<Self, Failure> {
+        let (orders, waiting) = sync_channel(MOST_WAITING);
+        let thread = std::thread::Builder::new()
+            .name("voice".into())
+            .spawn(move || speak(&waiting, &session, &publisher, &about, &answered));
+        let thread = thread.map_err(|e| Failure::Device(format!("the voice's thread: {e}")))?;
+        Ok(Self {
+            orders: Some(orders),
+            thread: Some(thread),
+        })
+    }
+
+    fn order(&self, order: Order) {
+        if let Some(orders) = &self.orders {
+            // What finds no room is said by the next word.
+            let _ = orders.try_send(order);
+        }
+    }
+
+    /// Says something.
+    pub(super) fn say(&self, bytes: Vec<u8>) {
+        self.order(Order::Say(bytes));
+    }
+
+    /// Asks publishers what they are.
+    pub(super) fn ask(&self) {
+        self.order(Order::Ask);
+    }
+}
+
+impl Drop for Voice {
+    /// What was said last is to be heard.
+    fn drop(&mut self) {
+        drop(self.orders.take());
+        if let Some(thread) = self.thread.take() {
+            // A thread that panicked has nothing left to say.
+            let _ = thread.join();
+        }
+    }
+}
+
+fn speak(
+    waiting: &Receiver<Order>,
+    session: &Session,
+    publisher: &Publisher<'static>,
+    about: &str,
+    answered: &(impl Fn(Vec<u8>) + Clone + Send + Sync + 'static),
+) {
+    for order in waiting {
+        match order {
+            // What does not reach the network is said again.
+            Order::Say(bytes) => drop(publisher.put(bytes).wait()),
+            Order::Ask => {
+                let answered = answered.clone();
+                // Who gets no answer asks again with a later frame.
+                let asked = session.get(about).timeout(Duration::from_millis(500));
+                let asked = asked.callback(move |reply| {
+                    if let Ok(sample) = reply.result()
+                        && sample.payload().len() <= 16 * MOST_BYTES
+                    {
+                        answered(sample.payload().to_bytes().into_owned());
+                    }
+                });
+                drop(asked.wait());
+            }
+        }
+    }
+}

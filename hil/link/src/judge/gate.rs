@@ -1,0 +1,323 @@
+//! The gate before a finger: which frames are felt.
+
+use core::fmt;
+
+use palpate_core::units::{Duration, Instant};
+
+use super::clock::Clock;
+use super::rate::Bucket;
+
+/// What every frame says of itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Head {
+    /// Version of the messages.
+    pub version: u32,
+    /// The publisher's session: a number that no other start of a publisher has.
+    pub session: u64,
+    /// Counts the frames of the session.
+    pub sequence: u64,
+    /// When it was sent, microseconds of the sender's clock.
+    pub sent_us: u64,
+    /// When the skin was read.
+    pub taken_us: u64,
+    /// Digest of the skin's layout.
+    pub layout: u64,
+}
+
+/// What the gate holds frames against.
+#[derive(Clone, Copy, Debug)]
+pub struct Patience {
+    /// Version of the messages.
+    pub version: u32,
+    /// Digest of the layout here.
+    pub layout: u64,
+    /// How old a reading may be.
+    pub deadline: Duration,
+    /// A publisher that is not felt for so long may be followed by another.
+    pub lease: Duration,
+    /// Frames per second.
+    pub per_second: u32,
+    /// Frames at once.
+    pub at_once: u32,
+}
+
+impl Patience {
+    /// The deadline is the guard's, the lease that of the transport.
+    #[must_use]
+    pub const fn new(version: u32, layout: u64) -> Self {
+        Self {
+            version,
+            layout,
+            deadline: Duration::from_millis(100),
+            lease: Duration::from_millis(1000),
+            per_second: 1000,
+            at_once: 100,
+        }
+    }
+
+    /// The same for a skin of so many modules, each of which may come as a frame of its own.
+    #[must_use]
+    pub fn of_modules(version: u32, layout: u64, modules: usize) -> Self {
+        let modules = u32::try_from(modules).unwrap_or(u32::MAX);
+        let one = Self::new(version, layout);
+        Self {
+            per_second: one.per_second.max(modules.saturating_mul(250)),
+            at_once: one.at_once.max(modules.saturating_mul(20)),
+            ..one
+        }
+    }
+}
+
+/// Why a frame is not felt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// Messages of another version.
+    Version(u32),
+    /// Of a skin with another layout.
+    Layout(u64),
+    /// Of another publisher than the one that is felt.
+    Second(u64),
+    /// More frames per second than any skin has.
+    Rate,
+    /// Came before, or was overtaken.
+    Order,
+    /// Read after it was sent.
+    Impossible,
+    /// One of the clocks was set: nothing is known of the age of what comes.
+    Jumped,
+    /// Publisher and wearer have not heard of each other yet, so nothing is known of its age.
+    NoClock,
+    /// The reading may be older than the deadline.
+    Late(Duration),
+}
+
+impl Refusal {
+    /// One word, for tables.
+    #[must_use]
+    pub const fn word(&self) -> &'static str {
+        match self {
+            Self::Version(_) => "version",
+            Self::Layout(_) => "layout",
+            Self::Second(_) => "second",
+            Self::Rate => "rate",
+            Self::Order => "order",
+            Self::Impossible => "impossible",
+            Self::Jumped => "jumped",
+            Self::NoClock => "no-clock",
+            Self::Late(_) => "late",
+        }
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Version(version) => write!(
+                f,
+                "expected messages of this program's version, found version {version}: run the same palpate-link on both machines"
+            ),
+            Self::Layout(layout) => write!(
+                f,
+                "expected the layout of this scene, found digest {layout:016x}: run the same scene on both machines"
+            ),
+            Self::Second(session) => write!(
+                f,
+                "publisher {session:016x} is refused: this finger feels another one"
+            ),
+            Self::Rate => f.write_str("more frames per second than any skin has"),
+            Self::Order => f.write_str("came before, or was overtaken"),
+            Self::Impossible => f.write_str("was read after it was sent"),
+            Self::Jumped => f.write_str("a clock was set: the age of readings is not known"),
+            Self::NoClock => f.write_str("the publisher has not answered yet"),
+            Self::Late(age) => write!(
+                f,
+                "the reading may be {} ms old",
+                age.as_micros().div_ceil(1000)
+            ),
+        }
+    }
+}
+
+/// How many frames came to what.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Tally {
+    /// Frames that are felt.
+    pub felt: u64,
+    /// Of another version.
+    pub version: u64,
+    /// Of another layout.
+    pub layout: u64,
+    /// Of a second publisher.
+    pub second: u64,
+    /// Too many.
+    pub rate: u64,
+    /// Duplicates and frames that were overtaken.
+    pub order: u64,
+    /// Frames that contradict themselves.
+    pub impossible: u64,
+    /// A clock was set.
+    pub jumped: u64,
+    /// Before clocks were compared.
+    pub no_clock: u64,
+    /// Too old.
+    pub late: u64,
+    /// Sequence numbers that never came, of the sessions that were felt.
+    pub lost: u64,
+}
+
+impl Tally {
+    const fn add(&mut self, refusal: Refusal) {
+        let count = match refusal {
+            Refusal::Version(_) => &mut self.version,
+            Refusal::Layout(_) => &mut self.layout,
+            Refusal::Second(_) => &mut self.second,
+            Refusal::Rate => &mut self.rate,
+            Refusal::Order => &mut self.order,
+            Refusal::Impossible => &mut self.impossible,
+            Refusal::Jumped => &mut self.jumped,
+            Refusal::NoClock => &mut self.no_clock,
+            Refusal::Late(_) => &mut self.late,
+        };
+        *count += 1;
+    }
+}
+
+/// The publisher that is felt.
+#[derive(Debug)]
+struct Owner {
+    session: u64,
+    clock: Clock,
+    bucket: Bucket,
+    /// Sequence number and reading of its newest frame.
+    newest: Option<(u64, u64)>,
+    /// When a frame of it was last felt, or it became the owner.
+    felt: Instant,
+}
+
+/// The gate of one finger. Its memory is fixed, and a frame costs the same whatever came before.
+#[derive(Debug)]
+pub struct Gate {
+    patience: Patience,
+    owner: Option<Owner>,
+    /// The time of the newest reading that was let through, on our clock.
+    newest: Instant,
+    tally: Tally,
+}
+
+impl Gate {
+    /// A gate that has let nothing through.
+    #[must_use]
+    pub fn new(patience: Patience) -> Self {
+        Self {
+            patience,
+            owner: None,
+            newest: Instant::ZERO,
+            tally: Tally::default(),
+        }
+    }
+
+    /// Judges a frame that arrived at `now`; the time of its reading on our clock, never later than it was.
+    ///
+    /// # Errors
+    /// Why it is not felt.
+    pub fn judge(&mut self, head: &Head, now: Instant) -> Result<Instant, Refusal> {
+        let judged = self.judged(head, now);
+        match judged {
+            Ok(at) => {
+                self.newest = at;
+                self.tally.felt += 1;
+            }
+            Err(refusal) => self.tally.add(refusal),
+        }
+        judged
+    }
+
+    fn judged(&mut self, head: &Head, now: Instant) -> Result<Instant, Refusal> {
+        let patience = self.patience;
+        if head.version != patience.version {
+            return Err(Refusal::Version(head.version));
+        }
+        if head.layout != patience.layout {
+            return Err(Refusal::Layout(head.layout));
+        }
+        let is_held = |o: &Owner| now.since(o.felt) <= patience.lease;
+        let owner = match &mut self.owner {
+            Some(owner) if owner.session == head.session => owner,
+            Some(owner) if is_held(owner) => return Err(Refusal::Second(head.session)),
+            _ => self.owner.insert(Owner {
+                session: head.session,
+                clock: Clock::default(),
+                bucket: Bucket::new(patience.per_second, patience.at_once),
+                newest: None,
+                felt: now,
+            }),
+        };
+        if !owner.bucket.take(now) {
+            return Err(Refusal::Rate);
+        }
+        if head.taken_us > head.sent_us {
+            return Err(Refusal::Impossible);
+        }
+        owner
+            .clock
+            .arrived(head.sent_us, now)
+            .map_err(|_| Refusal::Jumped)?;
+        if let Some((sequence, taken_us)) = owner.newest {
+            // Modules of one skin may be read at one time.
+            if head.sequence <= sequence || head.taken_us < taken_us {
+                return Err(Refusal::Order);
+            }
+            // A number that no rate could have reached would shut out everything that is true.
+            let passed_us = head.taken_us - taken_us;
+            let reachable = (passed_us / 1_000_000 + 2).saturating_mul(patience.per_second.into());
+            let step = head.sequence - sequence;
+            if step > reachable {
+                return Err(Refusal::Impossible);
+            }
+            self.tally.lost += step - 1;
+        }
+        owner.newest = Some((head.sequence, head.taken_us));
+        let age = owner.clock.most_since(head.taken_us, now);
+        let age = age.ok_or(Refusal::NoClock)?;
+        if age >= patience.deadline {
+            return Err(Refusal::Late(age));
+        }
+        let at = Instant::from_micros(now.as_micros().saturating_sub(age.as_micros()));
+        if at < self.newest {
+            return Err(Refusal::Order);
+        }
+        owner.felt = now;
+        Ok(at)
+    }
+
+    /// The publisher of this session had heard at `heard_us`, of its clock, what we said at `said`.
+    pub fn echoed(&mut self, session: u64, said: Instant, heard_us: u64, now: Instant) {
+        if let Some(owner) = self.owner.as_mut().filter(|o| o.session == session) {
+            // A clock that was set is a refusal of the next frame.
+            let _ = owner.clock.echoed(said, heard_us, now);
+        }
+    }
+
+    /// The session that is felt, as long as its lease lasts.
+    #[must_use]
+    pub fn feels(&self, now: Instant) -> Option<u64> {
+        let owner = self.owner.as_ref()?;
+        (now.since(owner.felt) <= self.patience.lease).then_some(owner.session)
+    }
+
+    /// The bounds of that publisher's clock: least and most of ours minus theirs, microseconds.
+    #[must_use]
+    pub fn offset(&self, now: Instant) -> Option<(i64, i64)> {
+        self.owner.as_ref()?.clock.offset(now)
+    }
+
+    /// What came so far.
+    #[must_use]
+    pub const fn tally(&self) -> &Tally {
+        &self.tally
+    }
+}
+
+#[cfg(test)]
+#[path = "gate_tests.rs"]
+mod tests;

@@ -1,0 +1,141 @@
+//! Tests of the messages: out and in again, and whatever bytes come.
+
+use palpate_core::contact::Contact;
+use palpate_core::units::Point;
+use palpate_records::mcap::proto::Message;
+use proptest::prelude::*;
+
+use super::*;
+use crate::judge::Head;
+
+fn head() -> Head {
+    Head {
+        version: VERSION,
+        session: u64::MAX,
+        sequence: 300,
+        sent_us: 1 << 40,
+        taken_us: (1 << 40) - 1,
+        layout: 0x1234_5678_9abc_def0,
+    }
+}
+
+fn contact(id: u32) -> Contact {
+    Contact {
+        id,
+        module: 2,
+        place: Point::new(-7.05, 0.0),
+        intensity: 412.5,
+        level: 3,
+        members: 5,
+    }
+}
+
+fn bytes(frame: &Frame) -> Vec<u8> {
+    let mut message = Message::default();
+    frame.write(&mut message);
+    message.bytes().to_vec()
+}
+
+#[test]
+fn frames_come_back_as_they_went() {
+    let truth = Some(Truth {
+        at: [1.5, -2.0],
+        force_n: 0.7,
+    });
+    for contacts in [vec![], vec![contact(1)], (1..=16).map(contact).collect()] {
+        let frame = Frame {
+            head: head(),
+            body: Body::Touched(contacts),
+            truth,
+        };
+        assert_eq!(Frame::touched(&bytes(&frame)), Some(frame));
+    }
+    let counts = (0..16_u16).map(|i| [32_768 + i, 0, 65_535 - i]).collect();
+    let frame = Frame {
+        head: head(),
+        body: Body::Scanned { module: 3, counts },
+        truth: None,
+    };
+    assert_eq!(Frame::scanned(&bytes(&frame)), Some(frame));
+}
+
+#[test]
+fn contacts_are_twenty_times_fewer_bytes_than_scans_of_a_hand() {
+    let touched = Frame {
+        head: head(),
+        body: Body::Touched(vec![contact(1)]),
+        truth: None,
+    };
+    let counts = vec![[33_000; 3]; 368];
+    let scanned = Frame {
+        head: head(),
+        body: Body::Scanned { module: 0, counts },
+        truth: None,
+    };
+    assert!(bytes(&scanned).len() > 20 * bytes(&touched).len());
+}
+
+#[test]
+fn wearers_echoes_and_publishers_come_back_as_they_went() {
+    let wearer = Wearer {
+        version: VERSION,
+        session: 5,
+        said_us: 77,
+        feels: 9,
+        refused: vec![1, 2],
+        stopped: "stopped by SIGINT".into(),
+        trouble: String::new(),
+    };
+    assert_eq!(Wearer::read(wearer.write().bytes()), Some(wearer));
+    let echo = Echo {
+        version: VERSION,
+        session: 1,
+        wearer: 2,
+        said_us: 3,
+        heard_us: 4,
+    };
+    assert_eq!(Echo::read(echo.write().bytes()), Some(echo));
+    let about = About {
+        version: VERSION,
+        session: 1,
+        layout: 2,
+        layout_name: "uskin-4x4".into(),
+        scene: "sphere-along".into(),
+        kind: "scans".into(),
+        rest: vec![vec![1, 2], vec![]],
+    };
+    // An empty field is none.
+    let mut expected = about.clone();
+    expected.rest.pop();
+    assert_eq!(About::read(about.write().bytes()), Some(expected));
+}
+
+#[test]
+fn a_frame_of_too_many_contacts_is_none() {
+    let frame = Frame {
+        head: head(),
+        body: Body::Touched((0..257).map(contact).collect()),
+        truth: None,
+    };
+    assert_eq!(Frame::touched(&bytes(&frame)), None);
+}
+
+proptest! {
+    #[test]
+    fn no_bytes_are_a_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
+        let _ = Frame::touched(&bytes);
+        let _ = Frame::scanned(&bytes);
+        let _ = Wearer::read(&bytes);
+        let _ = Echo::read(&bytes);
+        let _ = About::read(&bytes);
+    }
+
+    #[test]
+    fn a_bit_that_fell_over_is_another_frame_or_none(place in 0..200_usize, bit in 0..8_u32) {
+        let frame = Frame { head: head(), body: Body::Touched(vec![contact(1), contact(2)]), truth: None };
+        let mut bytes = bytes(&frame);
+        let place = place % bytes.len();
+        bytes[place] ^= 1 << bit;
+        let _ = Frame::touched(&bytes);
+    }
+}

@@ -1,0 +1,76 @@
+//! Tests of `certificates.rs`.
+
+use super::*;
+
+fn wanted(name: &str) -> Wanted {
+    Wanted {
+        member: Member {
+            name: name.into(),
+            publishes: vec![format!("{name}/*/*")],
+            feels: Vec::new(),
+            watches: false,
+            relays: false,
+        },
+        hosts: vec![name.into()],
+    }
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("palpate-link-{}-{name}", std::process::id()));
+    let _ = fs::remove_dir_all(&folder);
+    folder
+}
+
+#[test]
+fn keys_of_a_lab_are_read_again_and_grow() {
+    let lab = folder("lab");
+    Lab::make(&lab, &[wanted("r1")], 30).unwrap();
+    let authority = fs::read(lab.join(AUTHORITY)).unwrap();
+    let access = Lab::make(&lab, &[wanted("r2")], 30).unwrap();
+    assert_eq!(access.members.len(), 2);
+    assert_eq!(
+        fs::read(lab.join(AUTHORITY)).unwrap(),
+        authority,
+        "the authority stays"
+    );
+    for name in ["r1", "r2"] {
+        let member = Lab::member(&lab.join(name)).unwrap();
+        assert_eq!(member.name, name);
+        assert_eq!(member.access, access, "every folder has the whole list");
+        assert!(!lab.join(name).join(AUTHORITY_KEY).exists());
+        use std::os::unix::fs::PermissionsExt as _;
+        let mode = fs::metadata(lab.join(name).join(KEY))
+            .unwrap()
+            .permissions()
+            .mode();
+        assert_eq!(mode & 0o077, 0, "a key is its owner's");
+    }
+    fs::remove_dir_all(&lab).unwrap();
+}
+
+#[test]
+fn expired_and_foreign_certificates_are_told() {
+    let (lab, other) = (folder("own"), folder("other"));
+    Lab::make(&lab, &[wanted("r1")], -1).unwrap();
+    let expired = Lab::member(&lab.join("r1")).unwrap_err();
+    assert!(
+        matches!(&expired, LabError::Time { name, .. } if name == "r1"),
+        "{expired}"
+    );
+    Lab::make(&lab, &[wanted("r1")], 30).unwrap();
+    Lab::make(&other, &[wanted("r1")], 30).unwrap();
+    fs::copy(
+        other.join("r1").join(CERTIFICATE),
+        lab.join("r1").join(CERTIFICATE),
+    )
+    .unwrap();
+    let foreign = Lab::member(&lab.join("r1")).unwrap_err();
+    assert!(matches!(&foreign, LabError::Foreign { .. }), "{foreign}");
+    fs::write(lab.join("r1").join(CERTIFICATE), "no certificate").unwrap();
+    let none = Lab::member(&lab.join("r1")).unwrap_err();
+    assert!(matches!(&none, LabError::Content { .. }), "{none}");
+    fs::remove_dir_all(&lab).unwrap();
+    fs::remove_dir_all(&other).unwrap();
+    let gone = Lab::member(&lab.join("r1")).unwrap_err();
+    assert!(matches!(&gone, LabError::File { .. }), "{gone}");
+}

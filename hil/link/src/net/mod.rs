@@ -1,0 +1,71 @@
+//! The network: a session of zenoh with settings that suit a wearer, who may speak to whom, certificates.
+
+mod access;
+mod certificates;
+mod open;
+mod words;
+
+pub use access::{Access, Member};
+pub use certificates::{Lab, LabError, Wanted};
+pub use open::{At, Mode, Net, NetError, open};
+
+use zenoh::bytes::Encoding;
+use zenoh::pubsub::Publisher;
+use zenoh::qos::{CongestionControl, Priority};
+use zenoh::query::{Query, Queryable};
+use zenoh::{Session, Wait};
+
+use crate::name::ROOT;
+
+/// A publisher of frames: what cannot be sent at once is dropped, and nothing waits to fill a packet.
+///
+/// # Errors
+/// [`NetError`] where zenoh refuses.
+pub fn frames(
+    session: &Session,
+    key: String,
+    encoding: &str,
+) -> Result<Publisher<'static>, NetError> {
+    session
+        .declare_publisher(key)
+        .encoding(Encoding::from(encoding))
+        .congestion_control(CongestionControl::Drop)
+        .priority(Priority::RealTime)
+        .express(true)
+        .wait()
+        .map_err(|e| NetError::Zenoh(e.to_string()))
+}
+
+impl Net {
+    /// Answers those who ask whether they may publish a finger, where there is an access list: zenoh drops in silence what
+    /// it forbids.
+    ///
+    /// # Errors
+    /// [`NetError`] where zenoh refuses.
+    pub fn answer_who_may_publish(&self, own: &str) -> Result<Option<Queryable<()>>, NetError> {
+        let Some(access) = self.access.clone() else {
+            return Ok(None);
+        };
+        let own = own.to_owned();
+        let root = format!("{ROOT}/may/");
+        let answer = move |query: Query| {
+            let key = query.key_expr().as_str().to_owned();
+            let asks = query.payload().filter(|p| p.len() <= 64);
+            let name = asks.and_then(|p| p.try_to_string().ok().map(|n| n.into_owned()));
+            let (Some(finger), Some(name)) = (key.strip_prefix(&root), name) else {
+                return;
+            };
+            let word = match access.may_publish(&name, finger) {
+                true => "yes",
+                false => "no",
+            };
+            // Who gets no answer is refused in silence, as before.
+            let _ = query.reply(key.clone(), format!("{word} {own}")).wait();
+        };
+        let queryable = self.session.declare_queryable(format!("{ROOT}/may/**"));
+        let queryable = queryable.callback(answer).wait();
+        queryable
+            .map(Some)
+            .map_err(|e| NetError::Zenoh(e.to_string()))
+    }
+}

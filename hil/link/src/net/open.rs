@@ -1,0 +1,219 @@
+//! Opens a session. Plain text stays on loopback; everything else is TLS, with certificates on both ends.
+
+use std::net::{IpAddr, TcpListener, ToSocketAddrs};
+use std::path::PathBuf;
+
+use palpate_buses::pacer::RunClock;
+use palpate_core::units::{Duration, Instant};
+use serde_json::{Value, json};
+use thiserror::Error;
+use zenoh::{Config, Session, Wait};
+
+use super::access::Access;
+use super::words;
+
+/// Where sessions of one machine meet.
+const MEETING: &str = "127.0.0.1:7450";
+
+/// A message that is larger closes the link it comes over, before it is held in memory.
+const MOST_BYTES: u32 = 1 << 20;
+
+/// Others are waited for so long at the start; they may come later.
+const FIRST: Duration = Duration::from_millis(1500);
+
+/// What a session is in the network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Speaks with those that it is connected to.
+    Peer,
+    /// Passes on what others say.
+    Router,
+}
+
+/// Where to listen and to connect, and how.
+#[derive(Clone, Debug, Default)]
+pub struct At {
+    /// Addresses to listen on, host:port.
+    pub listen: Vec<String>,
+    /// Addresses to connect to.
+    pub connect: Vec<String>,
+    /// The folder of certificates and access list; without it text is plain.
+    pub keys: Option<PathBuf>,
+    /// Whether plain text may leave this machine.
+    pub plain: bool,
+}
+
+/// Why there is no session.
+#[derive(Debug, Error)]
+pub enum NetError {
+    /// An address is none.
+    #[error("{option} {address}: expected HOST:PORT, such as 192.168.1.5:7450 or [::1]:7450")]
+    Address {
+        /// The option.
+        option: &'static str,
+        /// What it said.
+        address: String,
+    },
+    /// Plain text would leave the machine.
+    #[error(
+        "{option} {address}: expected --keys DIR for an address that is not of this machine: readings and stimuli would cross the network in plain text. Make certificates with `palpate-link keys`, or say --plain"
+    )]
+    Plain {
+        /// The option.
+        option: &'static str,
+        /// What it said.
+        address: String,
+    },
+    /// Certificates or the access list.
+    #[error(transparent)]
+    Lab(#[from] super::certificates::LabError),
+    /// What zenoh says.
+    #[error("zenoh: {0}")]
+    Zenoh(String),
+}
+
+/// A session, and who it is.
+#[derive(Debug)]
+pub struct Net {
+    /// The session.
+    pub session: Session,
+    /// The access list, where there is one.
+    pub access: Option<Access>,
+    /// The name in the own certificate.
+    pub name: Option<String>,
+}
+
+/// Opens a session.
+///
+/// # Errors
+/// [`NetError`] for addresses, certificates, and what zenoh refuses.
+pub fn open(at: &At, mode: Mode) -> Result<Net, NetError> {
+    words::begin();
+    let lab = at.keys.as_deref().map(super::Lab::member).transpose()?;
+    let protocol = if lab.is_some() { "tls" } else { "tcp" };
+    let endpoints = |option, addresses: &[String]| -> Result<Vec<String>, NetError> {
+        let one = |address: &String| {
+            let address = checked(option, address, at.plain || lab.is_some())?;
+            Ok(format!("{protocol}/{address}"))
+        };
+        addresses.iter().map(one).collect()
+    };
+    let (mut listen, mut connect) = (
+        endpoints("--listen", &at.listen)?,
+        endpoints("--connect", &at.connect)?,
+    );
+    if listen.is_empty() && connect.is_empty() {
+        // The first one here is where the others meet; they find each other through it, and need it no more.
+        match TcpListener::bind(MEETING) {
+            Ok(_free) => listen.push(format!("{protocol}/{MEETING}")),
+            Err(_) => {
+                listen.push(format!("{protocol}/127.0.0.1:0"));
+                connect.push(format!("{protocol}/{MEETING}"));
+            }
+        }
+    }
+    if listen.is_empty() {
+        // Peers do not pass on what others say: those who list or record have to reach this one too.
+        let local = connect_is_local(&at.connect);
+        let any = if local { "127.0.0.1:0" } else { "0.0.0.0:0" };
+        listen.push(format!("{protocol}/{any}"));
+    }
+    let mut settings = settings(mode, &listen, &connect);
+    let (mut access, mut name) = (None, None);
+    if let Some(lab) = lab {
+        settings["transport"]["link"]["tls"] = lab.settings();
+        settings["access_control"] = lab.access.settings();
+        (access, name) = (Some(lab.access), Some(lab.name));
+    }
+    let config = Config::from_json5(&settings.to_string());
+    let config = config.map_err(|e| NetError::Zenoh(e.to_string()))?;
+    let session = zenoh::open(config).wait();
+    let session = session.map_err(|e| NetError::Zenoh(e.to_string()))?;
+    if !connect.is_empty() {
+        await_others(&session);
+    }
+    Ok(Net {
+        session,
+        access,
+        name,
+    })
+}
+
+/// What is asked at the start shall reach those who are there already.
+fn await_others(session: &Session) {
+    let clock = RunClock::start();
+    let info = session.info();
+    while clock.now().since(Instant::ZERO) < FIRST {
+        if info.peers_zid().wait().count() + info.routers_zid().wait().count() > 0 {
+            return;
+        }
+        clock.sleep_until(clock.now() + Duration::from_millis(10));
+    }
+}
+
+/// Whether all of these are of this machine.
+fn connect_is_local(addresses: &[String]) -> bool {
+    let local = |address: &String| checked("--connect", address, false).is_ok();
+    addresses.iter().all(local)
+}
+
+/// An address, if text to and from it may be as it is.
+fn checked(option: &'static str, address: &str, anywhere: bool) -> Result<String, NetError> {
+    let is_address = address
+        .rsplit_once(':')
+        .is_some_and(|(host, port)| !host.is_empty() && port.parse::<u16>().is_ok());
+    if !is_address {
+        return Err(NetError::Address {
+            option,
+            address: address.into(),
+        });
+    }
+    let local = || {
+        let mut all = address.to_socket_addrs().ok()?.peekable();
+        all.peek()?;
+        Some(all.all(|a| match a.ip() {
+            IpAddr::V4(ip) => ip.is_loopback(),
+            IpAddr::V6(ip) => ip.is_loopback(),
+        }))
+    };
+    if anywhere || local() == Some(true) {
+        return Ok(address.into());
+    }
+    Err(NetError::Plain {
+        option,
+        address: address.into(),
+    })
+}
+
+/// With zenoh's own defaults a cut of five seconds is no event, and ends in a burst of old frames.
+fn settings(mode: Mode, listen: &[String], connect: &[String]) -> Value {
+    let mode = match mode {
+        Mode::Peer => "peer",
+        Mode::Router => "router",
+    };
+    let retry = json!({"period_init_ms": 100, "period_max_ms": 400, "period_increase_factor": 2});
+    json!({
+        "mode": mode,
+        "listen": {"endpoints": listen, "exit_on_failure": true, "retry": retry},
+        "connect": {
+            "endpoints": connect, "timeout_ms": -1, "exit_on_failure": false, "retry": retry,
+        },
+        "open": {"return_conditions": {"connect_scouted": false, "declares": false}},
+        "scouting": {
+            "delay": 0,
+            "multicast": {"enabled": false},
+            "gossip": {"enabled": true},
+        },
+        "transport": {
+            "unicast": {"open_timeout": 2000, "accept_timeout": 2000},
+            "link": {
+                "tx": {"lease": 1000, "keep_alive": 4},
+                "rx": {"max_message_size": MOST_BYTES},
+            },
+        },
+    })
+}
+
+#[cfg(test)]
+#[path = "open_tests.rs"]
+mod tests;

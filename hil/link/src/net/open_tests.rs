@@ -1,0 +1,55 @@
+//! Tests of `open.rs`.
+
+use super::*;
+
+#[test]
+fn plain_text_stays_on_this_machine_unless_that_is_wanted() {
+    for local in [
+        "127.0.0.1:7450",
+        "127.9.9.9:1",
+        "[::1]:7450",
+        "localhost:7450",
+    ] {
+        assert!(checked("--listen", local, false).is_ok(), "{local}");
+    }
+    for away in [
+        "0.0.0.0:7450",
+        "10.0.0.1:7450",
+        "[::]:7450",
+        "192.168.1.5:1",
+    ] {
+        let refused = checked("--connect", away, false);
+        assert!(matches!(refused, Err(NetError::Plain { .. })), "{away}");
+        assert!(checked("--connect", away, true).is_ok(), "{away}");
+    }
+    for wrong in [
+        "",
+        "7450",
+        "host",
+        ":7450",
+        "host:",
+        "host:99999",
+        "tcp/1.2.3.4:x",
+    ] {
+        let refused = checked("--listen", wrong, true);
+        assert!(matches!(refused, Err(NetError::Address { .. })), "{wrong}");
+    }
+}
+
+#[test]
+fn zenoh_takes_the_settings() {
+    let listen = ["tcp/127.0.0.1:0".to_owned()];
+    let settings = settings(Mode::Router, &listen, &[]);
+    let config = Config::from_json5(&settings.to_string()).unwrap();
+    assert_eq!(config.get_json("transport/link/tx/lease").unwrap(), "1000");
+    assert_eq!(
+        config
+            .get_json("transport/link/rx/max_message_size")
+            .unwrap(),
+        "1048576"
+    );
+    assert_eq!(
+        config.get_json("scouting/multicast/enabled").unwrap(),
+        "false"
+    );
+}

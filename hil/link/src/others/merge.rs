@@ -1,0 +1,172 @@
+//! `palpate-link merge`: recordings of the two ends in one, on the robot's clock, with the offset and its bounds stated.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use mcap::MessageStream;
+use palpate_records::mcap::proto::{Fields, Value};
+use palpate_run::Failure;
+use serde::Serialize;
+
+use super::record::Recording;
+use crate::cli::MergeArgs;
+use crate::records::OFFSET_WORDS;
+
+/// What came of it.
+#[derive(Debug, Serialize)]
+struct Merged {
+    /// Messages of the robot's recording.
+    robot: u64,
+    /// Messages of the wearer's.
+    wearer: u64,
+    /// What was taken off the wearer's times, microseconds, and how far that may be wrong.
+    offset_us: i64,
+    uncertainty_us: i64,
+    /// Frames that both recordings have, of those that the robot sent.
+    frames_felt: u64,
+    frames_sent: u64,
+    /// Where both recordings place the same frame's reading: largest distance in time, microseconds.
+    reading_us: Option<i64>,
+}
+
+/// A message that is to be written.
+struct Line {
+    t_ns: u64,
+    topic: String,
+    schema: (String, Vec<u8>),
+    data: Vec<u8>,
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, Failure> {
+    std::fs::read(path).map_err(|e| Failure::Input(format!("{}: {e}", path.display())))
+}
+
+fn lines(path: &Path, bytes: &[u8], prefix: &str) -> Result<Vec<Line>, Failure> {
+    let name = path.display();
+    let damaged =
+        |e: mcap::McapError| Failure::Input(format!("{name}: expected a recording (MCAP): {e}"));
+    let mut all = Vec::new();
+    for message in MessageStream::new(bytes).map_err(damaged)? {
+        let message = message.map_err(damaged)?;
+        let Some(schema) = &message.channel.schema else {
+            continue;
+        };
+        all.push(Line {
+            t_ns: message.log_time,
+            topic: format!("{prefix}{}", message.channel.topic),
+            schema: (schema.name.clone(), schema.data.to_vec()),
+            data: message.data.to_vec(),
+        });
+    }
+    Ok(all)
+}
+
+/// The text of a line of a log.
+fn text(data: &[u8]) -> Option<String> {
+    let mut fields = Fields::new(data).flatten();
+    fields.find_map(|field| match field {
+        (3, Value::Data(text)) => String::from_utf8(text.to_vec()).ok(),
+        _ => None,
+    })
+}
+
+/// The last bounds that a wearer's recording states of its clock: ours minus theirs, microseconds.
+fn offset(lines: &[Line]) -> Option<(i64, i64)> {
+    let notes = lines.iter().rev().filter(|l| l.topic.ends_with("/events"));
+    let mut notes = notes.filter_map(|l| text(&l.data));
+    notes.find_map(|text| {
+        let (low, high) = text.strip_prefix(OFFSET_WORDS)?.split_once(" to ")?;
+        Some((
+            low.trim().parse().ok()?,
+            high.trim_end_matches(" us").parse().ok()?,
+        ))
+    })
+}
+
+/// Times of the frames of a recording, ns.
+fn frames<'a>(lines: &'a [Line]) -> impl Iterator<Item = u64> + 'a {
+    let frames = lines.iter().filter(|l| l.topic.ends_with("/frames"));
+    frames.map(|l| l.t_ns)
+}
+
+/// Runs it.
+///
+/// # Errors
+/// [`Failure`] with its exit status.
+pub fn run(args: &MergeArgs) -> Result<(), Failure> {
+    let (robot, wearer) = (read(&args.robot)?, read(&args.wearer)?);
+    let mut all = lines(&args.robot, &robot, "/robot")?;
+    let mut worn = lines(&args.wearer, &wearer, "/wearer")?;
+    let (low, high) = offset(&worn).ok_or_else(|| {
+        Failure::Input(format!(
+            "{}: expected a recording of `palpate-link display` that has felt something: its events state the clock's offset",
+            args.wearer.display()
+        ))
+    })?;
+    let (middle, half) = (low.midpoint(high), (high - low).div_euclid(2));
+    let before = worn.len();
+    worn.retain_mut(|line| {
+        let t_ns = i64::try_from(line.t_ns)
+            .unwrap_or(i64::MAX)
+            .saturating_sub(middle.saturating_mul(1000));
+        line.t_ns = u64::try_from(t_ns).unwrap_or(0);
+        t_ns >= 0
+    });
+    let left_out = before - worn.len();
+    let (sent, felt): (Vec<u64>, Vec<u64>) = (frames(&all).collect(), frames(&worn).collect());
+    let nearest = |t: u64| {
+        let at = sent.partition_point(|s| *s < t);
+        let near = sent.iter().skip(at.saturating_sub(1)).take(2);
+        near.map(|s| (*s as i64 - t as i64) / 1000)
+            .min_by_key(|d| d.abs())
+    };
+    let reading_us = felt.iter().filter_map(|t| nearest(*t)).map(i64::abs).max();
+    let merged = Merged {
+        robot: all.len() as u64,
+        wearer: worn.len() as u64,
+        offset_us: middle,
+        uncertainty_us: half,
+        frames_felt: felt.len() as u64,
+        frames_sent: sent.len() as u64,
+        reading_us,
+    };
+    all.append(&mut worn);
+    all.sort_by_key(|line| line.t_ns);
+    let facts = BTreeMap::from([
+        ("clock".to_owned(), "the robot's".to_owned()),
+        ("robot".to_owned(), args.robot.display().to_string()),
+        ("wearer".to_owned(), args.wearer.display().to_string()),
+        ("wearer_offset_us".to_owned(), middle.to_string()),
+        ("wearer_uncertainty_us".to_owned(), half.to_string()),
+    ]);
+    let mut recording = Recording::begin(&args.out, args.force, facts)?;
+    for line in &all {
+        let schema = (&*line.schema.0, &*line.schema.1);
+        recording.message(&line.topic, schema, line.t_ns, &line.data)?;
+    }
+    recording.finish()?;
+    palpate_hil::output::print(|out| {
+        if args.json {
+            serde_json::to_writer(&mut *out, &merged)?;
+            return writeln!(out);
+        }
+        writeln!(
+            out,
+            "{}: {} messages of the robot, {} of the wearer, whose clock was {middle} us ahead, within {half} us",
+            args.out.display(),
+            merged.robot,
+            merged.wearer
+        )?;
+        if left_out > 0 {
+            writeln!(
+                out,
+                "  {left_out} messages of the wearer from before the robot's start are left out"
+            )?;
+        }
+        writeln!(
+            out,
+            "  {} of {} frames reached the wearer",
+            merged.frames_felt, merged.frames_sent
+        )
+    })
+}

@@ -1,0 +1,300 @@
+//! What the two ends leave behind: records in the formats of `hil`, and what a run came to.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use palpate_core::projector::Projector;
+use palpate_core::units::{Duration, Instant, Point};
+use palpate_files::{SensorLayout, Setup};
+use palpate_hil::output::Outputs;
+use palpate_hil::record::{About, Journal, Sink, kind_of};
+use palpate_records::digest::short_digest;
+use palpate_records::trace::Event;
+use palpate_run::{Failure, attachments, header, plan};
+use serde::Serialize;
+use zenoh::Session;
+
+use crate::judge::{Gate, Head, Tally};
+use crate::name::FingerName;
+use crate::net::NetError;
+
+/// Ages and moments that are kept at most: a quarter of an hour at 100 Hz.
+const MOST: usize = 100_000;
+
+/// How the events of a wearer's recording state the bounds of its clock against the robot's: `LOW to HIGH us` follow.
+pub const OFFSET_WORDS: &str = "clock minus the robot's: ";
+
+/// What the network refuses, as a failure of the program.
+#[must_use]
+pub fn failed(error: NetError) -> Failure {
+    match error {
+        NetError::Zenoh(_) => Failure::Device(error.to_string()),
+        _ => Failure::Input(error.to_string()),
+    }
+}
+
+/// A number that no other start of a program has.
+#[must_use]
+pub fn session_of(session: &Session) -> u64 {
+    let id = session.zid().to_le_bytes();
+    let digits = id.iter().take(8).enumerate();
+    // Zero means none.
+    digits
+        .fold(0, |n, (i, byte)| n | u64::from(*byte) << (8 * i))
+        .max(1)
+}
+
+/// Digest of where a layout's taxels lie: equal on two machines where a contact's place means the same.
+#[must_use]
+pub fn layout_digest(file: &SensorLayout) -> u64 {
+    let um = |p: Point| ((p.x * 1e3).round() as i64, (p.y * 1e3).round() as i64);
+    let mut text = format!("axes {}", file.axes);
+    if let Ok(layout) = plan::layout(file) {
+        for module in layout.modules() {
+            let points: Vec<_> = module.points().iter().map(|p| um(*p)).collect();
+            text += &format!(
+                "\n{:?} {:?} {points:?}",
+                um(module.origin()),
+                module.active()
+            );
+        }
+    }
+    u64::from_str_radix(&short_digest(text.as_bytes()), 16).unwrap_or(0)
+}
+
+/// The records that a run leaves, begun.
+///
+/// # Errors
+/// [`Failure`] for a file of no such format, or one that cannot be written.
+pub fn journal(
+    setup: &Setup,
+    seed: u64,
+    projector: &Projector,
+    files: &[PathBuf],
+    force: bool,
+) -> Result<Journal, Failure> {
+    let with_kind = |path: &PathBuf| match kind_of(path) {
+        Some(kind) => Ok((kind, path.clone())),
+        None => Err(Failure::Input(format!(
+            "--record {}: expected a name that ends in .mcap, .csv, .jsonl, .log or .vcd",
+            path.display()
+        ))),
+    };
+    let files: Vec<_> = files.iter().map(with_kind).collect::<Result<_, _>>()?;
+    let (header, attached) = (header(setup, seed, projector)?, attachments(setup));
+    let about = About::Run(&header, &[], &attached);
+    let sinks = Sink::create_all(&files, &about, Outputs { force, inputs: &[] })?;
+    Journal::start(sinks, false)
+}
+
+/// Median, 99 % and most of something, milliseconds.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Spread {
+    /// Half are below.
+    pub median: f64,
+    /// 99 % are below.
+    pub p99: f64,
+    /// None is above.
+    pub max: f64,
+}
+
+impl Spread {
+    /// Of these, microseconds.
+    #[must_use]
+    pub fn of(mut micros: Vec<u64>) -> Option<Self> {
+        micros.sort_unstable();
+        let at = |share: f64| {
+            let rank = (share * (micros.len() - 1) as f64).round() as usize;
+            micros[rank] as f64 * 1e-3
+        };
+        (!micros.is_empty()).then(|| Self {
+            median: at(0.5),
+            p99: at(0.99),
+            max: at(1.0),
+        })
+    }
+}
+
+/// What came of a run of the wearer's end.
+#[derive(Debug, Default, Serialize)]
+pub struct Felt {
+    finger: String,
+    wearer: String,
+    session: String,
+    /// Frames that reached the loop.
+    pub held: u64,
+    /// Messages that are none, or contacts that are of another skin.
+    pub damaged: u64,
+    /// Messages that found no room.
+    overflowed: u64,
+    frames: Tally,
+    /// How old readings may have been when they arrived: an upper bound.
+    age_ms: Option<Spread>,
+    /// Of this: from the reading until it was sent, and on the network more than the fastest frame, a lower bound.
+    sensor_ms: Option<Spread>,
+    network_ms: Option<Spread>,
+    /// From the newest reading to the stimulus that it gave, and how long that lasts: projection and wire.
+    projection_ms: Option<Spread>,
+    stimulus_ms: Option<Spread>,
+    /// From one reading that was felt to the next.
+    gap_ms: Option<Spread>,
+    /// Ours minus the robot's clock, microseconds: least and most, at the end.
+    offset_us: Option<(i64, i64)>,
+    /// Stimuli that began.
+    stimuli: u64,
+    /// Times without a fresh reading.
+    pauses: Vec<Pause>,
+    length_us: u64,
+    /// When the run's clock began, CLOCK_MONOTONIC of this machine, nanoseconds.
+    epoch_ns: i64,
+    #[serde(skip)]
+    ages: Vec<u64>,
+    #[serde(skip)]
+    waits: Vec<u64>,
+    #[serde(skip)]
+    flights: Vec<u64>,
+    #[serde(skip)]
+    projections: Vec<u64>,
+    #[serde(skip)]
+    lasts: Vec<u64>,
+    #[serde(skip)]
+    gaps: Vec<u64>,
+    #[serde(skip)]
+    before: Option<Instant>,
+    #[serde(skip)]
+    newest: Option<Instant>,
+    /// When an output went low last.
+    #[serde(skip)]
+    fell_us: Option<u64>,
+    #[serde(skip)]
+    told: BTreeSet<&'static str>,
+}
+
+/// A time without a fresh reading, microseconds of the run.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Pause {
+    /// The time of the newest reading before it, as old as it may have been.
+    newest_us: u64,
+    /// When the last output went off; none where none was on since the reading.
+    off_us: Option<u64>,
+    /// The first stimulus after it.
+    back_us: Option<u64>,
+}
+
+/// A reading is fresh for so long.
+const FRESH: Duration = Duration::from_millis(100);
+
+fn keep(all: &mut Vec<u64>, one: u64) {
+    if all.len() < MOST {
+        all.push(one);
+    }
+}
+
+impl Felt {
+    /// Nothing yet.
+    #[must_use]
+    pub fn new(finger: &FingerName, wearer: &str, session: u64, epoch_ns: i64) -> Self {
+        Self {
+            epoch_ns,
+            finger: finger.to_string(),
+            wearer: wearer.into(),
+            session: format!("{session:016x}"),
+            ..Self::default()
+        }
+    }
+
+    /// A frame came through the gate.
+    pub fn arrived(&mut self, head: &Head, at: Instant, now: Instant, offset: Option<(i64, i64)>) {
+        self.offset_us = offset;
+        keep(&mut self.ages, now.since(at).as_micros());
+        keep(&mut self.waits, head.sent_us.saturating_sub(head.taken_us));
+        if let Some((_, high)) = offset {
+            let sent = i64::try_from(head.sent_us).unwrap_or(i64::MAX);
+            let here = i64::try_from(now.as_micros()).unwrap_or(i64::MAX);
+            let least = here.saturating_sub(sent.saturating_add(high));
+            keep(&mut self.flights, u64::try_from(least).unwrap_or(0));
+        }
+        if let Some(before) = self.before {
+            keep(&mut self.gaps, at.since(before).as_micros());
+        }
+        self.before = Some(at);
+    }
+
+    /// Looks at the newest reading that is felt, every turn: how old it is, and whether outputs are on.
+    pub fn look(&mut self, newest: Option<Instant>, now: Instant) {
+        self.newest = newest;
+        let Some(newest) = newest else { return };
+        let open = self.pauses.last().is_some_and(|p| p.back_us.is_none());
+        if now.since(newest) >= FRESH && !open && self.pauses.len() < MOST {
+            self.pauses.push(Pause {
+                newest_us: newest.as_micros(),
+                off_us: self.fell_us.filter(|at| *at > newest.as_micros()),
+                back_us: None,
+            });
+        }
+    }
+
+    /// Whether this was not said yet.
+    pub fn is_news(&mut self, word: &'static str) -> bool {
+        self.told.insert(word)
+    }
+
+    /// Counts what happened.
+    pub fn see(&mut self, event: &Event) {
+        match event {
+            Event::Edge {
+                t_ns, high: false, ..
+            } => {
+                self.fell_us = Some(t_ns / 1000);
+                let last = self.pauses.last_mut();
+                if let Some(pause) = last.filter(|p| p.back_us.is_none()) {
+                    pause.off_us = self.fell_us;
+                }
+            }
+            Event::Schedule(entry) => {
+                self.stimuli += 1;
+                if let Some(newest) = self.newest {
+                    keep(&mut self.projections, entry.at.since(newest).as_micros());
+                    keep(&mut self.lasts, entry.until.since(entry.at).as_micros());
+                }
+                let last = self.pauses.last_mut();
+                if let Some(pause) = last.filter(|p| p.back_us.is_none()) {
+                    pause.back_us = Some(entry.at.as_micros());
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// The run is over.
+    pub fn finish(&mut self, gate: &Gate, end: Instant, overflowed: u64) {
+        self.frames = *gate.tally();
+        self.offset_us = gate.offset(end).or(self.offset_us);
+        self.overflowed = overflowed;
+        self.length_us = end.as_micros();
+        self.age_ms = Spread::of(std::mem::take(&mut self.ages));
+        let of = |all: &mut Vec<u64>| Spread::of(std::mem::take(all));
+        self.gap_ms = of(&mut self.gaps);
+        self.sensor_ms = of(&mut self.waits);
+        self.network_ms = of(&mut self.flights);
+        self.projection_ms = of(&mut self.projections);
+        self.stimulus_ms = of(&mut self.lasts);
+    }
+
+    /// One line of it.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let age = self.age_ms.unwrap_or_default();
+        format!(
+            "{} felt by {}: {} frames, {} not felt in time, {} lost; age at most {:.1} ms (median), {:.1} ms (99 %); {} times without a fresh reading",
+            self.finger,
+            self.wearer,
+            self.held,
+            self.frames.late,
+            self.frames.lost,
+            age.median,
+            age.p99,
+            self.pauses.len(),
+        )
+    }
+}

@@ -1,0 +1,204 @@
+//! Two programs on this machine, over loopback.
+
+use std::net::TcpListener;
+use std::process::{Child, Command, Output, Stdio};
+
+use serde_json::Value;
+
+/// A port that is free.
+fn port() -> String {
+    let free = TcpListener::bind("127.0.0.1:0").unwrap();
+    format!("127.0.0.1:{}", free.local_addr().unwrap().port())
+}
+
+fn link(arguments: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_palpate-link"));
+    command
+        .args(arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    command.spawn().unwrap()
+}
+
+fn ended(child: Child) -> (Option<i32>, Value, String) {
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = child.wait_with_output().unwrap();
+    let value = serde_json::from_slice(&stdout).unwrap_or(Value::Null);
+    (
+        status.code(),
+        value,
+        String::from_utf8_lossy(&stderr).into_owned(),
+    )
+}
+
+const FINGER: [&str; 2] = ["--finger", "r1/left/index"];
+
+fn skin(port: &str, more: &[&str]) -> Child {
+    let arguments = ["skin", "sphere-along", "--json", "--listen", port];
+    link(&[&arguments, &FINGER[..], more].concat())
+}
+
+fn display(port: &str, more: &[&str]) -> Child {
+    let arguments = ["display", "sphere-along", "--json", "--connect", port];
+    link(&[&arguments, &FINGER[..], more].concat())
+}
+
+#[test]
+fn contacts_are_felt_and_the_robot_hears_of_the_wearers_end() {
+    let port = port();
+    let (skin, display) = (
+        skin(&port, &["--seconds", "6"]),
+        display(&port, &["--seconds", "4"]),
+    );
+    let (felt_status, felt, said) = ended(display);
+    let (sent_status, sent, told) = ended(skin);
+    assert_eq!(
+        (felt_status, sent_status),
+        (Some(0), Some(0)),
+        "{said}{told}"
+    );
+    assert!(felt["held"].as_u64().unwrap() > 150, "{felt}{said}");
+    assert!(felt["stimuli"].as_u64().unwrap() > 0, "{felt}{said}");
+    assert_eq!(felt["frames"]["late"], 0, "{felt}");
+    assert!(felt["age_ms"]["median"].as_f64().unwrap() < 20.0, "{felt}");
+    assert_eq!(sent["stops"][0], "wearer: its time is over", "{sent}{told}");
+    assert!(told.contains("wearer wearer feels this finger"), "{told}");
+}
+
+#[test]
+fn scans_are_compressed_by_the_wearers_machine_into_the_same_contacts() {
+    let port = port();
+    let folder = std::env::temp_dir().join(format!("palpate-link-scans-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let table = |name: &str| folder.join(name).display().to_string();
+    let (robot, wearer) = (table("robot.csv"), table("wearer.csv"));
+    let skin = skin(
+        &port,
+        &[
+            "--send",
+            "scans",
+            "--seconds",
+            "6",
+            "--record",
+            &robot,
+            "--force",
+        ],
+    );
+    let display = display(&port, &["--seconds", "4", "--record", &wearer, "--force"]);
+    let (_, felt, said) = ended(display);
+    let (_, _, told) = ended(skin);
+    assert!(felt["held"].as_u64().unwrap() > 150, "{felt}{said}{told}");
+    // Places and intensities, without the frames that one end alone counts: the wearer's are among the robot's.
+    let places = |name: &str| -> Vec<String> {
+        let text = std::fs::read_to_string(name).unwrap();
+        let rows = text.lines().skip(1).map(|line| {
+            line.split(',')
+                .skip(4)
+                .take(3)
+                .collect::<Vec<_>>()
+                .join(",")
+        });
+        rows.collect()
+    };
+    let (robot, wearer) = (places(&robot), places(&wearer));
+    assert!(wearer.len() > 100);
+    let shared = wearer.iter().filter(|row| robot.contains(row)).count();
+    assert_eq!(
+        shared,
+        wearer.len(),
+        "{:?} in {:?}",
+        &wearer[..3],
+        &robot[..3]
+    );
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn a_second_publisher_of_a_finger_is_refused_and_told() {
+    let port = port();
+    let first = skin(&port, &["--seconds", "4", "--quiet"]);
+    let wearer = display(&port, &["--seconds", "3", "--quiet"]);
+    let second = link(&[
+        "skin",
+        "sphere-along",
+        "--connect",
+        &port,
+        FINGER[0],
+        FINGER[1],
+        "--seconds",
+        "3",
+    ]);
+    let (status, _, said) = ended(second);
+    assert_eq!(status, Some(2), "{said}");
+    assert!(
+        said.contains("expected a finger that is not published")
+            || said.contains("refused by wearer"),
+        "{said}"
+    );
+    assert_eq!(ended(wearer).0, Some(0));
+    assert_eq!(ended(first).0, Some(0));
+}
+
+#[test]
+fn another_layout_is_told_on_both_ends_and_nothing_is_felt() {
+    let port = port();
+    let skin = skin(&port, &["--seconds", "4"]);
+    let arguments = [
+        "display",
+        "icub-patch-stroke",
+        "--json",
+        "--connect",
+        &port,
+        FINGER[0],
+        FINGER[1],
+    ];
+    let display = link(&[&arguments[..], &["--seconds", "2"]].concat());
+    let (_, felt, said) = ended(display);
+    let (_, _, told) = ended(skin);
+    assert_eq!(felt["held"], 0, "{felt}");
+    assert!(felt["frames"]["layout"].as_u64().unwrap() > 0, "{felt}");
+    assert!(
+        said.contains("run the same scene on both machines"),
+        "{said}"
+    );
+    assert!(
+        told.contains("run the same scene on both machines"),
+        "{told}"
+    );
+}
+
+#[test]
+fn list_says_who_publishes_and_who_feels() {
+    let port = port();
+    let (skin, display) = (
+        skin(&port, &["--seconds", "5"]),
+        display(&port, &["--seconds", "4"]),
+    );
+    // Until both have found each other a list may be empty.
+    let mut seen = String::new();
+    for _ in 0..3 {
+        let (_, listed, _) = ended(link(&["list", "--json", "--connect", &port]));
+        seen = listed.to_string();
+        let finger = &listed[0];
+        if finger["publishers"][0]["session"] == finger["wearers"][0]["feels"]
+            && finger["finger"] == "r1/left/index"
+        {
+            seen.clear();
+            break;
+        }
+    }
+    assert_eq!(seen, "");
+    ended(display);
+    ended(skin);
+}
+
+#[test]
+fn plain_text_to_another_machine_is_refused() {
+    let refused = link(&["skin", "--listen", "0.0.0.0:7450", FINGER[0], FINGER[1]]);
+    let (status, _, said) = ended(refused);
+    assert_eq!(status, Some(2));
+    assert!(said.contains("expected --keys DIR"), "{said}");
+}
