@@ -37,7 +37,8 @@ fn drive(guard: &mut Guard, at_ms: u64, wire: u16, width: u16) -> Option<(u16, B
     let _ = guard.change(at, Board(0), &[stimulus], |e| entry = Some(e));
     let entry = entry?;
     let _ = guard.expire(entry.until, Board(0));
-    (entry.width() > Ticks::ZERO).then(|| (wire, guard.booked(&entry)))
+    let booked = guard.booked([&entry].into_iter()).next()?;
+    (entry.width() > Ticks::ZERO).then_some((wire, booked))
 }
 
 proptest! {

@@ -51,18 +51,18 @@ pub enum Went {
 fn bursts(setup: &Setup, trace: &Trace) -> Result<Vec<(u16, Booked)>, Failure> {
     let projector = build(setup, 1, Levels::Off)?;
     let guard = projector.guard();
-    let wire = |board: u8, channel: u8| {
-        let mut wires = trace.header.wires.iter();
-        let place = wires.position(|w| (w.board, w.channel) == (board, channel));
-        place.and_then(|place| u16::try_from(place).ok())
-    };
     let entries = trace.events.iter().filter_map(|event| match event {
-        Event::Schedule(entry) if entry.off > entry.on => {
-            Some((wire(entry.board.0, entry.channel.0)?, guard.booked(entry)))
-        }
+        Event::Schedule(entry) if entry.off > entry.on => Some(entry),
         _ => None,
     });
-    Ok(entries.collect())
+    let mut bursts = Vec::new();
+    for (wire, own) in (0..).zip(&trace.header.wires) {
+        let of_wire = entries
+            .clone()
+            .filter(|entry| (entry.board.0, entry.channel.0) == (own.board, own.channel));
+        bursts.extend(guard.booked(of_wire).map(|booked| (wire, booked)));
+    }
+    Ok(bursts)
 }
 
 /// Where a run's contact truly went: by its strokes, or by what touched the emulated skin.

@@ -56,15 +56,15 @@ fn what_cannot_be_simulated_is_refused() {
     );
 }
 
-fn folder(name: &str) -> std::path::PathBuf {
+fn folder(name: &str) -> PathBuf {
     let path =
         std::env::temp_dir().join(format!("palpate-cli-study-{name}-{}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&path);
+    let _ = fs::remove_dir_all(&path);
     path
 }
 
 /// A short study of every kind of answer.
-fn short(path: &std::path::Path) -> String {
+fn short(path: &Path) -> String {
     let text = r#"
 name = "short"
 description = "Every task, as short as can be"
@@ -111,9 +111,9 @@ groups = "within"
 repeats = 1
 simulated = { rating = { mean = 3.0, sd = 0.5 }, noise = 0.5, difference = 1.0 }
 "#;
-    std::fs::create_dir_all(path).unwrap();
+    fs::create_dir_all(path).unwrap();
     let file = path.join("short.toml");
-    std::fs::write(&file, text).unwrap();
+    fs::write(&file, text).unwrap();
     file.display().to_string()
 }
 
@@ -172,12 +172,12 @@ fn simulated_people_go_the_whole_way_from_protocol_to_wearer() {
     assert!(off > 0.1 && off < 8.0, "{off}");
 
     kept(out);
-    std::fs::remove_dir_all(here).unwrap();
+    fs::remove_dir_all(here).unwrap();
 }
 
 /// Data as Psych-DS lays them out, what of a trial was played in the record, and the wearer's file that a run takes.
 fn kept(out: &str) {
-    let read = |name: &str| std::fs::read_to_string(format!("{out}/{name}")).unwrap();
+    let read = |name: &str| fs::read_to_string(format!("{out}/{name}")).unwrap();
     let description: Value = serde_json::from_str(&read("dataset_description.json")).unwrap();
     assert_eq!(description["@type"], "Dataset");
     let table = read("data/subject-2_study-short_data.csv");
@@ -219,7 +219,7 @@ fn kept(out: &str) {
 #[test]
 fn a_session_that_is_too_much_is_refused_with_its_arithmetic_before_anything_is_made() {
     let here = folder("dose");
-    std::fs::create_dir_all(&here).unwrap();
+    fs::create_dir_all(&here).unwrap();
     let file = here.join("long.toml");
     let text = r#"
 name = "long"
@@ -232,7 +232,7 @@ level_db = 0.0
 repeats = 1000
 simulated = { bias_mm = { mean = 0.0, sd = 1.0 }, noise_mm = 2.0, slips = 0.0 }
 "#;
-    std::fs::write(&file, text).unwrap();
+    fs::write(&file, text).unwrap();
     let out = here.join("study");
     refused_with(
         &[
@@ -252,16 +252,16 @@ simulated = { bias_mm = { mean = 0.0, sd = 1.0 }, noise_mm = 2.0, slips = 0.0 }
         ],
     );
     assert!(!out.exists());
-    std::fs::remove_dir_all(here).unwrap();
+    fs::remove_dir_all(here).unwrap();
 }
 
 #[test]
 fn what_a_bench_cannot_play_is_refused() {
     let here = folder("bench");
-    std::fs::create_dir_all(&here).unwrap();
+    fs::create_dir_all(&here).unwrap();
     let wearer = palpate_fixtures::protocol("wearer").unwrap();
     let file = here.join("w.toml");
-    std::fs::write(&file, wearer.replacen("wires = [3]", "wires = [12]", 1)).unwrap();
+    fs::write(&file, wearer.replacen("wires = [3]", "wires = [12]", 1)).unwrap();
     let out = here.join("study");
     let run = |protocol: &str, more: &[&str], expected: &[&str]| {
         let mut args = vec![
@@ -297,18 +297,18 @@ fn what_a_bench_cannot_play_is_refused() {
         &["--simulated", "an emulated bench"],
     );
     assert!(!out.exists());
-    std::fs::remove_dir_all(here).unwrap();
+    fs::remove_dir_all(here).unwrap();
 }
 
 #[test]
 fn a_new_protocol_reads_and_simulates() {
     let here = folder("new");
-    std::fs::create_dir_all(&here).unwrap();
+    fs::create_dir_all(&here).unwrap();
     let file = here.join("mine.toml");
     let path = file.to_str().unwrap();
     good(&["study", "new", "mine", "--like", "illusions", "--out", path]);
     good(&["check", path]);
     let said = good(&["study", "simulate", path, "--people", "10", "--json"]);
     assert!(said.contains("\"choice\":{"), "{said}");
-    std::fs::remove_dir_all(here).unwrap();
+    fs::remove_dir_all(here).unwrap();
 }
