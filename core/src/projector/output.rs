@@ -7,7 +7,7 @@ use alloc::vec;
 use crate::driver::{Actuators, ObservedRegisters};
 use crate::guard::Guard;
 use crate::illusion::{Calibration, Display, Drive, Illusion, Mixer, Planned, Sharing, Target};
-use crate::render::{Burst, RenderSettings, Renderer};
+use crate::render::{RenderSettings, Renderer};
 use crate::schedule::{Share, Stimulus, Timing};
 use crate::texture::Control;
 use crate::units::{Board, Duration, Instant, Ticks};
@@ -98,8 +98,7 @@ pub struct Output {
     pub(super) guard: Guard,
     /// Pulse width by wire; the same memory for every onset.
     widths: Box<[Ticks]>,
-    /// The onset that they are of, and for how long after it each wire is on at most.
-    begun: Instant,
+    /// How long each wire is on, where nothing else says.
     lengths: Box<[Duration]>,
     /// Stimuli of one board at one onset.
     stimuli: Box<[Stimulus]>,
@@ -124,8 +123,7 @@ impl Output {
             texture: None,
             renderer: (settings.render).map(|render| Renderer::new(render, &guard, n)),
             guard,
-            begun: Instant::ZERO,
-            lengths: vec![Duration::ZERO; n].into(),
+            lengths: vec![settings.timing.duration; n].into(),
             widths: vec![Ticks::ZERO; n].into(),
             stimuli: vec![blank; n].into(),
             boards,
@@ -285,9 +283,11 @@ impl Output {
                 place: dab.place,
                 weight: dab.weight,
             };
-            self.weave(onset, None); // the widths are the stroke's now
-            self.activate(onset, &[target], Some(Burst::Long(dab.duration)));
-            self.render(onset, Instant::FAR_FUTURE, outlet, observer)?;
+            if let Some(Texture::Contacts(weave)) = &mut self.texture {
+                *weave = None; // the widths are the stroke's now
+            }
+            self.activate(onset, &[target], Some(dab.duration));
+            self.render(onset, Some(onset + dab.duration), outlet, observer)?;
             observer.onset(onset, &[target]);
             return Ok(true);
         }
@@ -295,32 +295,36 @@ impl Output {
             return self.run(now, texture, outlet, observer);
         }
         if !self.is_due(now) {
-            match self.texture.as_mut().and_then(|t| t.due(now)) {
-                Some(run) => self.render(run.at, run.until, outlet, observer)?,
-                None => self.expire(now, outlet)?,
+            if let Some(Texture::Contacts(Some(weave))) = &mut self.texture
+                && let Some((at, until)) = weave.due(now)
+            {
+                self.render(at, Some(until), outlet, observer)?;
+            } else {
+                self.expire(now, outlet)?;
             }
             return Ok(false);
         }
         let onset = self.advance_grid(now);
         let turn = onset.as_micros() / self.timing.soa.as_micros();
         let targets = self.mixer.rendered(targets, turn);
-        let woven = self.weave(onset, texture);
-        self.activate(onset, targets, woven.map(|w| Burst::Woven(w.periods())));
-        if let (Some(weave), None) = (woven, &self.renderer) {
-            weave.widen(&mut self.widths, self.guard.widest());
-        }
-        let first = self.texture.as_mut().and_then(|t| t.due(onset));
-        let until = first.map_or(Instant::FAR_FUTURE, |run| run.until);
+        let woven = texture.is_some() && matches!(self.texture, Some(Texture::Contacts(_)));
+        self.activate(onset, targets, woven.then_some(self.timing.duration));
+        let until = self.weave(onset, texture);
         self.render(onset, until, outlet, observer)?;
         observer.onset(onset, targets);
         Ok(true)
     }
 
-    /// Begins a burst of which a texture that contacts carry leaves some periods.
-    fn weave(&mut self, onset: Instant, texture: Option<&Control>) -> Option<Weave> {
-        let (length, carrier) = (self.timing.duration, self.guard.prescale());
-        let begin = |t: &mut Texture| t.begin(onset, length, carrier, texture);
-        self.texture.as_mut().and_then(begin)
+    /// Thins out the burst of an onset; returns when its first pulses end.
+    fn weave(&mut self, onset: Instant, texture: Option<&Control>) -> Option<Instant> {
+        let Some(Texture::Contacts(weave)) = &mut self.texture else {
+            return None;
+        };
+        let prescale = self.guard.prescale();
+        *weave = texture.map(|c| Weave::new(onset, self.timing.duration, prescale, c));
+        let weave = weave.as_mut()?;
+        weave.widen(&mut self.widths, self.guard.widest());
+        weave.due(onset).map(|(_, until)| until)
     }
 
     /// A texture that has the display to itself: its next period, and an onset without a contact where one is due.
@@ -358,9 +362,7 @@ impl Output {
             }
         }
         if let Some((at, until)) = due {
-            self.begun = at;
-            self.lengths.fill(until.since(at));
-            self.render(at, until, outlet, observer)?;
+            self.render(at, Some(until), outlet, observer)?;
         } else {
             self.expire(now, outlet)?;
         }
@@ -380,11 +382,11 @@ impl Output {
         Ok(())
     }
 
-    /// The wires' stimuli, from `onset` until each wire's end or this one, through the guard and out.
+    /// The wires' stimuli, from an onset to an end or to each wire's own, through the guard and out.
     fn render<O: Outlet>(
         &mut self,
         onset: Instant,
-        until: Instant,
+        until: Option<Instant>,
         outlet: &mut O,
         observer: &mut impl Observer,
     ) -> Result<(), O::Error> {
@@ -449,11 +451,10 @@ impl Output {
         onset
     }
 
-    /// The pulse width of every wire and how long it is on; with `burst` another has shaped that.
-    fn activate(&mut self, onset: Instant, targets: &[Target], burst: Option<Burst>) {
-        self.begun = onset;
+    /// The pulse width of every wire and how long it is on; with `length` all are on as long.
+    fn activate(&mut self, onset: Instant, targets: &[Target], length: Option<Duration>) {
         if let Some(renderer) = &mut self.renderer {
-            let volleys = renderer.render(onset, targets, burst, &self.guard);
+            let volleys = renderer.render(onset, targets, length, &self.guard);
             let outputs = self.widths.iter_mut().zip(&mut self.lengths);
             for ((width, length), volley) in outputs.zip(volleys) {
                 (*width, *length) = (volley.width, volley.length);
@@ -464,24 +465,20 @@ impl Output {
         for (wire, (width, &a)) in self.widths.iter_mut().zip(activation).enumerate() {
             *width = self.drive.width(self.calibration.apply(wire, a));
         }
-        match burst {
-            Some(Burst::Long(length)) => self.lengths.fill(length),
-            _ => self.mixer.last(&mut self.lengths, self.timing.duration),
-        }
+        self.mixer.last(&mut self.lengths, self.timing.duration);
     }
 
     /// Stimuli of the active wires of one board; returns how many.
-    fn collect(&mut self, board: Board, onset: Instant, until: Instant) -> usize {
+    fn collect(&mut self, board: Board, onset: Instant, until: Option<Instant>) -> usize {
         let mut count = 0;
         for (index, (wire, &width)) in self.display.wires().iter().zip(&self.widths).enumerate() {
-            let until = until.min(self.begun + self.lengths[index]);
-            if wire.board != board || width.get() == 0 || until <= onset {
+            if wire.board != board || width.get() == 0 {
                 continue;
             }
             self.stimuli[count] = Stimulus {
                 wire: index as u16, // a display has at most 256 wires
                 at: onset,
-                until,
+                until: until.unwrap_or(onset + self.lengths[index]),
                 ..self.share.of(width)
             };
             count += 1;

@@ -5,7 +5,6 @@
 //! them the phantom's place stay. On both, pulses get wider by the root of how many are left out, as far as the guard
 //! allows.
 
-use crate::render::{Periods, Run};
 use crate::texture::{Control, Pulses};
 use crate::units::{Duration, Instant, Prescale, Ticks};
 
@@ -14,11 +13,14 @@ use super::texture::Carrier;
 /// Nanoseconds times millihertz in one period of f_PWM.
 const WHOLE: u64 = 1_000_000_000_000;
 
-/// A burst whose periods are played run by run.
+/// The periods of one burst that pulse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Weave {
     start: Instant,
-    periods: Periods,
+    end: Instant,
+    period_ns: u64,
+    /// A bit for each period; bursts are shorter than 50 ms, periods longer than 0.6 ms.
+    pulses: u128,
     next: u32,
 }
 
@@ -31,11 +33,10 @@ impl Weave {
         control: &Control,
     ) -> Self {
         let period_ns = carrier.period_ns();
-        // A bit for each: bursts are shorter than 50 ms, periods longer than 0.6 ms.
-        let all = (length.as_micros() * 1000).div_ceil(period_ns).min(128);
+        let periods = (length.as_micros() * 1000).div_ceil(period_ns).min(128);
         let step = (u64::from(control.rate_mhz) * period_ns).min(WHOLE);
         let (mut pulses, mut phase) = (0, WHOLE - step);
-        for period in 0..all {
+        for period in 0..periods {
             phase += step;
             if phase >= WHOLE {
                 phase -= WHOLE;
@@ -44,25 +45,24 @@ impl Weave {
         }
         Self {
             start,
-            periods: Periods::new(pulses, period_ns, length),
+            end: start + length,
+            period_ns,
+            pulses,
             next: 0,
         }
-    }
-
-    /// The periods that pulse.
-    pub(super) const fn periods(&self) -> Periods {
-        self.periods
     }
 
     /// Widths of pulses that feel as strong as an unthinned burst's: the felt amplitude grows with the width and
     /// with the root of the number of pulses. None gets wider than `widest`; all grow alike.
     pub(super) fn widen(&self, widths: &mut [Ticks], widest: Ticks) {
+        let length = self.end.since(self.start).as_micros() * 1000;
+        let all = length.div_ceil(self.period_ns) as f32;
         let most = widths.iter().copied().max().unwrap_or(Ticks::ZERO);
         if most == Ticks::ZERO {
             return;
         }
         let room = f32::from(widest.get()) / f32::from(most.get());
-        let gain = self.periods.gain().min(room);
+        let gain = libm::sqrtf(all / self.pulses.count_ones().max(1) as f32).min(room);
         if gain > 1.0 {
             for width in widths {
                 // Rounded down: the widest stays within the limit.
@@ -71,21 +71,37 @@ impl Weave {
         }
     }
 
-    /// When the next pulses begin.
-    pub(super) fn next(&self) -> Instant {
-        let run = self.periods.run(self.start, self.next);
-        run.map_or(Instant::FAR_FUTURE, |run| run.at)
+    /// When period `n` begins.
+    fn at(&self, n: u32) -> Instant {
+        let since = Duration::from_micros(u64::from(n) * self.period_ns / 1000);
+        (self.start + since).min(self.end)
     }
 
-    /// The next pulses if they are due. Those that were missed are left out.
-    pub(super) fn due(&mut self, now: Instant) -> Option<Run> {
-        while let Some(run) = self.periods.run(self.start, self.next) {
-            if run.at > now {
-                return None;
-            }
-            self.next = run.next;
-            if run.until > now {
-                return Some(run);
+    /// The first period from `n` on that pulses, or does not.
+    fn find(&self, n: u32, pulsing: bool) -> u32 {
+        let bits = if pulsing { self.pulses } else { !self.pulses };
+        n + bits.checked_shr(n).map_or(128, u128::trailing_zeros)
+    }
+
+    /// When the next pulses begin.
+    pub(super) fn next(&self) -> Instant {
+        let first = self.find(self.next, true);
+        if first < 128 {
+            self.at(first)
+        } else {
+            Instant::FAR_FUTURE
+        }
+    }
+
+    /// The next pulses if they are due: beginning and end of periods that pulse without one between that does not.
+    /// Pulses that were missed are left out.
+    pub(super) fn due(&mut self, now: Instant) -> Option<(Instant, Instant)> {
+        while self.next() <= now {
+            let first = self.find(self.next, true);
+            self.next = self.find(first, false);
+            let end = self.at(self.next);
+            if end > now {
+                return Some((self.at(first), end));
             }
         }
         None
@@ -166,29 +182,6 @@ impl Texture {
                 rested: 0,
             }),
             Carrier::Contacts => Self::Contacts(None),
-        }
-    }
-
-    /// Begins a burst of this length at `onset`: where contacts carry the texture, `control` says which periods pulse.
-    pub(super) fn begin(
-        &mut self,
-        onset: Instant,
-        length: Duration,
-        carrier: Prescale,
-        control: Option<&Control>,
-    ) -> Option<Weave> {
-        let Self::Contacts(weave) = self else {
-            return None;
-        };
-        *weave = control.map(|c| Weave::new(onset, length, carrier, c));
-        *weave
-    }
-
-    /// The next pulses of the burst if they are due.
-    pub(super) fn due(&mut self, now: Instant) -> Option<Run> {
-        match self {
-            Self::Contacts(weave) => weave.as_mut()?.due(now),
-            Self::Train(_) => None,
         }
     }
 

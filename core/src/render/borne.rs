@@ -3,10 +3,10 @@
 //! A contact asks most of the limits where it is on one wire, which then has all of its power.
 
 use crate::guard::Guard;
-use crate::units::Instant;
+use crate::units::{Instant, Ticks};
 
 use super::reserve::{PART, Reserve, SESSION};
-use super::{RenderSettings, bearable, tick_nj};
+use super::{RenderSettings, bearable};
 
 /// Parts of full amplitude that a contact on one wire can have; 1 for all of it, more for room to spare.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +29,8 @@ impl RenderSettings {
         let part = |rests: bool, uw: f32| {
             let pulses = self.pattern.pulses(self.style.taps(rests, &self.pattern));
             let length = self.pattern.lasts(pulses);
-            let tick_nj = tick_nj(guard, None, length);
-            let most = bearable(guard, &rested, 0, Instant::ZERO, (length, tick_nj));
+            let most = bearable(guard, &rested, 0, Instant::ZERO, length);
+            let tick_nj = guard.energy_nj(Ticks::new(1000), length) as f32 * 1e-3;
             let even = uw * soa_ms / tick_nj;
             let fewer = f32::from(pulses) / f32::from(self.pattern.pulses(false));
             self.response.amplitude(most.min(even)) * libm::sqrtf(fewer) / self.full

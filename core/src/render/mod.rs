@@ -4,7 +4,6 @@
 //! together: the level gives way before the place does.
 
 mod borne;
-mod burst;
 mod pattern;
 mod reached;
 mod reserve;
@@ -12,7 +11,6 @@ mod response;
 mod tracks;
 
 pub use borne::Borne;
-pub use burst::{Burst, Periods, Run};
 pub use pattern::{CADENCE, Pattern, PatternError};
 pub use reached::Reached;
 pub use response::Response;
@@ -161,26 +159,26 @@ impl Renderer {
         self.settings.response.width(self.settings.full * weight)
     }
 
-    /// What every wire gets at the onset `at` for these contacts, within what the guard leaves. With `burst` a texture or a known
-    /// stroke has shaped all bursts; else the pattern says.
+    /// What every wire gets at the onset `at` for these contacts, within what the guard leaves. With `length` all bursts are
+    /// as long, such as those of a texture or a known stroke; else the pattern says.
     pub fn render(
         &mut self,
         at: Instant,
         targets: &[Target],
-        burst: Option<Burst>,
+        length: Option<Duration>,
         guard: &Guard,
     ) -> &[Volley] {
         self.amplitudes.fill(0.0);
         self.volleys.fill(Volley::default());
         let mut scale = f32::INFINITY;
         for target in targets {
-            scale = scale.min(self.aim(at, target, burst, guard));
+            scale = scale.min(self.aim(at, target, length, guard));
         }
-        let part = self.widen(at, burst, guard);
+        let part = self.widen(at, guard);
         self.reached.add(scale * part);
         for (reserve, volley) in self.reserves.iter_mut().zip(&self.volleys) {
             if volley.width > Ticks::ZERO {
-                reserve.spend(at, booked_nj(guard, burst, volley.width, volley.length));
+                reserve.spend(at, guard.energy_nj(volley.width, volley.length));
             }
         }
         &self.volleys
@@ -188,7 +186,13 @@ impl Renderer {
 
     /// Amplitudes and pulses of one contact, scaled to what its wires bear, beside those of others. Returns the part of
     /// full level that is left to it; infinite for a contact beyond the display.
-    fn aim(&mut self, at: Instant, target: &Target, burst: Option<Burst>, guard: &Guard) -> f32 {
+    fn aim(
+        &mut self,
+        at: Instant,
+        target: &Target,
+        length: Option<Duration>,
+        guard: &Guard,
+    ) -> f32 {
         let RenderSettings {
             law,
             style,
@@ -200,35 +204,26 @@ impl Renderer {
         } = &self.settings;
         let track = self.tracks.follow(target.place, at);
         let tap = style.taps(track.rests, pattern);
-        let lasts = |pulses: u8| burst.map_or(pattern.lasts(pulses), |b| b.lasts(pulses));
         let period_ns = guard.prescale().period_ns();
-        let most = burst.map_or(pattern.pulses(tap), |b| b.pulses(period_ns));
-        if let Some(Burst::Long(_)) = burst {
-            law.activate(target.place, &mut self.one);
-            self.counts.fill(most);
-        } else {
-            law.split(target.place, most, &mut self.one, &mut self.counts);
+        let fit = length.map(|l| (l.as_micros() * 1000).div_ceil(period_ns));
+        let lasts = |pulses: u8| length.unwrap_or(pattern.lasts(pulses));
+        let most = fit.map_or(pattern.pulses(tap), |n| n.clamp(1, 255) as u8);
+        match length {
+            None => law.split(target.place, most, &mut self.one, &mut self.counts),
+            Some(_) => {
+                law.activate(target.place, &mut self.one);
+                self.counts.fill(most);
+            }
         }
-        // As much energy in fewer pulses; what a texture leaves is made wider instead.
-        let (gain, all) = match burst {
-            Some(Burst::Woven(periods)) => (periods.gain(), most),
-            _ => (1.0, pattern.pulses(false)),
-        };
-        let full = full * libm::sqrtf(f32::from(all) / f32::from(most));
+        // As much energy in fewer pulses.
+        let pulses = f32::from(pattern.pulses(false)) / f32::from(most);
+        let full = full * libm::sqrtf(pulses);
         let mut scale = f32::INFINITY;
         for (wire, (one, n)) in self.one.iter_mut().zip(&self.counts).enumerate() {
             if *one > 0.0 {
                 *one *= full * calibration.gain(wire);
-                let length = lasts(*n);
-                let reserve = &self.reserves[wire];
-                let most = bearable(
-                    guard,
-                    reserve,
-                    wire,
-                    at,
-                    (length, tick_nj(guard, burst, length)),
-                );
-                scale = scale.min(response.amplitude(most / gain) / *one);
+                let most = bearable(guard, &self.reserves[wire], wire, at, lasts(*n));
+                scale = scale.min(response.amplitude(most) / *one);
             }
         }
         let borne = scale;
@@ -263,16 +258,15 @@ impl Renderer {
 
     /// Amplitudes to widths. Where all together want more than the fingertip bears, all contacts get weaker alike: each
     /// keeps its part of the power. Returns what is left of every amplitude.
-    fn widen(&mut self, at: Instant, burst: Option<Burst>, guard: &Guard) -> f32 {
+    fn widen(&mut self, at: Instant, guard: &Guard) -> f32 {
         let bears = SLOW * guard.fingertip_nj(at) as f32;
         let mut left = 1.0;
         for _ in 0..=CORRECTIONS {
             let mut total = 0;
             for (volley, amplitude) in self.volleys.iter_mut().zip(&self.amplitudes) {
                 if *amplitude > 0.0 {
-                    let width = self.settings.response.width(*amplitude);
-                    volley.width = burst.map_or(width, |b| b.widened(width, guard.widest()));
-                    total += booked_nj(guard, burst, volley.width, volley.length);
+                    volley.width = self.settings.response.width(*amplitude);
+                    total += guard.energy_nj(volley.width, volley.length);
                 }
             }
             if total as f32 <= bears {
@@ -292,25 +286,8 @@ fn first(pattern: &Pattern) -> f32 {
     libm::sqrtf(1.0 / (1.0 - libm::expf(-soa_s / LEAK_S)))
 }
 
-/// Electrical energy, nJ, that the guard books in all for a wire that is on for so long.
-fn booked_nj(guard: &Guard, burst: Option<Burst>, width: Ticks, length: Duration) -> u64 {
-    let whole = || guard.energy_nj(width, length);
-    burst.map_or_else(whole, |b| b.energy_nj(guard, width, length))
-}
-
-/// The same for each tick of width.
-fn tick_nj(guard: &Guard, burst: Option<Burst>, length: Duration) -> f32 {
-    booked_nj(guard, burst, Ticks::new(1000), length) as f32 / 1000.0
-}
-
-/// The widest pulse, ticks, of which a wire bears a burst of this length and so many nanojoules per tick.
-fn bearable(
-    guard: &Guard,
-    reserve: &Reserve,
-    wire: usize,
-    at: Instant,
-    (length, tick_nj): (Duration, f32),
-) -> f32 {
+/// The widest pulse, ticks, of which a wire bears a burst of this length.
+fn bearable(guard: &Guard, reserve: &Reserve, wire: usize, at: Instant, length: Duration) -> f32 {
     let Some(budget) = guard.budget(wire, at, at + length) else {
         return 0.0;
     };
@@ -320,7 +297,8 @@ fn bearable(
     };
     let rows = budget.energy_nj.iter().map(part);
     let left = rows.fold(SLOW * reserve.left_nj(at), f32::min);
-    (left / tick_nj).min(f32::from(budget.widest.get()))
+    let tick = guard.energy_nj(Ticks::new(1000), length) as f32 / 1000.0;
+    (left / tick).min(f32::from(budget.widest.get()))
 }
 
 #[cfg(test)]

@@ -281,30 +281,6 @@ fn what_is_borne_at_rest_is_what_a_contact_settles_at() {
     }
 }
 
-/// A texture says which periods pulse, and strong wires leave out the last of them.
-#[test]
-fn a_texture_leaves_each_wire_its_number_of_pulses() {
-    let mut rig = Rig::new(Style::Tap);
-    let period_ns = rig.guard.prescale().period_ns();
-    let longest = Duration::from_millis(100);
-    let burst = |pulses| Some(Burst::Woven(Periods::new(pulses, period_ns, longest)));
-    let target = Target {
-        place: Point::new(0.3 * GAP, GAP),
-        weight: 1.0,
-    };
-    for (pulses, strong, weak) in [(0b111, 6, 10), (0b101, 10, 10), (0b1101, 10, 14)] {
-        rig.now += CADENCE;
-        let volleys = rig
-            .renderer
-            .render(rig.now, &[target], burst(pulses), &rig.guard);
-        let quarters =
-            |volley: &Volley| (4000 * volley.length.as_micros() + period_ns / 2) / period_ns;
-        let lengths = [2, 3].map(|n| quarters(&volleys[n]));
-        assert_eq!(lengths, [strong, weak], "{pulses:b}");
-        assert!(volleys[2].width > Ticks::ZERO && volleys[3].width > Ticks::ZERO);
-    }
-}
-
 #[test]
 fn a_latched_guard_gets_nothing() {
     let mut rig = Rig::new(Style::Smooth);

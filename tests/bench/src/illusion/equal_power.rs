@@ -67,11 +67,7 @@ struct Settled {
 }
 
 /// A contact on a wire of this bench.
-pub(super) fn setup(
-    drive: Drive,
-    wires: &str,
-    changes: &[(&str, String)],
-) -> Result<Setup, Failure> {
+fn setup(drive: Drive, wires: &str, changes: &[(&str, String)]) -> Result<Setup, Failure> {
     let mut overrides = Overrides::default();
     overrides.bench("equal power", "wire.kind", wires);
     overrides.scene("equal power", "length_s", format!("{LENGTH_S:.1}"));
