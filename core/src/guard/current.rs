@@ -28,15 +28,11 @@ pub struct CurrentControl {
 impl CurrentControl {
     /// The most that flows where this was commanded, rounded up.
     #[must_use]
-    pub const fn most(&self, commanded: Milliamps) -> Milliamps {
-        let gain = (commanded.0 as u64 * self.gain_ppm as u64).div_ceil(MILLION);
-        let sum = commanded.0 as u64 + gain + self.offset.0 as u64;
+    pub fn most(&self, commanded: Milliamps) -> Milliamps {
+        let gain = (u64::from(commanded.0) * u64::from(self.gain_ppm)).div_ceil(MILLION);
+        let sum = u64::from(commanded.0) + gain + u64::from(self.offset.0);
         // No plant bears so much: what is cut off here is refused there.
-        Milliamps(if sum > u32::MAX as u64 {
-            u32::MAX
-        } else {
-            sum as u32
-        })
+        Milliamps(u32::try_from(sum).unwrap_or(u32::MAX))
     }
 }
 
@@ -49,9 +45,13 @@ pub(super) struct Settable {
 }
 
 impl Settable {
-    /// What a wire's amplifier may be set to.
-    fn set(&self, wire: usize) -> Milliamps {
-        let confirmed = self.confirmed.get(wire).copied().flatten();
+    /// What the driver has read back last of a wire's amplifier.
+    fn confirmed(&self, wire: usize) -> Option<Milliamps> {
+        self.confirmed.get(wire).copied().flatten()
+    }
+
+    /// What an amplifier may be set to of which this is confirmed.
+    fn set(&self, confirmed: Option<Milliamps>) -> Milliamps {
         confirmed.unwrap_or(self.control.full_scale)
     }
 }
@@ -125,7 +125,7 @@ impl Guard {
         let is_off = end.is_none_or(|end| at >= end + self.plant.surplus());
         let most = match is_off {
             true => settable.control.full_scale,
-            false => settable.set(wire),
+            false => settable.set(settable.confirmed(wire)),
         };
         let reason = (s.peak > most).then_some(Reason::Current);
         Some((s.peak.min(most), reason))
@@ -133,9 +133,21 @@ impl Guard {
 
     /// The plant by which a stimulus of this current counts: with the larger of it and of what may be set.
     pub(super) fn counting(&self, wire: usize, commanded: Option<Milliamps>) -> Plant {
+        let confirmed = self.settable.as_ref().and_then(|s| s.confirmed(wire));
+        self.counting_after(confirmed, commanded)
+    }
+
+    /// The same of any wire of whose amplifier this is confirmed before.
+    pub(super) fn counting_after(
+        &self,
+        confirmed: Option<Milliamps>,
+        commanded: Option<Milliamps>,
+    ) -> Plant {
         match (&self.settable, commanded) {
             (Some(settable), Some(commanded)) => Plant {
-                peak: settable.control.most(commanded.max(settable.set(wire))),
+                peak: settable
+                    .control
+                    .most(commanded.max(settable.set(confirmed))),
                 ..self.plant
             },
             _ => self.plant,

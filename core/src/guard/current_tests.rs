@@ -89,6 +89,43 @@ fn energy_goes_with_the_square_of_the_larger_of_commanded_and_confirmed() {
 }
 
 #[test]
+fn a_channel_that_goes_off_has_no_current_to_set() {
+    let mut guard = set();
+    let s = asked(0, 50, 300, 0);
+    guard.hear(s.at);
+    let on = guard.admit(s.at, Board(0), &[s], |_| {});
+    assert_eq!(on.current(0), Some(Milliamps(300)));
+    assert_eq!([on.current(1), on.current(16)], [None; 2]);
+    let off = guard.release(s.until, Board(0));
+    assert!(off.channels()[0].is_some());
+    assert_eq!(off.current(0), None);
+}
+
+#[test]
+fn what_is_told_of_a_schedule_is_what_was_booked() {
+    let mut guard = set();
+    let currents = [495, 495, 700, 300, 300, 990];
+    let mut spent = Vec::new();
+    let entries: Vec<_> = (0..)
+        .zip(currents)
+        .map(|(n, milliamps)| {
+            let entry = admit(&mut guard, asked(0, 20, milliamps, 200_000 * n), true);
+            spent.push(booked(&guard, 0));
+            entry
+        })
+        .collect();
+    let told = |entries: &[Entry]| -> Vec<_> {
+        guard.booked(entries.iter()).map(|b| b.energy_nj).collect()
+    };
+    // Over and over: the last one's current, the full scale, is what the first one finds.
+    assert_eq!(told(&entries), spent);
+    // A stimulus without a pulse sets nothing.
+    let (mut none, next) = (entries[2], entries[3]);
+    none.off = none.on;
+    assert_eq!(told(&[next, none]), [spent[4], 0]);
+}
+
+#[test]
 fn an_all_off_leaves_no_current_confirmed() {
     let mut guard = set();
     admit(&mut guard, asked(0, 50, 300, 0), true);

@@ -4,7 +4,7 @@
 //! geometric sum. So a day of rounds is told from a few dozen of them, at the temperatures by which the guard decides.
 
 use crate::schedule::Entry;
-use crate::units::{Duration, Instant};
+use crate::units::{Duration, Instant, Ticks};
 
 use super::Guard;
 use super::decays::{Decays, RATES, Stretches, dot};
@@ -97,13 +97,26 @@ impl Round {
 }
 
 impl Guard {
-    /// How an entry of a schedule was booked.
-    pub fn booked(&self, entry: &Entry) -> Booked {
-        Booked {
-            on: entry.at,
-            off: entry.until + self.surplus(),
-            energy_nj: self.energy_nj(entry.width(), entry.until.since(entry.at)),
-        }
+    /// How the entries of one wire are booked, in order of time, where they come over and over. Of amplifiers whose current is
+    /// set, each entry that goes on confirms its own.
+    pub fn booked<'a>(
+        &self,
+        entries: impl DoubleEndedIterator<Item = &'a Entry> + Clone,
+    ) -> impl Iterator<Item = Booked> {
+        let is_on = |entry: &&Entry| entry.width() > Ticks::ZERO;
+        let mut confirmed = entries.clone().rfind(is_on).and_then(|last| last.current);
+        entries.map(move |entry| {
+            let (width, span) = (entry.width(), entry.until.since(entry.at));
+            let plant = self.counting_after(confirmed, entry.current);
+            if is_on(&entry) {
+                confirmed = entry.current;
+            }
+            Booked {
+                on: entry.at,
+                off: entry.until + self.surplus(),
+                energy_nj: plant.energy_nj(width.get(), span),
+            }
+        })
     }
 
     /// How long a session from rest may last in which a wire has these bursts again every `period`, in order of time:

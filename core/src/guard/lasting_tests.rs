@@ -48,7 +48,7 @@ fn drive(guard: &mut Guard, bursts: Bursts<'_>, period_ms: u64) -> (alloc::vec::
             }
             assert_eq!(entry.reason, None, "another row at {at:?}");
             if round == 0 {
-                first.push(guard.booked(&entry));
+                first.extend(guard.booked([&entry].into_iter()));
             }
             let _ = guard.expire(entry.until, Board(0));
         }

@@ -265,7 +265,7 @@ impl Recorder {
         let shortest = self.warmed.iter().fold(DAY, |most, wire| {
             let own = self.first.iter();
             let own = own.filter(|e| (e.board.0, e.channel.0) == *wire);
-            let bursts: Vec<_> = own.map(|entry| guard.booked(entry)).collect();
+            let bursts: Vec<_> = guard.booked(own).collect();
             let lasts = guard.lasts(&bursts, end.since(Instant::ZERO), most);
             lasts.unwrap_or(most)
         });

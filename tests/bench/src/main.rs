@@ -41,7 +41,7 @@ use findings::{Findings, Row};
 type Measure = fn() -> Result<Findings, Failure>;
 
 /// Every family as the command line spells it, in the order of the page, with what it measures.
-const FAMILIES: [(&str, &[Measure]); 10] = [
+const FAMILIES: [(&str, &[Measure]); 11] = [
     ("physics", &[physics::measure]),
     ("perceiver", &[perceiver::measure]),
     ("emulators", &[emulators::measure]),
@@ -55,6 +55,7 @@ const FAMILIES: [(&str, &[Measure]); 10] = [
             illusion::equal_power::measure,
         ],
     ),
+    ("patterns", &[illusion::patterns::measure]),
     ("render", &[render::measure]),
     ("loop", &[projection::measure]),
     ("unit", &[unit::measure]),

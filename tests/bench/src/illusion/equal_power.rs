@@ -67,7 +67,11 @@ struct Settled {
 }
 
 /// A contact on a wire of this bench.
-fn setup(drive: Drive, wires: &str, changes: &[(&str, String)]) -> Result<Setup, Failure> {
+pub(super) fn setup(
+    drive: Drive,
+    wires: &str,
+    changes: &[(&str, String)],
+) -> Result<Setup, Failure> {
     let mut overrides = Overrides::default();
     overrides.bench("equal power", "wire.kind", wires);
     overrides.scene("equal power", "length_s", format!("{LENGTH_S:.1}"));
