@@ -298,6 +298,9 @@ fn shipped_goldens_read_back_and_are_no_longer_than_they_may() {
         assert!(text.lines().count() <= LINES + 3, "{}", path.display());
         seen += 1;
     }
-    // Two per scene, a surface, and the four displays of the hand.
-    assert_eq!(seen, palpate_fixtures::scene_names().count() * 2 + 1 + 4);
+    // Two per scene, a surface, and the four displays of a hand that grasps and of one that rubs.
+    assert_eq!(
+        seen,
+        palpate_fixtures::scene_names().count() * 2 + 1 + 2 * 4
+    );
 }

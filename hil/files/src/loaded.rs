@@ -7,6 +7,7 @@ use super::bench::Bench;
 use super::error::FileError;
 use super::layout::LayoutFile;
 use super::limits::LimitTable;
+use super::overrides::Overrides;
 use super::person::PersonFile;
 use super::protocol::Protocol;
 use super::resolve::{FileKind, resolve, resolve_from};
@@ -22,6 +23,30 @@ pub struct Loaded<T> {
     pub value: T,
     /// Where it says so.
     pub source: Source,
+}
+
+impl Loaded<Scene> {
+    /// The scene read again with these changes.
+    ///
+    /// # Errors
+    /// Names the option and key of what cannot be.
+    pub fn with(self, overrides: &Overrides) -> Result<Self, FileError> {
+        let source = self.source.with(overrides.of_scene(&self.value));
+        let value = Scene::read(&source)?;
+        Ok(Self { value, source })
+    }
+}
+
+impl Loaded<Bench> {
+    /// The bench read again with these changes.
+    ///
+    /// # Errors
+    /// Names the option and key of what cannot be.
+    pub fn with(self, overrides: &Overrides) -> Result<Self, FileError> {
+        let source = self.source.with(overrides.of_bench());
+        let value = Bench::read(&source)?;
+        Ok(Self { value, source })
+    }
 }
 
 /// How a kind of file is read.

@@ -2,12 +2,9 @@
 
 use std::fmt::Display;
 
-use super::bench::Bench;
 use super::change::Change;
 use super::error::FileError;
-use super::loaded::Loaded;
 use super::scene::Scene;
-use super::setup::Setup;
 
 /// Changes to a scene and a bench, key by key. The last change of a key counts.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -45,8 +42,13 @@ impl Overrides {
         Ok(())
     }
 
+    /// The bench's changes.
+    pub(super) fn of_bench(&self) -> Vec<Change> {
+        self.bench.clone()
+    }
+
     /// The scene's changes, behind what they make meaningless in a file.
-    fn of_scene(&self, file: &Scene) -> Vec<Change> {
+    pub(super) fn of_scene(&self, file: &Scene) -> Vec<Change> {
         let last = |key: &str| self.scene.iter().rfind(|change| change.key == key);
         let mut dropped = Vec::new();
         let name = file.illusion.model.name();
@@ -78,39 +80,5 @@ fn change(by: &str, key: &str, value: Option<String>) -> Change {
         by: by.into(),
         key: key.into(),
         value,
-    }
-}
-
-impl Loaded<Scene> {
-    /// The scene read again with these changes.
-    ///
-    /// # Errors
-    /// Names the option and key of what cannot be.
-    pub fn with(self, overrides: &Overrides) -> Result<Self, FileError> {
-        let source = self.source.with(overrides.of_scene(&self.value));
-        let value = Scene::read(&source)?;
-        Ok(Self { value, source })
-    }
-}
-
-impl Loaded<Bench> {
-    /// The bench read again with these changes.
-    ///
-    /// # Errors
-    /// Names the option and key of what cannot be.
-    pub fn with(self, overrides: &Overrides) -> Result<Self, FileError> {
-        let source = self.source.with(overrides.bench.clone());
-        let value = Bench::read(&source)?;
-        Ok(Self { value, source })
-    }
-}
-
-impl Setup {
-    /// The same scene and bench with these changes.
-    ///
-    /// # Errors
-    /// Names the option and key of what cannot be, or does not fit together.
-    pub fn with(self, overrides: &Overrides) -> Result<Self, FileError> {
-        Self::join(self.scene.with(overrides)?, self.bench.with(overrides)?)
     }
 }

@@ -11,6 +11,7 @@ use super::layout::{DisplayLayout, LayoutFile, SensorLayout};
 use super::limits::LimitTable;
 use super::loaded::{Loaded, load_bench, load_scene};
 use super::near::did_you_mean;
+use super::overrides::Overrides;
 use super::person::{PersonFile, Wearer};
 use super::resolve::FileKind;
 use super::scene::Scene;
@@ -68,6 +69,14 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// The same scene and bench with these changes.
+    ///
+    /// # Errors
+    /// Names the option and key of what cannot be, or does not fit together.
+    pub fn with(self, overrides: &Overrides) -> Result<Self, FileError> {
+        Self::join(self.scene.with(overrides)?, self.bench.with(overrides)?)
+    }
+
     /// Reads a scene and a bench by name or path, and all they refer to.
     ///
     /// # Errors
