@@ -103,7 +103,12 @@ fn contacts_of_another_loop_are_carried_on_felt_and_grow_old() {
     // Its age counts from the reading.
     let guard = projector.guard();
     assert_eq!(guard.heard(), Some(at(190)));
-    assert!(!guard.is_stale(at(289)) && guard.is_stale(at(290)));
+    // Switching takes time: the guard stops so early that the outputs are off after 100 ms, and waits for half of them.
+    let stops = (190..=290).find(|ms| guard.is_stale(at(*ms)));
+    assert!(
+        stops.is_some_and(|ms| (240..290).contains(&ms)),
+        "{stops:?}"
+    );
 }
 
 #[test]
