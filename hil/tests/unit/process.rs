@@ -286,7 +286,7 @@ fn a_unit_with_currents_and_a_module_is_driven_over_udp() {
     let address = unit.address.to_string();
     let run = |bench: &str| {
         let on = ["--unit", &address, "--key", "unit.key", "--bench", bench];
-        let scene = ["run", "warm-materials", "--json", "--quiet"];
+        let scene = ["run", "warm-materials", "--json"];
         // Three seconds of metal.
         let short = ["length_s=4", "touches[0].end_s=4", "materials[0].end_s=3.9"];
         let mut command = hil(&unit.folder);
