@@ -81,7 +81,10 @@ fn strokes(setup: &Setup, display: &Display, timing: Timing) -> Result<Box<[Plan
             length: Duration::from_micros(micros(file.length_s)),
         };
         let weight = file.weight as f32;
-        if file.from_mm == file.to_mm {
+        // A stroke that goes nowhere, as it is written: any other has a way to go.
+        #[allow(clippy::float_cmp)]
+        let stays = file.from_mm == file.to_mm;
+        if stays {
             let each = (timing.duration, timing.soa);
             let stays = Planned::staying(start, stroke.from, stroke.length, each);
             return Ok(stays.weighted(weight));

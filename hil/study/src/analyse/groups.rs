@@ -159,6 +159,7 @@ pub fn sign_test(yes: u64, all: u64) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // these are exact
 mod tests {
     use super::*;
 
