@@ -90,25 +90,27 @@ def quiet():
 
 
 def cuts():
-    """A port is taken off the bridge: for 5 s, for 0.6 s, for 0.3 s."""
-    with Lab() as lab:
-        robot, wearer = skin(lab, 16), display(lab, 15)
-        time.sleep(3)
-        made = []
-        for length in (5.0, 0.6, 0.3):
-            begun = time.monotonic()
-            lab.unplug("robot")
-            time.sleep(length)
-            lab.plug("robot")
-            made.append((begun, time.monotonic()))
-            time.sleep(1.6)
-        felt, said = result(wearer)
-        result(robot)
-        print("  frames", felt["frames"])
-        for (begun, ended), (off, back) in zip(made, pauses(felt, made)):
-            print(f"  cut of {ended - begun:.2f} s: off {off} ms after the newest reading, back {back} ms after healing")
-            check(off is not None and off <= 103, f"off after {off} ms: {felt}")
-            check(back is not None and back <= 500, f"back after {back} ms: {felt}")
+    """A port is taken off the bridge: for 5 s; for 0.6 s and for 0.3 s."""
+    # The scene lasts for 10 s: a cut heals while something is touched.
+    for lengths in ((5.0,), (0.6, 0.3)):
+        with Lab() as lab:
+            robot, wearer = skin(lab, 11), display(lab, 10)
+            time.sleep(3)
+            made = []
+            for length in lengths:
+                begun = time.monotonic()
+                lab.unplug("robot")
+                time.sleep(length)
+                lab.plug("robot")
+                made.append((begun, time.monotonic()))
+                time.sleep(1.6)
+            felt, said = result(wearer)
+            result(robot)
+            print("  frames", felt["frames"])
+            for (begun, ended), (off, back) in zip(made, pauses(felt, made)):
+                print(f"  cut of {ended - begun:.2f} s: off {off} ms after the newest reading, back {back} ms after healing")
+                check(off is not None and off <= 103, f"off after {off} ms: {felt}")
+                check(back is not None and back <= 500, f"back after {back} ms: {felt}")
 
 
 def weather():
@@ -133,7 +135,7 @@ def weather():
 
 
 def router():
-    """Both connect to a relay, which is killed and started again."""
+    """Both find each other through a relay, which is killed: they need it no more."""
     relay = ["relay", "--listen", f"{HUB}:{PORT}", "--plain"]
     at = ["--connect", f"{HUB}:{PORT}", "--plain"]
     with Lab() as lab:
@@ -141,18 +143,12 @@ def router():
         time.sleep(0.5)
         robot, wearer = skin(lab, 10, at=at), display(lab, 9, at=at)
         time.sleep(4)
-        begun = time.monotonic()
         first.kill()
         first.wait()
-        time.sleep(1)
-        lab.start("hub", PROGRAM, *relay, **QUIET)
-        ended = time.monotonic()
         felt, said = result(wearer)
         _, told = result(robot)
-        (off, back), = pauses(felt, [(begun, ended)])
-        print(f"  relay killed: off {off} ms after the newest reading; back {back} ms after it was started; {felt['held']} felt")
-        check(felt["held"] > 300 and off is not None and off <= 103, f"{felt}{said}{told}")
-        check(back is not None and back <= 1500, f"back after {back} ms")
+        print(f"  relay killed: {felt['held']} felt, {len(felt['pauses'])} pauses")
+        check(felt["held"] > 700 and not felt["pauses"], f"{felt}{said}{told}")
 
 
 def keys(folder, *words):

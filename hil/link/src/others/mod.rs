@@ -1,4 +1,4 @@
-//! Programs beside the two ends: what passes on, lists, records, joins, and makes keys.
+//! Programs beside the two ends: what introduces, lists, records, joins, and makes keys.
 
 pub mod keys;
 pub mod list;

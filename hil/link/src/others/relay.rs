@@ -1,4 +1,4 @@
-//! `palpate-link relay`: passes on what others say, and holds them to the access list.
+//! `palpate-link relay`: a place where ends find each other; they are held to the access list.
 
 use std::time::Duration;
 
@@ -36,7 +36,7 @@ pub fn run(args: &RelayArgs) -> Result<(), Failure> {
     let net = net::open(&args.at.at(), Mode::Router).map_err(failed)?;
     let name = net.name.clone().unwrap_or_else(|| "relay".into());
     let _answers = net.answer_who_may_publish(&name).map_err(failed)?;
-    note("relay: passing on");
+    note("relay: ends find each other here");
     wait(&signals, args.seconds);
     Ok(())
 }
