@@ -25,7 +25,7 @@ pub enum Command {
     Skin(SkinArgs),
     /// Render on a bench's outputs what comes of a finger.
     Display(DisplayArgs),
-    /// Pass on what others say, for more than a few machines.
+    /// Let ends find each other; they then connect directly.
     Relay(RelayArgs),
     /// Say who publishes and who feels what.
     List(ListArgs),
