@@ -144,16 +144,15 @@ pub fn frames(weather: Weather, cuts: Vec<(u64, u64)>, length_us: u64, seed: u64
         } else if now == next_beat {
             next_beat += beat(&gate, now);
             world.send(now, weather.back_us, &Message::Beat(now));
-        } else if let Some((now, message)) = world.take(now) {
-            if let Some((head, (), taken)) = deliver(&mut world, &mut gate, now, message)
-                && let Ok(at) = gate.judge(&head, Instant::from_micros(now))
-            {
-                passed.push(Passed {
-                    taken,
-                    at: at.as_micros(),
-                    now,
-                });
-            }
+        } else if let Some((now, message)) = world.take(now)
+            && let Some((head, (), taken)) = deliver(&mut world, &mut gate, now, message)
+            && let Ok(at) = gate.judge(&head, Instant::from_micros(now))
+        {
+            passed.push(Passed {
+                taken,
+                at: at.as_micros(),
+                now,
+            });
         }
     }
 }
