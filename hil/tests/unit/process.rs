@@ -280,20 +280,36 @@ fn a_stop_in_the_page_over_a_unit_switches_off_and_stays_until_it_is_cleared() {
     assert_eq!(seen(&told).high, 0);
 }
 
+/// Three seconds of metal.
+const METAL: &str = r#"
+name = "metal"
+description = "A sphere of metal rolls"
+length_s = 4.0
+generation = "2021"
+threshold = "maximum"
+
+[[touches]]
+start_s = 0.8
+end_s = 4.0
+path = { kind = "line", points_mm = [[0.0, -7.05], [0.0, 7.05]], period_s = 4.0 }
+force_n = { mean = 0.7, amplitude = 0.3, period_s = 2.7 }
+
+[[materials]]
+start_s = 1.0
+end_s = 3.9
+material = "metal"
+"#;
+
 #[test]
 fn a_unit_with_currents_and_a_module_is_driven_over_udp() {
     let unit = Process::on(&["--bench", "unit-whole"]);
     let address = unit.address.to_string();
+    std::fs::write(unit.folder.0.join("metal.toml"), METAL).unwrap();
     let run = |bench: &str| {
         let on = ["--unit", &address, "--key", "unit.key", "--bench", bench];
-        let scene = ["run", "warm-materials", "--json"];
-        // Three seconds of metal.
-        let short = ["length_s=4", "touches[0].end_s=4", "materials[0].end_s=3.9"];
+        let scene = ["run", "metal.toml", "--json"];
         let mut command = hil(&unit.folder);
         command.args(scene).args(on);
-        for change in short.iter().chain(&["materials[0].material=metal"]) {
-            command.args(["--set", change]);
-        }
         let done = command.output().unwrap();
         let text = String::from_utf8(done.stderr).unwrap();
         (done.status.code().unwrap(), done.stdout, text)
@@ -303,7 +319,8 @@ fn a_unit_with_currents_and_a_module_is_driven_over_udp() {
     let summary: Value = serde_json::from_slice(&summary).unwrap();
     let (heat, driven) = (&summary["heat"], &summary["unit"]);
     let coldest = heat["coldest_face_c"].as_f64().unwrap();
-    assert!((22.5..26.0).contains(&coldest), "{heat}");
+    // The same scene in virtual time, on `unit-whole` and on `warm`: 26.3 C.
+    assert!((25.8..26.8).contains(&coldest), "{heat}");
     assert!(heat["turns"].as_u64().unwrap() > 100, "{heat}");
     assert_eq!(heat["stops"], 0, "{heat}");
     assert!(driven["begun"].as_u64().unwrap() > 20, "{driven}");
