@@ -61,7 +61,6 @@ pub fn drive(illusion: &palpate_files::Illusion) -> Drive {
 }
 
 /// A scene's strokes, planned for a display.
-#[allow(clippy::float_cmp)] // a stroke stays where both ends are written alike
 fn strokes(setup: &Setup, display: &Display, timing: Timing) -> Result<Box<[Planned]>, Failure> {
     let scene = &setup.scene;
     // What other displays' transfers may take of a burst, the guard counts as time on.
