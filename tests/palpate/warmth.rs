@@ -52,20 +52,25 @@ fn sphere(more: &str) -> Result<Outcome, String> {
 
 const METAL: &str = "[[materials]]\nstart_s = 1.0\nmaterial = \"metal\"\n";
 
-#[test]
-fn a_material_is_felt_where_skin_and_it_meet() {
-    let outcome = shipped("warm-materials");
+/// Each material of `warm-materials` brings the face to where skin and it meet, within every limit.
+fn meets_each_material(outcome: &Outcome) {
     let felt = [(3.9, 31.9), (7.9, 31.0), (11.9, 27.6), (15.9, 23.5)];
     for (t_s, celsius) in felt {
-        let face_c = face_at(&outcome, t_s);
+        let face_c = face_at(outcome, t_s);
         assert!(
             (face_c - celsius).abs() < 0.5,
             "{t_s} s: {face_c}, expected {celsius}"
         );
     }
-    assert!(face_at(&outcome, 21.9) > 35.0);
+    assert!(face_at(outcome, 21.9) > 35.0);
     let over = outcome.trace.ledger.margins.iter().filter(|m| m.over());
     assert_eq!(over.count(), 0, "{:?}", outcome.trace.ledger.margins);
+}
+
+#[test]
+fn a_material_is_felt_where_skin_and_it_meet() {
+    let outcome = shipped("warm-materials");
+    meets_each_material(&outcome);
     let heat = outcome.summary.heat.unwrap();
     assert!(
         heat.error_k.unwrap() < 0.3 && heat.stops == 0 && !heat.thermostat,
@@ -155,17 +160,7 @@ fn on_unit(more: &str) -> Outcome {
 #[test]
 fn a_driver_unit_regulates_its_module_within_the_same_limits() {
     let outcome = on_unit("");
-    let felt = [(3.9, 31.9), (7.9, 31.0), (11.9, 27.6), (15.9, 23.5)];
-    for (t_s, celsius) in felt {
-        let face_c = face_at(&outcome, t_s);
-        assert!(
-            (face_c - celsius).abs() < 0.5,
-            "{t_s} s: {face_c}, expected {celsius}"
-        );
-    }
-    assert!(face_at(&outcome, 21.9) > 35.0);
-    let over = outcome.trace.ledger.margins.iter().filter(|m| m.over());
-    assert_eq!(over.count(), 0, "{:?}", outcome.trace.ledger.margins);
+    meets_each_material(&outcome);
     let heat = outcome.summary.heat.unwrap();
     assert!(
         heat.error_k.unwrap() < 0.5 && heat.stops == 0 && !heat.thermostat,

@@ -26,7 +26,7 @@ const FIRST: Duration = Duration::from_millis(1500);
 pub enum Mode {
     /// Speaks with those that it is connected to.
     Peer,
-    /// Passes on what others say.
+    /// Introduces sessions that connect to it to each other.
     Router,
 }
 
