@@ -29,7 +29,7 @@ fn heard(input: impl Fn(usize) -> f32) -> [f64; 2] {
 
 #[test]
 fn a_ripple_is_heard_and_a_load_is_not() {
-    let ripple = |t: usize| if t % 2 == 0 { 0.3 } else { -0.3 };
+    let ripple = |t: usize| if t.is_multiple_of(2) { 0.3 } else { -0.3 };
     let [fast, size] = heard(ripple);
     let [fast_load, size_load] = heard(|_| 0.3);
     assert!(fast > 10.0 * fast_load, "{fast} {fast_load}");
