@@ -56,8 +56,8 @@ repeats = 1
 simulated = { rating = { mean = 3.0, sd = 0.5 }, noise = 0.5, difference = 0.0 }
 `);
 
-async function run(participant, ...more) {
-  const process = spawn(hil, ["study", "run", file, "--participant", participant, "--out", out, "--at", "0", ...more], { stdio: ["ignore", "pipe", "pipe"] });
+async function run(participant, { protocol = file, folder = out, more = [] } = {}) {
+  const process = spawn(hil, ["study", "run", protocol, "--participant", participant, "--out", folder, "--at", "0", ...more], { stdio: ["ignore", "pipe", "pipe"] });
   let told = "";
   const ended = new Promise(done => process.on("exit", (code, signal) => done({ code, signal, told })));
   const base = await new Promise((done, failed) => {
@@ -125,10 +125,13 @@ const record = number => readFileSync(join(out, "records", `participant-${number
   await page.tap('text="Go on"');
   await on(page, "place");
   await page.touchscreen.tap(box.x + 0.5 * box.width, box.y + 0.2 * box.height);
+  const before = other.heard.length;
   await page.tap('text="Done"');
 
   // A stroke at 120 Hz: every point that the pen gave is in the record.
   await on(page, "path");
+  const limits = other.heard.slice(before).map(text => JSON.parse(text).shows.rows?.find(([row]) => row === "omega")[1]);
+  assert(new Set(limits).size > 5, `the experimenter saw the dose only as ${limits} while a stimulus was played`);
   const drawn = await page.evaluate(async () => {
     const canvas = document.querySelector("canvas"), box = canvas.getBoundingClientRect();
     const at = part => ({ clientX: box.left + box.width * 0.5, clientY: box.top + box.height * (0.9 - 0.8 * part), pointerId: 7, pointerType: "pen", isPrimary: true, bubbles: true });
@@ -232,7 +235,7 @@ const record = number => readFileSync(join(out, "records", `participant-${number
   await session.ended;
   await close();
 
-  session = await run("2", "--resume");
+  session = await run("2", { more: ["--resume"] });
   ({ page, close } = await open(session.base, { width: 390, height: 844, touch: false }));
   const other = await open(`${session.base}experimenter`, { touch: false });
   await on(page, "begin");
@@ -306,6 +309,49 @@ const record = number => readFileSync(join(out, "records", `participant-${number
   const off = Number(/off (\d+) ms/.exec(said)[1]);
   assert(off <= 100, said);
   console.log(`study: STOP ok; outputs off after ${off} ms, the page said so after ${ms.toFixed(0)} ms`);
+}
+
+// A simulated person in front of the page: what is played they have from the experimenter's page, what they feel of it from a
+// threshold and a psychometric function of their own. Their threshold comes back.
+{
+  const truth = -14, seated = join(here, "seated");
+  writeFileSync(join(here, "seated.toml"), `
+name = "seated"
+description = "One wire's threshold"
+pause_s = 0.1
+stimulus_s = 0.2
+[absolute_threshold]
+wires = [0]
+method = "quest-plus"
+trials = 20
+simulated = { threshold_db = { mean = ${truth}.0, sd = 3.3 }, wire_sd_db = 2.0, slope = { mean = 3.5, sd = 0.5 }, lapse = 0.02 }
+`);
+  const { base, ended } = await run("1", { protocol: join(here, "seated.toml"), folder: seated });
+  const { page, close } = await open(base, { touch: false });
+  const other = await open(`${base}experimenter`, { touch: false });
+  await on(page, "begin");
+  await page.keyboard.press(" ");
+  let seed = 7;
+  const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647;
+  let asked = 0, shown = "";
+  for (;;) {
+    shown = await (await page.waitForFunction(() => ["interval", "done"].includes(globalThis.shown) && globalThis.shown)).jsonValue();
+    if (shown === "done") break;
+    const [, intervals] = /: (.*)$/.exec(await other.page.evaluate(() => view.trial));
+    const right = /^nothing/.test(intervals) ? 2 : 1, level = Number(/at (\S+) dB/.exec(intervals)[1]);
+    const feels = 1 - 0.02 - 0.48 * Math.exp(-(10 ** ((3.5 * (level - truth)) / 20)));
+    await page.keyboard.press(String(random() < feels ? right : 3 - right));
+    await page.waitForFunction(() => globalThis.shown !== "interval");
+    asked += 1;
+  }
+  await close();
+  await other.close();
+  assert.equal((await ended).code, 0);
+  assert.equal(asked, 20);
+  const found = JSON.parse(execFileSync(hil, ["study", "analyse", seated, "--json"], { encoding: "utf8" }));
+  const { value, low, high } = found.participants[0].thresholds[0].estimate;
+  assert(low <= truth && truth <= high && high - low < 14, `${value} dB [${low}, ${high}] of ${truth} dB`);
+  console.log(`study: a simulated person on the page ok; ${truth} dB came back as ${value.toFixed(1)} dB [${low.toFixed(1)}, ${high.toFixed(1)}]`);
 }
 
 const analysis = JSON.parse(execFileSync(hil, ["study", "analyse", out, "--json"], { encoding: "utf8" }));

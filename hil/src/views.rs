@@ -1,12 +1,10 @@
 //! What looks on at a run: a terminal (`--watch`), pages (`--serve`), a study that can stop it, or nothing.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-
+use palpate_core::units::{Duration, Instant};
 use palpate_run::{Beginning, Failure, TurnView};
 
 use crate::output::note;
-use crate::serve::{Live, LiveRun};
+use crate::serve::{Desk, Live, LiveRun};
 use crate::watch::Watch;
 
 /// What those who look on want of a run.
@@ -17,6 +15,9 @@ pub enum Wish {
     /// STOP: that everything is off and stays off, where something keeps it so.
     Stop,
 }
+
+/// How often an experimenter sees the limits anew.
+const LIMITS_EVERY: Duration = Duration::from_millis(250);
 
 /// What a stop by a page is called where it is kept.
 pub const STOPPED_BY_PAGE: &str = "STOP on a page";
@@ -38,7 +39,9 @@ pub struct Views {
     /// Whether a terminal was looked for.
     sought: bool,
     live: Option<LiveRun>,
-    stop: Option<Arc<AtomicBool>>,
+    desk: Option<Desk>,
+    /// When the experimenter sees the limits next.
+    limits: Instant,
 }
 
 /// Which views are wanted.
@@ -48,14 +51,14 @@ pub struct Wanted<'a> {
     pub watch: bool,
     /// In pages.
     pub live: Option<&'a Live>,
-    /// Where a STOP is noted that comes from elsewhere.
-    pub stop: Option<&'a Arc<AtomicBool>>,
+    /// On the pages of a study, of which each may stop it.
+    pub desk: Option<&'a Desk>,
 }
 
 impl Wanted<'_> {
     /// Whether any is.
     pub const fn any(self) -> bool {
-        self.watch || self.live.is_some() || self.stop.is_some()
+        self.watch || self.live.is_some() || self.desk.is_some()
     }
 }
 
@@ -78,23 +81,27 @@ impl Views {
         if let Some(live) = &mut self.live {
             live.add(run);
         }
-        self.stop = wanted.stop.map(Arc::clone);
+        self.desk = wanted.desk.cloned();
         Ok(())
     }
 
     /// Whether something looks on.
     pub const fn are_open(&self) -> bool {
-        self.watch.is_some() || self.live.is_some() || self.stop.is_some()
+        self.watch.is_some() || self.live.is_some() || self.desk.is_some()
     }
 
     /// Shows a turn, and returns what is wanted.
     pub fn turn(&mut self, seen: &TurnView<'_>) -> Option<Wish> {
-        if self
-            .stop
-            .as_ref()
-            .is_some_and(|stop| stop.load(Ordering::Relaxed))
-        {
-            return Some(Wish::Stop);
+        if let Some(desk) = &self.desk {
+            if desk.is_stopped() {
+                return Some(Wish::Stop);
+            }
+            if seen.now >= self.limits
+                && let Some(used) = (seen.state)(false).used
+            {
+                self.limits = seen.now + LIMITS_EVERY;
+                desk.limits(&used);
+            }
         }
         if let Some(live) = &mut self.live {
             if live.is_stopped() {

@@ -56,6 +56,9 @@ pub struct AnalyseArgs {
     /// The study's folder.
     #[arg(value_name = "DIR")]
     pub dir: PathBuf,
+    /// Another study's folder: what both rated is compared, such as surfaces under the finger and on the wires.
+    #[arg(long, value_name = "DIR")]
+    pub beside: Option<PathBuf>,
     /// Print the analysis as JSON in place of text.
     #[arg(long)]
     pub json: bool,

@@ -87,7 +87,7 @@ pub fn run(args: &RunArgs, color: Color) -> Result<(), Failure> {
     let views = Wanted {
         watch: args.watch,
         live: live.as_ref(),
-        stop: None,
+        desk: None,
     };
     let ran = if is_real {
         on_hardware(args, &setup, &reading, (views, &growing))

@@ -1,13 +1,14 @@
 //! `hil study`: studies with people.
 
 use std::io::{self, Write};
+use std::path::Path;
 use std::time::Duration;
 
 use palpate_core::guard::Earlier;
 use palpate_files::{BenchKind, Loaded, Protocol, load_protocol};
 use palpate_records::digest::short_digest;
 use palpate_run::Failure;
-use palpate_study::{About, Analysis, Line, Noted, Person, Session, VERSION, analyse};
+use palpate_study::{About, Analysis, Line, Noted, Person, Record, Session, VERSION, analyse};
 
 use super::devices::bench;
 use super::new;
@@ -75,8 +76,7 @@ fn run(args: &StudyRunArgs) -> Result<(), Failure> {
         true => None,
         false => Some(Desk::open(args.at)?),
     };
-    let stop = desk.as_ref().map(Desk::stop);
-    let mut player = Player::new(stimuli, args.on.seed, stop);
+    let mut player = Player::new(stimuli, args.on.seed, desk.clone());
     let now_unix_ms = clock::unix_us() / 1000;
     let began_unix_ms = match &writing.record {
         None => {
@@ -187,7 +187,7 @@ fn about(
 fn resume(
     session: &mut Session,
     player: &mut Player,
-    record: &palpate_study::Record,
+    record: &Record,
     protocol: Protocol,
 ) -> Result<(), Failure> {
     let resumed = record.resumed(protocol);
@@ -199,17 +199,38 @@ fn resume(
     Ok(())
 }
 
-fn analysed(args: &AnalyseArgs) -> Result<(), Failure> {
-    let (folder, protocol) = Folder::open(&args.dir)?;
-    let records = folder.records()?;
+/// What a folder's records say.
+fn answered(dir: &Path, protocol: &Protocol, records: &[Record]) -> Result<Analysis, Failure> {
     if records.is_empty() {
         return Err(Failure::Input(format!(
             "{}: expected a participant's record, found none",
-            args.dir.display()
+            dir.display()
         )));
     }
-    let analysis = analyse(&protocol, &records)
-        .map_err(|e| Failure::Input(format!("{}: {e}", args.dir.display())))?;
+    analyse(protocol, records).map_err(|e| Failure::Input(format!("{}: {e}", dir.display())))
+}
+
+fn analysed(args: &AnalyseArgs) -> Result<(), Failure> {
+    let (folder, protocol) = Folder::open(&args.dir)?;
+    let records = folder.records()?;
+    let mut analysis = answered(&args.dir, &protocol, &records)?;
+    if let Some(other) = &args.beside {
+        let (folder, their) = Folder::open(other)?;
+        let found = answered(other, &their, &folder.records()?)?;
+        // Two studies of one protocol are told apart by their folders.
+        let dirs = [other, &args.dir].map(|dir| dir.display().to_string());
+        let names = match found.protocol == analysis.protocol {
+            true => (dirs[0].as_str(), dirs[1].as_str()),
+            false => (found.protocol.as_str(), protocol.name.as_str()),
+        };
+        if !analysis.compare_ratings(&found, names) {
+            return Err(Failure::Input(format!(
+                "--beside {}: expected ratings of a condition and a scale that {} has as well, found none in common",
+                other.display(),
+                args.dir.display()
+            )));
+        }
+    }
     let mut written = vec![folder.write("index.html", &page(&analysis))?];
     for (name, text) in palpate_study::tables(&analysis) {
         written.push(folder.write(&name, &text)?);

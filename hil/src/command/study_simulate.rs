@@ -153,10 +153,12 @@ fn groups(protocol: &Protocol, outcome: &Outcome, out: &mut dyn Write) -> io::Re
             .iter()
             .map(|[a, b]| format!("{a} and {b}"))
             .collect();
-        let words = format!(
-            "of 1000 studies find {} different where they are not (p < 5 %)",
-            pairs.join(", ")
-        );
+        let compared = match pairs.is_empty() {
+            true => "two groups of people".into(),
+            false => pairs.join(", "),
+        };
+        let words =
+            format!("of 1000 studies find {compared} different where they are not (p < 5 %)");
         line(
             out,
             "false positives",

@@ -11,6 +11,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::Builder;
 use std::time::{Duration, Instant};
 
+use palpate_core::guard::Used;
 use palpate_run::Failure;
 use palpate_study::Reply;
 use serde::Deserialize;
@@ -55,7 +56,7 @@ pub struct Desk {
 struct Shared {
     state: Mutex<State>,
     changed: Condvar,
-    stop: Arc<AtomicBool>,
+    stop: AtomicBool,
 }
 
 #[derive(Debug, Default)]
@@ -259,10 +260,10 @@ impl Desk {
         }
     }
 
-    /// What a run looks at for STOP.
+    /// Whether STOP was heard; a run asks this once every turn.
     #[must_use]
-    pub fn stop(&self) -> Arc<AtomicBool> {
-        Arc::clone(&self.shared.stop)
+    pub fn is_stopped(&self) -> bool {
+        self.shared.stop.load(Ordering::Relaxed)
     }
 
     /// When STOP was heard, if it was.
@@ -293,6 +294,17 @@ impl Desk {
         let mut state = self.shared.held();
         state.told += 1;
         state.experimenter = view;
+        drop(state);
+        self.shared.changed.notify_all();
+    }
+
+    /// Shows the experimenter how much of the limits is used, and leaves the rest of the view as it is.
+    pub fn limits(&self, used: &Used) {
+        let mut state = self.shared.held();
+        if state.experimenter.is_object() {
+            state.told += 1;
+            state.experimenter["rows"] = json!(used.rows());
+        }
         drop(state);
         self.shared.changed.notify_all();
     }

@@ -188,11 +188,7 @@ impl Conducting<'_> {
             return Ok(());
         };
         let (done, all) = self.session.progress();
-        let rows = self.player.used(self.now_ms())?;
-        let rows: Vec<Value> = rows
-            .iter()
-            .map(|(row, share)| json!([row, share]))
-            .collect();
+        let rows = self.player.used(self.now_ms())?.rows();
         let about = self.writing.record.as_ref().map(|record| &record.about);
         let void = self
             .writing

@@ -1,10 +1,7 @@
 //! Plays what a trial plays, and remembers what the wearer had.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use palpate_core::contact::Levels;
-use palpate_core::guard::{Booked, Earlier};
+use palpate_core::guard::{Booked, Earlier, Used};
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Setup;
 use palpate_records::measure::length_us;
@@ -18,6 +15,7 @@ use crate::clock;
 use crate::host::Onlooker;
 use crate::output::Outputs;
 use crate::real::{self, Told};
+use crate::serve::Desk;
 use crate::views;
 
 /// Time between two points of a path that is known from its scene, s.
@@ -29,8 +27,8 @@ pub struct Player {
     stimuli: Stimuli,
     seed: u64,
     earlier: Earlier,
-    /// STOP; where there is none, virtual time is not held to the wall clock.
-    stop: Option<Arc<AtomicBool>>,
+    /// The pages that look on; where there are none, virtual time is not held to the wall clock.
+    desk: Option<Desk>,
 }
 
 /// When everything was off.
@@ -95,7 +93,7 @@ fn path(setup: &Setup, events: &[Event]) -> Path {
 impl Player {
     /// A bench on which nothing was played yet.
     #[must_use]
-    pub const fn new(stimuli: Stimuli, seed: u64, stop: Option<Arc<AtomicBool>>) -> Self {
+    pub const fn new(stimuli: Stimuli, seed: u64, desk: Option<Desk>) -> Self {
         Self {
             stimuli,
             seed,
@@ -103,7 +101,7 @@ impl Player {
                 bursts: Vec::new(),
                 until: Instant::ZERO,
             },
-            stop,
+            desk,
         }
     }
 
@@ -140,7 +138,7 @@ impl Player {
         self.earlier.until = began;
         setup.earlier = self.earlier.clone();
         let views = views::Wanted {
-            stop: self.stop.as_ref(),
+            desk: self.desk.as_ref(),
             ..views::Wanted::default()
         };
         let outcome = if setup.bench.value.is_hardware() {
@@ -177,8 +175,7 @@ impl Player {
     }
 
     fn is_stopped(&self) -> bool {
-        let stop = self.stop.as_ref();
-        stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+        self.desk.as_ref().is_some_and(Desk::is_stopped)
     }
 
     /// The session's time, ms, at which what was played is over.
@@ -191,12 +188,12 @@ impl Player {
     ///
     /// # Errors
     /// [`Failure`] of a bench that has no guard.
-    pub fn used(&self, now_ms: u64) -> Result<[(&'static str, f64); 11], Failure> {
+    pub fn used(&self, now_ms: u64) -> Result<Used, Failure> {
         let mut earlier = self.earlier.clone();
         earlier.until = earlier.until.max(Instant::from_micros(now_ms * 1000));
         let setup = self.stimuli.emulated(&Stimulus::Silence, earlier)?;
         let projector = build(&setup, 1, Levels::Off)?;
-        Ok(projector.guard().used(Instant::ZERO).rows())
+        Ok(projector.guard().used(Instant::ZERO))
     }
 }
 

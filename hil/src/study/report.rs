@@ -10,7 +10,7 @@ const STYLE: &str = "\
 body{margin:0;background:var(--page);color:var(--ink);font:16px/1.5 system-ui,sans-serif}\
 main{max-width:70rem;margin:0 auto;padding:1.5rem}h1{margin:0 0 .2rem}h2{margin:2rem 0 .5rem}h3{margin:1.2rem 0 .3rem}\
 section{background:var(--card);border:1px solid var(--line);border-radius:10px;padding:1rem 1.2rem;margin:1rem 0}\
-table{border-collapse:collapse}th,td{padding:.25rem .7rem;text-align:right;border-bottom:1px solid var(--line)}th:first-child,td:first-child{text-align:left}\
+table{border-collapse:collapse}th,td{padding:.25rem .7rem;text-align:right;border-bottom:1px solid var(--line)}td{white-space:nowrap}th:first-child,td:first-child{text-align:left;white-space:normal}\
 .scroll{overflow-x:auto}.row{display:flex;flex-wrap:wrap;gap:1rem}figure{margin:0}figcaption{color:var(--soft);font-size:.85rem}\
 .soft{color:var(--soft)}svg text{fill:var(--soft);font:11px system-ui,sans-serif}.flag{border-left:5px solid var(--b);padding:.3rem .8rem}";
 

@@ -113,7 +113,7 @@ pub struct Outcome {
     /// Of the threshold task, where there is one.
     #[serde(flatten)]
     pub thresholds: Option<Thresholds>,
-    /// Of the rating task, where it compares conditions.
+    /// Of the rating task: of two groups of people, who met two conditions or gave two studies of the same one.
     #[serde(flatten)]
     pub ratings: Option<Ratings>,
     /// Of the difference task: of the part of the amplitude.
@@ -151,11 +151,7 @@ struct Answered {
 /// # Errors
 /// [`StudyError`] for too few people.
 pub fn simulate(protocol: &Protocol, of: Simulation, known: &Known) -> Result<Outcome, StudyError> {
-    let compared = protocol
-        .rating
-        .as_ref()
-        .filter(|task| !task.compare.is_empty());
-    if compared.is_some() && of.people < 4 {
+    if protocol.rating.is_some() && of.people < 4 {
         return Err(StudyError::FewPeople(of.people));
     }
     let people = (1..=of.people).into_par_iter();
@@ -172,7 +168,7 @@ pub fn simulate(protocol: &Protocol, of: Simulation, known: &Known) -> Result<Ou
     let drawings: Vec<_> = people.iter().flat_map(|p| &p.drawings).copied().collect();
     Ok(Outcome {
         thresholds: thresholds(&all(|p| &p.absolute)),
-        ratings: compared.map(|task| ratings(task, of)),
+        ratings: protocol.rating.as_ref().map(|task| ratings(task, of)),
         difference: levels(&all(|p| &p.difference)),
         matching: levels(&all(|p| &p.matching)),
         localisation: (!places.is_empty()).then(|| Places {

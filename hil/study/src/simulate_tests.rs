@@ -31,6 +31,22 @@ fn thresholds_come_back_and_their_intervals_hold_them() {
     }
 }
 
+/// The session that a wearer's file is made of is the shorter one.
+#[test]
+fn thresholds_of_a_wearer_come_back_as_well() {
+    let mut protocol = load_protocol("wearer").unwrap().value;
+    (protocol.localisation, protocol.difference) = (None, None);
+    let of = Simulation {
+        people: 200,
+        seed: 1,
+    };
+    let outcome = simulate(&protocol, of, &Known::default()).unwrap();
+    let found = outcome.thresholds.unwrap();
+    println!("{found:?}");
+    assert!(found.threshold_error_median < 0.1, "{found:?}");
+    assert!((0.90..=0.98).contains(&found.coverage), "{found:?}");
+}
+
 #[test]
 fn no_difference_is_found_as_rarely_as_stated_and_one_that_is_there_by_enough_people() {
     let protocol = load_protocol("roughness").unwrap().value;

@@ -175,6 +175,49 @@ fn simulated_people_go_the_whole_way_from_protocol_to_wearer() {
     fs::remove_dir_all(here).unwrap();
 }
 
+#[test]
+fn what_two_studies_rated_is_compared() {
+    let here = folder("beside");
+    let out = |study: &str| here.join(study).display().to_string();
+    let (hand, wires, other) = (out("hand"), out("wires"), out("other"));
+    let run = |protocol: &str, number: &str, out: &str| {
+        let words = ["study", "run", protocol, "--participant", number];
+        good(&[&words[..], &["--out", out, "--simulated"]].concat());
+    };
+    for number in ["1", "2", "3", "4"] {
+        run("textures-by-hand", number, &hand);
+    }
+    run("textures-on-wires", "1", &wires);
+    run("textures-on-wires", "2", &wires);
+    run("thresholds", "1", &other);
+    let said = good(&["study", "analyse", &wires, "--beside", &hand, "--json"]);
+    let found: Value = serde_json::from_str(&said).unwrap();
+    let compared = found["comparisons"].as_array().unwrap();
+    // Eight surfaces on three scales.
+    assert_eq!(compared.len(), 24, "{found}");
+    let wood = compared
+        .iter()
+        .find(|c| c["of"] == "roughness of wood")
+        .unwrap();
+    assert_eq!(wood["first"], "textures-by-hand");
+    assert_eq!(wood["second"], "textures-on-wires");
+    assert_eq!(wood["counts"], serde_json::json!([4, 2]));
+    let own = found["ratings"].as_array().unwrap().iter();
+    let mut own = own.filter(|r| r["scale"] == "roughness" && r["condition"] == "wood");
+    assert_eq!(
+        wood["medians"][1],
+        own.next().unwrap()["median"]["value"],
+        "{wood}"
+    );
+    let table = fs::read_to_string(format!("{wires}/analysis/comparisons.csv")).unwrap();
+    assert_eq!(table.lines().count(), 25, "{table}");
+    refused_with(
+        &["study", "analyse", &wires, "--beside", &other],
+        &["--beside", "found none in common"],
+    );
+    fs::remove_dir_all(here).unwrap();
+}
+
 /// Data as Psych-DS lays them out, what of a trial was played in the record, and the wearer's file that a run takes.
 fn kept(out: &str) {
     let read = |name: &str| fs::read_to_string(format!("{out}/{name}")).unwrap();

@@ -131,6 +131,27 @@ pub struct Chosen {
     pub p: f64,
 }
 
+impl Analysis {
+    /// Adds comparisons with what another study's people rated: each scale of each condition that both have, the other study
+    /// first, both under these names. False where there is none.
+    pub fn compare_ratings(&mut self, other: &Self, names: (&str, &str)) -> bool {
+        let found: Vec<Comparison> = self
+            .ratings
+            .iter()
+            .filter_map(|own| {
+                let mut rated = other.ratings.iter();
+                let like = |r: &&Rated| r.scale == own.scale && r.condition == own.condition;
+                let of = format!("{} of {}", own.scale, own.condition);
+                let groups = [&*rated.find(like)?.values, &*own.values];
+                compared(&of, names, groups)
+            })
+            .collect();
+        let any = !found.is_empty();
+        self.comparisons.extend(found);
+        any
+    }
+}
+
 /// The most likely psychometric function where the threshold is known: of a few slopes the best.
 #[must_use]
 pub fn fitted(of: &OfWire, guess: f64) -> Psychometric {
