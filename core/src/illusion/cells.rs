@@ -264,7 +264,7 @@ impl Cells {
         }
         parts.retain(|p| (-1e-4..=1.0 + 1e-4).contains(p));
         parts.iter_mut().for_each(|p| *p = p.clamp(0.0, 1.0));
-        parts.sort_by(f32::total_cmp);
+        parts.sort_unstable_by(f32::total_cmp);
         parts.dedup_by(|a, b| (*a - *b).abs() < 1e-4);
         parts
     }

@@ -168,7 +168,7 @@ impl Display {
 /// Smallest gap between distinct values (1 um apart or more); infinite when there is only one.
 fn gap(values: impl Iterator<Item = f32>) -> f32 {
     let mut sorted: Vec<f32> = values.collect();
-    sorted.sort_by(f32::total_cmp);
+    sorted.sort_unstable_by(f32::total_cmp);
     let gaps = sorted.windows(2).map(|w| w[1] - w[0]).filter(|&d| d > 1e-3);
     gaps.fold(f32::INFINITY, f32::min)
 }

@@ -29,7 +29,11 @@ pub(super) fn fused_exact<S: Simd>(simd: S, a: S::f64s, b: S::f64s, c: S::f64s) 
 
 /// One number. The sum is rounded to f64 and then to f32, which is one rounding too many only where the first one ends
 /// halfway between two f32. Those among the subnormal numbers lie elsewhere, so all of them take the long way.
-#[inline(always)]
+///
+/// Put in place where it is all there is. A processor that mostly has vectors calls it: the encoder's unrolled loops would
+/// be several times as large for machines of before 2013.
+#[cfg_attr(any(target_arch = "x86", target_arch = "x86_64"), inline(never))]
+#[cfg_attr(not(any(target_arch = "x86", target_arch = "x86_64")), inline(always))]
 fn one(a: f32, b: f32, c: f32) -> f32 {
     let (product, c) = (f64::from(a) * f64::from(b), f64::from(c));
     let sum = product + c;

@@ -3,7 +3,7 @@
 //! Little-endian integers at fixed widths, strings with their length in front, one tag byte an event,
 //! so two different traces never share their bytes.
 
-use crate::trace::{Driven, Event, Header, Ledger, PlaceUm, Source, Trace, VERSION};
+use crate::trace::{Driven, Event, Header, Ledger, PlaceUm, Source, Trace, VERSION, sort_by_time};
 use sha2::{Digest, Sha256};
 
 /// First 16 hex digits of the SHA-256 over the whole trace: header, events and ledger.
@@ -54,7 +54,7 @@ impl ScheduleDigest {
             )
         });
         waiting.extend(sent.cloned());
-        waiting.sort_by_key(Event::t_ns);
+        sort_by_time(waiting);
         let due = waiting.partition_point(|e| e.t_ns() < until_ns);
         waiting.drain(..due).for_each(|event| sink.event(&event));
     }

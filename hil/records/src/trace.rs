@@ -322,6 +322,11 @@ pub enum Event {
     },
 }
 
+/// Sorts events by their time; those of one time stay in their order.
+pub fn sort_by_time(events: &mut [Event]) {
+    events.sort_by_key(Event::t_ns);
+}
+
 impl Event {
     /// When it happened, nanoseconds.
     pub fn t_ns(&self) -> u64 {

@@ -145,7 +145,7 @@ pub fn boards(projector: &Projector, lost_of: impl Fn(usize) -> u64) -> Vec<Boar
         let taxels = layout.range(module).zip(m.active());
         let active: Vec<usize> = taxels.filter(|t| *t.1).map(|t| t.0).collect();
         let mut rates: Vec<f32> = active.iter().map(|&i| monitor.rates_hz(i).1).collect();
-        rates.sort_by(f32::total_cmp);
+        rates.sort_unstable_by(f32::total_cmp);
         let at = |k: usize| rates.get(k).copied().map_or(0.0, f64::from);
         let received = active.iter().filter_map(|&i| monitor.received(i));
         let readings: u64 = received.map(|r| u64::from(r.0)).sum();

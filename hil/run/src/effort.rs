@@ -191,7 +191,7 @@ impl Effort {
     /// Frames of a kind, their median time and their time together, microseconds; NaN for the median of none.
     pub fn frames(&self, kind: FrameKind) -> (usize, f64, f64) {
         let mut sorted = self.times[kind as usize].clone();
-        sorted.sort_by(f32::total_cmp);
+        sorted.sort_unstable_by(f32::total_cmp);
         let median = sorted
             .get(sorted.len() / 2)
             .map_or(f64::NAN, |t| f64::from(*t));

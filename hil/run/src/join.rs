@@ -7,7 +7,7 @@ use palpate_core::guard::Limits;
 use palpate_files::{Finger, Setup};
 use palpate_records::i2c::Transfer;
 use palpate_records::margin::{Limited, Margin, sort};
-use palpate_records::trace::{Event, Ledger, Trace};
+use palpate_records::trace::{Event, Ledger, Trace, sort_by_time};
 
 use crate::boards::BusReport;
 use crate::effort::Effort;
@@ -89,7 +89,7 @@ pub fn join(setup: &Setup, mut parts: Vec<Part>, common: Common) -> Outcome {
         let own = own.filter(|e| part.place == parts[0].place || !matches!(e, Event::Joint { .. }));
         events.extend(own.filter_map(|e| part.place.joined(e)));
     }
-    events.sort_by_key(Event::t_ns);
+    sort_by_time(&mut events);
     let ledger = ledger(setup, &parts);
     let each = parts.iter().map(|p| (&p.place, &p.outcome.trace.header));
     let header = joined_header(setup, &each.collect::<Vec<_>>());

@@ -4,7 +4,7 @@ use palpate_core::bus::Received;
 use palpate_core::units::{Duration, Instant};
 use palpate_records::i2c::Transfer;
 use palpate_records::readings::{Readings, TaxelFrame};
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, sort_by_time};
 
 use crate::display_end::EmulatedDisplay;
 use crate::session::Session;
@@ -59,7 +59,7 @@ impl Passing {
         }
         let waiting = &mut self.waiting;
         waiting.events.extend(events);
-        waiting.events.sort_by_key(Event::t_ns);
+        sort_by_time(&mut waiting.events);
         waiting.can.extend(session.skin().take_frames());
         let taxels = session.recorder().taxels.as_mut();
         waiting

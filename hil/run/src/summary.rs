@@ -6,7 +6,7 @@ use palpate_core::units::Instant;
 use palpate_records::felt::{FeltPath, decibels};
 use palpate_records::margin::{Limited, Margin};
 use palpate_records::measure::path_error;
-use palpate_records::trace::{Event, Header, Ledger, Source, Trace};
+use palpate_records::trace::{Header, Ledger, Source, Trace, sort_by_time};
 use palpate_records::verdict::Conclusion;
 use serde::Serialize;
 
@@ -202,7 +202,7 @@ impl Taxels {
         sum.ill.sort_by_key(|t| (t.module, t.taxel));
         rates.sort_by_key(|(module, _)| *module);
         let mut sorted: Vec<f32> = rates.iter().flat_map(|(_, hz)| hz.clone()).collect();
-        sorted.sort_by(f32::total_cmp);
+        sorted.sort_unstable_by(f32::total_cmp);
         let read = parts.clone().any(|(_, part)| part.refresh_hz.is_some());
         sum.refresh_hz = sorted.first().filter(|_| read).map(|min| Refresh {
             median: f64::from(sorted[sorted.len() / 2]),
@@ -345,7 +345,7 @@ impl FrameTime {
     /// Of measured times; `None` for none.
     pub(crate) fn of(costs_us: impl Iterator<Item = f32>) -> Option<Self> {
         let mut sorted: Vec<f32> = costs_us.collect();
-        sorted.sort_by(f32::total_cmp);
+        sorted.sort_unstable_by(f32::total_cmp);
         let at = |part: f64| {
             sorted
                 .get((part * (sorted.len().checked_sub(1)?) as f64) as usize)
@@ -370,7 +370,7 @@ pub fn finished<S: SkinEnd, D: DisplayEnd>(
     let end = Instant::from_micros(totals.length_us);
     let recorder = session.recorder();
     let mut events = std::mem::take(&mut recorder.events);
-    events.sort_by_key(Event::t_ns);
+    sort_by_time(&mut events);
     let trace = Trace {
         header,
         events,

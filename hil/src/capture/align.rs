@@ -68,7 +68,7 @@ pub(super) fn period(pulses: &[&Pulses], nominal: f64) -> Option<f64> {
         let near = pulses.windows(2).map(|p| p[1].0 - p[0].0);
         distances.extend(near.filter(|d| (0.8..1.25).contains(&(d / nominal))));
     }
-    distances.sort_by(f64::total_cmp);
+    distances.sort_unstable_by(f64::total_cmp);
     let median = *distances.get(distances.len() / 2)?;
     let close = distances
         .iter()

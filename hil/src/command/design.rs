@@ -275,7 +275,7 @@ fn html(computed: &[Computed], person: &str) -> String {
     let mut out = page::head("Designs of a wire", &Conclusion::default());
     let currents: Vec<f64> = {
         let mut all: Vec<f64> = computed.iter().map(|c| c.0.pattern.amps).collect();
-        all.sort_by(f64::total_cmp);
+        all.sort_unstable_by(f64::total_cmp);
         all.dedup();
         all
     };

@@ -7,7 +7,7 @@ use palpate_core::bus::Received;
 use palpate_core::units::Instant;
 use palpate_files::Setup;
 use palpate_records::readings::{ModulePlaces, Readings, TaxelFrame};
-use palpate_records::trace::{Event, Header};
+use palpate_records::trace::{Event, Header, sort_by_time};
 use palpate_run::picture::State;
 use palpate_run::place::Place;
 use palpate_run::{Failure, TurnView, attachments, joined_header, whole_boards};
@@ -147,7 +147,7 @@ impl Records {
     /// Writes what is older than anything that will still come.
     fn pass_on(&mut self, until: Instant) {
         let until_us = until.as_micros();
-        self.events.sort_by_key(Event::t_ns);
+        sort_by_time(&mut self.events);
         self.frames.sort_by_key(|frame| frame.at);
         let old = |event: &Event| event.t_ns() / 1000 < until_us;
         let later = self.events.partition_point(old);

@@ -110,7 +110,7 @@ impl Suite {
         for entry in entries {
             paths.push(entry.map_err(bad)?.path());
         }
-        paths.sort();
+        paths.sort_unstable();
         for path in paths {
             let name = path.file_name().map(|n| n.to_string_lossy().into_owned());
             let name = name.unwrap_or_default();

@@ -70,7 +70,7 @@ fn ring(texture: &Placed<'_>, i: usize) -> String {
 
 /// A scale that shows an outline as a whole, and all but the outermost points.
 fn inner(mut points: Vec<f64>, outline: impl Iterator<Item = f64>) -> Scale {
-    points.sort_by(f64::total_cmp);
+    points.sort_unstable_by(f64::total_cmp);
     let out = (points.len() as f64 * OUTERMOST) as usize;
     let some = points.get(out..points.len() - out).unwrap_or_default();
     let ends = some.first().into_iter().chain(some.last()).copied();

@@ -248,7 +248,7 @@ fn partials(materials: &[SurfaceTexture], values: &[f64], seed: u64) -> [Partial
         again.iter_mut().zip(each).for_each(|(all, r)| all.push(r));
     }
     let mut intervals = again.into_iter().map(|mut all| {
-        all.sort_by(f64::total_cmp);
+        all.sort_unstable_by(f64::total_cmp);
         let at = |share: f64| all[(share * (RESAMPLED - 1) as f64).round() as usize];
         (at(0.025), at(0.975))
     });

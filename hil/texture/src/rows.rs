@@ -12,7 +12,7 @@ pub fn files(folder: &Path, ending: &str) -> io::Result<Vec<(String, PathBuf)>> 
         .filter_map(|entry| Some(entry.ok()?.path()))
         .filter(|path| path.extension().is_some_and(|e| e == ending))
         .collect();
-    paths.sort();
+    paths.sort_unstable();
     let named = |path: PathBuf| {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         (stem.into_owned(), path)

@@ -25,7 +25,7 @@ pub(super) fn sorted_times(frame_us: &[f32]) -> Vec<f64> {
         .map(|t| f64::from(*t))
         .filter(|t| t.is_finite() && *t > 0.0)
         .collect();
-    times.sort_by(f64::total_cmp);
+    times.sort_unstable_by(f64::total_cmp);
     times
 }
 
@@ -52,7 +52,7 @@ pub(super) fn scan_us(trace: &Trace) -> Option<f64> {
             _ => None,
         })
         .collect();
-    gaps.sort_by(f64::total_cmp);
+    gaps.sort_unstable_by(f64::total_cmp);
     quantile(&gaps, 0.5)
 }
 

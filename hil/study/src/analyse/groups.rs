@@ -56,7 +56,7 @@ pub fn quantile(sorted: &[f64], part: f64) -> f64 {
 #[must_use]
 pub fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
+    sorted.sort_unstable_by(f64::total_cmp);
     quantile(&sorted, 0.5)
 }
 
@@ -83,7 +83,7 @@ pub fn bootstrap(groups: &[&[f64]], figure: impl Fn(&[Vec<f64>]) -> f64) -> Opti
             figure(&anew)
         })
         .collect();
-    figures.sort_by(f64::total_cmp);
+    figures.sort_unstable_by(f64::total_cmp);
     Some(Within {
         value: figure(&own),
         low: quantile(&figures, 0.025),

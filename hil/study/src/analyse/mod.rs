@@ -305,7 +305,7 @@ fn ratings(protocol: &Protocol, records: &[Record]) -> Vec<Rated> {
                 (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
             };
             let mut values: Vec<f64> = records.iter().filter_map(of_person).collect();
-            values.sort_by(f64::total_cmp);
+            values.sort_unstable_by(f64::total_cmp);
             rated.push(Rated {
                 scale: scale.name.clone(),
                 condition: condition.clone(),

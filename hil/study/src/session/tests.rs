@@ -123,7 +123,7 @@ fn key(trial: &Trial) -> String {
         })
         .collect();
     if trial.task == TaskKind::Choice {
-        played.sort();
+        played.sort_unstable();
         played.reverse(); // "phantom" is the pair's first
     }
     played.dedup();
