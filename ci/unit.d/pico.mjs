@@ -1,20 +1,22 @@
 // An RP2040 (rp2040js) that runs an image of the driver unit over the rig's boards: node pico.mjs RP2040JS IMAGE, in the folder
 // of the rig's pipes. It asks what images in QEMU ask by semihosting (core/unit/images/shared/src/rig/mod.rs): its I2C
-// controller's signals, the level of GPIO 6, the packets of its serial port.
+// controller's signals, the level of GPIO 6, the packets of its serial port, its converter's codes, the current that its pins set.
 import { openSync, readFileSync, readSync, writeSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 
 const [library, image] = process.argv.slice(2);
 const { ConsoleLogger, LogLevel, RP2040, USBCDC } = await import(pathToFileURL(library));
 
-const BOOT = 0, OE = 1, RECEIVE = 3, SEND = 4, SIGNAL = 7;
+const BOOT = 0, OE = 1, RECEIVE = 3, SEND = 4, SIGNAL = 7, SENSORS = 8, BRIDGE = 9;
 const START = 0, WRITE = 1, READ = 2, STOP = 3;
 const DONE = 0, STUCK = 5;
 // a bit at 400 kbit/s, and a byte with its acknowledgement
 const BIT_NS = 2500, BYTE_NS = 9 * BIT_NS;
 const CYCLE_NS = 8;
-// between two looks for a datagram
+// between two looks for a datagram, and at the bridge's pins
 const LOOK_NS = 500_000;
+// a conversion of the converter
+const CONVERSION_NS = 2000;
 // all of the chip but its oscillators
 const WHOLE = 0x1fffc;
 const FLASH = 0x10000000, VECTORS = FLASH + 0x100;
@@ -126,6 +128,30 @@ function boards(rp2040) {
   level();
 }
 
+// A MAX8521 on a Peltier module: SHDN on GPIO 7, CTLI behind a low pass on GPIO 8, 50 mOhm; thermistors on the first two channels.
+function module(rp2040) {
+  const { adc, pwm, gpio } = rp2040;
+  adc.onADCRead = (channel) => {
+    const codes = ask(SENSORS).bytes;
+    const done = () => adc.completeADCRead(channel < 2 ? codes.readUInt16LE(2 * channel) : 0, false);
+    rp2040.clock.createAlarm(done).schedule(CONVERSION_NS);
+  };
+  let given;
+  return () => {
+    const { cc, top } = pwm.channels[4];
+    const volts = (3.3 * (cc & 0xffff)) / (top + 1);
+    // its value is 1 where it is driven high; any other leaves the resistor to ground
+    const milliamps = gpio[7].value === 1 ? Math.round(((volts - 1.5) / (10 * 0.05)) * 1000) : 0;
+    if (milliamps === given) return;
+    given = milliamps;
+    const bytes = Buffer.alloc(8);
+    bytes.writeInt32LE(milliamps, 0);
+    // pins hold what they have
+    bytes.writeUInt32LE(0xffffffff, 4);
+    ask(BRIDGE, 0, bytes);
+  };
+}
+
 function port(rp2040) {
   const cdc = new USBCDC(rp2040.usbCtrl);
   const waiting = [];
@@ -179,6 +205,8 @@ function start() {
   };
   rosc.writeUint32 = () => {};
   boards(rp2040);
+  const flow = module(rp2040);
+  flow();
   const look = port(rp2040);
   let bitten = false;
   const watchdog = rp2040.peripherals[0x40058];
@@ -194,6 +222,7 @@ function start() {
     clock.tick(core.waiting ? clock.nanosToNextAlarm : core.executeInstruction() * CYCLE_NS);
     if (clock.nanos >= next) {
       next += LOOK_NS;
+      flow();
       look();
     }
   }

@@ -293,6 +293,11 @@ impl Guard {
         self.watchdog.is_stale(now)
     }
 
+    /// When sensor input becomes too old for anything to be driven.
+    pub fn stale_at(&self) -> Instant {
+        self.watchdog.deadline()
+    }
+
     /// The watchdog's look at `now`: the cause to switch everything off for, if there is one. Call it
     /// whenever the loop runs, and at [`Self::deadline`] at the latest.
     pub fn watch(&mut self, now: Instant) -> Option<Cause> {
@@ -303,7 +308,7 @@ impl Guard {
     /// When sensor input becomes too old for what is driven; a latched guard has noticed.
     pub fn deadline(&self) -> Option<Instant> {
         let driven = self.next_expiry().is_some() && self.latched().is_none();
-        driven.then(|| self.watchdog.deadline())
+        driven.then(|| self.stale_at())
     }
 
     /// Refuses everything from now on. The first cause is kept.

@@ -134,6 +134,10 @@ impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
     /// Everything off first, whatever was before; then the boards are set up. A bus that does not answer is tried again
     /// by the turns to come.
     pub fn start(&mut self, now: Instant) {
+        // A reset lets a bridge go on: it may hold its last current for a tenth of a second.
+        if let Some(warm) = &mut self.warm {
+            warm.off();
+        }
         self.bring_up(now);
     }
 
@@ -186,7 +190,7 @@ impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
 
     /// When the next turn is due at the latest; a datagram may come before.
     pub fn next(&self) -> Instant {
-        let warm = self.warm.as_ref().map(Warm::next);
+        let warm = self.warm.as_ref().map(|warm| warm.next(&self.guard));
         if let Some(retry) = self.lost {
             return warm.map_or(retry, |at| at.min(retry));
         }

@@ -80,9 +80,13 @@ impl<T: Module> Warm<T> {
         self.wanted = wanted;
     }
 
-    /// When its next turn is due.
-    pub(crate) fn next(&self) -> Instant {
-        self.regulator.next()
+    /// When its next turn is due; at the latest when the newest reading becomes too old for what flows.
+    pub(crate) fn next(&self, guard: &Guard) -> Instant {
+        let next = self.regulator.next();
+        match self.face.milliamps {
+            0 => next,
+            _ => next.min(guard.stale_at()),
+        }
     }
 
     /// What a status says of it.
@@ -92,11 +96,15 @@ impl<T: Module> Warm<T> {
 
     /// A turn of the regulator where one is due. Nothing flows without a host whose reading is fresh, nor after a stop.
     pub(crate) fn turn(&mut self, now: Instant, guard: &mut Guard) {
+        let drives = guard.latched().is_none() && guard.heard().is_some() && !guard.is_stale(now);
+        if !drives && self.face.milliamps != 0 {
+            // At once: a turn takes a small processor a millisecond.
+            self.off();
+        }
         if now < self.regulator.next() {
             return;
         }
         self.regulator.see(now, &self.module.reading(now));
-        let drives = guard.latched().is_none() && guard.heard().is_some() && !guard.is_stale(now);
         let wanted = self.wanted.filter(|_| drives);
         // The wires make room for what is wanted; what they have booked already, the face makes room for.
         let reserved_c = wanted.map_or(0.0, |w| celsius(w.face_mc) + UNCERTAINTY_K);
@@ -109,10 +117,7 @@ impl<T: Module> Warm<T> {
                 ceiling_c: (bears_c - UNCERTAINTY_K).min(celsius(w.ceiling_mc)),
             }),
         );
-        if self.module.apply(&turned.update).is_err() {
-            // A bridge that is not reached lets go by itself.
-            self.off();
-        }
+        let reached = self.module.apply(&turned.update).is_ok();
         self.face = Face {
             face_mc: turned.face_c.map_or(0, milli),
             // From above, so that a host never counts with a colder one.
@@ -122,10 +127,14 @@ impl<T: Module> Warm<T> {
             milliamps: turned.update.milliamps() as i16, // its guard lets 1 A pass at most
             reason: turned.reason,
         };
+        if !reached {
+            self.off();
+        }
     }
 
     /// Nothing flows from now on, until the next turn.
     pub(crate) fn off(&mut self) {
+        self.face.milliamps = 0;
         // A bridge that is not reached lets go by itself.
         let _ = self.module.all_off();
     }

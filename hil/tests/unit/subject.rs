@@ -11,66 +11,18 @@ use palpate_buses::datagrams::Datagrams as Socket;
 use palpate_buses::pacer::RunClock;
 use palpate_core::codec::link::{Buffer, MOST};
 use palpate_core::guard::{HARD, Plant};
-use palpate_core::illusion::DisplayWire;
-use palpate_core::units::{Board, Channel, Duration, Instant, Point};
+use palpate_core::peltier::Regulator;
+use palpate_core::physics::{PeltierParameters, Thermistor};
+use palpate_core::units::{Duration, Instant};
 use palpate_emulators::display::i2c::{BusClock, I2cHandle, I2cSegment};
 use palpate_emulators::display::pca9685::{Config, Edge, Pca9685, Pin};
+use palpate_emulators::display::peltier::{Peltier, PeltierHandle};
 use palpate_emulators::time::Nanos;
 use palpate_emulators::unit::OeLine;
 use palpate_unit::{Datagrams, Settings, Unit};
 use serde_json::Value;
 
-/// The key of every unit here.
-pub const KEY: [u8; 32] = [0x2B; 32];
-
-/// What its outputs did.
-#[derive(Clone, Debug, Default)]
-pub struct Seen {
-    /// Edges that went high: when, by the subject's clock, us.
-    pub rising: Vec<u64>,
-    /// The longest pulse, us.
-    pub longest_us: f64,
-    /// Outputs that were high at the end.
-    pub high: usize,
-    /// Datagrams refused.
-    pub refused: u64,
-}
-
-impl Seen {
-    fn edge(&mut self, high: &mut [Option<u64>; 16], channel: usize, t_ns: u64, up: bool) {
-        if up {
-            self.rising.push(t_ns / 1000);
-            high[channel] = Some(t_ns);
-        } else if let Some(since) = high[channel].take() {
-            self.longest_us = self.longest_us.max((t_ns - since) as f64 / 1e3);
-        }
-    }
-}
-
-/// A unit with eight wires on the board at 0x40, under [`KEY`].
-pub trait Subject {
-    /// The host's clock.
-    fn now(&self) -> Instant;
-
-    /// Sends a datagram to it.
-    fn send(&mut self, datagram: &[u8]);
-
-    /// Lets time pass; what came back from it.
-    fn pass(&mut self, time: Duration) -> Vec<Vec<u8>>;
-
-    /// Ends it.
-    fn end(self) -> Seen;
-}
-
-/// The wires of every subject.
-pub fn wires() -> Vec<DisplayWire> {
-    let wire = |n: u8| DisplayWire {
-        place: Point::new(f32::from(n), 0.0),
-        board: Board(0),
-        channel: Channel(n),
-    };
-    (0..8).map(wire).collect()
-}
+use super::held::{KEY, Seen, Subject, wires};
 
 #[derive(Default)]
 struct Air {
@@ -95,8 +47,9 @@ impl Datagrams for Air {
 
 /// The unit's own code in virtual time.
 pub struct Model {
-    unit: Unit<I2cHandle, OeLine>,
+    unit: Unit<I2cHandle, OeLine, PeltierHandle>,
     bus: I2cHandle,
+    module: PeltierHandle,
     air: Air,
     now: u64,
     high: [Option<u64>; 16],
@@ -117,11 +70,16 @@ impl Model {
             heat: false,
             converters: None,
         };
-        let mut unit = Unit::new(&settings, bus.clone(), OeLine(bus.clone())).unwrap();
+        let (parameters, thermistor) = (PeltierParameters::default(), Thermistor::default());
+        let module = PeltierHandle::new(Peltier::new(parameters, thermistor, 25.0));
+        let warms = (module.clone(), Regulator::new(parameters, thermistor));
+        let lines = (bus.clone(), OeLine(bus.clone()));
+        let mut unit = Unit::warming(&settings, lines, Some(warms)).unwrap();
         unit.start(Instant::from_micros(1));
         Self {
             unit,
             bus,
+            module,
             air: Air::default(),
             now: 1,
             high: [None; 16],
@@ -136,6 +94,7 @@ impl Model {
             seen.edge(high, channel, edge.at.0, edge.pin == Pin::High);
         };
         let to = Nanos(self.now * 1000);
+        self.module.with(|module| module.advance(to));
         self.bus
             .with(|segment| segment.advance(to, &mut each))
             .unwrap();

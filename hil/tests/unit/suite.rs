@@ -1,17 +1,69 @@
-//! What holds for every kind of unit.
+//! What holds for every kind of unit: the model and the process here, images in `tests/qemu`.
 
 use palpate_core::codec::link::{Command, Header, Hello, Key, Kind, MOST, Planned, Said};
 use palpate_core::driver::{Actuators, UnitDriver, UnitSettings};
 use palpate_core::guard::{Guard, HARD};
+use palpate_core::illusion::DisplayWire;
 use palpate_core::random::RandomStream;
 use palpate_core::schedule::Stimulus;
-use palpate_core::units::{Board, Channel, Duration, Instant, Milliamps, Ticks};
+use palpate_core::units::{Board, Channel, Duration, Instant, Milliamps, Point, Ticks};
 
-use super::subject::{KEY, Model, Process, Subject, wires};
+/// The key of every unit here; images are built with it.
+pub const KEY: [u8; 32] = [9; 32];
 
-const STEP: Duration = Duration::from_millis(2);
+/// What its outputs did.
+#[derive(Clone, Debug, Default)]
+pub struct Seen {
+    /// Edges that went high: when, by the subject's clock, us.
+    pub rising: Vec<u64>,
+    /// The longest pulse, us.
+    pub longest_us: f64,
+    /// Outputs that were high at the end.
+    pub high: usize,
+    /// Datagrams refused.
+    pub refused: u64,
+}
 
-fn host(nonce: u64) -> UnitDriver {
+impl Seen {
+    /// An output of board 0 changed.
+    pub fn edge(&mut self, high: &mut [Option<u64>; 16], channel: usize, t_ns: u64, up: bool) {
+        if up {
+            self.rising.push(t_ns / 1000);
+            high[channel] = Some(t_ns);
+        } else if let Some(since) = high[channel].take() {
+            self.longest_us = self.longest_us.max((t_ns - since) as f64 / 1e3);
+        }
+    }
+}
+
+/// A unit with eight wires on the board at 0x40 and a Peltier module, under [`KEY`].
+pub trait Subject {
+    /// The host's clock.
+    fn now(&self) -> Instant;
+
+    /// Sends a datagram to it.
+    fn send(&mut self, datagram: &[u8]);
+
+    /// Lets time pass; what came back from it.
+    fn pass(&mut self, time: Duration) -> Vec<Vec<u8>>;
+
+    /// Ends it.
+    fn end(self) -> Seen;
+}
+
+/// The wires of every subject.
+pub fn wires() -> Vec<DisplayWire> {
+    let wire = |n: u8| DisplayWire {
+        place: Point::new(f32::from(n), 0.0),
+        board: Board(0),
+        channel: Channel(n),
+    };
+    (0..8).map(wire).collect()
+}
+
+pub(super) const STEP: Duration = Duration::from_millis(2);
+
+pub(super) fn host(nonce: u64) -> UnitDriver {
     let settings = UnitSettings {
         delay: Duration::from_millis(20),
         resumes: false,
@@ -20,7 +72,7 @@ fn host(nonce: u64) -> UnitDriver {
 }
 
 /// Both speak for so long; the skin is read all the time.
-fn speak(subject: &mut impl Subject, driver: &mut UnitDriver, time: Duration) {
+pub(super) fn speak(subject: &mut impl Subject, driver: &mut UnitDriver, time: Duration) {
     let end = subject.now() + time;
     while subject.now() < end {
         let now = subject.now();
@@ -34,7 +86,7 @@ fn speak(subject: &mut impl Subject, driver: &mut UnitDriver, time: Duration) {
     }
 }
 
-fn plays_what_it_is_told(mut subject: impl Subject) {
+pub fn plays_what_it_is_told(mut subject: impl Subject) {
     let mut driver = host(1);
     speak(&mut subject, &mut driver, Duration::from_millis(100));
     assert_eq!(driver.ready(subject.now()), Ok(()));
@@ -66,16 +118,6 @@ fn plays_what_it_is_told(mut subject: impl Subject) {
     let width_us = 40.0 * plant.prescale.period_ns() as f64 / 4096e3;
     assert!((seen.longest_us - width_us).abs() < 2.0, "{seen:?}");
     assert_eq!(seen.high, 0);
-}
-
-#[test]
-fn the_model_plays_what_it_is_told() {
-    plays_what_it_is_told(Model::new());
-}
-
-#[test]
-fn the_process_plays_what_it_is_told() {
-    plays_what_it_is_told(Process::new());
 }
 
 /// So many datagrams of `ci/hostile`, a hundredth of them in an ordinary test.
@@ -124,7 +166,7 @@ fn hostile(dice: &mut RandomStream, hello: Option<Header>) -> Vec<u8> {
     datagram
 }
 
-fn drives_nothing_without_a_session(mut subject: impl Subject) {
+pub fn drives_nothing_without_a_session(mut subject: impl Subject) {
     let mut dice = RandomStream::new(7, "hostile datagrams");
     // What the unit said of itself to an honest knock: its next challenge is known to every holder of the key.
     let mut driver = host(1_000_000);
@@ -163,18 +205,8 @@ fn drives_nothing_without_a_session(mut subject: impl Subject) {
     );
 }
 
-#[test]
-fn hostile_datagrams_drive_nothing_on_the_model() {
-    drives_nothing_without_a_session(Model::new());
-}
-
-#[test]
-fn hostile_datagrams_drive_nothing_on_the_process() {
-    drives_nothing_without_a_session(Process::new());
-}
-
 /// A host with the key that asks for whole periods, without an end and with readings of the future.
-fn limits_a_host_that_lies(mut subject: impl Subject) {
+pub fn limits_a_host_that_lies(mut subject: impl Subject) {
     let key = Key::new(&KEY);
     let knock = Header {
         kind: Kind::Knock,
@@ -224,14 +256,4 @@ fn limits_a_host_that_lies(mut subject: impl Subject) {
         "{seen:?}"
     );
     assert_eq!(seen.high, 0);
-}
-
-#[test]
-fn a_host_that_lies_gets_nothing_over_a_limit_on_the_model() {
-    limits_a_host_that_lies(Model::new());
-}
-
-#[test]
-fn a_host_that_lies_gets_nothing_over_a_limit_on_the_process() {
-    limits_a_host_that_lies(Process::new());
 }

@@ -1,9 +1,11 @@
-//! The rig's boards: two PCA9685 on a bus, and what their outputs did.
+//! The rig's boards: two PCA9685 on a bus, and what their outputs did; and a Peltier module.
 
 use embedded_hal::i2c::Operation;
-use palpate_core::units::Channel;
+use palpate_core::physics::{PeltierParameters, Thermistor};
+use palpate_core::units::{Channel, Duration};
 use palpate_emulators::display::i2c::{BusClock, Error, I2cSegment};
 use palpate_emulators::display::pca9685::{Config, Pca9685, Pin};
+use palpate_emulators::display::peltier::Peltier;
 use palpate_emulators::time::Nanos;
 use palpate_image::rig::{Head, Kind, Outcome, Signal};
 
@@ -20,10 +22,24 @@ pub struct Level {
     pub high: bool,
 }
 
-/// Boards that an image drives over the rig.
+/// Air around the sink of the module, degrees C.
+const AIR_C: f64 = 25.0;
+
+/// What an image set its bridge to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Current {
+    /// When.
+    pub at: Nanos,
+    /// mA; positive cools the face.
+    pub milliamps: i32,
+}
+
+/// Boards that an image drives over the rig, and its Peltier module.
 #[derive(Debug)]
 pub struct Chips {
     segment: I2cSegment,
+    /// The module, if there is one.
+    pub module: Option<Peltier>,
     /// Whether the OE line is wired.
     pub oe: bool,
     /// The next transfer never ends.
@@ -36,6 +52,10 @@ pub struct Chips {
     pub transfers: Vec<Nanos>,
     /// When the image started, and started again.
     pub boots: Vec<Nanos>,
+    /// Everything that its bridge was set to.
+    pub currents: Vec<Current>,
+    /// When its thermistors were read.
+    pub looks: Vec<Nanos>,
 }
 
 /// An answer to a question: time, outcome, bytes.
@@ -47,17 +67,33 @@ impl Chips {
         let chips = [0x40, 0x41].map(|address| Pca9685::new(Config::new(address)));
         Self {
             segment: I2cSegment::new(BusClock::Fast, chips.into()),
+            module: None,
             oe,
             stuck: false,
             dead: false,
             levels: Vec::new(),
             transfers: Vec::new(),
             boots: Vec::new(),
+            currents: Vec::new(),
+            looks: Vec::new(),
+        }
+    }
+
+    /// The same with a Peltier module.
+    #[must_use]
+    pub fn warm(self) -> Self {
+        let (parameters, thermistor) = (PeltierParameters::default(), Thermistor::default());
+        Self {
+            module: Some(Peltier::new(parameters, thermistor, AIR_C)),
+            ..self
         }
     }
 
     /// Lets time pass until `to`.
     pub fn advance(&mut self, to: Nanos) {
+        if let Some(module) = &mut self.module {
+            module.advance(to);
+        }
         let levels = &mut self.levels;
         self.segment.advance(to, &mut |board, edge| {
             levels.push(Level {
@@ -104,6 +140,26 @@ impl Chips {
             }
             Kind::Transfer => Some(self.transfer(head, bytes)),
             Kind::Signal => Some(self.signal(head, bytes)),
+            Kind::Sensors => {
+                let Some(module) = &self.module else {
+                    return Some((head.ns, Outcome::Nothing, Vec::new()));
+                };
+                self.looks.push(now);
+                let reading = module.reading();
+                let codes = [reading.face.to_le_bytes(), reading.sink.to_le_bytes()];
+                let at = reading.at.as_micros() * 1000;
+                Some((at, Outcome::Done, codes.concat()))
+            }
+            Kind::Bridge => {
+                let (milliamps, length) = bytes.split_first_chunk()?;
+                let length = u32::from_le_bytes(*length.first_chunk()?);
+                let milliamps = i32::from_le_bytes(*milliamps);
+                self.currents.push(Current { at: now, milliamps });
+                if let Some(module) = &mut self.module {
+                    module.receive(milliamps, Duration::from_micros(length.into()));
+                }
+                done(Vec::new())
+            }
             _ => None,
         }
     }

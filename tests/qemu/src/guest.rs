@@ -163,6 +163,15 @@ impl Guest {
         self.answers.write_all(&whole)
     }
 
+    /// Wakes QEMU's thread for everything but the guest, as a busy machine does at any time.
+    ///
+    /// # Errors
+    /// When QEMU is gone.
+    pub fn disturb(&mut self) -> io::Result<()> {
+        let monitor = self.child.stdin.as_mut().ok_or(io::ErrorKind::BrokenPipe)?;
+        monitor.write_all(b"\n")
+    }
+
     /// Asks QEMU to write the guest's memory down; it does so when the guest runs on. See [`Self::memory`].
     ///
     /// # Errors

@@ -8,7 +8,7 @@ mod guest;
 mod image;
 mod lockstep;
 
-pub use chips::{Chips, Level};
+pub use chips::{Chips, Current, Level};
 pub use guest::{Guest, Machine, Network};
 pub use image::{Image, free_of};
 pub use lockstep::{Host, Lockstep};

@@ -40,6 +40,8 @@ pub struct Host {
     pub sent: Vec<Vec<u8>>,
     /// Datagrams that reach the unit at its next looks, of any sender.
     pub injected: VecDeque<Vec<u8>>,
+    /// Every datagram of the unit.
+    pub heard: Vec<Vec<u8>>,
 }
 
 impl Host {
@@ -64,6 +66,7 @@ impl Host {
             lives: true,
             sent: Vec::new(),
             injected: VecDeque::new(),
+            heard: Vec::new(),
         })
     }
 
@@ -133,6 +136,8 @@ pub struct Lockstep {
     pub host: Host,
     /// When the host's program last looked.
     looked: Nanos,
+    /// QEMU's other thread is woken all the time.
+    pub disturbed: bool,
     /// Longest that the guest was busy with a datagram before it asked again.
     pub longest: Nanos,
     /// When the guest was given a datagram, if that was the last answer.
@@ -152,6 +157,7 @@ impl Lockstep {
             chips,
             host,
             looked: Nanos::ZERO,
+            disturbed: false,
             longest: Nanos::ZERO,
             given: None,
             waiting: None,
@@ -188,6 +194,9 @@ impl Lockstep {
             let (ns, outcome, bytes) = self.answer(&head, bytes);
             let takes = head.kind() == Some(Kind::Receive) && outcome == Outcome::Done;
             self.given = takes.then_some(Nanos(head.ns));
+            if self.disturbed {
+                self.guest.disturb()?;
+            }
             self.guest.answer(ns, outcome, &bytes)?;
         }
     }
@@ -200,6 +209,7 @@ impl Lockstep {
         let host = &mut self.host;
         if head.kind() == Some(Kind::Send) {
             host.back.send(now, &bytes);
+            host.heard.push(bytes);
             return (head.ns, Outcome::Done, Vec::new());
         }
         if let Some(datagram) = host.injected.pop_front().or_else(|| host.there.land(now)) {

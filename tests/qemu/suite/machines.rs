@@ -7,7 +7,7 @@ use palpate_emulators::network::Profile;
 use palpate_qemu::{Chips, Host, Lockstep, Machine};
 
 /// The key that `ci/unit` builds the images with.
-pub const KEY: [u8; 32] = [9; 32];
+pub use super::held::KEY;
 
 /// The Stellaris board with the memory of a Feather M0.
 pub const LM3S6965EVB: Machine = Machine {
@@ -100,16 +100,30 @@ pub fn image(machine: &Machine, program: &str) -> PathBuf {
     path.canonicalize().unwrap()
 }
 
-/// A unit and a host that have met, over a quiet network.
-pub fn met(machine: Machine, oe: bool) -> Lockstep {
-    let host = Host::new(&KEY, 1, Profile::WIRE).unwrap();
+/// The image of a unit whose datagrams are the rig's.
+pub fn lockstep(machine: &Machine) -> PathBuf {
     let program = if machine.is_qemu() {
         "lockstep"
     } else {
         "pico"
     };
-    let image = image(&machine, program);
-    let mut run = Lockstep::start(machine, &image, (Chips::new(oe), host)).unwrap();
+    image(machine, program)
+}
+
+/// A unit and a host that have met, over a quiet network.
+pub fn met(machine: Machine, oe: bool) -> Lockstep {
+    // Pins of a processor are there in any case.
+    match machine.is_qemu() {
+        true => met_on(machine, Chips::new(oe)),
+        false => met_on(machine, Chips::new(oe).warm()),
+    }
+}
+
+/// The same over these chips.
+pub fn met_on(machine: Machine, chips: Chips) -> Lockstep {
+    let host = Host::new(&KEY, 1, Profile::WIRE).unwrap();
+    let image = lockstep(&machine);
+    let mut run = Lockstep::start(machine, &image, (chips, host)).unwrap();
     // A port over USB is found first.
     for _ in 0..5 {
         run.run(Duration::from_millis(200)).unwrap();

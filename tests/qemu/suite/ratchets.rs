@@ -12,6 +12,7 @@ use palpate_qemu::{Image, Machine, free_of};
 use serde::Deserialize;
 
 use super::decisions::Pair;
+use super::face::cooling;
 use super::machines::{image, met, on_each_machine};
 use super::sessions::play;
 
@@ -103,11 +104,23 @@ fn forged(machine: Machine) -> u64 {
     run.longest.0 >> machine.shift
 }
 
+/// Instructions from a look at the thermistors to the current that it comes to: a turn of the regulator that cools.
+fn regulated(machine: Machine) -> u64 {
+    let run = cooling(machine);
+    let chips = &run.chips;
+    let took = |look: &Nanos| {
+        let set = chips.currents.iter().find(|current| current.at >= *look);
+        set.map(|current| current.at.since(*look).0)
+    };
+    let longest = chips.looks.iter().filter_map(took).max();
+    longest.unwrap_or(0) >> machine.shift
+}
+
 fn measured(machine: Machine) -> (String, BTreeMap<String, u64>) {
     let (from, length) = machine.memory;
     let unit = Image::read(&image(&machine, "unit"), from).unwrap();
     let lockstep = Image::read(&image(&machine, "lockstep"), from).unwrap();
-    let mut run = met(machine, true);
+    let mut run = cooling(machine);
     play(&mut run, 20);
     let command = run.longest.0 >> machine.shift;
     run.chips.dead = true;
@@ -125,6 +138,7 @@ fn measured(machine: Machine) -> (String, BTreeMap<String, u64>) {
         ("admit_after_11_s", admit_after_11_s),
         ("command", command),
         ("forged", forged(machine)),
+        ("regulated", regulated(machine)),
     ];
     let named = figures.map(|(name, figure)| (name.to_owned(), figure));
     (unit.compiler, named.into())

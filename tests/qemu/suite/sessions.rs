@@ -102,12 +102,13 @@ fn a_session_plays_on_time(machine: Machine) {
 }
 
 fn runs_repeat_to_the_nanosecond(machine: Machine) {
-    let played = || {
+    let played = |disturbed| {
         let mut run = met(machine, true);
+        run.disturbed = disturbed;
         play(&mut run, 10);
         (run.chips.transfers, run.chips.levels)
     };
-    let (one, other) = (played(), played());
+    let (one, other) = (played(false), played(true));
     assert!(one.0.len() > 50 && one.1.len() > 200);
     assert_eq!(one, other);
 }

@@ -1,7 +1,6 @@
 //! An H-bridge of 20 kHz and more behind an LC filter: the module sees a current, not its ripple.
 
-use palpate_core::peltier::GuardedCurrent;
-use palpate_core::units::Instant;
+use palpate_core::units::{Duration, Instant};
 
 use super::instant;
 use crate::time::Nanos;
@@ -19,10 +18,10 @@ pub(super) struct Bridge {
 }
 
 impl Bridge {
-    /// Takes an update at an instant of its own clock, by which it lets go.
-    pub(super) fn set(&mut self, at: Nanos, update: &GuardedCurrent) {
-        self.milliamps = update.milliamps();
-        self.until = instant(at) + update.until().since(update.at());
+    /// Takes a current at an instant of its own clock, by which it lets go after so long.
+    pub(super) fn set(&mut self, at: Nanos, milliamps: i32, length: Duration) {
+        self.milliamps = milliamps;
+        self.until = instant(at) + length;
     }
 
     pub(super) const fn off(&mut self) {

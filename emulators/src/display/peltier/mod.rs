@@ -183,6 +183,12 @@ impl Peltier {
         self.converter.reading()
     }
 
+    /// What the bridge's lines say, without a proof of a guard: this current, mA, and after so long none. For firmware,
+    /// whose guard stands in front of its pins.
+    pub fn receive(&mut self, milliamps: i32, length: Duration) {
+        self.bridge.set(self.now, milliamps, length);
+    }
+
     /// What it is now.
     pub fn state(&self) -> ModuleState {
         let milliamps = match self.is_cut {
@@ -224,7 +230,7 @@ impl Actuators<GuardedCurrent> for Peltier {
     type Error = Infallible;
 
     fn apply(&mut self, update: &GuardedCurrent) -> Result<(), Infallible> {
-        self.bridge.set(self.now, update);
+        self.receive(update.milliamps(), update.until().since(update.at()));
         Ok(())
     }
 

@@ -2,6 +2,7 @@
 
 use core::mem::MaybeUninit;
 use core::ptr::addr_of_mut;
+use core::sync::atomic::{Ordering, compiler_fence};
 
 use cortex_m::asm;
 use palpate_core::units::{Duration, Instant};
@@ -43,11 +44,25 @@ const UNPEND: usize = 0xE000_E280;
 /// the rig's chips, which were not reset.
 #[derive(Clone, Copy)]
 struct Counted {
-    ticks: u64,
-    /// `!ticks`, after any look at the clock; anything else after power-on.
-    check: u64,
+    /// Twice, each with its complement: a reset can come while one is being written. Anything else after power-on.
+    ticks: [(u64, u64); 2],
     /// SysTick at the last look.
     value: u32,
+}
+
+impl Counted {
+    fn write(&mut self, ticks: u64) {
+        for copy in &mut self.ticks {
+            *copy = (ticks, !ticks);
+            // In this order.
+            compiler_fence(Ordering::SeqCst);
+        }
+    }
+
+    fn known(&self) -> u64 {
+        let whole = self.ticks.iter().filter(|(ticks, check)| *check == !*ticks);
+        whole.map(|(ticks, _)| *ticks).max().unwrap_or(0)
+    }
 }
 
 #[unsafe(link_section = ".uninit.counted")]
@@ -62,9 +77,10 @@ fn counted() -> &'static mut Counted {
 pub fn ticks() -> u64 {
     let counted = counted();
     let value = SYSTICK_VALUE.read();
-    counted.ticks += u64::from(counted.value.wrapping_sub(value) & LAP);
-    (counted.value, counted.check) = (value, !counted.ticks);
-    counted.ticks
+    let ticks = counted.ticks[0].0 + u64::from(counted.value.wrapping_sub(value) & LAP);
+    counted.value = value;
+    counted.write(ticks);
+    ticks
 }
 
 /// The same in nanoseconds.
@@ -76,6 +92,9 @@ pub fn now_ns() -> u64 {
 pub fn now() -> Instant {
     Instant::from_micros(ticks() / (1000 / TICK_NS))
 }
+
+/// Nanoseconds of two instructions, as QEMU counts them: one round of a delay.
+const ROUND_NS: u64 = 64;
 
 /// The machine's clock, alarm and watchdog.
 #[derive(Debug)]
@@ -91,9 +110,7 @@ impl Machine {
         SYSTICK_VALUE.write(0);
         SYSTICK_CONTROL.write(0b101);
         let counted = counted();
-        if counted.check != !counted.ticks {
-            counted.ticks = 0;
-        }
+        counted.write(counted.known());
         counted.value = SYSTICK_VALUE.read();
         TIMER_CONFIG.write(0);
         TIMER_MODE.write(1);
@@ -141,5 +158,25 @@ impl Processor for Machine {
 
     fn feed(&mut self) {
         WATCHDOG_CLEAR.write(1);
+    }
+}
+
+/// The machine, counting in place of a rest, so that a run repeats. QEMU 7.2 wakes a processor that rests from another thread.
+/// Instructions since its last look at the clock, up to a microsecond of them, have been counted by then or have not.
+#[derive(Debug)]
+pub struct Awake(pub Machine);
+
+impl Processor for Awake {
+    fn now(&self) -> Instant {
+        self.0.now()
+    }
+
+    fn rest(&mut self, until: Instant) {
+        let ns = until.since(self.now()).as_micros() * 1000;
+        asm::delay((ns / ROUND_NS) as u32);
+    }
+
+    fn feed(&mut self) {
+        self.0.feed();
     }
 }

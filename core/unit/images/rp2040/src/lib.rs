@@ -1,14 +1,16 @@
 //! Boards with an RP2040, such as a Raspberry Pi Pico, as a driver unit: datagrams over USB, boards on I2C.
 #![no_std]
 
+mod bridge;
 mod bus;
 mod serial;
 mod settings;
 mod slip;
 
+pub use bridge::{Bridge, STEPS};
 pub use bus::Settled;
 pub use serial::Serial;
-pub use settings::settings;
+pub use settings::{regulator, settings};
 
 use palpate_core::units::Instant;
 use palpate_image::{Arena, Processor, Register};

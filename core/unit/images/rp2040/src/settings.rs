@@ -1,7 +1,9 @@
-//! What is burnt into this unit: two fingertips of eight wires.
+//! What is burnt into this unit: two fingertips of eight wires, and a Peltier module.
 
 use palpate_core::guard::{HARD, Limits, Plant};
 use palpate_core::illusion::DisplayWire;
+use palpate_core::peltier::Regulator;
+use palpate_core::physics::{PeltierParameters, Thermistor};
 use palpate_core::units::Milliamps;
 use palpate_image::{burnt_key, fingertips};
 use palpate_unit::Settings;
@@ -17,6 +19,14 @@ const LIMITS: Limits = Limits {
     supply: Milliamps(3000),
     ..HARD
 };
+
+/// Whether a Peltier module is wired.
+const MODULE: bool = true;
+
+/// What regulates the module, if there is one: 10 kOhm thermistors, B 3950 K, under 10 kOhm.
+pub fn regulator() -> Option<Regulator> {
+    MODULE.then(|| Regulator::new(PeltierParameters::default(), Thermistor::default()))
+}
 
 /// The unit's settings; `boot` is a number that no start had before.
 pub fn settings(boot: u64) -> Settings<'static> {

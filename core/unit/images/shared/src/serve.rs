@@ -3,7 +3,7 @@
 use embedded_hal::digital::OutputPin;
 use embedded_hal::i2c::I2c;
 use palpate_core::units::{Duration, Instant};
-use palpate_unit::{Datagrams, Unit};
+use palpate_unit::{Datagrams, Module, Unit};
 
 /// Longest rest: half of the hardware watchdog's first 20 ms.
 const REST: Duration = Duration::from_millis(10);
@@ -27,8 +27,8 @@ pub trait Link: Datagrams {
 }
 
 /// Runs a unit for ever.
-pub fn serve<I: I2c, P: OutputPin>(
-    mut unit: Unit<I, P>,
+pub fn serve<I: I2c, P: OutputPin, T: Module>(
+    mut unit: Unit<I, P, T>,
     processor: &mut impl Processor,
     link: &mut impl Link,
 ) -> ! {

@@ -4,10 +4,10 @@
 
 use cortex_m_rt::entry;
 use palpate_image::rig::lockstep;
-use palpate_image_lm3s6965evb::{HEAP, KEY, start};
+use palpate_image_lm3s6965evb::{Awake, HEAP, KEY, start};
 
 #[entry]
 fn main() -> ! {
-    let (mut machine, rig) = start();
-    lockstep(&rig, &HEAP, &mut machine, &KEY)
+    let (machine, rig) = start();
+    lockstep(&rig, &HEAP, &mut Awake(machine), &KEY)
 }

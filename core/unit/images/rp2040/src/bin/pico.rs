@@ -1,4 +1,5 @@
-//! The driver unit on a Raspberry Pi Pico: SDA on GPIO 4, SCL on GPIO 5, the chips' OE on GPIO 6, datagrams over USB.
+//! The driver unit on a Raspberry Pi Pico: SDA on GPIO 4, SCL on GPIO 5, the chips' OE on GPIO 6, datagrams over USB. Of a
+//! Peltier module: the bridge's SHDN on GPIO 7, its CTLI on GPIO 8, thermistors of face and sink on GPIO 26 and 27.
 #![no_std]
 #![no_main]
 
@@ -7,14 +8,18 @@ use core::ptr::addr_of_mut;
 use cortex_m::singleton;
 use palpate_image::serve;
 use palpate_image::udp::{Bytes, Memory, NO_BYTES, Udp};
-use palpate_image_rp2040::{HEAP, Machine, Serial, Settled, now, settings};
+use palpate_image_rp2040::{
+    Bridge, HEAP, Machine, STEPS, Serial, Settled, now, regulator, settings,
+};
 use palpate_unit::Unit;
+use rp2040_hal::adc::AdcPin;
 use rp2040_hal::clocks::{Clock, init_clocks_and_plls};
 use rp2040_hal::fugit::{ExtU32, RateExtU32};
 use rp2040_hal::gpio::{FunctionI2C, Pin, PinState, Pins, PullUp};
+use rp2040_hal::pwm::Slices;
 use rp2040_hal::rosc::RingOscillator;
 use rp2040_hal::usb::UsbBus;
-use rp2040_hal::{I2C, Sio, Watchdog, entry, pac};
+use rp2040_hal::{Adc, I2C, Sio, Watchdog, entry, pac};
 use smoltcp::wire::{Ipv4Address, Ipv4Cidr};
 use usb_device::bus::UsbBusAllocator;
 
@@ -40,6 +45,7 @@ fn main() -> ! {
     let pins = Pins::new(bank.0, bank.1, bank.2, &mut pac.RESETS);
     // Outputs off before anything else; the unit then says so to the chips.
     let oe = pins.gpio6.into_push_pull_output_in_state(PinState::High);
+    let shutdown = pins.gpio7.into_push_pull_output_in_state(PinState::Low);
     let mut watchdog = Watchdog::new(pac.WATCHDOG);
     let Ok(clocks) = init_clocks_and_plls(
         CRYSTAL_HZ,
@@ -65,6 +71,21 @@ fn main() -> ! {
         &mut pac.RESETS,
         system,
     ));
+    let mut slice = Slices::new(pac.PWM, &mut pac.RESETS).pwm4;
+    slice.set_top(STEPS - 1);
+    slice.enable();
+    slice.channel_a.output_to(pins.gpio8);
+    let (Ok(face), Ok(sink)) = (
+        AdcPin::new(pins.gpio26.into_floating_input()),
+        AdcPin::new(pins.gpio27.into_floating_input()),
+    ) else {
+        panic!("pins of the converter");
+    };
+    let bridge = Bridge {
+        control: slice.channel_a,
+        shutdown,
+        thermistors: (Adc::new(pac.ADC, &mut pac.RESETS), face, sink),
+    };
     let usb = UsbBus::new(
         pac.USBCTRL_REGS,
         pac.USBCTRL_DPRAM,
@@ -76,7 +97,8 @@ fn main() -> ! {
         panic!("once");
     };
     let settings = settings(random(&RingOscillator::new(pac.ROSC).initialize()));
-    let Ok(unit) = Unit::new(&settings, bus, oe) else {
+    let module = regulator().map(|regulator| (bridge, regulator));
+    let Ok(unit) = Unit::warming(&settings, (bus, oe), module) else {
         panic!("settings that no unit can have");
     };
     // SAFETY: the one use of each.

@@ -43,7 +43,7 @@ impl<W: Wires, C: Fn() -> u64> Rig<W, C> {
     }
 
     /// One question; the answer's time, outcome and how many of its bytes are in `reply`. `None` if the rig is gone.
-    fn ask(
+    pub(super) fn ask(
         &self,
         (kind, argument): (Kind, u8),
         parts: &[&[u8]],

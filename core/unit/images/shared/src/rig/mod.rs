@@ -11,18 +11,20 @@
 //!
 //! | at | bytes | answer |
 //! |---|---|---|
-//! | 0 | 8 | a time, ns: the end of a transfer, the next look for a datagram |
+//! | 0 | 8 | a time, ns: the end of a transfer, the next look for a datagram, a conversion |
 //! | 8 | 1 | [`Outcome`] |
 //! | 9 | 1 | 0 |
 //! | 10 | 2 | bytes that follow |
 //!
 //! The bytes of a transfer are its operations: 0 and a length for a read; 1, a length and the data for a write.
 
+mod bridge;
 mod client;
 #[cfg(target_os = "none")]
 mod pipes;
 mod programs;
 
+pub use bridge::{Bridge, Gone};
 pub use client::{Bus, BusError, Network, Oe, Rig, Wires};
 #[cfg(target_os = "none")]
 pub use pipes::Pipes;
@@ -56,6 +58,12 @@ pub enum Kind {
     /// A signal on the bus, for a machine that has an I2C controller of its own: a [`Signal`] with its byte. The answer is a
     /// byte that was read, or 1 for an acknowledgement.
     Signal,
+    /// What do both thermistors of the Peltier module say? The answer's time is that of the conversion; 2 bytes per code, the
+    /// face's first. Nothing there: the rig has no module.
+    Sensors,
+    /// The bridge has this current from now on: mA in 4 bytes, signed, positive where it cools; and for how long in us, 4
+    /// bytes, after which it lets go by itself.
+    Bridge,
 }
 
 /// What a controller does on the bus.
@@ -79,7 +87,7 @@ impl Signal {
 
 impl Kind {
     /// Every kind, by its number.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Boot,
         Self::Oe,
         Self::Transfer,
@@ -88,6 +96,8 @@ impl Kind {
         Self::Ask,
         Self::Tell,
         Self::Signal,
+        Self::Sensors,
+        Self::Bridge,
     ];
 }
 

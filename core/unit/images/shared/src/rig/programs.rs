@@ -3,10 +3,12 @@
 use embedded_hal::digital::OutputPin;
 use palpate_core::guard::{Guard, HARD, Limits, Plant};
 use palpate_core::illusion::DisplayWire;
+use palpate_core::peltier::Regulator;
+use palpate_core::physics::{PeltierParameters, Thermistor};
 use palpate_core::units::Milliamps;
 use palpate_unit::{Settings, Unit};
 
-use super::{Bus, Network, Oe, Rig, Wires};
+use super::{Bridge, Bus, Network, Oe, Rig, Wires};
 use crate::serve::Link;
 use crate::{ANSWER, Arena, Processor, QUESTION, answer, fingertips, serve};
 
@@ -20,7 +22,7 @@ pub const LIMITS: Limits = Limits {
     ..HARD
 };
 
-/// Serves a unit under this key over the rig's boards, for ever. `network` is its link; the rig's own for runs that repeat.
+/// Serves a unit under this key over the rig's boards, and its Peltier module if it has one, for ever. `network` is its link; the rig's own for runs that repeat.
 ///
 /// # Panics
 /// On settings that no unit can have, and for what allocates once the unit is built. A panic of an image is a reset.
@@ -50,7 +52,9 @@ pub fn unit<'r, W: Wires, C: Fn() -> u64, L: Link, const HEAP: usize>(
         converters: None,
     };
     let mut link = network(rig);
-    let Ok(unit) = Unit::new(&settings, Bus(rig), oe) else {
+    let regulator = || Regulator::new(PeltierParameters::default(), Thermistor::default());
+    let module = Bridge::of(rig).map(|bridge| (bridge, regulator()));
+    let Ok(unit) = Unit::warming(&settings, (Bus(rig), oe), module) else {
         panic!("settings that no unit can have");
     };
     heap.close();

@@ -3,11 +3,11 @@
 #![no_main]
 
 use palpate_image::rig::lockstep;
-use palpate_image_virt::{HEAP, KEY, start};
+use palpate_image_virt::{Awake, HEAP, KEY, start};
 use riscv_rt::entry;
 
 #[entry]
 fn main() -> ! {
-    let (mut machine, rig) = start();
-    lockstep(&rig, &HEAP, &mut machine, &KEY)
+    let (machine, rig) = start();
+    lockstep(&rig, &HEAP, &mut Awake(machine), &KEY)
 }
