@@ -47,10 +47,7 @@ impl<I: I2c> Pca9685Bank<I> {
         self.command(board, regs::LDAC, 0, regs::NO_PIN)?;
         self.command(board, regs::POWER, 0, regs::ALL_ON)?;
         self.zero_converter(board)?;
-        for channel in self.own_outputs(board) {
-            self.confirm_code(board, channel, 0)?;
-        }
-        Ok(())
+        self.confirm_zero(board)
     }
 
     /// Outputs of a board's converter that are this driver's.
@@ -66,6 +63,17 @@ impl<I: I2c> Pca9685Bank<I> {
             if let Some(code) = code {
                 self.confirm_code(board, channel, code)?;
             }
+        }
+        Ok(())
+    }
+
+    /// Reads back that no current of a board is set; a board without a converter has none.
+    ///
+    /// # Errors
+    /// A current that is not zero, or a converter that does not answer.
+    pub fn confirm_zero(&mut self, board: Board) -> Result<(), DriverError> {
+        for channel in self.own_outputs(board) {
+            self.confirm_code(board, channel, 0)?;
         }
         Ok(())
     }

@@ -11,7 +11,7 @@ use socketcan::nl::CanState;
 use socketcan::{CanInterface, CanSocket, Socket};
 
 use crate::can::is_up;
-use crate::guardian::{Latch, Sweeper, Watch};
+use crate::guardian::{Latch, Sweeper, Watch, WatchedBus};
 use crate::i2c::{LinuxAdapter, number};
 use crate::pacer::{Pacer, RunClock};
 use crate::sys::{lock_memory_limit, set_fifo_priority};
@@ -173,8 +173,13 @@ fn look_at_can(wanted: Option<&[String]>) -> Vec<Finding> {
 
 fn look_at_i2c(watch: Option<&Watch>) -> Vec<Finding> {
     const ABOUT: &str = "I2C";
-    let listed = || nodes("/dev", "i2c-").into_iter().map(|path| (path, vec![]));
-    let buses = watch.map_or_else(|| listed().collect(), |watch| watch.buses.clone());
+    let listed = |path| WatchedBus {
+        path,
+        boards: Vec::new(),
+        converters: Vec::new(),
+    };
+    let listed = || nodes("/dev", "i2c-").into_iter().map(listed).collect();
+    let buses: Vec<WatchedBus> = watch.map_or_else(listed, |watch| watch.buses.clone());
     if buses.is_empty() {
         return vec![Finding::bad(
             ABOUT,
@@ -184,11 +189,12 @@ fn look_at_i2c(watch: Option<&Watch>) -> Vec<Finding> {
         )];
     }
     let mut findings = Vec::new();
-    for (path, addresses) in buses {
+    for bus in buses {
+        let path = bus.path.clone();
         let named = |n: u32| fs::read_to_string(format!("/sys/class/i2c-dev/i2c-{n}/name")).ok();
         let adapter = number(&path).and_then(named).unwrap_or_default();
         let shown = format!("{} ({})", path.display(), adapter.trim());
-        match LinuxAdapter::open(&path, &addresses) {
+        match LinuxAdapter::open(&path, &bus.addresses()) {
             Ok(_) => findings.push(Finding::good(
                 ABOUT,
                 format!("{shown}: opens, whole transfers"),
@@ -204,18 +210,17 @@ fn look_at_i2c(watch: Option<&Watch>) -> Vec<Finding> {
                 continue;
             }
         }
-        if let Some(watch) = watch.filter(|_| !addresses.is_empty()) {
-            findings.extend(look_at_boards(&path, &addresses, watch));
+        if let Some(watch) = watch.filter(|_| !bus.boards.is_empty()) {
+            findings.extend(look_at_boards(bus, watch));
         }
         findings.extend(look_at_latch(&path));
     }
     findings
 }
 
-fn look_at_boards(path: &Path, addresses: &[u8], watch: &Watch) -> Vec<Finding> {
+fn look_at_boards(bus: WatchedBus, watch: &Watch) -> Vec<Finding> {
     const ABOUT: &str = "board";
-    let bus = [(path.to_owned(), addresses.to_vec())];
-    let Ok(mut sweeper) = Sweeper::open(&bus, watch.transfer) else {
+    let Ok(mut sweeper) = Sweeper::open(&[bus], watch.transfer) else {
         return Vec::new(); // its adapter has been reported
     };
     let boards = sweeper.look().into_iter().map(|board| {

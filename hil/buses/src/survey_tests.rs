@@ -6,7 +6,11 @@ use super::*;
 fn what_is_missing_comes_with_a_command() {
     let wanted = ["no-such-can".to_owned()];
     let watch = Watch {
-        buses: vec![("/dev/i2c-999".into(), vec![0x40])],
+        buses: vec![WatchedBus {
+            path: "/dev/i2c-999".into(),
+            boards: vec![0x40],
+            converters: Vec::new(),
+        }],
         oe: Some(("/dev/no-such-chip".into(), 1)),
         heartbeat: std::time::Duration::from_millis(50),
         transfer: std::time::Duration::from_millis(30),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use palpate_buses::guardian::{parse_bus, parse_line};
+use palpate_buses::guardian::{WatchedBus, parse_bus, parse_line};
 
 use super::{UnitOn, Voice, positive, whole};
 
@@ -77,9 +77,9 @@ pub struct OffArgs {
 /// Options of the guardian process.
 #[derive(Debug, Args)]
 pub struct GuardianArgs {
-    /// Adapter and addresses of its boards.
-    #[arg(long, value_name = "PATH=ADDRESS,..", value_parser = parse_bus)]
-    pub i2c: Vec<(PathBuf, Vec<u8>)>,
+    /// Adapter, addresses of its boards, and of the converters beside them.
+    #[arg(long, value_name = "PATH=ADDRESS,..+ADDRESS,..", value_parser = parse_bus)]
+    pub i2c: Vec<WatchedBus>,
     /// GPIO chip and line of the OE pins.
     #[arg(long, value_name = "CHIP=LINE", value_parser = parse_line)]
     pub oe: Option<(PathBuf, u32)>,

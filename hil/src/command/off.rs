@@ -50,7 +50,7 @@ pub fn off(args: &OffArgs) -> Result<(), Failure> {
         note(reason);
     }
     let result = sweep(&watch, &mut lines);
-    for (path, _) in &watch.buses {
+    for path in watch.buses.iter().map(|bus| &bus.path) {
         let latch = Latch::of(path);
         let Some(held) = latch.read() else {
             continue;
@@ -120,7 +120,7 @@ fn sweep(watch: &Watch, lines: &mut Vec<String>) -> Result<(), Failure> {
     // At once, even while another program has the bus; then again when none has.
     let first = sweeper.off();
     let mut locks = Vec::new();
-    for (path, _) in &watch.buses {
+    for path in watch.buses.iter().map(|bus| &bus.path) {
         match BusLock::take_over(path, PATIENCE) {
             Ok((lock, ended)) => {
                 lines.extend(ended.map(|who| format!("{}: ended {who}", path.display())));

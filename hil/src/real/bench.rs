@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use palpate_buses::can::{CanBuses, Note, Tally};
-use palpate_buses::guardian::{Guardian, Latch, Watch};
+use palpate_buses::guardian::{Guardian, Latch, Watch, WatchedBus};
 use palpate_buses::i2c::{Blocking, LinuxAdapter};
 use palpate_buses::pacer::RunClock;
 use palpate_core::bus::{CanBus, Received};
@@ -23,8 +23,18 @@ use crate::again;
 /// The guardian's view of a bench.
 pub fn watch(bench: &Bench, real: &Real) -> Watch {
     let ms = |ms: u32| Duration::from_millis(ms.into());
+    let mut converters = plan::converters(bench).map_or(&[][..], |c| c.addresses);
+    let bus = |(path, boards): (&PathBuf, Vec<u8>)| {
+        let (own, others) = converters.split_at(boards.len().min(converters.len()));
+        converters = others;
+        WatchedBus {
+            path: path.clone(),
+            boards,
+            converters: own.to_vec(),
+        }
+    };
     Watch {
-        buses: real.i2c.iter().cloned().zip(plan::buses(bench)).collect(),
+        buses: real.i2c.iter().zip(plan::buses(bench)).map(bus).collect(),
         oe: real.oe.as_ref().map(|oe| (oe.chip.clone(), oe.line)),
         heartbeat: ms(real.heartbeat_ms),
         transfer: ms(real.transfer_ms),
@@ -36,7 +46,7 @@ pub fn watch(bench: &Bench, real: &Real) -> Watch {
 /// # Errors
 /// [`Failure::Guard`] with what stopped it and how that is cleared.
 pub fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
-    for (path, _) in &watch.buses {
+    for path in watch.buses.iter().map(|bus| &bus.path) {
         if let Some(held) = Latch::of(path).read() {
             let known = if held.verified {
                 "everything was switched off"
@@ -57,8 +67,8 @@ pub fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
 pub(super) fn guarded(watch: &Watch) -> Result<(Vec<Blocking>, Guardian, String), Failure> {
     let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
     let mut lines = Vec::new();
-    for (path, addresses) in &watch.buses {
-        let adapter = LinuxAdapter::open(path, addresses).map_err(|e| device(&e))?;
+    for bus in &watch.buses {
+        let adapter = LinuxAdapter::open(&bus.path, &bus.addresses()).map_err(|e| device(&e))?;
         lines.push(Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?);
     }
     let program = again::again().map_err(|e| device(&e))?;
@@ -91,7 +101,7 @@ impl Live {
         lines
             .iter_mut()
             .for_each(|line| line.set_pulse(guardian.pulse()));
-        let addresses = watch.buses.iter().map(|(_, addresses)| &**addresses);
+        let addresses = watch.buses.iter().map(|bus| &*bus.boards);
         let banks = Banks::new(lines.into_iter().zip(addresses), prescale);
         let banks = plan::with_converters(bench, banks);
         Ok(Self {

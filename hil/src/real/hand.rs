@@ -262,7 +262,7 @@ fn open(setup: &Setup, real: &Real, planned: &[Planned]) -> Result<Opened, Failu
                 warden: Arc::clone(&warden),
                 finger,
             };
-            let adapters = watch.buses.iter().map(|(path, _)| path.clone());
+            let adapters = watch.buses.iter().map(|bus| bus.path.clone());
             let end = FingerEnd {
                 banks,
                 vote,

@@ -70,7 +70,7 @@ pub fn after_real(bench: &Bench, outcome: &Outcome) -> Vec<String> {
     };
     let mut wrong = Vec::new();
     let watch = watch(bench, real);
-    for (path, _) in &watch.buses {
+    for path in watch.buses.iter().map(|bus| &bus.path) {
         if let Some(held) = Latch::of(path).read() {
             wrong.push(format!("{}: stopped: {}", path.display(), held.cause));
         }

@@ -152,7 +152,7 @@ impl Guarded {
     pub(super) fn open(bench: &Bench, real: &Real) -> Result<(Self, String), Failure> {
         let device = |e: &dyn std::fmt::Display| Failure::Device(e.to_string());
         let watch = watch(bench, real);
-        let [(path, addresses)] = &*watch.buses else {
+        let [bus] = &*watch.buses else {
             return Err(Failure::Input(format!(
                 "bench `{}`: expected the boards of a unit on one I2C adapter, found {} adapters: start a unit for each",
                 bench.name,
@@ -160,7 +160,7 @@ impl Guarded {
             )));
         };
         refuse_latched(&watch)?;
-        let adapter = LinuxAdapter::open(path, addresses).map_err(|e| device(&e))?;
+        let adapter = LinuxAdapter::open(&bus.path, &bus.addresses()).map_err(|e| device(&e))?;
         let mut line = Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?;
         let program = crate::again::again().map_err(|e| device(&e))?;
         let (guardian, found) = Guardian::start(program, &watch).map_err(|e| device(&e))?;

@@ -9,6 +9,7 @@
 mod bench_faults;
 mod can_clients;
 mod can_flood;
+mod converters;
 mod deaths;
 mod driver_unit;
 mod emulator;

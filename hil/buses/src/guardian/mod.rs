@@ -16,14 +16,48 @@ pub use latch::{Latch, Latched};
 pub use server::serve;
 pub use sweep::{BoardFound, Sweeper};
 
+use std::fmt;
 use std::path::PathBuf;
 use std::time::Duration;
+
+/// An I2C adapter and what it drives.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WatchedBus {
+    /// The device node.
+    pub path: PathBuf,
+    /// Addresses of the boards.
+    pub boards: Vec<u8>,
+    /// Addresses of the converters beside them, board by board; none where amplifiers have a current of their own.
+    pub converters: Vec<u8>,
+}
+
+impl WatchedBus {
+    /// Every address that is written to.
+    pub fn addresses(&self) -> Vec<u8> {
+        [&*self.boards, &*self.converters].concat()
+    }
+}
+
+/// `PATH=40,41` or, with converters, `PATH=40,41+48,49`.
+impl fmt::Display for WatchedBus {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let list = |addresses: &[u8]| -> Vec<String> {
+            addresses.iter().map(|a| format!("{a:02x}")).collect()
+        };
+        let boards = list(&self.boards).join(",");
+        write!(out, "{}={boards}", self.path.display())?;
+        match &*self.converters {
+            [] => Ok(()),
+            some => write!(out, "+{}", list(some).join(",")),
+        }
+    }
+}
 
 /// What a guardian guards, and how patiently.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Watch {
-    /// I2C adapters with the addresses of the boards on each.
-    pub buses: Vec<(PathBuf, Vec<u8>)>,
+    /// I2C adapters.
+    pub buses: Vec<WatchedBus>,
     /// The GPIO line on the chips' OE pins: device and offset. High cuts.
     pub oe: Option<(PathBuf, u32)>,
     /// Silence after which the run counts as hung.
@@ -36,10 +70,7 @@ impl Watch {
     /// The command line of the guardian process, after the program's name.
     pub fn arguments(&self) -> Vec<String> {
         let mut arguments = vec!["guardian".to_owned()];
-        for (path, addresses) in &self.buses {
-            let list: Vec<String> = addresses.iter().map(|a| format!("{a:02x}")).collect();
-            arguments.push(format!("--i2c={}={}", path.display(), list.join(",")));
-        }
+        arguments.extend(self.buses.iter().map(|bus| format!("--i2c={bus}")));
         if let Some((chip, line)) = &self.oe {
             arguments.push(format!("--oe={}={line}", chip.display()));
         }
@@ -49,18 +80,26 @@ impl Watch {
     }
 }
 
-/// Reads `PATH=40,41` of [`Watch::arguments`].
+/// Reads `PATH=40,41+48,49` of [`Watch::arguments`].
 ///
 /// # Errors
 /// What was expected.
-pub fn parse_bus(text: &str) -> Result<(PathBuf, Vec<u8>), String> {
+pub fn parse_bus(text: &str) -> Result<WatchedBus, String> {
     let expected = || "expected PATH=ADDRESS,ADDRESS.. with addresses in hexadecimal".to_owned();
-    let (path, list) = text.rsplit_once('=').ok_or_else(expected)?;
-    let addresses = list.split(',').map(|a| u8::from_str_radix(a, 16));
-    let addresses = addresses
-        .collect::<Result<Vec<u8>, _>>()
-        .map_err(|_| expected())?;
-    Ok((path.into(), addresses))
+    let list = |text: &str| -> Result<Vec<u8>, String> {
+        let addresses = text.split(',').map(|a| u8::from_str_radix(a, 16));
+        addresses.collect::<Result<_, _>>().map_err(|_| expected())
+    };
+    let (path, chips) = text.rsplit_once('=').ok_or_else(expected)?;
+    let (boards, converters) = match chips.split_once('+') {
+        Some((boards, converters)) => (boards, list(converters)?),
+        None => (chips, Vec::new()),
+    };
+    Ok(WatchedBus {
+        path: path.into(),
+        boards: list(boards)?,
+        converters,
+    })
 }
 
 /// Reads `CHIP=LINE` of [`Watch::arguments`].

@@ -131,7 +131,7 @@ impl<'a> Post<'a> {
             let caught = signal_hook::flag::register(signal, Arc::clone(flag));
             caught.map_err(|e| format!("signal {signal}: {e}"))?;
         }
-        let paths = watch.buses.iter().map(|(path, _)| path);
+        let paths = watch.buses.iter().map(|bus| &bus.path);
         let locks: Result<Vec<_>, _> = paths.map(|path| BusLock::take(path)).collect();
         let locks = locks.map_err(|e| e.to_string())?;
         let oe = watch
@@ -323,7 +323,7 @@ impl<'a> Post<'a> {
 
     fn buses(&self) -> Vec<PathBuf> {
         let buses = self.watch.buses.iter();
-        buses.map(|(path, _)| path.clone()).collect()
+        buses.map(|bus| bus.path.clone()).collect()
     }
 
     fn rest(&self, ms: u64) {

@@ -7,8 +7,9 @@ use std::time::Duration;
 
 use palpate_core::driver::Actuators;
 use palpate_core::driver::{Pca9685Bank, Seen};
-use palpate_core::units::Prescale;
+use palpate_core::units::{Milliamps, Prescale};
 
+use super::WatchedBus;
 use crate::i2c::{AdapterError, Blocking, LinuxAdapter};
 use crate::pacer::RunClock;
 
@@ -57,7 +58,7 @@ impl fmt::Display for BoardFound {
 /// The boards of a bench with a bus each for the way out.
 #[derive(Debug)]
 pub struct Sweeper {
-    banks: Vec<(PathBuf, Vec<u8>, Pca9685Bank<Blocking>)>,
+    banks: Vec<(WatchedBus, Pca9685Bank<Blocking>)>,
 }
 
 impl Sweeper {
@@ -65,14 +66,14 @@ impl Sweeper {
     ///
     /// # Errors
     /// [`AdapterError`] for the first adapter that cannot be used.
-    pub fn open(buses: &[(PathBuf, Vec<u8>)], limit: Duration) -> Result<Self, AdapterError> {
-        let open = |(path, addresses): &(PathBuf, Vec<u8>)| {
-            let adapter = LinuxAdapter::open(path, addresses)?;
+    pub fn open(buses: &[WatchedBus], limit: Duration) -> Result<Self, AdapterError> {
+        let open = |bus: &WatchedBus| {
+            let adapter = LinuxAdapter::open(&bus.path, &bus.addresses())?;
             let line = Blocking::new(adapter, limit).map_err(|e| AdapterError {
-                path: path.display().to_string(),
+                path: bus.path.display().to_string(),
                 reason: e.to_string(),
             })?;
-            Ok((path.clone(), addresses.clone(), line))
+            Ok((bus.clone(), line))
         };
         let lines = buses
             .iter()
@@ -82,11 +83,12 @@ impl Sweeper {
     }
 
     /// Over lines that are open already.
-    pub fn over(lines: Vec<(PathBuf, Vec<u8>, Blocking)>) -> Self {
-        // Switching off and reading back need no PRE_SCALE.
-        let bank = |(path, addresses, line): (PathBuf, Vec<u8>, Blocking)| {
-            let bank = Pca9685Bank::new(line, &addresses, Prescale::MIN);
-            (path, addresses, bank)
+    pub fn over(lines: Vec<(WatchedBus, Blocking)>) -> Self {
+        // Switching off and reading back need neither PRE_SCALE nor full scale.
+        let bank = |(bus, line): (WatchedBus, Blocking)| {
+            let bank = Pca9685Bank::new(line, &bus.boards, Prescale::MIN);
+            let bank = bank.with_converters(&bus.converters, Milliamps(0));
+            (bus, bank)
         };
         Self {
             banks: lines.into_iter().map(bank).collect(),
@@ -96,14 +98,14 @@ impl Sweeper {
     /// Reads every board and changes nothing.
     pub fn look(&mut self) -> Vec<BoardFound> {
         let mut found = Vec::new();
-        for (path, addresses, bank) in &mut self.banks {
-            for (&address, board) in addresses.iter().zip(bank.numbers()) {
+        for (bus, bank) in &mut self.banks {
+            for (&address, board) in bus.boards.iter().zip(bank.numbers()) {
                 let seen = bank.look(board).map_err(|error| {
                     let fault = bank.bus().last_fault();
                     fault.map_or_else(|| error.to_string(), ToString::to_string)
                 });
                 found.push(BoardFound {
-                    bus: path.clone(),
+                    bus: bus.path.clone(),
                     address,
                     seen,
                 });
@@ -128,13 +130,13 @@ impl Sweeper {
         }
     }
 
-    /// Everything off, all buses at once, and read back. `Err` names the first board that is not known to
-    /// be off.
+    /// Everything off, all buses at once, then every current that is set to zero, and read back. `Err` names the first
+    /// board that is not known to be off.
     ///
     /// # Errors
     /// In words, why.
     pub fn off(&mut self) -> Result<(), String> {
-        let one = |(path, _, bank): &mut (PathBuf, Vec<u8>, Pca9685Bank<Blocking>)| {
+        let one = |(bus, bank): &mut (WatchedBus, Pca9685Bank<Blocking>)| {
             bank.all_off().map_err(|error| {
                 let fault = bank.bus().last_fault();
                 fault.map_or_else(|| error.to_string(), ToString::to_string)
@@ -145,14 +147,16 @@ impl Sweeper {
                     Ok(_) => {
                         return Err(format!(
                             "{}: board {} reads back as on",
-                            path.display(),
+                            bus.path.display(),
                             board.0
                         ));
                     }
                     Err(error) => return Err(error.to_string()),
                 }
             }
-            Ok(())
+            bank.numbers()
+                .try_for_each(|board| bank.confirm_zero(board))
+                .map_err(|error| format!("{}: {error}", bus.path.display()))
         };
         if let [only] = self.banks.as_mut_slice() {
             return one(only);

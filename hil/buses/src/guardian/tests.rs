@@ -4,16 +4,20 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use embedded_hal::i2c::{Error as _, ErrorKind, NoAcknowledgeSource, Operation};
+use palpate_emulators::display::dac7578::Dac7578;
 use palpate_emulators::display::i2c::{BusClock, I2cSegment};
 use palpate_emulators::display::pca9685::{Config, Pca9685};
 
-use super::{Sweeper, Watch, parse_bus, parse_line};
+use super::{Sweeper, Watch, WatchedBus, parse_bus, parse_line};
 use crate::i2c::{Adapter, Blocking, FaultKind};
 
-/// An emulated bus as an adapter, which may be held.
+/// What went over a bus, by address: a bus is stuck while a test holds it.
+type Line = Arc<Mutex<Vec<(u8, Vec<u8>)>>>;
+
+/// An emulated bus as an adapter.
 struct Emulated {
     segment: I2cSegment,
-    hold: Arc<Mutex<()>>,
+    line: Line,
 }
 
 impl Adapter for Emulated {
@@ -22,7 +26,8 @@ impl Adapter for Emulated {
     }
 
     fn transfer(&mut self, address: u8, write: &[u8], read: &mut [u8]) -> Result<(), FaultKind> {
-        let _held = self.hold.lock().unwrap();
+        let mut line = self.line.lock().unwrap();
+        line.push((address, write.to_vec()));
         let mut operations = vec![Operation::Write(write)];
         if !read.is_empty() {
             operations.push(Operation::Read(read));
@@ -35,28 +40,43 @@ impl Adapter for Emulated {
     }
 }
 
-/// A bus with a chip at 0x40 whose channels 3 and 5 were left driving, and no chip at 0x41.
-fn bus(addresses: &[u8]) -> ((std::path::PathBuf, Vec<u8>, Blocking), Arc<Mutex<()>>) {
-    let mut segment = I2cSegment::new(BusClock::Fast, vec![Pca9685::new(Config::new(0x40))]);
-    let mut write = |bytes: &[u8]| {
-        let sent = segment.transaction(0x40, &mut [Operation::Write(bytes)]);
+/// A bus with a chip at 0x40 whose channels 3 and 5 were left driving, a converter at 0x48 whose output 3 was left at half its
+/// scale, and no chip at 0x41 and 0x49.
+fn bus(boards: &[u8], converters: &[u8]) -> ((WatchedBus, Blocking), Line) {
+    let chips = vec![Pca9685::new(Config::new(0x40))];
+    let segment = I2cSegment::new(BusClock::Fast, chips);
+    let mut segment = segment.with_converters(vec![Dac7578::new(0x48)]);
+    let mut write = |address, bytes: &[u8]| {
+        let sent = segment.transaction(address, &mut [Operation::Write(bytes)]);
         sent.unwrap();
     };
-    write(&[0x00, 0x21, 0x04]); // awake, auto-increment, all-call
-    write(&[0x06 + 4 * 3, 0, 0, 100, 0]);
-    write(&[0x06 + 4 * 5, 0, 0x10, 0, 0]);
-    let hold = Arc::new(Mutex::new(()));
+    write(0x40, &[0x00, 0x21, 0x04]); // awake, auto-increment, all-call
+    write(0x40, &[0x06 + 4 * 3, 0, 0, 100, 0]);
+    write(0x40, &[0x06 + 4 * 5, 0, 0x10, 0, 0]);
+    write(0x48, &[0x33, 0x80, 0]);
+    let line = Line::default();
     let adapter = Emulated {
         segment,
-        hold: Arc::clone(&hold),
+        line: Arc::clone(&line),
     };
-    let line = Blocking::new(adapter, Duration::from_millis(50)).unwrap();
-    (("/dev/emulated".into(), addresses.to_vec(), line), hold)
+    let blocking = Blocking::new(adapter, Duration::from_millis(50)).unwrap();
+    (
+        (watched("/dev/emulated", boards, converters), blocking),
+        line,
+    )
+}
+
+fn watched(path: &str, boards: &[u8], converters: &[u8]) -> WatchedBus {
+    WatchedBus {
+        path: path.into(),
+        boards: boards.to_vec(),
+        converters: converters.to_vec(),
+    }
 }
 
 #[test]
 fn a_chip_left_driving_is_found_named_and_switched_off() {
-    let mut sweeper = Sweeper::over(vec![bus(&[0x40]).0]);
+    let mut sweeper = Sweeper::over(vec![bus(&[0x40], &[]).0]);
     let found = sweeper.look();
     assert!(found[0].was_driving());
     assert_eq!(
@@ -70,7 +90,7 @@ fn a_chip_left_driving_is_found_named_and_switched_off() {
 
 #[test]
 fn a_board_that_does_not_answer_is_not_known_to_be_off_and_keeps_no_other_on() {
-    let mut sweeper = Sweeper::over(vec![bus(&[0x40, 0x41]).0]);
+    let mut sweeper = Sweeper::over(vec![bus(&[0x40, 0x41], &[]).0]);
     let error = sweeper.off().unwrap_err();
     assert!(error.contains("0x41") && error.contains("ENXIO"), "{error}");
     let after = sweeper.look();
@@ -79,7 +99,7 @@ fn a_board_that_does_not_answer_is_not_known_to_be_off_and_keeps_no_other_on() {
 
 #[test]
 fn a_stuck_bus_keeps_no_other_bus_on() {
-    let ((first, hold), (second, _)) = (bus(&[0x40]), bus(&[0x40]));
+    let ((first, hold), (second, _)) = (bus(&[0x40], &[]), bus(&[0x40], &[]));
     let mut sweeper = Sweeper::over(vec![first, second]);
     let held = hold.lock().unwrap();
     sweeper.off().unwrap_err();
@@ -97,11 +117,38 @@ fn a_stuck_bus_keeps_no_other_bus_on() {
 }
 
 #[test]
+fn a_current_left_set_goes_to_zero_after_every_output_and_is_read_back() {
+    let (on, line) = bus(&[0x40], &[0x48]);
+    let mut sweeper = Sweeper::over(vec![on]);
+    sweeper.off().unwrap();
+    let line = std::mem::take(&mut *line.lock().unwrap());
+    let written = |address| line.iter().rposition(|(a, w)| *a == address && w.len() > 1);
+    let zeroed = line
+        .iter()
+        .position(|sent| *sent == (0x48, vec![0x3F, 0, 0]));
+    assert!(written(0x40) < zeroed && zeroed.is_some(), "{line:x?}");
+    // Each of the eight codes is read after that.
+    let read = |channel: u8| {
+        line.iter()
+            .rposition(|sent| *sent == (0x48, vec![0x10 | channel]))
+    };
+    assert!((0..8).all(|channel| read(channel) > zeroed), "{line:x?}");
+}
+
+#[test]
+fn a_converter_that_does_not_answer_is_not_known_to_be_at_zero_and_keeps_no_board_on() {
+    let mut sweeper = Sweeper::over(vec![bus(&[0x40], &[0x49]).0]);
+    let error = sweeper.off().unwrap_err();
+    assert!(error.contains("0x49"), "{error}");
+    assert!(!sweeper.look()[0].was_driving());
+}
+
+#[test]
 fn a_watch_survives_its_command_line() {
     let watch = Watch {
         buses: vec![
-            ("/dev/i2c-1".into(), vec![0x40, 0x7f]),
-            ("/dev/a=b".into(), vec![0x41]),
+            watched("/dev/i2c-1", &[0x40, 0x7f], &[]),
+            watched("/dev/a=b+c", &[0x41], &[0x48]),
         ],
         oe: Some(("/dev/gpiochip0".into(), 17)),
         heartbeat: Duration::from_millis(50),
@@ -123,6 +170,7 @@ fn a_watch_survives_its_command_line() {
         "/dev/i2c-1=",
         "/dev/i2c-1=4g",
         "/dev/i2c-1=40,",
+        "/dev/i2c-1=40+",
     ] {
         assert!(parse_bus(bad).is_err(), "{bad}");
     }
