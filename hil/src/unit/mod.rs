@@ -123,6 +123,12 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
     };
     match (&bench.real, bench.kind) {
         (Some(real), BenchKind::Real) => {
+            if bench.heat.is_some() {
+                return Err(Failure::Input(format!(
+                    "bench `{}`: expected no [heat] with real boards: this program drives no bridge. A unit with a firmware image does (docs/unit.md)",
+                    bench.name
+                )));
+            }
             let (mut boards, found) = Guarded::open(bench, real)?;
             if real.realtime != Some(false) {
                 let taken = take_priority();
@@ -137,12 +143,6 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
             let Some((line, pin)) = boards.lines() else {
                 return Ok(()); // held once
             };
-            if bench.heat.is_some() {
-                return Err(Failure::Input(format!(
-                    "bench `{}`: expected no [heat] with real boards: this program drives no bridge",
-                    bench.name
-                )));
-            }
             let unit = Unit::new(&settings, line, pin).map_err(cannot)?;
             let i2c = real.i2c.first().map(|path| path.display().to_string());
             teller.tell(&served("real", i2c.as_deref()))?;

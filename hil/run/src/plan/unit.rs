@@ -88,7 +88,7 @@ pub fn differences(setup: &Setup) -> Result<Vec<String>, Failure> {
     let lower = limit_rows(&limits, unit);
     let higher = [
         (
-            "current of a pulse",
+            "most current of a pulse, its tolerance included",
             "mA",
             plant.peak.0.into(),
             unit.plant.peak.0.into(),
@@ -101,13 +101,16 @@ pub fn differences(setup: &Setup) -> Result<Vec<String>, Failure> {
         ),
     ];
     let mut said = Vec::new();
-    let mut say = |(what, by, host, there): Row, played: u64| {
+    let mut say = |(what, by, host, there): Row, why: &str| {
         if host != there {
             said.push(format!(
-                "unit: {what} {there} {by}, the bench here says {host}: {played} counts"
+                "unit: {what}: {there} {by} on the unit, {host} {by} on this bench. {why}"
             ));
         }
     };
+    // A limit is kept by both guards; what a guard is told of its hardware it expects the worst of.
+    let lowest = "The lower counts: both guards must let a stimulus pass.";
+    let highest = "The higher counts: a guard expects what heats more.";
     if let Some((own, there)) = current::control(&setup.bench.value).zip(unit.current) {
         let ppm = |control: &CurrentControl| u64::from(control.gain_ppm);
         let offset = |control: &CurrentControl| u64::from(control.offset.0);
@@ -120,13 +123,11 @@ pub fn differences(setup: &Setup) -> Result<Vec<String>, Failure> {
             ),
             ("its offset", "mA", offset(&own), offset(&there)),
         ] {
-            say(row, row.2.max(row.3));
+            say(row, highest);
         }
     }
-    lower.into_iter().for_each(|row| say(row, row.2.min(row.3)));
-    higher
-        .into_iter()
-        .for_each(|row| say(row, row.2.max(row.3)));
+    lower.into_iter().for_each(|row| say(row, lowest));
+    higher.into_iter().for_each(|row| say(row, highest));
     Ok(said)
 }
 
