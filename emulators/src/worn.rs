@@ -21,6 +21,7 @@ use crate::display::dac7578::Dac7578;
 use crate::display::i2c::{BusClock, Error as I2cError, I2cHandle};
 use crate::display::pca9685::{Edge, Pca9685, Pin};
 use crate::display::solver::record::Peaks;
+use crate::display::wire::Wire;
 use crate::person::channels::{Felt, Person};
 use crate::time::Nanos;
 use rack::Connection;
@@ -384,12 +385,11 @@ impl WornDisplay {
             .map(|w| w.tissue(now).0 + rise_k)
     }
 
-    /// The same two of a wire, wire first, by a copy of it: its own solver steps from look to look, so that a look
-    /// that no run without a page takes would change the last digits of what comes.
+    /// The same two of a wire, wire first, as [`Wire::glance`]: what no run without a page asks for.
     pub fn glance_c(&self, wire: usize) -> Option<[f64; 2]> {
-        let mut copy = self.worn.wires.get(wire)?.clone();
+        let [wire_c, tissue_c] = self.worn.wires.get(wire)?.glance(self.now);
         let rise_k = self.warmed.as_ref().map_or(0.0, |rise| rise.k);
-        Some([copy.temperature(self.now), copy.tissue(self.now).0 + rise_k])
+        Some([wire_c, tissue_c + rise_k])
     }
 
     /// A person puts the display on, now: wires are felt from here on. Until the next [`WornDisplay::settle`] every stretch
@@ -445,7 +445,7 @@ impl WornDisplay {
 
     /// The same by copies of the wires, as [`WornDisplay::glance_c`].
     pub fn glance(&self) -> DisplayTotals {
-        let mut copies = self.worn.wires.clone();
+        let mut copies: Vec<Wire> = self.worn.wires.iter().map(Wire::ahead).collect();
         self.with_face(DisplayTotals::of(
             &mut copies,
             self.supply.peak().0,

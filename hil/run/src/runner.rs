@@ -204,6 +204,11 @@ impl Run<'_> {
     ) -> Result<Outcome, Failure> {
         match self.setup.fingers.is_empty() {
             true => self.project(levels, skin, truth, end, host),
+            // A page draws one finger, and what joins several is a twentieth of its module.
+            false if cfg!(target_family = "wasm") => Err(Failure::Input(format!(
+                "bench `{}`: expected one display in a page; `hil run` has all of them",
+                self.setup.bench.value.name
+            ))),
             false => self.several(&levels, skin, &truth, end, host),
         }
     }

@@ -12,7 +12,7 @@ use std::time::Duration as Elapsed;
 use palpate_core::units::{Duration, Instant};
 use palpate_run::picture::{Head, Painter, Picture};
 use palpate_run::{Beginning, Failure, TurnView};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use tungstenite::Message;
 
@@ -105,17 +105,15 @@ impl Live {
         let (pictures, arriving) = sync_channel::<Made>(WAITING);
         let hub = Arc::clone(&self.hub);
         let hand_on = move || {
-            for Made {
-                display,
-                number,
-                picture,
-            } in arriving
-            {
-                let text = json!({ "display": display, "number": number, "picture": picture });
-                let text: Arc<str> = text.to_string().into();
+            for made in arriving {
+                // What can be no JSON would be a fault of ours, and every picture stands for itself.
+                let Ok(text) = serde_json::to_string(&made) else {
+                    continue;
+                };
+                let text: Arc<str> = text.into();
                 held(&hub.pages)
                     .iter()
-                    .for_each(|page| page.show(display, &text));
+                    .for_each(|page| page.show(made.display, &text));
             }
         };
         let thread = Builder::new().name("pictures".into()).spawn(hand_on);
@@ -138,7 +136,7 @@ impl Live {
 }
 
 /// A picture on its way to the pages.
-#[derive(Debug)]
+#[derive(Debug, Serialize)]
 struct Made {
     display: usize,
     number: u64,

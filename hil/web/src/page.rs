@@ -8,6 +8,9 @@ use crate::played::Played;
 use crate::request::Request;
 use crate::{open, run, shelves};
 
+/// Most pictures are shorter, bytes.
+const ROOM: usize = 1 << 13;
+
 /// What a page holds.
 #[derive(Default)]
 pub struct Page {
@@ -60,6 +63,9 @@ struct Answer<'a, T> {
 }
 
 fn ok<T: Serialize>(answer: &T) -> Result<String, Failure> {
-    let text = serde_json::to_string(&Answer { ok: answer });
-    text.map_err(|e| Failure::Device(format!("the answer: {e}")))
+    // Room for a picture, so that its text is not moved as it grows.
+    let mut text = Vec::with_capacity(ROOM);
+    let written = serde_json::to_writer(&mut text, &Answer { ok: answer });
+    written.map_err(|e| Failure::Device(format!("the answer: {e}")))?;
+    String::from_utf8(text).map_err(|e| Failure::Device(format!("the answer: {e}")))
 }

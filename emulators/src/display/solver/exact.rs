@@ -19,7 +19,7 @@ use crate::display::solver::stretch::Stretch;
 use crate::time::Nanos;
 use palpate_core::physics::{Bow, ParameterError, TissueParameters, WireParameters};
 use palpate_core::vector::{Scalar, Vectors};
-use step::Run;
+use step::{Glance, Run};
 
 /// The exact solver. A clone has a state of its own, and shares what follows from the wire alone.
 #[derive(Clone, Debug)]
@@ -134,6 +134,56 @@ impl Exact {
         self.worn = Some(Worn::new(&bow, self.wire.length_m, self.strain().total()));
         self.motion = Motion::default();
         Ok(())
+    }
+
+    /// Temperatures of wire and tissue 0.1 mm deep at `at` (or now), degrees C, as [`Self::advance`] would find them.
+    pub fn glance(&self, at: Nanos) -> [f64; 2] {
+        let span = at.since(self.now);
+        let body_c = self.network.body_c;
+        let found = match span {
+            Nanos::ZERO => Some([self.watched.wire, self.watched.shallow]),
+            _ => self.vectors.dispatch(Glance(self, span)),
+        };
+        found.map_or_else(
+            || {
+                let mut ahead = self.ahead();
+                ahead.advance(at);
+                [ahead.wire_c(), ahead.tissue_c().0]
+            },
+            |found| found.map(|k| body_c + k),
+        )
+    }
+
+    /// A copy for a look ahead at temperatures, light: without books, and without what only saves work.
+    #[must_use]
+    pub fn ahead(&self) -> Self {
+        let (shallow_c, deep_c) = self.tissue_c();
+        Self {
+            wire: Arc::clone(&self.wire),
+            network: Arc::clone(&self.network),
+            phase: self.phase.clone(),
+            regimes: self.regimes.clone(),
+            modes: vec![Arc::clone(&self.modes[self.mode])],
+            mode: 0,
+            oldest: 1,
+            propagators: Propagators::default(),
+            shallow: Maxima::new(shallow_c),
+            deep: Maxima::new(deep_c),
+            dose: None,
+            stretches: None,
+            ..*self
+        }
+    }
+
+    /// The same with books.
+    #[must_use]
+    pub fn ahead_with_books(&self) -> Self {
+        Self {
+            shallow: self.shallow.clone(),
+            deep: self.deep.clone(),
+            dose: self.dose,
+            ..self.ahead()
+        }
     }
 
     /// The same, stepped with these vectors.
@@ -256,14 +306,19 @@ impl Exact {
 
     /// Computes what the skin does from `t` on until `branch` ends, which it does where both part or meet.
     fn touch(&mut self, t: f64, branch: &mut Branch) {
-        let Some(worn) = &self.worn else {
-            return;
-        };
+        if let Some(motion) = self.reach(t, branch) {
+            self.motion = motion;
+        }
+    }
+
+    /// The same without doing it: what the skin would do, where the wire is worn.
+    fn reach(&self, t: f64, branch: &mut Branch) -> Option<Motion> {
+        let worn = self.worn.as_ref()?;
         let (strain, rises) = (self.phase.strain(t).total(), self.heading == Heading::Up);
         let (motion, (low, high)) = worn.motion(t, strain, branch.strain, rises);
-        self.motion = motion;
         branch.low = branch.low.max(low);
         branch.high = branch.high.min(high);
+        Some(motion)
     }
 
     /// Heat into the wire from the drive alone.

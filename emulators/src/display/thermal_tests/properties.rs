@@ -116,6 +116,24 @@ proptest! {
         }
     }
 
+    /// A light copy that looks ahead answers as a whole copy does, to the bit.
+    #[test]
+    fn looking_ahead_is_exact(
+        p in wires(), s in tissues(), drive in drives(), ahead in prop_oneof![0..20_000_000_u64, 0..5_000_000_000_u64],
+    ) {
+        let mut wire = Wire::new(&p, &s, 33.0).and_then(|w| w.worn(&s)).unwrap().with_dose();
+        let (last, before) = drive.split_last().unwrap();
+        let at = run(&mut wire, before, &[]);
+        wire.set_current(at, last.1);
+        let at = at + Nanos(ahead);
+        let (mut light, mut whole) = (wire.ahead(), wire.clone());
+        let glanced = wire.glance(at).map(f64::to_bits);
+        prop_assert_eq!(glanced, [whole.temperature(at), whole.tissue(at).0].map(f64::to_bits));
+        // As text: what ran away has no numbers, and is alike all the same.
+        let books = |wire: &mut Wire| format!("{:?} {:?} {:?}", wire.peaks(at), wire.energy(at), wire.dose(at));
+        prop_assert_eq!(books(&mut light), books(&mut whole));
+    }
+
     /// Every joule into the wire is in the wire, in the tissue or gone by a named way.
     #[test]
     fn energy_balances(p in wires(), s in tissues(), start in 0.0..110.0_f64, drive in drives()) {

@@ -211,6 +211,22 @@ impl Wire {
         self.solver.wire_c()
     }
 
+    /// Temperatures of wire and tissue 0.1 mm deep at `at` (or now), degrees C, without going there: the solver
+    /// steps from look to look, so that a look of its own would change the last digits of what comes.
+    pub fn glance(&self, at: Nanos) -> [f64; 2] {
+        self.solver.glance(at)
+    }
+
+    /// A copy that answers for peaks, energy and dose as this one would, whose bursts and stretches stay behind.
+    #[must_use]
+    pub fn ahead(&self) -> Self {
+        Self {
+            solver: self.solver.ahead_with_books(),
+            pulse: None,
+            burst: None,
+        }
+    }
+
     /// Martensite fraction at `at`, in [0, 1].
     pub fn fraction(&mut self, at: Nanos) -> f64 {
         self.advance(at);

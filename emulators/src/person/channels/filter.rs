@@ -13,6 +13,9 @@ const P: f64 = TAU * 250.0;
 /// Best frequency of the channel NP I, rad/s.
 const N: f64 = TAU * 40.0;
 
+/// The square root of 3/4, by which both filters turn.
+const ROOT: f64 = 0.866_025_403_784_438_6;
+
 /// States of both filters: four of P, whose output is the last, then two of N, whose output is the first.
 pub const STATES: usize = 6;
 /// Where the output of P stands.
@@ -61,9 +64,8 @@ impl Free {
         // The two stages have the same poles: 1/(s^2 + s + 1)^2 and s times it.
         let (sin, cos, fall, angle) = turn;
         let half = 3.0_f64 / 4.0;
-        let root = libm::sqrt(half);
-        let low = fall * (sin - angle * cos) / (2.0 * half * root);
-        let band = fall * (P * t) * sin / (2.0 * root) - low / 2.0;
+        let low = fall * (sin - angle * cos) / (2.0 * half * ROOT);
+        let band = fall * (P * t) * sin / (2.0 * ROOT) - low / 2.0;
         Self {
             stage,
             through: [[band + low, low], [stage[0][1] - low, band]],
@@ -87,11 +89,10 @@ impl Free {
 
 /// exp(K theta) for K = [[0, 1], [-1, -1]], a resonance of quality 1; and sine, cosine, fall and angle of its turn.
 fn ring(theta: f64) -> ([[f64; 2]; 2], (f64, f64, f64, f64)) {
-    let root = libm::sqrt(0.75);
-    let angle = root * theta;
+    let angle = ROOT * theta;
     let (sin, cos) = libm::sincos(angle);
     let fall = libm::exp(-theta / 2.0);
-    let side = fall * sin / root;
+    let side = fall * sin / ROOT;
     let (sum, middle) = (side / 2.0, fall * cos);
     let matrix = [[middle + sum, side], [-side, middle - sum]];
     (matrix, (sin, cos, fall, angle))

@@ -42,6 +42,11 @@ fn mm(place: PlaceUm) -> [f64; 2] {
     [f64::from(place.x) * 1e-3, f64::from(place.y) * 1e-3]
 }
 
+/// In thousandths: a page shows no more, and long texts take time to write and to read.
+fn short(value: f64) -> f64 {
+    libm::round(value * 1e3) * 1e-3
+}
+
 impl Painter {
     /// Of a session that has not begun.
     #[must_use]
@@ -133,11 +138,12 @@ impl Painter {
             spheres: self.spheres(now_us),
             warm: match state.warm.is_empty() {
                 true => self.memory.warm.clone(),
-                false => state.warm,
+                false => state.warm.into_iter().map(|two| two.map(short)).collect(),
             },
-            used: state
-                .used
-                .map_or_else(Vec::new, |used| used.rows().to_vec()),
+            used: state.used.map_or_else(Vec::new, |used| {
+                let rows = used.rows().into_iter();
+                rows.map(|(limit, share)| (limit, short(share))).collect()
+            }),
             hottest: self.totals.map(|totals| totals.hottest),
             energy_j: self.totals.map(|totals| totals.energy_j),
             bursts: Vec::new(),

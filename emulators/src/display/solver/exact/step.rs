@@ -38,7 +38,44 @@ impl WithSimd for Run<'_> {
     }
 }
 
+/// A look at the end of such a stretch, where no event lies in it: wire and tissue at 0.1 mm, K above the body.
+pub(super) struct Glance<'a>(pub(super) &'a Exact, pub(super) Nanos);
+
+impl WithSimd for Glance<'_> {
+    type Output = Option<[f64; 2]>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Option<[f64; 2]> {
+        self.0.glance_within(simd, self.1)
+    }
+}
+
 impl Exact {
+    /// What [`Self::run`] comes to, where it has one round in the regime that the wire is in.
+    #[inline(always)]
+    fn glance_within<S: Simd>(&self, simd: S, span: Nanos) -> Option<[f64; 2]> {
+        let (span, t) = (span.as_secs_f64(), self.wire_c());
+        let mut branch = self.phase.branch(t, self.heading);
+        self.reach(t, &mut branch);
+        let heat = self.heat(t, &branch);
+        let mode = &self.modes[self.mode];
+        let key = ModeKey {
+            latent: branch.latent,
+            feedback: heat.feedback,
+        };
+        if mode.key != key || mode.lambda[0] < 0.0 {
+            return None;
+        }
+        let power = heat.power + self.network.rest_inflow();
+        let start = Start::new(mode, &self.z, t, heat, power);
+        let end = Propagator::new(mode, span).step(mode, &self.z, power);
+        let wire = dot(simd, &mode.gain, &end);
+        let event = self.first_event(&branch, &start, self.network.body_c + wire, span);
+        event
+            .is_none()
+            .then(|| [wire, dot(simd, &mode.shallow, &end)])
+    }
+
     /// Computes `span` with the drive as it is.
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S, span: Nanos) {
