@@ -56,6 +56,11 @@ pub(super) trait Watched: DisplayEnd {
         ""
     }
 
+    /// Last of all before the outputs start: what may have fallen silent while the run was prepared is there again.
+    fn meet(&mut self) -> Result<(), Failure> {
+        Ok(())
+    }
+
     /// Before a turn: whether the run may go on.
     fn beat(&mut self, now: Instant) -> Result<(), Failure>;
 

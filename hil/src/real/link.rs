@@ -67,6 +67,11 @@ impl DisplayEnd for LinkEnd {
 }
 
 impl Watched for LinkEnd {
+    /// A busy machine takes longer to prepare its loop than a session lasts unheard.
+    fn meet(&mut self) -> Result<(), Failure> {
+        self.0.connect().map(drop)
+    }
+
     fn beat(&mut self, now: Instant) -> Result<(), Failure> {
         self.0.check(now).map_err(|failure| match failure {
             Failure::Guard(cause) => Failure::Guard(self.latch(&cause)),

@@ -70,6 +70,7 @@ impl Turns<'_> {
             recorder.note(Instant::ZERO, format!("{line}; switched off"));
         }
         let run_clock = self.clock;
+        display.meet()?;
         let ends = (skin, display);
         let mut session = Session::new(
             projector,
