@@ -10,6 +10,7 @@ mod program;
 mod run;
 mod session;
 mod setup;
+mod shown;
 mod sweep;
 mod table;
 mod tables;
@@ -35,6 +36,8 @@ mod _palpate {
     use crate::session::{Happened, Loop};
     #[pymodule_export]
     use crate::setup::Setup;
+    #[pymodule_export]
+    use crate::shown::notebook;
     #[pymodule_export]
     use crate::sweep::{Sweep, sweep_rows};
     #[pymodule_export]

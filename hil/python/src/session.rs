@@ -16,6 +16,7 @@ use pyo3::types::PyBytes;
 
 use crate::errors::{self, free};
 use crate::setup::Setup;
+use crate::shown::Shown;
 use crate::table::Table;
 use crate::tables::{self, About};
 
@@ -46,6 +47,11 @@ struct State {
     activations: Option<Activations>,
     /// From onset to onset, microseconds.
     soa_us: u64,
+    /// What it was made of, for its page.
+    setup: palpate_files::Setup,
+    seed: u64,
+    /// Its page, where one is shown.
+    shown: Option<Box<Shown>>,
     /// What a signal raised.
     raised: Option<PyErr>,
 }
@@ -136,6 +142,9 @@ impl State {
             Held::Touched(session, _) => session.drain(),
             Held::Gone => return Err(closed()),
         };
+        if let Some(shown) = &mut self.shown {
+            shown.add(&events, dropped);
+        }
         Ok(Happened {
             events,
             about: self.about.clone(),
@@ -288,6 +297,29 @@ impl State {
         Ok(session.seen().1.counts.clone().unwrap_or_default())
     }
 
+    /// Begins pictures for a page, or begins them anew; what stays as it is.
+    fn show(&mut self) -> Result<String, Failure> {
+        let (setup, seed) = (&self.setup, self.seed);
+        let shown = match &mut self.held {
+            Held::Fed(session) => Shown::new(setup, seed, session)?,
+            Held::Touched(session, _) => Shown::new(setup, seed, session)?,
+            Held::Gone => return Err(closed()),
+        };
+        let head = shown.head();
+        self.shown = Some(Box::new(shown));
+        head
+    }
+
+    fn picture(&mut self) -> Result<String, Failure> {
+        let shown = self.shown.as_mut();
+        let shown = shown.ok_or_else(|| input("Loop: expected a page, found none"))?;
+        match &self.held {
+            Held::Fed(session) => shown.picture(session),
+            Held::Touched(session, _) => shown.picture(session),
+            Held::Gone => Err(closed()),
+        }
+    }
+
     fn temperatures(&mut self) -> Result<Vec<(f64, f64)>, Failure> {
         let wires = self.wires.len();
         let display = match &mut self.held {
@@ -396,6 +428,9 @@ impl Loop {
                 counts: Vec::new(),
                 activations: own,
                 soa_us: header.soa_us,
+                setup,
+                seed,
+                shown: None,
                 raised: None,
             })))
         })
@@ -450,6 +485,16 @@ impl Loop {
     fn changes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let changes = self.within(py, |state| state.changes())?;
         Ok(PyBytes::new(py, bytemuck::cast_slice(&changes)))
+    }
+
+    /// Pictures for a page begin; returns what stays as it is, JSON.
+    fn show(&self, py: Python<'_>) -> PyResult<String> {
+        self.within(py, State::show)
+    }
+
+    /// What happened since the last picture and how things are now, JSON.
+    fn picture(&self, py: Python<'_>) -> PyResult<String> {
+        self.within(py, State::picture)
     }
 
     /// Module of each taxel, and where it lies there, mm.

@@ -41,6 +41,9 @@ const FILES: [PageFile; 10] = [
     script!("recording.js"),
 ];
 
+/// The page in a notebook, over a loop in Python; beside it `FILES` has what it loads.
+const NOTEBOOK: PageFile = script!("notebook.js");
+
 /// The pages of a study: the participant's and the experimenter's.
 const STUDY: [PageFile; 6] = [
     PageFile {
@@ -127,6 +130,35 @@ impl PageFile {
             text.replacen(what, instead, 1)
         })
     }
+}
+
+/// The page in a notebook: the playground's, and the names and texts of the scripts that it loads.
+#[must_use]
+pub fn notebook() -> (String, Vec<(&'static str, &'static str)>) {
+    let text = |path| FILES.iter().find(|file| file.path == path);
+    let text = |path| text(path).map_or("", |file| file.text);
+    let style = format!("<style>{}</style>", text("/style.css"));
+    let changes = [
+        ("<body>", "<body class=\"notebook\">"),
+        ("<link rel=\"stylesheet\" href=\"style.css\">", &style),
+        (
+            "import \"palpate/main.js\"",
+            "import \"palpate/notebook.js\"",
+        ),
+        ("script-src 'self'", "script-src data:"),
+    ];
+    let page = changes
+        .iter()
+        .fold(text("/").to_owned(), |page, (what, instead)| {
+            page.replacen(what, instead, 1)
+        });
+    let loaded = ["draw.js", "finger.js", "pad.js", "panels.js", "plots.js"];
+    let own = ("notebook.js", NOTEBOOK.text);
+    let scripts = FILES.iter().filter_map(|file| {
+        let name = file.path.strip_prefix('/')?;
+        loaded.contains(&name).then_some((name, file.text))
+    });
+    (page, scripts.chain([own]).collect())
 }
 
 #[cfg(test)]

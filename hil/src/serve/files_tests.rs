@@ -46,3 +46,26 @@ fn everything_that_is_imported_is_there() {
         }
     }
 }
+
+#[test]
+fn the_page_of_a_notebook_has_all_that_it_loads() {
+    let (page, scripts) = notebook();
+    for part in [
+        "<body class=\"notebook\">",
+        "<style>",
+        "import \"palpate/notebook.js\"",
+        "script-src data:",
+        "{ \"imports\": { \"palpate/\": \"./\" } }",
+    ] {
+        assert_eq!(page.matches(part).count(), 1, "{part}");
+    }
+    assert!(!page.contains("main.js") && !page.contains("href=\"style.css\""));
+    for (script, text) in &scripts {
+        for line in text.lines().filter(|line| line.starts_with("import ")) {
+            let asked = line.split("\"palpate/").nth(1).unwrap();
+            let asked = asked.trim_end_matches("\";");
+            let there = scripts.iter().any(|(name, _)| *name == asked);
+            assert!(there, "{script} asks for {asked}");
+        }
+    }
+}

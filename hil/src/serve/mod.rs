@@ -11,6 +11,7 @@ mod server;
 mod slot;
 
 pub use desk::{Desk, Heard};
+pub use files::notebook;
 pub use live::{Live, LiveRun};
 pub use recordings::Recordings;
 

@@ -103,12 +103,18 @@ class Loop:
         made = setup(scene, bench=bench, set=set, layout=layout, replay=["readings of a loop"])
         taxels, axes = made.shape()
         self._shapes = [(count, axes) for count in taxels]
+        self._emulated = skin == "emulated"
         self._inner = _palpate.Loop(made, checked_seed(seed), skin == "emulated", illusion == "own")
 
     @property
     def shapes(self) -> list[tuple[int, int]]:
         """Of every module (taxels, axes): the shape that :meth:`push` takes."""
         return list(self._shapes)
+
+    @property
+    def is_emulated(self) -> bool:
+        """Whether its skin is emulated, so that :meth:`touch` presses on it."""
+        return self._emulated
 
     @property
     def time_us(self) -> int:

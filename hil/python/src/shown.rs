@@ -1,0 +1,86 @@
+//! What a page in a notebook is shown of a loop: pictures of what happened, beside the steps that a caller gets.
+
+use palpate_files::Setup;
+use palpate_records::trace::Event;
+use palpate_run::display_end::EmulatedDisplay;
+use palpate_run::picture::{Head, Painter, State};
+use palpate_run::skin_end::SkinEnd;
+use palpate_run::{Failure, Session, header};
+use pyo3::prelude::*;
+use serde::Serialize;
+
+/// Events that wait for a picture at most; before that they are looked through without one.
+const MOST: usize = 1 << 16;
+
+/// A loop's page.
+pub struct Shown {
+    head: Head,
+    painter: Painter,
+    /// What no picture has told yet.
+    waiting: Vec<Event>,
+    dropped: u64,
+}
+
+fn json<T: Serialize>(told: &T) -> Result<String, Failure> {
+    serde_json::to_string(told).map_err(|e| Failure::Device(format!("the page: {e}")))
+}
+
+impl Shown {
+    /// From now on.
+    pub fn new<S: SkinEnd>(
+        setup: &Setup,
+        seed: u64,
+        session: &mut Session<S, EmulatedDisplay>,
+    ) -> Result<Self, Failure> {
+        let header = header(setup, seed, session.projector())?;
+        // The wires of the band are at rest when they are put beside, as all wires are at the start alone.
+        if session.now().as_micros() == 0 {
+            session.display().compare(setup, &header, false)?;
+        }
+        session.recorder().counts.get_or_insert_default();
+        Ok(Self {
+            head: Head::new(setup, &header, session.projector()),
+            painter: Painter::new(setup, &header, session.projector()),
+            waiting: Vec::new(),
+            dropped: 0,
+        })
+    }
+
+    /// What stays as it is, as JSON.
+    pub fn head(&self) -> Result<String, Failure> {
+        json(&self.head)
+    }
+
+    /// Takes what happened.
+    pub fn add(&mut self, events: &[Event], dropped: u64) {
+        self.dropped += dropped;
+        if self.waiting.len() >= MOST {
+            self.painter.pass(&self.waiting);
+            self.dropped += self.waiting.len() as u64;
+            self.waiting.clear();
+        }
+        self.waiting.extend_from_slice(events);
+    }
+
+    /// What happened since the last picture and how things are now, as JSON.
+    pub fn picture<S: SkinEnd>(
+        &mut self,
+        session: &Session<S, EmulatedDisplay>,
+    ) -> Result<String, Failure> {
+        let now = session.now();
+        let (_, recorder, look) = session.look();
+        let totals = self.painter.wants_totals(now.as_micros());
+        let state: State = look.state(totals);
+        let counts = recorder.counts.as_deref().unwrap_or_default();
+        let mut picture = self.painter.picture(&self.waiting, counts, state);
+        self.waiting.clear();
+        picture.dropped = std::mem::take(&mut self.dropped);
+        json(&picture)
+    }
+}
+
+/// The page's own text, and the names and texts of its scripts.
+#[pyfunction]
+pub fn notebook() -> (String, Vec<(&'static str, &'static str)>) {
+    palpate_hil::serve::notebook()
+}
