@@ -298,6 +298,25 @@ simulated = { bias_mm = { mean = 0.0, sd = 1.0 }, noise_mm = 2.0, slips = 0.0 }
     fs::remove_dir_all(here).unwrap();
 }
 
+/// What ships is within the dose of a session on the default bench.
+#[test]
+fn every_protocol_that_ships_fits_into_a_session() {
+    let list = good(&["list", "protocols"]);
+    let names: Vec<&str> = list
+        .lines()
+        .filter_map(|l| l.split_whitespace().next())
+        .collect();
+    assert!(names.contains(&"wearer"), "{list}");
+    for name in names {
+        let words = ["study", "run", name, "--participant", "1"];
+        let said = good(&[&words[..], &["--out", "unused", "--dose"]].concat());
+        assert!(
+            said.contains("of the dose that a session may have"),
+            "{said}"
+        );
+    }
+}
+
 #[test]
 fn what_a_bench_cannot_play_is_refused() {
     let here = folder("bench");
