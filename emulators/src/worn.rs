@@ -311,10 +311,12 @@ impl WornDisplay {
     pub fn sample(&mut self) -> Option<ThermalSample> {
         let now = self.now;
         let mut integrals = Vec::with_capacity(self.worn.wires.len());
-        let mut worst: Option<Peaks> = None;
+        let mut worst = Peaks::NONE;
         for wire in &mut self.worn.wires {
-            let peaks = wire.window_peaks(now);
-            worst.get_or_insert(peaks).raise(&peaks);
+            worst.raise(&wire.window_floor(now));
+        }
+        for wire in &mut self.worn.wires {
+            worst.raise(&wire.window_peaks(now, &worst));
             integrals.push(wire.dose(now).unwrap_or_default().celsius_s);
         }
         let begin = now.since(MEAN_WINDOW);
@@ -340,13 +342,16 @@ impl WornDisplay {
             }
             self.past.push_back((now, integrals));
         }
-        let sample = worst.map(|peaks| ThermalSample {
+        if self.worn.wires.is_empty() {
+            return None;
+        }
+        let sample = ThermalSample {
             at: now,
-            wire_c: peaks.wire_c,
-            shallow_c: peaks.shallow_c,
-            deep_c: peaks.deep_c,
+            wire_c: worst.wire_c,
+            shallow_c: worst.shallow_c,
+            deep_c: worst.deep_c,
             mean_c,
-        })?;
+        };
         Some(match &mut self.warmed {
             Some(rise) => rise.add(sample),
             None => sample,

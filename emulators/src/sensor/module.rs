@@ -177,16 +177,17 @@ impl EmulatedModule {
         let lag = Lag::new(self.config.mechanics.lag_s, span);
         let leak = self.config.mechanics.crosstalk;
         let mut largest = 0.0f64;
-        for (t, taxel) in self.taxels.iter().enumerate() {
+        let states = self.target.iter_mut().zip(&mut self.response);
+        for ((taxel, own), (before, response)) in self.taxels.iter().zip(&self.direct).zip(states) {
+            let mut flow = [0.0; 3];
+            for other in taxel.neighbours.iter().filter_map(|&n| self.direct.get(n)) {
+                (0..3).for_each(|axis| flow[axis] += other[axis] - own[axis]);
+            }
             for axis in 0..3 {
-                let own = self.direct[t][axis];
-                let others = taxel.neighbours.iter();
-                let flow: f64 = others.map(|&n| self.direct[n][axis] - own).sum();
-                let target = own + leak * flow;
-                let before = (self.target[t][axis], self.response[t][axis]);
-                self.target[t][axis] = target;
-                self.response[t][axis] = lag.step(before, target);
-                largest = largest.max(self.response[t][axis].abs());
+                let target = own[axis] + leak * flow[axis];
+                response[axis] = lag.step((before[axis], response[axis]), target);
+                before[axis] = target;
+                largest = largest.max(response[axis].abs());
             }
         }
         // Below a thousandth of a count nothing can be seen again.

@@ -93,6 +93,11 @@ impl SkinBus {
         self.segment.next_event().min(self.boards_next)
     }
 
+    /// When the oldest frame was received that the host has yet to read; [`Nanos::MAX`] where there is none.
+    fn head(&self) -> Nanos {
+        self.segment.received_at(self.host).unwrap_or(Nanos::MAX)
+    }
+
     /// Lets time pass until `to`: every scan, frame and command in its order.
     pub fn advance(&mut self, to: Nanos) {
         loop {
@@ -198,28 +203,33 @@ impl Handle {
     /// The oldest frame over all buses with the end of the frame on the wire; of two received at once the
     /// one from the lower bus.
     pub fn receive_at(&mut self) -> Option<(Nanos, Received)> {
-        oldest(&mut self.lock())
+        let mut buses = self.lock();
+        let mut heads: Vec<Nanos> = buses.iter().map(SkinBus::head).collect();
+        oldest(&mut buses, &mut heads)
     }
 
     /// Every frame that [`Self::receive_at`] would return, in its order. `take` must not use this handle or a clone of it:
     /// it would wait for itself.
     pub fn receive_all_at(&mut self, take: &mut impl FnMut(Nanos, &Received)) {
         let mut buses = self.lock();
-        while let Some((at, received)) = oldest(&mut buses) {
+        let mut heads: Vec<Nanos> = buses.iter().map(SkinBus::head).collect();
+        while let Some((at, received)) = oldest(&mut buses, &mut heads) {
             take(at, &received);
         }
     }
 }
 
-/// The oldest frame that a host has yet to read.
-fn oldest(buses: &mut [SkinBus]) -> Option<(Nanos, Received)> {
-    let waiting = buses.iter().enumerate();
-    let oldest = waiting
-        .filter_map(|(n, bus)| Some((bus.segment.received_at(bus.host)?, n)))
-        .min();
-    let (_, n) = oldest?;
+/// The oldest frame that a host has yet to read, by the times of each bus's oldest.
+fn oldest(buses: &mut [SkinBus], heads: &mut [Nanos]) -> Option<(Nanos, Received)> {
+    let (mut first, mut n) = (Nanos::MAX, 0);
+    for (bus, head) in heads.iter().enumerate() {
+        if *head < first {
+            (first, n) = (*head, bus);
+        }
+    }
     let bus = buses.get_mut(n)?;
     let (at, frame) = bus.segment.receive(bus.host)?;
+    heads[n] = bus.head();
     let received = Received {
         at: Instant::from_micros(at.as_micros()),
         bus: n as u8,

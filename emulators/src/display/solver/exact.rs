@@ -250,17 +250,27 @@ impl Exact {
     pub fn peaks(&mut self) -> Peaks {
         Peaks {
             wire_c: self.hottest.0,
-            shallow_c: self.shallow.settle().0,
-            deep_c: self.deep.settle().0,
+            shallow_c: self.shallow.settle(f64::NEG_INFINITY).0,
+            deep_c: self.deep.settle(f64::NEG_INFINITY).0,
         }
     }
 
-    /// Maxima since the last call of this, or the start; begins a new window at the time computed up to.
-    pub fn window_peaks(&mut self) -> Peaks {
+    /// The window's maxima but for what would have to be searched: no higher than they are.
+    pub const fn window_floor(&self) -> Peaks {
+        Peaks {
+            wire_c: self.hottest.1,
+            shallow_c: self.shallow.known(),
+            deep_c: self.deep.known(),
+        }
+    }
+
+    /// Maxima since the last call of this, or the start; begins a new window at the time computed up to. Tissue that
+    /// cannot have passed `floor` is not searched, now or later.
+    pub fn window_peaks(&mut self, floor: &Peaks) -> Peaks {
         let peaks = Peaks {
             wire_c: self.hottest.1,
-            shallow_c: self.shallow.settle().1,
-            deep_c: self.deep.settle().1,
+            shallow_c: self.shallow.settle(floor.shallow_c).1,
+            deep_c: self.deep.settle(floor.deep_c).1,
         };
         let (shallow_c, deep_c) = self.tissue_c();
         self.hottest.1 = self.wire_c();

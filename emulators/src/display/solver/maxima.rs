@@ -73,21 +73,30 @@ impl Maxima {
         });
     }
 
-    /// Searches what waits, and returns both maxima: since the start, and since the window was opened.
-    pub fn settle(&mut self) -> (f64, f64) {
+    /// The maximum since the window was opened, but for what waits.
+    pub const fn known(&self) -> f64 {
+        self.window
+    }
+
+    /// Searches what waits, and returns both maxima: since the start, and since the window was opened. What cannot pass
+    /// `floor` is forgotten without a search, and where both are lower than that they say no more.
+    pub fn settle(&mut self, floor: f64) -> (f64, f64) {
         // The last ones are the likeliest to settle the others.
         while let Some(stretch) = self.waiting.pop() {
-            if stretch.ceiling > self.window + ENOUGH_K {
-                self.raise(stretch.highest(self.window, self.vectors));
+            let known = self.window.max(floor);
+            if stretch.ceiling > known + ENOUGH_K {
+                let highest = stretch.highest(known, self.vectors);
+                if highest > known {
+                    self.raise(highest);
+                }
             }
         }
         self.lowest = f64::INFINITY;
         (self.whole, self.window)
     }
 
-    /// Opens a new window at a temperature, degrees C.
-    pub fn open(&mut self, now: f64) {
-        self.settle();
+    /// Opens a new window at a temperature, degrees C. Nothing may wait.
+    pub const fn open(&mut self, now: f64) {
         self.window = now;
     }
 

@@ -12,6 +12,13 @@ pub struct Peaks {
 }
 
 impl Peaks {
+    /// Lower than any.
+    pub const NONE: Self = Self {
+        wire_c: f64::NEG_INFINITY,
+        shallow_c: f64::NEG_INFINITY,
+        deep_c: f64::NEG_INFINITY,
+    };
+
     /// Takes over what is higher.
     pub fn raise(&mut self, other: &Self) {
         self.wire_c = self.wire_c.max(other.wire_c);

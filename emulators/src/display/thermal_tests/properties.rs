@@ -1,6 +1,7 @@
 //! What must hold for every parameter and every drive.
 
 use super::*;
+use crate::display::solver::record::Peaks;
 use palpate_core::physics::{Alloy, Hysteresis, Play, TissueParameters, WireParameters};
 use proptest::prelude::*;
 
@@ -106,7 +107,7 @@ proptest! {
         for &(span, amps) in &drive {
             often.set_current(t, amps);
             t = t + Nanos(span);
-            windows.raise(&often.window_peaks(t));
+            windows.raise(&often.window_peaks(t, &Peaks::NONE));
         }
         let all = once.peaks(end);
         for other in [often.peaks(end), windows] {
@@ -132,6 +133,36 @@ proptest! {
         // As text: what ran away has no numbers, and is alike all the same.
         let books = |wire: &mut Wire| format!("{:?} {:?} {:?}", wire.peaks(at), wire.energy(at), wire.dose(at));
         prop_assert_eq!(books(&mut light), books(&mut whole));
+    }
+
+    /// Of several wires the warmest is found, however little of the others is searched.
+    #[test]
+    fn a_floor_hides_no_maximum_of_all(p in wires(), s in tissues(), drives in [drives(), drives(), drives()]) {
+        let one = Wire::new(&p, &s, 33.0).unwrap();
+        let (mut long, mut short) = (Peaks::NONE, Peaks::NONE);
+        let mut pairs: Vec<_> = drives.iter().map(|drive| {
+            let mut pair = [one.clone(), one.clone()];
+            for wire in &mut pair {
+                run(wire, drive, &[]);
+            }
+            pair
+        }).collect();
+        let end = pairs.iter().map(|[wire, _]| wire.now()).max().unwrap();
+        for [_, wire] in &mut pairs {
+            short.raise(&wire.window_floor(end));
+        }
+        for [whole, quick] in &mut pairs {
+            long.raise(&whole.window_peaks(end, &Peaks::NONE));
+            short.raise(&quick.window_peaks(end, &short));
+        }
+        let since_start = pairs.iter_mut().map(|[_, quick]| quick.peaks(end).shallow_c);
+        let since_start = since_start.fold(f64::NEG_INFINITY, f64::max);
+        // In electrical runaway all of them are infinite.
+        let alike = |a: f64, b: f64| a.to_bits() == b.to_bits() || (a - b).abs() < 1e-9;
+        prop_assert!(alike(long.wire_c, short.wire_c), "{long:?} {short:?}");
+        prop_assert!(alike(long.shallow_c, short.shallow_c), "{long:?} {short:?}");
+        prop_assert!(alike(long.deep_c, short.deep_c), "{long:?} {short:?}");
+        prop_assert!(alike(long.shallow_c, since_start), "{long:?} {since_start}");
     }
 
     /// Every joule into the wire is in the wire, in the tissue or gone by a named way.

@@ -257,10 +257,18 @@ impl Wire {
         self.solver.peaks()
     }
 
-    /// Maxima over continuous time since the last call of this (or the start), up to `at`; starts anew.
-    pub fn window_peaks(&mut self, at: Nanos) -> Peaks {
+    /// What [`Self::window_peaks`] comes to at least, without a search.
+    pub fn window_floor(&mut self, at: Nanos) -> Peaks {
         self.advance(at);
-        self.solver.window_peaks()
+        self.solver.window_floor()
+    }
+
+    /// Maxima over continuous time since the last call of this (or the start), up to `at`; starts anew. Of several wires
+    /// only the warmest counts: tissue that cannot have passed `floor` is not searched, and [`Self::peaks`] may miss what
+    /// it was.
+    pub fn window_peaks(&mut self, at: Nanos, floor: &Peaks) -> Peaks {
+        self.advance(at);
+        self.solver.window_peaks(floor)
     }
 
     /// The energy ledger up to `at`.

@@ -8,6 +8,9 @@ pub const NODES: usize = 12;
 /// Places in a piece that are looked at, both ends among them: 0.25 ms apart in the longest piece that vibrates.
 pub const LOOKS: usize = 22;
 
+/// Differences of this part of a value are rounding.
+const FLAT: f64 = 1e-9;
+
 /// Nodes, weights and what follows from them, on the interval from 0 to 1.
 #[derive(Clone, Debug)]
 pub struct Gauss {
@@ -91,6 +94,24 @@ impl Gauss {
         }
         out
     }
+}
+
+/// The square at the start of what has these [`Gauss::coefficients`], where its magnitude only falls on the interval.
+pub fn fades(coefficients: &[f64; NODES]) -> Option<f64> {
+    let (mut start, mut end, mut bends) = (0.0, 0.0, 0.0);
+    for (degree, c) in coefficients.iter().enumerate() {
+        start += if degree % 2 == 0 { *c } else { -c };
+        end += c;
+        // The steepest that a polynomial of Legendre's is.
+        bends += match degree {
+            0 | 1 => 0.0,
+            _ => (degree * (degree + 1) / 2) as f64 * c.abs(),
+        };
+    }
+    // In a piece as short as rounding makes some, nothing but that moves.
+    let most = start.abs() * (1.0 + FLAT);
+    let one_way = bends <= coefficients[1].abs() + FLAT * start.abs();
+    (one_way && start * end >= 0.0 && end.abs() <= most).then_some(start * start)
 }
 
 /// Integral from 0 to `part` of what has these [`Gauss::coefficients`].

@@ -26,6 +26,8 @@ use wire::{Met, Shared, WireFilter};
 const LOOK_S: f64 = 0.25e-3;
 /// Looks whose bounds are held against what is known, together.
 const CELL: usize = 8;
+/// What lies between nodes may be so many times a bound that is taken from them.
+const NEARER: f64 = 1.0 + 1e-6;
 /// What lasts at least this long is a vibration, s; less is a tap.
 const VIBRATION_S: f64 = 0.03;
 /// The least level there is, dB: silence.
@@ -240,22 +242,47 @@ impl Perceiver {
         (self.energy + inflow) * libm::exp(-t / LEAK_S)
     }
 
+    /// From when on, before `end`, the leaky energy only falls: it is larger than what would hold it, and that falls itself.
+    fn falls_from(&self, end: f64) -> Option<f64> {
+        let from = self.wires.iter().map(WireFilter::fades_from);
+        let from = from.fold(0.0, f64::max);
+        let (mut outputs, mut inflow) = (0.0, 0.0);
+        for wire in &self.wires {
+            let (square, before) = wire.fading_at(from);
+            outputs += square;
+            inflow += before;
+        }
+        let falls = from < end && NEARER * 2.0 * outputs <= self.leaked(from, inflow);
+        falls.then_some(from)
+    }
+
     /// The largest leaky energy of all wires together until `end`: at both ends, and every 0.25 ms where bounds do not
     /// tell that it is less than what is known.
     fn largest(&self, end: f64) -> f64 {
         let all: f64 = self.wires.iter().map(|w| w.energy).sum();
         let mut most = self.energy.max(self.leaked(end, all));
+        if all == 0.0 {
+            return most;
+        }
         let cell_s = CELL as f64 * LOOK_S;
-        let cells = libm::ceil(end / cell_s) as usize;
+        // The first cell of those in which it only falls has its largest.
+        let cells = match self.falls_from(end) {
+            Some(from) => libm::ceil(from / cell_s) as usize + 1,
+            None => usize::MAX,
+        };
+        let cells = cells.min(libm::ceil(end / cell_s) as usize);
         let edge = |cell: usize| (cell as f64 * cell_s).min(end);
         let mut bounds = vec![(0.0, 0.0); cells];
         for wire in &self.wires {
             wire.add_bounds(edge, &mut bounds);
         }
         // What flowed in only grows: it lies between what it was before and after.
+        let mut fallen = 1.0;
         for (cell, (low, high)) in bounds.iter_mut().enumerate() {
-            most = most.max(self.leaked(edge(cell + 1), *low));
-            *high = self.leaked(edge(cell), *high);
+            let fallen_by = libm::exp(-edge(cell + 1) / LEAK_S);
+            most = most.max((self.energy + *low) * fallen_by);
+            *high = (self.energy + *high) * fallen;
+            fallen = fallen_by;
         }
         for (cell, (_, upper)) in bounds.into_iter().enumerate() {
             // Where nothing moves both are 0, and no cell is looked at.

@@ -336,6 +336,42 @@ fn bounds_leave_out_nothing_that_counts() {
     }
 }
 
+/// Where wires only drift, hardly any time is looked at, and the largest is the same to the bit.
+#[test]
+fn what_drifts_is_as_large_as_with_every_look() {
+    let mut perceiver = Perceiver::new(person(1.0), &[(0.0, 0.0), (3.0, 0.0)]).unwrap();
+    for burst in 0..40 {
+        for wire in 0..2 {
+            let (um, rate) = (20.0 / f64::from(1 + wire), 0.4 + f64::from(wire));
+            let left = libm::exp(-rate * 0.117 * f64::from(burst));
+            perceiver.pass(wire as usize, &Stretch::sinking(0.117, um * left, rate));
+        }
+        let end = perceiver.wires[0].now_s;
+        let all = perceiver.wires.iter().map(|w| w.energy).sum();
+        let mut longest = perceiver.energy.max(perceiver.leaked(end, all));
+        for look in 0..=(end / LOOK_S) as usize {
+            let (t, mut sum) = ([look as f64 * LOOK_S], [0.0]);
+            for wire in &perceiver.wires {
+                wire.add_energies(&perceiver.shared.rule, &t, &mut sum);
+            }
+            longest = longest.max(perceiver.leaked(t[0], sum[0]));
+        }
+        assert!(all > 0.0, "it drifts");
+        // A first account begins with an edge, from which both filters ring.
+        let falls_from = perceiver.falls_from(end).unwrap();
+        assert!(
+            falls_from <= if burst == 0 { 0.06 } else { 0.0 },
+            "{falls_from}"
+        );
+        assert_eq!(
+            perceiver.largest(end).to_bits(),
+            longest.to_bits(),
+            "{burst}"
+        );
+        perceiver.settle();
+    }
+}
+
 #[test]
 fn what_is_no_number_moves_nothing_and_no_person_is_impossible() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {

@@ -34,6 +34,8 @@ pub struct Passed {
     /// The same in the piece, and its flow at the nodes.
     pub energy: f64,
     flow: [f64; gauss::NODES],
+    /// Where the Pacinian output only falls in it: its square at the start, um2.
+    fades: Option<f64>,
 }
 
 /// Whether all of them are. None is left out: so they are looked at side by side.
@@ -155,7 +157,10 @@ impl WireFilter {
         let swollen = 1.0 + self.swollen;
         let flow = outputs.flow.map(|v| v * swollen);
         let energy = piece * rule.mean(&flow);
+        let drifts = self.quiet_s > 0.0 || energy == 0.0;
+        let fades = drifts.then(|| gauss::fades(&rule.coefficients(&outputs.p)));
         self.passed.push(Passed {
+            fades: fades.flatten(),
             from_s: self.now_s,
             seconds: piece,
             before: self.energy,
@@ -184,6 +189,7 @@ impl WireFilter {
             before: self.energy,
             energy: 0.0,
             flow: [0.0; gauss::NODES],
+            fades: Some(0.0),
         });
         self.now_s += piece;
         let grown = swollen(piece);
@@ -199,6 +205,10 @@ impl WireFilter {
                 *sum += self.energy;
                 continue;
             };
+            if piece.energy == 0.0 {
+                *sum += piece.before;
+                continue;
+            }
             let coefficients = match known {
                 Some((of, coefficients)) if of == index => coefficients,
                 _ => rule.coefficients(&piece.flow),
@@ -221,6 +231,19 @@ impl WireFilter {
             *low += before;
             *high += before + energy;
         }
+    }
+
+    /// From when on its output only falls, s.
+    pub fn fades_from(&self) -> f64 {
+        let fading = self.passed.iter().rev().take_while(|p| p.fades.is_some());
+        fading.last().map_or(self.now_s, |p| p.from_s)
+    }
+
+    /// From a time on from which it only falls: what the output's square then is at most, um2, and what had flowed in at
+    /// least.
+    pub fn fading_at(&self, t: f64) -> (f64, f64) {
+        let begun = self.passed.iter().rev().find(|p| p.from_s <= t);
+        begun.map_or((0.0, 0.0), |p| (p.fades.unwrap_or(f64::INFINITY), p.before))
     }
 
     /// Index of the piece that a time is in.

@@ -72,6 +72,8 @@ pub struct CanSegment {
     pub(super) nodes: Vec<Node>,
     /// Identifier each node offers, beside the nodes so that arbitration reads one cache line.
     heads: Vec<u16>,
+    /// No node that may send has to wait for longer than this.
+    held_until: Nanos,
     pub(super) busy: Option<Transmission>,
     free_at: Nanos,
     contend_at: Nanos,
@@ -92,6 +94,7 @@ impl CanSegment {
             now: Nanos::ZERO,
             nodes: Vec::new(),
             heads: Vec::new(),
+            held_until: Nanos::ZERO,
             busy: None,
             free_at: Nanos::ZERO,
             contend_at: Nanos::MAX,
@@ -242,11 +245,19 @@ impl CanSegment {
             Some(frame) if !node.bus_off => frame.id(),
             _ => NO_HEAD,
         };
+        if self.heads[n] != NO_HEAD {
+            self.held_until = self.held_until.max(node.not_before);
+        }
     }
 
     /// When the next start of frame may be, from `free_at` on.
     pub(super) fn recontend(&mut self) {
         let from = self.free_at;
+        if self.held_until <= from {
+            let waits = self.heads.iter().any(|head| *head != NO_HEAD);
+            self.contend_at = if waits { from } else { Nanos::MAX };
+            return;
+        }
         let waiting = self.heads.iter().zip(&self.nodes);
         self.contend_at = waiting
             .filter(|&(&head, _)| head != NO_HEAD)
@@ -269,8 +280,9 @@ impl CanSegment {
         self.contend_at = Nanos::MAX;
         // One look at what every node offers: the lowest identifier, who has it first, who else.
         let (mut lowest, mut first, mut shared) = (NO_HEAD, 0, false);
-        for (n, (&head, node)) in self.heads.iter().zip(&self.nodes).enumerate() {
-            if head > lowest || head == NO_HEAD || node.not_before > start {
+        let held = self.held_until > start;
+        for (n, &head) in self.heads.iter().enumerate() {
+            if head > lowest || head == NO_HEAD || held && self.nodes[n].not_before > start {
                 continue;
             }
             shared = head == lowest;
@@ -355,16 +367,15 @@ impl CanSegment {
         } else {
             self.statistics.frames += 1;
             self.nodes[t.sender].tec = self.nodes[t.sender].tec.saturating_sub(1);
+            let (unrivalled, id) = (t.rivals.is_empty(), t.frame.id());
             for (n, node) in self.nodes.iter_mut().enumerate() {
-                if node.bus_off || sends(n) {
+                if node.bus_off || n == t.sender || !unrivalled && sends(n) {
                     continue;
                 }
-                node.rec = if node.rec > 127 {
-                    120
-                } else {
-                    node.rec.saturating_sub(1)
-                };
-                if node.config.filter.takes(t.frame.id()) {
+                if node.rec != 0 {
+                    node.rec = if node.rec > 127 { 120 } else { node.rec - 1 };
+                }
+                if node.config.filter.takes(id) {
                     node.deliver(t.end, &t.frame);
                     if matches!(node.config.filter, Filter::Wake(_)) {
                         woken = Some(NodeId(n));
@@ -381,9 +392,10 @@ impl CanSegment {
                 }
             }
         }
-        let suspend = self.free_at + self.span(SUSPEND);
         if self.nodes[t.sender].confinement() == Confinement::Passive {
+            let suspend = self.free_at + self.span(SUSPEND);
             self.nodes[t.sender].not_before = suspend;
+            self.held_until = self.held_until.max(suspend);
         }
         self.recontend();
         woken
