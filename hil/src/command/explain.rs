@@ -51,7 +51,10 @@ pub fn plan(setup: &Setup, out: &mut dyn Write) -> io::Result<()> {
         },
     )?;
     row("skin", skin(setup))?;
-    row("map", map(scene))?;
+    row("map", map(setup))?;
+    if let Some(fingers) = each(setup, None, |finger| Some(driven_by(setup, finger)), |w| w) {
+        row("fingers", fingers)?;
+    }
     row("texture", texture(setup))?;
     row("strokes", strokes(setup))?;
     row(
@@ -79,6 +82,34 @@ fn each<T>(
     let named = |finger: &Finger| Some(format!("{}: {}", finger.name, words(of(finger)?)));
     let all: Vec<String> = setup.fingers.iter().filter_map(named).collect();
     (!all.is_empty()).then(|| all.join("; "))
+}
+
+/// Which modules drive a finger, and when it is felt.
+fn driven_by(setup: &Setup, finger: &Finger) -> String {
+    let modules = &setup.sensor.value.modules;
+    let name = |module: &usize| modules.get(*module).map_or("?", |m| &*m.name);
+    let from = match finger.modules.as_slice() {
+        [only] => format!("`{}`", name(only)),
+        all if finger.merged => format!("{} modules merged", all.len()),
+        all => format!(
+            "`{}` of {} modules",
+            all.first().map_or("?", name),
+            all.len()
+        ),
+    };
+    let Some(gate) = &finger.when else {
+        return from;
+    };
+    let joints = &setup.scene.value.joints;
+    let joint = joints
+        .get(gate.joint)
+        .map_or("the recording's", |j| &*j.name);
+    let is_open = match (gate.above_deg.is_finite(), gate.below_deg.is_finite()) {
+        (true, true) => format!("between {} and {}", gate.above_deg, gate.below_deg),
+        (true, false) => format!("above {}", gate.above_deg),
+        _ => format!("below {}", gate.below_deg),
+    };
+    format!("{from}, felt while joint {joint} is {is_open} degrees")
 }
 
 fn texture(setup: &Setup) -> String {
@@ -117,7 +148,8 @@ fn skin(setup: &Setup) -> String {
     format!("`{}`, {taxels} taxels read: {way}", layout.name)
 }
 
-fn map(scene: &Scene) -> String {
+fn map(setup: &Setup) -> String {
+    let scene = &setup.scene.value;
     let map = &scene.map;
     match (map.window_mm, map.sensor_mm, scene.compression.scope) {
         (Some([w, h]), _, _) => format!(
@@ -130,6 +162,9 @@ fn map(scene: &Scene) -> String {
             )
         }
         (None, None, Scope::Skin) => "the whole skin's hull fills the display".into(),
+        (None, None, Scope::Module) if !setup.fingers.is_empty() => {
+            "the hull of the modules that drive a finger fills its display".into()
+        }
         (None, None, Scope::Module) => {
             "the hull of the driving module's taxels fills the display".into()
         }
@@ -169,6 +204,11 @@ fn contacts(setup: &Setup) -> String {
     let span = match (c.scope, modules) {
         (Scope::Skin, _) => "for the whole skin".into(),
         (Scope::Module, 1) => "for the module".into(),
+        (Scope::Module, n) if !setup.fingers.is_empty() => {
+            format!(
+                "for each of {n} modules, for all together where they are merged; all are recorded"
+            )
+        }
         (Scope::Module, n) => {
             format!("for each of {n} modules; all are recorded, one drives the display")
         }

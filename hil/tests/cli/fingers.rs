@@ -102,3 +102,27 @@ fn displays_that_cannot_be_end_with_status_2() {
         ],
     );
 }
+
+#[test]
+fn a_plan_says_what_drives_each_finger_and_when() {
+    let folder = Folder::new("plan-of-fingers");
+    let scene = palpate_fixtures::scene("allegro-grasp").unwrap();
+    let scene = scene.replacen("rule = \"first\"", "rule = \"merged\"", 1);
+    let (thumb, joint) = (
+        "modules = [12, 13, 14]\nrule = \"first\"\n",
+        "when = { joint = \"mcp\", above_deg = 20.0 }\n",
+    );
+    let scene = scene.replace(thumb, &format!("{thumb}{joint}"));
+    let joints = "\n[[joints]]\nname = \"mcp\"\npoints_s_deg = [[0.0, 0.0], [1.0, 40.0]]\n";
+    let scene = folder.write("scene.toml", &format!("{scene}{joints}"));
+    let scene = scene.display().to_string();
+    let said = good(&["run", &scene, "--bench", "allegro-hand", "--explain"]);
+    for words in [
+        "fingers         index: 4 modules merged; middle: `middle-tip` of 4 modules;",
+        "thumb: `thumb-tip` of 3 modules, felt while joint mcp is above 20 degrees",
+        "for each of 15 modules, for all together where they are merged",
+        "the hull of the modules that drive a finger fills its display",
+    ] {
+        assert!(said.contains(words), "no `{words}` in: {said}");
+    }
+}
