@@ -33,7 +33,8 @@ fn participant(thresholds: Vec<OfWire>, matches: Vec<OfWire>) -> Participant {
 
 #[test]
 fn a_wearers_file_reads_as_one_with_its_intervals() {
-    let protocol = load_protocol("wearer").unwrap().value;
+    let mut protocol = load_protocol("wearer").unwrap().value;
+    protocol.matching.as_mut().unwrap().level_db = -6.0;
     let thresholds = (0..8)
         .map(|wire| of_wire(wire, -14.0 - f64::from(wire)))
         .collect();
