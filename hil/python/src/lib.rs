@@ -5,7 +5,9 @@ mod chip;
 mod contacts;
 mod errors;
 mod guard;
+mod happened;
 mod load;
+mod places;
 mod program;
 mod run;
 mod session;
@@ -27,13 +29,15 @@ mod _palpate {
     #[pymodule_export]
     use crate::guard::guard;
     #[pymodule_export]
+    use crate::happened::Happened;
+    #[pymodule_export]
     use crate::load::{kind, load_buses, load_schedule, load_taxels};
     #[pymodule_export]
     use crate::program::main;
     #[pymodule_export]
     use crate::run::{Run, run};
     #[pymodule_export]
-    use crate::session::{Happened, Loop};
+    use crate::session::Loop;
     #[pymodule_export]
     use crate::setup::Setup;
     #[pymodule_export]

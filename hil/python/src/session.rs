@@ -2,23 +2,22 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
-use palpate_core::skin::{Layout, ModuleScan};
+use palpate_core::skin::ModuleScan;
 use palpate_core::units::{Instant, Point};
 use palpate_emulators::sensor::Press;
-use palpate_records::trace::{Event, WireInfo};
 use palpate_run::{
     Activations, EmulatedSession, Failure, FedSession, Hand, Session, Turn,
     display_end::EmulatedDisplay, header, plan, skin_end::SkinEnd,
 };
-use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::errors::{self, free};
+use crate::happened::Happened;
+use crate::places::{taxels, wire};
 use crate::setup::Setup;
 use crate::shown::Shown;
-use crate::table::Table;
-use crate::tables::{self, About};
+use crate::tables::About;
 
 /// The session behind a loop.
 enum Held {
@@ -63,46 +62,8 @@ const PIECE_US: u64 = 1_000_000;
 #[pyclass(frozen, module = "palpate._palpate")]
 pub struct Loop(Mutex<State>);
 
-/// What happened since the last time.
-#[pyclass(frozen, module = "palpate._palpate")]
-#[derive(Debug)]
-pub struct Happened {
-    events: Vec<Event>,
-    about: About,
-    /// Events before these that were dropped.
-    #[pyo3(get)]
-    dropped: u64,
-    /// Virtual time, microseconds.
-    #[pyo3(get)]
-    time_us: u64,
-}
-
-#[pymethods]
-impl Happened {
-    /// The columns of a table of these events.
-    fn table(&self, name: &str) -> PyResult<Table> {
-        tables::of(name, &self.events, &self.about)
-            .ok_or_else(|| PyKeyError::new_err(name.to_owned()))
-    }
-}
-
 fn input(text: impl Into<String>) -> Failure {
     Failure::Input(text.into())
-}
-
-/// Where a wire lies, mm.
-fn place(wire: &WireInfo) -> (f64, f64) {
-    let mm = |um: i32| f64::from(um) * 1e-3;
-    (mm(wire.place.x), mm(wire.place.y))
-}
-
-fn taxels(layout: &Layout) -> Vec<(u16, f64, f64)> {
-    let mut taxels = Vec::new();
-    for (number, module) in (0..).zip(layout.modules()) {
-        let points = module.points().iter();
-        taxels.extend(points.map(|p| (number, f64::from(p.x), f64::from(p.y))));
-    }
-    taxels
 }
 
 fn closed() -> Failure {
@@ -422,7 +383,7 @@ impl Loop {
                 ready,
                 about: About::new(&header),
                 taxels,
-                wires: header.wires.iter().map(place).collect(),
+                wires: header.wires.iter().map(wire).collect(),
                 newest: vec![None; modules],
                 axes: usize::from(setup.sensor.value.axes),
                 counts: Vec::new(),
