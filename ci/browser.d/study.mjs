@@ -337,7 +337,9 @@ simulated = { threshold_db = { mean = ${truth}.0, sd = 3.3 }, wire_sd_db = 2.0, 
   for (;;) {
     shown = await (await page.waitForFunction(() => ["interval", "done"].includes(globalThis.shown) && globalThis.shown)).jsonValue();
     if (shown === "done") break;
-    const [, intervals] = /: (.*)$/.exec(await other.page.evaluate(() => view.trial));
+    // Both pages are told by themselves: the experimenter's may still show the trial before.
+    const words = await other.page.waitForFunction(done => globalThis.view?.done === done && view.trial, asked);
+    const [, intervals] = /: (.*)$/.exec(await words.jsonValue());
     const right = /^nothing/.test(intervals) ? 2 : 1, level = Number(/at (\S+) dB/.exec(intervals)[1]);
     const feels = 1 - 0.02 - 0.48 * Math.exp(-(10 ** ((3.5 * (level - truth)) / 20)));
     await page.keyboard.press(String(random() < feels ? right : 3 - right));
