@@ -161,22 +161,7 @@ impl Processor for Machine {
     }
 }
 
-/// The machine, counting in place of a rest, so that a run repeats. QEMU 7.2 wakes a processor that rests from another thread.
-/// Instructions since its last look at the clock, up to a microsecond of them, have been counted by then or have not.
-#[derive(Debug)]
-pub struct Awake(pub Machine);
-
-impl Processor for Awake {
-    fn now(&self) -> Instant {
-        self.0.now()
-    }
-
-    fn rest(&mut self, until: Instant) {
-        let ns = until.since(self.now()).as_micros() * 1000;
-        asm::delay((ns / ROUND_NS) as u32);
-    }
-
-    fn feed(&mut self) {
-        self.0.feed();
-    }
+/// Counts instructions for so many nanoseconds.
+pub fn count(ns: u64) {
+    asm::delay((ns / ROUND_NS) as u32);
 }

@@ -4,7 +4,7 @@
 mod clock;
 mod ethernet;
 
-pub use clock::{Awake, Machine, now};
+pub use clock::{Machine, count, now};
 pub use ethernet::Ethernet;
 
 use palpate_image::rig::{Pipes, Rig};

@@ -18,4 +18,4 @@ pub use arena::Arena;
 pub use decision::{ANSWER, QUESTION, Question, answer};
 pub use key::{fingertips, key};
 pub use register::Register;
-pub use serve::{Link, Processor, serve};
+pub use serve::{Awake, Link, Processor, serve};

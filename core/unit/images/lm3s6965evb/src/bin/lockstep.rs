@@ -3,11 +3,12 @@
 #![no_main]
 
 use cortex_m_rt::entry;
+use palpate_image::Awake;
 use palpate_image::rig::lockstep;
-use palpate_image_lm3s6965evb::{Awake, HEAP, KEY, start};
+use palpate_image_lm3s6965evb::{HEAP, KEY, count, start};
 
 #[entry]
 fn main() -> ! {
     let (machine, rig) = start();
-    lockstep(&rig, &HEAP, &mut Awake(machine), &KEY)
+    lockstep(&rig, &HEAP, &mut Awake { machine, count }, &KEY)
 }

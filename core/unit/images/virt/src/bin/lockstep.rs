@@ -2,12 +2,13 @@
 #![no_std]
 #![no_main]
 
+use palpate_image::Awake;
 use palpate_image::rig::lockstep;
-use palpate_image_virt::{Awake, HEAP, KEY, start};
+use palpate_image_virt::{HEAP, KEY, count, start};
 use riscv_rt::entry;
 
 #[entry]
 fn main() -> ! {
     let (machine, rig) = start();
-    lockstep(&rig, &HEAP, &mut Awake(machine), &KEY)
+    lockstep(&rig, &HEAP, &mut Awake { machine, count }, &KEY)
 }
