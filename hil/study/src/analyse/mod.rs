@@ -147,6 +147,8 @@ impl Analysis {
             })
             .collect();
         let any = !found.is_empty();
+        // What is compared with simulated people is flagged as theirs.
+        self.simulated |= any && other.simulated;
         self.comparisons.extend(found);
         any
     }
