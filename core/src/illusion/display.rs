@@ -175,7 +175,7 @@ fn gap(values: impl Iterator<Item = f32>) -> f32 {
 
 /// Andrew's monotone chain (1979).
 fn convex_hull(mut points: Vec<Point>) -> Box<[Point]> {
-    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     if points.len() < 3 {
         return points.into();
     }

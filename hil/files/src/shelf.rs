@@ -40,7 +40,7 @@ pub fn built_in(kind: FileKind) -> Vec<Listed> {
 pub fn of_folder(folder: &Path, depth: usize) -> Vec<Listed> {
     let mut found = Vec::new();
     search(folder, depth, &mut found);
-    found.sort_by(|a: &Listed, b| a.name.cmp(&b.name));
+    found.sort_unstable_by(|a: &Listed, b| a.name.cmp(&b.name));
     found
 }
 

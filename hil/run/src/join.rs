@@ -230,7 +230,7 @@ fn summary(parts: &[Part], ledger: &Ledger, common: &Common) -> Summary {
     sum.margins.clone_from(&ledger.margins);
     sum.frame_us = FrameTime::of(parts.iter().flat_map(|p| &p.outcome.frame_us).copied());
     sum.boards = each().flat_map(|s| s.boards.clone()).collect();
-    sum.boards.sort_by_key(|b| b.module);
+    sum.boards.sort_unstable_by_key(|b| b.module);
     sum.taxels = Taxels::joined(
         parts
             .iter()

@@ -199,8 +199,8 @@ impl Taxels {
             let each = part.refresh_each_hz.iter().cloned();
             rates.extend(modules.iter().copied().zip(each));
         }
-        sum.ill.sort_by_key(|t| (t.module, t.taxel));
-        rates.sort_by_key(|(module, _)| *module);
+        sum.ill.sort_unstable_by_key(|t| (t.module, t.taxel));
+        rates.sort_unstable_by_key(|(module, _)| *module);
         let mut sorted: Vec<f32> = rates.iter().flat_map(|(_, hz)| hz.clone()).collect();
         sorted.sort_unstable_by(f32::total_cmp);
         let read = parts.clone().any(|(_, part)| part.refresh_hz.is_some());

@@ -269,7 +269,7 @@ impl Run<'_> {
             }
             let mut is_stopped = false;
             // What waits longest comes first: tries to bring a board back must not hold up the end of a burst.
-            order.sort_by_key(|number| (fingers[*number].session.next(), *number));
+            order.sort_unstable_by_key(|number| (fingers[*number].session.next(), *number));
             for &number in &order {
                 let finger = &mut fingers[number];
                 finger.turn(now, hardware.skin)?;
