@@ -144,7 +144,6 @@ impl Pipeline {
         observer: &mut impl Observer,
     ) {
         let range = layout.range(module);
-        self.used_whole[module] = false;
         let mut still = true;
         for i in range.clone() {
             let condition = self.monitor.condition(i, now);
@@ -154,6 +153,7 @@ impl Pipeline {
             );
             if self.conditions[i] != condition {
                 self.conditions[i] = condition;
+                self.used_whole[module] = false;
                 observer.taxel(now, i, condition);
             }
         }
@@ -166,8 +166,11 @@ impl Pipeline {
                 Condition::Frozen => still,
                 _ => false,
             };
-            self.relative
-                .set_usable(i, sound && self.baseline.usable()[i]);
+            let usable = sound && self.baseline.usable()[i];
+            if self.relative.usable()[i] != usable {
+                self.relative.set_usable(i, usable);
+                self.used_whole[module] = false;
+            }
         }
     }
 }
@@ -288,7 +291,10 @@ impl Sensing {
         if now >= self.next_round {
             self.next_round = now + ROUND;
             for module in 0..layout.modules().len() {
-                self.pipeline.examine(now, module, layout, observer);
+                let well = self.pipeline.monitor.is_well(module, now);
+                if !(well && self.pipeline.is_used_whole(module, layout)) {
+                    self.pipeline.examine(now, module, layout, observer);
+                }
             }
         }
     }

@@ -11,14 +11,11 @@ use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::time::Duration;
 
-use nix::sys::ptrace;
 use nix::sys::signal::{Signal, kill};
-use nix::sys::wait::{WaitPidFlag, WaitStatus, waitpid};
-use nix::unistd::Pid;
 use palpate_records::{candump, mcap};
 
 use super::tools::{hil, in_lab, number_of, scene, scratch, sh, text, try_sh};
-use super::ward::{Fate, HEARTBEAT_MS, Moments, Run, Ward, now_ns};
+use super::ward::{Fate, HEARTBEAT_MS, Moments, Run, Ward, now_ns, stop_thread};
 
 /// Bursts come every 58.5 ms; a blow falls anywhere in the first four.
 const WITHIN: Duration = Duration::from_millis(234);
@@ -179,31 +176,6 @@ fn check_records(death: Death, log: &Path, [messages, pins]: [&Path; 2]) {
     for command in parser {
         assert!(command.is_ok(), "{death:?}: {command:?}");
     }
-}
-
-/// Stops one thread of a process, by its name, until the process is killed.
-fn stop_thread(pid: Pid, name: &str) {
-    let threads = std::fs::read_dir(format!("/proc/{pid}/task")).unwrap();
-    let is_named = |path: &std::path::PathBuf| {
-        let comm = std::fs::read_to_string(path.join("comm"));
-        comm.is_ok_and(|comm| comm.trim() == name)
-    };
-    let found = threads.map(|t| t.unwrap().path()).find(is_named).unwrap();
-    let thread = found.file_name().unwrap().to_string_lossy().parse();
-    let thread = Pid::from_raw(thread.unwrap());
-    let (send, stopped) = std::sync::mpsc::channel();
-    // A thread's tracer is a thread too, and has to take note of its end.
-    std::thread::spawn(move || {
-        ptrace::seize(thread, ptrace::Options::empty()).unwrap();
-        ptrace::interrupt(thread).unwrap();
-        send.send(()).unwrap();
-        while let Ok(status) = waitpid(thread, Some(WaitPidFlag::__WALL)) {
-            if matches!(status, WaitStatus::Exited(..) | WaitStatus::Signaled(..)) {
-                return;
-            }
-        }
-    });
-    stopped.recv().unwrap();
 }
 
 /// The kinds that `PALPATE_DEATH` asks for.

@@ -19,23 +19,36 @@ use super::ward::{Fate, TooSlow, Ward, fate, patiently};
 /// Longer than a run goes on with a dead bus, 3 s.
 const GIVEN_UP: Duration = Duration::from_millis(4500);
 
+/// A bench's adapters, and each display's bus and first channel.
+pub type Wiring = (Vec<String>, [(usize, u8); 2]);
+
 /// Two emulated boards, adapters and thimbles: `index` is the ward's, `thumb` the other one's.
-struct Hand {
-    ward: Ward,
-    thumb: Emulator,
+pub struct Hand {
+    pub ward: Ward,
+    pub thumb: Emulator,
     /// The thumb's sensor bus.
     can: Endpoint,
     scene: String,
 }
 
 impl Hand {
-    fn open() -> Self {
+    pub fn open() -> Self {
+        Self::wired(&scene("press.toml"), &[], own_adapters)
+    }
+
+    /// Of the thumb's own scene, further options of the ward, and a wiring.
+    pub fn wired(
+        thumb_scene: &str,
+        options: &[&str],
+        wiring: impl Fn(&Emulator, &Emulator) -> Wiring,
+    ) -> Self {
         let press = scene("press.toml");
         vcan("vcan1");
-        let thumb = Emulator::start(&["--await-start", "--scene", &press, "--can", "vcan1"]);
-        let ward = Ward::open(&press, &[]);
-        let nodes = [&ward.emulator.node, &thumb.node];
-        std::fs::write(ward.bench(), bench(nodes)).unwrap();
+        let thumb = Emulator::start(&["--await-start", "--scene", thumb_scene, "--can", "vcan1"]);
+        let ward = Ward::open(&press, options);
+        let (nodes, displays) = wiring(&ward.emulator, &thumb);
+        let text = std::fs::read_to_string(ward.bench()).unwrap();
+        std::fs::write(ward.bench(), bench(&text, &nodes, displays)).unwrap();
         let this = Self {
             scene: two_fingers(&press),
             can: Endpoint::open("vcan1", &[]).unwrap(),
@@ -57,13 +70,13 @@ impl Hand {
     }
 
     /// The thumb's board is silent from now on, until a start command.
-    fn silence_thumb(&self) {
+    pub fn silence_thumb(&self) {
         let stop = CanFrame::new(0x20F, &[0x07, 0x01]).unwrap();
         self.can.send(&stop).unwrap();
     }
 
-    /// A run that drives both.
-    fn run(&mut self) -> super::ward::Run {
+    /// A run that drives both, each on an adapter of its own.
+    pub fn run(&mut self) -> super::ward::Run {
         self.silence_thumb();
         self.thumb.told.clear();
         let run = self.ward.run(&self.scene.clone(), &[]);
@@ -71,8 +84,15 @@ impl Hand {
         run
     }
 
+    /// Two displays of one board take turns: onsets twice as far apart.
+    pub fn slow_down(&self) {
+        let text = std::fs::read_to_string(&self.scene).unwrap();
+        let slow = text.replace("[illusion]\n", "[illusion]\nsoa_ms = 117.0\n");
+        std::fs::write(&self.scene, slow).unwrap();
+    }
+
     /// A finger that this machine was too slow for says so in the end.
-    fn check_speed(&self) -> Result<(), TooSlow> {
+    pub fn check_speed(&self) -> Result<(), TooSlow> {
         match self.ward.said().contains("late-tick") {
             true => Err(TooSlow),
             false => Ok(()),
@@ -80,13 +100,13 @@ impl Hand {
     }
 
     /// Both are known to be off.
-    fn is_off(&mut self) {
+    pub fn is_off(&mut self) {
         assert!(matches!(self.ward.fate(0), Fate::Off(_)), "index");
         assert!(matches!(fate(&mut self.thumb, 0), Fate::Off(_)), "thumb");
     }
 
     /// The next run is refused, for this; then a person clears it.
-    fn is_latched(&self, cause: &str) {
+    pub fn is_latched(&self, cause: &str) {
         let refused = self.ward.command(&self.scene, &[]).output().unwrap();
         let said = text(&refused.stderr);
         assert_eq!(refused.status.code(), Some(4), "{said}");
@@ -98,16 +118,24 @@ impl Hand {
     }
 }
 
-/// The suite's bench with a display on each adapter.
-fn bench([index, thumb]: [&String; 2]) -> String {
-    let text = std::fs::read_to_string(scene("bench.toml")).unwrap();
+/// An adapter for each display.
+pub fn own_adapters(index: &Emulator, thumb: &Emulator) -> Wiring {
+    let nodes = [index, thumb].map(|emulator| emulator.node.clone());
+    (nodes.into(), [(0, 0), (1, 0)])
+}
+
+/// The ward's bench with these adapters, and a display on eight channels from one on of a bus.
+fn bench(text: &str, nodes: &[String], displays: [(usize, u8); 2]) -> String {
     let head = text.split("[[outputs]]").next().unwrap();
-    let mut bench = head
-        .replace("\"/dev/i2c-0\"", &format!("\"{index}\", \"{thumb}\""))
-        .replace("[\"vcan0\"]", "[\"vcan0\", \"vcan1\"]");
-    for (bus, name) in ["index", "thumb"].iter().enumerate() {
+    let set = |line: &str| match line.split_once(" = ") {
+        Some(("i2c", _)) => format!("i2c = {nodes:?}"),
+        Some(("can", _)) => "can = [\"vcan0\", \"vcan1\"]".into(),
+        _ => line.to_owned(),
+    };
+    let mut bench = head.lines().map(set).collect::<Vec<_>>().join("\n");
+    for ((bus, first), name) in displays.into_iter().zip(["index", "thumb"]) {
         let output = |channel| format!("{{ bus = {bus}, board = 0x40, channel = {channel} }}");
-        let outputs: Vec<String> = (0..8).map(output).collect();
+        let outputs: Vec<String> = (first..first + 8).map(output).collect();
         let outputs = outputs.join(", ");
         write!(
             bench,

@@ -14,6 +14,7 @@ mod deaths;
 mod driver_unit;
 mod emulator;
 mod fuzz;
+mod hand_faults;
 mod hands;
 mod i2c_clients;
 mod interfaces;

@@ -10,6 +10,8 @@ use std::time::Duration;
 
 use embedded_hal::i2c::I2c;
 use linux_embedded_hal::I2cdev;
+use nix::sys::ptrace;
+use nix::sys::wait::{WaitPidFlag, WaitStatus, waitpid};
 use nix::time::{ClockId, clock_gettime};
 use nix::unistd::Pid;
 use palpate_buses::can::Endpoint;
@@ -251,4 +253,29 @@ fn guardian_of(run: &Child) -> Pid {
     let children = threads.map(|t| std::fs::read_to_string(t.unwrap().path().join("children")));
     let children: String = children.map(Result::unwrap).collect();
     Pid::from_raw(children.trim().parse().unwrap())
+}
+
+/// Stops one thread of a process, by its name, until the process is killed.
+pub fn stop_thread(pid: Pid, name: &str) {
+    let threads = std::fs::read_dir(format!("/proc/{pid}/task")).unwrap();
+    let is_named = |path: &PathBuf| {
+        let comm = std::fs::read_to_string(path.join("comm"));
+        comm.is_ok_and(|comm| comm.trim() == name)
+    };
+    let found = threads.map(|t| t.unwrap().path()).find(is_named).unwrap();
+    let thread = found.file_name().unwrap().to_string_lossy().parse();
+    let thread = Pid::from_raw(thread.unwrap());
+    let (send, stopped) = std::sync::mpsc::channel();
+    // A thread's tracer is a thread too, and has to take note of its end.
+    std::thread::spawn(move || {
+        ptrace::seize(thread, ptrace::Options::empty()).unwrap();
+        ptrace::interrupt(thread).unwrap();
+        send.send(()).unwrap();
+        while let Ok(status) = waitpid(thread, Some(WaitPidFlag::__WALL)) {
+            if matches!(status, WaitStatus::Exited(..) | WaitStatus::Signaled(..)) {
+                return;
+            }
+        }
+    });
+    stopped.recv().unwrap();
 }

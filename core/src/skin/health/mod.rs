@@ -129,6 +129,13 @@ impl Monitor {
         seen.well
     }
 
+    /// Whether [`Self::observe_module`] was true of a module's newest scan, and is still at `now`: no taxel has to be looked
+    /// at by itself then.
+    pub fn is_well(&self, module: usize, now: Instant) -> bool {
+        let lasts = |at| now.since(at) <= self.settings.dead_after;
+        self.taxels.well_at(module).is_some_and(lasts)
+    }
+
     /// What is wrong with a taxel at `now`; the worst of several.
     pub fn condition(&self, index: usize, now: Instant) -> Condition {
         let t = &self.taxels;

@@ -26,6 +26,8 @@ struct Together {
     brief: Vec<Instant>,
     /// Whether every active taxel was received and none has jumped lately.
     calm: bool,
+    /// When the newest scan came, if every active taxel was in it and well.
+    well_at: Option<Instant>,
     /// No active taxel has last changed before this.
     moved_at: Instant,
     /// Whether it is known where its skin rests, and the end of the range that this is, if it is one: only skins of one axis
@@ -86,6 +88,7 @@ impl Taxels {
             at: Instant::ZERO,
             brief: Vec::with_capacity(BRIEF),
             calm: false,
+            well_at: None,
             moved_at: Instant::ZERO,
             learned: layout.modules()[module].axes() != 1,
             rests_at: None,
@@ -169,14 +172,22 @@ impl Taxels {
     pub(super) fn observe(&mut self, scan: &Scan, module: usize) -> Seen {
         self.learn(scan, module);
         let steady = self.compare(scan, module);
-        if steady && self.modules[module].calm && self.is_whole(scan, module) {
-            return self.observe_together(scan, module);
-        }
-        let seen = self.observe_each(scan, module);
-        Seen {
-            well: seen.well && steady,
-            ..seen
-        }
+        let seen = if steady && self.modules[module].calm && self.is_whole(scan, module) {
+            self.observe_together(scan, module)
+        } else {
+            let seen = self.observe_each(scan, module);
+            Seen {
+                well: seen.well && steady,
+                ..seen
+            }
+        };
+        self.modules[module].well_at = seen.well.then(|| scan.at());
+        seen
+    }
+
+    /// When the newest scan of a module came, if every active taxel was in it and well.
+    pub(super) fn well_at(&self, module: usize) -> Option<Instant> {
+        self.modules.get(module)?.well_at
     }
 
     /// How many modules there are.

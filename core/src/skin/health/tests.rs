@@ -127,6 +127,16 @@ fn a_module_is_well_where_all_of_its_taxels_are() {
             };
             let good = range.clone().all(good);
             assert!(good || !said, "frame {frame}");
+            let latest = at + settings.dead_after;
+            assert_eq!(m.is_well(module, latest), said, "frame {frame}");
+            let still = |i| {
+                matches!(
+                    m.condition(i, latest),
+                    Condition::Good | Condition::Inactive
+                )
+            };
+            assert!(!said || range.clone().all(still), "frame {frame}");
+            assert!(!m.is_well(module, latest + Duration::from_micros(1)));
             well += usize::from(said);
             all_good += usize::from(good);
         }
