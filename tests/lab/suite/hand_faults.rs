@@ -112,9 +112,17 @@ fn one_board() -> Result<(), TooSlow> {
     let scene = hand.scene.clone();
     let mut run = hand.ward.run(&scene, &[]);
     hand.ward.emulator.hear(Duration::from_millis(1500));
-    let silenced = now_ns();
-    hand.silence_thumb();
-    hand.ward.emulator.hear(Duration::from_millis(1500));
+    // A silence between two bursts stops nothing.
+    let mut silenced = 0;
+    for n in 0..20 {
+        silenced = now_ns();
+        hand.silence_thumb();
+        hand.ward.emulator.hear(Duration::from_millis(700 + 7 * n));
+        if hand.ward.latch().read().is_some() {
+            break;
+        }
+    }
+    hand.ward.emulator.hear(Duration::from_millis(800));
     kill(run.pid(), Signal::SIGINT).unwrap();
     let ended = run.end();
     let said = hand.ward.said();

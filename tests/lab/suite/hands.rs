@@ -28,7 +28,7 @@ pub struct Hand {
     pub thumb: Emulator,
     /// The thumb's sensor bus.
     can: Endpoint,
-    scene: String,
+    pub scene: String,
 }
 
 impl Hand {
