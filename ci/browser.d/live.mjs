@@ -11,15 +11,15 @@ const { chromium } = createRequire(join(process.env.PALPATE_DRIVER, "package.jso
 const [hil, pictures] = process.argv.slice(2);
 const browser = await chromium.launch({ executablePath: process.env.PALPATE_CHROMIUM, args: ["--no-sandbox"] });
 
-async function serve(...args) {
-  const run = spawn(hil, ["run", ...args, "--serve", "0", "--quiet"], { stdio: ["ignore", "ignore", "pipe"] });
+async function serve(port, ...args) {
+  const run = spawn(hil, ["run", ...args, "--serve", port, "--quiet"], { stdio: ["ignore", "ignore", "pipe"] });
   const ended = new Promise(done => run.on("exit", done));
   const base = await new Promise((done, failed) => {
     let told = "";
     run.stderr.on("data", data => { told += data; const found = /(http:\S+\/)/.exec(told); if (found) done(found[1]); });
     ended.then(() => failed(new Error(told)));
   });
-  return { base, ended };
+  return { base, ended, run };
 }
 
 async function open(base, { width = 1280, height = 900, scheme = "light" } = {}) {
@@ -36,7 +36,7 @@ async function open(base, { width = 1280, height = 900, scheme = "light" } = {})
 
 const seen = (page, count) => page.waitForFunction(n => palpate.count >= n, count, { timeout: 60000 });
 
-const { base, ended } = await serve("sphere-circle", "--set", "length_s=600");
+const { base, ended } = await serve("0", "sphere-circle", "--set", "length_s=600");
 for (const [width, height] of [[390, 844], [1280, 900], [3840, 2160]])
   for (const scheme of ["light", "dark"]) {
     const { page, close } = await open(base, { width, height, scheme });
@@ -66,4 +66,24 @@ for (const { page, close } of [one, two]) {
 }
 assert.equal(await ended, 0);
 console.log("live: stop ok");
+
+// Pictures that did not come are counted; a run that dies leaves its last one; the next at that address is another run.
+const dying = await serve("0", "sphere-circle", "--set", "length_s=600"), last = await open(dying.base);
+await seen(last.page, 10);
+const line = await last.page.evaluate(() => {
+  palpate.take({ number: palpate.number + 4, display: 0, picture: palpate.picture });
+  return document.getElementById("line").textContent;
+});
+assert.match(line, /live, 3 pictures missed/);
+dying.run.kill("SIGKILL");
+await last.page.waitForFunction(() => /connection lost; trying again/.test(document.getElementById("line").textContent) && document.getElementById("stop").disabled);
+const run = await last.page.evaluate(() => palpate.run), { port } = new URL(dying.base);
+const next = await serve(port, "sphere-along", "--set", "length_s=600");
+await last.page.waitForFunction(before => palpate.run !== before && palpate.head.scene === "sphere-along" && palpate.picture, run, { timeout: 20000 });
+assert.equal(await last.page.evaluate(() => palpate.missed), 0);
+await last.page.click("#stop");
+await last.page.waitForFunction(() => palpate.over, null, { timeout: 10000 });
+assert.equal(await next.ended, 0);
+await last.page.context().close();
+console.log("live: another run ok");
 await browser.close();

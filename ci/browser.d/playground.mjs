@@ -213,8 +213,20 @@ async function badInput() {
   await said({ url: `${base}#s=AAAA` }, /link is broken/);
   await said({ url: `${base}#hello` }, /holds no session/);
   await said({ url: link(deflateRawSync(JSON.stringify({ v: 99, bench: "emulated", set: [], text: "name = \"old\"\ndescription = \"of another version\"\n" }))) }, /another version/);
-  await said({ url: link(deflateRawSync(JSON.stringify({ v: 1, bench: "emulated", set: [], text: "nothing of a scene" }))) }, /the session/);
+  const of = session => link(deflateRawSync(JSON.stringify(session))), session = { v: 1, bench: "emulated", set: [] };
+  await said({ url: of({ ...session, text: "nothing of a scene" }) }, /the session/);
+  await said({ url: of(null) }, /link is broken/);
+  await said({ url: of({ v: 1, text: "name = \"short\"" }) }, /link is broken/);
+  const touched = samples => `name = "log"\ndescription = "A hand's log"\nlength_s = 2.0\nreference_frames = 10\n[[touches]]\nstart_s = 0.6\npath = { kind = "hand", samples = ${samples} }\n`;
+  await said({ url: of({ ...session, text: touched("[[900000, 0, 0, 900, 12000], [700000, 0, 0, 900, 12000]]") }) }, /the session.*expected/s);
+  await said({ url: of({ ...session, text: touched("[[900000, 0, 0]]") }) }, /the session/);
+  // What another version's link has in common is opened: here neither its bench nor what it sets.
+  const nearest = await open({ url: of({ v: 99, bench: "gone", set: 3, text: touched("[[900000, 0, 0, 900, 12000]]") }) });
+  assert.match(await nearest.page.textContent("#alert"), /another version/);
+  assert.equal(await nearest.page.evaluate(() => `${palpate.head.scene} ${palpate.head.bench}`), "log emulated");
+  await nearest.close();
   await said({ prepare: () => { delete globalThis.WebAssembly; } }, /no WebAssembly/);
+  await said({ prepare: () => { WebAssembly.instantiate = () => Promise.reject(new WebAssembly.CompileError("of its own")); } }, /cannot run the module/);
   await said({ url: `file://${join(site, "index.html")}` }, /palpate\.html/);
   const alone = await open({ url: `file://${join(site, "palpate.html")}` });
   await pass(alone.page, 200000);

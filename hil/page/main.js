@@ -68,7 +68,7 @@ class Page {
         this.settings.choose({ scene: "", ...(await unlink(location.hash)) });
       } catch (error) {
         told = error.message;
-        if (error.session) this.settings.choose({ scene: "", bench: "emulated", set: [], observe: false, ...error.session });
+        if (error.session) this.settings.chooseNearest(error.session);
       }
     }
     await this.begin(told);
@@ -89,7 +89,7 @@ class Page {
       say(told);
     } catch (error) {
       this.failed = true;
-      say(error.message);
+      say(told ? `${told} ${error.message}` : error.message);
     }
   }
 

@@ -32,6 +32,12 @@ export class Settings {
     }
   }
 
+  // The same of another version's session, whose bench may be gone.
+  chooseNearest(session) {
+    this.choose({ scene: "", ...session });
+    if (!this.fields.bench.value) this.fields.bench.value = "emulated";
+  }
+
   // As the loop takes it.
   chosen() {
     const stated = Object.entries(FIELDS).filter(([field]) => this.fields[field].value);

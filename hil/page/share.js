@@ -22,23 +22,33 @@ export async function link(session) {
   return url.length <= MOST_LINK ? url : null;
 }
 
+const texts = value => Array.isArray(value) && value.every(each => typeof each === "string");
+
+// What a link of another version has in common with this one's.
+const nearest = ({ text, bench, set, observe, seed }) => ({
+  text, bench: typeof bench === "string" ? bench : "emulated", set: texts(set) ? set : [], observe: observe === true, seed: Number.isSafeInteger(seed) && seed >= 0 ? seed : 1,
+});
+
 // The session of a link; a sentence is thrown for what is none.
 export async function unlink(hash) {
   const found = /^#s=([\w-]+)$/.exec(hash);
   if (!found) throw new Error("This link holds no session: expected #s= and what a page wrote behind it. The page begins anew.");
+  const broken = "This link is broken: part of the session in it is missing or was changed. The page begins anew.";
   let session;
   try {
     const bytes = Uint8Array.from(atob(found[1].replaceAll("-", "+").replaceAll("_", "/")), c => c.charCodeAt(0));
     session = JSON.parse(new TextDecoder().decode(await through(new DecompressionStream("deflate-raw"), bytes)));
   } catch {
-    throw new Error("This link is broken: part of the session in it is missing or was changed. The page begins anew.");
+    throw new Error(broken);
   }
+  if (!Number.isInteger(session?.v)) throw new Error(broken);
   if (session.v !== VERSION) {
     const error = new Error(`This link was made by another version of the page (${session.v}; this one reads ${VERSION}). What it has in common is opened; the rest may differ.`);
-    error.session = typeof session.text === "string" ? session : null;
+    error.session = typeof session.text === "string" ? nearest(session) : null;
     if (!error.session) error.message += " It has no scene, so the page begins anew.";
     throw error;
   }
+  if (typeof session.text !== "string" || typeof session.bench !== "string" || !texts(session.set)) throw new Error(broken);
   return session;
 }
 
