@@ -65,6 +65,7 @@ const of = (all, key) => median(all.map(each => each[key]));
 console.log(`live: of a core, while ${length} s of ${scene} keep to the wall clock (median of ${ROUNDS}):`);
 console.log(`  no page   loop ${percent(of(none, "loop"))}, other threads ${percent(of(none, "others"))}`);
 console.log(`  one page  loop ${percent(of(one, "loop"))}, other threads ${percent(of(one, "others"))}; ${(of(one, "bytes") / length / 1000).toFixed(0)} kB/s`);
-console.log(`  a page adds ${percent(of(one, "loop") - of(none, "loop"))} of the loop's time to the loop and ${percent(of(one, "others") - of(none, "others"))} to others`);
+const added = of(one, "loop") - of(none, "loop");
+console.log(`  a page adds ${percent(added)} of the loop's time to the loop, ${percent(added / of(none, "loop"))} of what it computes, and ${percent(of(one, "others") - of(none, "others"))} to others`);
 console.log(`  records (${records.join(", ")}): the same bytes`);
 rmSync(folder, { recursive: true });

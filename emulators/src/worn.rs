@@ -444,16 +444,22 @@ impl WornDisplay {
     /// What the run came to until now.
     pub fn totals(&mut self) -> DisplayTotals {
         let (now, peak_supply) = (self.now, self.supply.peak().0);
-        let totals = DisplayTotals::of(&mut self.worn.wires, peak_supply, now);
+        let totals = DisplayTotals::of(&mut self.worn.wires, &Peaks::NONE, peak_supply, now);
         self.with_face(totals)
     }
 
     /// The same by copies of the wires, as [`WornDisplay::glance_c`].
     pub fn glance(&self) -> DisplayTotals {
         let mut copies: Vec<Wire> = self.worn.wires.iter().map(Wire::ahead).collect();
+        let mut floor = Peaks::NONE;
+        for wire in &copies {
+            floor.raise(&wire.solver().peaks_floor());
+        }
+        let peak_supply = self.supply.peak().0;
         self.with_face(DisplayTotals::of(
             &mut copies,
-            self.supply.peak().0,
+            &floor,
+            peak_supply,
             self.now,
         ))
     }

@@ -1,6 +1,7 @@
 //! What looks on at a run: a terminal (`--watch`), pages (`--serve`), a study that can stop it, or nothing.
 
 use palpate_core::units::{Duration, Instant};
+use palpate_run::picture::Wants;
 use palpate_run::{Beginning, Failure, TurnView};
 
 use crate::output::note;
@@ -97,7 +98,7 @@ impl Views {
                 return Some(Wish::Stop);
             }
             if seen.now >= self.limits
-                && let Some(used) = (seen.state)(false).used
+                && let Some(used) = (seen.state)(Wants::READINGS).used
             {
                 self.limits = seen.now + LIMITS_EVERY;
                 desk.limits(&used);

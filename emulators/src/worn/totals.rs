@@ -2,6 +2,7 @@
 
 use palpate_core::units::Milliamps;
 
+use crate::display::solver::record::Peaks;
 use crate::display::wire::Wire;
 use crate::time::Nanos;
 
@@ -23,7 +24,13 @@ pub struct DisplayTotals {
 }
 
 impl DisplayTotals {
-    pub(super) fn of(wires: &mut [Wire], peak_supply: Milliamps, now: Nanos) -> Self {
+    /// No tissue is searched that cannot have passed `floor`: what one of the wires is known to have reached, or none.
+    pub(super) fn of(
+        wires: &mut [Wire],
+        floor: &Peaks,
+        peak_supply: Milliamps,
+        now: Nanos,
+    ) -> Self {
         let mut totals = Self {
             peak_supply,
             hottest_wire: (f64::NEG_INFINITY, 0),
@@ -32,7 +39,7 @@ impl DisplayTotals {
             ..Self::default()
         };
         for (index, wire) in wires.iter_mut().enumerate() {
-            let peaks = wire.peaks(now);
+            let peaks = wire.peaks_above(now, floor);
             totals.electrical_j += wire.energy(now).electrical_j;
             if peaks.wire_c > totals.hottest_wire.0 {
                 totals.hottest_wire = (peaks.wire_c, index);

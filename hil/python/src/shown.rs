@@ -69,8 +69,7 @@ impl Shown {
     ) -> Result<String, Failure> {
         let now = session.now();
         let (_, recorder, look) = session.look();
-        let totals = self.painter.wants_totals(now.as_micros());
-        let state: State = look.state(totals);
+        let state: State = look.state(self.painter.wants(now.as_micros()));
         let counts = recorder.counts.as_deref().unwrap_or_default();
         let mut picture = self.painter.picture(&self.waiting, counts, state);
         self.waiting.clear();

@@ -99,7 +99,7 @@ use palpate_records::report::Warmth;
 use palpate_records::trace::{Event, Header, Trace};
 
 use effort::Effort;
-use picture::State;
+use picture::{State, Wants};
 
 /// What drives the sensor end.
 #[derive(Clone, Debug)]
@@ -199,8 +199,8 @@ pub struct TurnView<'a> {
     pub counts: &'a [f32],
     /// The sensor buses, a line each.
     pub buses: &'a dyn Fn() -> Vec<String>,
-    /// How things are beside, with totals if they are wanted.
-    pub state: &'a dyn Fn(bool) -> State,
+    /// How things are beside, with what is wanted.
+    pub state: &'a dyn Fn(Wants) -> State,
 }
 
 /// A run that is about to begin, or that of one of several displays.

@@ -391,7 +391,7 @@ fn look_on(session: &mut Session<AnySkin<'_>, EmulatedDisplay>, host: &mut dyn H
         events: &recorder.events,
         counts: recorder.counts.as_deref().unwrap_or_default(),
         buses: &|| skin.buses().iter().map(BusReport::words).collect(),
-        state: &|totals| look.state(totals),
+        state: &|wants| look.state(wants),
     });
     if ended {
         let note = format!("{STOPPED_BY}the person who watched");

@@ -13,6 +13,7 @@ use palpate_core::units::{Duration, Instant};
 use palpate_files::Real;
 use palpate_records::readings::Readings;
 use palpate_run::display_end::DisplayEnd;
+use palpate_run::picture::Wants;
 use palpate_run::skin_end::{SkinEnd, Tap};
 use palpate_run::{Failure, Policy, Session, Turn};
 
@@ -303,7 +304,7 @@ impl<'a> Turns<'a> {
             false => Vec::new(),
         };
         let (_, _, look) = self.session.look();
-        let state = self.shared.watched.then(|| look.state(false));
+        let state = self.shared.watched.then(|| look.state(Wants::READINGS));
         let recorder = self.session.recorder();
         let events = recorder.events.get(told..).unwrap_or_default().to_vec();
         let taxels = recorder

@@ -173,7 +173,7 @@ impl Turns<'_> {
             events: &recorder.events,
             counts: recorder.counts.as_deref().unwrap_or_default(),
             buses: &|| lines(self.can, &tallies),
-            state: &|totals| look.state(totals),
+            state: &|wants| look.state(wants),
         })?;
         let text = format!("stopped by {}", wish.by());
         session.recorder().note(now, text);

@@ -212,8 +212,7 @@ impl LiveRun {
             shown.painter.pass(events);
             return;
         }
-        let totals = shown.painter.wants_totals(seen.now.as_micros());
-        let state = (seen.state)(totals);
+        let state = (seen.state)(shown.painter.wants(seen.now.as_micros()));
         let made = Made {
             display: seen.display,
             number: shown.number,

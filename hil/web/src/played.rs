@@ -134,10 +134,9 @@ impl Played {
         let final_ns = (until_us * 1000).saturating_sub(LATE_NS);
         self.told.add(&events, final_ns);
         let (_, recorder, look) = self.session.look();
-        let totals = self.painter.wants_totals(until_us);
         let state = State {
             now: until,
-            ..look.state(totals)
+            ..look.state(self.painter.wants(until_us))
         };
         let counts = recorder.counts.as_deref().unwrap_or_default();
         let map = state.map;

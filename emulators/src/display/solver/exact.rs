@@ -246,12 +246,21 @@ impl Exact {
         (base + self.watched.shallow, base + self.watched.deep)
     }
 
-    /// Maxima over continuous time since the start.
-    pub fn peaks(&mut self) -> Peaks {
+    /// Maxima over continuous time since the start. Tissue that cannot have passed `floor` is not searched, now or later.
+    pub fn peaks(&mut self, floor: &Peaks) -> Peaks {
         Peaks {
             wire_c: self.hottest.0,
-            shallow_c: self.shallow.settle(f64::NEG_INFINITY).0,
-            deep_c: self.deep.settle(f64::NEG_INFINITY).0,
+            shallow_c: self.shallow.settle(floor.shallow_c).0,
+            deep_c: self.deep.settle(floor.deep_c).0,
+        }
+    }
+
+    /// The same but for what would have to be searched: no higher than they are.
+    pub const fn peaks_floor(&self) -> Peaks {
+        Peaks {
+            wire_c: self.hottest.0,
+            shallow_c: self.shallow.known_whole(),
+            deep_c: self.deep.known_whole(),
         }
     }
 

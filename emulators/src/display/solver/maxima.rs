@@ -78,6 +78,11 @@ impl Maxima {
         self.window
     }
 
+    /// The same of the maximum since the start.
+    pub const fn known_whole(&self) -> f64 {
+        self.whole
+    }
+
     /// Searches what waits, and returns both maxima: since the start, and since the window was opened. What cannot pass
     /// `floor` is forgotten without a search, and where both are lower than that they say no more.
     pub fn settle(&mut self, floor: f64) -> (f64, f64) {

@@ -4,6 +4,7 @@ use super::*;
 use crate::display::finger::dose::{cem43_rate, omega_rate};
 use crate::display::solver::WireDrive;
 use crate::display::solver::exact::Exact;
+use crate::display::solver::record::Peaks;
 use palpate_core::physics::{TissueParameters, WireParameters};
 use palpate_core::vector::Vectors;
 
@@ -109,7 +110,7 @@ fn wide_vectors_give_the_same_bits() {
         }
         solver.advance(Nanos(2_000_000_000));
         assert!(least < 1.0 && solver.fraction() > least);
-        let (peaks, energy) = (solver.peaks(), solver.energy());
+        let (peaks, energy) = (solver.peaks(&Peaks::NONE), solver.energy());
         let mut bits = solver.nodes().map(f64::to_bits).to_vec();
         let all = [
             peaks.wire_c,

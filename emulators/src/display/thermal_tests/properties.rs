@@ -148,6 +148,12 @@ proptest! {
             pair
         }).collect();
         let end = pairs.iter().map(|[wire, _]| wire.now()).max().unwrap();
+        let (mut floor, mut all, mut above) = (Peaks::NONE, Peaks::NONE, Peaks::NONE);
+        pairs.iter().for_each(|[wire, _]| floor.raise(&wire.solver().peaks_floor()));
+        for [wire, _] in &pairs {
+            all.raise(&wire.clone().peaks(end));
+            above.raise(&wire.clone().peaks_above(end, &floor));
+        }
         for [_, wire] in &mut pairs {
             short.raise(&wire.window_floor(end));
         }
@@ -159,6 +165,9 @@ proptest! {
         let since_start = since_start.fold(f64::NEG_INFINITY, f64::max);
         // In electrical runaway all of them are infinite.
         let alike = |a: f64, b: f64| a.to_bits() == b.to_bits() || (a - b).abs() < 1e-9;
+        for (a, b) in [(all.wire_c, above.wire_c), (all.shallow_c, above.shallow_c), (all.deep_c, above.deep_c)] {
+            prop_assert!(alike(a, b), "{all:?} {above:?}");
+        }
         prop_assert!(alike(long.wire_c, short.wire_c), "{long:?} {short:?}");
         prop_assert!(alike(long.shallow_c, short.shallow_c), "{long:?} {short:?}");
         prop_assert!(alike(long.deep_c, short.deep_c), "{long:?} {short:?}");

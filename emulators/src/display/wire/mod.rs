@@ -253,8 +253,14 @@ impl Wire {
 
     /// Maxima over continuous time from the start to `at`.
     pub fn peaks(&mut self, at: Nanos) -> Peaks {
+        self.peaks_above(at, &Peaks::NONE)
+    }
+
+    /// The same where of several wires only the warmest counts: tissue that cannot have passed `floor` is not searched, now
+    /// or later.
+    pub fn peaks_above(&mut self, at: Nanos, floor: &Peaks) -> Peaks {
         self.advance(at);
-        self.solver.peaks()
+        self.solver.peaks(floor)
     }
 
     /// What [`Self::window_peaks`] comes to at least, without a search.

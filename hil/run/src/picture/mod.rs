@@ -16,6 +16,23 @@ use serde::Serialize;
 
 use crate::display_end::DisplayEnd;
 
+/// What is wanted of a look at a session, beside what costs nothing: each is work for every wire.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wants {
+    /// Temperatures, and the share of each limit.
+    pub readings: bool,
+    /// What the run came to so far.
+    pub totals: bool,
+}
+
+impl Wants {
+    /// Everything that no search is needed for.
+    pub const READINGS: Self = Self {
+        readings: true,
+        totals: false,
+    };
+}
+
 /// How things are at one moment, as far as no event says it.
 #[derive(Clone, Debug)]
 pub struct State {
@@ -23,11 +40,11 @@ pub struct State {
     pub now: Instant,
     /// From the skin to the display.
     pub map: Map,
-    /// What the guard counts as used; none where no guard is asked, as of a recording.
+    /// What the guard counts as used; none where that is not wanted, or no guard is asked, as of a recording.
     pub used: Option<Used>,
     /// What the guard holds everything off for.
     pub stopped: Option<&'static str>,
-    /// Each wire and the skin under it, degrees C; empty where nothing measures them.
+    /// Each wire and the skin under it, degrees C; empty where they are not wanted, or nothing measures them.
     pub warm: Vec<[f64; 2]>,
     /// The newest onset's level over everything that is not measured, dB.
     pub band_db: Option<[f64; 2]>,
@@ -63,17 +80,21 @@ pub struct Look<'a, D> {
 }
 
 impl<D: DisplayEnd> Look<'_, D> {
-    /// How things are; with totals if they are wanted, which cost a look at every wire.
-    pub fn state(&self, totals: bool) -> State {
+    /// How things are, with what is wanted.
+    pub fn state(&self, wants: Wants) -> State {
         let guard = self.projector.guard();
         State {
             now: self.now,
             map: *self.projector.map(),
-            used: Some(guard.used(self.now)),
+            used: wants.readings.then(|| guard.used(self.now)),
             stopped: guard.latched().map(Cause::word),
-            warm: self.display.warmth(),
+            warm: match wants.readings {
+                true => self.display.warmth(),
+                false => Vec::new(),
+            },
             band_db: self.display.newest_band_db(),
-            totals: totals
+            totals: wants
+                .totals
                 .then(|| self.display.totals())
                 .flatten()
                 .map(Totals::from),
@@ -152,9 +173,9 @@ pub struct Picture {
     pub fingers: Vec<(usize, [f32; 2])>,
     /// What the scene itself presses with, on the skin's plane: x, y (mm), force (N), diameter (mm).
     pub spheres: Vec<[f64; 4]>,
-    /// Wire and skin under it, degrees C; NaN (in JSON null) where nothing measures them.
+    /// Wire and skin under it when they were last looked at, degrees C; NaN (in JSON null) where nothing measures them.
     pub warm: Vec<[f64; 2]>,
-    /// Each limit's share; empty where no guard is asked.
+    /// Each limit's share then; empty where no guard is asked.
     pub used: Vec<(&'static str, f64)>,
     /// Skin 0.1 and 0.4 mm deep, hottest so far (degrees C), and dose (Omega, minutes at 43 C); none where nothing measures them.
     pub hottest: Option<[f64; 4]>,

@@ -6,10 +6,15 @@ use palpate_files::{Setup, Touch};
 use palpate_records::trace::{Driven, Event, Header, PlaceUm};
 
 use super::head::{origin, pair, shown};
-use super::{Burst, Contact, Felt, Picture, State, Totals};
+use super::{Burst, Contact, Felt, Picture, State, Totals, Wants};
 
-/// Totals are looked at this often, microseconds: a reader sees no more.
-const TOTALS_US: u64 = 100_000;
+/// Temperatures and shares of limits are looked at this often, microseconds: a reader sees no more.
+const LOOK_US: u64 = 100_000;
+/// Totals, which only grow, are.
+const TOTALS_US: u64 = 1_000_000;
+/// Pictures of less time than this follow single pulses, microseconds: each has temperatures of its own, and totals come
+/// as often as they are looked at elsewhere.
+const CLOSE_US: u64 = 10_000;
 
 /// Keeps up what pictures need of the events before them.
 #[derive(Clone, Debug)]
@@ -21,9 +26,13 @@ pub struct Painter {
     /// What the scene presses with on shown modules, and where these are.
     touches: Vec<(Touch, [f32; 2])>,
     memory: Memory,
+    /// What the newest looks found: temperatures, shares of limits, totals.
+    warm: Vec<[f64; 2]>,
+    used: Vec<(&'static str, f64)>,
     totals: Option<Totals>,
-    /// When they are looked at next.
-    totals_us: u64,
+    /// When they were looked at, temperatures and totals, and the time of the newest picture.
+    looked_us: [Option<u64>; 2],
+    shown_us: u64,
 }
 
 /// What it remembers of events.
@@ -39,12 +48,13 @@ pub(crate) struct Memory {
 }
 
 fn mm(place: PlaceUm) -> [f64; 2] {
-    [f64::from(place.x) * 1e-3, f64::from(place.y) * 1e-3]
+    [f64::from(place.x) / 1e3, f64::from(place.y) / 1e3]
 }
 
-/// In thousandths: a page shows no more, and long texts take time to write and to read.
+/// In thousandths: a page shows no more, and long texts take time to write and to read. A quotient is the number nearest
+/// to those digits, a product need not be.
 fn short(value: f64) -> f64 {
-    libm::round(value * 1e3) * 1e-3
+    libm::round(value * 1e3) / 1e3
 }
 
 impl Painter {
@@ -72,15 +82,25 @@ impl Painter {
                 driven: Driven::default(),
                 hottest_mc: None,
             },
+            warm: Vec::new(),
+            used: Vec::new(),
             totals: None,
-            totals_us: 0,
+            looked_us: [None; 2],
+            shown_us: 0,
         }
     }
 
-    /// Whether the next picture's state should have totals.
+    /// What the state of a picture of this time should have.
     #[must_use]
-    pub const fn wants_totals(&self, now_us: u64) -> bool {
-        now_us >= self.totals_us
+    pub fn wants(&self, now_us: u64) -> Wants {
+        let close = now_us.saturating_sub(self.shown_us) < CLOSE_US;
+        let [looked, totaled] = self
+            .looked_us
+            .map(|then| then.map_or(u64::MAX, |then| now_us.saturating_sub(then)));
+        Wants {
+            readings: close || looked >= LOOK_US,
+            totals: totaled >= if close { LOOK_US } else { TOTALS_US },
+        }
     }
 
     /// What happened since the last picture, in which nothing was shown.
@@ -113,7 +133,7 @@ impl Painter {
 
     fn warms(&mut self, wire: u16, which: usize, milli_c: i32) {
         if let Some(warm) = self.memory.warm.get_mut(usize::from(wire)) {
-            warm[which] = f64::from(milli_c) * 1e-3;
+            warm[which] = f64::from(milli_c) / 1e3;
         }
     }
 
@@ -121,9 +141,7 @@ impl Painter {
     pub fn picture(&mut self, events: &[Event], counts: &[f32], state: State) -> Picture {
         self.pass(events);
         let now_us = state.now.as_micros();
-        if state.totals.is_some() {
-            (self.totals, self.totals_us) = (state.totals, now_us + TOTALS_US);
-        }
+        self.keep(&state);
         let place = |contact: &Contact| {
             let at = Point::new(contact.at_mm[0] as f32, contact.at_mm[1] as f32);
             let on_mm = state.map.shows(at).then(|| pair(state.map.apply(at)));
@@ -136,14 +154,11 @@ impl Painter {
             contacts: self.memory.contacts.iter().map(place).collect(),
             fingers: Vec::new(),
             spheres: self.spheres(now_us),
-            warm: match state.warm.is_empty() {
+            warm: match self.warm.is_empty() {
                 true => self.memory.warm.clone(),
-                false => state.warm.into_iter().map(|two| two.map(short)).collect(),
+                false => self.warm.clone(),
             },
-            used: state.used.map_or_else(Vec::new, |used| {
-                let rows = used.rows().into_iter();
-                rows.map(|(limit, share)| (limit, short(share))).collect()
-            }),
+            used: self.used.clone(),
             hottest: self.totals.map(|totals| totals.hottest),
             energy_j: self.totals.map(|totals| totals.energy_j),
             bursts: Vec::new(),
@@ -157,6 +172,28 @@ impl Painter {
             self.add(event, state.band_db, &mut picture);
         }
         picture
+    }
+
+    /// Keeps what was looked at, for the pictures until the next look.
+    fn keep(&mut self, state: &State) {
+        let now_us = state.now.as_micros();
+        self.shown_us = now_us;
+        if !state.warm.is_empty() {
+            self.warm.clear();
+            self.warm
+                .extend(state.warm.iter().map(|two| two.map(short)));
+        }
+        if let Some(used) = &state.used {
+            self.looked_us[0] = Some(now_us);
+            let rows = used.rows().into_iter();
+            self.used.clear();
+            self.used
+                .extend(rows.map(|(limit, share)| (limit, short(share))));
+        }
+        if state.totals.is_some() {
+            self.looked_us[1] = Some(now_us);
+            self.totals = state.totals;
+        }
     }
 
     /// The newest readings of the shown modules.
@@ -223,7 +260,7 @@ impl Painter {
                 target_mm: mm(*target),
                 inside: *inside,
                 at_mm: met.map(|met| mm(met.energy)),
-                level_db: met.map_or(f64::NAN, |met| f64::from(met.level_mdb) * 1e-3),
+                level_db: met.map_or(f64::NAN, |met| f64::from(met.level_mdb) / 1e3),
                 band_db: band_db.filter(|_| met.is_some()),
                 tap: met.is_some_and(|met| met.tap),
             }),
@@ -254,7 +291,7 @@ fn contact(event: &Event) -> Option<Contact> {
         module: *module,
         at_mm: mm(*place),
         on_mm: None,
-        counts: f64::from(*intensity_milli) * 1e-3,
+        counts: f64::from(*intensity_milli) / 1e3,
         level: *level,
     })
 }

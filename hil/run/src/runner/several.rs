@@ -114,7 +114,7 @@ impl Finger {
             events: &recorder.events,
             counts: recorder.counts.as_deref().unwrap_or_default(),
             buses: &|| skin.buses().iter().map(BusReport::words).collect(),
-            state: &|totals| look.state(totals),
+            state: &|wants| look.state(wants),
         })
     }
 
