@@ -16,6 +16,8 @@ import time
 from pathlib import Path
 
 ROBOT, WEARER, HUB = "10.77.31.1", "10.77.31.2", "10.77.31.3"
+# Where the two have no way to each other: the hub is in both networks, and forwards nothing between them.
+WEARER_APART, HUB_APART = "10.77.32.2", "10.77.32.3"
 
 
 def ip(*words):
@@ -40,20 +42,24 @@ def id_of(buffer):
 class Lab:
     """Namespaces `robot` and `wearer`, and `hub` between them."""
 
-    def __init__(self, weather=None):
+    def __init__(self, weather=None, apart=False):
         self.prefix = f"pl{os.getpid()}"
         self.programs = []
         self.wire = None
         for name in ("robot", "wearer", "hub"):
             ip("netns", "add", self.space(name))
             self.inside(name, "ip", "link", "set", "dev", "lo", "up")
-        for name, address in (("robot", ROBOT), ("wearer", WEARER)):
+        for name, address in (("robot", ROBOT), ("wearer", WEARER_APART if apart else WEARER)):
             ip("link", "add", "port", "netns", self.space(name), "type", "veth",
                "peer", "name", f"to-{name}", "netns", self.space("hub"))
             self.inside(name, "ip", "address", "add", f"{address}/24", "dev", "port")
             self.inside(name, "ip", "link", "set", "dev", "port", "up")
             self.inside("hub", "ip", "link", "set", "dev", f"to-{name}", "up")
-        if weather is None:
+        if apart:
+            for name, address in (("robot", HUB), ("wearer", HUB_APART)):
+                self.inside("hub", "ip", "address", "add", f"{address}/24", "dev", f"to-{name}")
+            self.inside("hub", sys.executable, "-c", "open('/proc/sys/net/ipv4/ip_forward', 'w').write('0')")
+        elif weather is None:
             self.inside("hub", "ip", "link", "add", "name", "bridge", "type", "bridge")
             self.inside("hub", "ip", "address", "add", f"{HUB}/24", "dev", "bridge")
             self.inside("hub", "ip", "link", "set", "dev", "bridge", "up")
@@ -77,6 +83,11 @@ class Lab:
         program = subprocess.Popen(self.words(name, *words), text=True, **options)
         self.programs.append(program)
         return program
+
+    def reaches(self, name, address):
+        """Whether a machine has a way to an address: a datagram leaves it."""
+        words = f"import socket; socket.socket(socket.AF_INET, socket.SOCK_DGRAM).connect(('{address}', 9))"
+        return subprocess.run(self.words(name, sys.executable, "-c", words), stderr=subprocess.DEVNULL).returncode == 0
 
     def plug(self, name):
         self.inside("hub", "ip", "link", "set", "dev", f"to-{name}", "master", "bridge")

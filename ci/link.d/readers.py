@@ -1,6 +1,6 @@
 """Readers that are not ours: what `palpate-link` publishes and records, read by rosbags, zenoh-ros2-sdk, eclipse-zenoh and mcap.
 
-    readers.py PROGRAM
+    readers.py FOLDER_OF_PROGRAMS
 """
 
 import json
@@ -13,9 +13,10 @@ import time
 from pathlib import Path
 
 import zenoh
+from recordings import messages
 from rosbags.typesys import Stores, get_typestore
 
-PROGRAM = str(Path(sys.argv[1]).resolve())
+PROGRAM, HIL = (str(Path(sys.argv[1]).resolve() / name) for name in ("palpate-link", "hil"))
 FINGER = ["--finger", "r1/left/index"]
 EXAMPLE = Path(__file__).resolve().parents[2] / "hil/link/examples/contacts.py"
 POINT, MARKERS = "geometry_msgs/msg/PointStamped", "visualization_msgs/msg/MarkerArray"
@@ -96,20 +97,12 @@ def sdk(address):
 
 def recording(folder, file):
     """The mcap package reads a recording, protobuf its messages."""
-    from google.protobuf import descriptor_pb2, message_factory
-    from mcap.reader import make_reader
-
-    count = {}
-    with open(folder / file, "rb") as stream:
-        reader = make_reader(stream, validate_crcs=True)
-        classes = {}
-        for schema, channel, message in reader.iter_messages():
-            if schema.id not in classes:
-                files = descriptor_pb2.FileDescriptorSet.FromString(schema.data)
-                classes[schema.id] = message_factory.GetMessages(files.file)[schema.name]
-            classes[schema.id].FromString(message.data)
-            count[channel.topic] = count.get(channel.topic, 0) + 1
-        facts = {m.name: m.metadata for m in reader.iter_metadata()}
+    count, facts = {}, {}
+    for topic, _, message in messages(folder / file):
+        if topic is None:
+            facts = message
+        else:
+            count[topic] = count.get(topic, 0) + 1
     print(f"readers: mcap: {file}: {sum(count.values())} messages on {len(count)} topics, {facts.get('palpate-link')}")
     return count
 
@@ -139,7 +132,8 @@ def main():
             robot.send_signal(signal.SIGINT)
             _, said = robot.communicate(timeout=10)
             assert robot.returncode == 0, said
-            merged = subprocess.run([PROGRAM, "merge", folder / "robot.mcap", folder / "wearer.mcap", "--out", folder / "both.mcap", "--json"],
+            merged = subprocess.run([PROGRAM, "merge", folder / "robot.mcap", folder / "wearer.mcap", "--out", folder / "both.mcap",
+                                     "--contacts", folder / "contacts", "--json"],
                                     capture_output=True, text=True)
             assert merged.returncode == 0, merged.stderr
             merged = json.loads(merged.stdout)
@@ -147,6 +141,12 @@ def main():
             assert both["/robot/contacts"] > 500 and both["/wearer/contacts"] > 300 and both["/wearer/felt"] > 20, both
             assert merged["reading_us"] <= 2 * merged["uncertainty_us"] + 1000, merged
             print("readers: merge:", merged)
+            # Every frame of the wearer is one of the robot's; what is told is what it did not feel.
+            assert merged["frames_same"] > 300, merged
+            told = subprocess.run([HIL, "diff", folder / "contacts" / "robot.csv", folder / "contacts" / "wearer.csv"],
+                                  capture_output=True, text=True)
+            print("readers: hil diff:", *told.stdout.strip().splitlines()[:3], sep="\n  ")
+            assert told.returncode == 1 and " mm " not in told.stdout, told
         finally:
             for program in (relay, robot, ros, wearer, watcher):
                 program.kill()

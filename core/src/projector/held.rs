@@ -4,7 +4,7 @@ use core::fmt;
 
 use super::{Observer, Projector};
 use crate::contact::{Contact, Levels};
-use crate::units::Instant;
+use crate::units::{Duration, Instant};
 
 /// Why contacts are none of this loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,13 +38,15 @@ impl core::error::Error for ForeignContacts {}
 impl Projector {
     /// Takes the contacts of a frame of this skin that another loop compressed, in place of scans: all that there are as of
     /// `at`, in module coordinates, with their identities. [`Self::turn`] then does what they make due, and the guard counts the
-    /// age of its input from `at`. From the first call on taxels are not looked at: their health is the other loop's.
+    /// age of its input from `at`, the earliest time at which they may have been there. They are carried on from `later` after
+    /// that, when they likely were: no age hangs on it. From the first call on taxels are not looked at: their health is the other loop's.
     ///
     /// # Errors
     /// Contacts that are not of the loop's layout and levels, or not newer; nothing has changed then.
     pub fn hold(
         &mut self,
         at: Instant,
+        later: Duration,
         contacts: &[Contact],
         observer: &mut impl Observer,
     ) -> Result<(), ForeignContacts> {
@@ -82,6 +84,7 @@ impl Projector {
         {
             return Err(ForeignContacts::Old);
         }
+        self.later = later;
         self.sensing.hold(at, contacts, observer);
         Ok(())
     }

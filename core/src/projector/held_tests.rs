@@ -81,14 +81,26 @@ fn at(ms: u64) -> Instant {
 
 #[test]
 fn contacts_of_another_loop_are_carried_on_felt_and_grow_old() {
+    carried(0);
+}
+
+/// Their time is the earliest that it may be, and they are carried on from when they likely were there.
+#[test]
+fn contacts_whose_time_is_not_known_are_carried_on_from_when_they_likely_were() {
+    carried(15);
+}
+
+/// Contacts that come as of `later` milliseconds before they were there.
+fn carried(later: u64) {
     let (mut projector, mut boards, mut seen) = (projector(), Boards::default(), Seen::default());
     // 14 mm/s to the right.
     let along = |at: Instant| 0.000_014 * at.as_micros() as f32 - 2.0;
     for ms in 0..300 {
         // Nothing comes any more after 190 ms.
         if ms % 10 == 0 && ms < 200 {
-            let contacts = [contact(along(at(ms)))];
-            projector.hold(at(ms), &contacts, &mut seen).unwrap();
+            let contacts = [contact(along(at(ms + later)))];
+            let later = Duration::from_millis(later);
+            projector.hold(at(ms), later, &contacts, &mut seen).unwrap();
         }
         let _ = projector.turn(at(ms), &mut boards, &mut seen);
     }
@@ -114,14 +126,16 @@ fn contacts_of_another_loop_are_carried_on_felt_and_grow_old() {
 #[test]
 fn what_is_none_of_this_loop_changes_nothing() {
     let (mut projector, mut seen) = (projector(), Seen::default());
-    projector.hold(at(10), &[contact(0.0)], &mut seen).unwrap();
+    projector
+        .hold(at(10), Duration::ZERO, &[contact(0.0)], &mut seen)
+        .unwrap();
     let with = |change: fn(&mut Contact)| {
         let mut other = contact(1.0);
         change(&mut other);
         [other]
     };
     let mut refused = |ms: u64, contacts: &[Contact]| {
-        let held = projector.hold(at(ms), contacts, &mut seen);
+        let held = projector.hold(at(ms), Duration::ZERO, contacts, &mut seen);
         held.expect_err("foreign")
     };
     assert_eq!(refused(10, &[contact(1.0)]), ForeignContacts::Old);
@@ -144,5 +158,9 @@ fn what_is_none_of_this_loop_changes_nothing() {
         assert_eq!(refused(20, &[other]), ForeignContacts::Level(1));
     }
     assert_eq!(seen.frames.len(), 1);
-    assert!(projector.hold(at(11), &[], &mut seen).is_ok());
+    assert!(
+        projector
+            .hold(at(11), Duration::ZERO, &[], &mut seen)
+            .is_ok()
+    );
 }

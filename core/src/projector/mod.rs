@@ -34,7 +34,7 @@ use crate::skin::{
     Baseline, BaselineError, BaselineSettings, Condition, HealthSettings, HealthSummary, Layout,
     ModuleScan, Monitor, RelativeFrame, ScanError, SkinSource,
 };
-use crate::units::{Board, Instant, Ticks};
+use crate::units::{Board, Duration, Instant, Ticks};
 
 use outlet::{Guards, Observes, Outlet};
 use sensing::Sensing;
@@ -226,6 +226,8 @@ pub struct Projector {
     tracks: Tracks,
     /// Time of the frame that the tracks know.
     tracked: Option<Instant>,
+    /// By how much held contacts are likely later than their time; zero of scans.
+    later: Duration,
 }
 
 impl Projector {
@@ -260,6 +262,7 @@ impl Projector {
             targets: alloc::vec![Target::default(); most].into(),
             tracks: Tracks::new(most),
             tracked: None,
+            later: Duration::ZERO,
         })
     }
 
@@ -426,7 +429,10 @@ impl Projector {
         let mut count = 0;
         let shown = ours().filter_map(|c| Some((c, self.view.place(c)?)));
         for (target, (contact, place)) in self.targets.iter_mut().zip(shown) {
-            let place = self.tracks.place(contact.id, now).unwrap_or(place);
+            let place = self
+                .tracks
+                .place(contact.id, now - self.later)
+                .unwrap_or(place);
             let weight = drive.weight(contact.level.saturating_add(above), levels);
             *target = Target { place, weight };
             count += 1;

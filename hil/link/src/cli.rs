@@ -25,7 +25,7 @@ pub enum Command {
     Skin(SkinArgs),
     /// Render on a bench's outputs what comes of a finger.
     Display(DisplayArgs),
-    /// Let ends find each other; they then connect directly.
+    /// Be where ends meet: those with --connect find each other here, those with --relay speak through it.
     Relay(RelayArgs),
     /// Say who publishes and who feels what.
     List(ListArgs),
@@ -75,6 +75,37 @@ impl AtArgs {
             connect: self.connect.clone(),
             keys: self.keys.clone(),
             plain: self.plain,
+            relay: None,
+        }
+    }
+}
+
+/// Where the others are, for an end.
+#[derive(Clone, Debug, Args)]
+pub struct EndAtArgs {
+    /// As for a relay.
+    #[command(flatten)]
+    pub direct: AtArgs,
+    /// Speak through the relay there, for ends that cannot reach each other. It is tried until it answers.
+    #[arg(long, value_name = "HOST:PORT", conflicts_with_all = ["listen", "connect"])]
+    pub relay: Option<String>,
+}
+
+/// For networks that lose packets.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct TwiceArgs {
+    /// Frames over a second connection too: a packet that one loses holds up no reading. On both ends.
+    #[arg(long)]
+    pub twice: bool,
+}
+
+impl EndAtArgs {
+    /// As the network wants it.
+    #[must_use]
+    pub fn at(&self) -> At {
+        At {
+            relay: self.relay.clone(),
+            ..self.direct.at()
         }
     }
 }
@@ -172,9 +203,12 @@ pub struct SkinArgs {
     /// Say nothing but errors.
     #[arg(long)]
     pub quiet: bool,
+    /// For networks that lose packets.
+    #[command(flatten)]
+    pub twice: TwiceArgs,
     /// Where the others are.
     #[command(flatten)]
-    pub at: AtArgs,
+    pub at: EndAtArgs,
 }
 
 /// Options of `palpate-link display`.
@@ -195,6 +229,9 @@ pub struct DisplayArgs {
     /// Record to this file; the ending names the format: .mcap, .csv, .jsonl, .vcd; repeatable.
     #[arg(long, value_name = "FILE")]
     pub record: Vec<PathBuf>,
+    /// Write the report of the run, with its latency budget, as one page, .html.
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
     /// Replace files that are there.
     #[arg(long)]
     pub force: bool,
@@ -204,9 +241,12 @@ pub struct DisplayArgs {
     /// Say nothing but errors.
     #[arg(long)]
     pub quiet: bool,
+    /// For networks that lose packets.
+    #[command(flatten)]
+    pub twice: TwiceArgs,
     /// Where the others are.
     #[command(flatten)]
-    pub at: AtArgs,
+    pub at: EndAtArgs,
 }
 
 /// Options of `palpate-link relay`.
@@ -231,7 +271,7 @@ pub struct ListArgs {
     pub seconds: f64,
     /// Where the others are.
     #[command(flatten)]
-    pub at: AtArgs,
+    pub at: EndAtArgs,
 }
 
 /// Options of `palpate-link record`.
@@ -247,7 +287,7 @@ pub struct RecordArgs {
     pub force: bool,
     /// Where the others are.
     #[command(flatten)]
-    pub at: AtArgs,
+    pub at: EndAtArgs,
 }
 
 /// Options of `palpate-link merge`.
@@ -260,10 +300,13 @@ pub struct MergeArgs {
     /// The result, .mcap.
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    /// Write the contacts of both to this folder too, robot.csv and wearer.csv, frame beside frame for `hil diff`.
+    #[arg(long, value_name = "DIR")]
+    pub contacts: Option<PathBuf>,
     /// Replace a file that is there.
     #[arg(long)]
     pub force: bool,
-    /// Print the latency budget as JSON.
+    /// Print what came of it as JSON.
     #[arg(long)]
     pub json: bool,
 }
@@ -304,5 +347,5 @@ pub struct RosArgs {
     pub seconds: Option<f64>,
     /// Where the others are.
     #[command(flatten)]
-    pub at: AtArgs,
+    pub at: EndAtArgs,
 }

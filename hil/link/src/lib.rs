@@ -3,6 +3,7 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+pub mod budget;
 pub mod cli;
 pub mod ends;
 pub mod judge;

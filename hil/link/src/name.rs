@@ -86,6 +86,12 @@ impl FingerName {
         self.key("scans")
     }
 
+    /// Where the frames of one of these come a second time, over another connection.
+    #[must_use]
+    pub fn again(key: &str) -> String {
+        format!("{key}/again")
+    }
+
     /// Where a publisher says what it is.
     #[must_use]
     pub fn about(&self) -> String {

@@ -14,6 +14,7 @@ use palpate_run::{Failure, attachments, header, plan};
 use serde::Serialize;
 use zenoh::Session;
 
+use crate::budget::{Budget, Spread};
 use crate::judge::{Gate, Head, Tally};
 use crate::name::FingerName;
 use crate::net::NetError;
@@ -28,7 +29,7 @@ pub const OFFSET_WORDS: &str = "clock minus the robot's: ";
 #[must_use]
 pub fn failed(error: NetError) -> Failure {
     match error {
-        NetError::Zenoh(_) => Failure::Device(error.to_string()),
+        NetError::Zenoh(_) | NetError::Silent(_) => Failure::Device(error.to_string()),
         _ => Failure::Input(error.to_string()),
     }
 }
@@ -87,34 +88,6 @@ pub fn journal(
     Journal::start(sinks, false)
 }
 
-/// Median, 99 % and most of something, milliseconds.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct Spread {
-    /// Half are below.
-    pub median: f64,
-    /// 99 % are below.
-    pub p99: f64,
-    /// None is above.
-    pub max: f64,
-}
-
-impl Spread {
-    /// Of these, microseconds.
-    #[must_use]
-    pub fn of(mut micros: Vec<u64>) -> Option<Self> {
-        micros.sort_unstable();
-        let at = |share: f64| {
-            let rank = (share * (micros.len() - 1) as f64).round() as usize;
-            micros[rank] as f64 * 1e-3
-        };
-        (!micros.is_empty()).then(|| Self {
-            median: at(0.5),
-            p99: at(0.99),
-            max: at(1.0),
-        })
-    }
-}
-
 /// What came of a run of the wearer's end.
 #[derive(Debug, Default, Serialize)]
 pub struct Felt {
@@ -130,11 +103,11 @@ pub struct Felt {
     frames: Tally,
     /// How old readings may have been when they arrived: an upper bound.
     age_ms: Option<Spread>,
-    /// Of this: from the reading until it was sent, and on the network more than the fastest frame, a lower bound.
-    sensor_ms: Option<Spread>,
-    network_ms: Option<Spread>,
-    /// From the newest reading to the stimulus that it gave, and how long that lasts: projection and wire.
-    projection_ms: Option<Spread>,
+    /// Of this, on the network more than the fastest frame: a lower bound.
+    flight_ms: Option<Spread>,
+    /// Where the time goes, from the reading to the skin.
+    latency: Budget,
+    /// How long stimuli last.
     stimulus_ms: Option<Spread>,
     /// From one reading that was felt to the next.
     gap_ms: Option<Spread>,
@@ -150,19 +123,13 @@ pub struct Felt {
     #[serde(skip)]
     ages: Vec<u64>,
     #[serde(skip)]
-    waits: Vec<u64>,
-    #[serde(skip)]
     flights: Vec<u64>,
-    #[serde(skip)]
-    projections: Vec<u64>,
     #[serde(skip)]
     lasts: Vec<u64>,
     #[serde(skip)]
     gaps: Vec<u64>,
     #[serde(skip)]
     before: Option<Instant>,
-    #[serde(skip)]
-    newest: Option<Instant>,
     /// When an output went low last.
     #[serde(skip)]
     fell_us: Option<u64>,
@@ -207,7 +174,6 @@ impl Felt {
     pub fn arrived(&mut self, head: &Head, at: Instant, now: Instant, offset: Option<(i64, i64)>) {
         self.offset_us = offset;
         keep(&mut self.ages, now.since(at).as_micros());
-        keep(&mut self.waits, head.sent_us.saturating_sub(head.taken_us));
         if let Some((_, high)) = offset {
             let sent = i64::try_from(head.sent_us).unwrap_or(i64::MAX);
             let here = i64::try_from(now.as_micros()).unwrap_or(i64::MAX);
@@ -222,7 +188,6 @@ impl Felt {
 
     /// Looks at the newest reading that is felt, every turn: how old it is, and whether outputs are on.
     pub fn look(&mut self, newest: Option<Instant>, now: Instant) {
-        self.newest = newest;
         let Some(newest) = newest else { return };
         let open = self.pauses.last().is_some_and(|p| p.back_us.is_none());
         if now.since(newest) >= FRESH && !open && self.pauses.len() < MOST {
@@ -253,10 +218,7 @@ impl Felt {
             }
             Event::Schedule(entry) => {
                 self.stimuli += 1;
-                if let Some(newest) = self.newest {
-                    keep(&mut self.projections, entry.at.since(newest).as_micros());
-                    keep(&mut self.lasts, entry.until.since(entry.at).as_micros());
-                }
+                keep(&mut self.lasts, entry.until.since(entry.at).as_micros());
                 let last = self.pauses.last_mut();
                 if let Some(pause) = last.filter(|p| p.back_us.is_none()) {
                     pause.back_us = Some(entry.at.as_micros());
@@ -267,7 +229,7 @@ impl Felt {
     }
 
     /// The run is over.
-    pub fn finish(&mut self, gate: &Gate, end: Instant, overflowed: u64) {
+    pub fn finish(&mut self, gate: &Gate, end: Instant, overflowed: u64, latency: Budget) {
         self.frames = *gate.tally();
         self.offset_us = gate.offset(end).or(self.offset_us);
         self.overflowed = overflowed;
@@ -275,10 +237,15 @@ impl Felt {
         self.age_ms = Spread::of(std::mem::take(&mut self.ages));
         let of = |all: &mut Vec<u64>| Spread::of(std::mem::take(all));
         self.gap_ms = of(&mut self.gaps);
-        self.sensor_ms = of(&mut self.waits);
-        self.network_ms = of(&mut self.flights);
-        self.projection_ms = of(&mut self.projections);
+        self.flight_ms = of(&mut self.flights);
+        self.latency = latency;
         self.stimulus_ms = of(&mut self.lasts);
+    }
+
+    /// The latency budget.
+    #[must_use]
+    pub const fn latency(&self) -> &Budget {
+        &self.latency
     }
 
     /// One line of it.

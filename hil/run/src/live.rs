@@ -6,10 +6,10 @@
 use core::fmt;
 
 use palpate_core::bus::Received;
-use palpate_core::contact::Contact;
+use palpate_core::contact::{Contact, Levels};
 use palpate_core::projector::{ForeignContacts, Projector};
 use palpate_core::skin::{CanSkin, Layout, ModuleScan, ScanError, SkinSource};
-use palpate_core::units::Instant;
+use palpate_core::units::{Duration, Instant};
 use palpate_emulators::sensor::can::faults::Faulty;
 use palpate_emulators::sensor::rig::Handle;
 use palpate_emulators::sensor::{Press, SkinArray, Touches};
@@ -262,29 +262,36 @@ impl FedSession {
 }
 
 impl HeldSession {
-    /// A setup's loop and emulated display, for contacts that another machine finds on a skin of the setup's layout.
+    /// A setup's loop and emulated display, for contacts that another machine finds on a skin of the setup's layout, with
+    /// levels found there as `levels` are.
     ///
     /// # Errors
     /// [`Failure::Input`] for what fits no loop.
-    pub fn held(setup: &Setup, seed: u64, truth: Truth) -> Result<Self, Failure> {
-        let mut projector = of_setup(setup, seed)?;
+    pub fn held(setup: &Setup, seed: u64, levels: Levels, truth: Truth) -> Result<Self, Failure> {
+        let mut projector = build(setup, seed, levels)?;
         let display = EmulatedDisplay::new(setup, &projector, seed)?;
         let recorder = Recorder::new(truth, projector.layout()).bounded(MOST_EVENTS);
         // Until the first contacts come, none of its taxels is missing.
-        let none = projector.hold(Instant::ZERO, &[], &mut ());
+        let none = projector.hold(Instant::ZERO, Duration::ZERO, &[], &mut ());
         none.map_err(|e| Failure::Device(e.to_string()))?;
         let ends = (Elsewhere, display);
         let policy = Policy::emulated(setup.bench.value.unit.is_some());
         Ok(Self::new(projector, ends, policy, recorder, None))
     }
 
-    /// Takes all contacts as of `at`; what they make due happens with the next turn.
+    /// Takes all contacts as of `at`, when they may have been there first; they likely were `later` after that. What they make
+    /// due happens with the next turn.
     ///
     /// # Errors
     /// Contacts that are not of the setup's layout and levels, or not newer; nothing has changed then.
-    pub fn hold(&mut self, at: Instant, contacts: &[Contact]) -> Result<(), ForeignContacts> {
+    pub fn hold(
+        &mut self,
+        at: Instant,
+        later: Duration,
+        contacts: &[Contact],
+    ) -> Result<(), ForeignContacts> {
         let (_, projector, recorder) = self.all();
-        projector.hold(at, contacts, recorder)
+        projector.hold(at, later, contacts, recorder)
     }
 }
 

@@ -18,6 +18,8 @@ use crate::net::Net;
 
 /// Wearers of a finger that are known at a time.
 const MOST_WEARERS: usize = 64;
+/// What a publisher that comes second says when it asks the first what it is.
+pub(super) const SECOND: &[u8] = b"second";
 /// A wearer of whom nothing comes is gone.
 const LEASE_US: u64 = 1_000_000;
 
@@ -38,6 +40,8 @@ pub(super) struct Wearers {
     pub(super) news: Vec<String>,
     pub(super) stops: Vec<String>,
     pub(super) refused_by: Vec<String>,
+    /// Whether a publisher that came second and went was told of.
+    second: bool,
 }
 
 impl Wearers {
@@ -88,6 +92,14 @@ impl Wearers {
         }
     }
 
+    /// Another publisher of this finger came and went, because this one is here.
+    fn second(&mut self) {
+        if !std::mem::replace(&mut self.second, true) {
+            self.news
+                .push("a second publisher of this finger was refused".into());
+        }
+    }
+
     /// Forgets those of whom nothing comes.
     pub(super) fn look(&mut self, now_us: u64) {
         let gone = |k: &Known| now_us.saturating_sub(k.heard_us) > LEASE_US;
@@ -126,7 +138,7 @@ impl Answers {
         let alive = finger.skin_alive(&format!("{session:016x}"));
         Ok(Self {
             _heard: hear(net, finger, (clock, session), Arc::clone(&wearers))?,
-            _told: tell(net, finger, Arc::clone(&about))?,
+            _told: tell(net, finger, Arc::clone(&about), Arc::clone(&wearers))?,
             _token: (net.session.liveliness().declare_token(alive))
                 .wait()
                 .map_err(zenoh)?,
@@ -176,9 +188,17 @@ fn tell(
     net: &Net,
     finger: &FingerName,
     about: Arc<Mutex<About>>,
+    wearers: Arc<Mutex<Wearers>>,
 ) -> Result<Queryable<()>, Failure> {
     let key = finger.about();
     let tell = move |query: Query| {
+        if query
+            .payload()
+            .is_some_and(|said| said.to_bytes() == SECOND)
+        {
+            let mut wearers = wearers.lock().unwrap_or_else(PoisonError::into_inner);
+            wearers.second();
+        }
         let bytes = about.lock().unwrap_or_else(PoisonError::into_inner).write();
         // Who does not get an answer asks again.
         let _ = query.reply(key.clone(), bytes.bytes()).wait();

@@ -6,23 +6,23 @@ use std::time::Duration as Wait;
 
 use palpate_buses::pacer::RunClock;
 use palpate_buses::signals::Signals;
+use palpate_core::contact::Levels;
 use palpate_core::skin::ModuleScan;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Setup;
 use palpate_hil::output::note;
 use palpate_hil::record::Journal;
 use palpate_records::trace::Event;
-use palpate_run::{Failure, HeldSession, Truth, Turn};
-use zenoh::Wait as _;
-use zenoh::pubsub::Subscriber;
-use zenoh::sample::Sample;
+use palpate_run::{Failure, HeldSession, Truth, Turn, header};
 
+use super::heard::{Arrived, Heard, Waiting};
 use super::inbox::Inbox;
-use super::shrunk::Shrunk;
-use super::voice::Voice;
+use super::report::Report;
+use super::shrunk::{Shrunk, levels};
+use crate::budget::Stopwatch;
 use crate::cli::DisplayArgs;
 use crate::judge::{Bucket, Gate, Patience, Refusal};
-use crate::message::{self, About, Body, Echo, Frame, MOST_BYTES, VERSION, Wearer};
+use crate::message::{About, Body, Echo, Frame, VERSION, Wearer};
 use crate::name::Name;
 use crate::net::{self, Mode, Net};
 use crate::records::{Felt, OFFSET_WORDS, failed, journal, layout_digest, session_of};
@@ -36,16 +36,8 @@ const BEAT: Duration = Duration::from_millis(100);
 /// The first beats come faster: until publisher and wearer have heard of each other nothing is felt.
 const FIRST_BEATS: Duration = Duration::from_millis(20);
 
-/// What arrives.
-enum Arrived {
-    Touched(Vec<u8>),
-    Scanned(Vec<u8>),
-    Echo(Vec<u8>),
-    About(Vec<u8>),
-}
-
-/// With its time of arrival.
-type Waiting = Arc<Inbox<(Instant, Arrived)>>;
+/// The record states the bounds of the clocks this often, and at the end.
+const STATED: Duration = Duration::from_millis(1000);
 
 /// Runs it.
 ///
@@ -60,7 +52,7 @@ pub fn run(args: &DisplayArgs) -> Result<(), Failure> {
         )));
     }
     let signals = Signals::catch().map_err(|e| Failure::Device(e.to_string()))?;
-    let net = net::open(&args.at.at(), Mode::Peer).map_err(failed)?;
+    let net = net::open(&args.at.at(), Mode::Peer, &signals).map_err(failed)?;
     // A certificate's name is the one that the access list knows.
     let wearer = net
         .name
@@ -70,79 +62,23 @@ pub fn run(args: &DisplayArgs) -> Result<(), Failure> {
         wearer.map_err(|e| Failure::Input(format!("the certificate's name: {e}")))?;
     let clock = RunClock::start();
     let waiting: Waiting = Arc::new(Inbox::new(MOST_WAITING));
-    let heard = Heard::begin(&net, (args, &wearer), clock, &waiting)?;
+    let again = args
+        .twice
+        .twice
+        .then(|| net::open(&args.at.at().beside(), Mode::Peer, &signals));
+    let again = again.transpose().map_err(failed)?;
+    let heard = Heard::begin((&net, again), (args, &wearer), clock, &waiting)?;
     let ended =
         Feeling::begin((args, &wearer), &setup, &net, clock, waiting)?.until(&signals, &heard);
     drop(heard);
     ended
 }
 
-/// What is subscribed to, and where the wearer speaks.
-struct Heard {
-    voice: Voice,
-    _frames: Vec<Subscriber<()>>,
-    _token: zenoh::liveliness::LivelinessToken,
-    _may: Option<zenoh::query::Queryable<()>>,
-}
-
-impl Heard {
-    fn begin(
-        net: &Net,
-        (args, wearer): (&DisplayArgs, &Name),
-        clock: RunClock,
-        waiting: &Waiting,
-    ) -> Result<Self, Failure> {
-        let zenoh = |e: zenoh::Error| Failure::Device(format!("zenoh: {e}"));
-        let finger = &args.finger;
-        let subscribe = |key: String, of: fn(Vec<u8>) -> Arrived| {
-            let waiting = Arc::clone(waiting);
-            let take = move |sample: Sample| {
-                let at = clock.now();
-                // Before it is looked at, and before it is copied.
-                if sample.payload().len() <= MOST_BYTES {
-                    waiting.push((at, of(sample.payload().to_bytes().into_owned())));
-                }
-            };
-            let subscriber = net.session.declare_subscriber(key);
-            subscriber.callback(take).wait().map_err(zenoh)
-        };
-        let frames = vec![
-            subscribe(finger.contacts(), Arrived::Touched)?,
-            subscribe(finger.scans(), Arrived::Scanned)?,
-            subscribe(finger.echo(wearer), Arrived::Echo)?,
-        ];
-        let token = net
-            .session
-            .liveliness()
-            .declare_token(finger.wearer_alive(wearer));
-        let name = message::encoding(message::WEARER.name);
-        let publisher = net::frames(&net.session, finger.wearer(wearer.as_str()), &name);
-        let answered = {
-            let waiting = Arc::clone(waiting);
-            move |bytes| waiting.push((clock.now(), Arrived::About(bytes)))
-        };
-        let session = net.session.clone();
-        let voice = Voice::begin(
-            session,
-            publisher.map_err(failed)?,
-            finger.about(),
-            answered,
-        )?;
-        Ok(Self {
-            voice,
-            _frames: frames,
-            _token: token.wait().map_err(zenoh)?,
-            _may: net
-                .answer_who_may_publish(wearer.as_str())
-                .map_err(failed)?,
-        })
-    }
-}
-
 /// The loop of a finger that feels what comes.
 struct Feeling<'a> {
     args: &'a DisplayArgs,
     setup: &'a Setup,
+    levels: Levels,
     clock: RunClock,
     waiting: Waiting,
     gate: Gate,
@@ -150,6 +86,8 @@ struct Feeling<'a> {
     journal: Journal,
     said: Wearer,
     felt: Felt,
+    stopwatch: Stopwatch,
+    report: Option<Report>,
     /// Compression of the publisher's scans, and whose they are.
     shrunk: Option<(u64, Shrunk)>,
     /// The publisher whose reference was asked for.
@@ -158,6 +96,7 @@ struct Feeling<'a> {
     /// Whether to ask with the next word.
     asks_now: bool,
     next_beat: Instant,
+    next_stated: Instant,
     /// The time of the newest reading that was felt.
     newest: Option<Instant>,
 }
@@ -170,13 +109,19 @@ impl<'a> Feeling<'a> {
         clock: RunClock,
         waiting: Waiting,
     ) -> Result<Self, Failure> {
-        let session = HeldSession::held(setup, args.on.seed, Truth::Unknown)?;
+        let levels = levels(setup, args.on.seed)?;
+        let session = HeldSession::held(setup, args.on.seed, levels.clone(), Truth::Unknown)?;
         let projector = session.projector();
         let journal = journal(setup, args.on.seed, projector, &args.record, args.force)?;
         let layout = layout_digest(&setup.sensor.value);
         let modules = setup.sensor.value.modules.len();
         let own = session_of(&net.session);
+        let report = (args.report.as_deref())
+            .map(|path| Report::begin(path, args.force, header(setup, args.on.seed, projector)?))
+            .transpose()?;
         Ok(Self {
+            stopwatch: Stopwatch::new(setup, projector)?,
+            report,
             felt: Felt::new(&args.finger, wearer.as_str(), own, clock.epoch_ns()),
             gate: Gate::new(Patience::of_modules(VERSION, layout, modules)),
             said: Wearer {
@@ -186,6 +131,7 @@ impl<'a> Feeling<'a> {
             },
             args,
             setup,
+            levels,
             clock,
             waiting,
             session,
@@ -195,6 +141,7 @@ impl<'a> Feeling<'a> {
             asks: Bucket::new(2, 2),
             asks_now: false,
             next_beat: Instant::ZERO,
+            next_stated: Instant::ZERO,
             newest: None,
         })
     }
@@ -253,8 +200,13 @@ impl<'a> Feeling<'a> {
 
     /// What there is to say when it is over.
     fn finish(mut self, end: Instant) -> Result<(), Failure> {
-        self.felt.finish(&self.gate, end, self.waiting.overflowed());
+        let latency = self.stopwatch.finish();
+        self.felt
+            .finish(&self.gate, end, self.waiting.overflowed(), latency);
         self.journal.finish()?;
+        if let Some(report) = self.report.take() {
+            report.write(self.felt.latency(), self.session.recorder().driven, end)?;
+        }
         if self.args.json {
             palpate_hil::output::print(|out| {
                 serde_json::to_writer(&mut *out, &self.felt)?;
@@ -262,12 +214,14 @@ impl<'a> Feeling<'a> {
             })?;
         } else if !self.args.quiet {
             note(&self.felt.line());
+            note(&self.felt.latency().line());
         }
         self.session.take_failure().map_or(Ok(()), Err)
     }
 
-    /// States the bounds of the clocks in the record: now and then, and at the end.
+    /// States the bounds of the clocks in the record.
     fn state_offset(&mut self, now: Instant) {
+        self.next_stated = now + STATED;
         if let Some((low, high)) = self.gate.offset(now) {
             let text = format!("{OFFSET_WORDS}{low} to {high} us");
             self.session.recorder().note(now, text);
@@ -284,6 +238,9 @@ impl<'a> Feeling<'a> {
             FIRST_BEATS
         };
         self.next_beat = now + step;
+        if now >= self.next_stated {
+            self.state_offset(now);
+        }
         heard.voice.say(self.said.write().bytes().to_vec());
         if std::mem::take(&mut self.asks_now) {
             heard.voice.ask();
@@ -300,12 +257,16 @@ impl<'a> Feeling<'a> {
         let (events, _) = self.session.drain();
         for event in &events {
             self.felt.see(event);
+            self.stopwatch.see(event);
             if let Event::Note { text, .. } = event
                 && !self.args.quiet
                 && !text.starts_with(OFFSET_WORDS)
             {
                 note(text);
             }
+        }
+        if let Some(report) = &mut self.report {
+            report.add(&events);
         }
         self.journal.add(&events, Vec::new(), Vec::new());
     }
@@ -320,6 +281,7 @@ impl<'a> Feeling<'a> {
                 Arrived::About(bytes) => self.about(&bytes),
                 Arrived::Touched(bytes) => self.frame(Frame::touched(&bytes), at),
                 Arrived::Scanned(bytes) => self.frame(Frame::scanned(&bytes), at),
+                Arrived::Oversized => self.frame(None, at),
             }
         }
     }
@@ -344,7 +306,8 @@ impl<'a> Feeling<'a> {
             Ok(at) => {
                 self.felt
                     .arrived(&frame.head, at, arrived, self.gate.offset(arrived));
-                self.feel(&frame, at);
+                self.stopwatch.arrived(&frame.head, at, arrived);
+                self.feel(&frame, at, self.gate.likely_later(arrived));
             }
             Err(refusal) => self.refuse(refusal, arrived),
         }
@@ -374,9 +337,9 @@ impl<'a> Feeling<'a> {
         }
     }
 
-    fn feel(&mut self, frame: &Frame, at: Instant) {
+    fn feel(&mut self, frame: &Frame, at: Instant, later: Duration) {
         let held = match &frame.body {
-            Body::Touched(contacts) => self.session.hold(at, contacts),
+            Body::Touched(contacts) => self.session.hold(at, later, contacts),
             Body::Scanned { module, counts } => {
                 let owner = frame.head.session;
                 let Some((_, shrunk)) = self.shrunk.as_mut().filter(|(of, _)| *of == owner) else {
@@ -394,7 +357,7 @@ impl<'a> Feeling<'a> {
                     Ok(Some((_, contacts))) => {
                         let contacts = contacts.to_vec();
                         shrunk.recorder().events.clear();
-                        self.session.hold(at, &contacts)
+                        self.session.hold(at, later, &contacts)
                     }
                     Ok(None) => return,
                     Err(_) => {
@@ -436,7 +399,12 @@ impl<'a> Feeling<'a> {
         if about.version != VERSION || about.rest.len() < wanted as usize * modules {
             return;
         }
-        let Ok(mut shrunk) = Shrunk::new(self.setup, self.args.on.seed, Truth::Unknown) else {
+        let Ok(mut shrunk) = Shrunk::new(
+            self.setup,
+            self.args.on.seed,
+            self.levels.clone(),
+            Truth::Unknown,
+        ) else {
             return;
         };
         for scan in &about.rest {

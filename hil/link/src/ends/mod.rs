@@ -2,11 +2,13 @@
 
 mod answers;
 pub mod display;
+mod heard;
 mod inbox;
+mod report;
 mod shrunk;
 pub mod skin;
 mod skins;
 mod voice;
 
 pub use inbox::Inbox;
-pub use shrunk::Shrunk;
+pub use shrunk::{Shrunk, levels};

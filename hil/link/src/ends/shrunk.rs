@@ -1,11 +1,11 @@
 //! Compression by itself: scans in, contacts out, on whichever machine. No display, no guard.
 
-use palpate_core::contact::Contact;
+use palpate_core::contact::{Contact, Levels};
 use palpate_core::projector::{FrameReport, Observer, Projector};
 use palpate_core::skin::{Condition, ModuleScan, ScanError};
 use palpate_core::units::Instant;
 use palpate_files::Setup;
-use palpate_run::{Failure, Recorder, Truth, build, dynamic_levels};
+use palpate_run::{Failure, Recorder, Truth, build, dynamic_levels, scene_levels};
 
 /// The newest frame's contacts beside what is recorded of it.
 struct Found {
@@ -27,6 +27,18 @@ impl Observer for Found {
     }
 }
 
+/// Intensity levels on both ends. An input that is still to come has no static ones, so they are those of the scene's own
+/// touches, as on hardware; a scene without touches has them anew in every frame.
+///
+/// # Errors
+/// [`Failure`] for a scene that fits no emulated skin.
+pub fn levels(setup: &Setup, seed: u64) -> Result<Levels, Failure> {
+    Ok(match scene_levels(setup, seed)? {
+        Levels::Off => dynamic_levels(&setup.scene.value.compression),
+        levels => levels,
+    })
+}
+
 /// Compression of a setup's skin.
 pub struct Shrunk {
     projector: Projector,
@@ -38,8 +50,8 @@ impl Shrunk {
     ///
     /// # Errors
     /// [`Failure`] for what fits no loop.
-    pub fn new(setup: &Setup, seed: u64, truth: Truth) -> Result<Self, Failure> {
-        let projector = build(setup, seed, dynamic_levels(&setup.scene.value.compression))?;
+    pub fn new(setup: &Setup, seed: u64, levels: Levels, truth: Truth) -> Result<Self, Failure> {
+        let projector = build(setup, seed, levels)?;
         let recorder = Recorder::new(truth, projector.layout());
         Ok(Self {
             projector,

@@ -5,6 +5,7 @@ use std::time::Duration as Wait;
 
 use palpate_buses::pacer::RunClock;
 use palpate_buses::signals::Signals;
+use palpate_core::contact::Levels;
 use palpate_core::skin::ModuleScan;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Setup;
@@ -17,12 +18,13 @@ use serde::Serialize;
 use zenoh::Wait as _;
 use zenoh::pubsub::Publisher;
 
-use super::answers::{Answers, Wearers, zenoh};
-use super::shrunk::Shrunk;
+use super::answers::{Answers, SECOND, Wearers, zenoh};
+use super::shrunk::{Shrunk, levels};
 use super::skins::{WithSkin, open};
 use crate::cli::{Kind, SkinArgs};
 use crate::judge::Head;
 use crate::message::{self, About, Body, Frame, VERSION};
+use crate::name::FingerName;
 use crate::net::{self, Mode, Net};
 use crate::records::{failed, journal, layout_digest, session_of};
 
@@ -53,14 +55,21 @@ pub fn run(args: &SkinArgs) -> Result<(), Failure> {
         note("the scene's texture stays here: contacts and scans carry none");
     }
     let signals = Signals::catch().map_err(|e| Failure::Device(e.to_string()))?;
-    let net = net::open(&args.at.at(), Mode::Peer).map_err(failed)?;
+    let net = net::open(&args.at.at(), Mode::Peer, &signals).map_err(failed)?;
     may_publish(&net, args)?;
     alone(&net, args)?;
+    let again = args
+        .twice
+        .twice
+        .then(|| net::open(&args.at.at().beside(), Mode::Peer, &signals));
+    let again = again.transpose().map_err(failed)?;
     let publishing = Publishing {
         args,
         setup: &setup,
+        levels: levels(&setup, args.on.seed)?,
         signals,
         net: &net,
+        again: again.as_ref(),
     };
     open(&setup, &args.replay, args.rate, args.on.seed, publishing)
 }
@@ -116,6 +125,10 @@ fn alone(net: &Net, args: &SkinArgs) -> Result<(), Failure> {
         if let Ok(sample) = reply.result() {
             let key = sample.key_expr().as_str();
             let other = key.rsplit('/').next().unwrap_or_default();
+            // The first one is told too, as far as it can be reached.
+            let told = net.session.get(args.finger.about()).payload(SECOND);
+            let told = told.timeout(Wait::from_millis(500)).wait();
+            drop(told.map(|answers| answers.recv()));
             return Err(Failure::Input(format!(
                 "{}: expected a finger that is not published, found publisher {other}; stop it first, or choose another name",
                 args.finger
@@ -129,8 +142,10 @@ fn alone(net: &Net, args: &SkinArgs) -> Result<(), Failure> {
 struct Publishing<'a> {
     args: &'a SkinArgs,
     setup: &'a Setup,
+    levels: Levels,
     signals: Signals,
     net: &'a Net,
+    again: Option<&'a Net>,
 }
 
 /// What a publisher holds while it runs.
@@ -138,6 +153,8 @@ struct Turns<'a> {
     of: Publishing<'a>,
     clock: RunClock,
     publisher: Publisher<'static>,
+    /// The same over a second connection.
+    again: Option<Publisher<'static>>,
     shrunk: Shrunk,
     head: Head,
     message: Message,
@@ -156,7 +173,7 @@ impl WithSkin for Publishing<'_> {
             true => Truth::of(self.setup),
             false => Truth::Unknown,
         };
-        let shrunk = Shrunk::new(self.setup, args.on.seed, truth)?;
+        let shrunk = Shrunk::new(self.setup, args.on.seed, self.levels.clone(), truth)?;
         let session = session_of(&net.session);
         let layout = layout_digest(&self.setup.sensor.value);
         let seed = args.on.seed;
@@ -171,7 +188,12 @@ impl WithSkin for Publishing<'_> {
             Kind::Contacts => (args.finger.contacts(), message::TOUCHED.name),
             Kind::Scans => (args.finger.scans(), message::SCANNED.name),
         };
-        let publisher = net::frames(&net.session, key, &message::encoding(name)).map_err(failed)?;
+        let encoding = message::encoding(name);
+        let again = self.again.map(|net| {
+            net::frames(&net.session, FingerName::again(&key), &encoding).map_err(failed)
+        });
+        let again = again.transpose()?;
+        let publisher = net::frames(&net.session, key, &encoding).map_err(failed)?;
         let about = About {
             version: VERSION,
             session,
@@ -189,6 +211,7 @@ impl WithSkin for Publishing<'_> {
         let turns = Turns {
             resting: vec![0; shrunk.projector().layout().modules().len()],
             publisher,
+            again,
             shrunk,
             head: Head {
                 version: VERSION,
@@ -326,6 +349,9 @@ impl Turns<'_> {
         let bytes = self.message.bytes();
         self.sent.frames += 1;
         self.sent.bytes += bytes.len() as u64;
+        if let Some(again) = &self.again {
+            again.put(bytes).wait().map_err(zenoh)?;
+        }
         self.publisher.put(bytes).wait().map_err(zenoh)
     }
 

@@ -311,6 +311,14 @@ impl Gate {
         self.owner.as_ref()?.clock.offset(now)
     }
 
+    /// By how much readings of that publisher are likely later than the time that [`Self::judge`] gives, which is the earliest
+    /// that is possible: half of what is not known of its clock. No deadline may hang on it.
+    #[must_use]
+    pub fn likely_later(&self, now: Instant) -> Duration {
+        let (low, high) = self.offset(now).unwrap_or((0, 0));
+        Duration::from_micros(high.abs_diff(low) / 2)
+    }
+
     /// What came so far.
     #[must_use]
     pub const fn tally(&self) -> &Tally {

@@ -134,7 +134,7 @@ fn writes(member: &Member) -> Vec<String> {
         return vec![format!("{ROOT}/**")];
     }
     let published = member.publishes.iter().flat_map(|finger| {
-        ["contacts", "scans", "about", "echo/*", "alive/skin/*"]
+        ["contacts/**", "scans/**", "about", "echo/*", "alive/skin/*"]
             .map(|rest| format!("{ROOT}/{finger}/{rest}"))
     });
     let felt = member.feels.iter().flat_map(|finger| {
@@ -155,7 +155,7 @@ fn reads(member: &Member) -> Vec<String> {
         .flat_map(|finger| ["wearers/*", "alive/**"].map(|rest| format!("{ROOT}/{finger}/{rest}")));
     let felt = member.feels.iter().flat_map(|finger| {
         let own = format!("echo/{name}");
-        ["contacts", "scans", "about", "alive/**", &own]
+        ["contacts/**", "scans/**", "about", "alive/**", &own]
             .map(|rest| format!("{ROOT}/{finger}/{rest}"))
     });
     published.chain(felt).collect()

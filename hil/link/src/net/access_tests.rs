@@ -76,7 +76,7 @@ fn rules_let_each_write_its_own_keys_and_read_what_it_feels() {
             .collect()
     };
     let written = keys("ingress-r1");
-    assert!(written.contains(&"palpate/r1/*/*/contacts".to_owned()));
+    assert!(written.contains(&"palpate/r1/*/*/contacts/**".to_owned()));
     assert!(!written.iter().any(|k| k.contains("wearers")));
     assert_eq!(
         keys("ingress-w1"),

@@ -4,7 +4,9 @@ use std::net::{IpAddr, TcpListener, ToSocketAddrs};
 use std::path::PathBuf;
 
 use palpate_buses::pacer::RunClock;
+use palpate_buses::signals::Signals;
 use palpate_core::units::{Duration, Instant};
+use palpate_hil::output::note;
 use serde_json::{Value, json};
 use thiserror::Error;
 use zenoh::{Config, Session, Wait};
@@ -15,19 +17,36 @@ use super::words;
 /// Where sessions of one machine meet.
 const MEETING: &str = "127.0.0.1:7450";
 
-/// A message that is larger closes the link it comes over, before it is held in memory.
+/// Of a larger message zenoh throws away what comes, piece by piece, and says nothing; the link stays.
 const MOST_BYTES: u32 = 1 << 20;
 
 /// Others are waited for so long at the start; they may come later.
 const FIRST: Duration = Duration::from_millis(1500);
 
+/// One attempt to reach a relay lasts so long, milliseconds; between two of them a signal is looked for.
+const ATTEMPT_MS: i64 = 1000;
+
+/// How zenoh says that nothing answered, which may be otherwise a second later.
+const UNREACHED: &str = "Unable to connect";
+
 /// What a session is in the network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
-    /// Speaks with those that it is connected to.
+    /// Speaks with those that it is connected to, or through a relay where [`At::relay`] names one.
     Peer,
-    /// Introduces sessions that connect to it to each other.
+    /// Introduces peers that connect to it to each other, and passes on what those say that speak through it.
     Router,
+}
+
+impl Mode {
+    /// Zenoh's word. Its routers pass nothing from one of their peers to another, but everything to and from clients.
+    const fn word(self, through_relay: bool) -> &'static str {
+        match self {
+            _ if through_relay => "client",
+            Self::Peer => "peer",
+            Self::Router => "router",
+        }
+    }
 }
 
 /// Where to listen and to connect, and how.
@@ -41,6 +60,29 @@ pub struct At {
     pub keys: Option<PathBuf>,
     /// Whether plain text may leave this machine.
     pub plain: bool,
+    /// The relay that everything goes through; without it ends speak directly.
+    pub relay: Option<String>,
+}
+
+impl At {
+    /// For a second session of the same end, which finds the same others: through the first where that one listens.
+    #[must_use]
+    pub fn beside(&self) -> Self {
+        let reach = |address: &String| {
+            let (host, port) = address.rsplit_once(':').unwrap_or((address, ""));
+            match host {
+                "0.0.0.0" => format!("127.0.0.1:{port}"),
+                "[::]" => format!("[::1]:{port}"),
+                _ => address.clone(),
+            }
+        };
+        let connect = self.connect.iter().chain(&self.listen).map(reach);
+        Self {
+            listen: Vec::new(),
+            connect: connect.collect(),
+            ..self.clone()
+        }
+    }
 }
 
 /// Why there is no session.
@@ -67,6 +109,9 @@ pub enum NetError {
     /// Certificates or the access list.
     #[error(transparent)]
     Lab(#[from] super::certificates::LabError),
+    /// The relay never answered.
+    #[error("--relay {0}: no relay answered before the end")]
+    Silent(String),
     /// What zenoh says.
     #[error("zenoh: {0}")]
     Zenoh(String),
@@ -83,25 +128,70 @@ pub struct Net {
     pub name: Option<String>,
 }
 
-/// Opens a session.
+/// Opens a session. A relay is tried until it answers or a signal comes.
 ///
 /// # Errors
 /// [`NetError`] for addresses, certificates, and what zenoh refuses.
-pub fn open(at: &At, mode: Mode) -> Result<Net, NetError> {
+pub fn open(at: &At, mode: Mode, signals: &Signals) -> Result<Net, NetError> {
     words::begin();
     let lab = at.keys.as_deref().map(super::Lab::member).transpose()?;
-    let protocol = if lab.is_some() { "tls" } else { "tcp" };
-    let endpoints = |option, addresses: &[String]| -> Result<Vec<String>, NetError> {
-        let one = |address: &String| {
-            let address = checked(option, address, at.plain || lab.is_some())?;
-            Ok(format!("{protocol}/{address}"))
-        };
-        addresses.iter().map(one).collect()
+    let (listen, connect) = endpoints(at, lab.is_some())?;
+    let mut settings = settings(mode.word(at.relay.is_some()), &listen, &connect);
+    let (mut access, mut name) = (None, None);
+    if let Some(lab) = lab {
+        settings["transport"]["link"]["tls"] = lab.settings();
+        settings["access_control"] = lab.access.settings();
+        (access, name) = (Some(lab.access), Some(lab.name));
+    }
+    let zenoh = |e: zenoh::Error| NetError::Zenoh(e.to_string());
+    let config = Config::from_json5(&settings.to_string()).map_err(zenoh)?;
+    let session = match &at.relay {
+        None => zenoh::open(config).wait().map_err(zenoh)?,
+        Some(relay) => through(relay, &config, signals)?,
     };
-    let (mut listen, mut connect) = (
-        endpoints("--listen", &at.listen)?,
-        endpoints("--connect", &at.connect)?,
-    );
+    if !connect.is_empty() {
+        await_others(&session);
+    }
+    Ok(Net {
+        session,
+        access,
+        name,
+    })
+}
+
+/// A session through a relay, as soon as that answers.
+fn through(relay: &str, config: &Config, signals: &Signals) -> Result<Session, NetError> {
+    let mut is_told = false;
+    loop {
+        match zenoh::open(config.clone()).wait() {
+            Ok(session) => return Ok(session),
+            Err(e) if !e.to_string().contains(UNREACHED) => {
+                return Err(NetError::Zenoh(e.to_string()));
+            }
+            Err(_) if signals.caught().is_some() => return Err(NetError::Silent(relay.into())),
+            Err(_) if !is_told => {
+                note(&format!("no relay answers at {relay}; trying on"));
+                is_told = true;
+            }
+            Err(_) => {}
+        }
+    }
+}
+
+/// Where to listen and to connect, as zenoh writes it.
+fn endpoints(at: &At, secure: bool) -> Result<(Vec<String>, Vec<String>), NetError> {
+    let protocol = if secure { "tls" } else { "tcp" };
+    let endpoint = |option, address: &String| -> Result<String, NetError> {
+        let address = checked(option, address, at.plain || secure)?;
+        Ok(format!("{protocol}/{address}"))
+    };
+    if let Some(relay) = &at.relay {
+        return Ok((Vec::new(), vec![endpoint("--relay", relay)?]));
+    }
+    let all = |option, addresses: &[String]| -> Result<Vec<String>, NetError> {
+        addresses.iter().map(|a| endpoint(option, a)).collect()
+    };
+    let (mut listen, mut connect) = (all("--listen", &at.listen)?, all("--connect", &at.connect)?);
     if listen.is_empty() && connect.is_empty() {
         // The first one here is where the others meet; they find each other through it, and need it no more.
         match TcpListener::bind(MEETING) {
@@ -118,25 +208,7 @@ pub fn open(at: &At, mode: Mode) -> Result<Net, NetError> {
         let any = if local { "127.0.0.1:0" } else { "0.0.0.0:0" };
         listen.push(format!("{protocol}/{any}"));
     }
-    let mut settings = settings(mode, &listen, &connect);
-    let (mut access, mut name) = (None, None);
-    if let Some(lab) = lab {
-        settings["transport"]["link"]["tls"] = lab.settings();
-        settings["access_control"] = lab.access.settings();
-        (access, name) = (Some(lab.access), Some(lab.name));
-    }
-    let config = Config::from_json5(&settings.to_string());
-    let config = config.map_err(|e| NetError::Zenoh(e.to_string()))?;
-    let session = zenoh::open(config).wait();
-    let session = session.map_err(|e| NetError::Zenoh(e.to_string()))?;
-    if !connect.is_empty() {
-        await_others(&session);
-    }
-    Ok(Net {
-        session,
-        access,
-        name,
-    })
+    Ok((listen, connect))
 }
 
 /// What is asked at the start shall reach those who are there already.
@@ -186,17 +258,18 @@ fn checked(option: &'static str, address: &str, anywhere: bool) -> Result<String
 }
 
 /// With zenoh's own defaults a cut of five seconds is no event, and ends in a burst of old frames.
-fn settings(mode: Mode, listen: &[String], connect: &[String]) -> Value {
-    let mode = match mode {
-        Mode::Peer => "peer",
-        Mode::Router => "router",
+fn settings(mode: &str, listen: &[String], connect: &[String]) -> Value {
+    // A client's session is open when it is connected, and not before.
+    let (timeout_ms, exit) = match mode {
+        "client" => (ATTEMPT_MS, true),
+        _ => (-1, false),
     };
     let retry = json!({"period_init_ms": 100, "period_max_ms": 400, "period_increase_factor": 2});
     json!({
         "mode": mode,
         "listen": {"endpoints": listen, "exit_on_failure": true, "retry": retry},
         "connect": {
-            "endpoints": connect, "timeout_ms": -1, "exit_on_failure": false, "retry": retry,
+            "endpoints": connect, "timeout_ms": timeout_ms, "exit_on_failure": exit, "retry": retry,
         },
         "open": {"return_conditions": {"connect_scouted": false, "declares": false}},
         "scouting": {

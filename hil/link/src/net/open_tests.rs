@@ -39,7 +39,7 @@ fn plain_text_stays_on_this_machine_unless_that_is_wanted() {
 #[test]
 fn zenoh_takes_the_settings() {
     let listen = ["tcp/127.0.0.1:0".to_owned()];
-    let settings = settings(Mode::Router, &listen, &[]);
+    let settings = settings(Mode::Router.word(false), &listen, &[]);
     let config = Config::from_json5(&settings.to_string()).unwrap();
     assert_eq!(config.get_json("transport/link/tx/lease").unwrap(), "1000");
     assert_eq!(
@@ -51,5 +51,21 @@ fn zenoh_takes_the_settings() {
     assert_eq!(
         config.get_json("scouting/multicast/enabled").unwrap(),
         "false"
+    );
+}
+
+#[test]
+fn a_second_session_reaches_the_first_and_those_that_it_reaches() {
+    let at = At {
+        listen: vec!["0.0.0.0:1".into(), "10.0.0.1:2".into(), "[::]:3".into()],
+        connect: vec!["robot:4".into()],
+        plain: true,
+        ..At::default()
+    };
+    let beside = at.beside();
+    assert!(beside.listen.is_empty() && beside.plain);
+    assert_eq!(
+        beside.connect,
+        ["robot:4", "127.0.0.1:1", "10.0.0.1:2", "[::1]:3"]
     );
 }

@@ -68,9 +68,6 @@ pub(super) fn told(level: Level, text: &str) -> Option<String> {
     if let Some((_, meaning)) = meaning {
         return Some((*meaning).into());
     }
-    if text.contains("max_message_size") || text.contains("efragmentation") {
-        return Some("a message of more than 1 MiB was refused, and its link closed".into());
-    }
     (level == Level::ERROR).then(|| format!("zenoh: {text}"))
 }
 

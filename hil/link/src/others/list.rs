@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use palpate_buses::pacer::RunClock;
+use palpate_buses::signals::Signals;
 use palpate_core::units::Instant;
 use palpate_run::Failure;
 use serde::Serialize;
@@ -84,7 +85,8 @@ fn listen(net: &Net, said: Arc<Mutex<Said>>) -> Result<Subscriber<()>, Failure> 
 /// # Errors
 /// [`Failure`] with its exit status.
 pub fn run(args: &ListArgs) -> Result<(), Failure> {
-    let net = net::open(&args.at.at(), Mode::Peer).map_err(failed)?;
+    let signals = Signals::catch().map_err(|e| Failure::Device(e.to_string()))?;
+    let net = net::open(&args.at.at(), Mode::Peer, &signals).map_err(failed)?;
     let zenoh = |e: zenoh::Error| Failure::Device(format!("zenoh: {e}"));
     let said = Arc::new(Mutex::new(Said::new()));
     let hears = listen(&net, Arc::clone(&said))?;

@@ -8,6 +8,7 @@ use palpate_records::mcap::proto::{Fields, Value};
 use palpate_run::Failure;
 use serde::Serialize;
 
+use super::pairs;
 use super::record::Recording;
 use crate::cli::MergeArgs;
 use crate::records::OFFSET_WORDS;
@@ -19,12 +20,14 @@ struct Merged {
     robot: u64,
     /// Messages of the wearer's.
     wearer: u64,
-    /// What was taken off the wearer's times, microseconds, and how far that may be wrong.
+    /// What was taken off the wearer's times at the end, microseconds, and how far that may be wrong at most, at any time.
     offset_us: i64,
     uncertainty_us: i64,
     /// Frames that both recordings have, of those that the robot sent.
     frames_felt: u64,
     frames_sent: u64,
+    /// Frames with contacts of the wearer that say what one of the robot says, where they were compared.
+    frames_same: Option<u64>,
     /// Where both recordings place the same frame's reading: largest distance in time, microseconds.
     reading_us: Option<i64>,
 }
@@ -70,17 +73,55 @@ fn text(data: &[u8]) -> Option<String> {
     })
 }
 
-/// The last bounds that a wearer's recording states of its clock: ours minus theirs, microseconds.
-fn offset(lines: &[Line]) -> Option<(i64, i64)> {
-    let notes = lines.iter().rev().filter(|l| l.topic.ends_with("/events"));
-    let mut notes = notes.filter_map(|l| text(&l.data));
-    notes.find_map(|text| {
+/// Bounds of a wearer's clock, ours minus theirs, microseconds, and when they were stated, nanoseconds of its own.
+#[derive(Clone, Copy, Debug)]
+struct Offset {
+    t_ns: u64,
+    low: i64,
+    high: i64,
+}
+
+impl Offset {
+    fn read(line: &Line) -> Option<Self> {
+        let text = text(&line.data)?;
         let (low, high) = text.strip_prefix(OFFSET_WORDS)?.split_once(" to ")?;
-        Some((
-            low.trim().parse().ok()?,
-            high.trim_end_matches(" us").parse().ok()?,
-        ))
-    })
+        Some(Self {
+            t_ns: line.t_ns,
+            low: low.trim().parse().ok()?,
+            high: high.trim_end_matches(" us").parse().ok()?,
+        })
+    }
+
+    const fn middle(self) -> i64 {
+        self.low.midpoint(self.high)
+    }
+
+    const fn half(self) -> i64 {
+        (self.high - self.low).div_euclid(2)
+    }
+}
+
+/// All that a wearer's recording states of its clock. One that was set is stated anew.
+fn offsets(lines: &[Line]) -> Vec<Offset> {
+    let notes = lines.iter().filter(|l| l.topic.ends_with("/events"));
+    notes.filter_map(Offset::read).collect()
+}
+
+/// A time of the wearer's on the robot's clock, nanoseconds, by the newest bounds stated until then; before any, by the
+/// first.
+fn on_robot(t_ns: u64, offsets: &[Offset]) -> i64 {
+    let at = offsets.partition_point(|offset| offset.t_ns <= t_ns);
+    let offset = offsets.get(at.saturating_sub(1));
+    let middle_ns = offset.map_or(0, |offset| offset.middle().saturating_mul(1000));
+    i64::try_from(t_ns)
+        .unwrap_or(i64::MAX)
+        .saturating_sub(middle_ns)
+}
+
+/// Contacts of a recording.
+fn contacts(lines: &[Line]) -> Vec<pairs::Frame> {
+    let contacts = lines.iter().filter(|l| l.topic.ends_with("/contacts"));
+    pairs::frames(contacts.map(|l| (l.t_ns / 1000, &*l.data)))
 }
 
 /// Times of the frames of a recording, ns.
@@ -97,18 +138,22 @@ pub fn run(args: &MergeArgs) -> Result<(), Failure> {
     let (robot, wearer) = (read(&args.robot)?, read(&args.wearer)?);
     let mut all = lines(&args.robot, &robot, "/robot")?;
     let mut worn = lines(&args.wearer, &wearer, "/wearer")?;
-    let (low, high) = offset(&worn).ok_or_else(|| {
+    let offsets = offsets(&worn);
+    let newest = *offsets.last().ok_or_else(|| {
         Failure::Input(format!(
             "{}: expected a recording of `palpate-link display` that has felt something: its events state the clock's offset",
             args.wearer.display()
         ))
     })?;
-    let (middle, half) = (low.midpoint(high), (high - low).div_euclid(2));
+    let middle = newest.middle();
+    let half = offsets
+        .iter()
+        .map(|offset| offset.half())
+        .max()
+        .unwrap_or(0);
     let before = worn.len();
     worn.retain_mut(|line| {
-        let t_ns = i64::try_from(line.t_ns)
-            .unwrap_or(i64::MAX)
-            .saturating_sub(middle.saturating_mul(1000));
+        let t_ns = on_robot(line.t_ns, &offsets);
         line.t_ns = u64::try_from(t_ns).unwrap_or(0);
         t_ns >= 0
     });
@@ -121,7 +166,17 @@ pub fn run(args: &MergeArgs) -> Result<(), Failure> {
             .min_by_key(|d| d.abs())
     };
     let reading_us = felt.iter().filter_map(|t| nearest(*t)).map(i64::abs).max();
+    worn.sort_by_key(|line| line.t_ns);
+    let mut frames_same = None;
+    if let Some(folder) = &args.contacts {
+        let (robot, worn) = (contacts(&all), contacts(&worn));
+        let (worn, same) = pairs::paired(&robot, &worn, half.unsigned_abs());
+        frames_same = Some(same as u64);
+        pairs::write(folder, "robot.csv", &robot, args.force)?;
+        pairs::write(folder, "wearer.csv", &worn, args.force)?;
+    }
     let merged = Merged {
+        frames_same,
         robot: all.len() as u64,
         wearer: worn.len() as u64,
         offset_us: middle,

@@ -3,5 +3,6 @@
 pub mod keys;
 pub mod list;
 pub mod merge;
+mod pairs;
 pub mod record;
 pub mod relay;

@@ -154,7 +154,7 @@ pub fn run(args: &RecordArgs) -> Result<(), Failure> {
         "this machine's, from the start".to_owned(),
     )]);
     let mut recording = Recording::begin(&args.file, args.force, facts)?;
-    let net = net::open(&args.at.at(), Mode::Peer).map_err(failed)?;
+    let net = net::open(&args.at.at(), Mode::Peer, &signals).map_err(failed)?;
     let clock = RunClock::start();
     let waiting = Arc::new(Inbox::new(MOST_WAITING));
     let subscriber = {

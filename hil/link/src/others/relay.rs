@@ -1,4 +1,4 @@
-//! `palpate-link relay`: a place where ends find each other; they are held to the access list.
+//! `palpate-link relay`: a place where ends find each other or speak through; they are held to the access list.
 
 use std::time::Duration;
 
@@ -33,10 +33,10 @@ pub(super) fn wait(signals: &Signals, seconds: Option<f64>) {
 /// [`Failure`] with its exit status.
 pub fn run(args: &RelayArgs) -> Result<(), Failure> {
     let signals = Signals::catch().map_err(|e| Failure::Device(e.to_string()))?;
-    let net = net::open(&args.at.at(), Mode::Router).map_err(failed)?;
+    let net = net::open(&args.at.at(), Mode::Router, &signals).map_err(failed)?;
     let name = net.name.clone().unwrap_or_else(|| "relay".into());
     let _answers = net.answer_who_may_publish(&name).map_err(failed)?;
-    note("relay: ends find each other here");
+    note("relay: ends with --connect find each other here, those with --relay speak through it");
     wait(&signals, args.seconds);
     Ok(())
 }

@@ -93,7 +93,7 @@ impl Published {
 /// [`Failure`] with its exit status.
 pub fn run(args: &RosArgs) -> Result<(), Failure> {
     let signals = Signals::catch().map_err(|e| Failure::Device(e.to_string()))?;
-    let net = net::open(&args.at.at(), Mode::Peer).map_err(failed)?;
+    let net = net::open(&args.at.at(), Mode::Peer, &signals).map_err(failed)?;
     let zenoh = |e: zenoh::Error| Failure::Device(format!("zenoh: {e}"));
     let (session, domain) = (&net.session, args.domain);
     let node = "palpate_link";

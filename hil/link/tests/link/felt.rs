@@ -2,7 +2,7 @@
 
 use palpate_core::contact::Contact;
 use palpate_core::skin::SkinSource;
-use palpate_core::units::{Instant, Point};
+use palpate_core::units::{Duration, Instant, Point};
 use palpate_files::Setup;
 use palpate_link::ends::Shrunk;
 use palpate_link::judge::{Gate, Patience};
@@ -48,8 +48,9 @@ fn linked(setup: &Setup, weather: Weather, seed: u64) -> Vec<Event> {
     let mut world: World<Vec<Contact>> = World::new(weather, Vec::new(), seed);
     let mut gate = Gate::new(Patience::new(1, LAYOUT));
     let mut skin = EmulatedSkin::scene(setup, 1).unwrap();
-    let mut shrunk = Shrunk::new(setup, 1, Truth::Unknown).unwrap();
-    let mut session = HeldSession::held(setup, 1, Truth::of(setup)).unwrap();
+    let levels = dynamic_levels(&setup.scene.value.compression);
+    let mut shrunk = Shrunk::new(setup, 1, levels.clone(), Truth::Unknown).unwrap();
+    let mut session = HeldSession::held(setup, 1, levels, Truth::of(setup)).unwrap();
     session.start(Instant::ZERO).unwrap();
     let (mut next_beat, mut sequence) = (0, 0);
     let end = (setup.scene.value.length_s * 1e6) as u64;
@@ -81,7 +82,8 @@ fn linked(setup: &Setup, weather: Weather, seed: u64) -> Vec<Event> {
                 && let Ok(read) = gate.judge(&head, Instant::from_micros(arrived))
             {
                 assert!(read.as_micros() <= taken);
-                let _ = session.hold(read, &contacts);
+                let later = gate.likely_later(Instant::from_micros(arrived));
+                let _ = session.hold(read, later, &contacts);
             }
         }
         if at >= session.next() {
@@ -155,7 +157,8 @@ fn no_output_is_on_without_a_fresh_reading_over_a_thousand_cuts() {
     };
     let mut world: World<Contact> = World::new(weather, cuts.clone(), 11);
     let mut gate = Gate::new(Patience::new(1, LAYOUT));
-    let mut session = HeldSession::held(&setup, 1, Truth::Unknown).unwrap();
+    let levels = dynamic_levels(&setup.scene.value.compression);
+    let mut session = HeldSession::held(&setup, 1, levels, Truth::Unknown).unwrap();
     session.start(Instant::ZERO).unwrap();
     let (mut next_beat, mut sequence, mut newest) = (0, 0, 0_u64);
     let (mut highs, mut on, mut backs, mut off_cuts) =
@@ -178,7 +181,7 @@ fn no_output_is_on_without_a_fresh_reading_over_a_thousand_cuts() {
         while let Some((arrived, message)) = world.take(now) {
             if let Some((head, contact, taken)) = deliver(&mut world, &mut gate, arrived, message)
                 && let Ok(read) = gate.judge(&head, Instant::from_micros(arrived))
-                && session.hold(read, &[contact]).is_ok()
+                && session.hold(read, Duration::ZERO, &[contact]).is_ok()
             {
                 newest = newest.max(taken);
             }

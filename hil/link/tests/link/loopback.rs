@@ -119,7 +119,7 @@ fn scans_are_compressed_by_the_wearers_machine_into_the_same_contacts() {
 #[test]
 fn a_second_publisher_of_a_finger_is_refused_and_told() {
     let port = port();
-    let first = skin(&port, &["--seconds", "4", "--quiet"]);
+    let first = skin(&port, &["--seconds", "4"]);
     let wearer = display(&port, &["--seconds", "3", "--quiet"]);
     let second = link(&[
         "skin",
@@ -139,7 +139,31 @@ fn a_second_publisher_of_a_finger_is_refused_and_told() {
         "{said}"
     );
     assert_eq!(ended(wearer).0, Some(0));
-    assert_eq!(ended(first).0, Some(0));
+    let (status, _, told) = ended(first);
+    assert_eq!(status, Some(0));
+    assert!(
+        told.contains("a second publisher of this finger was refused"),
+        "{told}"
+    );
+}
+
+#[test]
+fn ends_of_a_relay_feel_through_it_and_a_second_connection_carries_the_same() {
+    let port = port();
+    let relay = link(&["relay", "--listen", &port, "--seconds", "9"]);
+    let through = |word: &str, seconds: &str| {
+        let arguments = [word, "sphere-along", "--json", "--twice", "--relay", &port];
+        link(&[&arguments[..], &FINGER, &["--seconds", seconds]].concat())
+    };
+    let (skin, display) = (through("skin", "6"), through("display", "4"));
+    let (status, felt, said) = ended(display);
+    let (_, sent, told) = ended(skin);
+    assert_eq!(status, Some(0), "{said}{told}");
+    assert!(felt["held"].as_u64().unwrap() > 150, "{felt}{said}");
+    // What came first was felt, the other was not.
+    assert!(felt["frames"]["order"].as_u64().unwrap() > 150, "{felt}");
+    assert_eq!(sent["stops"][0], "wearer: its time is over", "{sent}{told}");
+    assert_eq!(ended(relay).0, Some(0));
 }
 
 #[test]

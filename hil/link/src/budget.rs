@@ -1,0 +1,209 @@
+//! The latency budget: where time goes between a touch of the robot and what the wearer feels of it.
+
+use std::collections::BTreeMap;
+
+use palpate_core::projector::Projector;
+use palpate_core::units::Instant;
+use palpate_files::Setup;
+use palpate_records::report::SummaryRow;
+use palpate_records::trace::Event;
+use palpate_run::Failure;
+use palpate_run::plan::{Reaction, reaction};
+use serde::Serialize;
+
+use crate::judge::Head;
+
+/// Values of one part that are kept at most: a quarter of an hour at 100 Hz.
+const MOST: usize = 100_000;
+/// Outputs whose edge is awaited at most: more than any bench has.
+const MOST_AWAITED: usize = 1024;
+
+/// Median, 99 % and most of something, milliseconds.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Spread {
+    /// Half are below.
+    pub median: f64,
+    /// 99 % are below.
+    pub p99: f64,
+    /// None is above.
+    pub max: f64,
+}
+
+impl Spread {
+    /// Of these, microseconds.
+    #[must_use]
+    pub fn of(mut micros: Vec<u64>) -> Option<Self> {
+        micros.sort_unstable();
+        let at = |share: f64| {
+            let rank = (share * (micros.len() - 1) as f64).round() as usize;
+            micros[rank] as f64 * 1e-3
+        };
+        (!micros.is_empty()).then(|| Self {
+            median: at(0.5),
+            p99: at(0.99),
+            max: at(1.0),
+        })
+    }
+
+    fn always(seconds: f64) -> Self {
+        let ms = seconds * 1e3;
+        Self {
+            median: ms,
+            p99: ms,
+            max: ms,
+        }
+    }
+}
+
+/// The parts, each after the one before it.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Budget {
+    /// Robot: from the end of a reading until it was sent.
+    pub sensor_ms: Option<Spread>,
+    /// From sending to arrival, at most: what an answer of the robot proves.
+    pub network_ms: Option<Spread>,
+    /// From the newest reading's arrival to the onset that it gave: the wait for the grid of onsets.
+    pub projection_ms: Option<Spread>,
+    /// From the onset to the first rising edge of its output: transfers to the chip, its phase.
+    pub unit_ms: Option<Spread>,
+    /// From the first current until the tissue has moved half of its way: the model of the bench's wire.
+    pub wire_ms: Option<Spread>,
+    /// From then until the level reaches the threshold: the model of the bench's person.
+    pub skin_ms: Option<Spread>,
+}
+
+impl Budget {
+    /// The parts with their names.
+    #[must_use]
+    pub const fn parts(&self) -> [(&'static str, Option<Spread>); 6] {
+        [
+            ("sensor", self.sensor_ms),
+            ("network", self.network_ms),
+            ("projection", self.projection_ms),
+            ("unit", self.unit_ms),
+            ("wire", self.wire_ms),
+            ("skin", self.skin_ms),
+        ]
+    }
+
+    /// One line of it.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let part = |(name, spread): &(&str, Option<Spread>)| match spread {
+            Some(s) => format!("{name} {:.1}", s.median),
+            None => format!("{name} -"),
+        };
+        let parts: Vec<String> = self.parts().iter().map(part).collect();
+        let sum: f64 = self
+            .parts()
+            .iter()
+            .filter_map(|(_, s)| Some(s.as_ref()?.median))
+            .sum();
+        format!(
+            "latency, medians, ms: {}; together {sum:.1}",
+            parts.join(", ")
+        )
+    }
+
+    /// For the summary of a report.
+    #[must_use]
+    pub fn rows(&self) -> Vec<SummaryRow> {
+        let row = |(name, spread): &(&str, Option<Spread>)| SummaryRow {
+            name: format!("latency, {name}: median, 99 %"),
+            value: match spread {
+                Some(s) => format!("{:.2}, {:.2}", s.median, s.p99),
+                None => "-".into(),
+            },
+            unit: "ms".into(),
+            ..SummaryRow::default()
+        };
+        self.parts().iter().map(row).collect()
+    }
+}
+
+/// What is measured of it while a finger feels.
+#[derive(Debug)]
+pub struct Stopwatch {
+    reaction: Reaction,
+    sensor: Vec<u64>,
+    network: Vec<u64>,
+    projection: Vec<u64>,
+    unit: Vec<u64>,
+    /// When the newest reading arrived that is felt.
+    arrived: Option<Instant>,
+    /// Onsets of outputs that have not risen yet, by board and channel, microseconds.
+    awaited: BTreeMap<(u8, u8), u64>,
+}
+
+fn keep(all: &mut Vec<u64>, one: u64) {
+    if all.len() < MOST {
+        all.push(one);
+    }
+}
+
+impl Stopwatch {
+    /// For a bench's wire and person.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for a wire or person that cannot be.
+    pub fn new(setup: &Setup, projector: &Projector) -> Result<Self, Failure> {
+        Ok(Self {
+            reaction: reaction(setup, projector)?,
+            sensor: Vec::new(),
+            network: Vec::new(),
+            projection: Vec::new(),
+            unit: Vec::new(),
+            arrived: None,
+            awaited: BTreeMap::new(),
+        })
+    }
+
+    /// A frame that is felt arrived at `now`; its reading may have been as early as `read`.
+    pub fn arrived(&mut self, head: &Head, read: Instant, now: Instant) {
+        let waited = head.sent_us.saturating_sub(head.taken_us);
+        keep(&mut self.sensor, waited);
+        let age = now.since(read).as_micros();
+        keep(&mut self.network, age.saturating_sub(waited));
+        self.arrived = Some(now);
+    }
+
+    /// Looks at what happened.
+    pub fn see(&mut self, event: &Event) {
+        match event {
+            Event::Schedule(entry) if entry.width().get() > 0 => {
+                if let Some(arrived) = self.arrived {
+                    keep(&mut self.projection, entry.at.since(arrived).as_micros());
+                }
+                if self.awaited.len() < MOST_AWAITED {
+                    let output = (entry.board.0, entry.channel.0);
+                    self.awaited.insert(output, entry.at.as_micros());
+                }
+            }
+            Event::Edge {
+                t_ns,
+                board,
+                channel,
+                high: true,
+            } => {
+                if let Some(onset) = self.awaited.remove(&(*board, *channel)) {
+                    keep(&mut self.unit, (t_ns / 1000).saturating_sub(onset));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// What it comes to.
+    pub fn finish(&mut self) -> Budget {
+        let of = |all: &mut Vec<u64>| Spread::of(std::mem::take(all));
+        let Reaction { moved_s, felt_s } = self.reaction;
+        Budget {
+            sensor_ms: of(&mut self.sensor),
+            network_ms: of(&mut self.network),
+            projection_ms: of(&mut self.projection),
+            unit_ms: of(&mut self.unit),
+            wire_ms: Some(Spread::always(moved_s)),
+            skin_ms: felt_s.map(|felt_s| Spread::always((felt_s - moved_s).max(0.0))),
+        }
+    }
+}

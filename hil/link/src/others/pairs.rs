@@ -1,0 +1,137 @@
+//! Contacts of the two ends side by side: which frame of the robot each frame of the wearer is.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use palpate_files::Format;
+use palpate_hil::output::{Outputs, make_folder};
+use palpate_records::contacts_csv::{HEADER, write_rows};
+use palpate_records::mcap::proto::{Fields, Value};
+use palpate_records::trace::{Event, PlaceUm};
+use palpate_run::Failure;
+
+/// What is known of a frame's time beside the clocks: it may be as old as the guard lets it be, microseconds.
+const AGE_US: u64 = 100_000;
+
+/// The contacts of one frame, as of one time.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Frame {
+    t_us: u64,
+    contacts: Vec<Event>,
+}
+
+/// A message of `/contacts`; `None` where it is damaged.
+fn contact(t_us: u64, data: &[u8]) -> Option<Event> {
+    let (mut whole, mut real) = ([0_u64; 9], [0.0_f64; 9]);
+    for field in Fields::new(data) {
+        match field? {
+            (number @ 1..=8, Value::Number(value)) => whole[number as usize] = value,
+            (number @ 1..=8, Value::Fixed64(bits)) => real[number as usize] = f64::from_bits(bits),
+            _ => {}
+        }
+    }
+    // Recordings hold whole micrometres and thousandths of a count.
+    let thousandths = |value: f64| (value * 1e3).round();
+    Some(Event::Contact {
+        t_us,
+        frame: u32::try_from(whole[1]).ok()?,
+        module: u16::try_from(whole[2]).ok()?,
+        contact: u32::try_from(whole[3]).ok()?,
+        place: PlaceUm {
+            x: thousandths(real[4]) as i32,
+            y: thousandths(real[5]) as i32,
+        },
+        intensity_milli: thousandths(real[6]) as u32,
+        level: u16::try_from(whole[7]).ok()?,
+        members: u32::try_from(whole[8]).ok()?,
+    })
+}
+
+/// Frames with contacts, from messages of `/contacts` in the order of time.
+pub(super) fn frames<'a>(messages: impl Iterator<Item = (u64, &'a [u8])>) -> Vec<Frame> {
+    let mut all: Vec<Frame> = Vec::new();
+    for (t_us, data) in messages {
+        let Some(contact) = contact(t_us, data) else {
+            continue;
+        };
+        match all.last_mut().filter(|frame| frame.t_us == t_us) {
+            Some(frame) => frame.contacts.push(contact),
+            None => all.push(Frame {
+                t_us,
+                contacts: vec![contact],
+            }),
+        }
+    }
+    all
+}
+
+/// A contact without its time and frame, which each end counts for itself.
+fn said(event: &Event) -> Option<(u16, PlaceUm, u32, u16)> {
+    match event {
+        Event::Contact {
+            module,
+            place,
+            intensity_milli,
+            level,
+            ..
+        } => Some((*module, *place, *intensity_milli, *level)),
+        _ => None,
+    }
+}
+
+/// The wearer's frames at the robot's times, those of the frames that say the same. What has no such frame near keeps its
+/// own time. Also how many have one.
+pub(super) fn paired(robot: &[Frame], wearer: &[Frame], within_us: u64) -> (Vec<Frame>, usize) {
+    let within_us = within_us.saturating_add(AGE_US);
+    let (mut next, mut same) = (0, 0);
+    let mut all: BTreeMap<u64, Frame> = BTreeMap::new();
+    for frame in wearer {
+        let from = frame.t_us.saturating_sub(within_us);
+        let until = frame.t_us.saturating_add(within_us);
+        let begin = next.max(robot.partition_point(|r| r.t_us < from));
+        let near = robot[begin..].iter().take_while(|r| r.t_us <= until);
+        let says = |of: &Frame| of.contacts.iter().map(said).collect::<Vec<_>>();
+        let own = says(frame);
+        let found = near
+            .into_iter()
+            .position(|r| says(r) == own)
+            .map(|at| begin + at);
+        let mut frame = frame.clone();
+        if let Some(found) = found {
+            (next, same) = (found + 1, same + 1);
+            retime(&mut frame, robot[found].t_us);
+        }
+        all.entry(frame.t_us).or_insert(frame);
+    }
+    (all.into_values().collect(), same)
+}
+
+fn retime(frame: &mut Frame, to_us: u64) {
+    frame.t_us = to_us;
+    for contact in &mut frame.contacts {
+        if let Event::Contact { t_us, .. } = contact {
+            *t_us = to_us;
+        }
+    }
+}
+
+/// Writes the contacts of frames, as `hil diff` reads them.
+pub(super) fn write(
+    folder: &Path,
+    name: &str,
+    frames: &[Frame],
+    force: bool,
+) -> Result<(), Failure> {
+    make_folder(folder)?;
+    let outputs = Outputs { force, inputs: &[] };
+    outputs.write(&folder.join(name), Format::Contacts, |out| {
+        writeln!(out, "{HEADER}")?;
+        frames
+            .iter()
+            .try_for_each(|frame| write_rows(&frame.contacts, &mut *out))
+    })
+}
+
+#[cfg(test)]
+#[path = "pairs_tests.rs"]
+mod tests;
