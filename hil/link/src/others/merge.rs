@@ -130,6 +130,23 @@ fn frames<'a>(lines: &'a [Line]) -> impl Iterator<Item = u64> + 'a {
     frames.map(|l| l.t_ns)
 }
 
+/// Writes the contacts of both side by side, where that is wanted; how many frames of the wearer are one of the robot's.
+fn compared(
+    args: &MergeArgs,
+    all: &[Line],
+    worn: &[Line],
+    within_us: u64,
+) -> Result<Option<u64>, Failure> {
+    let Some(folder) = &args.contacts else {
+        return Ok(None);
+    };
+    let (robot, worn) = (contacts(all), contacts(worn));
+    let (worn, same) = pairs::paired(&robot, &worn, within_us);
+    pairs::write(folder, "robot.csv", &robot, args.force)?;
+    pairs::write(folder, "wearer.csv", &worn, args.force)?;
+    Ok(Some(same as u64))
+}
+
 /// Runs it.
 ///
 /// # Errors
@@ -167,14 +184,7 @@ pub fn run(args: &MergeArgs) -> Result<(), Failure> {
     };
     let reading_us = felt.iter().filter_map(|t| nearest(*t)).map(i64::abs).max();
     worn.sort_by_key(|line| line.t_ns);
-    let mut frames_same = None;
-    if let Some(folder) = &args.contacts {
-        let (robot, worn) = (contacts(&all), contacts(&worn));
-        let (worn, same) = pairs::paired(&robot, &worn, half.unsigned_abs());
-        frames_same = Some(same as u64);
-        pairs::write(folder, "robot.csv", &robot, args.force)?;
-        pairs::write(folder, "wearer.csv", &worn, args.force)?;
-    }
+    let frames_same = compared(args, &all, &worn, half.unsigned_abs())?;
     let merged = Merged {
         frames_same,
         robot: all.len() as u64,
@@ -200,9 +210,15 @@ pub fn run(args: &MergeArgs) -> Result<(), Failure> {
         recording.message(&line.topic, schema, line.t_ns, &line.data)?;
     }
     recording.finish()?;
+    tell(args, &merged, left_out)
+}
+
+/// Says what came of it.
+fn tell(args: &MergeArgs, merged: &Merged, left_out: usize) -> Result<(), Failure> {
+    let (middle, half) = (merged.offset_us, merged.uncertainty_us);
     palpate_hil::output::print(|out| {
         if args.json {
-            serde_json::to_writer(&mut *out, &merged)?;
+            serde_json::to_writer(&mut *out, merged)?;
             return writeln!(out);
         }
         writeln!(

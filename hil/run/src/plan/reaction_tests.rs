@@ -15,14 +15,14 @@ fn of(wire: &str) -> Reaction {
 
 #[test]
 fn a_wire_moves_within_its_burst_and_is_felt_by_whom_it_reaches() {
-    let loose = of("drive.current_ma=1970");
-    assert!((0.1e-3..0.04).contains(&loose.moved_s), "{loose:?}");
+    let loose = of("bench.drive.current_ma=1970");
+    assert!((0.01e-3..0.01).contains(&loose.moved_s), "{loose:?}");
     assert!(
         loose.felt_s.is_some_and(|s| (0.1e-3..0.1).contains(&s)),
         "{loose:?}"
     );
     // A five-hundredth of the current heats by next to nothing.
-    let weak = of("drive.current_ma=4");
+    let weak = of("bench.drive.current_ma=4");
     assert_eq!(weak.felt_s, None, "{weak:?}");
 }
 
