@@ -90,17 +90,19 @@ fn contacts_whose_time_is_not_known_are_carried_on_from_when_they_likely_were() 
     carried(15);
 }
 
-/// Contacts that come as of `later` milliseconds before they were there.
+/// Contacts that come at once, as of `later` milliseconds before they were there.
 fn carried(later: u64) {
     let (mut projector, mut boards, mut seen) = (projector(), Boards::default(), Seen::default());
     // 14 mm/s to the right.
     let along = |at: Instant| 0.000_014 * at.as_micros() as f32 - 2.0;
-    for ms in 0..300 {
-        // Nothing comes any more after 190 ms.
-        if ms % 10 == 0 && ms < 200 {
-            let contacts = [contact(along(at(ms + later)))];
+    for ms in later..300 {
+        let read = ms - later;
+        // Nothing is read any more after 190 ms.
+        if read % 10 == 0 && read < 200 {
+            let contacts = [contact(along(at(ms)))];
             let later = Duration::from_millis(later);
-            projector.hold(at(ms), later, &contacts, &mut seen).unwrap();
+            let held = projector.hold(at(read), later, &contacts, &mut seen);
+            held.unwrap();
         }
         let _ = projector.turn(at(ms), &mut boards, &mut seen);
     }
