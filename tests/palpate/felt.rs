@@ -155,8 +155,8 @@ fn rubbing(surface: &str, traverse_s: f64) -> Setup {
     setup
 }
 
-/// Its place is felt as well as without, and what grips more is rougher, at every speed. The network knows strokes of a
-/// whole face: of a contact it sees the mean, in which friction is most of what is left.
+/// Its place is felt as well as without, and what grips more is rougher, at every speed: of such a contact the network knows the
+/// friction alone, which drives it.
 #[test]
 fn a_contact_that_rubs_carries_its_own_texture() {
     for traverse_s in [1.0, 0.5, 0.25] {
@@ -168,7 +168,7 @@ fn a_contact_that_rubs_carries_its_own_texture() {
             let plain = played(&plain).summary.felt_error_mm.rmse.unwrap();
             let outcome = played(&rubbing(surface, traverse_s));
             let felt = outcome.summary.felt_error_mm.rmse.unwrap();
-            let roughness = outcome.summary.texture.unwrap().roughness;
+            let roughness = outcome.summary.texture.as_ref().unwrap().roughness;
             let pulses = pulses_per_burst(&outcome);
             println!(
                 "{surface:<13} {:.0} mm/s: roughness {roughness:.3}, {pulses:.2} pulses a burst, felt {felt:.2} mm, {plain:.2} without",

@@ -23,7 +23,8 @@ fn each_finger_feels_its_own_surface_and_no_limit_is_met() {
     assert_eq!(s.limiter_events, 0);
     assert!(s.margins.iter().all(|m| m.used() <= 1.0), "{:?}", s.margins);
     assert!(s.texture.is_none());
-    let windows = s.displays.iter().map(|d| d.texture.map(|t| t.windows));
+    let windows = s.displays.iter();
+    let windows = windows.map(|d| d.texture.as_ref().map(|t| t.windows));
     let [index, middle, ring, thumb] = windows.collect::<Vec<_>>()[..] else {
         panic!("{:?}", s.displays);
     };

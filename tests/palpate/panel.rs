@@ -70,23 +70,25 @@ fn a_panel_rates_textures_on_both_displays() {
     }
 }
 
-/// The thesis blames the handkerchief's failure on the sensor's friction: under a module that slides as a finger
-/// does, it is driven less roughly.
+/// The thesis blames the handkerchief's failure on the sensor's friction: under a module that slides as a finger does, it is
+/// felt to slide faster, and as rough as before.
 #[test]
-fn the_sensors_friction_roughens_the_handkerchief() {
+fn the_sensors_friction_slows_the_handkerchief_and_leaves_its_roughness_alone() {
     let model = TextureModel::open("default").unwrap();
     let table = table();
-    let setup = setup("three-in-line");
+    let setup = setup("emulated");
     let of = |study: &Study| {
         let mut all = study.textures.iter();
-        all.find(|t| t.name == "handkerchief").unwrap().driven
+        let found = all.find(|t| t.name == "handkerchief").unwrap();
+        let slow = found.shown.iter().filter_map(|s| s.sensation.slowness);
+        let (sum, count) = slow.fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
+        (found.driven, sum / count)
     };
     let tape = of(&emulated(&model, &table, taped, (&setup, 2), |_| ()).unwrap());
     let skin = of(&emulated(&model, &table, bare, (&setup, 2), |_| ()).unwrap());
-    println!(
-        "handkerchief: driven {tape:.3} with gripping tape, {skin:.3} with a finger's friction"
-    );
-    assert!(skin < tape);
+    println!("handkerchief, roughness and log of slowness: {tape:?} with tape, {skin:?} with skin");
+    assert!((skin.0 - tape.0).abs() < 0.1);
+    assert!(skin.1 < tape.1 - 0.5);
 }
 
 /// The folder of recordings, and a model that was trained on them; said visibly where one is not at hand.

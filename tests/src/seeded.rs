@@ -142,7 +142,9 @@ impl Seeded {
         let latent = r#"{"roughness":{"coordinate":0,"sign":1,"z_lo":-0.5,"z_hi":0.5}}"#;
         let mut about = more.to_vec();
         about.push(("window", self.window.to_string()));
-        about.push(("latent", latent.to_owned()));
+        if !more.iter().any(|(key, _)| *key == "latent") {
+            about.push(("latent", latent.to_owned()));
+        }
         palpate_files::model_file(&tensors, &about)
     }
 }

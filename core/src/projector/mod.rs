@@ -8,6 +8,7 @@ mod outlet;
 mod output;
 mod sensing;
 mod strokes;
+mod tap;
 mod texture;
 mod view;
 mod warm;
@@ -17,6 +18,7 @@ pub use crate::illusion::Target;
 pub use builder::{Builder, OutputBuilder, sensor_area};
 pub use held::ForeignContacts;
 pub use output::{Output, OutputSettings};
+pub use tap::{Firmness, Taps};
 pub use texture::{Carrier, TextureError, TexturePlan, TextureReport};
 pub use view::{View, Window};
 
@@ -39,6 +41,7 @@ use crate::units::{Board, Duration, Instant, Ticks};
 use outlet::{Guards, Observes, Outlet};
 use sensing::Sensing;
 use texture::Sampler;
+use weave::Texture;
 
 /// A frame that went through compression.
 #[derive(Debug)]
@@ -358,10 +361,10 @@ impl Projector {
             self.output.hear(at);
         }
         self.track();
-        let count = match self.output.takes_targets(now) {
-            true => self.aim(now),
-            false => 0,
-        };
+        let takes = self.output.takes_targets(now);
+        let count = if takes { self.aim(now) } else { 0 };
+        let tap = self.sensing.take_tap();
+        tap.into_iter().for_each(|hard| self.output.tap(now, hard));
         let texture = self.sensing.texture(now);
         let targets = &self.targets[..count];
         self.output
@@ -485,9 +488,14 @@ impl Projector {
         self.sensing.baseline()
     }
 
+    /// Taps of surfaces that were met or left.
+    pub fn taps(&self) -> u64 {
+        self.output.texture().map_or(0, Texture::tapped)
+    }
+
     /// Pulses of a texture that were left out for a wire to rest: dense ones meet the guard's burst row.
     pub fn rested_pulses(&self) -> u64 {
-        self.output.rested()
+        self.output.texture().map_or(0, Texture::rested)
     }
 
     /// What compression did and could leave out.

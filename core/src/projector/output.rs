@@ -137,9 +137,14 @@ impl Output {
         self.texture = Some(Texture::new(carrier, self.guard.prescale()));
     }
 
-    /// Pulses of a texture that were left out for a wire to rest.
-    pub(super) fn rested(&self) -> u64 {
-        self.texture.as_ref().map_or(0, Texture::rested)
+    /// A surface so hard, 0 to 1, is met or left at `at`: a tap is felt, where a texture has the display to itself.
+    pub(super) fn tap(&mut self, at: Instant, hardness: f64) {
+        self.texture.iter_mut().for_each(|t| t.tap(at, hardness));
+    }
+
+    /// The texture that it carries.
+    pub(super) const fn texture(&self) -> Option<&Texture> {
+        self.texture.as_ref()
     }
 
     /// What makes pulses of contacts, where the law chooses them.
@@ -350,7 +355,14 @@ impl Output {
                 for (wire, (out, fired)) in self.widths.iter_mut().zip(fired).enumerate() {
                     *out = if *fired { width(wire) } else { Ticks::ZERO };
                 }
-                due = Some((at, train.next()));
+                due = Some((at, train.ends()));
+            }
+            if let Some((at, until, share)) = train.tap_due(now) {
+                for (wire, out) in self.widths.iter_mut().enumerate() {
+                    let one = self.drive.width(self.calibration.apply(wire, 1.0));
+                    *out = Ticks::new((f32::from(one.get()) * share) as u16);
+                }
+                due = Some((at, until));
             }
             if let Some((at, until)) = due {
                 for (wire, width) in self.widths.iter_mut().enumerate() {

@@ -223,6 +223,11 @@ impl Sensing {
         self.pipeline.texture.as_ref()?.control(now)
     }
 
+    /// How hard the surface is that was met or left since the last call, 0 to 1, where that is known.
+    pub(super) fn take_tap(&mut self) -> Option<f64> {
+        self.pipeline.texture.as_mut()?.take_tap()
+    }
+
     pub(super) const fn compressor(&self) -> &Compressor {
         &self.pipeline.compressor
     }

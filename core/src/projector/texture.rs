@@ -12,6 +12,7 @@ use crate::texture::{Control, ControlMap, Encoder, Ends, Pulses, Stream};
 use crate::units::{Duration, Instant};
 
 use super::Observer;
+use super::tap::Taps;
 
 /// A texture whose last sample is older than this is no longer felt.
 const SILENCE: Duration = Duration::from_millis(100);
@@ -19,8 +20,9 @@ const SILENCE: Duration = Duration::from_millis(100);
 /// What carries a texture to the finger.
 #[derive(Clone, Debug)]
 pub enum Carrier {
-    /// The whole display: pulses of (3.1) move over its wires, contacts do not show.
-    Display(Pulses),
+    /// The whole display: pulses of (3.1) move over its wires, contacts do not show. Surfaces whose hardness is known are felt
+    /// where they are met and left, if at all.
+    Display(Pulses, Option<Taps>),
     /// The contacts: f_PWM thins out their bursts.
     Contacts,
 }
@@ -119,6 +121,12 @@ pub(super) struct Sampler {
     touched: usize,
     newest: Option<Control>,
     last: Instant,
+    /// How hard the surface is, by the newest window of this touch or the one before.
+    hardness: Option<f64>,
+    /// When the module was touched last.
+    left: Instant,
+    /// A surface so hard was met or left.
+    tap: Option<f64>,
 }
 
 impl Sampler {
@@ -163,6 +171,9 @@ impl Sampler {
             touched: 0,
             newest: None,
             last: Instant::ZERO,
+            hardness: None,
+            left: Instant::ZERO,
+            tap: None,
         };
         Ok((sampler, plan.carrier))
     }
@@ -179,6 +190,16 @@ impl Sampler {
             return;
         }
         self.last = scan.at();
+        // The network needs a window to know a surface: what is met is the one that was left, and what is met anew
+        // within a moment was never left.
+        let is_met = touched && self.touched == 0 && scan.at().since(self.left) > SILENCE;
+        let is_left = !touched && self.newest.is_some();
+        if is_met || is_left {
+            self.tap = self.hardness;
+        }
+        if touched {
+            self.left = scan.at();
+        }
         self.touched = if touched { self.touched + 1 } else { 0 };
         if !touched {
             self.newest = None;
@@ -201,6 +222,7 @@ impl Sampler {
         {
             let control = self.map.control(latent);
             self.newest = Some(control);
+            self.hardness = self.map.hardness(latent);
             observer.texture(&TextureReport {
                 at: scan.at(),
                 latent,
@@ -208,6 +230,11 @@ impl Sampler {
                 control,
             });
         }
+    }
+
+    /// How hard the surface is that was met or left since the last call, 0 to 1.
+    pub(super) fn take_tap(&mut self) -> Option<f64> {
+        self.tap.take()
     }
 
     /// What is felt at `now`.

@@ -8,6 +8,7 @@
 use crate::texture::{Control, Pulses};
 use crate::units::{Duration, Instant, Prescale, Ticks};
 
+use super::tap::{Tap, Taps};
 use super::texture::Carrier;
 
 /// Nanoseconds times millihertz in one period of f_PWM.
@@ -119,16 +120,26 @@ pub(super) fn gain(rate_mhz: u32, period_ns: u64) -> f32 {
 #[derive(Debug)]
 pub(super) struct Train {
     pulses: Pulses,
+    prescale: Prescale,
     period: Duration,
     /// When the stroke began, while there is one.
     origin: Option<Instant>,
     /// Pulses that a wire's rest swallowed.
     rested: u64,
+    taps: Option<Taps>,
+    tap: Option<Tap>,
+    /// Taps that have begun.
+    tapped: u64,
 }
 
 impl Train {
-    /// When the next period begins.
+    /// When the next period or the next pulse of a tap begins.
     pub(super) fn next(&self) -> Instant {
+        let tap = self.tap.map_or(Instant::FAR_FUTURE, |tap| tap.next());
+        self.next_period().min(tap)
+    }
+
+    fn next_period(&self) -> Instant {
         let since = self.pulses.at().since(Instant::ZERO);
         self.origin.map_or(Instant::FAR_FUTURE, |o| o + since)
     }
@@ -148,15 +159,37 @@ impl Train {
             self.pulses.restart();
             self.origin = Some(now);
         }
-        let mut at = self.next();
+        let mut at = self.next_period();
         if at > now {
             return None;
         }
         while at + self.period <= now {
             self.pulses.next(control);
-            at = self.next();
+            at = self.next_period();
         }
         Some((at, self.pulses.next(control)))
+    }
+
+    /// When the period that was due last ends.
+    pub(super) fn ends(&self) -> Instant {
+        self.next_period()
+    }
+
+    /// Begins a tap, where taps are felt: a period after the texture's last one, since the chip's periods are not locked to ours.
+    fn tap(&mut self, at: Instant, hardness: f64) {
+        let at = match self.origin {
+            Some(_) => at.max(self.next_period() + self.period),
+            None => at,
+        };
+        if let Some(taps) = &self.taps {
+            self.tap = Some(Tap::new(taps, at, hardness, self.prescale));
+            self.tapped += 1;
+        }
+    }
+
+    /// The pulse of a tap that is due: its beginning, its end, and its width as a share of a full one.
+    pub(super) fn tap_due(&mut self, now: Instant) -> Option<(Instant, Instant, f32)> {
+        self.tap.as_mut()?.due(now)
     }
 
     /// Counts a pulse that a wire's rest swallowed.
@@ -175,8 +208,12 @@ pub(super) enum Texture {
 impl Texture {
     pub(super) fn new(carrier: Carrier, prescale: Prescale) -> Self {
         match carrier {
-            Carrier::Display(pulses) => Self::Train(Train {
+            Carrier::Display(pulses, taps) => Self::Train(Train {
                 pulses,
+                taps,
+                tap: None,
+                prescale,
+                tapped: 0,
                 period: Duration::from_micros(prescale.period_ns() / 1000),
                 origin: None,
                 rested: 0,
@@ -195,6 +232,21 @@ impl Texture {
         match self {
             Self::Train(train) => train.next(),
             Self::Contacts(weave) => weave.map_or(Instant::FAR_FUTURE, |w| w.next()),
+        }
+    }
+
+    /// A surface so hard, 0 to 1, was met or left.
+    pub(super) fn tap(&mut self, at: Instant, hardness: f64) {
+        if let Self::Train(train) = self {
+            train.tap(at, hardness);
+        }
+    }
+
+    /// Taps that have begun.
+    pub(super) const fn tapped(&self) -> u64 {
+        match self {
+            Self::Train(train) => train.tapped,
+            Self::Contacts(_) => 0,
         }
     }
 

@@ -66,6 +66,8 @@ pub struct Drivers {
     pub roughness: LatentDriver,
     /// Says how slowly the surface slides; where none stands for friction, roughness says that too, as in the thesis.
     pub friction: Option<LatentDriver>,
+    /// Says what is felt where a surface is met and left.
+    pub hardness: Option<LatentDriver>,
 }
 
 impl From<LatentDriver> for Drivers {
@@ -73,6 +75,7 @@ impl From<LatentDriver> for Drivers {
         Self {
             roughness,
             friction: None,
+            hardness: None,
         }
     }
 }
@@ -121,7 +124,9 @@ impl ControlMap {
         rate_mhz: Span<u32>,
     ) -> Result<Self, ControlError> {
         drivers.roughness.check()?;
-        drivers.friction.iter().try_for_each(LatentDriver::check)?;
+        let others = [drivers.friction, drivers.hardness];
+        let mut others = others.iter().flatten();
+        others.try_for_each(LatentDriver::check)?;
         if sigma.smooth.as_micros().min(sigma.rough.as_micros()) == 0 {
             return Err(ControlError::Sigma);
         }
@@ -140,6 +145,11 @@ impl ControlMap {
     /// coordinate is smooth.
     pub fn roughness(&self, latent: &[f32]) -> f64 {
         self.drivers.roughness.share(latent)
+    }
+
+    /// How hard a latent vector is, 0 to 1, where a coordinate says so.
+    pub fn hardness(&self, latent: &[f32]) -> Option<f64> {
+        Some(self.drivers.hardness?.share(latent))
     }
 
     /// (3.2) with clamping.

@@ -1,5 +1,6 @@
 //! Activation files: what a texture's roughness becomes on the wires, (3.1) and (3.2).
 
+use palpate_core::projector::{Firmness, Taps};
 use palpate_core::texture::{Activation, ControlError, ControlMap, Drivers, Span};
 use palpate_core::units::Duration;
 use serde::Deserialize;
@@ -16,6 +17,30 @@ pub struct Both {
     pub smooth: f64,
     /// For the roughest.
     pub rough: f64,
+}
+
+/// A figure of taps at both ends of hardness.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct BothFirm {
+    /// For the softest surface.
+    pub soft: f64,
+    /// For the hardest.
+    pub hard: f64,
+}
+
+/// What is felt where a surface is met and left.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct TapFile {
+    /// Pulses per second, Hz; at most the carrier's are felt.
+    pub rate_hz: BothFirm,
+    /// Width of the first pulse, a share of a full one.
+    pub strength: BothFirm,
+    /// Time in which widths fall to 1/e, ms.
+    pub decay_ms: f64,
 }
 
 /// Constants of (3.1) and limits of (3.2).
@@ -45,6 +70,8 @@ pub struct ActivationFile {
     pub rate_hz: Both,
     /// f_PWM within the bursts of a moving contact, Hz.
     pub burst_rate_hz: Both,
+    /// Hardness, where a surface is met and left; left out: it is not shown.
+    pub tap: Option<TapFile>,
 }
 
 impl ActivationFile {
@@ -69,6 +96,16 @@ impl ActivationFile {
             source.range(&format!("{key}.smooth"), both.smooth, range.clone(), unit)?;
             source.range(&format!("{key}.rough"), both.rough, range, unit)?;
         }
+        if let Some(tap) = &file.tap {
+            for (end, rate_hz, strength) in [
+                ("soft", tap.rate_hz.soft, tap.strength.soft),
+                ("hard", tap.rate_hz.hard, tap.strength.hard),
+            ] {
+                source.range(&format!("tap.rate_hz.{end}"), rate_hz, 1.0..=1500.0, "Hz")?;
+                source.range(&format!("tap.strength.{end}"), strength, 0.0..=1.0, "")?;
+            }
+            source.range("tap.decay_ms", tap.decay_ms, 0.1..=1e3, "ms")?;
+        }
         let [lead, interval] = [file.lead_ms, file.interval_ms].map(millis);
         Activation::new(file.alpha, file.beta, lead, interval)
             .map_err(|e| source.bad("beta", e.to_string()))?;
@@ -79,6 +116,23 @@ impl ActivationFile {
     pub fn activation(&self) -> Option<Activation> {
         let [lead, interval] = [self.lead_ms, self.interval_ms].map(millis);
         Activation::new(self.alpha, self.beta, lead, interval).ok()
+    }
+
+    /// How hardness is felt, where it is.
+    pub fn taps(&self) -> Option<Taps> {
+        let tap = self.tap?;
+        let rate = |hz: f64| (hz * 1e3).round() as u32;
+        Some(Taps {
+            rate_mhz: Firmness {
+                soft: rate(tap.rate_hz.soft),
+                hard: rate(tap.rate_hz.hard),
+            },
+            strength: Firmness {
+                soft: tap.strength.soft as f32,
+                hard: tap.strength.hard as f32,
+            },
+            decay: millis(tap.decay_ms),
+        })
     }
 
     /// (3.2) with these limits, for a model's driving coordinates.

@@ -32,6 +32,8 @@ pub struct Felt {
     pub rubs: bool,
     /// The texture model: a built-in name or a file.
     pub model: String,
+    /// Whether hardness is felt where the surface is met and left; left out: where the model knows it, and the activation says how.
+    pub hardness: Option<bool>,
     /// From roughness to pulses: a built-in name or a file.
     pub activation: String,
     /// What carries it.
@@ -52,6 +54,7 @@ impl Default for Felt {
             stroke_s: 2.0,
             rubs: false,
             model: "default".into(),
+            hardness: None,
             activation: "assumed".into(),
             carrier: FeltBy::Display,
             draw: Draw::Bernoulli,

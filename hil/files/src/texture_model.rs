@@ -11,6 +11,7 @@ use serde::Deserialize;
 
 use crate::error::FileError;
 use crate::reading::read_bytes;
+use crate::texture::TextureEntry;
 
 /// The `format` that this program reads.
 const FORMAT: &str = "palpate-texture 1";
@@ -293,6 +294,28 @@ impl TextureModel {
         }
     }
 
+    /// What of a surface lies outside what the model learned, a twentieth aside, in a few words each; nothing where its training
+    /// did not know the surfaces.
+    pub fn extrapolated(&self, surface: &TextureEntry) -> Vec<String> {
+        let standing = self.standing();
+        let asked = [
+            (standing.roughness, "relief", surface.relief_um, " um"),
+            (standing.friction, "friction", surface.friction, ""),
+            (
+                standing.hardness,
+                "stiffness",
+                surface.stiffness_n_per_mm,
+                " N/mm",
+            ),
+        ];
+        let outside = |(stands, name, value, unit): (Option<Stands>, &str, f64, &str)| {
+            let [low, high] = stands?.learned?;
+            let is_in = low * 0.95 <= value && value <= high * 1.05;
+            (!is_in).then(|| format!("{name} {value}{unit} (learned {low} to {high})"))
+        };
+        asked.into_iter().filter_map(outside).collect()
+    }
+
     /// The latent coordinates that drive wires: what stands for roughness, and for friction where one does.
     ///
     /// # Errors
@@ -303,6 +326,7 @@ impl TextureModel {
         let drivers = found.roughness.map(|roughness| Drivers {
             roughness: roughness.driver(),
             friction: found.friction.map(Stands::driver),
+            hardness: found.hardness.map(Stands::driver),
         });
         drivers.ok_or_else(|| FileError {
             key: Some("metadata.latent".into()),

@@ -277,7 +277,7 @@ fn of_display(part: &Part) -> DisplaySummary {
         stimuli: summary.stimuli,
         limiter_events: summary.limiter_events,
         hottest_skin_c: summary.hottest_skin_c,
-        texture: summary.texture,
+        texture: summary.texture.clone(),
         supply_share_a: f64::from(part.limits.supply.0) * 1e-3,
         stops: stops.len() as u64,
         failure: part.outcome.failure.as_ref().map(ToString::to_string),

@@ -347,6 +347,9 @@ impl Run<'_> {
             ..Ledger::default()
         };
         let (trace, mut summary) = finished(session, header, ledger, &costs, bench);
+        if let Some(texture) = &mut summary.texture {
+            texture.compared(setup)?;
+        }
         summary.buses = session.skin().buses();
         if let (Some(read), Some(began)) = (host.stopwatch(), self.began) {
             summary.wall_s = read().saturating_sub(began).as_secs_f64();

@@ -196,7 +196,7 @@ pub fn values(of: &Summary) -> Values {
         count(u64::from(of.limiter_events)),
         count(of.contacts),
         count(of.stimuli),
-        of.texture.map(|t| t.roughness),
+        of.texture.as_ref().map(|t| t.roughness),
         of.taxels.refresh_hz.map(|hz| hz.median),
     ];
     // A limit at rest has no part that is used, and no number stands for it.

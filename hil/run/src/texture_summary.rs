@@ -1,12 +1,18 @@
 //! What was felt of textures, as a summary has it.
 
 use palpate_core::projector::Projector;
+use palpate_files::{Setup, TextureModel};
 use serde::Serialize;
 
+use crate::failure::Failure;
 use crate::recorder::Recorder;
 
+fn is_zero(count: &u64) -> bool {
+    *count == 0
+}
+
 /// What was felt of a texture.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TextureSummary {
     /// Windows that went through the network and were felt.
     pub windows: u32,
@@ -14,6 +20,12 @@ pub struct TextureSummary {
     pub roughness: f64,
     /// Pulses that were left out for a wire to rest.
     pub rested_pulses: u64,
+    /// Taps of the surface, met or left; left out for none.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub taps: u64,
+    /// What of the surface lies outside what the model learned; left out for nothing.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub extrapolated: Vec<String>,
 }
 
 impl TextureSummary {
@@ -24,7 +36,22 @@ impl TextureSummary {
             windows,
             roughness: rough_permille as f64 * 1e-3 / f64::from(windows),
             rested_pulses: projector.rested_pulses(),
+            taps: projector.taps(),
+            extrapolated: Vec::new(),
         })
+    }
+
+    /// Beside it what of the scene's surface its model never learned.
+    ///
+    /// # Errors
+    /// A model that cannot be read again.
+    pub(crate) fn compared(&mut self, setup: &Setup) -> Result<(), Failure> {
+        let felt = setup.scene.value.texture.as_ref();
+        let surface = setup.texture.as_ref().and_then(|t| t.surface.as_ref());
+        if let (Some(felt), Some(surface)) = (felt, surface) {
+            self.extrapolated = TextureModel::open(&felt.model)?.extrapolated(surface);
+        }
+        Ok(())
     }
 
     /// In one line.
@@ -33,8 +60,17 @@ impl TextureSummary {
             0 => String::new(),
             n => format!("; {n} pulses left out, wires rest after 48 ms"),
         };
+        let taps = match self.taps {
+            0 => String::new(),
+            1 => "; 1 tap of hardness".to_owned(),
+            n => format!("; {n} taps of hardness"),
+        };
+        let outside = match &*self.extrapolated {
+            [] => String::new(),
+            all => format!("; EXTRAPOLATED: {}", all.join(", ")),
+        };
         format!(
-            "{} windows, roughness {:.2} (mean){rested}",
+            "{} windows, roughness {:.2} (mean){taps}{rested}{outside}",
             self.windows, self.roughness
         )
     }

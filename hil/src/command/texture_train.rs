@@ -137,6 +137,12 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
             let (what, all, unseen) = (rank.what, rank.all, rank.unseen);
             writeln!(out, "{what:<38} {all:>8.2} {unseen:>8.2}")?;
         }
+        for entry in &table.texture {
+            let outside = model.extrapolated(entry);
+            if !outside.is_empty() {
+                writeln!(out, "{}: EXTRAPOLATED: {}", entry.name, outside.join(", "))?;
+            }
+        }
         Ok(())
     })
 }

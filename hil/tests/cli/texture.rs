@@ -317,6 +317,82 @@ fn a_model_is_refused_at_another_rate_than_it_was_trained_on() {
     good(&[&encode[..], &["50"]].concat());
 }
 
+/// A model of all 48 features of a flat module whose file says this of its coordinates.
+fn knows(folder: &Folder, latent: &str, more: &[(&str, String)]) -> String {
+    let names = (1..=16).flat_map(|t| ["x", "y", "z"].map(|axis| format!("txl{t}_{axis}")));
+    let names: Vec<String> = names.collect();
+    let mut about = vec![
+        ("features", serde_json::json!(names).to_string()),
+        ("latent", latent.to_owned()),
+    ];
+    about.extend_from_slice(more);
+    let model = Seeded::new(3, &[48, 8, 3], 100, 1.0).file_with(&about);
+    let path = folder.path("knows.safetensors");
+    fs::write(&path, model.unwrap()).unwrap();
+    path.display().to_string()
+}
+
+#[test]
+fn what_a_model_cannot_know_of_a_surface_is_said() {
+    let folder = Folder::new("texture-cannot");
+    let one = |n: usize, learned: &str| {
+        format!(r#"{{"coordinate":{n},"sign":1,"z_lo":-0.5,"z_hi":0.5{learned}}}"#)
+    };
+    let run = |model: &str, more: &[&str]| -> Vec<String> {
+        let model = format!("texture.model=\"{model}\"");
+        let all = [&["run", "texture-wood", "--set", &model], more].concat();
+        all.iter().map(|part| (*part).to_owned()).collect()
+    };
+    let refuse = |args: Vec<String>, parts: &[&str]| {
+        let args: Vec<&str> = args.iter().map(String::as_str).collect();
+        refused_with(&args, parts);
+    };
+    let asked = ["--set", "texture.hardness=true"];
+    // a model without a head for hardness
+    let model = knows(&folder, &format!(r#"{{"roughness":{}}}"#, one(0, "")), &[]);
+    refuse(
+        run(&model, &asked),
+        &["texture.model", "a coordinate for hardness"],
+    );
+    // one with it, where nothing can carry it
+    let both = format!(
+        r#"{{"roughness":{},"hardness":{}}}"#,
+        one(0, ""),
+        one(2, "")
+    );
+    let model = knows(&folder, &both, &[]);
+    let contacts = [&asked[..], &["--set", "texture.carrier=\"contacts\""]].concat();
+    refuse(
+        run(&model, &contacts),
+        &["texture.hardness", "carrier \"display\""],
+    );
+    // readings at another rate than it was trained on
+    let model = knows(&folder, &both, &[("rate_hz", "1000".to_owned())]);
+    let parts = ["rate_hz", "1000 Hz", "100 Hz"];
+    refuse(run(&model, &[]), &parts);
+    for command in ["map", "response", "panel"] {
+        refused_with(&["texture", command, &model], &parts);
+    }
+    // a surface outside what it learned
+    let learned = format!(
+        r#"{{"roughness":{},"hardness":{}}}"#,
+        one(0, r#","learned":[50.0,200.0]"#),
+        one(2, r#","learned":[1.0,100.0]"#)
+    );
+    let model = knows(&folder, &learned, &[]);
+    let args = run(&model, &[]);
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    let said = good(&args);
+    let line = "EXTRAPOLATED: relief 25 um (learned 50 to 200)";
+    assert!(
+        said.contains(line) && !said.contains("stiffness 60"),
+        "{said}"
+    );
+    let map = good(&["texture", "map", &model, "--strokes", "1"]);
+    assert!(map.contains("wood: EXTRAPOLATED: relief 25 um"), "{map}");
+    assert!(!map.contains("towel: EXTRAPOLATED"), "{map}");
+}
+
 #[test]
 fn a_response_says_what_each_coordinate_makes_of_each_property() {
     let ask = ["texture", "response", "--strokes", "1", "--materials", "20"];
@@ -330,18 +406,36 @@ fn a_response_says_what_each_coordinate_makes_of_each_property() {
         };
         rows.iter().find(is).unwrap()
     };
-    // The shipped model's driving coordinate is friction and softness, whatever it is called.
-    let probe = |property| of("roughness", property)["probe_rank_correlation"].as_f64();
-    assert!(
-        probe("friction").unwrap() > 0.9 && probe("stiffness").unwrap() < -0.9,
-        "{json}"
-    );
+    // Each coordinate of the shipped model goes with its own property, and friction and hardness with nothing else.
+    for (coordinate, own) in [
+        ("roughness", "relief"),
+        ("friction", "friction"),
+        ("hardness", "stiffness"),
+    ] {
+        let rank = &of(coordinate, own)["probe_rank_correlation"];
+        assert!(rank.as_f64().unwrap() > 0.8, "{coordinate}: {json}");
+    }
+    for (coordinate, foreign) in [
+        (
+            "friction",
+            ["relief", "wavelength", "stiffness", "speed", "force"],
+        ),
+        (
+            "hardness",
+            ["relief", "wavelength", "friction", "speed", "force"],
+        ),
+    ] {
+        for factor in foreign {
+            let crosstalk = of(coordinate, factor)["crosstalk"].as_f64().unwrap();
+            assert!(crosstalk <= 0.2, "{coordinate} over {factor}: {crosstalk}");
+        }
+    }
     assert_eq!(of("roughness", "relief")["own"], true);
     assert_eq!(of("roughness", "relief")["materials"], "unseen");
     assert_eq!(of("roughness", "speed")["materials"], "probes");
     assert!(of("roughness", "speed")["interval"].is_null());
     let table = good(&ask);
-    for part in ["-z2 roughness", "crosstalk", "20 materials", " to "] {
+    for part in ["z1 roughness", "crosstalk", "20 materials", " to "] {
         assert!(table.contains(part), "{part}: {table}");
     }
     refused_with(&["texture", "response", "missing"], &["missing"]);

@@ -120,7 +120,8 @@ const HOP: usize = 10;
 /// Encodes strokes. `passed` hears the part that is done, 0 to 1.
 ///
 /// # Errors
-/// A model whose features are no columns of a flat module, or whose window is longer than a stroke.
+/// A model whose features are no columns of a flat module, whose window is longer than a stroke, or that was trained at another
+/// rate.
 pub fn encode<'a>(
     model: &TextureModel,
     all: &[(&'a TextureEntry, Recording)],
@@ -136,7 +137,10 @@ pub fn encode<'a>(
     Ok(encoded)
 }
 
-/// The latent vector of every tenth window of a stroke, in the order of time.
+/// Readings per second of emulated strokes.
+pub const STROKED_HZ: f64 = 100.0;
+
+/// The latent vector of every tenth window of an emulated stroke, in the order of time.
 ///
 /// # Errors
 /// As [`encode`].
@@ -144,6 +148,7 @@ pub fn latents(
     (model, encoder): (&TextureModel, &Encoder),
     recording: &Recording,
 ) -> Result<Vec<Vec<f32>>, Failure> {
+    model.check_rate(STROKED_HZ)?;
     let mut room = encoder.room(1);
     let length = encoder.window() * encoder.features();
     let values = features(model, recording)?;

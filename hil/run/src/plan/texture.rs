@@ -63,12 +63,24 @@ pub(super) fn texture(
     let Some(felt) = &scene.texture else {
         return Ok(None);
     };
-    let bad = |expected: String| Failure::File(bad(setup, "texture.model", expected));
+    let bad = |key: &str, expected: String| Failure::File(bad(setup, key, expected));
     let model = TextureModel::open(&felt.model)?;
     model.check_rate(scene.rate_hz)?;
     let module = felt.module.unwrap_or(scene.drives);
-    let features = features(&model, layout.range(module).len()).map_err(bad)?;
-    let (map, carrier) = projection(setup, model.drivers()?, display, prescale, seed)?;
+    let features = features(&model, layout.range(module).len())
+        .map_err(|expected| bad("texture.model", expected))?;
+    let drivers = model.drivers()?;
+    if felt.hardness == Some(true) && drivers.hardness.is_none() {
+        let expected = "a model with a coordinate for hardness, or `hardness = false`";
+        return Err(bad("texture.model", expected.into()));
+    }
+    // A contact that rubs shakes its taxels all alike, and the mean of them even more so: of its relief the readings say nothing,
+    // of its friction they do.
+    let drivers = match drivers.friction {
+        Some(friction) if felt.rubs => Drivers::from(friction),
+        _ => drivers,
+    };
+    let (map, carrier) = projection(setup, drivers, display, prescale, seed)?;
     Ok(Some(TexturePlan {
         encoder: Arc::new(model.encoder()?),
         module: u16::try_from(module).unwrap_or(u16::MAX),
@@ -97,6 +109,12 @@ pub fn projection(
         return Err(bad("texture", "a scene with a texture".into()));
     };
     let file = &stroked.activation.value;
+    let asked = felt.hardness.unwrap_or(file.tap.is_some());
+    let shows = felt.carrier == palpate_files::FeltBy::Display && file.tap.is_some();
+    if felt.hardness == Some(true) && !shows {
+        let expected = "carrier \"display\" and an activation with [tap] for hardness";
+        return Err(bad("texture.hardness", expected.into()));
+    }
     if felt.carrier == palpate_files::FeltBy::Contacts {
         let map = file.burst_map(drivers);
         let map = map.map_err(|e| bad("texture.model", e.to_string()))?;
@@ -114,5 +132,5 @@ pub fn projection(
     let places: Vec<Point> = display.wires().iter().map(|w| w.place).collect();
     let gaps = along(&places, display.gap());
     let pulses = Pulses::new(activation, felt.draw, prescale, &gaps, seed);
-    Ok((map, Carrier::Display(pulses)))
+    Ok((map, Carrier::Display(pulses, file.taps().filter(|_| asked))))
 }

@@ -17,7 +17,7 @@ use palpate_run::plan::surface;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::explore::explore_as;
+use crate::explore::{STROKED_HZ, explore_as};
 use stage::{Shown, Stage};
 use statistics::mann_whitney;
 pub use trials::Label;
@@ -170,6 +170,7 @@ pub fn emulated(
     (setup, seed): (&Setup, u64),
     passed: impl Fn(f64),
 ) -> Result<Study, Failure> {
+    model.check_rate(STROKED_HZ)?;
     let mut explorer = Explorer::new(Habits::default(), table.dead_taxel, seed);
     let strokes = explore_as((table, pairing), TRIALS, &mut explorer, |_| ());
     let of_texture = |(entry, strokes): (&TextureEntry, &[(&TextureEntry, Recording)])| {

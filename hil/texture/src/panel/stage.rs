@@ -74,6 +74,7 @@ impl<'a> Stage<'a> {
         let Drivers {
             roughness,
             friction,
+            ..
         } = self.drivers;
         let at = |is_rough: bool| {
             let all = [Some(roughness), friction];
@@ -110,7 +111,7 @@ impl<'a> Stage<'a> {
         let plan = plan::untextured(setup, seed, Levels::Off, &plan::Responses::default())?;
         let prescale = plan::prescale(&setup.bench.value)?;
         let carrier = plan::projection(setup, self.drivers, &plan.display, prescale, seed)?.1;
-        if !matches!(carrier, Carrier::Display(_)) {
+        if !matches!(carrier, Carrier::Display(..)) {
             let expected =
                 "\"display\": a panel rates textures that have the display to themselves";
             let bad = setup.scene.source.bad("texture.carrier", expected);

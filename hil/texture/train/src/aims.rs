@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use burn::prelude::*;
 
+use crate::network::last;
 use crate::recordings::{Known, Material, Rating};
 use crate::settings::Settings;
 use crate::windows::{Place, Windows};
@@ -29,6 +30,23 @@ impl Aims {
             return None;
         };
         Some(Self { of_label, weight })
+    }
+
+    /// Half of the miss at the end of windows, half that of the states [steps, batch, latent] in their later half: what is to
+    /// be known early has fewer steps to go through.
+    pub fn miss_along<B: Backend>(
+        &self,
+        states: &Tensor<B, 3>,
+        windows: &Windows,
+        batch: &[Place],
+    ) -> Option<Tensor<B, 1>> {
+        let [steps, count, width] = states.dims();
+        let later = steps - steps / 2;
+        let rows = states.clone().narrow(0, steps / 2, later);
+        let rows = rows.reshape([later * count, width]);
+        let along = self.miss(&rows, windows, &batch.repeat(later))?;
+        let end = self.miss(&last(states.clone()), windows, batch)?;
+        Some((along + end) * 0.5)
     }
 
     /// The weighted mean squared miss of latent vectors; none where a window's label is not known.

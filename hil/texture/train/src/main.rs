@@ -122,6 +122,8 @@ fn check(arguments: &Arguments, known: &Known) -> Result<(), Failure> {
         "expected --heads or --align, found both: they tie the same coordinates"
     } else if is_tied && known.materials.is_empty() {
         "--heads: expected a materials.csv beside the recordings, as `hil texture strokes` writes it"
+    } else if !is_tied && settings.along {
+        "--along: expected --heads, which it asks earlier"
     } else if !is_tied && settings.decode <= 0.0 {
         "--decode 0: expected --heads, or there is nothing to learn"
     } else {

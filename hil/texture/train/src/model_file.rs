@@ -19,8 +19,8 @@ pub struct About<'a> {
     pub split: &'a Split,
     pub settings: &'a Settings,
     pub progress: &'a Progress,
-    /// Mean squared error over every window of the test recordings.
-    pub test_error: f64,
+    /// Mean squared error over every window of the test recordings, where the decoder has learned.
+    pub test_error: Option<f64>,
     pub latent: Latent,
     /// Readings per second of the recordings, where the command line said so.
     pub rate_hz: Option<f64>,
@@ -144,7 +144,7 @@ fn buzz(windows: &Windows, place: Place) -> f64 {
 pub fn write(path: &Path, network: &Network<Plain>, about: &About<'_>) -> Result<(), Failure> {
     let windows = about.windows;
     let features = windows.recordings.columns.len();
-    let mut tensors = network.tensors();
+    let mut tensors = network.tensors(about.settings.decode > 0.0);
     let mut add = |name: &str, shape: Vec<usize>, values: Vec<f32>| {
         tensors.push((name.to_owned(), shape, values));
     };

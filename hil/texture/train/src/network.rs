@@ -173,10 +173,11 @@ fn named<B: Backend, const D: usize>(name: String, param: &Param<Tensor<B, D>>) 
 }
 
 impl<B: Backend> Network<B> {
-    /// Every tensor, by PyTorch's names.
-    pub fn tensors(&self) -> Vec<Named> {
+    /// Every tensor, by PyTorch's names; without the decoder's where it has learned nothing.
+    pub fn tensors(&self, decodes: bool) -> Vec<Named> {
         let mut all = Vec::new();
-        for (stack, layers) in [("encoder", &self.encoder), ("decoder", &self.decoder)] {
+        let decoder: &[_] = if decodes { &self.decoder } else { &[] };
+        for (stack, layers) in [("encoder", &self.encoder[..]), ("decoder", decoder)] {
             for (number, layer) in layers.iter().enumerate() {
                 let name = |part: &str| format!("{stack}.{number}.{part}");
                 all.push(named(name("weight_ih"), &layer.weight_ih));
@@ -185,8 +186,10 @@ impl<B: Backend> Network<B> {
                 all.push(named(name("bias_hh"), &layer.bias_hh));
             }
         }
-        all.push(named("dense.weight".into(), &self.dense_weight));
-        all.push(named("dense.bias".into(), &self.dense_bias));
+        if decodes {
+            all.push(named("dense.weight".into(), &self.dense_weight));
+            all.push(named("dense.bias".into(), &self.dense_bias));
+        }
         all
     }
 }
@@ -206,12 +209,13 @@ impl<B: Recurrent> Gru<B> {
 impl<B: Recurrent> Network<B> {
     /// Latent vectors [batch, latent] of windows [steps, batch, features].
     pub fn encode(&self, windows: Tensor<B, 3>) -> Tensor<B, 2> {
-        let mut x = windows;
-        for layer in &self.encoder {
-            x = layer.forward(x);
-        }
-        let [steps, batch, latent] = x.dims();
-        x.narrow(0, steps - 1, 1).reshape([batch, latent])
+        last(self.states(windows))
+    }
+
+    /// What the latent vectors [steps, batch, latent] of windows would be if they ended with each step.
+    pub fn states(&self, windows: Tensor<B, 3>) -> Tensor<B, 3> {
+        let layers = self.encoder.iter();
+        layers.fold(windows, |x, layer| layer.forward(x))
     }
 
     /// States of the first two layers, step by step.
@@ -235,6 +239,12 @@ impl<B: Recurrent> Network<B> {
         let out = rows.matmul(weight.transpose()) + self.dense_bias.val().unsqueeze::<2>();
         out.reshape([steps, batch, features])
     }
+}
+
+/// The states of the last step.
+pub fn last<B: Backend>(states: Tensor<B, 3>) -> Tensor<B, 2> {
+    let [steps, batch, width] = states.dims();
+    states.narrow(0, steps - 1, 1).reshape([batch, width])
 }
 
 #[cfg(test)]

@@ -46,7 +46,8 @@ pub fn run(
     drop(shown);
     let heads = settings.heads > 0.0;
     let test = windows.of(&split.test, if heads { training::MATERIALS_HOP } else { 1 });
-    let test_error = training::reconstruction(&network, windows, &test);
+    let decodes = settings.decode > 0.0;
+    let test_error = decodes.then(|| training::reconstruction(&network, windows, &test));
     let latent = model_file::drivers(&network, windows, &split.train, (known, heads));
     let peers = (!heads).then(|| {
         let seen = measure::matrix(windows, &windows.of(&split.train, 4));
@@ -59,7 +60,8 @@ pub fn run(
         "epochs": progress.epochs,
         "best_epoch": progress.best_epoch,
         "minutes": began.elapsed().as_secs_f64() / 60.0,
-        "test": (peers.as_ref()).map(|peers| against_others(windows, split, test_error, peers)),
+        "test": (peers.as_ref().zip(test_error))
+            .map(|(peers, error)| against_others(windows, split, error, peers)),
         "heads": heads.then(|| {
             let tested = model_file::drivers(&network, windows, &split.test, (known, heads));
             let rank = |driver: Option<model_file::Driver>| driver.map(|d| d.spearman);
@@ -70,7 +72,7 @@ pub fn run(
                 "hardness": rank(tested.hardness),
             })
         }),
-        "unseen": (!split.unseen.is_empty()).then(|| {
+        "unseen": (decodes && !split.unseen.is_empty()).then(|| {
             let unseen = windows.of(&split.unseen, 4);
             training::reconstruction(&network, windows, &unseen)
         }),

@@ -47,6 +47,10 @@ pub struct Settings {
     #[serde(default)]
     #[arg(long, default_value_t = 0.0)]
     pub heads: f64,
+    /// Asks --heads at every step of a window's later half too, not at its end alone.
+    #[serde(default)]
+    #[arg(long)]
+    pub along: bool,
     /// Weight of the reconstruction error; at 0 the decoder keeps its first weights, which saves half of the time.
     #[serde(default = "whole")]
     #[arg(long, default_value_t = 1.0)]

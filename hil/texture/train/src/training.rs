@@ -15,7 +15,7 @@ use crate::device::Device;
 use crate::failure::Failure;
 use crate::gru::{Learning, Recurrent};
 use crate::guide::Guide;
-use crate::network::Network;
+use crate::network::{Network, last};
 use crate::recordings::Known;
 use crate::settings::{Progress, Settings};
 use crate::whitening::Whitening;
@@ -176,8 +176,12 @@ impl<L: Learning> Lesson<'_, L> {
         x: Tensor<B, 3>,
         batch: &[Place],
     ) -> Tensor<B, 1> {
-        let z = network.encode(x.clone());
-        let miss = self.miss(&z, batch);
+        let states = network.states(x.clone());
+        let miss = match self.settings.along {
+            true => (self.aims.as_ref()).and_then(|a| a.miss_along(&states, self.windows, batch)),
+            false => self.miss(&last(states.clone()), batch),
+        };
+        let z = last(states);
         let weight = self.settings.decode;
         let error = (weight > 0.0)
             .then(|| difference(network.decode(z.clone(), self.windows.length), x) * weight);

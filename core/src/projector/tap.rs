@@ -1,0 +1,94 @@
+//! What is felt where a surface is met and where it is left: pulses on all wires that die away, as contact transients are
+//! rendered. A harder surface answers with denser and stronger ones.
+
+use crate::units::{Duration, Instant, Prescale};
+
+/// A tap is over within so long, the guard's longest burst less a period.
+const LENGTH: Duration = Duration::from_micros(44_900);
+/// Nanoseconds times millihertz in one period.
+const WHOLE: u64 = 1_000_000_000_000;
+
+/// A figure of taps at both ends of hardness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Firmness<T> {
+    /// For the softest surface.
+    pub soft: T,
+    /// For the hardest.
+    pub hard: T,
+}
+
+/// How taps are felt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Taps {
+    /// Pulses per second, millihertz; at most the carrier's.
+    pub rate_mhz: Firmness<u32>,
+    /// Width of the first pulse, as a share of a full one.
+    pub strength: Firmness<f32>,
+    /// Time in which widths fall to 1/e.
+    pub decay: Duration,
+}
+
+/// One tap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Tap {
+    start: Instant,
+    period_ns: u64,
+    /// Periods from pulse to pulse.
+    step: u64,
+    strength: f32,
+    decay: Duration,
+    /// The period of the next pulse.
+    period: u64,
+}
+
+impl Tap {
+    /// Beginning at `start`, of a surface so hard, 0 to 1.
+    pub(super) fn new(taps: &Taps, start: Instant, hardness: f64, carrier: Prescale) -> Self {
+        let hardness = hardness.clamp(0.0, 1.0);
+        let between = |soft: f64, hard: f64| soft + (hard - soft) * hardness;
+        let Firmness { soft, hard } = taps.rate_mhz;
+        let rate_mhz = between(f64::from(soft), f64::from(hard)).max(1.0) as u64;
+        let Firmness { soft, hard } = taps.strength;
+        let period_ns = carrier.period_ns();
+        Self {
+            start,
+            period_ns,
+            step: ((WHOLE / rate_mhz + period_ns / 2) / period_ns).max(1),
+            strength: between(f64::from(soft), f64::from(hard)) as f32,
+            decay: taps.decay,
+            period: 0,
+        }
+    }
+
+    /// Since its start, when a period begins.
+    fn since(&self, period: u64) -> Duration {
+        Duration::from_micros(period * self.period_ns / 1000)
+    }
+
+    /// When its next pulse begins; never once it is over.
+    pub(super) fn next(&self) -> Instant {
+        if self.since(self.period + 1) > LENGTH {
+            return Instant::FAR_FUTURE;
+        }
+        self.start + self.since(self.period)
+    }
+
+    /// Beginning and end of the pulse that is due, and its width as a share of a full one. One that was missed is left out.
+    pub(super) fn due(&mut self, now: Instant) -> Option<(Instant, Instant, f32)> {
+        while self.next() <= now {
+            let since = self.since(self.period);
+            let end = self.start + self.since(self.period + 1);
+            self.period += self.step;
+            if end > now {
+                let gone = since.as_micros() as f32 / self.decay.as_micros().max(1) as f32;
+                let share = self.strength * libm::expf(-gone);
+                return Some((self.start + since, end, share));
+            }
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+#[path = "tap_tests.rs"]
+mod tests;
