@@ -98,7 +98,7 @@ fn carried(later: u64) {
     for ms in later..300 {
         let read = ms - later;
         // Nothing is read any more after 190 ms.
-        if read % 10 == 0 && read < 200 {
+        if read.is_multiple_of(10) && read < 200 {
             let contacts = [contact(along(at(ms)))];
             let later = Duration::from_millis(later);
             let held = projector.hold(at(read), later, &contacts, &mut seen);
