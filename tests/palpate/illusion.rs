@@ -101,6 +101,17 @@ fn modulus(model: IllusionModel) -> Option<f32> {
     }
 }
 
+/// Whether activations become others by more than rounding within 0.01 mm: where a law jumps, and just beside a wire.
+fn jumps_near(display: &Display, settings: &ModelSettings, at: Point) -> bool {
+    let here = activation(display, settings, at);
+    (0u8..8).any(|eighth| {
+        let (sin, cos) = (f32::from(eighth) * std::f32::consts::FRAC_PI_4).sin_cos();
+        let near = Point::new(at.x + 0.01 * cos, at.y + 0.01 * sin);
+        let there = activation(display, settings, near);
+        here.iter().zip(&there).any(|(a, b)| (a - b).abs() > 5e-3)
+    })
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -156,6 +167,8 @@ proptest! {
             for settings in settings() {
                 if build(&display, &settings).is_err() { continue }
                 let (a, b) = (activation(&display, &settings, at), activation(&display, &settings, turn(at)));
+                // There rounding decides on which side a contact is.
+                if modulus(settings.model).is_none() && jumps_near(&display, &settings, at) { continue }
                 for (i, a) in a.iter().enumerate() {
                     // Where a share begins, rounding moves its root by 1e-3.
                     prop_assert!((a - b[image(i)]).abs() < 5e-3, "{settings:?} {i} at {at:?}");
