@@ -1,5 +1,6 @@
 """Two machines and what lies between them, as network namespaces of this one: a bridge with ports that can be taken off, or
-a wire that delays, loses, doubles and reorders packets. Everything is torn down at the end. No address but theirs is used."""
+a wire that delays, loses, doubles and reorders packets. Where PALPATE_LINK_NETEM is set, that wire is the kernel's own netem
+on a bridge. Everything is torn down at the end. No address but theirs is used."""
 
 import fcntl
 import heapq
@@ -59,12 +60,14 @@ class Lab:
             for name, address in (("robot", HUB), ("wearer", HUB_APART)):
                 self.inside("hub", "ip", "address", "add", f"{address}/24", "dev", f"to-{name}")
             self.inside("hub", sys.executable, "-c", "open('/proc/sys/net/ipv4/ip_forward', 'w').write('0')")
-        elif weather is None:
+        elif weather is None or "PALPATE_LINK_NETEM" in os.environ:
             self.inside("hub", "ip", "link", "add", "name", "bridge", "type", "bridge")
             self.inside("hub", "ip", "address", "add", f"{HUB}/24", "dev", "bridge")
             self.inside("hub", "ip", "link", "set", "dev", "bridge", "up")
             for name in ("robot", "wearer"):
                 self.plug(name)
+                if weather is not None:
+                    self.inside("hub", "tc", "qdisc", "add", "dev", f"to-{name}", "root", "netem", *netem(weather))
         else:
             for name in ("robot", "wearer"):
                 self.inside(name, sys.executable, __file__, "offload", "port")
@@ -106,6 +109,16 @@ class Lab:
             program.wait()
         for name in ("robot", "wearer", "hub"):
             subprocess.run(["ip", "netns", "del", self.space(name)], check=False)
+
+
+def netem(weather):
+    """The same weather in netem's words. A packet that it takes out of its turn is sent at once, and one whose delay is drawn
+    shorter than that of the one before overtakes it."""
+    words = ["limit", "10000", "delay", f"{weather['delay_ms']}ms", f"{weather.get('jitter_ms', 0)}ms"]
+    for share, word in (("loss", "loss"), ("double", "duplicate"), ("reorder", "reorder")):
+        if share in weather:
+            words += [word, f"{100 * weather[share]:g}%"]
+    return words
 
 
 def wire(weather):
