@@ -116,8 +116,8 @@ async function mouseAndShare() {
   await page.mouse.up();
   await pass(page, 300000);
   await page.click("#share");
-  const text = await page.inputValue("#share-link");
   await page.waitForFunction(() => /digest \w{16}/.test(document.getElementById("share-what").textContent), null, { timeout: 60000 });
+  const text = await page.inputValue("#share-link");
   const digest = /digest (\w{16})/.exec(await page.textContent("#share-what"))[1];
   await picture(page, "playground-share");
   await accessible(page, "playground, share");
