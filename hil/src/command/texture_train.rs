@@ -137,11 +137,16 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
             let (what, all, unseen) = (rank.what, rank.all, rank.unseen);
             writeln!(out, "{what:<38} {all:>8.2} {unseen:>8.2}")?;
         }
-        for entry in &table.texture {
-            let outside = model.extrapolated(entry);
-            if !outside.is_empty() {
-                writeln!(out, "{}: EXTRAPOLATED: {}", entry.name, outside.join(", "))?;
-            }
+        let outside = table.texture.iter().map(|t| (t, model.extrapolated(t)));
+        let outside = outside.filter(|(_, all)| !all.is_empty());
+        for (n, (entry, all)) in outside.enumerate() {
+            let apart = if n == 0 { "\n" } else { "" };
+            writeln!(
+                out,
+                "{apart}{}: EXTRAPOLATED: {}",
+                entry.name,
+                all.join(", ")
+            )?;
         }
         Ok(())
     })

@@ -70,6 +70,8 @@ fn needs(command: &str) -> Option<&'static str> {
         Some("a bench of one's own")
     } else if has("--recordings") || command.contains(".npy") {
         Some("recordings of real sensors")
+    } else if command.contains(" both/") {
+        Some("what two machines recorded")
     } else if has("--stream") || has("--unit") {
         Some("another machine")
     } else if command.starts_with("hil unit --key") {
