@@ -6,6 +6,7 @@ mod grid;
 mod held;
 mod outlet;
 mod output;
+mod plan_error;
 mod sensing;
 mod strokes;
 mod tap;
@@ -18,23 +19,23 @@ pub use crate::illusion::Target;
 pub use builder::{Builder, OutputBuilder, sensor_area};
 pub use held::ForeignContacts;
 pub use output::{Output, OutputSettings};
+pub use plan_error::PlanError;
 pub use tap::{Firmness, Taps};
 pub use texture::{Carrier, TextureError, TexturePlan, TextureReport};
 pub use view::{View, Window};
 
 use alloc::boxed::Box;
-use core::fmt;
 
-use crate::contact::{Contact, Levels, Scope, Settings, SettingsError, Work};
+use crate::contact::{Contact, Levels, Scope, Settings, Work};
 use crate::driver::{Actuators, ObservedRegisters};
 pub use crate::guard::Cause;
-use crate::guard::{Guard, PlantError};
-use crate::illusion::{CalibrationError, Display, IllusionError, MapError, TimingError, Tracks};
+use crate::guard::Guard;
+use crate::illusion::{CalibrationError, Display, Tracks};
 use crate::render::Renderer;
 use crate::schedule::{Entry, Timing};
 use crate::skin::{
-    Baseline, BaselineError, BaselineSettings, Condition, HealthSettings, HealthSummary, Layout,
-    ModuleScan, Monitor, RelativeFrame, ScanError, SkinSource,
+    Baseline, BaselineSettings, Condition, HealthSettings, HealthSummary, Layout, ModuleScan,
+    Monitor, RelativeFrame, ScanError, SkinSource,
 };
 use crate::units::{Board, Duration, Instant, Ticks};
 
@@ -121,89 +122,6 @@ pub struct Plan {
     pub texture: Option<TexturePlan>,
     /// The guard.
     pub guard: Guard,
-}
-
-/// Why a plan is no loop.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PlanError {
-    /// The module that shall drive the display does not exist; how many there are.
-    NoSuchModule(usize),
-    /// The baseline's settings.
-    Baseline(BaselineError),
-    /// The compression settings.
-    Compression(SettingsError),
-    /// A calibration that is not of this display's wires.
-    Calibration(CalibrationError),
-    /// A texture that does not fit the skin.
-    Texture(TextureError),
-    /// A part of the skin that cannot be laid over the display.
-    Map(MapError),
-    /// A law that cannot be laid over the display.
-    Illusion(IllusionError),
-    /// A stimulus that cannot be.
-    Timing(TimingError),
-    /// Hardware that the guard cannot protect.
-    Plant(PlantError),
-}
-
-impl fmt::Display for PlanError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoSuchModule(n) => write!(f, "expected a driving module below {n}"),
-            Self::Baseline(e) => e.fmt(f),
-            Self::Compression(e) => e.fmt(f),
-            Self::Calibration(e) => write!(f, "expected {e}"),
-            Self::Texture(e) => e.fmt(f),
-            Self::Map(e) => e.fmt(f),
-            Self::Illusion(e) => write!(f, "expected {e}"),
-            Self::Timing(e) => write!(f, "expected {e}"),
-            Self::Plant(e) => e.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for PlanError {}
-
-impl From<MapError> for PlanError {
-    fn from(e: MapError) -> Self {
-        Self::Map(e)
-    }
-}
-
-impl From<IllusionError> for PlanError {
-    fn from(e: IllusionError) -> Self {
-        Self::Illusion(e)
-    }
-}
-
-impl From<TimingError> for PlanError {
-    fn from(e: TimingError) -> Self {
-        Self::Timing(e)
-    }
-}
-
-impl From<PlantError> for PlanError {
-    fn from(e: PlantError) -> Self {
-        Self::Plant(e)
-    }
-}
-
-impl From<SettingsError> for PlanError {
-    fn from(e: SettingsError) -> Self {
-        Self::Compression(e)
-    }
-}
-
-impl From<TextureError> for PlanError {
-    fn from(e: TextureError) -> Self {
-        Self::Texture(e)
-    }
-}
-
-impl From<BaselineError> for PlanError {
-    fn from(e: BaselineError) -> Self {
-        Self::Baseline(e)
-    }
 }
 
 /// An error of one of the two ends; the outputs have been switched off, as far as the driver let us.
