@@ -88,7 +88,7 @@ impl Cells {
         self.direction = direction;
         let along = self.places.iter().map(|p| self.along(*p));
         let mut line: Vec<(f32, u16)> = along.zip(0..).collect();
-        line.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        line.sort_by(|a, b| a.0.total_cmp(&b.0));
         self.line = line.into();
     }
 

@@ -11,12 +11,10 @@ use nix::sys::signal::{Signal, kill};
 use palpate_buses::guardian::Latch;
 use serde_json::Value;
 
-use super::emulator::Emulator;
+use super::emulator::{Emulator, at};
 use super::tools::{hil, in_lab, number_of, scene, scratch, sh, text, try_sh, vcan};
-use super::ward::{Fate, Moments, TooSlow, Ward, fate, now_ns, patiently};
+use super::ward::{Fate, LIMIT_NS, Moments, TooSlow, Ward, fate, now_ns, patiently};
 
-/// Outputs are cut within this from the first transfer that fails; bursts come every 58.5 ms and last 35 ms.
-const LIMIT_NS: u64 = 100_000_000;
 const KINDS: [&str; 5] = [
     "i2c-address-nack",
     "i2c-data-nack",
@@ -52,10 +50,6 @@ fn scene_with_faults(count: u64, moments: &mut Moments) -> String {
     let file = scratch("faults.toml");
     std::fs::write(&file, scene).unwrap();
     file.display().to_string()
-}
-
-fn at(told: &Value) -> u64 {
-    told["t_ns"].as_u64().unwrap()
 }
 
 #[test]

@@ -15,12 +15,10 @@ use nix::sys::signal::{Signal, kill};
 use palpate_records::{candump, mcap};
 
 use super::tools::{hil, in_lab, number_of, scene, scratch, sh, text, try_sh};
-use super::ward::{Fate, HEARTBEAT_MS, Moments, Run, Ward, now_ns, stop_thread};
+use super::ward::{Fate, HEARTBEAT_MS, LIMIT_NS, Moments, Run, Ward, now_ns, stop_thread};
 
 /// Bursts come every 58.5 ms; a blow falls anywhere in the first four.
 const WITHIN: Duration = Duration::from_millis(234);
-/// Off within this from the death on.
-const LIMIT_MS: f64 = 100.0;
 /// Longer than a late turn may be.
 const LATE: Duration = Duration::from_millis(200);
 /// What a guardian waits for in that test, so that the guard itself gets its turn; else as any bench's.
@@ -98,10 +96,11 @@ impl Death {
 
     /// Milliseconds until everything has to be off.
     fn limit_ms(self) -> f64 {
+        let limit_ms = LIMIT_NS as f64 * 1e-6;
         match self {
             // A full disk is found by the next write.
-            Self::FullDisk => 3.0 * LIMIT_MS,
-            _ => LIMIT_MS,
+            Self::FullDisk => 3.0 * limit_ms,
+            _ => limit_ms,
         }
     }
 

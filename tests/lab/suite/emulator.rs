@@ -16,6 +16,11 @@ use super::tools::{hil, sh, vcan};
 const PATIENCE: Duration = Duration::from_secs(120);
 const ROUND: Duration = Duration::from_millis(500);
 
+/// When something was told, nanoseconds of the lab's clock.
+pub fn at(told: &Value) -> u64 {
+    told["t_ns"].as_u64().unwrap()
+}
+
 pub struct Emulator {
     child: Child,
     lines: Receiver<Value>,

@@ -9,17 +9,10 @@ use std::time::Duration;
 use nix::sys::signal::{Signal, kill};
 use serde_json::Value;
 
-use super::emulator::Emulator;
+use super::emulator::{Emulator, at};
 use super::hands::{Hand, own_adapters};
 use super::tools::{in_lab, scene, scratch};
-use super::ward::{TooSlow, now_ns, patiently, stop_thread};
-
-/// Outputs are cut within this from the first transfer that fails, and from the last reading.
-const LIMIT_NS: u64 = 100_000_000;
-
-fn at(told: &Value) -> u64 {
-    told["t_ns"].as_u64().unwrap()
-}
+use super::ward::{LIMIT_NS, TooSlow, now_ns, patiently, stop_thread};
 
 /// When outputs of these channels went high.
 fn pulses(emulator: &Emulator, channels: std::ops::Range<u64>) -> Vec<u64> {

@@ -5,7 +5,7 @@ use palpate_core::codec::pca9685::{LED0_ON_L, MODE1, PRE_SCALE};
 use pwm_pca9685::{Address, Channel, Pca9685};
 use serde_json::Value;
 
-use super::emulator::Emulator;
+use super::emulator::{Emulator, at};
 use super::tools::{in_lab, python, sh, try_sh};
 
 /// A bench's wire in a record.
@@ -129,7 +129,6 @@ fn all_off_is_told_with_its_time() {
     let driving = emulator.wait_for("driving");
     sh(&format!("i2cset -y {n} 0x70 0xfd 0x10"));
     let off = emulator.wait_for("all_off");
-    let at = |event: &Value| event["t_ns"].as_u64().unwrap();
     assert!(at(&off) > at(&driving), "{driving} {off}");
     let later = emulator.stop();
     assert_eq!(later["driving"], Value::Array(Vec::new()), "{later}");

@@ -18,7 +18,7 @@ use palpate_buses::can::Endpoint;
 use palpate_buses::guardian::Latch;
 use palpate_core::codec::can::CanFrame;
 
-use super::emulator::Emulator;
+use super::emulator::{Emulator, at};
 use super::tools::{hil, scene, scratch};
 
 /// Time in which whatever is still driven shows itself: two periods of the chip and a turn of the emulator.
@@ -26,6 +26,10 @@ const QUIET: Duration = Duration::from_millis(60);
 
 /// The heartbeat's limit of the suite's bench, and of every bench that does not say it.
 pub const HEARTBEAT_MS: u64 = 60;
+
+/// Off within this: from a death, from the first transfer that fails, from the last reading. Bursts come every 58.5 ms and last
+/// 35 ms.
+pub const LIMIT_NS: u64 = 100_000_000;
 
 /// The clock of the emulator's events.
 pub fn now_ns() -> u64 {
@@ -215,7 +219,6 @@ pub fn fate(emulator: &mut Emulator, struck_ns: u64) -> Fate {
     emulator.hear_until_quiet(QUIET);
     let of =
         |told: &&serde_json::Value| matches!(told["event"].as_str(), Some("driving" | "all_off"));
-    let at = |told: &serde_json::Value| told["t_ns"].as_u64().unwrap();
     let mut told = emulator.told.iter().filter(of).rev();
     match told.next() {
         Some(last) if last["event"] == "driving" => Fate::On,
