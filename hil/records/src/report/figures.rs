@@ -146,13 +146,23 @@ fn why(illusion: &str) -> &'static str {
     }
 }
 
-/// Figure B.
+/// Figure B; nothing where contacts came without taxels, as those that another machine found.
 pub(super) fn frames(page: &mut String, trace: &Trace, extras: &ReportExtras<'_>) {
+    let is_contact = |e: &Event| matches!(e, Event::Contact { .. });
+    let is_touched = |e: &Event| matches!(e, Event::Frame { in_contact, .. } if *in_contact > 0);
+    if trace.events.iter().any(is_contact) && !trace.events.iter().any(is_touched) {
+        return;
+    }
+    let said = match series::sorted_times(extras.frame_us).is_empty() {
+        true => "Time per frame was not measured.",
+        false => {
+            "Measured on this machine, for the whole loop: compression, and stimuli where an onset is due. The first \
+             frames make the reference and are not drawn."
+        }
+    };
     let _ = writeln!(
         page,
-        "<section><h2>B \u{b7} Contacts and time per frame</h2><p class=\"sub\">Measured on this machine, for \
-         the whole loop: compression, and stimuli where an onset is due. The first frames make the \
-         reference and are not drawn.</p>\n{}</section>",
+        "<section><h2>B \u{b7} Contacts and time per frame</h2><p class=\"sub\">{said}</p>\n{}</section>",
         series::frames(trace, extras.frame_us)
     );
 }

@@ -80,7 +80,6 @@ pub(super) fn frames(trace: &Trace, frame_us: &[f32]) -> String {
     let steps = held.flat_map(|((t, n), (next, _))| [(*t, *n), (*next, *n)]);
     upper.line("taxels in contact", "series", steps);
     if times.is_empty() {
-        upper.row_note(0, "time per frame: not measured");
         return upper.named().finish(0, "");
     }
     upper.finish(0, "") + &times_panel(trace, &counts, frame_us, &times)

@@ -78,6 +78,33 @@ fn a_run_becomes_one_page_that_needs_nothing() {
 }
 
 #[test]
+fn frames_are_drawn_as_far_as_they_are_known() {
+    let section = "Contacts and time per frame";
+    let (measured, not) = (
+        "Measured on this machine",
+        "Time per frame was not measured.",
+    );
+    let mut trace = synthetic::circle(1);
+    let times = timing(100);
+    let timed = ReportExtras {
+        frame_us: &times,
+        ..ReportExtras::default()
+    };
+    let page = report_html(&trace, &timed);
+    assert!(page.contains(section) && page.contains(measured) && !page.contains(not));
+    let page = report_html(&trace, &ReportExtras::default());
+    assert!(page.contains(section) && page.contains(not) && !page.contains(measured));
+    // Contacts that another machine found come without taxels.
+    for event in &mut trace.events {
+        if let Event::Frame { in_contact, .. } = event {
+            *in_contact = 0;
+        }
+    }
+    let page = report_html(&trace, &timed);
+    assert!(!page.contains(section) && page.contains("Contact path on the sensor"));
+}
+
+#[test]
 fn names_are_escaped() {
     let mut trace = synthetic::circle(1);
     trace.header.scene = "<script>alert('1')</script>&\"x\"".to_owned();
