@@ -294,6 +294,17 @@ impl TextureModel {
         }
     }
 
+    /// Whether recordings of this label were among those that it was trained on; `None` where its file names none.
+    pub fn was_trained_on(&self, label: &str) -> Option<bool> {
+        #[derive(Deserialize)]
+        struct Split {
+            train: Vec<String>,
+        }
+        let split: Split = serde_json::from_str(self.metadata.get("split")?).ok()?;
+        let of = |name: &String| name.rsplit_once('_').is_some_and(|(own, _)| own == label);
+        Some(split.train.iter().any(of))
+    }
+
     /// What of a surface lies outside what the model learned, a twentieth aside, in a few words each; nothing where its training
     /// did not know the surfaces.
     pub fn extrapolated(&self, surface: &TextureEntry) -> Vec<String> {

@@ -102,7 +102,7 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
     let encoded = explore::encode(&model, &strokes, |part| shown.part(part))?;
     drop(shown);
     let view = map::View::of(&model);
-    let placed = map::place(&encoded, view);
+    let placed = map::place(&encoded, &model, view);
     if let Some(path) = &args.svg {
         let title = format!("Where {} puts {} textures", args.model, table.texture.len());
         let outputs = Outputs {
@@ -122,11 +122,7 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
             for figure in [spot.mean.0, spot.mean.1, spot.half.0, spot.half.1] {
                 write!(out, " {:>8.3}", round(figure))?;
             }
-            let unseen = if texture.entry.trained {
-                ""
-            } else {
-                "  unseen"
-            };
+            let unseen = if texture.is_trained { "" } else { "  unseen" };
             writeln!(out, "{unseen}")?;
         }
         writeln!(

@@ -172,7 +172,13 @@ fn the_map_of_the_default_model_has_every_texture() {
     let folder = Folder::new("texture-map");
     let svg = folder.path("map.svg").display().to_string();
     let table = good(&["texture", "map", "--strokes", "1", "--svg", &svg]);
-    assert!(table.contains("rank correlation") && table.contains("unseen"));
+    assert!(table.contains("rank correlation"));
+    // It learned materials, none of these.
+    assert!(
+        table.starts_with("x: z1 (roughness), y: z3 (hardness)\n"),
+        "{table}"
+    );
+    assert_eq!(table.matches("  unseen\n").count(), 8 + 1, "{table}");
     let drawing = folder.text("map.svg");
     for name in ["sponge1", "cardboard", "sponge2", "shoe-sole"] {
         assert!(table.contains(name) && drawing.contains(&format!(">{name}<")));
@@ -380,7 +386,8 @@ fn what_a_model_cannot_know_of_a_surface_is_said() {
         one(0, r#","learned":[50.0,200.0]"#),
         one(2, r#","learned":[1.0,100.0]"#)
     );
-    let model = knows(&folder, &learned, &[]);
+    let split = r#"{"train":["wood_00","sponge2_01"],"test":["towel_00"]}"#;
+    let model = knows(&folder, &learned, &[("split", split.to_owned())]);
     let args = run(&model, &[]);
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     let said = good(&args);
@@ -392,6 +399,16 @@ fn what_a_model_cannot_know_of_a_surface_is_said() {
     let map = good(&["texture", "map", &model, "--strokes", "1"]);
     assert!(map.contains("wood: EXTRAPOLATED: relief 25 um"), "{map}");
     assert!(!map.contains("towel: EXTRAPOLATED"), "{map}");
+    // What it was trained on, as its file says.
+    for (name, seen) in [
+        ("wood ", true),
+        ("sponge2", true),
+        ("towel", false),
+        ("sponge1", false),
+    ] {
+        let row = map.lines().find(|l| l.starts_with(name)).unwrap();
+        assert_eq!(!row.ends_with("unseen"), seen, "{map}");
+    }
 }
 
 #[test]

@@ -64,7 +64,7 @@ fn within(share: &f64) -> bool {
 
 /// The class of a texture's ellipse.
 fn ring(texture: &Placed<'_>, i: usize) -> String {
-    let dashed = if texture.entry.trained { "" } else { " unseen" };
+    let dashed = if texture.is_trained { "" } else { " unseen" };
     format!("series ring{dashed} w{}", i % 8)
 }
 
@@ -89,7 +89,7 @@ fn names(svg: &mut Svg, plot: &Plot, placed: &[Placed<'_>]) {
     for (trained, heading) in [(true, "trained on"), (false, "never seen")] {
         let some = placed.iter().enumerate();
         let mut some = some
-            .filter(|(_, texture)| texture.entry.trained == trained)
+            .filter(|(_, texture)| texture.is_trained == trained)
             .peekable();
         if some.peek().is_none() {
             continue;

@@ -36,7 +36,7 @@ impl Axis {
 /// Two coordinates of the latent space to look along, each with its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct View {
-    /// To the right: roughness and friction.
+    /// To the right: roughness, and friction with it where that has no coordinate of its own.
     pub x: Axis,
     /// Upwards: hardness.
     pub y: Axis,
@@ -69,7 +69,12 @@ impl View {
         };
         let beside = |axis: Axis| plain((axis.coordinate + 1) % width.max(1));
         let hard = named("hardness", "hardness");
-        let x = match (named("roughness", "roughness and friction"), hard) {
+        // A coordinate of its own for friction leaves roughness to the other.
+        let rough = match latent["friction"].is_object() {
+            true => "roughness",
+            false => "roughness and friction",
+        };
+        let x = match (named("roughness", rough), hard) {
             (Some(x), Some(hard)) if x.coordinate == hard.coordinate => Axis {
                 stands_for: "roughness, friction and hardness",
                 ..x
@@ -139,19 +144,23 @@ impl Spot {
 pub struct Placed<'a> {
     /// What was stroked.
     pub entry: &'a TextureEntry,
+    /// Whether the model was trained on it: as its file says, else as the table of textures has it.
+    pub is_trained: bool,
     /// Every window of its strokes.
     pub points: Vec<(f64, f64)>,
     /// What they come to.
     pub spot: Spot,
 }
 
-/// The textures of some strokes on the map, in their order.
-pub fn place<'a>(encoded: &[Encoded<'a>], view: View) -> Vec<Placed<'a>> {
+/// The textures of some strokes on a model's map, in their order.
+pub fn place<'a>(encoded: &[Encoded<'a>], model: &TextureModel, view: View) -> Vec<Placed<'a>> {
     let of_texture = |strokes: &[Encoded<'a>]| {
         let latents = strokes.iter().flat_map(|stroke| &stroke.latents);
         let points: Vec<_> = latents.map(|z| view.point(z)).collect();
+        let entry = strokes[0].entry;
         Placed {
-            entry: strokes[0].entry,
+            entry,
+            is_trained: model.was_trained_on(&entry.name).unwrap_or(entry.trained),
             spot: Spot::of(&points),
             points,
         }
@@ -195,7 +204,7 @@ pub fn ranks(placed: &[Placed<'_>]) -> Vec<Rank> {
     ];
     let rank = |(what, of, with): (&'static str, Coordinate, Property)| {
         let over = |unseen: bool| {
-            let some = placed.iter().filter(|p| !(unseen && p.entry.trained));
+            let some = placed.iter().filter(|p| !(unseen && p.is_trained));
             let pairs = some.map(|p| Some((of(&p.spot), with(p.entry)?)));
             let (a, b): (Vec<f64>, Vec<f64>) =
                 pairs.collect::<Option<Vec<_>>>()?.into_iter().unzip();

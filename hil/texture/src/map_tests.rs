@@ -19,6 +19,8 @@ fn an_axis_says_only_what_the_file_names() {
         says(&of(first, third)),
         pair("z1 (roughness and friction)", "-z3 (hardness)")
     );
+    let apart = format!("{{\"roughness\":{first},\"friction\":{third}}}");
+    assert_eq!(says(&apart), pair("z1 (roughness)", "z2"));
     assert_eq!(
         says(&of(third, third)),
         pair("-z3 (roughness, friction and hardness)", "z1")

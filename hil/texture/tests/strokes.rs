@@ -28,7 +28,8 @@ fn strokes_are_reproduced_and_encoded_by_the_columns_names() {
     assert!(text.starts_with("txl1_x,txl1_y,txl1_z,txl2_x"));
     assert!(text.lines().all(|line| line.split(',').count() == 48));
 
-    let encoded = encode(&model("txl1_z,txl9_x", 2), &all, |_| ()).unwrap();
+    let model_of_two = model("txl1_z,txl9_x", 2);
+    let encoded = encode(&model_of_two, &all, |_| ()).unwrap();
     assert_eq!(encoded.len(), 16);
     let latents = &encoded[0].latents;
     assert_eq!((latents.len(), latents[0].len()), (11, 3));
@@ -44,7 +45,7 @@ fn strokes_are_reproduced_and_encoded_by_the_columns_names() {
         x: axis(0, 1),
         y: axis(2, -1),
     };
-    let placed = place(&encoded, view);
+    let placed = place(&encoded, &model_of_two, view);
     assert_eq!(placed.len(), 8);
     // both strokes of a texture, and the axes' coordinates and signs
     let z = &encoded[2].latents[3];
