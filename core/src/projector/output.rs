@@ -138,7 +138,7 @@ impl Output {
     }
 
     /// A surface so hard, 0 to 1, is met or left at `at`: a tap is felt, where a texture has the display to itself.
-    pub(super) fn tap(&mut self, at: Instant, hardness: f64) {
+    pub fn tap(&mut self, at: Instant, hardness: f64) {
         self.texture.iter_mut().for_each(|t| t.tap(at, hardness));
     }
 
@@ -359,8 +359,8 @@ impl Output {
             }
             if let Some((at, until, share)) = train.tap_due(now) {
                 for (wire, out) in self.widths.iter_mut().enumerate() {
-                    let one = self.drive.width(self.calibration.apply(wire, 1.0));
-                    *out = Ticks::new((f32::from(one.get()) * share) as u16);
+                    let most = f32::from(self.guard.widest().get());
+                    *out = Ticks::new((most * self.calibration.apply(wire, share).min(1.0)) as u16);
                 }
                 due = Some((at, until));
             }

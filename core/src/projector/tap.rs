@@ -22,7 +22,8 @@ pub struct Firmness<T> {
 pub struct Taps {
     /// Pulses per second, millihertz; at most the carrier's.
     pub rate_mhz: Firmness<u32>,
-    /// Width of the first pulse, as a share of a full one.
+    /// Width of the first pulse, as a share of the widest that the guard allows: short and seldom, a tap may be far stronger
+    /// than a texture that goes on and on.
     pub strength: Firmness<f32>,
     /// Time in which widths fall to 1/e.
     pub decay: Duration,
@@ -73,7 +74,7 @@ impl Tap {
         self.start + self.since(self.period)
     }
 
-    /// Beginning and end of the pulse that is due, and its width as a share of a full one. One that was missed is left out.
+    /// Beginning and end of the pulse that is due, and its width as a share of the widest. One that was missed is left out.
     pub(super) fn due(&mut self, now: Instant) -> Option<(Instant, Instant, f32)> {
         while self.next() <= now {
             let since = self.since(self.period);

@@ -187,7 +187,7 @@ impl Train {
         }
     }
 
-    /// The pulse of a tap that is due: its beginning, its end, and its width as a share of a full one.
+    /// The pulse of a tap that is due: its beginning, its end, and its width as a share of the widest.
     pub(super) fn tap_due(&mut self, now: Instant) -> Option<(Instant, Instant, f32)> {
         self.tap.as_mut()?.due(now)
     }

@@ -3,7 +3,7 @@
 //! No person has rated anything here. The model, all of it assumed:
 //!
 //! - Everybody was shown the ends of each scale beforehand (as in the studies): a rating is a place between them.
-//! - Under the bare finger a surface is felt as the table of textures says it is rated.
+//! - Under the bare finger a surface is felt as its physics say, by published functions ([`bare_finger`]).
 //! - On the display, roughness is coarseness: how far apart a wire's pulses are. Friction is slowness: how long what is
 //!   felt takes from wire to wire, which the thesis calls a mere surrogate. Both are heard as logarithms, with an error
 //!   of a Weber fraction, and only where the pulses are felt at all ([`crate::person::channels`]). Hardness is not there to be
@@ -15,6 +15,7 @@
 use palpate_core::random::RandomStream;
 
 use crate::person::channels::Kick;
+use crate::sensor::surface::SurfaceTexture;
 
 /// What is rated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,6 +65,35 @@ const WEBER: f64 = 0.2;
 /// The share of the other dimension in what is rated on a display.
 const HALO: f64 = 0.25;
 
+/// The softest and the hardest that a scale was shown, N/mm.
+const STIFFNESS: [f64; 2] = [1.0, 100.0];
+/// The finest and the coarsest grain, mm.
+const GRAIN_MM: [f64; 2] = [0.04, 1.32];
+/// The most slippery and the stickiest surface.
+const FRICTION: [f64; 2] = [0.3, 1.5];
+
+/// What a bare finger feels of a surface whose friction is against that finger: hardness, roughness and friction, 1 to 6.
+///
+/// - Hardness grows with a power of stiffness (Harper and Stevens 1964), roughness with one of the grain of abrasives (Stevens
+///   and Harris 1962). Of such continua people rate categories nearly by logarithms (Stevens and Galanter 1957), in which
+///   a power is a factor: between the ends of a scale it cancels.
+/// - An abrasive's grain sets height and spacing of its relief alike. Here it is their geometric mean, since both make a surface
+///   rougher (Lederman 1974 by grooves, Blake, Hsiao and Johnson 1997 by heights of dots).
+/// - On a line from slippery to sticky people place surfaces by their coefficient of friction (Smith and Scott 1996).
+///
+/// Which ends were shown is assumed: those of the emulated materials.
+pub fn bare_finger(surface: &SurfaceTexture) -> [f64; 3] {
+    let share = |value: f64, [low, high]: [f64; 2]| (value - low) / (high - low);
+    let by_ratio = |value: f64, ends: [f64; 2]| share(libm::log(value), ends.map(libm::log));
+    let grain = libm::sqrt(surface.relief_mm * surface.wavelength_mm);
+    let shares = [
+        by_ratio(surface.stiffness_n_per_mm, STIFFNESS),
+        by_ratio(grain, GRAIN_MM),
+        share(surface.friction, FRICTION),
+    ];
+    shares.map(|share| 1.0 + 5.0 * share.clamp(0.0, 1.0))
+}
+
 /// What a stimulus of the display feels like, before anybody rates it: logarithms of coarseness and slowness; `None`
 /// where nothing was felt, or no motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -106,16 +136,12 @@ impl Panel {
         libm::round(rated).clamp(1.0, 6.0) as u8
     }
 
-    /// A trial with the bare finger: hardness, roughness, friction of a surface that people rate so.
-    pub fn bare(self, texture: &str, trial: u32, rated: [f64; 3]) -> [u8; 3] {
+    /// A trial with the bare finger: hardness, roughness, friction of a surface that is [felt](bare_finger) so.
+    pub fn bare(self, texture: &str, trial: u32, felt: [f64; 3]) -> [u8; 3] {
         let mut stream = RandomStream::new(self.seed, &format!("bare {texture} {trial}"));
         let mut rate = |(d, felt): (Dimension, f64)| self.rating(trial, d, felt, &mut stream);
         let [h, r, f] = Dimension::ALL;
-        [
-            rate((h, rated[0])),
-            rate((r, rated[1])),
-            rate((f, rated[2])),
-        ]
+        [rate((h, felt[0])), rate((r, felt[1])), rate((f, felt[2]))]
     }
 
     /// A trial on the display: roughness and friction.

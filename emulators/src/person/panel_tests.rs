@@ -101,3 +101,26 @@ fn the_delay_from_wire_to_wire_is_found() {
     assert_eq!(step_s(&[Vec::new(), Vec::new()], 1.0), None);
     assert_eq!(step_s(&[], 1.0), None);
 }
+
+/// At the ends of each scale, in the middle of it by ratios (by differences for friction), and past them.
+#[test]
+fn a_bare_finger_feels_the_surfaces_own_properties() {
+    let surface = |stiffness: f64, [relief, wavelength]: [f64; 2], friction: f64| SurfaceTexture {
+        name: "a".to_owned(),
+        stiffness_n_per_mm: stiffness,
+        relief_mm: relief,
+        wavelength_mm: wavelength,
+        octaves: 1.0,
+        friction,
+    };
+    let near = |surface: SurfaceTexture, wanted: [f64; 3]| {
+        for (felt, wanted) in bare_finger(&surface).into_iter().zip(wanted) {
+            assert!((felt - wanted).abs() < 1e-9, "{surface:?}: {felt} {wanted}");
+        }
+    };
+    near(surface(1.0, [0.04, 0.04], 0.3), [1.0; 3]);
+    near(surface(100.0, [1.32, 1.32], 1.5), [6.0; 3]);
+    let middle = (0.04_f64 * 1.32).sqrt();
+    near(surface(10.0, [middle / 2.0, middle * 2.0], 0.9), [3.5; 3]);
+    near(surface(1e9, [0.0, 1.0], f64::INFINITY), [6.0, 1.0, 6.0]);
+}

@@ -37,7 +37,7 @@ pub struct BothFirm {
 pub struct TapFile {
     /// Pulses per second, Hz; at most the carrier's are felt.
     pub rate_hz: BothFirm,
-    /// Width of the first pulse, a share of a full one.
+    /// Width of the first pulse, a share of the widest that the guard allows.
     pub strength: BothFirm,
     /// Time in which widths fall to 1/e, ms.
     pub decay_ms: f64,

@@ -3,11 +3,12 @@
 use std::io::{self, Write};
 
 use palpate_emulators::person::panel::{Dimension, REPEATS, SUBJECTS, Sensation};
-use palpate_emulators::sensor::surface::spearman;
+use palpate_emulators::sensor::surface::{SurfaceTexture, spearman};
 use palpate_files::{Format, Overrides, Setup, TextureModel, TextureTable, load_textures};
 use palpate_run::Failure;
 use palpate_run::plan::surface;
 use palpate_texture::panel::draw::{SIGNIFICANT, draw};
+use palpate_texture::panel::stage::Shown;
 use palpate_texture::panel::statistics::Box5;
 use palpate_texture::panel::{self, Label, Rated, Study, Test};
 use palpate_texture::round;
@@ -50,12 +51,6 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
         }
         _ => {
             let table = load_textures(&args.textures)?.value;
-            if let Some(unrated) = table.texture.iter().find(|t| t.rated.is_none()) {
-                return Err(Failure::Input(format!(
-                    "--textures {}: expected `rated` of every texture, which the bare finger's ratings come from; {} has none",
-                    args.textures, unrated.name
-                )));
-            }
             // One panel with tape, then one without.
             let rate = |pairing, before: f64| {
                 let passed = |part: f64| shown.part((before + part) / 2.0);
@@ -63,11 +58,8 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
             };
             let (study, bare) = (rate(panel::taped, 0.0)?, rate(panel::bare, 1.0)?);
             let ranks = ranks(&study, &table);
-            (
-                "The eight textures rated".to_owned(),
-                study,
-                Some((bare, ranks)),
-            )
+            let title = format!("{} textures rated", study.textures.len());
+            (title, study, Some((bare, ranks)))
         }
     };
     drop(shown);
@@ -83,32 +75,47 @@ pub fn panel(args: &PanelArgs) -> Result<(), Failure> {
 }
 
 /// What goes with what, and how closely: Spearman's rank correlation over textures, three decimals.
-type Ranks = [(&'static str, f64); 3];
+type Ranks = [(&'static str, f64); 6];
 
 fn ranks(study: &Study, table: &TextureTable) -> Ranks {
-    let truth: Vec<f64> = table
-        .texture
-        .iter()
-        .map(|t| surface(t).drag_roughness())
-        .collect();
-    let of = |rated: &dyn Fn(&Rated) -> f64| study.textures.iter().map(rated).collect::<Vec<_>>();
-    let middle = |ratings: &[u8]| mean(ratings.iter().map(|r| f64::from(*r))).unwrap_or(f64::NAN);
-    let display = of(&|t| middle(&t.display[0]));
-    let bare = of(&|t| t.bare.as_ref().map_or(f64::NAN, |b| middle(&b[1])));
-    let driven = of(&|t| t.driven);
+    let surfaces = || table.texture.iter().map(surface);
+    let of = |rated: &dyn Fn(&Rated) -> Option<f64>| -> Vec<f64> {
+        let each = study.textures.iter().map(rated);
+        each.map(|value| value.unwrap_or(f64::NAN)).collect()
+    };
+    let felt = |part: fn(&Shown) -> Option<f64>| of(&|t| mean(t.shown.iter().filter_map(part)));
+    let middle = |ratings: &[u8]| mean(ratings.iter().map(|r| f64::from(*r)));
+    let display = |d: usize| of(&|t| middle(&t.display[d]));
+    let bare = |d: usize| of(&|t| middle(&t.bare.as_ref()?[d + 1]));
     let rank = |of: &[f64], with: &[f64]| round(spearman(of, with));
+    let own = |property: fn(&SurfaceTexture) -> f64| -> Vec<f64> {
+        surfaces().map(|surface| property(&surface)).collect()
+    };
+    let relief = own(|s| s.relief_mm);
     [
         (
-            "roughness rated on the display, with the bare finger's",
-            rank(&display, &bare),
+            "roughness felt, from pulse to pulse: with relief",
+            rank(&felt(|s| s.sensation.coarseness), &relief),
         ),
         (
-            "roughness rated on the display, with the surface's",
-            rank(&display, &truth),
+            "friction felt, from wire to wire: with friction",
+            rank(&felt(|s| s.sensation.slowness), &own(|s| s.friction)),
         ),
         (
-            "roughness that drives, with the surface's",
-            rank(&driven, &truth),
+            "hardness felt, strength of taps: with stiffness",
+            rank(&felt(|s| s.tap_db), &own(|s| s.stiffness_n_per_mm)),
+        ),
+        (
+            "roughness that drives: with relief",
+            rank(&of(&|t| Some(t.driven)), &relief),
+        ),
+        (
+            "roughness rated on the display: with the bare finger's",
+            rank(&display(0), &bare(0)),
+        ),
+        (
+            "friction rated on the display: with the bare finger's",
+            rank(&display(1), &bare(1)),
         ),
     ]
 }
@@ -144,6 +151,7 @@ fn of_texture(rated: &Rated, tests: Vec<Test>) -> Value {
         "felt": sensation(&Sensation { coarseness: of(|s| s.coarseness), slowness: of(|s| s.slowness) }),
         "intensity": mean(rated.shown.iter().map(|s| s.intensity)).map(round),
         "level_db": mean(rated.shown.iter().filter_map(|s| s.level_db)).map(round),
+        "tap_db": mean(rated.shown.iter().filter_map(|s| s.tap_db)).map(round),
         "pulses": mean(rated.shown.iter().map(|s| s.pulses as f64)).map(round),
         "boxes": ratings,
         "tests": tests,

@@ -275,7 +275,7 @@ fn a_panel_rates_recordings_and_says_that_it_is_simulated() {
 }
 
 #[test]
-fn independent_materials_are_drawn_stroked_and_mapped_but_not_rated() {
+fn independent_materials_are_drawn_stroked_mapped_and_felt() {
     let folder = Folder::new("texture-materials");
     let table = folder.path("materials.toml").display().to_string();
     let draw = ["texture", "materials", &table, "--count", "4"];
@@ -296,14 +296,20 @@ fn independent_materials_are_drawn_stroked_and_mapped_but_not_rated() {
     let truth = fs::read_to_string(strokes.join("materials.csv")).unwrap();
     assert_eq!(truth.lines().filter(|l| l.contains(",true,")).count(), 3);
     assert!(!strokes.join("ratings.csv").exists(), "of no person");
-    // What goes with ratings is left out of the map, and a panel has nothing to hold the display against.
+    // What goes with ratings is left out of the map. A panel needs none: a bare finger feels what the surface is.
     let map = ["texture", "map", "--textures", &table, "--strokes", "1"];
     let map = good(&map);
     assert!(map.contains("friction") && !map.contains("rated"), "{map}");
-    refused_with(
-        &["texture", "panel", "--textures", &table],
-        &["expected `rated`", "material-0000 has none"],
+    let panel = good(&["texture", "panel", "--textures", &table, "--json"]);
+    let panel: serde_json::Value = serde_json::from_str(&panel).unwrap();
+    assert_eq!(panel["textures"].as_array().map(Vec::len), Some(4));
+    assert!(
+        panel["spearman"]
+            .as_object()
+            .is_some_and(|all| all.len() == 6)
     );
+    let tests = &panel["textures"][3]["tests"];
+    assert_eq!(tests[0]["against"], "bare finger");
 }
 
 #[test]

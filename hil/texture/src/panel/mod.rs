@@ -9,7 +9,7 @@ mod trials;
 use std::sync::Arc;
 
 use palpate_core::texture::Drivers;
-use palpate_emulators::person::panel::{Dimension, Panel, ScaleEnds, TRIALS};
+use palpate_emulators::person::panel::{Dimension, Panel, ScaleEnds, TRIALS, bare_finger};
 use palpate_emulators::sensor::surface::{Explorer, Habits, Recording, SurfaceTexture};
 use palpate_files::{Setup, TextureEntry, TextureModel, TextureTable};
 use palpate_run::Failure;
@@ -116,16 +116,12 @@ impl<'a> Session<'a> {
     }
 
     /// Everybody's ratings of one texture.
-    fn rate(
-        &self,
-        name: &str,
-        rated: Option<[f64; 3]>,
-        trials: &[Trial],
-    ) -> Result<Rated, Failure> {
+    fn rate(&self, name: &str, bare: Option<[f64; 3]>, trials: &[Trial]) -> Result<Rated, Failure> {
         let show = |(number, trial): (usize, &Trial)| {
             // Each trial has draws of its own.
             let seed = self.seed.wrapping_add(1 + number as u64);
-            self.stage.show(&trial.controls, stage::SHOWN, seed)
+            let shown = (trial.controls.as_slice(), trial.hardness);
+            self.stage.show(shown, stage::SHOWN, seed)
         };
         let shown: Vec<Shown> = trials
             .par_iter()
@@ -139,10 +135,10 @@ impl<'a> Session<'a> {
                 .display(name, number, shown.sensation, &self.ends);
             display.iter_mut().zip(ratings).for_each(|(d, r)| d.push(r));
         }
-        let bare = rated.map(|rated| {
+        let bare = bare.map(|felt| {
             let mut bare = [const { Vec::new() }; 3];
             for number in 0..TRIALS {
-                let ratings = self.panel.bare(name, number, rated);
+                let ratings = self.panel.bare(name, number, felt);
                 bare.iter_mut().zip(ratings).for_each(|(d, r)| d.push(r));
             }
             bare
@@ -177,7 +173,7 @@ pub fn emulated(
         let source = |(_, stroke): &_| Source::of_stroke(model, &entry.name, stroke);
         Ok(Shows {
             name: entry.name.clone(),
-            rated: entry.rated.map(|r| [r.hardness, r.roughness, r.friction]),
+            bare: Some(bare_finger(&bare(entry))),
             sources: strokes.iter().map(source).collect::<Result<_, _>>()?,
         })
     };
@@ -200,7 +196,7 @@ pub fn recorded(
     let of_label = |label: &Label| {
         Ok(Shows {
             name: label.name.clone(),
-            rated: None,
+            bare: None,
             sources: label.pieces(model, rate_hz, TRIALS)?,
         })
     };
@@ -210,7 +206,7 @@ pub fn recorded(
 /// What is shown of one texture, and what the bare finger is to say of it.
 struct Shows {
     name: String,
-    rated: Option<[f64; 3]>,
+    bare: Option<[f64; 3]>,
     sources: Vec<Source>,
 }
 
@@ -228,7 +224,7 @@ fn study(
         let shows = shows?;
         let trial = |source| Trial::new(&encoder, &session.stage.map, source);
         let trials: Result<Vec<_>, _> = shows.sources.iter().map(trial).collect();
-        session.rate(&shows.name, shows.rated, &trials?)
+        session.rate(&shows.name, shows.bare, &trials?)
     };
     Ok(Study {
         textures: (0..).zip(all).map(rate).collect::<Result<_, _>>()?,

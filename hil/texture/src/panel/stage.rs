@@ -20,8 +20,10 @@ use palpate_run::plan;
 pub const SHOWN: Duration = Duration::from_millis(1000);
 /// How long the ends of the scales are shown.
 const SHOWN_BEFORE: Duration = Duration::from_millis(5000);
-/// The last pulses are over then.
-const PERIODS: Duration = Duration::from_millis(20);
+/// After so long the surface is met again: what was felt of it before is over, in the receptors too.
+const REST: Duration = Duration::from_millis(1000);
+/// A tap is over then.
+const TAP: Duration = Duration::from_millis(70);
 /// The loop is called at least so often.
 const TICK: Duration = Duration::from_millis(1);
 
@@ -44,6 +46,8 @@ pub struct Shown {
     pub sensation: Sensation,
     /// Pulses that reached the wires.
     pub pulses: usize,
+    /// How far over threshold the tap is that ends it, dB; none where no wire moved.
+    pub tap_db: Option<f64>,
 }
 
 fn device(e: &dyn std::fmt::Debug) -> Failure {
@@ -88,7 +92,8 @@ impl<'a> Stage<'a> {
                 };
             }
             let control = self.map.control(&latent);
-            let shown = self.show(&[(Duration::ZERO, control)], SHOWN_BEFORE, seed)?;
+            let shown = [(Duration::ZERO, control)];
+            let shown = self.show((&shown, None), SHOWN_BEFORE, seed)?;
             Ok::<_, Failure>(shown.sensation)
         };
         Ok(ScaleEnds {
@@ -97,13 +102,13 @@ impl<'a> Stage<'a> {
         })
     }
 
-    /// Shows controls, each from its time on, for `length`.
+    /// Shows controls, each from its time on, for `length`, and then the tap of a surface that is left.
     ///
     /// # Errors
     /// [`Failure::Device`] where the emulated bus fails.
     pub fn show(
         &self,
-        controls: &[(Duration, Control)],
+        (controls, hardness): (&[(Duration, Control)], Option<f64>),
         length: Duration,
         seed: u64,
     ) -> Result<Shown, Failure> {
@@ -129,29 +134,49 @@ impl<'a> Stage<'a> {
         output.carry(carrier);
 
         let begun = bank.start(Instant::ZERO).map_err(|e| device(&e))?;
-        let (mut now, end) = (begun, begun + length);
-        while now < end {
+        let mut now = begun;
+        let end = begun + length + REST;
+        let mut mets = [None, None];
+        for (part, met) in mets.iter_mut().enumerate() {
+            let until = match (part, hardness) {
+                (0, _) => end,
+                (_, Some(hardness)) => {
+                    output.tap(now, hardness);
+                    end + TAP
+                }
+                (_, None) => break,
+            };
+            while now < until {
+                display
+                    .advance(Nanos::from(now), &mut |_| {})
+                    .map_err(|e| device(&e))?;
+                output.hear(now);
+                let due = controls.iter().rev().find(|c| c.0 <= now.since(begun));
+                let control = due.map(|c| &c.1).filter(|_| now < begun + length);
+                output
+                    .poll(now, &[], control, &mut bank, &mut ())
+                    .map_err(|e| device(&e))?;
+                now = output.next().max(now + Duration::from_micros(1));
+                now = now.min(until).min(now + TICK);
+                display.settle();
+            }
             display
                 .advance(Nanos::from(now), &mut |_| {})
                 .map_err(|e| device(&e))?;
-            output.hear(now);
-            let due = controls.iter().rev().find(|c| c.0 <= now.since(begun));
-            let control = due.map(|c| &c.1);
-            output
-                .poll(now, &[], control, &mut bank, &mut ())
-                .map_err(|e| device(&e))?;
-            now = output.next().max(now + Duration::from_micros(1));
-            now = now.min(end).min(now + TICK);
-            display.settle();
+            *met = display.onset();
         }
         bank.all_off().map_err(|e| device(&e))?;
-        display
-            .advance(Nanos::from(end + PERIODS), &mut |_| {})
-            .map_err(|e| device(&e))?;
-        let kicks = self.kicks(&mut display, gaps.len(), Nanos::from(begun));
-        let met = display.onset();
+        let mut kicks = self.kicks(&mut display, gaps.len(), Nanos::from(begun));
+        let textured = end.since(begun).as_micros() as f64 * 1e-6;
+        kicks
+            .iter_mut()
+            .for_each(|wire| wire.retain(|kick| kick.at_s < textured));
+        let [met, tap] = mets;
         let intensity = met.map_or(0.0, |met| met.levels.intensity(person.growth));
-        Ok(shown((met, intensity), &kicks, &gaps, length))
+        Ok(Shown {
+            tap_db: tap.map(|tap| tap.levels.db()),
+            ..shown((met, intensity), &kicks, &gaps, length)
+        })
     }
 
     /// Pulses of every wire since `begun`, as the skin meets them.
@@ -200,5 +225,6 @@ fn shown(
             slowness: step_s(&positions, seconds).filter(|_| is_felt).map(f64::ln),
         },
         pulses: kicks.iter().map(Vec::len).sum(),
+        tap_db: None,
     }
 }

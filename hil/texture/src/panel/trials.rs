@@ -35,6 +35,8 @@ pub(super) struct Trial {
     pub(super) controls: Vec<(Duration, Control)>,
     /// Mean roughness, 0 to 1.
     pub(super) driven: f64,
+    /// How hard the surface is by the last window, 0 to 1: what is felt where it is left.
+    pub(super) hardness: Option<f64>,
 }
 
 impl Trial {
@@ -53,6 +55,7 @@ impl Trial {
         let mut trial = Self {
             controls: Vec::new(),
             driven: 0.0,
+            hardness: None,
         };
         let mut first = None;
         for (row, values) in source.values.chunks_exact(encoder.features()).enumerate() {
@@ -64,6 +67,7 @@ impl Trial {
             let begun = *first.get_or_insert(at);
             let since = Duration::from_micros(at.as_micros() - begun.as_micros());
             trial.driven += map.roughness(latent);
+            trial.hardness = map.hardness(latent);
             trial.controls.push((since, map.control(latent)));
         }
         if trial.controls.is_empty() {

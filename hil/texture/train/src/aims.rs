@@ -20,10 +20,13 @@ pub struct Aims {
 }
 
 impl Aims {
-    /// With `--heads` roughness, friction and hardness by materials, with `--align` two by ratings; else none.
-    pub fn new(known: &Known, settings: &Settings) -> Option<Self> {
+    /// With `--heads` roughness, friction and hardness by materials, with `--codes` a corner for each of the labels, with
+    /// `--align` two by ratings; else none.
+    pub fn new(known: &Known, labels: &[String], settings: &Settings) -> Option<Self> {
         let (weight, of_label) = if settings.heads > 0.0 {
             (settings.heads, by_materials(&known.materials))
+        } else if settings.codes > 0.0 {
+            (settings.codes, by_codes(labels, settings.latent))
         } else if settings.align > 0.0 {
             (settings.align, by_ratings(&known.ratings))
         } else {
@@ -88,6 +91,33 @@ fn by_materials(materials: &[Material]) -> BTreeMap<String, Vec<f32>> {
     materials.iter().map(aim).collect()
 }
 
+/// Most coordinates of which corners are taken; more tell no more labels apart.
+const CODED: usize = 16;
+
+/// Corners of the cube of latent vectors, each as far as can be from those before (error-correcting output codes; Dietterich
+/// and Bakiri 1995). Where labels outnumber corners, the rest of them share one.
+fn by_codes(labels: &[String], latent: usize) -> BTreeMap<String, Vec<f32>> {
+    let bits = latent.min(CODED);
+    let mut taken: Vec<u32> = Vec::with_capacity(labels.len());
+    for _ in labels {
+        let apart = |corner: &u32| taken.iter().map(|t| (t ^ corner).count_ones()).min();
+        // The first of several, since the largest of a reversed order is its last.
+        let corner = (0..1_u32 << bits).rev().max_by_key(apart);
+        taken.extend(corner);
+    }
+    let aim = |(label, corner): (&String, u32)| {
+        let on = |bit: usize| {
+            if corner >> bit & 1 == 1 {
+                REACH
+            } else {
+                -REACH
+            }
+        };
+        (label.clone(), (0..bits).map(on).collect())
+    };
+    labels.iter().zip(taken).map(aim).collect()
+}
+
 /// z1 and z2: rated roughness with friction, and hardness. 1 to 6 lies on -0.75 to 0.75.
 fn by_ratings(ratings: &[Rating]) -> BTreeMap<String, Vec<f32>> {
     let on = |rating: f32| (rating - 3.5) * 0.3;
@@ -97,3 +127,7 @@ fn by_ratings(ratings: &[Rating]) -> BTreeMap<String, Vec<f32>> {
     };
     ratings.iter().map(aim).collect()
 }
+
+#[cfg(test)]
+#[path = "aims_tests.rs"]
+mod tests;

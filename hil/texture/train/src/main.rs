@@ -108,24 +108,26 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Whether what the settings ask for is there.
 fn check(arguments: &Arguments, known: &Known) -> Result<(), Failure> {
     let settings = &arguments.settings;
-    let (is_tied, is_aligned) = (settings.heads > 0.0, settings.align > 0.0);
-    let wide = if is_tied {
+    let [heads, aligned, coded] =
+        [settings.heads, settings.align, settings.codes].map(|weight| weight > 0.0);
+    let wide = if heads {
         3
-    } else if is_aligned {
+    } else if aligned {
         2
     } else {
         1
     };
+    let tied = [heads, aligned, coded].map(usize::from);
     let what = if settings.latent < wide || arguments.window < 2 {
         "expected a latent vector of at least 1 (2 with --align, 3 with --heads) and a window of 2"
-    } else if is_tied && is_aligned {
-        "expected --heads or --align, found both: they tie the same coordinates"
-    } else if is_tied && known.materials.is_empty() {
+    } else if tied.iter().sum::<usize>() > 1 {
+        "expected one of --heads, --align and --codes, found more: they tie the same coordinates"
+    } else if heads && known.materials.is_empty() {
         "--heads: expected a materials.csv beside the recordings, as `hil texture strokes` writes it"
-    } else if !is_tied && settings.along {
-        "--along: expected --heads, which it asks earlier"
-    } else if !is_tied && settings.decode <= 0.0 {
-        "--decode 0: expected --heads, or there is nothing to learn"
+    } else if !(heads || coded) && settings.along {
+        "--along: expected --heads or --codes, which it asks earlier"
+    } else if !(heads || coded) && settings.decode <= 0.0 {
+        "--decode 0: expected --heads or --codes, or there is nothing to learn"
     } else {
         return Ok(());
     };

@@ -114,6 +114,68 @@ pub fn neighbours(known: &[(Vec<f32>, usize)], asked: &[(Vec<f32>, usize)], k: u
     right.count() as f64 / asked.len().max(1) as f64
 }
 
+/// Added to the sums of squares of standardised coordinates, per recording: keeps those that go together from each other.
+const RIDGE: f64 = 1e-3;
+
+/// Share of `asked` that a linear probe labels right: least squares of the known, each label's indicator on the coordinates,
+/// and the largest of them.
+pub fn linear(known: &[(Vec<f32>, usize)], asked: &[(Vec<f32>, usize)], labels: usize) -> f64 {
+    let Some(width) = known.first().map(|(z, _)| z.len()) else {
+        return 0.0;
+    };
+    let count = known.len() as f64;
+    let places: Vec<(f64, f64)> = (0..width)
+        .map(|c| {
+            let column: Array1<f64> = known.iter().map(|(z, _)| f64::from(z[c])).collect();
+            (column.sum() / count, column.std(0.0).max(1e-12))
+        })
+        .collect();
+    // Standardised coordinates, and a one.
+    let row = |z: &[f32]| -> Vec<f64> {
+        let each = z
+            .iter()
+            .zip(&places)
+            .map(|(z, (mean, std))| (f64::from(*z) - mean) / std);
+        each.chain([1.0]).collect()
+    };
+    // Normal equations beside what they come to for each label, eliminated by rows.
+    let n = width + 1;
+    let mut system = Array2::<f64>::zeros((n, n + labels));
+    for (z, label) in known {
+        let row = row(z);
+        for (i, a) in row.iter().enumerate() {
+            for (j, b) in row.iter().enumerate() {
+                system[[i, j]] += a * b;
+            }
+            system[[i, n + label]] += a;
+        }
+    }
+    for i in 0..n {
+        system[[i, i]] += RIDGE * count;
+    }
+    for i in 0..n {
+        // Positive definite: no pivot is 0, and none has to be looked for.
+        let pivot = system.row(i).to_owned() / system[[i, i]];
+        for other in (0..n).filter(|other| *other != i) {
+            let share = system[[other, i]];
+            system.row_mut(other).scaled_add(-share, &pivot);
+        }
+        system.row_mut(i).assign(&pivot);
+    }
+    let says = |z: &[f32]| -> Option<usize> {
+        let row = row(z);
+        let score = |label: usize| -> f64 {
+            row.iter()
+                .enumerate()
+                .map(|(i, a)| a * system[[i, n + label]])
+                .sum()
+        };
+        (0..labels).max_by(|a, b| score(*a).total_cmp(&score(*b)))
+    };
+    let right = asked.iter().filter(|(z, label)| says(z) == Some(*label));
+    right.count() as f64 / asked.len().max(1) as f64
+}
+
 #[cfg(test)]
 #[path = "measure_tests.rs"]
 mod tests;

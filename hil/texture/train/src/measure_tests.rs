@@ -25,3 +25,23 @@ fn neighbours_vote_and_units_do_not_matter() {
     assert!((neighbours(&known, &asked, 3) - 1.0).abs() < 1e-12);
     assert!(neighbours(&[], &asked, 3).abs() < 1e-12);
 }
+
+/// Three labels in the corners of a triangle, however long its sides: a linear probe tells them, one of two corners not.
+#[test]
+fn a_linear_probe_finds_what_planes_part() {
+    let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1000.0_f32]];
+    let near = |n: usize| {
+        let [x, y] = corners[n % 3];
+        let off = (n / 3) as f32 * 0.02;
+        (vec![x + off, y - 1000.0 * off], n % 3)
+    };
+    let known: Vec<_> = (0..15).map(near).collect();
+    let asked: Vec<_> = (15..30).map(near).collect();
+    assert!((linear(&known, &asked, 3) - 1.0).abs() < 1e-12);
+    // The same points, labelled by turns: no plane has them.
+    let mixed = |(n, (z, _)): (usize, (Vec<f32>, usize))| (z, n / 3 % 2);
+    let known: Vec<_> = known.into_iter().enumerate().map(mixed).collect();
+    let asked: Vec<_> = asked.into_iter().enumerate().map(mixed).collect();
+    assert!(linear(&known, &asked, 2) < 0.7);
+    assert!(linear(&[], &asked, 2).abs() < 1e-12);
+}

@@ -121,7 +121,7 @@ fn against_others(
     errors.into()
 }
 
-/// Labels of the test recordings by their neighbours among the others: the network's latent vectors, and principal
+/// Labels of the test recordings by their neighbours among the others, and by a linear probe (of means alone): the network's latent vectors, and principal
 /// components. A recording stands for itself by the mean over its windows, and under `with_spread` by mean and standard
 /// deviation: how much a latent vector moves is texture too.
 fn by_neighbours(
@@ -148,7 +148,7 @@ fn by_neighbours(
         .chain(&split.validation)
         .copied()
         .collect();
-    let (mut means, mut both) = (Map::new(), Map::new());
+    let (mut means, mut both, mut linear) = (Map::new(), Map::new(), Map::new());
     let mut add = |name: &str, codes: Codes<'_>| {
         let (mut known, mut asked) = (points(&known, codes), points(&split.test, codes));
         let share = measure::neighbours(&known, &asked, NEIGHBOURS);
@@ -158,6 +158,8 @@ fn by_neighbours(
         }
         let share = measure::neighbours(&known, &asked, NEIGHBOURS);
         means.insert(name.to_owned(), json!(share));
+        let share = measure::linear(&known, &asked, labels.len());
+        linear.insert(name.to_owned(), json!(share));
     };
     add("network", &|places| {
         training::latents(network, windows, places)
@@ -170,6 +172,7 @@ fn by_neighbours(
     }
     means.insert("labels".to_owned(), json!(labels.len()));
     means.insert("with_spread".to_owned(), both.into());
+    means.insert("linear".to_owned(), linear.into());
     means.into()
 }
 

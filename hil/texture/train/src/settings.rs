@@ -47,7 +47,11 @@ pub struct Settings {
     #[serde(default)]
     #[arg(long, default_value_t = 0.0)]
     pub heads: f64,
-    /// Asks --heads at every step of a window's later half too, not at its end alone.
+    /// Weight of the term that ties the latent vector to a corner of its own for each label, far from those of all others.
+    #[serde(default)]
+    #[arg(long, default_value_t = 0.0)]
+    pub codes: f64,
+    /// Asks --heads or --codes at every step of a window's later half too, not at its end alone.
     #[serde(default)]
     #[arg(long)]
     pub along: bool,

@@ -91,8 +91,8 @@ fn train_on<L: Learning>(
         state = state.read(path, settings, &device)?;
     }
     let places = windows.of(&split.train, settings.hop);
-    let is_tied = settings.heads > 0.0;
-    let hop = if is_tied {
+    let is_tied = settings.heads > 0.0 || settings.codes > 0.0;
+    let hop = if settings.heads > 0.0 {
         MATERIALS_HOP
     } else {
         VALIDATION_HOP
@@ -106,7 +106,7 @@ fn train_on<L: Learning>(
     }
     let lesson = Lesson::<L> {
         windows,
-        aims: Aims::new(known, settings),
+        aims: Aims::new(known, &windows.recordings.labels(), settings),
         settings,
         guide: (settings.guided > 0).then(|| Guide::new(windows, &split.train, latent)),
         device,

@@ -73,6 +73,7 @@ pub fn settings(epochs: usize) -> Settings {
         patience: 100,
         align: 0.1,
         heads: 0.0,
+        codes: 0.0,
         along: false,
         decode: 1.0,
         whiten: false,
@@ -162,6 +163,28 @@ fn a_training_by_materials_learns_them_and_resumes_with_the_same_bits() {
         roughness.spearman > 0.8 && hardness.spearman > 0.8,
         "{found:?}"
     );
+}
+
+/// The aims of two labels are far apart in every coordinate, so each window of a label lands on its side of each.
+#[test]
+fn a_training_by_codes_parts_labels_in_every_coordinate() {
+    let (windows, split, known) = small();
+    let settings = Settings {
+        align: 0.0,
+        codes: 1.0,
+        decode: 0.0,
+        share: 1,
+        ..settings(20)
+    };
+    let (network, _) = train(&windows, &split, &known, &settings, None, |_| true).unwrap();
+    let places = windows.of(&split.test, 1);
+    let z = latents(&network, &windows, &places);
+    let labels = places.iter().map(|&p| windows.recording(p).label.as_str());
+    for (z, label) in z.iter().zip(labels) {
+        // Labels are sorted, and the first has the lower corner.
+        let side = if label == "rough" { -1.0 } else { 1.0 };
+        assert!(z.iter().all(|z| z * side > 0.3), "{label}: {z:?}");
+    }
 }
 
 fn weights(network: &Network<Plain>) -> Vec<f32> {
