@@ -1,8 +1,10 @@
 """What a second of the emulated module's readings says of a surface at best, by a strong ordinary learner.
 
-    ceiling.py FOLDER...
+    ceiling.py probes TABLE               a table of surfaces with one property at a time over its range
+    ceiling.py FOLDER PROBES [...]
 
-Each folder is one of `hil texture strokes --varied`: recordings and materials.csv. Gradient boosting learns the logarithm of
+Each folder is one of `hil texture strokes --varied`: recordings and materials.csv. Each second one has strokes of the probes, by
+which crosstalk is told as `hil texture response` tells it: a span over a foreign property by that over a learner's own. Gradient boosting learns the logarithm of
 each property from spectra, deviations and the onset of one second, on materials marked `trained`, and is asked about the
 others. The figure is Spearman's rank correlation on those: window by window, and of the means over a material's windows.
 `impact` and `sliding` are readings over the module's rest; `window` is the second of sliding less its first sample, which is all
@@ -20,6 +22,10 @@ from sklearn.ensemble import HistGradientBoostingRegressor
 SECONDS = 2.0  # of a recording
 PROPERTIES = ["relief_um", "wavelength_mm", "friction", "stiffness_n_per_mm"]
 BANDS = 12
+# Probes: each property's range as `hil texture response` has it, the shares at which the others stand, and the values between.
+RANGES = {"relief_um": (5, 350), "wavelength_mm": (0.3, 5), "friction": (0.3, 1.5), "stiffness_n_per_mm": (1, 100)}
+SETTINGS = [0.25, 0.5, 0.75]
+VALUES = 9
 
 
 def spectrum(signal: np.ndarray, hz: float) -> np.ndarray:
@@ -52,36 +58,71 @@ def features(rows: np.ndarray, rest: np.ndarray, hz: float) -> np.ndarray:
     return np.array(found)
 
 
+def probes(table: Path) -> None:
+    """Surfaces called probe-PROPERTY-SETTING-VALUE."""
+    text = 'name = "probes"\ndescription = "One property at a time"\nassumed = "all ranges"\n'
+    for number, key in enumerate(RANGES):
+        for setting, share in enumerate(SETTINGS):
+            for value in range(VALUES):
+                text += f'\n[[texture]]\nname = "probe-{number}-{setting}-{value}"\ntrained = false\noctaves = 1.0\n'
+                for other, (low, high) in RANGES.items():
+                    at = value / (VALUES - 1) if other == key else share
+                    text += f"{other} = {low * (high / low) ** at:.6g}\n"
+                    if other == "friction":
+                        text += f"finger_friction = {low * (high / low) ** at:.6g}\n"
+    table.write_text(text)
+
+
+def crosstalk(said: np.ndarray, labels: np.ndarray, own: int) -> list[float]:
+    """A learner's span over each property by that over its own, means over settings and over a probe's strokes."""
+    mean = {label: said[labels == label].mean() for label in np.unique(labels)}
+    spans = []
+    for number in range(len(RANGES)):
+        of = [[mean[f"probe-{number}-{s}-{v}"] for v in range(VALUES)] for s in range(len(SETTINGS))]
+        spans.append(np.mean([max(values) - min(values) for values in of]))
+    return [span / spans[own] for span in spans]
+
+
+def read(folder: Path):
+    """Materials, the rate, and by part of a recording its features and labels."""
+    with open(folder / "materials.csv") as table:
+        materials = {row["label"]: row for row in csv.DictReader(table)}
+    hz = 0.0
+    data = {"impact": ([], []), "sliding": ([], []), "window": ([], [])}
+    for path in sorted(folder.glob("*_*.csv")):
+        text = path.read_text().split("\n", 1)
+        columns = text[0].count(",") + 1
+        rows = np.fromstring(text[1].replace("\n", ","), sep=",").reshape(-1, columns)
+        hz = len(rows) / SECONDS
+        rows = rows.reshape(len(rows), -1, 3)
+        second, rest = len(rows) // 2, rows[0]
+        label = path.stem.rsplit("_", 1)[0]
+        parts = {"impact": (rows[:second], rest), "sliding": (rows[second:], rest), "window": (rows[second:], rows[second])}
+        for name, (part, base) in parts.items():
+            data[name][0].append(features(part, base, hz))
+            data[name][1].append(label)
+    return materials, hz, data
+
+
 def main(folders: list[Path]) -> None:
     print("rank correlation on unseen materials, window by window (mean of a material's windows)")
-    for folder in folders:
-        with open(folder / "materials.csv") as table:
-            materials = {row["label"]: row for row in csv.DictReader(table)}
-        hz = 0.0
-        data = {"impact": ([], []), "sliding": ([], []), "window": ([], [])}
-        for path in sorted(folder.glob("*_*.csv")):
-            text = path.read_text().split("\n", 1)
-            columns = text[0].count(",") + 1
-            rows = np.fromstring(text[1].replace("\n", ","), sep=",").reshape(-1, columns)
-            hz = len(rows) / SECONDS
-            rows = rows.reshape(len(rows), -1, 3)
-            second, rest = len(rows) // 2, rows[0]
-            label = path.stem.rsplit("_", 1)[0]
-            parts = {"impact": (rows[:second], rest), "sliding": (rows[second:], rest), "window": (rows[second:], rows[second])}
-            for name, (part, base) in parts.items():
-                data[name][0].append(features(part, base, hz))
-                data[name][1].append(label)
+    for folder, probed in zip(folders[::2], folders[1::2]):
+        materials, hz, data = read(folder)
+        asked = read(probed)[2]["window"]
         trained = sum(m["trained"] == "true" for m in materials.values())
         print(f"\n{folder.name}: {hz:.0f} Hz, {trained} materials to learn from, {len(materials) - trained} unseen")
         print(f"{'second':<10}" + "".join(f"{p:>22}" for p in PROPERTIES))
         for name, (inputs, labels) in data.items():
             x, labels = np.array(inputs), np.array(labels)
             seen = np.array([materials[label]["trained"] == "true" for label in labels])
-            line = f"{name:<10}"
-            for key in PROPERTIES:
+            line, spans = f"{name:<10}", []
+            for number, key in enumerate(PROPERTIES):
                 y = np.log([float(materials[label][key]) for label in labels])
                 learner = HistGradientBoostingRegressor(max_iter=300, learning_rate=0.05, random_state=1)
                 said = learner.fit(x[seen], y[seen]).predict(x[~seen])
+                if name == "window":
+                    of_probes = learner.predict(np.array(asked[0]))
+                    spans.append((key, crosstalk(of_probes, np.array(asked[1]), number)))
                 truth, unseen = y[~seen], labels[~seen]
                 names = np.unique(unseen)
                 means = [said[unseen == n].mean() for n in names]
@@ -89,7 +130,12 @@ def main(folders: list[Path]) -> None:
                 one = spearmanr(said, truth).statistic
                 line += f"{one:>13.2f} ({spearmanr(means, truths).statistic:>5.2f}) "
             print(line)
+            for key, of in spans:
+                print(f"  crosstalk of {key:<20}" + "".join(f"{share:>11.2f}" for share in of))
 
 
 if __name__ == "__main__":
-    main([Path(argument) for argument in sys.argv[1:]])
+    if sys.argv[1] == "probes":
+        probes(Path(sys.argv[2]))
+    else:
+        main([Path(argument) for argument in sys.argv[1:]])
