@@ -86,4 +86,11 @@ await last.page.waitForFunction(() => palpate.over, null, { timeout: 10000 });
 assert.equal(await next.ended, 0);
 await last.page.context().close();
 console.log("live: another run ok");
+
+// A page without the token that its server wants says so, by whatever name of this computer it was opened.
+const guarded = await serve("0.0.0.0:0", "idle", "--set", "length_s=600"), stranger = await browser.newPage();
+await stranger.goto(guarded.base.replace("0.0.0.0", "127.0.0.1"));
+await stranger.waitForFunction(() => /no connection: open the address with the token/.test(document.getElementById("line").textContent), null, { timeout: 10000 });
+guarded.run.kill("SIGKILL");
+console.log("live: token ok");
 await browser.close();

@@ -4,10 +4,12 @@
 mod rack;
 mod rise;
 mod stage;
+mod standing;
 mod totals;
 mod wearing;
 
 pub use rack::Rack;
+pub use standing::Standing;
 pub use totals::DisplayTotals;
 
 use std::collections::VecDeque;
@@ -21,7 +23,6 @@ use crate::display::dac7578::Dac7578;
 use crate::display::i2c::{BusClock, Error as I2cError, I2cHandle};
 use crate::display::pca9685::{Edge, Pca9685, Pin};
 use crate::display::solver::record::Peaks;
-use crate::display::wire::Wire;
 use crate::person::channels::{Felt, Person};
 use crate::time::Nanos;
 use rack::Connection;
@@ -390,13 +391,6 @@ impl WornDisplay {
             .map(|w| w.tissue(now).0 + rise_k)
     }
 
-    /// The same two of a wire, wire first, as [`Wire::glance`]: what no run without a page asks for.
-    pub fn glance_c(&self, wire: usize) -> Option<[f64; 2]> {
-        let [wire_c, tissue_c] = self.worn.wires.get(wire)?.glance(self.now);
-        let rise_k = self.warmed.as_ref().map_or(0.0, |rise| rise.k);
-        Some([wire_c, tissue_c + rise_k])
-    }
-
     /// A person puts the display on, now: wires are felt from here on. Until the next [`WornDisplay::settle`] every stretch
     /// of their motion is kept.
     ///
@@ -445,30 +439,15 @@ impl WornDisplay {
     pub fn totals(&mut self) -> DisplayTotals {
         let (now, peak_supply) = (self.now, self.supply.peak().0);
         let totals = DisplayTotals::of(&mut self.worn.wires, &Peaks::NONE, peak_supply, now);
-        self.with_face(totals)
-    }
-
-    /// The same by copies of the wires, as [`WornDisplay::glance_c`].
-    pub fn glance(&self) -> DisplayTotals {
-        let mut copies: Vec<Wire> = self.worn.wires.iter().map(Wire::ahead).collect();
-        let mut floor = Peaks::NONE;
-        for wire in &copies {
-            floor.raise(&wire.solver().peaks_floor());
-        }
-        let peak_supply = self.supply.peak().0;
-        self.with_face(DisplayTotals::of(
-            &mut copies,
-            &floor,
-            peak_supply,
-            self.now,
-        ))
-    }
-
-    /// What a warm face adds to the wires' totals.
-    fn with_face(&self, totals: DisplayTotals) -> DisplayTotals {
         match &self.warmed {
             Some(rise) => rise.total(totals),
             None => totals,
         }
+    }
+
+    /// A copy of its wires as they stand now, for a look that leaves them alone; with their books, which are larger, for
+    /// one at totals too.
+    pub fn standing(&self, with_books: bool) -> Standing {
+        Standing::of(self, with_books)
     }
 }

@@ -1,6 +1,12 @@
 // The line to hil: opened, opened anew when it is lost, and heard.
 const AGAIN_MS = [250, 500, 1000, 2000];
 
+// Why there is no line, on a page that has or has not seen a run. Where the server wants a token, a page without one never will.
+export function unlinked(run) {
+  const lost = run || location.hash || !("token" in document.body.dataset);
+  return lost ? "connection lost; trying again" : "no connection: open the address with the token that hil printed";
+}
+
 export class Link {
   constructor(hear, stand) {
     Object.assign(this, { hear, stand, tries: 0, closed: false });

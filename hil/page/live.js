@@ -1,7 +1,7 @@
 // The page over a run: it shows what hil sends, and can say STOP.
 import { number } from "palpate/draw.js";
 import { Finger } from "palpate/finger.js";
-import { Link } from "palpate/link.js";
+import { Link, unlinked } from "palpate/link.js";
 import { Pad } from "palpate/pad.js";
 import { Panels } from "palpate/panels.js";
 import { Plots, span } from "palpate/plots.js";
@@ -112,8 +112,7 @@ class Page {
   stand(up) {
     if (this.over) return;
     by("line").classList.toggle("lost", !up);
-    const asked = this.run || location.hash || /^(localhost|127\.|\[::1\])/.test(location.hostname);
-    put("line", up ? "connected" : asked ? "connection lost; trying again" : "no connection: open the address with the token that hil printed");
+    put("line", up ? "connected" : unlinked(this.run));
     by("stop").disabled = !up;
     if (!up && this.picture) this.lost ??= true;
   }

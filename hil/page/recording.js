@@ -1,7 +1,7 @@
 // The page over a recording: any moment of it, at any speed; two of them stand beside each other over one clock.
 import { number } from "palpate/draw.js";
 import { Finger } from "palpate/finger.js";
-import { Link } from "palpate/link.js";
+import { Link, unlinked } from "palpate/link.js";
 import { Pad } from "palpate/pad.js";
 import { Panels } from "palpate/panels.js";
 import { Plots, span } from "palpate/plots.js";
@@ -60,8 +60,7 @@ class Recording {
     this.asked = false;
     if (up) this.link.send({ run: this.number });
     by("line").classList.toggle("lost", !up);
-    const asked = this.run || location.hash || /^(localhost|127\.|\[::1\])/.test(location.hostname);
-    put("line", up ? "" : asked ? "connection lost; trying again" : "no connection: open the address with the token that hil printed");
+    put("line", up ? "" : unlinked(this.run));
   }
 
   // The moment that is wanted next; of several while one is on its way, the last.

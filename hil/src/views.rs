@@ -77,7 +77,7 @@ impl Views {
             self.watch = open_watch(run)?;
         }
         if let (None, Some(live)) = (&self.live, wanted.live) {
-            self.live = Some(live.begin()?);
+            self.live = Some(LiveRun::begin(live)?);
         }
         if let Some(live) = &mut self.live {
             live.add(run);
@@ -98,7 +98,7 @@ impl Views {
                 return Some(Wish::Stop);
             }
             if seen.now >= self.limits
-                && let Some(used) = (seen.state)(Wants::READINGS).used
+                && let Some(used) = (seen.state)(Wants::READINGS).used()
             {
                 self.limits = seen.now + LIMITS_EVERY;
                 desk.limits(&used);

@@ -13,7 +13,7 @@ use palpate_emulators::display::i2c::fault::{I2cFault, I2cFaults, Shared};
 use palpate_emulators::display::observed::RegisterWriter;
 use palpate_emulators::person::channels::Felt;
 use palpate_emulators::time::Nanos;
-use palpate_emulators::worn::{DisplayTotals, OutputEdge, ThermalSample, WornDisplay};
+use palpate_emulators::worn::{OutputEdge, Standing, ThermalSample, WornDisplay};
 use palpate_files::{Drive, Setup};
 use palpate_records::i2c::Transfer;
 use palpate_records::margin::Margin;
@@ -101,13 +101,9 @@ pub trait DisplayEnd {
         Instant::FAR_FUTURE
     }
 
-    /// Each wire and the skin under it now, degrees C; nothing where nothing measures them.
-    fn warmth(&self) -> Vec<[f64; 2]> {
-        Vec::new()
-    }
-
-    /// What the wires came to so far, where that is measured.
-    fn totals(&self) -> Option<DisplayTotals> {
+    /// The wires as they stand now, where something measures them; with what they came to so far, if that is wanted.
+    fn standing(&self, with_totals: bool) -> Option<Standing> {
+        let _ = with_totals;
         None
     }
 
@@ -455,13 +451,8 @@ impl DisplayEnd for EmulatedDisplay {
         self.script.next()
     }
 
-    fn warmth(&self) -> Vec<[f64; 2]> {
-        let celsius = |wire| self.display.glance_c(wire).unwrap_or([f64::NAN; 2]);
-        (0..self.place.wires).map(celsius).collect()
-    }
-
-    fn totals(&self) -> Option<DisplayTotals> {
-        Some(self.display.glance())
+    fn standing(&self, with_totals: bool) -> Option<Standing> {
+        Some(self.display.standing(with_totals))
     }
 
     fn newest_band_db(&self) -> Option<[f64; 2]> {

@@ -118,14 +118,16 @@ pub(super) fn file(path: &str, page: Page) -> Option<&'static PageFile> {
 }
 
 impl PageFile {
-    /// Its text for a page that was asked for by this host's name, which may open a socket there and nowhere else.
-    pub(super) fn text(&self, host: &str, page: Page) -> String {
+    /// Its text for a page that was asked for by this host's name, which may open a socket there and nowhere else. Where that
+    /// needs a token, the page knows why it has none.
+    pub(super) fn text(&self, host: &str, page: Page, wants_token: bool) -> String {
         if self.media_type != HTML {
             return self.text.to_owned();
         }
         let connects = page.connects(host);
         let own = [("connect-src 'self'", connects.as_str())];
-        let changes = page.otherwise().iter().copied().chain(own);
+        let token = wants_token.then_some(("<body", "<body data-token"));
+        let changes = page.otherwise().iter().copied().chain(own).chain(token);
         changes.fold(self.text.to_owned(), |text, (what, instead)| {
             text.replacen(what, instead, 1)
         })

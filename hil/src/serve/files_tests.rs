@@ -6,13 +6,16 @@ use super::*;
 fn what_is_said_otherwise_stands_in_the_page_once() {
     for over in [Page::Live, Page::Recording, Page::Study] {
         let page = file("/", over).unwrap();
-        let text = page.text("127.0.0.1:1", over);
+        let text = page.text("127.0.0.1:1", over, false);
         for (what, instead) in over.otherwise() {
             assert_eq!(page.text.matches(what).count(), 1, "{what}");
             assert!(text.contains(instead), "{instead}");
         }
         assert!(text.contains("connect-src 'self' ws://127.0.0.1:1;"));
         assert_eq!(text.contains("frame-src"), over == Page::Recording);
+        let open = text.replace("<body ", "<body data-token ");
+        assert_ne!(text, open);
+        assert_eq!(page.text("127.0.0.1:1", over, true), open);
     }
 }
 

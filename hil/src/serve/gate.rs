@@ -41,6 +41,11 @@ impl Gate {
         format!("http://{address}/{}", token.unwrap_or_default())
     }
 
+    /// Whether a socket needs a token.
+    pub(super) const fn wants_token(&self) -> bool {
+        self.token.is_some()
+    }
+
     /// Whether a request may have a file of the page; a sentence where not.
     pub(super) fn admits(&self, request: &Request) -> Result<(), &'static str> {
         let plain = |c: char| c.is_ascii_alphanumeric() || ".:-[]".contains(c);

@@ -1,18 +1,14 @@
-//! The live view of a run: pictures go from the loop to a thread, and from there to every page. The loop never waits
-//! for either.
+//! The live view of a run, as its pages have it: what each is told when it opens, which display it looks at, what it says.
 
-use std::fmt;
 use std::net::{SocketAddr, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread::Builder;
-use std::time::Duration as Elapsed;
+use std::thread::{Builder, Thread};
+use std::time::Duration;
 
-use palpate_core::units::{Duration, Instant};
-use palpate_run::picture::{Head, Painter, Picture};
-use palpate_run::{Beginning, Failure, TurnView};
-use serde::{Deserialize, Serialize};
+use palpate_run::picture::Head;
+use palpate_run::{Beginning, Failure};
+use serde::Deserialize;
 use serde_json::json;
 use tungstenite::Message;
 
@@ -20,12 +16,8 @@ use super::files::Page;
 use super::server::{self, Show, socket};
 use super::slot::Slot;
 
-/// Time between two pictures.
-const EVERY: Duration = Duration::from_micros(33_333);
-/// Pictures that wait for the thread that hands them on.
-const WAITING: usize = 4;
 /// Pages have so long to take in how the run ended.
-const LAST: Elapsed = Elapsed::from_millis(500);
+const LAST: Duration = Duration::from_millis(500);
 /// Displays that can be told apart.
 const DISPLAYS: usize = 64;
 
@@ -39,11 +31,13 @@ pub struct Live {
 
 /// What pages and the run have in common.
 #[derive(Debug, Default)]
-struct Hub {
+pub(super) struct Hub {
     pages: Mutex<Vec<Arc<Slot>>>,
     run: Mutex<Known>,
     /// Displays that pages look at, a bit each.
     looked_at: AtomicU64,
+    /// The thread that paints for them, asleep while no page looks.
+    painting: Mutex<Option<Thread>>,
     stop: AtomicBool,
 }
 
@@ -66,6 +60,7 @@ struct Said {
     display: Option<usize>,
 }
 
+/// A lock, whatever became of the thread that had it.
 fn held<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
     lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -97,32 +92,9 @@ impl Live {
         Ok(Self { hub, url })
     }
 
-    /// The run's end of it.
-    ///
-    /// # Errors
-    /// [`Failure::Device`] when the system gives no thread.
-    pub fn begin(&self) -> Result<LiveRun, Failure> {
-        let (pictures, arriving) = sync_channel::<Made>(WAITING);
-        let hub = Arc::clone(&self.hub);
-        let hand_on = move || {
-            for made in arriving {
-                // What can be no JSON would be a fault of ours, and every picture stands for itself.
-                let Ok(text) = serde_json::to_string(&made) else {
-                    continue;
-                };
-                let text: Arc<str> = text.into();
-                held(&hub.pages)
-                    .iter()
-                    .for_each(|page| page.show(made.display, &text));
-            }
-        };
-        let thread = Builder::new().name("pictures".into()).spawn(hand_on);
-        thread.map_err(|e| Failure::Device(format!("the live view: {e}")))?;
-        Ok(LiveRun {
-            hub: Arc::clone(&self.hub),
-            shown: Vec::new(),
-            pictures,
-        })
+    /// What its pages have in common with a run.
+    pub(super) fn hub(&self) -> Arc<Hub> {
+        Arc::clone(&self.hub)
     }
 
     /// The run is over, and this is what it came to; pages have a moment to take it in.
@@ -135,48 +107,10 @@ impl Live {
     }
 }
 
-/// A picture on its way to the pages.
-#[derive(Debug, Serialize)]
-struct Made {
-    display: usize,
-    number: u64,
-    picture: Picture,
-}
-
-/// A display of the run.
-struct Shown {
-    painter: Painter,
-    next: Instant,
-    /// How many of its events have been looked at, and how many pictures were due.
-    told: usize,
-    number: u64,
-}
-
-/// A run's end of a live view.
-pub struct LiveRun {
-    hub: Arc<Hub>,
-    shown: Vec<Shown>,
-    pictures: SyncSender<Made>,
-}
-
-impl fmt::Debug for LiveRun {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("LiveRun")
-            .field("displays", &self.shown.len())
-            .finish_non_exhaustive()
-    }
-}
-
-impl LiveRun {
-    /// The run is about to begin, or that of one more display.
-    pub fn add(&mut self, run: &Beginning<'_>) {
-        self.shown.push(Shown {
-            painter: Painter::new(run.setup, run.header, run.projector),
-            next: Instant::ZERO,
-            told: 0,
-            number: 0,
-        });
-        let mut known = held(&self.hub.run);
+impl Hub {
+    /// One more display of the run.
+    pub(super) fn add(&self, run: &Beginning<'_>) {
+        let mut known = held(&self.run);
         known
             .heads
             .push(Head::new(run.setup, run.header, run.projector));
@@ -184,46 +118,40 @@ impl LiveRun {
         known.end_us = run.end.as_micros();
         let hello = known.hello();
         drop(known);
-        held(&self.hub.pages)
+        held(&self.pages)
             .iter()
             .for_each(|page| page.tell(Arc::clone(&hello)));
     }
 
     /// Whether a page has said STOP.
-    pub fn is_stopped(&self) -> bool {
-        self.hub.stop.load(Ordering::Relaxed)
+    pub(super) fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
     }
 
-    /// Shows a turn, if a picture is due that a page looks at.
-    pub fn turn(&mut self, seen: &TurnView<'_>) {
-        let Some(shown) = self
-            .shown
-            .get_mut(seen.display)
-            .filter(|s| seen.now >= s.next)
-        else {
-            return;
-        };
-        shown.next = (shown.next + EVERY).max(seen.now);
-        shown.number += 1;
-        let events = seen.events.get(shown.told..).unwrap_or_default();
-        shown.told = seen.events.len();
-        let bit = 1 << seen.display.min(DISPLAYS - 1);
-        if self.hub.looked_at.load(Ordering::Relaxed) & bit == 0 {
-            shown.painter.pass(events);
-            return;
-        }
-        let state = (seen.state)(shown.painter.wants(seen.now.as_micros()));
-        let made = Made {
-            display: seen.display,
-            number: shown.number,
-            picture: shown.painter.picture(events, seen.counts, state),
-        };
-        // Full: what is on its way is enough, and the pages count what they miss.
-        let _ = self.pictures.try_send(made);
+    /// Whether any page looks at anything.
+    pub(super) fn is_watched(&self) -> bool {
+        self.looked_at.load(Ordering::Relaxed) != 0
     }
-}
 
-impl Hub {
+    /// Whether a page looks at this display.
+    pub(super) fn looks_at(&self, display: usize) -> bool {
+        let bit = 1 << display.min(DISPLAYS - 1);
+        self.looked_at.load(Ordering::Relaxed) & bit != 0
+    }
+
+    /// Has a thread woken whenever pages look elsewhere; and now, since one may have come before this.
+    pub(super) fn wakes(&self, painting: &Thread) {
+        *held(&self.painting) = Some(painting.clone());
+        painting.unpark();
+    }
+
+    /// The newest picture of a display, for all pages that look at it.
+    pub(super) fn show(&self, display: usize, picture: &Arc<str>) {
+        held(&self.pages)
+            .iter()
+            .for_each(|page| page.show(display, picture));
+    }
+
     fn look_again(&self) {
         let pages = held(&self.pages);
         let bits = pages
@@ -231,6 +159,8 @@ impl Hub {
             .map(|page| 1 << page.display.load(Ordering::Relaxed).min(DISPLAYS - 1));
         self.looked_at
             .store(bits.fold(0, |all, bit: u64| all | bit), Ordering::Relaxed);
+        drop(pages);
+        held(&self.painting).iter().for_each(Thread::unpark);
     }
 
     fn open(&self) -> Arc<Slot> {

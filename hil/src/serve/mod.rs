@@ -6,13 +6,15 @@ mod files;
 mod gate;
 mod http;
 mod live;
+mod pictures;
 mod recordings;
 mod server;
 mod slot;
 
 pub use desk::{Desk, Heard};
 pub use files::notebook;
-pub use live::{Live, LiveRun};
+pub use live::Live;
+pub use pictures::LiveRun;
 pub use recordings::Recordings;
 
 use std::net::{Ipv4Addr, SocketAddr};

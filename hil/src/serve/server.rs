@@ -112,7 +112,7 @@ fn connection(mut stream: TcpStream, gate: &Gate, show: &dyn Show) -> io::Result
         ),
         (path, _) => match files::file(path, show.look()) {
             Some(file) => {
-                let text = file.text(&request.host, show.look());
+                let text = file.text(&request.host, show.look(), gate.wants_token());
                 answer(&mut stream, "200 OK", file.media_type, &text)
             }
             None => answer(&mut stream, "404 Not Found", plain, "no such file"),

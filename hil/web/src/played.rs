@@ -134,10 +134,8 @@ impl Played {
         let final_ns = (until_us * 1000).saturating_sub(LATE_NS);
         self.told.add(&events, final_ns);
         let (_, recorder, look) = self.session.look();
-        let state = State {
-            now: until,
-            ..look.state(self.painter.wants(until_us))
-        };
+        let mut state: State = look.state(self.painter.wants(until_us));
+        state.now = until;
         let counts = recorder.counts.as_deref().unwrap_or_default();
         let map = state.map;
         let mut picture = self.painter.picture(&events, counts, state);

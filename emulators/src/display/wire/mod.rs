@@ -217,11 +217,21 @@ impl Wire {
         self.solver.glance(at)
     }
 
-    /// A copy that answers for peaks, energy and dose as this one would, whose bursts and stretches stay behind.
+    /// A light copy that answers for temperatures as this one would.
     #[must_use]
     pub fn ahead(&self) -> Self {
+        Self::of(self.solver.ahead())
+    }
+
+    /// One that answers for peaks, energy and dose too. Bursts and stretches stay behind.
+    #[must_use]
+    pub fn ahead_with_books(&self) -> Self {
+        Self::of(self.solver.ahead_with_books())
+    }
+
+    const fn of(solver: Exact) -> Self {
         Self {
-            solver: self.solver.ahead_with_books(),
+            solver,
             pulse: None,
             burst: None,
         }

@@ -7,16 +7,16 @@ pub use head::style_word;
 pub(crate) use painter::Memory;
 pub use painter::Painter;
 
-use palpate_core::guard::{Cause, Used};
+use palpate_core::guard::{Cause, Guard, Used};
 use palpate_core::illusion::Map;
 use palpate_core::projector::Projector;
 use palpate_core::units::Instant;
-use palpate_emulators::worn::DisplayTotals;
+use palpate_emulators::worn::{DisplayTotals, Standing};
 use serde::Serialize;
 
 use crate::display_end::DisplayEnd;
 
-/// What is wanted of a look at a session, beside what costs nothing: each is work for every wire.
+/// What is wanted of a look at a session, beside what costs nothing: each is a copy for every wire, and then work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wants {
     /// Temperatures, and the share of each limit.
@@ -33,23 +33,54 @@ impl Wants {
     };
 }
 
-/// How things are at one moment, as far as no event says it.
+/// How things are at one moment, as far as no event says it. What takes time to compute is copied as it is, and computed
+/// where it is read: a loop hands this on to a thread that has the time.
 #[derive(Clone, Debug)]
 pub struct State {
     /// The moment.
     pub now: Instant,
     /// From the skin to the display.
     pub map: Map,
-    /// What the guard counts as used; none where that is not wanted, or no guard is asked, as of a recording.
-    pub used: Option<Used>,
     /// What the guard holds everything off for.
     pub stopped: Option<&'static str>,
-    /// Each wire and the skin under it, degrees C; empty where they are not wanted, or nothing measures them.
-    pub warm: Vec<[f64; 2]>,
     /// The newest onset's level over everything that is not measured, dB.
     pub band_db: Option<[f64; 2]>,
+    /// The guard and when it was copied; none where its shares are not wanted, or no guard is asked, as of a recording.
+    guard: Option<(Guard, Instant)>,
+    /// The wires, where their temperatures or totals are wanted and measured.
+    wires: Option<Standing>,
+}
+
+impl State {
+    /// Of a recording, that has nothing but events.
+    pub(crate) const fn recorded(now: Instant, map: Map) -> Self {
+        Self {
+            now,
+            map,
+            stopped: None,
+            band_db: None,
+            guard: None,
+            wires: None,
+        }
+    }
+
+    /// What the guard counts as used, where that is wanted.
+    #[must_use]
+    pub fn used(&self) -> Option<Used> {
+        self.guard.as_ref().map(|(guard, at)| guard.used(*at))
+    }
+
+    /// Each wire and the skin under it, degrees C; empty where they are not wanted, or nothing measures them.
+    fn warm(&self) -> Vec<[f64; 2]> {
+        let wires = self.wires.as_ref();
+        wires.map(Standing::warmth_c).unwrap_or_default()
+    }
+
     /// What the run came to so far, where that is wanted and measured.
-    pub totals: Option<Totals>,
+    fn totals(&self) -> Option<Totals> {
+        let totals = self.wires.as_ref()?.totals()?;
+        Some(totals.into())
+    }
 }
 
 /// Peaks, dose and energy of a run so far.
@@ -86,18 +117,12 @@ impl<D: DisplayEnd> Look<'_, D> {
         State {
             now: self.now,
             map: *self.projector.map(),
-            used: wants.readings.then(|| guard.used(self.now)),
             stopped: guard.latched().map(Cause::word),
-            warm: match wants.readings {
-                true => self.display.warmth(),
-                false => Vec::new(),
-            },
             band_db: self.display.newest_band_db(),
-            totals: wants
-                .totals
-                .then(|| self.display.totals())
-                .flatten()
-                .map(Totals::from),
+            guard: wants.readings.then(|| (guard.clone(), self.now)),
+            wires: (wants.readings || wants.totals)
+                .then(|| self.display.standing(wants.totals))
+                .flatten(),
         }
     }
 }

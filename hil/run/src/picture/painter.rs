@@ -178,21 +178,17 @@ impl Painter {
     fn keep(&mut self, state: &State) {
         let now_us = state.now.as_micros();
         self.shown_us = now_us;
-        if !state.warm.is_empty() {
-            self.warm.clear();
-            self.warm
-                .extend(state.warm.iter().map(|two| two.map(short)));
-        }
-        if let Some(used) = &state.used {
+        if let Some(used) = state.used() {
+            self.warm = state.warm().into_iter().map(|two| two.map(short)).collect();
             self.looked_us[0] = Some(now_us);
             let rows = used.rows().into_iter();
             self.used.clear();
             self.used
                 .extend(rows.map(|(limit, share)| (limit, short(share))));
         }
-        if state.totals.is_some() {
+        if let Some(totals) = state.totals() {
             self.looked_us[1] = Some(now_us);
-            self.totals = state.totals;
+            self.totals = Some(totals);
         }
     }
 

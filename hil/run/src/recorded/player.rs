@@ -104,15 +104,7 @@ impl<R: Read, F: Fn(u64) -> R> Player<R, F> {
             return Err(error.into());
         }
         self.now_us = at_us;
-        let state = State {
-            now: Instant::from_micros(at_us),
-            map: self.recorded.map,
-            used: None,
-            stopped: None,
-            warm: Vec::new(),
-            band_db: None,
-            totals: None,
-        };
+        let state = State::recorded(Instant::from_micros(at_us), self.recorded.map);
         // What a seek shows was passed already.
         let passed = past.is_some().then(|| self.painter.memory().clone());
         let picture = self.painter.picture(&events, &self.counts, state);
