@@ -84,6 +84,7 @@ pub use script::FaultReport;
 pub use session::{Session, Turn};
 pub use stagger::stagger;
 pub use summary::{AskedLevel, DisplaySummary, IllTaxel, Refresh, Summary, Taxels, finished};
+pub use supervisor::Supervisor;
 pub use taxels::taxels;
 pub use verdict::stopped_by;
 

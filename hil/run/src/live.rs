@@ -128,8 +128,8 @@ impl SkinEnd for EmulatedSkin {
 pub type EmulatedSession = Session<EmulatedSkin, EmulatedDisplay>;
 /// A session that readings are pushed into, on an emulated display.
 pub type FedSession = Session<(), EmulatedDisplay>;
-/// A session that contacts are handed to, on an emulated display.
-pub type HeldSession = Session<Elsewhere, EmulatedDisplay>;
+/// A session that contacts are handed to, on a display of any kind.
+pub type HeldSession<D = EmulatedDisplay> = Session<Elsewhere, D>;
 
 impl EmulatedSession {
     /// A setup's scene with its touches and faults, run by the policy of any bench.
@@ -268,14 +268,29 @@ impl HeldSession {
     /// # Errors
     /// [`Failure::Input`] for what fits no loop.
     pub fn held(setup: &Setup, seed: u64, levels: Levels, truth: Truth) -> Result<Self, Failure> {
-        let mut projector = build(setup, seed, levels)?;
+        let projector = build(setup, seed, levels)?;
         let display = EmulatedDisplay::new(setup, &projector, seed)?;
+        let policy = Policy::emulated(setup.bench.value.unit.is_some());
+        Self::held_on(projector, display, policy, truth)
+    }
+}
+
+impl<D: DisplayEnd> HeldSession<D> {
+    /// The same of a loop and any display.
+    ///
+    /// # Errors
+    /// [`Failure::Device`] for a loop that has begun.
+    pub fn held_on(
+        mut projector: Projector,
+        display: D,
+        policy: Policy,
+        truth: Truth,
+    ) -> Result<Self, Failure> {
         let recorder = Recorder::new(truth, projector.layout()).bounded(MOST_EVENTS);
         // Until the first contacts come, none of its taxels is missing.
         let none = projector.hold(Instant::ZERO, Duration::ZERO, &[], &mut ());
         none.map_err(|e| Failure::Device(e.to_string()))?;
         let ends = (Elsewhere, display);
-        let policy = Policy::emulated(setup.bench.value.unit.is_some());
         Ok(Self::new(projector, ends, policy, recorder, None))
     }
 

@@ -33,6 +33,23 @@ pub(super) fn bench_with(
     can: &[String],
     i2c: &[PathBuf],
 ) -> Result<Loaded<Bench>, Failure> {
+    let bench = bench_on(name, overrides, can, i2c)?;
+    if !(can.is_empty() && i2c.is_empty()) {
+        enough_adapters(&bench.value)?;
+    }
+    Ok(bench)
+}
+
+/// The same for a skin alone, which needs no adapters.
+///
+/// # Errors
+/// An unknown name, a bad file, or devices that are named twice.
+pub fn bench_on(
+    name: Option<&str>,
+    overrides: &Overrides,
+    can: &[String],
+    i2c: &[PathBuf],
+) -> Result<Loaded<Bench>, Failure> {
     let mut bench = load_bench(name.unwrap_or(DEFAULT_BENCH))?.with(overrides)?;
     if can.is_empty() && i2c.is_empty() {
         return Ok(bench);
@@ -48,20 +65,34 @@ pub(super) fn bench_with(
     }
     once("--can", real.can.iter().map(Path::new))?;
     once("--i2c", real.i2c.iter().map(PathBuf::as_path))?;
-    let needed = file.outputs.iter().map(|o| usize::from(o.bus) + 1).max();
-    let on_unit = file.unit.as_ref().is_some_and(|u| u.address.is_some());
-    if !on_unit && needed > Some(real.i2c.len()) {
-        return Err(Failure::Input(format!(
-            "--i2c: bench `{}` needs {} adapters, found {}",
-            file.name,
-            needed.unwrap_or(0),
-            real.i2c.len()
-        )));
-    }
     if name.is_none() {
         file.name = "real".into();
     }
     Ok(bench)
+}
+
+/// Refuses a bench of hardware whose outputs have fewer adapters than they name.
+///
+/// # Errors
+/// [`Failure::Input`] with how many it needs.
+pub fn enough_adapters(bench: &Bench) -> Result<(), Failure> {
+    let Some(real) = bench
+        .real
+        .as_ref()
+        .filter(|_| bench.unit_address().is_none())
+    else {
+        return Ok(());
+    };
+    let needed = bench.outputs.iter().map(|o| usize::from(o.bus) + 1).max();
+    if needed > Some(real.i2c.len()) {
+        return Err(Failure::Input(format!(
+            "--i2c: bench `{}` needs {} adapters, found {}",
+            bench.name,
+            needed.unwrap_or(0),
+            real.i2c.len()
+        )));
+    }
+    Ok(())
 }
 
 /// The driver unit that a command names, by option or by its bench.

@@ -83,7 +83,7 @@ pub(super) struct Watchman {
 }
 
 /// The actuators' end of the loop, its clock, and the guardian.
-pub(super) struct Live {
+pub struct Live {
     banks: Banks<Blocking>,
     pub(super) watchman: Watchman,
     /// The adapters, for the way out of a stop.
@@ -161,7 +161,7 @@ pub(super) const fn cut_words(has_oe: bool) -> &'static str {
 }
 
 /// Interfaces of a bench: time passes there by itself.
-pub(super) struct Interfaces {
+pub struct Interfaces {
     buses: CanBuses,
     /// Each one's number on the bench.
     numbers: Vec<u8>,

@@ -1,19 +1,20 @@
-//! What a run in real time asks of its ends beside sensing and driving.
+//! What a run in real time asks of its ends beside sensing and driving, and how a session between them begins and parts.
 
 use palpate_buses::can::{Note, Tally};
 use palpate_buses::guardian::Lost;
+use palpate_buses::pacer::RunClock;
 use palpate_core::skin::CanSkin;
 use palpate_core::units::Instant;
-use palpate_run::display_end::DisplayEnd;
+use palpate_run::display_end::{DisplayEnd, EmulatedDisplay};
 use palpate_run::skin_end::{SkinEnd, Tap};
 use palpate_run::unit::UnitReport;
-use palpate_run::{CanPlayer, EmulatedSkin, Failure, HeatReport, Rows};
+use palpate_run::{CanPlayer, EmulatedSkin, Failure, HeatReport, Rows, Session};
 
 use super::bench::{Interfaces, Live};
 use super::warden::FingerEnd;
 
 /// The sensor end.
-pub(super) trait Sensed: SkinEnd {
+pub trait Sensed: SkinEnd {
     /// The outputs are ready: boards are told to send.
     fn begin(&mut self) {}
 
@@ -28,7 +29,10 @@ pub(super) trait Sensed: SkinEnd {
     }
 }
 
-impl Sensed for CanSkin<Tap<Interfaces>> {
+/// The boards on a bench's interfaces.
+pub type RealSkin = CanSkin<Tap<Interfaces>>;
+
+impl Sensed for RealSkin {
     fn begin(&mut self) {
         // What is lost here is made up by the session, which tells silent boards again.
         let _ = self.start_all();
@@ -50,7 +54,7 @@ impl Sensed for Rows<'_> {}
 impl Sensed for CanSkin<Tap<CanPlayer<'_>>> {}
 
 /// The display end, and what watches over it.
-pub(super) trait Watched: DisplayEnd {
+pub trait Watched: DisplayEnd {
     /// What was found driving before the run, a line each.
     fn found(&self) -> &str {
         ""
@@ -126,5 +130,62 @@ impl Watched for Live {
                 Err(cause)
             }
         }
+    }
+}
+
+/// Nothing watches over an emulated finger.
+impl Watched for EmulatedDisplay {
+    fn beat(&mut self, _now: Instant) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn abandon(&mut self, _cause: &str) {}
+
+    fn part(&mut self, off: Result<(), String>, _failed: bool) -> Result<(), String> {
+        off
+    }
+}
+
+/// Starts the outputs of a session: what was found driving is noted, everything is off and set up. Returns when the first
+/// turn may come.
+///
+/// # Errors
+/// [`Failure::Device`] for outputs that cannot be started; what watches over them has been told.
+pub fn begin<S: SkinEnd, D: Watched>(
+    session: &mut Session<S, D>,
+    clock: RunClock,
+) -> Result<Instant, Failure> {
+    let found = session.display().found().to_owned();
+    for line in found.lines() {
+        let text = format!("{line}; switched off");
+        session.recorder().note(Instant::ZERO, text);
+    }
+    session.display().meet()?;
+    session.start(clock.now()).map_err(|error| {
+        let display = session.display();
+        let cause = display.explain(&error);
+        display.abandon(&cause);
+        Failure::Device(cause)
+    })
+}
+
+/// Everything off at `end`, and the display's leave. What `stops` it stays latched until a person has looked.
+pub fn leave<S: SkinEnd, D: Watched>(
+    session: &mut Session<S, D>,
+    end: Instant,
+    stops: Option<&str>,
+) {
+    let off = session.switch_off(end);
+    if let Some(cause) = stops {
+        let kept = session.display().keep_stopped(cause);
+        session.set_failure(kept);
+    }
+    let failed = session.failure().is_some();
+    let display = session.display();
+    let off = off.map_err(|error| display.explain(&error));
+    if let Err(cause) = display.part(off, failed) {
+        let text = format!("not everything is known to be off: {cause}");
+        session.recorder().note(end, text);
+        session.set_failure(Failure::Device(cause));
     }
 }

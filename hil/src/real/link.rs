@@ -14,9 +14,14 @@ use crate::link::RemoteUnit;
 use crate::output::note;
 
 /// A unit with which a session has begun, and what the host does about its Peltier module.
-pub(super) struct LinkEnd(pub(super) RemoteUnit, pub(super) Option<RemoteHeat>);
+pub struct LinkEnd(RemoteUnit, Option<RemoteHeat>);
 
 impl LinkEnd {
+    /// A unit, and its module where the bench has one.
+    pub(super) const fn new(unit: RemoteUnit, heat: Option<RemoteHeat>) -> Self {
+        Self(unit, heat)
+    }
+
     /// Keeps a stop on this computer too, until a person has looked.
     fn latch(&self, cause: &str) -> String {
         let place = self.0.place();

@@ -8,19 +8,17 @@ use std::time::Duration as Elapsed;
 use palpate_buses::pacer::{Pacer, RunClock};
 use palpate_buses::signals::Signals;
 use palpate_core::projector::Cause;
-use palpate_core::skin::CanSkin;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Real;
 use palpate_records::readings::Readings;
 use palpate_run::display_end::DisplayEnd;
 use palpate_run::picture::Wants;
-use palpate_run::skin_end::{SkinEnd, Tap};
+use palpate_run::skin_end::SkinEnd;
 use palpate_run::{Failure, Policy, Session, Turn};
 
-use super::bench::Interfaces;
-use super::ends::{Sensed, Watched};
+use super::ends::{RealSkin, Sensed, Watched};
+use super::priority;
 use super::records::{Records, Said};
-use super::take_priority;
 use super::turns::Done;
 use super::warden::{FingerEnd, Warden};
 use crate::interfaces::lines;
@@ -52,13 +50,10 @@ pub(super) struct Shared<'a> {
 }
 
 /// A finger's loop that has ended, and why its wires may still be on.
-pub(super) type Ended = (Done<Skin, FingerEnd>, Option<String>);
-
-/// A finger's own boards.
-type Skin = CanSkin<Tap<Interfaces>>;
+pub(super) type Ended = (Done<RealSkin, FingerEnd>, Option<String>);
 
 /// A finger's session on hardware.
-pub(super) type RealSession = Session<Skin, FingerEnd>;
+pub(super) type RealSession = Session<RealSkin, FingerEnd>;
 
 impl Shared<'_> {
     /// Every loop on its own thread, until the scene's end, a signal, or the end of all of them.
@@ -216,19 +211,11 @@ impl<'a> Turns<'a> {
 
     /// As the bench says.
     fn take_priority(&mut self) -> bool {
-        match (self.shared.real.realtime, take_priority) {
-            (Some(false), _) => false,
-            (None, take) => take().is_ok(),
-            (Some(true), take) => {
-                let taken = take();
-                let is_taken = taken.is_ok();
-                if let Err(refused) = taken {
-                    self.session.set_failure(refused);
-                    self.shared.over.store(true, Ordering::Relaxed);
-                }
-                is_taken
-            }
-        }
+        priority(self.shared.real.realtime).unwrap_or_else(|refused| {
+            self.session.set_failure(refused);
+            self.shared.over.store(true, Ordering::Relaxed);
+            false
+        })
     }
 
     /// Before a turn: this finger's part of the heartbeat, signals, records.

@@ -9,7 +9,9 @@ mod records;
 mod turns;
 mod warden;
 
-pub use bench::{refuse_latched, watch};
+pub use bench::{Interfaces, Live, refuse_latched, watch};
+pub use ends::{RealSkin, Sensed, Watched, begin, leave};
+pub use link::LinkEnd;
 
 use std::path::PathBuf;
 
@@ -18,6 +20,7 @@ use palpate_buses::signals::Signals;
 use palpate_buses::sys::{forbid_core_dumps, lock_memory, set_fifo_priority};
 use palpate_core::contact::Levels;
 use palpate_core::projector::Projector;
+use palpate_core::skin::Layout;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::{BenchKind, Real, Setup};
 use palpate_records::readings::Readings;
@@ -38,9 +41,6 @@ use crate::progress::Progress;
 use crate::record::{About, Journal, Kind, Sink};
 use crate::views::{self, Views};
 
-use bench::{Interfaces, Live};
-use ends::{Sensed, Watched};
-use link::LinkEnd;
 use turns::{Done, Turns};
 
 /// Real-time priority of the loop, below the guardian's.
@@ -77,15 +77,20 @@ pub fn run(
     seed: u64,
     wanted: Wanted<'_>,
 ) -> Result<Outcome, Failure> {
-    // What lets an abort in the middle of a burst be noticed late; refused, it is noticed by the heartbeat.
-    let _ = forbid_core_dumps();
-    // A backtrace takes its time, and outputs are on while it is made: the place has to do.
-    std::panic::set_hook(Box::new(|panic| note(&panic.to_string())));
+    dies_at_once();
     let signals = Signals::catch().map_err(|e| Failure::Device(format!("signals: {e}")))?;
     match UnitPlace::of(&setup.bench)? {
         None => wired(setup, input, seed, signals, wanted),
         Some(place) => on_unit(setup, input, seed, &place, signals, wanted),
     }
+}
+
+/// Lets no death of this process take its time: outputs are on until it is noticed.
+pub fn dies_at_once() {
+    // What lets an abort in the middle of a burst be noticed late; refused, it is noticed by the heartbeat.
+    let _ = forbid_core_dumps();
+    // A backtrace takes its time as well: the place has to do.
+    std::panic::set_hook(Box::new(|panic| note(&panic.to_string())));
 }
 
 /// The buses of a real bench.
@@ -121,10 +126,70 @@ fn wired(
     let layout = run.projector.layout();
     let clock = RunClock::start();
     // The guardian last.
-    let can = Interfaces::open(real, layout, clock)?;
-    let live = Live::open(&setup.bench.value, real, run.projector.guard().prescale())?;
-    let skin = skin::source(setup, layout, Tap::new(can, run.keeps_can));
+    let skin = open_skin(setup, layout, clock, run.keeps_can)?;
+    let live = open_outputs(setup, &run.projector)?;
     run.until_end((skin, live), clock, scene_end(setup))
+}
+
+/// The boards on a bench's interfaces, with their frames kept or not.
+///
+/// # Errors
+/// [`Failure`] for an emulated bench, or interfaces that cannot be opened.
+pub fn open_skin(
+    setup: &Setup,
+    layout: &Layout,
+    clock: RunClock,
+    keeps: bool,
+) -> Result<RealSkin, Failure> {
+    let can = Interfaces::open(real_of(setup)?, layout, clock)?;
+    Ok(skin::source(setup, layout, Tap::new(can, keeps)))
+}
+
+/// The boards on a bench's adapters, and the guardian over them.
+///
+/// # Errors
+/// [`Failure`] for an emulated bench, a stop that is latched, or adapters that cannot be opened.
+pub fn open_outputs(setup: &Setup, projector: &Projector) -> Result<Live, Failure> {
+    let (bench, real) = (&setup.bench.value, real_of(setup)?);
+    Live::open(bench, real, projector.guard().prescale())
+}
+
+/// Refuses outputs while a stop of them is latched, before anything is opened.
+///
+/// # Errors
+/// [`Failure::Guard`] with what stopped them and how that is cleared.
+pub fn refuse_stopped(setup: &Setup) -> Result<(), Failure> {
+    match UnitPlace::of(&setup.bench)? {
+        Some(place) => refuse_stopped_unit(&place),
+        None => refuse_latched(&watch(&setup.bench.value, real_of(setup)?)),
+    }
+}
+
+/// The setup with what its driver unit says of itself, and where the two differ, a line each.
+///
+/// # Errors
+/// [`Failure`] for a unit that does not answer or is no unit for this bench.
+pub fn met(setup: &Setup, place: &UnitPlace) -> Result<(Setup, Vec<String>), Failure> {
+    let mut setup = setup.clone();
+    let mut unit = RemoteUnit::open(place, delay_ms(&setup), RunClock::start())?;
+    setup.unit = Some(unit.ask(1)?.0);
+    let notes = differences(&setup)?;
+    Ok((setup, notes))
+}
+
+/// A session with the driver unit of a setup that was [`met`].
+///
+/// # Errors
+/// [`Failure::Device`] with why there is none.
+pub fn open_unit(setup: &Setup, place: &UnitPlace, clock: RunClock) -> Result<LinkEnd, Failure> {
+    let mut unit = RemoteUnit::open(place, delay_ms(setup), clock)?;
+    unit.connect()?;
+    Ok(LinkEnd::new(unit, RemoteHeat::of(setup)))
+}
+
+/// From an onset to its effect on a bench's driver unit.
+fn delay_ms(setup: &Setup) -> u32 {
+    setup.bench.value.unit.as_ref().map_or(0, |u| u.delay_ms)
 }
 
 /// On a driver unit: the skin is the bench's own, emulated, or a recording.
@@ -136,12 +201,8 @@ fn on_unit(
     signals: Signals,
     wanted: Wanted<'_>,
 ) -> Result<Outcome, Failure> {
-    refuse_stopped(place)?;
-    let delay_ms = setup.bench.value.unit.as_ref().map_or(0, |u| u.delay_ms);
-    let mut setup = setup.clone();
-    let met = RemoteUnit::open(place, delay_ms, RunClock::start())?.ask(1)?;
-    setup.unit = Some(met.0);
-    let mut notes = differences(&setup)?;
+    refuse_stopped_unit(place)?;
+    let (setup, mut notes) = met(setup, place)?;
     if !setup.scene.value.faults.is_empty() {
         notes
             .push("the scene's faults are left out: a unit's hardware is not emulated here".into());
@@ -153,16 +214,11 @@ fn on_unit(
     let run = Running::begin(setup, seed, signals, wanted)?;
     let (layout, keeps_can) = (run.projector.layout(), run.keeps_can);
     let clock = RunClock::start();
-    let open = || -> Result<LinkEnd, Failure> {
-        let mut unit = RemoteUnit::open(place, delay_ms, clock)?;
-        unit.connect()?;
-        Ok(LinkEnd(unit, RemoteHeat::of(setup)))
-    };
+    let open = || open_unit(setup, place, clock);
     let after = |last: Instant| last + Duration::from_millis(100);
     match input {
         Input::Scene if setup.bench.value.kind == BenchKind::Real => {
-            let can = Interfaces::open(real_of(setup)?, layout, clock)?;
-            let skin = skin::source(setup, layout, Tap::new(can, keeps_can));
+            let skin = open_skin(setup, layout, clock, keeps_can)?;
             run.until_end((skin, open()?), clock, scene_end(setup))
         }
         Input::Scene => {
@@ -187,7 +243,7 @@ fn on_unit(
 }
 
 /// Refuses a unit while a stop of a run on it is kept.
-fn refuse_stopped(place: &UnitPlace) -> Result<(), Failure> {
+fn refuse_stopped_unit(place: &UnitPlace) -> Result<(), Failure> {
     match place.latch().read() {
         None => Ok(()),
         Some(held) => Err(Failure::Guard(format!(
@@ -322,6 +378,18 @@ pub fn take_priority() -> Result<(), Failure> {
             errno.desc()
         ))
     })
+}
+
+/// Real-time priority as a bench wants it: insisted on, done without, or taken where the system allows it. Whether it was.
+///
+/// # Errors
+/// [`Failure::Device`] where it is insisted on and not allowed.
+pub fn priority(wanted: Option<bool>) -> Result<bool, Failure> {
+    match wanted {
+        Some(false) => Ok(false),
+        None => Ok(take_priority().is_ok()),
+        Some(true) => take_priority().map(|()| true),
+    }
 }
 
 /// How late turns were.

@@ -7,8 +7,8 @@ use palpate_core::units::Instant;
 use palpate_records::readings::Readings;
 use palpate_run::{Failure, Policy, Recorder, Session, Truth, Turn, TurnView};
 
-use super::ends::{Sensed, Watched};
-use super::take_priority;
+use super::ends::{Sensed, Watched, begin, leave};
+use super::priority;
 use crate::clock;
 use crate::interfaces::lines;
 use crate::progress::Progress;
@@ -54,23 +54,11 @@ impl Turns<'_> {
         recorder.counts = self.views.are_open().then(Vec::new);
         recorder.readings = Some(Readings::sampled(projector.layout(), self.drives));
         recorder.taxels = self.taxels.take();
-        let realtime = match self.realtime {
-            Some(false) => false,
-            None => take_priority().is_ok(),
-            Some(true) => match take_priority() {
-                Ok(()) => true,
-                Err(refused) => {
-                    // Nothing is on yet: the good-bye cannot fail in a way that matters more than this.
-                    let _ = display.part(Ok(()), true);
-                    return Err(refused);
-                }
-            },
-        };
-        for line in display.found().lines() {
-            recorder.note(Instant::ZERO, format!("{line}; switched off"));
-        }
+        let realtime = priority(self.realtime).inspect_err(|_| {
+            // Nothing is on yet: the good-bye cannot fail in a way that matters more than this.
+            let _ = display.part(Ok(()), true);
+        })?;
         let run_clock = self.clock;
-        display.meet()?;
         let ends = (skin, display);
         let mut session = Session::new(
             projector,
@@ -79,15 +67,7 @@ impl Turns<'_> {
             recorder,
             Some(clock::elapsed),
         );
-        let ready = match session.start(run_clock.now()) {
-            Ok(ready) => ready,
-            Err(error) => {
-                let display = session.display();
-                let cause = display.explain(&error);
-                display.abandon(&cause);
-                return Err(Failure::Device(cause));
-            }
-        };
+        let ready = begin(&mut session, run_clock)?;
         session.skin().begin();
         let mut pacer = Pacer::new(run_clock);
         let mut now = pacer.wait(ready);
@@ -109,7 +89,8 @@ impl Turns<'_> {
             }
         }
         let end = run_clock.now();
-        self.part(&mut session, end, is_kept);
+        // The screen may take its time; the outputs do not wait for it.
+        leave(&mut session, end, is_kept.then_some(STOPPED_BY_PAGE));
         self.tell(&mut session);
         let not_recorded = self.journal.dropped();
         if let Err(error) = self.journal.finish() {
@@ -178,27 +159,5 @@ impl Turns<'_> {
         let text = format!("stopped by {}", wish.by());
         session.recorder().note(now, text);
         Some(wish)
-    }
-
-    /// Everything off, and the display's leave. The screen may take its time; the outputs do not wait for it.
-    fn part<S: Sensed, D: Watched>(
-        &self,
-        session: &mut Session<S, D>,
-        end: Instant,
-        is_kept: bool,
-    ) {
-        let off = session.switch_off(end);
-        if is_kept {
-            let kept = session.display().keep_stopped(STOPPED_BY_PAGE);
-            session.set_failure(kept);
-        }
-        let failed = session.failure().is_some();
-        let display = session.display();
-        let off = off.map_err(|error| display.explain(&error));
-        if let Err(cause) = display.part(off, failed) {
-            let text = format!("not everything is known to be off: {cause}");
-            session.recorder().note(end, text);
-            session.set_failure(Failure::Device(cause));
-        }
     }
 }
