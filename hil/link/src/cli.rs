@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use palpate_files::{Overrides, Setup, load_bench, load_scene};
+use palpate_files::{Bench, Loaded, Overrides, Setup, load_scene};
+use palpate_hil::cli::{GuardianArgs, UnitOn};
+use palpate_hil::command::{bench_on, enough_adapters};
 use palpate_run::Failure;
 
 use crate::name::{FingerName, Name};
@@ -39,6 +41,9 @@ pub enum Command {
     Ros(RosArgs),
     /// Print the messages, for protoc or, with --binary, for a library of protocol buffers.
     Schema(SchemaArgs),
+    /// The process that switches off when a display dies (internal; `display` starts it).
+    #[command(hide = true)]
+    Guardian(GuardianArgs),
 }
 
 /// Options of `palpate-link schema`.
@@ -91,15 +96,27 @@ pub struct EndAtArgs {
     pub relay: Option<String>,
 }
 
-/// For networks that lose packets.
+/// How many connections frames cross.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct TwiceArgs {
-    /// Frames over a second connection too: a packet that one loses holds up no reading. On both ends.
+    /// Frames over one connection: half of the bytes, and every lost packet is a pause.
     #[arg(long)]
+    pub once: bool,
+    /// Frames over two connections on one machine too.
+    #[arg(long, conflicts_with = "once")]
     pub twice: bool,
 }
 
 impl EndAtArgs {
+    /// Whether this end opens a second connection: unless told otherwise to other machines alone, which may lose packets.
+    #[must_use]
+    pub fn is_twice(&self, args: TwiceArgs) -> bool {
+        let at = self.at();
+        // Those who connect open both connections.
+        let only_listens = at.relay.is_none() && at.connect.is_empty() && !at.listen.is_empty();
+        !only_listens && (args.twice || (!args.once && at.leaves_machine()))
+    }
+
     /// As the network wants it.
     #[must_use]
     pub fn at(&self) -> At {
@@ -116,9 +133,9 @@ pub struct On {
     /// A scene's name or file.
     #[arg(default_value = "sphere-along")]
     pub scene: String,
-    /// A bench's name or file.
-    #[arg(long, default_value = "emulated")]
-    pub bench: String,
+    /// A bench's name or file (default: emulated).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub bench: Option<String>,
     /// Change a key of scene or bench, such as illusion.model=inverse; repeatable.
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
@@ -128,18 +145,46 @@ pub struct On {
 }
 
 impl On {
+    /// Everything that the files say, with a bench that `bench` makes of its name and the changes.
+    fn setup(
+        &self,
+        unit: &UnitOn,
+        bench: impl FnOnce(Option<&str>, &Overrides) -> Result<Loaded<Bench>, Failure>,
+    ) -> Result<Setup, Failure> {
+        let mut overrides = Overrides::default();
+        for text in &self.set {
+            overrides.set("--set", text)?;
+        }
+        unit.change(&mut overrides);
+        let scene = load_scene(&self.scene)?.with(&overrides)?;
+        let bench = bench(self.bench.as_deref(), &overrides)?;
+        Ok(Setup::join(scene, bench)?)
+    }
+}
+
+impl SkinArgs {
     /// Everything that the files say.
     ///
     /// # Errors
     /// [`Failure`] for what cannot be in them, or does not fit together.
     pub fn setup(&self) -> Result<Setup, Failure> {
-        let mut overrides = Overrides::default();
-        for text in &self.set {
-            overrides.set("--set", text)?;
-        }
-        let scene = load_scene(&self.scene)?.with(&overrides)?;
-        let bench = load_bench(&self.bench)?.with(&overrides)?;
-        Ok(Setup::join(scene, bench)?)
+        let bench =
+            |name: Option<&str>, changed: &Overrides| bench_on(name, changed, &self.can, &[]);
+        self.on.setup(&UnitOn::default(), bench)
+    }
+}
+
+impl DisplayArgs {
+    /// Everything that the files say.
+    ///
+    /// # Errors
+    /// [`Failure`] for what cannot be in them, or does not fit together.
+    pub fn setup(&self) -> Result<Setup, Failure> {
+        self.on.setup(&self.unit, |name, changed| {
+            let bench = bench_on(name, changed, &[], &self.i2c)?;
+            enough_adapters(&bench.value)?;
+            Ok(bench)
+        })
     }
 }
 
@@ -179,6 +224,9 @@ pub struct SkinArgs {
     /// The finger: ROBOT/HAND/FINGER.
     #[arg(long, value_name = "R/H/F")]
     pub finger: FingerName,
+    /// A CAN interface of boards in place of the bench's skin; once per bus of the layout.
+    #[arg(long, value_name = "IFACE", conflicts_with = "replay")]
+    pub can: Vec<String>,
     /// What crosses the network.
     #[arg(long, value_enum, default_value_t = Kind::Contacts)]
     pub send: Kind,
@@ -188,7 +236,7 @@ pub struct SkinArgs {
     /// Rows per second of a recording without times.
     #[arg(long, value_name = "HZ")]
     pub rate: Option<f64>,
-    /// Stop after so long (default: at the end of scene or recording).
+    /// Stop after so long (default: at the end of scene or recording; boards are read until Ctrl-C).
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
     /// Record to this file; the ending names the format: .mcap, .csv; repeatable.
@@ -203,7 +251,7 @@ pub struct SkinArgs {
     /// Say nothing but errors.
     #[arg(long)]
     pub quiet: bool,
-    /// For networks that lose packets.
+    /// How many connections frames cross.
     #[command(flatten)]
     pub twice: TwiceArgs,
     /// Where the others are.
@@ -220,6 +268,12 @@ pub struct DisplayArgs {
     /// The finger that is felt: ROBOT/HAND/FINGER.
     #[arg(long, value_name = "R/H/F")]
     pub finger: FingerName,
+    /// An I2C adapter (/dev/i2c-N) in place of the bench's outputs; once per bus of the outputs.
+    #[arg(long, value_name = "DEVICE")]
+    pub i2c: Vec<PathBuf>,
+    /// A driver unit in place of them.
+    #[command(flatten)]
+    pub unit: UnitOn,
     /// The wearer's name; with --keys that of the certificate.
     #[arg(long, value_name = "NAME", default_value = "wearer")]
     pub wearer: Name,
@@ -241,7 +295,7 @@ pub struct DisplayArgs {
     /// Say nothing but errors.
     #[arg(long)]
     pub quiet: bool,
-    /// For networks that lose packets.
+    /// How many connections frames cross.
     #[command(flatten)]
     pub twice: TwiceArgs,
     /// Where the others are.

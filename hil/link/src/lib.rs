@@ -31,16 +31,17 @@ pub fn main(line: impl IntoIterator<Item = OsString>) -> u8 {
             return u8::try_from(error.exit_code()).unwrap_or(2);
         }
     };
-    let done = match &cli.command {
-        Command::Skin(args) => ends::skin::run(args),
-        Command::Display(args) => ends::display::run(args),
-        Command::Relay(args) => others::relay::run(args),
-        Command::List(args) => others::list::run(args),
-        Command::Record(args) => others::record::run(args),
-        Command::Merge(args) => others::merge::run(args),
-        Command::Keys(args) => others::keys::run(args),
-        Command::Ros(args) => ros::run(args),
-        Command::Schema(args) => schema(args),
+    let done = match cli.command {
+        Command::Skin(args) => ends::skin::run(&args),
+        Command::Display(args) => ends::display::run(&args),
+        Command::Relay(args) => others::relay::run(&args),
+        Command::List(args) => others::list::run(&args),
+        Command::Record(args) => others::record::run(&args),
+        Command::Merge(args) => others::merge::run(&args),
+        Command::Keys(args) => others::keys::run(&args),
+        Command::Ros(args) => ros::run(&args),
+        Command::Schema(args) => schema(&args),
+        Command::Guardian(args) => return palpate_hil::command::guardian(args),
     };
     match done {
         Ok(()) => 0,

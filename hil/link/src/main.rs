@@ -1,7 +1,23 @@
 //! The `palpate-link` program.
 
-use std::process::ExitCode;
+use std::os::unix::process::CommandExt as _;
+use std::process::{Command, ExitCode};
+
+/// Zenoh takes the number of its threads from there alone.
+const THREADS: &str = "ZENOH_RUNTIME";
+
+/// A link that is cut holds a thread of zenoh's up while it is closed, until the network is back. With zenoh's own two, a cut of
+/// both connections of an end keeps it from connecting again for seconds.
+const ENOUGH: &str = "(app: (worker_threads: 4), acc: (worker_threads: 4), tx: (worker_threads: 4), net: (worker_threads: 4), rx: (worker_threads: 8))";
 
 fn main() -> ExitCode {
+    if std::env::var_os(THREADS).is_none()
+        && let Ok(program) = std::env::current_exe()
+    {
+        let mut again = Command::new(program);
+        again.args(std::env::args_os().skip(1)).env(THREADS, ENOUGH);
+        // It returns only where that cannot be; zenoh's own number does then.
+        let _ = again.exec();
+    }
     ExitCode::from(palpate_link::main(std::env::args_os()))
 }

@@ -7,9 +7,10 @@ use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant, Point};
 use palpate_files::{SensorLayout, Setup};
 use palpate_hil::output::Outputs;
-use palpate_hil::record::{About, Journal, Sink, kind_of};
+use palpate_hil::record::{About, Journal, Kind, Sink, kind_of};
 use palpate_records::digest::short_digest;
 use palpate_records::trace::Event;
+use palpate_run::unit::UnitReport;
 use palpate_run::{Failure, attachments, header, plan};
 use serde::Serialize;
 use zenoh::Session;
@@ -88,6 +89,15 @@ pub fn journal(
     Journal::start(sinks, false)
 }
 
+/// Whether frames of buses belong in one of these files.
+#[must_use]
+pub fn keeps_frames(files: &[PathBuf]) -> bool {
+    let kinds = files.iter().filter_map(|path| kind_of(path));
+    kinds
+        .into_iter()
+        .any(|kind| matches!(kind, Kind::Can | Kind::Mcap))
+}
+
 /// What came of a run of the wearer's end.
 #[derive(Debug, Default, Serialize)]
 pub struct Felt {
@@ -115,6 +125,8 @@ pub struct Felt {
     offset_us: Option<(i64, i64)>,
     /// Stimuli that began.
     stimuli: u64,
+    /// What came of the driver unit, where it is one.
+    pub unit: Option<UnitReport>,
     /// Times without a fresh reading.
     pauses: Vec<Pause>,
     length_us: u64,
@@ -142,7 +154,7 @@ pub struct Felt {
 struct Pause {
     /// The time of the newest reading before it, as old as it may have been.
     newest_us: u64,
-    /// When the last output went off; none where none was on since the reading.
+    /// When the last output went off; none where none was on since the reading, or nothing tells of outputs.
     off_us: Option<u64>,
     /// The first stimulus after it.
     back_us: Option<u64>,

@@ -18,6 +18,7 @@ mod hand_faults;
 mod hands;
 mod i2c_clients;
 mod interfaces;
+mod links;
 mod page;
 mod records;
 mod sja1000;

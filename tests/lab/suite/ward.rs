@@ -251,7 +251,7 @@ impl Drop for Run {
 }
 
 /// The guardian of a run: its only child.
-fn guardian_of(run: &Child) -> Pid {
+pub fn guardian_of(run: &Child) -> Pid {
     let threads = std::fs::read_dir(format!("/proc/{}/task", run.id())).unwrap();
     let children = threads.map(|t| std::fs::read_to_string(t.unwrap().path().join("children")));
     let children: String = children.map(Result::unwrap).collect();

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use palpate_buses::pacer::RunClock;
 use palpate_core::units::Instant;
 use palpate_run::Failure;
-use zenoh::Wait as _;
 use zenoh::pubsub::Subscriber;
 use zenoh::sample::Sample;
+use zenoh::{Session, Wait as _};
 
 use super::inbox::Inbox;
+use super::shrunk::{Rest, Shrunk};
 use super::voice::Voice;
 use crate::cli::DisplayArgs;
 use crate::message::{self, MOST_BYTES};
@@ -22,7 +23,8 @@ pub(super) enum Arrived {
     Touched(Vec<u8>),
     Scanned(Vec<u8>),
     Echo(Vec<u8>),
-    About(Vec<u8>),
+    /// The compression of a publisher of scans, and whose it is.
+    Reference(u64, Box<Shrunk>),
     /// More bytes than any message has, which were not copied.
     Oversized,
 }
@@ -33,7 +35,7 @@ pub(super) type Waiting = Arc<Inbox<(Instant, Arrived)>>;
 /// What is subscribed to, and where the wearer speaks.
 pub(super) struct Heard {
     pub(super) voice: Voice,
-    _again: Option<Net>,
+    _again: Option<Session>,
     _frames: Vec<Subscriber<()>>,
     _token: zenoh::liveliness::LivelinessToken,
     _may: Option<zenoh::query::Queryable<()>>,
@@ -42,14 +44,14 @@ pub(super) struct Heard {
 impl Heard {
     /// Subscribes to a finger over one session or two, and lets the wearer be known.
     pub(super) fn begin(
-        (net, again): (&Net, Option<Net>),
+        (net, again): (&Net, Option<Session>),
         (args, wearer): (&DisplayArgs, &Name),
-        clock: RunClock,
+        (clock, rest): (RunClock, Rest),
         waiting: &Waiting,
     ) -> Result<Self, Failure> {
         let zenoh = |e: zenoh::Error| Failure::Device(format!("zenoh: {e}"));
         let finger = &args.finger;
-        let subscribe = |net: &Net, key: String, of: fn(Vec<u8>) -> Arrived| {
+        let subscribe = |session: &Session, key: String, of: fn(Vec<u8>) -> Arrived| {
             let waiting = Arc::clone(waiting);
             let take = move |sample: Sample| {
                 let at = clock.now();
@@ -60,23 +62,29 @@ impl Heard {
                 };
                 waiting.push((at, arrived));
             };
-            let subscriber = net.session.declare_subscriber(key);
+            let subscriber = session.declare_subscriber(key);
             subscriber.callback(take).wait().map_err(zenoh)
         };
+        let (contacts, scans) = (finger.contacts(), finger.scans());
+        let own = &net.session;
         let mut frames = vec![
-            subscribe(net, finger.contacts(), Arrived::Touched)?,
-            subscribe(net, finger.scans(), Arrived::Scanned)?,
-            subscribe(net, finger.echo(wearer), Arrived::Echo)?,
+            subscribe(own, contacts.clone(), Arrived::Touched)?,
+            subscribe(own, scans.clone(), Arrived::Scanned)?,
+            subscribe(own, finger.echo(wearer), Arrived::Echo)?,
         ];
-        // The gate takes whichever comes first.
-        if let Some(net) = &again {
-            let (contacts, scans) = (finger.contacts(), finger.scans());
-            frames.push(subscribe(
-                net,
-                FingerName::again(&contacts),
-                Arrived::Touched,
-            )?);
-            frames.push(subscribe(net, FingerName::again(&scans), Arrived::Scanned)?);
+        // The gate takes whichever comes first. The end that connects has the second connection, and a relay has one of both.
+        let is_direct = again.is_some() && args.at.relay.is_none();
+        let second = again.as_ref().unwrap_or(own);
+        for (key, of) in [
+            (contacts, Arrived::Touched as fn(Vec<u8>) -> Arrived),
+            (scans, Arrived::Scanned),
+        ] {
+            let key = if is_direct {
+                key
+            } else {
+                FingerName::again(&key)
+            };
+            frames.push(subscribe(second, key, of)?);
         }
         let token = net
             .session
@@ -86,7 +94,13 @@ impl Heard {
         let publisher = net::frames(&net.session, finger.wearer(wearer.as_str()), &name);
         let answered = {
             let waiting = Arc::clone(waiting);
-            move |bytes| waiting.push((clock.now(), Arrived::About(bytes)))
+            // Here, where it may take its time, and not in the loop.
+            move |bytes: Vec<u8>| {
+                if let Some((owner, shrunk)) = rest.compress(&bytes) {
+                    let reference = Arrived::Reference(owner, Box::new(shrunk));
+                    waiting.push((clock.now(), reference));
+                }
+            }
         };
         let session = net.session.clone();
         let voice = Voice::begin(

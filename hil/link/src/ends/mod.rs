@@ -2,6 +2,7 @@
 
 mod answers;
 pub mod display;
+mod feeling;
 mod heard;
 mod inbox;
 mod report;

@@ -1,11 +1,15 @@
 //! Compression by itself: scans in, contacts out, on whichever machine. No display, no guard.
 
+use std::sync::Arc;
+
 use palpate_core::contact::{Contact, Levels};
 use palpate_core::projector::{FrameReport, Observer, Projector};
 use palpate_core::skin::{Condition, ModuleScan, ScanError};
 use palpate_core::units::Instant;
 use palpate_files::Setup;
 use palpate_run::{Failure, Recorder, Truth, build, dynamic_levels, scene_levels};
+
+use crate::message::{About, Body, Frame, VERSION};
 
 /// The newest frame's contacts beside what is recorded of it.
 struct Found {
@@ -85,5 +89,46 @@ impl Shrunk {
     /// What was recorded of the frames.
     pub const fn recorder(&mut self) -> &mut Recorder {
         &mut self.found.recorder
+    }
+}
+
+/// What a publisher of scans says of its skin at rest: the same scans make the same reference here.
+#[derive(Clone)]
+pub(super) struct Rest {
+    pub(super) setup: Arc<Setup>,
+    pub(super) seed: u64,
+    pub(super) levels: Levels,
+}
+
+impl Rest {
+    /// Compression with the reference that these bytes tell of, and whose it is; none where they tell of none.
+    pub(super) fn compress(&self, bytes: &[u8]) -> Option<(u64, Shrunk)> {
+        let about = About::read(bytes)?;
+        let wanted = self.setup.scene.value.reference_frames + 1;
+        let modules = self.setup.sensor.value.modules.len();
+        if about.version != VERSION || about.rest.len() < wanted as usize * modules {
+            return None;
+        }
+        let mut shrunk =
+            Shrunk::new(&self.setup, self.seed, self.levels.clone(), Truth::Unknown).ok()?;
+        for scan in &about.rest {
+            let Some(Frame {
+                head,
+                body: Body::Scanned { module, counts },
+                ..
+            }) = Frame::scanned(scan)
+            else {
+                return None;
+            };
+            let scan = ModuleScan {
+                module,
+                at: Instant::from_micros(head.taken_us),
+                counts: &counts,
+                fresh: None,
+            };
+            shrunk.push(&scan).ok()?;
+        }
+        shrunk.recorder().events.clear();
+        Some((about.session, shrunk))
     }
 }

@@ -8,15 +8,17 @@ use palpate_buses::signals::Signals;
 use palpate_core::contact::Levels;
 use palpate_core::skin::ModuleScan;
 use palpate_core::units::{Duration, Instant};
-use palpate_files::Setup;
+use palpate_files::{BenchKind, Setup};
+use palpate_hil::interfaces::reports;
 use palpate_hil::output::note;
+use palpate_hil::real::Sensed;
 use palpate_hil::record::Journal;
 use palpate_records::mcap::proto::Message;
-use palpate_run::skin_end::SkinEnd;
-use palpate_run::{Failure, Truth};
+use palpate_records::trace::Event;
+use palpate_run::{CanReport, Failure, Policy, Supervisor, Truth};
 use serde::Serialize;
-use zenoh::Wait as _;
 use zenoh::pubsub::Publisher;
+use zenoh::{Session, Wait as _};
 
 use super::answers::{Answers, SECOND, Wearers, zenoh};
 use super::shrunk::{Shrunk, levels};
@@ -41,6 +43,8 @@ struct Sent {
     wearers: Vec<String>,
     stops: Vec<String>,
     refused_by: Vec<String>,
+    /// What came over the interfaces of boards.
+    can: Vec<CanReport>,
     /// When the clock of the frames began, CLOCK_MONOTONIC of this machine, nanoseconds.
     epoch_ns: i64,
 }
@@ -50,7 +54,7 @@ struct Sent {
 /// # Errors
 /// [`Failure`] with its exit status.
 pub fn run(args: &SkinArgs) -> Result<(), Failure> {
-    let setup = args.on.setup()?;
+    let setup = args.setup()?;
     if setup.scene.value.texture.is_some() {
         note("the scene's texture stays here: contacts and scans carry none");
     }
@@ -58,11 +62,8 @@ pub fn run(args: &SkinArgs) -> Result<(), Failure> {
     let net = net::open(&args.at.at(), Mode::Peer, &signals).map_err(failed)?;
     may_publish(&net, args)?;
     alone(&net, args)?;
-    let again = args
-        .twice
-        .twice
-        .then(|| net::open(&args.at.at().beside(), Mode::Peer, &signals));
-    let again = again.transpose().map_err(failed)?;
+    let again = args.at.is_twice(args.twice);
+    let again = again.then(|| net::open_beside(&args.at.at())).flatten();
     let publishing = Publishing {
         args,
         setup: &setup,
@@ -71,7 +72,7 @@ pub fn run(args: &SkinArgs) -> Result<(), Failure> {
         net: &net,
         again: again.as_ref(),
     };
-    open(&setup, &args.replay, args.rate, args.on.seed, publishing)
+    open(&setup, args, publishing)
 }
 
 /// Asks those who hold an access list whether this machine may publish the finger: zenoh itself drops in silence.
@@ -145,7 +146,7 @@ struct Publishing<'a> {
     levels: Levels,
     signals: Signals,
     net: &'a Net,
-    again: Option<&'a Net>,
+    again: Option<&'a Session>,
 }
 
 /// What a publisher holds while it runs.
@@ -155,6 +156,8 @@ struct Turns<'a> {
     publisher: Publisher<'static>,
     /// The same over a second connection.
     again: Option<Publisher<'static>>,
+    /// Contacts, whatever it publishes: its last word is one.
+    farewell: Publisher<'static>,
     shrunk: Shrunk,
     head: Head,
     message: Message,
@@ -162,14 +165,15 @@ struct Turns<'a> {
     /// The scans of the reference, for wearers that compress.
     rest: Arc<Mutex<About>>,
     resting: Vec<u32>,
+    /// Tells boards that fall silent to send.
+    supervisor: Supervisor,
 }
 
 impl WithSkin for Publishing<'_> {
-    fn with<S: SkinEnd>(self, mut skin: S, end: Instant) -> Result<(), Failure> {
+    fn with<S: Sensed>(self, mut skin: S, clock: RunClock, end: Instant) -> Result<(), Failure> {
         let (args, net) = (self.args, self.net);
-        // The skin's own time is this clock's.
-        let clock = RunClock::start();
-        let truth = match args.replay.is_empty() {
+        let is_emulated = self.setup.bench.value.kind == BenchKind::Emulated;
+        let truth = match args.replay.is_empty() && is_emulated {
             true => Truth::of(self.setup),
             false => Truth::Unknown,
         };
@@ -189,11 +193,13 @@ impl WithSkin for Publishing<'_> {
             Kind::Scans => (args.finger.scans(), message::SCANNED.name),
         };
         let encoding = message::encoding(name);
-        let again = self.again.map(|net| {
-            net::frames(&net.session, FingerName::again(&key), &encoding).map_err(failed)
+        let again = self.again.map(|session| {
+            net::frames(session, FingerName::again(&key), &encoding).map_err(failed)
         });
         let again = again.transpose()?;
         let publisher = net::frames(&net.session, key, &encoding).map_err(failed)?;
+        let touched = message::encoding(message::TOUCHED.name);
+        let farewell = net::frames(&net.session, args.finger.contacts(), &touched);
         let about = About {
             version: VERSION,
             session,
@@ -212,6 +218,7 @@ impl WithSkin for Publishing<'_> {
             resting: vec![0; shrunk.projector().layout().modules().len()],
             publisher,
             again,
+            farewell: farewell.map_err(failed)?,
             shrunk,
             head: Head {
                 version: VERSION,
@@ -230,6 +237,7 @@ impl WithSkin for Publishing<'_> {
             },
             rest: Arc::clone(&answers.about),
             clock,
+            supervisor: Supervisor::new(Policy::REAL.give_up),
             of: self,
         };
         turns.until(&mut skin, end, journal, &answers.wearers)
@@ -237,7 +245,7 @@ impl WithSkin for Publishing<'_> {
 }
 
 impl Turns<'_> {
-    fn until<S: SkinEnd>(
+    fn until<S: Sensed>(
         mut self,
         skin: &mut S,
         end: Instant,
@@ -250,9 +258,14 @@ impl Turns<'_> {
             None => end,
         };
         let mut ended = Ok(());
+        skin.begin();
         loop {
             let now = clock.now();
             if now >= end || self.of.signals.caught().is_some() || journal.has_failed() {
+                break;
+            }
+            if self.of.net.session.is_closed() {
+                ended = Err(Failure::Device("the network is closed to this end".into()));
                 break;
             }
             skin.advance_to(now);
@@ -264,8 +277,10 @@ impl Turns<'_> {
             });
             read.map_err(|e| Failure::Device(format!("skin: {e}")))?;
             if let Some(error) = wrong {
-                return Err(error);
+                ended = Err(error);
+                break;
             }
+            self.look_after(skin, now);
             let events = std::mem::take(&mut self.shrunk.recorder().events);
             journal.add(&events, skin.take_frames(), Vec::new());
             if let Err(refused) = self.look(wearers, now) {
@@ -274,10 +289,15 @@ impl Turns<'_> {
             }
             clock.sleep_until(now + TURN);
         }
+        if ended.is_ok() {
+            self.let_go();
+        }
         let mut wearers = wearers.lock().unwrap_or_else(PoisonError::into_inner);
         self.sent.wearers = wearers.known.keys().cloned().collect();
         self.sent.stops = std::mem::take(&mut wearers.stops);
         drop(wearers);
+        let real = self.of.setup.bench.value.real.as_ref();
+        self.sent.can = reports(real.map_or(&[], |real| &real.can), &skin.tallies());
         journal.finish()?;
         if self.of.args.json {
             palpate_hil::output::print(|out| {
@@ -286,6 +306,43 @@ impl Turns<'_> {
             })?;
         }
         ended
+    }
+
+    /// Boards that are silent are told to send, and what befell a bus is told.
+    fn look_after<S: Sensed>(&mut self, skin: &mut S, now: Instant) {
+        let mut events = Vec::new();
+        while let Some(note) = skin.note() {
+            events.push(Event::Note {
+                t_us: note.at.as_micros(),
+                text: note.text,
+            });
+        }
+        self.supervisor
+            .restart_boards(now, skin, self.shrunk.projector(), &mut events);
+        for event in &events {
+            if let Event::Note { text, .. } = event
+                && !self.of.args.quiet
+            {
+                note(text);
+            }
+        }
+        self.shrunk.recorder().events.extend(events);
+    }
+
+    /// The last word: nothing is touched any more. Wearers let go, where silence stops them.
+    fn let_go(&mut self) {
+        self.head.sequence += 1;
+        self.head.sent_us = self.clock.now().as_micros();
+        self.head.taken_us = self.head.sent_us;
+        let frame = Frame {
+            head: self.head,
+            body: Body::Touched(Vec::new()),
+            truth: None,
+        };
+        self.message.clear();
+        frame.write(&mut self.message);
+        // Who does not hear it finds the silence.
+        drop(self.farewell.put(self.message.bytes()).wait());
     }
 
     /// What there is to say of wearers.
@@ -349,10 +406,12 @@ impl Turns<'_> {
         let bytes = self.message.bytes();
         self.sent.frames += 1;
         self.sent.bytes += bytes.len() as u64;
+        self.publisher.put(bytes).wait().map_err(zenoh)?;
         if let Some(again) = &self.again {
-            again.put(bytes).wait().map_err(zenoh)?;
+            // What the second connection does not carry the first one did.
+            drop(again.put(bytes).wait());
         }
-        self.publisher.put(bytes).wait().map_err(zenoh)
+        Ok(())
     }
 
     /// The first scans make the reference: a wearer that compresses needs the same ones.

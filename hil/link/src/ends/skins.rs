@@ -1,41 +1,40 @@
-//! What may stand at the robot's end: an emulated skin, recorded rows, recorded frames of buses.
+//! What may stand at the robot's end: boards on interfaces, an emulated skin, recorded rows, recorded frames of buses.
 
-use std::path::PathBuf;
-
+use palpate_buses::pacer::RunClock;
 use palpate_core::units::{Duration, Instant};
-use palpate_files::{Setup, Timing};
+use palpate_files::{BenchKind, Setup, Timing};
+use palpate_hil::real::{Sensed, open_skin};
 use palpate_hil::recording::{Reading, recorded};
-use palpate_run::skin_end::{SkinEnd, Tap};
+use palpate_run::skin_end::Tap;
 use palpate_run::{CanPlayer, EmulatedSkin, Failure, Input, Rows, plan, skin};
+
+use crate::cli::SkinArgs;
+use crate::records::keeps_frames;
 
 /// After a recording's last row.
 const AFTER: Duration = Duration::from_millis(100);
 
 /// What is done with a skin, whatever it is.
 pub(super) trait WithSkin {
-    /// Does it, until `end` at the latest.
-    fn with<S: SkinEnd>(self, skin: S, end: Instant) -> Result<(), Failure>;
+    /// Does it, until `end` at the latest. The skin's own time is the clock's.
+    fn with<S: Sensed>(self, skin: S, clock: RunClock, end: Instant) -> Result<(), Failure>;
 }
 
 /// Opens the skin of a setup, or recordings in its place.
-pub(super) fn open(
-    setup: &Setup,
-    replay: &[PathBuf],
-    rate_hz: Option<f64>,
-    seed: u64,
-    work: impl WithSkin,
-) -> Result<(), Failure> {
-    if replay.is_empty() {
-        if setup.bench.value.is_hardware() {
-            return Err(Failure::Input(format!(
-                "bench `{}`: expected an emulated bench or --replay: palpate-link opens no buses",
-                setup.bench.value.name
-            )));
-        }
-        let end = (setup.scene.value.length_s * 1e6).round() as u64;
-        return work.with(EmulatedSkin::scene(setup, seed)?, Instant::from_micros(end));
-    }
+pub(super) fn open(setup: &Setup, args: &SkinArgs, work: impl WithSkin) -> Result<(), Failure> {
+    let (replay, rate_hz) = (&args.replay, args.rate);
     let layout = plan::layout(&setup.sensor.value)?;
+    if replay.is_empty() && setup.bench.value.kind == BenchKind::Real {
+        let clock = RunClock::start();
+        let skin = open_skin(setup, &layout, clock, keeps_frames(&args.record))?;
+        // What touches it is up to the world, and so is for how long.
+        return work.with(skin, clock, Instant::FAR_FUTURE);
+    }
+    if replay.is_empty() {
+        let end = (setup.scene.value.length_s * 1e6).round() as u64;
+        let skin = EmulatedSkin::scene(setup, args.on.seed)?;
+        return work.with(skin, RunClock::start(), Instant::from_micros(end));
+    }
     let reading = Reading {
         timing: Timing {
             column: None,
@@ -53,12 +52,14 @@ pub(super) fn open(
         Input::Rows(sources) => {
             let rows = Rows::new(&sources, &setup.sensor.value, &layout)?;
             let last = sources.iter().map(|s| s.span_us()).max().unwrap_or(0);
-            work.with(rows, Instant::from_micros(last) + AFTER)
+            let end = Instant::from_micros(last) + AFTER;
+            work.with(rows, RunClock::start(), end)
         }
         Input::Frames(frames) => {
             let player = CanPlayer::new(frames.frames()?);
             let end = frames.end() + AFTER;
-            work.with(skin::source(setup, &layout, Tap::new(player, false)), end)
+            let skin = skin::source(setup, &layout, Tap::new(player, false));
+            work.with(skin, RunClock::start(), end)
         }
         Input::Scene | Input::Stream(_) => {
             Err(Failure::Input("--replay: expected recordings".into()))

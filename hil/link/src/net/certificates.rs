@@ -95,6 +95,7 @@ pub struct Lab {
     pub name: String,
     /// Who may do what.
     pub access: Access,
+    until: OffsetDateTime,
 }
 
 fn file(path: &Path) -> impl FnOnce(io::Error) -> LabError {
@@ -127,11 +128,11 @@ fn now() -> OffsetDateTime {
 impl Lab {
     /// Makes keys for these members in a folder of each one's name below `folder`, which holds the lab's authority: it is
     /// made where there is none. Members that the list has already keep their keys, unless they are named again. Every
-    /// folder of a member gets the whole list.
+    /// folder of a member gets the whole list. Certificates that are made count for so long from now on.
     ///
     /// # Errors
     /// [`LabError`] for files that cannot be read or written.
-    pub fn make(folder: &Path, wanted: &[Wanted], days: i64) -> Result<Access, LabError> {
+    pub fn make(folder: &Path, wanted: &[Wanted], lasts: Duration) -> Result<Access, LabError> {
         fs::create_dir_all(folder).map_err(file(folder))?;
         let (authority, issuer) = authority(folder)?;
         let path = folder.join(ACCESS);
@@ -149,7 +150,7 @@ impl Lab {
             let name = one.member.name.as_str();
             params.distinguished_name.push(DnType::CommonName, name);
             params.not_before = now() - BEFORE;
-            params.not_after = now() + Duration::days(days);
+            params.not_after = now() + lasts;
             params.key_usages = vec![KeyUsagePurpose::DigitalSignature];
             params.extended_key_usages = vec![
                 ExtendedKeyUsagePurpose::ServerAuth,
@@ -221,9 +222,16 @@ impl Lab {
         }
         Ok(Self {
             folder: folder.to_owned(),
+            until: validity.not_after.to_datetime(),
             name,
             access,
         })
+    }
+
+    /// Whether its certificate counts no more, by the whole seconds of TLS.
+    #[must_use]
+    pub fn has_expired(&self) -> bool {
+        now() >= self.until + Duration::SECOND
     }
 
     /// Zenoh's settings of TLS: both ends show a certificate, and a link ends when one expires.

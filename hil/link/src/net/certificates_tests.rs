@@ -24,9 +24,9 @@ fn folder(name: &str) -> PathBuf {
 #[test]
 fn keys_of_a_lab_are_read_again_and_grow() {
     let lab = folder("lab");
-    Lab::make(&lab, &[wanted("r1")], 30).unwrap();
+    Lab::make(&lab, &[wanted("r1")], Duration::days(30)).unwrap();
     let authority = fs::read(lab.join(AUTHORITY)).unwrap();
-    let access = Lab::make(&lab, &[wanted("r2")], 30).unwrap();
+    let access = Lab::make(&lab, &[wanted("r2")], Duration::days(30)).unwrap();
     assert_eq!(access.members.len(), 2);
     assert_eq!(
         fs::read(lab.join(AUTHORITY)).unwrap(),
@@ -51,14 +51,14 @@ fn keys_of_a_lab_are_read_again_and_grow() {
 #[test]
 fn expired_and_foreign_certificates_are_told() {
     let (lab, other) = (folder("own"), folder("other"));
-    Lab::make(&lab, &[wanted("r1")], -1).unwrap();
+    Lab::make(&lab, &[wanted("r1")], Duration::days(-1)).unwrap();
     let expired = Lab::member(&lab.join("r1")).unwrap_err();
     assert!(
         matches!(&expired, LabError::Time { name, .. } if name == "r1"),
         "{expired}"
     );
-    Lab::make(&lab, &[wanted("r1")], 30).unwrap();
-    Lab::make(&other, &[wanted("r1")], 30).unwrap();
+    Lab::make(&lab, &[wanted("r1")], Duration::days(30)).unwrap();
+    Lab::make(&other, &[wanted("r1")], Duration::days(30)).unwrap();
     fs::copy(
         other.join("r1").join(CERTIFICATE),
         lab.join("r1").join(CERTIFICATE),

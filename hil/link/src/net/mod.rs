@@ -7,7 +7,7 @@ mod words;
 
 pub use access::{Access, Member};
 pub use certificates::{Lab, LabError, Wanted};
-pub use open::{At, Mode, Net, NetError, open};
+pub use open::{At, Mode, Net, NetError, open, open_beside};
 
 use zenoh::bytes::Encoding;
 use zenoh::pubsub::Publisher;

@@ -12,6 +12,7 @@ use thiserror::Error;
 use zenoh::{Config, Session, Wait};
 
 use super::access::Access;
+use super::certificates::Lab;
 use super::words;
 
 /// Where sessions of one machine meet.
@@ -19,6 +20,9 @@ const MEETING: &str = "127.0.0.1:7450";
 
 /// Of a larger message zenoh throws away what comes, piece by piece, and says nothing; the link stays.
 const MOST_BYTES: u32 = 1 << 20;
+
+/// Whether the own certificate still counts is looked at this often.
+const LOOK: Duration = Duration::from_millis(100);
 
 /// Others are waited for so long at the start; they may come later.
 const FIRST: Duration = Duration::from_millis(1500);
@@ -65,23 +69,19 @@ pub struct At {
 }
 
 impl At {
-    /// For a second session of the same end, which finds the same others: through the first where that one listens.
+    /// For a second session of the same end: it connects where the first one does, and needs no port of its own there.
     #[must_use]
     pub fn beside(&self) -> Self {
-        let reach = |address: &String| {
-            let (host, port) = address.rsplit_once(':').unwrap_or((address, ""));
-            match host {
-                "0.0.0.0" => format!("127.0.0.1:{port}"),
-                "[::]" => format!("[::1]:{port}"),
-                _ => address.clone(),
-            }
-        };
-        let connect = self.connect.iter().chain(&self.listen).map(reach);
         Self {
             listen: Vec::new(),
-            connect: connect.collect(),
             ..self.clone()
         }
+    }
+
+    /// Whether it connects to another machine.
+    #[must_use]
+    pub fn leaves_machine(&self) -> bool {
+        !connect_is_local(self.connect.iter().chain(&self.relay))
     }
 }
 
@@ -134,29 +134,94 @@ pub struct Net {
 /// [`NetError`] for addresses, certificates, and what zenoh refuses.
 pub fn open(at: &At, mode: Mode, signals: &Signals) -> Result<Net, NetError> {
     words::begin();
-    let lab = at.keys.as_deref().map(super::Lab::member).transpose()?;
-    let (listen, connect) = endpoints(at, lab.is_some())?;
-    let mut settings = settings(mode.word(at.relay.is_some()), &listen, &connect);
-    let (mut access, mut name) = (None, None);
-    if let Some(lab) = lab {
-        settings["transport"]["link"]["tls"] = lab.settings();
-        settings["access_control"] = lab.access.settings();
-        (access, name) = (Some(lab.access), Some(lab.name));
-    }
-    let zenoh = |e: zenoh::Error| NetError::Zenoh(e.to_string());
-    let config = Config::from_json5(&settings.to_string()).map_err(zenoh)?;
+    let planned = Planned::of(at, mode)?;
+    let config = planned.config;
     let session = match &at.relay {
         None => zenoh::open(config).wait().map_err(zenoh)?,
         Some(relay) => through(relay, &config, signals)?,
     };
-    if !connect.is_empty() {
+    if planned.connects {
         await_others(&session);
+    }
+    let access = planned.lab.as_ref().map(|lab| lab.access.clone());
+    let name = planned.lab.as_ref().map(|lab| lab.name.clone());
+    if let Some(lab) = planned.lab {
+        until_expiry(lab, session.clone(), true)?;
     }
     Ok(Net {
         session,
         access,
         name,
     })
+}
+
+/// Closes a session when the own certificate has expired, and says so if it `tells`. Zenoh closes the links that it has then,
+/// and makes new ones within the same second, since TLS counts whole ones; of those it never looks at the certificate again.
+fn until_expiry(lab: Lab, session: Session, tells: bool) -> Result<(), NetError> {
+    let watch = move || {
+        let clock = RunClock::start();
+        while !lab.has_expired() {
+            clock.sleep_until(clock.now() + LOOK);
+        }
+        if tells {
+            let name = &lab.name;
+            note(&format!(
+                "the certificate of `{name}` has expired: make another with `palpate-link keys`"
+            ));
+        }
+        // A session that is closed already needs no closing.
+        let _ = session.close().wait();
+    };
+    let thread = std::thread::Builder::new().name("expiry".into());
+    // It ends with the program.
+    let started = thread.spawn(watch).map(drop);
+    started.map_err(|e| NetError::Zenoh(format!("a thread: {e}")))
+}
+
+/// A second session of an end that has one. It must not keep the first from its work: what hinders it is told, and no more.
+pub fn open_beside(at: &At) -> Option<Session> {
+    let opened = Planned::of(&at.beside(), Mode::Peer).and_then(|planned| {
+        let session = zenoh::open(planned.config).wait().map_err(zenoh)?;
+        if let Some(lab) = planned.lab {
+            until_expiry(lab, session.clone(), false)?;
+        }
+        Ok(session)
+    });
+    opened
+        .inspect_err(|e| {
+            note(&format!(
+                "no second connection, so a lost packet is a pause: {e}"
+            ));
+        })
+        .ok()
+}
+
+/// A session that is to be opened.
+struct Planned {
+    config: Config,
+    connects: bool,
+    lab: Option<Lab>,
+}
+
+impl Planned {
+    fn of(at: &At, mode: Mode) -> Result<Self, NetError> {
+        let lab = at.keys.as_deref().map(Lab::member).transpose()?;
+        let (listen, connect) = endpoints(at, lab.is_some())?;
+        let mut settings = settings(mode.word(at.relay.is_some()), &listen, &connect);
+        if let Some(lab) = &lab {
+            settings["transport"]["link"]["tls"] = lab.settings();
+            settings["access_control"] = lab.access.settings();
+        }
+        Ok(Self {
+            config: Config::from_json5(&settings.to_string()).map_err(zenoh)?,
+            connects: !connect.is_empty(),
+            lab,
+        })
+    }
+}
+
+fn zenoh(error: zenoh::Error) -> NetError {
+    NetError::Zenoh(error.to_string())
 }
 
 /// A session through a relay, as soon as that answers.
@@ -224,9 +289,9 @@ fn await_others(session: &Session) {
 }
 
 /// Whether all of these are of this machine.
-fn connect_is_local(addresses: &[String]) -> bool {
+fn connect_is_local<'a>(addresses: impl IntoIterator<Item = &'a String>) -> bool {
     let local = |address: &String| checked("--connect", address, false).is_ok();
-    addresses.iter().all(local)
+    addresses.into_iter().all(local)
 }
 
 /// An address, if text to and from it may be as it is.

@@ -55,17 +55,28 @@ fn zenoh_takes_the_settings() {
 }
 
 #[test]
-fn a_second_session_reaches_the_first_and_those_that_it_reaches() {
-    let at = At {
-        listen: vec!["0.0.0.0:1".into(), "10.0.0.1:2".into(), "[::]:3".into()],
-        connect: vec!["robot:4".into()],
+fn a_second_session_connects_as_the_first_and_listens_nowhere() {
+    let at = |listen: &[&str], connect: &[&str]| At {
+        listen: listen.iter().map(|&a| a.into()).collect(),
+        connect: connect.iter().map(|&a| a.into()).collect(),
         plain: true,
         ..At::default()
     };
-    let beside = at.beside();
+    let beside = at(&["0.0.0.0:1"], &["robot:4"]).beside();
     assert!(beside.listen.is_empty() && beside.plain);
-    assert_eq!(
-        beside.connect,
-        ["robot:4", "127.0.0.1:1", "10.0.0.1:2", "[::1]:3"]
-    );
+    assert_eq!(beside.connect, ["robot:4"]);
+    // Where it would have nobody to connect to, or no packets to lose, there is none.
+    assert!(at(&[], &["10.0.0.1:4"]).leaves_machine());
+    for here in [
+        at(&["0.0.0.0:1"], &[]),
+        at(&[], &["127.0.0.1:4"]),
+        at(&[], &[]),
+    ] {
+        assert!(!here.leaves_machine(), "{here:?}");
+    }
+    let relayed = At {
+        relay: Some("10.0.0.1:4".into()),
+        ..At::default()
+    };
+    assert!(relayed.leaves_machine());
 }

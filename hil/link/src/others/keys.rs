@@ -76,7 +76,7 @@ pub fn run(args: &KeysArgs) -> Result<(), Failure> {
             member,
         })
         .collect();
-    let access = Lab::make(&args.folder, &wanted, args.days);
+    let access = Lab::make(&args.folder, &wanted, time::Duration::days(args.days));
     let access = access.map_err(|e| Failure::Input(e.to_string()))?;
     palpate_hil::output::print(|out| {
         for one in &wanted {

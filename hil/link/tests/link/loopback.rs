@@ -1,50 +1,6 @@
 //! Two programs on this machine, over loopback.
 
-use std::net::TcpListener;
-use std::process::{Child, Command, Output, Stdio};
-
-use serde_json::Value;
-
-/// A port that is free.
-fn port() -> String {
-    let free = TcpListener::bind("127.0.0.1:0").unwrap();
-    format!("127.0.0.1:{}", free.local_addr().unwrap().port())
-}
-
-fn link(arguments: &[&str]) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_palpate-link"));
-    command
-        .args(arguments)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped());
-    command.spawn().unwrap()
-}
-
-fn ended(child: Child) -> (Option<i32>, Value, String) {
-    let Output {
-        status,
-        stdout,
-        stderr,
-    } = child.wait_with_output().unwrap();
-    let value = serde_json::from_slice(&stdout).unwrap_or(Value::Null);
-    (
-        status.code(),
-        value,
-        String::from_utf8_lossy(&stderr).into_owned(),
-    )
-}
-
-const FINGER: [&str; 2] = ["--finger", "r1/left/index"];
-
-fn skin(port: &str, more: &[&str]) -> Child {
-    let arguments = ["skin", "sphere-along", "--json", "--listen", port];
-    link(&[&arguments, &FINGER[..], more].concat())
-}
-
-fn display(port: &str, more: &[&str]) -> Child {
-    let arguments = ["display", "sphere-along", "--json", "--connect", port];
-    link(&[&arguments, &FINGER[..], more].concat())
-}
+use super::programs::{FINGER, Folder, display, link, port, skin};
 
 #[test]
 fn contacts_are_felt_and_the_robot_hears_of_the_wearers_end() {
@@ -53,8 +9,8 @@ fn contacts_are_felt_and_the_robot_hears_of_the_wearers_end() {
         skin(&port, &["--seconds", "6"]),
         display(&port, &["--seconds", "4"]),
     );
-    let (felt_status, felt, said) = ended(display);
-    let (sent_status, sent, told) = ended(skin);
+    let (felt_status, felt, said) = display.ended();
+    let (sent_status, sent, told) = skin.ended();
     assert_eq!(
         (felt_status, sent_status),
         (Some(0), Some(0)),
@@ -71,10 +27,8 @@ fn contacts_are_felt_and_the_robot_hears_of_the_wearers_end() {
 #[test]
 fn scans_are_compressed_by_the_wearers_machine_into_the_same_contacts() {
     let port = port();
-    let folder = std::env::temp_dir().join(format!("palpate-link-scans-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let table = |name: &str| folder.join(name).display().to_string();
-    let (robot, wearer) = (table("robot.csv"), table("wearer.csv"));
+    let folder = Folder::new();
+    let (robot, wearer) = (folder.file("robot.csv"), folder.file("wearer.csv"));
     let skin = skin(
         &port,
         &[
@@ -88,8 +42,8 @@ fn scans_are_compressed_by_the_wearers_machine_into_the_same_contacts() {
         ],
     );
     let display = display(&port, &["--seconds", "4", "--record", &wearer, "--force"]);
-    let (_, felt, said) = ended(display);
-    let (_, _, told) = ended(skin);
+    let (_, felt, said) = display.ended();
+    let (_, _, told) = skin.ended();
     assert!(felt["held"].as_u64().unwrap() > 150, "{felt}{said}{told}");
     // Places and intensities, without the frames that one end alone counts: the wearer's are among the robot's.
     let places = |name: &str| -> Vec<String> {
@@ -113,7 +67,6 @@ fn scans_are_compressed_by_the_wearers_machine_into_the_same_contacts() {
         &wearer[..3],
         &robot[..3]
     );
-    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 #[test]
@@ -131,15 +84,15 @@ fn a_second_publisher_of_a_finger_is_refused_and_told() {
         "--seconds",
         "3",
     ]);
-    let (status, _, said) = ended(second);
+    let (status, _, said) = second.ended();
     assert_eq!(status, Some(2), "{said}");
     assert!(
         said.contains("expected a finger that is not published")
             || said.contains("refused by wearer"),
         "{said}"
     );
-    assert_eq!(ended(wearer).0, Some(0));
-    let (status, _, told) = ended(first);
+    assert_eq!(wearer.ended().0, Some(0));
+    let (status, _, told) = first.ended();
     assert_eq!(status, Some(0));
     assert!(
         told.contains("a second publisher of this finger was refused"),
@@ -156,14 +109,14 @@ fn ends_of_a_relay_feel_through_it_and_a_second_connection_carries_the_same() {
         link(&[&arguments[..], &FINGER, &["--seconds", seconds]].concat())
     };
     let (skin, display) = (through("skin", "6"), through("display", "4"));
-    let (status, felt, said) = ended(display);
-    let (_, sent, told) = ended(skin);
+    let (status, felt, said) = display.ended();
+    let (_, sent, told) = skin.ended();
     assert_eq!(status, Some(0), "{said}{told}");
     assert!(felt["held"].as_u64().unwrap() > 150, "{felt}{said}");
     // What came first was felt, the other was not.
     assert!(felt["frames"]["order"].as_u64().unwrap() > 150, "{felt}");
     assert_eq!(sent["stops"][0], "wearer: its time is over", "{sent}{told}");
-    assert_eq!(ended(relay).0, Some(0));
+    assert_eq!(relay.ended().0, Some(0));
 }
 
 #[test]
@@ -180,8 +133,8 @@ fn another_layout_is_told_on_both_ends_and_nothing_is_felt() {
         FINGER[1],
     ];
     let display = link(&[&arguments[..], &["--seconds", "2"]].concat());
-    let (_, felt, said) = ended(display);
-    let (_, _, told) = ended(skin);
+    let (_, felt, said) = display.ended();
+    let (_, _, told) = skin.ended();
     assert_eq!(felt["held"], 0, "{felt}");
     assert!(felt["frames"]["layout"].as_u64().unwrap() > 0, "{felt}");
     assert!(
@@ -204,7 +157,7 @@ fn list_says_who_publishes_and_who_feels() {
     // Until both have found each other a list may be empty.
     let mut seen = String::new();
     for _ in 0..3 {
-        let (_, listed, _) = ended(link(&["list", "--json", "--connect", &port]));
+        let (_, listed, _) = link(&["list", "--json", "--connect", &port]).ended();
         seen = listed.to_string();
         let finger = &listed[0];
         if finger["publishers"][0]["session"] == finger["wearers"][0]["feels"]
@@ -215,14 +168,14 @@ fn list_says_who_publishes_and_who_feels() {
         }
     }
     assert_eq!(seen, "");
-    ended(display);
-    ended(skin);
+    display.ended();
+    skin.ended();
 }
 
 #[test]
 fn plain_text_to_another_machine_is_refused() {
     let refused = link(&["skin", "--listen", "0.0.0.0:7450", FINGER[0], FINGER[1]]);
-    let (status, _, said) = ended(refused);
+    let (status, _, said) = refused.ended();
     assert_eq!(status, Some(2));
     assert!(said.contains("expected --keys DIR"), "{said}");
 }
