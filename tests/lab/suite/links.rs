@@ -20,6 +20,8 @@ const FINGER: [&str; 2] = ["--finger", "r1/left/index"];
 const AT: &str = "127.0.0.1:7450";
 /// Off within this of the newest reading: a turn comes once per millisecond, a transfer takes half of one.
 const STALE_NS: u64 = 103_000_000;
+/// Silence between two bursts finds no wire driven and stops nothing: so often is a skin killed at most until one is.
+const KILLS: usize = 5;
 /// The guardian's own work on top of its patience.
 const SLACK_NS: u64 = 40_000_000;
 
@@ -137,30 +139,41 @@ fn boards_on_can_are_felt_on_an_i2c_board_until_either_end_is_gone() {
     patiently(until_gone);
 }
 
-fn until_gone() -> Result<(), TooSlow> {
-    let mut ward = Ward::open(&scene("press.toml"), &["--oe"]);
-    // The robot's program dies. The display goes on without outputs, and says so in the end.
-    let (mut skin, mut display) = felt(&mut ward);
+/// The robot's program dies. The display goes on without outputs, and says so in the end where a wire was driven at the time;
+/// whether one was.
+fn dies(ward: &mut Ward) -> Result<bool, TooSlow> {
+    let (mut skin, mut display) = felt(ward);
     ward.check_speed()?;
     let struck_ns = now_ns();
     skin.strike(Signal::SIGKILL);
-    off_within(&mut ward, struck_ns, STALE_NS, "the skin is killed");
+    off_within(ward, struck_ns, STALE_NS, "the skin is killed");
     ward.check_speed()?;
-    assert!(
-        display.run.child.try_wait().unwrap().is_none(),
-        "{}",
-        display.said()
-    );
+    let said = display.said();
+    assert!(display.run.child.try_wait().unwrap().is_none(), "{said}");
     kill(display.run.pid(), Signal::SIGINT).unwrap();
     let ended = display.run.end();
-    assert_eq!(ended.code(), Some(4), "{}", display.said());
-    assert!(display.said().contains("stale-input"), "{}", display.said());
-    assert!(
-        display.told()["held"].as_u64().unwrap() > 20,
-        "{}",
-        display.told()
-    );
-    is_latched(&ward, "stale-input");
+    let (said, told) = (display.said(), display.told());
+    assert!(told["held"].as_u64().unwrap() > 20, "{told}");
+    if ended.success() {
+        assert_eq!(ward.latch().read(), None, "{said}");
+        return Ok(false);
+    }
+    assert_eq!(ended.code(), Some(4), "{said}");
+    assert!(said.contains("stale-input"), "{said}");
+    is_latched(ward, "stale-input");
+    Ok(true)
+}
+
+fn until_gone() -> Result<(), TooSlow> {
+    let mut ward = Ward::open(&scene("press.toml"), &["--oe"]);
+    let mut stopped = false;
+    for _ in 0..KILLS {
+        stopped = dies(&mut ward)?;
+        if stopped {
+            break;
+        }
+    }
+    assert!(stopped, "{KILLS} skins died between two bursts");
 
     // The wearer's STOP: in order, and nothing is latched.
     let (mut skin, mut display) = felt(&mut ward);
