@@ -15,7 +15,7 @@
 use palpate_core::random::RandomStream;
 
 use crate::person::channels::Kick;
-use crate::sensor::surface::SurfaceTexture;
+use crate::sensor::surface::{self, SurfaceTexture};
 
 /// What is rated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,13 +65,6 @@ const WEBER: f64 = 0.2;
 /// The share of the other dimension in what is rated on a display.
 const HALO: f64 = 0.25;
 
-/// The softest and the hardest that a scale was shown, N/mm.
-const STIFFNESS: [f64; 2] = [1.0, 100.0];
-/// The finest and the coarsest grain, mm.
-const GRAIN_MM: [f64; 2] = [0.04, 1.32];
-/// The most slippery and the stickiest surface.
-const FRICTION: [f64; 2] = [0.3, 1.5];
-
 /// What a bare finger feels of a surface whose friction is against that finger: hardness, roughness and friction, 1 to 6.
 ///
 /// - Hardness grows with a power of stiffness (Harper and Stevens 1964), roughness with one of the grain of abrasives (Stevens
@@ -82,14 +75,18 @@ const FRICTION: [f64; 2] = [0.3, 1.5];
 /// - On a line from slippery to sticky people place surfaces by their coefficient of friction (Smith and Scott 1996).
 ///
 /// Which ends were shown is assumed: those of the emulated materials.
-pub fn bare_finger(surface: &SurfaceTexture) -> [f64; 3] {
-    let share = |value: f64, [low, high]: [f64; 2]| (value - low) / (high - low);
-    let by_ratio = |value: f64, ends: [f64; 2]| share(libm::log(value), ends.map(libm::log));
-    let grain = libm::sqrt(surface.relief_mm * surface.wavelength_mm);
+pub fn bare_finger(of: &SurfaceTexture) -> [f64; 3] {
+    let share = |value: f64, (low, high): (f64, f64)| (value - low) / (high - low);
+    let by_ratio = |value: f64, (low, high): (f64, f64)| {
+        share(libm::log(value), (libm::log(low), libm::log(high)))
+    };
+    let grain = |relief_mm: f64, wavelength_mm: f64| libm::sqrt(relief_mm * wavelength_mm);
+    let (relief, wavelength) = (surface::RELIEF_MM, surface::WAVELENGTH_MM);
+    let grains = (grain(relief.0, wavelength.0), grain(relief.1, wavelength.1));
     let shares = [
-        by_ratio(surface.stiffness_n_per_mm, STIFFNESS),
-        by_ratio(grain, GRAIN_MM),
-        share(surface.friction, FRICTION),
+        by_ratio(of.stiffness_n_per_mm, surface::STIFFNESS_N_PER_MM),
+        by_ratio(grain(of.relief_mm, of.wavelength_mm), grains),
+        share(of.friction, surface::FRICTION),
     ];
     shares.map(|share| 1.0 + 5.0 * share.clamp(0.0, 1.0))
 }

@@ -118,9 +118,14 @@ fn a_bare_finger_feels_the_surfaces_own_properties() {
             assert!((felt - wanted).abs() < 1e-9, "{surface:?}: {felt} {wanted}");
         }
     };
-    near(surface(1.0, [0.04, 0.04], 0.3), [1.0; 3]);
-    near(surface(100.0, [1.32, 1.32], 1.5), [6.0; 3]);
-    let middle = (0.04_f64 * 1.32).sqrt();
-    near(surface(10.0, [middle / 2.0, middle * 2.0], 0.9), [3.5; 3]);
+    near(surface(1.0, [0.005, 0.3], 0.3), [1.0; 3]);
+    near(surface(100.0, [0.35, 5.0], 1.5), [6.0; 3]);
+    // Half the height at twice the spacing is the same grain.
+    let [relief, wavelength] = [(0.005_f64 * 0.35).sqrt(), (0.3_f64 * 5.0).sqrt()];
+    near(surface(10.0, [relief, wavelength], 0.9), [3.5; 3]);
+    near(
+        surface(10.0, [relief / 2.0, wavelength * 2.0], 0.9),
+        [3.5; 3],
+    );
     near(surface(1e9, [0.0, 1.0], f64::INFINITY), [6.0, 1.0, 6.0]);
 }

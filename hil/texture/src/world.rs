@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use palpate_core::random::RandomStream;
-use palpate_emulators::sensor::surface::{Habits, SurfaceTexture};
+use palpate_emulators::sensor::surface::{self, Habits, SurfaceTexture};
 
 /// Width of a drawn material's spectrum, octaves.
 const OCTAVES: f64 = 1.0;
@@ -59,10 +59,10 @@ impl Factor {
     /// the thesis but the smoothest, the hand's are fourfold around its habits. All assumed.
     pub const fn range(self) -> (f64, f64) {
         match self {
-            Self::Relief => (0.005, 0.35),
-            Self::Wavelength => (0.3, 5.0),
-            Self::Friction => (0.3, 1.5),
-            Self::Stiffness => (1.0, 100.0),
+            Self::Relief => surface::RELIEF_MM,
+            Self::Wavelength => surface::WAVELENGTH_MM,
+            Self::Friction => surface::FRICTION,
+            Self::Stiffness => surface::STIFFNESS_N_PER_MM,
             Self::Speed => (40.0, 160.0),
             Self::Force => (1.5, 6.0),
         }

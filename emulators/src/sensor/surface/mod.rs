@@ -51,6 +51,15 @@ impl SurfaceTexture {
     }
 }
 
+/// Smallest and largest stiffness of materials that are drawn, N/mm; all such ranges are assumed.
+pub const STIFFNESS_N_PER_MM: (f64, f64) = (1.0, 100.0);
+/// The same of the relief, mm.
+pub const RELIEF_MM: (f64, f64) = (0.005, 0.35);
+/// The same of its wavelength, mm.
+pub const WAVELENGTH_MM: (f64, f64) = (0.3, 5.0);
+/// The same of friction.
+pub const FRICTION: (f64, f64) = (0.3, 1.5);
+
 /// Stiffness of a module's silicone over its whole face, N/mm (assumed).
 const SILICONE_N_PER_MM: f64 = 12.0;
 /// Side of the field of taxels, mm.

@@ -10,7 +10,11 @@ use super::{ON_DISPLAY, Rated, Study};
 /// Below this a difference is called one, as in the thesis.
 pub const SIGNIFICANT: f64 = 0.05;
 
+/// At least so wide, and so much for each texture: a name and two boxes.
 const WIDTH: f64 = 960.0;
+const EACH: f64 = 92.0;
+/// Beside the boxes.
+const MARGINS: f64 = 84.0;
 const HEIGHT: f64 = 190.0;
 const TOP: f64 = 96.0;
 const GAP: f64 = 74.0;
@@ -61,7 +65,8 @@ pub fn draw(study: &Study, title: &str) -> String {
         .filter(|d| touched || ON_DISPLAY.contains(d))
         .collect();
     let height = TOP + dimensions.len() as f64 * (HEIGHT + GAP);
-    let mut svg = Svg::new(WIDTH, height, title);
+    let width = WIDTH.max(MARGINS + EACH * study.textures.len() as f64);
+    let mut svg = Svg::new(width, height, title);
     svg.text((20.0, 26.0), "label", title);
     let words = "SIMULATED panel: no person has rated anything. Box: quartiles, bold: median, circles: outliers.";
     svg.text((20.0, 46.0), "note", words);
@@ -81,7 +86,7 @@ pub fn draw(study: &Study, title: &str) -> String {
         let plot = Plot {
             left: 64.0,
             top: TOP + 10.0 + row as f64 * (HEIGHT + GAP),
-            width: WIDTH - 84.0,
+            width: width - MARGINS,
             height: HEIGHT,
             x: Scale::exact(0.0, study.textures.len() as f64),
             y: Scale::exact(0.7, 6.6),

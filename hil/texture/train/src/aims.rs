@@ -94,15 +94,20 @@ fn by_materials(materials: &[Material]) -> BTreeMap<String, Vec<f32>> {
 /// Most coordinates of which corners are taken; more tell no more labels apart.
 const CODED: usize = 16;
 
+/// How many labels a latent vector of this width can have a corner for.
+pub const fn corners(latent: usize) -> usize {
+    1 << if latent < CODED { latent } else { CODED }
+}
+
 /// Corners of the cube of latent vectors, each as far as can be from those before (error-correcting output codes; Dietterich
-/// and Bakiri 1995). Where labels outnumber corners, the rest of them share one.
+/// and Bakiri 1995).
 fn by_codes(labels: &[String], latent: usize) -> BTreeMap<String, Vec<f32>> {
     let bits = latent.min(CODED);
     let mut taken: Vec<u32> = Vec::with_capacity(labels.len());
     for _ in labels {
         let apart = |corner: &u32| taken.iter().map(|t| (t ^ corner).count_ones()).min();
         // The first of several, since the largest of a reversed order is its last.
-        let corner = (0..1_u32 << bits).rev().max_by_key(apart);
+        let corner = (0..corners(latent) as u32).rev().max_by_key(apart);
         taken.extend(corner);
     }
     let aim = |(label, corner): (&String, u32)| {

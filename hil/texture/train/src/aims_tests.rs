@@ -21,7 +21,7 @@ fn each_label_has_a_corner_far_from_all_others() {
     assert_eq!(closest(7, 3), 1);
     assert_eq!(closest(20, 16), 8);
     assert_eq!(closest(2, 3), 3);
-    // More labels than corners, and more coordinates than are coded.
-    assert_eq!(closest(9, 3), 0);
+    // More coordinates than are coded.
     assert_eq!(closest(2, 20), 16);
+    assert_eq!([1, 3, 16, 20].map(corners), [2, 8, 65_536, 65_536]);
 }

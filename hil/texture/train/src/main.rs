@@ -23,6 +23,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use aims::corners;
 use failure::Failure;
 use recordings::{Known, Recordings};
 use settings::Settings;
@@ -87,6 +88,13 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(label) = labels.find(|label| settings.heads > 0.0 && !is_known(label)) {
         let what = format!("materials.csv: expected a row for {label}, which --heads is to learn");
         return Err(Failure::file(&arguments.data, what));
+    }
+    let count = recordings.labels().len();
+    if settings.codes > 0.0 && corners(settings.latent) < count {
+        return Err(Failure::Usage(format!(
+            "--codes: expected a latent vector with a corner for each of {count} labels, found {} corners: raise --latent",
+            corners(settings.latent)
+        )));
     }
     let seen = |label: &str| known.may_train(label);
     let split = match settings.heads > 0.0 {
