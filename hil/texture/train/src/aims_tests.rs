@@ -10,7 +10,8 @@ fn closest(labels: usize, latent: usize) -> usize {
     let all: Vec<_> = codes.values().collect();
     assert!(all.iter().all(|code| code.len() == latent.min(CODED)));
     let pairs = (0..all.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
-    let differ = |(a, b): (usize, usize)| all[a].iter().zip(all[b]).filter(|(a, b)| a != b).count();
+    let sides = |n: usize| all[n].iter().map(|z| z.is_sign_positive());
+    let differ = |(a, b): (usize, usize)| sides(a).zip(sides(b)).filter(|(a, b)| a != b).count();
     pairs.map(differ).min().unwrap_or(0)
 }
 
