@@ -147,6 +147,9 @@ fn a_current_rises_only_once_the_last_pulse_of_the_wire_is_over() {
     let early = admit(&mut guard, short(20, 400, 16_000), true);
     assert_eq!(early.current, Some(Milliamps(300)));
     assert_eq!(early.reason, Some(Reason::Current));
+    // what is set already may be had again
+    let same = admit(&mut guard, short(5, 300, 21_000), true);
+    assert_eq!((same.current, same.reason), (Some(Milliamps(300)), None));
     let lower = admit(&mut guard, short(5, 200, 26_000), true);
     assert_eq!((lower.current, lower.reason), (Some(Milliamps(200)), None));
     let late = admit(&mut guard, asked(0, 5, 400, 160_000), true);
@@ -154,6 +157,8 @@ fn a_current_rises_only_once_the_last_pulse_of_the_wire_is_over() {
     let over = admit(&mut guard, asked(0, 5, 1200, 360_000), true);
     assert_eq!(over.current, Some(Milliamps(990)));
     assert_eq!(over.reason, Some(Reason::Current));
+    let full = admit(&mut guard, asked(0, 5, 990, 560_000), true);
+    assert_eq!((full.current, full.reason), (Some(Milliamps(990)), None));
 }
 
 #[test]

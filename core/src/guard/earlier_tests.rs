@@ -84,6 +84,24 @@ proptest! {
 }
 
 #[test]
+fn bursts_of_a_run_are_as_late_as_it_began() {
+    let us = Instant::from_micros;
+    let burst = |on, off| Booked {
+        on: us(on),
+        off: us(off),
+        energy_nj: 7,
+    };
+    let mut earlier = Earlier::default();
+    earlier.extend(Instant::ZERO, [(0, burst(5_000, 40_000))]);
+    assert_eq!(earlier.until, us(40_000));
+    earlier.extend(us(100_000), [(1, burst(0, 35_000)), (0, burst(0, 10_000))]);
+    let late = [(1, burst(100_000, 135_000)), (0, burst(100_000, 110_000))];
+    assert_eq!(earlier.bursts[0], (0, burst(5_000, 40_000)));
+    assert_eq!(earlier.bursts[1..], late);
+    assert_eq!(earlier.until, us(135_000));
+}
+
+#[test]
 fn heat_and_dose_of_earlier_runs_count() {
     let mut first = guard();
     let bursts: Vec<_> = (0..200)

@@ -259,6 +259,26 @@ fn heat_is_booked_late_and_never_before_what_is_booked() {
 }
 
 #[test]
+fn a_run_after_others_goes_on_where_they_ended() {
+    let mut budget = Budget::new(&HARD);
+    let (began_us, latency) = (7_000_000, Duration::from_micros(12_000));
+    let mut whole = Tissue::new();
+    whole.heat(&mut budget, booking(0, 54_000), 1e-3);
+    let mut next = whole.clone();
+    next.begun = Duration::from_micros(began_us);
+    for (on, off) in [(1_000, 42_000), (0, 0), (3_000_000, 9_000_000)] {
+        assert_eq!(
+            next.booking(us(on), us(off), latency),
+            whole.booking(us(began_us + on), us(began_us + off), latency)
+        );
+    }
+    // and has cooled since
+    let later = whole.bears(&budget, us(began_us + 2_000_000), 1.0);
+    assert_eq!(next.bears(&budget, us(2_000_000), 1.0), later);
+    assert!(later.0.peak_c < whole.bears(&budget, us(54_000), 1.0).0.peak_c - 0.1);
+}
+
+#[test]
 fn the_most_of_two_predictions_is_taken_row_by_row() {
     let high = Predicted {
         peak_c: 40.0,
