@@ -6,6 +6,7 @@ use burn::backend::autodiff::checkpoint::base::Checkpointer;
 use burn::backend::autodiff::checkpoint::strategy::NoCheckpointing;
 use burn::backend::autodiff::grads::Gradients;
 use burn::backend::autodiff::ops::{Backward, Ops, OpsKind};
+use burn::backend::ndarray::NdArrayTensor;
 use burn::backend::{Autodiff, NdArray};
 use burn::prelude::*;
 use burn::tensor::TensorPrimitive;
@@ -28,8 +29,13 @@ impl<B: Recurrent + AutodiffBackend<InnerBackend: Recurrent>> Learning for B {}
 type Inner = NdArray;
 type Primitive = <Inner as burn::tensor::backend::BackendTypes>::FloatTensorPrimitive;
 
+/// Row by row. (The framework's own `into_data` copies a tensor that others hold too number by number.)
 fn values<const D: usize>(tensor: Tensor<Inner, D>) -> Vec<f32> {
-    tensor.into_data().into_vec().expect("training is in f32")
+    let NdArrayTensor::F32(numbers) = tensor.into_primitive().tensor() else {
+        unreachable!("training is in f32")
+    };
+    let rows = numbers.view().as_standard_layout().into_owned();
+    rows.into_raw_vec_and_offset().0
 }
 
 fn primitive<const D: usize>(values: Vec<f32>, shape: [usize; D]) -> Primitive {

@@ -59,34 +59,39 @@ impl Panels {
 
     #[inline(always)]
     fn add_all(&self, left: &[f32], out: &mut [f32]) {
+        let whole = left.len() / self.depth / ROWS * ROWS;
+        let (fours, ones) = left.split_at(whole * self.depth);
+        let (to_fours, to_ones) = out.split_at_mut(whole * self.columns);
         let panels = self.values.chunks_exact(self.depth);
         for (panel, first) in panels.zip((0..self.columns).step_by(WIDE)) {
             let width = WIDE.min(self.columns - first);
-            let (mut left, mut out) = (left, &mut *out);
-            while !left.is_empty() {
-                let rows = ROWS.min(left.len() / self.depth);
-                let (some, rest) = left.split_at(rows * self.depth);
-                let (to, others) = out.split_at_mut(rows * self.columns);
-                let sums = if rows == ROWS {
-                    let (a, b) = some.split_at(2 * self.depth);
-                    let ((a, b), (c, d)) = (a.split_at(self.depth), b.split_at(self.depth));
-                    sums([a, b, c, d], panel)
-                } else {
-                    let row = |r: usize| &some[r.min(rows - 1) * self.depth..][..self.depth];
-                    sums([row(0), row(1), row(2), row(3)], panel)
-                };
+            let rows = fours.chunks_exact(ROWS * self.depth);
+            for (rows, to) in rows.zip(to_fours.chunks_exact_mut(ROWS * self.columns)) {
+                let row = |r: usize| &rows[r * self.depth..][..self.depth];
+                let sums = sums_of_rows([row(0), row(1), row(2), row(3)], panel);
                 for (row, sums) in to.chunks_exact_mut(self.columns).zip(&sums) {
                     let row = &mut row[first..first + width];
                     row.iter_mut().zip(sums).for_each(|(to, sum)| *to += sum);
                 }
-                (left, out) = (rest, others);
+            }
+        }
+        // Rows that are left go by themselves, through as many panels at once.
+        let rows = ones.chunks_exact(self.depth);
+        for (row, to) in rows.zip(to_ones.chunks_exact_mut(self.columns)) {
+            let panels = self.values.chunks(ROWS * self.depth);
+            for (panels, to) in panels.zip(to.chunks_mut(ROWS * WIDE)) {
+                let last = panels.len() / self.depth - 1;
+                let panel = |p: usize| &panels[p.min(last) * self.depth..][..self.depth];
+                let sums = sums_of_row(row, [panel(0), panel(1), panel(2), panel(3)]);
+                let sums = sums.as_flattened();
+                to.iter_mut().zip(sums).for_each(|(to, sum)| *to += sum);
             }
         }
     }
 }
 
 #[inline(always)]
-fn sums(rows: [&[f32]; ROWS], panel: &[[f32; WIDE]]) -> [[f32; WIDE]; ROWS] {
+fn sums_of_rows(rows: [&[f32]; ROWS], panel: &[[f32; WIDE]]) -> [[f32; WIDE]; ROWS] {
     let mut sums = [[0.0f32; WIDE]; ROWS];
     let [a, b, c, d] = rows;
     for ((((w, a), b), c), d) in panel.iter().zip(a).zip(b).zip(c).zip(d) {
@@ -95,6 +100,21 @@ fn sums(rows: [&[f32]; ROWS], panel: &[[f32; WIDE]]) -> [[f32; WIDE]; ROWS] {
             sums[1][i] += b * w[i];
             sums[2][i] += c * w[i];
             sums[3][i] += d * w[i];
+        }
+    }
+    sums
+}
+
+#[inline(always)]
+fn sums_of_row(row: &[f32], panels: [&[[f32; WIDE]]; ROWS]) -> [[f32; WIDE]; ROWS] {
+    let mut sums = [[0.0f32; WIDE]; ROWS];
+    let [a, b, c, d] = panels;
+    for ((((x, a), b), c), d) in row.iter().zip(a).zip(b).zip(c).zip(d) {
+        for i in 0..WIDE {
+            sums[0][i] += x * a[i];
+            sums[1][i] += x * b[i];
+            sums[2][i] += x * c[i];
+            sums[3][i] += x * d[i];
         }
     }
     sums
