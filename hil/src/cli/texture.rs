@@ -58,6 +58,9 @@ pub struct StrokesArgs {
     /// Readings per second; boards on CAN send 100.
     #[arg(long, value_name = "HZ", default_value_t = 100, value_parser = super::whole::<u32, 50, 1000>, allow_hyphen_values = true)]
     pub rate: u32,
+    /// Give the finger an accelerometer of 3 kHz; its readings go to FOLDER/accelerometer, in milli-g.
+    #[arg(long)]
+    pub accelerometer: bool,
     /// Seed of all randomness.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::whole::<u64, 0, { u64::MAX }>, allow_hyphen_values = true)]
     pub seed: u64,

@@ -29,22 +29,35 @@ pub fn strokes(args: &StrokesArgs) -> Result<(), Failure> {
         Habits::default()
     };
     let mut explorer = Explorer::new(habits, table.dead_taxel, args.seed).with_rate(args.rate);
+    if args.accelerometer {
+        explorer = explorer.with_accelerometer();
+    }
     let of = (&table, surface as fn(&_) -> _);
     let all = explore::explore_as(of, args.of.strokes, &mut explorer, |part| shown.part(part));
     drop(shown);
     make_folder(&args.out)?;
+    let shaken = args.out.join("accelerometer");
+    if args.accelerometer {
+        make_folder(&shaken)?;
+    }
     let outputs = Outputs {
         force: args.force,
         inputs: &[],
     };
     for (entry, recording) in &all {
-        let path = args
-            .out
-            .join(format!("{}_{:02}.csv", entry.name, recording.number));
+        let name = format!("{}_{:02}.csv", entry.name, recording.number);
+        let path = args.out.join(&name);
         outputs.check_csv(&path, "txl1_x,")?;
         outputs.write(&path, Format::Csv, |out| {
             explore::write_rows(recording, out)
         })?;
+        if args.accelerometer {
+            let path = shaken.join(&name);
+            outputs.check_csv(&path, "x_mg,")?;
+            outputs.write(&path, Format::Csv, |out| {
+                explore::write_acceleration(recording, out)
+            })?;
+        }
     }
     outputs.write(&args.out.join("materials.csv"), Format::Csv, |out| {
         explore::write_materials(&table, out)

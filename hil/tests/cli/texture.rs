@@ -130,6 +130,23 @@ fn strokes_are_recordings_beside_their_ratings() {
     let ratings = strokes.text("ratings.csv");
     assert!(ratings.starts_with("label,trained,hardness,roughness,friction\nsponge1,true,"));
 
+    let shaken = Folder::new("texture-strokes-shaken");
+    let path = shaken.path("strokes").display().to_string();
+    let said = hil(&[
+        "texture",
+        "strokes",
+        &path,
+        "--strokes",
+        "2",
+        "--accelerometer",
+    ]);
+    assert_eq!(said.status, Some(0), "{}", said.err);
+    let accelerometer = Folder(shaken.path("strokes/accelerometer"));
+    assert_eq!(accelerometer.names().len(), 8 * 2);
+    let rows = accelerometer.text("wood_01.csv");
+    assert!(rows.starts_with("x_mg,y_mg,z_mg\n"));
+    assert_eq!(rows.lines().count(), 1 + 6000);
+
     let again = Folder::new("texture-strokes-again");
     let (other, same) = (again.path("other"), again.path("same"));
     for (path, seed) in [(&other, "2"), (&same, "1")] {

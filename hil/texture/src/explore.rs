@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use palpate_core::texture::Encoder;
-use palpate_emulators::sensor::surface::{Explorer, Habits, Recording, SurfaceTexture};
+use palpate_emulators::sensor::surface::{Explorer, Habits, Recording, SurfaceTexture, milli_g};
 use palpate_files::{Rated, TextureEntry, TextureModel, TextureTable, taxel};
 use palpate_run::Failure;
 use palpate_run::plan::surface;
@@ -51,6 +51,19 @@ pub fn write_rows(recording: &Recording, out: &mut dyn Write) -> io::Result<()> 
     for row in &recording.rows {
         let cells = row.iter().map(|r| format!("{},{},{}", r.x, r.y, r.z));
         writeln!(out, "{}", cells.collect::<Vec<_>>().join(","))?;
+    }
+    Ok(())
+}
+
+/// Writes what the accelerometer told as CSV with a header, milli-g, [`palpate_emulators::sensor::surface::ACCELEROMETER_HZ`] rows per second.
+///
+/// # Errors
+/// What the system says of the output.
+pub fn write_acceleration(recording: &Recording, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "x_mg,y_mg,z_mg")?;
+    for row in &recording.acceleration {
+        let [x, y, z] = row.map(milli_g);
+        writeln!(out, "{x:.1},{y:.1},{z:.1}")?;
     }
     Ok(())
 }

@@ -1,7 +1,9 @@
 //! Strokes made into recordings: one module whose readings go on from stroke to stroke, as on a desk.
 
 use palpate_core::codec::uskin::Reading;
+use palpate_core::random::RandomStream;
 
+use super::vibration::{ACCELEROMETER_HZ, told};
 use super::{Habits, SurfaceStroke, SurfaceTexture};
 use crate::sensor::{EmulatedModule, ModuleConfig};
 use crate::time::Nanos;
@@ -9,7 +11,8 @@ use crate::time::Nanos;
 /// Samples of a recording: 2 s at 100 Hz, as in the thesis.
 pub const SAMPLES: usize = 200;
 /// Length of a recording.
-const LENGTH: Nanos = Nanos(2_000_000_000);
+const LENGTH: Nanos = Nanos(2 * NANOS_PER_SECOND);
+const NANOS_PER_SECOND: u64 = 1_000_000_000;
 /// The module hangs in the air between two strokes for as long, so that nothing of the last is left.
 const PAUSE: Nanos = Nanos(500_000_000);
 
@@ -20,6 +23,9 @@ pub struct Recording {
     pub number: u32,
     /// The readings.
     pub rows: Vec<Vec<Reading>>,
+    /// What an accelerometer on the finger told, counts along the module's axes, [`ACCELEROMETER_HZ`] of them per second;
+    /// nothing where there is none.
+    pub acceleration: Vec<[i16; 3]>,
 }
 
 /// A person with a flat module in hand.
@@ -29,6 +35,7 @@ pub struct Explorer {
     dead: Option<usize>,
     seed: u64,
     period: Nanos,
+    is_shaken: bool,
     now: Nanos,
 }
 
@@ -45,6 +52,7 @@ impl Explorer {
             dead,
             seed,
             period: Nanos(LENGTH.0 / SAMPLES as u64),
+            is_shaken: false,
             now: Nanos::ZERO,
         }
     }
@@ -57,11 +65,24 @@ impl Explorer {
         Self { period, ..self }
     }
 
+    /// The same with an accelerometer beside the taxels.
+    #[must_use]
+    pub fn with_accelerometer(self) -> Self {
+        Self {
+            is_shaken: true,
+            ..self
+        }
+    }
+
     /// Strokes once over `texture`, from just before the impact, for 2 s.
     pub fn stroke(&mut self, texture: &SurfaceTexture, number: u32) -> Recording {
         let span = (self.now, LENGTH.as_secs_f64());
         let lag = self.module.config().mechanics.lag_s;
         let stroke = SurfaceStroke::new(texture, &self.habits, (self.seed, number), span, lag);
+        let acceleration = match self.is_shaken {
+            true => self.acceleration(&stroke, &format!("{number} over {}", texture.name)),
+            false => Vec::new(),
+        };
         self.module.touch(Box::new(stroke));
         let samples = LENGTH.0 / self.period.0;
         let mut rows = Vec::with_capacity(samples as usize);
@@ -73,7 +94,20 @@ impl Explorer {
             self.now = self.now + self.period;
         }
         self.now = self.now + PAUSE;
-        Recording { number, rows }
+        Recording {
+            number,
+            rows,
+            acceleration,
+        }
+    }
+
+    fn acceleration(&self, stroke: &SurfaceStroke, which: &str) -> Vec<[i16; 3]> {
+        let mut noise = RandomStream::new(self.seed, &format!("accelerometer in stroke {which}"));
+        let hz = u64::from(ACCELEROMETER_HZ);
+        (0..LENGTH.0 * hz / NANOS_PER_SECOND)
+            .map(|n| self.now + Nanos(n * NANOS_PER_SECOND / hz))
+            .map(|at| told(stroke.acceleration(at), &mut noise))
+            .collect()
     }
 
     fn silence(&self, row: &mut [Reading]) {

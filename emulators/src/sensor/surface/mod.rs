@@ -12,12 +12,14 @@ mod rub;
 mod stroke;
 #[cfg(test)]
 mod tests;
+mod vibration;
 
 pub use explorer::{Explorer, Recording, SAMPLES};
 pub use rank::spearman;
 pub use relief::{Relief, Ripple};
 pub use rub::Rub;
 pub use stroke::{Habits, SurfaceStroke, SurfaceStrokes};
+pub use vibration::{ACCELEROMETER_HZ, milli_g};
 
 /// What a surface is like, as far as a skin module can tell.
 #[derive(Clone, Debug, PartialEq)]

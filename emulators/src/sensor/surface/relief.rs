@@ -1,9 +1,10 @@
 //! One drawn piece of a texture: a sum of ripples whose wavelengths follow the texture's spectrum.
 
-use core::f64::consts::TAU;
+use core::f64::consts::{FRAC_PI_2, TAU};
 
 use palpate_core::random::RandomStream;
 
+use super::vibration::Riding;
 use super::{PAD_MM, SurfaceTexture};
 
 /// Ripples that make a relief.
@@ -79,11 +80,33 @@ impl Relief {
         self.ripples.iter().map(part).sum()
     }
 
+    /// Acceleration along the stroke and towards the module, m/s2, of a body that rides on the whole pad at a travel in mm and
+    /// a speed in mm/s: slopes turn its force in N, heights press by its stiffness in N/mm.
+    pub(super) fn shakes(
+        &self,
+        riding: Riding,
+        (travel, speed): (f64, f64),
+        [force_n, stiffness]: [f64; 2],
+    ) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        for r in &self.ripples {
+            let (angle, rate) = (r.along * travel + r.phase, r.along * speed);
+            let height = r.height_mm * averaged(r, PAD_MM);
+            sum[0] += riding.shaken(force_n * height * r.along, angle + FRAC_PI_2, rate);
+            sum[1] += riding.shaken(stiffness * height, angle, rate);
+        }
+        sum
+    }
+
     /// The share of a ripple that reaches the taxels under a field of `side_mm`.
     fn passed(&self, ripple: &Ripple, speed: f64, side_mm: f64) -> f64 {
-        let number = libm::hypot(ripple.along, ripple.across);
-        let averaged = (TAU / number / side_mm).min(1.0);
         let turn = ripple.along * speed * self.lag_s;
-        averaged / libm::sqrt(1.0 + turn * turn)
+        averaged(ripple, side_mm) / libm::sqrt(1.0 + turn * turn)
     }
+}
+
+/// The share of a ripple that a field of `side_mm` does not average out.
+fn averaged(ripple: &Ripple, side_mm: f64) -> f64 {
+    let number = libm::hypot(ripple.along, ripple.across);
+    (TAU / number / side_mm).min(1.0)
 }

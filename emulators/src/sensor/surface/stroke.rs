@@ -11,6 +11,7 @@ use palpate_core::units::Point;
 
 use super::SurfaceTexture;
 use super::relief::{PATCH_MM, Relief};
+use super::vibration::Riding;
 use crate::sensor::{Press, Touches, grid};
 use crate::time::Nanos;
 
@@ -76,10 +77,19 @@ const SLIP: f64 = 0.35;
 /// Coefficient of friction after `travel` mm: built up with the first of it, and where it is high let go and gripped
 /// again every few millimetres.
 pub(super) fn held(friction: f64, slip_at: f64, travel: f64) -> f64 {
-    let cycle = (travel + slip_at) / SLIP_MM;
-    let grip = cycle - libm::floor(cycle) - 0.5;
-    let held = friction + SLIP * (friction - 0.5).max(0.0) * grip;
+    let held = friction + let_go(friction) * (gripped(slip_at, travel) - 0.5);
     (1.0 - libm::exp(-travel / SHEAR_MM)) * held
+}
+
+/// The part of the way from the last slip to the next one, 0 to 1.
+fn gripped(slip_at: f64, travel: f64) -> f64 {
+    let cycle = (travel + slip_at) / SLIP_MM;
+    cycle - libm::floor(cycle)
+}
+
+/// What a slip lets go of a coefficient of friction.
+fn let_go(friction: f64) -> f64 {
+    SLIP * (friction - 0.5).max(0.0)
 }
 
 /// A sum of three slow sines: root mean square 1 before scaling.
@@ -223,6 +233,24 @@ impl SurfaceStroke {
         let bounce = self.stiffness * self.approach_mm_s * 0.008 * libm::exp(-since / 0.06);
         let tremor = self.stiffness * self.tremor_mm * self.tremor.at(t);
         (loaded * (wanted + bounce * libm::cos(TAU * 12.0 * since) + tremor)).max(0.0)
+    }
+
+    /// Acceleration of the module's body along its axes, m/s2: what relief, impact and slips shake it with, not how the hand
+    /// moves, which the taxels tell.
+    pub fn acceleration(&self, now: Nanos) -> [f64; 3] {
+        let force = self.force(now);
+        let Some(t) = self.time(now).filter(|_| force > 0.0) else {
+            return [0.0; 3];
+        };
+        let (travel, speed) = self.progress(now);
+        let riding = Riding::on(self.stiffness);
+        let [along, normal] =
+            (self.relief).shakes(riding, (travel, speed), [force, self.stiffness]);
+        let since_slip = gripped(self.slip_at, travel) * SLIP_MM / speed.max(1e-3);
+        let slip = riding.let_go(force * let_go(self.friction), since_slip);
+        let impact = riding.met(self.approach_mm_s, t - self.impact_s);
+        let [x, y] = self.heading.map(|part| part * (along + slip));
+        [x, y, normal + impact]
     }
 }
 
