@@ -2,6 +2,7 @@
 //! calls it, at the latest when [`Projector::next`] says so; it never waits and never asks for the time.
 
 mod builder;
+mod gather;
 mod grid;
 mod held;
 mod outlet;

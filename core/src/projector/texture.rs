@@ -12,6 +12,7 @@ use crate::texture::{Control, ControlMap, Encoder, Ends, Pulses, Stream};
 use crate::units::{Duration, Instant};
 
 use super::Observer;
+use super::gather::Gathering;
 use super::tap::Taps;
 
 /// A texture whose last sample is older than this is no longer felt.
@@ -36,9 +37,8 @@ pub struct TexturePlan {
     pub module: u16,
     /// The network's features: taxel of that module, and axis (0 to 2).
     pub features: Box<[(u32, u8)]>,
-    /// Every feature gets its axis's mean over the module's taxels that are read: a contact that moves over them, spread over the
-    /// whole face, which is what networks are trained on. Shear is turned to the module's -x, where a stroke along +x
-    /// drags the skin. Where the contact is and which way it goes says the contact itself.
+    /// One contact rubs over the module: the network hears it as a stroke over the whole face, which is what networks are trained
+    /// on. Where the contact is and which way it goes says the contact itself.
     pub gather: bool,
     /// From sample to sample.
     pub sample: Duration,
@@ -84,24 +84,6 @@ pub struct TextureReport<'a> {
     pub control: Control,
 }
 
-/// Mean counts of some taxels, axis by axis.
-fn means(counts: &[[u16; 3]], taxels: &[usize]) -> [f32; 3] {
-    let sum = |axis: usize| {
-        taxels
-            .iter()
-            .map(|t| u64::from(counts[*t][axis]))
-            .sum::<u64>()
-    };
-    let count = taxels.len().max(1) as f64;
-    [0, 1, 2].map(|axis| (sum(axis) as f64 / count) as f32)
-}
-
-/// `means` with their shear above `rest` turned to -x.
-fn turned(means: [f32; 3], rest: [f32; 3]) -> [f32; 3] {
-    let shear = libm::hypotf(means[0] - rest[0], means[1] - rest[1]);
-    [rest[0] - shear, rest[1], means[2]]
-}
-
 /// From scans to control parameters.
 #[derive(Debug)]
 pub(super) struct Sampler {
@@ -109,10 +91,10 @@ pub(super) struct Sampler {
     /// Index among the layout's taxels, and axis.
     features: Box<[(usize, usize)]>,
     sample: Box<[f32]>,
-    /// The module's taxels that are read, where features are gathered.
-    gathered: Option<Box<[usize]>>,
-    /// Their means while nothing touched them last.
-    rest: [f32; 3],
+    /// The module's first taxel.
+    start: usize,
+    /// Where features are gathered.
+    gathering: Option<Gathering>,
     stream: Stream,
     window: usize,
     ends: Ends,
@@ -159,8 +141,8 @@ impl Sampler {
             module: plan.module,
             features: features.collect::<Result<_, _>>()?,
             sample: alloc::vec![0.0; plan.features.len()].into(),
-            gathered: plan.gather.then(|| read.collect()),
-            rest: [0.0; 3],
+            start: range.start,
+            gathering: (plan.gather).then(|| Gathering::new(read.collect(), range.len())),
             window: plan.encoder.window(),
             stream: Stream::new(plan.encoder, 1),
             ends: Ends::Onsets {
@@ -205,14 +187,14 @@ impl Sampler {
             self.newest = None;
         }
         let counts = scan.counts();
-        let gathered = self.gathered.as_ref();
-        let means = gathered.map(|taxels| means(counts, taxels));
-        if let Some(means) = means.filter(|_| !touched) {
-            self.rest = means;
+        if let Some(gathering) = &mut self.gathering {
+            gathering.push(counts, touched);
         }
-        let means = means.map(|means| turned(means, self.rest));
         for (value, &(taxel, axis)) in self.sample.iter_mut().zip(&self.features) {
-            *value = means.map_or_else(|| f32::from(counts[taxel][axis]), |means| means[axis]);
+            *value = match &self.gathering {
+                Some(gathering) => gathering.reading(taxel - self.start, axis),
+                None => f32::from(counts[taxel][axis]),
+            };
         }
         // A window that begins before the touch would not count: it is not computed.
         let begin = touched && self.ends.begins(self.stream.seen(), self.window);
@@ -242,7 +224,3 @@ impl Sampler {
         self.newest.filter(|_| now.since(self.last) <= SILENCE)
     }
 }
-
-#[cfg(test)]
-#[path = "texture_tests.rs"]
-mod tests;

@@ -27,8 +27,8 @@ pub struct Felt {
     pub strokes_s: Vec<f64>,
     /// How long each is, seconds; 2 is the thesis's.
     pub stroke_s: f64,
-    /// The scene's touches of that module are of this surface themselves, and rub it over the skin; its readings are
-    /// gathered into one before the network sees them.
+    /// The scene's touches of that module are of this surface themselves, and rub it over the skin; the network hears them as a
+    /// stroke over the whole module.
     pub rubs: bool,
     /// The texture model: a built-in name or a file.
     pub model: String,

@@ -74,12 +74,6 @@ pub(super) fn texture(
         let expected = "a model with a coordinate for hardness, or `hardness = false`";
         return Err(bad("texture.model", expected.into()));
     }
-    // A contact that rubs shakes its taxels all alike, and the mean of them even more so: of its relief the readings say nothing,
-    // of its friction they do.
-    let drivers = match drivers.friction {
-        Some(friction) if felt.rubs => Drivers::from(friction),
-        _ => drivers,
-    };
     let (map, carrier) = projection(setup, drivers, display, prescale, seed)?;
     Ok(Some(TexturePlan {
         encoder: Arc::new(model.encoder()?),
