@@ -122,9 +122,11 @@ impl<'a> Sum<'a> {
             return None;
         }
         let end = self.slope_terms(to);
-        let opposite = opposite(&start, &end);
+        let leaves = self.leaves(&start);
+        let opposite = leaves * sign(&end) < 0.0;
         if count == 1 || self.derivative_is_monotone(&start, &end) {
-            return opposite.then(|| self.turn_between(from, to));
+            let turn = opposite.then(|| self.turn((from, to), leaves));
+            return turn.filter(|turn| *turn > from);
         }
         if bounded_away(&start, &end) || steepest(&start, &end) * (to - from) < NEGLIGIBLE_K {
             return None;
@@ -135,6 +137,19 @@ impl<'a> Sum<'a> {
         let middle = from + (to - from) / 2.0;
         self.search(from, middle, depth - 1)
             .or_else(|| self.search(middle, to, depth - 1))
+    }
+
+    /// The sign of the derivative from an instant on at which its terms are these: at a turn it is that of the bend.
+    fn leaves(&self, terms: &[f64; NODES]) -> f64 {
+        let slope = sign(terms);
+        if slope != 0.0 {
+            return slope;
+        }
+        let mut bends = *terms;
+        for (bend, rate) in bends.iter_mut().zip(self.lambda) {
+            *bend *= -rate;
+        }
+        sign(&bends)
     }
 
     /// Whether the second derivative keeps its sign between the two ends.
@@ -167,12 +182,20 @@ impl<'a> Sum<'a> {
 
     /// The turn between two times at which the derivative has opposite signs.
     pub fn turn_between(&self, from: f64, to: f64) -> f64 {
+        self.turn((from, to), self.derivatives(from)[1])
+    }
+
+    /// The same where the derivative `leaves` the first one with this sign, whatever rounding makes of it there.
+    fn turn(&self, (from, to): (f64, f64), leaves: f64) -> f64 {
         let slope = |t: f64| {
             let [_, slope, bend, third] = self.derivatives(t);
             [slope, bend, third]
         };
-        let start = slope(from);
-        root((from, to), start, start[0] < 0.0, slope)
+        let mut start = slope(from);
+        if start[0] * leaves <= 0.0 {
+            start[0] = leaves * f64::MIN_POSITIVE;
+        }
+        root((from, to), start, leaves < 0.0, slope)
     }
 
     /// The time in [from, to] at which the sum, monotone there, rises or falls past `level`.
@@ -278,14 +301,14 @@ pub(super) fn signs(b: &[f64; NODES]) -> (usize, f64) {
     (count, sign)
 }
 
-/// Whether the sums of the two are of opposite sign, beyond rounding noise.
-fn opposite(start: &[f64; NODES], end: &[f64; NODES]) -> bool {
-    let sign = |b: &[f64; NODES]| {
-        let sum: f64 = b.iter().sum();
-        let size: f64 = b.iter().map(|v| v.abs()).sum();
-        if sum.abs() <= FLAT * size { 0.0 } else { sum }
-    };
-    sign(start) * sign(end) < 0.0
+/// The sign of a sum, none within rounding noise: -1, 0 or 1.
+fn sign(b: &[f64; NODES]) -> f64 {
+    let sum: f64 = b.iter().sum();
+    let size: f64 = b.iter().map(|v| v.abs()).sum();
+    match sum.abs() <= FLAT * size {
+        true => 0.0,
+        false => sum.signum(),
+    }
 }
 
 /// Bound on the size of the derivative between the two ends, K/s.

@@ -229,3 +229,45 @@ proptest! {
         }
     }
 }
+
+/// Steady current a little over what holds the wire where it was heated to: it warms, cools past the threshold where heating
+/// went over into cooling before, warms again, and is back at that threshold to 1e-10 K when somebody looks. The second turn comes
+/// after one that was taken as the beginning of the search.
+#[test]
+fn a_turn_after_a_turn_is_found() {
+    let p = WireParameters {
+        specific_heat: 444.617_643_923_619_5,
+        latent_heat: 23_036.157_353_156_545,
+        wire_share: 0.920_422_255_777_117_8,
+        austenite_ratio: 1.146_169_963_051_024_7,
+        resistance_per_kelvin: 0.0,
+        bias_stress_pa: 172e6,
+        reversible: 0.0,
+        alloy: Alloy::HIGH,
+        hysteresis: Hysteresis::Plays {
+            count: 2,
+            narrowest: 0.330_484_686_516_766_8,
+        },
+        ..WireParameters::FINAL
+    };
+    let s = TissueParameters {
+        contact_h: 2_349.473_990_770_66,
+        contact_fraction: 0.135_955_112_349_688_57,
+        air_c: 6.367_453_383_892_058,
+        ..TissueParameters::DEFAULT
+    };
+    let drive = [
+        (344_714_191, 0.193_184_843_708_569_17),
+        (61_329, 4.005_630_676_203_906),
+        (124_000, 1.97),
+        (7_089_332, 0.0),
+        (137_586_576, 0.0),
+        (1_500_399_740, 0.127_700_931_632_916_65),
+    ];
+    let mut whole = Wire::new(&p, &s, 33.0).and_then(|w| w.worn(&s)).unwrap();
+    let mut cut = whole.clone();
+    run(&mut whole, &drive, &[]);
+    run(&mut cut, &drive, &[59]);
+    let (a, b) = (whole.solver().nodes()[0], cut.solver().nodes()[0]);
+    assert!((a - b).abs() < 1e-9, "{a} {b}");
+}
