@@ -164,10 +164,12 @@ fn drawn(count: usize) -> Vec<TextureEntry> {
 }
 
 /// Its place is felt as well as without, and what has more relief is rougher, as far as a contact of a few taxels can say: at
-/// 10 mm/s half of the readings' rate is a ripple of 0.2 mm, and slow ones are gone with what is slow.
+/// 10 mm/s half of the readings' rate is a ripple of 0.2 mm, and slow ones are gone with what is slow. PALPATE_MATERIALS says of how
+/// many materials.
 #[test]
 fn a_contact_that_rubs_carries_its_own_texture() {
-    let materials = drawn(32);
+    let asked = std::env::var("PALPATE_MATERIALS").ok();
+    let materials = drawn(asked.map_or(32, |count| count.parse().unwrap()));
     let relief: Vec<f64> = materials.iter().map(|m| m.relief_um).collect();
     for (turn_s, asked) in [(4.6, 0.4), (1.6, 0.65), (0.8, 0.65)] {
         let speed = 14.1 * core::f64::consts::PI / turn_s;

@@ -17,8 +17,6 @@ const MIDDLE: usize = SLOW / 2;
 pub(super) struct Gathering {
     /// The module's taxels that are read, in the scan.
     read: Box<[usize]>,
-    /// Their readings while nothing touched them last.
-    rest: Box<[[f32; 3]]>,
     /// Their newest normal readings, the newest first.
     normal: Box<[[f32; SLOW]]>,
     is_new: bool,
@@ -33,7 +31,6 @@ impl Gathering {
     /// Of the taxels `read` in a module of `taxels`.
     pub(super) fn new(read: Box<[usize]>, taxels: usize) -> Self {
         Self {
-            rest: vec![[0.0; 3]; read.len()].into(),
             normal: vec![[0.0; SLOW]; read.len()].into(),
             read,
             is_new: true,
@@ -43,16 +40,18 @@ impl Gathering {
         }
     }
 
-    /// Takes a scan's counts, of a module that is touched or not.
-    pub(super) fn push(&mut self, counts: &[[u16; 3]], touched: bool) {
+    /// Takes a scan's counts, of a module that is touched or not, and of each taxel its reference, counts.
+    pub(super) fn push(
+        &mut self,
+        counts: &[[u16; 3]],
+        touched: bool,
+        reference: impl Fn(usize) -> [f64; 3],
+    ) {
         let (mut slow, mut sum, mut rest) = (0.0, [0.0; 2], [0.0; 2]);
         let (mut fast, mut weights) = (0.0, 0.0);
-        let taxels = self.read.iter().zip(&mut self.rest).zip(&mut self.normal);
-        for ((&taxel, at_rest), normal) in taxels {
+        for (&taxel, normal) in self.read.iter().zip(&mut self.normal) {
             let reading = counts[taxel].map(f32::from);
-            if !touched {
-                *at_rest = reading;
-            }
+            let at_rest = reference(taxel).map(|counts| counts as f32);
             normal.copy_within(..SLOW - 1, 1);
             normal[0] = reading[2];
             if self.is_new {

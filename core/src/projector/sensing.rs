@@ -61,7 +61,7 @@ impl Pipeline {
         if let Some(texture) = &mut self.texture {
             // As the last frame has it: a scan's own touch is known one frame later.
             let touched = !self.relative.contacts_of(usize::from(module)).is_empty();
-            texture.scan(scan, module, touched, observer);
+            texture.scan(scan, (module, touched), &self.baseline, observer);
         }
         if module != self.drives {
             return;

@@ -7,7 +7,7 @@ use alloc::boxed::Box;
 use alloc::sync::Arc;
 use core::fmt;
 
-use crate::skin::{Layout, Scan};
+use crate::skin::{Baseline, Layout, Scan};
 use crate::texture::{Control, ControlMap, Encoder, Ends, Pulses, Stream};
 use crate::units::{Duration, Instant};
 
@@ -160,12 +160,12 @@ impl Sampler {
         Ok((sampler, plan.carrier))
     }
 
-    /// A scan of `module`, which is touched or not.
+    /// A scan of `module`, which is touched or not, and what its taxels read at rest.
     pub(super) fn scan(
         &mut self,
         scan: &Scan,
-        module: u16,
-        touched: bool,
+        (module, touched): (u16, bool),
+        baseline: &Baseline,
         observer: &mut impl Observer,
     ) {
         if module != self.module {
@@ -188,7 +188,8 @@ impl Sampler {
         }
         let counts = scan.counts();
         if let Some(gathering) = &mut self.gathering {
-            gathering.push(counts, touched);
+            let reference = |taxel| baseline.reference(taxel).unwrap_or_default();
+            gathering.push(counts, touched, reference);
         }
         for (value, &(taxel, axis)) in self.sample.iter_mut().zip(&self.features) {
             *value = match &self.gathering {
