@@ -68,9 +68,14 @@ pub fn strokes(args: &StrokesArgs) -> Result<(), Failure> {
             explore::write_ratings(&table, out)
         })?;
     }
-    let ratings = if is_rated { " and ratings.csv" } else { "" };
+    let ratings = if is_rated { ", ratings.csv" } else { "" };
+    let fast = if args.accelerometer {
+        ", accelerometer/"
+    } else {
+        ""
+    };
     note(&format!(
-        "{}: {} emulated recordings, materials.csv{ratings}",
+        "{}: {} emulated recordings, materials.csv{ratings}{fast}",
         args.out.display(),
         all.len()
     ));

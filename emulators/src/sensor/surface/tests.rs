@@ -172,8 +172,10 @@ fn numbers_that_are_none_are_survived() {
                 &mut odd.friction,
             ];
             *fields.into_iter().nth(place).unwrap() = bad;
-            let recording = Explorer::new(Habits::default(), None, 1).stroke(&odd, 0);
+            let explorer = Explorer::new(Habits::default(), None, 1);
+            let recording = explorer.with_accelerometer().stroke(&odd, 0);
             assert_eq!(recording.rows.len(), SAMPLES);
+            assert_eq!(recording.acceleration.len(), 6000);
         }
     }
 }
