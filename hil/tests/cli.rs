@@ -15,6 +15,8 @@ mod docs;
 mod files;
 #[path = "cli/fingers.rs"]
 mod fingers;
+#[path = "cli/hardware.rs"]
+mod hardware;
 #[path = "cli/identify.rs"]
 mod identify;
 #[path = "cli/input.rs"]
@@ -157,4 +159,21 @@ fn refused_with<S: AsRef<OsStr>>(args: &[S], words: &[&str]) {
     for word in words {
         assert!(message.contains(word), "no `{word}` in: {message}");
     }
+}
+
+/// A bench of hardware that is not there.
+fn real_bench(folder: &Folder) -> String {
+    let file = folder.path("real.toml").display().to_string();
+    good(&[
+        "new",
+        "bench",
+        "real",
+        "--can",
+        "nope0",
+        "--i2c",
+        "/dev/i2c-250",
+        "--out",
+        &file,
+    ]);
+    file
 }

@@ -128,7 +128,7 @@ fn watts(error: SetError, rise: Nanos) -> Vec<f64> {
         };
         let update = guard.admit(at, Board(0), &[s], |_| ());
         bank.apply(&update).unwrap();
-        guard.confirm(&update);
+        guard.confirm(&update, update.at());
         display.advance(Nanos::from(until), &mut |_| ()).unwrap();
         bank.apply(&guard.expire(until, Board(0))).unwrap();
         let over = Nanos::from(until) + Nanos::from_micros(12_000);

@@ -114,7 +114,7 @@ fn a_current_is_written_and_read_back_before_the_pulse() {
     let update = admit(&mut guard, &[stimulus(1, 50, 495, 0)]);
     assert_eq!(update.current(1), Some(Milliamps(495)));
     bank.apply(&update).unwrap();
-    guard.confirm(&update);
+    guard.confirm(&update, update.at());
     bank.apply(&guard.expire(Instant::from_micros(35_000), Board(0)))
         .unwrap();
     bank.apply(&admit(&mut guard, &[stimulus(1, 50, 495, 100_000)]))
@@ -164,7 +164,7 @@ fn no_pulse_comes_where_a_current_does_not_read_back() {
         bank.start(Instant::ZERO).unwrap();
         let first = admit(&mut guard, &[stimulus(0, 50, 500, 10_000)]);
         bank.apply(&first).unwrap();
-        guard.confirm(&first);
+        guard.confirm(&first, first.at());
         assert!(pulses(&bus), "{name}: it works before");
         let end = Instant::from_micros(45_000);
         bank.apply(&guard.expire(end, Board(0))).unwrap();
@@ -215,7 +215,7 @@ proptest! {
             let stimuli: Vec<_> = (0..8).map(|w| stimulus(w, 10, currents[usize::from(w)], at)).collect();
             let update = admit(&mut guard, &stimuli);
             if bank.apply(&update).is_ok() {
-                guard.confirm(&update);
+                guard.confirm(&update, update.at());
                 for n in 0..8 {
                     if let Some(current) = update.current(n) {
                         let expected = current.0 * 4095 / FULL.0;

@@ -32,12 +32,13 @@ const REQUESTS: [(&str, Request); 3] = [
     ("OFF", Request::Off),
     ("STOP", Request::Stop),
 ];
-const CAUSES: [Cause; 5] = [
+const CAUSES: [Cause; 6] = [
     Cause::StaleInput,
     Cause::ActuatorError,
     Cause::SensorError,
     Cause::LateTick,
     Cause::End,
+    Cause::Overrun,
 ];
 const PARTS: [(&str, &[Field]); 5] = [
     ("HEADER", &HEADER_FIELDS),

@@ -26,6 +26,7 @@ mod guard;
 mod hand;
 mod illusion;
 mod link;
+mod overrun;
 mod panel;
 mod paths;
 mod pca9685;

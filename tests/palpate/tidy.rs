@@ -398,3 +398,45 @@ fn links_lead_somewhere() {
     }
     complain("relative links in Markdown", offences);
 }
+
+#[test]
+fn the_table_of_hazards_has_the_tests_of_the_bench() {
+    let safety = fs::read_to_string(root().join("docs/safety.md")).unwrap();
+    let (_, table) = safety
+        .split_once("## Faults of the machine around the bench")
+        .unwrap();
+    let quoted = table.split('`').skip(1).step_by(2);
+    let named: Vec<&str> = quoted
+        .filter(|text| text.matches('_').count() > 3)
+        .collect();
+    let mut tests = Vec::new();
+    for path in files(&root().join("hil"), &[".rs"]) {
+        let text = fs::read_to_string(&path).unwrap();
+        let of_bench = [
+            "guardian_faults",
+            "overrun",
+            "unseen_time",
+            "off",
+            "namespaces",
+            "campaign",
+        ];
+        let shown = path.parent().unwrap().ends_with("tests/bench")
+            && of_bench.contains(&&*path.file_stem().unwrap().to_string_lossy());
+        for (_, after) in text
+            .match_indices("#[test]")
+            .map(|(at, _)| text[at..].split_once("fn ").unwrap())
+        {
+            let name = after.split('(').next().unwrap().to_owned();
+            tests.push((name, shown));
+        }
+    }
+    let gone = named
+        .iter()
+        .filter(|name| !tests.iter().any(|(test, _)| test == *name));
+    let unsaid = tests
+        .iter()
+        .filter(|(test, shown)| *shown && !named.contains(&test.as_str()));
+    let offences = gone.map(|name| format!("{name}: no such test"));
+    let offences = offences.chain(unsaid.map(|(test, _)| format!("{test}: not in the table")));
+    complain("docs/safety.md and hil/tests/bench", offences.collect());
+}

@@ -1,6 +1,7 @@
 //! What every driver is to the loop.
 
 use crate::guard::{Guarded, Observed};
+use crate::units::Instant;
 
 /// What feeds actuators of one kind: accepts only what their guard has passed. Wires take [`Guarded`], a Peltier module
 /// [`GuardedCurrent`](crate::peltier::GuardedCurrent).
@@ -14,6 +15,12 @@ pub trait Actuators<U = Guarded> {
 
     /// Switches every output off. Needs no guard.
     fn all_off(&mut self) -> Result<(), Self::Error>;
+
+    /// When what was just applied, or switched off, is known to stand on the outputs: asked once the call has returned
+    /// `Ok`. Without a clock that is when it was `asked` for.
+    fn confirmed(&self, asked: Instant) -> Instant {
+        asked
+    }
 }
 
 /// Emulated registers, in a run that the guard only observes. Nothing that drives hardware implements it; the writer

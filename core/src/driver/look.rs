@@ -17,6 +17,8 @@ pub struct Seen {
     pub prescale: u8,
     /// Channels whose registers make a pulse, a bit each.
     pub loaded: u16,
+    /// Channels whose registers made a pulse until the board was switched off whole, a bit each.
+    pub stopped: u16,
 }
 
 impl Seen {
@@ -24,6 +26,15 @@ impl Seen {
     pub const fn driving(&self) -> u16 {
         if self.mode1 & mode1::SLEEP == 0 {
             self.loaded
+        } else {
+            0
+        }
+    }
+
+    /// Channels that drove their output until the board was switched off whole.
+    pub const fn drove(&self) -> u16 {
+        if self.mode1 & mode1::SLEEP == 0 {
+            self.stopped
         } else {
             0
         }
@@ -38,7 +49,30 @@ const fn makes_a_pulse([on_l, on_h, off_l, off_h]: [u8; 4]) -> bool {
     on_h & regs::FULL != 0 || on_l != off_l || (on_h ^ off_h) & 0x0F != 0
 }
 
+/// Whether a channel's four registers made a pulse before an all-off took the upper half of its OFF count. A pulse of a
+/// multiple of 256 ticks, longer than any that the guard passes at 200 Hz, leaves no trace.
+const fn made_a_pulse([on_l, on_h, off_l, off_h]: [u8; 4]) -> bool {
+    off_h == regs::FULL && (on_h & regs::FULL != 0 || on_l != off_l)
+}
+
 impl<I: I2c> Pca9685Bank<I> {
+    /// Takes the traces of pulses off a board that is off, so that a later look does not find them again. Full off stays.
+    ///
+    /// # Errors
+    /// [`DriverError`] when it does not answer.
+    pub fn forget_pulses(&mut self, board: Board) -> Result<(), DriverError> {
+        let address = self.address(board)?;
+        // One register at a time: the chip may have been left without auto-increment.
+        for register in [
+            regs::ALL_LED_ON_L,
+            regs::ALL_LED_ON_L + 1,
+            regs::ALL_LED_ON_L + 2,
+        ] {
+            self.patiently(board, |i2c| i2c.write(address, &[register, 0]))?;
+        }
+        Ok(())
+    }
+
     /// Reads a board, whatever state it is in, and changes nothing.
     ///
     /// # Errors
@@ -50,6 +84,7 @@ impl<I: I2c> Pca9685Bank<I> {
             mode2: self.read(board, regs::MODE2)?,
             prescale: self.read(board, regs::PRE_SCALE)?,
             loaded: 0,
+            stopped: 0,
         };
         let mut all = [0; 4 * regs::CHANNELS as usize];
         if mode1 & mode1::AI != 0 {
@@ -65,6 +100,7 @@ impl<I: I2c> Pca9685Bank<I> {
         }
         for (channel, quad) in all.as_chunks::<4>().0.iter().enumerate() {
             seen.loaded |= u16::from(makes_a_pulse(*quad)) << channel;
+            seen.stopped |= u16::from(made_a_pulse(*quad)) << channel;
         }
         Ok(seen)
     }

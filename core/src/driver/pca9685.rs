@@ -278,6 +278,11 @@ impl<I: I2c> Pca9685Bank<I> {
         &self.i2c
     }
 
+    /// The bus, for an owner that looks after it between two transfers.
+    pub const fn bus_mut(&mut self) -> &mut I {
+        &mut self.i2c
+    }
+
     /// Where a board of this number stands in the bank; past its end for another's.
     pub(super) fn index(&self, board: Board) -> usize {
         usize::from(board.0).wrapping_sub(self.first.into())

@@ -240,19 +240,19 @@ impl Guard {
     }
 
     /// Books what a wire got beyond the end of its stimulus because it was switched off late.
-    pub(super) fn overrun(&mut self, index: usize, was: &Running, off: Instant) {
+    pub(super) fn book_late(&mut self, index: usize, was: &Running, off: Instant) {
         let span = off.since(was.until);
         if span == Duration::ZERO {
             return;
         }
-        let width = was.setting.off - was.setting.on;
+        let width = was.setting.width();
         let energy = self
             .flowing(index)
             .late_nj(width, was.until.since(was.since), span);
         self.spend(index, was.until, off, energy);
         if let Some(burst) = &mut self.wires[index].burst {
             burst.spent_nj = burst.spent_nj.saturating_add(energy);
-            burst.end = off;
+            burst.end = burst.end.max(off);
         }
     }
 

@@ -9,7 +9,7 @@ use alloc::vec;
 use crate::schedule::{Reason, Stimulus};
 use crate::units::{Board, Instant, Milliamps};
 
-use super::{Guard, Guarded, Plant, PlantError};
+use super::{Guard, Plant, PlantError};
 
 /// Parts per million of a whole.
 const MILLION: u64 = 1_000_000;
@@ -80,12 +80,7 @@ impl Guard {
         self.settable.as_ref().map(|settable| &settable.control)
     }
 
-    /// A driver has put an update on the outputs: every current in it was set and has read back.
-    pub fn confirm(&mut self, update: &Guarded) {
-        self.confirm_currents(update.board(), |channel| update.current(channel));
-    }
-
-    /// The same by channel of a board.
+    /// Every current that a driver has put on the outputs of a board was set and has read back.
     pub(super) fn confirm_currents(
         &mut self,
         on: Board,

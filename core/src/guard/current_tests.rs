@@ -41,12 +41,16 @@ const fn asked(wire: u16, width: u16, milliamps: u32, at_us: u64) -> Stimulus {
 fn admit(guard: &mut Guard, s: Stimulus, arrives: bool) -> Entry {
     let mut entries = Vec::new();
     while let Some(end) = guard.next_expiry().filter(|end| *end <= s.at) {
-        guard.expire(end, Board(0));
+        let update = guard.expire(end, Board(0));
+        guard.confirm(&update, end);
     }
     guard.hear(s.at);
     let update = guard.admit(s.at, Board(0), &[s], |entry| entries.push(entry));
     if arrives {
-        guard.confirm(&update);
+        guard.confirm(&update, update.at());
+    } else {
+        // What it ends has ended: only what it begins does not come.
+        guard.wires.iter_mut().for_each(|wire| wire.ending = None);
     }
     entries.remove(0)
 }

@@ -13,6 +13,7 @@ mod earlier;
 mod lasting;
 mod limits;
 mod observed;
+mod overrun;
 mod plant;
 mod power;
 mod rest;
@@ -27,13 +28,13 @@ pub use earlier::Earlier;
 pub use lasting::Booked;
 pub use limits::{BURST_GAP, HARD, Limits};
 pub use observed::Observed;
+pub use overrun::Overrun;
 pub use plant::{Plant, PlantError};
 pub use thermal::Predicted;
 pub use used::Used;
 pub use watchdog::Cause;
 
 use alloc::boxed::Box;
-use alloc::vec;
 
 use crate::illusion::DisplayWire;
 use crate::schedule::{Entry, Stimulus, stagger};
@@ -41,9 +42,9 @@ use crate::units::{Board, Channel, Duration, Instant, Milliamps, Prescale};
 
 use admission::{Burst, Passed};
 use current::Settable;
+use overrun::Ending;
 use power::{Bucket, Window};
-use rest::Rest;
-use thermal::{Budget, Tissue};
+use thermal::Heat;
 use watchdog::Watchdog;
 
 /// What one channel shall do from now on.
@@ -56,6 +57,11 @@ pub struct Setting {
 }
 
 impl Setting {
+    /// Ticks of a period that the channel is on for.
+    const fn width(&self) -> u16 {
+        self.off.saturating_sub(self.on)
+    }
+
     /// Whether the pulses of two channels of one board are never on together.
     const fn is_apart(&self, other: &Self) -> bool {
         self.off <= other.on || other.off <= self.on
@@ -140,6 +146,8 @@ struct WireState {
     burst: Option<Burst>,
     /// What the channel does now.
     now: Option<Running>,
+    /// What it did before, where it is not known to have ended.
+    ending: Option<Ending>,
 }
 
 /// A channel that is on.
@@ -149,17 +157,6 @@ struct Running {
     since: Instant,
     /// When it has to end.
     until: Instant,
-}
-
-impl Heat {
-    fn new(limits: &Limits, wires: usize) -> Self {
-        Self {
-            budget: Budget::new(limits),
-            tissues: vec![Tissue::new(); wires].into(),
-            predicted: Predicted::REST,
-            rest: Rest::default(),
-        }
-    }
 }
 
 /// The guard of one fingertip: every limit of the table, from above.
@@ -178,17 +175,11 @@ pub struct Guard {
     /// Amplifiers whose current is set; `None` for those that have one of their own.
     settable: Option<Box<Settable>>,
     watchdog: Watchdog,
-}
-
-/// The thermal rows: all of the guard that needs floating point.
-#[derive(Clone, Debug)]
-struct Heat {
-    budget: Budget,
-    /// One per wire.
-    tissues: Box<[Tissue]>,
-    predicted: Predicted,
-    /// What tissue is without a wire's heat.
-    rest: Rest,
+    overrun: Option<Overrun>,
+    /// Whether one was found since the latch was closed last.
+    overran: bool,
+    /// What it passes drives emulated registers, whatever it says of it.
+    looks_on: bool,
 }
 
 impl Guard {
@@ -231,6 +222,7 @@ impl Guard {
             power: bucket((1, limits.wire_1s_uw), (10, limits.wire_10s_uw)),
             burst: None,
             now: None,
+            ending: None,
         };
         Ok(Self {
             limits,
@@ -241,6 +233,9 @@ impl Guard {
             fades: false,
             settable: None,
             watchdog: Watchdog::new(limits.stale, plant.latency()),
+            overrun: None,
+            overran: false,
+            looks_on: false,
         })
     }
 
@@ -302,7 +297,11 @@ impl Guard {
     /// whenever the loop runs, and at [`Self::deadline`] at the latest.
     pub fn watch(&mut self, now: Instant) -> Option<Cause> {
         let end = self.next_expiry();
-        self.watchdog.look(now, end)
+        let cause = self.watchdog.look(now, end);
+        match self.is_overdue(now) {
+            true => Some(Cause::Overrun),
+            false => cause,
+        }
     }
 
     /// When sensor input becomes too old for what is driven; a latched guard has noticed.
@@ -311,8 +310,9 @@ impl Guard {
         driven.then(|| self.stale_at())
     }
 
-    /// Refuses everything from now on. The first cause is kept.
+    /// Refuses everything from now on. The first cause is kept, but for a failed bus that became an overrun.
     pub fn latch(&mut self, cause: Cause) {
+        self.overran = false;
         self.watchdog.latch(cause);
     }
 
@@ -351,6 +351,7 @@ impl Guard {
         stimuli: &[Stimulus],
         ledger: impl FnMut(Entry),
     ) -> Guarded {
+        self.looks_on = false;
         let update = self.release(at, board);
         self.pass(update, stimuli, Self::clamp, ledger)
     }
@@ -363,6 +364,7 @@ impl Guard {
         stimuli: &[Stimulus],
         ledger: impl FnMut(Entry),
     ) -> Guarded {
+        self.looks_on = false;
         let named = |wire: usize| stimuli.iter().any(|s| usize::from(s.wire) == wire);
         let update = self.switch_off(at, board, |wire, _| named(wire));
         self.pass(update, stimuli, Self::clamp, ledger)
@@ -457,7 +459,7 @@ impl Guard {
             let Some(was) = wire.now.take_if(|now| which(index, now)) else {
                 continue;
             };
-            self.overrun(index, &was, at);
+            self.told_off(index, was, at);
             let ended = Setting {
                 on: was.setting.on,
                 off: was.setting.on,
@@ -465,16 +467,6 @@ impl Guard {
             update.set(channel, ended, at);
         }
         update
-    }
-
-    /// Everything is off at `at`, by an all-off of the driver. No current is confirmed any more.
-    pub fn all_off(&mut self, at: Instant) {
-        for index in 0..self.wires.len() {
-            if let Some(was) = self.wires[index].now.take() {
-                self.overrun(index, &was, at);
-            }
-        }
-        self.forget_currents();
     }
 }
 

@@ -58,6 +58,7 @@ impl Guard {
         stimuli: &[Stimulus],
         ledger: impl FnMut(Entry),
     ) -> Option<Observed> {
+        self.looks_on = true;
         let update = self.release(at, board);
         let update = self.pass(update, stimuli, Self::note, ledger);
         update.changes().then(|| self.observed(&update))

@@ -135,13 +135,17 @@ proptest! {
         for (wire, width, length_us, pause_us) in asked {
             let stimuli = [stimulus(wire, width, at_us, length_us)];
             let mut passed = None;
-            guarded.admit(stimuli[0].at, Board(0), &stimuli, |e| passed = Some(e));
+            let update = guarded.admit(stimuli[0].at, Board(0), &stimuli, |e| passed = Some(e));
+            guarded.confirm(&update, update.at());
             let (_, entries) = observe(&mut observed, &stimuli);
             prop_assert_eq!(passed.and_then(|e| e.reason), entries[0].reason);
             if entries[0].reason.is_some() {
                 break;
             }
             prop_assert_eq!(passed, entries.first().copied());
+            prop_assert!(core::mem::take(&mut observed.looks_on));
+            // Here a wire ends with the next onset, however late that is: one that looks on does not mind.
+            (guarded.overrun, guarded.overran) = (None, false);
             prop_assert_eq!(alloc::format!("{observed:?}"), alloc::format!("{guarded:?}"));
             at_us += length_us + pause_us;
         }

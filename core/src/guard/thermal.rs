@@ -8,12 +8,16 @@
 //! Heat is booked no earlier than the chip can deliver it: a response that falls with time makes the later
 //! booking the hotter one. That allows for every oscillator, the bus, and the place of a pulse in its period.
 
+use alloc::boxed::Box;
+use alloc::vec;
+
 use crate::schedule::Reason;
 use crate::units::{Duration, Instant};
 
 use super::decays::{DECAYS, Decays, RATES, Stretch, Stretches, Sums, dot};
 use super::dose::{Dose, DoseLimits};
 use super::limits::Limits;
+use super::rest::Rest;
 use super::table::{DEEP, LATENT_K, REST_C, SHALLOW};
 use super::used::Used;
 
@@ -28,6 +32,28 @@ const BINS: usize = (WINDOW.as_micros() / BIN_US) as usize + 1;
 const AHEAD: [u64; LOOKS] = [1, 2, 4, 8, 14, 20, 30, 40];
 /// So many looks.
 const LOOKS: usize = 8;
+
+/// The thermal rows: all of the guard that needs floating point.
+#[derive(Clone, Debug)]
+pub(super) struct Heat {
+    pub(super) budget: Budget,
+    /// One per wire.
+    pub(super) tissues: Box<[Tissue]>,
+    pub(super) predicted: Predicted,
+    /// What tissue is without a wire's heat.
+    pub(super) rest: Rest,
+}
+
+impl Heat {
+    pub(super) fn new(limits: &Limits, wires: usize) -> Self {
+        Self {
+            budget: Budget::new(limits),
+            tissues: vec![Tissue::new(); wires].into(),
+            predicted: Predicted::REST,
+            rest: Rest::default(),
+        }
+    }
+}
 
 /// The limits of the budget, as temperatures above rest of skin without latent heat, and what looks ahead.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@
 
 use crate::units::Instant;
 
-use super::{Guard, Setting};
+use super::Guard;
 
 /// The share of each limit that is used, the worst of all wires: 0 is rest, 1 the limit. What a guard without thermal
 /// rows does not know is 0.
@@ -72,7 +72,9 @@ impl Guard {
         };
         let widest = u64::from(self.widest().get());
         for (index, wire) in self.wires.iter().enumerate() {
-            let on = wire.now.map_or(0, |running| width(running.setting));
+            let on = wire
+                .now
+                .map_or(0, |running| u64::from(running.setting.width()));
             used.pulse = used.pulse.max(share(on, widest));
             let burst = self.burst_at(index, now);
             let so_far = burst.until(now).since(burst.start).as_micros();
@@ -94,10 +96,6 @@ impl Guard {
     fn supply_now(&self) -> u64 {
         self.supply_peak(|wire| self.wires[wire].now.map(|now| now.setting))
     }
-}
-
-const fn width(setting: Setting) -> u64 {
-    setting.off.saturating_sub(setting.on) as u64
 }
 
 #[cfg(test)]

@@ -15,6 +15,8 @@ pub enum Cause {
     LateTick,
     /// The run ended.
     End,
+    /// A wire was on for longer than a burst may be, because it went off too late.
+    Overrun,
 }
 
 impl Cause {
@@ -26,6 +28,16 @@ impl Cause {
             Self::SensorError => "sensor-error",
             Self::LateTick => "late-tick",
             Self::End => "end",
+            Self::Overrun => "overrun",
+        }
+    }
+
+    /// The cause to keep of this one and one that came later: this, but for a failed bus that became an overrun.
+    #[must_use]
+    pub const fn followed_by(self, later: Self) -> Self {
+        match (self, later) {
+            (Self::ActuatorError, Self::Overrun) => Self::Overrun,
+            (first, _) => first,
         }
     }
 }
@@ -85,9 +97,10 @@ impl Watchdog {
         }
     }
 
-    /// Keeps everything off from now on; the first cause is kept.
+    /// Keeps everything off from now on, for a cause that does not come first.
     pub(super) fn latch(&mut self, cause: Cause) {
-        self.latched.get_or_insert(cause);
+        let first = self.latched.unwrap_or(cause);
+        self.latched = Some(first.followed_by(cause));
     }
 
     pub(super) const fn latched(&self) -> Option<Cause> {

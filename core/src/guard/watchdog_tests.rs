@@ -55,6 +55,29 @@ fn a_latch_keeps_its_first_cause() {
 }
 
 #[test]
+fn a_failed_bus_that_became_an_overrun_is_latched_as_that_and_no_other_cause_is() {
+    let causes = [
+        Cause::StaleInput,
+        Cause::ActuatorError,
+        Cause::SensorError,
+        Cause::LateTick,
+        Cause::End,
+        Cause::Overrun,
+    ];
+    for first in causes {
+        for later in causes {
+            let mut dog = dog();
+            dog.latch(first);
+            dog.latch(later);
+            let became = (first, later) == (Cause::ActuatorError, Cause::Overrun);
+            let kept = if became { later } else { first };
+            assert_eq!(dog.latched(), Some(kept));
+            assert_eq!(first.followed_by(later), kept);
+        }
+    }
+}
+
+#[test]
 fn all_is_well_when_frames_come_and_somebody_looks() {
     let mut dog = dog();
     assert_eq!(dog.ready(ms(5)), Err(Cause::StaleInput));
@@ -77,6 +100,7 @@ fn causes_have_their_words() {
         (Cause::SensorError, "sensor-error"),
         (Cause::LateTick, "late-tick"),
         (Cause::End, "end"),
+        (Cause::Overrun, "overrun"),
     ];
     for (cause, word) in words {
         assert_eq!(cause.word(), word);

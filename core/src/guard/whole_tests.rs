@@ -344,12 +344,14 @@ proptest! {
                     }
                     let mut entries = vec![];
                     let said = |e: Entry| entries.push((e.channel.0, e.off - e.on, e.until, e.reason));
-                    guard.admit(at, Board(board), &stimuli, said);
+                    let update = guard.admit(at, Board(board), &stimuli, said);
+                    guard.confirm(&update, at);
                     prop_assert_eq!(entries, expected);
                 }
                 Act::Expire(board) => {
                     plain.switch_off(now, |wire, until| BOARDS[wire] == board && until <= now);
-                    guard.expire(at, Board(board));
+                    let update = guard.expire(at, Board(board));
+                    guard.confirm(&update, at);
                 }
                 Act::AllOff => {
                     plain.switch_off(now, |_, _| true);

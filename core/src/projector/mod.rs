@@ -9,6 +9,7 @@ mod outlet;
 mod output;
 mod plan_error;
 mod sensing;
+mod stop;
 mod strokes;
 mod tap;
 mod texture;
@@ -310,8 +311,28 @@ impl Projector {
     ///
     /// # Errors
     /// What is still wrong; everything stays off.
-    pub fn reset<A: Actuators>(&mut self, now: Instant, actuators: &mut A) -> Result<(), Cause> {
-        self.output.reset(now, actuators)
+    pub fn reset<A: Actuators>(
+        &mut self,
+        now: Instant,
+        actuators: &mut A,
+        observer: &mut impl Observer,
+    ) -> Result<(), Cause> {
+        self.output.reset(now, actuators, observer)
+    }
+
+    /// As [`Output::settle`].
+    pub fn settle(&mut self, at: Instant, observer: &mut impl Observer) -> bool {
+        self.output.settle(at, observer)
+    }
+
+    /// As [`Output::slept`].
+    pub fn slept(&mut self, now: Instant, span: Duration) {
+        self.output.slept(now, span);
+    }
+
+    /// As [`Output::still_on`].
+    pub fn still_on(&mut self, at: Instant) {
+        self.output.still_on(at);
     }
 
     /// The newest contacts that drive the display: with K_C over the whole skin all of them, else one module's.

@@ -26,6 +26,9 @@ pub(super) trait Outlet {
     fn expire(&mut self, guard: &mut Guard, at: Instant, board: Board) -> Result<(), Self::Error>;
 
     fn all_off(&mut self) -> Result<(), Self::Error>;
+
+    /// As [`Actuators::confirmed`].
+    fn confirmed(&self, asked: Instant) -> Instant;
 }
 
 /// A driver behind the guard.
@@ -46,21 +49,26 @@ impl<A: Actuators> Outlet for Guards<'_, A> {
         let update = guard.admit(at, board, stimuli, ledger);
         if update.changes() {
             self.0.apply(&update)?;
-            guard.confirm(&update);
+            guard.confirm(&update, self.0.confirmed(at));
         }
         Ok(())
     }
 
     fn expire(&mut self, guard: &mut Guard, at: Instant, board: Board) -> Result<(), A::Error> {
         let update = guard.expire(at, board);
-        match update.changes() {
-            true => self.0.apply(&update),
-            false => Ok(()),
+        if update.changes() {
+            self.0.apply(&update)?;
+            guard.confirm(&update, self.0.confirmed(at));
         }
+        Ok(())
     }
 
     fn all_off(&mut self) -> Result<(), A::Error> {
         self.0.all_off()
+    }
+
+    fn confirmed(&self, asked: Instant) -> Instant {
+        self.0.confirmed(asked)
     }
 }
 
@@ -93,6 +101,10 @@ impl<W: ObservedRegisters> Outlet for Observes<'_, W> {
 
     fn all_off(&mut self) -> Result<(), W::Error> {
         self.0.all_off()
+    }
+
+    fn confirmed(&self, asked: Instant) -> Instant {
+        asked
     }
 }
 

@@ -103,7 +103,9 @@ pub struct Output {
     /// Stimuli of one board at one onset.
     stimuli: Box<[Stimulus]>,
     /// Highest board number in use.
-    boards: u8,
+    pub(super) boards: u8,
+    /// What everything was switched off for, as long as it is not known to be off.
+    pub(super) unsettled: Option<Cause>,
     pub(super) next_onset: Instant,
 }
 
@@ -127,6 +129,7 @@ impl Output {
             widths: vec![Ticks::ZERO; n].into(),
             stimuli: vec![blank; n].into(),
             boards,
+            unsettled: None,
             next_onset: Instant::ZERO,
             display,
         }
@@ -265,11 +268,18 @@ impl Output {
             true => (&[][..], None),
             false => (targets, texture),
         };
-        let projected = self.project(now, targets, texture, outlet, observer);
-        projected.inspect_err(|_| {
-            // The first error is the one to tell; what the way out adds cannot be told apart.
-            let _ = self.stop(now, Cause::ActuatorError, outlet, observer);
-        })
+        match self.project(now, targets, texture, outlet, observer) {
+            Ok(onset) if self.guard.overran() => {
+                let stopped = self.stop(now, Cause::Overrun, outlet, observer);
+                stopped.map(|()| onset)
+            }
+            Err(error) => {
+                // The first error is the one to tell; what the way out adds cannot be told apart.
+                let _ = self.stop(now, Cause::ActuatorError, outlet, observer);
+                Err(error)
+            }
+            projected => projected,
+        }
     }
 
     fn project<O: Outlet>(
@@ -410,48 +420,6 @@ impl Output {
             })?;
         }
         Ok(())
-    }
-
-    /// The way back from a stop: nothing is driven after [`Self::all_off`], whatever its cause, until this has been
-    /// called once the cause is gone. The source is alive, the calls were on time, and all outputs take an all-off.
-    ///
-    /// # Errors
-    /// What is still wrong; everything stays off.
-    pub fn reset<A: Actuators>(&mut self, now: Instant, actuators: &mut A) -> Result<(), Cause> {
-        // The outputs last: while another cause stands there is no need to trouble their bus.
-        self.guard.ready(now)?;
-        actuators.all_off().map_err(|_| Cause::ActuatorError)?;
-        self.guard.reset(now)
-    }
-
-    /// Everything off, now, and kept off until [`Self::reset`].
-    ///
-    /// # Errors
-    /// The first board that did not answer.
-    pub fn all_off<A: Actuators>(
-        &mut self,
-        now: Instant,
-        cause: Cause,
-        actuators: &mut A,
-        observer: &mut impl Observer,
-    ) -> Result<(), A::Error> {
-        self.stop(now, cause, &mut Guards(actuators), observer)
-    }
-
-    pub(super) fn stop<O: Outlet>(
-        &mut self,
-        now: Instant,
-        cause: Cause,
-        outlet: &mut O,
-        observer: &mut impl Observer,
-    ) -> Result<(), O::Error> {
-        let result = outlet.all_off();
-        self.guard.latch(cause);
-        self.guard.all_off(now);
-        for board in 0..=self.boards {
-            observer.all_off(now, Board(board), cause);
-        }
-        result
     }
 
     /// The newest grid point not later than `now`; the next onset is the one after it.

@@ -8,6 +8,7 @@
 extern crate alloc;
 
 mod counts;
+mod no_pin;
 mod phases;
 mod schedule;
 mod session;
@@ -16,8 +17,9 @@ mod unit;
 mod warmth;
 
 pub use counts::Counts;
+pub use no_pin::NoPin;
 pub use settings::{Converters, Settings, SettingsError};
-pub use unit::{Datagrams, NoPin, Unit};
+pub use unit::{Datagrams, Unit};
 pub use warmth::{Module, NoModule};
 
 #[cfg(test)]

@@ -4,9 +4,8 @@ use alloc::collections::{BTreeSet, VecDeque};
 use alloc::rc::Rc;
 use alloc::vec::Vec;
 use core::cell::RefCell;
-use core::convert::Infallible;
 
-use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
+use embedded_hal::digital::{ErrorKind as PinError, ErrorType as PinErrorType, OutputPin};
 use embedded_hal::i2c::{Error, ErrorKind, ErrorType, I2c, Operation};
 use palpate_core::codec::link::{
     Buffer, Command, HELD, Header, Key, Kind, MOST, Planned, Request, Said, State, Warmth,
@@ -37,6 +36,7 @@ struct Chips {
     registers: [[u8; 256]; 2],
     dead: bool,
     cut: bool,
+    unwired: bool,
 }
 
 impl Default for Shared {
@@ -45,6 +45,7 @@ impl Default for Shared {
             registers: [[0; 256]; 2],
             dead: false,
             cut: false,
+            unwired: false,
         };
         (0..2).for_each(|board| chips.reset(board));
         Self(Rc::new(RefCell::new(chips)))
@@ -131,18 +132,19 @@ impl I2c for Shared {
 }
 
 impl PinErrorType for Shared {
-    type Error = Infallible;
+    type Error = PinError;
 }
 
 impl OutputPin for Shared {
-    fn set_low(&mut self) -> Result<(), Infallible> {
+    fn set_low(&mut self) -> Result<(), PinError> {
         self.0.borrow_mut().cut = false;
         Ok(())
     }
 
-    fn set_high(&mut self) -> Result<(), Infallible> {
-        self.0.borrow_mut().cut = true;
-        Ok(())
+    fn set_high(&mut self) -> Result<(), PinError> {
+        let mut chips = self.0.borrow_mut();
+        chips.cut = !chips.unwired;
+        chips.cut.then_some(()).ok_or(PinError::Other)
     }
 }
 
@@ -294,6 +296,7 @@ fn driver(nonce: u64, resumes: bool) -> UnitDriver {
 }
 
 mod hostile;
+mod overrun;
 mod sessions;
 
 #[test]

@@ -1,8 +1,6 @@
 //! The unit itself: one turn after the other.
 
-use core::convert::Infallible;
-
-use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
+use embedded_hal::digital::OutputPin;
 use embedded_hal::i2c::I2c;
 use palpate_core::codec::link::{
     Buffer, Command, Face, Header, Hello, Key, Kind, MOST, Planned, Refusal, Request, State, Status,
@@ -41,24 +39,6 @@ pub trait Datagrams {
 
     /// Sends a datagram. One that cannot be sent is lost, as any datagram may be.
     fn send(&mut self, datagram: &[u8], to: Self::Peer);
-}
-
-/// The OE pin of a unit that has none wired: a dead bus then ends with the hardware watchdog alone.
-#[derive(Clone, Copy, Debug)]
-pub struct NoPin;
-
-impl PinErrorType for NoPin {
-    type Error = Infallible;
-}
-
-impl OutputPin for NoPin {
-    fn set_low(&mut self) -> Result<(), Infallible> {
-        Ok(())
-    }
-
-    fn set_high(&mut self) -> Result<(), Infallible> {
-        Ok(())
-    }
 }
 
 /// A driver unit over a bus, the pin that cuts all outputs while it is high, and a Peltier module where it has one.
@@ -145,6 +125,7 @@ impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
         match self.bank.start(now) {
             Ok(ready) => {
                 (self.lost, self.ready) = (None, ready);
+                self.known_off(now);
                 self.set_cut(false);
             }
             Err(_) => {
@@ -154,12 +135,13 @@ impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
         }
     }
 
-    fn set_cut(&mut self, cut: bool) {
-        // A pin of the processor itself does not fail.
-        let _ = match cut {
+    /// Whether the pin took it: one that is not wired does not.
+    fn set_cut(&mut self, cut: bool) -> bool {
+        let set = match cut {
             true => self.cut.set_high(),
             false => self.cut.set_low(),
         };
+        set.is_ok()
     }
 
     /// The guard, to look at.
@@ -436,8 +418,11 @@ impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
         }
         match self.bank.apply(update) {
             Ok(()) => {
-                self.guard.confirm(update);
+                self.guard.confirm(update, now);
                 self.phases.apply(now, update);
+                if self.guard.overran() {
+                    self.stop(now, Cause::Overrun);
+                }
             }
             Err(_) => self.lose(now),
         }
@@ -482,12 +467,22 @@ impl<I: I2c, P: OutputPin, T: Module> Unit<I, P, T> {
     /// Everything off now, and nothing planned.
     fn all_off(&mut self, now: Instant) {
         self.schedule.clear();
-        self.guard.all_off(now);
+        self.guard.ask_off(now);
         self.phases.all_off();
-        if self.lost.is_none() && self.bank.all_off().is_err() {
-            self.set_cut(true);
+        let is_off = self.lost.is_none() && self.bank.all_off().is_ok();
+        if !is_off && self.lost.is_none() {
             self.latch(Cause::ActuatorError);
             self.lost = Some(now + RETRY);
+        }
+        if is_off || self.set_cut(true) {
+            self.known_off(now);
+        }
+    }
+
+    fn known_off(&mut self, now: Instant) {
+        self.guard.all_off(now);
+        if self.guard.overran() {
+            self.latch(Cause::Overrun);
         }
     }
 }

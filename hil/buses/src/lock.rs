@@ -2,24 +2,23 @@
 //!
 //! Not on the device node: the kernel keeps an adapter that was unplugged for as long as anybody has its node
 //! open, and a lock is held for a whole run.
+//!
+//! The file is also the way to its holder. Another program that wants everything off writes a word into it, and the
+//! guardian that holds it looks there. So it is found whatever its program is called and whichever processes can be seen.
 
 use std::fs::{self, File, OpenOptions};
-use std::os::unix::fs::{MetadataExt, PermissionsExt};
+use std::io::{self, Write};
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use nix::errno::Errno;
 use nix::fcntl::{Flock, FlockArg};
-use nix::sys::signal::{Signal, kill};
-use nix::unistd::Pid;
-use palpate_core::units::Duration as Span;
-
-use crate::pacer::RunClock;
+use nix::libc;
 
 /// The lock, for as long as it lives.
 #[derive(Debug)]
 pub struct BusLock {
-    _held: Flock<File>,
+    held: Flock<File>,
 }
 
 /// Why there is none.
@@ -39,8 +38,18 @@ pub enum LockError {
         /// The file.
         path: String,
         /// What the system said.
-        error: std::io::Error,
+        error: io::Error,
     },
+}
+
+impl LockError {
+    /// Who holds the lock, in words.
+    pub fn holder(&self) -> String {
+        match self {
+            Self::Held { pid, .. } => who(*pid),
+            Self::Open { .. } => "nobody".into(),
+        }
+    }
 }
 
 fn who(pid: Option<u32>) -> String {
@@ -58,16 +67,59 @@ fn file_of(folder: &Path, bus: &Path) -> PathBuf {
     folder.join(format!("palpate{name}.lock"))
 }
 
-/// Opens the file, which may be another user's, or makes it, for all users.
-fn open(path: &Path) -> std::io::Result<File> {
-    if let Ok(there) = File::open(path) {
-        return Ok(there);
-    }
+/// Opens the file, which may be another user's, or makes it, for all users. Neither a link is followed nor a pipe waited for:
+/// anybody may write to that folder.
+fn open(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
-    let file = options.read(true).append(true).create(true).open(path)?;
-    // Permissions of another user's file are its owner's to set.
-    let _ = file.set_permissions(fs::Permissions::from_mode(0o666));
+    options.custom_flags(libc::O_NOFOLLOW | libc::O_NONBLOCK);
+    let file = options.read(true).append(true).open(path);
+    let file = match file {
+        // A lock needs no right to write, a word to its holder does.
+        Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
+            options.append(false).open(path)?
+        }
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            match options.create_new(true).open(path) {
+                Ok(file) => {
+                    // Permissions of another user's file are its owner's to set.
+                    let _ = file.set_permissions(fs::Permissions::from_mode(0o666));
+                    file
+                }
+                // Another program was faster.
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                    options.create_new(false).open(path)?
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        other => other?,
+    };
+    if !file.metadata()?.is_file() {
+        return Err(io::Error::other("expected an ordinary file"));
+    }
     Ok(file)
+}
+
+/// The folder of locks.
+fn folder() -> PathBuf {
+    let system = Path::new("/run/lock");
+    match system.is_dir() {
+        true => system.to_owned(),
+        false => std::env::temp_dir(),
+    }
+}
+
+/// Writes into a bus's lock that its holder is to switch everything off and end.
+///
+/// # Errors
+/// [`LockError::Open`].
+pub fn ask_off(bus: &Path) -> Result<(), LockError> {
+    let lock = file_of(&folder(), bus);
+    let asked = open(&lock).and_then(|mut file| file.write_all(b"off\n"));
+    asked.map_err(|error| LockError::Open {
+        path: lock.display().to_string(),
+        error,
+    })
 }
 
 impl BusLock {
@@ -76,66 +128,44 @@ impl BusLock {
     /// # Errors
     /// [`LockError`]; a held lock names its holder.
     pub fn take(path: &Path) -> Result<Self, LockError> {
-        let system = Path::new("/run/lock");
-        if system.is_dir() {
-            Self::within(system, path)
-        } else {
-            Self::within(&std::env::temp_dir(), path)
-        }
+        Self::within(&folder(), path)
     }
 
     fn within(folder: &Path, path: &Path) -> Result<Self, LockError> {
-        let name = || path.display().to_string();
         let lock = file_of(folder, path);
-        let file = open(&lock).map_err(|error| LockError::Open {
+        let fail = |error: io::Error| LockError::Open {
             path: lock.display().to_string(),
             error,
-        })?;
-        match Flock::lock(file, FlockArg::LockExclusiveNonblock) {
-            Ok(held) => Ok(Self { _held: held }),
-            Err((file, Errno::EWOULDBLOCK)) => Err(LockError::Held {
-                path: name(),
-                pid: holder(&file),
-            }),
-            Err((_, errno)) => Err(LockError::Open {
-                path: name(),
-                error: errno.into(),
-            }),
-        }
-    }
-
-    /// Locks a bus, and ends the guardian that has it. Returns who that was.
-    ///
-    /// # Errors
-    /// [`LockError`] when another program has it, or the guardian does not end within `patience`.
-    pub fn take_over(path: &Path, patience: Duration) -> Result<(Self, Option<String>), LockError> {
-        let clock = RunClock::start();
-        let mut ended = None;
+        };
         loop {
-            let error = match Self::take(path) {
-                Ok(lock) => return Ok((lock, ended)),
-                Err(error) => error,
+            let file = open(&lock).map_err(fail)?;
+            let held = match Flock::lock(file, FlockArg::LockExclusiveNonblock) {
+                Ok(held) => held,
+                Err((file, Errno::EWOULDBLOCK)) => {
+                    return Err(LockError::Held {
+                        path: path.display().to_string(),
+                        pid: holder(&file),
+                    });
+                }
+                Err((_, errno)) => return Err(fail(errno.into())),
             };
-            let LockError::Held { pid: Some(pid), .. } = &error else {
-                return Err(error);
-            };
-            let late = u128::from(clock.now().as_micros()) > patience.as_micros();
-            // Only what locks as we do is ended: the guardian runs the same program as we.
-            if late || !is_same_program(*pid) {
-                return Err(error);
+            // A file that was taken away before it was locked is no other program's lock.
+            let is_there = fs::symlink_metadata(&lock).is_ok_and(|there| {
+                held.metadata()
+                    .is_ok_and(|own| (own.dev(), own.ino()) == (there.dev(), there.ino()))
+            });
+            if is_there {
+                // What was asked of an earlier holder is done.
+                let _ = held.set_len(0);
+                return Ok(Self { held });
             }
-            if ended.is_none() {
-                ended = Some(who(Some(*pid)));
-                let _ = kill(Pid::from_raw(*pid as i32), Signal::SIGTERM);
-            }
-            clock.sleep_until(clock.now() + Span::from_millis(2));
         }
     }
-}
 
-fn is_same_program(pid: u32) -> bool {
-    let name = |pid: &str| fs::read_to_string(format!("/proc/{pid}/comm")).ok();
-    name("self").is_some_and(|ours| name(&pid.to_string()) == Some(ours))
+    /// Whether another program has asked for everything off since the lock was taken.
+    pub fn is_asked_off(&self) -> bool {
+        self.held.metadata().is_ok_and(|file| file.len() > 0)
+    }
 }
 
 /// Who holds a lock on this file, by `/proc/locks`: `1: FLOCK ADVISORY WRITE 4711 00:05:123 0 EOF`.

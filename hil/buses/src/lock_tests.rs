@@ -25,3 +25,36 @@ fn a_second_program_is_refused_and_told_who_has_the_bus() {
     let nowhere = BusLock::within(&folder, path);
     assert!(matches!(nowhere, Err(LockError::Open { .. })));
 }
+
+#[test]
+fn a_holder_learns_that_it_is_asked_off_and_its_successor_does_not() {
+    let folder = std::env::temp_dir().join(format!("palpate-lock-asked-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let path = Path::new("/dev/null");
+    let held = BusLock::within(&folder, path).unwrap();
+    assert!(!held.is_asked_off());
+    let mut file = open(&file_of(&folder, path)).unwrap();
+    file.write_all(b"off\n").unwrap();
+    assert!(held.is_asked_off());
+    drop(held);
+    assert!(!BusLock::within(&folder, path).unwrap().is_asked_off());
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn neither_a_link_nor_a_pipe_nor_a_folder_is_a_lock() {
+    let folder = std::env::temp_dir().join(format!("palpate-lock-odd-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let (path, target) = (Path::new("/dev/null"), folder.join("target"));
+    let lock = file_of(&folder, path);
+    std::os::unix::fs::symlink(&target, &lock).unwrap();
+    BusLock::within(&folder, path).unwrap_err();
+    assert!(!target.exists(), "a link was followed");
+    fs::remove_file(&lock).unwrap();
+    nix::unistd::mkfifo(&lock, nix::sys::stat::Mode::S_IRWXU).unwrap();
+    BusLock::within(&folder, path).unwrap_err();
+    fs::remove_file(&lock).unwrap();
+    fs::create_dir(&lock).unwrap();
+    BusLock::within(&folder, path).unwrap_err();
+    fs::remove_dir_all(&folder).unwrap();
+}

@@ -51,6 +51,14 @@ pub(crate) fn monotonic_ns() -> i64 {
     nanoseconds(ClockId::CLOCK_MONOTONIC)
 }
 
+/// How long the machine has slept since it was started, nanoseconds: what CLOCK_BOOTTIME has counted and CLOCK_MONOTONIC has
+/// not.
+pub fn asleep_ns() -> i64 {
+    // Monotonic first: what passes between the two readings makes no sleep of less than nothing.
+    let monotonic = monotonic_ns();
+    nanoseconds(ClockId::CLOCK_BOOTTIME).saturating_sub(monotonic)
+}
+
 /// CLOCK_REALTIME in nanoseconds since 1970: what the kernel stamps frames with.
 pub(crate) fn realtime_ns() -> i64 {
     nanoseconds(ClockId::CLOCK_REALTIME)
@@ -59,6 +67,73 @@ pub(crate) fn realtime_ns() -> i64 {
 fn nanoseconds(clock: ClockId) -> i64 {
     // Both clocks exist on every Linux; zero would be a clock that stands still, which the loop reports.
     clock_gettime(clock).map_or(0, |t| t.tv_sec() * 1_000_000_000 + t.tv_nsec())
+}
+
+/// A look that comes so much later than the last one has not seen what went on between the two.
+pub const UNSEEN: Duration = Duration::from_millis(100);
+/// More sleep of the machine than this is a suspend.
+pub const ASLEEP: Duration = Duration::from_millis(20);
+
+/// Time in which a loop did not get to act.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unseen {
+    /// The clock went on meanwhile: a debugger, a frozen container, too much load.
+    Stood(Duration),
+    /// The machine slept, and its clock stood still.
+    Slept(Duration),
+}
+
+impl Unseen {
+    /// How much longer it was than the clock of the run says.
+    pub const fn uncounted(self) -> Duration {
+        match self {
+            Self::Stood(_) => Duration::ZERO,
+            Self::Slept(span) => span,
+        }
+    }
+}
+
+impl std::fmt::Display for Unseen {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (what, span) = match self {
+            Self::Stood(span) => ("let this program stand still", span),
+            Self::Slept(span) => ("was suspended", span),
+        };
+        write!(
+            out,
+            "unseen time: this computer {what} for {} ms, and outputs may have been on meanwhile",
+            span.as_micros() / 1000
+        )
+    }
+}
+
+/// Notices time in which a loop did not get to act, from its first look on.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Watch {
+    last: Option<(Instant, i64)>,
+}
+
+impl Watch {
+    /// One that has not looked yet.
+    pub const fn new() -> Self {
+        Self { last: None }
+    }
+
+    /// A look at `now` of the run's clock, before anything else of a turn.
+    pub fn look(&mut self, now: Instant) -> Option<Unseen> {
+        self.look_at(now, asleep_ns())
+    }
+
+    fn look_at(&mut self, now: Instant, asleep_ns: i64) -> Option<Unseen> {
+        let (before, asleep_before) = self.last.replace((now, asleep_ns))?;
+        let slept = u64::try_from(asleep_ns.saturating_sub(asleep_before)).unwrap_or(0);
+        let (slept, passed) = (Duration::from_micros(slept / 1000), now.since(before));
+        match (slept > ASLEEP, passed > UNSEEN) {
+            (true, _) => Some(Unseen::Slept(slept)),
+            (_, true) => Some(Unseen::Stood(passed)),
+            _ => None,
+        }
+    }
 }
 
 /// How late the turns of a loop began: a histogram whose bins are powers of two of a microsecond.

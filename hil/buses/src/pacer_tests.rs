@@ -38,3 +38,27 @@ fn the_clock_never_wakes_early_and_does_not_wait_for_the_past() {
     assert_eq!(pacer.lateness().turns(), 3);
     assert_eq!(clock.instant(i64::MIN), Instant::ZERO);
 }
+
+#[test]
+fn time_that_a_loop_did_not_see_is_told_from_a_late_turn() {
+    let at = |ms: u64| Instant::from_micros(ms * 1000);
+    let mut watch = Watch::default();
+    assert_eq!(watch.look_at(at(500), 7), None, "the first look");
+    assert_eq!(
+        watch.look_at(at(600), 20_000_007),
+        None,
+        "the bounds are seen"
+    );
+    let stood = watch.look_at(at(701), 20_000_007).unwrap();
+    assert_eq!(
+        (stood, stood.uncounted()),
+        (Unseen::Stood(Duration::from_millis(101)), Duration::ZERO)
+    );
+    let slept = watch.look_at(at(702), 3_020_000_007).unwrap();
+    assert_eq!(slept.uncounted(), Duration::from_millis(3000));
+    assert!(
+        slept.to_string().contains("suspended for 3000 ms"),
+        "{slept}"
+    );
+    assert_eq!(watch.look_at(at(703), 0), None, "a clock that goes back");
+}

@@ -13,8 +13,12 @@ use socketcan::{CanInterface, CanSocket, Socket};
 use crate::can::is_up;
 use crate::guardian::{Latch, Sweeper, Watch, WatchedBus};
 use crate::i2c::{LinuxAdapter, number};
+use crate::lock::BusLock;
 use crate::pacer::{Pacer, RunClock};
 use crate::sys::{lock_memory_limit, set_fifo_priority};
+
+/// How long an adapter may take to read its boards.
+const PATIENCE: std::time::Duration = std::time::Duration::from_secs(1);
 
 /// One thing that was looked at.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -220,24 +224,32 @@ fn look_at_i2c(watch: Option<&Watch>) -> Vec<Finding> {
 
 fn look_at_boards(bus: WatchedBus, watch: &Watch) -> Vec<Finding> {
     const ABOUT: &str = "board";
-    let Ok(mut sweeper) = Sweeper::open(&[bus], watch.transfer) else {
+    let Ok(mut sweeper) = Sweeper::open(&[bus]) else {
         return Vec::new(); // its adapter has been reported
     };
-    let boards = sweeper.look().into_iter().map(|board| {
-        let says = board.to_string();
-        if board.seen.is_err() {
-            Finding::bad(ABOUT, says, "i2cdetect -y shows who answers".into())
-        } else if board.was_driving() {
-            Finding::bad(ABOUT, says, "unless a run is on: hil off".into())
-        } else {
-            Finding::good(ABOUT, says)
-        }
-    });
+    let boards = sweeper
+        .look(PATIENCE.max(watch.transfer))
+        .into_iter()
+        .map(|board| {
+            let says = board.to_string();
+            if board.seen.is_err() {
+                Finding::bad(ABOUT, says, "i2cdetect -y shows who answers".into())
+            } else if board.was_driving() {
+                Finding::bad(ABOUT, says, "unless a run is on: hil off".into())
+            } else {
+                Finding::good(ABOUT, says)
+            }
+        });
     boards.collect()
 }
 
 fn look_at_latch(path: &Path) -> Option<Finding> {
-    let held = Latch::of(path).read()?;
+    let latch = Latch::of(path);
+    // Of what a guardian has armed it is a stop only where none is left.
+    let held = match BusLock::take(path) {
+        Ok(_lock) => latch.read_locked()?,
+        Err(_) => latch.read()?,
+    };
     let off = if held.verified {
         "everything was off"
     } else {
@@ -324,9 +336,15 @@ fn look_at_real_time() -> Vec<Finding> {
         "an ordinary kernel"
     };
     let memory = match lock_memory_limit() {
-        None => Finding::good("memory", format!("all of it may be locked; {kernel}")),
+        None => Finding::good(
+            "memory",
+            format!("all of it may be locked, and the guardian's is; {kernel}"),
+        ),
         Some(bytes) => {
-            let says = format!("{} KiB may be locked; {kernel}", bytes / 1024);
+            let says = format!(
+                "{} KiB may be locked: where that is too little the guardian's is touched beforehand, and may be paged out; {kernel}",
+                bytes / 1024
+            );
             Finding::bad("memory", says, "ulimit -l unlimited".into())
         }
     };

@@ -110,3 +110,38 @@ pub fn lock_memory_limit() -> Option<u64> {
 pub fn lock_memory() -> Result<(), Errno> {
     mlockall(MlockAllFlags::MCL_CURRENT | MlockAllFlags::MCL_FUTURE)
 }
+
+/// No memory that is never paged out any more: what is mapped from now on is not refused for its sake.
+pub fn unlock_memory() {
+    let _ = nix::sys::mman::munlockall();
+}
+
+/// Every signal that can be ignored is, but SIGTERM: a process that only switches off is ended by nothing else.
+#[allow(unsafe_code)]
+pub fn ignore_signals() {
+    for number in 1..=libc::SIGRTMAX() {
+        let needed = [
+            libc::SIGTERM,
+            libc::SIGCHLD,
+            libc::SIGSEGV,
+            libc::SIGBUS,
+            libc::SIGILL,
+            libc::SIGFPE,
+            libc::SIGABRT,
+        ];
+        if !needed.contains(&number) {
+            // SAFETY: no handler is installed. A number that the system keeps to itself is refused, and changes nothing.
+            unsafe { libc::signal(number, libc::SIG_IGN) };
+        }
+    }
+}
+
+/// Touches so many bytes of the calling thread's stack, so that they are there without a page fault later.
+#[inline(never)]
+pub fn touch_stack<const BYTES: usize>() {
+    let mut bytes = [0_u8; BYTES];
+    for page in bytes.chunks_mut(1024) {
+        page[0] = std::hint::black_box(1);
+    }
+    std::hint::black_box(&bytes);
+}

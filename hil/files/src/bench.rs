@@ -127,11 +127,11 @@ pub struct Real {
     pub touch: bool,
     /// Real-time priority and locked memory: true insists, false does without. Left out: where allowed.
     pub realtime: Option<bool>,
-    /// The guardian switches off when it has not heard from the loop for this long.
+    /// The guardian switches off when it has not heard from the loop for this long. A burst must still be within its limit then.
     #[serde(default = "heartbeat_ms")]
     pub heartbeat_ms: u32,
     /// A transfer that takes longer than this has failed: a backstop for adapters that know no limit of
-    /// their own.
+    /// their own. A burst must still be within its limit then.
     #[serde(default = "transfer_ms")]
     pub transfer_ms: u32,
 }
@@ -148,11 +148,11 @@ pub struct OutputEnable {
 }
 
 const fn heartbeat_ms() -> u32 {
-    60
+    30
 }
 
 const fn transfer_ms() -> u32 {
-    500
+    30
 }
 
 impl Real {
@@ -345,7 +345,7 @@ impl Real {
         source.range("real.can", interfaces, 1..=16, "interfaces")?;
         check_once(source, "real.i2c", self.i2c.iter().map(PathBuf::as_path))?;
         check_once(source, "real.can", self.can.iter().map(Path::new))?;
-        source.range("real.heartbeat_ms", self.heartbeat_ms, 10..=1000, "ms")?;
+        source.range("real.heartbeat_ms", self.heartbeat_ms, 5..=1000, "ms")?;
         source.range("real.transfer_ms", self.transfer_ms, 1..=10_000, "ms")?;
         Ok(adapters.max(1))
     }

@@ -87,7 +87,7 @@ limits = \"defalt\"
 [real]
 can = []
 i2c = [\"/dev/i2c-1\"]
-heartbeat_ms = 5
+heartbeat_ms = 4
 [drive]
 current_ma = 9000.0
 [[outputs]]
@@ -102,7 +102,7 @@ channel = 16
         "f.toml:10: drive.supply_limit_ma: expected a value",
         "f.toml:5: limits: expected a limit table (default) or a file",
         "f.toml:7: real.can: expected a number from 1 to 16 interfaces",
-        "f.toml:9: real.heartbeat_ms: expected a number from 10",
+        "f.toml:9: real.heartbeat_ms: expected a number from 5",
         "f.toml:11: drive.current_ma: expected a number from 1 to 5000 mA",
         "f.toml:13: outputs[0].board: expected 0x40 to 0x77",
         "f.toml:14: outputs[0].channel: expected a number from 0 to 15",

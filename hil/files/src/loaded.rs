@@ -37,18 +37,6 @@ impl Loaded<Scene> {
     }
 }
 
-impl Loaded<Bench> {
-    /// The bench read again with these changes.
-    ///
-    /// # Errors
-    /// Names the option and key of what cannot be.
-    pub fn with(self, overrides: &Overrides) -> Result<Self, FileError> {
-        let source = self.source.with(overrides.of_bench());
-        let value = Bench::read(&source)?;
-        Ok(Self { value, source })
-    }
-}
-
 /// How a kind of file is read.
 type Read<T> = fn(&Source) -> Result<T, FileError>;
 

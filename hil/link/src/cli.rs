@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use palpate_files::{Bench, Loaded, Overrides, Setup, load_scene};
 use palpate_hil::cli::{GuardianArgs, UnitOn};
-use palpate_hil::command::{bench_on, enough_adapters};
+use palpate_hil::command::{bench_on, enough_adapters, skin_on};
 use palpate_run::Failure;
 
 use crate::name::{FingerName, Name};
@@ -168,8 +168,7 @@ impl SkinArgs {
     /// # Errors
     /// [`Failure`] for what cannot be in them, or does not fit together.
     pub fn setup(&self) -> Result<Setup, Failure> {
-        let bench =
-            |name: Option<&str>, changed: &Overrides| bench_on(name, changed, &self.can, &[]);
+        let bench = |name: Option<&str>, changed: &Overrides| skin_on(name, changed, &self.can);
         self.on.setup(&UnitOn::default(), bench)
     }
 }

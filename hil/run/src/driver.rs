@@ -57,6 +57,9 @@ pub trait OutputEnable {
     /// Releases it, or cuts.
     fn set_enabled(&self, now: Instant, enabled: bool);
 
+    /// Whether outputs that it has cut are off: it is there, or they go off by themselves.
+    fn cuts(&self) -> bool;
+
     /// How notes say that the outputs were cut, or that they could not be.
     fn words(&self) -> &'static str;
 }
@@ -64,6 +67,10 @@ pub trait OutputEnable {
 impl OutputEnable for WornDisplay {
     fn set_enabled(&self, now: Instant, enabled: bool) {
         self.set_outputs(Nanos::from(now), enabled);
+    }
+
+    fn cuts(&self) -> bool {
+        true
     }
 
     fn words(&self) -> &'static str {

@@ -72,6 +72,7 @@ pub use heat::{HeatReport, RemoteHeat};
 pub use levels::{Intensities, dynamic_levels};
 pub use live::{EmulatedSession, EmulatedSkin, FedSession, HeldSession, press};
 pub use loops::{build, build_with, fits};
+pub use margins::exceeded;
 pub use numbers::{joined_header, whole_boards};
 pub use passed::Passed;
 pub use policy::Policy;

@@ -2,7 +2,7 @@
 //!
 //! Measured behind the guard: from currents that flowed and temperatures that were reached, whatever was asked for.
 
-use palpate_core::guard::{BURST_GAP, Limits};
+use palpate_core::guard::{BURST_GAP, Guard, Limits};
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{DisplayTotals, Flow, ThermalSample};
 use palpate_records::margin::{Limited, Margin, sort};
@@ -181,6 +181,43 @@ pub fn margins(course: &Course<'_>, limits: &Limits) -> Vec<Margin> {
     ]
     .map(|(of, worst, limit)| Margin::new(of, worst, limit))
     .into();
+    sort(&mut all);
+    all
+}
+
+/// The rows that a guard knows were passed, most first, where no instrument says what flowed: none unless a wire was on
+/// for too long.
+pub fn exceeded(guard: &Guard) -> Vec<Margin> {
+    let Some(found) = guard.overrun() else {
+        return Vec::new();
+    };
+    let (limits, skin) = (guard.limits(), guard.predicted());
+    let milli = |value: u64| value as f64 * 1e-3;
+    use Limited as L;
+    let mut all: Vec<Margin> = [
+        (
+            L::Burst,
+            milli(found.on.as_micros()),
+            milli(limits.burst.as_micros()),
+        ),
+        (
+            L::BurstEnergy,
+            found.energy_nj as f64 * 1e-6,
+            limits.burst_energy_nj as f64 * 1e-6,
+        ),
+        (L::SkinMean, skin.mean_c, milli(limits.skin_mean_mc)),
+        (L::SkinPeak, skin.peak_c, milli(limits.skin_peak_mc)),
+        (L::SkinDeep, skin.deep_c, milli(limits.skin_deep_mc)),
+        (
+            L::Henriques,
+            skin.omega,
+            limits.dose_omega_ppm as f64 * 1e-6,
+        ),
+        (L::Cem43, skin.cem43_min, limits.dose_cem43_ms as f64 / 60e3),
+    ]
+    .map(|(of, worst, limit)| Margin::new(of, worst, limit))
+    .into();
+    all.retain(Margin::over);
     sort(&mut all);
     all
 }

@@ -38,3 +38,44 @@ fn bursts_end_with_a_gap_and_belong_to_one_wire() {
         "{ms} {mj}"
     );
 }
+
+#[test]
+fn a_guard_that_found_an_overrun_knows_the_rows_that_it_passed() {
+    use palpate_core::guard::{HARD, Plant};
+    use palpate_core::illusion::DisplayWire;
+    use palpate_core::schedule::Stimulus;
+    use palpate_core::units::{Board, Channel, Instant, Point, Ticks};
+
+    let wire = DisplayWire {
+        place: Point::new(0.0, 0.0),
+        board: Board(0),
+        channel: Channel(0),
+    };
+    let rows = |width: u16, off_ms: u64| {
+        let mut guard = Guard::new(HARD, Plant::default(), &[wire]).unwrap();
+        let at = |ms: u64| Instant::from_micros(ms * 1000);
+        let stimulus = Stimulus {
+            wire: 0,
+            width: Ticks::new(width),
+            peak: guard.plant().peak,
+            at: at(0),
+            until: at(35),
+        };
+        guard.admit(at(0), Board(0), &[stimulus], |_| ());
+        guard.ask_off(at(35));
+        guard.all_off(at(off_ms));
+        let rows = exceeded(&guard);
+        rows.iter().map(|m| (m.of, m.worst())).collect::<Vec<_>>()
+    };
+    assert_eq!(rows(60, 56), []);
+    assert_eq!(rows(60, 60), [(Limited::Burst, 60.0)]);
+    let worst = rows(140, 4035);
+    let of: Vec<Limited> = worst.iter().map(|row| row.0).collect();
+    assert_eq!(of[0], Limited::Burst);
+    for row in [Limited::BurstEnergy, Limited::SkinPeak, Limited::SkinMean] {
+        assert!(of.contains(&row), "{worst:?}");
+    }
+    let energy = worst.iter().find(|row| row.0 == Limited::BurstEnergy);
+    // 64 mW of current for 4 s and a little more, from above.
+    assert!((257.0..270.0).contains(&energy.unwrap().1), "{energy:?}");
+}

@@ -5,7 +5,7 @@
 //! need a stopwatch, are taken. Its holder decides when the next turn is: at once in virtual time, paced on a real
 //! bench.
 
-use palpate_core::driver::{DriverError, Traffic};
+use palpate_core::driver::{Actuators, DriverError, Traffic};
 use palpate_core::projector::{Cause, LoopError, Projector};
 use palpate_core::units::{Duration, Instant};
 use palpate_records::trace::Event;
@@ -49,6 +49,8 @@ pub struct Session<S, D> {
     next: Instant,
     verified: Instant,
     failure: Option<Failure>,
+    /// A wire was on for too long, and that is latched.
+    exceeded: bool,
 }
 
 impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
@@ -67,6 +69,7 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
             next: Instant::ZERO,
             verified: Instant::ZERO,
             failure: None,
+            exceeded: false,
             projector,
             skin,
             display,
@@ -131,6 +134,9 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
             Ok(onset) => onset,
             Err(failure) => return Ok(self.end(failure)),
         };
+        if self.has_exceeded() {
+            return Ok(Turn::Last);
+        }
         self.display
             .look(now, onset, &self.projector, &mut self.recorder);
         self.supervisor.restart_boards(
@@ -162,13 +168,22 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
     /// Everything off at `end`.
     ///
     /// # Errors
-    /// The driver's: not everything is known to be off.
+    /// The driver's: not everything is known to be off. What is not counts as on until now.
     pub fn switch_off(&mut self, end: Instant) -> Result<(), DriverError> {
         self.now = end;
         let (banks, _) = self.display.parts();
         let off = self
             .projector
             .all_off(end, Cause::End, banks, &mut self.recorder);
+        match off {
+            Ok(()) => {
+                self.has_exceeded();
+            }
+            Err(_) => {
+                self.cut();
+                self.still_on();
+            }
+        }
         self.fail(true);
         self.recorder.tell_taxels();
         off
@@ -188,10 +203,39 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
 
     /// The actuator bus is lost: outputs are cut by the OE line, recovery follows.
     pub fn lose(&mut self, error: &DriverError) {
+        self.cut();
+        self.wait_for_bus(error);
+    }
+
+    /// Cuts outputs that could not be switched off. Without a line that does, they count as on until the bus answers.
+    fn cut(&mut self) {
+        let (banks, oe) = self.display.parts();
+        oe.set_enabled(self.now, false);
+        if oe.cuts() {
+            let at = banks.confirmed(self.now);
+            self.projector.settle(at, &mut self.recorder);
+        }
+    }
+
+    fn wait_for_bus(&mut self, error: &DriverError) {
         let error = self.display.explain(error);
-        let (_, oe) = self.display.parts();
+        let cut = self.display.parts().1.words();
         let events = &mut self.recorder.events;
-        self.supervisor.lose(self.now, &error, oe, events);
+        self.supervisor.lose(self.now, &error, cut, events);
+    }
+
+    /// What was switched off by another way than the session's is off now.
+    pub fn settle(&mut self) {
+        let (banks, _) = self.display.parts();
+        let at = banks.confirmed(self.now);
+        self.projector.settle(at, &mut self.recorder);
+        self.has_exceeded();
+    }
+
+    /// What is not known to be off is counted as on until now.
+    pub fn still_on(&mut self) {
+        let (banks, _) = self.display.parts();
+        self.projector.still_on(banks.confirmed(self.now));
     }
 
     /// Tries to bring a lost bus back.
@@ -199,7 +243,13 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         let (banks, oe) = self.display.parts();
         let events = &mut self.recorder.events;
         match self.supervisor.recover(self.now, banks, oe, events) {
-            Ok(Some(ready)) => self.next = ready,
+            Ok(Some(ready)) => {
+                self.next = ready;
+                self.settle();
+                if self.exceeded {
+                    return Turn::Last;
+                }
+            }
             Ok(None) => {
                 self.fail(false);
                 self.next = self.now + self.policy.retry;
@@ -215,17 +265,74 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         let Some(cause) = latched.filter(|_| !self.display.is_observed()) else {
             return;
         };
-        let events = &mut self.recorder.events;
         if cause == Cause::ActuatorError || self.policy.latch == LatchPolicy::Reopens {
             let (banks, _) = self.display.parts();
             self.supervisor
-                .resume(self.now, &mut self.projector, banks, events);
+                .resume(self.now, &mut self.projector, banks, &mut self.recorder);
         } else if self.failure.is_none() {
             // Outputs stay off until a person has looked; the skin is still read and recorded.
             let cause = reason(cause);
             self.recorder.note(self.now, format!("stopped: {cause}"));
             self.failure = Some(self.display.keep_stopped(cause));
         }
+    }
+
+    /// Whether a wire was on for too long. That ends a run on hardware at once, with its outputs off, and is latched. Where
+    /// stops end by themselves it is a stop like any other.
+    fn has_exceeded(&mut self) -> bool {
+        if self.policy.latch == LatchPolicy::Reopens {
+            return false;
+        }
+        if let Some(cause) = self.overrun().filter(|_| !self.exceeded) {
+            self.exceeded = true;
+            self.recorder.note(self.now, format!("stopped: {cause}"));
+            let kept = self.display.keep_stopped(&cause);
+            self.failure.get_or_insert(kept);
+        }
+        self.exceeded
+    }
+
+    /// The run did not get to act until `now`, and its clock did not count `uncounted` of that: everything off before anything
+    /// else. What was on counts as on meanwhile, and that stays latched for this cause.
+    pub fn unseen(&mut self, now: Instant, uncounted: Duration, cause: &str) {
+        self.now = now;
+        let (banks, _) = self.display.parts();
+        // What is lost here is tried again below.
+        let _ = banks.all_off();
+        self.projector.slept(now, uncounted);
+        let (banks, _) = self.display.parts();
+        let off = self
+            .projector
+            .all_off(now, Cause::LateTick, banks, &mut self.recorder);
+        if off.is_err() {
+            self.cut();
+        }
+        let stopped = match self.overrun() {
+            Some(overrun) => format!("{cause}; {overrun}"),
+            None => cause.to_owned(),
+        };
+        self.exceeded = true;
+        self.recorder.note(now, format!("stopped: {stopped}"));
+        let kept = self.display.keep_stopped(&stopped);
+        self.failure.get_or_insert(kept);
+    }
+
+    /// The wire that was on for too long, in words, with what stopped the run before that was known.
+    pub fn overrun(&self) -> Option<String> {
+        let guard = self.projector.guard();
+        let found = guard.overrun()?;
+        let ms = |span: Duration| span.as_micros().div_ceil(1000);
+        let (on, most) = (ms(found.on), ms(guard.limits().burst));
+        let overrun = format!(
+            "overrun: wire {} was on for {on} ms, allowed are {most} ms: its off came too late",
+            found.wire
+        );
+        Some(match guard.latched() {
+            Some(cause @ (Cause::StaleInput | Cause::LateTick)) => {
+                format!("{}; {overrun}", reason(cause))
+            }
+            _ => overrun,
+        })
     }
 
     /// Calls the loop; returns whether a stimulus began. A bus that fails is lost, and brought back later.
@@ -246,11 +353,14 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
             }
             Err(LoopError::Scan(e)) => return Err(Failure::Device(format!("skin: {e}"))),
         };
+        if polled.is_err() {
+            self.cut();
+        }
         let retries = self.display.parts().0.retries();
         self.supervisor
             .retried(self.now, retries, &mut self.recorder.events);
         Ok(polled.unwrap_or_else(|e| {
-            self.lose(&e);
+            self.wait_for_bus(&e);
             false
         }))
     }

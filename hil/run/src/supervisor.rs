@@ -8,6 +8,7 @@ use palpate_records::trace::Event;
 use crate::display_end::OutputEnable;
 use crate::driver::Driver;
 use crate::failure::Failure;
+use crate::recorder::Recorder;
 use crate::skin_end::SkinEnd;
 
 /// A board that is silent for this long is told to start again.
@@ -43,17 +44,11 @@ impl Supervisor {
         }
     }
 
-    /// The actuator bus failed: outputs are cut through the chips' OE line, which needs no bus.
-    pub fn lose(
-        &mut self,
-        now: Instant,
-        error: &str,
-        oe: &dyn OutputEnable,
-        events: &mut Vec<Event>,
-    ) {
+    /// The actuator bus failed. Outputs were cut through the chips' OE line, which needs no bus, where there is one: `cut`
+    /// says so.
+    pub fn lose(&mut self, now: Instant, error: &str, cut: &str, events: &mut Vec<Event>) {
         self.lost = Some((now, error.to_string()));
-        oe.set_enabled(now, false);
-        note(events, now, format!("actuators: {error}; {}", oe.words()));
+        note(events, now, format!("actuators: {error}; {cut}"));
     }
 
     /// Whether the actuator bus is lost.
@@ -116,25 +111,26 @@ impl Supervisor {
     }
 
     /// Tells of a stop of the guard, and ends it once its cause is gone: frames come again, turns are on time,
-    /// boards answer and are off. On a real bench only a failed transfer may end so: the rest is a person's.
+    /// boards answer and are off. On a real bench only a failed transfer that left no wire on for too long may end so: the
+    /// rest is a person's.
     pub fn resume(
         &mut self,
         now: Instant,
         projector: &mut Projector,
         bank: &mut impl Actuators,
-        events: &mut Vec<Event>,
+        recorder: &mut Recorder,
     ) {
         let Some(cause) = projector.guard().latched() else {
             return;
         };
         if self.stopped.is_none() {
             self.stopped = Some(now);
-            note(events, now, format!("stopped: {}", cause.word()));
+            recorder.note(now, format!("stopped: {}", cause.word()));
         }
-        if projector.reset(now, bank).is_ok() {
+        if projector.reset(now, bank, recorder).is_ok() {
             let since = self.stopped.take().unwrap_or(now);
             let ms = now.since(since).as_micros() as f64 * 1e-3;
-            note(events, now, format!("stop ended after {ms} ms, cause gone"));
+            recorder.note(now, format!("stop ended after {ms} ms, cause gone"));
         }
     }
 

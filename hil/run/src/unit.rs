@@ -257,6 +257,11 @@ pub struct NoLine;
 impl OutputEnable for NoLine {
     fn set_enabled(&self, _now: Instant, _enabled: bool) {}
 
+    /// The unit knows when each stimulus ends, and ends it whether it hears more or not.
+    fn cuts(&self) -> bool {
+        true
+    }
+
     fn words(&self) -> &'static str {
         "the unit switches off by itself 100 ms after the newest reading"
     }
@@ -326,6 +331,10 @@ impl Actuators for EmulatedDriver {
 
     fn all_off(&mut self) -> Result<(), DriverError> {
         self.inner_mut().all_off()
+    }
+
+    fn confirmed(&self, asked: Instant) -> Instant {
+        self.inner().confirmed(asked)
     }
 }
 

@@ -1,4 +1,4 @@
-//! Which bench a command means: a file, or the default one on devices named on the command line.
+//! Which bench a command means: a built-in one, or a file, whose addresses the command line may replace.
 
 use std::path::{Path, PathBuf};
 
@@ -40,17 +40,74 @@ pub(super) fn bench_with(
     Ok(bench)
 }
 
-/// The same for a skin alone, which needs no adapters.
+/// The same, which checks no number of adapters.
 ///
 /// # Errors
-/// An unknown name, a bad file, or devices that are named twice.
+/// An unknown name, a bad file, devices that are named twice, or devices for a bench that is emulated.
 pub fn bench_on(
     name: Option<&str>,
     overrides: &Overrides,
     can: &[String],
     i2c: &[PathBuf],
 ) -> Result<Loaded<Bench>, Failure> {
-    let mut bench = load_bench(name.unwrap_or(DEFAULT_BENCH))?.with(overrides)?;
+    let bench = load_bench(name.unwrap_or(DEFAULT_BENCH))?.with(overrides)?;
+    if can.is_empty() && i2c.is_empty() {
+        return Ok(bench);
+    }
+    if bench.value.real.is_none() {
+        let option = if can.is_empty() { "--i2c" } else { "--can" };
+        return Err(Failure::Input(format!(
+            "{option}: expected a bench of kind \"real\", whose addresses it replaces; `{}` is emulated and says nothing of your wires and current. Make one with `{}`, make it true, and name it with --bench",
+            bench.value.name,
+            new_line(can, i2c)
+        )));
+    }
+    on_devices(bench, can, i2c)
+}
+
+/// The line that makes a bench of hardware on these devices.
+fn new_line(can: &[String], i2c: &[PathBuf]) -> String {
+    let or = |given: Vec<String>, other: &str| match given.is_empty() {
+        true => vec![other.to_owned()],
+        false => given,
+    };
+    let can = or(can.to_vec(), "can0").into_iter();
+    let i2c = i2c.iter().map(|path| path.display().to_string());
+    let i2c = or(i2c.collect(), "/dev/i2c-1").into_iter();
+    let can = can.map(|name| format!(" --can {name}"));
+    let i2c = i2c.map(|path| format!(" --i2c {path}"));
+    format!(
+        "hil new bench my-bench{}",
+        can.chain(i2c).collect::<String>()
+    )
+}
+
+/// The skin of a bench on these interfaces, or the default one's: it drives nothing, so nothing of it must be true of hardware.
+///
+/// # Errors
+/// An unknown name, a bad file, or devices that are named twice.
+pub fn skin_on(
+    name: Option<&str>,
+    overrides: &Overrides,
+    can: &[String],
+) -> Result<Loaded<Bench>, Failure> {
+    let bench = load_bench(name.unwrap_or(DEFAULT_BENCH))?.with(overrides)?;
+    on_devices(bench, can, &[])
+}
+
+/// Adapters alone, with a board where the default bench has one: to switch off what is on them.
+///
+/// # Errors
+/// Devices that are named twice.
+pub(super) fn adapters_alone(i2c: &[PathBuf]) -> Result<Loaded<Bench>, Failure> {
+    on_devices(load_bench(DEFAULT_BENCH)?, &[], i2c)
+}
+
+fn on_devices(
+    mut bench: Loaded<Bench>,
+    can: &[String],
+    i2c: &[PathBuf],
+) -> Result<Loaded<Bench>, Failure> {
     if can.is_empty() && i2c.is_empty() {
         return Ok(bench);
     }
@@ -65,9 +122,6 @@ pub fn bench_on(
     }
     once("--can", real.can.iter().map(Path::new))?;
     once("--i2c", real.i2c.iter().map(PathBuf::as_path))?;
-    if name.is_none() {
-        file.name = "real".into();
-    }
     Ok(bench)
 }
 

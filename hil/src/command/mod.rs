@@ -41,7 +41,7 @@ pub use check::check;
 pub use compare::compare;
 pub use contacts::contacts;
 pub use design::design;
-pub use devices::{bench_on, enough_adapters};
+pub use devices::{bench_on, enough_adapters, skin_on};
 pub use diff::diff;
 pub use doctor::doctor;
 pub use emulate::emulate;

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use palpate_buses::guardian::{Latch, Sweeper, Watch};
-use palpate_buses::lock::BusLock;
+use palpate_buses::lock::{BusLock, LockError, ask_off};
 use palpate_buses::oe::OeLine;
 
 use crate::cli::OffArgs;
@@ -14,13 +14,16 @@ use palpate_buses::pacer::RunClock;
 use palpate_core::codec::link::State;
 use palpate_run::Failure;
 
-use super::devices::{bench, unit_of};
+use super::devices::{adapters_alone, bench, unit_of};
 
-/// How long a run that holds the bus may take to end, and boards to answer.
+/// How long boards may take to answer, and a run that holds the bus to end.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// What one transfer may take.
-const TRANSFER: Duration = Duration::from_secs(1);
+/// How long all adapters may take to answer before the run that holds them is asked to end; one that hangs has longer.
+const FIRST: Duration = Duration::from_millis(300);
+
+/// Between two looks whether a bus is free.
+const LOOK: palpate_core::units::Duration = palpate_core::units::Duration::from_millis(2);
 
 /// Switches everything off, ends a run that is driving, and shows or clears a latched stop.
 ///
@@ -30,16 +33,17 @@ pub fn off(args: &OffArgs) -> Result<(), Failure> {
     if let Some(place) = unit_of(args.bench.as_deref(), &args.unit)? {
         return off_unit(&place, args.unlatch);
     }
-    let bench = bench(args.bench.as_deref(), &[], &args.i2c)?;
+    let bench = match args.bench.as_deref() {
+        Some(name) => bench(Some(name), &[], &[])?,
+        None => adapters_alone(&args.i2c)?,
+    };
     let Some(real) = &bench.value.real else {
         return Err(Failure::Input(format!(
             "bench `{}` is emulated: nothing of it drives anything while no program runs it",
             bench.value.name
         )));
     };
-    let mut watch = watch(&bench.value, real);
-    // No loop waits here: an answer counts more than its time.
-    watch.transfer = watch.transfer.max(TRANSFER);
+    let watch = watch(&bench.value, real);
     let mut lines = Vec::new();
     // Before the lock: a run beside us keeps the line cut until it notices that its guardian ends.
     let oe = watch
@@ -52,7 +56,12 @@ pub fn off(args: &OffArgs) -> Result<(), Failure> {
     let result = sweep(&watch, &mut lines);
     for path in watch.buses.iter().map(|bus| &bus.path) {
         let latch = Latch::of(path);
-        let Some(held) = latch.read() else {
+        // What a dead guardian left armed is a stop too; while one lives it is not.
+        let held = match result.is_ok() {
+            true => latch.read_locked(),
+            false => latch.read(),
+        };
+        let Some(held) = held else {
             continue;
         };
         lines.push(format!(
@@ -112,30 +121,62 @@ fn off_unit(place: &UnitPlace, unlatch: bool) -> Result<(), Failure> {
     stopped.map(drop)
 }
 
-/// Takes the buses over and switches everything off.
+/// Switches everything off that answers, ends the runs that hold the buses, and switches off again.
 fn sweep(watch: &Watch, lines: &mut Vec<String>) -> Result<(), Failure> {
-    let mut sweeper =
-        Sweeper::open(&watch.buses, watch.transfer).map_err(|e| Failure::Device(e.to_string()))?;
-    let found = sweeper.look();
-    // At once, even while another program has the bus; then again when none has.
-    let first = sweeper.off();
-    let mut locks = Vec::new();
+    let (mut sweeper, missing) = Sweeper::open_some(&watch.buses);
+    // At once, side by side, before anything is looked at or anybody is asked.
+    let (found, _) = sweeper.off(FIRST);
+    lines.extend(found.iter().map(ToString::to_string));
+    let (locks, mut wrong) = take_over(watch, lines);
+    wrong.extend(missing.iter().map(ToString::to_string));
+    // Once more where nobody else is left to switch on, or for as long as a slow adapter may take.
+    let (_, not_off) = sweeper.off(PATIENCE);
+    wrong.extend(not_off);
+    drop(locks);
+    match wrong.is_empty() {
+        true => {
+            lines.push("everything is off, and read back".into());
+            Ok(())
+        }
+        false => Err(Failure::Device(format!(
+            "not everything is known to be off: {}",
+            wrong.join("; ")
+        ))),
+    }
+}
+
+/// The locks of all buses; whoever holds one is asked through it to switch off and end. Then which are still held.
+fn take_over(watch: &Watch, lines: &mut Vec<String>) -> (Vec<BusLock>, Vec<String>) {
+    let (clock, mut locks, mut wrong) = (RunClock::start(), Vec::new(), Vec::new());
     for path in watch.buses.iter().map(|bus| &bus.path) {
-        match BusLock::take_over(path, PATIENCE) {
-            Ok((lock, ended)) => {
-                lines.extend(ended.map(|who| format!("{}: ended {who}", path.display())));
-                locks.push(lock);
+        let mut asked = None;
+        loop {
+            let error = match BusLock::take(path) {
+                Ok(lock) => {
+                    let ended = asked.map(|who| format!("{}: ended {who}", path.display()));
+                    lines.extend(ended);
+                    locks.push(lock);
+                    break;
+                }
+                Err(error) => error,
+            };
+            let is_held = matches!(error, LockError::Held { .. });
+            let late = clock.now().as_micros() > PATIENCE.as_micros() as u64;
+            if !is_held || late {
+                wrong.push(match is_held {
+                    true => format!("{error}; it has not ended, and may switch on again: end it, then type this again"),
+                    false => error.to_string(),
+                });
+                break;
             }
-            Err(error) => lines.push(error.to_string()),
+            if asked.is_none() {
+                asked = Some(error.holder());
+                if let Err(error) = ask_off(path) {
+                    wrong.push(error.to_string());
+                }
+            }
+            clock.sleep_until(clock.now() + LOOK);
         }
     }
-    lines.extend(found.iter().map(ToString::to_string));
-    let off = sweeper.off_within(PATIENCE).map_err(|second| {
-        let reason = first.err().unwrap_or(second);
-        Failure::Device(format!("not everything is known to be off: {reason}"))
-    });
-    if off.is_ok() && locks.len() == watch.buses.len() {
-        lines.push("everything is off, and read back".into());
-    }
-    off
+    (locks, wrong)
 }

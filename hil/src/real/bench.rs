@@ -4,12 +4,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use palpate_buses::can::{CanBuses, Note, Tally};
-use palpate_buses::guardian::{Guardian, Latch, Watch, WatchedBus};
+use palpate_buses::guardian::{Guardian, Latch, StartError, Watch, WatchedBus};
 use palpate_buses::i2c::{Blocking, LinuxAdapter};
 use palpate_buses::pacer::RunClock;
 use palpate_core::bus::{CanBus, Received};
 use palpate_core::codec::can::CanFrame;
 use palpate_core::driver::{Banks, DriverError};
+use palpate_core::guard::Guard;
 use palpate_core::skin::Layout;
 use palpate_core::units::{Instant, Prescale};
 
@@ -18,6 +19,7 @@ use palpate_run::display_end::{DisplayEnd, OutputEnable};
 use palpate_run::skin_end::CanEnd;
 use palpate_run::{Failure, plan};
 
+use super::clocked::Clocked;
 use crate::again;
 
 /// The guardian's view of a bench.
@@ -41,6 +43,34 @@ pub fn watch(bench: &Bench, real: &Real) -> Watch {
     }
 }
 
+/// Refuses a bench whose own limits of time would let a burst pass its limit: a wire that is on when the run hangs, or when
+/// its transfer does, stays on until that is noticed, and for the rest of a PWM period.
+///
+/// # Errors
+/// [`Failure::Input`] with the arithmetic.
+pub fn refuse_slow(real: &Real, guard: &Guard) -> Result<(), Failure> {
+    let ms = |us: u64| us as f64 * 1e-3;
+    let (burst, rest) = (
+        guard.limits().burst.as_micros(),
+        guard.surplus().as_micros(),
+    );
+    let most = burst.saturating_sub(rest) / 1000;
+    let rows = [
+        ("heartbeat_ms", real.heartbeat_ms, "a run that hangs"),
+        ("transfer_ms", real.transfer_ms, "a transfer that hangs"),
+    ];
+    let slow = rows
+        .into_iter()
+        .find(|(_, value, _)| u64::from(*value) > most);
+    slow.map_or(Ok(()), |(key, value, what)| {
+        Err(Failure::Input(format!(
+            "real.{key}: expected at most {most}, found {value}: {what} as a burst begins leaves the wire on for so many ms, and then for {:.1} ms, a PWM period and the bus; a burst may last {} ms (burst.length_ms of the limits)",
+            ms(rest),
+            ms(burst)
+        )))
+    })
+}
+
 /// Refuses while a stop is latched.
 ///
 /// # Errors
@@ -48,16 +78,7 @@ pub fn watch(bench: &Bench, real: &Real) -> Watch {
 pub fn refuse_latched(watch: &Watch) -> Result<(), Failure> {
     for path in watch.buses.iter().map(|bus| &bus.path) {
         if let Some(held) = Latch::of(path).read() {
-            let known = if held.verified {
-                "everything was switched off"
-            } else {
-                "not everything was known to be off"
-            };
-            return Err(Failure::Guard(format!(
-                "{}: stopped earlier: {}; {known}. Look at the bench, then clear the stop with `hil off --unlatch`",
-                path.display(),
-                held.cause
-            )));
+            return Err(Failure::Guard(held.refusal(&path.display())));
         }
     }
     Ok(())
@@ -72,8 +93,16 @@ pub(super) fn guarded(watch: &Watch) -> Result<(Vec<Blocking>, Guardian, String)
         lines.push(Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?);
     }
     let program = again::again().map_err(|e| device(&e))?;
-    let (guardian, found) = Guardian::start(program, watch).map_err(|e| device(&e))?;
+    let (guardian, found) = Guardian::start(program, watch).map_err(|e| unguarded(&e))?;
     Ok((lines, guardian, found))
+}
+
+/// A run that has no guardian.
+pub fn unguarded(error: &StartError) -> Failure {
+    match error {
+        StartError::Latched(_) => Failure::Guard(error.to_string()),
+        _ => Failure::Device(error.to_string()),
+    }
 }
 
 /// The guardian, and whether it has an OE line to cut.
@@ -84,7 +113,7 @@ pub(super) struct Watchman {
 
 /// The actuators' end of the loop, its clock, and the guardian.
 pub struct Live {
-    banks: Banks<Blocking>,
+    banks: Clocked<Blocking>,
     pub(super) watchman: Watchman,
     /// The adapters, for the way out of a stop.
     adapters: Vec<PathBuf>,
@@ -94,7 +123,11 @@ pub struct Live {
 
 impl Live {
     /// Opens the adapters, guardian last: from then on it can say off.
-    pub(super) fn open(bench: &Bench, real: &Real, prescale: Prescale) -> Result<Self, Failure> {
+    pub(super) fn open(
+        (bench, real): (&Bench, &Real),
+        prescale: Prescale,
+        clock: RunClock,
+    ) -> Result<Self, Failure> {
         let watch = watch(bench, real);
         refuse_latched(&watch)?;
         let (mut lines, guardian, found) = guarded(&watch)?;
@@ -105,7 +138,7 @@ impl Live {
         let banks = Banks::new(lines.into_iter().zip(addresses), prescale);
         let banks = plan::with_converters(bench, banks);
         Ok(Self {
-            banks,
+            banks: Clocked::new(banks, clock),
             watchman: Watchman {
                 guardian,
                 has_oe: real.oe.is_some(),
@@ -117,9 +150,9 @@ impl Live {
 }
 
 impl DisplayEnd for Live {
-    type Driver = Banks<Blocking>;
+    type Driver = Clocked<Blocking>;
 
-    fn parts(&mut self) -> (&mut Banks<Blocking>, &dyn OutputEnable) {
+    fn parts(&mut self) -> (&mut Clocked<Blocking>, &dyn OutputEnable) {
         (&mut self.banks, &self.watchman)
     }
 
@@ -234,6 +267,10 @@ impl OutputEnable for Watchman {
     fn set_enabled(&self, _now: Instant, enabled: bool) {
         // A guardian that is gone ends the run at the next heartbeat.
         let _ = self.guardian.set_outputs(enabled);
+    }
+
+    fn cuts(&self) -> bool {
+        self.has_oe
     }
 
     fn words(&self) -> &'static str {

@@ -102,10 +102,12 @@ impl Watched for FingerEnd {
     }
 }
 
-fn lost(lost: Lost) -> Failure {
-    Failure::Device(format!(
-        "{lost}; no guardian is left to switch off after this program"
-    ))
+/// The end of a run whose guardian is lost, or has stopped it.
+pub(crate) fn lost(lost: Lost) -> Failure {
+    match lost {
+        Lost::Halted(_) => Failure::Guard(lost.to_string()),
+        Lost::Died | Lost::Silent => Failure::Device(lost.to_string()),
+    }
 }
 
 impl Watched for Live {
@@ -181,11 +183,27 @@ pub fn leave<S: SkinEnd, D: Watched>(
         session.set_failure(kept);
     }
     let failed = session.failure().is_some();
-    let display = session.display();
-    let off = off.map_err(|error| display.explain(&error));
-    if let Err(cause) = display.part(off, failed) {
+    let off = off.map_err(|error| {
+        let cause = session.display().explain(&error);
+        left_on(session, cause)
+    });
+    if let Err(cause) = session.display().part(off, failed) {
+        // The guardian has tried meanwhile, and goes on.
+        session.still_on();
         let text = format!("not everything is known to be off: {cause}");
         session.recorder().note(end, text);
         session.set_failure(Failure::Device(cause));
+    }
+}
+
+/// Why wires may be on that could not be switched off, and for how long they were if that is too long.
+pub(super) fn left_on<S: SkinEnd, D: DisplayEnd>(
+    session: &mut Session<S, D>,
+    cause: String,
+) -> String {
+    session.still_on();
+    match session.overrun() {
+        Some(overrun) => format!("{overrun}; {cause}"),
+        None => cause,
     }
 }

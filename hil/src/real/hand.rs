@@ -24,7 +24,8 @@ use palpate_run::{
     plan, skin, stagger,
 };
 
-use super::bench::{Interfaces, guarded, refuse_latched, watch};
+use super::bench::{Interfaces, guarded, refuse_latched, refuse_slow, watch};
+use super::clocked::Clocked;
 use super::ends::{Sensed, Watched};
 use super::loops::{Ended, RealSession, Shared};
 use super::records::{Records, taxels};
@@ -202,6 +203,10 @@ fn planned(setup: &Setup, seed: u64) -> Result<Vec<Planned>, Failure> {
     let mut planned = planned.collect::<Result<Vec<_>, Failure>>()?;
     let loops = planned.iter_mut().map(|p| (&p.place, &mut p.projector));
     stagger(setup, loops.collect())?;
+    for finger in &planned {
+        let real = setup.bench.value.real.as_ref();
+        real.map_or(Ok(()), |real| refuse_slow(real, finger.projector.guard()))?;
+    }
     Ok(planned)
 }
 
@@ -264,7 +269,7 @@ fn open(setup: &Setup, real: &Real, planned: &[Planned]) -> Result<Opened, Failu
             };
             let adapters = watch.buses.iter().map(|bus| bus.path.clone());
             let end = FingerEnd {
-                banks,
+                banks: Clocked::new(banks, clock),
                 vote,
                 name: place.display().to_owned(),
                 adapters: adapters.collect(),
@@ -304,7 +309,7 @@ fn part(
     wish: Option<Wish>,
 ) -> Result<(), String> {
     let (mut left, mut stopped) = (Vec::new(), Vec::new());
-    for ((place, ..), (done, on)) in fingers.iter().zip(done) {
+    for ((place, ..), (done, on)) in fingers.iter().zip(done.iter_mut()) {
         if wish == Some(Wish::Stop) {
             let kept = done.session.display().keep_stopped(STOPPED_BY_PAGE);
             done.session.set_failure(kept);
@@ -314,18 +319,26 @@ fn part(
         stopped.extend(done.session.display().stopped.as_ref().map(named));
     }
     let said = |causes: Vec<String>| (!causes.is_empty()).then(|| causes.join("; "));
-    warden.part(said(left).as_deref(), said(stopped).as_deref())
+    let parted = warden.part(said(left).as_deref(), said(stopped).as_deref());
+    for (done, _) in done.iter_mut().filter(|(_, on)| on.is_some()) {
+        // The guardian has tried meanwhile, and goes on.
+        done.session.still_on();
+    }
+    parted
 }
 
 /// A board that several fingers share is off when the last of them is.
 fn ends_of_boards(fingers: &[Finger], done: &[Ended]) -> Vec<Event> {
-    let mut boards: BTreeMap<u8, Vec<u64>> = BTreeMap::new();
-    for ((place, ..), (done, _)) in fingers.iter().zip(done) {
+    let mut boards: BTreeMap<u8, Vec<Option<u64>>> = BTreeMap::new();
+    for ((place, ..), (done, on)) in fingers.iter().zip(done) {
         for board in &place.boards {
-            boards.entry(*board).or_default().push(done.end.as_micros());
+            let end = on.is_none().then_some(done.end.as_micros());
+            boards.entry(*board).or_default().push(end);
         }
     }
-    let off = |(board, mut ends): (u8, Vec<u64>)| {
+    let off = |(board, ends): (u8, Vec<Option<u64>>)| {
+        // Where one finger's wires may be on, the board is not known to be off.
+        let mut ends: Vec<u64> = ends.into_iter().collect::<Option<_>>()?;
         ends.sort_unstable();
         ends.dedup();
         // With one end the fingers' own events say it.

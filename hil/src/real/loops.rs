@@ -5,18 +5,18 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::Duration as Elapsed;
 
-use palpate_buses::pacer::{Pacer, RunClock};
+use palpate_buses::pacer::{Pacer, RunClock, Watch};
 use palpate_buses::signals::Signals;
 use palpate_core::projector::Cause;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Real;
 use palpate_records::readings::Readings;
-use palpate_run::display_end::DisplayEnd;
+use palpate_run::display_end::{DisplayEnd, Driver};
 use palpate_run::picture::Wants;
 use palpate_run::skin_end::SkinEnd;
 use palpate_run::{Failure, Policy, Session, Turn};
 
-use super::ends::{RealSkin, Sensed, Watched};
+use super::ends::{RealSkin, Sensed, Watched, left_on};
 use super::priority;
 use super::records::{Records, Said};
 use super::turns::Done;
@@ -134,6 +134,7 @@ struct Turns<'a> {
     /// Events said so far, and when.
     told: usize,
     said: Instant,
+    watch: Watch,
 }
 
 impl<'a> Turns<'a> {
@@ -150,6 +151,7 @@ impl<'a> Turns<'a> {
             say,
             told: 0,
             said: Instant::ZERO,
+            watch: Watch::new(),
         }
     }
 
@@ -184,6 +186,10 @@ impl<'a> Turns<'a> {
                 }
             }
         }
+        if self.session.overrun().is_some() {
+            // What passed a limit ends the whole run.
+            shared.over.store(true, Ordering::Relaxed);
+        }
         let end = shared.clock.now();
         let mut left = self.switch_off(end);
         // Wires that could not be switched off are tried again for as long as other fingers go on.
@@ -191,8 +197,10 @@ impl<'a> Turns<'a> {
             now = pacer.wait(shared.clock.now() + Policy::REAL.retry);
             left = self.switch_off_again(now);
         }
+        // What was switched off is off by now.
+        let end = shared.clock.now();
         let failed = self.session.failure().is_some();
-        let off = left.map_or(Ok(()), Err);
+        let off = left.map_or(Ok(()), |cause| Err(left_on(&mut self.session, cause)));
         let left = self.session.display().part(off, failed).err();
         self.tell(Instant::FAR_FUTURE);
         let lateness = pacer.lateness().clone();
@@ -221,6 +229,12 @@ impl<'a> Turns<'a> {
     /// Before a turn: this finger's part of the heartbeat, signals, records.
     fn goes_on(&mut self, now: Instant) -> bool {
         let shared = self.shared;
+        if let Some(unseen) = self.watch.look(now) {
+            shared.over.store(true, Ordering::Relaxed);
+            self.session
+                .unseen(now, unseen.uncounted(), &unseen.to_string());
+            return false;
+        }
         if let Err(lost) = self.session.display().beat(now) {
             shared.over.store(true, Ordering::Relaxed);
             self.session.set_failure(lost);
@@ -275,6 +289,7 @@ impl<'a> Turns<'a> {
                 self.session
                     .recorder()
                     .note(now, "switched off, its bus is back".into());
+                self.session.settle();
                 None
             }
             Err(error) => Some(end.explain(&error)),

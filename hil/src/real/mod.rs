@@ -1,6 +1,7 @@
 //! A run on a real bench: the same session, held to the wall clock, between SocketCAN and Linux I2C adapters.
 
 mod bench;
+mod clocked;
 mod ends;
 mod hand;
 mod link;
@@ -9,13 +10,15 @@ mod records;
 mod turns;
 mod warden;
 
-pub use bench::{Interfaces, Live, refuse_latched, watch};
+pub use bench::{Interfaces, Live, refuse_latched, refuse_slow, unguarded, watch};
+pub use clocked::Clocked;
+pub(crate) use ends::lost;
 pub use ends::{RealSkin, Sensed, Watched, begin, leave};
 pub use link::LinkEnd;
 
 use std::path::PathBuf;
 
-use palpate_buses::pacer::{Lateness, RunClock};
+use palpate_buses::pacer::{Lateness, RunClock, Watch};
 use palpate_buses::signals::Signals;
 use palpate_buses::sys::{forbid_core_dumps, lock_memory, set_fifo_priority};
 use palpate_core::contact::Levels;
@@ -30,7 +33,8 @@ use palpate_run::plan::differences;
 use palpate_run::skin_end::Tap;
 use palpate_run::{
     AskedLevel, Beginning, CanPlayer, EmulatedSkin, Failure, Input, Outcome, Pacing, RemoteHeat,
-    Rows, Truth, attachments, build, dynamic_levels, finished, header, scene_levels, skin,
+    Rows, Truth, attachments, build, dynamic_levels, exceeded, finished, header, scene_levels,
+    skin,
 };
 
 use crate::clock;
@@ -127,7 +131,7 @@ fn wired(
     let clock = RunClock::start();
     // The guardian last.
     let skin = open_skin(setup, layout, clock, run.keeps_can)?;
-    let live = open_outputs(setup, &run.projector)?;
+    let live = open_outputs(setup, &run.projector, clock)?;
     run.until_end((skin, live), clock, scene_end(setup))
 }
 
@@ -145,13 +149,18 @@ pub fn open_skin(
     Ok(skin::source(setup, layout, Tap::new(can, keeps)))
 }
 
-/// The boards on a bench's adapters, and the guardian over them.
+/// The boards on a bench's adapters, by the run's clock, and the guardian over them.
 ///
 /// # Errors
 /// [`Failure`] for an emulated bench, a stop that is latched, or adapters that cannot be opened.
-pub fn open_outputs(setup: &Setup, projector: &Projector) -> Result<Live, Failure> {
+pub fn open_outputs(
+    setup: &Setup,
+    projector: &Projector,
+    clock: RunClock,
+) -> Result<Live, Failure> {
     let (bench, real) = (&setup.bench.value, real_of(setup)?);
-    Live::open(bench, real, projector.guard().prescale())
+    refuse_slow(real, projector.guard())?;
+    Live::open((bench, real), projector.guard().prescale(), clock)
 }
 
 /// Refuses outputs while a stop of them is latched, before anything is opened.
@@ -290,6 +299,10 @@ impl<'a> Running<'a> {
         let started = clock::elapsed();
         let scene = &setup.scene.value;
         let projector = build(setup, seed, levels(setup, seed)?)?;
+        let bench = &setup.bench.value;
+        if let Some(real) = bench.real.as_ref().filter(|_| bench.unit.is_none()) {
+            refuse_slow(real, projector.guard())?;
+        }
         let (header, attached) = (header(setup, seed, &projector)?, attachments(setup));
         let writes = |kind: Kind| wanted.files.iter().any(|(other, _)| *other == kind);
         let decoded = || Readings::whole(projector.layout(), scene.drives);
@@ -346,6 +359,7 @@ impl<'a> Running<'a> {
             journal: self.journal,
             views,
             progress: Progress::of_part("run"),
+            watch: Watch::default(),
         };
         let projector = self.projector;
         let done = std::thread::scope(|scope| {
@@ -411,6 +425,7 @@ fn outcome<S: Sensed, D: Watched>(setup: &Setup, header: Header, mut done: Done<
     let mut effort = Effort::of(&costs, session.traffic());
     let ledger = Ledger {
         length_us: done.end.as_micros(),
+        margins: exceeded(session.projector().guard()),
         ..Ledger::default()
     };
     let (trace, mut summary) = finished(session, header, ledger, &costs, &setup.bench.value);

@@ -1,6 +1,6 @@
 //! The loop of a run in real time, turn by turn.
 
-use palpate_buses::pacer::{Lateness, Pacer, RunClock};
+use palpate_buses::pacer::{Lateness, Pacer, RunClock, Watch};
 use palpate_buses::signals::Signals;
 use palpate_core::projector::Projector;
 use palpate_core::units::Instant;
@@ -40,6 +40,7 @@ pub(super) struct Turns<'a> {
     pub(super) journal: Journal,
     pub(super) views: Views,
     pub(super) progress: Progress,
+    pub(super) watch: Watch,
 }
 
 impl Turns<'_> {
@@ -112,6 +113,10 @@ impl Turns<'_> {
         session: &mut Session<S, D>,
         now: Instant,
     ) -> bool {
+        if let Some(unseen) = self.watch.look(now) {
+            session.unseen(now, unseen.uncounted(), &unseen.to_string());
+            return false;
+        }
         if let Err(failure) = session.display().beat(now) {
             session.set_failure(failure);
             return false;

@@ -7,12 +7,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use palpate_buses::guardian::{Guardian, Lost};
 use palpate_buses::i2c::SharedLine;
 use palpate_buses::pulse::{Pulse, Round};
-use palpate_core::driver::{Banks, DriverError};
+use palpate_core::driver::DriverError;
 use palpate_core::units::{Board, Instant};
 use palpate_run::Failure;
 use palpate_run::display_end::{DisplayEnd, OutputEnable};
 
 use super::bench::{clear_words, cut_words};
+use super::clocked::Clocked;
 
 /// The guardian of several fingers. It hears of them only together: a finger that hangs ends in everything off.
 pub(super) struct Warden {
@@ -114,6 +115,10 @@ impl OutputEnable for Vote {
         self.warden.vote(self.finger, enabled);
     }
 
+    fn cuts(&self) -> bool {
+        self.warden.has_oe
+    }
+
     fn words(&self) -> &'static str {
         cut_words(self.warden.has_oe)
     }
@@ -121,7 +126,7 @@ impl OutputEnable for Vote {
 
 /// The actuators' end of a finger.
 pub(super) struct FingerEnd {
-    pub(super) banks: Banks<SharedLine>,
+    pub(super) banks: Clocked<SharedLine>,
     pub(super) vote: Vote,
     /// Its display's name on the bench.
     pub(super) name: String,
@@ -141,9 +146,9 @@ impl FingerEnd {
 }
 
 impl DisplayEnd for FingerEnd {
-    type Driver = Banks<SharedLine>;
+    type Driver = Clocked<SharedLine>;
 
-    fn parts(&mut self) -> (&mut Banks<SharedLine>, &dyn OutputEnable) {
+    fn parts(&mut self) -> (&mut Clocked<SharedLine>, &dyn OutputEnable) {
         (&mut self.banks, &self.vote)
     }
 

@@ -7,6 +7,7 @@ use palpate_files::Setup;
 use palpate_records::measure::length_us;
 use palpate_records::schedule::write_records;
 use palpate_records::trace::{Event, Trace};
+use palpate_records::verdict::Verdict;
 use palpate_run::{Failure, Input, Keep, build, run_with};
 use palpate_study::{Interval, Path, Stimulus};
 
@@ -154,6 +155,11 @@ impl Player {
             run_with(&setup, &Input::Scene, self.seed, Keep::default(), &mut host)?
         };
         let off = clock::now();
+        let conclusion = &outcome.summary.conclusion;
+        if conclusion.verdict == Verdict::LimitExceeded {
+            // Whatever else it came to: no trial follows one that passed a limit.
+            return Err(Failure::Check(conclusion.line()));
+        }
         let trace = &outcome.trace;
         let bursts = bursts(&setup, trace)?;
         let interval = Interval {

@@ -10,8 +10,8 @@ use crate::real::watch;
 use palpate_files::{Bench, Overload, Scene};
 use palpate_run::Outcome;
 
-/// What one transfer may take when nothing waits for it.
-const TRANSFER: Duration = Duration::from_secs(1);
+/// How long an adapter may take to read its boards.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Complaints about an emulated bench: outputs that stayed on; errors and ill taxels that no fault explains.
 pub fn after_emulated(scene: &Scene, outcome: &Outcome) -> Vec<String> {
@@ -75,9 +75,9 @@ pub fn after_real(bench: &Bench, outcome: &Outcome) -> Vec<String> {
             wrong.push(format!("{}: stopped: {}", path.display(), held.cause));
         }
     }
-    match Sweeper::open(&watch.buses, watch.transfer.max(TRANSFER)) {
+    match Sweeper::open(&watch.buses) {
         Ok(mut sweeper) => {
-            let found = sweeper.look();
+            let found = sweeper.look(PATIENCE);
             let bad = found.iter().filter(|b| b.was_driving() || b.seen.is_err());
             wrong.extend(bad.map(ToString::to_string));
         }

@@ -232,9 +232,10 @@ pub fn judge(setup: &Setup, outcome: &Outcome) -> Try {
     for why in measures.iter().filter_map(Measure::wrong) {
         wrong.add(Verdict::Failed, why);
     }
-    // What the run itself came to, but for the limits that a scene expects to be passed.
+    // What the run itself came to, but for the limits that a scene expects to be passed in an emulator.
     let found = &outcome.summary.conclusion;
-    let expected = setup.scene.value.expect.over_limit && found.verdict == Verdict::LimitExceeded;
+    let over = found.verdict == Verdict::LimitExceeded;
+    let expected = setup.scene.value.expect.over_limit && over && !is_real;
     if found.verdict != Verdict::Ok && !expected {
         let mut why = found.why.iter();
         why.next()

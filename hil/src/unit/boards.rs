@@ -1,10 +1,9 @@
 //! What a unit's process drives: emulated boards, or those of a Linux I2C adapter under a guardian.
 
 use std::cell::RefCell;
-use std::convert::Infallible;
 use std::rc::Rc;
 
-use embedded_hal::digital::{ErrorType, OutputPin};
+use embedded_hal::digital::{ErrorKind, ErrorType, OutputPin};
 use palpate_buses::guardian::Guardian;
 use palpate_buses::i2c::{Blocking, LinuxAdapter};
 use palpate_core::peltier::Regulator;
@@ -21,7 +20,7 @@ use palpate_run::{Failure, display_end, plan};
 
 use super::record::Told;
 use crate::emulate::{Flowed, drives};
-use crate::real::{refuse_latched, watch};
+use crate::real::{lost, refuse_latched, unguarded, watch};
 use crate::telling::Teller;
 
 /// What stands behind a unit's bus.
@@ -125,25 +124,26 @@ impl Boards for Emulated {
 pub(super) struct Guarded {
     guardian: Rc<RefCell<Guardian>>,
     line: Option<Blocking>,
+    has_oe: bool,
 }
 
-/// The OE pins behind the guardian, so that it can cut them when the unit is gone.
-pub(super) struct OePin(Rc<RefCell<Guardian>>);
+/// The OE pins behind the guardian, so that it can cut them when the unit is gone, and whether they are wired.
+pub(super) struct OePin(Rc<RefCell<Guardian>>, bool);
 
 impl ErrorType for OePin {
-    type Error = Infallible;
+    type Error = ErrorKind;
 }
 
 impl OutputPin for OePin {
-    fn set_low(&mut self) -> Result<(), Infallible> {
+    fn set_low(&mut self) -> Result<(), ErrorKind> {
         // A guardian that is gone ends the unit at the next heartbeat.
         let _ = self.0.borrow().set_outputs(true);
         Ok(())
     }
 
-    fn set_high(&mut self) -> Result<(), Infallible> {
+    fn set_high(&mut self) -> Result<(), ErrorKind> {
         let _ = self.0.borrow().set_outputs(false);
-        Ok(())
+        self.1.then_some(()).ok_or(ErrorKind::Other)
     }
 }
 
@@ -163,29 +163,27 @@ impl Guarded {
         let adapter = LinuxAdapter::open(&bus.path, &bus.addresses()).map_err(|e| device(&e))?;
         let mut line = Blocking::new(adapter, watch.transfer).map_err(|e| device(&e))?;
         let program = crate::again::again().map_err(|e| device(&e))?;
-        let (guardian, found) = Guardian::start(program, &watch).map_err(|e| device(&e))?;
+        let (guardian, found) = Guardian::start(program, &watch).map_err(|e| unguarded(&e))?;
         line.set_pulse(guardian.pulse());
         let opened = Self {
             guardian: Rc::new(RefCell::new(guardian)),
             line: Some(line),
+            has_oe: real.oe.is_some(),
         };
         Ok((opened, found))
     }
 
     /// What the unit holds, once.
     pub(super) fn lines(&mut self) -> Option<(Blocking, OePin)> {
-        Some((self.line.take()?, OePin(Rc::clone(&self.guardian))))
+        let pin = OePin(Rc::clone(&self.guardian), self.has_oe);
+        Some((self.line.take()?, pin))
     }
 }
 
 impl Boards for Guarded {
     fn advance(&mut self, since_ns: u64, _teller: &mut Teller) -> Result<(), Failure> {
         let now = Instant::from_micros(since_ns / 1000);
-        self.guardian.borrow_mut().beat(now).map_err(|lost| {
-            Failure::Device(format!(
-                "{lost}; no guardian is left to switch off after this program"
-            ))
-        })
+        self.guardian.borrow_mut().beat(now).map_err(lost)
     }
 
     fn finish(&mut self, off: bool) -> Result<bool, String> {

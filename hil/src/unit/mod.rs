@@ -14,15 +14,15 @@ use palpate_buses::signals::Signals;
 use palpate_buses::sys::forbid_core_dumps;
 use palpate_core::codec::link::{Buffer, Kind};
 use palpate_core::contact::Levels;
-use palpate_core::guard::Cause;
+use palpate_core::guard::{Cause, Guard};
 use palpate_core::units::Instant;
-use palpate_files::{BenchKind, Setup};
+use palpate_files::{BenchKind, Real, Setup};
 use palpate_run::{Failure, build, plan};
-use palpate_unit::{Datagrams, Module, Settings, Unit};
+use palpate_unit::{Datagrams, Module, Settings, SettingsError, Unit};
 use std::os::fd::AsFd;
 
 use crate::link::key;
-use crate::real::take_priority;
+use crate::real::{refuse_slow, take_priority};
 use crate::telling::{Teller, Telling};
 use boards::{Boards, Emulated, Guarded};
 pub use record::Record;
@@ -129,6 +129,7 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
                     bench.name
                 )));
             }
+            refuse_slow_bus(real, &settings).map_err(cannot)??;
             let (mut boards, found) = Guarded::open(bench, real)?;
             if real.realtime != Some(false) {
                 let taken = take_priority();
@@ -156,6 +157,17 @@ pub fn serve(setup: &Setup, options: &Options) -> Result<(), Failure> {
             process.run(unit, boards, teller, "emulated")
         }
     }
+}
+
+/// As [`refuse_slow`] by the unit's own guard.
+fn refuse_slow_bus(
+    real: &Real,
+    settings: &Settings<'_>,
+) -> Result<Result<(), Failure>, SettingsError> {
+    let guard = Guard::last_word(settings.limits, settings.plant, settings.wires, false);
+    guard
+        .map_err(SettingsError::Plant)
+        .map(|guard| refuse_slow(real, &guard))
 }
 
 /// What was told last.

@@ -217,7 +217,9 @@ fn a_run_that_the_guard_only_observes_heats_more_and_says_so_everywhere() {
 #[test]
 fn hardware_and_trials_are_never_only_observed() {
     let observe = ["run", "sphere-along", "--observe"];
-    let real = ["--can", "can0", "--i2c", "/dev/i2c-1"];
+    let folder = Folder::new("observed");
+    let bench = real_bench(&folder);
+    let real = ["--bench", &bench];
     let words = ["kind", "\"emulated\"", "found \"real\""];
     refused_with(&[&observe[..], &real].concat(), &words);
     let junit = [&observe[..], &["--junit", "a.xml"]].concat();

@@ -348,14 +348,16 @@ fn what_a_bench_cannot_play_is_refused() {
         &["--simulated", "--bench", "ten-fingers"],
         &["one display"],
     );
+    let hardware = Folder::new("study-real");
+    let real = real_bench(&hardware);
     run(
         "felt-paths",
-        &["--can", "vcan0", "--i2c", "/dev/i2c-0"],
+        &["--bench", &real],
         &["conditions[0].scene", "a scene of [[strokes]]"],
     );
     run(
         "wearer",
-        &["--simulated", "--can", "vcan0", "--i2c", "/dev/i2c-0"],
+        &["--simulated", "--bench", &real],
         &["--simulated", "an emulated bench"],
     );
     assert!(!out.exists());

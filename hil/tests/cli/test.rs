@@ -174,9 +174,12 @@ fn a_single_run_is_checked_and_kept_as_a_golden_too() {
 fn a_bench_that_is_not_there_ends_the_trials_with_exit_3() {
     let folder = Folder::new("test-no-bench");
     let xml = folder.path("r.xml").display().to_string();
+    let bench = real_bench(&folder);
     let said = hil(&[
         "test",
         "s",
+        "--bench",
+        &bench,
         "--can",
         "nope0",
         "--i2c",

@@ -110,7 +110,9 @@ fn what_cannot_be_is_refused_with_a_sentence() {
         ],
     );
     assert!(status == 2 && text.contains("guard of its own"), "{text}");
-    // A scene whose illusion counts other periods than the unit's boards.
+    // A bench whose boards count other periods than the unit's.
+    let bench = "name = \"slow\"\ndescription = \"Slow boards\"\n[drive]\npwm_hz = 100.0\n";
+    std::fs::write(unit.folder.0.join("slow.toml"), bench).unwrap();
     let (status, text) = said(
         &unit,
         &[
@@ -122,8 +124,8 @@ fn what_cannot_be_is_refused_with_a_sentence() {
             "unit.key",
             "--illusion",
             "linear",
-            "--set",
-            "bench.drive.pwm_hz=100",
+            "--bench",
+            "slow.toml",
         ],
     );
     assert!(status == 2 && text.contains("PRE_SCALE"), "{text}");

@@ -15,14 +15,12 @@ use nix::sys::signal::{Signal, kill};
 use palpate_records::{candump, mcap};
 
 use super::tools::{hil, in_lab, number_of, scene, scratch, sh, text, try_sh};
-use super::ward::{Fate, HEARTBEAT_MS, LIMIT_NS, Moments, Run, Ward, now_ns, stop_thread};
+use super::ward::{Fate, LIMIT_NS, Moments, Run, Ward, now_ns, stop_thread};
 
 /// Bursts come every 58.5 ms; a blow falls anywhere in the first four.
 const WITHIN: Duration = Duration::from_millis(234);
-/// Longer than a late turn may be.
+/// Longer than any turn may take.
 const LATE: Duration = Duration::from_millis(200);
-/// What a guardian waits for in that test, so that the guard itself gets its turn; else as any bench's.
-const PATIENT_MS: u64 = 400;
 
 /// A way to die.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,8 +37,8 @@ enum Death {
     Guardian,
     /// The boards fall silent.
     Silence,
-    /// The whole program stands still for a while, and then goes on.
-    LateTurn,
+    /// Run and guardian stand still for a while, and then go on.
+    Frozen,
     /// Nothing can be recorded any more.
     FullDisk,
 }
@@ -57,7 +55,7 @@ const DEATHS: [Death; 13] = [
     Death::OutOfMemory,
     Death::Guardian,
     Death::Silence,
-    Death::LateTurn,
+    Death::Frozen,
     Death::FullDisk,
 ];
 
@@ -75,11 +73,14 @@ impl Death {
                 std::fs::write(format!("/proc/{}/oom_score_adj", run.pid()), "1000").unwrap();
                 std::fs::write("/proc/sysrq-trigger", "f").unwrap();
             }
-            Self::LateTurn => {
-                kill(run.pid(), Signal::SIGSTOP).unwrap();
+            Self::Frozen => {
+                let both = [run.pid(), run.guardian];
+                both.iter()
+                    .for_each(|pid| kill(*pid, Signal::SIGSTOP).unwrap());
                 std::thread::sleep(LATE);
-                kill(run.pid(), Signal::SIGCONT).unwrap();
-                // Until then only the guardian could have done anything, and it is patient here.
+                both.iter()
+                    .for_each(|pid| kill(*pid, Signal::SIGCONT).unwrap());
+                // Until then nothing could have done anything.
                 return now_ns();
             }
             Self::FullDisk => {
@@ -91,7 +92,7 @@ impl Death {
 
     /// Whether the run lives on without outputs, until it is told to end.
     const fn lives(self) -> bool {
-        matches!(self, Self::Silence | Self::LateTurn)
+        matches!(self, Self::Silence | Self::Frozen)
     }
 
     /// Milliseconds until everything has to be off.
@@ -131,10 +132,15 @@ impl Death {
                 assert_eq!(cause, Some("the run died without a word"), "{self:?}");
             }
             // Between two bursts there is nothing to stop.
-            Self::Silence | Self::LateTurn if cause.is_none() => {
+            Self::Silence if cause.is_none() => {
                 assert_eq!(code, Some(0), "{self:?}: {fate:?}");
             }
-            Self::Silence | Self::LateTurn => {
+            Self::Frozen => {
+                // It ends by itself, or the guardian ends it.
+                assert_ne!(code, Some(0), "{self:?}");
+                assert!(cause.is_some(), "{self:?}");
+            }
+            Self::Silence => {
                 assert_eq!(code, Some(4), "{self:?}");
                 let cause = cause.unwrap();
                 let known = cause.starts_with("stale-input") || cause.starts_with("late-tick");
@@ -215,11 +221,6 @@ fn no_death_leaves_an_output_on() {
         let began = now_ns();
         let mut delays = Vec::new();
         let (mut n, mut void, mut latched) = (0, 0, 0);
-        ward.set_heartbeat(if death == Death::LateTurn {
-            PATIENT_MS
-        } else {
-            HEARTBEAT_MS
-        });
         while n < count {
             let mut run = ward.run(&press, &records);
             std::thread::sleep(moments.below(WITHIN));
@@ -251,11 +252,7 @@ fn no_death_leaves_an_output_on() {
                 continue;
             }
             n += 1;
-            // A run that went on after a late turn between two bursts ends its next ones in its own time.
-            let went_on = death == Death::LateTurn && held.is_none();
-            if let Fate::Off(Some(ns)) = fate
-                && !went_on
-            {
+            if let Fate::Off(Some(ns)) = fate {
                 let ms = ns as f64 * 1e-6;
                 if ms > death.limit_ms() {
                     late.push(format!("{death:?}: {ms:.1} ms"));
@@ -304,6 +301,8 @@ fn run_and_guardian_killed_at_once_leave_outputs_on_until_hil_off() {
         if stayed_on {
             break;
         }
+        // What the guardian had armed is a stop now that nobody is left.
+        ward.latch().clear().unwrap();
     }
     assert!(stayed_on, "twenty blows, none of them within a burst");
     // No software is left. The next one to look finds the chip driving, and says so.

@@ -10,7 +10,7 @@ use std::time::Duration;
 use serde_json::Value;
 
 use super::emulator::Emulator;
-use super::tools::{hil, in_lab, scratch, sh};
+use super::tools::{hil, in_lab, scene, scratch, sh};
 use super::ward::{Fate, HEARTBEAT_MS, fate, now_ns};
 use palpate_buses::guardian::Latch;
 
@@ -31,10 +31,24 @@ impl Drop for Unit {
 /// A unit on this adapter, once it serves.
 fn serve(node: &str, key: &str) -> Unit {
     let said = scratch("unit.jsonl");
+    let bench = scratch("unit-bench.toml");
+    let text = std::fs::read_to_string(scene("bench.toml")).unwrap();
+    let mut text = text.replace("/dev/i2c-0", node);
+    // The PWM frequency that its host's scene needs, and what a burst bears at that.
+    for (line, other) in [
+        ("pwm_hz = 200.0\n", "pwm_hz = 65.63\n"),
+        ("heartbeat_ms = 40\n", ""),
+        ("transfer_ms = 40\n", ""),
+    ] {
+        assert!(text.contains(line), "{line}");
+        text = text.replace(line, other);
+    }
+    std::fs::write(&bench, text).unwrap();
     let child = Command::new(hil())
         .args([
-            "unit", "--json", "--key", key, "--i2c", node, "--listen", ADDRESS,
+            "unit", "--json", "--key", key, "--listen", ADDRESS, "--bench",
         ])
+        .arg(&bench)
         .stdin(Stdio::null())
         .stdout(File::create(&said).unwrap())
         .spawn()

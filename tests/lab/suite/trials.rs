@@ -87,8 +87,8 @@ fn scenes_are_trials_by_what_the_bench_can_do() {
 }
 
 #[test]
-fn bare_flags_and_real_time_priority() {
-    if !in_lab("bare flags") {
+fn addresses_on_the_command_line_and_real_time_priority() {
+    if !in_lab("addresses on the command line") {
         return;
     }
     let hil = hil().display();
@@ -96,7 +96,8 @@ fn bare_flags_and_real_time_priority() {
     let ward = Ward::open(&scene, &[]);
     let node = &ward.emulator.node;
     let bare = sh(&format!(
-        "{hil} run {scene} --can vcan0 --i2c {node} --json"
+        "{hil} run {scene} --bench {} --can vcan0 --i2c {node} --json",
+        ward.bench().display()
     ));
     let bare: Value = serde_json::from_str(&bare).unwrap();
     assert_eq!(bare["source"], "real", "{bare}");

@@ -25,6 +25,7 @@ impl State {
             Self::Stopped(Cause::SensorError) => 3,
             Self::Stopped(Cause::LateTick) => 4,
             Self::Stopped(Cause::End) => 5,
+            Self::Stopped(Cause::Overrun) => 6,
         }
     }
 
@@ -35,6 +36,7 @@ impl State {
             Cause::SensorError,
             Cause::LateTick,
             Cause::End,
+            Cause::Overrun,
         ];
         let stopped = causes.into_iter().map(Self::Stopped);
         let mut all = core::iter::once(Self::Ready).chain(stopped);

@@ -1,5 +1,6 @@
 //! The run's end: starts a guardian, keeps it awake, and takes leave.
 
+use std::fs;
 use std::io;
 use std::os::fd::{AsFd, AsRawFd, OwnedFd};
 use std::process::{Child, Command, Stdio};
@@ -28,20 +29,35 @@ pub enum StartError {
     /// It says why it cannot guard.
     #[error("{0}")]
     Refused(String),
+    /// A stop of an earlier run is latched.
+    #[error("{0}")]
+    Latched(String),
     /// It said nothing.
     #[error("the guardian does not answer")]
     Silent,
 }
 
 /// A guardian that can no longer be relied on: the run has to end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Lost {
     /// Its process is gone.
-    #[error("the guardian process is gone")]
+    #[error("the guardian process is gone; no guardian is left to switch off after this program")]
     Died,
     /// It does not answer.
-    #[error("the guardian does not answer")]
+    #[error("the guardian does not answer; no guardian is left to switch off after this program")]
     Silent,
+    /// It has switched everything off by itself and latched that, for this cause.
+    #[error("{0}; the guardian has switched everything off")]
+    Halted(String),
+}
+
+/// Why a guardian of this process may be killed together with it, by its number and `/proc/self/status`.
+fn dies_along(pid: u32, status: &str) -> Option<&'static str> {
+    let nested = status.lines().find_map(|line| line.strip_prefix("NSpid:"));
+    let nested = nested.is_some_and(|ids| ids.split_whitespace().count() > 1);
+    (pid == 1 || nested).then_some(
+        "this program runs in a PID namespace whose first process takes the guardian along when it is killed: expected a first process that outlives the run (`docker run --init`, and no `unshare --pid`), or an OE line in the bench (real.oe), or a driver unit",
+    )
 }
 
 /// A guardian and the socket to it. Dropped without [`Self::end`], it acts.
@@ -64,6 +80,12 @@ impl Guardian {
     /// # Errors
     /// [`StartError`].
     pub fn start(mut program: Command, watch: &Watch) -> Result<(Self, String), StartError> {
+        let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+        if watch.oe.is_none()
+            && let Some(why) = dies_along(std::process::id(), &status)
+        {
+            return Err(StartError::Refused(why.into()));
+        }
         let kind = SockType::SeqPacket;
         let flags = SockFlag::SOCK_CLOEXEC;
         let (link, theirs) = socketpair(AddressFamily::Unix, kind, None, flags)
@@ -73,6 +95,8 @@ impl Guardian {
             .stdin(Stdio::from(theirs))
             .stdout(Stdio::null())
             .spawn()?;
+        // It holds the guardian's end as well: one that dies at its start is to be noticed.
+        drop(program);
         let heartbeat = watch.heartbeat.as_micros() as u64;
         let mut guardian = Self {
             link: Arc::new(link),
@@ -84,9 +108,12 @@ impl Guardian {
         };
         match guardian.answer(START_MS) {
             Some((word::READY, found)) => Ok((guardian, found)),
-            Some((_, reason)) => {
+            Some((word, reason)) => {
                 let _ = guardian.child.wait();
-                Err(StartError::Refused(reason))
+                Err(match word {
+                    word::LATCHED => StartError::Latched(reason),
+                    _ => StartError::Refused(reason),
+                })
             }
             None => Err(StartError::Silent),
         }
@@ -116,10 +143,14 @@ impl Guardian {
         }
         self.sent = now.max(Instant::from_micros(1));
         self.send(&[word::BEAT])?;
-        let mut packet = [0; 16];
+        let mut packet = [0; PACKET];
         loop {
             match recv(self.link.as_raw_fd(), &mut packet, MsgFlags::MSG_DONTWAIT) {
                 Ok(0) => return Err(Lost::Died),
+                Ok(length) if packet[0] == word::HALT => {
+                    let cause = packet.get(1..length).unwrap_or_default();
+                    return Err(Lost::Halted(String::from_utf8_lossy(cause).into_owned()));
+                }
                 Ok(_) => self.heard = now,
                 Err(Errno::EINTR) => {}
                 Err(Errno::EAGAIN) => break,
@@ -205,11 +236,28 @@ impl Guardian {
             let length = recv(self.link.as_raw_fd(), &mut packet, MsgFlags::empty()).ok()?;
             match packet[..length].split_first() {
                 None => return None,
-                Some((&word::BEAT, _)) => {}
+                // What it did by itself before is no answer.
+                Some((&(word::BEAT | word::HALT), _)) => {}
                 Some((&first, rest)) => {
                     return Some((first, String::from_utf8_lossy(rest).into_owned()));
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_process_of_a_namespace_and_those_in_one_have_no_guardian_that_outlives_them() {
+        let status = |ids: &str| format!("Name:\thil\nNSpid:\t{ids}\nThreads:\t1\n");
+        assert_eq!(dies_along(4711, &status("4711")), None);
+        assert_eq!(dies_along(4711, ""), None, "an old kernel");
+        for (pid, ids) in [(1, "1"), (4711, "4711\t1"), (12, "4711\t12")] {
+            let why = dies_along(pid, &status(ids)).unwrap();
+            assert!(why.contains("--init") && why.contains("real.oe"), "{why}");
         }
     }
 }

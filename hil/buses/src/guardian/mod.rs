@@ -4,10 +4,16 @@
 //! SIGKILL, an out-of-memory kill or a hung loop leave no working code in the run itself. Run and guardian are joined
 //! by a pair of sockets. The run sends heartbeats; when they stop, or its end closes without a good-bye, the
 //! guardian cuts the OE line, switches every board off, kills what is left of the run, switches off again
-//! and reads back, until every board is known to be off.
+//! and reads back, until every board is known to be off. It never gives up.
+//!
+//! `decide` says what is to be done, `server` does it with a `hand` for each adapter, and `scribe` writes what has to
+//! be written, where nothing waits for it.
 
 mod client;
+mod decide;
+mod hand;
 mod latch;
+mod scribe;
 mod server;
 mod sweep;
 
@@ -132,8 +138,12 @@ mod word {
     pub const TRIP: u8 = b'x';
     /// Guardian to run: everything is off; what was found follows.
     pub const READY: u8 = b'R';
-    /// Guardian to run: it cannot guard; why follows.
+    /// Guardian to run: it cannot guard, or not everything is known to be off; why follows.
     pub const REFUSED: u8 = b'E';
+    /// Guardian to run: it does not guard while an earlier stop is latched; which one follows.
+    pub const LATCHED: u8 = b'L';
+    /// Guardian to run: it has switched everything off by itself, the run is to end; why follows.
+    pub const HALT: u8 = b'h';
 }
 
 /// The longest packet: a report of 16 boards.

@@ -1,365 +1,352 @@
-//! The guardian process itself.
+//! The guardian process itself: what the [decisions](super::decide) are carried out with.
+//!
+//! All that it needs is there before it says that it is ready: threads, descriptors, records, and every page it will touch.
 
+use std::fmt::Write as _;
 use std::fs;
-use std::io::{self, Write};
-use std::os::fd::{AsFd, AsRawFd};
-use std::path::PathBuf;
+use std::io;
+use std::os::fd::{AsRawFd, BorrowedFd};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::{self, JoinHandle};
+use std::time::Duration as Elapsed;
 
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::signal::{Signal, kill};
-use nix::sys::socket::{MsgFlags, recv, send};
+use nix::sys::socket::{MsgFlags, SockType, getsockopt, recv, send, sockopt};
 use nix::unistd::{Pid, getppid, setsid};
-use palpate_core::units::Duration;
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use palpate_core::units::{Duration, Instant};
+use signal_hook::consts::SIGTERM;
 
-use super::{Latch, PACKET, Sweeper, Watch, packet, word};
+use super::decide::{Answer, BUSES, Cause, Decider, Event, News, Now, Post, Text};
+use super::hand::{Hand, Why};
+use super::latch::Armed;
+use super::scribe::{Latcher, Teller};
+use super::{Latch, PACKET, Sweeper, Watch, word};
 use crate::lock::BusLock;
 use crate::oe::OeLine;
-use crate::pacer::RunClock;
+use crate::pacer::{RunClock, asleep_ns};
 use crate::sys;
 
 /// How long boards may take to answer for the first time.
-const START: std::time::Duration = std::time::Duration::from_secs(5);
-/// A run whose end of the pair closed has this long to end by itself.
-const GRACE: Duration = Duration::from_millis(500);
-/// How long a guardian goes on trying to reach boards that do not answer.
-const PATIENCE: Duration = Duration::from_millis(600_000);
-/// How often an awake guardian looks whether the run is silent.
-const SLICE_MS: u64 = 10;
-/// Pauses between those tries: the first and the longest.
-const PAUSE: (u64, u64) = (5, 50);
-/// What a thread that writes a few small files needs: the guardian's memory is locked.
-const STACK: usize = 128 * 1024;
-
-/// Why the guardian acts.
-#[derive(Clone, Debug, PartialEq, Eq)]
-enum Cause {
-    /// The run's end closed without a good-bye.
-    Died,
-    /// No heartbeat for this long.
-    Hung(Duration),
-    /// The run asked for it, and says why.
-    Asked(String),
-    /// A signal ended the guardian.
-    Terminated,
-}
-
-impl Cause {
-    fn asked(cause: &[u8]) -> Self {
-        Self::Asked(String::from_utf8_lossy(cause).into_owned())
-    }
-
-    fn words(&self) -> String {
-        match self {
-            Self::Died => "the run died without a word".into(),
-            Self::Hung(silence) => {
-                format!(
-                    "the run hung: no heartbeat for {} ms",
-                    silence.as_micros() / 1000
-                )
-            }
-            Self::Asked(cause) => cause.clone(),
-            Self::Terminated => "switched off by `hil off` or a SIGTERM to the guardian".into(),
-        }
-    }
-}
-
-/// Everything a guardian holds.
-struct Post<'a> {
-    watch: &'a Watch,
-    clock: RunClock,
-    sweeper: Sweeper,
-    oe: Option<OeLine>,
-    parent: Pid,
-    terminated: Arc<AtomicBool>,
-    /// Writes a latch while the guardian listens on.
-    latching: Option<JoinHandle<()>>,
-    _locks: Vec<BusLock>,
-}
+const START: Elapsed = Elapsed::from_secs(5);
+/// How long words may take to reach people at the end.
+const WORDS: Elapsed = Elapsed::from_millis(200);
 
 /// Guards until the run says good-bye or everything is off after its death; the socket to the run is
 /// standard input. Returns the exit status: 0 after a good-bye, 3 when it cannot guard, 4 after acting.
 pub fn serve(watch: &Watch) -> u8 {
+    let stdin = io::stdin();
+    if getsockopt(&stdin, sockopt::SockType) != Ok(SockType::SeqPacket) {
+        if let Ok(teller) = Teller::start() {
+            teller.tell(format_args!("not for people: expected the socket of a run as standard input; `hil run` starts its own guardian"));
+            teller.finish(WORDS);
+        }
+        return 3;
+    }
     // A session of its own: no terminal's Ctrl-C or hang-up is meant for the guardian.
     let _ = setsid();
     let parent = getppid();
-    let (post, found) = match Post::take(watch, parent) {
-        Ok(taken) => taken,
-        Err(reason) => {
-            say(word::REFUSED, &reason);
-            return 3;
+    match Station::take(watch, parent) {
+        Ok((mut station, found)) => {
+            say(word::READY, &found);
+            station.stand(watch)
         }
-    };
-    say(word::READY, &found);
-    post.stand()
+        Err((word, reason)) => {
+            say(word, &reason);
+            3
+        }
+    }
 }
 
 /// A packet to the run; one that is gone needs none.
 fn say(word: u8, text: &str) {
-    let stdin = io::stdin();
+    let mut packet = [0; PACKET];
+    packet[0] = word;
+    let length = text.len().min(PACKET - 1);
+    let (to, from) = (packet.get_mut(1..=length), text.as_bytes().get(..length));
+    if let (Some(to), Some(from)) = (to, from) {
+        to.copy_from_slice(from);
+    }
     let flags = MsgFlags::MSG_DONTWAIT | MsgFlags::MSG_NOSIGNAL;
-    let _ = send(stdin.as_raw_fd(), &packet(word, text), flags);
-}
-
-/// A line for people, if anybody reads them.
-fn tell(text: &str) {
-    let _ = writeln!(io::stderr(), "guardian: {text}");
+    let _ = send(io::stdin().as_raw_fd(), &packet[..=length], flags);
 }
 
 /// What the system gives to one who must not fail, as far as it does: memory that is never paged out, the
 /// last place in the queue of the out-of-memory killer, a place before ordinary programs.
 fn harden() {
-    let _ = sys::lock_memory();
+    if sys::lock_memory().is_err() {
+        // What was locked so far would only keep later pages from coming. Stacks were touched; the rest was used once.
+        sys::unlock_memory();
+    }
     let _ = fs::write("/proc/self/oom_score_adj", "-1000");
     let _ = sys::set_fifo_priority(60);
 }
 
-impl<'a> Post<'a> {
-    /// Locks the buses, cuts the OE line, looks at every board, switches everything off and reads back.
-    fn take(watch: &'a Watch, parent: Pid) -> Result<(Self, String), String> {
+/// Everything a guardian holds.
+struct Station {
+    clock: RunClock,
+    asleep_ns: i64,
+    hands: Vec<Hand>,
+    /// Why each bus is not known to be off, by its last answer.
+    whys: [Option<Why>; BUSES],
+    oe: Option<OeLine>,
+    parent: Pid,
+    terminated: Arc<AtomicBool>,
+    locks: Vec<BusLock>,
+    latcher: Latcher,
+    teller: Teller,
+    /// Another program has asked for everything off, and that was heard.
+    is_asked: bool,
+    /// The run's process is there as far as is known.
+    is_there: bool,
+    /// The run's end of the pair is open.
+    is_open: bool,
+}
+
+impl Station {
+    /// Locks the buses, arms their latches, cuts the OE line, switches everything off and reads back.
+    fn take(watch: &Watch, parent: Pid) -> Result<(Self, String), (u8, String)> {
+        let refused = |reason: String| (word::REFUSED, reason);
+        sys::ignore_signals();
         let terminated = Arc::new(AtomicBool::new(false));
-        let ignored = Arc::new(AtomicBool::new(false));
-        for (signal, flag) in [
-            (SIGTERM, &terminated),
-            (SIGINT, &ignored),
-            (SIGHUP, &ignored),
-        ] {
-            let caught = signal_hook::flag::register(signal, Arc::clone(flag));
-            caught.map_err(|e| format!("signal {signal}: {e}"))?;
+        signal_hook::flag::register(SIGTERM, Arc::clone(&terminated))
+            .map_err(|e| refused(format!("SIGTERM: {e}")))?;
+        let paths = || watch.buses.iter().map(|bus| &bus.path);
+        let locks: Result<Vec<_>, _> = paths().map(|path| BusLock::take(path)).collect();
+        let locks = locks.map_err(|e| refused(e.to_string()))?;
+        // Under the lock: no other guardian is there that could latch.
+        for path in paths() {
+            if let Some(held) = Latch::of(path).read_locked() {
+                return Err((word::LATCHED, held.refusal(&path.display())));
+            }
         }
-        let paths = watch.buses.iter().map(|bus| &bus.path);
-        let locks: Result<Vec<_>, _> = paths.map(|path| BusLock::take(path)).collect();
-        let locks = locks.map_err(|e| e.to_string())?;
         let oe = watch
             .oe
             .as_ref()
             .map(|(chip, line)| OeLine::cut(chip, *line));
-        let oe = oe.transpose()?;
-        let mut sweeper = Sweeper::open(&watch.buses, watch.transfer).map_err(|e| e.to_string())?;
-        let found = sweeper.look();
-        sweeper.off_within(START)?;
+        let oe = oe.transpose().map_err(refused)?;
+        let opened = Sweeper::open(&watch.buses);
+        let mut sweeper = opened.map_err(|e| refused(e.to_string()))?;
+        let (found, wrong) = sweeper.off(START);
+        if let Some(reason) = wrong.into_iter().next() {
+            return Err(refused(reason));
+        }
+        let armed: Result<Vec<Armed>, String> = paths().map(|path| Latch::of(path).arm()).collect();
+        let armed = armed.map_err(refused)?;
+        let thread = |e: io::Error| refused(format!("no thread for the guardian: {e}"));
+        let teller = Teller::start().map_err(thread)?;
+        let latcher = Latcher::start(armed, teller.clone()).map_err(thread)?;
         harden();
         let driving = found.iter().filter(|b| b.was_driving());
         let lines: Vec<String> = driving.map(ToString::to_string).collect();
-        let post = Self {
-            watch,
+        let station = Self {
             clock: RunClock::start(),
-            sweeper,
+            asleep_ns: asleep_ns(),
+            hands: sweeper.into_hands(),
+            whys: [None; BUSES],
             oe,
             parent,
             terminated,
-            latching: None,
-            _locks: locks,
+            locks,
+            latcher,
+            teller,
+            is_asked: false,
+            is_there: true,
+            is_open: true,
         };
-        Ok((post, lines.join("\n")))
+        Ok((station, lines.join("\n")))
     }
 
-    /// Listens to the run.
-    fn stand(mut self) -> u8 {
-        let heartbeat = self.watch.heartbeat.as_micros() as u64;
-        // Since the last heartbeat; none before the first. Time in which the guardian did not get to run
-        // itself counts little: the run did not either, and gets its turn before it is judged.
-        let mut silence: Option<u64> = None;
-        let mut looked = self.clock.now();
+    /// Carries decisions out until nothing is left to do.
+    fn stand(&mut self, watch: &Watch) -> u8 {
+        let heartbeat = Duration::from_micros(watch.heartbeat.as_micros() as u64);
+        let mut decider = Decider::new(self.hands.len(), heartbeat);
+        let mut buffer = [0; PACKET];
         loop {
-            if let Some(silence) = silence.filter(|s| *s > heartbeat) {
-                return self.act(&Cause::Hung(Duration::from_micros(silence)));
+            if let Some(status) = decider.end() {
+                self.latcher.finish();
+                self.teller.finish(WORDS);
+                return status;
             }
-            if self.terminated.load(Ordering::Relaxed) {
-                return self.act(&Cause::Terminated);
+            self.wait(decider.next());
+            // Time first: what was not seen is judged before anything that came meanwhile.
+            decider.step(self.now(), Event::Time, self);
+            if self.is_asked_off() {
+                decider.step(self.now(), Event::Ended, self);
             }
-            let received = receive(silence.map(|_| SLICE_MS));
-            let now = self.clock.now();
-            let passed = now.since(looked).as_micros().min(2_000 * SLICE_MS);
-            looked = now;
-            let packet = match received {
-                Ok(Some(packet)) => packet,
-                Ok(None) => {
-                    silence = silence.map(|s| s + passed);
-                    continue;
-                }
-                Err(()) => return self.act(&Cause::Died),
-            };
-            silence = silence.map(|_| 0);
-            match packet.split_first() {
-                Some((&word::BEAT, _)) => {
-                    silence = Some(0);
-                    say(word::BEAT, "");
-                }
-                Some((&word::RELEASE, _)) => self.set_oe(false),
-                Some((&word::CUT, _)) => self.set_oe(true),
-                Some((&word::STOP, cause)) => {
-                    let cause = Cause::asked(cause);
-                    self.set_oe(true);
-                    if self.sweeper.off().is_err() {
-                        return self.act(&cause);
+            for bus in 0..self.hands.len() {
+                let report = self.hands.get(bus).and_then(Hand::report);
+                if let Some(report) = report {
+                    let off = report.off.is_ok();
+                    if let Some(why) = self.whys.get_mut(bus) {
+                        *why = report.off.err();
                     }
-                    self.latch(&cause, true);
+                    decider.step(self.now(), Event::Swept { bus, off }, self);
                 }
-                Some((&word::LATCH, cause)) => self.latch_beside(&Cause::asked(cause)),
-                Some((&word::BYE, _)) => {
-                    self.set_oe(true);
-                    self.wait_for_latch();
-                    return match self.sweeper.off() {
-                        Ok(()) => {
-                            say(word::READY, "");
-                            0
-                        }
-                        Err(reason) => {
-                            say(word::REFUSED, &reason);
-                            self.act(&Cause::Asked(format!("at the end of the run: {reason}")))
-                        }
-                    };
+            }
+            while self.is_open {
+                match receive(&mut buffer) {
+                    Ok(Some(packet)) => decider.step(self.now(), event(packet), self),
+                    Ok(None) => break,
+                    Err(()) => {
+                        self.is_open = false;
+                        decider.step(self.now(), Event::Closed, self);
+                    }
                 }
-                Some((&word::TRIP, cause)) => {
-                    return self.act(&Cause::asked(cause));
-                }
-                _ => return self.act(&Cause::Asked("the run sent what is no word".into())),
+            }
+            // Once the run is gone the guardian is another process's child. The first process of all is never gone before.
+            let gone = getppid() != self.parent || self.parent.as_raw() <= 1 && !self.is_open;
+            if self.is_there && gone {
+                self.is_there = false;
+                decider.step(self.now(), Event::Gone, self);
             }
         }
     }
 
-    fn set_oe(&mut self, cut: bool) {
-        if let Some(Err(reason)) = self.oe.as_mut().map(|line| line.set(cut)) {
-            tell(&reason);
+    fn now(&self) -> Now {
+        let asleep = asleep_ns().saturating_sub(self.asleep_ns);
+        Now {
+            at: self.clock.now(),
+            asleep: Duration::from_micros(u64::try_from(asleep).unwrap_or(0) / 1000),
         }
     }
 
-    /// Everything off, whatever it takes.
-    fn act(mut self, cause: &Cause) -> u8 {
-        let began = self.clock.now();
-        self.set_oe(true);
-        let mut result = self.sweeper.off();
-        let took = self.clock.now().since(began);
-        self.end_run(cause);
-        // What the run had on its way may have arrived after the first sweep.
-        result = self.sweeper.off().and(result);
-        self.latch(cause, result.is_ok());
-        let words = cause.words();
-        let ms = took.as_micros() as f64 * 1e-3;
-        match &result {
-            Ok(()) => tell(&format!(
-                "{words}; everything is off, {ms:.1} ms after that was known"
-            )),
-            Err(reason) => tell(&format!(
-                "{words}; not everything is known to be off: {reason}; trying on"
-            )),
-        }
-        let mut pause = PAUSE.0;
-        while let Err(reason) = result {
-            if self.clock.now().since(began) > PATIENCE {
-                tell(&format!("giving up: {reason}"));
-                return 4;
-            }
-            if *cause != Cause::Terminated && self.terminated.load(Ordering::Relaxed) {
-                return 4; // another program takes over
-            }
-            self.rest(pause);
-            pause = (pause * 2).min(PAUSE.1);
-            result = self.sweeper.off();
-            if result.is_ok() {
-                tell("everything is off now");
-                self.latch(cause, true);
-            }
-        }
-        say(word::READY, "");
-        4
+    /// Whether a signal has come, or another program has asked for everything off, since the last time.
+    fn is_asked_off(&mut self) -> bool {
+        let signal = self.terminated.swap(false, Ordering::Relaxed);
+        let asked = self.locks.iter().any(BusLock::is_asked_off);
+        signal || asked && !std::mem::replace(&mut self.is_asked, true)
     }
 
-    /// Waits until the run is gone; one that hung, or does not go, is killed. One that asked for help lives.
-    fn end_run(&self, cause: &Cause) {
-        if matches!(cause, Cause::Asked(_)) {
-            return;
+    /// Waits until `until`, a packet or a signal.
+    fn wait(&self, until: Instant) {
+        let left = until.since(self.clock.now()).as_micros().div_ceil(1000);
+        let timeout = PollTimeout::try_from(left).unwrap_or(PollTimeout::MAX);
+        if self.is_open {
+            let stdin = io::stdin();
+            let _ = poll(
+                &mut [PollFd::new(stdin_of(&stdin), PollFlags::POLLIN)],
+                timeout,
+            );
+        } else {
+            let _ = poll(&mut [], timeout);
         }
-        let began = self.clock.now();
-        let mut kill_at = match cause {
-            Cause::Hung(_) | Cause::Terminated => began,
-            _ => began + GRACE,
-        };
-        // Once the run is gone the guardian is another process's child; its number may be anybody's then.
-        while getppid() == self.parent && self.parent.as_raw() > 1 {
-            let now = self.clock.now();
-            if now >= kill_at {
-                let _ = kill(self.parent, Signal::SIGKILL);
-                kill_at = now + GRACE;
-            }
-            if now > began + GRACE + GRACE {
-                tell("the run cannot be killed; it hangs in a driver");
-                return;
-            }
-            self.rest(1);
+    }
+}
+
+fn stdin_of(stdin: &io::Stdin) -> BorrowedFd<'_> {
+    std::os::fd::AsFd::as_fd(stdin)
+}
+
+/// The next packet; none when nothing has come, an error when the run's end has closed.
+fn receive(buffer: &mut [u8; PACKET]) -> Result<Option<&[u8]>, ()> {
+    match recv(io::stdin().as_raw_fd(), buffer, MsgFlags::MSG_DONTWAIT) {
+        Ok(0) => Err(()),
+        Ok(length) => Ok(buffer.get(..length)),
+        Err(Errno::EAGAIN | Errno::EINTR) => Ok(None),
+        Err(_) => Err(()),
+    }
+}
+
+/// What a packet says.
+fn event(packet: &[u8]) -> Event<'_> {
+    let Some((first, rest)) = packet.split_first() else {
+        return Event::Noise;
+    };
+    // A cause that is cut in the midst of a letter loses that one.
+    let text = match std::str::from_utf8(rest) {
+        Ok(text) => text,
+        Err(error) => {
+            let good = rest.get(..error.valid_up_to()).unwrap_or_default();
+            std::str::from_utf8(good).unwrap_or_default()
+        }
+    };
+    match *first {
+        word::BEAT => Event::Beat,
+        word::RELEASE => Event::Release,
+        word::CUT => Event::Cut,
+        word::STOP => Event::Stop(text),
+        word::LATCH => Event::Latch(text),
+        word::BYE => Event::Bye,
+        word::TRIP => Event::Trip(text),
+        _ => Event::Noise,
+    }
+}
+
+/// A cause as text; one that is too long is cut.
+fn text(cause: &Cause) -> Text {
+    let mut text = Text::new();
+    let _ = write!(text, "{cause}");
+    text
+}
+
+impl Post for Station {
+    fn cut(&mut self, cut: bool) -> bool {
+        self.oe.as_mut().is_none_or(|line| line.set(cut).is_ok())
+    }
+
+    fn off(&mut self, bus: usize) {
+        if let Some(hand) = self.hands.get(bus) {
+            hand.off();
+        }
+    }
+
+    fn kill(&mut self) {
+        // After the run its number may be anybody's.
+        if self.parent.as_raw() > 1 && getppid() == self.parent {
+            let _ = kill(self.parent, Signal::SIGKILL);
         }
     }
 
     fn latch(&mut self, cause: &Cause, verified: bool) {
-        self.wait_for_latch();
-        latch(&self.buses(), &cause.words(), verified);
+        self.latcher.latch(text(cause), verified);
     }
 
-    /// Latches what is not known to be off whole. A disk may be slow, and outputs are on: heartbeats are heard meanwhile.
-    fn latch_beside(&mut self, cause: &Cause) {
-        self.wait_for_latch();
-        let (buses, words) = (self.buses(), cause.words());
-        let write = {
-            let (buses, words) = (buses.clone(), words.clone());
-            move || latch(&buses, &words, false)
-        };
-        match thread::Builder::new().stack_size(STACK).spawn(write) {
-            Ok(thread) => self.latching = Some(thread),
-            Err(_) => latch(&buses, &words, false),
+    fn tell(&mut self, cause: &Cause, news: News) {
+        match news {
+            News::Off(took) => self.teller.tell(format_args!(
+                "{cause}; everything is off, {:.1} ms after that was known",
+                took.as_micros() as f64 * 1e-3
+            )),
+            News::Trying => {
+                let why = self.hands.iter().zip(&self.whys);
+                let why = why.filter_map(|(hand, why)| Some((hand, (*why)?))).next();
+                match why {
+                    Some((hand, why)) => self.teller.tell(format_args!(
+                        "{cause}; not everything is known to be off: {}, {why}; trying on",
+                        hand.bus().path.display()
+                    )),
+                    None => self.teller.tell(format_args!(
+                        "{cause}; not everything is known to be off; trying on"
+                    )),
+                }
+            }
+            News::Stays => self.teller.tell(format_args!(
+                "the run cannot be killed; it hangs in a driver"
+            )),
         }
     }
 
-    fn wait_for_latch(&mut self) {
-        if let Some(thread) = self.latching.take() {
-            // What it could not write it has told.
-            let _ = thread.join();
+    fn answer(&mut self, answer: Answer, cause: Option<&Cause>) {
+        let mut words = Text::new();
+        if let Some(cause) = cause {
+            let _ = write!(words, "{cause}");
         }
-    }
-
-    fn buses(&self) -> Vec<PathBuf> {
-        let buses = self.watch.buses.iter();
-        buses.map(|bus| bus.path.clone()).collect()
-    }
-
-    fn rest(&self, ms: u64) {
-        self.clock
-            .sleep_until(self.clock.now() + Duration::from_millis(ms));
-    }
-}
-
-/// Latches a stop for these adapters.
-fn latch(buses: &[PathBuf], words: &str, verified: bool) {
-    for path in buses {
-        if let Err(error) = Latch::of(path).set(words, verified) {
-            tell(&format!("the stop could not be latched: {error}"));
+        match answer {
+            Answer::Beat => say(word::BEAT, ""),
+            Answer::Off => say(word::READY, ""),
+            Answer::Halt => say(word::HALT, &words),
+            Answer::NotOff => {
+                let hands = self.hands.iter().zip(&self.whys);
+                for (hand, why) in hands {
+                    if let Some(why) = why {
+                        let _ = write!(words, "{}, {why}", hand.bus().path.display());
+                        break;
+                    }
+                }
+                say(word::REFUSED, &words);
+            }
         }
-    }
-}
-
-/// The next packet; `None` when `left` milliseconds passed or a signal came, an error when the run is gone.
-fn receive(left: Option<u64>) -> Result<Option<Vec<u8>>, ()> {
-    let stdin = io::stdin();
-    let timeout = left.map_or(PollTimeout::NONE, |ms| {
-        PollTimeout::try_from(ms).unwrap_or(PollTimeout::MAX)
-    });
-    let mut waiting = [PollFd::new(stdin.as_fd(), PollFlags::POLLIN)];
-    match poll(&mut waiting, timeout) {
-        Ok(0) | Err(_) => return Ok(None),
-        Ok(_) => {}
-    }
-    let mut packet = vec![0; PACKET];
-    match recv(stdin.as_raw_fd(), &mut packet, MsgFlags::MSG_DONTWAIT) {
-        Ok(0) => Err(()),
-        Ok(length) => {
-            packet.truncate(length);
-            Ok(Some(packet))
-        }
-        Err(Errno::EAGAIN | Errno::EINTR) => Ok(None),
-        Err(_) => Err(()),
     }
 }

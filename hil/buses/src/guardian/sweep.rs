@@ -1,20 +1,18 @@
-//! Switching every board of every bus off and reading back that it is.
+//! Switching every board of every bus off, side by side, and reading back that it is.
 
 use std::fmt;
 use std::path::PathBuf;
-use std::thread;
 use std::time::Duration;
 
-use palpate_core::driver::Actuators;
-use palpate_core::driver::{Pca9685Bank, Seen};
-use palpate_core::units::{Milliamps, Prescale};
+use palpate_core::driver::Seen;
 
 use super::WatchedBus;
-use crate::i2c::{AdapterError, Blocking, LinuxAdapter};
+use super::hand::{Hand, Report, Why};
+use crate::i2c::{Adapter, AdapterError, LinuxAdapter};
 use crate::pacer::RunClock;
 
 /// Between two tries of a bus that does not answer.
-const PAUSE: palpate_core::units::Duration = palpate_core::units::Duration::from_millis(20);
+const PAUSE: palpate_core::units::Duration = palpate_core::units::Duration::from_millis(10);
 
 /// What a board was found doing.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -28,9 +26,14 @@ pub struct BoardFound {
 }
 
 impl BoardFound {
+    /// Channels that drove an output when it was read, or until it was switched off whole just before.
+    fn channels(&self) -> u16 {
+        (self.seen.as_ref()).map_or(0, |seen| seen.driving() | seen.drove())
+    }
+
     /// Whether it drove an output.
     pub fn was_driving(&self) -> bool {
-        self.seen.as_ref().is_ok_and(|seen| seen.driving() != 0)
+        self.channels() != 0
     }
 }
 
@@ -45,10 +48,11 @@ impl fmt::Display for BoardFound {
             let on = (0..16).filter(|n| bits >> n & 1 == 1);
             on.map(|n| n.to_string()).collect::<Vec<_>>().join(",")
         };
-        if seen.driving() != 0 {
-            write!(out, "was driving channels {}", list(seen.driving()))
-        } else if seen.loaded != 0 {
-            write!(out, "was asleep with channels {} loaded", list(seen.loaded))
+        let loaded = seen.loaded | seen.stopped;
+        if self.was_driving() {
+            write!(out, "was driving channels {}", list(self.channels()))
+        } else if loaded != 0 {
+            write!(out, "was asleep with channels {} loaded", list(loaded))
         } else {
             out.write_str("was off")
         }
@@ -58,121 +62,124 @@ impl fmt::Display for BoardFound {
 /// The boards of a bench with a bus each for the way out.
 #[derive(Debug)]
 pub struct Sweeper {
-    banks: Vec<(WatchedBus, Pca9685Bank<Blocking>)>,
+    hands: Vec<Hand>,
 }
 
 impl Sweeper {
-    /// Opens the adapters; transfers that take longer than `limit` fail. Nothing is sent.
+    /// Opens the adapters. Nothing is sent.
     ///
     /// # Errors
     /// [`AdapterError`] for the first adapter that cannot be used.
-    pub fn open(buses: &[WatchedBus], limit: Duration) -> Result<Self, AdapterError> {
-        let open = |bus: &WatchedBus| {
-            let adapter = LinuxAdapter::open(&bus.path, &bus.addresses())?;
-            let line = Blocking::new(adapter, limit).map_err(|e| AdapterError {
-                path: bus.path.display().to_string(),
-                reason: e.to_string(),
-            })?;
-            Ok((bus.clone(), line))
+    pub fn open(buses: &[WatchedBus]) -> Result<Self, AdapterError> {
+        let (sweeper, missing) = Self::open_some(buses);
+        missing.into_iter().next().map_or(Ok(sweeper), Err)
+    }
+
+    /// The same of those adapters that can be used, and why the others cannot.
+    pub fn open_some(buses: &[WatchedBus]) -> (Self, Vec<AdapterError>) {
+        let mut missing = Vec::new();
+        let opened = buses.iter().filter_map(|bus| {
+            let adapter = LinuxAdapter::open(&bus.path, &bus.addresses());
+            let adapter = adapter.map(|adapter| (bus.clone(), Box::new(adapter) as _));
+            adapter.map_err(|error| missing.push(error)).ok()
+        });
+        let opened: Vec<(WatchedBus, Box<dyn Adapter>)> = opened.collect();
+        let (sweeper, without) = Self::over(opened);
+        missing.extend(without);
+        (sweeper, missing)
+    }
+
+    /// Over adapters that are open already, and those that have no thread.
+    pub fn over(lines: Vec<(WatchedBus, Box<dyn Adapter>)>) -> (Self, Vec<AdapterError>) {
+        let mut missing = Vec::new();
+        let hand = |(bus, adapter): (WatchedBus, Box<dyn Adapter>)| {
+            let path = bus.path.display().to_string();
+            let without = |error: std::io::Error| AdapterError {
+                path,
+                reason: format!("no thread for it: {error}"),
+            };
+            let hand = Hand::new(bus, adapter).map_err(without);
+            hand.map_err(|error| missing.push(error)).ok()
         };
-        let lines = buses
-            .iter()
-            .map(open)
-            .collect::<Result<Vec<_>, AdapterError>>()?;
-        Ok(Self::over(lines))
+        let hands = lines.into_iter().filter_map(hand).collect();
+        (Self { hands }, missing)
     }
 
-    /// Over lines that are open already.
-    pub fn over(lines: Vec<(WatchedBus, Blocking)>) -> Self {
-        // Switching off and reading back need neither PRE_SCALE nor full scale.
-        let bank = |(bus, line): (WatchedBus, Blocking)| {
-            let bank = Pca9685Bank::new(line, &bus.boards, Prescale::MIN);
-            let bank = bank.with_converters(&bus.converters, Milliamps(0));
-            (bus, bank)
-        };
-        Self {
-            banks: lines.into_iter().map(bank).collect(),
-        }
+    /// The adapters, one by one.
+    pub(super) fn into_hands(self) -> Vec<Hand> {
+        self.hands
     }
 
-    /// Reads every board and changes nothing.
-    pub fn look(&mut self) -> Vec<BoardFound> {
-        let mut found = Vec::new();
-        for (bus, bank) in &mut self.banks {
-            for (&address, board) in bus.boards.iter().zip(bank.numbers()) {
-                let seen = bank.look(board).map_err(|error| {
-                    let fault = bank.bus().last_fault();
-                    fault.map_or_else(|| error.to_string(), ToString::to_string)
-                });
-                found.push(BoardFound {
-                    bus: bus.path.clone(),
-                    address,
-                    seen,
-                });
-            }
-        }
-        found
+    /// Reads every board and changes nothing. An adapter that has not answered within `patience` is waited for no longer.
+    pub fn look(&mut self, patience: Duration) -> Vec<BoardFound> {
+        self.hands.iter().for_each(Hand::look);
+        let reports = reports(&self.hands, patience);
+        found(&self.hands, &reports)
     }
 
-    /// [`Self::off`] until it succeeds, or fails after `patience`: an adapter may be slow to wake.
-    ///
-    /// # Errors
-    /// In words, why not.
-    pub fn off_within(&mut self, patience: Duration) -> Result<(), String> {
+    /// Everything off, all buses at once, then every current that is set to zero, and read back, again until it succeeds or
+    /// `patience` is over. What the boards were found doing, and for each adapter that is not known to be off why.
+    pub fn off(&mut self, patience: Duration) -> (Vec<BoardFound>, Vec<String>) {
         let clock = RunClock::start();
+        let mut all: Vec<Option<Report>> = self.hands.iter().map(|_| None).collect();
+        let spent = || Duration::from_micros(clock.now().as_micros());
+        self.hands.iter().for_each(Hand::off);
         loop {
-            let result = self.off();
-            let spent = Duration::from_micros(clock.now().as_micros());
-            if result.is_ok() || spent >= patience {
-                return result;
+            let newest = reports(&self.hands, patience.saturating_sub(spent()));
+            for (report, newest) in all.iter_mut().zip(newest) {
+                *report = newest.or(report.take());
+            }
+            let left = |report: &Option<Report>| report.as_ref().is_none_or(|r| r.off.is_err());
+            if spent() >= patience || !all.iter().any(left) {
+                break;
             }
             clock.sleep_until(clock.now() + PAUSE);
+            let again = self
+                .hands
+                .iter()
+                .zip(&all)
+                .filter(|(_, report)| left(report));
+            again.for_each(|(hand, _)| hand.off());
         }
+        let reasons = self.hands.iter().zip(&all).filter_map(|(hand, report)| {
+            let why = report.as_ref().map_or(Err(Why::Waits), |report| report.off);
+            let why = why.err()?;
+            Some(format!("{}, {why}", hand.bus().path.display()))
+        });
+        (found(&self.hands, &all), reasons.collect())
     }
+}
 
-    /// Everything off, all buses at once, then every current that is set to zero, and read back. `Err` names the first
-    /// board that is not known to be off.
-    ///
-    /// # Errors
-    /// In words, why.
-    pub fn off(&mut self) -> Result<(), String> {
-        let one = |(bus, bank): &mut (WatchedBus, Pca9685Bank<Blocking>)| {
-            bank.all_off().map_err(|error| {
-                let fault = bank.bus().last_fault();
-                fault.map_or_else(|| error.to_string(), ToString::to_string)
-            })?;
-            for board in bank.numbers() {
-                match bank.look(board) {
-                    Ok(seen) if seen.loaded == 0 => {}
-                    Ok(_) => {
-                        return Err(format!(
-                            "{}: board {} reads back as on",
-                            bus.path.display(),
-                            board.0
-                        ));
-                    }
-                    Err(error) => return Err(error.to_string()),
-                }
-            }
-            bank.numbers()
-                .try_for_each(|board| bank.confirm_zero(board))
-                .map_err(|error| format!("{}: {error}", bus.path.display()))
+/// What came of the last order of each adapter, waited for until `patience` is over.
+fn reports(hands: &[Hand], patience: Duration) -> Vec<Option<Report>> {
+    let clock = RunClock::start();
+    let left = || patience.saturating_sub(Duration::from_micros(clock.now().as_micros()));
+    hands.iter().map(|hand| hand.wait(left())).collect()
+}
+
+/// The boards of all adapters; those of one that has not answered are not known.
+pub(super) fn found(hands: &[Hand], reports: &[Option<Report>]) -> Vec<BoardFound> {
+    let of = |(hand, report): (&Hand, &Option<Report>)| -> Vec<BoardFound> {
+        let board = |address: u8, seen: Result<Seen, String>| BoardFound {
+            bus: hand.bus().path.clone(),
+            address,
+            seen,
         };
-        if let [only] = self.banks.as_mut_slice() {
-            return one(only);
+        match report {
+            Some(report) => {
+                let boards = report.found.iter();
+                let words = |why: Why| why.to_string();
+                boards
+                    .map(|(address, seen)| board(*address, seen.map_err(words)))
+                    .collect()
+            }
+            None => {
+                let boards = hand.bus().boards.iter();
+                boards
+                    .map(|address| board(*address, Err(Why::Waits.to_string())))
+                    .collect()
+            }
         }
-        // A bus that is stuck must not keep the others on.
-        thread::scope(|scope| {
-            let started: Vec<_> = self
-                .banks
-                .iter_mut()
-                .map(|bank| scope.spawn(move || one(bank)))
-                .collect();
-            let join = |t: thread::ScopedJoinHandle<'_, Result<(), String>>| {
-                t.join()
-                    .unwrap_or_else(|_| Err("switching off has failed within".into()))
-            };
-            started.into_iter().map(join).fold(Ok(()), Result::and)
-        })
-    }
+    };
+    hands.iter().zip(reports).flat_map(of).collect()
 }

@@ -9,7 +9,10 @@ use palpate_emulators::display::i2c::{BusClock, I2cSegment};
 use palpate_emulators::display::pca9685::{Config, Pca9685};
 
 use super::{Sweeper, Watch, WatchedBus, parse_bus, parse_line};
-use crate::i2c::{Adapter, Blocking, FaultKind};
+use crate::i2c::{Adapter, FaultKind};
+
+/// How long a sweep of emulated chips may take.
+const PATIENCE: Duration = Duration::from_millis(50);
 
 /// What went over a bus, by address: a bus is stuck while a test holds it.
 type Line = Arc<Mutex<Vec<(u8, Vec<u8>)>>>;
@@ -42,7 +45,7 @@ impl Adapter for Emulated {
 
 /// A bus with a chip at 0x40 whose channels 3 and 5 were left driving, a converter at 0x48 whose output 3 was left at half its
 /// scale, and no chip at 0x41 and 0x49.
-fn bus(boards: &[u8], converters: &[u8]) -> ((WatchedBus, Blocking), Line) {
+fn bus(boards: &[u8], converters: &[u8]) -> ((WatchedBus, Box<dyn Adapter>), Line) {
     let chips = vec![Pca9685::new(Config::new(0x40))];
     let segment = I2cSegment::new(BusClock::Fast, chips);
     let mut segment = segment.with_converters(vec![Dac7578::new(0x48)]);
@@ -59,11 +62,14 @@ fn bus(boards: &[u8], converters: &[u8]) -> ((WatchedBus, Blocking), Line) {
         segment,
         line: Arc::clone(&line),
     };
-    let blocking = Blocking::new(adapter, Duration::from_millis(50)).unwrap();
-    (
-        (watched("/dev/emulated", boards, converters), blocking),
-        line,
-    )
+    let watched = watched("/dev/emulated", boards, converters);
+    ((watched, Box::new(adapter)), line)
+}
+
+fn over(lines: Vec<(WatchedBus, Box<dyn Adapter>)>) -> Sweeper {
+    let (sweeper, missing) = Sweeper::over(lines);
+    assert!(missing.is_empty(), "{missing:?}");
+    sweeper
 }
 
 fn watched(path: &str, boards: &[u8], converters: &[u8]) -> WatchedBus {
@@ -76,57 +82,82 @@ fn watched(path: &str, boards: &[u8], converters: &[u8]) -> WatchedBus {
 
 #[test]
 fn a_chip_left_driving_is_found_named_and_switched_off() {
-    let mut sweeper = Sweeper::over(vec![bus(&[0x40], &[]).0]);
-    let found = sweeper.look();
+    let mut sweeper = over(vec![bus(&[0x40], &[]).0]);
+    let found = sweeper.look(PATIENCE);
     assert!(found[0].was_driving());
     assert_eq!(
         found[0].to_string(),
         "/dev/emulated 0x40: was driving channels 3,5"
     );
-    sweeper.off().unwrap();
-    let after = sweeper.look();
+    sweeper.off(PATIENCE);
+    let after = sweeper.look(PATIENCE);
     assert_eq!(after[0].to_string(), "/dev/emulated 0x40: was off");
 }
 
 #[test]
+fn a_chip_is_switched_off_before_it_is_looked_at_and_what_it_drove_is_known_once() {
+    let (on, line) = bus(&[0x40], &[]);
+    let mut sweeper = over(vec![on]);
+    let (found, wrong) = sweeper.off(PATIENCE);
+    assert_eq!(
+        (found[0].to_string(), wrong),
+        (
+            "/dev/emulated 0x40: was driving channels 3,5".into(),
+            vec![]
+        )
+    );
+    let line = std::mem::take(&mut *line.lock().unwrap());
+    let first_off = line.iter().position(|(_, write)| write == &[0xFD, 0x10]);
+    let is_read = |(_, write): &(u8, Vec<u8>)| write.len() == 1;
+    assert!(first_off < line.iter().position(is_read), "{line:x?}");
+    let (found, _) = sweeper.off(PATIENCE);
+    assert_eq!(found[0].to_string(), "/dev/emulated 0x40: was off");
+}
+
+#[test]
 fn a_board_that_does_not_answer_is_not_known_to_be_off_and_keeps_no_other_on() {
-    let mut sweeper = Sweeper::over(vec![bus(&[0x40, 0x41], &[]).0]);
-    let error = sweeper.off().unwrap_err();
-    assert!(error.contains("0x41") && error.contains("ENXIO"), "{error}");
-    let after = sweeper.look();
-    assert!(!after[0].was_driving() && after[1].seen.is_err());
+    let mut sweeper = over(vec![bus(&[0x40, 0x41], &[]).0]);
+    let (found, wrong) = sweeper.off(PATIENCE);
+    assert!(
+        wrong[0].contains("0x41") && wrong[0].contains("ENXIO"),
+        "{wrong:?}"
+    );
+    assert!(found[0].was_driving() && found[1].seen.is_err());
+    let after = sweeper.look(PATIENCE);
+    assert!(after[0].seen.as_ref().unwrap().driving() == 0);
 }
 
 #[test]
 fn a_stuck_bus_keeps_no_other_bus_on() {
     let ((first, hold), (second, _)) = (bus(&[0x40], &[]), bus(&[0x40], &[]));
-    let mut sweeper = Sweeper::over(vec![first, second]);
+    let mut sweeper = over(vec![first, second]);
     let held = hold.lock().unwrap();
-    sweeper.off().unwrap_err();
+    let (found, wrong) = sweeper.off(PATIENCE);
+    assert!(found[0].seen.is_err() && found[1].was_driving());
+    assert_eq!(
+        wrong,
+        ["/dev/emulated, the adapter has not answered yet"],
+        "the other one is off"
+    );
     drop(held);
-    let mut driving = [true; 2];
-    // The stuck bus answers again once its thread has got on.
-    while let [a, b] = &sweeper.look()[..] {
-        driving = [a, b].map(|board| board.was_driving());
-        if a.seen.is_ok() {
-            break;
-        }
-    }
-    assert!(!driving[1], "the bus that was free");
-    sweeper.off().unwrap();
+    // What was ordered is carried out once the bus is free.
+    let (_, wrong) = sweeper.off(Duration::from_secs(5));
+    assert!(wrong.is_empty(), "{wrong:?}");
 }
 
 #[test]
 fn a_current_left_set_goes_to_zero_after_every_output_and_is_read_back() {
     let (on, line) = bus(&[0x40], &[0x48]);
-    let mut sweeper = Sweeper::over(vec![on]);
-    sweeper.off().unwrap();
+    let mut sweeper = over(vec![on]);
+    assert!(sweeper.off(PATIENCE).1.is_empty());
     let line = std::mem::take(&mut *line.lock().unwrap());
-    let written = |address| line.iter().rposition(|(a, w)| *a == address && w.len() > 1);
+    let off = line
+        .iter()
+        .rposition(|(a, w)| *a == 0x40 && w == &[0xFD, 0x10]);
     let zeroed = line
         .iter()
         .position(|sent| *sent == (0x48, vec![0x3F, 0, 0]));
-    assert!(written(0x40) < zeroed && zeroed.is_some(), "{line:x?}");
+    assert!(off < zeroed && zeroed.is_some(), "{line:x?}");
     // Each of the eight codes is read after that.
     let read = |channel: u8| {
         line.iter()
@@ -137,10 +168,11 @@ fn a_current_left_set_goes_to_zero_after_every_output_and_is_read_back() {
 
 #[test]
 fn a_converter_that_does_not_answer_is_not_known_to_be_at_zero_and_keeps_no_board_on() {
-    let mut sweeper = Sweeper::over(vec![bus(&[0x40], &[0x49]).0]);
-    let error = sweeper.off().unwrap_err();
-    assert!(error.contains("0x49"), "{error}");
-    assert!(!sweeper.look()[0].was_driving());
+    let mut sweeper = over(vec![bus(&[0x40], &[0x49]).0]);
+    let (_, wrong) = sweeper.off(PATIENCE);
+    assert!(wrong[0].contains("0x49"), "{wrong:?}");
+    let after = sweeper.look(PATIENCE);
+    assert!(after[0].seen.as_ref().unwrap().driving() == 0);
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! What can go wrong in an I2C transfer on Linux, told apart by errno
 //! (Documentation/i2c/fault-codes.rst, and what drivers do beside it).
 
+use std::fmt;
+
 use embedded_hal::i2c::{Error as I2cError, ErrorKind, NoAcknowledgeSource};
 use nix::errno::Errno;
 
@@ -49,7 +51,7 @@ impl From<Errno> for FaultKind {
 
 /// A transfer that failed: on which bus, with which chip, why.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{bus}, address {address:#04x}: {}", self.words())]
+#[error("{bus}, address {address:#04x}: {}", self.kind.words(*address))]
 pub struct Fault {
     /// The device node.
     pub bus: String,
@@ -59,45 +61,63 @@ pub struct Fault {
     pub kind: FaultKind,
 }
 
-impl Fault {
-    fn words(&self) -> String {
-        match self.kind {
+/// The words of a [`FaultKind`] about a chip, written without memory of their own.
+pub struct FaultWords(FaultKind, u8);
+
+impl FaultKind {
+    /// What happened to a transfer with the chip of this address, and what to do about it.
+    pub const fn words(self, address: u8) -> FaultWords {
+        FaultWords(self, address)
+    }
+}
+
+impl fmt::Display for FaultWords {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(match self.0 {
             FaultKind::NoAddress => {
-                "no chip answers (ENXIO); check wiring, power and address straps".into()
+                "no chip answers (ENXIO); check wiring, power and address straps"
             }
             FaultKind::Refused => {
-                "the transfer was not acknowledged (EREMOTEIO); check wiring and power".into()
+                "the transfer was not acknowledged (EREMOTEIO); check wiring and power"
             }
-            FaultKind::ArbitrationLost => "another master took the bus (EAGAIN)".into(),
-            FaultKind::Busy => format!(
-                "busy (EBUSY); a kernel driver may hold the address: see /sys/bus/i2c/devices/*-00{:02x}/driver",
-                self.address
-            ),
+            FaultKind::ArbitrationLost => "another master took the bus (EAGAIN)",
+            FaultKind::Busy => {
+                return write!(
+                    out,
+                    "busy (EBUSY); a kernel driver may hold the address: see /sys/bus/i2c/devices/*-00{:02x}/driver",
+                    self.1
+                );
+            }
             FaultKind::TimedOut => {
                 "the adapter gave up (ETIMEDOUT); is SDA or SCL held low, are the pull-ups there?"
-                    .into()
             }
-            FaultKind::Disturbed => "the transfer failed (EIO); check wiring and supply".into(),
-            FaultKind::Gone => "the adapter is gone; plug it in again".into(),
+            FaultKind::Disturbed => "the transfer failed (EIO); check wiring and supply",
+            FaultKind::Gone => "the adapter is gone; plug it in again",
             FaultKind::Unsupported => {
-                "the adapter cannot do this transfer; `i2cdetect -F` shows what it can".into()
+                "the adapter cannot do this transfer; `i2cdetect -F` shows what it can"
             }
-            FaultKind::Stuck => "no answer from the adapter in time".into(),
-            FaultKind::Other(errno) => format!("{} ({errno:?})", errno.desc()),
+            FaultKind::Stuck => "no answer from the adapter in time",
+            FaultKind::Other(errno) => return write!(out, "{} ({errno:?})", errno.desc()),
+        })
+    }
+}
+
+impl I2cError for FaultKind {
+    /// Only what may pass by itself is of a kind that the driver tries again at once.
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::NoAddress => ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address),
+            Self::Refused => ErrorKind::NoAcknowledge(NoAcknowledgeSource::Unknown),
+            Self::ArbitrationLost => ErrorKind::ArbitrationLoss,
+            Self::Busy | Self::Disturbed => ErrorKind::Bus,
+            _ => ErrorKind::Other,
         }
     }
 }
 
 impl I2cError for Fault {
-    /// Only what may pass by itself is of a kind that the driver tries again at once.
     fn kind(&self) -> ErrorKind {
-        match self.kind {
-            FaultKind::NoAddress => ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address),
-            FaultKind::Refused => ErrorKind::NoAcknowledge(NoAcknowledgeSource::Unknown),
-            FaultKind::ArbitrationLost => ErrorKind::ArbitrationLoss,
-            FaultKind::Busy | FaultKind::Disturbed => ErrorKind::Bus,
-            _ => ErrorKind::Other,
-        }
+        self.kind.kind()
     }
 }
 

@@ -5,11 +5,13 @@
 //! face that waits in it ([`Blocking`]) for the core's driver, which knows no executor.
 
 mod adapter;
+mod direct;
 mod fault;
 mod shared;
 
 pub use adapter::{AdapterError, LinuxAdapter, number};
-pub use fault::{Fault, FaultKind};
+pub use direct::Direct;
+pub use fault::{Fault, FaultKind, FaultWords};
 pub use shared::SharedLine;
 
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -39,10 +41,24 @@ pub trait Adapter: Send {
     fn rest(&mut self) {}
 }
 
+impl Adapter for Box<dyn Adapter> {
+    fn name(&self) -> String {
+        (**self).name()
+    }
+
+    fn transfer(&mut self, address: u8, write: &[u8], read: &mut [u8]) -> Result<(), FaultKind> {
+        (**self).transfer(address, write, read)
+    }
+
+    fn rest(&mut self) {
+        (**self).rest();
+    }
+}
+
 /// How often a waiting loop says that it is alive.
 const BEAT: Duration = Duration::from_millis(10);
 /// How often an adapter that has nothing to do is looked at.
-const REST: Duration = Duration::from_millis(100);
+pub(crate) const REST: Duration = Duration::from_millis(100);
 
 /// What came of a transaction: the bytes read.
 type Answer = Result<Vec<u8>, FaultKind>;

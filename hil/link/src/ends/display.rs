@@ -51,8 +51,8 @@ pub fn run(args: &DisplayArgs) -> Result<(), Failure> {
     real::dies_at_once();
     let realtime = bench.real.as_ref().and_then(|real| real.realtime);
     match UnitPlace::of(&setup.bench)? {
-        None => feel(args, &setup, realtime, |setup, projector, _| {
-            Ok((real::open_outputs(setup, projector)?, Policy::REAL))
+        None => feel(args, &setup, realtime, |setup, projector, clock| {
+            Ok((real::open_outputs(setup, projector, clock)?, Policy::REAL))
         }),
         Some(place) => {
             let (setup, notes) = real::met(&setup, &place)?;

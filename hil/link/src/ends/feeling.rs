@@ -4,7 +4,7 @@
 use std::sync::mpsc::SyncSender;
 use std::time::Duration as Wait;
 
-use palpate_buses::pacer::RunClock;
+use palpate_buses::pacer::{RunClock, Watch};
 use palpate_buses::signals::Signals;
 use palpate_core::projector::Projector;
 use palpate_core::skin::ModuleScan;
@@ -140,9 +140,14 @@ impl<'a, D: Watched> Feeling<'a, D> {
             .args
             .seconds
             .map(|s| Instant::from_micros((s * 1e6) as u64));
-        let mut stopped = None;
+        let (mut stopped, mut watch) = (None, Watch::new());
         loop {
             let now = clock.now();
+            if let Some(unseen) = watch.look(now) {
+                let cause = unseen.to_string();
+                self.session.unseen(now, unseen.uncounted(), &cause);
+                break;
+            }
             if let Err(failure) = self.session.display().beat(now) {
                 self.session.set_failure(failure);
                 break;

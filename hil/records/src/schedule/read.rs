@@ -67,13 +67,14 @@ struct Line {
 }
 
 /// Every cause that is written into a schedule.
-const CAUSES: [&str; 6] = [
+const CAUSES: [&str; 7] = [
     "start",
     "stale-input",
     "actuator-error",
     "sensor-error",
     "late-tick",
     "end",
+    "overrun",
 ];
 
 /// A line that is no JSON, or not what is wanted, with what the parser says of it.

@@ -140,6 +140,8 @@ pub fn answer(
             None
         }
     };
+    // There is no board that could refuse it.
+    update.iter().for_each(|update| guard.confirm(update, at));
     let took = clock().wrapping_sub(began);
     let mut out = Out(out, 0);
     out.put(&[guard.latched().map_or(u8::MAX, |c| c as u8)]);

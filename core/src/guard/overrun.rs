@@ -1,0 +1,166 @@
+//! A channel that was told to go off counts as on until its driver says that it is off: what flows in it meanwhile is
+//! booked, and a wire that is on for too long is an overrun.
+
+use crate::units::{Duration, Instant};
+
+use super::{Guard, Guarded, Running};
+
+/// Wires that were on for longer than [`Guard::longest`]. Their limits were passed: what flowed, flowed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Overrun {
+    /// The wire that was on for longest.
+    pub wire: u16,
+    /// How long: from the beginning of its burst until it was known to be off, or as long as it is on so far.
+    pub on: Duration,
+    /// The most electrical energy that was booked for such a burst, nJ.
+    pub energy_nj: u64,
+}
+
+/// A channel that was told to go off and is not known to be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ending {
+    /// What it did; its end is how far it is booked.
+    was: Running,
+    /// The beginning of its burst.
+    since: Instant,
+}
+
+impl Guard {
+    /// How long a wire may be on, from the beginning of its burst until it is known to be off: a burst, and what a channel
+    /// may be on beyond its stimulus, [`Self::surplus`]. Within that nothing tells a burst that kept its limit from one
+    /// that passed it.
+    pub fn longest(&self) -> Duration {
+        self.limits.burst + self.plant.surplus()
+    }
+
+    /// Wires that were on for too long, if any was since the guard was made.
+    pub const fn overrun(&self) -> Option<Overrun> {
+        self.overrun
+    }
+
+    /// Whether one was found that no latch has followed: the outputs are to be switched off for
+    /// [`Cause::Overrun`](super::Cause::Overrun).
+    pub const fn overran(&self) -> bool {
+        self.overran
+    }
+
+    /// A driver has put an update on the outputs, where it is known to stand since `at`: every current in it was set and
+    /// has read back, and what it switched off is off.
+    pub fn confirm(&mut self, update: &Guarded, at: Instant) {
+        for index in 0..self.wires.len() {
+            let (board, channel) = self.wires[index].place;
+            let changed = update.channels.get(usize::from(channel));
+            if board == update.board && changed.is_some_and(Option::is_some) {
+                self.end(index, at);
+            }
+        }
+        self.confirm_currents(update.board, |channel| update.current(channel));
+    }
+
+    /// Everything is told to go off at `at`, and counts as on until [`Self::all_off`]. No current is confirmed any more.
+    pub fn ask_off(&mut self, at: Instant) {
+        for index in 0..self.wires.len() {
+            if let Some(was) = self.wires[index].now.take() {
+                self.told_off(index, was, at);
+            }
+        }
+        self.forget_currents();
+    }
+
+    /// Everything is known to be off since `at`: by an all-off of the driver, or because its outputs are cut.
+    pub fn all_off(&mut self, at: Instant) {
+        self.ask_off(at);
+        for index in 0..self.wires.len() {
+            self.end(index, at);
+        }
+    }
+
+    /// What is not known to be off was on until `at`, and may still be.
+    pub fn still_on(&mut self, at: Instant) {
+        for index in 0..self.wires.len() {
+            if let Some(mut ending) = self.wires[index].ending {
+                self.flowed(index, &ending, at);
+                ending.was.until = ending.was.until.max(at - self.plant.switching());
+                self.wires[index].ending = Some(ending);
+            }
+        }
+    }
+
+    /// A channel is told to go off at `at`.
+    pub(super) fn told_off(&mut self, index: usize, was: Running, at: Instant) {
+        self.book_late(index, &was, at);
+        if self.looks_on {
+            return; // emulated registers take it at once
+        }
+        let wire = &mut self.wires[index];
+        let begun = wire.burst.map_or(was.since, |burst| burst.start);
+        let until = was.until.max(at);
+        let mut ending = Ending {
+            was: Running { until, ..was },
+            since: begun.min(was.since),
+        };
+        if let Some(earlier) = wire.ending {
+            // What never took the one before may do the wider of both ever since.
+            let wider = was.setting.width() > earlier.was.setting.width();
+            let setting = if wider {
+                was.setting
+            } else {
+                earlier.was.setting
+            };
+            ending.was = Running {
+                setting,
+                ..earlier.was
+            };
+            ending.since = ending.since.min(earlier.since);
+        }
+        wire.ending = Some(ending);
+    }
+
+    /// A channel that was told to go off is known to be since `at`.
+    fn end(&mut self, index: usize, at: Instant) {
+        if let Some(ending) = self.wires[index].ending.take() {
+            self.flowed(index, &ending, at);
+        }
+    }
+
+    /// Books what a channel that was told to go off got until `at`; the bus's own time is booked already.
+    fn flowed(&mut self, index: usize, ending: &Ending, at: Instant) {
+        self.book_late(index, &ending.was, at - self.plant.switching());
+        self.weigh(index, ending.since, at);
+    }
+
+    /// The watchdog's look at wires that are not known to be off. Whether one has been on for too long.
+    pub(super) fn is_overdue(&mut self, now: Instant) -> bool {
+        let mut overdue = false;
+        for index in 0..self.wires.len() {
+            if let Some(ending) = self.wires[index].ending {
+                overdue |= self.weigh(index, ending.since, now);
+            }
+        }
+        overdue
+    }
+
+    /// Whether a wire that was on between two times was so for too long; that is kept.
+    fn weigh(&mut self, index: usize, since: Instant, until: Instant) -> bool {
+        let on = until.since(since);
+        if on <= self.longest() {
+            return false;
+        }
+        self.overran = true;
+        let spent_nj = self.wires[index].burst.map_or(0, |burst| burst.spent_nj);
+        let worst = self.overrun.get_or_insert(Overrun {
+            wire: index as u16, // a display has at most 256 wires
+            on,
+            energy_nj: spent_nj,
+        });
+        worst.energy_nj = worst.energy_nj.max(spent_nj);
+        if on > worst.on {
+            (worst.wire, worst.on) = (index as u16, on);
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+#[path = "overrun_tests.rs"]
+mod tests;

@@ -1,0 +1,107 @@
+//! Everything off: asked for, known, and the way back.
+
+use crate::driver::Actuators;
+use crate::units::{Board, Duration, Instant};
+
+use super::outlet::{Guards, Outlet};
+use super::{Cause, Observer, Output};
+
+impl Output {
+    /// The way back from a stop: nothing is driven after [`Self::all_off`], whatever its cause, until this has been
+    /// called once the cause is gone. The source is alive, the calls were on time, and all outputs take an all-off.
+    ///
+    /// # Errors
+    /// What is still wrong; everything stays off. [`Cause::Overrun`] says that this all-off came too late.
+    pub fn reset<A: Actuators>(
+        &mut self,
+        now: Instant,
+        actuators: &mut A,
+        observer: &mut impl Observer,
+    ) -> Result<(), Cause> {
+        // The outputs last: while another cause stands there is no need to trouble their bus.
+        self.guard.ready(now)?;
+        actuators.all_off().map_err(|_| Cause::ActuatorError)?;
+        if self.settle(actuators.confirmed(now), observer) {
+            return Err(Cause::Overrun);
+        }
+        self.guard.reset(now)
+    }
+
+    /// Everything off, now, and kept off until [`Self::reset`]. What could not be switched off counts as on until
+    /// [`Self::settle`] or an all-off that succeeds.
+    ///
+    /// # Errors
+    /// The first board that did not answer.
+    pub fn all_off<A: Actuators>(
+        &mut self,
+        now: Instant,
+        cause: Cause,
+        actuators: &mut A,
+        observer: &mut impl Observer,
+    ) -> Result<(), A::Error> {
+        self.stop(now, cause, &mut Guards(actuators), observer)
+    }
+
+    pub(super) fn stop<O: Outlet>(
+        &mut self,
+        now: Instant,
+        cause: Cause,
+        outlet: &mut O,
+        observer: &mut impl Observer,
+    ) -> Result<(), O::Error> {
+        self.guard.ask_off(now);
+        let off = outlet.all_off();
+        self.guard.latch(cause);
+        match off {
+            Ok(()) => {
+                let at = outlet.confirmed(now);
+                self.settle(at, observer);
+                self.off(at, cause, observer);
+            }
+            Err(_) => {
+                self.unsettled.get_or_insert(cause);
+            }
+        }
+        off
+    }
+
+    /// Everything is known to be off since `at` by another way than the driver's: its outputs are cut, or its boards were
+    /// started anew. Does nothing where all is known to be off. Whether a wire was on for too long meanwhile.
+    pub fn settle(&mut self, at: Instant, observer: &mut impl Observer) -> bool {
+        let cause = self.unsettled.take();
+        cause.is_some_and(|cause| self.off(at, cause, observer))
+    }
+
+    /// What is on at `now` was on for `span` longer than the clock says: the machine slept. It counts as on until it is known
+    /// to be off.
+    pub fn slept(&mut self, now: Instant, span: Duration) {
+        self.guard.ask_off(now);
+        self.guard.still_on(now + span);
+    }
+
+    /// What is not known to be off was on until `at`, and may still be.
+    pub fn still_on(&mut self, at: Instant) {
+        self.guard.still_on(at);
+    }
+
+    /// Everything is off since `at`. Whether that was too late.
+    fn off(&mut self, at: Instant, cause: Cause, observer: &mut impl Observer) -> bool {
+        self.guard.all_off(at);
+        let overran = self.guard.overran();
+        let cause = match overran {
+            true => cause.followed_by(Cause::Overrun),
+            false => cause,
+        };
+        if overran {
+            self.guard.latch(Cause::Overrun);
+        }
+        for board in 0..=self.boards {
+            observer.all_off(at, Board(board), cause);
+        }
+        overran
+    }
+}
+
+#[cfg(test)]
+#[path = "stop_tests.rs"]
+mod tests;

@@ -1,0 +1,499 @@
+//! The guardian's decisions, without a clock, a device, a file or memory: what happens goes in with its time, what is
+//! to be done about it goes out through a [`Post`].
+//!
+//! Two rules hold for every order of events. Outputs come first: an order to switch off waits for no latch, no word and no
+//! other bus. And a bus counts as off only once it has answered so to an order that was given after the last moment at which
+//! the run could still have driven it.
+
+use std::fmt;
+
+use arrayvec::{ArrayString, ArrayVec};
+use palpate_core::units::{Duration, Instant};
+
+use crate::pacer::{ASLEEP, UNSEEN};
+
+/// Most adapters of a bench.
+pub(super) const BUSES: usize = 16;
+/// An awake guardian looks this often whether the run is silent.
+const SLICE: Duration = Duration::from_millis(5);
+/// A guardian that waits for nothing looks this often whether it is asked to end.
+const IDLE: Duration = Duration::from_millis(20);
+/// Between two tries of a bus that did not answer.
+const RETRY: Duration = Duration::from_millis(10);
+/// Between two orders to a bus that a run which should drive nothing may still reach.
+const AGAIN: Duration = Duration::from_millis(30);
+/// A run whose end of the pair closed, or that was told to end, has this long for it; one that was killed to be gone.
+const GRACE: Duration = Duration::from_millis(500);
+
+/// A cause in words, at most as long as a latch keeps.
+pub(super) type Text = ArrayString<640>;
+
+/// Why a guardian acts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[expect(clippy::large_enum_variant, reason = "a box would need memory")]
+pub(super) enum Cause {
+    /// The run's end closed without a good-bye.
+    Died,
+    /// No heartbeat came for this long.
+    Hung(Duration),
+    /// The run asked for it, and says why.
+    Asked(Text),
+    /// A signal or another program ended the guardian.
+    Ended,
+    /// Neither this process nor, likely, the run got to act for so long.
+    Stood(Duration),
+    /// The machine slept for so long.
+    Slept(Duration),
+    /// The line that cuts all outputs cannot be set.
+    Line,
+}
+
+impl Cause {
+    /// A cause in the run's words, cut where they are too many.
+    pub(super) fn asked(words: &str) -> Self {
+        let mut text = Text::new();
+        let _fits = words.chars().all(|letter| text.try_push(letter).is_ok());
+        Self::Asked(text)
+    }
+
+    /// Whether the run has promised to drive nothing any more.
+    const fn is_promised(&self) -> bool {
+        matches!(self, Self::Asked(_))
+    }
+
+    /// Whether the run is to be told, since it lives and may not know.
+    const fn is_news(&self) -> bool {
+        matches!(self, Self::Stood(_) | Self::Slept(_) | Self::Line)
+    }
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ms = |span: &Duration| span.as_micros() / 1000;
+        match self {
+            Self::Died => out.write_str("the run died without a word"),
+            Self::Hung(silence) => {
+                write!(out, "the run hung: no heartbeat for {} ms", ms(silence))
+            }
+            Self::Asked(cause) => out.write_str(cause),
+            Self::Ended => out.write_str("switched off by `hil off` or a SIGTERM to the guardian"),
+            Self::Stood(span) => write!(
+                out,
+                "unseen time: this computer let the guardian stand still for {} ms (a debugger, a frozen container, too much load), and outputs may have been on meanwhile",
+                ms(span)
+            ),
+            Self::Slept(span) => write!(
+                out,
+                "unseen time: this computer was suspended for {} ms, and outputs may have been on meanwhile",
+                ms(span)
+            ),
+            Self::Line => out.write_str("the OE line cannot be set"),
+        }
+    }
+}
+
+/// What comes to a guardian.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Event<'a> {
+    /// Time has passed, and nothing else.
+    Time,
+    /// The run is alive.
+    Beat,
+    /// The run's boards are set up: the OE line may be released.
+    Release,
+    /// The OE line is to cut.
+    Cut,
+    /// Everything is to go off and stay off; the run lives on.
+    Stop(&'a str),
+    /// A part of the outputs is off and stays off; the others go on.
+    Latch(&'a str),
+    /// Everything is off, the run ends.
+    Bye,
+    /// The run cannot switch off any more, and ends.
+    Trip(&'a str),
+    /// Something that is no word.
+    Noise,
+    /// The run's end of the pair has closed.
+    Closed,
+    /// The run's process is gone.
+    Gone,
+    /// A bus has carried out an order: everything on it is off and reads back so, or that is not known.
+    Swept {
+        /// Which one.
+        bus: usize,
+        /// Whether everything on it is known to be off.
+        off: bool,
+    },
+    /// Another program or a signal wants everything off.
+    Ended,
+}
+
+/// A guardian's answer to its run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Answer {
+    Beat,
+    /// Everything is known to be off.
+    Off,
+    NotOff,
+    /// It has switched everything off by itself: the run is to end.
+    Halt,
+}
+
+/// What people are told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum News {
+    /// Everything is off, so long after the cause was known.
+    Off(Duration),
+    /// Not everything is known to be off; the guardian tries on.
+    Trying,
+    /// The run was killed and is still there.
+    Stays,
+}
+
+/// The hands of a guardian. None of them waits.
+pub(super) trait Post {
+    /// Cuts the OE line, or releases it; whether that could be done. Without a line there is nothing to do.
+    fn cut(&mut self, cut: bool) -> bool;
+    /// Orders everything on a bus off and read back; its answer comes as [`Event::Swept`].
+    fn off(&mut self, bus: usize);
+    /// Ends the run by force.
+    fn kill(&mut self);
+    /// Has a stop latched.
+    fn latch(&mut self, cause: &Cause, verified: bool);
+    /// Has people told.
+    fn tell(&mut self, cause: &Cause, news: News);
+    /// Answers the run.
+    fn answer(&mut self, answer: Answer, cause: Option<&Cause>);
+}
+
+/// The time of an event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Now {
+    /// On the guardian's clock, which stands still while the machine sleeps.
+    pub(super) at: Instant,
+    /// How long the machine has slept since that clock began.
+    pub(super) asleep: Duration,
+}
+
+/// A bus as the guardian knows it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Bus {
+    ordered: bool,
+    /// That order is too early to say what has to be known.
+    again: bool,
+    /// Everything on it is off, by an order that was not too early.
+    off: bool,
+    /// When it is asked next.
+    next: Option<Instant>,
+}
+
+/// What the run is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Run {
+    Alive,
+    Leaving,
+    /// It has said that it cannot switch off, and waits for nothing but the answer.
+    Tripped,
+    Closed,
+    Gone,
+}
+
+/// A guardian between two events.
+#[derive(Debug)]
+pub(super) struct Decider {
+    heartbeat: Duration,
+    buses: ArrayVec<Bus, BUSES>,
+    run: Run,
+    /// Since the last heartbeat, as far as the guardian got to look; none before the first.
+    silence: Option<Duration>,
+    looked: Option<Now>,
+    cause: Option<Cause>,
+    /// When the cause became known.
+    since: Instant,
+    /// When the run is ended by force, and whether that has been tried.
+    kill: Option<Instant>,
+    killed: bool,
+    stays: bool,
+    cut: bool,
+    /// What people and latch know.
+    told: Option<News>,
+    verified: bool,
+    end: Option<u8>,
+}
+
+impl Decider {
+    /// A guardian over so many buses, which are off, that waits so long for a heartbeat.
+    pub(super) fn new(buses: usize, heartbeat: Duration) -> Self {
+        Self {
+            heartbeat,
+            buses: (0..buses.min(BUSES)).map(|_| Bus::default()).collect(),
+            run: Run::Alive,
+            silence: None,
+            looked: None,
+            cause: None,
+            since: Instant::ZERO,
+            kill: None,
+            killed: false,
+            stays: false,
+            cut: true,
+            told: None,
+            verified: false,
+            end: None,
+        }
+    }
+
+    /// The exit status, once nothing is left to do: 0 after a good-bye, 4 after acting.
+    pub(super) const fn end(&self) -> Option<u8> {
+        self.end
+    }
+
+    /// When [`Self::step`] has to be called at the latest, whatever comes.
+    pub(super) fn next(&self) -> Instant {
+        let now = self.looked.map_or(Instant::ZERO, |looked| looked.at);
+        let silent = self.silence.map(|silence| {
+            let left = self
+                .heartbeat
+                .as_micros()
+                .saturating_sub(silence.as_micros());
+            now + Duration::from_micros(left + 1).min(SLICE)
+        });
+        let ordered = self.buses.iter().any(|bus| bus.ordered);
+        let idle = now + if ordered { SLICE } else { IDLE };
+        let retries = self.buses.iter().filter_map(|bus| bus.next);
+        let all = retries.chain(silent).chain(self.kill);
+        all.fold(idle, Instant::min)
+    }
+
+    /// Takes one event and does what it makes due.
+    pub(super) fn step(&mut self, now: Now, event: Event<'_>, post: &mut impl Post) {
+        self.look(now, event == Event::Beat, post);
+        match event {
+            Event::Time => {}
+            Event::Beat => {
+                self.silence = Some(Duration::ZERO);
+                post.answer(Answer::Beat, None);
+            }
+            Event::Release if self.cause.is_none() => self.set_line(now, false, post),
+            Event::Release => {}
+            Event::Cut => self.set_line(now, true, post),
+            Event::Stop(cause) => self.act(now, Cause::asked(cause), post),
+            Event::Latch(cause) => post.latch(&Cause::asked(cause), false),
+            Event::Bye => {
+                self.part(Run::Leaving);
+                self.set_line(now, true, post);
+                self.order_all(post);
+            }
+            Event::Trip(cause) => {
+                self.part(Run::Tripped);
+                self.act(now, Cause::asked(cause), post);
+            }
+            Event::Noise => {
+                self.part(Run::Tripped);
+                self.act(now, Cause::asked("the run sent what is no word"), post);
+            }
+            Event::Closed => self.close(now, post),
+            Event::Gone if matches!(self.run, Run::Alive | Run::Closed) => {
+                self.run = Run::Gone;
+                (self.silence, self.kill) = (None, None);
+                self.act(now, Cause::Died, post);
+            }
+            // It has said before that it drives nothing any more.
+            Event::Gone => {}
+            Event::Swept { bus, off } => self.swept(now, bus, off, post),
+            Event::Ended => {
+                self.act(now, Cause::Ended, post);
+                self.kill.get_or_insert(now.at);
+            }
+        }
+        self.go_on(now, post);
+        self.conclude(now, post);
+    }
+
+    /// Judges the time since the last look: a run that is silent, and time that nobody saw.
+    fn look(&mut self, now: Now, is_beat: bool, post: &mut impl Post) {
+        let Some(before) = self.looked.replace(now) else {
+            return;
+        };
+        let passed = now.at.since(before.at);
+        let slept = Duration::from_micros(
+            now.asleep
+                .as_micros()
+                .saturating_sub(before.asleep.as_micros()),
+        );
+        let Some(silence) = self.silence else {
+            return;
+        };
+        if slept > ASLEEP {
+            self.act(now, Cause::Slept(slept), post);
+        } else if passed > UNSEEN {
+            self.act(now, Cause::Stood(passed), post);
+        }
+        // Where the guardian did not get to run the run did not either, and gets its turn before it is judged.
+        let silence = silence + passed.min(SLICE + SLICE);
+        self.silence = Some(silence);
+        // One that was told of unseen time has its outputs off by then, and ends by itself.
+        let is_told = self.cause.as_ref().is_some_and(Cause::is_news);
+        let limit = if is_told { GRACE } else { self.heartbeat };
+        if silence > limit && !is_beat {
+            self.silence = None;
+            self.act(now, Cause::Hung(silence), post);
+            self.kill.get_or_insert(now.at);
+        }
+    }
+
+    /// The run waits for an answer from now on, however long its buses take, and has no heartbeat.
+    const fn part(&mut self, how: Run) {
+        (self.run, self.silence) = (how, None);
+    }
+
+    fn set_line(&mut self, now: Now, cut: bool, post: &mut impl Post) {
+        self.cut = cut;
+        if !post.cut(cut) && cut {
+            self.act(now, Cause::Line, post);
+        }
+    }
+
+    /// Everything off from now on, for this cause unless there is one already.
+    fn act(&mut self, now: Now, cause: Cause, post: &mut impl Post) {
+        if !self.cut {
+            self.cut = true;
+            let _ = post.cut(true);
+        }
+        // Before anything else, and all at once: a bus that is stuck keeps no other one on.
+        self.order_all(post);
+        if self.cause.is_none() {
+            self.since = now.at;
+            post.latch(&cause, false);
+            if cause.is_news() {
+                post.answer(Answer::Halt, Some(&cause));
+            }
+            self.cause = Some(cause);
+        }
+    }
+
+    /// The run's end of the pair has closed.
+    fn close(&mut self, now: Now, post: &mut impl Post) {
+        self.silence = None;
+        match self.run {
+            Run::Alive => {
+                self.run = Run::Closed;
+                self.act(now, Cause::Died, post);
+                self.kill.get_or_insert(now.at + GRACE);
+            }
+            // It waited for an answer that is not there yet.
+            Run::Leaving | Run::Tripped | Run::Closed | Run::Gone => {}
+        }
+    }
+
+    fn order_all(&mut self, post: &mut impl Post) {
+        for number in 0..self.buses.len() {
+            self.order(number, post);
+        }
+    }
+
+    fn order(&mut self, number: usize, post: &mut impl Post) {
+        if let Some(bus) = self.buses.get_mut(number) {
+            (bus.off, bus.next) = (false, None);
+            if std::mem::replace(&mut bus.ordered, true) {
+                bus.again = true;
+            } else {
+                post.off(number);
+            }
+        }
+    }
+
+    fn swept(&mut self, now: Now, number: usize, off: bool, post: &mut impl Post) {
+        // Whatever the other buses do: this one may be driven again by what the run has on its way.
+        let again = self.may_drive().then_some(now.at + AGAIN);
+        let Some(bus) = self.buses.get_mut(number) else {
+            return;
+        };
+        bus.ordered = false;
+        if std::mem::take(&mut bus.again) {
+            self.order(number, post);
+        } else if off {
+            (bus.off, bus.next) = (true, again);
+        } else {
+            bus.next = Some(now.at + RETRY);
+            self.not_off(now, post);
+        }
+    }
+
+    /// A bus did not answer an order as it should.
+    fn not_off(&mut self, now: Now, post: &mut impl Post) {
+        if self.run == Run::Leaving {
+            post.answer(Answer::NotOff, None);
+            self.run = Run::Tripped;
+            let cause = "at the end of the run not everything was known to be off";
+            self.act(now, Cause::asked(cause), post);
+        }
+        if let Some(cause) = &self.cause
+            && self.told.is_none()
+        {
+            self.told = Some(News::Trying);
+            post.tell(cause, News::Trying);
+        }
+    }
+
+    /// What has become due.
+    fn go_on(&mut self, now: Now, post: &mut impl Post) {
+        if self.kill.is_some_and(|at| at <= now.at) {
+            if self.killed && !std::mem::replace(&mut self.stays, true) {
+                post.tell(&Cause::Died, News::Stays);
+            }
+            self.killed = true;
+            self.kill = Some(now.at + GRACE);
+            post.kill();
+        }
+        for number in 0..self.buses.len() {
+            let next = self.buses.get(number).and_then(|bus| bus.next);
+            if next.is_some_and(|at| at <= now.at) {
+                self.order(number, post);
+            }
+        }
+    }
+
+    /// Whether the run may still reach a bus although everything is to be off.
+    fn may_drive(&self) -> bool {
+        match self.run {
+            Run::Alive => !self.cause.as_ref().is_some_and(Cause::is_promised),
+            Run::Closed => true,
+            Run::Leaving | Run::Tripped | Run::Gone => false,
+        }
+    }
+
+    /// Says what is known by now, and ends where nothing is left to do.
+    fn conclude(&mut self, now: Now, post: &mut impl Post) {
+        if self.run == Run::Alive && self.cause.is_none() || !self.buses.iter().all(|bus| bus.off) {
+            return;
+        }
+        if let Some(cause) = &self.cause {
+            // A run that lives says by itself what has stopped it.
+            let speaks = !cause.is_promised() || self.run == Run::Tripped;
+            if speaks && !matches!(self.told, Some(News::Off(_))) {
+                let news = News::Off(now.at.since(self.since));
+                self.told = Some(news);
+                post.tell(cause, news);
+            }
+            if self.may_drive() {
+                return;
+            }
+            if !std::mem::replace(&mut self.verified, true) {
+                post.latch(cause, true);
+            }
+        }
+        self.end = match self.run {
+            Run::Alive => return,
+            Run::Leaving => Some(0),
+            Run::Tripped | Run::Gone | Run::Closed => Some(4),
+        };
+        post.answer(Answer::Off, None);
+    }
+}
+
+#[cfg(test)]
+#[path = "decide_tests.rs"]
+mod tests;
+#[cfg(test)]
+#[path = "decide_world_tests.rs"]
+mod world_tests;

@@ -1,0 +1,208 @@
+//! What a guardian writes: stops into their records, words to people. Each is done by a thread of its own that is there from
+//! the start, since a disk may hang, and so may a terminal that was stopped or a pipe that is not read.
+
+use std::fmt;
+use std::io;
+use std::os::fd::BorrowedFd;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::Builder;
+use std::time::Duration;
+
+use arrayvec::{ArrayString, ArrayVec};
+use nix::errno::Errno;
+use nix::unistd::write;
+
+use super::decide::Text;
+use super::latch::Armed;
+use crate::pacer::RunClock;
+use crate::sys;
+
+/// What a thread needs that writes a few lines.
+const STACK: usize = 128 * 1024;
+/// What of it is touched beforehand.
+const TOUCHED: usize = 16 * 1024;
+/// Lines that may wait for a terminal.
+const LINES: usize = 16;
+/// Between two tries of a disk that refuses.
+const RETRY: palpate_core::units::Duration = palpate_core::units::Duration::from_millis(50);
+/// Tries of a disk that refuses.
+const TRIES: u32 = 100;
+
+/// A line to people.
+type Line = ArrayString<1024>;
+
+/// A place to leave something for a thread.
+#[derive(Debug, Default)]
+struct Desk<T> {
+    left: Mutex<T>,
+    changed: Condvar,
+}
+
+impl<T> Desk<T> {
+    /// What is left is whole whatever happened to a thread that held it.
+    fn left(&self) -> MutexGuard<'_, T> {
+        self.left.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn leave(&self, leave: impl FnOnce(&mut T)) {
+        leave(&mut self.left());
+        self.changed.notify_all();
+    }
+
+    /// Waits while this is so.
+    fn wait(&self, is_so: impl Fn(&mut T) -> bool) -> MutexGuard<'_, T> {
+        let waited = self.changed.wait_while(self.left(), is_so);
+        waited.unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Words to people, on standard error.
+#[derive(Clone, Debug)]
+pub(super) struct Teller(Arc<Desk<Words>>);
+
+#[derive(Debug, Default)]
+struct Words {
+    lines: ArrayVec<Line, LINES>,
+    /// A line is being written.
+    busy: bool,
+}
+
+impl Teller {
+    /// # Errors
+    /// What the system says where it gives no thread.
+    pub(super) fn start() -> io::Result<Self> {
+        let desk = Arc::new(Desk::<Words>::default());
+        let own = Arc::clone(&desk);
+        let thread = Builder::new().name("words".into()).stack_size(STACK);
+        thread.spawn(move || {
+            sys::touch_stack::<TOUCHED>();
+            loop {
+                let mut words = own.wait(|words| words.lines.is_empty());
+                let line = words.lines.remove(0);
+                words.busy = true;
+                drop(words);
+                put(line.as_bytes());
+                own.leave(|words| words.busy = false);
+            }
+        })?;
+        Ok(Self(desk))
+    }
+
+    /// Leaves a line. What finds no place is lost: the stop's record has its cause.
+    pub(super) fn tell(&self, words: fmt::Arguments<'_>) {
+        let mut line = Line::new();
+        // A line that is too long is cut.
+        let _ = fmt::write(&mut line, format_args!("guardian: {words}"));
+        if line.is_full() {
+            line.pop();
+        }
+        let _ = line.try_push('\n');
+        self.0.leave(|words| {
+            let _ = words.lines.try_push(line);
+        });
+    }
+
+    /// Waits until everything is written, but no longer than this: a terminal that was stopped may stay so.
+    pub(super) fn finish(&self, patience: Duration) {
+        let unwritten = |words: &mut Words| words.busy || !words.lines.is_empty();
+        let _ = self
+            .0
+            .changed
+            .wait_timeout_while(self.0.left(), patience, unwritten);
+    }
+}
+
+/// Writes to standard error, past the lock that another thread may hold.
+#[allow(unsafe_code)]
+fn put(mut bytes: &[u8]) {
+    // SAFETY: standard error stays open as long as the program runs; a number that is none gives an error.
+    let stderr = unsafe { BorrowedFd::borrow_raw(2) };
+    while !bytes.is_empty() {
+        match write(stderr, bytes) {
+            Ok(0) => return,
+            Ok(length) => bytes = bytes.get(length..).unwrap_or_default(),
+            Err(Errno::EINTR) => {}
+            // Nobody reads it.
+            Err(_) => return,
+        }
+    }
+}
+
+/// Stops into the records of all adapters.
+#[derive(Debug)]
+pub(super) struct Latcher(Arc<Desk<Stops>>);
+
+#[derive(Debug, Default)]
+struct Stops {
+    /// The cause, and whether everything is known to be off.
+    stop: Option<(Text, bool)>,
+    /// The records are to be taken away.
+    disarm: bool,
+    busy: bool,
+}
+
+impl Latcher {
+    /// # Errors
+    /// What the system says where it gives no thread.
+    pub(super) fn start(records: Vec<Armed>, teller: Teller) -> io::Result<Self> {
+        let desk = Arc::new(Desk::<Stops>::default());
+        let own = Arc::clone(&desk);
+        let thread = Builder::new().name("latch".into()).stack_size(STACK);
+        let mut records = records;
+        thread.spawn(move || {
+            sys::touch_stack::<TOUCHED>();
+            loop {
+                let mut stops = own.wait(|stops| stops.stop.is_none() && !stops.disarm);
+                let (stop, disarm) = (stops.stop.take(), std::mem::take(&mut stops.disarm));
+                stops.busy = true;
+                drop(stops);
+                if let Some((cause, verified)) = stop {
+                    latch(&mut records, &cause, verified, &teller);
+                }
+                if disarm {
+                    records.iter().for_each(Armed::disarm);
+                }
+                own.leave(|stops| stops.busy = false);
+            }
+        })?;
+        Ok(Self(desk))
+    }
+
+    /// Leaves a stop. The first cause counts, also where the disk has not taken it yet.
+    pub(super) fn latch(&self, cause: Text, verified: bool) {
+        self.0.leave(|stops| {
+            let first = stops.stop.take().map_or(cause, |(first, _)| first);
+            stops.stop = Some((first, verified));
+        });
+    }
+
+    /// Waits until all stops are latched, and takes the records away that no stop needed.
+    pub(super) fn finish(&self) {
+        self.0.leave(|stops| stops.disarm = true);
+        drop(
+            self.0
+                .wait(|stops| stops.busy || stops.disarm || stops.stop.is_some()),
+        );
+    }
+}
+
+/// Latches a stop for all adapters; a disk that refuses is tried again.
+fn latch(records: &mut [Armed], cause: &str, verified: bool, teller: &Teller) {
+    let clock = RunClock::start();
+    for record in records {
+        let mut tries = 0;
+        while let Err(errno) = record.latch(cause, verified) {
+            tries += 1;
+            if tries == 1 {
+                teller.tell(format_args!(
+                    "the stop could not be latched: {}",
+                    errno.desc()
+                ));
+            }
+            if tries == TRIES {
+                break;
+            }
+            clock.sleep_until(clock.now() + RETRY);
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! What may be changed of a bench of hardware beside its file: a limit, towards the safe side, and where its buses are.
+//!
+//! What the file says of hardware is a fact: the guard counts with it. A current that is said to be smaller than it is makes
+//! every limit of heat a larger one.
+
+use super::bench::Bench;
+use super::error::FileError;
+use super::loaded::Loaded;
+use super::overrides::Overrides;
+use super::setup::limits_of;
+use super::source::Source;
+
+/// The way on, after what may be changed of a key.
+const FACT: &str = "nothing beside the file: on hardware it is a fact that the guard counts with; change the bench's own file";
+
+/// Where its hardware is reached, which says nothing of what it is.
+const ADDRESSES: [&str; 2] = ["unit.address", "unit.key"];
+
+impl Loaded<Bench> {
+    /// The bench read again with these changes. Of a bench of hardware they may only tighten a limit.
+    ///
+    /// # Errors
+    /// Names the option and key of what cannot be.
+    pub fn with(self, overrides: &Overrides) -> Result<Self, FileError> {
+        let source = self.source.with(overrides.of_bench());
+        if self.value.is_hardware() {
+            refuse_facts(&source)?;
+        }
+        let value = Bench::read(&source)?;
+        let changed = Self { value, source };
+        check(&self, &changed)?;
+        Ok(changed)
+    }
+}
+
+/// Limits that the command line may tighten.
+const LIMITS: [&str; 5] = [
+    "limits",
+    "drive.supply_limit_ma",
+    "real.heartbeat_ms",
+    "real.transfer_ms",
+    "real.realtime",
+];
+
+/// Refuses every change to a bench of hardware but those of a limit or an address, whatever its value.
+///
+/// # Errors
+/// Names the option and key.
+fn refuse_facts(changed: &Source) -> Result<(), FileError> {
+    let mut keys = changed.changes().iter().map(|change| change.key.as_str());
+    let fact = keys.find(|key| !(LIMITS.contains(key) || ADDRESSES.contains(key)));
+    fact.map_or(Ok(()), |key| Err(changed.bad(key, FACT)))
+}
+
+/// Refuses changes to a bench of hardware, or changes that would make one of an emulated bench, unless they tighten a limit.
+///
+/// # Errors
+/// Names the option and key.
+fn check(before: &Loaded<Bench>, after: &Loaded<Bench>) -> Result<(), FileError> {
+    if !(before.value.is_hardware() || after.value.is_hardware()) {
+        return Ok(());
+    }
+    refuse_facts(&after.source)?;
+    after.source.changes().iter().try_for_each(|change| {
+        tightened(&change.key, before, after)?.map_or(Ok(()), |expected| {
+            Err(after.source.bad(&change.key, expected))
+        })
+    })
+}
+
+/// What was expected of a change to this key, unless it is a limit that became no looser.
+fn tightened(
+    key: &str,
+    before: &Loaded<Bench>,
+    after: &Loaded<Bench>,
+) -> Result<Option<String>, FileError> {
+    let most = |old: f64, new: f64, unit: &str| {
+        let expected = format!("at most {old} {unit}: on hardware a limit can only be tightened");
+        (new > old).then_some(expected)
+    };
+    let (old, new) = (&before.value, &after.value);
+    let real = old.real.as_ref().zip(new.real.as_ref());
+    Ok(match (key, real) {
+        ("limits", _) => {
+            let (old, new) = (limits_of(before)?, limits_of(after)?);
+            let is_tighter = new.value.limits.stricter(&old.value.limits) == new.value.limits;
+            (!is_tighter).then(|| {
+                format!(
+                    "a table that is no looser than `{}` in any row: on hardware a limit can only be tightened",
+                    old.value.name
+                )
+            })
+        }
+        ("drive.supply_limit_ma", _) => {
+            most(old.drive.supply_limit_ma, new.drive.supply_limit_ma, "mA")
+        }
+        ("real.heartbeat_ms", Some((old, new))) => {
+            most(old.heartbeat_ms.into(), new.heartbeat_ms.into(), "ms")
+        }
+        ("real.transfer_ms", Some((old, new))) => {
+            most(old.transfer_ms.into(), new.transfer_ms.into(), "ms")
+        }
+        ("real.realtime", Some((_, new))) => {
+            let insists = "true: on hardware real-time priority can only be insisted on";
+            (new.realtime != Some(true)).then(|| insists.into())
+        }
+        // An address.
+        _ => None,
+    })
+}
+
+#[cfg(test)]
+#[path = "hardware_tests.rs"]
+mod tests;

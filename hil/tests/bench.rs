@@ -1,0 +1,33 @@
+//! The program on a bench of hardware that is not there: a preloaded library gives it adapters with chips, CAN sockets
+//! and clocks, and takes them away. What counts is the record of what the chips were told.
+//!
+//! Where nothing can be preloaded every test says `SKIPPED bench: why` and passes; with `PALPATE_BENCH=required` it fails.
+
+// A failed expectation in a test is its message.
+#![allow(clippy::unwrap_used, clippy::panic)]
+// These tests live in real time.
+#![allow(clippy::disallowed_methods)]
+#![cfg(target_os = "linux")]
+
+#[path = "bench/basics.rs"]
+mod basics;
+#[path = "bench/campaign.rs"]
+mod campaign;
+#[path = "bench/feed.rs"]
+mod feed;
+#[path = "bench/guardian_faults.rs"]
+mod guardian_faults;
+#[path = "bench/lacks.rs"]
+mod lacks;
+#[path = "bench/namespaces.rs"]
+mod namespaces;
+#[path = "bench/off.rs"]
+mod off;
+#[path = "bench/overrun.rs"]
+mod overrun;
+#[path = "bench/rig.rs"]
+mod rig;
+#[path = "bench/run.rs"]
+mod run;
+#[path = "bench/unseen_time.rs"]
+mod unseen_time;
