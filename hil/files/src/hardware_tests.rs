@@ -155,6 +155,13 @@ fn on_hardware_a_limit_is_tightened_and_never_loosened() {
 fn an_emulated_bench_takes_changes_and_becomes_no_hardware_by_them() {
     let emulated = "name = \"e\"\ndescription = \"Emulated\"\n";
     set(emulated, "drive.current_ma", "10.0").unwrap();
+    for key in keys() {
+        for value in ["1", "10.0", "\"x\"", "true", "{}"] {
+            let refused = set(emulated, &key, value).err();
+            let is_fact = refused.as_ref().is_some_and(|e| e.expected == FACT);
+            assert!(!is_fact, "{key} = {value}: {refused:?}");
+        }
+    }
     let mut overrides = Overrides::default();
     overrides.bench("--unit", "unit.address", "\"10.0.0.2\"");
     overrides.bench("--key", "unit.key", "\"unit.key\"");

@@ -43,7 +43,7 @@ pub(super) fn bench_with(
 /// The same, which checks no number of adapters.
 ///
 /// # Errors
-/// An unknown name, a bad file, devices that are named twice, or devices for a bench that is emulated.
+/// An unknown name, a bad file, devices that are named twice, or more of them than the bench has.
 pub fn bench_on(
     name: Option<&str>,
     overrides: &Overrides,
@@ -54,13 +54,24 @@ pub fn bench_on(
     if can.is_empty() && i2c.is_empty() {
         return Ok(bench);
     }
-    if bench.value.real.is_none() {
+    let Some(real) = &bench.value.real else {
         let option = if can.is_empty() { "--i2c" } else { "--can" };
         return Err(Failure::Input(format!(
-            "{option}: expected a bench of kind \"real\", whose addresses it replaces; `{}` is emulated and says nothing of your wires and current. Make one with `{}`, make it true, and name it with --bench",
+            "{option}: expected a bench of kind \"real\", whose addresses it replaces; `{}` names no buses, and says nothing of the wires and current on them. Make one with `{}`, make it true, and name it with --bench",
             bench.value.name,
             new_line(can, i2c)
         )));
+    };
+    for (option, given, own) in [
+        ("--can", can.len(), real.can.len()),
+        ("--i2c", i2c.len(), real.i2c.len()),
+    ] {
+        if given > own {
+            return Err(Failure::Input(format!(
+                "{option}: expected at most {own}, the addresses that bench `{}` has for it to replace, found {given}; name more in the bench's own file",
+                bench.value.name
+            )));
+        }
     }
     on_devices(bench, can, i2c)
 }

@@ -56,15 +56,17 @@ pub fn refuse_slow(real: &Real, guard: &Guard) -> Result<(), Failure> {
     );
     let most = burst.saturating_sub(rest) / 1000;
     let rows = [
-        ("heartbeat_ms", real.heartbeat_ms, "a run that hangs"),
-        ("transfer_ms", real.transfer_ms, "a transfer that hangs"),
+        ("heartbeat_ms", real.heartbeat_ms, 5, "a run that hangs"),
+        ("transfer_ms", real.transfer_ms, 1, "a transfer that hangs"),
     ];
-    let slow = rows
-        .into_iter()
-        .find(|(_, value, _)| u64::from(*value) > most);
-    slow.map_or(Ok(()), |(key, value, what)| {
+    let slow = rows.into_iter().find(|row| u64::from(row.1) > most);
+    slow.map_or(Ok(()), |(key, value, least, what)| {
+        let expected = match most < least {
+            true => format!("no value from {least} fits, raise drive.pwm_hz, which is too low for the burst limit"),
+            false => format!("expected at most {most}"),
+        };
         Err(Failure::Input(format!(
-            "real.{key}: expected at most {most}, found {value}: {what} as a burst begins leaves the wire on for so many ms, and then for {:.1} ms, a PWM period and the bus; a burst may last {} ms (burst.length_ms of the limits)",
+            "real.{key}: {expected}, found {value}: {what} as a burst begins leaves the wire on for so many ms, and then for {:.1} ms, a PWM period and the bus; a burst may last {} ms (burst.length_ms of the limits)",
             ms(rest),
             ms(burst)
         )))
@@ -297,3 +299,7 @@ fn interfaces(real: &Real, layout: &Layout) -> Result<Vec<(String, Vec<u8>)>, Fa
     }
     Ok(interfaces)
 }
+
+#[cfg(test)]
+#[path = "bench_tests.rs"]
+mod tests;

@@ -1,7 +1,7 @@
 //! From what a trial plays to a scene on a bench.
 
 use palpate_core::guard::Earlier;
-use palpate_files::{Bench, BenchKind, FileError, Loaded, Protocol, Scene, Setup, Source};
+use palpate_files::{Bench, BenchKind, FileError, Loaded, Protocol, Real, Scene, Setup, Source};
 use palpate_run::{Failure, fits};
 use palpate_study::Stimulus;
 
@@ -137,12 +137,23 @@ impl Stimuli {
             let place = place.ok_or_else(|| Failure::Input(format!("no condition `{name}`")))?;
             if let Some(scene) = self.protocol.scene(place)? {
                 let overrides = protocol.conditions[place].overrides()?;
-                let changed = self.bench.clone().with(&overrides)?;
+                let label = self.protocol.source.label();
+                let changed = self.bench.clone().with(&overrides);
+                let changed = changed.map_err(|error| FileError {
+                    path: format!("{label}: conditions[{place}].set"),
+                    ..error
+                })?;
                 // Devices that the command line named are not in the file.
+                let named = self.bench.value.real.clone();
+                let real = changed.value.real.clone().zip(named);
                 let bench = Loaded {
                     value: Bench {
                         kind: self.bench.value.kind,
-                        real: self.bench.value.real.clone(),
+                        real: real.map(|(changed, Real { can, i2c, .. })| Real {
+                            can,
+                            i2c,
+                            ..changed
+                        }),
                         unit: self.bench.value.unit.clone(),
                         name: self.bench.value.name.clone(),
                         ..changed.value
@@ -195,3 +206,7 @@ impl Stimuli {
 fn part(level_db: f64) -> f64 {
     10f64.powf(level_db.min(0.0) / 20.0)
 }
+
+#[cfg(test)]
+#[path = "stimuli_tests.rs"]
+mod tests;

@@ -42,6 +42,23 @@ fn no_option_makes_hardware_of_an_emulated_bench() {
 }
 
 #[test]
+fn an_address_that_replaces_none_is_refused() {
+    let folder = Folder::new("too-many");
+    let bench = real_bench(&folder);
+    for (option, devices) in [
+        ("--can", ["can7", "can8"]),
+        ("--i2c", ["/dev/i2c-7", "/dev/i2c-8"]),
+    ] {
+        let [first, second] = devices;
+        let args = [
+            "run", "idle", "--bench", &bench, option, first, option, second,
+        ];
+        let at_most = format!("{option}: expected at most 1,");
+        refused_with(&args, &[&*at_most, "`real`", "found 2"]);
+    }
+}
+
+#[test]
 fn a_fact_of_hardware_is_changed_in_its_file_alone() {
     let folder = Folder::new("facts");
     let bench = real_bench(&folder);
@@ -93,6 +110,7 @@ conditions = ["weak"]
 compare = []
 groups = "within"
 repeats = 1
+simulated = { rating = { mean = 3.0, sd = 0.5 }, noise = 0.5, difference = 1.0 }
 scales = [{ name = "strength", low = "none", high = "much" }]
 "#,
     );
@@ -109,7 +127,11 @@ scales = [{ name = "strength", low = "none", high = "much" }]
         "--bench",
         &bench,
     ];
-    refused_with(&args, &["drive.current_ma", "change the bench's own file"]);
+    let words = [
+        "p.toml: conditions[0].set: drive.current_ma",
+        "change the bench's own file",
+    ];
+    refused_with(&args, &words);
     assert!(!folder.path("out").exists());
 }
 
