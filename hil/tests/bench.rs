@@ -19,8 +19,6 @@ mod feed;
 mod guardian_faults;
 #[path = "bench/lacks.rs"]
 mod lacks;
-#[path = "bench/namespaces.rs"]
-mod namespaces;
 #[path = "bench/off.rs"]
 mod off;
 #[path = "bench/overrun.rs"]

@@ -5,10 +5,10 @@ use palpate_buses::guardian::Lost;
 use palpate_buses::pacer::RunClock;
 use palpate_core::skin::CanSkin;
 use palpate_core::units::Instant;
-use palpate_run::display_end::{DisplayEnd, EmulatedDisplay};
+use palpate_run::display_end::{DisplayEnd, Driver, EmulatedDisplay};
 use palpate_run::skin_end::{SkinEnd, Tap};
 use palpate_run::unit::UnitReport;
-use palpate_run::{CanPlayer, EmulatedSkin, Failure, HeatReport, Rows, Session};
+use palpate_run::{CanPlayer, EmulatedSkin, Failure, HeatReport, Policy, Rows, Session};
 
 use super::bench::{Interfaces, Live};
 use super::warden::FingerEnd;
@@ -68,6 +68,11 @@ pub trait Watched: DisplayEnd {
     /// Before a turn: whether the run may go on.
     fn beat(&mut self, now: Instant) -> Result<(), Failure>;
 
+    /// Whether somebody switches off what this program leaves on.
+    fn is_guarded(&self) -> bool {
+        true
+    }
+
     /// The run cannot begin, for this cause.
     fn abandon(&mut self, cause: &str);
 
@@ -89,6 +94,10 @@ pub trait Watched: DisplayEnd {
 impl Watched for FingerEnd {
     fn beat(&mut self, now: Instant) -> Result<(), Failure> {
         self.vote.warden.beat(self.vote.finger, now).map_err(lost)
+    }
+
+    fn is_guarded(&self) -> bool {
+        !self.vote.warden.is_gone()
     }
 
     fn abandon(&mut self, cause: &str) {
@@ -117,6 +126,10 @@ impl Watched for Live {
 
     fn beat(&mut self, now: Instant) -> Result<(), Failure> {
         self.watchman.guardian.beat(now).map_err(lost)
+    }
+
+    fn is_guarded(&self) -> bool {
+        !self.watchman.guardian.is_gone()
     }
 
     fn abandon(&mut self, cause: &str) {
@@ -171,22 +184,34 @@ pub fn begin<S: SkinEnd, D: Watched>(
     })
 }
 
-/// Everything off at `end`, and the display's leave. What `stops` it stays latched until a person has looked.
+/// Everything off, and the display's leave; when that was. What `stops` it stays latched until a person has looked. Without a
+/// guardian the session stays until everything is off, and tells what it notes meanwhile.
 pub fn leave<S: SkinEnd, D: Watched>(
     session: &mut Session<S, D>,
-    end: Instant,
+    clock: RunClock,
     stops: Option<&str>,
-) {
-    let off = session.switch_off(end);
+    mut tell: impl FnMut(&mut Session<S, D>),
+) -> Instant {
+    let mut end = clock.now();
+    let mut left = switch_off(session, end);
     if let Some(cause) = stops {
         let kept = session.display().keep_stopped(cause);
         session.set_failure(kept);
     }
+    let mut is_alone = false;
+    while let Some(cause) = left.take_if(|_| !session.display().is_guarded()) {
+        if !std::mem::replace(&mut is_alone, true) {
+            let text =
+                format!("no guardian is left, and not everything is off: {cause}; trying on");
+            session.recorder().note(end, text);
+            tell(session);
+        }
+        clock.sleep_until(clock.now() + Policy::REAL.retry);
+        end = clock.now();
+        left = switch_off_again(session, end);
+    }
     let failed = session.failure().is_some();
-    let off = off.map_err(|error| {
-        let cause = session.display().explain(&error);
-        left_on(session, cause)
-    });
+    let off = left.map_or(Ok(()), |cause| Err(left_on(session, cause)));
     if let Err(cause) = session.display().part(off, failed) {
         // The guardian has tried meanwhile, and goes on.
         session.still_on();
@@ -194,6 +219,33 @@ pub fn leave<S: SkinEnd, D: Watched>(
         session.recorder().note(end, text);
         session.set_failure(Failure::Device(cause));
     }
+    end
+}
+
+/// Everything of a session off; why it may be on.
+pub(super) fn switch_off<S: SkinEnd, D: DisplayEnd>(
+    session: &mut Session<S, D>,
+    end: Instant,
+) -> Option<String> {
+    let error = session.switch_off(end).err()?;
+    Some(session.display().explain(&error))
+}
+
+/// What could not be switched off tried once more; why it may be on.
+pub(super) fn switch_off_again<S: SkinEnd, D: DisplayEnd>(
+    session: &mut Session<S, D>,
+    now: Instant,
+) -> Option<String> {
+    let end = session.display();
+    if let Err(error) = end.parts().0.start(now) {
+        return Some(end.explain(&error));
+    }
+    let (_, oe) = end.parts();
+    oe.set_enabled(now, true);
+    let note = "switched off, its bus is back";
+    session.recorder().note(now, note.into());
+    session.settle();
+    None
 }
 
 /// Why wires may be on that could not be switched off, and for how long they were if that is too long.

@@ -11,12 +11,12 @@ use palpate_core::projector::Cause;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Real;
 use palpate_records::readings::Readings;
-use palpate_run::display_end::{DisplayEnd, Driver};
+use palpate_run::display_end::DisplayEnd;
 use palpate_run::picture::Wants;
 use palpate_run::skin_end::SkinEnd;
 use palpate_run::{Failure, Policy, Session, Turn};
 
-use super::ends::{RealSkin, Sensed, Watched, left_on};
+use super::ends::{RealSkin, Sensed, Watched, left_on, switch_off, switch_off_again};
 use super::priority;
 use super::records::{Records, Said};
 use super::turns::Done;
@@ -191,11 +191,15 @@ impl<'a> Turns<'a> {
             shared.over.store(true, Ordering::Relaxed);
         }
         let end = shared.clock.now();
-        let mut left = self.switch_off(end);
-        // Wires that could not be switched off are tried again for as long as other fingers go on.
-        while left.is_some() && now < shared.end && self.goes_on(now) {
+        let mut left = switch_off(&mut self.session, end);
+        if let Some(cause) = &left {
+            self.session.set_failure(Failure::Device(cause.clone()));
+        }
+        // Wires that could not be switched off are tried again for as long as other fingers go on, and where no guardian is left
+        // until they are off.
+        while left.is_some() && (self.is_alone() || now < shared.end && self.goes_on(now)) {
             now = pacer.wait(shared.clock.now() + Policy::REAL.retry);
-            left = self.switch_off_again(now);
+            left = switch_off_again(&mut self.session, now);
         }
         // What was switched off is off by now.
         let end = shared.clock.now();
@@ -215,6 +219,11 @@ impl<'a> Turns<'a> {
             },
             left,
         )
+    }
+
+    /// Whether nobody else switches off what this finger leaves on.
+    fn is_alone(&mut self) -> bool {
+        !self.session.display().is_guarded()
     }
 
     /// As the bench says.
@@ -270,30 +279,6 @@ impl<'a> Turns<'a> {
             }
         }
         self.session.turn(now)
-    }
-
-    /// Everything of it off; why it may be on.
-    fn switch_off(&mut self, end: Instant) -> Option<String> {
-        let error = self.session.switch_off(end).err()?;
-        let cause = self.session.display().explain(&error);
-        self.session.set_failure(Failure::Device(cause.clone()));
-        Some(cause)
-    }
-
-    fn switch_off_again(&mut self, now: Instant) -> Option<String> {
-        let end = self.session.display();
-        match end.parts().0.start(now) {
-            Ok(_) => {
-                let (_, oe) = end.parts();
-                oe.set_enabled(now, true);
-                self.session
-                    .recorder()
-                    .note(now, "switched off, its bus is back".into());
-                self.session.settle();
-                None
-            }
-            Err(error) => Some(end.explain(&error)),
-        }
     }
 
     /// Hands what is new to the records.

@@ -89,9 +89,9 @@ impl Turns<'_> {
                 Turn::Last => break,
             }
         }
-        let end = run_clock.now();
         // The screen may take its time; the outputs do not wait for it.
-        leave(&mut session, end, is_kept.then_some(STOPPED_BY_PAGE));
+        let stops = is_kept.then_some(STOPPED_BY_PAGE);
+        let end = leave(&mut session, run_clock, stops, |session| self.tell(session));
         self.tell(&mut session);
         let not_recorded = self.journal.dropped();
         if let Err(error) = self.journal.finish() {

@@ -69,6 +69,11 @@ impl Warden {
         let _ = held(&self.guardian).latch(cause);
     }
 
+    /// Whether no guardian is there that would switch off what is left on.
+    pub(super) fn is_gone(&self) -> bool {
+        held(&self.guardian).is_gone()
+    }
+
     /// A finger has ended, off or not: the other fingers go on.
     pub(super) fn ended(&self, finger: usize) {
         self.round.ended(finger);

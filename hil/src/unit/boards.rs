@@ -28,6 +28,11 @@ pub(super) trait Boards {
     /// Before a turn, `since_ns` after the start: time passes there, and the owner of the bus is known to be alive.
     fn advance(&mut self, since_ns: u64, teller: &mut Teller) -> Result<(), Failure>;
 
+    /// Whether somebody switches off what this program leaves on.
+    fn is_guarded(&self) -> bool {
+        true
+    }
+
     /// The end. `off` says whether every board took its all-off; whether everything is off.
     fn finish(&mut self, off: bool) -> Result<bool, String>;
 
@@ -184,6 +189,10 @@ impl Boards for Guarded {
     fn advance(&mut self, since_ns: u64, _teller: &mut Teller) -> Result<(), Failure> {
         let now = Instant::from_micros(since_ns / 1000);
         self.guardian.borrow_mut().beat(now).map_err(lost)
+    }
+
+    fn is_guarded(&self) -> bool {
+        !self.guardian.borrow().is_gone()
     }
 
     fn finish(&mut self, off: bool) -> Result<bool, String> {

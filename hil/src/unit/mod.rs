@@ -208,7 +208,13 @@ impl Process {
         unit.start(shown(monotonic_ns()));
         let turned = self.turns(&mut unit, &mut boards, &mut teller);
         self.record.counts(unit.counts());
-        let took = unit.end(shown(monotonic_ns()));
+        let mut took = unit.end(shown(monotonic_ns()));
+        // Without a guardian nobody else would switch off.
+        while !took && !boards.is_guarded() {
+            let again_ns = monotonic_ns() + TURN_NS;
+            wait(&[], again_ns).map_err(|e| Failure::Device(format!("waiting: {e}")))?;
+            took = unit.end(shown(monotonic_ns()));
+        }
         let t_ns = monotonic_ns();
         let last = boards.advance(t_ns.saturating_sub(self.epoch_ns), &mut teller);
         let off = boards.finish(took);

@@ -6,10 +6,11 @@ use std::time::{Duration, Instant};
 
 use nix::fcntl::{FcntlArg, OFlag, fcntl};
 use nix::libc;
+use nix::sys::signal::Signal;
 use palpate_tests::fake_bench::{GUARDIAN, Mode};
 
-use crate::rig::{Bench, OFF_MS, is_soon, on_bench};
-use crate::run::Run;
+use crate::rig::{Bench, OFF_MS, is_soon, now_ns, on_bench};
+use crate::run::{Run, signal};
 
 /// What a guardian is given to end once nothing holds it up.
 const END: Duration = Duration::from_secs(6);
@@ -40,6 +41,30 @@ fn full_pipe() -> (std::io::PipeReader, std::io::PipeWriter) {
     }
     fcntl(&writer, FcntlArg::F_SETFL(OFlag::empty())).unwrap();
     (reader, writer)
+}
+
+/// Without a guardian the run itself stays until its bus answers.
+#[test]
+fn a_run_without_guardian_and_bus_stays_until_all_is_off() {
+    for adapters in [1, 2] {
+        on_bench(adapters, |bench| {
+            let _feed = bench.feed();
+            let run = bench.run(30.0);
+            let adapter = run.wait_for_burst();
+            bench.adapters[adapter].set_mode(Mode::Hangs);
+            signal(run.guardian(), Signal::SIGKILL);
+            std::thread::sleep(Duration::from_millis(700));
+            bench.set_mode(Mode::Works);
+            let at = now_ns();
+            let said = run.finish(END);
+            bench.assert_off_within(OFF_MS, at);
+            assert_eq!(said.status, Some(1), "{said:?}");
+            assert!(said.err.contains("LIMIT EXCEEDED"), "{said:?}");
+            // What the guardian had armed refuses the next run.
+            let next = bench.run(1.0).finish(END);
+            assert_eq!(next.status, Some(4), "{next:?}");
+        });
+    }
 }
 
 #[test]

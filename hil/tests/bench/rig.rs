@@ -59,7 +59,7 @@ fn library() -> Result<PathBuf, String> {
     match library.is_file() {
         true => Ok(library),
         false => Err(format!(
-            "{} is not there; expected what `cargo build -p palpate-tests --examples` makes, in the profile of this test",
+            "{} is not there; make it with `cargo build --profile test -p palpate-tests --example fake_bench`",
             library.display()
         )),
     }

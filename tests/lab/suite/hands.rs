@@ -269,7 +269,13 @@ fn gone() -> Result<(), TooSlow> {
     let ended = run.child.wait().unwrap();
     let said = hand.ward.said();
     hand.check_speed()?;
-    assert_eq!(ended.code(), Some(3), "{said}");
+    // Between its last pulse and the loss of its adapter a finger may have begun the next one, which then stays on; a start
+    // that was never confirmed counts as one too.
+    hand.thumb.hear(Duration::from_millis(10));
+    let (was_on, was_too_long) = (hand.thumb.is_driving, said.contains("overrun: wire"));
+    assert!(was_too_long || !was_on, "a wire was left on: {said}");
+    let code = if was_too_long { 1 } else { 3 };
+    assert_eq!(ended.code(), Some(code), "{said}");
     assert!(said.contains("display `thumb`"), "{said}");
     assert!(said.contains("thumb: actuators: dead for"), "{said}");
     // The guardian waits for the adapter, and switches off what is on it.

@@ -71,6 +71,8 @@ pub struct Guardian {
     limit: Duration,
     sent: Instant,
     heard: Instant,
+    /// It does not answer any more.
+    silent: bool,
 }
 
 impl Guardian {
@@ -105,6 +107,7 @@ impl Guardian {
             limit: Duration::from_micros(heartbeat * 10),
             sent: Instant::ZERO,
             heard: Instant::ZERO,
+            silent: false,
         };
         match guardian.answer(START_MS) {
             Some((word::READY, found)) => Ok((guardian, found)),
@@ -157,10 +160,18 @@ impl Guardian {
                 Err(_) => return Err(Lost::Died),
             }
         }
-        if now.since(self.heard) > self.limit {
-            return Err(Lost::Silent);
+        self.silent = now.since(self.heard) > self.limit;
+        match self.silent {
+            true => Err(Lost::Silent),
+            false => Ok(()),
         }
-        Ok(())
+    }
+
+    /// Whether no guardian is there that would switch off what this program leaves on.
+    pub fn is_gone(&self) -> bool {
+        let mut link = [PollFd::new(self.link.as_fd(), PollFlags::empty())];
+        let closed = poll(&mut link, PollTimeout::ZERO).is_ok_and(|count| count > 0);
+        self.silent || closed
     }
 
     /// Releases the OE line, once the boards are configured, or cuts it.

@@ -184,8 +184,7 @@ impl<'a, D: Watched> Feeling<'a, D> {
             let wait = next.min(self.next_beat).since(clock.now());
             self.waiting.wait(Wait::from_micros(wait.as_micros()));
         }
-        let end = clock.now();
-        leave(&mut self.session, end, None);
+        let end = leave(&mut self.session, clock, None, |_| {});
         self.said.stopped = stopped.unwrap_or_else(|| match self.session.failure() {
             Some(failure) => failure.to_string(),
             None => "a record cannot be written".into(),
