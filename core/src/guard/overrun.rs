@@ -1,6 +1,8 @@
 //! A channel that was told to go off counts as on until its driver says that it is off: what flows in it meanwhile is
 //! booked, and a wire that is on for too long is an overrun.
 
+use core::cmp::Ordering;
+
 use crate::units::{Duration, Instant};
 
 use super::{Guard, Guarded, Running};
@@ -101,11 +103,9 @@ impl Guard {
         };
         if let Some(earlier) = wire.ending {
             // What never took the one before may do the wider of both ever since.
-            let wider = was.setting.width() > earlier.was.setting.width();
-            let setting = if wider {
-                was.setting
-            } else {
-                earlier.was.setting
+            let setting = match was.setting.width().cmp(&earlier.was.setting.width()) {
+                Ordering::Greater => was.setting,
+                _ => earlier.was.setting,
             };
             ending.was = Running {
                 setting,
