@@ -186,14 +186,14 @@ impl<'a> Turns<'a> {
                 }
             }
         }
-        if self.session.overrun().is_some() {
-            // What passed a limit ends the whole run.
-            shared.over.store(true, Ordering::Relaxed);
-        }
         let end = shared.clock.now();
         let mut left = switch_off(&mut self.session, end);
         if let Some(cause) = &left {
             self.session.set_failure(Failure::Device(cause.clone()));
+        }
+        if self.session.overrun().is_some() {
+            // What passed a limit ends the whole run.
+            shared.over.store(true, Ordering::Relaxed);
         }
         // Wires that could not be switched off are tried again for as long as other fingers go on, and where no guardian is left
         // until they are off.
