@@ -220,13 +220,19 @@ def relayed():
         near = lab.start("hub", PROGRAM, "relay", *secure(own, "near", "--listen", f"{HUB}:{PORT}"), **QUIET)
         far = lab.start("hub", PROGRAM, "relay", *secure(own, "far", "--listen", f"{HUB_APART}:{PORT}", "--connect", f"{HUB}:{PORT}"), **QUIET)
         time.sleep(1)
-        wearer = display(lab, 9, at=through(HUB_APART, "--keys", str(own / "w1")))
+        wearer = display(lab, 11, at=through(HUB_APART, "--keys", str(own / "w1")))
         forged = own / "r2" / "access.toml"
         forged.write_text(forged.read_text().replace('"r2/*/*"', '"r1/*/*"', 1))
         _, refused = result(skin(lab, 2, at=through(HUB, "--keys", str(own / "r2"))))
         check("may not publish" in refused and "access list of" in refused, refused)
         forge(lab, own / "r2", HUB, "client")
-        robot = skin(lab, 7, at=through(HUB, "--keys", str(own / "r1")))
+        robot = skin(lab, 9, at=through(HUB, "--keys", str(own / "r1")))
+        # The finger is its once the wearer feels it: one that comes in the same moment may be first.
+        asks = ["list", "--json", *through(HUB_APART, "--keys", str(own / "w1"))]
+        for _ in range(5):
+            listed, _ = result(lab.start("wearer", PROGRAM, *asks, **QUIET))
+            if listed and listed[0]["wearers"] and listed[0]["wearers"][0]["feels"]:
+                break
         _, second = result(skin(lab, 2, at=through(HUB, "--keys", str(own / "r1"))))
         felt, said = result(wearer)
         sent, told = result(robot)

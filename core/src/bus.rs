@@ -18,8 +18,8 @@ pub struct Received {
 
 /// One or several CAN segments.
 pub trait CanBus {
-    /// What can go wrong, in embedded-can's terms.
-    type Error: CanError;
+    /// What can go wrong, in embedded-can's terms and in words.
+    type Error: CanError + core::error::Error;
 
     /// The oldest frame not yet taken, or `None` when there is none. Never waits.
     fn receive(&mut self) -> Result<Option<Received>, Self::Error>;

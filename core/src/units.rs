@@ -35,6 +35,19 @@ impl Duration {
     }
 }
 
+/// Whole microseconds; what is finer is cut off, and what is longer than all time saturates.
+impl From<core::time::Duration> for Duration {
+    fn from(span: core::time::Duration) -> Self {
+        Self(u64::try_from(span.as_micros()).unwrap_or(u64::MAX))
+    }
+}
+
+impl From<Duration> for core::time::Duration {
+    fn from(span: Duration) -> Self {
+        Self::from_micros(span.0)
+    }
+}
+
 /// A point in time: whole microseconds since the start of the run.
 ///
 /// The core never asks what time it is; every call that depends on time takes one of these.

@@ -50,6 +50,14 @@ static COUNTING: Counting = Counting;
 #[derive(Debug)]
 struct Never(Infallible);
 
+impl std::fmt::Display for Never {
+    fn fmt(&self, _f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.0 {}
+    }
+}
+
+impl std::error::Error for Never {}
+
 impl embedded_can::Error for Never {
     fn kind(&self) -> ErrorKind {
         match self.0 {}

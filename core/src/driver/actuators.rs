@@ -7,7 +7,7 @@ use crate::units::Instant;
 /// [`GuardedCurrent`](crate::peltier::GuardedCurrent).
 pub trait Actuators<U = Guarded> {
     /// What can go wrong on the actuator bus.
-    type Error: core::fmt::Debug;
+    type Error: core::error::Error;
 
     /// Puts a guarded update on the outputs: of wires those of one board, all its channels together. Where amplifiers are
     /// set, `Ok` says that every current of the update was set and has read back before any of its pulses.
@@ -27,7 +27,7 @@ pub trait Actuators<U = Guarded> {
 /// of the emulators does.
 pub trait ObservedRegisters {
     /// What can go wrong on the emulated bus.
-    type Error: core::fmt::Debug;
+    type Error: core::error::Error;
 
     /// Puts what the guard saw on the outputs of one board, all its channels together.
     ///

@@ -1,5 +1,7 @@
 //! The watchdog: sensor age, tick lateness and link, and the cause for which everything stays off.
 
+use core::fmt;
+
 use crate::units::{Duration, Instant};
 
 /// Why everything was switched off. The list is closed.
@@ -18,6 +20,19 @@ pub enum Cause {
     /// A wire was on for longer than a burst may be, because it went off too late.
     Overrun,
 }
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.word())?;
+        f.write_str(match self {
+            Self::StaleInput => ": no sensor frame for 100 ms while a wire was driven",
+            Self::LateTick => ": this computer was too late to end a stimulus in time",
+            Self::ActuatorError | Self::SensorError | Self::End | Self::Overrun => "",
+        })
+    }
+}
+
+impl core::error::Error for Cause {}
 
 impl Cause {
     /// The word that stands in a schedule file.

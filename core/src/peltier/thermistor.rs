@@ -1,5 +1,7 @@
 //! From a converter's code to a temperature, or to what is wrong with the sensor.
 
+use core::fmt;
+
 use crate::physics::{Thermistor, ZERO_CELSIUS_K};
 
 /// Codes above this are of no thermistor colder than -15 degrees C: the lead is open.
@@ -28,6 +30,18 @@ impl SensorFault {
         }
     }
 }
+
+impl fmt::Display for SensorFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Open => "thermistor: a lead is broken",
+            Self::Short => "thermistor: the leads touch",
+            Self::Stale => "thermistor: no conversion has come for too long",
+        })
+    }
+}
+
+impl core::error::Error for SensorFault {}
 
 /// The temperature of a code, degrees C.
 ///

@@ -27,6 +27,8 @@ pub use texture::{Carrier, TextureError, TexturePlan, TextureReport};
 pub use view::{View, Window};
 
 use alloc::boxed::Box;
+use core::error::Error;
+use core::fmt;
 
 use crate::contact::{Contact, Levels, Scope, Settings, Work};
 use crate::driver::{Actuators, ObservedRegisters};
@@ -136,6 +138,18 @@ pub enum LoopError<S, A> {
     /// The driver.
     Actuator(A),
 }
+
+impl<S: fmt::Display, A: fmt::Display> fmt::Display for LoopError<S, A> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sensor(error) => write!(f, "skin: {error}"),
+            Self::Scan(error) => write!(f, "skin: {error}"),
+            Self::Actuator(error) => write!(f, "actuators: {error}"),
+        }
+    }
+}
+
+impl<S: Error, A: Error> Error for LoopError<S, A> {}
 
 /// The loop and all its memory.
 #[derive(Debug)]

@@ -9,6 +9,18 @@ use crate::illusion::{Display, DisplayWire, Target};
 use crate::schedule::{Entry, Reason};
 use crate::units::{Channel, Duration, Point};
 
+/// The call that failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Failed(&'static str);
+
+impl core::fmt::Display for Failed {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+impl core::error::Error for Failed {}
+
 /// Boards that answer late, or not; and how often they were asked.
 #[derive(Debug, Default)]
 struct Boards {
@@ -20,16 +32,16 @@ struct Boards {
 }
 
 impl Actuators for Boards {
-    type Error = &'static str;
+    type Error = Failed;
 
     fn apply(&mut self, _update: &Guarded) -> Result<(), Self::Error> {
         self.updates += 1;
-        if self.fails.0 { Err("update") } else { Ok(()) }
+        if self.fails.0 { Err(Failed("update")) } else { Ok(()) }
     }
 
     fn all_off(&mut self) -> Result<(), Self::Error> {
         self.offs += 1;
-        if self.fails.1 { Err("all-off") } else { Ok(()) }
+        if self.fails.1 { Err(Failed("all-off")) } else { Ok(()) }
     }
 
     fn confirmed(&self, asked: Instant) -> Instant {
@@ -114,10 +126,10 @@ fn what_could_not_be_switched_off_is_told_once_it_is_known_to_be() {
         boards.fails = (true, true);
         output.hear(us(35_000));
         let error = output.poll(us(35_000), &[], None, &mut boards, &mut told);
-        assert_eq!(error, Err("update"));
+        assert_eq!(error, Err(Failed("update")));
         // Nor is it known after the next try, whose cause does not come first.
         let again = output.all_off(us(40_000), Cause::End, &mut boards, &mut told);
-        assert_eq!((again, boards.offs), (Err("all-off"), 2));
+        assert_eq!((again, boards.offs), (Err(Failed("all-off")), 2));
         assert!(told.offs.is_empty());
         assert_eq!(output.guard().latched(), Some(Cause::ActuatorError));
         let overran = output.settle(us(settled), &mut told);
@@ -192,7 +204,7 @@ fn a_wire_that_is_not_known_to_be_off_is_looked_at_until_it_is() {
     assert_eq!(look(&mut output, &mut boards, 56_521), Ok(false));
     assert_eq!(boards.offs, 1);
     for (offs, now) in [(2, 56_522), (3, 57_000)] {
-        assert_eq!(look(&mut output, &mut boards, now), Err("all-off"));
+        assert_eq!(look(&mut output, &mut boards, now), Err(Failed("all-off")));
         assert_eq!(boards.offs, offs);
         assert_eq!(output.guard().latched(), Some(Cause::Overrun));
     }

@@ -36,7 +36,7 @@ impl<'a> ModuleScan<'a> {
 /// A skin, as the loop reads it.
 pub trait SkinSource {
     /// What can go wrong. The loop switches everything off for it.
-    type Error: fmt::Debug;
+    type Error: core::error::Error;
 
     /// Hands every scan that was complete by `now` to `take`, the oldest first. Never waits.
     ///

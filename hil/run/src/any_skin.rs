@@ -9,11 +9,12 @@ use palpate_core::skin::{ModuleScan, SkinSource};
 use palpate_core::units::Instant;
 
 use crate::boards::BusReport;
+use crate::failure::Failure;
 use crate::skin_end::{FaultySkin, SkinEnd};
 
 /// What [`SkinEnd`] and its source do, without a type of their own in it.
 trait Erased {
-    fn scans(&mut self, now: Instant, take: &mut dyn FnMut(&ModuleScan<'_>)) -> Result<(), String>;
+    fn scans(&mut self, now: Instant, take: &mut dyn FnMut(&ModuleScan<'_>)) -> Result<(), Failure>;
     fn advance_to(&mut self, now: Instant);
     fn start(&mut self, module: usize);
     fn lost_of(&self, module: usize) -> u64;
@@ -27,8 +28,8 @@ impl<S: SkinEnd> Erased for S {
         &mut self,
         now: Instant,
         mut take: &mut dyn FnMut(&ModuleScan<'_>),
-    ) -> Result<(), String> {
-        SkinSource::scans(self, now, &mut take).map_err(|e| e.to_string())
+    ) -> Result<(), Failure> {
+        SkinSource::scans(self, now, &mut take).map_err(|e| Failure::Device(e.to_string()))
     }
 
     fn advance_to(&mut self, now: Instant) {
@@ -73,13 +74,13 @@ impl fmt::Debug for AnySkin<'_> {
 }
 
 impl SkinSource for AnySkin<'_> {
-    type Error = String;
+    type Error = Failure;
 
     fn scans(
         &mut self,
         now: Instant,
         take: &mut impl FnMut(&ModuleScan<'_>),
-    ) -> Result<(), String> {
+    ) -> Result<(), Failure> {
         self.0.scans(now, take)
     }
 }

@@ -362,6 +362,8 @@ impl fmt::Display for Unplayed {
     }
 }
 
+impl std::error::Error for Unplayed {}
+
 impl embedded_can::Error for Unplayed {
     fn kind(&self) -> ErrorKind {
         ErrorKind::Other

@@ -271,9 +271,9 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
                 .resume(self.now, &mut self.projector, banks, &mut self.recorder);
         } else if self.failure.is_none() {
             // Outputs stay off until a person has looked; the skin is still read and recorded.
-            let cause = reason(cause);
+            let cause = cause.to_string();
             self.recorder.note(self.now, format!("stopped: {cause}"));
-            self.failure = Some(self.display.keep_stopped(cause));
+            self.failure = Some(self.display.keep_stopped(&cause));
         }
     }
 
@@ -329,7 +329,7 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         );
         Some(match guard.latched() {
             Some(cause @ (Cause::StaleInput | Cause::LateTick)) => {
-                format!("{}; {overrun}", reason(cause))
+                format!("{cause}; {overrun}")
             }
             _ => overrun,
         })
@@ -467,14 +467,5 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
     /// What updates came to on the actuator buses.
     pub fn traffic(&mut self) -> Traffic {
         self.display.traffic()
-    }
-}
-
-/// What the guard stopped a run for.
-const fn reason(cause: Cause) -> &'static str {
-    match cause {
-        Cause::StaleInput => "stale-input: no sensor frame for 100 ms while a wire was driven",
-        Cause::LateTick => "late-tick: this computer was too late to end a stimulus in time",
-        other => other.word(),
     }
 }

@@ -47,6 +47,8 @@ pub enum UnitFault {
     NoTime,
 }
 
+impl core::error::Error for UnitFault {}
+
 impl fmt::Display for UnitFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

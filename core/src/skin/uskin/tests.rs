@@ -21,6 +21,14 @@ struct Bench {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct NoBus;
 
+impl core::fmt::Display for NoBus {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("no bus")
+    }
+}
+
+impl core::error::Error for NoBus {}
+
 impl embedded_can::Error for NoBus {
     fn kind(&self) -> ErrorKind {
         ErrorKind::Other

@@ -82,6 +82,14 @@ impl<E: embedded_hal::i2c::Error> embedded_hal::i2c::Error for FaultError<E> {
     }
 }
 
+impl<E: embedded_hal::i2c::Error> std::fmt::Display for FaultError<E> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        embedded_hal::i2c::Error::kind(self).fmt(f)
+    }
+}
+
+impl<E: embedded_hal::i2c::Error> std::error::Error for FaultError<E> {}
+
 /// The layer.
 #[derive(Clone, Debug)]
 pub struct I2cFault<I> {

@@ -80,6 +80,18 @@ pub enum SendError {
     NoNode,
 }
 
+impl std::fmt::Display for SendError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Full => "the transmit store is full; try again later",
+            Self::BusOff => "the controller is bus-off; restart it first",
+            Self::NoNode => "no such node on this segment",
+        })
+    }
+}
+
+impl std::error::Error for SendError {}
+
 /// Fault confinement state (ISO 11898-1, 12.1.4).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Confinement {

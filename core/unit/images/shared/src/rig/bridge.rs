@@ -10,6 +10,14 @@ use super::{Kind, Outcome, Rig, Wires};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Gone;
 
+impl core::fmt::Display for Gone {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("the rig's bridge is gone")
+    }
+}
+
+impl core::error::Error for Gone {}
+
 /// The bridge of the rig's Peltier module, and its thermistors.
 #[derive(Debug)]
 pub struct Bridge<'r, W, C>(&'r Rig<W, C>);
