@@ -342,21 +342,6 @@ pub struct RunArgs {
     /// The emulated person who feels it, built in (typical, sensitive, dull) or a file.
     #[arg(long, value_name = "PERSON")]
     pub felt: Option<String>,
-    /// Shape of the illusion: s of phantom, exponent of balanced, width of gaussian.
-    #[arg(long, value_name = "S", allow_hyphen_values = true)]
-    pub shape: Option<f64>,
-    /// Duty offset alpha, a fraction of a period.
-    #[arg(long, value_name = "A", allow_hyphen_values = true)]
-    pub alpha: Option<f64>,
-    /// Duty range beta, a fraction of a period.
-    #[arg(long, value_name = "B", allow_hyphen_values = true)]
-    pub beta: Option<f64>,
-    /// Stimulus duration, ms.
-    #[arg(long, value_name = "T", allow_hyphen_values = true)]
-    pub tau_d_ms: Option<f64>,
-    /// Stimulus onset asynchrony, ms (default: 0.32 tau_d + 47.3).
-    #[arg(long, value_name = "T", allow_hyphen_values = true)]
-    pub soa_ms: Option<f64>,
 }
 
 /// Options of `hil serve`.

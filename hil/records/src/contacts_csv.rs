@@ -2,6 +2,7 @@
 //! `display`, the one that the module belongs to.
 
 use crate::fixed::{milli, milli_u};
+use crate::table::as_csv;
 use crate::trace::{DisplayInfo, Event, Trace};
 use std::io::{self, Write};
 
@@ -10,6 +11,9 @@ pub const HEADER: &str = "frame,time_us,module,contact,x_mm,y_mm,intensity,level
 
 /// The column that tables of several displays have after those of [`HEADER`].
 pub const DISPLAY: &str = "display";
+
+/// Events whose rows are text at one time.
+const CHUNK: usize = 4096;
 
 /// Writes every contact of a run, in their order; millimetres and raw counts with three decimals.
 ///
@@ -31,19 +35,15 @@ pub fn write_rows(events: &[Event], out: impl Write) -> io::Result<()> {
     rows(events, &[], out)
 }
 
-/// The name of the display that a module belongs to, as a field.
-fn display_of(displays: &[DisplayInfo], module: u16) -> String {
+/// The name of the display that a module belongs to.
+fn display_of(displays: &[DisplayInfo], module: u16) -> &str {
     let own = displays.iter().find(|d| d.modules.contains(&module));
-    let name = own.map_or("", |d| d.name.as_str());
-    match name.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", name.replace('"', "\"\"")),
-        false => name.to_owned(),
-    }
+    own.map_or("", |d| d.name.as_str())
 }
 
 fn rows(events: &[Event], displays: &[DisplayInfo], mut out: impl Write) -> io::Result<()> {
-    for event in events {
-        if let Event::Contact {
+    let row = |event: &Event| match event {
+        Event::Contact {
             t_us,
             frame,
             module,
@@ -52,22 +52,22 @@ fn rows(events: &[Event], displays: &[DisplayInfo], mut out: impl Write) -> io::
             intensity_milli,
             level,
             members,
-        } = event
-        {
-            let x = milli(i64::from(place.x));
-            let y = milli(i64::from(place.y));
+        } => {
+            let place = [place.x, place.y].map(|um| milli(i64::from(um)));
             let intensity = milli_u(u64::from(*intensity_milli));
-            write!(
-                out,
-                "{frame},{t_us},{module},{contact},{x},{y},{intensity},{level},{members}"
-            )?;
-            match displays {
-                [] => writeln!(out)?,
-                several => writeln!(out, ",{}", display_of(several, *module))?,
-            }
+            let display = (!displays.is_empty()).then(|| display_of(displays, *module));
+            Some((
+                (*frame, *t_us, *module, *contact),
+                (place, intensity, *level, *members),
+                Vec::from_iter(display),
+            ))
         }
-    }
-    Ok(())
+        _ => None,
+    };
+    events.chunks(CHUNK).try_for_each(|some| {
+        let text = as_csv(some.iter().filter_map(row));
+        out.write_all(text.as_bytes())
+    })
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@ pub mod report;
 pub mod runs;
 pub mod schedule;
 pub mod story;
+pub mod table;
 pub mod table_schema;
 pub mod trace;
 pub mod vcd;

@@ -9,6 +9,7 @@ use std::fmt::Write;
 use serde_json::Value;
 
 use crate::damage::Damage;
+use crate::table::as_csv;
 use crate::verdict::Verdict;
 
 /// A figure of a run.
@@ -121,7 +122,7 @@ impl TableForm {
         }
         let measured = MEASURED.iter().map(|m| m.key);
         let all = BEFORE.into_iter().chain(swept).chain(AFTER).chain(measured);
-        csv_line(all)
+        as_csv([all.collect::<Vec<_>>()])
     }
 
     /// A row as a line.
@@ -134,7 +135,8 @@ impl TableForm {
             let swept = key.set.values().map(String::as_str);
             let after = [&*seed, &key.version, row.verdict.key(), &row.why];
             let values = values.iter().map(|v| v.as_deref().unwrap_or_default());
-            return csv_line(before.chain(swept).chain(after).chain(values));
+            let all = before.chain(swept).chain(after).chain(values);
+            return as_csv([all.collect::<Vec<_>>()]);
         }
         let text = |text: &str| Value::from(text).to_string();
         let set: Vec<String> = key
@@ -158,15 +160,6 @@ impl TableForm {
         }
         line + "}\n"
     }
-}
-
-/// Fields as a line of CSV, quoted where they need it.
-fn csv_line<'a>(fields: impl Iterator<Item = &'a str>) -> String {
-    let quoted = |field: &str| match field.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", field.replace('"', "\"\"")),
-        false => field.to_owned(),
-    };
-    fields.map(quoted).collect::<Vec<_>>().join(",") + "\n"
 }
 
 /// The fields of a line of CSV; none where a quote stays open.

@@ -7,6 +7,7 @@ use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
 use palpate_files::{Format, load_alloy, load_person, load_wire};
 use palpate_records::report::scale::Scale;
 use palpate_records::report::svg::{Plot, Svg, dot, escape};
+use palpate_records::table::as_csv;
 use palpate_records::verdict::Conclusion;
 use palpate_run::design::{DesignOutcome, PulsePattern, outcome, resized, undominated};
 use palpate_run::{Failure, plan};
@@ -76,7 +77,8 @@ pub fn design(args: &DesignArgs, color: Color) -> Result<(), Failure> {
         .map(|((point, outcome), best)| (point, outcome, best))
         .collect();
     if let Some(path) = &args.csv {
-        outputs.write(path, Format::Csv, |out| table(&computed, out))?;
+        let text = table(&computed);
+        outputs.write(path, Format::Csv, |out| out.write_all(text.as_bytes()))?;
     }
     // The most strongly felt first; those that none beats before all others of their level.
     computed.sort_by(|a, b| b.1.levels.db().total_cmp(&a.1.levels.db()));
@@ -190,20 +192,10 @@ fn fields((point, of, best): &Computed) -> [(&'static str, Value); 18] {
 }
 
 /// The points as a table.
-fn table(computed: &[Computed], out: &mut dyn Write) -> io::Result<()> {
-    for (n, point) in computed.iter().enumerate() {
-        let fields = fields(point);
-        if n == 0 {
-            writeln!(out, "{}", fields.each_ref().map(|f| f.0).join(","))?;
-        }
-        let text = |value: &Value| match value {
-            Value::Null => String::new(),
-            Value::String(text) => text.clone(), // names have neither commas nor quotes
-            other => other.to_string(),
-        };
-        writeln!(out, "{}", fields.each_ref().map(|f| text(&f.1)).join(","))?;
-    }
-    Ok(())
+fn table(computed: &[Computed]) -> String {
+    let rows = computed.iter().map(fields);
+    let head = rows.clone().take(1).map(|fields| fields.map(|f| f.0));
+    as_csv(head) + &as_csv(rows.map(|fields| fields.map(|f| f.1)))
 }
 
 fn tell(

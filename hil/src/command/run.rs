@@ -322,7 +322,6 @@ fn overrides(args: &RunArgs) -> Result<Overrides, Failure> {
         recorded("threshold_margin", &THRESHOLD_FLOOR.to_string());
         recorded("drift_s", &DRIFT_S.to_string());
     }
-    let number = |value: Option<f64>| value.map(|v| v.to_string());
     let on = |switch| (switch == Switch::On).to_string();
     for (option, key, value) in [
         ("--layout", "layout", args.layout.clone()),
@@ -330,11 +329,6 @@ fn overrides(args: &RunArgs) -> Result<Overrides, Failure> {
         ("--render", "illusion.render", args.render.clone()),
         ("--wearer", "illusion.wearer", args.wearer.clone()),
         ("--felt", "illusion.person", args.felt.clone()),
-        ("--shape", "illusion.shape", number(args.shape)),
-        ("--alpha", "illusion.alpha", number(args.alpha)),
-        ("--beta", "illusion.beta", number(args.beta)),
-        ("--tau-d-ms", "illusion.tau_d_ms", number(args.tau_d_ms)),
-        ("--soa-ms", "illusion.soa_ms", number(args.soa_ms)),
         ("--intensity", "illusion.intensity", args.intensity.map(on)),
     ] {
         if let Some(value) = value {

@@ -7,6 +7,7 @@ use std::time::Duration;
 use palpate_core::guard::Earlier;
 use palpate_files::{BenchKind, Loaded, Protocol, load_protocol};
 use palpate_records::digest::short_digest;
+use palpate_records::table::as_csv;
 use palpate_run::Failure;
 use palpate_study::{About, Analysis, Line, Noted, Person, Record, Session, VERSION, analyse};
 
@@ -232,8 +233,9 @@ fn analysed(args: &AnalyseArgs) -> Result<(), Failure> {
         }
     }
     let mut written = vec![folder.write("index.html", &page(&analysis))?];
-    for (name, text) in palpate_study::tables(&analysis) {
-        written.push(folder.write(&name, &text)?);
+    for table in palpate_study::tables(&analysis) {
+        let text = format!("{}\n{}", table.head, as_csv(table.rows));
+        written.push(folder.write(table.file, &text)?);
     }
     let wires = records
         .first()

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use palpate_core::texture::{Ends, Stream};
 use palpate_core::units::Duration;
 use palpate_files::{Format, Rows, Take, TextureModel};
+use palpate_records::table::as_csv;
 use palpate_run::Failure;
 use palpate_texture::onnx;
 use serde_json::json;
@@ -148,21 +149,15 @@ fn write_csv(
     begins: bool,
     out: &mut dyn io::Write,
 ) -> io::Result<()> {
+    let mut text = String::new();
     if begins {
-        write!(out, "frame")?;
-        for i in 1..=latents {
-            write!(out, ",z{i}")?;
-        }
-        writeln!(out)?;
+        let names: Vec<String> = (1..=latents).map(|i| format!("z{i}")).collect();
+        text = as_csv([("frame", names)]);
     }
-    for (frame, latent) in found {
-        write!(out, "{frame}")?;
-        for z in latent {
-            write!(out, ",{:.6}", if z.abs() < 5e-7 { 0.0 } else { *z })?;
-        }
-        writeln!(out)?;
-    }
-    Ok(())
+    let figure = |z: &f32| format!("{:.6}", if z.abs() < 5e-7 { 0.0 } else { *z });
+    let row = |(frame, z): &Latent| (*frame, z.iter().map(figure).collect::<Vec<_>>());
+    text += &as_csv(found.iter().map(row));
+    out.write_all(text.as_bytes())
 }
 
 /// A part of one array, with its ends where it has them.

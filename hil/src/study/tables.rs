@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use palpate_files::Protocol;
+use palpate_records::table::as_csv;
 use palpate_study::{Answer, Estimate, Participant, Record, Reply, Stimulus};
 use serde_json::{Value, json};
 
@@ -53,14 +54,6 @@ const COLUMNS: [(&str, &str); 22] = [
     ("why", "why a trial was void"),
 ];
 
-/// Text of CSV: in quotes where it has to be.
-fn quoted(text: &str) -> String {
-    match text.contains([',', '"', '\n']) {
-        true => format!("\"{}\"", text.replace('"', "\"\"")),
-        false => text.to_owned(),
-    }
-}
-
 fn word(stimulus: Option<&Stimulus>) -> String {
     match stimulus {
         None => String::new(),
@@ -73,9 +66,7 @@ fn word(stimulus: Option<&Stimulus>) -> String {
 /// A participant's table: a row per trial that was begun and came to an end.
 #[must_use]
 pub fn data(record: &Record) -> String {
-    let head: Vec<&str> = COLUMNS.iter().map(|(name, _)| *name).collect();
-    let mut text = head.join(",");
-    text.push('\n');
+    let mut text = as_csv([COLUMNS.map(|(name, _)| name)]);
     for said in record.replies() {
         let Some(played) = &said.trial else {
             continue;
@@ -85,7 +76,7 @@ pub fn data(record: &Record) -> String {
         let (mut strokes, mut points, mut why) = (String::new(), String::new(), String::new());
         let status = match &said.reply {
             Reply::Void(reason) => {
-                why = quoted(reason);
+                why.clone_from(reason);
                 "void"
             }
             _ => "answered",
@@ -110,11 +101,7 @@ pub fn data(record: &Record) -> String {
             }
             _ => {}
         }
-        let interval = |n: usize| {
-            quoted(&word(
-                played.intervals.get(n).and_then(|i| i.stimulus.as_ref()),
-            ))
-        };
+        let interval = |n: usize| word(played.intervals.get(n).and_then(|i| i.stimulus.as_ref()));
         let number = |n: Option<String>| n.unwrap_or_default();
         let began = played.intervals.first().map(|i| i.began_ms.to_string());
         let stimuli: usize = played.intervals.iter().map(|i| i.bursts.len()).sum();
@@ -142,8 +129,7 @@ pub fn data(record: &Record) -> String {
             stimuli.to_string(),
             why,
         ];
-        text += &row.join(",");
-        text.push('\n');
+        text += &as_csv([row]);
     }
     text
 }

@@ -83,9 +83,3 @@ fn without_every_threshold_there_is_no_wearer() {
         None
     );
 }
-
-#[test]
-fn texts_that_need_quotes_have_them() {
-    assert_eq!(quoted("plain"), "plain");
-    assert_eq!(quoted("a, \"b\""), "\"a, \"\"b\"\"\"");
-}

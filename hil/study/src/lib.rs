@@ -16,8 +16,8 @@ mod staircase;
 mod threshold;
 
 pub use analyse::{
-    Analysis, Chosen, Comparison, Drawn, OfWire, OneDrawing, Participant, PathError, Rated, Within,
-    analyse, compare_paths, fitted, tables,
+    Analysis, AnalysisTable, Chosen, Comparison, Drawn, OfWire, OneDrawing, Participant, PathError,
+    Rated, Within, analyse, compare_paths, fitted, tables,
 };
 pub use people::{Known, Path, Person};
 pub use psychometric::Psychometric;

@@ -26,11 +26,6 @@ const COMMANDS: [(&[&str], Options); 25] = [
         &["run", "scene.toml"],
         &[
             ("--seed", Takes::Number),
-            ("--shape", Takes::Number),
-            ("--alpha", Takes::Number),
-            ("--beta", Takes::Number),
-            ("--tau-d-ms", Takes::Number),
-            ("--soa-ms", Takes::Number),
             ("--bench", Takes::Named),
             ("--illusion", Takes::Named),
             ("--felt", Takes::Named),

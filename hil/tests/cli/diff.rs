@@ -47,7 +47,12 @@ fn a_shorter_stimulus_is_told_in_words_with_exit_1() {
         "bench.drive.current_ma=850",
     ];
     let a = schedule(&folder, "a.jsonl", &published);
-    let shorter = ["--tau-d-ms", "30", "--soa-ms", "58.5"];
+    let shorter = [
+        "--set",
+        "illusion.tau_d_ms=30",
+        "--set",
+        "illusion.soa_ms=58.5",
+    ];
     let b = schedule(&folder, "b.jsonl", &[&published[..], &shorter].concat());
     let said = diff(&a, &b);
     assert_eq!((said.status, said.err.as_str()), (Some(1), ""));

@@ -259,11 +259,11 @@ fn illusion_options_change_the_run_and_are_checked() {
     let balanced = |options: &[&str]| schedule(&[&["--illusion", "balanced"], options].concat());
     let plain = balanced(&[]);
     for options in [
-        ["--shape", "2"],
-        ["--alpha", "0.005"],
-        ["--beta", "0.02"],
-        ["--tau-d-ms", "30"],
-        ["--soa-ms", "70"],
+        ["--set", "illusion.shape=2"],
+        ["--set", "illusion.alpha=0.005"],
+        ["--set", "illusion.beta=0.02"],
+        ["--set", "illusion.tau_d_ms=30"],
+        ["--set", "illusion.soa_ms=70"],
         ["--intensity", "off"],
     ] {
         assert_ne!(balanced(&options), plain, "{options:?}");
@@ -273,7 +273,10 @@ fn illusion_options_change_the_run_and_are_checked() {
     assert_ne!(schedule(&["--illusion", "phantom"]), plain);
     assert_eq!(balanced(&["--intensity", "on"]), plain);
     for (options, word) in [
-        (&["--shape", "NaN"][..], "--shape: illusion.shape: expected"),
+        (
+            &["--set", "illusion.shape=nan"][..],
+            "--set: illusion.shape: expected",
+        ),
         (
             &["--illusion", "magic"],
             "--illusion: illusion.model: expected one of `phantom`, `energy`",

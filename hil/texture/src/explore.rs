@@ -2,9 +2,11 @@
 
 use std::io::{self, Write};
 
+use palpate_core::codec::uskin::Reading;
 use palpate_core::texture::Encoder;
 use palpate_emulators::sensor::surface::{Explorer, Habits, Recording, SurfaceTexture, milli_g};
-use palpate_files::{Rated, TextureEntry, TextureModel, TextureTable, taxel};
+use palpate_files::{TextureEntry, TextureModel, TextureTable, taxel};
+use palpate_records::table::as_csv;
 use palpate_run::Failure;
 use palpate_run::plan::surface;
 
@@ -45,14 +47,12 @@ pub fn explore_as<'a>(
 /// What the system says of the output.
 pub fn write_rows(recording: &Recording, out: &mut dyn Write) -> io::Result<()> {
     let taxels = recording.rows.first().map_or(0, Vec::len);
-    let header = |t: usize| format!("txl{t}_x,txl{t}_y,txl{t}_z");
+    let header = |t: usize| ["x", "y", "z"].map(|axis| format!("txl{t}_{axis}"));
     let header: Vec<_> = (1..=taxels).map(header).collect();
-    writeln!(out, "{}", header.join(","))?;
-    for row in &recording.rows {
-        let cells = row.iter().map(|r| format!("{},{},{}", r.x, r.y, r.z));
-        writeln!(out, "{}", cells.collect::<Vec<_>>().join(","))?;
-    }
-    Ok(())
+    let row = |r: &Reading| [r.x, r.y, r.z];
+    let rows = recording.rows.iter();
+    let rows = as_csv(rows.map(|taxels| Vec::from_iter(taxels.iter().map(row))));
+    out.write_all((as_csv([header]) + &rows).as_bytes())
 }
 
 /// Writes what the accelerometer told as CSV with a header, milli-g, [`palpate_emulators::sensor::surface::ACCELEROMETER_HZ`] rows per second.
@@ -61,11 +61,8 @@ pub fn write_rows(recording: &Recording, out: &mut dyn Write) -> io::Result<()> 
 /// What the system says of the output.
 pub fn write_acceleration(recording: &Recording, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "x_mg,y_mg,z_mg")?;
-    for row in &recording.acceleration {
-        let [x, y, z] = row.map(milli_g);
-        writeln!(out, "{x:.1},{y:.1},{z:.1}")?;
-    }
-    Ok(())
+    let row = |row: &[i16; 3]| row.map(|counts| format!("{:.1}", milli_g(counts)));
+    out.write_all(as_csv(recording.acceleration.iter().map(row)).as_bytes())
 }
 
 /// Writes what the surfaces of a table are like as CSV: the truth that recordings are held against.
@@ -77,20 +74,17 @@ pub fn write_materials(table: &TextureTable, out: &mut dyn Write) -> io::Result<
         out,
         "label,trained,stiffness_n_per_mm,relief_um,wavelength_mm,octaves,friction"
     )?;
-    for t in &table.texture {
-        writeln!(
-            out,
-            "{},{},{},{},{},{},{}",
-            t.name,
-            t.trained,
+    let row = |t: &TextureEntry| {
+        let figures = [
             t.stiffness_n_per_mm,
             t.relief_um,
             t.wavelength_mm,
             t.octaves,
-            t.friction
-        )?;
-    }
-    Ok(())
+            t.friction,
+        ];
+        (t.name.clone(), t.trained, figures.map(|f| f.to_string()))
+    };
+    out.write_all(as_csv(table.texture.iter().map(row)).as_bytes())
 }
 
 /// Writes the ratings of a table as CSV: what training reads beside the recordings.
@@ -99,24 +93,12 @@ pub fn write_materials(table: &TextureTable, out: &mut dyn Write) -> io::Result<
 /// What the system says of the output.
 pub fn write_ratings(table: &TextureTable, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "label,trained,hardness,roughness,friction")?;
-    for TextureEntry {
-        name,
-        trained,
-        rated,
-        ..
-    } in &table.texture
-    {
-        let Some(Rated {
-            hardness,
-            roughness,
-            friction,
-        }) = rated
-        else {
-            continue;
-        };
-        writeln!(out, "{name},{trained},{hardness},{roughness},{friction}")?;
-    }
-    Ok(())
+    let row = |t: &TextureEntry| {
+        let rated = t.rated.as_ref()?;
+        let figures = [rated.hardness, rated.roughness, rated.friction];
+        Some((t.name.clone(), t.trained, figures.map(|f| f.to_string())))
+    };
+    out.write_all(as_csv(table.texture.iter().filter_map(row)).as_bytes())
 }
 
 /// What a model makes of a stroke: the latent vector of every tenth window.

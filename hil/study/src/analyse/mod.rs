@@ -11,7 +11,7 @@ use serde::Serialize;
 
 pub use groups::{Comparison, Within, bootstrap, compared, median, proportion, sign_test};
 pub use paths::{PathError, compare_paths};
-pub use tables::tables;
+pub use tables::{AnalysisTable, tables};
 
 use crate::psychometric::Psychometric;
 use crate::quest::Estimate;

@@ -1,16 +1,16 @@
 //! The analysis as tables, for one's own statistics.
 
-use super::{Analysis, Within};
+use super::{Analysis, Chosen, Comparison, Rated, Within};
 
-fn row(cells: &[String]) -> String {
-    let quoted = cells
-        .iter()
-        .map(|cell| match cell.contains([',', '"', '\n']) {
-            true => format!("\"{}\"", cell.replace('"', "\"\"")),
-            false => cell.clone(),
-        });
-    let cells: Vec<String> = quoted.collect();
-    format!("{}\n", cells.join(","))
+/// A table of an analysis.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AnalysisTable {
+    /// The name of its file.
+    pub file: &'static str,
+    /// The names of its columns, between commas.
+    pub head: &'static str,
+    /// The cells of every row.
+    pub rows: Vec<Vec<String>>,
 }
 
 fn within(of: Option<&Within>) -> [String; 3] {
@@ -19,25 +19,43 @@ fn within(of: Option<&Within>) -> [String; 3] {
     })
 }
 
-/// Each table that has rows, by the name of its file.
+/// Each table that has rows.
 #[must_use]
-pub fn tables(of: &Analysis) -> Vec<(String, String)> {
-    [
-        ("levels.csv", levels(of)),
-        ("drawings.csv", drawings(of)),
-        ("ratings.csv", ratings(of)),
-        ("comparisons.csv", comparisons(of)),
-        ("choices.csv", choices(of)),
-        ("confusion.csv", confusion(of)),
-    ]
-    .into_iter()
-    .filter(|(_, text)| text.lines().count() > 1)
-    .map(|(name, text)| (name.into(), text))
-    .collect()
+pub fn tables(of: &Analysis) -> Vec<AnalysisTable> {
+    let table = |file, head, rows| AnalysisTable { file, head, rows };
+    let all = [
+        table(
+            "levels.csv",
+            "participant,task,wire,estimate_db,low_db,high_db,trials",
+            levels(of),
+        ),
+        table(
+            "drawings.csv",
+            "participant,trial,condition,rmse_mm,lag,frechet_mm,breaks",
+            drawings(of),
+        ),
+        table(
+            "ratings.csv",
+            "scale,condition,people,median,low,high",
+            ratings(of),
+        ),
+        table(
+            "comparisons.csv",
+            "scale,first,second,people_first,people_second,u,p,effect,effect_low,effect_high",
+            comparisons(of),
+        ),
+        table(
+            "choices.csv",
+            "first,second,part_second,low,high,people_second,people_first,p",
+            choices(of),
+        ),
+        table("confusion.csv", "wire,taken_for,answers", confusion(of)),
+    ];
+    all.into_iter().filter(|t| !t.rows.is_empty()).collect()
 }
 
-fn levels(of: &Analysis) -> String {
-    let mut text = String::from("participant,task,wire,estimate_db,low_db,high_db,trials\n");
+fn levels(of: &Analysis) -> Vec<Vec<String>> {
+    let mut rows = Vec::new();
     for person in &of.participants {
         let tasks = [
             ("absolute_threshold", &person.thresholds),
@@ -50,7 +68,7 @@ fn levels(of: &Analysis) -> String {
         {
             let e = wire.estimate;
             let trials: u32 = wire.levels.iter().map(|(.., all)| all).sum();
-            text += &row(&[
+            rows.push(vec![
                 person.number.to_string(),
                 (*task).to_owned(),
                 wire.wire.to_string(),
@@ -61,14 +79,14 @@ fn levels(of: &Analysis) -> String {
             ]);
         }
     }
-    text
+    rows
 }
 
-fn drawings(of: &Analysis) -> String {
-    let mut text = String::from("participant,trial,condition,rmse_mm,lag,frechet_mm,breaks\n");
+fn drawings(of: &Analysis) -> Vec<Vec<String>> {
+    let mut rows = Vec::new();
     for person in &of.participants {
         for d in &person.drawings {
-            text += &row(&[
+            rows.push(vec![
                 person.number.to_string(),
                 d.trial.to_string(),
                 d.condition.clone(),
@@ -79,52 +97,47 @@ fn drawings(of: &Analysis) -> String {
             ]);
         }
     }
-    text
+    rows
 }
 
-fn ratings(of: &Analysis) -> String {
-    let mut text = String::from("scale,condition,people,median,low,high\n");
-    for r in &of.ratings {
+fn ratings(of: &Analysis) -> Vec<Vec<String>> {
+    let row = |r: &Rated| {
         let people = r.values.len().to_string();
         let mut cells = vec![r.scale.clone(), r.condition.clone(), people];
         cells.extend(within(r.median.as_ref()));
-        text += &row(&cells);
-    }
-    text
+        cells
+    };
+    of.ratings.iter().map(row).collect()
 }
 
-fn comparisons(of: &Analysis) -> String {
-    let mut text = String::from(
-        "scale,first,second,people_first,people_second,u,p,effect,effect_low,effect_high\n",
-    );
-    for c in &of.comparisons {
+fn comparisons(of: &Analysis) -> Vec<Vec<String>> {
+    let row = |c: &Comparison| {
         let mut cells = vec![c.of.clone(), c.first.clone(), c.second.clone()];
         cells.extend(c.counts.map(|n| n.to_string()));
         cells.extend([c.u.to_string(), c.p.to_string()]);
         cells.extend(within(Some(&c.effect)));
-        text += &row(&cells);
-    }
-    text
+        cells
+    };
+    of.comparisons.iter().map(row).collect()
 }
 
-fn choices(of: &Analysis) -> String {
-    let mut text = String::from("first,second,part_second,low,high,people_second,people_first,p\n");
-    for c in &of.choices {
+fn choices(of: &Analysis) -> Vec<Vec<String>> {
+    let row = |c: &Chosen| {
         let mut cells = c.pair.to_vec();
         cells.extend(within(c.part.as_ref()));
         cells.extend(c.people.map(|n| n.to_string()));
         cells.push(c.p.to_string());
-        text += &row(&cells);
-    }
-    text
+        cells
+    };
+    of.choices.iter().map(row).collect()
 }
 
-fn confusion(of: &Analysis) -> String {
-    let mut text = String::from("wire,taken_for,answers\n");
+fn confusion(of: &Analysis) -> Vec<Vec<String>> {
+    let mut rows = Vec::new();
     for (wire, counts) in of.confusion.iter().enumerate() {
         for (other, count) in counts.iter().enumerate() {
-            text += &row(&[wire.to_string(), other.to_string(), count.to_string()]);
+            rows.push(vec![wire.to_string(), other.to_string(), count.to_string()]);
         }
     }
-    text
+    rows
 }
