@@ -2,7 +2,7 @@
 //! `display`, the one that the module belongs to.
 
 use crate::fixed::{milli, milli_u};
-use crate::trace::{DisplayInfo, Event, Trace};
+use crate::trace::{DisplayInfo, Event, Trace, event};
 use std::io::{self, Write};
 
 /// First line of the file.
@@ -42,29 +42,17 @@ fn display_of(displays: &[DisplayInfo], module: u16) -> String {
 }
 
 fn rows(events: &[Event], displays: &[DisplayInfo], mut out: impl Write) -> io::Result<()> {
-    for event in events {
-        if let Event::Contact {
-            t_us,
-            frame,
-            module,
-            contact,
-            place,
-            intensity_milli,
-            level,
-            members,
-        } = event
-        {
-            let x = milli(i64::from(place.x));
-            let y = milli(i64::from(place.y));
-            let intensity = milli_u(u64::from(*intensity_milli));
-            write!(
-                out,
-                "{frame},{t_us},{module},{contact},{x},{y},{intensity},{level},{members}"
-            )?;
-            match displays {
-                [] => writeln!(out)?,
-                several => writeln!(out, ",{}", display_of(several, *module))?,
-            }
+    for c in event::each::<event::Contact>(events) {
+        let (x, y) = (milli(c.place.x.into()), milli(c.place.y.into()));
+        let intensity = milli_u(c.intensity_milli.into());
+        write!(
+            out,
+            "{},{},{},{},{x},{y},{intensity},{},{}",
+            c.frame, c.t_us, c.module, c.contact, c.level, c.members
+        )?;
+        match displays {
+            [] => writeln!(out)?,
+            several => writeln!(out, ",{}", display_of(several, c.module))?,
         }
     }
     Ok(())

@@ -21,7 +21,7 @@ fn every_row_has_the_columns_of_the_header() {
     let contacts = trace
         .events
         .iter()
-        .filter(|e| matches!(e, Event::Contact { .. }));
+        .filter(|e| matches!(e, Event::Contact(_)));
     assert_eq!(rows, contacts.count());
 }
 

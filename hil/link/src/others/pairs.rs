@@ -7,7 +7,7 @@ use palpate_files::Format;
 use palpate_hil::output::{Outputs, make_folder};
 use palpate_records::contacts_csv::{HEADER, write_rows};
 use palpate_records::mcap::proto::{Fields, Value};
-use palpate_records::trace::{Event, PlaceUm};
+use palpate_records::trace::{Event, PlaceUm, event};
 use palpate_run::Failure;
 
 /// What is known of a frame's time beside the clocks: it may be as old as the guard lets it be, microseconds.
@@ -32,7 +32,7 @@ fn contact(t_us: u64, data: &[u8]) -> Option<Event> {
     }
     // Recordings hold whole micrometres and thousandths of a count.
     let thousandths = |value: f64| (value * 1e3).round();
-    Some(Event::Contact {
+    Some(Event::Contact(event::Contact {
         t_us,
         frame: u32::try_from(whole[1]).ok()?,
         module: u16::try_from(whole[2]).ok()?,
@@ -44,7 +44,7 @@ fn contact(t_us: u64, data: &[u8]) -> Option<Event> {
         intensity_milli: thousandths(real[6]) as u32,
         level: u16::try_from(whole[7]).ok()?,
         members: u32::try_from(whole[8]).ok()?,
-    })
+    }))
 }
 
 /// Frames with contacts, from messages of `/contacts` in the order of time.
@@ -68,13 +68,13 @@ pub(super) fn frames<'a>(messages: impl Iterator<Item = (u64, &'a [u8])>) -> Vec
 /// A contact without its time and frame, which each end counts for itself.
 fn said(event: &Event) -> Option<(u16, PlaceUm, u32, u16)> {
     match event {
-        Event::Contact {
+        Event::Contact(event::Contact {
             module,
             place,
             intensity_milli,
             level,
             ..
-        } => Some((*module, *place, *intensity_milli, *level)),
+        }) => Some((*module, *place, *intensity_milli, *level)),
         _ => None,
     }
 }
@@ -109,7 +109,7 @@ pub(super) fn paired(robot: &[Frame], wearer: &[Frame], within_us: u64) -> (Vec<
 fn retime(frame: &mut Frame, to_us: u64) {
     frame.t_us = to_us;
     for contact in &mut frame.contacts {
-        if let Event::Contact { t_us, .. } = contact {
+        if let Event::Contact(event::Contact { t_us, .. }) = contact {
             *t_us = to_us;
         }
     }

@@ -301,19 +301,14 @@ impl<W: Write> McapRecording<W> {
         let message = &mut self.message;
         // Every variant has its place here: a new one does not compile until it is recorded.
         let channel = match event {
-            Event::Frame { .. }
-            | Event::Contact { .. }
-            | Event::Truth { .. }
-            | Event::Joint { .. } => run.sensed(event, message),
-            Event::Schedule(_) | Event::PreScale { .. } | Event::AllOff { .. } => {
-                run.told(event, message)
+            Event::Frame(_) | Event::Contact(_) | Event::Truth(_) | Event::Joint(_) => {
+                run.sensed(event, message)
             }
-            Event::Edge { .. }
-            | Event::Felt { .. }
-            | Event::Wire { .. }
-            | Event::Skin { .. }
-            | Event::Face { .. } => run.came(event, message),
-            Event::Latent { .. } | Event::Note { .. } => None,
+            Event::Schedule(_) | Event::PreScale(_) | Event::AllOff(_) => run.told(event, message),
+            Event::Edge(_) | Event::Felt(_) | Event::Wire(_) | Event::Skin(_) | Event::Face(_) => {
+                run.came(event, message)
+            }
+            Event::Latent(_) | Event::Note(_) => None,
         };
         if let Some(channel) = channel {
             self.send(channel, t_ns)?;
@@ -325,13 +320,13 @@ impl<W: Write> McapRecording<W> {
     fn log_event(&mut self, event: &Event) -> io::Result<()> {
         let t_ns = event.t_ns();
         match event {
-            Event::Note { text, .. } => self.log(t_ns, Level::Info, "note", text),
-            Event::Latent { .. } => match crate::words::texture(event) {
-                Some(text) => self.log(t_ns, Level::Info, "texture", &text),
-                None => Ok(()),
-            },
-            Event::AllOff { board, cause, .. } => {
-                let text = format!("board {board}: all off: {cause}");
+            Event::Note(note) => self.log(t_ns, Level::Info, "note", &note.text),
+            Event::Latent(window) => {
+                let text = crate::words::texture(window);
+                self.log(t_ns, Level::Info, "texture", &text)
+            }
+            Event::AllOff(off) => {
+                let text = format!("board {}: all off: {}", off.board, off.cause);
                 self.log(t_ns, Level::Info, "boards", &text)
             }
             Event::Schedule(entry) => match entry.reason {

@@ -187,21 +187,16 @@ impl Scene {
         container: &mut Container<W>,
     ) -> io::Result<()> {
         match event {
-            Event::Frame { t_us, .. } => {
-                if *t_us >= self.due_us {
-                    self.due_us = t_us + PICTURE_US;
-                    self.draw(*t_us, container)?;
+            Event::Frame(frame) => {
+                if frame.t_us >= self.due_us {
+                    self.due_us = frame.t_us + PICTURE_US;
+                    self.draw(frame.t_us, container)?;
                 }
                 self.contacts.clear();
             }
-            Event::Contact {
-                module,
-                contact,
-                place,
-                ..
-            } => self.contacts.push((*module, *contact, *place)),
-            Event::Felt { target, met, .. } => {
-                self.felt = Some((*target, met.filter(FeltAt::is_felt)));
+            Event::Contact(now) => self.contacts.push((now.module, now.contact, now.place)),
+            Event::Felt(onset) => {
+                self.felt = Some((onset.target, onset.met.filter(FeltAt::is_felt)));
             }
             Event::Schedule(entry) => {
                 let output = (entry.board.0, entry.channel.0);
@@ -210,8 +205,8 @@ impl Scene {
                     self.widest = self.widest.max(wire.width);
                 }
             }
-            Event::AllOff { board, .. } => {
-                let own = self.wires.iter_mut().filter(|w| w.output.0 == *board);
+            Event::AllOff(off) => {
+                let own = self.wires.iter_mut().filter(|w| w.output.0 == off.board);
                 own.for_each(|w| w.width = 0);
             }
             _ => {}

@@ -5,7 +5,7 @@ use palpate_core::units::{Board, Channel};
 
 use super::messages::entry;
 use super::proto::{Fields, Value, packed};
-use crate::trace::{EnergyPermille, Event, FeltAt, PlaceUm};
+use crate::trace::{EnergyPermille, Event, FeltAt, PlaceUm, event};
 
 /// What a message of a run says.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,13 +91,13 @@ impl Topic {
         let t_us = t_ns / 1000;
         let fields = Numbered::of(message)?;
         let event = match self {
-            Self::Frames => Event::Frame {
+            Self::Frames => Event::Frame(event::Frame {
                 t_us,
                 frame: fields.small(1)?,
                 in_contact: fields.small(2)?,
                 peak_counts: fields.small(3)?,
-            },
-            Self::Contacts => Event::Contact {
+            }),
+            Self::Contacts => Event::Contact(event::Contact {
                 t_us,
                 frame: fields.small(1)?,
                 module: fields.small(2)?,
@@ -106,29 +106,29 @@ impl Topic {
                 intensity_milli: (fields.real(6) * 1e3).round() as u32,
                 level: fields.small(7)?,
                 members: fields.small(8)?,
-            },
-            Self::Truth => Event::Truth {
+            }),
+            Self::Truth => Event::Truth(event::Truth {
                 t_us,
                 place: fields.place(1),
                 force_mn: (fields.real(3) * 1e3).round() as u32,
-            },
+            }),
             Self::Felt => fields.felt(t_us)?,
             Self::Boards => match fields.data(3) {
-                [] => Event::PreScale {
+                [] => Event::PreScale(event::PreScale {
                     t_us,
                     board: fields.small(1)?,
                     pre_scale: fields.small(2)?,
-                },
-                cause => Event::Note {
+                }),
+                cause => Event::Note(event::Note {
                     t_us,
                     text: format!("all off: {}", String::from_utf8_lossy(cause)),
-                },
+                }),
             },
             Self::Log => match fields.data(4) {
-                b"note" | b"texture" => Event::Note {
+                b"note" | b"texture" => Event::Note(event::Note {
                     t_us,
                     text: String::from_utf8_lossy(fields.data(3)).into_owned(),
-                },
+                }),
                 _ => return Some(None),
             },
             Self::Schedule => {
@@ -148,16 +148,16 @@ impl Topic {
                 let high = fields.number(1) != 0;
                 return Some(Some(Told::Pin { t_ns, wire, high }));
             }
-            Self::Wire(wire) => Event::Wire {
+            Self::Wire(wire) => Event::Wire(event::Temperature {
                 t_us,
                 wire,
                 milli_c: fields.milli(1),
-            },
-            Self::Skin(wire) => Event::Skin {
+            }),
+            Self::Skin(wire) => Event::Skin(event::Temperature {
                 t_us,
                 wire,
                 milli_c: fields.milli(1),
-            },
+            }),
             Self::Taxels(module) => {
                 return Some(Some(Told::Taxels {
                     t_ns,
@@ -236,7 +236,7 @@ impl<'a> Numbered<'a> {
             level_mdb: self.milli(12),
             tap: self.number(13) != 0,
         });
-        Some(Event::Felt {
+        Some(Event::Felt(event::Felt {
             t_us,
             target: self.place(1),
             inside: self.number(3) != 0,
@@ -246,7 +246,7 @@ impl<'a> Numbered<'a> {
                 applied: self.small(10)?,
                 felt: self.small(11)?,
             },
-        })
+        }))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::proto::Message;
 use super::scene::{Scene, mm};
-use crate::trace::{Event, PlaceUm};
+use crate::trace::{Event, PlaceUm, event};
 
 /// Topics of a wire.
 #[derive(Clone, Copy, Debug)]
@@ -48,19 +48,19 @@ impl RunTopics {
     /// Fills in what the sensor end saw; the topic it goes to.
     pub fn sensed(&self, event: &Event, message: &mut Message) -> Option<u16> {
         match event {
-            Event::Frame {
+            Event::Frame(event::Frame {
                 frame,
                 in_contact,
                 peak_counts,
                 ..
-            } => {
+            }) => {
                 message
                     .uint(1, *frame)
                     .uint(2, *in_contact)
                     .uint(3, *peak_counts);
                 Some(self.frames)
             }
-            Event::Contact {
+            Event::Contact(event::Contact {
                 frame,
                 module,
                 contact,
@@ -69,7 +69,7 @@ impl RunTopics {
                 level,
                 members,
                 ..
-            } => {
+            }) => {
                 message
                     .uint(1, *frame)
                     .uint(2, *module)
@@ -81,18 +81,18 @@ impl RunTopics {
                     .uint(8, *members);
                 Some(self.contacts)
             }
-            Event::Truth {
+            Event::Truth(event::Truth {
                 place, force_mn, ..
-            } => {
+            }) => {
                 message
                     .double(1, mm(place.x))
                     .double(2, mm(place.y))
                     .double(3, f64::from(*force_mn) / 1e3);
                 Some(self.truth)
             }
-            Event::Joint {
+            Event::Joint(event::Joint {
                 joint, milli_deg, ..
-            } => {
+            }) => {
                 message.double(1, f64::from(*milli_deg) / 1e3);
                 self.joints.get(usize::from(*joint)).copied()
             }
@@ -121,13 +121,13 @@ impl RunTopics {
                 self.of_output(entry.board.0, entry.channel.0)
                     .map(|w| w.schedule)
             }
-            Event::PreScale {
+            Event::PreScale(event::PreScale {
                 board, pre_scale, ..
-            } => {
+            }) => {
                 message.uint(1, *board).uint(2, *pre_scale);
                 Some(self.boards)
             }
-            Event::AllOff { board, cause, .. } => {
+            Event::AllOff(event::AllOff { board, cause, .. }) => {
                 message.uint(1, *board).text(3, cause);
                 Some(self.boards)
             }
@@ -138,22 +138,22 @@ impl RunTopics {
     /// The same of what came of it.
     pub fn came(&self, event: &Event, message: &mut Message) -> Option<u16> {
         match event {
-            Event::Edge {
+            Event::Edge(event::Edge {
                 board,
                 channel,
                 high,
                 ..
-            } => {
+            }) => {
                 message.uint(1, *high);
                 self.of_output(*board, *channel).map(|w| w.pin)
             }
-            Event::Felt {
+            Event::Felt(event::Felt {
                 target,
                 inside,
                 met,
                 energy: all,
                 ..
-            } => {
+            }) => {
                 let place =
                     |p: Option<PlaceUm>| p.map_or((f64::NAN, f64::NAN), |p| (mm(p.x), mm(p.y)));
                 let energy = place(met.map(|m| m.energy));
@@ -174,21 +174,21 @@ impl RunTopics {
                     .uint(13, met.is_some_and(|m| m.tap));
                 Some(self.felt)
             }
-            Event::Wire { wire, milli_c, .. } => {
+            Event::Wire(event::Temperature { wire, milli_c, .. }) => {
                 message.double(1, f64::from(*milli_c) / 1e3);
                 self.of_wire(*wire).map(|w| w.wire)
             }
-            Event::Skin { wire, milli_c, .. } => {
+            Event::Skin(event::Temperature { wire, milli_c, .. }) => {
                 message.double(1, f64::from(*milli_c) / 1e3);
                 self.of_wire(*wire).map(|w| w.skin)
             }
-            Event::Face {
+            Event::Face(event::Face {
                 face_mc,
                 aim_mc,
                 sink_mc,
                 milliamps,
                 ..
-            } => {
+            }) => {
                 message
                     .double(1, f64::from(*face_mc) / 1e3)
                     .double(2, aim_mc.map_or(f64::NAN, |mc| f64::from(mc) / 1e3))
