@@ -36,7 +36,7 @@ fn milli(value: impl Into<f64>) -> f64 {
 pub fn of(name: &str, events: &[Event], about: &About) -> Option<Table> {
     Some(match name {
         "frames" => frames(events),
-        "contacts" => contacts(events),
+        "contacts" => contacts(&each(events).copied().collect::<Vec<_>>()),
         "truth" => truth(events),
         "stimuli" => stimuli(events, about),
         "edges" => edges(events),
@@ -57,18 +57,17 @@ fn frames(events: &[Event]) -> Table {
 }
 
 /// Contacts of every frame.
-pub fn contacts(events: &[Event]) -> Table {
-    let rows: Vec<&event::Contact> = each(events).collect();
+pub fn contacts(rows: &[event::Contact]) -> Table {
     Table::default()
-        .with("frame", &rows, |r| r.frame)
-        .with("time_us", &rows, |r| r.t_us)
-        .with("module", &rows, |r| r.module)
-        .with("contact", &rows, |r| r.contact)
-        .with("x_mm", &rows, |r| milli(r.place.x))
-        .with("y_mm", &rows, |r| milli(r.place.y))
-        .with("intensity", &rows, |r| milli(r.intensity_milli))
-        .with("level", &rows, |r| r.level)
-        .with("members", &rows, |r| r.members)
+        .with("frame", rows, |r| r.frame)
+        .with("time_us", rows, |r| r.t_us)
+        .with("module", rows, |r| r.module)
+        .with("contact", rows, |r| r.contact)
+        .with("x_mm", rows, |r| milli(r.place.x))
+        .with("y_mm", rows, |r| milli(r.place.y))
+        .with("intensity", rows, |r| milli(r.intensity_milli))
+        .with("level", rows, |r| r.level)
+        .with("members", rows, |r| r.members)
 }
 
 fn truth(events: &[Event]) -> Table {

@@ -2,7 +2,7 @@
 //! `display`, the one that the module belongs to.
 
 use crate::fixed::{milli, milli_u};
-use crate::trace::{DisplayInfo, Event, Trace, event};
+use crate::trace::{DisplayInfo, Trace, event};
 use std::io::{self, Write};
 
 /// First line of the file.
@@ -20,15 +20,18 @@ pub fn write_table(trace: &Trace, mut out: impl Write) -> io::Result<()> {
         [] => writeln!(out, "{HEADER}")?,
         _ => writeln!(out, "{HEADER},{DISPLAY}")?,
     }
-    rows(&trace.events, &trace.header.displays, out)
+    rows(trace.each(), &trace.header.displays, out)
 }
 
-/// Writes the rows of events alone, of a run with one display.
+/// Writes the rows alone, of a run with one display.
 ///
 /// # Errors
 /// Whatever the writer says.
-pub fn write_rows(events: &[Event], out: impl Write) -> io::Result<()> {
-    rows(events, &[], out)
+pub fn write_rows<'a>(
+    contacts: impl IntoIterator<Item = &'a event::Contact>,
+    out: impl Write,
+) -> io::Result<()> {
+    rows(contacts, &[], out)
 }
 
 /// The name of the display that a module belongs to, as a field.
@@ -41,8 +44,12 @@ fn display_of(displays: &[DisplayInfo], module: u16) -> String {
     }
 }
 
-fn rows(events: &[Event], displays: &[DisplayInfo], mut out: impl Write) -> io::Result<()> {
-    for c in event::each::<event::Contact>(events) {
+fn rows<'a>(
+    contacts: impl IntoIterator<Item = &'a event::Contact>,
+    displays: &[DisplayInfo],
+    mut out: impl Write,
+) -> io::Result<()> {
+    for c in contacts {
         let (x, y) = (milli(c.place.x.into()), milli(c.place.y.into()));
         let intensity = milli_u(c.intensity_milli.into());
         write!(

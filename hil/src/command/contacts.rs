@@ -6,7 +6,7 @@ use palpate_core::contact::{Contact, Settings};
 use palpate_core::skin::{BaselineSettings, Layout, ThresholdRule};
 use palpate_core::units::Duration;
 use palpate_records::contacts_csv;
-use palpate_records::trace::{Event, PlaceUm, event};
+use palpate_records::trace::{PlaceUm, event};
 use serde_json::json;
 
 use crate::cli::{ContactsArgs, StaleArg, Threshold};
@@ -121,7 +121,7 @@ fn write_csv(
 ) -> io::Result<()> {
     writeln!(out, "{}", contacts_csv::HEADER)?;
     found.each(&mut |row| {
-        let event = Event::Contact(event::Contact {
+        let contact = event::Contact {
             t_us: row.time_us,
             frame: u32::try_from(row.frame).unwrap_or(u32::MAX),
             module: row.contact.module,
@@ -130,8 +130,8 @@ fn write_csv(
             intensity_milli: (f64::from(row.contact.intensity) * 1e3).round() as u32,
             level: level(&row.contact),
             members: row.contact.members,
-        });
-        contacts_csv::write_rows(&[event], &mut *out)
+        };
+        contacts_csv::write_rows([&contact], &mut *out)
     })
 }
 

@@ -4,9 +4,10 @@
 use std::io::{self, Write};
 
 use super::container::Container;
+use super::described::schema;
 use super::foxglove::{CLOUD, SCENE, TRANSFORM, descriptor};
+use super::messages::TaxelCounts;
 use super::proto::Message;
-use super::schema;
 use crate::readings::{ModulePlaces, Reading, TaxelFrame};
 use crate::trace::{Event, FeltAt, Header, PlaceUm};
 
@@ -52,7 +53,7 @@ pub(super) struct Scene {
     due_cloud_us: u64,
 }
 
-pub(super) fn mm(um: i32) -> f64 {
+fn mm(um: i32) -> f64 {
     f64::from(um) / 1e3
 }
 
@@ -136,7 +137,7 @@ impl Scene {
         let cloud = container.schema(CLOUD, &types)?;
         let scene = container.schema(SCENE, &types)?;
         let transform = container.schema(TRANSFORM, &types)?;
-        let counts = container.schema(&schema::TAXELS.full_name(), &schema::TAXELS.descriptor())?;
+        let counts = schema(container, TaxelCounts::default())?;
         let topic = container.channel(scene, "/scene")?;
         let frames = container.channel(transform, "/frames_of_reference")?;
         let mut pads = Vec::with_capacity(modules.len());
