@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use palpate_files::Setup;
 use palpate_hil::capture::{Capture, Comparison, Signal, compare};
-use palpate_records::trace::{Event, Trace};
+use palpate_records::trace::{Event, Trace, event};
 use palpate_records::verdict::Verdict;
 use palpate_run::{Input, run};
 use proptest::prelude::*;
@@ -40,12 +40,12 @@ fn capture(trace: &Trace) -> Capture {
 
 fn edges(trace: &Trace, of_board: u8, of_channel: u8) -> Vec<(u64, bool)> {
     let edge = |event: &Event| match *event {
-        Event::Edge {
+        Event::Edge(event::Edge {
             t_ns,
             board,
             channel,
             high,
-        } if (board, channel) == (of_board, of_channel) => Some((t_ns, high)),
+        }) if (board, channel) == (of_board, of_channel) => Some((t_ns, high)),
         _ => None,
     };
     trace.events.iter().filter_map(edge).collect()

@@ -12,7 +12,7 @@ use palpate_emulators::display::i2c::BusClock;
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{DisplayConfig, WirePlace, WornDisplay};
 use palpate_files::{Bench, Loaded, Setup, Source, load_bench, load_scene};
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_run::{Input, Outcome, run};
 
 use super::faults::{outputs_are_off, try_on};
@@ -174,14 +174,14 @@ fn broken(kind: &str, more: &str) -> String {
 /// Seconds of every edge that goes high.
 fn rises(outcome: &Outcome) -> Vec<f64> {
     let rise = |event: &Event| match event {
-        Event::Edge { t_ns, high, .. } if *high => Some(*t_ns as f64 * 1e-9),
+        Event::Edge(event::Edge { t_ns, high, .. }) if *high => Some(*t_ns as f64 * 1e-9),
         _ => None,
     };
     outcome.trace.events.iter().filter_map(rise).collect()
 }
 
 fn noted(outcome: &Outcome, words: &str) -> bool {
-    let has = |event: &Event| matches!(event, Event::Note { text, .. } if text.contains(words));
+    let has = |event: &Event| matches!(event, Event::Note(event::Note { text, .. }) if text.contains(words));
     outcome.trace.events.iter().any(has)
 }
 

@@ -2,7 +2,7 @@
 //! and SOA. The schedule is read from the trace, the edges come out of the chip's registers.
 
 use palpate_files::{Overrides, Setup, load_bench, load_scene};
-use palpate_records::trace::{Event, Trace};
+use palpate_records::trace::{Event, Trace, event};
 use palpate_run::{Input, run};
 use proptest::prelude::*;
 
@@ -18,12 +18,12 @@ fn pulses(trace: &Trace) -> Vec<Pulse> {
     let mut high: [Option<u64>; 16] = [None; 16];
     let mut pulses = Vec::new();
     for event in &trace.events {
-        if let Event::Edge {
+        if let Event::Edge(event::Edge {
             t_ns,
             channel,
             high: level,
             ..
-        } = *event
+        }) = *event
         {
             let slot = &mut high[usize::from(channel)];
             match (level, slot.take()) {

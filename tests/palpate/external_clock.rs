@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use palpate_core::units::{Instant, Ticks};
 use palpate_files::{ExternalClock, load_bench};
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_records::verdict::Verdict;
 use palpate_run::Outcome;
 
@@ -48,9 +48,9 @@ fn an_external_clock_that_stops_in_mid_pulse_leaves_the_wire_on() {
     // The other spacing makes other widths, and a wire of one tick may have none; but every onset comes, at its time.
     assert_eq!(onsets(&clean), onsets(&healthy()));
     let high = |e: &Event| match e {
-        Event::Edge {
+        Event::Edge(event::Edge {
             t_ns, high: true, ..
-        } if *t_ns > 1_500_000_000 => Some(*t_ns),
+        }) if *t_ns > 1_500_000_000 => Some(*t_ns),
         _ => None,
     };
     let rose = clean.trace.events.iter().find_map(high).unwrap();

@@ -2,7 +2,7 @@
 //! names it.
 
 use palpate_files::{Bench, FaultKind, Loaded, Overrides, Scene, Setup, Source, load_bench};
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_run::{FaultReport, Input, Outcome, run};
 
 /// A built-in scene of 10 s cut to four seconds, with faults; `pair` is a sphere on one of two boards.
@@ -51,7 +51,8 @@ fn fault(outcome: &Outcome) -> &FaultReport {
 }
 
 fn told(outcome: &Outcome, words: &str) -> bool {
-    let is_told = |e: &Event| matches!(e, Event::Note { text, .. } if text.contains(words));
+    let is_told =
+        |e: &Event| matches!(e, Event::Note(event::Note { text, .. }) if text.contains(words));
     outcome.trace.events.iter().any(is_told)
 }
 
@@ -59,12 +60,12 @@ fn told(outcome: &Outcome, words: &str) -> bool {
 pub(super) fn outputs_are_off(outcome: &Outcome) -> bool {
     let mut high = [false; 256];
     for event in &outcome.trace.events {
-        if let Event::Edge {
+        if let Event::Edge(event::Edge {
             board,
             channel,
             high: h,
             ..
-        } = event
+        }) = event
         {
             high[usize::from(*board) * 16 + usize::from(*channel)] = *h;
         }
@@ -88,7 +89,9 @@ fn ill(outcome: &Outcome, condition: &str) -> usize {
 /// Seconds at which a board went off for this cause.
 fn all_off(outcome: &Outcome, word: &str) -> Vec<f64> {
     let at = |e: &Event| match e {
-        Event::AllOff { t_us, cause, .. } if *cause == word => Some(*t_us as f64 * 1e-6),
+        Event::AllOff(event::AllOff { t_us, cause, .. }) if *cause == word => {
+            Some(*t_us as f64 * 1e-6)
+        }
         _ => None,
     };
     outcome.trace.events.iter().filter_map(at).collect()
@@ -290,7 +293,7 @@ fn a_dead_actuator_bus_ends_the_run_with_outputs_off_and_status_3() {
         assert!(told(&outcome, "giving up"));
         // Nothing is driven from the first error on: the burst limit is never in question.
         let since = at.parse::<f64>().unwrap() + 0.060;
-        let late = |e: &&Event| matches!(e, Event::Edge { t_ns, high: true, .. } if *t_ns as f64 > since * 1e9);
+        let late = |e: &&Event| matches!(e, Event::Edge(event::Edge { t_ns, high: true, .. }) if *t_ns as f64 > since * 1e9);
         assert!(outcome.trace.events.iter().find(late).is_none());
     }
 }
@@ -338,12 +341,12 @@ pub(super) fn widths_ns(outcome: &Outcome) -> Vec<u64> {
     let mut rose = [None; 256];
     let mut widths = Vec::new();
     for event in &outcome.trace.events {
-        if let Event::Edge {
+        if let Event::Edge(event::Edge {
             t_ns,
             board,
             channel,
             high,
-        } = *event
+        }) = *event
         {
             let slot = &mut rose[usize::from(board) * 16 + usize::from(channel)];
             match slot.take() {
@@ -363,7 +366,7 @@ fn a_stuck_amplifier_burns_whatever_software_does() {
         "idle",
         "[[faults]]\nat_s = 1.0\nkind = \"amplifier-stuck-on\"\nwire = 2",
     );
-    let edges = |e: &Event| matches!(e, Event::Edge { high: true, .. });
+    let edges = |e: &Event| matches!(e, Event::Edge(event::Edge { high: true, .. }));
     assert!(!idle.trace.events.iter().any(edges));
     assert!(idle.summary.hottest_skin_c.unwrap() > 100.0);
     // With all outputs off by OE and the run given up the wire goes on heating until a person cuts the current.
@@ -392,9 +395,9 @@ fn an_open_wire_stays_cold_and_the_others_do_their_work() {
     assert!(broken.summary.energy_mj < clean.summary.energy_mj);
     let warmest = |o: &Outcome| {
         let of_wire = |e: &Event| match e {
-            Event::Wire {
+            Event::Wire(event::Temperature {
                 wire: 2, milli_c, ..
-            } => Some(*milli_c),
+            }) => Some(*milli_c),
             _ => None,
         };
         o.trace.events.iter().filter_map(of_wire).max().unwrap()
@@ -431,8 +434,7 @@ fn playing_the_boards_back_is_emulating_them_again() {
     for scene in ["sphere-circle", "pair"] {
         let (played, emulated) = (with(scene, ""), with(scene, inert));
         let events = |o: &Outcome| -> Vec<Event> {
-            let told =
-                |e: &&Event| !matches!(e, Event::Note { text, .. } if text.starts_with("fault"));
+            let told = |e: &&Event| !matches!(e, Event::Note(event::Note { text, .. }) if text.starts_with("fault"));
             o.trace.events.iter().filter(told).cloned().collect()
         };
         assert_eq!(events(&played), events(&emulated), "{scene}");

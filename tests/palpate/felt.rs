@@ -2,7 +2,7 @@
 
 use palpate_emulators::sensor::surface::{SurfaceTexture, spearman};
 use palpate_files::{Setup, TextureEntry};
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_run::{Input, Outcome, run};
 
 fn played(setup: &Setup) -> Outcome {
@@ -31,19 +31,19 @@ fn moving(rate_hz: f64, traverse_s: f64) -> Setup {
 fn pulses_per_burst(outcome: &Outcome) -> f64 {
     let events = &outcome.trace.events;
     let first = events.iter().find_map(|e| match e {
-        Event::Latent { t_us, .. } => Some(*t_us),
+        Event::Latent(event::Latent { t_us, .. }) => Some(*t_us),
         _ => None,
     });
     let first = first.unwrap_or(u64::MAX);
     let channels = outcome.trace.header.wires.len();
     let mut bursts = vec![(0_u64, 0_u64, 0_u64); channels]; // last edge, bursts, pulses
     for event in events {
-        if let Event::Edge {
+        if let Event::Edge(event::Edge {
             t_ns,
             channel,
             high: true,
             ..
-        } = event
+        }) = event
             && t_ns / 1000 > first
         {
             let (last, all, pulses) = &mut bursts[usize::from(*channel)];

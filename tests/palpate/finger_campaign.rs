@@ -141,7 +141,7 @@ fn entries(trace: &Trace) -> Vec<Entry> {
 
 fn edges(trace: &Trace) -> Vec<&Event> {
     let edges = trace.events.iter();
-    edges.filter(|e| matches!(e, Event::Edge { .. })).collect()
+    edges.filter(|e| matches!(e, Event::Edge(_))).collect()
 }
 
 /// What many runs came to.

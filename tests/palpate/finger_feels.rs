@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use palpate_core::units::Instant;
 use palpate_files::Setup;
 use palpate_records::story::Story;
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_run::{Input, Outcome, fits, run};
 
 use super::fingers::entries;
@@ -61,17 +61,17 @@ fn strokes_of_one_finger_hold_the_other_one_of_its_board() {
     let mut high: BTreeMap<u8, Vec<u8>> = BTreeMap::new();
     for event in &outcome.trace.events {
         match event {
-            Event::Edge {
+            Event::Edge(event::Edge {
                 board,
                 channel,
                 high: true,
                 ..
-            } => {
+            }) => {
                 let on = high.entry(*board).or_default();
                 on.push(*channel);
                 assert_eq!(on.len(), 1, "{event:?} beside {on:?}");
             }
-            Event::Edge { board, channel, .. } => {
+            Event::Edge(event::Edge { board, channel, .. }) => {
                 high.entry(*board).or_default().retain(|c| c != channel);
             }
             _ => {}

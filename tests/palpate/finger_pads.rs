@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use palpate_files::{Bench, Loaded, Overrides, Scene, Setup, Source, load_bench, load_scene};
-use palpate_records::trace::{Event, Trace};
+use palpate_records::trace::{Event, Trace, event};
 use palpate_records::verdict::Verdict;
 use palpate_run::{Beginning, Failure, Host, Input, Keep, Outcome, TurnView, run, run_with};
 
@@ -35,7 +35,7 @@ fn merged_modules_drive_one_display_by_their_places() {
     assert!(a.stimuli > 10, "{a:?}");
     let trace = &outcome.displays[0].outcome.trace;
     let right = |e: &Event| match e {
-        Event::Felt { target, .. } => Some(target.x > 0),
+        Event::Felt(event::Felt { target, .. }) => Some(target.x > 0),
         _ => None,
     };
     assert!(trace.events.iter().filter_map(right).all(|right| right));
@@ -100,7 +100,7 @@ fn a_joint_lets_its_finger_be_felt() {
     assert!(times(&index).iter().all(|t| *t >= 4_000_000) && times(&index).len() > 20);
     assert!(times(&trace(&always, 0)).iter().any(|t| *t < 3_000_000));
     let contacts = |trace: &Trace| {
-        let contact = |e: &&Event| matches!(e, Event::Contact { .. });
+        let contact = |e: &&Event| matches!(e, Event::Contact(_));
         trace.events.iter().filter(contact).count()
     };
     assert_eq!(contacts(&index), contacts(&trace(&always, 0)));
@@ -117,7 +117,7 @@ fn a_joint_lets_its_finger_be_felt() {
         ]
     );
     let angles = |e: &Event| match e {
-        Event::Joint { milli_deg, .. } => Some(*milli_deg),
+        Event::Joint(event::Joint { milli_deg, .. }) => Some(*milli_deg),
         _ => None,
     };
     let angles: Vec<i32> = bent.trace.events.iter().filter_map(angles).collect();

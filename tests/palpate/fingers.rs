@@ -7,7 +7,7 @@ use palpate_files::{Bench, Loaded, Overrides, Scene, Setup, Source, load_bench, 
 use palpate_records::margin::Limited;
 use palpate_records::schedule::write_schedule;
 use palpate_records::story::Story;
-use palpate_records::trace::{Event, Trace};
+use palpate_records::trace::{Event, Trace, event};
 use palpate_run::{EmulatedSession, Input, Keep, Outcome, Policy, run, run_with};
 use proptest::prelude::*;
 
@@ -40,7 +40,7 @@ pub fn entries(trace: &Trace) -> Vec<Entry> {
 pub fn notes(trace: &Trace) -> Vec<&str> {
     let mut notes = Vec::new();
     for event in &trace.events {
-        if let Event::Note { text, .. } = event {
+        if let Event::Note(event::Note { text, .. }) = event {
             notes.push(text.as_str());
         }
     }
@@ -76,7 +76,7 @@ fn four_fingertips_are_felt_at_once_within_the_limits() {
     // Every pad is recorded, by its number in the skin.
     let mut touched: Vec<u16> = (outcome.trace.events.iter())
         .filter_map(|e| match e {
-            Event::Contact { module, .. } => Some(*module),
+            Event::Contact(event::Contact { module, .. }) => Some(*module),
             _ => None,
         })
         .collect();
@@ -107,17 +107,17 @@ fn one_wire_of_a_board_is_on_at_a_time() {
                 let first = turn * soa_us / 2 + 1000 * u64::from(e.board.0);
                 assert_eq!(e.at.as_micros() % soa_us, first, "{e:?}");
             }
-            Event::Edge {
+            Event::Edge(event::Edge {
                 board,
                 channel,
                 high: true,
                 ..
-            } => {
+            }) => {
                 let on = high.entry(*board).or_default();
                 on.push(*channel);
                 assert_eq!(on.len(), 1, "{event:?} beside {on:?}");
             }
-            Event::Edge { board, channel, .. } => {
+            Event::Edge(event::Edge { board, channel, .. }) => {
                 high.entry(*board).or_default().retain(|c| c != channel);
             }
             _ => {}
@@ -187,8 +187,7 @@ fn a_board_that_browns_out_is_lost_to_both_of_its_fingers() {
         if number < 2 {
             assert_eq!(entries(&well.outcome.trace), entries(&ill.outcome.trace));
         }
-        let rises =
-            |e: &&Event| matches!(e, Event::Edge { t_ns, high: true, .. } if *t_ns > 4_000_000_000);
+        let rises = |e: &&Event| matches!(e, Event::Edge(event::Edge { t_ns, high: true, .. }) if *t_ns > 4_000_000_000);
         assert!(ill.outcome.trace.events.iter().filter(rises).count() > 10);
     }
 }
@@ -331,7 +330,7 @@ proptest! {
         for number in (0..4).filter(|n| !met.contains(n)) {
             let (well, ill) = (&well.displays[number].outcome, &ill.displays[number].outcome);
             prop_assert_eq!(entries(&well.trace), entries(&ill.trace));
-            let edges = |t: &Trace| t.events.iter().filter(|e| matches!(e, Event::Edge { .. })).cloned().collect::<Vec<_>>();
+            let edges = |t: &Trace| t.events.iter().filter(|e| matches!(e, Event::Edge(_))).cloned().collect::<Vec<_>>();
             prop_assert_eq!(edges(&well.trace), edges(&ill.trace));
         }
     }

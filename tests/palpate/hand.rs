@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use palpate_files::Setup;
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_run::{Input, Summary, run};
 
 fn summary(scene: &str) -> Summary {
@@ -60,7 +60,7 @@ fn a_grasp_is_felt_on_each_of_the_four_fingertips_within_the_limits() {
         assert!(s.path_error_mm.unwrap().rmse < 0.5, "module {tip}");
         assert!(s.margins.iter().all(|m| m.used() < 1.0), "module {tip}");
         let touched = outcome.trace.events.iter().filter_map(|event| match event {
-            Event::Contact { module, .. } => Some(*module),
+            Event::Contact(event::Contact { module, .. }) => Some(*module),
             _ => None,
         });
         let touched: BTreeSet<u16> = touched.collect();

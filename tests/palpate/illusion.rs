@@ -5,7 +5,7 @@ use palpate_core::illusion::{
     ModelSettings, ShapeChoice, Sharing, Surface, Target, build,
 };
 use palpate_core::units::{Board, Channel, Point};
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_tests::felt::{PATHS, Worn, current, path_on, person};
 use proptest::prelude::*;
 
@@ -346,9 +346,9 @@ fn planned_strokes_are_played() {
         .events
         .iter()
         .filter_map(|e| match *e {
-            Event::Felt {
+            Event::Felt(event::Felt {
                 t_us, target, met, ..
-            } => Some((t_us, target, met.unwrap().level_mdb)),
+            }) => Some((t_us, target, met.unwrap().level_mdb)),
             _ => None,
         })
         .collect();

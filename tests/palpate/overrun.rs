@@ -7,7 +7,7 @@ use palpate_core::units::{Board, Duration, Instant};
 use palpate_emulators::display::i2c::I2cHandle;
 use palpate_files::Setup;
 use palpate_records::margin::Limited;
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_records::verdict::{Conclusion, Verdict};
 use palpate_run::display_end::{DisplayEnd, Driver, EmulatedDisplay, OutputEnable};
 use palpate_run::{
@@ -209,12 +209,12 @@ fn run(fault: Fault, cuts: bool, policy: Policy) -> Came {
     let begun = struck.at.as_micros();
     let length = struck.until.as_micros() - begun;
     let offs = events.iter().filter_map(|e| match e {
-        Event::AllOff { t_us, cause, .. } if *t_us > begun => Some((*t_us, *cause)),
+        Event::AllOff(event::AllOff { t_us, cause, .. }) if *t_us > begun => Some((*t_us, *cause)),
         _ => None,
     });
     let mut last = begun * 1000;
     for edge in &events {
-        if let Event::Edge { t_ns, .. } = edge
+        if let Event::Edge(event::Edge { t_ns, .. }) = edge
             && *t_ns > last
             && *t_ns - last < 20_000_000
         {
@@ -383,7 +383,7 @@ fn an_emulated_bench_goes_on_by_itself() {
     assert_eq!(came.offs[0].1, "overrun");
     let events = came.session.seen().1.events.iter();
     let notes = events.filter_map(|e| match e {
-        Event::Note { text, .. } => Some(text.as_str()),
+        Event::Note(event::Note { text, .. }) => Some(text.as_str()),
         _ => None,
     });
     let notes: Vec<&str> = notes.collect();

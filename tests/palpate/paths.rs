@@ -1,7 +1,7 @@
 //! Contacts against the truth over random paths, speeds and forces, and under the pad's symmetries.
 
 use palpate_files::{Force, Path, PathKind, Setup, Touch};
-use palpate_records::trace::{Event, PlaceUm, Trace};
+use palpate_records::trace::{Event, PlaceUm, Trace, event};
 use palpate_run::{Input, run};
 use proptest::prelude::*;
 
@@ -37,12 +37,12 @@ fn roll(points: &[[f64; 2]], force_n: f64, length_s: f64, noise: [f64; 2], seed:
 /// (frame, contact identity, place) of every contact.
 fn contacts(trace: &Trace) -> Vec<(u32, u32, PlaceUm)> {
     let contact = |e: &Event| match *e {
-        Event::Contact {
+        Event::Contact(event::Contact {
             frame,
             contact,
             place,
             ..
-        } => Some((frame, contact, place)),
+        }) => Some((frame, contact, place)),
         _ => None,
     };
     trace.events.iter().filter_map(contact).collect()
@@ -75,8 +75,8 @@ proptest! {
         let mut newest = 0;
         for event in &trace.events {
             match *event {
-                Event::Frame { frame, .. } => newest = frame,
-                Event::Truth { place, force_mn, .. } if f64::from(force_mn) + 1.0 >= 1000.0 * force => {
+                Event::Frame(event::Frame { frame, .. }) => newest = frame,
+                Event::Truth(event::Truth { place, force_mn, .. }) if f64::from(force_mn) + 1.0 >= 1000.0 * force => {
                     let here: Vec<_> = found.iter().filter(|c| c.0 == newest).collect();
                     prop_assert_eq!(here.len(), 1, "frame {}", newest);
                     worst = worst.max(distance_mm(here[0].2, place));
@@ -148,7 +148,7 @@ fn the_four_paths_meet_their_figures() {
         assert!(path.rmse <= 0.5, "{scene}: path RMSE {} mm", path.rmse);
         assert_eq!(outcome.summary.limiter_events, 0, "{scene}");
         for event in &outcome.trace.events {
-            if let Event::Frame { in_contact, .. } = *event {
+            if let Event::Frame(event::Frame { in_contact, .. }) = *event {
                 most_taxels = most_taxels.max(in_contact);
             }
         }

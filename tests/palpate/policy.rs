@@ -4,7 +4,7 @@
 use palpate_core::guard::Cause;
 use palpate_core::units::Instant;
 use palpate_files::{BenchKind, Loaded, Scene, Setup, Source, load_bench};
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_run::{EmulatedSession, FedSession, Input, Policy, TaxelTable, Turn, press, run};
 
 /// A rolling sphere with one fault.
@@ -27,7 +27,7 @@ const fn at(ms: u64) -> Instant {
 
 fn note(event: &Event) -> Option<&str> {
     match event {
-        Event::Note { text, .. } => Some(text),
+        Event::Note(event::Note { text, .. }) => Some(text),
         _ => None,
     }
 }
@@ -39,8 +39,7 @@ fn notes(events: &[Event]) -> Vec<&str> {
 /// Pulses that began in a stretch of time.
 fn pulses(events: &[Event], from: Instant, to: Instant) -> usize {
     let (from, to) = (from.as_micros() * 1000, to.as_micros() * 1000);
-    let rises =
-        |e: &&Event| matches!(e, Event::Edge { t_ns, high: true, .. } if (from..to).contains(t_ns));
+    let rises = |e: &&Event| matches!(e, Event::Edge(event::Edge { t_ns, high: true, .. }) if (from..to).contains(t_ns));
     events.iter().filter(rises).count()
 }
 
@@ -64,7 +63,8 @@ fn a_stop_stays_on_a_real_bench_and_ends_on_an_emulated_one() {
     assert!(pulses(&events, at(1000), at(2000)) > 20);
     assert_eq!(pulses(&events, at(2200), at(4000)), 0);
     // The skin is still read: its frames are there after the stop.
-    let late = |e: &&Event| matches!(e, Event::Frame { t_us, .. } if *t_us > 3_000_000);
+    let late =
+        |e: &&Event| matches!(e, Event::Frame(event::Frame { t_us, .. }) if *t_us > 3_000_000);
     assert!(events.iter().filter(late).count() > 90);
 
     let (events, latched, failure) = run(Policy::EMULATED);
@@ -126,11 +126,11 @@ fn a_hand_is_felt_and_a_session_has_no_end() {
     .join()
     .unwrap();
     let felt = |e: &Event| match e {
-        Event::Felt {
+        Event::Felt(event::Felt {
             met: Some(met),
             target,
             ..
-        } => Some((met.energy, *target)),
+        }) => Some((met.energy, *target)),
         _ => None,
     };
     let all: Vec<_> = events.iter().filter_map(felt).collect();
@@ -169,7 +169,7 @@ fn a_camera_is_felt_under_a_scene_and_under_a_hand() {
     for session in [&mut scene, &mut touched] {
         session.advance(at(4000)).unwrap();
         let (events, _) = session.drain();
-        let contact = |e: &&Event| matches!(e, Event::Contact { .. });
+        let contact = |e: &&Event| matches!(e, Event::Contact(_));
         assert!(events.iter().filter(contact).count() > 50);
         assert!(pulses(&events, at(2000), at(4000)) > 10);
     }
@@ -206,7 +206,7 @@ fn pushed_readings_are_felt() {
     );
     let (events, dropped) = session.drain();
     assert_eq!(dropped, 0);
-    let contact = |e: &&Event| matches!(e, Event::Contact { .. });
+    let contact = |e: &&Event| matches!(e, Event::Contact(_));
     assert!(events.iter().filter(contact).count() > 250);
     assert!(pulses(&events, at(1500), at(4000)) > 10);
 }

@@ -8,7 +8,7 @@ use palpate_files::{Setup, load_bench, load_scene};
 use palpate_hil::cli::{ContactsArgs, StaleArg, Threshold};
 use palpate_hil::command;
 use palpate_hil::recording::{Reading, recorded};
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_run::{Outcome, run};
 
 pub const FINGERS: [&str; 2] = ["xela_sensor1.csv", "xela_sensor2.csv"];
@@ -71,9 +71,9 @@ fn check(outcome: &Outcome, rows: usize, modules: u16, what: &str) {
     for module in 0..modules {
         let mut found = 0;
         for event in events {
-            if let Event::Contact {
+            if let Event::Contact(event::Contact {
                 module: m, place, ..
-            } = event
+            }) = event
                 && *m == module
             {
                 assert!(

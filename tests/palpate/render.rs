@@ -6,7 +6,7 @@ use palpate_core::illusion::IllusionModel;
 use palpate_core::render::Style;
 use palpate_files::{LevelsFrom, Scene, Setup};
 use palpate_records::felt::felt_scores;
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_run::{Input, Outcome, run};
 
 const PATHS: [&str; 4] = [
@@ -61,7 +61,7 @@ fn on_every_path_both_centroids_are_nearer_than_those_of_the_balanced_law() {
 /// Levels of the onsets with a contact, thousandths of a decibel, and when they were.
 fn levels(outcome: &Outcome) -> Vec<(u64, i32)> {
     let felt = |event: &Event| match event {
-        Event::Felt { t_us, met, .. } => Some((*t_us, met.as_ref()?.level_mdb)),
+        Event::Felt(event::Felt { t_us, met, .. }) => Some((*t_us, met.as_ref()?.level_mdb)),
         _ => None,
     };
     outcome.trace.events.iter().filter_map(felt).collect()
@@ -106,7 +106,7 @@ fn auto_taps_a_contact_that_rests_and_vibrates_one_that_moves() {
         setup.scene.value.illusion.render = Style::Auto;
         let outcome = played(&setup);
         let felt = outcome.trace.events.iter().filter_map(|event| match event {
-            Event::Felt { met: Some(met), .. } => Some(met.tap),
+            Event::Felt(event::Felt { met: Some(met), .. }) => Some(met.tap),
             _ => None,
         });
         let felt: Vec<bool> = felt.collect();
@@ -124,12 +124,12 @@ fn count_pulses(outcome: &Outcome) -> usize {
     let period_ns = trace.header.pre_scale.period_ns();
     let mut rises = BTreeMap::<(u8, u8), Vec<u64>>::new();
     for event in &trace.events {
-        if let Event::Edge {
+        if let Event::Edge(event::Edge {
             t_ns,
             board,
             channel,
             high: true,
-        } = event
+        }) = event
         {
             rises.entry((*board, *channel)).or_default().push(*t_ns);
         }

@@ -8,7 +8,7 @@ use palpate_core::guard::{Cause, CurrentControl, HARD, Plant};
 use palpate_core::peltier::PeltierReason;
 use palpate_core::units::{Board, Channel, Instant, Milliamps, Ticks};
 use palpate_files::Setup;
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_run::{Input, Outcome, run};
 
 fn played(scene: &str, bench: &str) -> Outcome {
@@ -18,7 +18,7 @@ fn played(scene: &str, bench: &str) -> Outcome {
 /// Times, us, of every edge that goes high.
 fn rising(outcome: &Outcome) -> Vec<u64> {
     let one = |event: &Event| match event {
-        Event::Edge { t_ns, high, .. } if *high => Some(t_ns / 1000),
+        Event::Edge(event::Edge { t_ns, high, .. }) if *high => Some(t_ns / 1000),
         _ => None,
     };
     outcome.trace.events.iter().filter_map(one).collect()

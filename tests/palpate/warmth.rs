@@ -4,7 +4,7 @@
 use palpate_core::peltier::LIMITS;
 use palpate_files::{Loaded, Overrides, Scene, Setup, Source, load_bench, load_scene};
 use palpate_records::margin::Limited;
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_run::{Input, Outcome, run};
 
 use super::faults::{outputs_are_off, try_on};
@@ -16,13 +16,13 @@ fn faces(outcome: &Outcome) -> Vec<(f64, f64, Option<f64>, i32)> {
     let events = outcome.trace.events.iter();
     events
         .filter_map(|event| match event {
-            Event::Face {
+            Event::Face(event::Face {
                 t_us,
                 face_mc,
                 aim_mc,
                 milliamps,
                 ..
-            } => Some((
+            }) => Some((
                 *t_us as f64 * 1e-6,
                 milli(*face_mc),
                 aim_mc.map(milli),
@@ -40,7 +40,9 @@ fn face_at(outcome: &Outcome, t_s: f64) -> f64 {
 
 fn told(outcome: &Outcome, words: &str) -> Option<f64> {
     outcome.trace.events.iter().find_map(|event| match event {
-        Event::Note { t_us, text } if text.contains(words) => Some(*t_us as f64 * 1e-6),
+        Event::Note(event::Note { t_us, text }) if text.contains(words) => {
+            Some(*t_us as f64 * 1e-6)
+        }
         _ => None,
     })
 }

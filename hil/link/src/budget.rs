@@ -179,14 +179,9 @@ impl Stopwatch {
                     self.awaited.insert(output, entry.at.as_micros());
                 }
             }
-            Event::Edge {
-                t_ns,
-                board,
-                channel,
-                high: true,
-            } => {
-                if let Some(onset) = self.awaited.remove(&(*board, *channel)) {
-                    keep(&mut self.unit, (t_ns / 1000).saturating_sub(onset));
+            Event::Edge(edge) if edge.high => {
+                if let Some(onset) = self.awaited.remove(&(edge.board, edge.channel)) {
+                    keep(&mut self.unit, (edge.t_ns / 1000).saturating_sub(onset));
                 }
             }
             _ => {}

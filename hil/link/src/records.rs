@@ -219,10 +219,8 @@ impl Felt {
     /// Counts what happened.
     pub fn see(&mut self, event: &Event) {
         match event {
-            Event::Edge {
-                t_ns, high: false, ..
-            } => {
-                self.fell_us = Some(t_ns / 1000);
+            Event::Edge(edge) if !edge.high => {
+                self.fell_us = Some(edge.t_ns / 1000);
                 let last = self.pauses.last_mut();
                 if let Some(pause) = last.filter(|p| p.back_us.is_none()) {
                     pause.off_us = self.fell_us;

@@ -9,7 +9,7 @@ use palpate_core::units::Duration;
 use palpate_files::{
     Columns, LayoutFile, THRESHOLD_FLOOR, THRESHOLD_SIGMAS, axes_named, load_layout, norm, scope,
 };
-use palpate_records::trace::{Event, PlaceUm};
+use palpate_records::trace::{PlaceUm, event};
 use palpate_run::{Failure, Intensities, Search, plan};
 use pyo3::prelude::*;
 
@@ -198,7 +198,7 @@ impl Finder {
         free(py, || {
             let levels = state.levels.as_ref();
             let level = |c: &Contact| levels.map_or(1, |table| table.level(c.intensity));
-            let event = |&(frame, t_us, contact): &Found| Event::Contact {
+            let contact = |&(frame, t_us, contact): &Found| event::Contact {
                 t_us,
                 frame,
                 module: contact.module,
@@ -209,8 +209,8 @@ impl Finder {
                 members: contact.members,
             };
             let found = state.found.iter().skip(begin).take(count);
-            let events: Vec<Event> = found.map(event).collect();
-            Ok(tables::contacts(&events))
+            let rows: Vec<event::Contact> = found.map(contact).collect();
+            Ok(tables::contacts(&rows))
         })
     }
 }

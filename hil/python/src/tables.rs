@@ -1,9 +1,11 @@
 //! What happened, as tables: one per kind of event, with the columns that Python sees.
 
+use palpate_core::schedule::Entry;
 use palpate_records::margin::Margin;
 use palpate_records::readings::Readings;
 use palpate_records::report::Warmth;
-use palpate_records::trace::{Event, FeltAt, Header, PlaceUm};
+use palpate_records::trace::event::each;
+use palpate_records::trace::{Event, FeltAt, Header, event};
 
 use crate::table::Table;
 
@@ -25,10 +27,7 @@ impl About {
     }
 }
 
-fn mm(um: i32) -> f64 {
-    f64::from(um) * 1e-3
-}
-
+/// Of thousandths.
 fn milli(value: impl Into<f64>) -> f64 {
     value.into() * 1e-3
 }
@@ -37,7 +36,7 @@ fn milli(value: impl Into<f64>) -> f64 {
 pub fn of(name: &str, events: &[Event], about: &About) -> Option<Table> {
     Some(match name {
         "frames" => frames(events),
-        "contacts" => contacts(events),
+        "contacts" => contacts(&each(events).copied().collect::<Vec<_>>()),
         "truth" => truth(events),
         "stimuli" => stimuli(events, about),
         "edges" => edges(events),
@@ -49,78 +48,40 @@ pub fn of(name: &str, events: &[Event], about: &About) -> Option<Table> {
 }
 
 fn frames(events: &[Event]) -> Table {
-    let frame = |event: &Event| match *event {
-        Event::Frame {
-            t_us,
-            frame,
-            in_contact,
-            peak_counts,
-        } => Some((frame, t_us, in_contact, peak_counts)),
-        _ => None,
-    };
-    let rows: Vec<_> = events.iter().filter_map(frame).collect();
+    let rows: Vec<&event::Frame> = each(events).collect();
     Table::default()
-        .with("frame", &rows, |r| r.0)
-        .with("time_us", &rows, |r| r.1)
-        .with("taxels_in_contact", &rows, |r| r.2)
-        .with("peak_counts", &rows, |r| r.3)
+        .with("frame", &rows, |r| r.frame)
+        .with("time_us", &rows, |r| r.t_us)
+        .with("taxels_in_contact", &rows, |r| r.in_contact)
+        .with("peak_counts", &rows, |r| r.peak_counts)
 }
 
 /// Contacts of every frame.
-pub fn contacts(events: &[Event]) -> Table {
-    let contact = |event: &Event| match *event {
-        Event::Contact {
-            t_us,
-            frame,
-            module,
-            contact,
-            place,
-            intensity_milli,
-            level,
-            members,
-        } => Some((
-            (frame, t_us, module, contact),
-            (place, intensity_milli, level, members),
-        )),
-        _ => None,
-    };
-    let rows: Vec<_> = events.iter().filter_map(contact).collect();
+pub fn contacts(rows: &[event::Contact]) -> Table {
     Table::default()
-        .with("frame", &rows, |r| r.0.0)
-        .with("time_us", &rows, |r| r.0.1)
-        .with("module", &rows, |r| r.0.2)
-        .with("contact", &rows, |r| r.0.3)
-        .with("x_mm", &rows, |r| mm(r.1.0.x))
-        .with("y_mm", &rows, |r| mm(r.1.0.y))
-        .with("intensity", &rows, |r| milli(r.1.1))
-        .with("level", &rows, |r| r.1.2)
-        .with("members", &rows, |r| r.1.3)
+        .with("frame", rows, |r| r.frame)
+        .with("time_us", rows, |r| r.t_us)
+        .with("module", rows, |r| r.module)
+        .with("contact", rows, |r| r.contact)
+        .with("x_mm", rows, |r| milli(r.place.x))
+        .with("y_mm", rows, |r| milli(r.place.y))
+        .with("intensity", rows, |r| milli(r.intensity_milli))
+        .with("level", rows, |r| r.level)
+        .with("members", rows, |r| r.members)
 }
 
 fn truth(events: &[Event]) -> Table {
-    let truth = |event: &Event| match *event {
-        Event::Truth {
-            t_us,
-            place,
-            force_mn,
-        } => Some((t_us, place, force_mn)),
-        _ => None,
-    };
-    let rows: Vec<_> = events.iter().filter_map(truth).collect();
+    let rows: Vec<&event::Truth> = each(events).collect();
     Table::default()
-        .with("time_us", &rows, |r| r.0)
-        .with("x_mm", &rows, |r| mm(r.1.x))
-        .with("y_mm", &rows, |r| mm(r.1.y))
-        .with("force_n", &rows, |r| milli(r.2))
+        .with("time_us", &rows, |r| r.t_us)
+        .with("x_mm", &rows, |r| milli(r.place.x))
+        .with("y_mm", &rows, |r| milli(r.place.y))
+        .with("force_n", &rows, |r| milli(r.force_mn))
 }
 
 /// What the wires were told.
 pub fn stimuli(events: &[Event], about: &About) -> Table {
-    let entry = |event: &Event| match event {
-        Event::Schedule(entry) => Some(*entry),
-        _ => None,
-    };
-    let rows: Vec<_> = events.iter().filter_map(entry).collect();
+    let rows: Vec<&Entry> = each(events).collect();
     let wire = |output: (u8, u8)| about.outputs.iter().position(|o| *o == output);
     Table::default()
         .with("time_us", &rows, |e| e.at.as_micros())
@@ -145,76 +106,48 @@ pub fn stimuli(events: &[Event], about: &About) -> Table {
 }
 
 fn edges(events: &[Event]) -> Table {
-    let edge = |event: &Event| match *event {
-        Event::Edge {
-            t_ns,
-            board,
-            channel,
-            high,
-        } => Some((t_ns, board, channel, high)),
-        _ => None,
-    };
-    let rows: Vec<_> = events.iter().filter_map(edge).collect();
+    let rows: Vec<&event::Edge> = each(events).collect();
     Table::default()
-        .with("time_ns", &rows, |r| r.0)
-        .with("board", &rows, |r| r.1)
-        .with("channel", &rows, |r| r.2)
-        .with("high", &rows, |r| r.3)
+        .with("time_ns", &rows, |r| r.t_ns)
+        .with("board", &rows, |r| r.board)
+        .with("channel", &rows, |r| r.channel)
+        .with("high", &rows, |r| r.high)
 }
 
 fn felt(events: &[Event]) -> Table {
-    let felt = |event: &Event| match *event {
-        Event::Felt {
-            t_us,
-            target,
-            inside,
-            met,
-            energy,
-        } => Some((t_us, target, inside, met, energy)),
-        _ => None,
-    };
-    let rows: Vec<_> = events.iter().filter_map(felt).collect();
+    let rows: Vec<&event::Felt> = each(events).collect();
     // Where no wire moved there is no place.
-    let place = |met: Option<FeltAt>, of: fn(FeltAt) -> PlaceUm| met.map(of);
-    let x = |at: Option<PlaceUm>| at.map_or(f64::NAN, |p| mm(p.x));
-    let y = |at: Option<PlaceUm>| at.map_or(f64::NAN, |p| mm(p.y));
+    let of_met =
+        |r: &event::Felt, of: fn(FeltAt) -> i32| r.met.map_or(f64::NAN, |met| milli(of(met)));
     let level = |met: Option<FeltAt>| met.map_or(f64::NEG_INFINITY, |m| milli(m.level_mdb));
     Table::default()
-        .with("time_us", &rows, |r| r.0)
-        .with("target_x_mm", &rows, |r| mm(r.1.x))
-        .with("target_y_mm", &rows, |r| mm(r.1.y))
-        .with("inside", &rows, |r| r.2)
-        .with("felt", &rows, |r| r.3.is_some_and(|met| met.is_felt()))
-        .with("x_mm", &rows, |r| x(place(r.3, |m| m.energy)))
-        .with("y_mm", &rows, |r| y(place(r.3, |m| m.energy)))
-        .with("amplitude_x_mm", &rows, |r| x(place(r.3, |m| m.amplitude)))
-        .with("amplitude_y_mm", &rows, |r| y(place(r.3, |m| m.amplitude)))
-        .with("level_db", &rows, |r| level(r.3))
-        .with("tap", &rows, |r| r.3.is_some_and(|met| met.tap))
-        .with("energy_requested", &rows, |r| milli(r.4.requested))
-        .with("energy_applied", &rows, |r| milli(r.4.applied))
-        .with("energy_felt", &rows, |r| milli(r.4.felt))
+        .with("time_us", &rows, |r| r.t_us)
+        .with("target_x_mm", &rows, |r| milli(r.target.x))
+        .with("target_y_mm", &rows, |r| milli(r.target.y))
+        .with("inside", &rows, |r| r.inside)
+        .with("felt", &rows, |r| r.is_felt())
+        .with("x_mm", &rows, |r| of_met(r, |m| m.energy.x))
+        .with("y_mm", &rows, |r| of_met(r, |m| m.energy.y))
+        .with("amplitude_x_mm", &rows, |r| of_met(r, |m| m.amplitude.x))
+        .with("amplitude_y_mm", &rows, |r| of_met(r, |m| m.amplitude.y))
+        .with("level_db", &rows, |r| level(r.met))
+        .with("tap", &rows, |r| r.met.is_some_and(|met| met.tap))
+        .with("energy_requested", &rows, |r| milli(r.energy.requested))
+        .with("energy_applied", &rows, |r| milli(r.energy.applied))
+        .with("energy_felt", &rows, |r| milli(r.energy.felt))
 }
 
 fn temperatures(events: &[Event]) -> Table {
     let mut rows: Vec<(u64, u16, f64, f64)> = Vec::new();
     for event in events {
-        match *event {
-            Event::Wire {
-                t_us,
-                wire,
-                milli_c,
-            } => rows.push((t_us, wire, milli(milli_c), f64::NAN)),
+        match event {
+            Event::Wire(now) => rows.push((now.t_us, now.wire, milli(now.milli_c), f64::NAN)),
             // The skin under a wire is looked at with the wire.
-            Event::Skin {
-                t_us,
-                wire,
-                milli_c,
-            } => {
-                let mut now = rows.iter_mut().rev().take_while(|r| r.0 == t_us);
-                match now.find(|r| r.1 == wire) {
-                    Some(row) => row.3 = milli(milli_c),
-                    None => rows.push((t_us, wire, f64::NAN, milli(milli_c))),
+            Event::Skin(now) => {
+                let mut same = rows.iter_mut().rev().take_while(|r| r.0 == now.t_us);
+                match same.find(|r| r.1 == now.wire) {
+                    Some(row) => row.3 = milli(now.milli_c),
+                    None => rows.push((now.t_us, now.wire, f64::NAN, milli(now.milli_c))),
                 }
             }
             _ => {}
@@ -229,10 +162,11 @@ fn temperatures(events: &[Event]) -> Table {
 
 fn notes(events: &[Event]) -> Table {
     let note = |event: &Event| match event {
-        Event::Note { t_us, text } => Some((*t_us, text.clone())),
-        Event::AllOff { t_us, board, cause } => {
-            Some((*t_us, format!("board {board}: all off: {cause}")))
-        }
+        Event::Note(note) => Some((note.t_us, note.text.clone())),
+        Event::AllOff(off) => Some((
+            off.t_us,
+            format!("board {}: all off: {}", off.board, off.cause),
+        )),
         _ => None,
     };
     let rows: Vec<_> = events.iter().filter_map(note).collect();

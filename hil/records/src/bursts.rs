@@ -76,11 +76,11 @@ pub fn bursts(trace: &Trace) -> Vec<Burst> {
                     open.insert(key, start(&trace.header, entry));
                 }
             }
-            Event::AllOff { t_us, board, .. } => {
-                let keys: Vec<_> = open.keys().filter(|k| k.0 == *board).copied().collect();
+            Event::AllOff(off) => {
+                let keys: Vec<_> = open.keys().filter(|k| k.0 == off.board).copied().collect();
                 for key in keys {
                     if let Some(before) = open.remove(&key) {
-                        close(&mut done, before, *t_us);
+                        close(&mut done, before, off.t_us);
                     }
                 }
             }

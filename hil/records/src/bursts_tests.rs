@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::synthetic;
+use crate::trace::event;
 use palpate_core::units::{Board, Channel, Instant, Ticks};
 
 fn entry(at: u64, until: u64, width: u16) -> Event {
@@ -27,11 +28,11 @@ fn a_burst_ends_at_the_first_of_until_next_entry_and_all_off() {
         entry(35_000, 35_000, 0),
         entry(58_500, 93_500, 90),
         entry(60_000, 95_000, 80),
-        Event::AllOff {
+        Event::AllOff(event::AllOff {
             t_us: 70_000,
             board: 0,
             cause: "stale-input",
-        },
+        }),
         entry(200_000, 235_000, 70),
     ];
     let ends: Vec<_> = bursts(&trace)

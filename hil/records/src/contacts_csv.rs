@@ -3,7 +3,7 @@
 
 use crate::fixed::{milli, milli_u};
 use crate::table::as_csv;
-use crate::trace::{DisplayInfo, Event, Trace};
+use crate::trace::{DisplayInfo, Event, Trace, event};
 use std::io::{self, Write};
 
 /// First line of the file.
@@ -42,30 +42,18 @@ fn display_of(displays: &[DisplayInfo], module: u16) -> &str {
 }
 
 fn rows(events: &[Event], displays: &[DisplayInfo], mut out: impl Write) -> io::Result<()> {
-    let row = |event: &Event| match event {
-        Event::Contact {
-            t_us,
-            frame,
-            module,
-            contact,
-            place,
-            intensity_milli,
-            level,
-            members,
-        } => {
-            let place = [place.x, place.y].map(|um| milli(i64::from(um)));
-            let intensity = milli_u(u64::from(*intensity_milli));
-            let display = (!displays.is_empty()).then(|| display_of(displays, *module));
-            Some((
-                (*frame, *t_us, *module, *contact),
-                (place, intensity, *level, *members),
-                Vec::from_iter(display),
-            ))
-        }
-        _ => None,
+    let row = |c: &event::Contact| {
+        let place = [c.place.x, c.place.y].map(|um| milli(i64::from(um)));
+        let intensity = milli_u(u64::from(c.intensity_milli));
+        let display = (!displays.is_empty()).then(|| display_of(displays, c.module));
+        (
+            (c.frame, c.t_us, c.module, c.contact),
+            (place, intensity, c.level, c.members),
+            Vec::from_iter(display),
+        )
     };
     events.chunks(CHUNK).try_for_each(|some| {
-        let text = as_csv(some.iter().filter_map(row));
+        let text = as_csv(event::each::<event::Contact>(some).map(row));
         out.write_all(text.as_bytes())
     })
 }

@@ -18,11 +18,7 @@ fn every_row_has_the_columns_of_the_header() {
         assert!(fields[4].parse::<f64>().unwrap().abs() < 10.0);
         rows += 1;
     }
-    let contacts = trace
-        .events
-        .iter()
-        .filter(|e| matches!(e, Event::Contact { .. }));
-    assert_eq!(rows, contacts.count());
+    assert_eq!(rows, trace.each::<event::Contact>().count());
 }
 
 #[test]

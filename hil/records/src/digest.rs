@@ -3,7 +3,9 @@
 //! Little-endian integers at fixed widths, strings with their length in front, one tag byte an event,
 //! so two different traces never share their bytes.
 
-use crate::trace::{Driven, Event, Header, Ledger, PlaceUm, Source, Trace, VERSION, sort_by_time};
+use crate::trace::{
+    Driven, Event, Header, Ledger, PlaceUm, Source, Trace, VERSION, event, sort_by_time,
+};
 use sha2::{Digest, Sha256};
 
 /// First 16 hex digits of the SHA-256 over the whole trace: header, events and ledger.
@@ -19,12 +21,12 @@ pub fn trace_digest(trace: &Trace) -> String {
 pub fn contacts_digest(trace: &Trace) -> String {
     let mut sink = Sink::default();
     sink.places(trace.header.taxels.iter());
-    sink.events(trace.events.iter().filter(|e| {
-        matches!(
-            e,
-            Event::Frame { .. } | Event::Contact { .. } | Event::Truth { .. }
-        )
-    }));
+    sink.events(
+        trace
+            .events
+            .iter()
+            .filter(|e| matches!(e, Event::Frame(_) | Event::Contact(_) | Event::Truth(_))),
+    );
     sink.finish()
 }
 
@@ -50,7 +52,7 @@ impl ScheduleDigest {
         let sent = events.iter().filter(|e| {
             matches!(
                 e,
-                Event::Schedule(_) | Event::PreScale { .. } | Event::AllOff { .. }
+                Event::Schedule(_) | Event::PreScale(_) | Event::AllOff(_)
             )
         });
         waiting.extend(sent.cloned());
@@ -231,37 +233,37 @@ impl Sink {
     // Every variant has its place here: a new one does not compile until it is hashed.
     fn event(&mut self, event: &Event) {
         match event {
-            Event::Frame { .. }
-            | Event::Contact { .. }
-            | Event::Truth { .. }
-            | Event::Joint { .. }
-            | Event::Latent { .. } => self.sensed(event),
-            Event::Schedule(_) | Event::PreScale { .. } | Event::AllOff { .. } => self.told(event),
-            Event::Edge { .. }
-            | Event::Felt { .. }
-            | Event::Wire { .. }
-            | Event::Skin { .. }
-            | Event::Face { .. }
-            | Event::Note { .. } => self.came(event),
+            Event::Frame(_)
+            | Event::Contact(_)
+            | Event::Truth(_)
+            | Event::Joint(_)
+            | Event::Latent(_) => self.sensed(event),
+            Event::Schedule(_) | Event::PreScale(_) | Event::AllOff(_) => self.told(event),
+            Event::Edge(_)
+            | Event::Felt(_)
+            | Event::Wire(_)
+            | Event::Skin(_)
+            | Event::Face(_)
+            | Event::Note(_) => self.came(event),
         }
     }
 
     /// What the sensor end saw.
     fn sensed(&mut self, event: &Event) {
         match event {
-            Event::Frame {
+            Event::Frame(event::Frame {
                 t_us,
                 frame,
                 in_contact,
                 peak_counts,
-            } => {
+            }) => {
                 self.u8(1);
                 self.u64(*t_us);
                 self.u32(*frame);
                 self.u16(*in_contact);
                 self.u32(*peak_counts);
             }
-            Event::Contact {
+            Event::Contact(event::Contact {
                 t_us,
                 frame,
                 module,
@@ -270,7 +272,7 @@ impl Sink {
                 intensity_milli,
                 level,
                 members,
-            } => {
+            }) => {
                 self.u8(2);
                 self.u64(*t_us);
                 self.u32(*frame);
@@ -281,32 +283,32 @@ impl Sink {
                 self.u16(*level);
                 self.u32(*members);
             }
-            Event::Truth {
+            Event::Truth(event::Truth {
                 t_us,
                 place,
                 force_mn,
-            } => {
+            }) => {
                 self.u8(3);
                 self.u64(*t_us);
                 self.place(*place);
                 self.u32(*force_mn);
             }
-            Event::Joint {
+            Event::Joint(event::Joint {
                 t_us,
                 joint,
                 milli_deg,
-            } => {
+            }) => {
                 self.u8(14);
                 self.u64(*t_us);
                 self.u16(*joint);
                 self.i32(*milli_deg);
             }
-            Event::Latent {
+            Event::Latent(event::Latent {
                 t_us,
                 z_milli,
                 rough_permille,
                 rate_mhz,
-            } => {
+            }) => {
                 self.u8(12);
                 self.u64(*t_us);
                 self.u64(z_milli.len() as u64);
@@ -341,17 +343,17 @@ impl Sink {
                     self.u64(current.0.into());
                 }
             }
-            Event::PreScale {
+            Event::PreScale(event::PreScale {
                 t_us,
                 board,
                 pre_scale,
-            } => {
+            }) => {
                 self.u8(5);
                 self.u64(*t_us);
                 self.u8(*board);
                 self.u8(*pre_scale);
             }
-            Event::AllOff { t_us, board, cause } => {
+            Event::AllOff(event::AllOff { t_us, board, cause }) => {
                 self.u8(6);
                 self.u64(*t_us);
                 self.u8(*board);
@@ -364,25 +366,25 @@ impl Sink {
     /// What came of it.
     fn came(&mut self, event: &Event) {
         match event {
-            Event::Edge {
+            Event::Edge(event::Edge {
                 t_ns,
                 board,
                 channel,
                 high,
-            } => {
+            }) => {
                 self.u8(7);
                 self.u64(*t_ns);
                 self.u8(*board);
                 self.u8(*channel);
                 self.u8(u8::from(*high));
             }
-            Event::Felt {
+            Event::Felt(event::Felt {
                 t_us,
                 target,
                 inside,
                 met,
                 energy,
-            } => {
+            }) => {
                 self.u8(8);
                 self.u64(*t_us);
                 self.place(*target);
@@ -397,33 +399,33 @@ impl Sink {
                     self.u32(permille);
                 }
             }
-            Event::Wire {
+            Event::Wire(event::Temperature {
                 t_us,
                 wire,
                 milli_c,
-            } => {
+            }) => {
                 self.u8(9);
                 self.u64(*t_us);
                 self.u16(*wire);
                 self.i32(*milli_c);
             }
-            Event::Skin {
+            Event::Skin(event::Temperature {
                 t_us,
                 wire,
                 milli_c,
-            } => {
+            }) => {
                 self.u8(11);
                 self.u64(*t_us);
                 self.u16(*wire);
                 self.i32(*milli_c);
             }
-            Event::Face {
+            Event::Face(event::Face {
                 t_us,
                 face_mc,
                 aim_mc,
                 sink_mc,
                 milliamps,
-            } => {
+            }) => {
                 self.u8(15);
                 self.u64(*t_us);
                 self.i32(*face_mc);
@@ -431,7 +433,7 @@ impl Sink {
                 self.i32(*sink_mc);
                 self.i32(*milliamps);
             }
-            Event::Note { t_us, text } => {
+            Event::Note(event::Note { t_us, text }) => {
                 self.u8(10);
                 self.u64(*t_us);
                 self.text(text);

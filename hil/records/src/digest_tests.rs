@@ -14,7 +14,7 @@ fn one_integer_changes_the_digest() {
     assert_ne!(before, trace_digest(&other));
     let mut other = trace.clone();
     for event in &mut other.events {
-        if let Event::Wire { milli_c, .. } = event {
+        if let Event::Wire(event::Temperature { milli_c, .. }) = event {
             *milli_c += 1;
             break;
         }

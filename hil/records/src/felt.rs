@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use crate::fixed::distance2_um;
 use crate::measure::{Errors, Sum};
-use crate::trace::{Event, FeltAt, Header, PlaceUm, Trace};
+use crate::trace::{Event, FeltAt, Header, PlaceUm, Trace, event};
 
 /// A centroid: its name, and which of the two places is its.
 type Centroid = (&'static str, fn(&FeltAt) -> PlaceUm);
@@ -107,16 +107,15 @@ impl FeltPath {
 
     /// Adds an event; only onsets that were to be felt count.
     pub fn add(&mut self, event: &Event) {
-        let Event::Felt {
-            t_us,
-            target,
+        let Event::Felt(felt) = *event else {
+            return;
+        };
+        let event::Felt {
             inside,
             met,
             energy,
-        } = *event
-        else {
-            return;
-        };
+            ..
+        } = felt;
         if inside {
             let level = self.levels.entry(met.map_or(SILENCE_MDB, |m| m.level_mdb));
             *level.or_insert(0) += 1;
@@ -128,8 +127,8 @@ impl FeltPath {
             }
         }
         self.onset(&FeltOnset {
-            t_us,
-            target,
+            t_us: felt.t_us,
+            target: felt.target,
             inside,
             met,
         });

@@ -6,7 +6,7 @@ use crate::trace::EnergyPermille;
 
 fn felt(t_us: u64, target: i32, felt: Option<(i32, i32, i32)>) -> Event {
     let at = |x| PlaceUm { x, y: 0 };
-    Event::Felt {
+    Event::Felt(event::Felt {
         t_us,
         target: at(target),
         inside: true,
@@ -21,7 +21,7 @@ fn felt(t_us: u64, target: i32, felt: Option<(i32, i32, i32)>) -> Event {
             applied: 400,
             felt: 900,
         },
-    }
+    })
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What crossed an actuator bus.
 
 /// One message of an I2C transfer.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Transfer {
     /// START of the transfer that it is part of, nanoseconds since the start of the run.
     pub start_ns: u64,

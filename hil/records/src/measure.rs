@@ -2,7 +2,7 @@
 
 use crate::bursts::bursts;
 use crate::fixed::distance2_um;
-use crate::trace::{Event, PlaceUm, Trace};
+use crate::trace::{Event, PlaceUm, Trace, event};
 use palpate_core::units::Ticks;
 use std::collections::BTreeMap;
 
@@ -46,21 +46,15 @@ impl Sum {
 /// scan. `None` where no truth met a contact.
 pub fn path_error(trace: &Trace) -> Option<Errors> {
     let mut contacts: BTreeMap<u64, Vec<PlaceUm>> = BTreeMap::new();
-    for event in &trace.events {
-        if let Event::Contact { t_us, place, .. } = event {
-            contacts.entry(*t_us).or_default().push(*place);
-        }
+    for contact in trace.each::<event::Contact>() {
+        let now = contacts.entry(contact.t_us).or_default();
+        now.push(contact.place);
     }
     let mut sum = Sum::default();
-    for event in &trace.events {
-        if let Event::Truth { t_us, place, .. } = event {
-            let nearest = contacts
-                .get(t_us)
-                .and_then(|c| c.iter().map(|p| distance2_um(*p, *place)).min());
-            if let Some(squared) = nearest {
-                sum.add(squared);
-            }
-        }
+    for truth in trace.each::<event::Truth>() {
+        let now = contacts.get(&truth.t_us).into_iter().flatten();
+        let nearest = now.map(|p| distance2_um(*p, truth.place)).min();
+        nearest.into_iter().for_each(|squared| sum.add(squared));
     }
     sum.errors()
 }
@@ -112,10 +106,10 @@ pub fn wire_tallies(trace: &Trace) -> Vec<WireTally> {
         tally.widest = tally.widest.max(burst.width);
     }
     for event in &trace.events {
-        if let Event::Wire { wire, milli_c, .. } = event
-            && let Some(tally) = tallies.get_mut(usize::from(*wire))
+        if let Event::Wire(now) = event
+            && let Some(tally) = tallies.get_mut(usize::from(now.wire))
         {
-            tally.hottest_milli_c = tally.hottest_milli_c.max(Some(*milli_c));
+            tally.hottest_milli_c = tally.hottest_milli_c.max(Some(now.milli_c));
         }
     }
     tallies

@@ -6,20 +6,24 @@ use crate::synthetic;
 #[test]
 fn errors_take_the_nearest_contact_of_the_same_scan() {
     let mut trace = synthetic::empty();
-    let contact = |t_us, x| Event::Contact {
-        t_us,
-        frame: 0,
-        module: 0,
-        contact: 1,
-        place: PlaceUm { x, y: 0 },
-        intensity_milli: 0,
-        level: 1,
-        members: 1,
+    let contact = |t_us, x| {
+        Event::Contact(event::Contact {
+            t_us,
+            frame: 0,
+            module: 0,
+            contact: 1,
+            place: PlaceUm { x, y: 0 },
+            intensity_milli: 0,
+            level: 1,
+            members: 1,
+        })
     };
-    let truth = |t_us| Event::Truth {
-        t_us,
-        place: PlaceUm { x: 0, y: 4_000 },
-        force_mn: 1,
+    let truth = |t_us| {
+        Event::Truth(event::Truth {
+            t_us,
+            place: PlaceUm { x: 0, y: 4_000 },
+            force_mn: 1,
+        })
     };
     trace.events = vec![
         truth(10),

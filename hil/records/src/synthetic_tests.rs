@@ -3,7 +3,7 @@
 
 use crate::margin::{Limited, Margin};
 use crate::trace::{
-    EnergyPermille, Event, FeltAt, Header, Ledger, PlaceUm, Source, Trace, WireInfo,
+    EnergyPermille, Event, FeltAt, Header, Ledger, PlaceUm, Source, Trace, WireInfo, event,
 };
 use palpate_core::schedule::{Entry, Reason};
 use palpate_core::units::{Board, Channel, Instant, Prescale, Ticks};
@@ -104,21 +104,21 @@ fn frames(events: &mut Vec<Event>, seconds: u64) {
         let t_us = (frame + 1) * 10_000;
         let touched = truth(t_us as f64 * 1e-6);
         let members = touched.map_or(0, |(_, _, f)| (f * 8.0) as u16);
-        events.push(Event::Frame {
+        events.push(Event::Frame(event::Frame {
             t_us,
             frame: frame as u32,
             in_contact: members,
             peak_counts: u32::from(members) * 120,
-        });
+        }));
         if let Some((x, y, f)) = touched {
-            events.push(Event::Truth {
+            events.push(Event::Truth(event::Truth {
                 t_us,
                 place: um(x, y),
                 force_mn: (f * 1000.0) as u32,
-            });
+            }));
             let x = x * 0.86 + 0.12 * noise(frame * 2);
             let y = y * 0.86 + 0.12 * noise(frame * 2 + 1);
-            events.push(Event::Contact {
+            events.push(Event::Contact(event::Contact {
                 t_us,
                 frame: frame as u32,
                 module: 0,
@@ -127,7 +127,7 @@ fn frames(events: &mut Vec<Event>, seconds: u64) {
                 intensity_milli: (f * 900_000.0) as u32,
                 level: (f * 7.0) as u16,
                 members: members.into(),
-            });
+            }));
         }
     }
 }
@@ -158,7 +158,7 @@ fn felt(events: &mut Vec<Event>, t_us: u64) -> Vec<f64> {
             }
         });
         let inside = d.0.abs() / 11.0 + d.1.abs() / 28.0 < 1.0;
-        events.push(Event::Felt {
+        events.push(Event::Felt(event::Felt {
             t_us,
             target: um(d.0, d.1),
             inside,
@@ -168,7 +168,7 @@ fn felt(events: &mut Vec<Event>, t_us: u64) -> Vec<f64> {
                 applied: (total * 1e3) as u32,
                 felt: (total * 2e3) as u32,
             },
-        });
+        }));
     }
     drive
 }
@@ -205,11 +205,11 @@ fn margins() -> Vec<Margin> {
 pub(crate) fn circle(seconds: u64) -> Trace {
     let mut trace = empty();
     let events = &mut trace.events;
-    events.push(Event::PreScale {
+    events.push(Event::PreScale(event::PreScale {
         t_us: 0,
         board: 0,
         pre_scale: 30,
-    });
+    }));
     let end = seconds * 1_000_000;
     frames(events, seconds);
     let mut heat = [33.0f64; 8];
@@ -251,26 +251,26 @@ pub(crate) fn circle(seconds: u64) -> Trace {
                 heat[wire] += gain - (heat[wire] - 33.0) * 0.22;
                 let milli_c = (heat[wire] * 1000.0) as i32;
                 let t_us = t_us + step * 9_750;
-                events.push(Event::Wire {
+                events.push(Event::Wire(event::Temperature {
                     t_us,
                     wire: wire as u16,
                     milli_c,
-                });
+                }));
                 if milli_c > hottest.0 {
                     hottest = (milli_c, wire as u16);
                 }
             }
         }
     }
-    events.push(Event::Note {
+    events.push(Event::Note(event::Note {
         t_us: end / 2,
         text: "taxel 7 frozen for 250 ms, left out".to_owned(),
-    });
-    events.push(Event::AllOff {
+    }));
+    events.push(Event::AllOff(event::AllOff {
         t_us: end,
         board: 0,
         cause: "end-of-run",
-    });
+    }));
     events.sort_by_key(Event::t_ns);
     trace.ledger.hottest_wire = Some(hottest);
     trace.ledger.margins = margins();

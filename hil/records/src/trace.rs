@@ -1,9 +1,14 @@
 //! The canonical trace: everything a run did, in integers, in order. Schedule, contacts and
 //! goldens read this and nothing else, so a golden, a report and a schedule file cannot tell different stories.
 
+pub mod event;
+
+pub use event::{EnergyPermille, Event, FeltAt, PlaceUm, sort_by_time};
+
 use crate::margin::{Limited, Margin};
+use event::EventKind;
 use palpate_core::schedule::Entry;
-use palpate_core::units::{Point, Prescale};
+use palpate_core::units::Prescale;
 use serde::Serialize;
 
 /// Version of the trace's meaning; grows when a field changes what it says.
@@ -59,58 +64,6 @@ impl Source {
     pub fn words(self) -> &'static str {
         self.banner().unwrap_or(self.word())
     }
-}
-
-/// A place in micrometres: origin at the centre, x right, y up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct PlaceUm {
-    /// Micrometres to the right.
-    pub x: i32,
-    /// Micrometres up.
-    pub y: i32,
-}
-
-impl From<Point> for PlaceUm {
-    /// Of a place in millimetres, rounded.
-    fn from(p: Point) -> Self {
-        let um = |mm: f32| (f64::from(mm) * 1e3).round() as i32;
-        Self {
-            x: um(p.x),
-            y: um(p.y),
-        }
-    }
-}
-
-/// What a person meets of an onset: where, by the two centroids, and how far over threshold.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct FeltAt {
-    /// Mean of the wires' places weighted by energy.
-    pub energy: PlaceUm,
-    /// The same weighted by amplitude.
-    pub amplitude: PlaceUm,
-    /// How far over threshold all wires together are, thousandths of a decibel.
-    pub level_mdb: i32,
-    /// Whether the stimulus is so short that it feels like a tap.
-    pub tap: bool,
-}
-
-impl FeltAt {
-    /// Whether it is felt: the level is not below 0 dB.
-    pub const fn is_felt(&self) -> bool {
-        self.level_mdb >= 0
-    }
-}
-
-/// Energy of an onset in thousandths of one wire's at full drive for the same level.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct EnergyPermille {
-    /// By the widths that the illusion asked for.
-    pub requested: u32,
-    /// By the widths that the guard applied.
-    pub applied: u32,
-    /// By the wires' motion, as the filter of a person's skin lets it through; that of one wire alone and from rest is a
-    /// thousand.
-    pub felt: u32,
 }
 
 /// One wire of the display and the output that drives it.
@@ -176,179 +129,6 @@ pub struct DisplayInfo {
     pub modules: Vec<u16>,
 }
 
-/// Something that happened. Times are microseconds since the start of the run unless they say `ns`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Event {
-    /// A complete sensor scan went through the core.
-    Frame {
-        /// End of the scan.
-        t_us: u64,
-        /// Zero-based frame number.
-        frame: u32,
-        /// Taxels above the contact threshold.
-        in_contact: u16,
-        /// Largest relative reading (Euclidean norm over the axes), raw counts rounded.
-        peak_counts: u32,
-    },
-    /// A contact the compression found in that frame.
-    Contact {
-        /// End of the scan.
-        t_us: u64,
-        /// Frame number.
-        frame: u32,
-        /// Module it lies on.
-        module: u16,
-        /// Stable identity.
-        contact: u32,
-        /// Place on the sensor.
-        place: PlaceUm,
-        /// Interpolated intensity, thousandths of a raw count.
-        intensity_milli: u32,
-        /// Level, 1 ..= K_I.
-        level: u16,
-        /// Taxels in its cluster.
-        members: u32,
-    },
-    /// Where something truly touched the skin at the frame's time (emulated skins know).
-    Truth {
-        /// End of the scan.
-        t_us: u64,
-        /// Place on the sensor.
-        place: PlaceUm,
-        /// Normal force, millinewtons.
-        force_mn: u32,
-    },
-    /// A channel was given a pulse train, or refused one. The end of one is its `until`; it makes no event.
-    Schedule(Entry),
-    /// A board's PRE_SCALE was set.
-    PreScale {
-        /// When.
-        t_us: u64,
-        /// Board.
-        board: u8,
-        /// Register value.
-        pre_scale: u8,
-    },
-    /// Every output of a board was switched off at once.
-    AllOff {
-        /// When.
-        t_us: u64,
-        /// Board.
-        board: u8,
-        /// Why, one word or a few with hyphens.
-        cause: &'static str,
-    },
-    /// An output changed.
-    Edge {
-        /// When, nanoseconds.
-        t_ns: u64,
-        /// Board.
-        board: u8,
-        /// Channel.
-        channel: u8,
-        /// New state.
-        high: bool,
-    },
-    /// What a person would feel of one onset.
-    Felt {
-        /// The onset.
-        t_us: u64,
-        /// Where the contact was, mapped to the display.
-        target: PlaceUm,
-        /// Whether that place lies inside the display's hull.
-        inside: bool,
-        /// What is met of it, felt or not; `None` where no wire moved.
-        met: Option<FeltAt>,
-        /// Energy of all wires together.
-        energy: EnergyPermille,
-    },
-    /// Temperature of a wire.
-    Wire {
-        /// When.
-        t_us: u64,
-        /// Wire index in the display's layout.
-        wire: u16,
-        /// Thousandths of a degree Celsius.
-        milli_c: i32,
-    },
-    /// Temperature of the skin under a wire, at the guard's depth of 0.1 mm.
-    Skin {
-        /// When.
-        t_us: u64,
-        /// Wire index in the display's layout.
-        wire: u16,
-        /// Thousandths of a degree Celsius.
-        milli_c: i32,
-    },
-    /// A Peltier module under the fingertip.
-    Face {
-        /// When.
-        t_us: u64,
-        /// Its face on the skin, thousandths of a degree Celsius.
-        face_mc: i32,
-        /// What the face is to be now, thousandths of a degree Celsius; `None` while nothing is driven.
-        aim_mc: Option<i32>,
-        /// Its sink, thousandths of a degree Celsius.
-        sink_mc: i32,
-        /// Its current, mA; positive cools the face.
-        milliamps: i32,
-    },
-    /// A joint's angle when a scan ended.
-    Joint {
-        /// End of the scan.
-        t_us: u64,
-        /// Which of the header's joints.
-        joint: u16,
-        /// Thousandths of a degree.
-        milli_deg: i32,
-    },
-    /// A window of texture ended: where it lies in the latent space, and what that asks of the wires.
-    Latent {
-        /// End of the window.
-        t_us: u64,
-        /// The latent vector z, thousandths.
-        z_milli: Vec<i32>,
-        /// How rough that is, thousandths.
-        rough_permille: u16,
-        /// f_PWM of (3.2), millihertz.
-        rate_mhz: u32,
-    },
-    /// Anything worth a line: a fault, a taxel left out, a degraded bus.
-    Note {
-        /// When.
-        t_us: u64,
-        /// The line.
-        text: String,
-    },
-}
-
-/// Sorts events by their time; those of one time stay in their order.
-pub fn sort_by_time(events: &mut [Event]) {
-    events.sort_by_key(Event::t_ns);
-}
-
-impl Event {
-    /// When it happened, nanoseconds.
-    pub fn t_ns(&self) -> u64 {
-        match self {
-            Self::Edge { t_ns, .. } => *t_ns,
-            Self::Schedule(entry) => entry.at.as_micros().saturating_mul(1000),
-            Self::Frame { t_us, .. }
-            | Self::Contact { t_us, .. }
-            | Self::Truth { t_us, .. }
-            | Self::PreScale { t_us, .. }
-            | Self::AllOff { t_us, .. }
-            | Self::Felt { t_us, .. }
-            | Self::Wire { t_us, .. }
-            | Self::Skin { t_us, .. }
-            | Self::Face { t_us, .. }
-            | Self::Joint { t_us, .. }
-            | Self::Latent { t_us, .. }
-            | Self::Note { t_us, .. } => t_us.saturating_mul(1000),
-        }
-    }
-}
-
 /// What the wires were told, counted entry by entry.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Driven {
@@ -403,4 +183,11 @@ pub struct Trace {
     pub events: Vec<Event>,
     /// What it came to.
     pub ledger: Ledger,
+}
+
+impl Trace {
+    /// Every event of a kind, in the order of time.
+    pub fn each<'a, K: EventKind + 'a>(&'a self) -> impl DoubleEndedIterator<Item = &'a K> + Clone {
+        event::each(&self.events)
+    }
 }

@@ -6,7 +6,7 @@
 use std::io::{self, Write};
 
 use crate::fixed::milli;
-use crate::trace::{Event, Header, Trace, VERSION};
+use crate::trace::{Event, Header, Trace, VERSION, event};
 
 /// Variables of a wire, in the order of their declaration.
 const PIN: usize = 0;
@@ -111,36 +111,32 @@ impl<W: Write> Vcd<W> {
     pub fn events(&mut self, events: &[Event]) -> io::Result<()> {
         for event in events {
             let t_ns = event.t_ns();
-            match *event {
-                Event::Edge {
-                    board,
-                    channel,
-                    high,
-                    ..
-                } => {
-                    if let Some(wire) = self.wire(board, channel).filter(|_| self.emulated) {
+            match event {
+                Event::Edge(edge) => {
+                    let wire = self.wire(edge.board, edge.channel);
+                    if let Some(wire) = wire.filter(|_| self.emulated) {
                         self.time(t_ns)?;
-                        writeln!(self.out, "{}{}", u8::from(high), Code::of(wire, PIN))?;
+                        writeln!(self.out, "{}{}", u8::from(edge.high), Code::of(wire, PIN))?;
                     }
                 }
-                Event::Schedule(ref entry) => {
+                Event::Schedule(entry) => {
                     if let Some(wire) = self.wire(entry.board.0, entry.channel.0) {
                         self.ticks(t_ns, wire, entry.on, entry.off)?;
                     }
                 }
-                Event::AllOff { board, .. } => {
+                Event::AllOff(off) => {
                     for wire in 0..self.outputs.len() {
-                        if self.outputs[wire].0 == board {
+                        if self.outputs[wire].0 == off.board {
                             self.ticks(t_ns, wire, 0, 0)?;
                         }
                     }
                 }
-                Event::Wire { wire, milli_c, .. } => self.celsius(t_ns, wire, WIRE_C, milli_c)?,
-                Event::Skin { wire, milli_c, .. } => self.celsius(t_ns, wire, SKIN_C, milli_c)?,
-                Event::Face { face_mc, .. } => {
+                Event::Wire(now) => self.celsius(now, WIRE_C)?,
+                Event::Skin(now) => self.celsius(now, SKIN_C)?,
+                Event::Face(now) => {
                     let face = Code(self.outputs.len() * KINDS);
                     self.time(t_ns)?;
-                    writeln!(self.out, "r{} {face}", milli(face_mc.into()))?;
+                    writeln!(self.out, "r{} {face}", milli(now.face_mc.into()))?;
                 }
                 _ => {}
             }
@@ -172,13 +168,14 @@ impl<W: Write> Vcd<W> {
         writeln!(self.out, "b{off:b} {}", Code::of(wire, OFF))
     }
 
-    fn celsius(&mut self, t_ns: u64, wire: u16, kind: usize, milli_c: i32) -> io::Result<()> {
-        if !self.emulated || usize::from(wire) >= self.outputs.len() {
+    fn celsius(&mut self, now: &event::Temperature, kind: usize) -> io::Result<()> {
+        let wire = usize::from(now.wire);
+        if !self.emulated || wire >= self.outputs.len() {
             return Ok(());
         }
-        self.time(t_ns)?;
-        let id = Code::of(usize::from(wire), kind);
-        writeln!(self.out, "r{} {id}", milli(milli_c.into()))
+        self.time(now.t_us.saturating_mul(1000))?;
+        let id = Code::of(wire, kind);
+        writeln!(self.out, "r{} {id}", milli(now.milli_c.into()))
     }
 
     fn time(&mut self, t_ns: u64) -> io::Result<()> {

@@ -39,9 +39,9 @@ fn a_parser_of_others_reads_every_change() {
         }
     }
     let expected = trace.events.iter().filter_map(|e| match e {
-        Event::Wire {
+        Event::Wire(event::Temperature {
             wire: 2, milli_c, ..
-        } => Some(*milli_c),
+        }) => Some(*milli_c),
         _ => None,
     });
     assert_eq!((hottest * 1e3).round() as i32, expected.max().unwrap());

@@ -2,7 +2,7 @@
 
 use crate::bursts::{DrivenOutput, bursts};
 use crate::fixed::{milli, milli_u, place, seconds};
-use crate::trace::{Event, Trace};
+use crate::trace::{Event, Trace, event};
 
 /// What sort of thing happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -84,21 +84,17 @@ pub fn happenings(trace: &Trace) -> Vec<Happening> {
     list.extend(breaks(trace, gap_us));
     for event in &trace.events {
         let (t_us, kind, text) = match event {
-            Event::AllOff { t_us, board, cause } => (
-                *t_us,
+            Event::AllOff(e) => (
+                e.t_us,
                 HappeningKind::AllOff,
-                format!("board {board} off: {cause}"),
+                format!("board {} off: {}", e.board, e.cause),
             ),
-            Event::PreScale {
-                t_us,
-                board,
-                pre_scale,
-            } => (
-                *t_us,
+            Event::PreScale(e) => (
+                e.t_us,
                 HappeningKind::PreScale,
-                format!("board {board} set to {pre_scale}"),
+                format!("board {} set to {}", e.board, e.pre_scale),
             ),
-            Event::Note { t_us, text } => (*t_us, HappeningKind::Note, one_line(text)),
+            Event::Note(note) => (note.t_us, HappeningKind::Note, one_line(&note.text)),
             _ => continue,
         };
         list.push(Happening {
@@ -112,21 +108,12 @@ pub fn happenings(trace: &Trace) -> Vec<Happening> {
     list
 }
 
-/// A window of texture in words; none of another event.
-pub fn texture(event: &Event) -> Option<String> {
-    let Event::Latent {
-        z_milli,
-        rough_permille,
-        rate_mhz,
-        ..
-    } = event
-    else {
-        return None;
-    };
-    let z: Vec<String> = z_milli.iter().map(|z| milli(i64::from(*z))).collect();
-    let rough = milli_u(u64::from(*rough_permille));
-    let rate = rate_mhz / 1000;
-    Some(format!("z {}, roughness {rough}, {rate} Hz", z.join(" ")))
+/// A window of texture in words.
+pub fn texture(window: &event::Latent) -> String {
+    let z: Vec<String> = window.z_milli.iter().map(|z| milli((*z).into())).collect();
+    let rough = milli_u(window.rough_permille.into());
+    let rate = window.rate_mhz / 1000;
+    format!("z {}, roughness {rough}, {rate} Hz", z.join(" "))
 }
 
 fn limiter(trace: &Trace, gap_us: u64) -> Vec<Happening> {
@@ -192,31 +179,19 @@ fn limiter(trace: &Trace, gap_us: u64) -> Vec<Happening> {
 
 fn breaks(trace: &Trace, gap_us: u64) -> Vec<Happening> {
     let mut list: Vec<(Happening, u64)> = Vec::new();
-    for event in &trace.events {
-        let Event::Felt {
-            t_us,
-            target,
-            inside: true,
-            met,
-            ..
-        } = event
-        else {
-            continue;
-        };
-        if met.is_some_and(|m| m.is_felt()) {
-            continue;
-        }
+    for felt in trace.each::<event::Felt>().filter(|felt| felt.is_break()) {
+        let t_us = felt.t_us;
         match list.last_mut() {
             Some((last, count)) if t_us.saturating_sub(last.last_us) <= gap_us => {
-                last.last_us = *t_us;
+                last.last_us = t_us;
                 *count += 1;
             }
             _ => list.push((
                 Happening {
-                    t_us: *t_us,
-                    last_us: *t_us,
+                    t_us,
+                    last_us: t_us,
                     kind: HappeningKind::Break,
-                    text: format!("nothing felt from {}", place(*target)),
+                    text: format!("nothing felt from {}", place(felt.target)),
                 },
                 1,
             )),

@@ -8,7 +8,7 @@ use std::error::Error;
 use palpate_core::skin::ModuleScan;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::{LayoutFile, Loaded, Setup, Source};
-use palpate_records::trace::Event;
+use palpate_records::trace::event;
 use palpate_run::FedSession;
 
 const LAYOUT: &str = r#"
@@ -45,14 +45,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         session.push(&ModuleScan::whole(0, now, &counts))?;
         session.advance(now + Duration::from_millis(20))?;
     }
-    for event in session.drain().0 {
-        if let Event::Felt {
-            t_us, target, met, ..
-        } = event
-        {
-            let (aimed, felt) = (target, met.map(|m| m.energy));
-            println!("{t_us} us: aimed at {aimed:?}, felt at {felt:?} (um)");
-        }
+    let (events, _) = session.drain();
+    for onset in event::each::<event::Felt>(&events) {
+        let (t_us, aimed, felt) = (onset.t_us, onset.target, onset.met.map(|m| m.energy));
+        println!("{t_us} us: aimed at {aimed:?}, felt at {felt:?} (um)");
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use palpate_core::units::Instant;
 use palpate_files::{Scene, Setup, Source, load_bench, load_scene};
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 
 use super::*;
 use crate::live::{EmulatedSession, press};
@@ -91,11 +91,11 @@ fn every_wire_has_the_pulses_that_it_is_given() {
     let mut onsets = 0;
     for event in &events {
         match event {
-            Event::Edge {
+            Event::Edge(event::Edge {
                 channel,
                 high: true,
                 ..
-            } => rises[usize::from(*channel)] += 1,
+            }) => rises[usize::from(*channel)] += 1,
             Event::Schedule(e) if e.channel.0 == 0 && e.width().get() > 0 => onsets += 1,
             _ => {}
         }

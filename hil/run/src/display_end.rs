@@ -17,7 +17,7 @@ use palpate_emulators::worn::{OutputEdge, Standing, ThermalSample, WornDisplay};
 use palpate_files::{Drive, Setup};
 use palpate_records::i2c::Transfer;
 use palpate_records::margin::Margin;
-use palpate_records::trace::{Event, Header};
+use palpate_records::trace::{Event, Header, event};
 
 use crate::Keep;
 use crate::actuator_bus::ActuatorBus;
@@ -482,10 +482,10 @@ impl DisplayEnd for EmulatedDisplay {
 }
 
 const fn edge(e: &OutputEdge) -> Event {
-    Event::Edge {
+    Event::Edge(event::Edge {
         t_ns: e.at.0,
         board: e.board,
         channel: e.channel,
         high: e.high,
-    }
+    })
 }

@@ -7,7 +7,7 @@ use palpate_emulators::person::channels::{Felt, Perceiver};
 use palpate_emulators::time::Nanos;
 use palpate_emulators::worn::{START_C, WornDisplay};
 use palpate_files::Setup;
-use palpate_records::trace::{EnergyPermille, Event, FeltAt, PlaceUm};
+use palpate_records::trace::{EnergyPermille, Event, FeltAt, PlaceUm, event};
 
 use super::band::Band;
 use super::failure::Failure;
@@ -117,12 +117,14 @@ pub(super) fn feel(
         level_mdb: (met.levels.db() * 1e3).round() as i32,
         tap: met.tap(),
     };
-    let event = |met: Option<&Felt>| Event::Felt {
-        t_us: at.as_micros(),
-        target: PlaceUm::from(true_place.unwrap_or(seen.place)),
-        inside: projector.display().contains(seen.place, HULL_MARGIN),
-        met: met.map(place_of),
-        energy: full.permille(projector, &onset, met),
+    let event = |met: Option<&Felt>| {
+        Event::Felt(event::Felt {
+            t_us: at.as_micros(),
+            target: PlaceUm::from(true_place.unwrap_or(seen.place)),
+            inside: projector.display().contains(seen.place, HULL_MARGIN),
+            met: met.map(place_of),
+            energy: full.permille(projector, &onset, met),
+        })
     };
     recorder.events.push(event(met.as_ref()));
     if let Some(band) = band {
@@ -141,18 +143,18 @@ pub(super) fn sample_wires(
     for index in 0..projector.display().wires().len() {
         let wire = index as u16;
         if let Some(milli_c) = display.wire_c(index).and_then(milli_c) {
-            recorder.events.push(Event::Wire {
+            recorder.events.push(Event::Wire(event::Temperature {
                 t_us,
                 wire,
                 milli_c,
-            });
+            }));
         }
         if let Some(milli_c) = display.tissue_c(index).and_then(milli_c) {
-            recorder.events.push(Event::Skin {
+            recorder.events.push(Event::Skin(event::Temperature {
                 t_us,
                 wire,
                 milli_c,
-            });
+            }));
         }
     }
 }

@@ -7,7 +7,7 @@ use palpate_core::guard::Limits;
 use palpate_files::{Finger, Setup};
 use palpate_records::i2c::Transfer;
 use palpate_records::margin::{Limited, Margin, sort};
-use palpate_records::trace::{Event, Ledger, Trace, sort_by_time};
+use palpate_records::trace::{Event, Ledger, Trace, event, sort_by_time};
 
 use crate::boards::BusReport;
 use crate::effort::Effort;
@@ -86,7 +86,7 @@ pub fn join(setup: &Setup, mut parts: Vec<Part>, common: Common) -> Outcome {
     for part in &parts {
         // Joints are the hand's: every finger has them alike.
         let own = part.outcome.trace.events.iter();
-        let own = own.filter(|e| part.place == parts[0].place || !matches!(e, Event::Joint { .. }));
+        let own = own.filter(|e| part.place == parts[0].place || !matches!(e, Event::Joint(_)));
         events.extend(own.filter_map(|e| part.place.joined(e)));
     }
     sort_by_time(&mut events);
@@ -261,13 +261,10 @@ fn faults(parts: &[Part], common: &Common) -> Vec<FaultReport> {
 
 fn of_display(part: &Part) -> DisplaySummary {
     let summary = &part.outcome.summary;
-    let stops: BTreeSet<(u64, &str)> = (part.outcome.trace.events.iter())
-        .filter_map(|event| match event {
-            Event::AllOff { t_us, cause, .. } if !["start", "end"].contains(cause) => {
-                Some((*t_us, *cause))
-            }
-            _ => None,
-        })
+    let offs = part.outcome.trace.each::<event::AllOff>();
+    let stops: BTreeSet<(u64, &str)> = offs
+        .filter(|off| !["start", "end"].contains(&off.cause))
+        .map(|off| (off.t_us, off.cause))
         .collect();
     DisplaySummary {
         name: part.name().to_owned(),

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use palpate_core::units::Board;
+use palpate_core::units::{Board, Instant};
 use palpate_files::Setup;
-use palpate_records::trace::{DisplayInfo, Event, Header};
+use palpate_records::trace::{DisplayInfo, Event, Header, event};
 
 use crate::place::Place;
 use crate::verdict::STOPPED_BY;
@@ -31,12 +31,12 @@ impl Place {
     pub fn number(&self, event: &mut Event) {
         match event {
             Event::Schedule(entry) => entry.board = Board(self.of_board(entry.board.0)),
-            Event::PreScale { board, .. }
-            | Event::AllOff { board, .. }
-            | Event::Edge { board, .. } => *board = self.of_board(*board),
-            Event::Contact { module, .. } => {
-                let own = usize::from(*module);
-                *module = self.modules.get(own).map_or(*module, |m| *m as u16); // a skin has fewer modules than that
+            Event::PreScale(event::PreScale { board, .. })
+            | Event::AllOff(event::AllOff { board, .. })
+            | Event::Edge(event::Edge { board, .. }) => *board = self.of_board(*board),
+            Event::Contact(now) => {
+                let number = self.modules.get(usize::from(now.module));
+                now.module = number.map_or(now.module, |m| *m as u16); // a skin has fewer modules than that
             }
             _ => {}
         }
@@ -46,46 +46,28 @@ impl Place {
     /// display's own, and what befalls a whole board is told by [`whole_boards`].
     #[must_use]
     pub fn joined(&self, event: &Event) -> Option<Event> {
-        let first = self.first_wire as u16;
-        match event.clone() {
-            Event::Truth { .. } | Event::Felt { .. } | Event::Latent { .. } => None,
-            Event::PreScale { .. } => None,
-            Event::AllOff { t_us, board, cause } => match cause {
-                "start" | "end" => None,
-                _ => Some(Event::Note {
-                    t_us,
-                    text: format!(
-                        "{}: its wires on board {board} off: {cause}",
-                        self.display()
-                    ),
-                }),
-            },
+        let mut event = event.clone();
+        match &mut event {
+            Event::Truth(_) | Event::Felt(_) | Event::Latent(_) | Event::PreScale(_) => {
+                return None;
+            }
+            Event::AllOff(off) => {
+                if ["start", "end"].contains(&off.cause) {
+                    return None;
+                }
+                let text = format!("its wires on board {} off: {}", off.board, off.cause);
+                event = Event::note(
+                    Instant::from_micros(off.t_us),
+                    format!("{}: {text}", self.display()),
+                );
+            }
             // A run is stopped as a whole: one note says so.
-            Event::Note { text, .. } if text.starts_with(STOPPED_BY) => None,
-            Event::Note { t_us, text } => Some(Event::Note {
-                t_us,
-                text: format!("{}: {text}", self.display()),
-            }),
-            Event::Wire {
-                t_us,
-                wire,
-                milli_c,
-            } => Some(Event::Wire {
-                t_us,
-                wire: first + wire,
-                milli_c,
-            }),
-            Event::Skin {
-                t_us,
-                wire,
-                milli_c,
-            } => Some(Event::Skin {
-                t_us,
-                wire: first + wire,
-                milli_c,
-            }),
-            event => Some(event),
+            Event::Note(note) if note.text.starts_with(STOPPED_BY) => return None,
+            Event::Note(note) => note.text = format!("{}: {}", self.display(), note.text),
+            Event::Wire(now) | Event::Skin(now) => now.wire += self.first_wire as u16,
+            _ => {}
         }
+        Some(event)
     }
 }
 
@@ -108,7 +90,9 @@ pub fn joined_header(setup: &Setup, fingers: &[(&Place, &Header)]) -> Header {
 pub fn whole_boards(fingers: &[(&Place, &[Event])]) -> Vec<Event> {
     let mut alike: BTreeMap<(u64, u8, String), (usize, Event)> = BTreeMap::new();
     for event in fingers.iter().flat_map(|(_, events)| *events) {
-        if let Event::AllOff { t_us, board, .. } | Event::PreScale { t_us, board, .. } = event {
+        if let Event::AllOff(event::AllOff { t_us, board, .. })
+        | Event::PreScale(event::PreScale { t_us, board, .. }) = event
+        {
             let key = (*t_us, *board, format!("{event:?}"));
             alike.entry(key).or_insert_with(|| (0, event.clone())).0 += 1;
         }

@@ -13,7 +13,7 @@ use palpate_core::contact::Levels;
 use palpate_core::illusion::Map;
 use palpate_files::{FileError, Setup};
 use palpate_records::mcap::{McapReader, Told, Unreadable};
-use palpate_records::trace::{Event, Source};
+use palpate_records::trace::{Event, Source, event};
 
 use crate::failure::Failure;
 use crate::header::header;
@@ -74,9 +74,9 @@ impl Seen {
         match told {
             Told::Taxels { .. } => self.taxels = true,
             Told::Pin { .. } => self.pins = true,
-            Told::Event(Event::Contact { .. }) => self.contacts = true,
-            Told::Event(Event::Wire { .. } | Event::Skin { .. }) => self.warm = true,
-            Told::Event(Event::Felt { .. }) => self.felt = true,
+            Told::Event(Event::Contact(_)) => self.contacts = true,
+            Told::Event(Event::Wire(_) | Event::Skin(_)) => self.warm = true,
+            Told::Event(Event::Felt(_)) => self.felt = true,
             Told::Event(_) => {}
         }
     }
@@ -235,39 +235,24 @@ impl Recorded {
     /// A message as an event, by the display's own numbers of its modules.
     fn event(&self, told: Told) -> Option<Event> {
         match told {
-            Told::Event(Event::Contact {
-                t_us,
-                frame,
-                module,
-                contact,
-                place,
-                intensity_milli,
-                level,
-                members,
-            }) => {
-                let own =
-                    |modules: &[usize]| modules.iter().position(|m| *m == usize::from(module));
-                let own = self.place.as_ref().and_then(|of| own(&of.modules));
-                Some(Event::Contact {
-                    t_us,
-                    frame,
-                    module: own.and_then(|m| u16::try_from(m).ok()).unwrap_or(module),
-                    contact,
-                    place,
-                    intensity_milli,
-                    level,
-                    members,
-                })
+            Told::Event(Event::Contact(mut now)) => {
+                let own = self.place.as_ref().and_then(|of| {
+                    let mut modules = of.modules.iter();
+                    modules.position(|m| *m == usize::from(now.module))
+                });
+                let own = own.and_then(|m| u16::try_from(m).ok());
+                now.module = own.unwrap_or(now.module);
+                Some(Event::Contact(now))
             }
             Told::Event(event) => Some(event),
             Told::Pin { t_ns, wire, high } => {
                 let &(board, channel) = self.outputs.get(usize::from(wire))?;
-                Some(Event::Edge {
+                Some(Event::Edge(event::Edge {
                     t_ns,
                     board,
                     channel,
                     high,
-                })
+                }))
             }
             Told::Taxels { .. } => None,
         }

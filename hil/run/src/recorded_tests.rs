@@ -70,10 +70,10 @@ fn a_moment_is_the_same_however_it_is_reached() {
     let is_frame = |told: &Told| {
         matches!(
             told,
-            Told::Event(Event::Frame {
+            Told::Event(Event::Frame(event::Frame {
                 t_us: ..=3_900_000,
                 ..
-            })
+            }))
         )
     };
     let all = told.filter(is_frame).count();

@@ -10,7 +10,7 @@ use palpate_core::skin::{Condition, Layout};
 use palpate_core::units::{Board, Duration, Instant, Point};
 use palpate_records::felt::FeltPath;
 use palpate_records::readings::Readings;
-use palpate_records::trace::{Driven, Event, PlaceUm};
+use palpate_records::trace::{Driven, Event, PlaceUm, event};
 use palpate_records::words::texture;
 
 use crate::fingers::Fingers;
@@ -250,7 +250,7 @@ impl Recorder {
         if let Some(path) = &mut self.felt {
             new.iter().for_each(|event| path.add(event));
         }
-        let notes = new.iter().filter(|e| matches!(e, Event::Note { .. }));
+        let notes = new.iter().filter(|e| matches!(e, Event::Note(_)));
         self.events.extend(notes.cloned());
         self.stayed = self.events.len();
         if let Some(handed) = &mut self.handed {
@@ -280,18 +280,13 @@ impl Recorder {
         let name = self.layout.as_ref().and_then(|l| l.modules().get(module));
         let name = name.map_or("?", palpate_core::skin::Module::name);
         let list: Vec<String> = taxels.iter().map(usize::to_string).collect();
-        self.events.push(Event::Note {
-            t_us: at.as_micros(),
-            text: format!("taxels of {name}: {} {}", list.join(","), word(condition)),
-        });
+        let text = format!("taxels of {name}: {} {}", list.join(","), word(condition));
+        self.note(at, text);
     }
 
     /// A line worth keeping.
     pub fn note(&mut self, at: Instant, text: String) {
-        self.events.push(Event::Note {
-            t_us: at.as_micros(),
-            text,
-        });
+        self.events.push(Event::note(at, text));
     }
 
     /// Where the driving module is truly touched.
@@ -310,12 +305,12 @@ impl Observer for Recorder {
             .magnitude()
             .iter()
             .fold(0.0f32, |m, &v| m.max(v));
-        self.events.push(Event::Frame {
+        self.events.push(Event::Frame(event::Frame {
             t_us,
             frame: report.number,
             in_contact: u16::try_from(in_contact).unwrap_or(u16::MAX),
             peak_counts: peak.round() as u32,
-        });
+        }));
         if let Some(counts) = &mut self.counts {
             let readings = report.relative.magnitude().iter();
             let readings = readings.zip(report.relative.usable());
@@ -327,7 +322,7 @@ impl Observer for Recorder {
         }
         for contact in report.contacts {
             self.contacts += 1;
-            self.events.push(Event::Contact {
+            self.events.push(Event::Contact(event::Contact {
                 t_us,
                 frame: report.number,
                 module: contact.module,
@@ -336,23 +331,23 @@ impl Observer for Recorder {
                 intensity_milli: (f64::from(contact.intensity) * 1e3).round() as u32,
                 level: contact.level,
                 members: contact.members,
-            });
+            }));
         }
         let t_s = report.at.as_micros() as f64 * 1e-6;
         for (number, joint) in (0..).zip(&self.joints) {
-            self.events.push(Event::Joint {
+            self.events.push(Event::Joint(event::Joint {
                 t_us,
                 joint: number,
                 milli_deg: (joint.at(t_s) * 1e3).round() as i32,
-            });
+            }));
         }
         if let Some((place, force_n)) = self.truth_at(report.at) {
             let force_mn = (force_n * 1e3).round() as u32;
-            self.events.push(Event::Truth {
+            self.events.push(Event::Truth(event::Truth {
                 t_us,
                 place: PlaceUm::from(place),
                 force_mn,
-            });
+            }));
         }
     }
 
@@ -386,22 +381,20 @@ impl Observer for Recorder {
     fn texture(&mut self, report: &TextureReport<'_>) {
         let milli = |v: f64| (v * 1e3).round() as i32;
         let rough_permille = milli(report.roughness) as u16; // 0 to 1
-        let latent = Event::Latent {
+        let latent = event::Latent {
             t_us: report.at.as_micros(),
             z_milli: report.latent.iter().map(|z| milli(f64::from(*z))).collect(),
             rough_permille,
             rate_mhz: report.control.rate_mhz,
         };
         let goes_on = |last: Instant| report.at.since(last) < APART;
-        if !self.window.is_some_and(goes_on)
-            && let Some(text) = texture(&latent)
-        {
-            self.note(report.at, format!("texture felt: {text}"));
+        if !self.window.is_some_and(goes_on) {
+            self.note(report.at, format!("texture felt: {}", texture(&latent)));
         }
         self.window = Some(report.at);
         self.windows.0 += 1;
         self.windows.1 += u64::from(rough_permille);
-        self.events.push(latent);
+        self.events.push(Event::Latent(latent));
     }
 
     fn taxel(&mut self, at: Instant, index: usize, condition: Condition) {
@@ -421,11 +414,11 @@ impl Observer for Recorder {
     }
 
     fn all_off(&mut self, at: Instant, board: Board, cause: Cause) {
-        self.events.push(Event::AllOff {
+        self.events.push(Event::AllOff(event::AllOff {
             t_us: at.as_micros(),
             board: board.0,
             cause: cause.word(),
-        });
+        }));
     }
 
     fn observed_stop(&mut self, at: Instant, cause: Cause) {

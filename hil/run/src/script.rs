@@ -362,6 +362,5 @@ fn error_frames(bench: &mut Faultable<'_>, fault: &Fault) {
 }
 
 fn note(events: &mut Vec<Event>, now: Instant, text: String) {
-    let t_us = now.as_micros();
-    events.push(Event::Note { t_us, text });
+    events.push(Event::note(now, text));
 }

@@ -8,7 +8,7 @@
 use palpate_core::driver::{Actuators, DriverError, Traffic};
 use palpate_core::projector::{Cause, LoopError, Projector};
 use palpate_core::units::{Duration, Instant};
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 
 use crate::display_end::DisplayEnd;
 use crate::driver::Driver;
@@ -90,16 +90,16 @@ impl<S: SkinEnd, D: DisplayEnd> Session<S, D> {
         let (banks, _) = self.display.parts();
         for board in banks.boards() {
             let board = board.0;
-            self.recorder.events.push(Event::AllOff {
+            self.recorder.events.push(Event::AllOff(event::AllOff {
                 t_us,
                 board,
                 cause: "start",
-            });
-            self.recorder.events.push(Event::PreScale {
+            }));
+            self.recorder.events.push(Event::PreScale(event::PreScale {
                 t_us,
                 board,
                 pre_scale,
-            });
+            }));
         }
         self.fail(false);
         let (banks, oe) = self.display.parts();

@@ -174,6 +174,5 @@ impl Supervisor {
 }
 
 fn note(events: &mut Vec<Event>, now: Instant, text: String) {
-    let t_us = now.as_micros();
-    events.push(Event::Note { t_us, text });
+    events.push(Event::note(now, text));
 }

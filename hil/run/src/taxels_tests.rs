@@ -2,14 +2,14 @@
 
 use super::*;
 use crate::{Input, run};
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 
 /// Where contacts were, by frame.
 fn contacts(setup: &Setup, input: &Input) -> Vec<String> {
     let outcome = run(setup, input, 1).unwrap();
     let events = outcome.trace.events.into_iter();
     let contact = |event| match event {
-        Event::Contact {
+        Event::Contact(event::Contact {
             frame,
             module,
             contact,
@@ -18,7 +18,7 @@ fn contacts(setup: &Setup, input: &Input) -> Vec<String> {
             level,
             members,
             .. // a recording's times count from its first row
-        } => Some(format!(
+        }) => Some(format!(
             "{frame} {module} {contact} {place:?} {intensity_milli} {level} {members}"
         )),
         _ => None,

@@ -158,8 +158,7 @@ impl RemoteUnit {
                     format!("unit: stopped by its own guard, {}", cause.word())
                 }
             };
-            let t_us = heard.as_micros();
-            events.push(Event::Note { t_us, text });
+            events.push(Event::note(heard, text));
             self.state = state;
         }
     }

@@ -2,7 +2,7 @@
 //! driven, where nothing was.
 
 use palpate_files::{Scene, Setup};
-use palpate_records::trace::{Event, Trace};
+use palpate_records::trace::{Trace, event};
 use palpate_records::verdict::{Conclusion, Verdict};
 
 use crate::summary::{AskedLevel, Summary};
@@ -80,12 +80,9 @@ fn unsustained(asked: &AskedLevel) -> Option<String> {
 }
 
 /// The signal or person that ended a run before its time, if one did.
-pub fn stopped_by(trace: &Trace) -> Option<&str> {
-    let mut notes = trace.events.iter().filter_map(|e| match e {
-        Event::Note { text, .. } => text.strip_prefix(STOPPED_BY),
-        _ => None,
-    });
-    notes.next_back()
+pub fn stopped_by<'a>(trace: &'a Trace) -> Option<&'a str> {
+    let words = |note: &'a event::Note| note.text.strip_prefix(STOPPED_BY);
+    trace.each().filter_map(words).next_back()
 }
 
 /// Boards or modules of which nothing came.

@@ -74,8 +74,9 @@ pub(super) fn bursts(trace: &Trace) -> Plan {
                     open.insert(output, burst);
                 }
             }
-            Event::AllOff { board, .. } => {
-                let outputs: Vec<Output> = open.keys().copied().filter(|o| o.0 == *board).collect();
+            Event::AllOff(off) => {
+                let on = |output: &Output| output.0 == off.board;
+                let outputs: Vec<Output> = open.keys().copied().filter(on).collect();
                 outputs.into_iter().for_each(|o| close(&mut open, o, at));
             }
             _ => {}

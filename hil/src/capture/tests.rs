@@ -391,7 +391,7 @@ fn pins_are_said_or_guessed_and_wrong_ones_refused() {
 fn a_schedule_without_pins_is_enough() {
     let mut trace = trace();
     let seen = capture(&trace);
-    trace.events.retain(|e| !matches!(e, Event::Edge { .. }));
+    trace.events.retain(|e| !matches!(e, Event::Edge(_)));
     trace.ledger.length_us = Instant::ZERO.as_micros();
     assert_eq!(bad(&compare(&trace, &seen, &[], None).unwrap()), [""; 0]);
 }

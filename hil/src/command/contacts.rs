@@ -6,7 +6,7 @@ use palpate_core::contact::{Contact, Settings};
 use palpate_core::skin::{BaselineSettings, Layout, ThresholdRule};
 use palpate_core::units::Duration;
 use palpate_records::contacts_csv;
-use palpate_records::trace::{Event, PlaceUm};
+use palpate_records::trace::{PlaceUm, event};
 use serde_json::json;
 
 use crate::cli::{ContactsArgs, StaleArg, Threshold};
@@ -121,7 +121,7 @@ fn write_csv(
 ) -> io::Result<()> {
     writeln!(out, "{}", contacts_csv::HEADER)?;
     found.each(&mut |row| {
-        let event = Event::Contact {
+        let contact = event::Contact {
             t_us: row.time_us,
             frame: u32::try_from(row.frame).unwrap_or(u32::MAX),
             module: row.contact.module,
@@ -131,7 +131,7 @@ fn write_csv(
             level: level(&row.contact),
             members: row.contact.members,
         };
-        contacts_csv::write_rows(&[event], &mut *out)
+        contacts_csv::write_rows([&contact], &mut *out)
     })
 }
 

@@ -125,7 +125,7 @@ impl<'a> Hardware<'a> {
             &mut events,
         );
         let words = |event| match event {
-            Event::Note { text, .. } => Some(text),
+            Event::Note(note) => Some(note.text),
             _ => None,
         };
         Ok(events.into_iter().filter_map(words).collect())

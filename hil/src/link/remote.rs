@@ -313,8 +313,7 @@ impl RemoteUnit {
                 State::Ready => "unit: drives".to_owned(),
                 State::Stopped(cause) => format!("unit: stopped, {}", cause.word()),
             };
-            let t_us = self.clock.now().as_micros();
-            events.push(Event::Note { t_us, text });
+            events.push(Event::note(self.clock.now(), text));
         }
     }
 

@@ -13,7 +13,7 @@ use palpate_core::projector::Projector;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::{Real, Setup};
 use palpate_records::readings::Readings;
-use palpate_records::trace::{Event, Header};
+use palpate_records::trace::{Event, Header, event};
 use palpate_run::display_end::DisplayEnd;
 use palpate_run::join::{Common, Part, join};
 use palpate_run::place::{Place, fingers};
@@ -112,7 +112,7 @@ pub(super) fn run(
     let (fingers, mut sessions): (Vec<_>, Vec<_>) = assembled.unzip();
     let mut notes: Vec<Event> = found
         .lines()
-        .map(|line| note(Instant::ZERO, format!("{line}; switched off")))
+        .map(|line| Event::note(Instant::ZERO, format!("{line}; switched off")))
         .collect();
     start(&mut sessions, clock)?;
     let begun: Vec<Vec<Event>> = sessions
@@ -135,12 +135,12 @@ pub(super) fn run(
     };
     let (mut done, stopped) = shared.drive(sessions, &mut records)?;
     if let Some(by) = stopped.map(Wish::by).or_else(|| signals.caught()) {
-        notes.push(note(clock.now(), format!("stopped by {by}")));
+        notes.push(Event::note(clock.now(), format!("stopped by {by}")));
     }
     let parted = part(&fingers, &mut done, &warden, stopped);
     if let Err(cause) = &parted {
         let text = format!("not everything is known to be off: {cause}");
-        notes.push(note(clock.now(), text));
+        notes.push(Event::note(clock.now(), text));
     }
     notes.extend(ends_of_boards(&fingers, &done));
     records.add(notes[found.lines().count()..].to_vec());
@@ -178,11 +178,6 @@ fn joined(
     whole.summary.can = can;
     whole.summary.pacing = Some(pacing(&lateness, realtime));
     whole
-}
-
-fn note(at: Instant, text: String) -> Event {
-    let t_us = at.as_micros();
-    Event::Note { t_us, text }
 }
 
 /// Every finger's loop, with its place on the grid of onsets.
@@ -343,11 +338,11 @@ fn ends_of_boards(fingers: &[Finger], done: &[Ended]) -> Vec<Event> {
         ends.dedup();
         // With one end the fingers' own events say it.
         let t_us = *ends.last().filter(|_| ends.len() > 1)?;
-        Some(Event::AllOff {
+        Some(Event::AllOff(event::AllOff {
             t_us,
             board,
             cause: "end",
-        })
+        }))
     };
     boards.into_iter().filter_map(off).collect()
 }

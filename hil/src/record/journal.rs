@@ -9,7 +9,7 @@ use std::thread::JoinHandle;
 
 use palpate_core::bus::Received;
 use palpate_records::readings::TaxelFrame;
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 
 use super::piece::Piece;
 use super::sink::Sink;
@@ -135,10 +135,8 @@ fn fill<T>(waiting: &mut Vec<T>, new: &mut Vec<T>, most: usize) -> u64 {
 /// Writes pieces until there are no more.
 fn keep(files: &mut [Sink], pieces: &Receiver<Piece>, tells: bool) -> Result<(), Failure> {
     while let Ok(piece) = pieces.recv() {
-        for event in piece.events.iter().filter(|_| tells) {
-            if let Event::Note { t_us, text } = event {
-                note(&format!("{:.3} s: {text}", *t_us as f64 * 1e-6));
-            }
+        for told in event::each::<event::Note>(&piece.events).filter(|_| tells) {
+            note(&format!("{:.3} s: {}", told.t_us as f64 * 1e-6, told.text));
         }
         files.iter_mut().try_for_each(|file| file.piece(&piece))?;
     }

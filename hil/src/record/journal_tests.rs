@@ -121,10 +121,10 @@ fn a_disk_that_does_not_follow_costs_frames_and_no_time() {
         bus: 0,
         frame: CanFrame::new(1, &[]).unwrap(),
     };
-    let note = Event::Note {
+    let note = Event::Note(event::Note {
         t_us: 0,
         text: "kept".into(),
-    };
+    });
     let events = vec![note; 100];
     for turn in 0..100 {
         journal.tell(&events[..=turn], vec![frame; 1000], vec![]);

@@ -8,6 +8,7 @@ use palpate_files::Format;
 use palpate_records::mcap::{Attachment, BusTraffic, McapRecording};
 use palpate_records::readings::ModulePlaces;
 use palpate_records::trace::Header;
+use palpate_records::trace::event::each;
 use palpate_records::vcd::Vcd;
 use palpate_records::{contacts_csv, schedule};
 
@@ -231,7 +232,7 @@ impl Sink {
             Form::Lines(kind, interfaces, lines) => {
                 let mut text = Vec::new();
                 match kind {
-                    Kind::Contacts => contacts_csv::write_rows(&piece.events, &mut text)?,
+                    Kind::Contacts => contacts_csv::write_rows(each(&piece.events), &mut text)?,
                     _ => write_can_log(&piece.frames, interfaces, &mut text)?,
                 }
                 lines.append(&text)

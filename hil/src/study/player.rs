@@ -2,11 +2,12 @@
 
 use palpate_core::contact::Levels;
 use palpate_core::guard::{Booked, Earlier, Used};
+use palpate_core::schedule::Entry;
 use palpate_core::units::{Duration, Instant};
 use palpate_files::Setup;
 use palpate_records::measure::length_us;
 use palpate_records::schedule::write_records;
-use palpate_records::trace::{Event, Trace};
+use palpate_records::trace::{Event, Trace, event};
 use palpate_records::verdict::Verdict;
 use palpate_run::{Failure, Input, Keep, build, run_with};
 use palpate_study::{Interval, Path, Stimulus};
@@ -50,10 +51,7 @@ pub enum Went {
 fn bursts(setup: &Setup, trace: &Trace) -> Result<Vec<(u16, Booked)>, Failure> {
     let projector = build(setup, 1, Levels::Off)?;
     let guard = projector.guard();
-    let entries = trace.events.iter().filter_map(|event| match event {
-        Event::Schedule(entry) if entry.off > entry.on => Some(entry),
-        _ => None,
-    });
+    let entries = trace.each().filter(|entry: &&Entry| entry.off > entry.on);
     let mut bursts = Vec::new();
     for (wire, own) in (0..).zip(&trace.header.wires) {
         let of_wire = entries
@@ -79,14 +77,11 @@ fn path(setup: &Setup, events: &[Event]) -> Path {
         }));
     }
     if strokes.is_empty() {
-        path.extend(events.iter().filter_map(|event| match event {
-            Event::Felt { t_us, target, .. } => Some([
-                *t_us as f64 * 1e-6,
-                f64::from(target.x) * 1e-3,
-                f64::from(target.y) * 1e-3,
-            ]),
-            _ => None,
-        }));
+        let target = |onset: &event::Felt| {
+            let [x, y] = [onset.target.x, onset.target.y].map(|um| f64::from(um) * 1e-3);
+            [onset.t_us as f64 * 1e-6, x, y]
+        };
+        path.extend(event::each(events).map(target));
     }
     path
 }

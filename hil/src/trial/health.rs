@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use palpate_buses::guardian::{Latch, Sweeper};
-use palpate_records::trace::Event;
+use palpate_records::trace::event;
 
 use crate::real::watch;
 use palpate_files::{Bench, Overload, Scene};
@@ -17,16 +17,8 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub fn after_emulated(scene: &Scene, outcome: &Outcome) -> Vec<String> {
     let mut wrong = Vec::new();
     let mut pins: BTreeMap<(u8, u8), bool> = BTreeMap::new();
-    for event in &outcome.trace.events {
-        if let Event::Edge {
-            board,
-            channel,
-            high,
-            ..
-        } = event
-        {
-            pins.insert((*board, *channel), *high);
-        }
+    for edge in outcome.trace.each::<event::Edge>() {
+        pins.insert((edge.board, edge.channel), edge.high);
     }
     for ((board, channel), _) in pins.iter().filter(|(_, high)| **high) {
         wrong.push(format!("output {board}:{channel} is still on"));

@@ -1,6 +1,6 @@
 //! What a trial measures: each value with its unit and, where the scene or the limit table has one, its limit.
 
-use palpate_records::trace::{Event, Trace};
+use palpate_records::trace::{Trace, event};
 
 use palpate_files::{Expect, Setup};
 use palpate_run::Outcome;
@@ -107,12 +107,10 @@ pub fn expects_anything(expect: &Expect) -> bool {
 /// Most contacts of any frame.
 fn contacts_max(trace: &Trace) -> u32 {
     let (mut most, mut count, mut now) = (0, 0, None);
-    for event in &trace.events {
-        if let Event::Contact { frame, .. } = event {
-            count = if now == Some(*frame) { count + 1 } else { 1 };
-            now = Some(*frame);
-            most = most.max(count);
-        }
+    for event::Contact { frame, .. } in trace.each() {
+        count = if now == Some(*frame) { count + 1 } else { 1 };
+        now = Some(*frame);
+        most = most.max(count);
     }
     most
 }

@@ -120,27 +120,20 @@ impl View {
     pub fn observe(&mut self, events: &[Event]) {
         for event in events {
             match event {
-                Event::Frame { t_us, .. } => {
+                Event::Frame(frame) => {
                     self.frames += 1;
                     self.contacts.clear();
-                    self.times.push_back(*t_us);
+                    self.times.push_back(frame.t_us);
                     if self.times.len() > RATE_OVER {
                         self.times.pop_front();
                     }
                 }
-                Event::Contact {
-                    module,
-                    contact,
-                    place,
-                    intensity_milli,
-                    level,
-                    ..
-                } => self.contacts.push(Contact {
-                    module: *module,
-                    id: *contact,
-                    place: *place,
-                    counts: intensity_milli / 1000,
-                    level: *level,
+                Event::Contact(now) => self.contacts.push(Contact {
+                    module: now.module,
+                    id: now.contact,
+                    place: now.place,
+                    counts: now.intensity_milli / 1000,
+                    level: now.level,
                 }),
                 Event::Schedule(entry) => {
                     let ticks = entry.width().get();
@@ -164,24 +157,25 @@ impl View {
                         );
                     }
                 }
-                Event::AllOff { t_us, board, cause } => {
-                    for wire in self.wires.iter_mut().filter(|w| w.board == *board) {
+                Event::AllOff(off) => {
+                    for wire in self.wires.iter_mut().filter(|w| w.board == off.board) {
                         wire.until_us = 0;
                     }
-                    self.tell(*t_us, format!("board {board} all off: {cause}"));
+                    let text = format!("board {} all off: {}", off.board, off.cause);
+                    self.tell(off.t_us, text);
                 }
-                Event::Wire { wire, milli_c, .. } => {
-                    if let Some(wire) = self.wires.get_mut(usize::from(*wire)) {
-                        wire.wire_mc = Some(*milli_c);
+                Event::Wire(now) => {
+                    if let Some(wire) = self.wires.get_mut(usize::from(now.wire)) {
+                        wire.wire_mc = Some(now.milli_c);
                     }
                 }
-                Event::Skin { wire, milli_c, .. } => {
-                    if let Some(wire) = self.wires.get_mut(usize::from(*wire)) {
-                        wire.skin_mc = Some(*milli_c);
+                Event::Skin(now) => {
+                    if let Some(wire) = self.wires.get_mut(usize::from(now.wire)) {
+                        wire.skin_mc = Some(now.milli_c);
                     }
                 }
-                Event::Latent { .. } => self.texture = texture(event).unwrap_or_default(),
-                Event::Note { t_us, text } => self.tell(*t_us, text.clone()),
+                Event::Latent(window) => self.texture = texture(window),
+                Event::Note(note) => self.tell(note.t_us, note.text.clone()),
                 _ => {}
             }
         }

@@ -271,11 +271,11 @@ impl<'a, D: Watched> Feeling<'a, D> {
         for event in &events {
             self.felt.see(event);
             self.stopwatch.see(event);
-            if let Event::Note { text, .. } = event
+            if let Event::Note(note) = event
                 && !self.args.quiet
-                && !text.starts_with(OFFSET_WORDS)
+                && !note.text.starts_with(OFFSET_WORDS)
             {
-                self.say(text);
+                self.say(&note.text);
             }
         }
         if let Some(report) = &mut self.report {

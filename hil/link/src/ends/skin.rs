@@ -14,7 +14,7 @@ use palpate_hil::output::note;
 use palpate_hil::real::Sensed;
 use palpate_hil::record::Journal;
 use palpate_records::mcap::proto::Message;
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_run::{CanReport, Failure, Policy, Supervisor, Truth};
 use serde::Serialize;
 use zenoh::pubsub::Publisher;
@@ -312,19 +312,13 @@ impl Turns<'_> {
     fn look_after<S: Sensed>(&mut self, skin: &mut S, now: Instant) {
         let mut events = Vec::new();
         while let Some(note) = skin.note() {
-            events.push(Event::Note {
-                t_us: note.at.as_micros(),
-                text: note.text,
-            });
+            events.push(Event::note(note.at, note.text));
         }
         self.supervisor
             .restart_boards(now, skin, self.shrunk.projector(), &mut events);
-        for event in &events {
-            if let Event::Note { text, .. } = event
-                && !self.of.args.quiet
-            {
-                note(text);
-            }
+        if !self.of.args.quiet {
+            let notes = event::each(&events);
+            notes.for_each(|told: &event::Note| note(&told.text));
         }
         self.shrunk.recorder().events.extend(events);
     }

@@ -6,8 +6,8 @@ use std::path::Path;
 use palpate_files::Format;
 use palpate_hil::output::{Outputs, make_folder};
 use palpate_records::contacts_csv::{HEADER, write_rows};
-use palpate_records::mcap::proto::{Fields, Value};
-use palpate_records::trace::{Event, PlaceUm};
+use palpate_records::mcap::decode;
+use palpate_records::trace::{PlaceUm, event};
 use palpate_run::Failure;
 
 /// What is known of a frame's time beside the clocks: it may be as old as the guard lets it be, microseconds.
@@ -17,43 +17,18 @@ const AGE_US: u64 = 100_000;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Frame {
     t_us: u64,
-    contacts: Vec<Event>,
-}
-
-/// A message of `/contacts`; `None` where it is damaged.
-fn contact(t_us: u64, data: &[u8]) -> Option<Event> {
-    let (mut whole, mut real) = ([0_u64; 9], [0.0_f64; 9]);
-    for field in Fields::new(data) {
-        match field? {
-            (number @ 1..=8, Value::Number(value)) => whole[number as usize] = value,
-            (number @ 1..=8, Value::Fixed64(bits)) => real[number as usize] = f64::from_bits(bits),
-            _ => {}
-        }
-    }
-    // Recordings hold whole micrometres and thousandths of a count.
-    let thousandths = |value: f64| (value * 1e3).round();
-    Some(Event::Contact {
-        t_us,
-        frame: u32::try_from(whole[1]).ok()?,
-        module: u16::try_from(whole[2]).ok()?,
-        contact: u32::try_from(whole[3]).ok()?,
-        place: PlaceUm {
-            x: thousandths(real[4]) as i32,
-            y: thousandths(real[5]) as i32,
-        },
-        intensity_milli: thousandths(real[6]) as u32,
-        level: u16::try_from(whole[7]).ok()?,
-        members: u32::try_from(whole[8]).ok()?,
-    })
+    contacts: Vec<event::Contact>,
 }
 
 /// Frames with contacts, from messages of `/contacts` in the order of time.
 pub(super) fn frames<'a>(messages: impl Iterator<Item = (u64, &'a [u8])>) -> Vec<Frame> {
     let mut all: Vec<Frame> = Vec::new();
     for (t_us, data) in messages {
-        let Some(contact) = contact(t_us, data) else {
+        // A damaged one is left out.
+        let Some(contact) = decode(data) else {
             continue;
         };
+        let contact = event::Contact { t_us, ..contact };
         match all.last_mut().filter(|frame| frame.t_us == t_us) {
             Some(frame) => frame.contacts.push(contact),
             None => all.push(Frame {
@@ -66,17 +41,13 @@ pub(super) fn frames<'a>(messages: impl Iterator<Item = (u64, &'a [u8])>) -> Vec
 }
 
 /// A contact without its time and frame, which each end counts for itself.
-fn said(event: &Event) -> Option<(u16, PlaceUm, u32, u16)> {
-    match event {
-        Event::Contact {
-            module,
-            place,
-            intensity_milli,
-            level,
-            ..
-        } => Some((*module, *place, *intensity_milli, *level)),
-        _ => None,
-    }
+const fn said(contact: &event::Contact) -> (u16, PlaceUm, u32, u16) {
+    (
+        contact.module,
+        contact.place,
+        contact.intensity_milli,
+        contact.level,
+    )
 }
 
 /// The wearer's frames at the robot's times, those of the frames that say the same. What has no such frame near keeps its
@@ -108,11 +79,8 @@ pub(super) fn paired(robot: &[Frame], wearer: &[Frame], within_us: u64) -> (Vec<
 
 fn retime(frame: &mut Frame, to_us: u64) {
     frame.t_us = to_us;
-    for contact in &mut frame.contacts {
-        if let Event::Contact { t_us, .. } = contact {
-            *t_us = to_us;
-        }
-    }
+    let contacts = frame.contacts.iter_mut();
+    contacts.for_each(|contact| contact.t_us = to_us);
 }
 
 /// Writes the contacts of frames, as `hil diff` reads them.

@@ -7,7 +7,7 @@ use palpate_files::Setup;
 use palpate_link::ends::Shrunk;
 use palpate_link::judge::{Gate, Patience};
 use palpate_records::felt::FeltPath;
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_run::skin_end::SkinEnd;
 use palpate_run::{
     EmulatedSession, EmulatedSkin, HeldSession, Policy, Truth, build, dynamic_levels, header,
@@ -192,12 +192,12 @@ fn no_output_is_on_without_a_fresh_reading_over_a_thousand_cuts() {
         }
         for event in session.drain().0 {
             match event {
-                Event::Edge {
+                Event::Edge(event::Edge {
                     t_ns,
                     channel,
                     high,
                     ..
-                } => {
+                }) => {
                     highs += u64::from(high);
                     if high {
                         on.insert(channel);
@@ -212,10 +212,10 @@ fn no_output_is_on_without_a_fresh_reading_over_a_thousand_cuts() {
                     );
                 }
                 Event::Schedule(entry) => starts.push((entry.at.as_micros(), newest)),
-                Event::AllOff {
+                Event::AllOff(event::AllOff {
                     cause: "stale-input",
                     ..
-                } => off_cuts += 1,
+                }) => off_cuts += 1,
                 _ => {}
             }
         }

@@ -5,6 +5,7 @@
 //! its number, and fields are scalars: a plot of one of them is one curve.
 
 mod container;
+mod described;
 mod fields;
 mod foxglove;
 mod messages;
@@ -16,9 +17,9 @@ mod told;
 mod topics;
 
 pub use container::Attachment;
+pub use described::{Described, FieldKind, Visit, decode};
 pub use foxglove::LOG;
 pub use read::{McapReader, Read, Tear, Unreadable, read};
-pub use schema::{ALL, FieldKind, PACKAGE, Schema};
 pub use told::Told;
 
 use std::collections::BTreeMap;
@@ -28,8 +29,10 @@ use palpate_core::bus::Received;
 
 use crate::i2c::Transfer;
 use crate::readings::{ModulePlaces, Readings, TaxelFrame};
-use crate::trace::{self, Event, Header, Trace};
+use crate::trace::{self, Event, Header, Trace, event};
 use container::Container;
+use described::{encode, schema};
+use messages::{Angle, BoardMessage, CanMessage, Stimulus};
 use proto::Message;
 use scene::Scene;
 use schema::Level;
@@ -110,22 +113,24 @@ impl<W: Write> McapRecording<W> {
         facts.extend(banner.map(|text| ("banner", text.to_owned())));
         let mut recording = Self::begin(&facts, attachments, out)?;
         let container = &mut recording.container;
-        let mut schemas = BTreeMap::new();
-        for schema in ALL.iter().filter(|s| s.name != schema::CAN.name) {
-            let id = container.schema(&schema.full_name(), &schema.descriptor())?;
-            schemas.insert(schema.name, id);
-        }
+        let frame = schema(container, event::Frame::default())?;
+        let contact = schema(container, event::Contact::default())?;
+        let truth = schema(container, event::Truth::default())?;
+        let stimulus = schema(container, Stimulus::default())?;
+        let board = schema(container, BoardMessage::default())?;
+        let pin = schema(container, event::Edge::default())?;
+        let celsius = schema(container, event::Temperature::default())?;
+        let felt = schema(container, event::Felt::default())?;
+        let i2c = schema(container, &Transfer::default())?;
         let log = container.schema(LOG, &foxglove::descriptor())?;
         let scene = Scene::begin(container, header, modules)?;
-        let mut topic =
-            |schema: &Schema, topic: &str| container.channel(schemas[schema.name], topic);
         let mut run = RunTopics {
-            frames: topic(&schema::FRAME, "/frames")?,
-            contacts: topic(&schema::CONTACT, "/contacts")?,
-            truth: topic(&schema::TRUTH, "/truth")?,
-            boards: topic(&schema::BOARD, "/boards")?,
-            felt: topic(&schema::FELT, "/felt")?,
-            i2c: topic(&schema::I2C, "/i2c")?,
+            frames: container.channel(frame, "/frames")?,
+            contacts: container.channel(contact, "/contacts")?,
+            truth: container.channel(truth, "/truth")?,
+            boards: container.channel(board, "/boards")?,
+            felt: container.channel(felt, "/felt")?,
+            i2c: container.channel(i2c, "/i2c")?,
             log: 0,
             wires: Vec::new(),
             joints: Vec::new(),
@@ -135,23 +140,25 @@ impl<W: Write> McapRecording<W> {
             outputs: header.wires.iter().map(|w| (w.board, w.channel)).collect(),
         };
         for wire in 0..header.wires.len() {
+            let mut topic =
+                |schema, what| container.channel(schema, &format!("/wire/{wire}/{what}"));
             run.wires.push(WireTopics {
-                schedule: topic(&schema::SCHEDULE, &format!("/wire/{wire}/schedule"))?,
-                pin: topic(&schema::PIN, &format!("/wire/{wire}/pin"))?,
-                wire: topic(&schema::TEMPERATURE, &format!("/wire/{wire}/temperature"))?,
-                skin: topic(&schema::TEMPERATURE, &format!("/wire/{wire}/skin"))?,
+                schedule: topic(stimulus, "schedule")?,
+                pin: topic(pin, "pin")?,
+                wire: topic(celsius, "temperature")?,
+                skin: topic(celsius, "skin")?,
             });
         }
         run.log = container.channel(log, "/events")?;
         if !header.joints.is_empty() {
-            let id = container.schema(&schema::JOINT.full_name(), &schema::JOINT.descriptor())?;
+            let id = schema(container, Angle::default())?;
             for name in &header.joints {
                 run.joints
                     .push(container.channel(id, &format!("/joints/{name}"))?);
             }
         }
         if header.warmth {
-            let id = container.schema(&schema::FACE.full_name(), &schema::FACE.descriptor())?;
+            let id = schema(container, event::Face::default())?;
             run.face = Some(container.channel(id, "/face")?);
         }
         recording.run = Some(run);
@@ -177,7 +184,7 @@ impl<W: Write> McapRecording<W> {
         metadata.extend(facts.iter().map(|(k, v)| ((*k).to_owned(), v.clone())));
         container.metadata(PROFILE, &metadata)?;
         attachments.iter().try_for_each(|a| container.attach(a))?;
-        let frame = container.schema(&schema::CAN.full_name(), &schema::CAN.descriptor())?;
+        let frame = schema(&mut container, CanMessage::default())?;
         let can = container.channel(frame, "/can")?;
         Ok(Self {
             container,
@@ -247,16 +254,8 @@ impl<W: Write> McapRecording<W> {
         self.container.message(channel, t_ns, self.message.bytes())
     }
 
-    fn fresh(&mut self) -> &mut Message {
-        self.message.clear();
-        &mut self.message
-    }
-
     fn frame(&mut self, received: &Received) -> io::Result<()> {
-        self.fresh()
-            .uint(1, received.bus)
-            .uint(2, received.frame.id())
-            .data(3, received.frame.data());
+        encode(CanMessage::from(received), &mut self.message);
         let t_ns = received.at.as_micros().saturating_mul(1000);
         self.send(self.can, t_ns)
     }
@@ -265,13 +264,7 @@ impl<W: Write> McapRecording<W> {
         let Some(channel) = self.run.as_ref().map(|r| r.i2c) else {
             return Ok(());
         };
-        self.fresh()
-            .uint(1, transfer.bus)
-            .uint(2, transfer.address)
-            .uint(3, transfer.read)
-            .data(4, &transfer.data)
-            .uint(5, transfer.end_ns)
-            .text(6, transfer.error.as_deref().unwrap_or_default());
+        encode(transfer, &mut self.message);
         self.send(channel, transfer.start_ns)
     }
 
@@ -283,7 +276,8 @@ impl<W: Write> McapRecording<W> {
         stamp
             .uint(1, t_ns / 1_000_000_000)
             .uint(2, t_ns % 1_000_000_000);
-        self.fresh()
+        self.message.clear();
+        self.message
             .inner(1, &stamp)
             .uint(2, level as u64)
             .text(3, text)
@@ -296,27 +290,8 @@ impl<W: Write> McapRecording<W> {
             return Ok(());
         };
         run.scene.event(event, &mut self.container)?;
-        let t_ns = event.t_ns();
-        self.message.clear();
-        let message = &mut self.message;
-        // Every variant has its place here: a new one does not compile until it is recorded.
-        let channel = match event {
-            Event::Frame { .. }
-            | Event::Contact { .. }
-            | Event::Truth { .. }
-            | Event::Joint { .. } => run.sensed(event, message),
-            Event::Schedule(_) | Event::PreScale { .. } | Event::AllOff { .. } => {
-                run.told(event, message)
-            }
-            Event::Edge { .. }
-            | Event::Felt { .. }
-            | Event::Wire { .. }
-            | Event::Skin { .. }
-            | Event::Face { .. } => run.came(event, message),
-            Event::Latent { .. } | Event::Note { .. } => None,
-        };
-        if let Some(channel) = channel {
-            self.send(channel, t_ns)?;
+        if let Some(channel) = run.write(event, &mut self.message) {
+            self.send(channel, event.t_ns())?;
         }
         self.log_event(event)
     }
@@ -325,13 +300,13 @@ impl<W: Write> McapRecording<W> {
     fn log_event(&mut self, event: &Event) -> io::Result<()> {
         let t_ns = event.t_ns();
         match event {
-            Event::Note { text, .. } => self.log(t_ns, Level::Info, "note", text),
-            Event::Latent { .. } => match crate::words::texture(event) {
-                Some(text) => self.log(t_ns, Level::Info, "texture", &text),
-                None => Ok(()),
-            },
-            Event::AllOff { board, cause, .. } => {
-                let text = format!("board {board}: all off: {cause}");
+            Event::Note(note) => self.log(t_ns, Level::Info, "note", &note.text),
+            Event::Latent(window) => {
+                let text = crate::words::texture(window);
+                self.log(t_ns, Level::Info, "texture", &text)
+            }
+            Event::AllOff(off) => {
+                let text = format!("board {}: all off: {}", off.board, off.cause);
                 self.log(t_ns, Level::Info, "boards", &text)
             }
             Event::Schedule(entry) => match entry.reason {

@@ -10,9 +10,11 @@ use std::io::{self, Read as _};
 use palpate_core::bus::Received;
 
 use super::container::{MAGIC, op};
+use super::described::{decode, full_name};
 use super::fields::{Cursor, attachment, chunk_head, metadata};
+use super::messages::{self, Angle, CanMessage, Stimulus};
 use super::told::Topic;
-use super::{PROFILE, VERSION, messages, schema};
+use super::{PROFILE, VERSION};
 use run::Run;
 
 /// What could be read.
@@ -284,7 +286,7 @@ impl Contents {
 
     /// Holds a joint's angle, if there is room; `None` for what is no such message.
     fn angle(&mut self, channel: u16, t_ns: u64, message: &[u8]) -> Option<bool> {
-        let deg = messages::angle(message)?;
+        let Angle(deg) = decode(message)?;
         let topic = &self.channels.get(&channel)?.0;
         let name = topic.strip_prefix("/joints/")?.to_owned();
         if self.angles == MOST_ANGLES {
@@ -382,9 +384,9 @@ impl Contents {
                 let id = cursor.u16()?;
                 let name = cursor.text()?;
                 let content = match name {
-                    name if name == schema::CAN.full_name() => Content::Frame,
-                    name if name == schema::SCHEDULE.full_name() => Content::Entry,
-                    name if name == schema::JOINT.full_name() => Content::Angle,
+                    name if name == full_name::<CanMessage<'_>>() => Content::Frame,
+                    name if name == full_name::<Stimulus>() => Content::Entry,
+                    name if name == full_name::<Angle>() => Content::Angle,
                     _ => Content::Other,
                 };
                 self.schemas.insert(id, content);

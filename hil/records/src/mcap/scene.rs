@@ -4,9 +4,10 @@
 use std::io::{self, Write};
 
 use super::container::Container;
+use super::described::schema;
 use super::foxglove::{CLOUD, SCENE, TRANSFORM, descriptor};
+use super::messages::TaxelCounts;
 use super::proto::Message;
-use super::schema;
 use crate::readings::{ModulePlaces, Reading, TaxelFrame};
 use crate::trace::{Event, FeltAt, Header, PlaceUm};
 
@@ -52,7 +53,7 @@ pub(super) struct Scene {
     due_cloud_us: u64,
 }
 
-pub(super) fn mm(um: i32) -> f64 {
+fn mm(um: i32) -> f64 {
     f64::from(um) / 1e3
 }
 
@@ -136,7 +137,7 @@ impl Scene {
         let cloud = container.schema(CLOUD, &types)?;
         let scene = container.schema(SCENE, &types)?;
         let transform = container.schema(TRANSFORM, &types)?;
-        let counts = container.schema(&schema::TAXELS.full_name(), &schema::TAXELS.descriptor())?;
+        let counts = schema(container, TaxelCounts::default())?;
         let topic = container.channel(scene, "/scene")?;
         let frames = container.channel(transform, "/frames_of_reference")?;
         let mut pads = Vec::with_capacity(modules.len());
@@ -187,21 +188,16 @@ impl Scene {
         container: &mut Container<W>,
     ) -> io::Result<()> {
         match event {
-            Event::Frame { t_us, .. } => {
-                if *t_us >= self.due_us {
-                    self.due_us = t_us + PICTURE_US;
-                    self.draw(*t_us, container)?;
+            Event::Frame(frame) => {
+                if frame.t_us >= self.due_us {
+                    self.due_us = frame.t_us + PICTURE_US;
+                    self.draw(frame.t_us, container)?;
                 }
                 self.contacts.clear();
             }
-            Event::Contact {
-                module,
-                contact,
-                place,
-                ..
-            } => self.contacts.push((*module, *contact, *place)),
-            Event::Felt { target, met, .. } => {
-                self.felt = Some((*target, met.filter(FeltAt::is_felt)));
+            Event::Contact(now) => self.contacts.push((now.module, now.contact, now.place)),
+            Event::Felt(onset) => {
+                self.felt = Some((onset.target, onset.met.filter(FeltAt::is_felt)));
             }
             Event::Schedule(entry) => {
                 let output = (entry.board.0, entry.channel.0);
@@ -210,8 +206,8 @@ impl Scene {
                     self.widest = self.widest.max(wire.width);
                 }
             }
-            Event::AllOff { board, .. } => {
-                let own = self.wires.iter_mut().filter(|w| w.output.0 == *board);
+            Event::AllOff(off) => {
+                let own = self.wires.iter_mut().filter(|w| w.output.0 == off.board);
                 own.for_each(|w| w.width = 0);
             }
             _ => {}

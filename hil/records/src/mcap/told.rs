@@ -1,11 +1,11 @@
 //! What a recording of a run says of it again: messages of its topics back to events.
 
-use palpate_core::schedule::Entry;
-use palpate_core::units::{Board, Channel};
+use palpate_core::units::Instant;
 
-use super::messages::entry;
-use super::proto::{Fields, Value, packed};
-use crate::trace::{EnergyPermille, Event, FeltAt, PlaceUm};
+use super::described::decode;
+use super::messages::{BoardMessage, Line, TaxelCounts, stimulus};
+use super::proto::packed;
+use crate::trace::{Event, event};
 
 /// What a message of a run says.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,164 +89,68 @@ impl Topic {
     /// What a message of it says: `None` for a damaged one, and inside for what another topic says better.
     pub(super) fn read(self, t_ns: u64, message: &[u8]) -> Option<Option<Told>> {
         let t_us = t_ns / 1000;
-        let fields = Numbered::of(message)?;
+        let at = Instant::from_micros(t_us);
         let event = match self {
-            Self::Frames => Event::Frame {
+            Self::Frames => Event::Frame(event::Frame {
                 t_us,
-                frame: fields.small(1)?,
-                in_contact: fields.small(2)?,
-                peak_counts: fields.small(3)?,
-            },
-            Self::Contacts => Event::Contact {
+                ..decode(message)?
+            }),
+            Self::Contacts => Event::Contact(event::Contact {
                 t_us,
-                frame: fields.small(1)?,
-                module: fields.small(2)?,
-                contact: fields.small(3)?,
-                place: fields.place(4),
-                intensity_milli: (fields.real(6) * 1e3).round() as u32,
-                level: fields.small(7)?,
-                members: fields.small(8)?,
-            },
-            Self::Truth => Event::Truth {
+                ..decode(message)?
+            }),
+            Self::Truth => Event::Truth(event::Truth {
                 t_us,
-                place: fields.place(1),
-                force_mn: (fields.real(3) * 1e3).round() as u32,
+                ..decode(message)?
+            }),
+            Self::Felt => Event::Felt(event::Felt {
+                t_us,
+                ..decode(message)?
+            }),
+            Self::Boards => match decode(message)? {
+                BoardMessage {
+                    board,
+                    pre_scale,
+                    all_off: "",
+                } => Event::PreScale(event::PreScale {
+                    t_us,
+                    board,
+                    pre_scale,
+                }),
+                off => Event::note(at, format!("all off: {}", off.all_off)),
             },
-            Self::Felt => fields.felt(t_us)?,
-            Self::Boards => match fields.data(3) {
-                [] => Event::PreScale {
-                    t_us,
-                    board: fields.small(1)?,
-                    pre_scale: fields.small(2)?,
-                },
-                cause => Event::Note {
-                    t_us,
-                    text: format!("all off: {}", String::from_utf8_lossy(cause)),
-                },
-            },
-            Self::Log => match fields.data(4) {
-                b"note" | b"texture" => Event::Note {
-                    t_us,
-                    text: String::from_utf8_lossy(fields.data(3)).into_owned(),
-                },
+            Self::Log => match decode(message)? {
+                Line {
+                    text,
+                    name: "note" | "texture",
+                } => Event::note(at, text.to_owned()),
                 _ => return Some(None),
             },
-            Self::Schedule => {
-                let (read, _, _) = entry(t_ns, message)?;
-                let requested_until = match fields.number(11) {
-                    0 => read.until,
-                    _ => read.requested_until,
-                };
-                Event::Schedule(Entry {
-                    board: Board(fields.small(1)?),
-                    channel: Channel(fields.small(2)?),
-                    requested_until,
-                    ..read
-                })
-            }
+            Self::Schedule => Event::Schedule(stimulus(t_ns, message)?.entry),
             Self::Pin(wire) => {
-                let high = fields.number(1) != 0;
+                let event::Edge { high, .. } = decode(message)?;
                 return Some(Some(Told::Pin { t_ns, wire, high }));
             }
-            Self::Wire(wire) => Event::Wire {
+            Self::Wire(wire) => Event::Wire(event::Temperature {
                 t_us,
                 wire,
-                milli_c: fields.milli(1),
-            },
-            Self::Skin(wire) => Event::Skin {
+                ..decode(message)?
+            }),
+            Self::Skin(wire) => Event::Skin(event::Temperature {
                 t_us,
                 wire,
-                milli_c: fields.milli(1),
-            },
+                ..decode(message)?
+            }),
             Self::Taxels(module) => {
+                let TaxelCounts([.., relative]) = decode(message)?;
                 return Some(Some(Told::Taxels {
                     t_ns,
                     module,
-                    relative: packed(fields.data(4))?,
+                    relative: packed(relative)?,
                 }));
             }
         };
         Some(Some(Told::Event(event)))
-    }
-}
-
-/// Most fields of a message that is read here.
-const FIELDS: usize = 16;
-
-/// The fields of a message by number; what was left out is 0 or empty, as proto3 has it.
-struct Numbered<'a> {
-    numbers: [u64; FIELDS],
-    data: [&'a [u8]; FIELDS],
-}
-
-impl<'a> Numbered<'a> {
-    fn of(message: &'a [u8]) -> Option<Self> {
-        let mut all = Self {
-            numbers: [0; FIELDS],
-            data: [&[]; FIELDS],
-        };
-        for field in Fields::new(message) {
-            let (number, value) = field?;
-            let Some(at) = usize::try_from(number).ok().filter(|n| *n < FIELDS) else {
-                continue; // of a later version
-            };
-            match value {
-                Value::Number(n) | Value::Fixed64(n) => all.numbers[at] = n,
-                Value::Fixed32(n) => all.numbers[at] = u64::from(n),
-                Value::Data(bytes) => all.data[at] = bytes,
-            }
-        }
-        Some(all)
-    }
-
-    const fn number(&self, field: usize) -> u64 {
-        self.numbers[field]
-    }
-
-    fn small<T: TryFrom<u64>>(&self, field: usize) -> Option<T> {
-        T::try_from(self.numbers[field]).ok()
-    }
-
-    const fn real(&self, field: usize) -> f64 {
-        f64::from_bits(self.numbers[field])
-    }
-
-    const fn data(&self, field: usize) -> &'a [u8] {
-        self.data[field]
-    }
-
-    /// Thousandths of a number.
-    fn milli(&self, field: usize) -> i32 {
-        (self.real(field) * 1e3).round() as i32
-    }
-
-    /// A place whose x, in millimetres, is this field and whose y the next.
-    fn place(&self, field: usize) -> PlaceUm {
-        PlaceUm {
-            x: self.milli(field),
-            y: self.milli(field + 1),
-        }
-    }
-
-    fn felt(&self, t_us: u64) -> Option<Event> {
-        // No number: no wire moved.
-        let met = (!self.real(5).is_nan()).then(|| FeltAt {
-            energy: self.place(5),
-            amplitude: self.place(7),
-            level_mdb: self.milli(12),
-            tap: self.number(13) != 0,
-        });
-        Some(Event::Felt {
-            t_us,
-            target: self.place(1),
-            inside: self.number(3) != 0,
-            met,
-            energy: EnergyPermille {
-                requested: self.small(9)?,
-                applied: self.small(10)?,
-                felt: self.small(11)?,
-            },
-        })
     }
 }
 

@@ -19,23 +19,23 @@ fn told(bytes: &[u8]) -> Vec<Told> {
 /// What an event is when it is read again; none where no topic has it.
 fn again(event: &Event, trace: &Trace) -> Option<Told> {
     Some(match event.clone() {
-        Event::Edge {
+        Event::Edge(event::Edge {
             t_ns,
             board,
             channel,
             high,
-        } => {
+        }) => {
             let wires = trace.header.wires.iter();
             let mut numbered = wires.zip(0..);
             let here = numbered.find(|(w, _)| (w.board, w.channel) == (board, channel))?;
             let wire = here.1;
             Told::Pin { t_ns, wire, high }
         }
-        Event::AllOff { t_us, cause, .. } => Told::Event(Event::Note {
+        Event::AllOff(event::AllOff { t_us, cause, .. }) => Told::Event(Event::Note(event::Note {
             t_us,
             text: format!("all off: {cause}"),
-        }),
-        Event::Latent { .. } | Event::Joint { .. } | Event::Face { .. } => return None,
+        })),
+        Event::Latent(_) | Event::Joint(_) | Event::Face(_) => return None,
         event => Told::Event(event),
     })
 }

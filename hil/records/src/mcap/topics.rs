@@ -1,8 +1,10 @@
 //! The topics of a run, and how an event becomes the message of one of them.
 
+use super::described::{Described, encode};
+use super::messages::{Angle, BoardMessage, Stimulus};
 use super::proto::Message;
-use super::scene::{Scene, mm};
-use crate::trace::{Event, PlaceUm};
+use super::scene::Scene;
+use crate::trace::Event;
 
 /// Topics of a wire.
 #[derive(Clone, Copy, Debug)]
@@ -36,167 +38,58 @@ pub(super) struct RunTopics {
 }
 
 impl RunTopics {
-    pub fn of_output(&self, board: u8, channel: u8) -> Option<WireTopics> {
+    fn of_output(&self, board: u8, channel: u8) -> Option<WireTopics> {
         let wire = self.outputs.iter().position(|o| *o == (board, channel));
         wire.map(|w| self.wires[w])
     }
 
-    pub fn of_wire(&self, wire: u16) -> Option<WireTopics> {
-        self.wires.get(usize::from(wire)).copied()
-    }
-
-    /// Fills in what the sensor end saw; the topic it goes to.
-    pub fn sensed(&self, event: &Event, message: &mut Message) -> Option<u16> {
+    /// Writes the message of an event; the topic it goes to.
+    pub fn write(&self, event: &Event, message: &mut Message) -> Option<u16> {
+        // Every variant has its place here: a new one does not compile until it is recorded.
         match event {
-            Event::Frame {
-                frame,
-                in_contact,
-                peak_counts,
-                ..
-            } => {
-                message
-                    .uint(1, *frame)
-                    .uint(2, *in_contact)
-                    .uint(3, *peak_counts);
-                Some(self.frames)
+            Event::Frame(e) => put(*e, message, self.frames),
+            Event::Contact(e) => put(*e, message, self.contacts),
+            Event::Truth(e) => put(*e, message, self.truth),
+            Event::Joint(e) => {
+                let angle = Angle(f64::from(e.milli_deg) / 1e3);
+                put(angle, message, *self.joints.get(usize::from(e.joint))?)
             }
-            Event::Contact {
-                frame,
-                module,
-                contact,
-                place,
-                intensity_milli,
-                level,
-                members,
-                ..
-            } => {
-                message
-                    .uint(1, *frame)
-                    .uint(2, *module)
-                    .uint(3, *contact)
-                    .double(4, mm(place.x))
-                    .double(5, mm(place.y))
-                    .double(6, f64::from(*intensity_milli) / 1e3)
-                    .uint(7, *level)
-                    .uint(8, *members);
-                Some(self.contacts)
-            }
-            Event::Truth {
-                place, force_mn, ..
-            } => {
-                message
-                    .double(1, mm(place.x))
-                    .double(2, mm(place.y))
-                    .double(3, f64::from(*force_mn) / 1e3);
-                Some(self.truth)
-            }
-            Event::Joint {
-                joint, milli_deg, ..
-            } => {
-                message.double(1, f64::from(*milli_deg) / 1e3);
-                self.joints.get(usize::from(*joint)).copied()
-            }
-            _ => None,
-        }
-    }
-
-    /// The same of what the boards were told.
-    pub fn told(&self, event: &Event, message: &mut Message) -> Option<u16> {
-        match event {
             Event::Schedule(entry) => {
-                let cut = entry.requested_until != entry.until;
-                message
-                    .uint(1, entry.board.0)
-                    .uint(2, entry.channel.0)
-                    .uint(3, entry.requested.get())
-                    .uint(4, entry.width().get())
-                    .uint(5, entry.on)
-                    .uint(6, entry.off)
-                    .uint(7, entry.until.as_micros())
-                    .text(8, entry.reason.map_or("", |r| r.word()))
-                    .uint(9, entry.pulses(self.period_ns))
-                    .uint(10, self.period_ns)
-                    .uint(11, u64::from(cut) * entry.requested_until.as_micros())
-                    .uint(12, entry.current.map_or(0, |current| current.0));
-                self.of_output(entry.board.0, entry.channel.0)
-                    .map(|w| w.schedule)
+                let stimulus = Stimulus {
+                    entry: *entry,
+                    pulses: entry.pulses(self.period_ns),
+                    period_ns: self.period_ns,
+                };
+                let wire = self.of_output(entry.board.0, entry.channel.0)?;
+                put(stimulus, message, wire.schedule)
             }
-            Event::PreScale {
-                board, pre_scale, ..
-            } => {
-                message.uint(1, *board).uint(2, *pre_scale);
-                Some(self.boards)
+            Event::PreScale(e) => {
+                let said = BoardMessage {
+                    board: e.board,
+                    pre_scale: e.pre_scale,
+                    all_off: "",
+                };
+                put(said, message, self.boards)
             }
-            Event::AllOff { board, cause, .. } => {
-                message.uint(1, *board).text(3, cause);
-                Some(self.boards)
+            Event::AllOff(e) => {
+                let said = BoardMessage {
+                    board: e.board,
+                    pre_scale: 0,
+                    all_off: e.cause,
+                };
+                put(said, message, self.boards)
             }
-            _ => None,
+            Event::Edge(e) => put(*e, message, self.of_output(e.board, e.channel)?.pin),
+            Event::Felt(e) => put(*e, message, self.felt),
+            Event::Wire(e) => put(*e, message, self.wires.get(usize::from(e.wire))?.wire),
+            Event::Skin(e) => put(*e, message, self.wires.get(usize::from(e.wire))?.skin),
+            Event::Face(e) => put(*e, message, self.face?),
+            Event::Latent(_) | Event::Note(_) => None,
         }
     }
+}
 
-    /// The same of what came of it.
-    pub fn came(&self, event: &Event, message: &mut Message) -> Option<u16> {
-        match event {
-            Event::Edge {
-                board,
-                channel,
-                high,
-                ..
-            } => {
-                message.uint(1, *high);
-                self.of_output(*board, *channel).map(|w| w.pin)
-            }
-            Event::Felt {
-                target,
-                inside,
-                met,
-                energy: all,
-                ..
-            } => {
-                let place =
-                    |p: Option<PlaceUm>| p.map_or((f64::NAN, f64::NAN), |p| (mm(p.x), mm(p.y)));
-                let energy = place(met.map(|m| m.energy));
-                let amplitude = place(met.map(|m| m.amplitude));
-                message
-                    .double(1, mm(target.x))
-                    .double(2, mm(target.y))
-                    .uint(3, *inside)
-                    .uint(4, met.is_some_and(|m| m.is_felt()))
-                    .double(5, energy.0)
-                    .double(6, energy.1)
-                    .double(7, amplitude.0)
-                    .double(8, amplitude.1)
-                    .uint(9, all.requested)
-                    .uint(10, all.applied)
-                    .uint(11, all.felt)
-                    .double(12, met.map_or(f64::NAN, |m| f64::from(m.level_mdb) * 1e-3))
-                    .uint(13, met.is_some_and(|m| m.tap));
-                Some(self.felt)
-            }
-            Event::Wire { wire, milli_c, .. } => {
-                message.double(1, f64::from(*milli_c) / 1e3);
-                self.of_wire(*wire).map(|w| w.wire)
-            }
-            Event::Skin { wire, milli_c, .. } => {
-                message.double(1, f64::from(*milli_c) / 1e3);
-                self.of_wire(*wire).map(|w| w.skin)
-            }
-            Event::Face {
-                face_mc,
-                aim_mc,
-                sink_mc,
-                milliamps,
-                ..
-            } => {
-                message
-                    .double(1, f64::from(*face_mc) / 1e3)
-                    .double(2, aim_mc.map_or(f64::NAN, |mc| f64::from(mc) / 1e3))
-                    .double(3, f64::from(*sink_mc) / 1e3)
-                    .double(4, f64::from(*milliamps) / 1e3);
-                self.face
-            }
-            _ => None,
-        }
-    }
+fn put<'a>(of: impl Described<'a>, message: &mut Message, topic: u16) -> Option<u16> {
+    encode(of, message);
+    Some(topic)
 }

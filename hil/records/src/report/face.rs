@@ -6,49 +6,23 @@ use super::series::span;
 use super::timeplot::TimePlot;
 use crate::margin::{Limited, Margin};
 use crate::measure::length_us;
-use crate::trace::{Event, Trace};
+use crate::trace::{Trace, event};
 use std::fmt::Write;
 
-/// The module at an instant: microseconds, face, aim and sink in degrees C, current in A.
-struct Sample {
-    t_us: u64,
-    face_c: f64,
-    aim_c: f64,
-    sink_c: f64,
-    ampere: f64,
-}
-
-fn samples(trace: &Trace) -> Vec<Sample> {
-    let milli = |value: i32| f64::from(value) / 1e3;
-    let events = trace.events.iter();
-    events
-        .filter_map(|event| match event {
-            Event::Face {
-                t_us,
-                face_mc,
-                aim_mc,
-                sink_mc,
-                milliamps,
-            } => Some(Sample {
-                t_us: *t_us,
-                face_c: milli(*face_mc),
-                aim_c: aim_mc.map_or(f64::NAN, milli),
-                sink_c: milli(*sink_mc),
-                ampere: milli(*milliamps),
-            }),
-            _ => None,
-        })
-        .collect()
+fn milli(value: i32) -> f64 {
+    f64::from(value) / 1e3
 }
 
 /// The section; nothing where there is no module.
 pub(super) fn section(page: &mut String, trace: &Trace) {
-    let samples = samples(trace);
+    let samples: Vec<&event::Face> = trace.each().collect();
     if samples.len() < 2 {
         return;
     }
     let whole = (0, length_us(trace));
-    let temperatures = samples.iter().flat_map(|s| [s.face_c, s.sink_c]);
+    let temperatures = samples
+        .iter()
+        .flat_map(|s| [s.face_mc, s.sink_mc].map(milli));
     let limit = trace.ledger.margin(Limited::FaceWarm).map(Margin::limit);
     let (low, high) = span(temperatures.chain(limit));
     let label = "Temperatures of the Peltier module against time";
@@ -64,21 +38,30 @@ pub(super) fn section(page: &mut String, trace: &Trace) {
         .into_iter()
         .for_each(|c| upper.bound(c, "bound", "face"));
     let mut legend = String::new();
-    type Of = fn(&Sample) -> f64;
+    type Of = fn(&event::Face) -> f64;
     let lines: [(Of, &str, &str); 3] = [
-        (|s| s.aim_c, "series w1", "aimed at"),
-        (|s| s.face_c, "series w0", "face on the skin"),
-        (|s| s.sink_c, "series w2", "sink"),
+        (
+            |s| s.aim_mc.map_or(f64::NAN, milli),
+            "series w1",
+            "aimed at",
+        ),
+        (|s| milli(s.face_mc), "series w0", "face on the skin"),
+        (|s| milli(s.sink_mc), "series w2", "sink"),
     ];
     for (of, class, name) in lines {
         upper.line(name, class, samples.iter().map(|s| (s.t_us, of(s))));
         line_key(&mut legend, class, name);
     }
-    let (low, high) = span(samples.iter().map(|s| s.ampere).chain([-0.1, 0.1]));
+    let (low, high) = span(
+        samples
+            .iter()
+            .map(|s| milli(s.milliamps))
+            .chain([-0.1, 0.1]),
+    );
     let label = "Current of the Peltier module against time";
     let mut lower = TimePlot::new(label, "A", 110.0, whole, Scale::round(low, high));
     lower.y_axis("current [A], positive cools");
-    let points = samples.iter().map(|s| (s.t_us, s.ampere));
+    let points = samples.iter().map(|s| (s.t_us, milli(s.milliamps)));
     lower.line("current", "series w0", points);
     let _ = writeln!(
         page,

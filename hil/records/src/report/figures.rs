@@ -4,7 +4,7 @@ use super::svg::{Plot, escape};
 use super::{ReportExtras, paths, series, strip};
 use crate::bursts::bursts;
 use crate::measure;
-use crate::trace::{Event, Trace};
+use crate::trace::{Trace, event};
 use std::fmt::Write;
 
 /// A legend's entry: a swatch drawn with the figure's own classes, and its meaning.
@@ -48,10 +48,7 @@ pub(super) const RAMP: &str = "start <i class=\"ramp\"></i> end of the run";
 pub(super) fn planes(page: &mut String, trace: &Trace) -> [Plot; 2] {
     let (pad, on_pad) = paths::contact_path(trace);
     let (display, on_display) = paths::felt_path(trace);
-    let truth = trace
-        .events
-        .iter()
-        .any(|e| matches!(e, Event::Truth { .. }));
+    let truth = trace.each::<event::Truth>().next().is_some();
     let mut legend = String::new();
     if truth {
         line_key(&mut legend, "truth", "true path");
@@ -91,13 +88,10 @@ pub(super) fn planes(page: &mut String, trace: &Trace) -> [Plot; 2] {
 /// What figure C counts, and why a phantom breaks. Empty where nothing was projected.
 fn felt_in_words(trace: &Trace) -> String {
     let (mut scored, mut breaks, mut beyond) = (0u64, 0u64, 0u64);
-    for event in &trace.events {
-        if let Event::Felt { inside, met, .. } = event {
-            let is_felt = met.is_some_and(|m| m.is_felt());
-            scored += 1;
-            breaks += u64::from(!is_felt && *inside);
-            beyond += u64::from(!is_felt && !*inside);
-        }
+    for onset in trace.each::<event::Felt>() {
+        scored += 1;
+        breaks += u64::from(onset.is_break());
+        beyond += u64::from(!onset.is_felt() && !onset.inside);
     }
     let driven = bursts(trace).iter().any(|b| b.width > 0);
     let text = match (scored, driven) {
@@ -148,9 +142,12 @@ fn why(illusion: &str) -> &'static str {
 
 /// Figure B; nothing where contacts came without taxels, as those that another machine found.
 pub(super) fn frames(page: &mut String, trace: &Trace, extras: &ReportExtras<'_>) {
-    let is_contact = |e: &Event| matches!(e, Event::Contact { .. });
-    let is_touched = |e: &Event| matches!(e, Event::Frame { in_contact, .. } if *in_contact > 0);
-    if trace.events.iter().any(is_contact) && !trace.events.iter().any(is_touched) {
+    let has_contacts = trace.each::<event::Contact>().next().is_some();
+    if has_contacts
+        && trace
+            .each()
+            .all(|frame: &event::Frame| frame.in_contact == 0)
+    {
         return;
     }
     let said = match series::sorted_times(extras.frame_us).is_empty() {

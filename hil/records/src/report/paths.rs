@@ -3,7 +3,7 @@
 use super::scale::Scale;
 use super::svg::{Plot, Svg, dot};
 use crate::measure::length_us;
-use crate::trace::{Event, FeltAt, PlaceUm, Trace};
+use crate::trace::{FeltAt, PlaceUm, Trace, event};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
@@ -135,11 +135,12 @@ pub(super) fn contact_path(trace: &Trace) -> (String, Plot) {
     let taxels: Vec<_> = trace.header.taxels.iter().map(|p| mm(*p)).collect();
     let pitch = pitch(&taxels);
     let mut places = taxels.clone();
-    for event in &trace.events {
-        if let Event::Contact { place, .. } | Event::Truth { place, .. } = event {
-            places.push(mm(*place));
-        }
-    }
+    places.extend(
+        trace
+            .each()
+            .map(|contact: &event::Contact| mm(contact.place)),
+    );
+    places.extend(trace.each().map(|truth: &event::Truth| mm(truth.place)));
     let mut plot = plane();
     let mut svg = Svg::new(WIDTH, HEIGHT, "Contact path over the taxels of the pad");
     axes(&mut plot, &mut svg, &places, pitch * 0.65, "sensor");
@@ -175,25 +176,15 @@ pub(super) fn touched(
 ) -> (Vec<Stroke>, Option<(f64, f64)>) {
     let mut strokes: BTreeMap<(u16, u32), (Stroke, u32)> = BTreeMap::new();
     let mut first = None;
-    for event in &trace.events {
-        if let Event::Contact {
-            t_us,
-            frame,
-            module,
-            contact,
-            place,
-            ..
-        } = event
-        {
-            let at = at(*module, mm(*place));
-            first.get_or_insert(at);
-            let (stroke, before) = strokes.entry((*module, *contact)).or_default();
-            if frame.saturating_sub(*before) > 1 {
-                stroke.lift();
-            }
-            *before = *frame;
-            stroke.to(at, hue(*t_us, length));
+    for now in trace.each::<event::Contact>() {
+        let at = at(now.module, mm(now.place));
+        first.get_or_insert(at);
+        let (stroke, before) = strokes.entry((now.module, now.contact)).or_default();
+        if now.frame.saturating_sub(*before) > 1 {
+            stroke.lift();
         }
+        *before = now.frame;
+        stroke.to(at, hue(now.t_us, length));
     }
     (strokes.into_values().map(|(s, _)| s).collect(), first)
 }
@@ -219,34 +210,25 @@ pub(super) fn felt(trace: &Trace, length: u64, at: impl Fn((f64, f64)) -> (f64, 
     let mut crossed = Trodden::default();
     let gap = trace.header.soa_us.saturating_mul(2).max(1);
     let mut before = None;
-    for event in &trace.events {
-        let Event::Felt {
-            t_us,
-            target,
-            inside,
-            met,
-            ..
-        } = event
-        else {
-            continue;
-        };
+    for onset in trace.each::<event::Felt>() {
+        let t_us = onset.t_us;
         if before.is_some_and(|b: u64| t_us.saturating_sub(b) > gap) {
             all.target.lift();
             all.path.lift();
         }
-        before = Some(*t_us);
-        let aim = at(mm(*target));
+        before = Some(t_us);
+        let aim = at(mm(onset.target));
         all.target.to(aim, 0);
-        match met.filter(FeltAt::is_felt) {
+        match onset.met.filter(FeltAt::is_felt) {
             Some(felt) => {
                 let at = at(mm(felt.energy));
                 all.first.get_or_insert(at);
-                all.path.to(at, hue(*t_us, length));
+                all.path.to(at, hue(t_us, length));
             }
             None => {
                 all.path.lift();
                 if crossed.is_new(aim, aim) {
-                    let into = if *inside {
+                    let into = if onset.inside {
                         &mut all.crosses
                     } else {
                         &mut all.outside
@@ -260,12 +242,8 @@ pub(super) fn felt(trace: &Trace, length: u64, at: impl Fn((f64, f64)) -> (f64, 
 }
 
 fn truth(trace: &Trace, plot: &Plot, svg: &mut Svg) {
-    let mut points: Vec<(u64, (f64, f64))> = Vec::new();
-    for event in &trace.events {
-        if let Event::Truth { t_us, place, .. } = event {
-            points.push((*t_us, plot.at(mm(*place))));
-        }
-    }
+    let point = |truth: &event::Truth| (truth.t_us, plot.at(mm(truth.place)));
+    let points: Vec<(u64, (f64, f64))> = trace.each().map(point).collect();
     // Several touches at one time have no order to join them in: dots then.
     let several = points.windows(2).any(|w| matches!(w, [a, b] if a.0 == b.0));
     let mut line = String::new();
@@ -313,12 +291,10 @@ fn cross(out: &mut String, (x, y): (f64, f64)) {
 pub(super) fn felt_path(trace: &Trace) -> (String, Plot) {
     let wires: Vec<_> = trace.header.wires.iter().map(|w| mm(w.place)).collect();
     let mut places = wires.clone();
-    for event in &trace.events {
-        if let Event::Felt { target, met, .. } = event {
-            places.push(mm(*target));
-            let felt = met.filter(FeltAt::is_felt);
-            places.extend(felt.map(|f| mm(f.energy)));
-        }
+    for onset in trace.each::<event::Felt>() {
+        places.push(mm(onset.target));
+        let felt = onset.met.filter(FeltAt::is_felt);
+        places.extend(felt.map(|f| mm(f.energy)));
     }
     let mut plot = plane();
     let mut svg = Svg::new(WIDTH, HEIGHT, "Felt path on the display");
@@ -346,7 +322,7 @@ pub(super) fn felt_path(trace: &Trace) -> (String, Plot) {
         svg.text(
             (plot.left + plot.width, plot.top - 11.0),
             "note end",
-            if trace.events.iter().any(|e| matches!(e, Event::Felt { .. })) {
+            if trace.each::<event::Felt>().next().is_some() {
                 "nothing was felt in this run"
             } else {
                 "no onset with one contact"

@@ -8,7 +8,7 @@ use super::svg::Plot;
 use super::timeplot::tenth_ms;
 use crate::measure::length_us;
 use crate::readings::{Reading, Readings};
-use crate::trace::{Event, FeltAt, PlaceUm, Trace};
+use crate::trace::{FeltAt, PlaceUm, Trace, event};
 use std::fmt::Write;
 
 /// Most contacts and felt places: what is beyond goes frame by frame, evenly.
@@ -55,47 +55,29 @@ fn xy(p: PlaceUm) -> [i64; 2] {
 
 /// The contacts, and of how many frames one is told.
 fn contacts(trace: &Trace) -> (String, usize) {
-    let is_contact = |e: &&Event| matches!(e, Event::Contact { .. });
-    let count = trace.events.iter().filter(is_contact).count();
-    let every = count.div_ceil(CONTACTS).max(1);
+    let contacts = trace.each::<event::Contact>();
+    let every = contacts.clone().count().div_ceil(CONTACTS).max(1);
     let mut rows = Rows::new();
-    for event in &trace.events {
-        if let Event::Contact {
-            t_us,
-            frame,
-            module,
-            contact,
-            place,
-            intensity_milli,
-            ..
-        } = event
-            && (*frame as usize).is_multiple_of(every)
-        {
-            let [x, y] = xy(*place);
-            let counts = i64::from(*intensity_milli / 1000);
-            let (module, contact) = (i64::from(*module), i64::from(*contact));
-            rows.add(*t_us, &[module, contact, x, y, counts]);
-        }
+    for now in contacts.filter(|now| (now.frame as usize).is_multiple_of(every)) {
+        let [x, y] = xy(now.place);
+        let counts = i64::from(now.intensity_milli / 1000);
+        rows.add(
+            now.t_us,
+            &[now.module.into(), now.contact.into(), x, y, counts],
+        );
     }
     (rows.out, every)
 }
 
 /// Where onsets were aimed and felt, and of how many one is told; a break is felt nowhere.
 fn felt(trace: &Trace) -> (String, usize) {
-    let onsets = trace.events.iter().filter_map(|e| match e {
-        Event::Felt {
-            t_us, target, met, ..
-        } => {
-            let felt = met.filter(FeltAt::is_felt);
-            Some((*t_us, *target, felt.map(|f| f.energy)))
-        }
-        _ => None,
-    });
+    let onsets = trace.each::<event::Felt>();
     let every = onsets.clone().count().div_ceil(FELT).max(1);
     let mut rows = Rows::new();
-    for (t_us, target, felt) in onsets.step_by(every) {
-        let ([x, y], [u, v]) = (xy(target), xy(felt.unwrap_or_default()));
-        rows.add(t_us, &[x, y, i64::from(felt.is_some()), u, v]);
+    for onset in onsets.step_by(every) {
+        let felt = onset.met.filter(FeltAt::is_felt).map(|f| f.energy);
+        let ([x, y], [u, v]) = (xy(onset.target), xy(felt.unwrap_or_default()));
+        rows.add(onset.t_us, &[x, y, i64::from(felt.is_some()), u, v]);
     }
     (rows.out, every)
 }

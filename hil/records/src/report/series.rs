@@ -3,7 +3,7 @@
 use super::scale::Scale;
 use super::timeplot::{Pen, TimePlot};
 use crate::measure::{length_us, wire_tallies};
-use crate::trace::{Event, Trace};
+use crate::trace::{Event, Trace, event};
 use std::collections::BTreeSet;
 
 /// Most wires with a line of their own.
@@ -38,12 +38,8 @@ pub(super) fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
 /// Middle distance of two scans, microseconds.
 pub(super) fn scan_us(trace: &Trace) -> Option<f64> {
     let ends: Vec<u64> = trace
-        .events
-        .iter()
-        .filter_map(|e| match e {
-            Event::Frame { t_us, .. } => Some(*t_us),
-            _ => None,
-        })
+        .each()
+        .map(|frame: &event::Frame| frame.t_us)
         .collect();
     let mut gaps: Vec<f64> = ends
         .windows(2)
@@ -58,15 +54,8 @@ pub(super) fn scan_us(trace: &Trace) -> Option<f64> {
 
 /// Taxels in contact and compression time, frame by frame.
 pub(super) fn frames(trace: &Trace, frame_us: &[f32]) -> String {
-    let mut counts: Vec<(u64, f64)> = Vec::new();
-    for event in &trace.events {
-        if let Event::Frame {
-            t_us, in_contact, ..
-        } = event
-        {
-            counts.push((*t_us, f64::from(*in_contact)));
-        }
-    }
+    let count = |frame: &event::Frame| (frame.t_us, f64::from(frame.in_contact));
+    let counts: Vec<_> = trace.each().map(count).collect();
     let most = counts.iter().map(|c| c.1).fold(0.0, f64::max);
     let times = sorted_times(frame_us);
     let whole = (0, length_us(trace));
@@ -134,15 +123,11 @@ pub(super) fn warm_wires(trace: &Trace) -> Vec<usize> {
 pub(super) fn temperatures(trace: &Trace, wires: &[usize]) -> String {
     let mut lines: Vec<Vec<(u64, f64)>> = vec![Vec::new(); wires.len()];
     for event in &trace.events {
-        if let Event::Wire {
-            t_us,
-            wire,
-            milli_c,
-        } = event
-            && let Some(slot) = wires.iter().position(|w| *w == usize::from(*wire))
+        if let Event::Wire(now) = event
+            && let Some(slot) = wires.iter().position(|w| *w == usize::from(now.wire))
             && let Some(line) = lines.get_mut(slot)
         {
-            line.push((*t_us, f64::from(*milli_c) / 1000.0));
+            line.push((now.t_us, f64::from(now.milli_c) / 1000.0));
         }
     }
     let (low, high) = span(lines.iter().flatten().map(|p| p.1));

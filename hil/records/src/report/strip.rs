@@ -4,7 +4,7 @@ use super::scale::Scale;
 use super::timeplot::{Pen, SPAN, TimePlot, tenth_ms};
 use crate::bursts::{Burst, shown_wires};
 use crate::measure::length_us;
-use crate::trace::{Event, Trace};
+use crate::trace::{Event, Trace, event};
 use palpate_core::units::Ticks;
 
 /// Height of a row on the page, pixels.
@@ -95,10 +95,7 @@ fn names(trace: &Trace, plot: &mut TimePlot, wires: &[u16]) -> u16 {
         plot.across(base(row) + 300, "ruling");
     }
     plot.row_note(0, "duty, peak");
-    let most = trace.events.iter().filter_map(|e| match e {
-        Event::Frame { in_contact, .. } => Some(*in_contact),
-        _ => None,
-    });
+    let most = trace.each().map(|frame: &event::Frame| frame.in_contact);
     let most = most.max().unwrap_or(0);
     plot.row_note(1, &format!("\u{2264} {most}"));
     most
@@ -144,12 +141,8 @@ fn wire_row(
 
 /// Taxels in contact as bars, each as long as the count stays.
 fn contact_row(trace: &Trace, plot: &mut TimePlot, most: u16, span: (u64, u64)) {
-    let frames = trace.events.iter().filter_map(|e| match e {
-        Event::Frame {
-            t_us, in_contact, ..
-        } => Some((*t_us, *in_contact)),
-        _ => None,
-    });
+    let count = |frame: &event::Frame| (frame.t_us, frame.in_contact);
+    let frames = trace.each().map(count);
     let inside: Vec<_> = frames.filter(|f| f.0 >= span.0 && f.0 <= span.1).collect();
     let mut bars = Bars::default();
     let end = span.1.min(length_us(trace));
@@ -179,14 +172,9 @@ fn event_row(trace: &Trace, all: &[Burst], plot: &mut TimePlot, span: (u64, u64)
     };
     for event in &trace.events {
         match event {
-            Event::Felt {
-                t_us,
-                inside: true,
-                met,
-                ..
-            } if !met.is_some_and(|m| m.is_felt()) => mark(&mut breaks, *t_us, (0, BAR / 2)),
-            Event::AllOff { t_us, .. } => mark(&mut off, *t_us, (0, BAR)),
-            Event::Note { t_us, .. } => mark(&mut notes, *t_us, (0, BAR)),
+            Event::Felt(e) if e.is_break() => mark(&mut breaks, e.t_us, (0, BAR / 2)),
+            Event::AllOff(e) => mark(&mut off, e.t_us, (0, BAR)),
+            Event::Note(e) => mark(&mut notes, e.t_us, (0, BAR)),
             _ => {}
         }
     }

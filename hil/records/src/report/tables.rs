@@ -8,7 +8,7 @@ use crate::figures::{Figure, figures};
 use crate::fixed::{milli_u, seconds};
 use crate::margin::used_words;
 use crate::measure::{self, Errors};
-use crate::trace::{Event, Source, Trace};
+use crate::trace::{Source, Trace, event};
 use crate::verdict::Conclusion;
 use crate::words;
 use std::fmt::Write;
@@ -69,11 +69,7 @@ pub(super) fn heading(page: &mut String, trace: &Trace) {
 pub(super) fn facts(page: &mut String, trace: &Trace, made: &[(&'static str, String)]) {
     let h = &trace.header;
     page.push_str("<dl>");
-    let frames = trace
-        .events
-        .iter()
-        .filter(|e| matches!(e, Event::Frame { .. }))
-        .count();
+    let frames = trace.each::<event::Frame>().count();
     let of_all = match h.displays.as_slice() {
         [] => "frames",
         _ => "frames of all displays",
@@ -168,10 +164,7 @@ fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
     }
     let mut breaks = 0;
     // Without a true path there is nothing to hold the felt path against; breaks need none.
-    let known = trace
-        .events
-        .iter()
-        .any(|e| matches!(e, Event::Truth { .. }));
+    let known = trace.each::<event::Truth>().next().is_some();
     for score in felt_scores(trace) {
         let what = format!("felt error by {}", score.perceiver);
         let errors = score.errors.filter(|_| known);
@@ -191,10 +184,7 @@ fn results(trace: &Trace, extras: &ReportExtras<'_>) -> Vec<SummaryRow> {
         let what = format!("energy {name}, over one wire's");
         rows.push(row(&what, text, "dB"));
     }
-    let most = trace.events.iter().filter_map(|e| match e {
-        Event::Frame { in_contact, .. } => Some(*in_contact),
-        _ => None,
-    });
+    let most = trace.each().map(|frame: &event::Frame| frame.in_contact);
     rows.push(row(
         "taxels in contact, most",
         most.max().unwrap_or(0).to_string(),

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::synthetic;
-use crate::trace::{EnergyPermille, Event, PlaceUm};
+use crate::trace::{EnergyPermille, Event, PlaceUm, event};
 
 fn timing(n: u64) -> Vec<f32> {
     (0..n)
@@ -96,7 +96,7 @@ fn frames_are_drawn_as_far_as_they_are_known() {
     assert!(page.contains(section) && page.contains(not) && !page.contains(measured));
     // Contacts that another machine found come without taxels.
     for event in &mut trace.events {
-        if let Event::Frame { in_contact, .. } = event {
+        if let Event::Frame(event::Frame { in_contact, .. }) = event {
             *in_contact = 0;
         }
     }
@@ -111,10 +111,10 @@ fn names_are_escaped() {
     trace.header.bench = "<b>".to_owned();
     trace.header.illusion = "<i>".to_owned();
     trace.header.source = Source::Real;
-    trace.events.push(Event::Note {
+    trace.events.push(Event::Note(event::Note {
         t_us: 3,
         text: "<img src=x>".to_owned(),
-    });
+    }));
     let page = report_html(&trace, &ReportExtras::default());
     sound(&page.replace("&lt;img src=x&gt;", ""));
     assert!(page.contains("&lt;script&gt;") && page.contains("REAL"));
@@ -139,32 +139,32 @@ fn whatever_is_missing_or_absurd_leaves_a_page() {
     trace.header.soa_us = u64::MAX;
     trace.ledger.length_us = u64::MAX;
     trace.events = vec![
-        Event::Wire {
+        Event::Wire(event::Temperature {
             t_us: 1,
             wire: 900,
             milli_c: i32::MIN,
-        },
-        Event::Truth {
+        }),
+        Event::Truth(event::Truth {
             t_us: 2,
             place: PlaceUm {
                 x: i32::MIN,
                 y: i32::MAX,
             },
             force_mn: 0,
-        },
-        Event::Felt {
+        }),
+        Event::Felt(event::Felt {
             t_us: 2,
             target: PlaceUm::default(),
             inside: false,
             met: None,
             energy: EnergyPermille::default(),
-        },
-        Event::Frame {
+        }),
+        Event::Frame(event::Frame {
             t_us: 9,
             frame: u32::MAX,
             in_contact: u16::MAX,
             peak_counts: 0,
-        },
+        }),
     ];
     sound(&report_html(
         &trace,

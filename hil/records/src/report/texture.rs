@@ -4,7 +4,7 @@ use super::scale::Scale;
 use super::series::span;
 use super::timeplot::TimePlot;
 use crate::measure::length_us;
-use crate::trace::{Event, Trace};
+use crate::trace::{Trace, event};
 use std::fmt::Write;
 
 /// Most latent coordinates with a line.
@@ -16,17 +16,9 @@ const APART_US: u64 = 500_000;
 type Window<'a> = (u64, &'a [i32], u16);
 
 fn windows(trace: &Trace) -> Vec<Window<'_>> {
-    let events = trace.events.iter();
-    events
-        .filter_map(|event| match event {
-            Event::Latent {
-                t_us,
-                z_milli,
-                rough_permille,
-                ..
-            } => Some((*t_us, z_milli.as_slice(), *rough_permille)),
-            _ => None,
-        })
+    let windows = trace.each::<event::Latent>();
+    windows
+        .map(|w| (w.t_us, w.z_milli.as_slice(), w.rough_permille))
         .collect()
 }
 

@@ -4,7 +4,7 @@ mod read;
 
 pub use read::{check_line, read_schedule};
 
-use crate::trace::{DisplayInfo, Event, Header, Source, Trace};
+use crate::trace::{DisplayInfo, Event, Header, Source, Trace, event};
 use palpate_core::schedule::Entry;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -182,30 +182,34 @@ fn sorted(events: &[Event], period_ns: u64) -> Vec<(Key, Record)> {
     let mut barriers: Vec<(usize, Key, Record)> = Vec::new();
     let mut entries: Vec<(usize, &Entry)> = Vec::new();
     for (index, event) in events.iter().enumerate() {
-        match *event {
-            Event::Schedule(ref entry) => entries.push((index, entry)),
-            Event::PreScale {
+        let (t_us, board, record) = match event {
+            Event::Schedule(entry) => {
+                entries.push((index, entry));
+                continue;
+            }
+            &Event::PreScale(event::PreScale {
                 t_us,
                 board,
                 pre_scale,
-            } => {
+            }) => {
                 let record = Record::PreScale {
                     t_us,
                     board,
                     pre_scale,
                 };
-                barriers.push((index, whole_board(t_us, board), record));
+                (t_us, board, record)
             }
-            Event::AllOff { t_us, board, cause } => {
+            &Event::AllOff(event::AllOff { t_us, board, cause }) => {
                 let record = Record::AllOff {
                     t_us,
                     board,
                     all_off: cause,
                 };
-                barriers.push((index, whole_board(t_us, board), record));
+                (t_us, board, record)
             }
-            _ => {}
-        }
+            _ => continue,
+        };
+        barriers.push((index, whole_board(t_us, board), record));
     }
     let mut at: BTreeMap<(u64, u8), Vec<usize>> = BTreeMap::new();
     for (index, key, _) in &barriers {

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::{VERSION, WITHOUT_PULSES};
 use crate::damage::Damage;
-use crate::trace::{Driven, Event, Header, Ledger, Source, Trace, WireInfo};
+use crate::trace::{Driven, Event, Header, Ledger, Source, Trace, WireInfo, event};
 
 #[derive(Deserialize)]
 struct HeaderLine {
@@ -236,17 +236,17 @@ fn event(number: usize, text: &str) -> Result<Event, Damage> {
             pre_scale: Some(pre_scale),
             channel: None,
             ..
-        } => Ok(Event::PreScale {
+        } => Ok(Event::PreScale(event::PreScale {
             t_us,
             board,
             pre_scale,
-        }),
+        })),
         Line {
             all_off: Some(word),
             channel: None,
             ..
         } => match CAUSES.into_iter().find(|c| *c == word) {
-            Some(cause) => Ok(Event::AllOff { t_us, board, cause }),
+            Some(cause) => Ok(Event::AllOff(event::AllOff { t_us, board, cause })),
             None => {
                 let expected = format!("a cause: {}", CAUSES.join(", "));
                 Err(Damage::of_line(number, &expected, &word))

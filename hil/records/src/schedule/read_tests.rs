@@ -7,10 +7,12 @@ use crate::synthetic;
 #[test]
 fn damage_is_named_by_its_line() {
     let mut trace = synthetic::empty();
-    let all_off = |t_us, cause| Event::AllOff {
-        t_us,
-        board: 0,
-        cause,
+    let all_off = |t_us, cause| {
+        Event::AllOff(event::AllOff {
+            t_us,
+            board: 0,
+            cause,
+        })
     };
     trace.events = vec![all_off(0, "start"), all_off(10, "end")];
     let mut out = Vec::new();

@@ -55,23 +55,23 @@ fn the_record_is_spelled_as_promised() {
         })
     };
     trace.events = vec![
-        Event::AllOff {
+        Event::AllOff(event::AllOff {
             t_us: 0,
             board: 0,
             cause: "start",
-        },
-        Event::PreScale {
+        }),
+        Event::PreScale(event::PreScale {
             t_us: 0,
             board: 0,
             pre_scale: 30,
-        },
+        }),
         entry(2),
         entry(1),
-        Event::AllOff {
+        Event::AllOff(event::AllOff {
             t_us: 0,
             board: 0,
             cause: "stop",
-        },
+        }),
     ];
     let mut out = Vec::new();
     write_schedule(&trace, &mut out).unwrap();

@@ -8,7 +8,7 @@ use crate::felt::{energies, felt_level, felt_scores};
 use crate::figures::figures;
 use crate::fixed::{hundredths, milli, milli_u, seconds};
 use crate::measure::{self, Errors};
-use crate::trace::{Event, PlaceUm, Trace};
+use crate::trace::{PlaceUm, Trace, event};
 use crate::words::{Happening, happenings, one_line};
 use std::collections::BTreeMap;
 
@@ -160,15 +160,11 @@ fn head<const N: usize>(label: &str, pieces: [String; N]) -> HeadLine {
 
 /// What a Peltier module's face was, if there is one.
 fn face(trace: &Trace) -> Option<HeadLine> {
-    let faces = trace.events.iter().filter_map(|event| match event {
-        Event::Face {
-            face_mc, sink_mc, ..
-        } => Some((*face_mc, *sink_mc)),
-        _ => None,
-    });
+    let modules = trace.each::<event::Face>();
+    let faces = modules.clone().map(|now| now.face_mc);
     let celsius = |mc: i32| format!("{} C", milli(i64::from(mc)));
-    let (coldest, warmest) = (faces.clone().min()?.0, faces.clone().max()?.0);
-    let sink = faces.map(|face| face.1).max()?;
+    let (coldest, warmest) = (faces.clone().min()?, faces.max()?);
+    let sink = modules.map(|now| now.sink_mc).max()?;
     Some(head(
         "face",
         [
@@ -254,12 +250,10 @@ fn errors(label: &str, found: Option<Errors>) -> HeadLine {
 
 fn contact_summary(trace: &Trace) -> [HeadLine; 2] {
     let (mut frames, mut touched, mut most) = (0u64, 0u64, 0u16);
-    for event in &trace.events {
-        if let Event::Frame { in_contact, .. } = event {
-            frames += 1;
-            touched += u64::from(*in_contact > 0);
-            most = most.max(*in_contact);
-        }
+    for frame in trace.each::<event::Frame>() {
+        frames += 1;
+        touched += u64::from(frame.in_contact > 0);
+        most = most.max(frame.in_contact);
     }
     [
         head(
@@ -289,36 +283,23 @@ struct Span {
 /// The contacts, by module and identity.
 fn contacts(table: &mut Table, trace: &Trace) {
     let mut spans: BTreeMap<(u16, u32), Span> = BTreeMap::new();
-    for event in &trace.events {
-        let Event::Contact {
-            t_us,
-            module,
-            contact,
-            place,
-            intensity_milli,
-            level,
-            members,
-            ..
-        } = event
-        else {
-            continue;
-        };
-        let span = spans.entry((*module, *contact)).or_insert(Span {
-            first_us: *t_us,
-            last_us: *t_us,
+    for now in trace.each::<event::Contact>() {
+        let span = spans.entry((now.module, now.contact)).or_insert(Span {
+            first_us: now.t_us,
+            last_us: now.t_us,
             frames: 0,
-            from: *place,
-            to: *place,
-            levels: (*level, *level),
+            from: now.place,
+            to: now.place,
+            levels: (now.level, now.level),
             peak_milli: 0,
             members: 0,
         });
-        span.last_us = *t_us;
-        span.to = *place;
+        span.last_us = now.t_us;
+        span.to = now.place;
         span.frames += 1;
-        span.levels = (span.levels.0.min(*level), span.levels.1.max(*level));
-        span.peak_milli = span.peak_milli.max(*intensity_milli);
-        span.members = span.members.max(*members);
+        span.levels = (span.levels.0.min(now.level), span.levels.1.max(now.level));
+        span.peak_milli = span.peak_milli.max(now.intensity_milli);
+        span.members = span.members.max(now.members);
     }
     table.untold = spans.len().saturating_sub(ROWS) as u64;
     let listed = spans.iter().take(ROWS);

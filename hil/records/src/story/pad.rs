@@ -1,7 +1,7 @@
 //! The contact path on the pad, as a map of characters.
 
 use crate::measure::length_us;
-use crate::trace::{Event, PlaceUm, Trace};
+use crate::trace::{PlaceUm, Trace, event};
 
 /// Columns and rows of the map: a character is about twice as high as wide.
 const SIZE: (usize, usize) = (57, 25);
@@ -55,16 +55,12 @@ pub(super) fn draw(trace: &Trace) -> Vec<String> {
         return vec!["no taxel layout".to_owned()];
     };
     let length = u128::from(length_us(trace).max(1));
-    for event in &trace.events {
-        if let Event::Truth { place, .. } = event {
-            map.mark(*place, b':');
-        }
+    for truth in trace.each::<event::Truth>() {
+        map.mark(truth.place, b':');
     }
-    for event in &trace.events {
-        if let Event::Contact { t_us, place, .. } = event {
-            let tenth = (u128::from(*t_us) * 10 / length).min(9) as u8;
-            map.mark(*place, b'0' + tenth);
-        }
+    for contact in trace.each::<event::Contact>() {
+        let tenth = (u128::from(contact.t_us) * 10 / length).min(9) as u8;
+        map.mark(contact.place, b'0' + tenth);
     }
     for taxel in &trace.header.taxels {
         map.mark(*taxel, b'+');

@@ -3,7 +3,7 @@
 use crate::bursts::{bursts, shown_wires};
 use crate::fixed::{milli_u, seconds};
 use crate::measure::length_us;
-use crate::trace::{Event, PlaceUm, Trace};
+use crate::trace::{Event, PlaceUm, Trace, event};
 use crate::words::{HappeningKind, happenings};
 
 /// Quanta on one line.
@@ -145,22 +145,16 @@ fn digit(n: u64) -> u8 {
 
 fn taxel_row(trace: &Trace, grid: &Grid) -> Row {
     let mut row = Row::new("taxels", grid, b' ');
-    for event in &trace.events {
-        if let Event::Frame {
-            t_us, in_contact, ..
-        } = event
-        {
-            let mark = if *in_contact == 0 {
-                b'.'
-            } else {
-                digit(u64::from(*in_contact))
-            };
-            let cell = grid.cell(t_us.saturating_sub(1));
-            if row.cells.get(cell) == Some(&b' ') {
-                row.set(cell, mark);
-            }
-            row.raise(cell, mark);
+    for frame in trace.each::<event::Frame>() {
+        let mark = match frame.in_contact {
+            0 => b'.',
+            taxels => digit(taxels.into()),
+        };
+        let cell = grid.cell(frame.t_us.saturating_sub(1));
+        if row.cells.get(cell) == Some(&b' ') {
+            row.set(cell, mark);
         }
+        row.raise(cell, mark);
     }
     row
 }
@@ -171,20 +165,19 @@ fn contact_row(trace: &Trace, grid: &Grid) -> Row {
     let (mut frame_now, mut count) = (None, 0u64);
     for event in &trace.events {
         match event {
-            Event::Frame { t_us, .. } => {
-                let cell = grid.cell(t_us.saturating_sub(1));
+            Event::Frame(frame) => {
+                let cell = grid.cell(frame.t_us.saturating_sub(1));
                 if row.cells.get(cell) == Some(&b' ') {
                     row.set(cell, b'.');
                 }
             }
-            Event::Contact { t_us, frame, .. } => {
-                count = if frame_now == Some(*frame) {
-                    count + 1
-                } else {
-                    1
+            Event::Contact(contact) => {
+                count = match frame_now == Some(contact.frame) {
+                    true => count + 1,
+                    false => 1,
                 };
-                frame_now = Some(*frame);
-                row.raise(grid.cell(t_us.saturating_sub(1)), digit(count));
+                frame_now = Some(contact.frame);
+                row.raise(grid.cell(contact.t_us.saturating_sub(1)), digit(count));
             }
             _ => {}
         }
@@ -209,23 +202,15 @@ fn place_rows(trace: &Trace, grid: &Grid) -> [Row; 2] {
     let mut x = Row::new("x", grid, b' ');
     let mut y = Row::new("y", grid, b' ');
     let mut seen = (usize::MAX, u32::MAX);
-    for event in &trace.events {
-        if let Event::Contact {
-            t_us,
-            contact,
-            place,
-            ..
-        } = event
-        {
-            let cell = grid.cell(t_us.saturating_sub(1));
-            // The first sample of the smallest identity in the quantum.
-            if seen.0 == cell && seen.1 <= *contact {
-                continue;
-            }
-            seen = (cell, *contact);
-            x.set(cell, ninth(place.x, xs));
-            y.set(cell, ninth(place.y, ys));
+    for now in trace.each::<event::Contact>() {
+        let cell = grid.cell(now.t_us.saturating_sub(1));
+        // The first sample of the smallest identity in the quantum.
+        if seen.0 == cell && seen.1 <= now.contact {
+            continue;
         }
+        seen = (cell, now.contact);
+        x.set(cell, ninth(now.place.x, xs));
+        y.set(cell, ninth(now.place.y, ys));
     }
     [x, y]
 }
@@ -259,17 +244,8 @@ pub(super) fn schedule(trace: &Trace) -> Vec<String> {
     for burst in all.iter().filter(|b| b.reason.is_some()) {
         marks.raise(grid.cell(burst.from_us), HappeningKind::Limiter.mark());
     }
-    for event in &trace.events {
-        if let Event::Felt {
-            t_us,
-            inside: true,
-            met,
-            ..
-        } = event
-            && !met.is_some_and(|m| m.is_felt())
-        {
-            marks.raise(grid.cell(*t_us), HappeningKind::Break.mark());
-        }
+    for felt in trace.each::<event::Felt>().filter(|felt| felt.is_break()) {
+        marks.raise(grid.cell(felt.t_us), HappeningKind::Break.mark());
     }
     let mut rows = vec![marks, contact_row(trace, &grid)];
     for wire in &chosen {

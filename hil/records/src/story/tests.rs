@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::synthetic;
-use crate::trace::{Event, PlaceUm};
+use crate::trace::{Event, PlaceUm, event};
 
 fn readable(text: &str) {
     assert!(text.is_ascii());
@@ -41,14 +41,14 @@ fn empty_and_extreme_traces_still_make_goldens() {
     trace.header.scene = "n\u{f6}\u{0}\n".repeat(90);
     trace.ledger.length_us = u64::MAX;
     trace.ledger.energy_uj = u64::MAX;
-    trace.events.push(Event::Truth {
+    trace.events.push(Event::Truth(event::Truth {
         t_us: u64::MAX,
         place: PlaceUm {
             x: i32::MAX,
             y: i32::MIN,
         },
         force_mn: 0,
-    });
+    }));
     for text in [contacts_golden(&trace), schedule_golden(&trace)] {
         readable(&text);
         Story::read(&text).unwrap();
@@ -86,7 +86,7 @@ fn a_model_change_leaves_the_contact_golden_alone() {
     let trace = synthetic::circle(3);
     let mut other = trace.clone();
     other.ledger.energy_uj += 17;
-    other.events.retain(|e| !matches!(e, Event::Wire { .. }));
+    other.events.retain(|e| !matches!(e, Event::Wire(_)));
     assert_eq!(contacts_golden(&trace), contacts_golden(&other));
     assert_ne!(schedule_golden(&trace), schedule_golden(&other));
 }

@@ -120,13 +120,9 @@ impl EmulatedHeat {
         self.account.take(now, &seen, events);
         if is_cut && !self.told_cut {
             self.told_cut = true;
-            events.push(Event::Note {
-                t_us: now.as_micros(),
-                text: format!(
-                    "Peltier module cut by its thermostat at {:.0} C",
-                    LIMITS.thermostat_c
-                ),
-            });
+            let limit_c = LIMITS.thermostat_c;
+            let text = format!("Peltier module cut by its thermostat at {limit_c:.0} C");
+            events.push(Event::note(now, text));
         }
     }
 

@@ -2,7 +2,7 @@
 
 use palpate_core::peltier::PeltierReason;
 use palpate_core::units::{Duration, Instant};
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use serde::Serialize;
 
 use crate::recorder::milli_c;
@@ -100,19 +100,19 @@ impl Account {
                 Some(reason) => format!("Peltier module off: {}", reason.word()),
                 None => "Peltier module on again".to_owned(),
             };
-            events.push(Event::Note { t_us, text });
+            events.push(Event::note(now, text));
             self.stops += u32::from(matches!(off, Some(PeltierReason::Sensor(_))));
             self.told = off;
         }
         if self.recorded.is_none_or(|at| now >= at + RECORD) {
             self.recorded = Some(now);
-            events.push(Event::Face {
+            events.push(Event::Face(event::Face {
                 t_us,
                 face_mc: milli_c(seen.face_c).unwrap_or(i32::MAX),
                 aim_mc: seen.aim_c.and_then(milli_c),
                 sink_mc: milli_c(seen.sink_c).unwrap_or(i32::MAX),
                 milliamps: seen.milliamps,
-            });
+            }));
         }
     }
 

@@ -3,7 +3,7 @@
 use palpate_core::projector::Projector;
 use palpate_core::units::Point;
 use palpate_files::{Setup, Touch};
-use palpate_records::trace::{Driven, Event, Header, PlaceUm};
+use palpate_records::trace::{Driven, Event, Header, PlaceUm, event};
 
 use super::head::{origin, pair, shown};
 use super::{Burst, Contact, Felt, Picture, State, Totals, Wants};
@@ -107,15 +107,15 @@ impl Painter {
     pub fn pass(&mut self, events: &[Event]) {
         for event in events {
             match event {
-                Event::Frame { .. } => {
+                Event::Frame(_) => {
                     self.memory.frames += 1;
                     self.memory.contacts.clear();
                 }
-                Event::Contact { .. } => self.memory.contacts.extend(contact(event)),
-                Event::Wire { wire, milli_c, .. } => self.warms(*wire, 0, *milli_c),
-                Event::Skin { wire, milli_c, .. } => {
-                    self.warms(*wire, 1, *milli_c);
-                    self.memory.hottest_mc = self.memory.hottest_mc.max(Some(*milli_c));
+                Event::Contact(now) => self.memory.contacts.push(contact(now)),
+                Event::Wire(now) => self.warms(now, 0),
+                Event::Skin(now) => {
+                    self.warms(now, 1);
+                    self.memory.hottest_mc = self.memory.hottest_mc.max(Some(now.milli_c));
                 }
                 Event::Schedule(entry) => self.memory.driven.add(entry),
                 _ => {}
@@ -131,9 +131,9 @@ impl Painter {
         self.memory.clone_from(memory);
     }
 
-    fn warms(&mut self, wire: u16, which: usize, milli_c: i32) {
-        if let Some(warm) = self.memory.warm.get_mut(usize::from(wire)) {
-            warm[which] = f64::from(milli_c) / 1e3;
+    fn warms(&mut self, now: &event::Temperature, which: usize) {
+        if let Some(warm) = self.memory.warm.get_mut(usize::from(now.wire)) {
+            warm[which] = f64::from(now.milli_c) / 1e3;
         }
     }
 
@@ -235,59 +235,41 @@ impl Painter {
                     reason: entry.reason.map(|reason| reason.word()),
                 }));
             }
-            Event::Edge {
-                t_ns,
-                board,
-                channel,
-                high,
-            } => {
-                let wire = self.wire_of(*board, *channel);
-                let at_us = *t_ns as f64 * 1e-3;
-                picture.edges.extend(wire.map(|wire| (at_us, wire, *high)));
+            Event::Edge(edge) => {
+                let wire = self.wire_of(edge.board, edge.channel);
+                let at_us = edge.t_ns as f64 * 1e-3;
+                let edges = wire.map(|wire| (at_us, wire, edge.high));
+                picture.edges.extend(edges);
             }
-            Event::Felt {
-                t_us,
-                target,
-                inside,
-                met,
-                ..
-            } => picture.felt.push(Felt {
-                at_us: *t_us,
-                target_mm: mm(*target),
-                inside: *inside,
-                at_mm: met.map(|met| mm(met.energy)),
-                level_db: met.map_or(f64::NAN, |met| f64::from(met.level_mdb) / 1e3),
-                band_db: band_db.filter(|_| met.is_some()),
-                tap: met.is_some_and(|met| met.tap),
+            Event::Felt(onset) => picture.felt.push(Felt {
+                at_us: onset.t_us,
+                target_mm: mm(onset.target),
+                inside: onset.inside,
+                at_mm: onset.met.map(|met| mm(met.energy)),
+                level_db: (onset.met).map_or(f64::NAN, |met| f64::from(met.level_mdb) / 1e3),
+                band_db: band_db.filter(|_| onset.met.is_some()),
+                tap: onset.met.is_some_and(|met| met.tap),
             }),
-            Event::AllOff { t_us, cause, .. } => {
-                let text = format!("all off: {cause}");
-                picture.notes.push((*t_us, "off", text));
+            Event::AllOff(off) => {
+                let text = format!("all off: {}", off.cause);
+                picture.notes.push((off.t_us, "off", text));
             }
-            Event::Note { t_us, text } => picture.notes.push((*t_us, "note", text.clone())),
+            Event::Note(note) => {
+                let text = note.text.clone();
+                picture.notes.push((note.t_us, "note", text));
+            }
             _ => {}
         }
     }
 }
 
-fn contact(event: &Event) -> Option<Contact> {
-    let Event::Contact {
-        module,
-        contact,
-        place,
-        intensity_milli,
-        level,
-        ..
-    } = event
-    else {
-        return None;
-    };
-    Some(Contact {
-        id: *contact,
-        module: *module,
-        at_mm: mm(*place),
+fn contact(now: &event::Contact) -> Contact {
+    Contact {
+        id: now.contact,
+        module: now.module,
+        at_mm: mm(now.place),
         on_mm: None,
-        counts: f64::from(*intensity_milli) / 1e3,
-        level: *level,
-    })
+        counts: f64::from(now.intensity_milli) / 1e3,
+        level: now.level,
+    }
 }

@@ -182,9 +182,9 @@ impl<R: Read, F: Fn(u64) -> R> Player<R, F> {
                 Event::Schedule(entry) => {
                     entry.until.as_micros() + BURSTS_US >= at_us || entry.reason.is_some()
                 }
-                Event::Edge { .. } => is_new(EDGES_US),
-                Event::Felt { .. } => is_new(FELT_US),
-                Event::Note { .. } => true,
+                Event::Edge(_) => is_new(EDGES_US),
+                Event::Felt(_) => is_new(FELT_US),
+                Event::Note(_) => true,
                 _ => false,
             };
             if keeps {
@@ -194,7 +194,7 @@ impl<R: Read, F: Fn(u64) -> R> Player<R, F> {
         // Of what is kept however old it is the newest are told.
         let is_old = |event: &Event| match event {
             Event::Schedule(entry) => entry.until.as_micros() + BURSTS_US < at_us,
-            Event::Note { .. } => true,
+            Event::Note(_) => true,
             _ => false,
         };
         let old = shown.iter().filter(|e| is_old(e)).count();

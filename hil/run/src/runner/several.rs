@@ -279,8 +279,7 @@ impl Run<'_> {
                 let text = format!("{STOPPED_BY}the person who watched");
                 let fingers = fingers.iter_mut();
                 fingers.for_each(|f| f.session.recorder().note(now, text.clone()));
-                let t_us = now.as_micros();
-                hardware.events.push(Event::Note { t_us, text });
+                hardware.events.push(Event::note(now, text));
                 break;
             }
         }

@@ -9,7 +9,7 @@ use palpate_files::{
     Touch,
 };
 use palpate_hil::recording::{Reading, recorded};
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_run::{Failure, Input, Outcome};
 
 use super::panels;
@@ -95,12 +95,12 @@ struct Seen<'a> {
 impl Seen<'_> {
     fn places(&self, outcome: &Outcome) -> Vec<(f64, f64)> {
         let place = |event: &Event| match event {
-            Event::Contact {
+            Event::Contact(event::Contact {
                 t_us,
                 module,
                 place,
                 ..
-            } if self.span.contains(t_us) => {
+            }) if self.span.contains(t_us) => {
                 let origin = self.origins.get(usize::from(*module));
                 let (x, y) = origin.copied().unwrap_or_default();
                 Some((x + f64::from(place.x) * 1e-3, y + f64::from(place.y) * 1e-3))
@@ -241,7 +241,7 @@ fn hand(findings: &mut Findings) -> Result<(), Failure> {
 fn held(outcome: &Outcome) -> Option<(u32, u32)> {
     let mut frames = BTreeMap::new();
     for event in &outcome.trace.events {
-        if let Event::Contact { t_us, members, .. } = event
+        if let Event::Contact(event::Contact { t_us, members, .. }) = event
             && (1_200_000..2_600_000).contains(t_us)
         {
             *frames.entry(*t_us).or_insert(0) += *members;

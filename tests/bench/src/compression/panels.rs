@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use palpate_files::Setup;
 use palpate_hil::host::Onlooker;
 use palpate_records::readings::Readings;
-use palpate_records::trace::Event;
+use palpate_records::trace::{Event, event};
 use palpate_run::{Failure, Input, Keep, KeptReadings, Outcome, run_with};
 
 use crate::findings::Findings;
@@ -34,9 +34,9 @@ pub(super) fn kept(setup: &Setup, input: &Input) -> Result<Outcome, Failure> {
 /// Taxels in contact of every frame, by its time in microseconds.
 fn in_contact(outcome: &Outcome) -> BTreeMap<u64, usize> {
     let frame = |event: &Event| match event {
-        Event::Frame {
+        Event::Frame(event::Frame {
             t_us, in_contact, ..
-        } => Some((*t_us, usize::from(*in_contact))),
+        }) => Some((*t_us, usize::from(*in_contact))),
         _ => None,
     };
     outcome.trace.events.iter().filter_map(frame).collect()
@@ -94,7 +94,7 @@ pub(super) fn edges(findings: &mut Findings, name: &str, title: &str, outcome: &
         .each_ref()
         .map(|axis| axis.keys().map(|k| (*k, 0.0)).collect::<BTreeMap<_, _>>());
     for event in &outcome.trace.events {
-        if let Event::Contact { place, .. } = event {
+        if let Event::Contact(event::Contact { place, .. }) = event {
             for (axis, at) in contacts.iter_mut().zip([place.x, place.y]) {
                 share(axis, at);
             }
@@ -168,11 +168,11 @@ pub(super) fn histogram(findings: &mut Findings, name: &str, title: &str, outcom
     };
     let mut levels: BTreeMap<u16, (f64, f64)> = BTreeMap::new();
     for event in &outcome.trace.events {
-        if let Event::Contact {
+        if let Event::Contact(event::Contact {
             level,
             intensity_milli,
             ..
-        } = event
+        }) = event
         {
             let (sum, count) = levels.entry(*level).or_default();
             *sum += f64::from(*intensity_milli) * 1e-3;
@@ -251,7 +251,9 @@ pub(super) fn fullest(
     )];
     for (kc, outcome) in clusters.iter().rev() {
         let place = |event: &Event| match event {
-            Event::Contact { t_us, place, .. } if *t_us == at => Some((mm(place.x), mm(place.y))),
+            Event::Contact(event::Contact { t_us, place, .. }) if *t_us == at => {
+                Some((mm(place.x), mm(place.y)))
+            }
             _ => None,
         };
         let places = outcome.trace.events.iter().filter_map(place).collect();

@@ -3,7 +3,7 @@
 use palpate_core::illusion::Map;
 use palpate_core::units::Point;
 use palpate_records::measure::path_error;
-use palpate_records::trace::{Event, Ledger, PlaceUm, Trace};
+use palpate_records::trace::{Event, Ledger, PlaceUm, Trace, event};
 
 /// A felt error beside its bound, mm RMSE.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -55,7 +55,8 @@ fn path_mm(trace: &Trace, map: &Map) -> Option<f64> {
     let on_display = |event: &Event| {
         let mut event = event.clone();
         match &mut event {
-            Event::Contact { place, .. } | Event::Truth { place, .. } => *place = mapped(*place),
+            Event::Contact(event::Contact { place, .. })
+            | Event::Truth(event::Truth { place, .. }) => *place = mapped(*place),
             _ => return None,
         }
         Some(event)

@@ -7,7 +7,7 @@ use palpate_core::contact::Levels;
 use palpate_core::guard::Guard;
 use palpate_core::render::Style;
 use palpate_files::{Overrides, Setup};
-use palpate_records::trace::{Event, Trace};
+use palpate_records::trace::{Event, Trace, event};
 use palpate_run::{Failure, Input, build, run};
 
 use super::in_loop::{DRIVES, Drive, SEEDS};
@@ -104,12 +104,12 @@ impl Settled {
                     booked_nj += guard.energy_nj(entry.width(), entry.until.since(entry.at));
                     pulses = pulses.max(entry.pulses(period_ns));
                 }
-                Event::Felt {
+                Event::Felt(event::Felt {
                     t_us,
                     met: Some(met),
                     ..
-                } if within(*t_us) => levels.push(met.level_mdb),
-                Event::Edge { t_ns, high, .. } => {
+                }) if within(*t_us) => levels.push(met.level_mdb),
+                Event::Edge(event::Edge { t_ns, high, .. }) => {
                     // The fall less the rise.
                     let signed = i128::from(*t_ns) * if *high { -1 } else { 1 };
                     high_ns += signed;

@@ -5,7 +5,7 @@ use palpate_core::illusion::IllusionModel;
 use palpate_emulators::person::channels::Person;
 use palpate_files::Setup;
 use palpate_records::report::svg::Svg;
-use palpate_records::trace::{Event, PlaceUm, Trace};
+use palpate_records::trace::{Event, PlaceUm, Trace, event};
 use palpate_run::{Failure, Input, Outcome};
 use palpate_tests::felt::PATHS;
 
@@ -89,12 +89,12 @@ fn trials(case: &Case, person: &Person) -> Result<Vec<Trial>, Failure> {
     let mut trials = Vec::new();
     for seed in SEEDS {
         for onset in case.play(seed)?.onsets {
-            if let Event::Felt {
+            if let Event::Felt(event::Felt {
                 target,
                 inside,
                 met: Some(met),
                 ..
-            } = met(&onset, person)
+            }) = met(&onset, person)
             {
                 trials.push(Trial {
                     target: mm(target),
@@ -120,8 +120,8 @@ fn contact_path(trace: &Trace) -> Plot<'static> {
     let (mut truth, mut found) = (Vec::new(), Vec::new());
     for event in &trace.events {
         match event {
-            Event::Truth { place, .. } => truth.push(mm(*place)),
-            Event::Contact { place, .. } => found.push(mm(*place)),
+            Event::Truth(event::Truth { place, .. }) => truth.push(mm(*place)),
+            Event::Contact(event::Contact { place, .. }) => found.push(mm(*place)),
             _ => {}
         }
     }
@@ -139,7 +139,7 @@ fn contact_path(trace: &Trace) -> Plot<'static> {
 
 fn counts(outcome: &Outcome, svg: &mut Svg, left: f64) {
     let in_contact = outcome.trace.events.iter().filter_map(|e| match e {
-        Event::Frame { in_contact, .. } => Some(f64::from(*in_contact)),
+        Event::Frame(event::Frame { in_contact, .. }) => Some(f64::from(*in_contact)),
         _ => None,
     });
     let counts: Vec<_> = in_contact.enumerate().map(|(i, n)| (i as f64, n)).collect();

@@ -13,7 +13,7 @@ use palpate_core::illusion::{IllusionModel, Map};
 use palpate_emulators::person::channels::Person;
 use palpate_files::{Loaded, Overrides, Scene, Setup, Source, load_bench, load_person, load_scene};
 use palpate_records::felt::FeltPath;
-use palpate_records::trace::{Event, Header};
+use palpate_records::trace::{Event, Header, event};
 use palpate_run::{Failure, Input, Outcome, build, plan, run};
 use palpate_tests::felt::PATHS;
 
@@ -122,14 +122,14 @@ impl Case {
             }
         };
         let (vibration, flutter) = (by(PROBE_UM, NUMB_UM)?, by(NUMB_UM, PROBE_UM)?);
-        let felt = |event: &&Event| matches!(event, Event::Felt { .. });
+        let felt = |event: &&Event| matches!(event, Event::Felt(_));
         let of_flutter = flutter
             .trace
             .events
             .iter()
             .filter(felt)
             .map(|event| match event {
-                Event::Felt { met, .. } => met.map(|met| met.level_mdb),
+                Event::Felt(event::Felt { met, .. }) => met.map(|met| met.level_mdb),
                 _ => None,
             });
         let of_vibration = vibration.trace.events.iter().filter(felt).cloned();
@@ -148,7 +148,7 @@ fn above_mdb(um: f64) -> i32 {
 /// An onset as a person meets it.
 pub(super) fn met((event, flutter_mdb): &Onset, person: &Person) -> Event {
     let mut event = event.clone();
-    if let Event::Felt { met: Some(met), .. } = &mut event {
+    if let Event::Felt(event::Felt { met: Some(met), .. }) = &mut event {
         let vibration = met.level_mdb - above_mdb(person.vibration_um);
         let flutter = flutter_mdb.map(|mdb| mdb - above_mdb(person.flutter_um));
         met.level_mdb = flutter.map_or(vibration, |flutter| vibration.max(flutter));

@@ -7,7 +7,7 @@ use super::*;
 /// What was met of an onset, and when.
 fn onset(event: &Event) -> Option<(u64, FeltAt)> {
     match *event {
-        Event::Felt { t_us, met, .. } => Some((t_us, met?)),
+        Event::Felt(event::Felt { t_us, met, .. }) => Some((t_us, met?)),
         _ => None,
     }
 }

@@ -8,7 +8,7 @@ use crate::felt::{felt_level, felt_scores};
 use crate::measure::path_error;
 use crate::report::svg::escape;
 use crate::report::tables::meter;
-use crate::trace::Event;
+use crate::trace::{Event, event};
 
 /// So many of a finger's limits stand on its card: those used up most.
 const LIMITS: usize = 4;
@@ -90,21 +90,18 @@ fn figures(finger: &FingerReport<'_>) -> Vec<(&'static str, String, &'static str
     let trace = finger.trace;
     let none = || "\u{2013}".to_owned();
     let mm = |um: u64| format!("{:.2}", um as f64 * 1e-3);
-    let drives = |e: &&Event| matches!(e, Event::Contact { module, .. } if finger.drives(*module));
-    let driving = trace.events.iter().filter(drives).count();
+    let drives = |contact: &&event::Contact| finger.drives(contact.module);
+    let driving = trace.each().filter(drives).count();
     let [energy, _] = felt_scores(trace);
     let level = felt_level(trace);
     let skin = trace.events.iter().filter_map(|e| match e {
-        Event::Skin { milli_c, .. } => Some(*milli_c),
+        Event::Skin(now) => Some(now.milli_c),
         _ => None,
     });
     let db = |mdb: i32| format!("{:+.1}", f64::from(mdb) * 1e-3);
     let driven = trace.ledger.driven;
     // Without a true path there is nothing to hold the felt path against.
-    let known = trace
-        .events
-        .iter()
-        .any(|e| matches!(e, Event::Truth { .. }));
+    let known = trace.each::<event::Truth>().next().is_some();
     let error = energy.errors.filter(|_| known);
     let mut rows = vec![
         ("contacts that drive", driving.to_string(), ""),

@@ -10,7 +10,7 @@ use crate::report::figures::{RAMP, break_key, line_key, taxel_key};
 use crate::report::paths::{TAXELS, felt, mm, pitch, touched};
 use crate::report::scale::Scale;
 use crate::report::svg::{Plot, Svg};
-use crate::trace::Event;
+use crate::trace::event;
 
 const WIDTH: f64 = 560.0;
 /// Room above fingertips for their names, and at the sides, mm.
@@ -279,8 +279,7 @@ fn robot(hand: &HandReport<'_>, drawn: &Hand, pads: &Worn) -> String {
 
 /// How many contacts a finger's frames have.
 pub(super) fn contacts(finger: &FingerReport<'_>) -> usize {
-    let is_contact = |e: &&Event| matches!(e, Event::Contact { .. });
-    finger.trace.events.iter().filter(is_contact).count()
+    finger.trace.each::<event::Contact>().count()
 }
 
 /// The wearer's hand: thimbles, and where they were felt.

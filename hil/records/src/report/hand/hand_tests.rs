@@ -3,7 +3,7 @@
 use super::*;
 use crate::report::tests::{show, written};
 use crate::synthetic;
-use crate::trace::{Event, PlaceUm};
+use crate::trace::{Event, PlaceUm, event};
 use crate::verdict::Verdict;
 
 fn pad(name: &str, y: f64) -> Pad {
@@ -43,7 +43,7 @@ fn page(traces: &[Trace], names: &[&str], merged: bool, pads: &[Pad]) -> String 
 
 fn moved(mut trace: Trace, to: u16) -> Trace {
     for event in &mut trace.events {
-        if let Event::Contact { module, .. } = event {
+        if let Event::Contact(event::Contact { module, .. }) = event {
             *module += to;
         }
     }
@@ -80,7 +80,7 @@ fn what_is_missing_or_absurd_leaves_a_hand() {
     let mut odd = synthetic::circle(1);
     odd.header.wires.clear();
     odd.header.soa_us = u64::MAX;
-    odd.events.push(Event::Contact {
+    odd.events.push(Event::Contact(event::Contact {
         t_us: u64::MAX,
         frame: 0,
         module: u16::MAX,
@@ -92,7 +92,7 @@ fn what_is_missing_or_absurd_leaves_a_hand() {
         intensity_milli: 0,
         level: u16::MAX,
         members: 0,
-    });
+    }));
     let wide = Pad {
         taxels_mm: vec![[-400.0, 0.0], [400.0, 0.0]],
         ..pad("wide", 0.0)

@@ -7,7 +7,7 @@ use crate::measure::length_us;
 use crate::report::figures::{key, path_key};
 use crate::report::scale::Scale;
 use crate::report::timeplot::{Pen, SPAN, TimePlot, tenth_ms};
-use crate::trace::{Event, FeltAt};
+use crate::trace::{Event, FeltAt, event};
 
 /// Height of a row on the page, pixels.
 const ROW: f64 = 46.0;
@@ -28,15 +28,10 @@ fn levels(finger: &FingerReport<'_>) -> Vec<(u64, u64, u16)> {
     let mut frames: Vec<(u64, u16)> = Vec::new();
     for event in &finger.trace.events {
         match event {
-            Event::Frame { t_us, .. } => frames.push((*t_us, 0)),
-            Event::Contact {
-                t_us,
-                module,
-                level,
-                ..
-            } if finger.drives(*module) => {
-                if let Some((_, most)) = frames.last_mut().filter(|(t, _)| t == t_us) {
-                    *most = (*most).max(*level);
+            Event::Frame(frame) => frames.push((frame.t_us, 0)),
+            Event::Contact(now) if finger.drives(now.module) => {
+                if let Some((_, most)) = frames.last_mut().filter(|(t, _)| *t == now.t_us) {
+                    *most = (*most).max(now.level);
                 }
             }
             _ => {}
@@ -59,19 +54,15 @@ fn levels(finger: &FingerReport<'_>) -> Vec<(u64, u64, u16)> {
 
 /// What is felt of onsets inside the display: when, and the level, dB; below 0 is a break.
 fn felt(finger: &FingerReport<'_>) -> Vec<(u64, f64)> {
-    let onset = |event: &Event| match event {
-        Event::Felt {
-            t_us,
-            inside: true,
-            met,
-            ..
-        } => {
-            let level = met.map_or(-1, |met: FeltAt| met.level_mdb);
-            Some((*t_us, f64::from(level) * 1e-3))
-        }
-        _ => None,
+    let level = |onset: &event::Felt| {
+        let level = onset.met.map_or(-1, |met: FeltAt| met.level_mdb);
+        (onset.t_us, f64::from(level) * 1e-3)
     };
-    finger.trace.events.iter().filter_map(onset).collect()
+    let inside = finger
+        .trace
+        .each()
+        .filter(|onset: &&event::Felt| onset.inside);
+    inside.map(level).collect()
 }
 
 /// The section; nothing where no finger was touched.
