@@ -246,10 +246,15 @@ fn the_program_runs_a_scene_on_it(machine: Machine) {
     std::fs::write(&key, KEY.map(|byte| format!("{byte:02x}")).concat()).unwrap();
     std::fs::set_permissions(&key, Permissions::from_mode(0o600)).unwrap();
     let unit = worn.socket.peer_addr().unwrap().to_string();
+    // The images count the periods of the plant that is theirs by default.
+    let bench = include_str!("../../../fixtures/benches/emulated.toml");
+    let [own, file] = ["drive.current_ma", "drive.pwm_hz = 200\ndrive.current_ma"];
+    let (bench, path) = (bench.replace(own, file), folder.join("bench.toml"));
+    std::fs::write(&path, bench).unwrap();
     let run = Command::new(hil())
         .args(["run", "sphere-along", "--json", "--unit", &unit])
-        // The images count the periods of the plant that is theirs by default.
-        .args(["--illusion", "linear", "--set", "bench.drive.pwm_hz=200"])
+        .args(["--illusion", "linear", "--bench"])
+        .arg(&path)
         .arg("--key")
         .arg(&key)
         .env("PALPATE_STATE", &folder)
