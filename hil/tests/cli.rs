@@ -56,14 +56,17 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A folder of one test's own, gone when the test is over.
 struct Folder(PathBuf);
 
 impl Folder {
     fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("hil-cli-{name}-{}", std::process::id()));
-        let _ = fs::remove_dir_all(&path);
+        // Tests run side by side, and two may choose one name.
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let (process, count) = (std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+        let path = std::env::temp_dir().join(format!("hil-cli-{name}-{process}-{count}"));
         fs::create_dir_all(&path).unwrap();
         Self(path)
     }

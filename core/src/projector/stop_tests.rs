@@ -36,12 +36,20 @@ impl Actuators for Boards {
 
     fn apply(&mut self, _update: &Guarded) -> Result<(), Self::Error> {
         self.updates += 1;
-        if self.fails.0 { Err(Failed("update")) } else { Ok(()) }
+        if self.fails.0 {
+            Err(Failed("update"))
+        } else {
+            Ok(())
+        }
     }
 
     fn all_off(&mut self) -> Result<(), Self::Error> {
         self.offs += 1;
-        if self.fails.1 { Err(Failed("all-off")) } else { Ok(()) }
+        if self.fails.1 {
+            Err(Failed("all-off"))
+        } else {
+            Ok(())
+        }
     }
 
     fn confirmed(&self, asked: Instant) -> Instant {

@@ -3,7 +3,7 @@
 
 use crate::fixed::{milli, milli_u};
 use crate::table::as_csv;
-use crate::trace::{DisplayInfo, Event, Trace, event};
+use crate::trace::{DisplayInfo, Trace, event};
 use std::io::{self, Write};
 
 /// First line of the file.
@@ -12,7 +12,7 @@ pub const HEADER: &str = "frame,time_us,module,contact,x_mm,y_mm,intensity,level
 /// The column that tables of several displays have after those of [`HEADER`].
 pub const DISPLAY: &str = "display";
 
-/// Events whose rows are text at one time.
+/// Contacts whose rows are text at one time.
 const CHUNK: usize = 4096;
 
 /// Writes every contact of a run, in their order; millimetres and raw counts with three decimals.
@@ -24,15 +24,18 @@ pub fn write_table(trace: &Trace, mut out: impl Write) -> io::Result<()> {
         [] => writeln!(out, "{HEADER}")?,
         _ => writeln!(out, "{HEADER},{DISPLAY}")?,
     }
-    rows(&trace.events, &trace.header.displays, out)
+    rows(trace.each(), &trace.header.displays, out)
 }
 
-/// Writes the rows of events alone, of a run with one display.
+/// Writes the rows alone, of a run with one display.
 ///
 /// # Errors
 /// Whatever the writer says.
-pub fn write_rows(events: &[Event], out: impl Write) -> io::Result<()> {
-    rows(events, &[], out)
+pub fn write_rows<'a>(
+    contacts: impl IntoIterator<Item = &'a event::Contact>,
+    out: impl Write,
+) -> io::Result<()> {
+    rows(contacts, &[], out)
 }
 
 /// The name of the display that a module belongs to.
@@ -41,7 +44,11 @@ fn display_of(displays: &[DisplayInfo], module: u16) -> &str {
     own.map_or("", |d| d.name.as_str())
 }
 
-fn rows(events: &[Event], displays: &[DisplayInfo], mut out: impl Write) -> io::Result<()> {
+fn rows<'a>(
+    contacts: impl IntoIterator<Item = &'a event::Contact>,
+    displays: &[DisplayInfo],
+    mut out: impl Write,
+) -> io::Result<()> {
     let row = |c: &event::Contact| {
         let place = [c.place.x, c.place.y].map(|um| milli(i64::from(um)));
         let intensity = milli_u(u64::from(c.intensity_milli));
@@ -52,10 +59,12 @@ fn rows(events: &[Event], displays: &[DisplayInfo], mut out: impl Write) -> io::
             Vec::from_iter(display),
         )
     };
-    events.chunks(CHUNK).try_for_each(|some| {
-        let text = as_csv(event::each::<event::Contact>(some).map(row));
-        out.write_all(text.as_bytes())
-    })
+    let mut rows = contacts.into_iter().map(row).peekable();
+    while rows.peek().is_some() {
+        let text = as_csv(rows.by_ref().take(CHUNK));
+        out.write_all(text.as_bytes())?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

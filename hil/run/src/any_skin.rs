@@ -14,7 +14,8 @@ use crate::skin_end::{FaultySkin, SkinEnd};
 
 /// What [`SkinEnd`] and its source do, without a type of their own in it.
 trait Erased {
-    fn scans(&mut self, now: Instant, take: &mut dyn FnMut(&ModuleScan<'_>)) -> Result<(), Failure>;
+    fn scans(&mut self, now: Instant, take: &mut dyn FnMut(&ModuleScan<'_>))
+    -> Result<(), Failure>;
     fn advance_to(&mut self, now: Instant);
     fn start(&mut self, module: usize);
     fn lost_of(&self, module: usize) -> u64;

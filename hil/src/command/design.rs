@@ -1,7 +1,7 @@
 //! `hil design`: what makes of wire are felt like, at which tissue temperature and current.
 
 use std::fmt::Write as _;
-use std::io::{self, Write};
+use std::io;
 
 use palpate_core::physics::{ParameterError, TissueParameters, WireParameters};
 use palpate_files::{Format, load_alloy, load_person, load_wire};
