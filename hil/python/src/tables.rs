@@ -27,7 +27,7 @@ impl About {
     }
 }
 
-/// Of thousandths.
+/// The value of so many thousandths.
 fn milli(value: impl Into<f64>) -> f64 {
     value.into() * 1e-3
 }
