@@ -5,7 +5,7 @@
 use std::error::Error;
 
 use palpate_core::contact::{Compressor, Settings};
-use palpate_core::skin::{Baseline, BaselineSettings, Layout, Module, Scan};
+use palpate_core::skin::{Baseline, BaselinePhase, BaselineSettings, Layout, Module, Scan};
 use palpate_core::units::Instant;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -21,9 +21,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             counts[6][2] += 30 * step as u16;
         }
         scan.load(Instant::from_micros(10_000 * row), &counts)?;
-        if !baseline.advance(&scan, &mut frame)? {
+        if baseline.phase() != BaselinePhase::Ready && baseline.feed(&scan) != BaselinePhase::Ready
+        {
             continue; // the skin at rest is not known yet
         }
+        baseline.advance(&scan, &mut frame)?;
         for contact in compressor.compress(&frame)? {
             let (place, counts) = (contact.place, contact.intensity);
             println!(

@@ -9,7 +9,7 @@ use std::error::Error;
 use palpate_core::driver::Actuators;
 use palpate_core::guard::Guarded;
 use palpate_core::illusion::{Display, DisplayWire};
-use palpate_core::projector::Projector;
+use palpate_core::projector::{Cause, Projector};
 use palpate_core::skin::{Layout, Module, ModuleScan, SkinSource};
 use palpate_core::units::{Board, Channel, Instant, Point};
 
@@ -72,5 +72,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         let reading = Instant::from_micros(pad.0);
         now = projector.next().min(reading); // on hardware: wait until then
     }
+    projector.all_off(now, Cause::End, &mut Paper, &mut ())?;
     Ok(())
 }

@@ -18,7 +18,7 @@ pub struct Received {
 
 /// One or several CAN segments.
 pub trait CanBus {
-    /// What can go wrong, in embedded-can's terms and in words.
+    /// Error of the bus, in embedded-can's terms and in words.
     type Error: CanError + core::error::Error;
 
     /// The oldest frame not yet taken, or `None` when there is none. Never waits.

@@ -35,11 +35,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         faulty.with(I2cFault::free);
         let chip = |segment: &mut I2cSegment| {
-            let register = |address| segment.chips().first().map(|chip| chip.register(address));
-            (register(0x08), register(0x09))
+            let chip = segment.chips().first();
+            chip.map(|chip| u16::from_le_bytes([chip.register(0x08), chip.register(0x09)]))
         };
-        let (low, high) = bus.with(chip)?;
-        println!("{kind:?}: {outcome}; LED0_OFF {low:02x?} {high:02x?}");
+        let held = bus.with(chip)?.ok_or("no chip")?;
+        println!("{kind:?}: {outcome}; the chip holds {held} of {ticks} ticks");
     }
     Ok(())
 }

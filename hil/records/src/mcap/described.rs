@@ -34,16 +34,16 @@ pub enum FieldKind {
     Counts,
 }
 
-/// What is a message of a recording.
+/// A message of a recording, field by field.
 pub trait Described<'a> {
-    /// Its name within the package `palpate`.
+    /// Name of the message within the package `palpate`.
     const NAME: &'static str;
 
     /// Shows `visit` every field, in the order of their numbers, and takes what it gives for them.
     fn fields(&mut self, visit: &mut impl Visit<'a>);
 }
 
-/// What is done with the fields of a message.
+/// A walk over the fields of a message: to write, to read or to list them.
 pub trait Visit<'a> {
     /// The value that a field is to have in place of this one: another of the same variant.
     fn field(&mut self, name: &'static str, kind: FieldKind, value: Value<'a>) -> Value<'a>;
@@ -95,7 +95,7 @@ pub trait Visit<'a> {
         }
     }
 
-    /// The same; NaN for `None`.
+    /// A number in thousandths, or NaN for `None`.
     fn maybe_milli(&mut self, name: &'static str, value: &mut Option<i32>) {
         let mut real = value.map_or(f64::NAN, |milli| f64::from(milli) / 1e3);
         self.real(name, &mut real);
@@ -108,7 +108,7 @@ pub trait Visit<'a> {
         self.milli(y, &mut place.y);
     }
 
-    /// The same; NaN for `None`.
+    /// A place in millimetres, or NaN for `None`.
     fn maybe_place(&mut self, [x, y]: [&'static str; 2], place: &mut Option<PlaceUm>) {
         let (mut right, mut up) = (place.map(|p| p.x), place.map(|p| p.y));
         self.maybe_milli(x, &mut right);
